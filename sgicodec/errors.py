@@ -1,0 +1,66 @@
+"""The closed set of errors that a user can meet, and the exit code of each.
+
+Anything else that escapes is a defect of this package and ends the command with exit code 1.
+"""
+
+from __future__ import annotations
+
+__all__ = [
+    "SgiError",
+    "UsageError",
+    "PictureError",
+    "StreamError",
+    "CorruptStreamError",
+    "UnsupportedStreamError",
+    "LimitError",
+    "TargetMissedError",
+    "OutputExistsError",
+]
+
+
+class SgiError(Exception):
+    """Base of every error that is the input's or the caller's, never this package's. Its text is one line."""
+
+    exit_code = 1
+
+
+class UsageError(SgiError, ValueError):
+    """A setting or argument that makes no sense (exit 2)."""
+
+    exit_code = 2
+
+
+class PictureError(SgiError):
+    """A picture that cannot be read or written (exit 3)."""
+
+    exit_code = 3
+
+
+class StreamError(SgiError):
+    """A stream that cannot be decoded (exit 4)."""
+
+    exit_code = 4
+
+
+class CorruptStreamError(StreamError):
+    """The bytes are not what an encoder wrote: cut, flipped, foreign or lying."""
+
+
+class UnsupportedStreamError(StreamError):
+    """A sound stream that needs a newer version of this package."""
+
+
+class LimitError(StreamError):
+    """A stream that asks for more than the format's or the caller's caps; refused before memory is taken."""
+
+
+class TargetMissedError(SgiError):
+    """A rate or quality that was asked for and not reached (exit 5)."""
+
+    exit_code = 5
+
+
+class OutputExistsError(SgiError):
+    """The output file exists and overwriting was not asked for (exit 6)."""
+
+    exit_code = 6
