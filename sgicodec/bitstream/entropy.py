@@ -1,0 +1,274 @@
+"""Entropy coding: one walk over the symbols of a tile that writes in one direction and reads in the other.
+
+A part of the format is coded by one function that calls the same methods on either walk: given values, a
+`SymbolWriter` codes and returns them; given None, a `SymbolReader` decodes and returns them. Encoder and decoder can
+therefore not drift apart.
+
+    def code_sizes(walk, sizes, count):
+        return walk.code_bits(sizes, 4, count)
+
+All parts of a tile share one range coder (ending one costs about four bytes). What a part cost is known exactly from
+the frequencies, in both directions: `walk.bits`.
+
+The coder is constriction's range coder (Bamler 2022; Pasco 1976) with 32-bit words, 64-bit state and 24-bit
+probabilities; docs/format.md specifies it to the bit. This is the only module that knows constriction.
+"""
+
+from __future__ import annotations
+
+import zlib
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cache
+from typing import Any
+
+import constriction
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from sgicodec.bitstream.tables import (
+    MAX_MAGNITUDE,
+    TABLES,
+    TOTAL,
+    bits_of_frequencies,
+    escape_exponent,
+    escape_frequencies,
+    frequency_tables,
+)
+from sgicodec.errors import CorruptStreamError, UsageError
+
+__all__ = ["IntArray", "SymbolWalk", "SymbolWriter", "SymbolReader"]
+
+IntArray = NDArray[np.int32]
+
+_UNIFORM_BITS = 16
+"""Widest field that is coded in one piece; wider ones go in two."""
+
+
+class SymbolWalk(ABC):
+    """What writing and reading share. Values are None when reading; counts and shapes always come from the caller,
+    which thereby bounds everything that is allocated."""
+
+    def __init__(self) -> None:
+        self.count = 0
+        """Values coded so far."""
+        self.crc = 0
+        """CRC-32 of all values so far, in coding order, each as little-endian int32."""
+        self.bits: dict[str, float] = {}
+        """Information content of each part so far; the parts sum to the payload within its last four bytes."""
+        self._part = "rest"
+
+    @contextmanager
+    def part(self, name: str) -> Iterator[None]:
+        """Books what is coded inside the block to part `name`; blocks nest, and a name may come back."""
+        outer, self._part = self._part, name
+        try:
+            yield
+        finally:
+            self._part = outer
+
+    def code(self, symbols: ArrayLike | None, tables: ArrayLike) -> IntArray:
+        """Zero-centred integers, each with its own table index; any shape, that of `tables`.
+
+        In the stream the symbols are ordered by table index, equal indices by position; magnitudes beyond a table's
+        support follow in order of position. Raises UsageError for a magnitude above MAX_MAGNITUDE or a bad index
+        when writing, CorruptStreamError when reading.
+        """
+        shape = np.shape(tables)
+        table = np.asarray(tables).astype(np.int16).reshape(-1)
+        if table.size and not 0 <= int(table.min()) <= int(table.max()) < TABLES:
+            raise UsageError(f"entropy: a table index is outside 0..{TABLES - 1}")
+        values = None if symbols is None else _as_values(symbols, table.size)
+        if values is not None and values.size and int(np.abs(values).max()) > MAX_MAGNITUDE:
+            raise UsageError(f"entropy: a symbol exceeds ±{MAX_MAGNITUDE}; use a larger step")
+        family = frequency_tables()
+        support = family.support[table]
+        escape = 2 * support + 1
+        index = None if values is None else np.where(np.abs(values) <= support, values + support, escape)
+        index = self._grouped(index, table, _zero_centred_model)
+        coded = index - support
+        escaped = np.flatnonzero(index == escape)
+        if escaped.size:
+            coded[escaped] = self._escaped(None if values is None else values[escaped], support[escaped])
+        return self._record(coded, float(family.bits(coded, table).sum())).reshape(shape)
+
+    def code_categorical(
+        self, symbols: ArrayLike | None, frequencies: NDArray[np.int64], contexts: ArrayLike
+    ) -> IntArray:
+        """Symbols 0 … A−1; symbol i under row `contexts[i]` of `frequencies` [contexts, A].
+
+        Rows sum to 2**24; a symbol of frequency 0 cannot occur, and one of frequency 2**24 costs nothing. Order in the
+        stream as for `code`, by context. Raises UsageError for a symbol that cannot occur or a bad row.
+        """
+        shape = np.shape(contexts)
+        context = np.asarray(contexts).astype(np.int16).reshape(-1)
+        if context.size and (frequencies.min() < 0 or np.any(frequencies.sum(axis=1) != TOTAL)):
+            raise UsageError(f"entropy: frequencies must be non-negative and sum to {TOTAL} in every row")
+        values = None if symbols is None else _as_values(symbols, context.size)
+        if values is not None and np.any(frequencies[context, values] == 0):
+            raise UsageError("entropy: a symbol has frequency 0 in its context")
+        present = frequencies > 0
+        rank = np.cumsum(present, axis=1, dtype=np.int32) - 1  # symbol → index among those that can occur
+        alphabet = np.argsort(~present, axis=1, kind="stable").astype(np.int32)  # and back
+
+        def model(row: int) -> Any:
+            return _model(frequencies[row][present[row]])
+
+        index = self._grouped(None if values is None else rank[context, values], context, model)
+        coded = alphabet[context, index]
+        return self._record(coded, float(bits_of_frequencies(frequencies)[context, coded].sum())).reshape(shape)
+
+    def code_bits(self, values: ArrayLike | None, n_bits: int, count: int) -> NDArray[np.int64]:
+        """`count` equally likely integers of `n_bits` (0 to 32) bits each."""
+        if not 0 <= n_bits <= 32:
+            raise UsageError(f"entropy: fields of {n_bits} bits; at most 32 are possible")
+        given = None if values is None else _as_values(values, count)
+        if given is not None and given.size and not 0 <= int(given.min()) <= int(given.max()) < 1 << n_bits:
+            raise UsageError(f"entropy: a value does not fit into {n_bits} bits")
+        coded = self._uniform(given, n_bits, count)
+        self._record(coded, float(n_bits * count))
+        return coded
+
+    def code_int(self, value: int | None, n_bits: int) -> int:
+        """One equally likely integer of `n_bits` bits."""
+        return int(self.code_bits(None if value is None else [value], n_bits, 1)[0])
+
+    @abstractmethod
+    def _run(self, index: IntArray | None, model: Any, count: int) -> IntArray:
+        """Codes `count` symbol indices under one model."""
+
+    def _record(self, values: NDArray[np.integer], bits: float) -> Any:
+        self.count += values.size
+        self.crc = zlib.crc32(values.astype("<u4").tobytes(), self.crc)
+        self.bits[self._part] = self.bits.get(self._part, 0.0) + bits
+        return values
+
+    def _grouped(
+        self, index: NDArray[np.integer] | None, keys: NDArray[np.int16], model_of: Callable[[int], Any]
+    ) -> IntArray:
+        """Codes indices in runs of equal key: a run of one model is several times faster than a model per symbol."""
+        order = np.argsort(keys, kind="stable")
+        ordered = keys[order]
+        bounds = [0, *(np.flatnonzero(np.diff(ordered)) + 1).tolist(), keys.size]
+        source = None if index is None else index[order].astype(np.int32)
+        coded = np.empty(keys.size, np.int32)
+        for begin, end in zip(bounds[:-1], bounds[1:], strict=True):
+            if begin < end:
+                run = None if source is None else source[begin:end]
+                coded[order[begin:end]] = self._run(run, model_of(int(ordered[begin])), end - begin)
+        return coded
+
+    def _escaped(self, values: NDArray[np.int64] | None, support: IntArray) -> NDArray[np.int64]:
+        """Values beyond ±support: exponents, then mantissas by ascending exponent, then signs (Exp-Golomb)."""
+        excess = None if values is None else np.abs(values) - support - 1
+        exponent = self._run(
+            None if excess is None else escape_exponent(excess).astype(np.int32),
+            _model(escape_frequencies()[0]),
+            support.size,
+        )
+        decoded = np.empty(support.size, np.int64)
+        for e in np.unique(exponent).tolist():
+            where = np.flatnonzero(exponent == e)
+            mantissa = None if excess is None else excess[where] + 1 - (1 << e)
+            decoded[where] = self._uniform(mantissa, e, where.size) + (1 << e) - 1
+        sign = self._uniform(None if values is None else (values < 0).astype(np.int64), 1, support.size)
+        magnitude = decoded + support + 1
+        if int(magnitude.max()) > MAX_MAGNITUDE:
+            raise CorruptStreamError(f"entropy: a symbol exceeds ±{MAX_MAGNITUDE}; the stream is damaged")
+        return np.where(sign == 1, -magnitude, magnitude)
+
+    def _uniform(self, values: NDArray[np.int64] | None, n_bits: int, count: int) -> NDArray[np.int64]:
+        if n_bits > _UNIFORM_BITS:
+            high = self._uniform(None if values is None else values >> _UNIFORM_BITS, n_bits - _UNIFORM_BITS, count)
+            low = self._uniform(None if values is None else values & 0xFFFF, _UNIFORM_BITS, count)
+            return high << _UNIFORM_BITS | low
+        if n_bits == 0 or count == 0:
+            return np.zeros(count, np.int64)
+        index = None if values is None else values.astype(np.int32)
+        return self._run(index, _uniform_model(n_bits), count).astype(np.int64)
+
+
+class SymbolWriter(SymbolWalk):
+    """Writes a payload."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._coder = constriction.stream.queue.RangeEncoder()
+
+    def finish(self) -> bytes:
+        """Appends the CRC of all symbols and returns the payload: words with the most significant byte first, so that
+        zero bytes at the end say nothing and are left out."""
+        with self.part("check"):
+            self.code_int(self.crc, 32)
+        return self._coder.get_compressed().astype(">u4").tobytes().rstrip(b"\0")
+
+    def _run(self, index: IntArray | None, model: Any, count: int) -> IntArray:
+        if index is None:
+            raise UsageError("entropy: a writer needs values")
+        if model is not None:
+            self._coder.encode(np.ascontiguousarray(index), model)
+        return index
+
+
+class SymbolReader(SymbolWalk):
+    """Reads a payload. Values passed to it are ignored; pass None."""
+
+    def __init__(self, payload: bytes) -> None:
+        super().__init__()
+        if payload[-1:] == b"\0":
+            raise CorruptStreamError("entropy: the payload is padded with zero bytes; it was not written by an encoder")
+        words = np.frombuffer(payload + b"\0" * (-len(payload) % 4), ">u4").astype(np.uint32)
+        self._coder = constriction.stream.queue.RangeDecoder(words)
+
+    def finish(self) -> None:
+        """Raises CorruptStreamError unless the symbols are those that were written and the payload ends with them."""
+        crc = self.crc
+        with self.part("check"):
+            written = self.code_int(None, 32)
+        if written != crc:
+            raise CorruptStreamError(
+                f"entropy: the {self.count - 1} decoded symbols have CRC {crc:08x}, the encoder's had {written:08x}; "
+                "the payload is damaged, or this version computed other contexts than the encoder"
+            )
+        if not self._coder.maybe_exhausted():
+            raise CorruptStreamError("entropy: bytes are left over behind the last symbol")
+
+    def _run(self, index: IntArray | None, model: Any, count: int) -> IntArray:
+        if model is None:
+            return np.zeros(count, np.int32)
+        try:
+            return self._coder.decode(model, count)  # type: ignore[no-any-return]
+        except (KeyboardInterrupt, SystemExit):
+            raise
+        except BaseException as error:  # constriction's PanicException is not an Exception
+            raise CorruptStreamError(f"entropy: the payload does not decode ({error})") from error
+
+
+def _as_values(symbols: ArrayLike, count: int) -> NDArray[np.int64]:
+    values = np.asarray(symbols, np.int64).reshape(-1)
+    if values.size != count:
+        raise UsageError(f"entropy: {values.size} symbols for {count} models")
+    return values
+
+
+def _model(frequencies: NDArray[np.int64]) -> Any:
+    """A constriction model with exactly these frequencies; None for the single symbol that needs no coding.
+
+    Categorical(perfect=False) gives every symbol 1 and shares out what is left in proportion: given f − 1 it has a
+    factor of exactly 1, and all its sums are integers below 2**53.
+    """
+    if frequencies.size < 2:
+        return None
+    weights = (frequencies - 1).astype(np.float64)
+    return constriction.stream.model.Categorical(weights, perfect=False)
+
+
+@cache
+def _zero_centred_model(table: int) -> Any:
+    return _model(frequency_tables().frequencies(table))
+
+
+@cache
+def _uniform_model(n_bits: int) -> Any:
+    return constriction.stream.model.Uniform(1 << n_bits)

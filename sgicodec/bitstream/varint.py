@@ -1,0 +1,68 @@
+"""Unsigned LEB128 integers: seven bits per byte, least significant group first, top bit = "more follows".
+
+Lengths and counts in a stream are small most of the time; one byte then says what four would.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from sgicodec.errors import CorruptStreamError, UsageError
+
+__all__ = ["MAX_VARINT", "encode_varint", "decode_varint", "read_varint"]
+
+MAX_VARINT = 2**63 - 1
+"""Largest value: every reader can hold it in a signed 64-bit integer."""
+
+_MAX_BYTES = 9
+
+
+def encode_varint(value: int) -> bytes:
+    """The shortest LEB128 bytes of 0 ≤ value ≤ MAX_VARINT, else UsageError.
+
+    >>> encode_varint(300).hex()
+    'ac02'
+    """
+    if not 0 <= value <= MAX_VARINT:
+        raise UsageError(f"varint: {value} is outside 0..{MAX_VARINT}")
+    groups = bytearray()
+    while value > 0x7F:
+        groups.append(value & 0x7F | 0x80)
+        value >>= 7
+    groups.append(value)
+    return bytes(groups)
+
+
+def read_varint(read_byte: Callable[[], int]) -> int:
+    """One integer from successive bytes; `read_byte` itself raises where the bytes end.
+
+    Raises CorruptStreamError for more than nine bytes and for a needless zero last group: every integer has
+    exactly one spelling, so equal content means equal bytes.
+    """
+    value = 0
+    for index in range(_MAX_BYTES):
+        byte = read_byte()
+        value |= (byte & 0x7F) << 7 * index
+        if byte < 0x80:
+            if byte == 0 and index > 0:
+                raise CorruptStreamError("varint: padded with a zero group; the stream was not written by an encoder")
+            return value
+    raise CorruptStreamError("varint: longer than nine bytes; the stream is damaged")
+
+
+def decode_varint(data: bytes | memoryview, offset: int = 0) -> tuple[int, int]:
+    """The integer that starts at `data[offset]`, and the offset behind it. Raises CorruptStreamError as `read_varint`.
+
+    >>> decode_varint(bytes.fromhex("ac02ff"))
+    (300, 2)
+    """
+    position = offset
+
+    def read_byte() -> int:
+        nonlocal position
+        if position >= len(data):
+            raise CorruptStreamError(f"varint: cut short after {len(data) - offset} bytes")
+        position += 1
+        return data[position - 1]
+
+    return read_varint(read_byte), position
