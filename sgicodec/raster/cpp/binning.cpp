@@ -1,0 +1,145 @@
+#include "binning.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "thread_pool.hpp"
+
+namespace sgi {
+namespace {
+
+constexpr int64_t kChunk = 4096;
+constexpr float kLog2E = 1.44269504f;
+
+// The ellipse of all points within the cutoff, relative to the centre.
+struct Ellipse {
+  float rx, ry;       // half extents
+  float lean;         // dx of the axis of widths per dy
+  float half_width;   // half width at the centre row
+  float top_dy;       // dy at which the right end is reached
+
+  // Right and left end of the part with dy in [lo, hi].
+  void extent(float lo, float hi, float &left, float &right) const {
+    right = edge(clamp(top_dy, lo, hi), 1.0f);
+    left = edge(clamp(-top_dy, lo, hi), -1.0f);
+  }
+
+ private:
+  float clamp(float dy, float lo, float hi) const { return std::min(std::max(dy, std::max(lo, -ry)), std::min(hi, ry)); }
+  float edge(float dy, float side) const {
+    const float u = dy / ry;
+    return lean * dy + side * half_width * std::sqrt(std::max(0.0f, 1.0f - u * u));
+  }
+};
+
+bool prepare(const float *mean, const float *cov, float cutoff, Splat &s, Ellipse &e) {
+  const double xx = cov[0], xy = cov[1], yy = cov[2];
+  const double det = xx * yy - xy * xy;
+  if (!(xx > 0 && yy > 0 && det > 1e-12 * xx * yy) || !std::isfinite(det) || !std::isfinite(mean[0]) ||
+      !std::isfinite(mean[1]))
+    return false;
+  s.x = mean[0];
+  s.y = mean[1];
+  s.a = static_cast<float>(-0.5 * kLog2E * yy / det);
+  s.b = static_cast<float>(kLog2E * xy / det);
+  s.c = static_cast<float>(-0.5 * kLog2E * xx / det);
+  s.k = std::exp2(2.0f * s.c);
+  e.rx = cutoff * std::sqrt(cov[0]);
+  e.ry = cutoff * std::sqrt(cov[2]);
+  e.lean = static_cast<float>(xy / yy);
+  e.half_width = static_cast<float>(cutoff * std::sqrt(det / yy));
+  e.top_dy = static_cast<float>(cutoff * xy / std::sqrt(xx));
+  s.y_min = s.y - e.ry;
+  s.y_max = s.y + e.ry;
+  // A start must not underflow (2^-126) if a later row of its run lies within the cutoff, 2^-(0.85 cutoff)^2: over
+  // span - 1 rows sqrt(-log2 G) falls by at most sqrt(-c) (span - 1).
+  const float headroom = std::max(0.0f, 11.2f - 0.85f * cutoff), fall = std::sqrt(-s.c);
+  s.span = fall * 7.0f <= headroom ? 8 : fall * 3.0f <= headroom ? 4 : 1;
+  return true;
+}
+
+// Calls visit(tile) for every tile of the view that the ellipse touches, in row-major order.
+template <class Visit>
+void for_each_tile(const Splat &s, const Ellipse &e, const View &view, Visit visit) {
+  const int tx0 = view.tile_x0(), ty0 = view.tile_y0(), nx = view.tiles_x(), ny = view.tiles_y();
+  // Pixel centres sit at +1/2: a tile row covers centres y + 1/2 .. y + 15 + 1/2.
+  const auto first_tile = [](float edge, int base) {
+    return static_cast<int>(std::floor((std::max(-1e8f, std::min(1e8f, edge)) - (kTile - 0.5f)) / kTile + 1.0f)) - base;
+  };
+  const auto last_tile = [](float edge, int base) {
+    return static_cast<int>(std::floor((std::max(-1e8f, std::min(1e8f, edge)) - 0.5f) / kTile)) - base;
+  };
+  const int row0 = std::max(0, first_tile(s.y_min, ty0)), row1 = std::min(ny - 1, last_tile(s.y_max, ty0));
+  for (int row = row0; row <= row1; ++row) {
+    const float lo = (ty0 + row) * float(kTile) + 0.5f - s.y;
+    float left, right;
+    e.extent(lo, lo + (kTile - 1), left, right);
+    const int col0 = std::max(0, first_tile(s.x + left, tx0)), col1 = std::min(nx - 1, last_tile(s.x + right, tx0));
+    for (int col = col0; col <= col1; ++col) visit(static_cast<uint32_t>(row * nx + col));
+  }
+}
+
+}  // namespace
+
+void bin_gaussians(const float *means, const float *covariances, int64_t n, const View &view, float cutoff, int threads,
+                   Bins &bins) {
+  const int64_t tiles = int64_t(view.tiles_x()) * view.tiles_y();
+  const int64_t chunks = (n + kChunk - 1) / kChunk;
+  bins.splats.resize(n);
+  bins.slot_start.assign(n + 1, 0);
+  std::vector<Ellipse> ellipses(n);
+  parallel_for(chunks, threads, [&](int64_t chunk) {
+    for (int64_t i = chunk * kChunk; i < std::min(n, (chunk + 1) * kChunk); ++i) {
+      int64_t count = 0;
+      if (prepare(means + 2 * i, covariances + 3 * i, cutoff, bins.splats[i], ellipses[i]))
+        for_each_tile(bins.splats[i], ellipses[i], view, [&](uint32_t) { ++count; });
+      bins.slot_start[i + 1] = count;
+    }
+  });
+  for (int64_t i = 0; i < n; ++i) bins.slot_start[i + 1] += bins.slot_start[i];
+  const int64_t slots = bins.slot_start[n];
+  if (slots > INT32_MAX) throw std::length_error("too many (tile, Gaussian) pairs for one call: draw smaller crops");
+  bins.slot_tile.resize(slots);
+  bins.entries.resize(slots);
+
+  // Stable counting sort by tile: groups of chunks count their own, so the order never depends on the threads.
+  const int64_t groups = std::max<int64_t>(1, std::min<int64_t>(chunks, 16));
+  bins.scratch.assign(groups * tiles, 0);
+  const auto group_range = [&](int64_t group) {
+    return std::pair<int64_t, int64_t>(std::min(n, chunks * group / groups * kChunk),
+                                       std::min(n, chunks * (group + 1) / groups * kChunk));
+  };
+  parallel_for(groups, threads, [&](int64_t group) {
+    int64_t *count = bins.scratch.data() + group * tiles;
+    const auto [begin, end] = group_range(group);
+    for (int64_t i = begin; i < end; ++i) {
+      int64_t slot = bins.slot_start[i];
+      if (slot == bins.slot_start[i + 1]) continue;
+      for_each_tile(bins.splats[i], ellipses[i], view, [&](uint32_t tile) {
+        bins.slot_tile[slot++] = tile;
+        ++count[tile];
+      });
+    }
+  });
+  bins.tile_start.resize(tiles + 1);
+  int64_t at = 0;
+  for (int64_t tile = 0; tile < tiles; ++tile) {
+    bins.tile_start[tile] = at;
+    for (int64_t group = 0; group < groups; ++group) {
+      const int64_t count = bins.scratch[group * tiles + tile];
+      bins.scratch[group * tiles + tile] = at;
+      at += count;
+    }
+  }
+  bins.tile_start[tiles] = at;
+  parallel_for(groups, threads, [&](int64_t group) {
+    int64_t *next = bins.scratch.data() + group * tiles;
+    const auto [begin, end] = group_range(group);
+    for (int64_t i = begin; i < end; ++i)
+      for (int64_t slot = bins.slot_start[i]; slot < bins.slot_start[i + 1]; ++slot)
+        bins.entries[next[bins.slot_tile[slot]]++] = {static_cast<int32_t>(i), static_cast<uint32_t>(slot)};
+  });
+}
+
+}  // namespace sgi

@@ -1,0 +1,46 @@
+// What one tile needs to be drawn and differentiated; one implementation per instruction set.
+#pragma once
+#include <cstdint>
+
+namespace sgi {
+
+constexpr int kTile = 16;                     // pixels per side
+constexpr int kTilePixels = kTile * kTile;
+
+// A Gaussian ready to be drawn: log2 G(d) = a dx^2 + b dx dy + c dy^2.
+struct Splat {
+  float x, y;          // centre, pixels
+  float a, b, c;       // log2 units per pixel^2
+  float k;             // 2^(2c): second ratio of consecutive rows
+  float y_min, y_max;  // rows outside contribute nothing
+  int32_t span;        // rows that the row recurrence may run before it must start afresh: 8, 4 or 1
+};
+
+// One (tile, Gaussian) pair; `slot` is where its partial gradient goes.
+struct Entry {
+  int32_t gaussian;
+  uint32_t slot;
+};
+
+// Moments of one pair: sums over the tile's pixels of w, w dx, w dx^2, w dy, w dx dy, w dy^2 (w = G <dL/dI, colour>),
+// followed by sums of G dL/dI per channel.
+constexpr int kMoments = 6;
+
+struct TileKernel {
+  // Adds the Gaussians of `entries` to tile [channels][16][16], whose first pixel is (x0, y0).
+  void (*forward)(const Entry *entries, int64_t n, const Splat *splats, const float *colours, int channels, int x0,
+                  int y0, float *tile);
+  // Writes partials[slot][kMoments + channels] of every entry, from dL/dI = grad [channels][16][16].
+  void (*backward)(const Entry *entries, int64_t n, const Splat *splats, const float *colours, int channels, int x0,
+                   int y0, const float *grad, float *partials);
+  const char *name;
+  int lanes;
+};
+
+const TileKernel &portable_kernel();
+#ifdef SGI_X86
+const TileKernel &avx2_kernel();
+const TileKernel &avx512_kernel();
+#endif
+
+}  // namespace sgi

@@ -1,0 +1,9 @@
+#define LANES 8
+#include "kernel_impl.hpp"
+
+namespace sgi {
+const TileKernel &avx2_kernel() {
+  static const TileKernel kernel{forward, backward, "avx2", LANES};
+  return kernel;
+}
+}  // namespace sgi

@@ -1,0 +1,9 @@
+#define LANES 16
+#include "kernel_impl.hpp"
+
+namespace sgi {
+const TileKernel &avx512_kernel() {
+  static const TileKernel kernel{forward, backward, "avx512", LANES};
+  return kernel;
+}
+}  // namespace sgi

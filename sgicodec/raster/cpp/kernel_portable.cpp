@@ -1,0 +1,9 @@
+#define LANES 4
+#include "kernel_impl.hpp"
+
+namespace sgi {
+const TileKernel &portable_kernel() {
+  static const TileKernel kernel{forward, backward, "portable", LANES};
+  return kernel;
+}
+}  // namespace sgi

@@ -1,0 +1,56 @@
+// The additive rasteriser I(x) = sum_i c_i G_i(x) and its gradients, tile by tile.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "binning.hpp"
+
+namespace sgi {
+
+struct Gaussians {
+  const float *means;        // [N, 2] pixels
+  const float *covariances;  // [N, 3] xx, xy, yy, pixels^2
+  const float *colours;      // [N, C]
+  int64_t count;
+  int channels;
+};
+
+struct Gradients {
+  float *means;        // [N, 2]
+  float *covariances;  // [N, 3]
+  float *colours;      // [N, C]
+};
+
+// Holds the bins and the partial sums of one picture, so that a backward pass reuses what its forward pass found and
+// repeated steps reuse the memory. Not safe for use by two threads at once.
+class Rasterizer {
+ public:
+  // `isa`: "auto", "avx512", "avx2" or "portable"; throws std::invalid_argument if this processor lacks it.
+  Rasterizer(const std::string &isa, int threads);
+
+  // Draws into image [C, height, width].
+  void forward(const Gaussians &g, const View &view, float cutoff, float *image);
+  // Gradients of the last forward's Gaussians from dL/dI = grad [C, height, width].
+  void backward(const Gaussians &g, const View &view, const float *grad, const Gradients &out);
+  // One pass over the tiles: draws, returns sum over pixels and channels of weight * (I - target)^2 and its gradients.
+  double squared_error(const Gaussians &g, const View &view, float cutoff, const float *target, float weight,
+                       const Gradients &out);
+
+  const TileKernel &kernel() const { return *kernel_; }
+  int64_t pairs() const;  // (tile, Gaussian) pairs of the last forward
+
+ private:
+  void reduce(const Gaussians &g, const Gradients &out);
+  float *partials_for(int64_t slots, int channels);
+
+  const TileKernel *kernel_;
+  int threads_;
+  Bins bins_;
+  std::unique_ptr<float[]> partials_;
+  int64_t partials_size_ = 0;
+  std::vector<double> tile_loss_;
+};
+
+}  // namespace sgi

@@ -1,0 +1,61 @@
+"""The CPU back end: numpy-facing wrapper of the C++ kernels, with their working memory kept between calls."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec import _native
+
+__all__ = ["DEFAULT_CUTOFF", "NativeRasterizer"]
+
+F32 = NDArray[np.float32]
+
+DEFAULT_CUTOFF = 3.5
+"""Standard deviations after which a Gaussian is not drawn: exp(−3.5²/2) = 0.0022 of its amplitude."""
+
+
+class NativeRasterizer:
+    """Additive splatting on the CPU. Same input, same bytes, whatever the number of threads.
+
+    `isa` is auto, avx512, avx2 or portable; `threads` 0 takes every core. An instance keeps the tile lists of its
+    last forward pass for the backward pass and is not safe for use by two threads at once.
+    """
+
+    def __init__(self, threads: int = 0, isa: str = "auto", cutoff: float = DEFAULT_CUTOFF) -> None:
+        self._raster = _native.Rasterizer(isa=isa, threads=threads)
+        self.cutoff = cutoff
+
+    @property
+    def isa(self) -> str:
+        """The instruction set in use."""
+        return str(self._raster.isa)
+
+    @property
+    def tile_pairs(self) -> int:
+        """(16×16 tile, Gaussian) pairs of the last forward pass; times 256 for pixels."""
+        return int(self._raster.pairs)
+
+    def forward(
+        self, means: F32, covariances: F32, colours: F32, width: int, height: int, origin: tuple[int, int] = (0, 0)
+    ) -> F32:
+        """Image [C, height, width] of means [N, 2], covariances [N, 3] (xx, xy, yy), colours [N, C], in pixels."""
+        image = np.empty((colours.shape[1], height, width), np.float32)
+        self._raster.forward(means, covariances, colours, image, origin[0], origin[1], self.cutoff)
+        return image
+
+    def backward(
+        self, means: F32, covariances: F32, colours: F32, grad: F32, origin: tuple[int, int] = (0, 0)
+    ) -> tuple[F32, F32, F32]:
+        """Gradients of means, covariances and colours from dL/dI = grad [C, H, W], after `forward` on the same."""
+        out = np.empty_like(means), np.empty_like(covariances), np.empty_like(colours)
+        self._raster.backward(means, covariances, colours, grad, origin[0], origin[1], *out)
+        return out
+
+    def squared_error(
+        self, means: F32, covariances: F32, colours: F32, target: F32, weight: float
+    ) -> tuple[float, tuple[F32, F32, F32]]:
+        """weight · Σ (I − target)² over target [C, H, W] and its gradients, without storing the image."""
+        out = np.empty_like(means), np.empty_like(covariances), np.empty_like(colours)
+        loss = self._raster.squared_error(means, covariances, colours, target, 0, 0, self.cutoff, weight, *out)
+        return float(loss), out
