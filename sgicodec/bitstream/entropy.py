@@ -117,7 +117,9 @@ class SymbolWalk(ABC):
 
         index = self._grouped(None if values is None else rank[context, values], context, model)
         coded = alphabet[context, index]
-        return self._record(coded, float(bits_of_frequencies(frequencies)[context, coded].sum())).reshape(shape)
+        return self._record(coded, float(bits_of_frequencies(frequencies)[context, coded].sum())).reshape(
+            shape
+        )
 
     def code_bits(self, values: ArrayLike | None, n_bits: int, count: int) -> NDArray[np.int64]:
         """`count` equally likely integers of `n_bits` (0 to 32) bits each."""
@@ -180,7 +182,9 @@ class SymbolWalk(ABC):
 
     def _uniform(self, values: NDArray[np.int64] | None, n_bits: int, count: int) -> NDArray[np.int64]:
         if n_bits > _UNIFORM_BITS:
-            high = self._uniform(None if values is None else values >> _UNIFORM_BITS, n_bits - _UNIFORM_BITS, count)
+            high = self._uniform(
+                None if values is None else values >> _UNIFORM_BITS, n_bits - _UNIFORM_BITS, count
+            )
             low = self._uniform(None if values is None else values & 0xFFFF, _UNIFORM_BITS, count)
             return high << _UNIFORM_BITS | low
         if n_bits == 0 or count == 0:
@@ -217,7 +221,9 @@ class SymbolReader(SymbolWalk):
     def __init__(self, payload: bytes) -> None:
         super().__init__()
         if payload[-1:] == b"\0":
-            raise CorruptStreamError("entropy: the payload is padded with zero bytes; it was not written by an encoder")
+            raise CorruptStreamError(
+                "entropy: the payload is padded with zero bytes; it was not written by an encoder"
+            )
         words = np.frombuffer(payload + b"\0" * (-len(payload) % 4), ">u4").astype(np.uint32)
         self._coder = constriction.stream.queue.RangeDecoder(words)
 
