@@ -1,0 +1,160 @@
+"""Small integer arrays of a tile: network weights, the base layer, the signs of the hash grid.
+
+Each function writes the array it is given and reads one if given None; shapes come from the header. What the encoder
+chose (tables, predictors, probabilities) precedes the array as raw bits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from sgicodec.bitstream.entropy import IntArray, SymbolWalk
+from sgicodec.bitstream.tables import (
+    MAX_MAGNITUDE,
+    TABLES,
+    bernoulli_frequencies,
+    bits_of_frequencies,
+    frequency_tables,
+)
+from sgicodec.errors import CorruptStreamError, UsageError
+
+__all__ = ["code_base", "code_signs", "code_weights"]
+
+_TABLE_BITS = (TABLES - 1).bit_length()
+
+Plane = NDArray[np.int64]
+Predictor = Callable[[Plane, Plane, Plane], Plane]
+
+
+def code_weights(walk: SymbolWalk, weights: ArrayLike | None, shape: tuple[int, ...]) -> IntArray:
+    """One tensor of integers under the one zero-centred table that suits it best."""
+    values = None if weights is None else _shaped(weights, shape)
+    table = walk.code_int(None if values is None else frequency_tables().best(values), _TABLE_BITS)
+    return walk.code(values, np.full(shape, table, np.int16))
+
+
+def code_signs(walk: SymbolWalk, bits: ArrayLike | None, counts: Sequence[int]) -> IntArray:
+    """Σ counts values 0 or 1, level after level, each level with its own probability of a 1 in eight bits."""
+    level = np.repeat(np.arange(len(counts)), counts)
+    values = best = None
+    if bits is not None:
+        values = _shaped(bits, (level.size,))
+        if np.any((values < 0) | (values > 1)):
+            raise UsageError("signs: values must be 0 or 1")
+        occurrences = np.bincount(2 * level + values, minlength=2 * len(counts)).reshape(-1, 2)  # [L, 2]
+        best = np.argmin(occurrences @ bits_of_frequencies(bernoulli_frequencies(np.arange(256))).T, axis=1)
+    codes = walk.code_bits(best, 8, len(counts))
+    return walk.code_categorical(values, bernoulli_frequencies(codes), level)
+
+
+def code_base(walk: SymbolWalk, base: ArrayLike | None, shape: tuple[int, int, int]) -> IntArray:
+    """Planes [C, h, w] of a smooth picture in integer steps; luma first.
+
+    A value is predicted from its left, upper and upper left neighbours by one of PREDICTORS; the prediction error is
+    in turn predicted from the errors of channel 0 and of the channel before, with weights in eighths. What remains
+    has one table per channel. Raises CorruptStreamError for values beyond ±MAX_MAGNITUDE.
+    """
+    planes = None if base is None else _shaped(base, shape)
+    decoded = np.zeros(shape, np.int32)
+    errors: list[Plane] = []
+    for channel in range(shape[0]):
+        references = [errors[i] for i in sorted({0, channel - 1}) if 0 <= i < channel]
+        number = weights = table = rest = None
+        if planes is not None:
+            number, error = _best_prediction(planes[channel])
+            weights = _fit_weights(error, references)
+            rest = error - _mixed(references, weights, error.shape)
+            table = frequency_tables().best(rest)
+        number = walk.code_int(number, 2)
+        codes = walk.code_bits(None if weights is None else np.add(weights, 8), 4, len(references))
+        table = walk.code_int(table, _TABLE_BITS)
+        rest = walk.code(rest, np.full(shape[1:], table, np.int16)).astype(np.int64)
+        errors.append(rest + _mixed(references, (codes - 8).tolist(), shape[1:]))
+        decoded[channel] = _reconstruct(errors[-1], PREDICTORS[number]) if planes is None else planes[channel]
+    return decoded
+
+
+def _west(west: Plane, north: Plane, northwest: Plane) -> Plane:
+    return west
+
+
+def _north(west: Plane, north: Plane, northwest: Plane) -> Plane:
+    return north
+
+
+def _mean(west: Plane, north: Plane, northwest: Plane) -> Plane:
+    return (west + north) >> 1
+
+
+def _blend(west: Plane, north: Plane, northwest: Plane) -> Plane:
+    """Between `_mean`, best for noise, and the median edge detector of LOCO-I (JPEG-LS), W + N − NW clamped to W … N."""
+    median = np.clip(west + north - northwest, np.minimum(west, north), np.maximum(west, north))
+    return (2 * median + west + north + 2) >> 2
+
+
+PREDICTORS = (_west, _north, _mean, _blend)
+
+
+def _best_prediction(plane: Plane) -> tuple[int, Plane]:
+    """Number of the predictor whose errors cost least, and these errors."""
+    padded = np.zeros((plane.shape[0] + 1, plane.shape[1] + 1), np.int64)
+    padded[1:, 1:] = plane
+    padded[0, 2:] = plane[0, :-1]  # at an edge the one neighbour there is stands for all three
+    padded[2:, 0] = plane[:-1, 0]
+    errors = [plane - predict(padded[1:, :-1], padded[:-1, 1:], padded[:-1, :-1]) for predict in PREDICTORS]
+    number = int(np.argmin([_cost(error) for error in errors]))
+    return number, errors[number]
+
+
+def _fit_weights(error: Plane, references: list[Plane]) -> list[int]:
+    """Weights −8 … 7 of least cost, by two rounds of coordinate descent: the references are correlated."""
+    weights = [0] * len(references)
+    for i in [*range(len(references))] * 2:
+        options = [[*weights[:i], weight, *weights[i + 1 :]] for weight in range(-8, 8)]
+        costs = [_cost(error - _mixed(references, option, error.shape)) for option in options]
+        weights = options[int(np.argmin(costs))]
+    return weights
+
+
+def _cost(values: Plane) -> float:
+    tables = frequency_tables()
+    return float(tables.bits(values, tables.best(values)).sum())
+
+
+def _mixed(references: list[Plane], weights: list[int], shape: tuple[int, ...]) -> Plane:
+    """Σ weight · reference in eighths, rounded half up."""
+    total = np.full(shape, 4, np.int64)
+    for reference, weight in zip(references, weights, strict=True):
+        total += weight * reference
+    return total >> 3
+
+
+def _reconstruct(error: Plane, predict: Predictor) -> Plane:
+    """The plane whose prediction errors these are, diagonal by diagonal: all that one needs lies on the two before."""
+    height, width = error.shape
+    padded = np.zeros((height + 1, width + 1), np.int64)
+    padded[1:, 1:] = error
+    flat = padded.reshape(-1)
+    for diagonal in range(height + width - 1):
+        if 0 < diagonal < width:
+            padded[0, diagonal + 1] = padded[1, diagonal]
+        if 0 < diagonal < height:
+            padded[diagonal + 1, 0] = padded[diagonal, 1]
+        rows = np.arange(max(0, diagonal - width + 1), min(diagonal, height - 1) + 1)
+        here = (rows + 1) * (width + 1) + diagonal - rows + 1
+        north = here - (width + 1)
+        flat[here] += predict(flat[here - 1], flat[north], flat[north - 1])
+    plane = padded[1:, 1:]
+    if plane.size and int(np.abs(plane).max()) > MAX_MAGNITUDE:
+        raise CorruptStreamError(f"base layer: a value exceeds ±{MAX_MAGNITUDE}; the stream is damaged")
+    return plane
+
+
+def _shaped(values: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.int64]:
+    array = np.asarray(values, np.int64)
+    if array.shape != shape:
+        raise UsageError(f"array of shape {array.shape} where the header says {shape}")
+    return array
