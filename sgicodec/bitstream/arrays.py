@@ -1,7 +1,7 @@
 """Small integer arrays of a tile: network weights, the base layer, the signs of the hash grid.
 
-Each function writes the array it is given and reads one if given None; shapes come from the header. What the encoder
-chose (tables, predictors, probabilities) precedes the array as raw bits.
+Each function writes the array it is given and reads one if given None; shapes come from the header. What the
+encoder chose (tables, predictors, probabilities) precedes the array as raw bits.
 """
 
 from __future__ import annotations
@@ -53,9 +53,10 @@ def code_signs(walk: SymbolWalk, bits: ArrayLike | None, counts: Sequence[int]) 
 def code_base(walk: SymbolWalk, base: ArrayLike | None, shape: tuple[int, int, int]) -> IntArray:
     """Planes [C, h, w] of a smooth picture in integer steps; luma first.
 
-    A value is predicted from its left, upper and upper left neighbours by one of PREDICTORS; the prediction error is
-    in turn predicted from the errors of channel 0 and of the channel before, with weights in eighths. What remains
-    has one table per channel. Raises CorruptStreamError for values beyond ±MAX_MAGNITUDE.
+    A value is predicted from its left, upper and upper left neighbours by one of PREDICTORS; the prediction
+    error is in turn predicted from the errors of channel 0 and of the channel before, with weights in
+    eighths. What remains has one table per channel. Raises CorruptStreamError for values beyond
+    ±MAX_MAGNITUDE.
     """
     planes = None if base is None else _shaped(base, shape)
     decoded = np.zeros(shape, np.int32)
@@ -90,9 +91,10 @@ def _mean(west: Plane, north: Plane, northwest: Plane) -> Plane:
 
 
 def _blend(west: Plane, north: Plane, northwest: Plane) -> Plane:
-    """Between `_mean`, best for noise, and the median edge detector of LOCO-I (JPEG-LS), W + N − NW clamped to W … N."""
+    """Between `_mean`, best for noise, and LOCO-I's median edge detector, W + N − NW clamped to W … N."""
     median = np.clip(west + north - northwest, np.minimum(west, north), np.maximum(west, north))
-    return (2 * median + west + north + 2) >> 2
+    blend: Plane = (2 * median + west + north + 2) >> 2
+    return blend
 
 
 PREDICTORS = (_west, _north, _mean, _blend)
@@ -133,7 +135,7 @@ def _mixed(references: list[Plane], weights: list[int], shape: tuple[int, ...]) 
 
 
 def _reconstruct(error: Plane, predict: Predictor) -> Plane:
-    """The plane whose prediction errors these are, diagonal by diagonal: all that one needs lies on the two before."""
+    """The plane with these prediction errors, diagonal by diagonal: each needs only the two before it."""
     height, width = error.shape
     padded = np.zeros((height + 1, width + 1), np.int64)
     padded[1:, 1:] = error

@@ -1,14 +1,14 @@
 """Entropy coding: one walk over the symbols of a tile that writes in one direction and reads in the other.
 
 A part of the format is coded by one function that calls the same methods on either walk: given values, a
-`SymbolWriter` codes and returns them; given None, a `SymbolReader` decodes and returns them. Encoder and decoder can
-therefore not drift apart.
+`SymbolWriter` codes and returns them; given None, a `SymbolReader` decodes and returns them. Encoder and
+decoder can therefore not drift apart.
 
     def code_sizes(walk, sizes, count):
         return walk.code_bits(sizes, 4, count)
 
-All parts of a tile share one range coder (ending one costs about four bytes). What a part cost is known exactly from
-the frequencies, in both directions: `walk.bits`.
+All parts of a tile share one range coder (ending one costs about four bytes). What a part cost is known
+exactly from the frequencies, in both directions: `walk.bits`.
 
 The coder is constriction's range coder (Bamler 2022; Pasco 1976) with 32-bit words, 64-bit state and 24-bit
 probabilities; docs/format.md specifies it to the bit. This is the only module that knows constriction.
@@ -21,6 +21,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
+from itertools import pairwise
 from typing import Any
 
 import constriction
@@ -38,7 +39,7 @@ from sgicodec.bitstream.tables import (
 )
 from sgicodec.errors import CorruptStreamError, UsageError
 
-__all__ = ["IntArray", "SymbolWalk", "SymbolWriter", "SymbolReader"]
+__all__ = ["IntArray", "SymbolReader", "SymbolWalk", "SymbolWriter"]
 
 IntArray = NDArray[np.int32]
 
@@ -47,8 +48,9 @@ _UNIFORM_BITS = 16
 
 
 class SymbolWalk(ABC):
-    """What writing and reading share. Values are None when reading; counts and shapes always come from the caller,
-    which thereby bounds everything that is allocated."""
+    """What writing and reading share. Values are None when reading; counts and shapes always come from the
+    caller, which thereby bounds everything that is allocated.
+    """
 
     def __init__(self) -> None:
         self.count = 0
@@ -56,7 +58,7 @@ class SymbolWalk(ABC):
         self.crc = 0
         """CRC-32 of all values so far, in coding order, each as little-endian int32."""
         self.bits: dict[str, float] = {}
-        """Information content of each part so far; the parts sum to the payload within its last four bytes."""
+        """Information content of each part so far; the sum is the payload but for its last four bytes."""
         self._part = "rest"
 
     @contextmanager
@@ -71,9 +73,9 @@ class SymbolWalk(ABC):
     def code(self, symbols: ArrayLike | None, tables: ArrayLike) -> IntArray:
         """Zero-centred integers, each with its own table index; any shape, that of `tables`.
 
-        In the stream the symbols are ordered by table index, equal indices by position; magnitudes beyond a table's
-        support follow in order of position. Raises UsageError for a magnitude above MAX_MAGNITUDE or a bad index
-        when writing, CorruptStreamError when reading.
+        In the stream the symbols are ordered by table index, equal indices by position; magnitudes beyond a
+        table's support follow in order of position. Raises UsageError for a magnitude above MAX_MAGNITUDE or
+        a bad index when writing, CorruptStreamError when reading.
         """
         shape = np.shape(tables)
         table = np.asarray(tables).astype(np.int16).reshape(-1)
@@ -91,15 +93,17 @@ class SymbolWalk(ABC):
         escaped = np.flatnonzero(index == escape)
         if escaped.size:
             coded[escaped] = self._escaped(None if values is None else values[escaped], support[escaped])
-        return self._record(coded, float(family.bits(coded, table).sum())).reshape(shape)
+        self._record(coded, float(family.bits(coded, table).sum()))
+        return coded.astype(np.int32).reshape(shape)
 
     def code_categorical(
         self, symbols: ArrayLike | None, frequencies: NDArray[np.int64], contexts: ArrayLike
     ) -> IntArray:
         """Symbols 0 … A−1; symbol i under row `contexts[i]` of `frequencies` [contexts, A].
 
-        Rows sum to 2**24; a symbol of frequency 0 cannot occur, and one of frequency 2**24 costs nothing. Order in the
-        stream as for `code`, by context. Raises UsageError for a symbol that cannot occur or a bad row.
+        Rows sum to 2**24; a symbol of frequency 0 cannot occur, and one of frequency 2**24 costs nothing.
+        Order in the stream as for `code`, by context. Raises UsageError for a symbol that cannot occur or a
+        bad row.
         """
         shape = np.shape(contexts)
         context = np.asarray(contexts).astype(np.int16).reshape(-1)
@@ -116,10 +120,9 @@ class SymbolWalk(ABC):
             return _model(frequencies[row][present[row]])
 
         index = self._grouped(None if values is None else rank[context, values], context, model)
-        coded = alphabet[context, index]
-        return self._record(coded, float(bits_of_frequencies(frequencies)[context, coded].sum())).reshape(
-            shape
-        )
+        coded: IntArray = alphabet[context, index]
+        self._record(coded, float(bits_of_frequencies(frequencies)[context, coded].sum()))
+        return coded.reshape(shape)
 
     def code_bits(self, values: ArrayLike | None, n_bits: int, count: int) -> NDArray[np.int64]:
         """`count` equally likely integers of `n_bits` (0 to 32) bits each."""
@@ -140,29 +143,28 @@ class SymbolWalk(ABC):
     def _run(self, index: IntArray | None, model: Any, count: int) -> IntArray:
         """Codes `count` symbol indices under one model."""
 
-    def _record(self, values: NDArray[np.integer], bits: float) -> Any:
+    def _record(self, values: NDArray[np.integer], bits: float) -> None:
         self.count += values.size
         self.crc = zlib.crc32(values.astype("<u4").tobytes(), self.crc)
         self.bits[self._part] = self.bits.get(self._part, 0.0) + bits
-        return values
 
     def _grouped(
         self, index: NDArray[np.integer] | None, keys: NDArray[np.int16], model_of: Callable[[int], Any]
     ) -> IntArray:
-        """Codes indices in runs of equal key: a run of one model is several times faster than a model per symbol."""
+        """Codes indices in runs of equal key: several times faster than a model per symbol."""
         order = np.argsort(keys, kind="stable")
         ordered = keys[order]
         bounds = [0, *(np.flatnonzero(np.diff(ordered)) + 1).tolist(), keys.size]
         source = None if index is None else index[order].astype(np.int32)
         coded = np.empty(keys.size, np.int32)
-        for begin, end in zip(bounds[:-1], bounds[1:], strict=True):
+        for begin, end in pairwise(bounds):
             if begin < end:
                 run = None if source is None else source[begin:end]
                 coded[order[begin:end]] = self._run(run, model_of(int(ordered[begin])), end - begin)
         return coded
 
     def _escaped(self, values: NDArray[np.int64] | None, support: IntArray) -> NDArray[np.int64]:
-        """Values beyond ±support: exponents, then mantissas by ascending exponent, then signs (Exp-Golomb)."""
+        """Values beyond ±support: exponents, then mantissas by ascending exponent, then signs."""
         excess = None if values is None else np.abs(values) - support - 1
         exponent = self._run(
             None if excess is None else escape_exponent(excess).astype(np.int32),
@@ -201,11 +203,13 @@ class SymbolWriter(SymbolWalk):
         self._coder = constriction.stream.queue.RangeEncoder()
 
     def finish(self) -> bytes:
-        """Appends the CRC of all symbols and returns the payload: words with the most significant byte first, so that
-        zero bytes at the end say nothing and are left out."""
+        """Appends the CRC of all symbols and returns the payload: words with the most significant byte first,
+        so that zero bytes at the end say nothing and are left out.
+        """
         with self.part("check"):
             self.code_int(self.crc, 32)
-        return self._coder.get_compressed().astype(">u4").tobytes().rstrip(b"\0")
+        words: NDArray[np.uint32] = self._coder.get_compressed()
+        return words.astype(">u4").tobytes().rstrip(b"\0")
 
     def _run(self, index: IntArray | None, model: Any, count: int) -> IntArray:
         if index is None:
@@ -228,14 +232,14 @@ class SymbolReader(SymbolWalk):
         self._coder = constriction.stream.queue.RangeDecoder(words)
 
     def finish(self) -> None:
-        """Raises CorruptStreamError unless the symbols are those that were written and the payload ends with them."""
+        """Raises CorruptStreamError unless the symbols are those written and the payload ends with them."""
         crc = self.crc
         with self.part("check"):
             written = self.code_int(None, 32)
         if written != crc:
             raise CorruptStreamError(
-                f"entropy: the {self.count - 1} decoded symbols have CRC {crc:08x}, the encoder's had {written:08x}; "
-                "the payload is damaged, or this version computed other contexts than the encoder"
+                f"entropy: decoded symbols have CRC {crc:08x}, the encoder's had {written:08x}; "
+                "the payload is damaged, or decoder and encoder disagree about contexts"
             )
         if not self._coder.maybe_exhausted():
             raise CorruptStreamError("entropy: bytes are left over behind the last symbol")
@@ -261,8 +265,8 @@ def _as_values(symbols: ArrayLike, count: int) -> NDArray[np.int64]:
 def _model(frequencies: NDArray[np.int64]) -> Any:
     """A constriction model with exactly these frequencies; None for the single symbol that needs no coding.
 
-    Categorical(perfect=False) gives every symbol 1 and shares out what is left in proportion: given f − 1 it has a
-    factor of exactly 1, and all its sums are integers below 2**53.
+    Categorical(perfect=False) gives every symbol 1 and shares out what is left in proportion: given f − 1 it
+    has a factor of exactly 1, and all its sums are integers below 2**53.
     """
     if frequencies.size < 2:
         return None

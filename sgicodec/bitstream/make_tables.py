@@ -1,9 +1,9 @@
 """Computes `tables.bin`. Run once per format version: `python -m sgicodec.bitstream.make_tables OUTPUT`.
 
-A distribution of standard deviation σ steps is integrated over the unit bins [n − ½, n + ½] with 40 digits, so that
-rounding to 24 bits has one possible outcome. f(n) = max(1, round(2**24 · P(n))) for 1 ≤ |n| ≤ S; the escape takes the
-two tails beyond S; f(0) takes what rounding left over. S is the least support whose tails weigh less than 2**-18,
-between 1 and 511.
+A distribution of standard deviation σ steps is integrated over the unit bins [n − ½, n + ½] with 40 digits,
+so that rounding to 24 bits has one possible outcome. f(n) = max(1, round(2**24 · P(n))) for 1 ≤ |n| ≤ S; the
+escape takes the two tails beyond S; f(0) takes what rounding left over. S is the least support whose tails
+weigh less than 2**-18, between 1 and 511.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-import mpmath
+import mpmath  # type: ignore[import-untyped]
 import numpy as np
 
 from sgicodec.bitstream.tables import FAMILIES, SCALES, TOTAL

@@ -1,13 +1,14 @@
 """Seed positions: a quadtree over the picture, coded level by level.
 
-A node of level k is a square of 2**k pixels; roots of level `root_log` tile the picture. A node may carry a seed at its
-centre and may be split into four children; children that lie wholly outside the picture do not exist. Each split node
-has a seed somewhere below it, so a tree has one spelling.
+A node of level k is a square of 2**k pixels; roots of level `root_log` tile the picture. A node may carry a
+seed at its centre and may be split into four children; children that lie wholly outside the picture do not
+exist. Each split node has a seed somewhere below it, so a tree has one spelling.
 
-Levels are coded from the roots down, and within a level the children number 0, 1, 2, 3 of all split nodes, one number
-after the other. When a child is coded its parent's level is thus complete, and so are the earlier children of the whole
-level: half of its neighbours. Their splits predict its own; on adaptive trees this context takes a fifth off what
-the parent level alone gives. The probability of each context is sent in four bits where the context first occurs.
+Levels are coded from the roots down, and within a level the children number 0, 1, 2, 3 of all split nodes,
+one number after the other. When a child is coded its parent's level is thus complete, and so are the earlier
+children of the whole level: half of its neighbours. Their splits predict its own; on adaptive trees this
+context takes a fifth off what the parent level alone gives. The probability of each context is sent in four
+bits where the context first occurs.
 """
 
 from __future__ import annotations
@@ -19,19 +20,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.bitstream.entropy import SymbolWalk
+from sgicodec.bitstream.morton import Codes, canonical_order, morton, unmorton
 from sgicodec.bitstream.tables import TOTAL, bits_of_frequencies
 from sgicodec.errors import CorruptStreamError, LimitError, UsageError
 
-__all__ = ["TreeShape", "Seeds", "code_positions", "canonical_order", "morton", "unmorton"]
+__all__ = ["Seeds", "TreeShape", "code_positions"]
 
-Codes = NDArray[np.int64]
 Flags = NDArray[np.int64]
 Seeds = tuple[NDArray[np.int32], NDArray[np.int8]]
 """Corners [N, 2] in pixels (x, y) and log2 of the node size [N]."""
 
 MAX_LOG = 16
 MAX_SIDE = 1 << 24
-MAX_ROOTS = 1 << 22
+MAX_ROOTS = 1 << 20
 
 ONES = (0, 3, 6, 11, 21, 38, 67, 106, 150, 189, 218, 235, 245, 250, 253, 256)
 """P(flag = 1) · 256 for each 4-bit code: equal steps of log-odds, and "never" and "always" at the ends."""
@@ -47,7 +48,7 @@ _SEED_CONTEXTS = 4 * _SIBLINGS
 
 @dataclass(frozen=True)
 class TreeShape:
-    """What the header says about a tile's quadtree. Raises UsageError for values that no tree can have.
+    """What the header says about a tile's quadtree. Raises UsageError for what no tree can have.
 
     width, height: pixels; root_log, min_log: log2 of the side of roots and of the smallest nodes.
     """
@@ -61,9 +62,8 @@ class TreeShape:
         if not (1 <= self.width <= MAX_SIDE and 1 <= self.height <= MAX_SIDE):
             raise UsageError(f"positions: {self.width}×{self.height} pixels; sides must be 1..{MAX_SIDE}")
         if not 0 <= self.min_log <= self.root_log <= MAX_LOG:
-            raise UsageError(
-                f"positions: node sizes 2**{self.min_log} to 2**{self.root_log}; need 0 ≤ min ≤ root ≤ {MAX_LOG}"
-            )
+            sizes = f"2**{self.min_log} to 2**{self.root_log}"
+            raise UsageError(f"positions: node sizes {sizes}; need 0 ≤ min ≤ root ≤ {MAX_LOG}")
 
     @property
     def root_grid(self) -> tuple[int, int]:
@@ -73,10 +73,11 @@ class TreeShape:
 
 
 def code_positions(walk: SymbolWalk, shape: TreeShape, seeds: Seeds | None, max_seeds: int) -> Seeds:
-    """Writes `seeds`, or reads them if None; returns them in canonical order either way.
+    """Writes `seeds`, or reads them if None; returns them in `canonical_order` either way.
 
-    Raises UsageError for seeds that are no nodes of the tree, CorruptStreamError for a tree with an empty split node,
-    LimitError for a tree of more than `max_seeds` seeds, before anything of that size is allocated.
+    Raises UsageError for seeds that are no nodes of the tree, CorruptStreamError for a tree with an empty
+    split node, LimitError for a tree of more than `max_seeds` seeds, before anything of that size is
+    allocated.
     """
     columns, rows = shape.root_grid
     if columns * rows > MAX_ROOTS:
@@ -93,49 +94,6 @@ def code_positions(walk: SymbolWalk, shape: TreeShape, seeds: Seeds | None, max_
     corner = np.stack(unmorton(code), axis=-1) << log_size[:, None]
     order = canonical_order(corner, log_size)
     return corner[order].astype(np.int32), log_size[order]
-
-
-def canonical_order(corner: NDArray[np.integer], log_size: NDArray[np.integer]) -> NDArray[np.intp]:
-    """Indices that sort seeds by Morton order of their corners [N, 2], coarse before fine at equal corners."""
-    return np.lexsort((-log_size.astype(np.int64), morton(corner[:, 0], corner[:, 1])))
-
-
-def morton(x: NDArray[np.integer], y: NDArray[np.integer]) -> Codes:
-    """Interleaved bits of 0 ≤ x, y < 2**31, those of x at the even places."""
-    return _spread(x) | _spread(y) << 1
-
-
-def unmorton(code: Codes) -> tuple[Codes, Codes]:
-    """x and y of Morton codes."""
-    return _gather(code), _gather(code >> 1)
-
-
-_STAGES = (
-    (16, 0x0000FFFF0000FFFF),
-    (8, 0x00FF00FF00FF00FF),
-    (4, 0x0F0F0F0F0F0F0F0F),
-    (2, 0x3333333333333333),
-)
-_EVEN = 0x5555555555555555
-
-
-def _spread(v: NDArray[np.integer]) -> Codes:
-    v = v.astype(np.int64)
-    for shift, mask in (*_STAGES, (1, _EVEN)):
-        v = (v | v << shift) & mask
-    return v
-
-
-def _gather(v: Codes) -> Codes:
-    v = v & _EVEN
-    for shift, mask in (
-        (1, 0x3333333333333333),
-        (2, 0x0F0F0F0F0F0F0F0F),
-        (4, 0x00FF00FF00FF00FF),
-        (8, 0x0000FFFF0000FFFF),
-    ):
-        v = (v | v >> shift) & mask
-    return (v | v >> 16) & 0xFFFFFFFF
 
 
 class _Flagger(Protocol):
@@ -158,11 +116,12 @@ class _FlagCounter:
     def best(self) -> NDArray[np.int64]:
         """The probability code of least cost for each context."""
         bits = np.minimum(bits_of_frequencies(_FREQUENCIES), 1e9)  # impossible, but 0 · ∞ is not a number
-        return np.argmin(self.counts @ bits.T, axis=1)
+        codes: NDArray[np.int64] = np.argmin(self.counts @ bits.T, axis=1)
+        return codes
 
 
 class _FlagCoder:
-    """Codes flags under the probability of their context, which is sent before the first flag that needs it."""
+    """Codes flags under the probability of their context, which is sent before the first flag it is for."""
 
     def __init__(self, walk: SymbolWalk, shape: TreeShape, best: NDArray[np.int64] | None) -> None:
         self._walk = walk
@@ -172,10 +131,10 @@ class _FlagCoder:
     def code(self, contexts: NDArray[np.int64], flags: Flags | None) -> Flags:
         occurring = np.unique(contexts)
         fresh = occurring[self._sent[occurring] < 0]
-        self._sent[fresh] = self._walk.code_bits(
-            None if self._best is None else self._best[fresh], 4, fresh.size
-        )
-        return self._walk.code_categorical(flags, _FREQUENCIES, self._sent[contexts]).astype(np.int64)
+        best = None if self._best is None else self._best[fresh]
+        self._sent[fresh] = self._walk.code_bits(best, 4, fresh.size)
+        coded: Flags = self._walk.code_categorical(flags, _FREQUENCIES, self._sent[contexts]).astype(np.int64)
+        return coded
 
 
 class _Truth:
@@ -184,34 +143,29 @@ class _Truth:
     def __init__(self, shape: TreeShape, seeds: Seeds, max_seeds: int) -> None:
         corner, log_size = np.asarray(seeds[0], np.int64).reshape(-1, 2), np.asarray(seeds[1], np.int64)
         if len(corner) != len(log_size) or len(corner) > max_seeds:
+            counts = f"{len(corner)} corners, {len(log_size)} sizes"
+            raise UsageError(f"positions: {counts}; need as many of each and at most {max_seeds}")
+        sized = (log_size >= shape.min_log) & (log_size <= shape.root_log)
+        inside = (corner >= 0) & (corner < (shape.width, shape.height))
+        aligned = corner & ((1 << np.clip(log_size, 0, MAX_LOG)) - 1)[:, None] == 0
+        if not (sized.all() and inside.all() and aligned.all()):
             raise UsageError(
-                f"positions: {len(corner)} corners, {len(log_size)} sizes, at most {max_seeds} seeds"
+                "positions: a seed is no node of the tree: outside, off its grid, of another size"
             )
-        inside = (
-            (corner >= 0)
-            & (corner < (shape.width, shape.height))
-            & (corner % (1 << np.maximum(log_size, 0))[:, None] == 0)
-        )
-        if not inside.all() or np.any((log_size < shape.min_log) | (log_size > shape.root_log)):
-            raise UsageError(
-                "positions: a seed is outside the picture, off its grid or of a size the tree has not"
-            )
-        self._code = morton(corner[:, 0], corner[:, 1])
-        self._log_size = log_size
-        if len(np.unique(np.stack([self._code, log_size]), axis=1).T) != len(log_size):
+        code = morton(corner[:, 0], corner[:, 1])
+        levels = range(shape.min_log, shape.root_log + 1)
+        self._seeds = {level: np.unique(code[log_size == level] >> 2 * level) for level in levels}
+        self._splits = {level: np.unique(code[log_size < level] >> 2 * level) for level in levels}
+        if sum(codes.size for codes in self._seeds.values()) != len(corner):
             raise UsageError("positions: two seeds share one node")
 
     def seed(self, level: int, codes: Codes) -> Flags:
         """1 where a node carries a seed."""
-        return _member(codes, np.sort(self._code[self._log_size == level] >> 2 * level)).astype(np.int64)
+        return (_find(codes, self._seeds[level]) >= 0).astype(np.int64)
 
     def split(self, level: int, codes: Codes) -> Flags:
         """1 where a node has seeds below it."""
-        return _member(codes, np.unique(self._code[self._log_size < level] >> 2 * level)).astype(np.int64)
-
-
-def _member(values: Codes, ordered: Codes) -> NDArray[np.bool_]:
-    return _find(values, ordered) >= 0
+        return (_find(codes, self._splits[level]) >= 0).astype(np.int64)
 
 
 def _find(values: Codes, ordered: Codes) -> NDArray[np.int64]:
@@ -230,17 +184,19 @@ def _traverse(
     shape: TreeShape, flagger: _Flagger, truth: _Truth | None, max_seeds: int
 ) -> list[tuple[Codes, int]]:
     """Codes the tree; returns the Morton codes of the nodes that carry seeds, with their level."""
-    y, x = np.divmod(np.arange(shape.root_grid[0] * shape.root_grid[1]), shape.root_grid[0])
+    columns, rows = shape.root_grid
+    y, x = np.divmod(np.arange(columns * rows), columns)
     roots = np.sort(morton(x, y))
-    none = np.zeros(roots.size, np.int64)
-    seed, split = _code_nodes(shape, flagger, truth, shape.root_log, roots, none, none)
-    found = [(roots[seed == 1], shape.root_log)]
-    parents = roots[split == 1]
-    for level in range(shape.root_log - 1, shape.min_log - 1, -1):
-        seeds, parents = _code_level(shape, flagger, truth, level, parents)
-        found.append((seeds, level))
-        if parents.size > max_seeds or sum(codes.size for codes, _ in found) > max_seeds:
-            raise LimitError(f"positions: more than {max_seeds} seeds at level {level}")
+    unknown = np.zeros(roots.size, np.int64)
+    seed, split = _code_nodes(shape, flagger, truth, shape.root_log, roots, unknown, unknown)
+    seeds, parents = roots[seed == 1], roots[split == 1]
+    found = [(seeds, shape.root_log)]
+    for level in range(shape.root_log - 1, shape.min_log - 2, -1):
+        if max(parents.size, sum(codes.size for codes, _ in found)) > max_seeds:
+            raise LimitError(f"positions: more than {max_seeds} seeds at level {level + 1}")
+        if level >= shape.min_log:
+            seeds, parents = _code_level(shape, flagger, truth, level, parents)
+            found.append((seeds, level))
     return found
 
 
@@ -255,17 +211,15 @@ def _code_level(
     empty = np.zeros(parents.size, np.int64)
     for child in range(4):
         right, down = child & 1, child >> 1
-        exists = np.flatnonzero(
-            (2 * x + right << level < shape.width) & (2 * y + down << level < shape.height)
-        )
+        inside = (2 * x + right << level < shape.width) & (2 * y + down << level < shape.height)
+        exists = np.flatnonzero(inside)
         occupied = np.any(seed + split > 0, axis=1).astype(np.int64)
         score = _score(split, beside, child)[exists]
         siblings = (2 * empty + occupied)[exists]
         codes = 4 * parents[exists] + child
-        seed[exists, child], split[exists, child] = _code_nodes(
-            shape, flagger, truth, level, codes, score, siblings
-        )
-        empty[exists] += (seed + split)[exists, child] == 0
+        here = _code_nodes(shape, flagger, truth, level, codes, score, siblings)
+        seed[exists, child], split[exists, child] = here
+        empty[exists] += here[0] + here[1] == 0
     if not np.all(np.any(seed + split > 0, axis=1)):
         raise CorruptStreamError(f"positions: a split node of level {level + 1} has no children")
     children = 4 * parents[:, None] + np.arange(4)
@@ -283,8 +237,9 @@ def _neighbours(x: Codes, y: Codes, codes: Codes) -> dict[tuple[int, int], NDArr
 
 
 def _score(split: Flags, beside: dict[tuple[int, int], NDArray[np.int64]], child: int) -> NDArray[np.int64]:
-    """Sum over the four neighbours of child number `child` of each parent: 2 for one known to be split, 1 for one
-    not coded yet whose parent is split, else 0."""
+    """Sum over the four neighbours of child number `child` of each parent: 2 for one known to be split, 1 for
+    one not coded yet whose parent is split, else 0.
+    """
     score = np.zeros(len(split), np.int64)
     for (dx, dy), index in beside.items():
         half = child & 1 if dx else child >> 1
@@ -309,9 +264,8 @@ def _code_nodes(
     split = np.zeros(codes.size, np.int64)
     if level > shape.min_log:
         first = _SEED_CONTEXTS + (level - shape.min_log) * _SPLIT_CONTEXTS
-        split = flagger.code(
-            first + _SIBLINGS * score + siblings, None if truth is None else truth.split(level, codes)
-        )
+        given = None if truth is None else truth.split(level, codes)
+        split = flagger.code(first + _SIBLINGS * score + siblings, given)
     kind = 2 * (level == shape.min_log) + split
-    seed = flagger.code(_SIBLINGS * kind + siblings, None if truth is None else truth.seed(level, codes))
-    return seed, split
+    given = None if truth is None else truth.seed(level, codes)
+    return flagger.code(_SIBLINGS * kind + siblings, given), split

@@ -2,10 +2,11 @@
 
 A table gives every symbol an integer frequency of at least 1; the frequencies of a table sum to 2**PRECISION.
 
-- Zero-centred tables code n = round((v − m) / q), the distance of a value from its predicted mean in steps. Table
-  index = family · SCALES + i stands for standard deviation σ_i = 2**((i − 24) / 6) steps: 1/16 to 90 steps in ratios of
-  12 %. They were computed once by `make_tables.py` and are read from `tables.bin`, whose hash is pinned here: two
-  versions of a mathematics library that differ in the last bit can therefore never disagree about a stream.
+- Zero-centred tables code n = round((v − m) / q), the distance of a value from its predicted mean in steps.
+  Table index = family · SCALES + i stands for standard deviation σ_i = 2**((i − 24) / 6) steps: 1/16 to 90
+  steps in ratios of 12 %. They were computed once by `make_tables.py` and are read from `tables.bin`, whose
+  hash is pinned here: two versions of a mathematics library that differ in the last bit can therefore never
+  disagree about a stream.
 - Bernoulli tables code one bit with a probability given in eight bits.
 
 Floating point appears only in `bits`, which measures and never codes.
@@ -24,22 +25,22 @@ from numpy.typing import ArrayLike, NDArray
 from sgicodec.errors import UsageError
 
 __all__ = [
-    "PRECISION",
-    "TOTAL",
-    "SCALES",
-    "FAMILIES",
-    "TABLES",
-    "MAX_MAGNITUDE",
     "ESCAPE_EXPONENTS",
+    "FAMILIES",
+    "MAX_MAGNITUDE",
+    "PRECISION",
+    "SCALES",
+    "TABLES",
+    "TOTAL",
     "FrequencyTables",
-    "frequency_tables",
-    "scale_of",
-    "nearest_table",
     "bernoulli_frequencies",
+    "bits_of_frequencies",
     "escape_bits",
     "escape_exponent",
     "escape_frequencies",
-    "bits_of_frequencies",
+    "frequency_tables",
+    "nearest_table",
+    "scale_of",
 ]
 
 PRECISION = 24
@@ -51,7 +52,7 @@ FAMILIES = ("gaussian", "laplace")
 TABLES = SCALES * len(FAMILIES)
 
 MAX_MAGNITUDE = 1 << 20
-"""Largest |n| that a stream may hold: a sane step never needs it, and every sum of symbols stays far from overflow."""
+"""Largest |n| that a stream may hold: no sane step needs it, and sums of symbols stay far from overflow."""
 
 ESCAPE_EXPONENTS = 21
 """Number of Exp-Golomb exponents behind an escape: |n| − S − 1 lies in 0 .. MAX_MAGNITUDE − 1."""
@@ -62,7 +63,7 @@ _SHA256 = "7e86137a6abd4543b53f667e7ca867ab8bba768232796e9b2458be738410b1e0"
 
 @dataclass(frozen=True)
 class FrequencyTables:
-    """All zero-centred tables. Table t codes −support[t] … support[t] by themselves and the rest behind an escape."""
+    """All zero-centred tables. Table t codes −support[t] … support[t] themselves, others behind an escape."""
 
     support: NDArray[np.int32]  # [TABLES] S
     start: NDArray[np.int64]  # [TABLES] where a table starts in `frequency`
@@ -84,7 +85,7 @@ class FrequencyTables:
         support = self.support[t]
         excess = np.abs(n) - support
         index = self.start[t] + np.where(excess > 0, 2 * support + 1, n + support)
-        cost = self.symbol_bits[index]
+        cost: NDArray[np.float64] = self.symbol_bits[index]
         if np.any(excess > 0):
             cost = cost + np.where(excess > 0, escape_bits(np.maximum(excess - 1, 0)), 0.0)
         return cost
@@ -96,21 +97,22 @@ class FrequencyTables:
         return int(np.argmin(cost))
 
 
-def escape_exponent(excess: NDArray[np.int64]) -> NDArray[np.int32]:
-    """floor(log2(excess + 1)) for excess = |n| − S − 1 ≥ 0: which power of two an escaped magnitude falls into."""
-    return np.frexp((excess + 1).astype(np.float64))[1] - 1
+def escape_exponent(excess: NDArray[np.integer]) -> NDArray[np.int32]:
+    """floor(log2(excess + 1)) for excess = |n| − S − 1 ≥ 0."""
+    return (np.frexp((excess + 1).astype(np.float64))[1] - 1).astype(np.int32)
 
 
 def escape_frequencies() -> NDArray[np.int64]:
-    """[1, ESCAPE_EXPONENTS] frequencies 2**−(e+1) of the exponents e, the last one as likely as the last but one:
-    the unary prefix of an Exp-Golomb code of order 0."""
+    """[1, ESCAPE_EXPONENTS] frequencies 2**−(e+1) of the exponents e, the last one as likely as the last but
+    one: the unary prefix of an Exp-Golomb code of order 0.
+    """
     return TOTAL >> np.minimum(np.arange(1, ESCAPE_EXPONENTS + 1), ESCAPE_EXPONENTS - 1)[None, :]
 
 
-def escape_bits(excess: NDArray[np.int64]) -> NDArray[np.float64]:
+def escape_bits(excess: NDArray[np.integer]) -> NDArray[np.float64]:
     """Bits behind an escape: exponent, as many mantissa bits, sign."""
     exponent = escape_exponent(excess)
-    return np.minimum(exponent + 1, ESCAPE_EXPONENTS - 1) + exponent + 1.0
+    return (np.minimum(exponent + 1, ESCAPE_EXPONENTS - 1) + exponent + 1).astype(np.float64)
 
 
 def scale_of(table: int) -> float:
@@ -119,11 +121,12 @@ def scale_of(table: int) -> float:
 
 
 def nearest_table(scale: ArrayLike, family: int = 0) -> NDArray[np.int16]:
-    """Index of the table nearest in log σ to each `scale` (steps). For encoders and estimates: a decoder computes
-    table indices in integers."""
+    """Index of the table nearest in log σ to each `scale` (steps). For encoders and estimates: a decoder
+    computes table indices in integers.
+    """
     position = 24 + 6 * np.log2(np.maximum(np.asarray(scale, np.float64), 2.0**-20))
-    index = np.clip(np.rint(position), 0, SCALES - 1) + SCALES * family
-    return index.astype(np.int16)
+    index: NDArray[np.int16] = (np.clip(np.rint(position), 0, SCALES - 1) + SCALES * family).astype(np.int16)
+    return index
 
 
 def bernoulli_frequencies(code: ArrayLike) -> NDArray[np.int64]:
@@ -156,7 +159,7 @@ def frequency_tables() -> FrequencyTables:
 
 
 def parse_tables(data: bytes) -> FrequencyTables:
-    """Tables from the bytes of `tables.bin`: TABLES supports S as u16, then per table f(0) … f(S), f(escape) as u32."""
+    """Tables from the bytes of `tables.bin`: all S as u16, then per table f(0) … f(S), f(escape) as u32."""
     support = np.frombuffer(data, "<u2", TABLES).astype(np.int32)
     half = np.frombuffer(data, "<u4", offset=2 * TABLES).astype(np.int64)
     half_start = np.concatenate([[0], np.cumsum(support + 2)])

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 from sgicodec.errors import CorruptStreamError, UsageError
 
-__all__ = ["MAX_VARINT", "encode_varint", "decode_varint", "read_varint"]
+__all__ = ["MAX_VARINT", "decode_varint", "encode_varint", "read_varint"]
 
 MAX_VARINT = 2**63 - 1
 """Largest value: every reader can hold it in a signed 64-bit integer."""
@@ -53,7 +53,8 @@ def read_varint(read_byte: Callable[[], int]) -> int:
 
 
 def decode_varint(data: bytes | memoryview, offset: int = 0) -> tuple[int, int]:
-    """The integer that starts at `data[offset]`, and the offset behind it. Raises CorruptStreamError as `read_varint`.
+    """The integer that starts at `data[offset]`, and the offset behind it. Raises CorruptStreamError as
+    `read_varint`.
 
     >>> decode_varint(bytes.fromhex("ac02ff"))
     (300, 2)
