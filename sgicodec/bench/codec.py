@@ -1,0 +1,68 @@
+"""What the benchmark asks of a codec, whether it runs in this process or as a command of its own."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["Codec", "Pixels8", "RoundTrip", "timed"]
+
+Pixels8 = npt.NDArray[np.uint8]  # [H, W, 3]
+Result = TypeVar("Result")
+
+# A call this short is repeated, because the clock and the caches would decide its time.
+_SHORT_SECONDS = 0.1
+_REPEATS = 3
+
+
+@dataclass(frozen=True)
+class RoundTrip:
+    """One picture encoded and decoded: the file's bytes, the pixels it gives, and what that took.
+
+    `peak_mib` is the larger peak memory of the two processes in MiB; None where the codec runs in this
+    process.
+    """
+
+    data: bytes
+    pixels: Pixels8
+    encode_seconds: float
+    decode_seconds: float
+    peak_mib: float | None = None
+
+
+class Codec(Protocol):
+    """A codec at a ladder of qualities, by rising rate; the scale of `quality` is the codec's own."""
+
+    @property
+    def name(self) -> str:
+        """Names the codec's curve in tables and results."""
+
+    @property
+    def ladder(self) -> tuple[float, ...]:
+        """The qualities to measure."""
+
+    def version(self) -> str:
+        """The versions of all that decides what the file holds. Raises UsageError if it is missing."""
+
+    def settings(self, quality: float) -> str:
+        """Every setting of a point, in one line without tabs."""
+
+    def round_trip(self, pixels: Pixels8, quality: float) -> RoundTrip:
+        """Encode and decode once. Raises SgiError if the codec fails on this picture."""
+
+
+def timed(call: Callable[[], Result]) -> tuple[Result, float]:
+    """The result and the wall-clock seconds of `call`; the best of three runs when it is over at once."""
+    best = float("inf")
+    for _ in range(_REPEATS):
+        start = time.perf_counter()
+        result = call()
+        best = min(best, time.perf_counter() - start)
+        if best > _SHORT_SECONDS:
+            break
+    return result, best
