@@ -1,0 +1,147 @@
+"""The commands `bench` and `compare`."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from sgicodec.errors import OutputExistsError, TargetMissedError, UsageError
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    from sgicodec.bench.codec import Codec
+
+__all__ = ["bench", "compare"]
+
+_CODECS = ("sgi", "jpeg", "jpeg2000", "webp", "jxl", "avif")
+_FILE = click.Path(path_type=Path)
+
+
+@click.command()
+@click.argument("places", nargs=-1, required=True, type=_FILE, metavar="DIR|FILES...")
+@click.option("--codecs", help=f"Some of {','.join(_CODECS)}.  [default: all that are installed]")
+@click.option("--qualities", default="20,35,50,65,80", show_default=True, help="Points of sgi.")
+@click.option("--efforts", default="", help="Efforts of sgi, one curve each.  [default: sgi's own]")
+@click.option(
+    "--threads", default=1, show_default=True, type=click.IntRange(1), help="Threads of each codec."
+)
+@click.option("--out", default="bench-out", show_default=True, type=_FILE, help="Folder for the results.")
+@click.option("--plots/--no-plots", default=True, show_default=True, help="Draw the curves as PNG files.")
+@click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON instead of tables.")
+def bench(
+    places: tuple[Path, ...],
+    codecs: str | None,
+    qualities: str,
+    efforts: str,
+    threads: int,
+    out: Path,
+    plots: bool,
+    as_json: bool,
+) -> None:
+    """Measure rate, distortion and time of sgi against other codecs on the same pictures.
+
+    Every codec gets the pictures as 8-bit RGB. Results are added to OUT/results.tsv as they come; points
+    that it already holds are not measured again. OUT/summary.json holds what follows from this run's points.
+    """
+    from rich.console import Console
+
+    from sgicodec.bench.plots import write_plots
+    from sgicodec.bench.run import find_pictures, run_bench
+    from sgicodec.bench.tables import print_summary
+
+    chosen = _choose_codecs(codecs, qualities, efforts, threads)
+    summary = run_bench(find_pictures(places), chosen, out, report=lambda line: click.echo(line, err=True))
+    text = json.dumps(summary.to_json(), indent=2)
+    (out / "summary.json").write_text(text + "\n", "utf-8")
+    if plots:
+        write_plots(summary, out)
+    if as_json:
+        click.echo(text)
+    else:
+        print_summary(summary, Console())
+
+
+@click.command()
+@click.argument("a", type=_FILE)
+@click.argument("b", type=_FILE)
+@click.option("--map", "map_path", type=_FILE, help="Write the error B - A around mid-gray as a picture.")
+@click.option("--gain", default=8.0, show_default=True, help="Amplification of the error in that picture.")
+@click.option("-f", "--force", is_flag=True, help="Overwrite an existing error picture.")
+@click.option("--fail-under", type=float, metavar="DB", help="Exit with status 5 if the PSNR is below DB.")
+@click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
+def compare(
+    a: Path, b: Path, map_path: Path | None, gain: float, force: bool, fail_under: float | None, as_json: bool
+) -> None:
+    """Print how far picture B is from picture A: PSNR, luma PSNR, SSIM and MS-SSIM."""
+    from sgicodec import image, metrics
+
+    if map_path is not None and map_path.exists() and not force:
+        raise OutputExistsError(f"{map_path} exists; give -f to overwrite it")
+    reference, other = image.read(a), image.read(b)
+    first, second = (_scaled(picture.pixels, reference.sample_range) for picture in (reference, other))
+    scores = metrics.scores(first, second)
+    largest = metrics.largest_difference(reference.pixels, other.pixels)
+    if as_json:
+        figures = dataclasses.asdict(scores) | {"largest_difference": largest}
+        click.echo(json.dumps({name: v if math.isfinite(v) else None for name, v in figures.items()}))
+    else:
+        click.echo(f"PSNR                {scores.psnr:.3f} dB")
+        click.echo(f"luma PSNR           {scores.luma_psnr:.3f} dB")
+        click.echo(f"SSIM                {scores.ssim:.5f}")
+        click.echo(f"MS-SSIM             {scores.ms_ssim:.5f}")
+        click.echo(f"largest difference  {largest:g}")
+    if map_path is not None:
+        _write_map(map_path, metrics.error_map(first, second, gain=gain))
+    if fail_under is not None and not scores.psnr >= fail_under:
+        raise TargetMissedError(
+            f"{b} is at {scores.psnr:.3f} dB of {a}, below the {fail_under:g} dB asked for"
+        )
+
+
+def _scaled(pixels: npt.NDArray[Any], sample_range: tuple[float, float]) -> npt.NDArray[Any]:
+    """Floating-point samples on the scale where the range is 0..1; integers as they are."""
+    low, high = sample_range
+    return (pixels - low) / (high - low) if pixels.dtype.kind == "f" else pixels
+
+
+def _write_map(path: Path, pixels: npt.NDArray[np.uint8]) -> None:
+    from sgicodec import image
+
+    # An error in alpha would show as transparency.
+    shown, layout = (pixels[..., :1], "gray") if pixels.shape[2] < 3 else (pixels[..., :3], "rgb")
+    image.write(path, image.Picture(shown, layout, (0.0, 255.0)))
+
+
+def _choose_codecs(names: str | None, qualities: str, efforts: str, threads: int) -> list[Codec]:
+    """Sgi at each effort, then the peers, which may be missing only where none is asked for by name."""
+    from sgicodec.bench.peers import PEERS, find_peers
+    from sgicodec.bench.sgi import SgiCodec
+
+    wanted = _CODECS if names is None else [name.strip() for name in names.split(",")]
+    if unknown := [name for name in wanted if name not in _CODECS]:
+        raise UsageError(f"no codec is called {unknown[0]!r}; there are {', '.join(_CODECS)}")
+    peers, missing = find_peers([name for name in PEERS if name in wanted], threads)
+    if missing and names is not None:
+        raise UsageError("; ".join(missing.values()))
+    for reason in missing.values():
+        click.echo(f"left out: {reason}", err=True)
+    if "sgi" not in wanted:
+        return peers
+    ladder = tuple(sorted(_numbers(qualities, "--qualities")))
+    levels: list[int | None] = [int(level) for level in _numbers(efforts, "--efforts")]
+    curves = [SgiCodec(ladder, level, threads) for level in levels or [None]]
+    return [*curves, *peers]
+
+
+def _numbers(text: str, option: str) -> list[float]:
+    try:
+        return [float(part) for part in text.split(",") if part.strip()]
+    except ValueError as error:
+        raise UsageError(f"{option} takes numbers with commas between, not {text!r}") from error

@@ -1,0 +1,97 @@
+"""The sgi codec as a user meets it: the command line, on files, interpreter start included in every time."""
+
+from __future__ import annotations
+
+import hashlib
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError
+from importlib.metadata import version as distribution_version
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+
+from sgicodec.bench.codec import Pixels8, RoundTrip
+from sgicodec.errors import SgiError, UsageError
+
+__all__ = ["DEFAULT_QUALITIES", "SgiCodec", "fingerprint"]
+
+DEFAULT_QUALITIES = (20.0, 35.0, 50.0, 65.0, 80.0)
+
+_PACKAGE = Path(__file__).resolve().parent.parent
+_LAUNCHER = Path(__file__).with_name("launch.py")
+# What cannot change a stream: the benchmark itself and sources that act only once compiled.
+_INERT_SUFFIXES = {".pyc", ".cpp", ".hpp", ".cu", ".cuh"}
+
+
+@dataclass(frozen=True)
+class SgiCodec:
+    """`sgi encode` at a ladder of qualities and one effort (None for the command's default)."""
+
+    ladder: tuple[float, ...] = DEFAULT_QUALITIES
+    effort: int | None = None
+    threads: int = 1
+    command: tuple[str, ...] = (sys.executable, "-m", "sgicodec")
+
+    @property
+    def name(self) -> str:
+        return "sgi" if self.effort is None else f"sgi-e{self.effort}"
+
+    def version(self) -> str:
+        """The distribution's version and a fingerprint of the code, so that no result outlives the code."""
+        if find_spec("PIL") is None:
+            raise UsageError("the benchmark needs pillow: pip install sgicodec[bench]")
+        try:
+            number = distribution_version("sgicodec")
+        except PackageNotFoundError:
+            number = "source"
+        return f"{number}+{fingerprint(_PACKAGE)}"
+
+    def settings(self, quality: float) -> str:
+        effort = "default" if self.effort is None else self.effort
+        return f"quality={quality:g} effort={effort} threads={self.threads}"
+
+    def round_trip(self, pixels: Pixels8, quality: float) -> RoundTrip:
+        """Write a PNG, encode and decode by command, read the PNG. Raises SgiError if a command fails."""
+        from PIL import Image
+
+        with tempfile.TemporaryDirectory(prefix="sgi-bench-") as folder:
+            source, stream, result = (Path(folder, name) for name in ("in.png", "out.sgi", "rec.png"))
+            Image.fromarray(pixels).save(source, compress_level=1)
+            options = ["-q", f"{quality:g}", "-f", "--quiet", "--no-verify", "--threads", str(self.threads)]
+            if self.effort is not None:
+                options += ["-e", str(self.effort)]
+            encode_seconds, encode_peak = _run([*self.command, "encode", str(source), str(stream), *options])
+            decode_seconds, decode_peak = _run([*self.command, "decode", str(stream), str(result), "-f"])
+            with Image.open(result) as picture:
+                decoded = np.asarray(picture.convert("RGB"))
+            peaks = [peak for peak in (encode_peak, decode_peak) if peak is not None]
+            return RoundTrip(
+                stream.read_bytes(), decoded, encode_seconds, decode_seconds, max(peaks, default=None)
+            )
+
+
+def fingerprint(package: Path) -> str:
+    """Eight hexadecimal digits of a hash of every file of the package that can change what is coded."""
+    digest = hashlib.sha256()
+    for path in sorted(package.rglob("*")):
+        inside = path.relative_to(package)
+        if path.is_file() and inside.parts[0] != "bench" and path.suffix not in _INERT_SUFFIXES:
+            digest.update(f"{inside.as_posix()}\0{path.stat().st_size}\0".encode())
+            digest.update(path.read_bytes())
+    return digest.hexdigest()[:8]
+
+
+def _run(command: Sequence[str]) -> tuple[float, float | None]:
+    """Seconds and peak MiB of a command. Raises SgiError with its last line of complaint if it fails."""
+    launched = [sys.executable, "-I", str(_LAUNCHER), *command]
+    done = subprocess.run(launched, capture_output=True, text=True, errors="replace", check=False)
+    if done.returncode:
+        complaint = [line for line in done.stderr.splitlines() if line.strip()] or ["it says nothing"]
+        raise SgiError(f"`{' '.join(command)}` failed: {complaint[-1]}")
+    seconds, peak = done.stdout.split()
+    return float(seconds), None if peak == "-" else float(peak)

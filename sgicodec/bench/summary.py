@@ -1,0 +1,166 @@
+"""What follows from a run's rows: quality at equal rates, BD-rates, times."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from sgicodec.bench.bdrate import Curve, Delta, bd_quality, bd_rate
+from sgicodec.bench.rows import Row
+
+__all__ = ["MEASURES", "RATES", "Comparison", "Summary", "curves", "is_sgi", "mean_at", "summarise", "times"]
+
+RATES = (0.15, 0.2, 0.3, 0.5, 0.75, 1.0)  # bits per pixel
+
+# What BD-rates are taken over. MS-SSIM in decibels, because its differences near 1 are what counts.
+MEASURES: dict[str, Callable[[Row], float]] = {
+    "psnr": lambda row: row.psnr,
+    "luma_psnr": lambda row: row.luma_psnr,
+    "ms_ssim": lambda row: -10 * math.log10(1 - row.ms_ssim) if row.ms_ssim < 1 else math.inf,
+}
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """The BD-rate in percent (and the delta in dB) of codec `test` against `anchor`, by one measure."""
+
+    test: str
+    anchor: str
+    measure: str
+    rates: dict[str, Delta]  # by picture
+    qualities: dict[str, Delta]  # by picture
+
+    @property
+    def mean_rate(self) -> float:
+        """Mean of the pictures' BD-rates in percent, over those that have one."""
+        return _mean([delta.value for delta in self.rates.values()])
+
+    @property
+    def mean_quality(self) -> float:
+        """Mean of the pictures' deltas in dB, over those that have one."""
+        return _mean([delta.value for delta in self.qualities.values()])
+
+
+@dataclass(frozen=True)
+class Summary:
+    """A run's rows and what was made of them.
+
+    `means[codec][bpp]` holds the mean PSNR in dB and the number of pictures whose curve reaches that rate.
+    """
+
+    rows: list[Row]
+    codecs: list[str]
+    pictures: list[str]
+    means: dict[str, dict[float, tuple[float, int]]]
+    comparisons: list[Comparison]
+    failures: list[str]
+
+    def to_json(self) -> dict[str, Any]:
+        """A tree of plain values; what is not a number is null."""
+        return {
+            "pictures": self.pictures,
+            "codecs": {
+                name: sorted({row.version for row in self.rows if row.codec == name}) for name in self.codecs
+            },
+            "mean_psnr_at_bpp": {
+                name: {
+                    f"{rate:g}": {"psnr": _plain(value), "pictures": count}
+                    for rate, (value, count) in at.items()
+                }
+                for name, at in self.means.items()
+            },
+            "times": {name: times(self.rows, name) for name in self.codecs},
+            "comparisons": [_comparison_json(comparison) for comparison in self.comparisons],
+            "failures": self.failures,
+        }
+
+
+def picture_label(row: Row) -> str:
+    """Names a picture in tables; the CRC tells two of one file name apart."""
+    return f"{row.picture} {row.crc}"
+
+
+def curves(rows: Sequence[Row], codec: str, measure: str = "psnr") -> dict[str, Curve]:
+    """The rate–quality curve of a codec on each picture, rate in bpp."""
+    by_picture: dict[str, list[Row]] = {}
+    for row in rows:
+        if row.codec == codec:
+            by_picture.setdefault(picture_label(row), []).append(row)
+    value = MEASURES[measure]
+    return {name: Curve([r.bpp for r in own], [value(r) for r in own]) for name, own in by_picture.items()}
+
+
+def mean_at(own: dict[str, Curve], bpp: float) -> tuple[float, int]:
+    """Mean quality at a rate over the pictures whose curve reaches it, and how many these are."""
+    values = [value for curve in own.values() if not math.isnan(value := curve.quality_at(bpp))]
+    return _mean(values), len(values)
+
+
+def times(rows: Sequence[Row], codec: str) -> dict[str, float | None]:
+    """Mean seconds to encode and decode over all points, and the largest memory in MiB where known."""
+    own = [row for row in rows if row.codec == codec]
+    memory = [row.memory_mib for row in own if row.memory_mib is not None]
+    return {
+        "encode_seconds": _plain(_mean([row.encode_seconds for row in own])),
+        "decode_seconds": _plain(_mean([row.decode_seconds for row in own])),
+        "memory_mib": max(memory, default=None),
+    }
+
+
+def summarise(rows: Sequence[Row], codecs: Sequence[str], failures: Sequence[str] = ()) -> Summary:
+    """Means at `RATES`; BD-rates of each sgi curve against each peer, and of each peer against the first."""
+    peers = [name for name in codecs if not is_sgi(name)]
+    pairs = [(test, anchor) for test in codecs if is_sgi(test) for anchor in peers]
+    pairs += [(test, peers[0]) for test in peers[1:]]
+    means = {name: {rate: mean_at(curves(rows, name), rate) for rate in RATES} for name in codecs}
+    comparisons = [_compare(rows, test, anchor, measure) for test, anchor in pairs for measure in MEASURES]
+    pictures = list(dict.fromkeys(picture_label(row) for row in rows))
+    return Summary(list(rows), list(codecs), pictures, means, comparisons, list(failures))
+
+
+def _compare(rows: Sequence[Row], test: str, anchor: str, measure: str) -> Comparison:
+    tests, anchors = curves(rows, test, measure), curves(rows, anchor, measure)
+    common = [name for name in anchors if name in tests]
+    return Comparison(
+        test,
+        anchor,
+        measure,
+        {name: bd_rate(anchors[name], tests[name]) for name in common},
+        {name: bd_quality(anchors[name], tests[name]) for name in common},
+    )
+
+
+def is_sgi(name: str) -> bool:
+    """Whether a codec of this name is sgi, at whatever effort."""
+    return name == "sgi" or name.startswith("sgi-")
+
+
+def _mean(values: Sequence[float]) -> float:
+    known = [value for value in values if not math.isnan(value)]
+    return sum(known) / len(known) if known else math.nan
+
+
+def _plain(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _comparison_json(comparison: Comparison) -> dict[str, Any]:
+    pictures = {
+        name: {
+            "bd_rate_percent": _plain(rate.value),
+            "bd_quality_db": _plain(comparison.qualities[name].value),
+            "quality_range_db": [_plain(rate.low), _plain(rate.high)],
+            "reason": rate.reason,
+        }
+        for name, rate in comparison.rates.items()
+    }
+    return {
+        "test": comparison.test,
+        "anchor": comparison.anchor,
+        "measure": comparison.measure,
+        "mean_bd_rate_percent": _plain(comparison.mean_rate),
+        "mean_bd_quality_db": _plain(comparison.mean_quality),
+        "pictures": pictures,
+    }

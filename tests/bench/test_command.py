@@ -1,0 +1,178 @@
+"""The commands `bench` and `compare` as a user types them."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+from sgicodec.bench.command import bench, compare
+from sgicodec.errors import OutputExistsError, TargetMissedError, UsageError
+
+Image = pytest.importorskip("PIL.Image")
+
+
+def save(path: Path, pixels: np.ndarray) -> Path:
+    Image.fromarray(pixels).save(path)
+    return path
+
+
+def picture(height: int = 40, width: int = 56) -> np.ndarray:
+    y, x = np.mgrid[:height, :width]
+    return np.stack([(3 * x + y) % 200, (x + 2 * y) % 200, (x * y) // 16 % 200], axis=2).astype(np.uint8)
+
+
+def call(command: object, *arguments: object) -> Result:
+    return CliRunner().invoke(command, [str(argument) for argument in arguments])
+
+
+def test_bench_prints_tables_and_leaves_results(tmp_path: Path) -> None:
+    source = save(tmp_path / "p.png", picture())
+    result = call(bench, source, "--codecs", "webp,jpeg", "--out", tmp_path / "out")
+    assert result.exit_code == 0, result.exception
+    assert "BD-rate in % against jpeg of" in result.stdout
+    assert "1/1 p.png 56x40: 16 points measured, 0 already there" in result.stderr
+    names = {path.name.split("-")[0] for path in (tmp_path / "out").iterdir()}
+    assert names == {"results.tsv", "summary.json", "rd", "time.png"}
+
+
+def test_bench_resumes_and_prints_json(tmp_path: Path) -> None:
+    source = save(tmp_path / "p.png", picture())
+    arguments = (source, "--codecs", "jpeg", "--out", tmp_path / "out", "--no-plots", "--json")
+    first, second = call(bench, *arguments), call(bench, *arguments)
+    assert "0 points measured, 8 already there" in second.stderr
+    assert json.loads(first.stdout) == json.loads(second.stdout)
+    assert json.loads(first.stdout) == json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert list(json.loads(first.stdout)["codecs"]) == ["jpeg"]
+
+
+def test_bench_runs_sgi_at_each_effort_and_quality(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from sgicodec.bench import run
+
+    seen = {}
+    monkeypatch.setattr(
+        run, "run_bench", lambda pictures, codecs, out, report: seen.update(codecs=codecs) or 1 / 0
+    )
+    save(tmp_path / "p.png", picture())
+    call(
+        bench,
+        tmp_path,
+        "--codecs",
+        "sgi,jpeg",
+        "--efforts",
+        "2,7",
+        "--qualities",
+        "60,30.5",
+        "--threads",
+        "3",
+    )
+    assert [codec.name for codec in seen["codecs"]] == ["sgi-e2", "sgi-e7", "jpeg"]
+    assert seen["codecs"][0].ladder == (30.5, 60)
+    assert seen["codecs"][0].threads == 3
+    call(bench, tmp_path, "--codecs", "sgi")
+    assert [(codec.name, codec.ladder) for codec in seen["codecs"]] == [("sgi", (20, 35, 50, 65, 80))]
+
+
+def test_bench_leaves_out_aloud_what_is_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from sgicodec.bench import run
+
+    seen = {}
+    monkeypatch.setattr(
+        run, "run_bench", lambda pictures, codecs, out, report: seen.update(codecs=codecs) or 1 / 0
+    )
+    monkeypatch.setitem(sys.modules, "imagecodecs", None)
+    result = call(bench, save(tmp_path / "p.png", picture()))
+    assert "left out: jxl needs imagecodecs: pip install sgicodec[bench]" in result.stderr
+    assert [codec.name for codec in seen["codecs"]] == ["sgi", "jpeg", "jpeg2000", "webp", "avif"]
+    asked = call(bench, tmp_path / "p.png", "--codecs", "jpeg,jxl")
+    assert isinstance(asked.exception, UsageError)
+    assert "pip install sgicodec[bench]" in str(asked.exception)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["--codecs", "jpeg,bpg"], "no codec is called 'bpg'"),
+        (["--qualities", "20,high"], "--qualities takes numbers"),
+        (["--efforts", "max"], "--efforts takes numbers"),
+    ],
+)
+def test_bench_refuses_what_makes_no_sense(tmp_path: Path, arguments: list[str], complaint: str) -> None:
+    save(tmp_path / "p.png", picture())
+    result = call(bench, tmp_path, "--out", tmp_path / "out", *arguments)
+    assert isinstance(result.exception, UsageError)
+    assert complaint in str(result.exception)
+    assert not (tmp_path / "out").exists()
+
+
+def test_compare_prints_the_figures(tmp_path: Path) -> None:
+    a = save(tmp_path / "a.png", picture())
+    b = save(tmp_path / "b.png", picture() + np.uint8(5))
+    lines = call(compare, a, b).stdout.splitlines()
+    expected = f"{20 * math.log10(255 / 5):.3f} dB"
+    assert [line.split(maxsplit=1)[0] for line in lines] == ["PSNR", "luma", "SSIM", "MS-SSIM", "largest"]
+    assert lines[0].endswith(expected)
+    assert lines[1].endswith(expected)
+    assert lines[4] == "largest difference  5"
+
+
+def test_compare_as_json(tmp_path: Path) -> None:
+    a = save(tmp_path / "a.png", picture())
+    figures = json.loads(call(compare, a, a, "--json").stdout)
+    assert figures["psnr"] is None
+    assert figures["ssim"] == pytest.approx(1)
+    assert figures["largest_difference"] == 0
+    assert set(figures) == {"psnr", "luma_psnr", "ssim", "ms_ssim", "largest_difference"}
+
+
+def test_compare_draws_the_error(tmp_path: Path) -> None:
+    changed = picture()
+    changed[3, 4] += np.array([0, 2, 20], np.uint8)
+    a, b = save(tmp_path / "a.png", picture()), save(tmp_path / "b.png", changed)
+    target = tmp_path / "map.png"
+    assert call(compare, a, b, "--map", target, "--gain", "10").exit_code == 0
+    drawn = np.asarray(Image.open(target))
+    assert drawn[3, 4].tolist() == [128, 148, 255]
+    assert (np.delete(drawn.reshape(-1, 3), 3 * 56 + 4, axis=0) == 128).all()
+    assert isinstance(call(compare, b, a, "--map", target).exception, OutputExistsError)
+    assert call(compare, b, a, "--map", target, "-f").exit_code == 0
+    assert np.asarray(Image.open(target))[3, 4].tolist() == [128, 112, 0]
+
+
+def test_compare_leaves_alpha_out_of_the_map(tmp_path: Path) -> None:
+    clear = np.dstack([picture(), np.full((40, 56), 200, np.uint8)])
+    opaque = np.dstack([picture(), np.full((40, 56), 255, np.uint8)])
+    a, b = save(tmp_path / "a.png", clear), save(tmp_path / "b.png", opaque)
+    assert call(compare, a, b, "--map", tmp_path / "map.png").exit_code == 0
+    assert np.asarray(Image.open(tmp_path / "map.png")).shape == (40, 56, 3)
+
+
+def test_compare_fails_under_a_target(tmp_path: Path) -> None:
+    a = save(tmp_path / "a.png", picture())
+    b = save(tmp_path / "b.png", picture() + np.uint8(5))
+    assert call(compare, a, b, "--fail-under", "34.1").exit_code == 0
+    missed = call(compare, a, b, "--fail-under", "34.2")
+    assert isinstance(missed.exception, TargetMissedError)
+    assert "34.151 dB" in str(missed.exception)
+    assert "PSNR" in missed.stdout
+    assert call(compare, a, a, "--fail-under", "99").exit_code == 0
+
+
+def test_compare_refuses_unlike_pictures(tmp_path: Path) -> None:
+    a = save(tmp_path / "a.png", picture())
+    b = save(tmp_path / "b.png", picture()[:-1])
+    assert "56x40 with 3 channels and 56x39" in str(call(compare, a, b).exception)
+
+
+def test_commands_import_nothing_heavy() -> None:
+    import subprocess
+
+    heavy = "('numpy', 'PIL', 'matplotlib', 'imagecodecs', 'torch', 'rich')"
+    code = f"import sys, sgicodec.bench.command; print([m for m in {heavy} if m in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

@@ -1,0 +1,146 @@
+"""The measurement with a codec whose bytes and errors are known."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sgicodec.bench.codec import Pixels8, RoundTrip
+from sgicodec.bench.rows import Results
+from sgicodec.bench.run import find_pictures, run_bench, to_rgb
+from sgicodec.errors import PictureError, SgiError, UsageError
+
+Image = pytest.importorskip("PIL.Image")
+
+
+@dataclass
+class Shifter:
+    """Adds its quality to every sample and claims 100 bytes for each level of quality."""
+
+    name: str = "shifter"
+    ladder: tuple[float, ...] = (4, 2)
+    release: str = "1.0"
+    fails_at: float | None = None
+    coded: list[tuple[str, float]] = field(default_factory=list)
+
+    def version(self) -> str:
+        return self.release
+
+    def settings(self, quality: float) -> str:
+        return f"shift={quality:g}"
+
+    def round_trip(self, pixels: Pixels8, quality: float) -> RoundTrip:
+        if quality == self.fails_at:
+            raise SgiError("too hard")
+        self.coded.append((str(pixels.shape), quality))
+        return RoundTrip(b"x" * int(100 * quality), pixels + np.uint8(quality), 0.5, 0.25, 64.0)
+
+
+@pytest.fixture
+def pictures(tmp_path: Path) -> list[Path]:
+    rng = np.random.default_rng(5)
+    folder = tmp_path / "pictures"
+    folder.mkdir()
+    for name, shape in {"b.png": (20, 30, 3), "a.png": (16, 12)}.items():
+        Image.fromarray(rng.integers(0, 200, shape, np.uint8)).save(folder / name)
+    (folder / "notes.txt").write_text("no picture")
+    return find_pictures([folder])
+
+
+def test_each_point_becomes_a_row(pictures: list[Path], tmp_path: Path) -> None:
+    lines: list[str] = []
+    summary = run_bench(pictures, [Shifter()], tmp_path / "out", report=lines.append)
+    rows = list(Results(tmp_path / "out" / "results.tsv").rows.values())
+    assert rows == summary.rows
+    assert [(row.picture, row.settings) for row in rows] == [
+        (name, setting) for name in ("a.png", "b.png") for setting in ("shift=4", "shift=2")
+    ]
+    last = rows[-1]
+    assert (last.width, last.height, last.bytes, last.quality) == (30, 20, 200, 2)
+    assert last.bpp == pytest.approx(8 * 200 / 600)
+    assert last.psnr == pytest.approx(20 * math.log10(255 / 2))
+    assert last.luma_psnr == pytest.approx(20 * math.log10(255 / 2))
+    assert (last.encode_seconds, last.decode_seconds, last.memory_mib) == (0.5, 0.25, 64.0)
+    assert [line[:14] for line in lines] == ["1/2 a.png 12x1", "2/2 b.png 30x2"]
+    assert "2 points measured, 0 already there" in lines[1]
+
+
+def test_a_second_run_measures_only_what_is_new(pictures: list[Path], tmp_path: Path) -> None:
+    first = run_bench(pictures, [Shifter()], tmp_path)
+    again = Shifter()
+    assert run_bench(pictures, [again], tmp_path).rows == first.rows
+    assert again.coded == []
+    longer = Shifter(ladder=(4, 3, 2))
+    assert len(run_bench(pictures, [longer], tmp_path).rows) == 6
+    assert [quality for _, quality in longer.coded] == [3, 3]
+    for changed in (Shifter(release="1.1"), Shifter(name="other")):
+        run_bench(pictures, [changed], tmp_path)
+        assert len(changed.coded) == 4
+
+
+def test_a_changed_picture_of_the_same_name_is_new(pictures: list[Path], tmp_path: Path) -> None:
+    before = run_bench(pictures, [Shifter()], tmp_path)
+    pixels = np.asarray(Image.open(pictures[1])).copy()
+    pixels[0, 0, 0] ^= 1
+    Image.fromarray(pixels).save(pictures[1])
+    codec = Shifter()
+    after = run_bench(pictures, [codec], tmp_path)
+    assert [shape for shape, _ in codec.coded] == ["(20, 30, 3)"] * 2
+    assert after.rows[:2] == before.rows[:2]
+    assert after.rows[2].crc != before.rows[2].crc
+
+
+def test_a_failing_point_does_not_end_the_run(pictures: list[Path], tmp_path: Path) -> None:
+    lines: list[str] = []
+    summary = run_bench(pictures, [Shifter(fails_at=2)], tmp_path, report=lines.append)
+    assert [row.quality for row in summary.rows] == [4, 4]
+    assert summary.failures == [f"{name}, shifter, shift=2: too hard" for name in ("a.png", "b.png")]
+    assert summary.failures[0] in lines
+    mended = Shifter()
+    assert run_bench(pictures, [mended], tmp_path).failures == []
+    assert [quality for _, quality in mended.coded] == [2, 2]
+
+
+def test_codecs_of_one_name_are_refused(pictures: list[Path], tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="same name"):
+        run_bench(pictures, [Shifter(), Shifter(ladder=(9,))], tmp_path)
+
+
+def test_an_unreadable_picture_ends_the_run(tmp_path: Path) -> None:
+    (tmp_path / "broken.png").write_bytes(b"\x89PNG\r\n\x1a\nnothing more")
+    with pytest.raises(PictureError, match=r"broken\.png"):
+        run_bench([tmp_path / "broken.png"], [Shifter()], tmp_path)
+
+
+def test_places_are_files_or_folders(pictures: list[Path], tmp_path: Path) -> None:
+    assert [path.name for path in pictures] == ["a.png", "b.png"]
+    assert find_pictures([pictures[1], pictures[0].parent]) == [pictures[1], *pictures]
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(UsageError, match="holds no pictures"):
+        find_pictures([tmp_path / "empty"])
+    with pytest.raises(UsageError, match="does not exist"):
+        find_pictures([tmp_path / "nowhere.png"])
+
+
+def test_every_layout_becomes_rgb() -> None:
+    gray = np.array([[[7]], [[250]]], np.uint8)
+    assert to_rgb(gray).tolist() == [[[7, 7, 7]], [[250, 250, 250]]]
+    assert to_rgb(np.array([[[7, 99]]], np.uint8)).tolist() == [[[7, 7, 7]]]
+    assert to_rgb(np.array([[[1, 2, 3, 4]]], np.uint8)).tolist() == [[[1, 2, 3]]]
+
+
+def test_16_bits_are_rounded_to_8(tmp_path: Path) -> None:
+    Image.fromarray(np.array([[0, 128, 129, 65535]], np.uint16)).save(tmp_path / "deep.png")
+    seen: list[list[int]] = []
+
+    class Witness(Shifter):
+        def round_trip(self, pixels: Pixels8, quality: float) -> RoundTrip:
+            seen.append(pixels[0, :, 1].tolist())
+            return super().round_trip(pixels, quality)
+
+    run_bench([tmp_path / "deep.png"], [Witness(ladder=(1,))], tmp_path)
+    assert seen == [[0, 0, 1, 255]]

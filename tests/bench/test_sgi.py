@@ -1,0 +1,99 @@
+"""The sgi codec's runner, driven by a stand-in for the command line."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sgicodec.bench.sgi import SgiCodec, fingerprint
+from sgicodec.errors import SgiError
+
+pytest.importorskip("PIL")
+
+# Notes its arguments, and "codes" a picture as its own PNG.
+STAND_IN = """
+import json, pathlib, shutil, sys
+here = pathlib.Path(sys.argv[0])
+with here.with_suffix(".log").open("a") as log:
+    log.write(json.dumps(sys.argv[1:]) + "\\n")
+verb, source, target, *options = sys.argv[1:]
+if options[:2] == ["-q", "13"]:
+    print("Traceback ...\\nUnlucky: 13 is not a quality\\n", file=sys.stderr)
+    sys.exit(2)
+held = bytearray(300 << 20 if verb == "decode" and here.stem == "big" else 0)
+held[::4096] = b"x" * len(held[::4096])
+print("chatter")
+shutil.copy(source, target)
+"""
+
+
+def stand_in(folder: Path, name: str = "fake") -> tuple[str, ...]:
+    script = folder / f"{name}.py"
+    script.write_text(STAND_IN)
+    return (sys.executable, str(script))
+
+
+def picture() -> np.ndarray:
+    return np.random.default_rng(0).integers(0, 256, (9, 14, 3), np.uint8)
+
+
+def test_commands_get_the_files_and_settings(tmp_path: Path) -> None:
+    codec = SgiCodec(effort=3, threads=2, command=stand_in(tmp_path))
+    trip = codec.round_trip(picture(), 35)
+    assert np.array_equal(trip.pixels, picture())
+    assert trip.data.startswith(b"\x89PNG")
+    assert trip.encode_seconds > 0
+    assert trip.decode_seconds > 0
+    encode, decode = (json.loads(line) for line in (tmp_path / "fake.log").read_text().splitlines())
+    assert encode[0] == "encode"
+    assert encode[2].endswith(".sgi")
+    assert encode[3:] == ["-q", "35", "-f", "--quiet", "--no-verify", "--threads", "2", "-e", "3"]
+    assert decode == ["decode", encode[2], decode[2], "-f"]
+    assert not Path(encode[1]).exists()
+
+
+def test_default_effort_is_left_to_the_command(tmp_path: Path) -> None:
+    codec = SgiCodec(command=stand_in(tmp_path))
+    codec.round_trip(picture(), 50)
+    assert "-e" not in (tmp_path / "fake.log").read_text()
+    assert (codec.name, SgiCodec(effort=7).name) == ("sgi", "sgi-e7")
+    assert codec.settings(50) != SgiCodec(effort=7).settings(50) != SgiCodec(effort=7, threads=4).settings(50)
+
+
+def test_a_failing_command_passes_on_its_last_line(tmp_path: Path) -> None:
+    with pytest.raises(SgiError, match=r"failed: Unlucky: 13 is not a quality$"):
+        SgiCodec(command=stand_in(tmp_path)).round_trip(picture(), 13)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the system does not tell a child's peak memory")
+def test_peak_memory_is_the_command_s_and_not_the_benchmark_s(tmp_path: Path) -> None:
+    ballast = np.ones(300 << 17)  # 300 MiB held here
+    small = SgiCodec(command=stand_in(tmp_path, "small")).round_trip(picture(), 50).peak_mib
+    big = SgiCodec(command=stand_in(tmp_path, "big")).round_trip(picture(), 50).peak_mib
+    assert ballast.nbytes == 300 << 20
+    assert 0 < small < 150
+    assert 300 < big < 500
+
+
+def test_fingerprint_follows_the_code_that_codes(tmp_path: Path) -> None:
+    (tmp_path / "bench").mkdir()
+    (tmp_path / "fit").mkdir()
+    (tmp_path / "fit" / "rate.py").write_text("a")
+    before = fingerprint(tmp_path)
+    (tmp_path / "bench" / "run.py").write_text("ignored")
+    (tmp_path / "fit" / "rate.pyc").write_text("ignored")
+    assert fingerprint(tmp_path) == before
+    (tmp_path / "fit" / "rate.py").write_text("b")
+    assert fingerprint(tmp_path) != before
+    (tmp_path / "fit" / "rate.py").write_text("a")
+    (tmp_path / "prior.bin").write_bytes(b"")
+    assert fingerprint(tmp_path) != before
+
+
+def test_version_names_the_fingerprint() -> None:
+    package = Path(sys.modules["sgicodec.bench.sgi"].__file__).parent.parent
+    assert SgiCodec().version().endswith("+" + fingerprint(package))
