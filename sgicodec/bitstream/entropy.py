@@ -110,6 +110,8 @@ class SymbolWalk(ABC):
         if context.size and (frequencies.min() < 0 or np.any(frequencies.sum(axis=1) != TOTAL)):
             raise UsageError(f"entropy: frequencies must be non-negative and sum to {TOTAL} in every row")
         values = None if symbols is None else _as_values(symbols, context.size)
+        if values is not None and np.any((values < 0) | (values >= frequencies.shape[1])):
+            raise UsageError(f"entropy: a symbol is outside 0..{frequencies.shape[1] - 1}")
         if values is not None and np.any(frequencies[context, values] == 0):
             raise UsageError("entropy: a symbol has frequency 0 in its context")
         present = frequencies > 0
