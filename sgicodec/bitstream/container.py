@@ -162,7 +162,7 @@ class ChunkReader:
         return b"".join(self._body(chunk))
 
     def _body(self, chunk: Chunk) -> Iterator[bytes]:
-        """The payload in blocks, then the check of its CRC: a length that lies cannot make memory be taken."""
+        """The payload in blocks, then the check of its CRC: a lying length cannot make memory be taken."""
         self._go_to(chunk.offset + len(chunk.head), chunk)
         crc = zlib.crc32(chunk.head)
         left = chunk.length

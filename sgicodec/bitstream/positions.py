@@ -8,7 +8,7 @@ Levels are coded from the roots down, and within a level the children number 0, 
 one number after the other. When a child is coded its parent's level is thus complete, and so are the earlier
 children of the whole level: half of its neighbours. Their splits predict its own; on adaptive trees this
 context takes a fifth off what the parent level alone gives. The probability of each context is sent in four
-bits where the context first occurs.
+bits where the context first occurs; small trees merge contexts.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.bitstream.entropy import SymbolWalk
-from sgicodec.bitstream.morton import Codes, canonical_order, morton, unmorton
 from sgicodec.bitstream.tables import TOTAL, bits_of_frequencies
 from sgicodec.errors import CorruptStreamError, LimitError, UsageError
+from sgicodec.model.morton import Codes, canonical_order, morton, unmorton
 
 __all__ = ["Seeds", "TreeShape", "code_positions"]
 
@@ -38,6 +38,9 @@ ONES = (0, 3, 6, 11, 21, 38, 67, 106, 150, 189, 218, 235, 245, 250, 253, 256)
 """P(flag = 1) · 256 for each 4-bit code: equal steps of log-odds, and "never" and "always" at the ends."""
 
 _FREQUENCIES = np.array([[256 - one, one] for one in ONES], np.int64) * (TOTAL // 256)  # [16, 2]
+
+SCORE_SHIFTS = (0, 1, 2, 4)
+"""By how much neighbour scores are shifted: small trees cannot pay for the probabilities of all contexts."""
 
 _SIBLINGS = 8
 """Contexts from earlier siblings: 2 · number empty (0..3) + (any occupied)."""
@@ -83,12 +86,13 @@ def code_positions(walk: SymbolWalk, shape: TreeShape, seeds: Seeds | None, max_
     if columns * rows > MAX_ROOTS:
         raise LimitError(f"positions: {columns}×{rows} root nodes; at most {MAX_ROOTS} are allowed")
     truth = None if seeds is None else _Truth(shape, seeds, max_seeds)
-    best = None
+    detail = best = None
     if truth is not None:
         counter = _FlagCounter(shape)
         _traverse(shape, counter, truth, max_seeds)
-        best = counter.best()
-    found = _traverse(shape, _FlagCoder(walk, shape, best), truth, max_seeds)
+        detail, best = counter.best()
+    detail = walk.code_int(detail, 2)
+    found = _traverse(shape, _FlagCoder(walk, _merged_contexts(shape, detail), best), truth, max_seeds)
     code = np.concatenate([codes for codes, _ in found])
     log_size = np.concatenate([np.full(codes.size, level, np.int8) for codes, level in found])
     corner = np.stack(unmorton(code), axis=-1) << log_size[:, None]
@@ -105,30 +109,39 @@ class _FlagCounter:
     """Counts zeros and ones per context: the first walk of the encoder, which codes nothing."""
 
     def __init__(self, shape: TreeShape) -> None:
-        self.counts = np.zeros((_context_count(shape), 2), np.int64)
+        self._shape = shape
+        self._counts = np.zeros((_context_count(shape), 2), np.int64)
 
     def code(self, contexts: NDArray[np.int64], flags: Flags | None) -> Flags:
         if flags is None:
             raise UsageError("positions: counting needs flags")
-        self.counts += np.bincount(2 * contexts + flags, minlength=self.counts.size).reshape(-1, 2)
+        self._counts += np.bincount(2 * contexts + flags, minlength=self._counts.size).reshape(-1, 2)
         return flags
 
-    def best(self) -> NDArray[np.int64]:
-        """The probability code of least cost for each context."""
+    def best(self) -> tuple[int, NDArray[np.int64]]:
+        """The detail of contexts that costs least, with the probability code of each context under it."""
         bits = np.minimum(bits_of_frequencies(_FREQUENCIES), 1e9)  # impossible, but 0 · ∞ is not a number
-        codes: NDArray[np.int64] = np.argmin(self.counts @ bits.T, axis=1)
-        return codes
+        trials = []
+        for detail in range(len(SCORE_SHIFTS)):
+            counts = np.zeros_like(self._counts)
+            np.add.at(counts, _merged_contexts(self._shape, detail), self._counts)
+            costs = counts @ bits.T  # [contexts, 16]
+            total = costs.min(axis=1).sum() + 4 * np.count_nonzero(counts.any(axis=1))
+            trials.append((float(total), detail, np.argmin(costs, axis=1)))
+        return min(trials, key=lambda trial: trial[:2])[1:]
 
 
 class _FlagCoder:
     """Codes flags under the probability of their context, which is sent before the first flag it is for."""
 
-    def __init__(self, walk: SymbolWalk, shape: TreeShape, best: NDArray[np.int64] | None) -> None:
+    def __init__(self, walk: SymbolWalk, merged: NDArray[np.int64], best: NDArray[np.int64] | None) -> None:
         self._walk = walk
+        self._merged = merged
         self._best = best
-        self._sent = np.full(_context_count(shape), -1, np.int64)
+        self._sent = np.full(merged.size, -1, np.int64)
 
     def code(self, contexts: NDArray[np.int64], flags: Flags | None) -> Flags:
+        contexts = self._merged[contexts]
         occurring = np.unique(contexts)
         fresh = occurring[self._sent[occurring] < 0]
         best = None if self._best is None else self._best[fresh]
@@ -178,6 +191,16 @@ def _find(values: Codes, ordered: Codes) -> NDArray[np.int64]:
 
 def _context_count(shape: TreeShape) -> int:
     return _SEED_CONTEXTS + (shape.root_log - shape.min_log + 1) * _SPLIT_CONTEXTS
+
+
+def _merged_contexts(shape: TreeShape, detail: int) -> NDArray[np.int64]:
+    """The context that stands for each context once scores are shifted by SCORE_SHIFTS[detail]."""
+    context = np.arange(_context_count(shape))
+    level, rest = np.divmod(context - _SEED_CONTEXTS, _SPLIT_CONTEXTS)
+    score, siblings = np.divmod(rest, _SIBLINGS)
+    shifted = score >> SCORE_SHIFTS[detail]
+    merged = _SEED_CONTEXTS + level * _SPLIT_CONTEXTS + shifted * _SIBLINGS + siblings
+    return np.where(context < _SEED_CONTEXTS, context, merged)
 
 
 def _traverse(

@@ -98,7 +98,7 @@ def test_pipes_refuse_to_go_back() -> None:
 
 def test_unknown_optional_chunks_are_skipped_and_required_ones_refused() -> None:
     assert read_all(file_of(("H", b""), ("q", b"?"), ("T", b"t"))) == [("H", b""), ("T", b"t")]
-    with pytest.raises(UnsupportedStreamError, match="chunk Q at byte 14 is required but unknown"):
+    with pytest.raises(UnsupportedStreamError, match="chunk Q at byte 14 is required"):
         read_all(file_of(("H", b""), ("Q", b"?")))
 
 
@@ -115,7 +115,7 @@ def test_every_flipped_bit_shows(source: Callable[[bytes], bytes | BinaryIO], bi
 @pytest.mark.parametrize("source", SOURCES)
 def test_every_cut_shows(source: Callable[[bytes], bytes | BinaryIO]) -> None:
     for length in range(len(GOLDEN)):
-        with pytest.raises(CorruptStreamError, match="cut short|empty"):
+        with pytest.raises(CorruptStreamError, match=r"cut short|empty"):
             read_all(source(GOLDEN[:length]))
 
 

@@ -71,6 +71,7 @@ class ReferenceDecoder:
         self.split: dict[Node, int] = {}
         self.seed: dict[Node, int] = {}
         self.sent: dict[tuple[int, ...], int] = {}
+        self.shift = [0, 1, 2, 4][self.walk.code_int(None, 2)]
 
     def flags(self, contexts: dict[Node, tuple[int, ...]]) -> dict[Node, int]:
         for context in sorted(set(contexts.values())):
@@ -111,7 +112,7 @@ class ReferenceDecoder:
                 score += 2 * self.split.get((level, nx, ny), 0)
             else:
                 score += self.split.get((level + 1, nx >> 1, ny >> 1), 0)
-        return score
+        return score >> self.shift
 
     def decode(self) -> list[Node]:
         shape = self.shape
@@ -143,7 +144,7 @@ def test_the_reference_decoder_reads_the_same_tree(tree: tuple[TreeShape, list[N
 
 GOLDEN_SHAPE = TreeShape(20, 13, 3, 1)
 GOLDEN_NODES = [(3, 0, 0), (1, 1, 0), (2, 1, 1), (1, 9, 0), (3, 1, 1), (2, 2, 1), (1, 0, 5), (1, 1, 5)]
-GOLDEN = "9a21d4cb60af597d01702537130c47495c0acb"
+GOLDEN = "e688750e190945043da7375116f242f2b7a3de"
 
 
 def test_golden_payload_decodes_for_ever() -> None:
@@ -181,7 +182,7 @@ def test_random_pixels_cost_what_they_must() -> None:
 def test_no_seeds_cost_one_root_flag_each_and_their_contexts() -> None:
     writer = SymbolWriter()
     code_positions(writer, TreeShape(4096, 4096, 6, 0), seeds_of([]), 0)
-    assert writer.bits["rest"] == 8  # two contexts, "never"
+    assert writer.bits["rest"] == 2 + 8  # the detail and two contexts, "never"
 
 
 @pytest.mark.parametrize(
@@ -220,8 +221,9 @@ def test_more_seeds_than_allowed_are_refused() -> None:
 
 
 def test_a_small_payload_cannot_claim_a_large_tree() -> None:
-    """Every context "always": a seed and four children in every node of a billion pixels, for half a byte each."""
+    """Every context "always": a seed and four children in every node, for half a byte per context."""
     writer = SymbolWriter()
+    writer.code_int(0, 2)
     writer.code_bits([15] * 400, 4, 400)
     with pytest.raises(LimitError, match="more than 5000 seeds at level 9"):
         code_positions(SymbolReader(writer.finish()), TreeShape(1 << 15, 1 << 15, 15, 0), None, 5000)
@@ -229,6 +231,7 @@ def test_a_small_payload_cannot_claim_a_large_tree() -> None:
 
 def test_a_split_node_without_seeds_below_is_corrupt() -> None:
     writer = SymbolWriter()
+    writer.code_int(0, 2)
     writer.code_bits([15, 0], 4, 2)  # the root is split and carries no seed
     writer.code_bits([0] * 400, 4, 400)
     with pytest.raises(CorruptStreamError, match="split node of level 3"):

@@ -2,7 +2,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sgicodec.bitstream.morton import canonical_order, morton, unmorton
+from sgicodec.model.morton import canonical_order, morton, unmorton
 
 coordinate = st.integers(0, 2**31 - 1)
 
