@@ -78,9 +78,7 @@ class SymbolWalk(ABC):
         a bad index when writing, CorruptStreamError when reading.
         """
         shape = np.shape(tables)
-        table = np.asarray(tables).astype(np.int16).reshape(-1)
-        if table.size and not 0 <= int(table.min()) <= int(table.max()) < TABLES:
-            raise UsageError(f"entropy: a table index is outside 0..{TABLES - 1}")
+        table = _as_keys(tables, TABLES)
         values = None if symbols is None else _as_values(symbols, table.size)
         if values is not None and values.size and int(np.abs(values).max()) > MAX_MAGNITUDE:
             raise UsageError(f"entropy: a symbol exceeds ±{MAX_MAGNITUDE}; use a larger step")
@@ -106,7 +104,7 @@ class SymbolWalk(ABC):
         bad row.
         """
         shape = np.shape(contexts)
-        context = np.asarray(contexts).astype(np.int16).reshape(-1)
+        context = _as_keys(contexts, len(frequencies))
         if context.size and (frequencies.min() < 0 or np.any(frequencies.sum(axis=1) != TOTAL)):
             raise UsageError(f"entropy: frequencies must be non-negative and sum to {TOTAL} in every row")
         values = None if symbols is None else _as_values(symbols, context.size)
@@ -262,6 +260,14 @@ def _as_values(symbols: ArrayLike, count: int) -> NDArray[np.int64]:
     if values.size != count:
         raise UsageError(f"entropy: {values.size} symbols for {count} models")
     return values
+
+
+def _as_keys(models: ArrayLike, count: int) -> NDArray[np.int16]:
+    """Model numbers as 16-bit integers, which numpy sorts by radix."""
+    keys = np.asarray(models).reshape(-1)
+    if keys.size and not 0 <= int(keys.min()) <= int(keys.max()) < min(count, 1 << 15):
+        raise UsageError(f"entropy: a table index or context is outside 0..{count - 1}")
+    return keys.astype(np.int16)
 
 
 def _model(frequencies: NDArray[np.int64]) -> Any:

@@ -255,6 +255,8 @@ def test_any_bytes_decode_or_are_corrupt(data: bytes) -> None:
         ("code", ([MAX_MAGNITUDE + 1], [0])),
         ("code", ([0], [TABLES])),
         ("code", ([0], [-1])),
+        ("code", ([0], [1 << 16])),
+        ("code_categorical", ([0], np.array([[1, TOTAL - 1]]), [1])),
         ("code", ([0, 0], [0])),
         ("code", (None, [0])),
         ("code_bits", ([4], 2, 1)),
