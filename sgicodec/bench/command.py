@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sgicodec.errors import OutputExistsError, TargetMissedError, UsageError
+from sgicodec.errors import OutputExistsError, SgiError, TargetMissedError, UsageError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -49,13 +49,16 @@ def bench(
 
     Every codec gets the pictures as 8-bit RGB. Results are added to OUT/results.tsv as they come; points
     that it already holds are not measured again. OUT/summary.json holds what follows from this run's points.
+    A point that a codec fails on is reported, does not stop the run, and makes the command end with status 1.
     """
     from rich.console import Console
 
-    from sgicodec.bench.plots import write_plots
+    from sgicodec.bench.plots import require_matplotlib, write_plots
     from sgicodec.bench.run import find_pictures, run_bench
     from sgicodec.bench.tables import print_summary
 
+    if plots:
+        require_matplotlib()
     chosen = _choose_codecs(codecs, qualities, efforts, threads)
     summary = run_bench(find_pictures(places), chosen, out, report=lambda line: click.echo(line, err=True))
     text = json.dumps(summary.to_json(), indent=2)
@@ -66,6 +69,8 @@ def bench(
         click.echo(text)
     else:
         print_summary(summary, Console())
+    if summary.failures:
+        raise SgiError(f"{len(summary.failures)} points failed, the first of them: {summary.failures[0]}")
 
 
 @click.command()
@@ -116,7 +121,7 @@ def _write_map(path: Path, pixels: npt.NDArray[np.uint8]) -> None:
 
     # An error in alpha would show as transparency.
     shown, layout = (pixels[..., :1], "gray") if pixels.shape[2] < 3 else (pixels[..., :3], "rgb")
-    image.write(path, image.Picture(shown, layout, (0.0, 255.0)))
+    image.write(image.Picture(shown, layout, (0.0, 255.0)), path)
 
 
 def _choose_codecs(names: str | None, qualities: str, efforts: str, threads: int) -> list[Codec]:

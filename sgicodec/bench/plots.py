@@ -17,11 +17,20 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["write_plots"]
+__all__ = ["require_matplotlib", "write_plots"]
+
+
+def require_matplotlib() -> None:
+    """Raise UsageError where matplotlib is missing: better before a long measurement than after it."""
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError as error:
+        raise UsageError("plots need matplotlib: pip install sgicodec[bench]") from error
 
 
 def write_plots(summary: Summary, out_dir: Path) -> list[Path]:
     """Write the plots as PNG files and return their paths. Raises UsageError where matplotlib is missing."""
+    require_matplotlib()
     paths = []
     for name, figure in _figures(summary):
         paths.append(out_dir / f"{name}.png")
@@ -39,11 +48,9 @@ def _figures(summary: Summary) -> Iterator[tuple[str, Figure]]:
 
 def _figure(width: float) -> Figure:
     """A figure outside of pyplot: no window system, nothing to close."""
-    try:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise UsageError("plots need matplotlib: pip install sgicodec[bench]") from error
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=(width, 5), layout="constrained")
     FigureCanvasAgg(figure)
     return figure

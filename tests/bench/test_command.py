@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from sgicodec.bench.command import bench, compare
-from sgicodec.errors import OutputExistsError, TargetMissedError, UsageError
+from sgicodec.errors import OutputExistsError, SgiError, TargetMissedError, UsageError
 
 Image = pytest.importorskip("PIL.Image")
 
@@ -92,6 +92,23 @@ def test_bench_leaves_out_aloud_what_is_missing(tmp_path: Path, monkeypatch: pyt
     asked = call(bench, tmp_path / "p.png", "--codecs", "jpeg,jxl")
     assert isinstance(asked.exception, UsageError)
     assert "pip install sgicodec[bench]" in str(asked.exception)
+
+
+def test_bench_wants_matplotlib_before_it_measures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    source = save(tmp_path / "p.png", picture())
+    result = call(bench, source, "--codecs", "jpeg", "--out", tmp_path / "out")
+    assert str(result.exception) == "plots need matplotlib: pip install sgicodec[bench]"
+    assert not (tmp_path / "out").exists()
+    assert call(bench, source, "--codecs", "jpeg", "--out", tmp_path / "out", "--no-plots").exit_code == 0
+
+
+def test_bench_ends_with_an_error_if_a_point_failed(tmp_path: Path) -> None:
+    wide = save(tmp_path / "wide.png", np.zeros((1, 17000, 3), np.uint8))
+    result = call(bench, wide, "--codecs", "jpeg,webp", "--out", tmp_path / "out", "--no-plots", "--json")
+    assert isinstance(result.exception, SgiError)
+    assert "8 points failed, the first of them: wide.png, webp, quality=0" in str(result.exception)
+    assert len(json.loads(result.stdout)["failures"]) == 8
 
 
 @pytest.mark.parametrize(
