@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from sgicodec.bench.rows import Row
-from sgicodec.bench.summary import Summary, curves, is_sgi, mean_at, picture_label
+from sgicodec.bench.summary import MEASURES, Summary, curves, is_sgi, mean_at, picture_label
 from sgicodec.errors import UsageError
 
 if TYPE_CHECKING:
@@ -75,9 +75,9 @@ def _picture_figure(summary: Summary, label: str) -> Figure:
         own.sort(key=lambda row: row.bpp)
         rates = [row.bpp for row in own]
         psnr.plot(rates, [row.psnr for row in own], **_style(summary, codec))
-        similarity.plot(rates, [row.ms_ssim for row in own], **_style(summary, codec))
+        similarity.plot(rates, [MEASURES["ms_ssim"](row) for row in own], **_style(summary, codec))
     _label(psnr, label, "PSNR (dB)")
-    _label(similarity, label, "MS-SSIM")
+    _label(similarity, label, "MS-SSIM (dB)")
     return figure
 
 
