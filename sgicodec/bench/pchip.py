@@ -85,7 +85,8 @@ def _slopes(x: Samples, y: Samples) -> Samples:
     inside = left * right > 0
     # Harmonic mean of the neighbouring secants, weighted towards the shorter step; 0 at an extremum.
     near, far = (2 * step[1:] + step[:-1])[inside], (step[1:] + 2 * step[:-1])[inside]
-    slopes[1:-1][inside] = (near + far) / (near / left[inside] + far / right[inside])
+    with np.errstate(over="ignore"):  # the inverse of a vanishing secant: the slope is 0, as it should be
+        slopes[1:-1][inside] = (near + far) / (near / left[inside] + far / right[inside])
     slopes[0] = _end_slope(step[0], step[1], secant[0], secant[1])
     slopes[-1] = _end_slope(step[-1], step[-2], secant[-1], secant[-2])
     return slopes

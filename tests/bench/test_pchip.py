@@ -21,6 +21,12 @@ def test_slopes_worked_by_hand() -> None:
     assert Pchip([0, 1, 2], [0, 1, -8]).slopes == pytest.approx([3, 0, -14])
 
 
+@pytest.mark.filterwarnings("error")
+def test_vanishing_secants_give_flat_slopes() -> None:
+    assert Pchip([0, 1, 2, 3], [0, 5e-324, 1, 2]).slopes[1] == 0
+    assert Pchip([0, 1, 2, 3], [0, 1e-309, 2e-309, 1]).slopes[1] == pytest.approx(0, abs=1e-300)
+
+
 def test_a_line_is_reproduced() -> None:
     x = np.array([0.0, 0.1, 2.0, 5.0])
     curve = Pchip(x, 3 * x - 1)
