@@ -6,15 +6,15 @@ Anything else that escapes is a defect of this package and ends the command with
 from __future__ import annotations
 
 __all__ = [
-    "SgiError",
-    "UsageError",
-    "PictureError",
-    "StreamError",
     "CorruptStreamError",
-    "UnsupportedStreamError",
     "LimitError",
-    "TargetMissedError",
     "OutputExistsError",
+    "PictureError",
+    "SgiError",
+    "StreamError",
+    "TargetMissedError",
+    "UnsupportedStreamError",
+    "UsageError",
 ]
 
 

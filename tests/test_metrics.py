@@ -158,9 +158,7 @@ def test_tiny_pictures_have_scores(shape: tuple[int, int]) -> None:
 
 def test_scores_are_the_single_figures() -> None:
     a, b = noisy_pair(60, 50)
-    expected = metrics.Scores(
-        metrics.psnr(a, b), metrics.luma_psnr(a, b), metrics.ssim(a, b), metrics.ms_ssim(a, b)
-    )
+    expected = metrics.Scores(metrics.psnr(a, b), metrics.luma_psnr(a, b), metrics.ssim(a, b), metrics.ms_ssim(a, b))
     assert metrics.scores(a, b) == expected
 
 
@@ -192,9 +190,7 @@ def test_largest_difference_is_absolute() -> None:
     assert metrics.largest_difference(a, b) == metrics.largest_difference(b, a) == 200
 
 
-@pytest.mark.parametrize(
-    "measure", [metrics.psnr, metrics.luma_psnr, metrics.ssim, metrics.ms_ssim, metrics.scores]
-)
+@pytest.mark.parametrize("measure", [metrics.psnr, metrics.luma_psnr, metrics.ssim, metrics.ms_ssim, metrics.scores])
 def test_unlike_pictures_are_refused(measure: Callable) -> None:
     a = np.zeros((12, 14, 3), np.uint8)
     with pytest.raises(UsageError, match="14x12 with 3 channels and 12x14 with 3 channels"):

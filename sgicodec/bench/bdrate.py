@@ -39,15 +39,11 @@ class Curve:
 
     def __init__(self, rates: Sequence[float], qualities: Sequence[float]) -> None:
         if len(rates) != len(qualities):
-            raise UsageError(
-                f"a curve needs as many qualities as rates, not {len(qualities)} for {len(rates)}"
-            )
+            raise UsageError(f"a curve needs as many qualities as rates, not {len(qualities)} for {len(rates)}")
         if not all(rate > 0 for rate in rates):
             raise UsageError("a curve needs positive rates")
         kept: list[tuple[float, float]] = []
-        for rate, quality in sorted(
-            zip(rates, qualities, strict=True), key=lambda point: (point[0], -point[1])
-        ):
+        for rate, quality in sorted(zip(rates, qualities, strict=True), key=lambda point: (point[0], -point[1])):
             if math.isfinite(quality) and (not kept or (rate > kept[-1][0] and quality > kept[-1][1])):
                 kept.append((rate, quality))
         self.log_rates: npt.NDArray[np.float64] = np.log([rate for rate, _ in kept])

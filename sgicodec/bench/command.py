@@ -29,9 +29,7 @@ _FILE = click.Path(path_type=Path)
 @click.option("--codecs", help=f"Some of {','.join(_CODECS)}.  [default: all that are installed]")
 @click.option("--qualities", default="20,35,50,65,80", show_default=True, help="Points of sgi.")
 @click.option("--efforts", default="", help="Efforts of sgi, one curve each.  [default: sgi's own]")
-@click.option(
-    "--threads", default=1, show_default=True, type=click.IntRange(1), help="Threads of each codec."
-)
+@click.option("--threads", default=1, show_default=True, type=click.IntRange(1), help="Threads of each codec.")
 @click.option("--out", default="bench-out", show_default=True, type=_FILE, help="Folder for the results.")
 @click.option("--plots/--no-plots", default=True, show_default=True, help="Draw the curves as PNG files.")
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON instead of tables.")
@@ -105,9 +103,7 @@ def compare(
     if map_path is not None:
         _write_map(map_path, metrics.error_map(first, second, gain=gain))
     if fail_under is not None and not scores.psnr >= fail_under:
-        raise TargetMissedError(
-            f"{b} is at {scores.psnr:.3f} dB of {a}, below the {fail_under:g} dB asked for"
-        )
+        raise TargetMissedError(f"{b} is at {scores.psnr:.3f} dB of {a}, below the {fail_under:g} dB asked for")
 
 
 def _scaled(pixels: npt.NDArray[Any], sample_range: tuple[float, float]) -> npt.NDArray[Any]:

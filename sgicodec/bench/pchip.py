@@ -42,9 +42,7 @@ class Pchip:
     def integral(self, low: float, high: float) -> float:
         """The exact integral over `[low, high]`. Raises UsageError where that leaves the data."""
         if not self.x[0] <= low <= high <= self.x[-1]:
-            raise UsageError(
-                f"cannot integrate over {low:g}..{high:g}: data spans {self.x[0]:g}..{self.x[-1]:g}"
-            )
+            raise UsageError(f"cannot integrate over {low:g}..{high:g}: data spans {self.x[0]:g}..{self.x[-1]:g}")
         inner = self.x[(self.x > low) & (self.x < high)]
         edges = np.concatenate([[low], inner, [high]])
         piece = self._piece((edges[:-1] + edges[1:]) / 2)

@@ -138,9 +138,7 @@ class Jpeg2000(Peer):
 
     def encode(self, pixels: Pixels8, quality: float) -> bytes:
         options = {"irreversible": True, "mct": 1, "no_jp2": True}
-        return _pillow_encode(
-            pixels, "JPEG2000", quality_mode="rates", quality_layers=[24 / quality], **options
-        )
+        return _pillow_encode(pixels, "JPEG2000", quality_mode="rates", quality_layers=[24 / quality], **options)
 
     def decode(self, data: bytes) -> Pixels8:
         return _pillow_decode(data)

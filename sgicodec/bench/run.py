@@ -123,9 +123,7 @@ def _load(path: Path) -> Sample:
     return Sample(name, f"{crc:08x}", pixels)
 
 
-def _points(
-    sample: Sample, codecs: Sequence[Codec], versions: dict[str, str]
-) -> Iterator[tuple[Key, Codec, float]]:
+def _points(sample: Sample, codecs: Sequence[Codec], versions: dict[str, str]) -> Iterator[tuple[Key, Codec, float]]:
     for codec in codecs:
         for quality in codec.ladder:
             key = (codec.name, versions[codec.name], codec.settings(quality), sample.name, sample.crc)

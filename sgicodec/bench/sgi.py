@@ -70,9 +70,7 @@ class SgiCodec:
             with Image.open(result) as picture:
                 decoded = np.asarray(picture.convert("RGB"))
             peaks = [peak for peak in (encode_peak, decode_peak) if peak is not None]
-            return RoundTrip(
-                stream.read_bytes(), decoded, encode_seconds, decode_seconds, max(peaks, default=None)
-            )
+            return RoundTrip(stream.read_bytes(), decoded, encode_seconds, decode_seconds, max(peaks, default=None))
 
 
 def fingerprint(package: Path) -> str:

@@ -61,14 +61,9 @@ class Summary:
         """A tree of plain values; what is not a number is null."""
         return {
             "pictures": self.pictures,
-            "codecs": {
-                name: sorted({row.version for row in self.rows if row.codec == name}) for name in self.codecs
-            },
+            "codecs": {name: sorted({row.version for row in self.rows if row.codec == name}) for name in self.codecs},
             "mean_psnr_at_bpp": {
-                name: {
-                    f"{rate:g}": {"psnr": _plain(value), "pictures": count}
-                    for rate, (value, count) in at.items()
-                }
+                name: {f"{rate:g}": {"psnr": _plain(value), "pictures": count} for rate, (value, count) in at.items()}
                 for name, at in self.means.items()
             },
             "times": {name: times(self.rows, name) for name in self.codecs},

@@ -16,9 +16,7 @@ __all__ = ["print_summary"]
 def print_summary(summary: Summary, console: Console) -> None:
     """Print quality at equal rates, the BD-rates and the times."""
     count = len(summary.pictures)
-    _print(
-        console, f"PSNR in dB at equal rate, mean of {count} (– where not all reach it)", _rate_table(summary)
-    )
+    _print(console, f"PSNR in dB at equal rate, mean of {count} (– where not all reach it)", _rate_table(summary))
     for title, own in groupby(summary.comparisons, _title):
         _print(console, title, _delta_table(list(own)))
     _print(console, "Times, mean of all points", _time_table(summary))

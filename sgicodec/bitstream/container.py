@@ -65,9 +65,7 @@ class ChunkWriter:
         if self._last == END:
             raise UsageError(f"container: chunk {kind} after the end mark")
         if len(payload) > (0 if kind == END else MAX_PAYLOAD):
-            raise UsageError(
-                f"container: chunk {kind} has {len(payload)} bytes; at most {MAX_PAYLOAD} are allowed"
-            )
+            raise UsageError(f"container: chunk {kind} has {len(payload)} bytes; at most {MAX_PAYLOAD} are allowed")
         head = kind.encode() + encode_varint(len(payload))
         crc = zlib.crc32(payload, zlib.crc32(head))
         self._put(head + payload + crc.to_bytes(_CRC_BYTES, "little"))
@@ -147,18 +145,14 @@ class ChunkReader:
             for _ in self._body(chunk):  # a flipped bit must not turn a known chunk into an unknown one
                 pass
             if chunk.kind.isupper():
-                raise UnsupportedStreamError(
-                    f"{chunk} is required but unknown; decode the file with a newer version"
-                )
+                raise UnsupportedStreamError(f"{chunk} is required but unknown; decode the file with a newer version")
         if chunk.length or chunk.payload() or self._file.read(1):
             raise CorruptStreamError(f"{chunk}: there is data behind the end mark; the file is damaged")
 
     def read_payload(self, chunk: Chunk) -> bytes:
         """See `Chunk.payload`."""
         if chunk.length > self._max_payload:
-            raise LimitError(
-                f"{chunk} has {chunk.length} bytes; at most {self._max_payload} are allowed here"
-            )
+            raise LimitError(f"{chunk} has {chunk.length} bytes; at most {self._max_payload} are allowed here")
         return b"".join(self._body(chunk))
 
     def _body(self, chunk: Chunk) -> Iterator[bytes]:
@@ -203,9 +197,7 @@ class ChunkReader:
     def _read(self, count: int, where: object) -> bytes:
         """Exactly `count` bytes, at most a block."""
         data = self._file.read(count)
-        while 0 < len(data) < count and (
-            more := self._file.read(count - len(data))
-        ):  # a pipe gives what it has
+        while 0 < len(data) < count and (more := self._file.read(count - len(data))):  # a pipe gives what it has
             data += more
         self._position += len(data)
         if len(data) < count:

@@ -184,9 +184,7 @@ class SymbolWalk(ABC):
 
     def _uniform(self, values: NDArray[np.int64] | None, n_bits: int, count: int) -> NDArray[np.int64]:
         if n_bits > _UNIFORM_BITS:
-            high = self._uniform(
-                None if values is None else values >> _UNIFORM_BITS, n_bits - _UNIFORM_BITS, count
-            )
+            high = self._uniform(None if values is None else values >> _UNIFORM_BITS, n_bits - _UNIFORM_BITS, count)
             low = self._uniform(None if values is None else values & 0xFFFF, _UNIFORM_BITS, count)
             return high << _UNIFORM_BITS | low
         if n_bits == 0 or count == 0:
@@ -225,9 +223,7 @@ class SymbolReader(SymbolWalk):
     def __init__(self, payload: bytes) -> None:
         super().__init__()
         if payload[-1:] == b"\0":
-            raise CorruptStreamError(
-                "entropy: the payload is padded with zero bytes; it was not written by an encoder"
-            )
+            raise CorruptStreamError("entropy: the payload is padded with zero bytes; it was not written by an encoder")
         words = np.frombuffer(payload + b"\0" * (-len(payload) % 4), ">u4").astype(np.uint32)
         self._coder = constriction.stream.queue.RangeDecoder(words)
 

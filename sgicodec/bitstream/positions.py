@@ -162,9 +162,7 @@ class _Truth:
         inside = (corner >= 0) & (corner < (shape.width, shape.height))
         aligned = corner & ((1 << np.clip(log_size, 0, MAX_LOG)) - 1)[:, None] == 0
         if not (sized.all() and inside.all() and aligned.all()):
-            raise UsageError(
-                "positions: a seed is no node of the tree: outside, off its grid, of another size"
-            )
+            raise UsageError("positions: a seed is no node of the tree: outside, off its grid, of another size")
         code = morton(corner[:, 0], corner[:, 1])
         levels = range(shape.min_log, shape.root_log + 1)
         self._seeds = {level: np.unique(code[log_size == level] >> 2 * level) for level in levels}
@@ -203,9 +201,7 @@ def _merged_contexts(shape: TreeShape, detail: int) -> NDArray[np.int64]:
     return np.where(context < _SEED_CONTEXTS, context, merged)
 
 
-def _traverse(
-    shape: TreeShape, flagger: _Flagger, truth: _Truth | None, max_seeds: int
-) -> list[tuple[Codes, int]]:
+def _traverse(shape: TreeShape, flagger: _Flagger, truth: _Truth | None, max_seeds: int) -> list[tuple[Codes, int]]:
     """Codes the tree; returns the Morton codes of the nodes that carry seeds, with their level."""
     columns, rows = shape.root_grid
     y, x = np.divmod(np.arange(columns * rows), columns)

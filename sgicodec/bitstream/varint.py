@@ -45,9 +45,7 @@ def read_varint(read_byte: Callable[[], int]) -> int:
         value |= (byte & 0x7F) << 7 * index
         if byte < 0x80:
             if byte == 0 and index > 0:
-                raise CorruptStreamError(
-                    "varint: padded with a zero group; the stream was not written by an encoder"
-                )
+                raise CorruptStreamError("varint: padded with a zero group; the stream was not written by an encoder")
             return value
     raise CorruptStreamError("varint: longer than nine bytes; the stream is damaged")
 

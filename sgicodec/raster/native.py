@@ -37,7 +37,13 @@ class NativeRasterizer:
         return int(self._raster.pairs)
 
     def forward(
-        self, means: F32, covariances: F32, colours: F32, width: int, height: int, origin: tuple[int, int] = (0, 0)
+        self,
+        means: F32,
+        covariances: F32,
+        colours: F32,
+        width: int,
+        height: int,
+        origin: tuple[int, int] = (0, 0),
     ) -> F32:
         """Image [C, height, width] of means [N, 2], covariances [N, 3] (xx, xy, yy), colours [N, C], in pixels."""
         image = np.empty((colours.shape[1], height, width), np.float32)

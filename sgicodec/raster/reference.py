@@ -37,9 +37,7 @@ def rasterize_reference_backward(
     return grad_means, grad_covariances, grad_colours
 
 
-def _densities(
-    means: F64, covariances: F64, width: int, height: int, origin: tuple[int, int]
-) -> tuple[F64, F64, F64]:
+def _densities(means: F64, covariances: F64, width: int, height: int, origin: tuple[int, int]) -> tuple[F64, F64, F64]:
     x = np.arange(width) + origin[0] + 0.5
     y = np.arange(height) + origin[1] + 0.5
     dx = np.broadcast_to((x[None, :] - means[:, :1])[:, None, :], (len(means), height, width))

@@ -63,10 +63,7 @@ def test_no_common_quality_is_not_a_number_with_a_reason() -> None:
     delta = bd_rate(Curve([1, 2], [20, 25]), Curve([1, 2], [25, 30]))
     assert math.isnan(delta.value)
     assert delta.reason == "the curves share no range of quality"
-    assert (
-        bd_quality(Curve([1, 2], [20, 25]), Curve([2, 3], [20, 25])).reason
-        == "the curves share no range of rate"
-    )
+    assert bd_quality(Curve([1, 2], [20, 25]), Curve([2, 3], [20, 25])).reason == "the curves share no range of rate"
 
 
 def test_one_point_is_no_curve() -> None:

@@ -55,9 +55,7 @@ def test_bench_runs_sgi_at_each_effort_and_quality(tmp_path: Path, monkeypatch: 
     from sgicodec.bench import run
 
     seen = {}
-    monkeypatch.setattr(
-        run, "run_bench", lambda pictures, codecs, out, report: seen.update(codecs=codecs) or 1 / 0
-    )
+    monkeypatch.setattr(run, "run_bench", lambda pictures, codecs, out, report: seen.update(codecs=codecs) or 1 / 0)
     save(tmp_path / "p.png", picture())
     call(
         bench,
@@ -82,9 +80,7 @@ def test_bench_leaves_out_aloud_what_is_missing(tmp_path: Path, monkeypatch: pyt
     from sgicodec.bench import run
 
     seen = {}
-    monkeypatch.setattr(
-        run, "run_bench", lambda pictures, codecs, out, report: seen.update(codecs=codecs) or 1 / 0
-    )
+    monkeypatch.setattr(run, "run_bench", lambda pictures, codecs, out, report: seen.update(codecs=codecs) or 1 / 0)
     monkeypatch.setitem(sys.modules, "imagecodecs", None)
     result = call(bench, save(tmp_path / "p.png", picture()))
     assert "left out: jxl needs imagecodecs: pip install sgicodec[bench]" in result.stderr

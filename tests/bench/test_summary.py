@@ -38,9 +38,7 @@ def row(codec: str, picture: str, bpp: float, psnr: float, **others: float | Non
     )
 
 
-def rows(
-    codec: str, picture: str, curve: Callable[[float], float], factor: float = 1.0, **others: float
-) -> list[Row]:
+def rows(codec: str, picture: str, curve: Callable[[float], float], factor: float = 1.0, **others: float) -> list[Row]:
     return [row(codec, picture, factor * bpp, curve(bpp), **others) for bpp in BPPS]
 
 
@@ -57,9 +55,7 @@ def summary() -> Summary:
     """Two pictures: jpeg; webp at 80 and 90 % of its rate; sgi at 60 and 70 %."""
     points = rows("jpeg", "a.png", steep) + rows("jpeg", "b.png", flat)
     points += rows("webp", "a.png", steep, 0.8) + rows("webp", "b.png", flat, 0.9)
-    points += rows("sgi", "a.png", steep, 0.6, memory_mib=100.0) + rows(
-        "sgi", "b.png", flat, 0.7, memory_mib=300.0
-    )
+    points += rows("sgi", "a.png", steep, 0.6, memory_mib=100.0) + rows("sgi", "b.png", flat, 0.7, memory_mib=300.0)
     return summarise(points, ["sgi", "jpeg", "webp"], ["c.png, webp: too large"])
 
 

@@ -11,9 +11,7 @@ from sgicodec.errors import CorruptStreamError, UsageError
 
 integers = st.one_of(st.integers(-3, 3), st.integers(-300, 300), st.integers(-100_000, 100_000))
 tensors = hnp.arrays(np.int32, hnp.array_shapes(max_dims=3, max_side=9), elements=integers)
-planes = hnp.arrays(
-    np.int32, st.tuples(st.integers(1, 4), st.integers(1, 9), st.integers(1, 9)), elements=integers
-)
+planes = hnp.arrays(np.int32, st.tuples(st.integers(1, 4), st.integers(1, 9), st.integers(1, 9)), elements=integers)
 
 
 @given(tensors)

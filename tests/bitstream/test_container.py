@@ -59,9 +59,7 @@ def test_layout_is_that_of_the_format_document() -> None:
 
 
 @pytest.mark.parametrize("source", SOURCES)
-@given(
-    st.lists(st.tuples(st.sampled_from("TABxyz"), st.binary(max_size=300)), max_size=5), st.binary(max_size=9)
-)
+@given(st.lists(st.tuples(st.sampled_from("TABxyz"), st.binary(max_size=300)), max_size=5), st.binary(max_size=9))
 def test_round_trip(
     source: Callable[[bytes], bytes | BinaryIO], chunks: list[tuple[str, bytes]], header: bytes
 ) -> None:
@@ -131,9 +129,7 @@ def test_every_cut_shows(source: Callable[[bytes], bytes | BinaryIO]) -> None:
         (raw_chunk(b"H", b"") + b"T\x80\0", "zero group"),
     ],
 )
-def test_wrong_order_is_corrupt(
-    source: Callable[[bytes], bytes | BinaryIO], body: bytes, message: str
-) -> None:
+def test_wrong_order_is_corrupt(source: Callable[[bytes], bytes | BinaryIO], body: bytes, message: str) -> None:
     with pytest.raises(CorruptStreamError, match=message):
         read_all(source(SIGNATURE + body))
 

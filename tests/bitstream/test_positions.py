@@ -120,9 +120,7 @@ class ReferenceDecoder:
         top = shape.root_log
         self.nodes(top, walk_order([(top, x, y) for y in range(rows) for x in range(columns)]), 0)
         for level in range(top - 1, shape.min_log - 1, -1):
-            parents = walk_order(
-                [node for node, split in self.split.items() if split and node[0] == level + 1]
-            )
+            parents = walk_order([node for node, split in self.split.items() if split and node[0] == level + 1])
             for child in range(4):
                 children = [(level, 2 * x + (child & 1), 2 * y + (child >> 1)) for _, x, y in parents]
                 inside = [(k, x, y) for k, x, y in children if x << k < shape.width and y << k < shape.height]
@@ -200,9 +198,7 @@ def test_seeds_off_their_grid_are_refused() -> None:
         code_positions(SymbolWriter(), GOLDEN_SHAPE, (np.array([[1, 0]]), np.array([1])), 8)
 
 
-@pytest.mark.parametrize(
-    "values", [(0, 1, 1, 0), (1, 1 << 25, 1, 0), (1, 1, 1, 2), (1, 1, 17, 0), (1, 1, 0, -1)]
-)
+@pytest.mark.parametrize("values", [(0, 1, 1, 0), (1, 1 << 25, 1, 0), (1, 1, 1, 2), (1, 1, 17, 0), (1, 1, 0, -1)])
 def test_shapes_that_no_tree_has_are_refused(values: tuple[int, int, int, int]) -> None:
     with pytest.raises(UsageError):
         TreeShape(*values)
@@ -213,9 +209,7 @@ def test_more_seeds_than_allowed_are_refused() -> None:
     with pytest.raises(LimitError):
         code_positions(SymbolReader(payload_of(GOLDEN_SHAPE, nodes)), GOLDEN_SHAPE, None, 7)
     with pytest.raises(LimitError):
-        code_positions(
-            SymbolReader(payload_of(TreeShape(8, 8, 1, 1), nodes[:4])), TreeShape(8, 8, 1, 1), None, 3
-        )
+        code_positions(SymbolReader(payload_of(TreeShape(8, 8, 1, 1), nodes[:4])), TreeShape(8, 8, 1, 1), None, 3)
     with pytest.raises(LimitError):
         code_positions(SymbolWriter(), TreeShape(1 << 20, 1 << 20, 1, 0), seeds_of([]), 0)
 

@@ -1,0 +1,167 @@
+"""A tile: one whole model as one payload, its parts in a fixed order (docs/format.md, "Tile parts")."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec.bitstream.arrays import code_base, code_signs, code_weights
+from sgicodec.bitstream.attributes import AttributeCoder
+from sgicodec.bitstream.entropy import SymbolReader, SymbolWalk, SymbolWriter
+from sgicodec.bitstream.header import Header
+from sgicodec.bitstream.positions import TreeShape, code_positions
+from sgicodec.bitstream.prior import load_prior
+from sgicodec.errors import CorruptStreamError
+from sgicodec.model.base import base_shape
+from sgicodec.model.context import HashGrid, input_count, output_count
+from sgicodec.model.gaussians import decoder_shapes
+from sgicodec.model.layout import ROOT_LOG, SeedLayout
+from sgicodec.model.network import IntNetwork
+from sgicodec.model.quantize import FRACTION_BITS, STEP_COUNT
+from sgicodec.model.spec import ModelSpec
+from sgicodec.model.steps import StepPlan, default_plan, follows_amplitude
+
+__all__ = ["DECODER_SHIFT", "TileModel", "max_seeds", "read_tile", "write_tile"]
+
+F64 = NDArray[np.float64]
+I64 = NDArray[np.int64]
+
+DECODER_SHIFT = 10
+"""The decoders' weights are multiples of 2^-10."""
+_SHIFT_BITS, _GAMMA_BITS, _STEP_BITS = 5, 6, 8
+
+
+@dataclass
+class TileModel:
+    """A model as the stream holds it. attributes: float by group [N, size] on the way in; decoded: [N, d_A] in units of
+    2^-24 on the way out. base: integer grid [C, rows, columns] in steps of index `base_step`.
+    """
+
+    layout: SeedLayout
+    plan: StepPlan
+    base_step: int
+    base: I64
+    decoders: dict[str, I64]
+    networks: tuple[IntNetwork, ...]
+    hash_tables: list[I64]
+    attributes: dict[str, F64] | None = None
+    decoded: I64 | None = None
+
+    @property
+    def decoded_values(self) -> F64:
+        """Decoded attributes [N, d_A] as floats."""
+        if self.decoded is None:
+            raise ValueError("the tile has not been coded yet")
+        return np.ldexp(self.decoded.astype(np.float64), -FRACTION_BITS)
+
+
+def max_seeds(width: int, height: int) -> int:
+    """The most seeds that a picture of this size may hold: one per pixel and level of the quadtree, at least 64."""
+    return max(64, 2 * width * height)
+
+
+def write_tile(header: Header, model: TileModel) -> tuple[bytes, SymbolWalk]:
+    """The payload of chunk T, and the walk with the bits of every part. Sets `model.decoded`."""
+    walk = SymbolWriter()
+    _code(walk, header, model)
+    payload = walk.finish()  # ends with the CRC of all symbols
+    return payload, walk
+
+
+def read_tile(header: Header, payload: bytes) -> tuple[TileModel, SymbolWalk]:
+    """The model of a payload. Raises CorruptStreamError where the decoded symbols are not those that were written."""
+    walk = SymbolReader(payload)
+    model = _code(walk, header, None)
+    walk.finish()
+    return model, walk
+
+
+def _code(walk: SymbolWalk, header: Header, model: TileModel | None) -> TileModel:
+    spec, size = header.spec, (header.width, header.height)
+    with walk.part("steps"):
+        plan = _code_plan(walk, spec, header.quality, None if model is None else model.plan)
+    with walk.part("base"):
+        base_step, base = _code_base_layer(walk, header, model)
+    with walk.part("positions"):
+        layout = _code_layout(walk, header, None if model is None else model.layout)
+    with walk.part("decoders"):
+        shapes = decoder_shapes(spec)
+        decoders = {
+            name: code_weights(walk, None if model is None else model.decoders[name], shape).astype(np.int64)
+            for name, shape in shapes.items()
+        }
+    with walk.part("hash grid"):
+        hash_tables = _code_hash(walk, header, layout, None if model is None else model.hash_tables)
+    with walk.part("context model"):
+        networks = _code_networks(walk, spec, None if model is None else model.networks)
+    coder = AttributeCoder(spec, layout, size, plan, networks, hash_tables, header.quality, header.family)
+    decoded = coder.code(walk, None if model is None else model.attributes)
+    if model is not None:
+        model.decoded = decoded
+        return model
+    return TileModel(layout, plan, base_step, base, decoders, networks, hash_tables, None, decoded)
+
+
+def _code_plan(walk: SymbolWalk, spec: ModelSpec, quality: int, plan: StepPlan | None) -> StepPlan:
+    expected = default_plan(spec, quality)
+    base, gamma = {}, {}
+    for name, index in expected.base.items():
+        difference = code_weights(walk, None if plan is None else plan.base[name] - index, index.shape)
+        base[name] = index + difference
+        if base[name].min() < 0 or base[name].max() >= STEP_COUNT:
+            raise CorruptStreamError("steps: an index is outside the table of steps")
+        gamma[name] = 0
+        if follows_amplitude(spec, name):
+            gamma[name] = walk.code_int(None if plan is None else plan.gamma[name], _GAMMA_BITS)
+    return StepPlan(base, gamma)
+
+
+def _code_base_layer(walk: SymbolWalk, header: Header, model: TileModel | None) -> tuple[int, I64]:
+    cell = header.spec.base_cell
+    if not cell:
+        return 0, np.zeros((header.spec.channels, 0, 0), np.int64)
+    shape = (header.spec.channels, *base_shape(header.width, header.height, cell))
+    step = walk.code_int(None if model is None else model.base_step, _STEP_BITS)
+    if step >= STEP_COUNT:
+        raise CorruptStreamError("base layer: a step outside the table of steps")
+    return step, code_base(walk, None if model is None else model.base, shape).astype(np.int64)
+
+
+def _code_layout(walk: SymbolWalk, header: Header, layout: SeedLayout | None) -> SeedLayout:
+    least = 0 if header.spec.layout == "uniform" else 1
+    tree = TreeShape(header.width, header.height, ROOT_LOG, least)
+    seeds = None if layout is None else (layout.corner, layout.log_size)
+    return SeedLayout(*code_positions(walk, tree, seeds, max_seeds(header.width, header.height)))
+
+
+def _code_hash(walk: SymbolWalk, header: Header, layout: SeedLayout, tables: list[I64] | None) -> list[I64]:
+    context = header.spec.context
+    if not context.hash_resolutions:
+        return []
+    sizes = HashGrid.at(context, layout.take(np.zeros(0, np.int64)), header.width, header.height).sizes
+    counts = [size * context.hash_features for size in sizes]
+    given = None if tables is None else np.concatenate([table.reshape(-1) for table in tables])
+    bits = code_signs(walk, given, counts).astype(np.int64)
+    return [part.reshape(-1, context.hash_features) for part in np.split(bits, np.cumsum(counts)[:-1])]
+
+
+def _code_networks(
+    walk: SymbolWalk, spec: ModelSpec, networks: tuple[IntNetwork, ...] | None
+) -> tuple[IntNetwork, ...]:
+    if spec.context.prior:
+        return load_prior(spec)
+    coded = []
+    for number, step in enumerate(spec.context.steps):
+        units = sum(output_count(spec, name) for name in step)
+        inputs, hidden, outputs = input_count(spec, number), spec.context.hidden, 2 * units + len(step)
+        given = None if networks is None else networks[number]
+        shift = walk.code_int(None if given is None else given.shift, _SHIFT_BITS)
+        shapes = {"w1": (hidden, inputs), "b1": (hidden,), "w2": (outputs, hidden), "b2": (outputs,)}
+        weights = {
+            name: code_weights(walk, None if given is None else getattr(given, name), shape).astype(np.int64)
+            for name, shape in shapes.items()
+        }
+        coded.append(IntNetwork(**weights, shift=shift, predicted=units))
+    return tuple(coded)

@@ -1,0 +1,214 @@
+"""From a picture to a stream: settings, fit, symbols, chunks."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec.bitstream.container import ChunkWriter
+from sgicodec.bitstream.header import Header, encode_header
+from sgicodec.bitstream.prior import PRIORS, load_prior
+from sgicodec.bitstream.tile import DECODER_SHIFT, TileModel, write_tile
+from sgicodec.errors import UsageError
+from sgicodec.image import Picture, to_unit
+from sgicodec.model.base import fit_base, render_base
+from sgicodec.model.gaussians import colour_matrix
+from sgicodec.model.layout import adaptive_layout, uniform_layout
+from sgicodec.model.quantize import step_fixed, step_index
+from sgicodec.model.spec import ModelSpec, default_spec, paper_spec
+from sgicodec.version import __version__
+
+if TYPE_CHECKING:
+    from sgicodec.fit.settings import FitSettings
+    from sgicodec.fit.trainer import Fitted, Progress
+
+__all__ = ["EncodeSettings", "Encoded", "encode"]
+
+F32 = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class EncodeSettings:
+    """What an encode may be asked for; None means what the profile says.
+
+    quality: 1 to 100, or lmbda directly. effort: 1 to 9, optimisation steps of the default profile. seeds: their number
+    in the paper profile. per_seed: K. features: D (paper). levels: M (paper). steps: of the whole fit. prior: number
+    of the shipped context model, 0 for one that travels in the stream. metadata: whether ICC, EXIF and XMP are kept.
+    """
+
+    quality: float = 50.0
+    lmbda: float | None = None
+    effort: int = 5
+    profile: Literal["default", "paper"] = "default"
+    seeds: int | None = None
+    per_seed: int | None = None
+    features: int | None = None
+    levels: int | None = None
+    steps: int | None = None
+    prior: int | None = None
+    seed: int = 0
+    threads: int = 0
+    metadata: bool = True
+
+    def __post_init__(self) -> None:
+        checks = [
+            (1 <= self.quality <= 100, f"quality {self.quality:g}; it runs from 1 to 100"),
+            (
+                self.lmbda is None or 0 <= self.lmbda < math.inf,
+                f"lmbda {self.lmbda}; it must not be negative",
+            ),
+            (1 <= self.effort <= 9, f"effort {self.effort}; it runs from 1 to 9"),
+            (self.profile in ("default", "paper"), f"profile {self.profile}; there are default and paper"),
+            (self.per_seed is None or 1 <= self.per_seed <= 64, f"per-seed {self.per_seed}; 1 to 64"),
+            (self.features is None or 1 <= self.features <= 512, f"features {self.features}; 1 to 512"),
+            (self.seeds is None or self.seeds >= 1, f"seeds {self.seeds}; at least 1"),
+            (self.steps is None or self.steps >= 1, f"steps {self.steps}; at least 1"),
+            (self.levels is None or 1 <= self.levels <= 4, f"levels {self.levels}; 1 to 4"),
+            (self.threads >= 0, f"threads {self.threads}; 0 (all cores) or more"),
+        ]
+        for sound, message in checks:
+            if not sound:
+                raise UsageError(message)
+        if self.profile == "default":
+            for name in ("seeds", "features", "levels"):
+                if getattr(self, name) is not None:
+                    raise UsageError(f"{name} is a setting of the paper profile; add --profile paper")
+
+
+@dataclass(frozen=True)
+class Encoded:
+    """A finished stream. part_bytes: what each part of the tile costs; seeds, gaussians: how many there are."""
+
+    data: bytes
+    part_bytes: dict[str, float]
+    seeds: int
+    gaussians: int
+    lmbda: float
+
+
+def encode(
+    picture: Picture,
+    settings: EncodeSettings | None = None,
+    on_progress: Callable[[Progress], bool] | None = None,
+) -> Encoded:
+    """Fits `picture` and writes the stream. `on_progress` is called after every step; what it returns says whether to
+    go on (True) or to finish with what is there. Equal input, settings and version give equal bytes.
+    """
+    settings = settings or EncodeSettings()
+    unit = np.ascontiguousarray(to_unit(picture).transpose(2, 0, 1))
+    spec = _spec(settings, unit.shape[0])
+    fit = _fit_settings(settings)
+    base_step, base, target = _base_layer(spec, unit, fit.lmbda)
+    fitted, quality, family = _fit(spec, fit, target, on_progress)
+    header = Header(
+        picture.width,
+        picture.height,
+        picture.channels,
+        str(picture.pixels.dtype),
+        picture.sample_range,
+        settings.profile,
+        spec,
+        quality,
+        family,
+    )
+    model = TileModel(
+        fitted.layout,
+        fitted.plan,
+        base_step,
+        base,
+        {name: np.rint(w * 2.0**DECODER_SHIFT).astype(np.int64) for name, w in fitted.decoders.items()},
+        fitted.networks,
+        fitted.hash_bits,
+        fitted.attributes,
+    )
+    payload, walk = write_tile(header, model)
+    data = _assemble(picture, header, payload, settings)
+    parts = {name: bits / 8 for name, bits in walk.bits.items()}
+    return Encoded(data, parts, len(fitted.layout), len(fitted.layout) * spec.per_seed, fit.lmbda)
+
+
+def _spec(settings: EncodeSettings, channels: int) -> ModelSpec:
+    if settings.profile == "paper":
+        return paper_spec(channels, settings.per_seed or 10, settings.features or 50)
+    prior = settings.prior if settings.prior is not None else max(PRIORS, default=0)
+    return default_spec(channels, settings.per_seed or 1, prior)
+
+
+def _fit_settings(settings: EncodeSettings) -> FitSettings:
+    from sgicodec.fit.settings import EFFORTS, default_settings, lmbda_of_quality, paper_settings
+
+    if settings.profile == "paper":
+        lmbda = 0.001 if settings.lmbda is None else settings.lmbda
+        fit = paper_settings(lmbda, settings.levels or 3)
+        fit = replace(fit, seeds=settings.seeds)
+    else:
+        lmbda = lmbda_of_quality(settings.quality) if settings.lmbda is None else settings.lmbda
+        fit = default_settings(max(lmbda, 1e-9), EFFORTS[settings.effort])
+    fit = replace(fit, seed=settings.seed, threads=settings.threads)
+    return fit.scaled(settings.steps) if settings.steps else fit
+
+
+def _base_layer(spec: ModelSpec, unit: F32, lmbda: float) -> tuple[int, NDArray[np.int64], F32]:
+    """Step index, integer grid, and what is left of the picture."""
+    channels, height, width = unit.shape
+    if not spec.base_cell:
+        return 0, np.zeros((channels, 0, 0), np.int64), unit
+    opponent = np.array(colour_matrix(channels))
+    # One colour stands for cell² pixels; half of its energy is its own: q² = 6 λ / (E ln 2).
+    index = int(step_index(math.sqrt(12 * lmbda / math.log(2)) / spec.base_cell))
+    step = float(step_fixed(np.array(index))) * 2.0**-24
+    grid = fit_base(np.tensordot(opponent, unit, axes=1).astype(np.float32), spec.base_cell)
+    base = np.rint(grid / step).astype(np.int64)
+    colours = np.tensordot(opponent.T, base * step, axes=1)
+    drawn = render_base(colours, spec.base_cell, np.arange(width) + 0.5, np.arange(height) + 0.5)
+    return index, base, unit - drawn
+
+
+def _fit(
+    spec: ModelSpec, fit: FitSettings, target: F32, on_progress: Callable[[Progress], bool] | None
+) -> tuple[Fitted, int, int]:
+    import torch
+
+    from sgicodec.fit.trainer import Trainer
+
+    if fit.threads:
+        torch.set_num_threads(fit.threads)
+    _, height, width = target.shape
+    quality = quality_index(fit.lmbda)
+    if spec.layout == "uniform":
+        count = fit.seeds or max(1, round(width * height / 400))
+        layout = uniform_layout(width, height, count, np.random.default_rng(fit.seed))
+    else:
+        layout = adaptive_layout(target, fit.split * fit.lmbda * fit.seed_bits)
+    family = 0 if spec.layout == "uniform" else 1
+    networks = load_prior(spec) if spec.context.prior else None
+    return Trainer(spec, fit, target, layout, quality, family, networks).run(on_progress), quality, family
+
+
+def quality_index(lmbda: float) -> int:
+    """Index of the colour step that rate theory gives cells of 8 pixels: q² = 6 λ / (E ln 2), with E the squared error
+    of a unit of colour in a Gaussian of about half the cell's size.
+    """
+    return int(step_index(math.sqrt(6 * max(lmbda, 1e-12) / (math.log(2) * math.pi * 0.3 * 64))))
+
+
+def _assemble(picture: Picture, header: Header, payload: bytes, settings: EncodeSettings) -> bytes:
+    buffer = io.BytesIO()
+    writer = ChunkWriter(buffer)
+    writer.write("H", encode_header(header))
+    asked = f"l{settings.lmbda:g}" if settings.lmbda is not None else f"q{settings.quality:g}"
+    writer.write("s", f"{__version__} {asked} e{settings.effort}".encode())
+    if settings.metadata:
+        blobs = {"i": picture.metadata.icc, "c": picture.metadata.exif, "x": picture.metadata.xmp}
+        for kind, blob in blobs.items():
+            if blob:
+                writer.write(kind, blob)
+    writer.write("T", payload)
+    writer.finish()
+    return buffer.getvalue()

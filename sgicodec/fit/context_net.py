@@ -1,0 +1,101 @@
+"""MLP_p and the hash grid while they train: floats that become the integers of `model.network`."""
+
+from __future__ import annotations
+
+from typing import cast
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from sgicodec.model.context import INPUT_BITS, HashGrid, hash_inputs, input_count, output_count
+from sgicodec.model.network import INPUT_LIMIT, IntNetwork
+from sgicodec.model.spec import ModelSpec
+
+__all__ = ["ContextNet", "binarize"]
+
+
+class _Sign(torch.autograd.Function):
+    """±1 forward; backward the identity where |θ| ≤ 1 (straight-through estimation, Shin and Park 2023)."""
+
+    @staticmethod
+    def forward(ctx: object, theta: Tensor) -> Tensor:
+        ctx.save_for_backward(theta)  # type: ignore[attr-defined]
+        return torch.where(theta >= 0, 1.0, -1.0)
+
+    @staticmethod
+    def backward(ctx: object, *grads: Tensor) -> Tensor:
+        (theta,) = ctx.saved_tensors  # type: ignore[attr-defined]
+        return grads[0] * (theta.abs() <= 1)
+
+
+def binarize(theta: Tensor) -> Tensor:
+    """Signs of θ with straight-through gradients."""
+    return cast(Tensor, _Sign.apply(theta))
+
+
+class ContextNet:
+    """One two-layer network per coding step, and the hash grid's tables θ [entries, F] per resolution."""
+
+    def __init__(self, spec: ModelSpec, hash_sizes: tuple[int, ...], generator: torch.Generator) -> None:
+        self.spec = spec
+        self.layers: list[list[Tensor]] = []
+        for number, step in enumerate(spec.context.steps):
+            inputs, hidden = input_count(spec, number), spec.context.hidden
+            outputs = sum(2 * output_count(spec, group) for group in step) + len(step)
+            w1 = torch.randn(hidden, inputs, generator=generator) * (2.0 / inputs) ** 0.5
+            w2 = torch.randn(outputs, hidden, generator=generator) * 0.1 / hidden**0.5
+            self.layers.append([w1, torch.zeros(hidden), w2, torch.zeros(outputs)])
+        features = spec.context.hash_features
+        self.tables = [(torch.rand(n, features, generator=generator) * 2 - 1) * 1e-2 for n in hash_sizes]
+        for parameter in self.parameters():
+            parameter.requires_grad_()
+
+    def parameters(self) -> list[Tensor]:
+        """Everything that trains."""
+        return [tensor for layer in self.layers for tensor in layer] + self.tables
+
+    def forward(self, step: int, inputs: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+        """Means in base steps [n, U], scales [n, U] and refinements [n, G] in octaves, from inputs in units of 2^-6."""
+        w1, b1, w2, b2 = self.layers[step]
+        x = inputs.clamp(-INPUT_LIMIT, INPUT_LIMIT) * 2.0**-INPUT_BITS
+        out = torch.addmm(b2, torch.relu(torch.addmm(b1, x, w1.T)), w2.T)
+        units = sum(output_count(self.spec, group) for group in self.spec.context.steps[step])
+        return out[:, :units], out[:, units : 2 * units], out[:, 2 * units :]
+
+    def hash_features(self, grid: HashGrid, weight: Tensor) -> Tensor:
+        """H at every seed [N, L·F], in input units."""
+        signs = [binarize(table) for table in self.tables]
+        return cast(
+            Tensor,
+            hash_inputs(grid, slice(None), signs, weight, torch.cat, lambda value, shift: value * 2.0**-shift),
+        )
+
+    def hash_bits(self) -> Tensor:
+        """L_hash: the entropy of the grid's signs (paper, equation 12)."""
+        total = torch.zeros(())
+        for table in self.tables:
+            share = (binarize(table) * 0.5 + 0.5).mean().clamp(1e-6, 1 - 1e-6)
+            total = total - table.numel() * (share * share.log2() + (1 - share) * (1 - share).log2())
+        return total
+
+    def to_integers(self, shift: int) -> tuple[IntNetwork, ...]:
+        """The networks that coding uses: weights rounded to 2^-shift."""
+        return tuple(
+            IntNetwork(
+                *(np.rint(t.detach().numpy().astype(np.float64) * 2.0**shift).astype(np.int64) for t in layer),
+                shift=shift,
+                predicted=sum(output_count(self.spec, group) for group in step),
+            )
+            for layer, step in zip(self.layers, self.spec.context.steps, strict=True)
+        )
+
+    def load_integers(self, networks: tuple[IntNetwork, ...]) -> None:
+        """Sets the weights to what the integer networks hold; they no longer train."""
+        for layer, network in zip(self.layers, networks, strict=True):
+            for index, values in enumerate((network.w1, network.b1, network.w2, network.b2)):
+                layer[index] = torch.tensor(values * 2.0**-network.shift, dtype=torch.float32)
+
+    def signs(self) -> list[np.ndarray]:
+        """The grid's bits as 0 or 1, [entries, F] per resolution."""
+        return [(table.detach() >= 0).numpy().astype(np.int64) for table in self.tables]

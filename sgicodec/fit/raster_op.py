@@ -1,0 +1,68 @@
+"""The rasteriser as torch operations."""
+
+from __future__ import annotations
+
+from typing import Any, cast
+
+import torch
+from torch import Tensor
+
+from sgicodec.raster.native import NativeRasterizer
+
+__all__ = ["rasterize", "squared_error"]
+
+
+class _Rasterize(torch.autograd.Function):
+    @staticmethod
+    def forward(
+        ctx: Any,
+        means: Tensor,
+        covariances: Tensor,
+        colours: Tensor,
+        size: tuple[int, int],
+        raster: NativeRasterizer,
+    ) -> Tensor:
+        arrays = tuple(t.detach().contiguous().numpy() for t in (means, covariances, colours))
+        ctx.arrays, ctx.raster = arrays, raster
+        return torch.from_numpy(raster.forward(*arrays, size[0], size[1]))
+
+    @staticmethod
+    def backward(ctx: Any, *grads: Tensor) -> tuple[Tensor | None, ...]:
+        out = ctx.raster.backward(*ctx.arrays, grads[0].contiguous().numpy())
+        return (*(torch.from_numpy(g) for g in out), None, None)
+
+
+class _SquaredError(torch.autograd.Function):
+    @staticmethod
+    def forward(
+        ctx: Any,
+        means: Tensor,
+        covariances: Tensor,
+        colours: Tensor,
+        target: Tensor,
+        raster: NativeRasterizer,
+    ) -> Tensor:
+        arrays = (t.detach().contiguous().numpy() for t in (means, covariances, colours))
+        loss, ctx.grads = raster.squared_error(*arrays, target.numpy(), 1.0)
+        return torch.tensor(loss)
+
+    @staticmethod
+    def backward(ctx: Any, *grads: Tensor) -> tuple[Tensor | None, ...]:
+        return (*(torch.from_numpy(g) * grads[0] for g in ctx.grads), None, None)
+
+
+def rasterize(
+    means: Tensor, covariances: Tensor, colours: Tensor, size: tuple[int, int], raster: NativeRasterizer
+) -> Tensor:
+    """Image [C, H, W] of size (W, H), differentiable in means [N, 2], covariances [N, 3] and colours [N, C].
+
+    `raster` keeps the forward pass's tile lists: run the backward pass before its next forward.
+    """
+    return cast(Tensor, _Rasterize.apply(means, covariances, colours, size, raster))
+
+
+def squared_error(
+    means: Tensor, covariances: Tensor, colours: Tensor, target: Tensor, raster: NativeRasterizer
+) -> Tensor:
+    """Σ (I − target)² over target [C, H, W] in one pass over the tiles, differentiable in the Gaussians."""
+    return cast(Tensor, _SquaredError.apply(means, covariances, colours, target, raster))

@@ -1,0 +1,191 @@
+"""From the attributes that train to the attributes that will be decoded: means, steps, noise or rounding, and bits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from sgicodec.fit.context_net import ContextNet
+from sgicodec.fit.rate import bits_gaussian, bits_laplace
+from sgicodec.fit.settings import Rounding
+from sgicodec.model.context import (
+    INPUT_BITS,
+    LEVELS,
+    HashGrid,
+    level_inputs,
+    nearest_offset,
+    neighbour_inputs,
+    neighbour_table,
+    output_columns,
+    own_inputs,
+    passes,
+)
+from sgicodec.model.layout import SeedLayout
+from sgicodec.model.neighbours import nearest_seeds
+from sgicodec.model.quantize import PER_OCTAVE, STEP_ZERO
+from sgicodec.model.spec import ModelSpec
+from sgicodec.model.steps import AMPLITUDE_ZERO, GAMMA_BITS, StepPlan, follows_amplitude
+
+__all__ = ["Sample", "Sampler"]
+
+_LEAST_STEP, _GREATEST_STEP = 2.0**-16, 2.0**6
+_COLOUR_INPUT = 16.0
+
+
+@dataclass
+class Sample:
+    """Attributes as they will be decoded [N, d_A], and the bits of each seed [N]."""
+
+    attributes: Tensor
+    bits: Tensor
+
+
+class Sampler:
+    """Holds the step sizes that train (log2 of base steps and γ) and the context inputs of a layout.
+
+    Neighbours enter with the values of the step before, refreshed every few steps: they move slowly, and all seeds
+    can then be evaluated at once although coding visits them pass by pass.
+    """
+
+    refresh = 4
+
+    def __init__(self, spec: ModelSpec, net: ContextNet, plan: StepPlan, quality: int, family: int) -> None:
+        self.spec, self.net, self.quality = spec, net, quality
+        self.bits_of = bits_laplace if family else bits_gaussian
+        self.base = {
+            name: torch.tensor((index - STEP_ZERO) / PER_OCTAVE, dtype=torch.float32).requires_grad_()
+            for name, index in plan.base.items()
+        }
+        self.gamma = {
+            name: torch.tensor(value / 2.0**GAMMA_BITS, dtype=torch.float32).requires_grad_()
+            for name, value in plan.gamma.items()
+        }
+        self.columns = {g.name: torch.from_numpy(output_columns(spec, g.name)) for g in spec.groups}
+        self.age = 0
+
+    def step_parameters(self) -> list[Tensor]:
+        """Base steps and exponents."""
+        return [*self.base.values(), *self.gamma.values()]
+
+    def plan(self) -> StepPlan:
+        """The steps in the stream's units."""
+        base = {
+            name: np.clip(np.rint(value.detach().numpy() * PER_OCTAVE) + STEP_ZERO, 0, 132).astype(np.int64)
+            for name, value in self.base.items()
+        }
+        gamma = {
+            name: int(np.clip(np.rint(float(v.detach()) * 2**GAMMA_BITS), 0, 63)) for name, v in self.gamma.items()
+        }
+        return StepPlan(base, gamma)
+
+    def load_plan(self, plan: StepPlan) -> None:
+        """Rounds the steps to those of the stream."""
+        with torch.no_grad():
+            for name, index in plan.base.items():
+                self.base[name].copy_(torch.from_numpy((index - STEP_ZERO) / PER_OCTAVE))
+                self.gamma[name].fill_(plan.gamma[name] / 2.0**GAMMA_BITS)
+
+    def set_layout(self, layout: SeedLayout, width: int, height: int) -> None:
+        """Prepares everything that depends on where the seeds are."""
+        context = self.spec.context
+        self.level = torch.from_numpy(np.clip(layout.log_size.astype(np.int64), 0, LEVELS - 1))
+        self.level_inputs = torch.from_numpy(level_inputs(layout, self.quality)).float()
+        self.log_size = torch.from_numpy(layout.log_size.astype(np.float32))
+        if context.neighbours:
+            table, present = neighbour_table(context, layout, nearest_seeds)
+            self.table, self.present = torch.from_numpy(table), torch.from_numpy(present).float()
+            self.offset = torch.from_numpy(nearest_offset(layout, table)).float()
+        if context.hash_resolutions:
+            self.grid = HashGrid.at(context, layout, width, height)
+            self.grid_weight = torch.from_numpy(self.grid.weight).float()
+        self.order = [torch.from_numpy(members) for members in passes(context, layout)]
+        self.age = 0
+
+    def sample(self, values: dict[str, Tensor], rounding: Rounding, generator: torch.Generator) -> Sample:
+        """Draws (noise) or rounds the attributes `values` and counts their bits."""
+        if not self.age:
+            with torch.no_grad():
+                self.common = self._common_inputs(values)
+        self.age = (self.age + 1) % self.refresh
+        decoded: dict[str, Tensor] = {}
+        bits: Tensor | None = None
+        for number, step in enumerate(self.spec.context.steps):
+            mean, scale, refine = self.net.forward(number, self._inputs(number, decoded))
+            start = 0
+            for position, name in enumerate(step):
+                base = self.base[name]  # [U, LEVELS]
+                units = slice(start, start + base.shape[0])
+                start += base.shape[0]
+                log_base = base.T[self.level]  # [N, U]
+                if follows_amplitude(self.spec, name):
+                    loudness = self._amplitude(decoded["colour"].detach()) - AMPLITUDE_ZERO / PER_OCTAVE
+                    log_step = log_base - self.gamma[name] * loudness[:, None]
+                else:
+                    log_step = log_base
+                log_step = log_step + refine[:, position : position + 1].clamp(-4, 4)
+                columns = self.columns[name]
+                q = torch.exp2(log_step[:, columns]).clamp(_LEAST_STEP, _GREATEST_STEP)
+                q_base = torch.exp2(log_base[:, columns])
+                m = mean[:, units][:, columns] * q_base
+                s = torch.exp2(scale[:, units][:, columns]) * q_base
+                s = torch.maximum(s, q * 2.0**-4)
+                value = self._perturb(values[name], m, q, rounding, generator)
+                q_rate = q.detach() if rounding == "round" else q
+                cost = self.bits_of(value - m, q_rate, s).sum(dim=1)
+                bits = cost if bits is None else bits + cost
+                decoded[name] = value
+        assert bits is not None
+        return Sample(torch.cat([decoded[group.name] for group in self.spec.groups], dim=1), bits)
+
+    @staticmethod
+    def _perturb(value: Tensor, m: Tensor, q: Tensor, rounding: Rounding, generator: torch.Generator) -> Tensor:
+        if rounding == "noise":
+            return value + q * (torch.rand(value.shape, generator=generator) - 0.5)
+        with torch.no_grad():
+            shift = m + q * torch.round((value - m) / q) - value
+        return value + shift
+
+    def summary(self, values: dict[str, Tensor]) -> Tensor:
+        """Summaries [N, SUMMARY] in input units."""
+        colour, shape = values["colour"], values["shape"]
+        one = float(1 << INPUT_BITS)
+        k, channels = self.spec.per_seed, self.spec.channels
+        mixed = colour.reshape(-1, k, channels).mean(1)
+        mixed = mixed[:, :3] if channels >= 3 else torch.cat([mixed[:, :1], torch.zeros(len(mixed), 2)], 1)
+        loudness = (self._amplitude(colour) + 6.0).clamp_min(-6.0)[:, None]
+        shapes = shape.reshape(-1, k, 3).mean(1)
+        return torch.cat([(mixed * (one * _COLOUR_INPUT)).clamp(-8192, 8192), loudness * one, shapes * one], 1)
+
+    @staticmethod
+    def _amplitude(colour: Tensor) -> Tensor:
+        return 0.5 * torch.log2((colour * colour).sum(1).clamp_min(2.0**-24))
+
+    def _common_inputs(self, values: dict[str, Tensor]) -> Tensor:
+        blocks = [self.level_inputs]
+        if self.spec.context.neighbours:
+            blocks.append(
+                neighbour_inputs(
+                    self.summary(values),
+                    self.table,
+                    self.present,
+                    (self.log_size, self.log_size),
+                    self.offset,
+                    torch.cat,
+                    lambda value, shift: value * 2.0**-shift,
+                )
+            )
+        return torch.cat(blocks, dim=1)
+
+    def _inputs(self, number: int, decoded: dict[str, Tensor]) -> Tensor:
+        blocks = [self.common]
+        if self.spec.context.hash_resolutions:
+            blocks.append(self.net.hash_features(self.grid, self.grid_weight))
+        if number:
+            known = {name: value.detach() for name, value in decoded.items()}
+            if "shape" not in known:
+                known["shape"] = torch.zeros(len(self.level), 3 * self.spec.per_seed)
+            blocks.append(own_inputs(self.summary(known), number, torch.cat))
+        return torch.cat(blocks, dim=1)

@@ -1,0 +1,150 @@
+"""Every number that steers a fit, in one place: profiles, phases, learning rates, efforts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+from sgicodec.errors import UsageError
+
+__all__ = [
+    "EFFORTS",
+    "FitSettings",
+    "LearningRates",
+    "Phase",
+    "default_settings",
+    "lmbda_of_quality",
+    "paper_settings",
+]
+
+Rounding = Literal["none", "noise", "round"]
+
+
+@dataclass(frozen=True)
+class Phase:
+    """A stretch of steps.
+
+    level: pyramid level (0 is full size). rounding: exact values, uniform noise of one step, or rounded values with
+    straight-through gradients. rate: whether the loss counts bits. learn_steps: whether step sizes, γ and r train.
+    prune: how many times, evenly spaced, seeds that do not pay are dropped.
+    """
+
+    steps: int
+    level: int = 0
+    rounding: Rounding = "none"
+    rate: bool = False
+    learn_steps: bool = False
+    prune: int = 0
+
+
+@dataclass(frozen=True)
+class LearningRates:
+    """Adam's learning rates at the start; `final` is the fraction that is left at the end of a fit, `hold` how much of
+    it passes before the decay begins, `constant` names what never decays.
+    """
+
+    colour: float = 0.01
+    shape: float = 0.02
+    offset: float = 0.02
+    feature: float = 0.0075
+    scales: float = 0.007
+    decoder_colour: float = 0.008
+    decoder_shape: float = 0.004
+    context: float = 0.005
+    steps: float = 0.01
+    betas: tuple[float, float] = (0.9, 0.999)
+    epsilon: float = 1e-15
+    final: float = 0.02
+    hold: float = 0.5
+    constant: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class FitSettings:
+    """How a model is fitted.
+
+    lmbda: squared error (samples in 0..1, summed over pixels and channels) that one bit must save; in the `paper`
+    profile the λ of equation 11. loss: "squared" or "absolute". split: a cell splits while its squared deviation
+    exceeds `split` seeds' worth of rate. prune: a seed is dropped when its energy is below this many times the price
+    of its bits. rate_sample: share of the seeds whose bits are counted each step. seeds: their number in the uniform
+    layout. seed: of every random number.
+    """
+
+    lmbda: float
+    phases: tuple[Phase, ...]
+    rates: LearningRates = field(default_factory=LearningRates)
+    loss: Literal["squared", "absolute"] = "squared"
+    split: float = 3.0
+    prune: float = 0.5
+    seed_bits: float = 30.0
+    rate_sample: float = 1.0
+    seeds: int | None = None
+    seed: int = 0
+    threads: int = 0
+
+    @property
+    def steps(self) -> int:
+        """Steps of all phases."""
+        return sum(phase.steps for phase in self.phases)
+
+    def scaled(self, steps: int) -> FitSettings:
+        """The same phases in `steps` steps."""
+        share = [max(1, round(phase.steps * steps / self.steps)) for phase in self.phases]
+        return replace(self, phases=tuple(replace(p, steps=n) for p, n in zip(self.phases, share, strict=True)))
+
+
+def default_settings(lmbda: float, steps: int) -> FitSettings:
+    """The `default` profile in `steps` steps."""
+    return FitSettings(lmbda=lmbda, phases=default_phases(steps))
+
+
+def default_phases(steps: int) -> tuple[Phase, ...]:
+    """Free fit, noise with the rate and pruning, then the values that will really be decoded."""
+    return (
+        Phase(round(0.15 * steps)),
+        Phase(round(0.75 * steps), rounding="noise", rate=True, learn_steps=True, prune=5),
+        Phase(steps - round(0.15 * steps) - round(0.75 * steps), rounding="round", rate=True),
+    )
+
+
+def paper_settings(lmbda: float, levels: int) -> FitSettings:
+    """The `paper` profile: L1, the published learning rates and schedule for M = `levels`."""
+    rates = LearningRates(
+        offset=0.01,
+        feature=0.0075,
+        scales=0.007,
+        decoder_colour=0.008,
+        decoder_shape=0.004,
+        context=0.005,
+        steps=0.0,
+        final=0.01,
+        hold=0.0,
+        constant=("feature", "scales", "decoder_shape"),
+    )
+    return FitSettings(
+        lmbda=lmbda, phases=paper_phases(levels), rates=rates, loss="absolute", rate_sample=0.05, prune=0.0
+    )
+
+
+def paper_phases(levels: int, steps: int = 15_000) -> tuple[Phase, ...]:
+    """The published schedule for M pyramid levels: noise from step 300 of each level, the rate in the last fifth."""
+    parts = {1: (1.0,), 2: (0.6, 0.4), 3: (0.2, 0.4, 0.4), 4: (0.1, 0.2, 0.3, 0.4)}
+    if levels not in parts:
+        raise UsageError(f"levels: {levels}; the paper's schedule knows 1 to 4")
+    phases: list[Phase] = []
+    for index, part in enumerate(parts[levels]):
+        level, count = levels - 1 - index, round(part * steps)
+        free = min(count, max(1, round(300 / 15_000 * steps)))
+        last = round(0.2 * steps) if level == 0 else 0
+        phases += [Phase(free, level), Phase(count - free - last, level, "noise")]
+        phases += [Phase(last, level, "noise", rate=True, learn_steps=True)] if last else []
+    return tuple(phase for phase in phases if phase.steps > 0)
+
+
+EFFORTS: dict[int, int] = {1: 150, 2: 300, 3: 500, 4: 800, 5: 1200, 6: 1700, 7: 2500, 8: 4000, 9: 8000}
+"""Optimisation steps of the default profile for each effort."""
+
+
+def lmbda_of_quality(quality: float) -> float:
+    """λ of the default profile for a quality of 1 to 100: 16 steps of quality halve it twice."""
+    return float(0.5 * 2.0 ** (-(quality - 1) / 8.0))

@@ -1,0 +1,277 @@
+"""Fits seeds to a picture: free, then under noise and a price on bits, then on the values that will be decoded."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from sgicodec.fit.context_net import ContextNet
+from sgicodec.fit.raster_op import rasterize, squared_error
+from sgicodec.fit.sampler import Sample, Sampler
+from sgicodec.fit.settings import FitSettings, Phase
+from sgicodec.model.context import HashGrid
+from sgicodec.model.gaussians import colour_matrix, decoder_shapes, gaussians_from_seeds
+from sgicodec.model.layout import SeedLayout
+from sgicodec.model.network import IntNetwork
+from sgicodec.model.spec import ModelSpec
+from sgicodec.model.steps import StepPlan, default_plan
+from sgicodec.raster.native import NativeRasterizer
+
+__all__ = ["Fitted", "Progress", "Trainer"]
+
+F32 = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Progress:
+    """What a fit knows of itself after a step: psnr in dB before rounding to samples, bits of the seed attributes."""
+
+    step: int
+    steps: int
+    seeds: int
+    psnr: float
+    bits: float
+    seconds: float
+
+
+@dataclass
+class Fitted:
+    """A fit's outcome: float attributes by group [N, size] in the layout's order, and the integers that code them."""
+
+    layout: SeedLayout
+    attributes: dict[str, NDArray[np.float64]]
+    decoders: dict[str, NDArray[np.float64]]
+    plan: StepPlan
+    networks: tuple[IntNetwork, ...]
+    hash_bits: list[NDArray[np.int64]]
+
+
+class Trainer:
+    """One picture's fit. `target` [C, H, W] is the picture less its base layer, samples in 0..1."""
+
+    def __init__(
+        self,
+        spec: ModelSpec,
+        settings: FitSettings,
+        target: F32,
+        layout: SeedLayout,
+        quality: int,
+        family: int,
+        networks: tuple[IntNetwork, ...] | None = None,
+    ) -> None:
+        self.spec, self.settings, self.layout = spec, settings, layout
+        self.generator = torch.Generator().manual_seed(settings.seed)
+        self.raster = NativeRasterizer(settings.threads)
+        self.targets = _pyramid(target, max(phase.level for phase in settings.phases) + 1)
+        self.opponent = torch.tensor(colour_matrix(spec.channels))
+        context = spec.context
+        sizes = HashGrid.at(context, layout, target.shape[2], target.shape[1]).sizes if context.hash_resolutions else ()
+        self.net = ContextNet(spec, sizes, self.generator)
+        self.networks = networks
+        if networks is not None:
+            self.net.load_integers(networks)
+        self.sampler = Sampler(spec, self.net, default_plan(spec, quality), quality, family)
+        self.values = self._start_values(target)
+        self.decoders = self._start_decoders()
+        self.optimizer = self._optimizer()
+        self._set_layout(layout)
+        self.step = 0
+
+    def run(self, on_progress: Callable[[Progress], bool] | None = None) -> Fitted:
+        """All phases. `on_progress` is called after each step; False from it ends the fit with what is there."""
+        started = time.monotonic()
+        for phase in self.settings.phases:
+            self._begin(phase)
+            prunes = {round((i + 1) * phase.steps / (phase.prune + 1)) for i in range(phase.prune)}
+            for number in range(phase.steps):
+                error, bits = self._step(phase)
+                if number in prunes:
+                    self._prune()
+                self.step += 1
+                if on_progress is not None:
+                    psnr = -10 * math.log10(max(error / self.targets[phase.level].numel(), 1e-12))
+                    seconds = time.monotonic() - started
+                    if not on_progress(Progress(self.step, self.settings.steps, len(self.layout), psnr, bits, seconds)):
+                        return self._result()
+        return self._result()
+
+    def _begin(self, phase: Phase) -> None:
+        if phase.rounding == "round" and self.networks is None:
+            self.networks = self.net.to_integers(WEIGHT_SHIFT)
+            self.net.load_integers(self.networks)
+        if phase.rounding == "round":
+            self.sampler.load_plan(self.sampler.plan())
+        for group in self.optimizer.param_groups:
+            if group["name"] in ("steps", "context"):
+                live = phase.learn_steps if group["name"] == "steps" else phase.rate
+                group["live"] = live
+
+    def _step(self, phase: Phase) -> tuple[float, float]:
+        self._schedule()
+        sample = self._sample(phase)
+        gaussians = self._gaussians(sample.attributes, phase.level)
+        target = self.targets[phase.level]
+        if self.settings.loss == "squared":
+            error = squared_error(*gaussians, target, self.raster)
+            loss, squared = error, float(error.detach())
+            if phase.rate:
+                loss = loss + self.settings.lmbda * (sample.bits.sum() + self.net.hash_bits())
+        else:
+            image = rasterize(*gaussians, (target.shape[2], target.shape[1]), self.raster)
+            loss = (image - target).abs().mean()
+            squared = float(((image.detach() - target) ** 2).sum())
+            if phase.rate:
+                price = self.settings.lmbda / (len(self.layout) * self.spec.attributes)
+                loss = loss + price * (self._sampled_bits(sample) + self.net.hash_bits())
+        self.optimizer.zero_grad(set_to_none=True)
+        loss.backward()  # type: ignore[no-untyped-call]
+        self.optimizer.step()
+        self.bits = sample.bits.detach()
+        return squared, float(self.bits.sum())
+
+    def _sample(self, phase: Phase) -> Sample:
+        if phase.rounding == "none":
+            return Sample(self._joined(), torch.zeros(len(self.layout)))
+        return self.sampler.sample(self.values, phase.rounding, self.generator)
+
+    def _sampled_bits(self, sample: Sample) -> Tensor:
+        share = self.settings.rate_sample
+        if share >= 1:
+            return sample.bits.sum()
+        chosen = torch.rand(len(sample.bits), generator=self.generator) < share
+        return sample.bits[chosen].sum() / share
+
+    def _joined(self) -> Tensor:
+        return torch.cat([self.values[group.name] for group in self.spec.groups], dim=1)
+
+    def _gaussians(self, attributes: Tensor, level: int) -> tuple[Tensor, Tensor, Tensor]:
+        scale = 0.5**level
+        means, covariances, colours = gaussians_from_seeds(
+            self.spec, attributes, self.centre * scale, self.cell * scale, self.decoders, self.opponent, torch
+        )
+        return means, covariances, colours
+
+    def _schedule(self) -> None:
+        rates, done = self.settings.rates, self.step / self.settings.steps
+        decay = rates.final ** max(0.0, (done - rates.hold) / (1 - rates.hold))
+        for group in self.optimizer.param_groups:
+            constant = group["name"] in rates.constant
+            group["lr"] = group["base"] * (1.0 if constant else decay) * group.get("live", True)
+
+    def _prune(self) -> None:
+        """Drops seeds whose Gaussians hold less squared error than their bits cost."""
+        with torch.no_grad():
+            _, covariances, colours = self._gaussians(self._joined(), 0)
+            spread = (covariances[:, 0] * covariances[:, 2] - covariances[:, 1] ** 2).clamp_min(1e-9).sqrt()
+            energy = math.pi * spread * (colours**2).sum(1)  # of c·G over the plane
+            energy = energy.reshape(len(self.layout), -1).sum(1)
+            price = self.settings.lmbda * self.settings.seed_bits * self.settings.prune
+            keep = energy > price
+        if not bool(keep.all()) and bool(keep.any()):
+            self._keep(keep)
+
+    def _keep(self, keep: Tensor) -> None:
+        for group in self.optimizer.param_groups:
+            if group["name"] not in self.values:
+                continue
+            old = self.values[group["name"]]
+            new = old.detach()[keep].clone().requires_grad_()
+            state = self.optimizer.state.pop(old)
+            for key in ("exp_avg", "exp_avg_sq"):
+                state[key] = state[key][keep]
+            self.optimizer.state[new] = state
+            group["params"] = [new]
+            self.values[group["name"]] = new
+        self._set_layout(self.layout.take(keep.numpy()))
+
+    def _set_layout(self, layout: SeedLayout) -> None:
+        self.layout = layout
+        self.centre, self.cell = torch.from_numpy(layout.centre), torch.from_numpy(layout.cell)
+        _, height, width = self.targets[0].shape
+        self.sampler.set_layout(layout, width, height)
+
+    def _start_values(self, target: F32) -> dict[str, Tensor]:
+        n, spec = len(self.layout), self.spec
+        values = {group.name: torch.zeros(n, group.size) for group in spec.groups}
+        if spec.skip:
+            mean = torch.from_numpy(_cell_means(target, self.layout)) @ self.opponent.T
+            values["colour"] = (0.7 * mean).repeat(1, spec.per_seed) / spec.per_seed
+            values["shape"][:, 0::3] = math.log(0.5)
+        if spec.seed_scales:
+            spacing = math.sqrt(target.shape[1] * target.shape[2] / n)
+            values["scales"] += math.log(0.5 * spacing)
+        if spec.per_seed > 1:
+            jitter = 0.5 if spec.skip else 1.0
+            values["offset"] += jitter * torch.randn(values["offset"].shape, generator=self.generator) * 0.7
+        return {name: value.requires_grad_() for name, value in values.items()}
+
+    def _start_decoders(self) -> dict[str, Tensor]:
+        decoders = {}
+        for name, shape in decoder_shapes(self.spec).items():
+            last = name.endswith("2")
+            if len(shape) == 1:
+                tensor = torch.zeros(shape)
+            else:
+                gain = (0.01 if name.startswith("colour") or self.spec.skip else 0.5) if last else 1.0
+                bound = gain * math.sqrt(6.0 / (shape[0] + shape[1]))
+                tensor = (torch.rand(shape, generator=self.generator) * 2 - 1) * bound
+            decoders[name] = tensor.requires_grad_()
+        return decoders
+
+    def _optimizer(self) -> torch.optim.Adam:
+        rates = self.settings.rates
+        groups = [
+            {"name": name, "params": [value], "base": getattr(rates, name)} for name, value in self.values.items()
+        ]
+        for net in ("colour", "shape"):
+            weights = [tensor for name, tensor in self.decoders.items() if name.startswith(net)]
+            if weights:
+                groups.append({"name": f"decoder_{net}", "params": weights, "base": getattr(rates, f"decoder_{net}")})
+        groups.append({"name": "steps", "params": self.sampler.step_parameters(), "base": rates.steps})
+        if self.networks is None:
+            groups.append({"name": "context", "params": self.net.parameters(), "base": rates.context})
+        for group in groups:
+            group["lr"] = group["base"]
+        return torch.optim.Adam(groups, betas=rates.betas, eps=rates.epsilon)
+
+    def _result(self) -> Fitted:
+        order = self.layout.order()
+        values = {name: value.detach().numpy().astype(np.float64)[order] for name, value in self.values.items()}
+        decoders = {name: tensor.detach().numpy().astype(np.float64) for name, tensor in self.decoders.items()}
+        networks = self.networks if self.networks is not None else self.net.to_integers(WEIGHT_SHIFT)
+        return Fitted(self.layout.take(order), values, decoders, self.sampler.plan(), networks, self.net.signs())
+
+
+WEIGHT_SHIFT = 8
+"""MLP_p's own weights are multiples of 2^-5."""
+
+
+def _pyramid(target: F32, levels: int) -> list[Tensor]:
+    """Gaussian pyramid [C, H / 2^l, W / 2^l], here by area means of 2×2 pixels with repeated edges."""
+    result = [target]
+    for _ in range(levels - 1):
+        image = result[-1]
+        padded = np.pad(image, ((0, 0), (0, image.shape[1] % 2), (0, image.shape[2] % 2)), mode="edge")
+        result.append(
+            0.25 * (padded[:, ::2, ::2] + padded[:, 1::2, ::2] + padded[:, ::2, 1::2] + padded[:, 1::2, 1::2])
+        )
+    return [torch.from_numpy(np.ascontiguousarray(image, dtype=np.float32)) for image in result]
+
+
+def _cell_means(target: F32, layout: SeedLayout) -> F32:
+    """Mean of `target` [C, H, W] over each seed's cell, as far as it lies in the picture [N, C]."""
+    channels, height, width = target.shape
+    table = np.zeros((channels, height + 1, width + 1))
+    table[:, 1:, 1:] = target.astype(np.float64).cumsum(1).cumsum(2)
+    x0, y0 = layout.corner[:, 0], layout.corner[:, 1]
+    side = layout.cell.astype(np.int64)
+    x1, y1 = np.minimum(x0 + side, width), np.minimum(y0 + side, height)
+    total = table[:, y1, x1] - table[:, y0, x1] - table[:, y1, x0] + table[:, y0, x0]
+    return (total / ((x1 - x0) * (y1 - y0))).T.astype(np.float32)

@@ -1,0 +1,111 @@
+"""From seeds to Gaussians, written once for numpy and torch (both speak enough of the array API)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from sgicodec.model.spec import ModelSpec
+
+__all__ = ["colour_matrix", "decoder_shapes", "gaussians_from_seeds"]
+
+MIN_VARIANCE = 0.05
+"""Pixels² added to every variance: a Gaussian thinner than the pixel grid can neither be seen nor fitted."""
+
+LOG_LIMIT = 12.0
+"""Bound on the exponents of e^x, so that a hostile stream cannot reach infinity."""
+
+
+def decoder_shapes(spec: ModelSpec) -> dict[str, tuple[int, ...]]:
+    """Names and shapes of the decoders' weights: MLP_c and MLP_Σ, two linear layers each (paper, appendix A)."""
+    if not spec.hidden:
+        return {}
+    shapes: dict[str, tuple[int, ...]] = {}
+    for net, outputs in (("colour", spec.per_seed * spec.channels), ("shape", spec.per_seed * 3)):
+        shapes[f"{net}.w1"] = (spec.hidden, spec.features)
+        shapes[f"{net}.b1"] = (spec.hidden,)
+        shapes[f"{net}.w2"] = (outputs, spec.hidden)
+        shapes[f"{net}.b2"] = (outputs,)
+    return shapes
+
+
+def colour_matrix(channels: int) -> list[list[float]]:
+    """Rows: one opponent channel each as a mix of the picture's channels; orthonormal, so that steps compare.
+
+    The first three of three or more channels turn into luma and two chroma differences; others stay as they are.
+    """
+    matrix = [[float(row == column) for column in range(channels)] for row in range(channels)]
+    if channels >= 3:
+        root2, root3, root6 = 2**-0.5, 3**-0.5, 6**-0.5
+        matrix[0][:3] = [root3, root3, root3]
+        matrix[1][:3] = [root2, 0.0, -root2]
+        matrix[2][:3] = [-root6, 2 * root6, -root6]
+    return matrix
+
+
+def gaussians_from_seeds(
+    spec: ModelSpec,
+    attributes: Any,
+    centres: Any,
+    cell: Any,
+    decoders: Mapping[str, Any],
+    opponent: Any,
+    xp: Any,
+) -> tuple[Any, Any, Any]:
+    """All N·K Gaussians of N seeds (paper, equations 1 to 3).
+
+    attributes [N, d_A] as `spec.groups` lays them out, centres [N, 2] and cell sizes [N] in pixels, decoder weights by
+    the names of `decoder_shapes`, opponent [C, C] as `colour_matrix`; `xp` is numpy or torch. Returns means [N·K, 2]
+    pixels, covariances [N·K, 3] (xx, xy, yy) pixels², colours [N·K, C].
+    """
+    n, k = attributes.shape[0], spec.per_seed
+    features = attributes[:, : spec.features]
+    colours = _decode(features, decoders, "colour", xp)
+    shapes = _decode(features, decoders, "shape", xp)
+    if spec.skip:
+        colours = colours + features[:, : k * spec.channels]
+        shapes = shapes + features[:, k * spec.channels : k * (spec.channels + 3)]
+    colours = colours.reshape(n * k, spec.channels)
+    if spec.skip:
+        colours = colours @ opponent
+    shapes = shapes.reshape(n, k, 3)
+    offsets = attributes[:, spec.group("offset").columns].reshape(n, k, 2)
+    scales = xp.ones_like(attributes[:, :4])
+    if spec.seed_scales:
+        scales = xp.exp(xp.clip(attributes[:, spec.group("scales").columns], -LOG_LIMIT, LOG_LIMIT))
+    means = centres[:, None, :] + cell[:, None, None] * offsets * scales[:, None, :2]
+    build = _log_covariance if spec.shape == "log" else _rotated_covariance
+    xx, xy, yy = build(shapes, scales[:, None, 2:], cell[:, None], xp)
+    covariances = xp.stack([xx + MIN_VARIANCE, xy, yy + MIN_VARIANCE], -1)
+    return means.reshape(n * k, 2), covariances.reshape(n * k, 3), colours
+
+
+def _decode(features: Any, decoders: Mapping[str, Any], net: str, xp: Any) -> Any:
+    if f"{net}.w1" not in decoders:
+        return 0.0
+    hidden = features @ decoders[f"{net}.w1"].T + decoders[f"{net}.b1"]
+    hidden = xp.maximum(hidden, xp.zeros_like(hidden))
+    return hidden @ decoders[f"{net}.w2"].T + decoders[f"{net}.b2"]
+
+
+def _log_covariance(shapes: Any, scales: Any, cell: Any, xp: Any) -> tuple[Any, Any, Any]:
+    """Σ = h² exp(2M), M = [[a+b, c], [c, a−b]] in closed form: no angle wraps, no axes swap, zero is round."""
+    a = xp.clip(shapes[..., 0], -LOG_LIMIT, LOG_LIMIT)
+    b, c = shapes[..., 1], shapes[..., 2]
+    rho = xp.sqrt(b * b + c * c + 1e-12)
+    shrink = xp.clip(rho, 0.0, LOG_LIMIT) / rho
+    rho = rho * shrink
+    grow, fall = xp.exp(2 * (a + rho)), xp.exp(2 * (a - rho))
+    mean, half = 0.5 * (grow + fall), 0.5 * (grow - fall) / rho * shrink
+    area = cell * cell * scales[..., 0] * scales[..., 1]
+    return area * (mean + half * b), area * half * c, area * (mean - half * b)
+
+
+def _rotated_covariance(shapes: Any, scales: Any, cell: Any, xp: Any) -> tuple[Any, Any, Any]:
+    """Σ = R S Sᵀ Rᵀ with s = h · s_a · sigmoid(s_base) and a rotation θ (paper, equations 2 and 3)."""
+    deviation = cell[..., None] * scales / (1.0 + xp.exp(-xp.clip(shapes[..., :2], -LOG_LIMIT, LOG_LIMIT)))
+    cos, sin = xp.cos(shapes[..., 2]), xp.sin(shapes[..., 2])
+    first, second = deviation[..., 0] ** 2, deviation[..., 1] ** 2
+    xx = cos * cos * first + sin * sin * second
+    yy = sin * sin * first + cos * cos * second
+    return xx, cos * sin * (first - second), yy

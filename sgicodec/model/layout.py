@@ -1,0 +1,117 @@
+"""Where seeds sit: leaves of an adaptive quadtree or a jittered grid, in Morton order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec.model.morton import canonical_order
+
+__all__ = ["ROOT_LOG", "SeedLayout", "adaptive_layout", "uniform_layout"]
+
+ROOT_LOG = 6
+"""log2 of the side in pixels of the quadtree's root cells."""
+
+F32 = NDArray[np.float32]
+I32 = NDArray[np.int32]
+
+
+@dataclass(frozen=True)
+class SeedLayout:
+    """N seeds: corner [N, 2] (x, y) of each one's cell in pixels and log_size [N], log2 of the cell's side.
+
+    Canonical order is the Morton order of the corners, coarse before fine where they coincide.
+    """
+
+    corner: I32
+    log_size: NDArray[np.int8]
+
+    def __len__(self) -> int:
+        return len(self.corner)
+
+    @property
+    def cell(self) -> F32:
+        """Side of each cell, pixels [N]."""
+        return np.ldexp(np.float32(1), self.log_size.astype(np.int32))
+
+    @property
+    def centre(self) -> F32:
+        """Centres of the cells, pixels [N, 2]."""
+        return self.corner.astype(np.float32) + 0.5 * self.cell[:, None]
+
+    @property
+    def half_pixels(self) -> I32:
+        """Centres of the cells in half pixels [N, 2]: always whole numbers."""
+        return (2 * self.corner + (np.int32(1) << self.log_size.astype(np.int32))[:, None]).astype(np.int32)
+
+    @property
+    def parity(self) -> NDArray[np.int64]:
+        """Which of the four passes codes each seed [N]: cells of even x and y first, then odd-odd, then the rest."""
+        cell_index = self.corner >> self.log_size.astype(np.int32)[:, None]
+        x, y = cell_index[:, 0] & 1, cell_index[:, 1] & 1
+        return np.array([0, 2, 3, 1])[x + 2 * y]
+
+    def take(self, keep: NDArray[np.generic]) -> SeedLayout:
+        """The seeds that a mask or index array selects."""
+        return SeedLayout(self.corner[keep], self.log_size[keep])
+
+    def order(self) -> NDArray[np.intp]:
+        """Indices that sort the seeds into canonical order."""
+        return canonical_order(self.corner, self.log_size)
+
+
+def uniform_layout(width: int, height: int, count: int, rng: np.random.Generator) -> SeedLayout:
+    """`count` seeds of one pixel, one at a random place in each cell of a grid that covers the picture (paper)."""
+    count = min(count, width * height)
+    rows = max(1, min(height, round((count * height / width) ** 0.5)))
+    per_row = np.diff(np.linspace(0, count, rows + 1).round().astype(np.int64))
+    corners = []
+    for row, columns in enumerate(per_row):
+        top, bottom = row * height // rows, (row + 1) * height // rows
+        left = np.arange(columns) * width // columns
+        right = (np.arange(columns) + 1) * width // columns
+        x = left + np.floor(rng.random(columns) * np.maximum(1, right - left))
+        y = top + np.floor(rng.random(columns) * (bottom - top))
+        corners.append(np.stack([np.minimum(x, width - 1), y], axis=1))
+    corner = np.unique(np.concatenate(corners).astype(np.int32), axis=0)
+    layout = SeedLayout(corner, np.zeros(len(corner), np.int8))
+    return layout.take(layout.order())
+
+
+def adaptive_layout(detail: F32, threshold: float, min_log: int = 1, root_log: int = ROOT_LOG) -> SeedLayout:
+    """Leaves of the quadtree that splits every cell whose squared deviation from its mean exceeds `threshold`.
+
+    detail [C, H, W] is what seeds have to explain (the picture less its base layer); the deviation is summed over
+    pixels and channels, so a threshold of so many bits' worth of distortion makes the count follow from the rate.
+    """
+    _, height, width = detail.shape
+    sums, squares = _cell_sums(detail, root_log)
+    alive = np.ones(squares[root_log].shape, bool)
+    corners, sizes = [], []
+    for level in range(root_log, min_log - 1, -1):
+        deviation = squares[level] - np.sum(sums[level] ** 2, axis=0) / 4.0**level
+        split = alive & (deviation > threshold) if level > min_log else np.zeros_like(alive)
+        y, x = np.nonzero(alive & ~split)
+        corner = np.stack([x, y], axis=1).astype(np.int32) << level
+        inside = (corner[:, 0] < width) & (corner[:, 1] < height)
+        corners.append(corner[inside])
+        sizes.append(np.full(int(inside.sum()), level, np.int8))
+        alive = split.repeat(2, axis=0).repeat(2, axis=1)
+    layout = SeedLayout(np.concatenate(corners), np.concatenate(sizes))
+    return layout.take(layout.order())
+
+
+def _cell_sums(detail: F32, root_log: int) -> tuple[dict[int, NDArray[np.float64]], dict[int, NDArray[np.float64]]]:
+    """Sums and sums of squares of `detail` over the cells of every level, from pixels to roots."""
+    channels, height, width = detail.shape
+    side = 1 << root_log
+    padded = np.zeros((channels, -(-height // side) * side, -(-width // side) * side))
+    padded[:, :height, :width] = detail
+    sums, squares = {0: padded}, {0: np.sum(padded**2, axis=0)}
+    for level in range(1, root_log + 1):
+        s, q = sums[level - 1], squares[level - 1]
+        sums[level] = s[:, ::2, ::2] + s[:, 1::2, ::2] + s[:, ::2, 1::2] + s[:, 1::2, 1::2]
+        squares[level] = q[::2, ::2] + q[1::2, ::2] + q[::2, 1::2] + q[1::2, 1::2]
+    return sums, squares

@@ -1,0 +1,74 @@
+"""MLP_p in integers: the same outputs on every machine, in any summation order (paper, equation 9)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec.errors import CorruptStreamError
+from sgicodec.model.context import INPUT_BITS
+from sgicodec.model.quantize import PER_OCTAVE
+
+__all__ = ["INPUT_LIMIT", "MEAN_BITS", "IntNetwork", "Prediction"]
+
+I64 = NDArray[np.int64]
+F64 = NDArray[np.float64]
+
+INPUT_LIMIT = 1 << 13
+HIDDEN_LIMIT = 1 << 15
+MEAN_BITS = 8
+EXACT = float(1 << 53)
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """What MLP_p says of n seeds: means [n, U] in 2^-8 base steps, scales [n, U] in sixths of an octave relative to the
+    base step, refinements r [n, G] of the step in sixths of an octave.
+    """
+
+    mean: I64
+    scale: I64
+    refine: I64
+
+
+@dataclass(frozen=True)
+class IntNetwork:
+    """Two linear layers with a ReLU between, all integers: y = W2 · clip(⌊(W1 x + 2^6 b1) 2^-s⌋) + 2^6 b2.
+
+    w1 [hidden, inputs], b1 [hidden], w2 [outputs, hidden], b2 [outputs]. Inputs are in units of 2^-6, weights and
+    biases in units of 2^-shift. The outputs are U means, U scales and G refinements.
+    Raises CorruptStreamError if a sum could leave the integers that float64 holds exactly.
+    """
+
+    w1: I64
+    b1: I64
+    w2: I64
+    b2: I64
+    shift: int
+    predicted: int
+
+    def __post_init__(self) -> None:
+        first = np.abs(self.w1).sum(axis=1).max(initial=0) * INPUT_LIMIT + (
+            np.abs(self.b1).max(initial=0) << INPUT_BITS
+        )
+        second = np.abs(self.w2).sum(axis=1).max(initial=0) * HIDDEN_LIMIT + (
+            np.abs(self.b2).max(initial=0) << INPUT_BITS
+        )
+        if max(float(first), float(second) * PER_OCTAVE) >= EXACT or not 2 <= self.shift <= 20:
+            raise CorruptStreamError("context model: weights too large to be evaluated exactly")
+
+    def predict(self, inputs: I64, matmul: Callable[[F64, F64], F64] = np.matmul) -> Prediction:
+        """Evaluates inputs [n, inputs]. Products run as float64 on integers, exact whatever the order of the sums."""
+        x = np.clip(inputs, -INPUT_LIMIT, INPUT_LIMIT).astype(np.float64)
+        hidden = np.floor(np.ldexp(matmul(x, self.w1.T.astype(np.float64)) + (self.b1 << INPUT_BITS), -self.shift))
+        hidden = np.clip(hidden, 0, HIDDEN_LIMIT)
+        out = (matmul(hidden, self.w2.T.astype(np.float64)) + (self.b2 << INPUT_BITS)).astype(np.int64)
+        units, fraction = self.predicted, INPUT_BITS + self.shift
+        return Prediction(
+            mean=out[:, :units] >> (fraction - MEAN_BITS),
+            scale=(out[:, units : 2 * units] * PER_OCTAVE) >> fraction,
+            refine=(out[:, 2 * units :] * PER_OCTAVE) >> fraction,
+        )

@@ -1,0 +1,80 @@
+"""Steps, rounding and the fixed point in which both sides compute what the entropy coder will read.
+
+Every value that a later probability depends on is an integer in units of 2^-24 (`FRACTION_BITS`), every step one of
+`STEP_COUNT` integers a sixth of an octave apart, every scale an index a sixth of an octave apart: no float decides.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = [
+    "FRACTION_BITS",
+    "PER_OCTAVE",
+    "SCALE_ZERO",
+    "STEP_COUNT",
+    "STEP_ZERO",
+    "amplitude_index",
+    "dequantize",
+    "quantize",
+    "step_fixed",
+    "step_index",
+]
+
+I64 = NDArray[np.int64]
+F64 = NDArray[np.float64]
+
+FRACTION_BITS = 24
+PER_OCTAVE = 6
+STEP_ZERO = 96
+"""Index of the step 1: q = 2^((index − 96) / 6)."""
+STEP_COUNT = 133
+"""Steps from 2^-16 to 2^6."""
+SCALE_ZERO = 24
+"""Index of the table with σ = 1 step: σ = 2^((index − 24) / 6) steps, 64 of them."""
+
+# 2^(k/6) in units of 2^-40, rounded to nearest; octaves are shifts of these.
+_SIXTHS = np.array([1099511627776, 1234160073853, 1385297844439, 1554944255988, 1745365914583, 1959106999532], np.int64)
+
+
+def step_fixed(index: NDArray[np.integer]) -> I64:
+    """The steps of the given indices (0 to STEP_COUNT − 1) in units of 2^-24; every one is at least 256."""
+    index = np.asarray(index, np.int64)
+    octave = index // PER_OCTAVE - STEP_ZERO // PER_OCTAVE
+    shift = 40 - FRACTION_BITS - octave
+    value = _SIXTHS[index % PER_OCTAVE]
+    return (value + (np.int64(1) << (shift - 1))) >> shift
+
+
+def step_index(step: F64 | float) -> I64:
+    """The index whose step is nearest to `step` on the logarithmic scale, clipped to the table."""
+    index = np.rint(np.log2(np.asarray(step, np.float64)) * PER_OCTAVE) + STEP_ZERO
+    return np.clip(index, 0, STEP_COUNT - 1).astype(np.int64)
+
+
+def quantize(values: F64, mean: I64, step: I64) -> I64:
+    """Symbols n = round((v − m) / q) for float values and fixed-point means and steps; only the encoder does this."""
+    return np.rint((values * 2.0**FRACTION_BITS - mean) / step).astype(np.int64)
+
+
+def dequantize(symbols: I64, mean: I64, step: I64) -> I64:
+    """v = m + q·n in units of 2^-24."""
+    return mean + step * symbols
+
+
+# An amplitude's index counts sixths of an octave of sqrt(energy), which are thirds of an octave of the energy.
+_THIRDS = np.array([0.5, 0.6299605249474366, 0.7937005259840998])
+
+
+def amplitude_index(values: I64) -> I64:
+    """floor(6 log2 sqrt(Σ v²)) over the last axis, exact; v in units of 2^-24, at least −72 (2^-12).
+
+    The energy is summed in units of 2^-24 (values rounded to 2^-12), far below 2^53, and `frexp` of an integer below
+    2^53 is exact, so every machine finds the same third of an octave.
+    """
+    coarse = np.clip(values >> (FRACTION_BITS // 2), -(1 << 20), 1 << 20)
+    energy = np.maximum(np.sum(coarse * coarse, axis=-1), 1)
+    mantissa, exponent = np.frexp(energy.astype(np.float64))
+    third = np.searchsorted(_THIRDS, mantissa, side="right") - 1
+    return 3 * (exponent.astype(np.int64) - 1) + third - 3 * FRACTION_BITS

@@ -1,0 +1,126 @@
+"""What kind of model a stream holds: the settings that both sides must share, and the groups of seed attributes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+__all__ = ["ContextSpec", "Group", "ModelSpec", "default_spec", "paper_spec"]
+
+Layout = Literal["adaptive", "uniform"]
+Shape = Literal["log", "rotation"]
+
+
+@dataclass(frozen=True)
+class Group:
+    """Attributes of a seed that are coded together: `start` and `size` are columns of the attribute matrix."""
+
+    name: str
+    start: int
+    size: int
+
+    @property
+    def columns(self) -> slice:
+        """Where the group sits in the attribute matrix [N, d_A]."""
+        return slice(self.start, self.start + self.size)
+
+
+@dataclass(frozen=True)
+class ContextSpec:
+    """What MLP_p may see, and where its weights come from.
+
+    `prior` is the number of a network that ships with the package, or 0 for weights that travel in the stream.
+    `steps` lists the groups that each evaluation of MLP_p predicts; later steps see what earlier ones decoded.
+    `neighbours` is how many seeds of earlier passes a seed sees (0 codes all seeds in one pass). The hash grid has one
+    entry of `hash_features` signs per vertex of every resolution in `hash_resolutions`, at most 2^`hash_log2_entries`.
+    """
+
+    prior: int
+    steps: tuple[tuple[str, ...], ...]
+    hidden: int
+    neighbours: int = 0
+    hash_resolutions: tuple[int, ...] = ()
+    hash_features: int = 4
+    hash_log2_entries: int = 13
+
+
+@dataclass(frozen=True)
+class ModelSpec:
+    """The architecture (paper, section 3.1, with the design's choices as settings).
+
+    `features` is D, `per_seed` is K. With `skip` the decoders start as an identity, so that the first K·C features
+    are colours in an opponent space and the next 3K are shapes. `hidden` is the width of MLP_c and MLP_Σ; 0 leaves
+    only the skip. `seed_scales` says whether s_o and s_a are carried. `base_cell` is the side in pixels of the base
+    layer's cells, 0 for none.
+    """
+
+    channels: int
+    layout: Layout
+    shape: Shape
+    per_seed: int
+    features: int
+    hidden: int
+    skip: bool
+    seed_scales: bool
+    base_cell: int
+    context: ContextSpec = field(repr=False)
+
+    @property
+    def groups(self) -> tuple[Group, ...]:
+        """The attribute groups in coding order; their sizes sum to d_A (paper: D + 4 + 2K)."""
+        if self.skip:
+            sizes = [("colour", self.per_seed * self.channels), ("shape", 3 * self.per_seed)]
+            rest = self.features - sum(size for _, size in sizes)
+            sizes += [("feature", rest)] if rest else []
+        else:
+            sizes = [("feature", self.features)]
+        sizes += [("scales", 4)] if self.seed_scales else []
+        sizes += [("offset", 2 * self.per_seed)]
+        starts = [sum(size for _, size in sizes[:i]) for i in range(len(sizes))]
+        return tuple(Group(name, start, size) for start, (name, size) in zip(starts, sizes, strict=True))
+
+    def group(self, name: str) -> Group:
+        """The group called `name`."""
+        return next(group for group in self.groups if group.name == name)
+
+    @property
+    def attributes(self) -> int:
+        """d_A: attributes per seed."""
+        return sum(group.size for group in self.groups)
+
+
+def default_spec(channels: int, per_seed: int = 1, prior: int = 1, hidden: int = 0) -> ModelSpec:
+    """The `default` profile: adaptive seeds, log-covariances, a base layer, context from decoded neighbours."""
+    return ModelSpec(
+        channels=channels,
+        layout="adaptive",
+        shape="log",
+        per_seed=per_seed,
+        features=per_seed * (channels + 3),
+        hidden=hidden,
+        skip=True,
+        seed_scales=False,
+        base_cell=32,
+        context=ContextSpec(prior=prior, steps=(("colour",), ("shape",), ("offset",)), hidden=24, neighbours=6),
+    )
+
+
+def paper_spec(channels: int, per_seed: int = 10, features: int = 50) -> ModelSpec:
+    """The `paper` profile: uniform seeds, rotations, plain MLPs, a binary hash grid of 12 levels as context."""
+    return ModelSpec(
+        channels=channels,
+        layout="uniform",
+        shape="rotation",
+        per_seed=per_seed,
+        features=features,
+        hidden=features,
+        skip=False,
+        seed_scales=True,
+        base_cell=0,
+        context=ContextSpec(
+            prior=0,
+            steps=(("feature", "scales", "offset"),),
+            hidden=2 * features,
+            hash_resolutions=(18, 24, 33, 44, 59, 80, 108, 148, 201, 275, 376, 514),
+        ),
+    )

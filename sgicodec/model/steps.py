@@ -1,0 +1,75 @@
+"""Base steps of every attribute and cell size, and how amplitude and MLP_p refine them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec.model.context import LEVELS, output_columns, output_count
+from sgicodec.model.quantize import STEP_COUNT, STEP_ZERO
+from sgicodec.model.spec import ModelSpec
+
+__all__ = ["AMPLITUDE_ZERO", "GAMMA_BITS", "REFINE_LIMIT", "StepPlan", "default_plan", "follows_amplitude"]
+
+I64 = NDArray[np.int64]
+
+AMPLITUDE_ZERO = -20
+"""Amplitude index (sixths of an octave) at which a step is its base step: 2^(-20/6) = 0.1."""
+GAMMA_BITS = 4
+REFINE_LIMIT = 24
+"""Bound on the refinement r: four octaves either way."""
+
+# Steps relative to the colour step of the same cell, sixths of an octave, at amplitude 2^(-20/6).
+_SHAPE_OVER_COLOUR = 26
+_PAPER_STEPS = {"feature": STEP_ZERO, "scales": STEP_ZERO, "offset": STEP_ZERO - 14}
+
+
+@dataclass(frozen=True)
+class StepPlan:
+    """base: for each group, indices [U, LEVELS] of the base step of each of MLP_p's outputs and cell sizes;
+    gamma: for each group, the exponent γ of the amplitude in sixteenths.
+    """
+
+    base: dict[str, I64]
+    gamma: dict[str, int]
+
+    def base_index(self, spec: ModelSpec, group: str, log_size: NDArray[np.integer]) -> I64:
+        """Base step index of each attribute of a group [n, size]."""
+        level = np.clip(log_size.astype(np.int64), 0, LEVELS - 1)
+        return self.base[group][output_columns(spec, group)][:, level].T
+
+    def refined_index(self, group: str, base: I64, amplitude: I64 | None, refine: I64) -> I64:
+        """base − γ·(amplitude index − AMPLITUDE_ZERO) + r, clipped to the table: q = Q · amplitude^-γ · 2^r [n, size].
+
+        base [n, size]; amplitude [n], None where the colours are not decoded yet; refine [n].
+        """
+        index = base + np.clip(refine, -REFINE_LIMIT, REFINE_LIMIT)[:, None]
+        if amplitude is not None:
+            index = index - ((self.gamma[group] * (amplitude - AMPLITUDE_ZERO)) >> GAMMA_BITS)[:, None]
+        return np.clip(index, 0, STEP_COUNT - 1)
+
+
+def follows_amplitude(spec: ModelSpec, group: str) -> bool:
+    """Whether a group's steps follow the amplitude: its colours are known by then."""
+    return spec.skip and group != "colour"
+
+
+def default_plan(spec: ModelSpec, quality: int) -> StepPlan:
+    """The plan that rate theory gives for a colour step `quality` (index) in cells of 8 pixels.
+
+    The distortion of a step grows with the area that a Gaussian covers, so steps halve when cells double. The stream
+    carries differences to this plan.
+    """
+    base = {}
+    for group in spec.groups:
+        if spec.skip:
+            over = 0 if group.name == "colour" else _SHAPE_OVER_COLOUR
+            index = quality + over - 6 * (np.arange(LEVELS) - 3)
+        else:
+            index = np.full(LEVELS, _PAPER_STEPS[group.name])
+        shape = (output_count(spec, group.name), LEVELS)
+        base[group.name] = np.broadcast_to(np.clip(index, 0, STEP_COUNT - 1), shape).astype(np.int64)
+    gamma = {group.name: 16 if follows_amplitude(spec, group.name) else 0 for group in spec.groups}
+    return StepPlan(base, gamma)

@@ -1,0 +1,1 @@
+"""Gaussians to pixels: `native` draws, `reference` defines what is drawn."""
