@@ -1,0 +1,42 @@
+"""Associated (premultiplied) and unassociated alpha.
+
+Where alpha is 0 the colour stays as it is, both ways, so that nothing divides by 0 and no colour is
+forgotten.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["associate", "unassociate"]
+
+Samples = npt.NDArray[Any]
+
+
+def unassociate(pixels: Samples) -> Samples:
+    """Divide the colours of [H, W, C] by the last channel.
+
+    Integers are rounded to nearest and clipped to their type; multiplying again gives back every colour that
+    was not larger than its alpha.
+    """
+    alpha = pixels[..., -1:]
+    result = pixels.copy()
+    if pixels.dtype.kind == "f":
+        np.divide(pixels[..., :-1], alpha, out=result[..., :-1], where=alpha != 0)
+        return result
+    largest = np.iinfo(pixels.dtype).max
+    divisor = np.maximum(alpha, 1).astype(np.uint64)
+    colour = (pixels[..., :-1].astype(np.uint64) * largest + divisor // 2) // divisor
+    np.copyto(result[..., :-1], np.minimum(colour, largest).astype(pixels.dtype), where=alpha != 0)
+    return result
+
+
+def associate(pixels: Samples) -> Samples:
+    """Multiply the float colours of [H, W, C] by the last channel."""
+    alpha = pixels[..., -1:]
+    result = pixels.copy()
+    np.multiply(pixels[..., :-1], alpha, out=result[..., :-1], where=alpha != 0)
+    return result

@@ -1,0 +1,157 @@
+"""What a picture is: samples, their layout and range, and the metadata that travels with them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import UsageError
+
+__all__ = ["LAYOUTS", "Metadata", "Picture", "alpha_index", "convert", "from_unit", "full_range", "to_unit"]
+
+Samples = npt.NDArray[Any]
+
+LAYOUTS = {"gray": 1, "gray+alpha": 2, "rgb": 3, "rgba": 4}
+"""Channel count of each layout with a meaning; any other stack of bands is "multi"."""
+
+_DTYPE_OF_DEPTH: dict[int, np.dtype[Any]] = {
+    8: np.dtype(np.uint8),
+    16: np.dtype(np.uint16),
+    32: np.dtype(np.float32),
+}
+
+
+@dataclass(frozen=True)
+class Metadata:
+    r"""Opaque blobs that are carried, never interpreted for the pixels' sake.
+
+    icc:  an ICC profile that fits the layout.
+    exif: a TIFF structure (`II*\0` or `MM\0*` first, no `Exif\0\0` prefix) whose orientation, if any, is 1.
+    xmp:  an XMP packet, UTF-8.
+    """
+
+    icc: bytes | None = None
+    exif: bytes | None = None
+    xmp: bytes | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """Samples as they are stored, upright, with unassociated (not premultiplied) alpha.
+
+    pixels:       [H, W, C], uint8, uint16 or float32.
+    channels:     a name in `LAYOUTS`, or "multi" for bands without a meaning; "gray+alpha" and "rgba" end in
+                  alpha.
+    sample_range: the values of a colour sample that stand for 0 and 1. Alpha always spans its type: 0 to 255,
+                  65535 or 1.0.
+
+    Raises UsageError when the parts contradict each other.
+    """
+
+    pixels: Samples
+    channels: str
+    sample_range: tuple[float, float]
+    metadata: Metadata = field(default_factory=Metadata)
+
+    def __post_init__(self) -> None:
+        if self.pixels.ndim != 3 or 0 in self.pixels.shape:
+            raise UsageError(f"pixels must be [H, W, C] and not empty, not of shape {self.pixels.shape}")
+        if self.pixels.dtype not in _DTYPE_OF_DEPTH.values():
+            raise UsageError(f"pixels must be uint8, uint16 or float32, not {self.pixels.dtype}")
+        if self.channels != "multi" and LAYOUTS.get(self.channels) != self.pixels.shape[2]:
+            raise UsageError(f"{self.pixels.shape[2]} channels cannot be {self.channels!r}")
+        low, high = self.sample_range
+        if not (np.isfinite(low) and np.isfinite(high) and low < high <= low + np.finfo(np.float32).max):
+            raise UsageError(
+                f"the sample range must be two finite numbers, low before high, not {low:g} to {high:g}"
+            )
+
+    @property
+    def height(self) -> int:
+        """Rows."""
+        return int(self.pixels.shape[0])
+
+    @property
+    def width(self) -> int:
+        """Columns."""
+        return int(self.pixels.shape[1])
+
+    @property
+    def alpha(self) -> int | None:
+        """Index of the alpha channel, or None."""
+        return alpha_index(self.channels)
+
+
+def alpha_index(channels: str) -> int | None:
+    """Index of the alpha channel in a layout, or None."""
+    return LAYOUTS[channels] - 1 if channels in ("gray+alpha", "rgba") else None
+
+
+def full_range(dtype: npt.DTypeLike) -> tuple[float, float]:
+    """The values of `dtype` that stand for 0 and 1 when nothing else is stated: 0 to the largest integer, or
+    to 1.0.
+    """
+    dtype = np.dtype(dtype)
+    return (0.0, float(np.iinfo(dtype).max)) if dtype.kind == "u" else (0.0, 1.0)
+
+
+def to_unit(picture: Picture) -> npt.NDArray[np.float32]:
+    """Samples as float32 [H, W, C] in 0..1; what lies outside the sample range is clipped."""
+    low, span = _affine(picture.channels, picture.pixels.shape[2], picture.pixels.dtype, picture.sample_range)
+    unit = picture.pixels.astype(np.float32)
+    unit -= low
+    unit /= span
+    return np.clip(unit, 0.0, 1.0, out=unit)
+
+
+def from_unit(
+    unit: npt.NDArray[np.floating[Any]],
+    channels: str,
+    dtype: npt.DTypeLike,
+    sample_range: tuple[float, float] | None = None,
+    metadata: Metadata | None = None,
+) -> Picture:
+    """The picture of samples [H, W, C] in 0..1, the inverse of `to_unit`.
+
+    Values are clipped to 0..1, mapped to the sample range (by default the full range of `dtype`) in float32
+    and, for integers, rounded to nearest with ties to even.
+    """
+    dtype = np.dtype(dtype)
+    sample_range = sample_range or full_range(dtype)
+    low, span = _affine(channels, unit.shape[2], dtype, sample_range)
+    samples = np.clip(unit, 0.0, 1.0).astype(np.float32, copy=False)
+    samples *= span
+    samples += low
+    if dtype.kind == "u":
+        np.rint(samples, out=samples)
+        np.clip(samples, *full_range(dtype), out=samples)
+    return Picture(samples.astype(dtype, copy=False), channels, sample_range, metadata or Metadata())
+
+
+def convert(picture: Picture, depth: int) -> Picture:
+    """The picture in 8 or 16-bit integers or 32-bit float, its sample range mapped to the full range of that
+    type.
+
+    Raises UsageError for any other depth.
+    """
+    if depth not in _DTYPE_OF_DEPTH:
+        raise UsageError(f"depth must be 8, 16 or 32 bits, not {depth}")
+    dtype = _DTYPE_OF_DEPTH[depth]
+    if picture.pixels.dtype == dtype:
+        return picture
+    return from_unit(to_unit(picture), picture.channels, dtype, None, picture.metadata)
+
+
+def _affine(
+    channels: str, count: int, dtype: np.dtype[Any], sample_range: tuple[float, float]
+) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
+    """Per channel [C]: the sample that stands for 0, and the distance to the one that stands for 1."""
+    low = np.full(count, sample_range[0], np.float64)
+    high = np.full(count, sample_range[1], np.float64)
+    alpha = alpha_index(channels)
+    if alpha is not None:
+        low[alpha], high[alpha] = full_range(dtype)
+    return low.astype(np.float32), (high - low).astype(np.float32)

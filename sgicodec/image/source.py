@@ -1,0 +1,88 @@
+"""Where a picture comes from: a file, bytes or a stream, brought to a file that OpenImageIO can open."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from io import BytesIO
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from ..errors import PictureError
+
+__all__ = ["Source", "display_name", "first_line", "on_disk"]
+
+Source = str | Path | BinaryIO | bytes
+
+_HEAD = 4
+_SUFFIXES = {
+    b"\x89PNG": ".png",
+    b"\xff\xd8\xff": ".jpg",
+    b"II*\0": ".tif",
+    b"MM\0*": ".tif",
+    b"\x01\xda": ".sgi",
+    b"RIFF": ".webp",
+    b"v/1\x01": ".exr",
+}
+"""How files of the commonest formats begin. A name with the right extension makes OpenImageIO say what is wrong."""
+
+
+def display_name(source: object) -> str:
+    """What to call a source or target in a message."""
+    name = source if isinstance(source, str | Path) else getattr(source, "name", None)
+    return os.fsencode(name).decode("utf-8", "replace") if isinstance(name, str | Path) else "the picture"
+
+
+def first_line(speaker: Any) -> str:
+    """The first line of the complaints that an OpenImageIO object, or the module, has gathered; they are
+    cleared.
+    """
+    try:
+        text = str(speaker.geterror())
+    except UnicodeDecodeError:
+        text = "the file is damaged"
+    return next(filter(None, map(str.strip, text.splitlines())), "")
+
+
+@contextlib.contextmanager
+def on_disk(source: Source) -> Iterator[Path]:
+    """A path to a regular file with the bytes of `source`: itself, or a copy that lasts as long as the
+    context.
+
+    OpenImageIO has no streams in Python, and takes no file name that is not UTF-8. Any PictureError raised in
+    the context gets the name of the source, any OSError becomes one.
+    """
+    try:
+        with contextlib.ExitStack() as stack:
+            if isinstance(source, str | Path):
+                if Path(source).is_file() and _is_utf8(source):
+                    yield Path(source)
+                    return
+                stream: BinaryIO = stack.enter_context(Path(source).open("rb"))
+            else:
+                stream = BytesIO(source) if isinstance(source, bytes) else source
+            head = stream.read(_HEAD)
+            copy = stack.enter_context(tempfile.NamedTemporaryFile(prefix="sgicodec-", suffix=_suffix(head)))
+            copy.write(head)
+            shutil.copyfileobj(stream, copy)
+            copy.flush()
+            yield Path(copy.name)
+    except PictureError as error:
+        raise PictureError(f"{display_name(source)}: {error}") from error.__cause__
+    except OSError as error:
+        raise PictureError(f"{display_name(source)}: {error.strerror or error}") from error
+
+
+def _suffix(head: bytes) -> str:
+    return next((suffix for start, suffix in _SUFFIXES.items() if head.startswith(start)), "")
+
+
+def _is_utf8(path: str | Path) -> bool:
+    try:
+        os.fspath(path).encode("utf-8")
+    except UnicodeEncodeError:
+        return False
+    return True
