@@ -166,4 +166,5 @@ class AttributeCoder:
         loudness = (amplitude_index(colour) << INPUT_BITS) // PER_OCTAVE + (6 << INPUT_BITS)
         shapes = (shape.reshape(-1, k, 3).sum(axis=1) // k) >> (FRACTION_BITS - INPUT_BITS)
         joined = np.concatenate([colours, loudness[:, None], shapes], axis=1)
-        return np.clip(joined, -_INPUT_LIMIT, _INPUT_LIMIT)
+        summary: I64 = np.clip(joined, -_INPUT_LIMIT, _INPUT_LIMIT)
+        return summary

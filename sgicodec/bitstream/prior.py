@@ -38,7 +38,7 @@ def load_prior(spec: ModelSpec) -> tuple[IntNetwork, ...]:
 
 @cache
 def _networks(number: int) -> tuple[IntNetwork, ...]:
-    """File layout: int16, little-endian. Per network: inputs, hidden, outputs, predicted, shift, then W1, b1, W2, b2."""
+    """File layout: int16, little-endian. Per network: inputs, hidden, outputs, predicted, shift; W1, b1, W2, b2."""
     data = files("sgicodec.bitstream").joinpath(f"prior{number}.bin").read_bytes()
     if hashlib.sha256(data).hexdigest() != PRIORS[number]:
         raise UnsupportedStreamError(f"prior {number} of this installation is damaged; install the package again")
@@ -52,5 +52,6 @@ def _networks(number: int) -> tuple[IntNetwork, ...]:
             size = int(np.prod(shape))
             parts.append(numbers[at : at + size].reshape(shape))
             at += size
-        networks.append(IntNetwork(*parts, shift=shift, predicted=predicted))
+        w1, b1, w2, b2 = parts
+        networks.append(IntNetwork(w1, b1, w2, b2, shift, predicted))
     return tuple(networks)

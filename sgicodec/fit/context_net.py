@@ -25,13 +25,13 @@ class _Sign(torch.autograd.Function):
 
     @staticmethod
     def backward(ctx: object, *grads: Tensor) -> Tensor:
-        (theta,) = ctx.saved_tensors  # type: ignore[attr-defined]
+        theta: Tensor = ctx.saved_tensors[0]  # type: ignore[attr-defined]
         return grads[0] * (theta.abs() <= 1)
 
 
 def binarize(theta: Tensor) -> Tensor:
     """Signs of θ with straight-through gradients."""
-    return cast(Tensor, _Sign.apply(theta))
+    return cast(Tensor, _Sign.apply(theta))  # type: ignore[no-untyped-call]
 
 
 class ContextNet:
@@ -81,14 +81,14 @@ class ContextNet:
 
     def to_integers(self, shift: int) -> tuple[IntNetwork, ...]:
         """The networks that coding uses: weights rounded to 2^-shift."""
-        return tuple(
-            IntNetwork(
-                *(np.rint(t.detach().numpy().astype(np.float64) * 2.0**shift).astype(np.int64) for t in layer),
-                shift=shift,
-                predicted=sum(output_count(self.spec, group) for group in step),
+        networks = []
+        for layer, step in zip(self.layers, self.spec.context.steps, strict=True):
+            w1, b1, w2, b2 = (
+                np.rint(t.detach().numpy().astype(np.float64) * 2.0**shift).astype(np.int64) for t in layer
             )
-            for layer, step in zip(self.layers, self.spec.context.steps, strict=True)
-        )
+            predicted = sum(output_count(self.spec, group) for group in step)
+            networks.append(IntNetwork(w1, b1, w2, b2, shift, predicted))
+        return tuple(networks)
 
     def load_integers(self, networks: tuple[IntNetwork, ...]) -> None:
         """Sets the weights to what the integer networks hold; they no longer train."""

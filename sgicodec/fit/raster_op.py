@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from typing import Any, cast
 
+import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 
 from sgicodec.raster.native import NativeRasterizer
 
 __all__ = ["rasterize", "squared_error"]
+
+F32 = NDArray[np.float32]
 
 
 class _Rasterize(torch.autograd.Function):
@@ -22,7 +26,7 @@ class _Rasterize(torch.autograd.Function):
         size: tuple[int, int],
         raster: NativeRasterizer,
     ) -> Tensor:
-        arrays = tuple(t.detach().contiguous().numpy() for t in (means, covariances, colours))
+        arrays = _arrays(means, covariances, colours)
         ctx.arrays, ctx.raster = arrays, raster
         return torch.from_numpy(raster.forward(*arrays, size[0], size[1]))
 
@@ -42,8 +46,7 @@ class _SquaredError(torch.autograd.Function):
         target: Tensor,
         raster: NativeRasterizer,
     ) -> Tensor:
-        arrays = (t.detach().contiguous().numpy() for t in (means, covariances, colours))
-        loss, ctx.grads = raster.squared_error(*arrays, target.numpy(), 1.0)
+        loss, ctx.grads = raster.squared_error(*_arrays(means, covariances, colours), target.numpy(), 1.0)
         return torch.tensor(loss)
 
     @staticmethod
@@ -58,11 +61,16 @@ def rasterize(
 
     `raster` keeps the forward pass's tile lists: run the backward pass before its next forward.
     """
-    return cast(Tensor, _Rasterize.apply(means, covariances, colours, size, raster))
+    return cast(Tensor, _Rasterize.apply(means, covariances, colours, size, raster))  # type: ignore[no-untyped-call]
 
 
 def squared_error(
     means: Tensor, covariances: Tensor, colours: Tensor, target: Tensor, raster: NativeRasterizer
 ) -> Tensor:
     """Σ (I − target)² over target [C, H, W] in one pass over the tiles, differentiable in the Gaussians."""
-    return cast(Tensor, _SquaredError.apply(means, covariances, colours, target, raster))
+    return cast(Tensor, _SquaredError.apply(means, covariances, colours, target, raster))  # type: ignore[no-untyped-call]
+
+
+def _arrays(means: Tensor, covariances: Tensor, colours: Tensor) -> tuple[F32, F32, F32]:
+    first, second, third = (t.detach().contiguous().numpy() for t in (means, covariances, colours))
+    return first, second, third

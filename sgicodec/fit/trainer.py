@@ -274,4 +274,5 @@ def _cell_means(target: F32, layout: SeedLayout) -> F32:
     side = layout.cell.astype(np.int64)
     x1, y1 = np.minimum(x0 + side, width), np.minimum(y0 + side, height)
     total = table[:, y1, x1] - table[:, y0, x1] - table[:, y1, x0] + table[:, y0, x0]
-    return (total / ((x1 - x0) * (y1 - y0))).T.astype(np.float32)
+    means: F32 = (total / ((x1 - x0) * (y1 - y0))).T.astype(np.float32)
+    return means

@@ -16,11 +16,11 @@ def base_shape(width: int, height: int, cell: int) -> tuple[int, int]:
     return -(-height // cell), -(-width // cell)
 
 
-def cubic_weights(positions: F64, count: int, cell: float) -> F64:
+def cubic_weights(positions: NDArray[np.floating], count: int, cell: float) -> F64:
     """Catmull–Rom weights [n, count] of the `count` cell centres at positions [n] in pixels, edges repeated."""
     at = positions / cell - 0.5
     first = np.floor(at).astype(np.int64)
-    weights = np.zeros((len(positions), count))
+    weights: F64 = np.zeros((len(positions), count))
     rows = np.arange(len(positions))
     for tap in range(-1, 3):
         d = np.abs(at - (first + tap))
@@ -34,7 +34,7 @@ def cubic_weights(positions: F64, count: int, cell: float) -> F64:
     return weights
 
 
-def render_base(grid: F64, cell: int, x: F64, y: F64) -> F32:
+def render_base(grid: F64, cell: int, x: NDArray[np.floating], y: NDArray[np.floating]) -> F32:
     """B at pixel centres x [w], y [h] (picture pixels) from grid [C, rows, columns] → [C, h, w]."""
     across = cubic_weights(x, grid.shape[2], cell)
     down = cubic_weights(y, grid.shape[1], cell)
@@ -47,4 +47,4 @@ def fit_base(image: F32, cell: int) -> F64:
     rows, columns = base_shape(width, height, cell)
     across = np.linalg.pinv(cubic_weights(np.arange(width) + 0.5, columns, cell))
     down = np.linalg.pinv(cubic_weights(np.arange(height) + 0.5, rows, cell))
-    return down @ (image.astype(np.float64) @ across.T)
+    return np.asarray(down @ (image @ across.T), np.float64)

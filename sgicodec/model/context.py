@@ -123,7 +123,8 @@ def nearest_offset(layout: SeedLayout, table: I64) -> I64:
     points = layout.half_pixels.astype(np.int64)
     difference = points[table[:, 0]] - points
     scaled = (difference << INPUT_BITS) >> (layout.log_size.astype(np.int64) + 1)[:, None]
-    return np.clip(scaled, -8 << INPUT_BITS, 8 << INPUT_BITS)
+    clipped: I64 = np.clip(scaled, -8 << INPUT_BITS, 8 << INPUT_BITS)
+    return clipped
 
 
 def input_count(spec: ModelSpec, step: int) -> int:

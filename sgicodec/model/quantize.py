@@ -44,13 +44,15 @@ def step_fixed(index: NDArray[np.integer]) -> I64:
     octave = index // PER_OCTAVE - STEP_ZERO // PER_OCTAVE
     shift = 40 - FRACTION_BITS - octave
     value = _SIXTHS[index % PER_OCTAVE]
-    return (value + (np.int64(1) << (shift - 1))) >> shift
+    fixed: I64 = (value + (np.int64(1) << (shift - 1))) >> shift
+    return fixed
 
 
 def step_index(step: F64 | float) -> I64:
     """The index whose step is nearest to `step` on the logarithmic scale, clipped to the table."""
     index = np.rint(np.log2(np.asarray(step, np.float64)) * PER_OCTAVE) + STEP_ZERO
-    return np.clip(index, 0, STEP_COUNT - 1).astype(np.int64)
+    clipped: I64 = np.clip(index, 0, STEP_COUNT - 1).astype(np.int64)
+    return clipped
 
 
 def quantize(values: F64, mean: I64, step: I64) -> I64:
@@ -77,4 +79,5 @@ def amplitude_index(values: I64) -> I64:
     energy = np.maximum(np.sum(coarse * coarse, axis=-1), 1)
     mantissa, exponent = np.frexp(energy.astype(np.float64))
     third = np.searchsorted(_THIRDS, mantissa, side="right") - 1
-    return 3 * (exponent.astype(np.int64) - 1) + third - 3 * FRACTION_BITS
+    index: I64 = 3 * (exponent.astype(np.int64) - 1) + third - 3 * FRACTION_BITS
+    return index

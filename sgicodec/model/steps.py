@@ -48,7 +48,8 @@ class StepPlan:
         index = base + np.clip(refine, -REFINE_LIMIT, REFINE_LIMIT)[:, None]
         if amplitude is not None:
             index = index - ((self.gamma[group] * (amplitude - AMPLITUDE_ZERO)) >> GAMMA_BITS)[:, None]
-        return np.clip(index, 0, STEP_COUNT - 1)
+        clipped: I64 = np.clip(index, 0, STEP_COUNT - 1)
+        return clipped
 
 
 def follows_amplitude(spec: ModelSpec, group: str) -> bool:

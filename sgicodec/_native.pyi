@@ -1,0 +1,48 @@
+"""The compiled extension (sgicodec/raster/cpp/module.cpp). Arrays are C-contiguous and on the CPU."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+F32 = NDArray[np.float32]
+I32 = NDArray[np.int32]
+
+class Rasterizer:
+    def __init__(self, isa: str = "auto", threads: int = 0) -> None: ...
+    def forward(
+        self, means: F32, covariances: F32, colours: F32, image: F32, x0: int, y0: int, cutoff: float, /
+    ) -> None: ...
+    def backward(
+        self,
+        means: F32,
+        covariances: F32,
+        colours: F32,
+        grad: F32,
+        x0: int,
+        y0: int,
+        grad_means: F32,
+        grad_covariances: F32,
+        grad_colours: F32,
+        /,
+    ) -> None: ...
+    def squared_error(
+        self,
+        means: F32,
+        covariances: F32,
+        colours: F32,
+        target: F32,
+        x0: int,
+        y0: int,
+        cutoff: float,
+        weight: float,
+        grad_means: F32,
+        grad_covariances: F32,
+        grad_colours: F32,
+        /,
+    ) -> float: ...
+    @property
+    def isa(self) -> str: ...
+    @property
+    def pairs(self) -> int: ...
+
+def nearest_neighbours(points: I32, queries: I32, out: I32, threads: int, /) -> None: ...
+def resolve_threads(threads: int, /) -> int: ...
