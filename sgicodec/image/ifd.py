@@ -6,6 +6,7 @@ normalises values to little-endian, so what was read from any file can be writte
 
 from __future__ import annotations
 
+import contextlib
 import mmap
 import struct
 from dataclasses import dataclass
@@ -149,7 +150,7 @@ def damage(data: Bytes) -> str | None:
 def load(data: Bytes) -> Directory:
     """The first directory of a TIFF structure, with its EXIF, GPS and interoperability directories.
 
-    Values of unknown types or outside the data are left out. Raises struct.error if the structure is damaged.
+    Values and subordinate directories that are damaged are left out. Raises struct.error if the first directory is.
     """
     spelling = layout(data)
     if spelling is None:
@@ -165,7 +166,8 @@ def _load(data: Bytes, at: int, spelling: Layout, pointers: tuple[int, ...]) -> 
             continue
         if row.tag in pointers:
             inner = (INTEROP_IFD,) if row.tag == EXIF_IFD else ()
-            directory[row.tag] = _load(data, spelling.place.unpack_from(data, row.at)[0], spelling, inner)
+            with contextlib.suppress(struct.error):
+                directory[row.tag] = _load(data, spelling.place.unpack_from(data, row.at)[0], spelling, inner)
         else:
             directory[row.tag] = Entry(
                 row.kind, _little(bytes(data[start : start + size]), row.kind, spelling)

@@ -80,7 +80,7 @@ def read(
         if alpha_index(header.channels) is not None and _is_associated(spec, kind):
             pixels = unassociate(pixels)
         metadata = Metadata(_icc(spec, header.channels), exif, xmp)
-        if np.isnan(pixels).any():
+        if pixels.dtype.kind == "f" and np.isnan(pixels).any():
             raise PictureError("it holds samples that are not a number; replace them by numbers first")
         sample_range = sample_range or _range(pixels, header.channels)
         return Picture(upright(pixels, _orientation(spec, kind)), header.channels, sample_range, metadata)

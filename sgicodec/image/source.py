@@ -17,7 +17,7 @@ __all__ = ["Source", "display_name", "first_line", "on_disk"]
 
 Source = str | Path | BinaryIO | bytes
 
-_HEAD = 4
+_HEAD = 8
 _SUFFIXES = {
     b"\x89PNG": ".png",
     b"\xff\xd8\xff": ".jpg",
@@ -25,6 +25,8 @@ _SUFFIXES = {
     b"MM\0*": ".tif",
     b"\x01\xda": ".sgi",
     b"RIFF": ".webp",
+    b"\0\0\0\x0cJXL ": ".jxl",
+    b"\0\0\0\x0cjP  ": ".jp2",
     b"v/1\x01": ".exr",
 }
 """How files of the commonest formats begin. A name with the right extension makes OpenImageIO say what is wrong."""

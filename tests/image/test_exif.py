@@ -72,6 +72,10 @@ def test_upright_changes_the_orientation_and_nothing_else(exif_blob: Blob, order
     assert exif.upright(b"Exif\0\0" + blob) == exif_blob(orientation=1, order=order)
 
 
+def test_a_damaged_subdirectory_is_left_out(exif_blob: Blob) -> None:
+    assert ifd.load(exif_blob()[:-10]).keys() == {271, 274}
+
+
 def test_a_blob_without_content_is_none() -> None:
     only_orientation = b"II*\0" + struct.pack("<IHHHIHHI", 8, 1, 274, 3, 1, 6, 0, 0)
     assert exif.upright(only_orientation) is None
