@@ -13,7 +13,7 @@ from typing import Any, BinaryIO
 
 from ..errors import PictureError
 
-__all__ = ["Source", "display_name", "first_line", "on_disk"]
+__all__ = ["Source", "display_name", "first_line", "is_utf8", "on_disk"]
 
 Source = str | Path | BinaryIO | bytes
 
@@ -60,7 +60,7 @@ def on_disk(source: Source) -> Iterator[Path]:
     try:
         with contextlib.ExitStack() as stack:
             if isinstance(source, str | Path):
-                if Path(source).is_file() and _is_utf8(source):
+                if Path(source).is_file() and is_utf8(source):
                     yield Path(source)
                     return
                 stream: BinaryIO = stack.enter_context(Path(source).open("rb"))
@@ -82,7 +82,8 @@ def _suffix(head: bytes) -> str:
     return next((suffix for start, suffix in _SUFFIXES.items() if head.startswith(start)), "")
 
 
-def _is_utf8(path: str | Path) -> bool:
+def is_utf8(path: str | Path) -> bool:
+    """Whether OpenImageIO can be told this path."""
     try:
         os.fspath(path).encode("utf-8")
     except UnicodeEncodeError:

@@ -18,7 +18,7 @@ from . import embedded, formats
 from .alpha import associate
 from .formats import Format
 from .picture import Picture, convert
-from .source import display_name, first_line
+from .source import display_name, first_line, is_utf8
 
 if TYPE_CHECKING:
     from OpenImageIO import ImageSpec
@@ -90,6 +90,8 @@ def _write_file(picture: Picture, path: Path, holder: Format) -> None:
 
 def _encoded(picture: Picture, folder: Path, holder: Format) -> Path:
     """A file in `folder` with the whole picture in the format `holder`."""
+    if not is_utf8(folder):
+        raise PictureError("the name of its folder is not UTF-8, and OpenImageIO cannot open it")
     # A full disk ends the process inside libjpeg, and may crash others: better not to begin.
     needed = picture.pixels.nbytes + _SPARE_BYTES
     if shutil.disk_usage(folder).free < needed:
@@ -112,7 +114,7 @@ def _spec(picture: Picture, holder: Format) -> ImageSpec:
         f"band{band:04d}" for band in range(count)
     )
     spec.alpha_channel = -1 if picture.alpha is None else picture.alpha
-    for name, value in _HINTS.items() | holder.hints.items():
+    for name, value in {**_HINTS, **holder.hints}.items():
         spec.attribute(name, value)
     if picture.metadata.icc is not None:
         icc = np.frombuffer(picture.metadata.icc, np.uint8)

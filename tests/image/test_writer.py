@@ -179,6 +179,18 @@ def test_places_that_cannot_be_written(noise: Noise, tmp_path: Path) -> None:
         write(_picture(noise, "uint8", "rgb"), tmp_path / "gone" / "x.png")
 
 
+def test_a_name_that_is_not_utf8_is_fine_but_not_its_folder(noise: Noise, tmp_path: Path) -> None:
+    picture = _picture(noise, "uint8", "gray")
+    strange = tmp_path / os.fsdecode(b"na\xefve.png")
+    write(picture, strange)
+    np.testing.assert_array_equal(read(strange).pixels, picture.pixels)
+    folder = tmp_path / os.fsdecode(b"d\xef")
+    folder.mkdir()
+    with pytest.raises(PictureError, match="not UTF-8"):
+        write(picture, folder / "x.png")
+    assert list(folder.iterdir()) == []
+
+
 def test_links_and_devices_are_written_through(noise: Noise, tmp_path: Path) -> None:
     picture = _picture(noise, "uint8", "gray")
     (tmp_path / "real.png").write_bytes(b"")
