@@ -20,7 +20,7 @@ from sgicodec.image import Metadata, Picture, from_unit
 from sgicodec.model.base import cubic_weights
 from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
 from sgicodec.model.quantize import step_fixed
-from sgicodec.raster.native import NativeRasterizer
+from sgicodec.raster import NativeRasterizer, scaled
 
 __all__ = ["CHUNKS", "MAX_OUTPUT_SAMPLES", "Region", "Stream", "open_stream"]
 
@@ -33,9 +33,6 @@ CHUNKS = "Ticxs"
 
 MAX_OUTPUT_SAMPLES = 1 << 31
 """Most samples (pixels times channels) that one call renders."""
-
-_PREFILTER = 0.16
-"""Variance, output pixels², of the Gaussian that stands for a pixel's area when a picture is made much smaller."""
 
 
 @dataclass(frozen=True)
@@ -135,8 +132,8 @@ class Stream:
         if (sx, sy) == (1.0, 1.0):
             image = raster.forward(gaussians.means, gaussians.covariances, gaussians.colours, columns, rows, (x, y))
         else:
-            scaled = _scaled(gaussians, x, y, sx, sy)
-            image = raster.forward(scaled.means, scaled.covariances, scaled.colours, columns, rows)
+            view = scaled(gaussians.means, gaussians.covariances, gaussians.colours, (sx, sy), (x, y))
+            image = raster.forward(*view, columns, rows)
         if self.header.spec.base_cell:
             image += self._base(x, y, sx, sy, columns, rows)
         return np.ascontiguousarray(image.transpose(1, 2, 0))
@@ -195,7 +192,7 @@ def open_stream(source: str | Path | bytes | BinaryIO) -> Stream:
     """Opens a stream from a path, bytes or a binary file object. Raises StreamError for what is none."""
     if isinstance(source, bytes) or not isinstance(source, str | Path):
         return Stream(source)
-    file = Path(source).open("rb")
+    file = Path(source).open("rb")  # noqa: SIM115 (the stream closes it)
     try:
         return Stream(file, owned=file)
     except BaseException:
@@ -215,21 +212,6 @@ def _output_size(width: int, height: int, scale: float | None, size: tuple[int, 
     if not (math.isfinite(scale) and scale > 0):
         raise UsageError(f"a scale of {scale:g}; it must be a positive number")
     return max(1, round(width * scale)), max(1, round(height * scale))
-
-
-def _scaled(gaussians: _Gaussians, x: int, y: int, sx: float, sy: float) -> _Gaussians:
-    """The Gaussians in output pixels, convolved with the pixel's area where the picture gets smaller; the integral of
-    each is kept.
-    """
-    means = ((gaussians.means - [x, y]) * [sx, sy]).astype(np.float32)
-    covariances = gaussians.covariances.astype(np.float64) * [sx * sx, sx * sy, sy * sy]
-    before = covariances[:, 0] * covariances[:, 2] - covariances[:, 1] ** 2
-    covariances[:, 0] += _PREFILTER * max(0.0, 1 - sx * sx)
-    covariances[:, 2] += _PREFILTER * max(0.0, 1 - sy * sy)
-    after = covariances[:, 0] * covariances[:, 2] - covariances[:, 1] ** 2
-    fade = np.sqrt(np.clip(before / after, 0.0, 1.0))
-    colours = gaussians.colours * fade[:, None]
-    return _Gaussians(means, covariances.astype(np.float32), np.ascontiguousarray(colours, dtype=np.float32))
 
 
 def _area_weights(start: int, scale: float, count: int, cells: int, cell: int) -> F64:

@@ -6,20 +6,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec import _native
+from sgicodec.raster.backend import DEFAULT_CUTOFF
 
 __all__ = ["DEFAULT_CUTOFF", "NativeRasterizer"]
 
 F32 = NDArray[np.float32]
 
-DEFAULT_CUTOFF = 3.5
-"""Standard deviations after which a Gaussian is not drawn: exp(−3.5²/2) = 0.0022 of its amplitude."""
-
 
 class NativeRasterizer:
-    """Additive splatting on the CPU. Same input, same bytes, whatever the number of threads.
+    """Additive splatting on the CPU, a `Backend` of float32 numpy arrays. Same input, same bytes, whatever the number
+    of threads.
 
-    `isa` is auto, avx512, avx2 or portable; `threads` 0 takes every core. An instance keeps the tile lists of its
-    last forward pass for the backward pass and is not safe for use by two threads at once.
+    `isa` is auto, avx512, avx2 or portable (ValueError where this processor lacks it); `threads` 0 takes every core.
+    `cutoff` is where a Gaussian ends, in standard deviations. An instance keeps the tile lists of its last forward
+    pass for the backward pass and is not safe for use by two threads at once.
     """
 
     def __init__(self, threads: int = 0, isa: str = "auto", cutoff: float = DEFAULT_CUTOFF) -> None:
@@ -29,12 +29,12 @@ class NativeRasterizer:
     @property
     def isa(self) -> str:
         """The instruction set in use."""
-        return str(self._raster.isa)
+        return self._raster.isa
 
     @property
     def tile_pairs(self) -> int:
         """(16×16 tile, Gaussian) pairs of the last forward pass; times 256 for pixels."""
-        return int(self._raster.pairs)
+        return self._raster.pairs
 
     def forward(
         self,
@@ -47,7 +47,7 @@ class NativeRasterizer:
     ) -> F32:
         """Image [C, height, width] of means [N, 2], covariances [N, 3] (xx, xy, yy), colours [N, C], in pixels."""
         image = np.empty((colours.shape[1], height, width), np.float32)
-        self._raster.forward(means, covariances, colours, image, origin[0], origin[1], self.cutoff)
+        self._raster.forward(means, covariances, colours, image, *origin, self.cutoff)
         return image
 
     def backward(
@@ -55,13 +55,19 @@ class NativeRasterizer:
     ) -> tuple[F32, F32, F32]:
         """Gradients of means, covariances and colours from dL/dI = grad [C, H, W], after `forward` on the same."""
         out = np.empty_like(means), np.empty_like(covariances), np.empty_like(colours)
-        self._raster.backward(means, covariances, colours, grad, origin[0], origin[1], *out)
+        self._raster.backward(means, covariances, colours, grad, *origin, *out)
         return out
 
     def squared_error(
-        self, means: F32, covariances: F32, colours: F32, target: F32, weight: float
+        self,
+        means: F32,
+        covariances: F32,
+        colours: F32,
+        target: F32,
+        weight: float,
+        origin: tuple[int, int] = (0, 0),
     ) -> tuple[float, tuple[F32, F32, F32]]:
         """weight · Σ (I − target)² over target [C, H, W] and its gradients, without storing the image."""
         out = np.empty_like(means), np.empty_like(covariances), np.empty_like(colours)
-        loss = self._raster.squared_error(means, covariances, colours, target, 0, 0, self.cutoff, weight, *out)
-        return float(loss), out
+        loss = self._raster.squared_error(means, covariances, colours, target, *origin, self.cutoff, weight, *out)
+        return loss, out
