@@ -45,7 +45,7 @@ class _Gaussians:
 class Stream:
     """An opened `.sgi` stream: header and metadata at once, pixels on demand. A context manager.
 
-    `parts` maps each part of the file to its bytes (fractions, since the parts of a tile share one coder).
+    `size` is the stream's length in bytes, `chunk_bytes` that of every chunk by its letter, frame included.
     """
 
     def __init__(self, source: bytes | BinaryIO, owned: BinaryIO | None = None) -> None:
@@ -60,6 +60,7 @@ class Stream:
             self.chunk_bytes[chunk.kind] = chunk.end - chunk.offset
             if chunk.kind == "H":
                 self.header: Header = decode_header(blobs["H"])
+        self.size = reader.end
         if "T" not in blobs:
             raise CorruptStreamError("there is no tile: nothing to draw")
         self._tile = blobs["T"]
@@ -209,7 +210,7 @@ def _output_size(width: int, height: int, scale: float | None, size: tuple[int, 
         return size
     if scale is None:
         return width, height
-    if not (math.isfinite(scale) and scale > 0):
+    if not (scale > 0 and math.isfinite(scale * max(width, height))):
         raise UsageError(f"a scale of {scale:g}; it must be a positive number")
     return max(1, round(width * scale)), max(1, round(height * scale))
 

@@ -123,6 +123,8 @@ class ChunkReader:
         self._max_payload = max_payload
         self._seekable = self._file.seekable()
         self._position = 0
+        self.end = 0
+        """Bytes of the whole file; known once the end mark was reached."""
         self._start = self._file.tell() if self._seekable else 0
         self._size = self._file.seek(0, io.SEEK_END) - self._start if self._seekable else None
         if self._seekable:
@@ -138,6 +140,7 @@ class ChunkReader:
                 raise CorruptStreamError(f"{chunk}: a file starts with its one header; this one is damaged")
             offset = chunk.end
             if chunk.kind == END:
+                self.end = chunk.end
                 break
             if chunk.kind in self._known:
                 yield chunk

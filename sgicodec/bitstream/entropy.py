@@ -204,8 +204,10 @@ class SymbolWriter(SymbolWalk):
         """Appends the CRC of all symbols and returns the payload: words with the most significant byte first,
         so that zero bytes at the end say nothing and are left out.
         """
+        crc = self.crc
         with self.part("check"):
-            self.code_int(self.crc, 32)
+            self.code_int(crc, 32)
+        self.crc = crc  # of the symbols, not of their check
         words: NDArray[np.uint32] = self._coder.get_compressed()
         return words.astype(">u4").tobytes().rstrip(b"\0")
 
@@ -232,6 +234,7 @@ class SymbolReader(SymbolWalk):
         crc = self.crc
         with self.part("check"):
             written = self.code_int(None, 32)
+        self.crc = crc  # of the symbols, not of their check
         if written != crc:
             raise CorruptStreamError(
                 f"entropy: decoded symbols have CRC {crc:08x}, the encoder's had {written:08x}; "
