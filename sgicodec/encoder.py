@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.bitstream.container import ChunkWriter
-from sgicodec.bitstream.header import Header, encode_header
+from sgicodec.bitstream.header import MAX_CHANNELS, MAX_SIDE, Header, encode_header
 from sgicodec.bitstream.prior import PRIORS, load_prior
 from sgicodec.bitstream.tile import DECODER_SHIFT, TileModel, write_tile
-from sgicodec.errors import UsageError
-from sgicodec.image import Picture, to_unit
+from sgicodec.errors import PictureError, UsageError
+from sgicodec.image import Picture, full_range, to_unit
 from sgicodec.model.base import fit_base, render_base
 from sgicodec.model.gaussians import colour_matrix
 from sgicodec.model.layout import adaptive_layout, uniform_layout
@@ -99,8 +99,11 @@ def encode(
 ) -> Encoded:
     """Fits `picture` and writes the stream. `on_progress` is called after every step; what it returns says whether to
     go on (True) or to finish with what is there. Equal input, settings and version give equal bytes.
+
+    Raises PictureError for what no stream can hold, UsageError for a range of samples that integers do not have.
     """
     settings = settings or EncodeSettings()
+    _check(picture)
     unit = np.ascontiguousarray(to_unit(picture).transpose(2, 0, 1))
     spec = _spec(settings, unit.shape[0])
     fit = _fit_settings(settings)
@@ -128,9 +131,19 @@ def encode(
         fitted.attributes,
     )
     payload, walk = write_tile(header, model)
-    data = _assemble(picture, header, payload, settings)
+    data = _assemble(picture, header, payload, settings, fit)
     parts = {name: bits / 8 for name, bits in walk.bits.items()}
     return Encoded(data, parts, len(fitted.layout), len(fitted.layout) * spec.per_seed, fit.lmbda)
+
+
+def _check(picture: Picture) -> None:
+    bands, sides = picture.pixels.shape[2], (picture.width, picture.height)
+    if bands > MAX_CHANNELS or max(sides) > MAX_SIDE:
+        size = f"{sides[0]}×{sides[1]} pixels of {bands} channels"
+        raise PictureError(f"{size}; a stream holds at most {MAX_CHANNELS} channels and {MAX_SIDE} pixels a side")
+    dtype = picture.pixels.dtype
+    if dtype.kind == "u" and picture.sample_range != full_range(dtype):
+        raise UsageError("integer samples span their whole type; only floating-point pictures have another range")
 
 
 def _spec(settings: EncodeSettings, channels: int) -> ModelSpec:
@@ -198,12 +211,14 @@ def quality_index(lmbda: float) -> int:
     return int(step_index(math.sqrt(6 * max(lmbda, 1e-12) / (math.log(2) * math.pi * 0.3 * 64))))
 
 
-def _assemble(picture: Picture, header: Header, payload: bytes, settings: EncodeSettings) -> bytes:
+def _assemble(picture: Picture, header: Header, payload: bytes, settings: EncodeSettings, fit: FitSettings) -> bytes:
     buffer = io.BytesIO()
     writer = ChunkWriter(buffer)
     writer.write("H", encode_header(header))
-    asked = f"l{settings.lmbda:g}" if settings.lmbda is not None else f"q{settings.quality:g}"
-    writer.write("s", f"{__version__} {asked} e{settings.effort}".encode())
+    by_scale = settings.profile == "default"
+    asked = f"q{settings.quality:g}" if by_scale and settings.lmbda is None else f"l{fit.lmbda:g}"
+    took = f"e{settings.effort}" if by_scale and settings.steps is None else f"n{fit.steps}"
+    writer.write("s", f"{__version__} {asked} {took}".encode())
     if settings.metadata:
         blobs = {"i": picture.metadata.icc, "c": picture.metadata.exif, "x": picture.metadata.xmp}
         for kind, blob in blobs.items():
