@@ -1,0 +1,105 @@
+"""Options that several commands share, and what their values look like."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Any, NoReturn, TypeVar
+
+import click
+
+__all__ = [
+    "FLOAT_RANGE",
+    "REGION",
+    "SCALE",
+    "SIZE",
+    "VERBOSE",
+    "force_option",
+    "json_option",
+    "threads_option",
+    "verbose_option",
+]
+
+VERBOSE = "sgicodec.verbose"
+"""Key in a context's `meta`: whether -v was given."""
+
+_Command = TypeVar("_Command", bound=click.Command)
+
+
+class _Pattern(click.ParamType):  # type: ignore[type-arg]
+    """A value that is read from the groups of a regular expression; `name` is what help shows."""
+
+    def __init__(self, name: str, pattern: str, example: str) -> None:
+        self.name, self._pattern, self._example = name, re.compile(pattern), example
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Called by click. Values that were converted before are left alone."""
+        if not isinstance(value, str):
+            return value
+        found = self._pattern.fullmatch(value.strip())
+        result = None if found is None else self.read(found)
+        return self._refuse(value, param, ctx) if result is None else result
+
+    def read(self, found: re.Match[str]) -> Any:
+        """The value, or None if it makes no sense."""
+        raise NotImplementedError
+
+    def _refuse(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> NoReturn:
+        self.fail(f"{value!r} is not {self.name}, as in {self._example}", param, ctx)
+
+
+class _Region(_Pattern):
+    def read(self, found: re.Match[str]) -> tuple[int, ...]:
+        return tuple(int(part) for part in found.groups())
+
+
+class _Scale(_Pattern):
+    def read(self, found: re.Match[str]) -> float | None:
+        above, below = (float(part or 1) for part in found.groups())
+        return above / below if below and 0 < above / below < math.inf else None
+
+
+class _Size(_Pattern):
+    def read(self, found: re.Match[str]) -> tuple[int | None, int | None] | None:
+        width, height = (int(part) if part else None for part in found.groups())
+        return None if width is height is None or 0 in (width, height) else (width, height)
+
+
+class _FloatRange(_Pattern):
+    def read(self, found: re.Match[str]) -> tuple[float, float] | None:
+        try:
+            low, high = (float(part) for part in found.groups())
+        except ValueError:
+            return None
+        return (low, high) if -math.inf < low < high < math.inf else None
+
+
+_NUMBER = r"(\d+\.?\d*|\.\d+)"
+
+REGION = _Region("X,Y,W,H", r"(\d+),(\d+),(\d+),(\d+)", "100,50,256,256")
+SCALE = _Scale("F", rf"{_NUMBER}(?:/{_NUMBER})?", "0.5 or 1/4")
+SIZE = _Size("WxH", r"(\d*)[xX×](\d*)", "512x384, 512x or x384")
+FLOAT_RANGE = _FloatRange("LOW,HIGH", r"([^,]+),([^,]+)", "0,1 or -40,1500.5")
+
+
+def verbose_option(command: _Command) -> _Command:
+    """Adds -v to a command: `ctx.meta[VERBOSE]`, which all commands and the error report of the group read."""
+
+    def remember(ctx: click.Context, param: click.Parameter, value: bool) -> None:
+        ctx.meta[VERBOSE] = value
+
+    text = "Tell more; print the trace of an internal error."
+    return click.option("-v", "--verbose", is_flag=True, expose_value=False, callback=remember, help=text)(command)
+
+
+threads_option = click.option(
+    "-j",
+    "--threads",
+    default=0,
+    show_default="all cores",
+    type=click.IntRange(0, 1024),
+    metavar="N",
+    help="Number of threads.",
+)
+force_option = click.option("-f", "--force", is_flag=True, help="Overwrite OUT; write to a terminal.")
+json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")

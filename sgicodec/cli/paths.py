@@ -1,0 +1,88 @@
+"""Where a command reads and writes: files, and `-` for the standard streams."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, BinaryIO
+
+from sgicodec.errors import OutputExistsError, SgiError, StreamError, UsageError
+from sgicodec.files import write_whole
+
+if TYPE_CHECKING:
+    from sgicodec.decoder import Stream
+
+__all__ = ["STANDARD", "check_output", "display", "opened_stream", "picture_source", "with_extension", "write_output"]
+
+STANDARD = "-"
+
+
+def display(path: str, standard: str = "stdin") -> str:
+    """What to call an argument in messages; undecodable bytes of a file name become question marks."""
+    return standard if path == STANDARD else os.fsencode(path).decode("utf-8", "replace")
+
+
+def with_extension(path: str, extension: str) -> str:
+    """The default output of an input: its name with another extension, or stdout."""
+    return STANDARD if path == STANDARD else f"{os.path.splitext(path)[0]}.{extension}"
+
+
+def picture_source(path: str) -> Path | BinaryIO:
+    """What `sgicodec.image.read` is given."""
+    return sys.stdin.buffer if path == STANDARD else Path(path)
+
+
+@contextlib.contextmanager
+def opened_stream(path: str) -> Iterator[Stream]:
+    """The opened stream. StreamErrors in the block get the file's name; a file that cannot be opened raises one."""
+    from sgicodec.decoder import open_stream
+
+    try:
+        with open_stream(sys.stdin.buffer if path == STANDARD else Path(path)) as stream:
+            yield stream
+    except StreamError as error:
+        raise type(error)(f"{display(path)}: {error}") from error.__cause__
+    except OSError as error:
+        raise StreamError(f"{display(path)}: {error.strerror or error}") from error
+
+
+def check_output(target: str, source: str, force: bool) -> None:
+    """Refuses, before any work is done, what could not or should not be written at its end.
+
+    Raises UsageError, or OutputExistsError for an existing file without `force`.
+    """
+    if target == STANDARD:
+        if sys.stdout.isatty() and not force:
+            raise UsageError("stdout is a terminal; name OUT, redirect, or give -f to write to it all the same")
+        return
+    path, name = Path(target), display(target)
+    folder = Path(os.path.realpath(path)).parent
+    if path.is_dir():
+        raise UsageError(f"{name} is a folder; name a file")
+    if not folder.is_dir():
+        raise UsageError(f"{name}: the folder {display(str(folder))} does not exist")
+    if not path.is_file() and path.exists():
+        return
+    if not os.access(folder, os.W_OK):
+        raise UsageError(f"{name}: the folder {display(str(folder))} cannot be written to")
+    if source != STANDARD and path.exists() and Path(source).exists() and path.samefile(source):
+        raise UsageError(f"{name} is both input and output; name another OUT")
+    if path.exists() and not force:
+        raise OutputExistsError(f"{name} exists; give -f to overwrite it")
+
+
+def write_output(target: str, data: bytes, failure: type[SgiError]) -> None:
+    """Writes `data` to a file, whole or not at all, or to stdout. Raises `failure`, or BrokenPipeError."""
+    try:
+        if target != STANDARD:
+            write_whole(Path(target), data)
+            return
+        sys.stdout.buffer.write(data)
+        sys.stdout.buffer.flush()
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        raise failure(f"{display(target, 'stdout')}: {error.strerror or error}") from error

@@ -1,0 +1,114 @@
+"""What `sgi encode` tells about the stream that it wrote."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from sgicodec.cli.parts import all_parts, print_parts
+from sgicodec.cli.paths import STANDARD, display
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from sgicodec.encoder import Encoded, EncodeSettings
+    from sgicodec.fit.trainer import Progress
+    from sgicodec.image import Picture
+
+__all__ = ["Report", "peak_mib", "print_report"]
+
+
+@dataclass(frozen=True)
+class Report:
+    """Figures of one encode.
+
+    bpp: bits per pixel of the whole stream. psnr: dB over all samples, None if not measured, infinite for no error.
+    parts: bytes of each part, metadata counted as container; they sum to `bytes`.
+    """
+
+    width: int
+    height: int
+    channels: str
+    sample_type: str
+    bytes: int
+    bpp: float
+    psnr: float | None
+    profile: str
+    lmbda: float
+    seeds: int
+    gaussians: int
+    steps: int
+    ended_early: bool
+    parts: dict[str, float]
+
+    @classmethod
+    def of(cls, picture: Picture, encoded: Encoded, settings: EncodeSettings, last: Progress, verify: bool) -> Report:
+        """Measures `encoded`, with `verify` by decoding it; `last` is the fit's last state.
+
+        Raises StreamError if it does not decode.
+        """
+        size = len(encoded.data)
+        return cls(
+            width=picture.width,
+            height=picture.height,
+            channels=picture.channels,
+            sample_type=picture.pixels.dtype.name,
+            bytes=size,
+            bpp=8 * size / (picture.width * picture.height),
+            psnr=_psnr(picture, encoded.data, settings.threads) if verify else None,
+            profile=settings.profile,
+            lmbda=encoded.lmbda,
+            seeds=encoded.seeds,
+            gaussians=encoded.gaussians,
+            steps=last.step,
+            ended_early=last.step < last.steps,
+            parts=all_parts(encoded.part_bytes, {}, size),
+        )
+
+
+def print_report(report: Report, source: str, target: str, seconds: float, as_json: bool, verbose: bool) -> None:
+    """To stdout, or to stderr if stdout takes the stream."""
+    peak = peak_mib()
+    if as_json:
+        psnr = report.psnr if report.psnr is None or math.isfinite(report.psnr) else None
+        figures: dict[str, Any] = {"input": display(source), "output": display(target, "stdout")} | asdict(report)
+        click.echo(json.dumps(figures | {"psnr": psnr, "seconds": seconds, "peak_mib": peak}))
+        return
+    line = f"{display(target, 'stdout')}: {report.bytes:,} bytes, {report.bpp:.3f} bpp, "
+    line += f"PSNR {report.psnr:.2f} dB, " if report.psnr is not None else ""
+    line += f"{report.gaussians:,} Gaussians, {seconds:.1f} s"
+    line += f", {peak:.0f} MiB" if peak is not None else ""
+    click.echo(line, err=target == STANDARD)
+    if verbose:
+        print_parts(report.parts, err=target == STANDARD)
+        click.echo(f"{report.steps:,} steps, λ {report.lmbda:.3g}", err=target == STANDARD)
+
+
+def peak_mib() -> float | None:
+    """The largest resident size of this process in MiB; None where the system does not tell."""
+    try:
+        import resource
+    except ImportError:
+        return None
+    unit = 1 if sys.platform == "darwin" else 1024  # bytes there, KiB elsewhere
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 2**20
+
+
+def _psnr(picture: Picture, data: bytes, threads: int) -> float:
+    from sgicodec.decoder import open_stream
+    from sgicodec.metrics import psnr
+
+    with open_stream(data) as stream:
+        return psnr(_comparable(picture), _comparable(stream.picture(threads=threads)))
+
+
+def _comparable(picture: Picture) -> npt.NDArray[Any]:
+    """Integers as they are, floats on the scale where their range is 0..1."""
+    from sgicodec.image import to_unit
+
+    return picture.pixels if picture.pixels.dtype.kind == "u" else to_unit(picture)

@@ -1,0 +1,44 @@
+"""Values of options as they are typed."""
+
+from __future__ import annotations
+
+import click
+import pytest
+
+from sgicodec.cli.options import FLOAT_RANGE, REGION, SCALE, SIZE
+
+
+@pytest.mark.parametrize(
+    ("kind", "text", "value"),
+    [
+        (REGION, "0,1,20,30", (0, 1, 20, 30)),
+        (SCALE, "2", 2.0),
+        (SCALE, ".5", 0.5),
+        (SCALE, "1/4", 0.25),
+        (SCALE, "3/2", 1.5),
+        (SIZE, "512x384", (512, 384)),
+        (SIZE, "512x", (512, None)),
+        (SIZE, "X384", (None, 384)),
+        (SIZE, "5×4", (5, 4)),
+        (FLOAT_RANGE, "0,1", (0.0, 1.0)),
+        (FLOAT_RANGE, "-1.5,2e3", (-1.5, 2000.0)),
+    ],
+)
+def test_reads(kind: click.ParamType, text: str, value: object) -> None:
+    assert kind.convert(text, None, None) == value
+    assert kind.convert(value, None, None) == value
+
+
+@pytest.mark.parametrize(
+    ("kind", "texts"),
+    [
+        (REGION, ("", "1,2,3", "1,2,3,4,5", "-1,0,2,2", "a,b,c,d", "1.5,0,2,2")),
+        (SCALE, ("", "0", "-1", "1/0", "0/3", "1/2/3", "inf", "nan", "half", "1e5", "9" * 400)),
+        (SIZE, ("", "x", "0x5", "5x0", "512", "-5x4", "5x4x3")),
+        (FLOAT_RANGE, ("", "1", "1,0", "1,1", "nan,1", "0,inf", "a,b", "0,1,2")),
+    ],
+)
+def test_refuses_with_an_example(kind: click.ParamType, texts: tuple[str, ...]) -> None:
+    for text in texts:
+        with pytest.raises(click.BadParameter, match=", as in "):
+            kind.convert(text, None, None)
