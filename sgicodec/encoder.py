@@ -28,7 +28,10 @@ if TYPE_CHECKING:
     from sgicodec.fit.settings import FitSettings
     from sgicodec.fit.trainer import Fitted, Progress
 
-__all__ = ["EncodeSettings", "Encoded", "encode"]
+__all__ = ["FAMILY", "EncodeSettings", "Encoded", "base_layer", "encode", "quality_index"]
+
+FAMILY = 1
+"""Frequency tables of the default profile: Laplace."""
 
 F32 = NDArray[np.float32]
 
@@ -107,7 +110,7 @@ def encode(
     unit = np.ascontiguousarray(to_unit(picture).transpose(2, 0, 1))
     spec = _spec(settings, unit.shape[0])
     fit = _fit_settings(settings)
-    base_step, base, target = _base_layer(spec, unit, fit.lmbda)
+    base_step, base, target = base_layer(spec, unit, fit.lmbda)
     fitted, quality, family = _fit(spec, fit, target, on_progress)
     header = Header(
         picture.width,
@@ -167,7 +170,7 @@ def _fit_settings(settings: EncodeSettings) -> FitSettings:
     return fit.scaled(settings.steps) if settings.steps else fit
 
 
-def _base_layer(spec: ModelSpec, unit: F32, lmbda: float) -> tuple[int, NDArray[np.int64], F32]:
+def base_layer(spec: ModelSpec, unit: F32, lmbda: float) -> tuple[int, NDArray[np.int64], F32]:
     """Step index, integer grid, and what is left of the picture."""
     channels, height, width = unit.shape
     if not spec.base_cell:
@@ -199,7 +202,7 @@ def _fit(
         layout = uniform_layout(width, height, count, np.random.default_rng(fit.seed))
     else:
         layout = adaptive_layout(target, fit.split * fit.lmbda * fit.seed_bits)
-    family = 0 if spec.layout == "uniform" else 1
+    family = 0 if spec.layout == "uniform" else FAMILY
     networks = load_prior(spec) if spec.context.prior else None
     return Trainer(spec, fit, target, layout, quality, family, networks).run(on_progress), quality, family
 

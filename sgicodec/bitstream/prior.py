@@ -13,7 +13,7 @@ from sgicodec.model.context import input_count
 from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import ModelSpec
 
-__all__ = ["PRIORS", "load_prior"]
+__all__ = ["PRIORS", "load_prior", "parse_prior"]
 
 PRIORS: dict[int, str] = {}
 """SHA-256 of every prior's file; a stream names its prior by number, and a number never changes its meaning."""
@@ -38,10 +38,15 @@ def load_prior(spec: ModelSpec) -> tuple[IntNetwork, ...]:
 
 @cache
 def _networks(number: int) -> tuple[IntNetwork, ...]:
-    """File layout: int16, little-endian. Per network: inputs, hidden, outputs, predicted, shift; W1, b1, W2, b2."""
     data = files("sgicodec.bitstream").joinpath(f"prior{number}.bin").read_bytes()
     if hashlib.sha256(data).hexdigest() != PRIORS[number]:
         raise UnsupportedStreamError(f"prior {number} of this installation is damaged; install the package again")
+    return parse_prior(data)
+
+
+def parse_prior(data: bytes) -> tuple[IntNetwork, ...]:
+    """The networks of a prior's file: int16, little-endian; for each network its inputs, hidden, outputs, predicted and
+    shift, then W1, b1, W2, b2."""
     numbers = np.frombuffer(data, "<i2").astype(np.int64)
     networks, at = [], 0
     while at < len(numbers):
@@ -53,5 +58,5 @@ def _networks(number: int) -> tuple[IntNetwork, ...]:
             parts.append(numbers[at : at + size].reshape(shape))
             at += size
         w1, b1, w2, b2 = parts
-        networks.append(IntNetwork(w1, b1, w2, b2, shift, predicted))
+        networks.append(IntNetwork(w1, b1, w2, b2, shift=shift, predicted=predicted))
     return tuple(networks)

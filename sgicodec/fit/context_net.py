@@ -90,11 +90,12 @@ class ContextNet:
             networks.append(IntNetwork(w1, b1, w2, b2, shift, predicted))
         return tuple(networks)
 
-    def load_integers(self, networks: tuple[IntNetwork, ...]) -> None:
-        """Sets the weights to what the integer networks hold; they no longer train."""
+    def load_integers(self, networks: tuple[IntNetwork, ...], trainable: bool = False) -> None:
+        """Sets the weights to what the integer networks hold."""
         for layer, network in zip(self.layers, networks, strict=True):
             for index, values in enumerate((network.w1, network.b1, network.w2, network.b2)):
-                layer[index] = torch.tensor(values * 2.0**-network.shift, dtype=torch.float32)
+                weights = torch.tensor(values * 2.0**-network.shift, dtype=torch.float32)
+                layer[index] = weights.requires_grad_(trainable)
 
     def signs(self) -> list[np.ndarray]:
         """The grid's bits as 0 or 1, [entries, F] per resolution."""

@@ -25,13 +25,13 @@ from sgicodec.model.context import (
 )
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.neighbours import nearest_seeds
-from sgicodec.model.quantize import PER_OCTAVE, STEP_ZERO
+from sgicodec.model.quantize import PER_OCTAVE, STEP_COUNT, STEP_ZERO
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import AMPLITUDE_ZERO, GAMMA_BITS, StepPlan, follows_amplitude
 
 __all__ = ["Sample", "Sampler"]
 
-_LEAST_STEP, _GREATEST_STEP = 2.0**-16, 2.0**6
+_LEAST_STEP, _GREATEST_STEP = 2.0**-16, 2.0
 _COLOUR_INPUT = 16.0
 
 
@@ -73,7 +73,7 @@ class Sampler:
     def plan(self) -> StepPlan:
         """The steps in the stream's units."""
         base = {
-            name: np.clip(np.rint(value.detach().numpy() * PER_OCTAVE) + STEP_ZERO, 0, 132).astype(np.int64)
+            name: np.clip(np.rint(value.detach().numpy() * PER_OCTAVE) + STEP_ZERO, 0, STEP_COUNT - 1).astype(np.int64)
             for name, value in self.base.items()
         }
         gamma = {
@@ -130,7 +130,7 @@ class Sampler:
                 q = torch.exp2(log_step[:, columns]).clamp(_LEAST_STEP, _GREATEST_STEP)
                 q_base = torch.exp2(log_base[:, columns])
                 m = mean[:, units][:, columns] * q_base
-                s = torch.exp2(scale[:, units][:, columns]) * q_base
+                s = torch.exp2(scale[:, units][:, columns].clamp(-12, 12)) * q_base
                 s = torch.maximum(s, q * 2.0**-4)
                 value = self._perturb(values[name], m, q, rounding, generator)
                 q_rate = q.detach() if rounding == "round" else q

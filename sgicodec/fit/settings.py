@@ -26,7 +26,7 @@ class Phase:
 
     level: pyramid level (0 is full size). rounding: exact values, uniform noise of one step, or rounded values with
     straight-through gradients. rate: whether the loss counts bits. learn_steps: whether step sizes, γ and r train.
-    prune: how many times, evenly spaced, seeds that do not pay are dropped.
+    prune, grow: how many times, evenly spaced, seeds that do not pay are dropped, and seeds added where error stays.
     """
 
     steps: int
@@ -35,6 +35,7 @@ class Phase:
     rate: bool = False
     learn_steps: bool = False
     prune: int = 0
+    grow: int = 0
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,8 @@ class FitSettings:
     lmbda: squared error (samples in 0..1, summed over pixels and channels) that one bit must save; in the `paper`
     profile the λ of equation 11. loss: "squared" or "absolute". split: a cell splits while its squared deviation
     exceeds `split` seeds' worth of rate. prune: a seed is dropped when its energy is below this many times the price
-    of its bits. rate_sample: share of the seeds whose bits are counted each step. seeds: their number in the uniform
+    of its bits. growth: a seed is added where the squared error that its cell's mean holds is above this many times that
+    price. rate_sample: share of the seeds whose bits are counted each step. seeds: their number in the uniform
     layout. seed: of every random number.
     """
 
@@ -76,6 +78,7 @@ class FitSettings:
     loss: Literal["squared", "absolute"] = "squared"
     split: float = 3.0
     prune: float = 0.5
+    growth: float = 1.5
     seed_bits: float = 30.0
     rate_sample: float = 1.0
     seeds: int | None = None

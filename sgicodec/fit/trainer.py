@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from sgicodec.fit.context_net import ContextNet
+from sgicodec.fit.growth import worthwhile_cells
 from sgicodec.fit.raster_op import rasterize, squared_error
 from sgicodec.fit.sampler import Sample, Sampler
 from sgicodec.fit.settings import FitSettings, Phase
@@ -54,7 +55,11 @@ class Fitted:
 
 
 class Trainer:
-    """One picture's fit. `target` [C, H, W] is the picture less its base layer, samples in 0..1."""
+    """One picture's fit. `target` [C, H, W] is the picture less its base layer, samples in 0..1.
+
+    MLP_p is one of three: `networks`, integers that stay as they are; `net`, which somebody else trains with the
+    gradients that each step leaves; or, without either, a new one that trains along and then turns into integers.
+    """
 
     def __init__(
         self,
@@ -65,6 +70,7 @@ class Trainer:
         quality: int,
         family: int,
         networks: tuple[IntNetwork, ...] | None = None,
+        net: ContextNet | None = None,
     ) -> None:
         self.spec, self.settings, self.layout = spec, settings, layout
         self.generator = torch.Generator().manual_seed(settings.seed)
@@ -73,7 +79,8 @@ class Trainer:
         self.opponent = torch.tensor(colour_matrix(spec.channels))
         context = spec.context
         sizes = HashGrid.at(context, layout, target.shape[2], target.shape[1]).sizes if context.hash_resolutions else ()
-        self.net = ContextNet(spec, sizes, self.generator)
+        self.net = net or ContextNet(spec, sizes, self.generator)
+        self.trains_net = net is None and networks is None
         self.networks = networks
         if networks is not None:
             self.net.load_integers(networks)
@@ -86,21 +93,27 @@ class Trainer:
 
     def run(self, on_progress: Callable[[Progress], bool] | None = None) -> Fitted:
         """All phases. `on_progress` is called after each step; False from it ends the fit with what is there."""
+        for progress in self.iterate():
+            if on_progress is not None and not on_progress(progress):
+                break
+        return self.result()
+
+    def iterate(self) -> Iterator[Progress]:
+        """Steps one at a time through all phases."""
         started = time.monotonic()
         for phase in self.settings.phases:
             self._begin(phase)
-            prunes = {round((i + 1) * phase.steps / (phase.prune + 1)) for i in range(phase.prune)}
+            prunes, growths = _spread(phase.prune, phase.steps), _spread(phase.grow, phase.steps)
             for number in range(phase.steps):
                 error, bits = self._step(phase)
                 if number in prunes:
                     self._prune()
+                if number in growths:
+                    self._grow()
                 self.step += 1
-                if on_progress is not None:
-                    psnr = -10 * math.log10(max(error / self.targets[phase.level].numel(), 1e-12))
-                    seconds = time.monotonic() - started
-                    if not on_progress(Progress(self.step, self.settings.steps, len(self.layout), psnr, bits, seconds)):
-                        return self._result()
-        return self._result()
+                psnr = -10 * math.log10(max(error / self.targets[phase.level].numel(), 1e-12))
+                seconds = time.monotonic() - started
+                yield Progress(self.step, self.settings.steps, len(self.layout), psnr, bits, seconds)
 
     def _begin(self, phase: Phase) -> None:
         if phase.rounding == "round" and self.networks is None:
@@ -172,24 +185,52 @@ class Trainer:
             spread = (covariances[:, 0] * covariances[:, 2] - covariances[:, 1] ** 2).clamp_min(1e-9).sqrt()
             energy = math.pi * spread * (colours**2).sum(1)  # of c·G over the plane
             energy = energy.reshape(len(self.layout), -1).sum(1)
-            price = self.settings.lmbda * self.settings.seed_bits * self.settings.prune
+            price = self.settings.lmbda * self.settings.prune * self.settings.seed_bits
             keep = energy > price
         if not bool(keep.all()) and bool(keep.any()):
             self._keep(keep)
 
     def _keep(self, keep: Tensor) -> None:
+        self._change_rows(lambda _, tensor: tensor[keep])
+        self._set_layout(self.layout.take(keep.numpy()))
+
+    def _grow(self) -> None:
+        """Adds seeds where the residual of the exact values is worth more than their bits."""
+        with torch.no_grad():
+            gaussians = self._gaussians(self._joined(), 0)
+            _, height, width = self.targets[0].shape
+            residual = self.targets[0] - rasterize(*gaussians, (width, height), self.raster)
+        settings = self.settings
+        added, means = worthwhile_cells(
+            residual.numpy(), self.layout, settings.lmbda * settings.seed_bits * settings.growth
+        )
+        if not len(added):
+            return
+        fresh = self._fresh_values(torch.from_numpy(means))
+        self._change_rows(lambda name, tensor: torch.cat([tensor, torch.zeros_like(fresh[name])]))
+        with torch.no_grad():
+            for name, value in fresh.items():
+                self.values[name][-len(value) :] = value
+        joined = SeedLayout(
+            np.concatenate([self.layout.corner, added.corner]),
+            np.concatenate([self.layout.log_size, added.log_size]),
+        )
+        self._set_layout(joined)
+
+    def _change_rows(self, change: Callable[[str, Tensor], Tensor]) -> None:
+        """Replaces each group of values, and Adam's moments of it, by `change(group's name, tensor)`."""
         for group in self.optimizer.param_groups:
-            if group["name"] not in self.values:
+            name = group["name"]
+            if name not in self.values:
                 continue
-            old = self.values[group["name"]]
-            new = old.detach()[keep].clone().requires_grad_()
+            old = self.values[name]
+            new = change(name, old.detach()).clone().requires_grad_()
             state = self.optimizer.state.pop(old)
             for key in ("exp_avg", "exp_avg_sq"):
-                state[key] = state[key][keep]
+                state[key] = change(name, state[key])
             self.optimizer.state[new] = state
             group["params"] = [new]
-            self.values[group["name"]] = new
-        self._set_layout(self.layout.take(keep.numpy()))
+            self.values[name] = new
 
     def _set_layout(self, layout: SeedLayout) -> None:
         self.layout = layout
@@ -198,19 +239,23 @@ class Trainer:
         self.sampler.set_layout(layout, width, height)
 
     def _start_values(self, target: F32) -> dict[str, Tensor]:
-        n, spec = len(self.layout), self.spec
+        mean = torch.from_numpy(_cell_means(target, self.layout))
+        return {name: value.requires_grad_() for name, value in self._fresh_values(mean).items()}
+
+    def _fresh_values(self, mean: Tensor) -> dict[str, Tensor]:
+        """Attributes of seeds that have not been fitted, from the mean of what they should explain [n, C]."""
+        n, spec = len(mean), self.spec
         values = {group.name: torch.zeros(n, group.size) for group in spec.groups}
         if spec.skip:
-            mean = torch.from_numpy(_cell_means(target, self.layout)) @ self.opponent.T
-            values["colour"] = (0.7 * mean).repeat(1, spec.per_seed) / spec.per_seed
+            values["colour"] = (0.7 * mean @ self.opponent.T).repeat(1, spec.per_seed) / spec.per_seed
             values["shape"][:, 0::3] = math.log(0.5)
         if spec.seed_scales:
-            spacing = math.sqrt(target.shape[1] * target.shape[2] / n)
-            values["scales"] += math.log(0.5 * spacing)
+            _, height, width = self.targets[0].shape
+            values["scales"] += math.log(0.5 * math.sqrt(height * width / n))
         if spec.per_seed > 1:
-            jitter = 0.5 if spec.skip else 1.0
-            values["offset"] += jitter * torch.randn(values["offset"].shape, generator=self.generator) * 0.7
-        return {name: value.requires_grad_() for name, value in values.items()}
+            spread = 0.35 if spec.skip else 0.7
+            values["offset"] += spread * torch.randn(values["offset"].shape, generator=self.generator)
+        return values
 
     def _start_decoders(self) -> dict[str, Tensor]:
         decoders = {}
@@ -235,13 +280,14 @@ class Trainer:
             if weights:
                 groups.append({"name": f"decoder_{net}", "params": weights, "base": getattr(rates, f"decoder_{net}")})
         groups.append({"name": "steps", "params": self.sampler.step_parameters(), "base": rates.steps})
-        if self.networks is None:
+        if self.trains_net:
             groups.append({"name": "context", "params": self.net.parameters(), "base": rates.context})
         for group in groups:
             group["lr"] = group["base"]
         return torch.optim.Adam(groups, betas=rates.betas, eps=rates.epsilon)
 
-    def _result(self) -> Fitted:
+    def result(self) -> Fitted:
+        """What the fit has found so far, in the stream's order."""
         order = self.layout.order()
         values = {name: value.detach().numpy().astype(np.float64)[order] for name, value in self.values.items()}
         decoders = {name: tensor.detach().numpy().astype(np.float64) for name, tensor in self.decoders.items()}
@@ -251,6 +297,11 @@ class Trainer:
 
 WEIGHT_SHIFT = 8
 """MLP_p's own weights are multiples of 2^-5."""
+
+
+def _spread(times: int, steps: int) -> set[int]:
+    """`times` steps that part a phase evenly."""
+    return {round((i + 1) * steps / (times + 1)) for i in range(times)}
 
 
 def _pyramid(target: F32, levels: int) -> list[Tensor]:

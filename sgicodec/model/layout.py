@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from sgicodec.model.morton import canonical_order
 
-__all__ = ["ROOT_LOG", "SeedLayout", "adaptive_layout", "uniform_layout"]
+__all__ = ["ROOT_LOG", "SeedLayout", "adaptive_layout", "cell_sums", "uniform_layout"]
 
 ROOT_LOG = 6
 """log2 of the side in pixels of the quadtree's root cells."""
@@ -87,7 +87,7 @@ def adaptive_layout(detail: F32, threshold: float, min_log: int = 1, root_log: i
     pixels and channels, so a threshold of so many bits' worth of distortion makes the count follow from the rate.
     """
     _, height, width = detail.shape
-    sums, squares = _cell_sums(detail, root_log)
+    sums, squares = cell_sums(detail, root_log)
     alive = np.ones(squares[root_log].shape, bool)
     corners, sizes = [], []
     for level in range(root_log, min_log - 1, -1):
@@ -103,7 +103,7 @@ def adaptive_layout(detail: F32, threshold: float, min_log: int = 1, root_log: i
     return layout.take(layout.order())
 
 
-def _cell_sums(detail: F32, root_log: int) -> tuple[dict[int, NDArray[np.float64]], dict[int, NDArray[np.float64]]]:
+def cell_sums(detail: F32, root_log: int) -> tuple[dict[int, NDArray[np.float64]], dict[int, NDArray[np.float64]]]:
     """Sums and sums of squares of `detail` over the cells of every level, from pixels to roots."""
     channels, height, width = detail.shape
     side = 1 << root_log

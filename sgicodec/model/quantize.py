@@ -29,8 +29,8 @@ FRACTION_BITS = 24
 PER_OCTAVE = 6
 STEP_ZERO = 96
 """Index of the step 1: q = 2^((index − 96) / 6)."""
-STEP_COUNT = 133
-"""Steps from 2^-16 to 2^6."""
+STEP_COUNT = 103
+"""Steps from 2^-16 to 2: a coarser one says no more, and noise of its size would throw a Gaussian off the picture."""
 SCALE_ZERO = 24
 """Index of the table with σ = 1 step: σ = 2^((index − 24) / 6) steps, 64 of them."""
 
