@@ -15,5 +15,5 @@ def nearest_seeds(points: NDArray[np.int32], queries: NDArray[np.int32], k: int)
     index; −1 where there are fewer than k points.
     """
     out = np.empty((len(queries), k), np.int32)
-    nearest_neighbours(np.ascontiguousarray(points), np.ascontiguousarray(queries), out, 0)
+    nearest_neighbours(np.ascontiguousarray(points), np.ascontiguousarray(queries), out, 1)
     return out
