@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import BinaryIO
+from typing import BinaryIO, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,8 +34,7 @@ MAX_OUTPUT_SAMPLES = 1 << 31
 """Most samples (pixels times channels) that one call renders."""
 
 
-@dataclass(frozen=True)
-class _Gaussians:
+class _Gaussians(NamedTuple):
     means: F32
     covariances: F32
     colours: F32
@@ -129,12 +127,12 @@ class Stream:
             raise LimitError(f"{columns}×{rows} pixels are too many for one call; decode regions or a smaller scale")
         sx, sy = columns / width, rows / height
         gaussians = self._prepared()
-        raster = NativeRasterizer(threads)
-        if (sx, sy) == (1.0, 1.0):
-            image = raster.forward(gaussians.means, gaussians.covariances, gaussians.colours, columns, rows, (x, y))
-        else:
-            view = scaled(gaussians.means, gaussians.covariances, gaussians.colours, (sx, sy), (x, y))
-            image = raster.forward(*view, columns, rows)
+        unscaled = (sx, sy) == (1.0, 1.0)
+        view = gaussians if unscaled else scaled(*gaussians, (sx, sy), (x, y))
+        try:
+            image = NativeRasterizer(threads).forward(*view, columns, rows, (x, y) if unscaled else (0, 0))
+        except OverflowError as error:
+            raise LimitError("the Gaussians cover too much of the picture; decode smaller regions") from error
         if self.header.spec.base_cell:
             image += self._base(x, y, sx, sy, columns, rows)
         return np.ascontiguousarray(image.transpose(1, 2, 0))

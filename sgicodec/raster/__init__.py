@@ -39,7 +39,8 @@ def rasterize(
     has its centre at (j + ½, i + ½). A scale below 1 filters, so that nothing aliases (`scaled`).
     `native` computes in float32, leaves out what lies beyond `cutoff` standard deviations and uses `threads` (0: all
     cores) with the same result for any number; `reference` sums everything in float64, slowly.
-    Gaussians that are not finite or not positive definite are left out. Raises UsageError for wrong shapes or numbers.
+    Gaussians that are not finite or not positive definite are left out. Raises UsageError for wrong shapes or numbers,
+    OverflowError where `native` would need too much memory (`NativeRasterizer`).
     """
     if backend not in ("native", "reference"):
         raise UsageError(f"backend {backend!r}; there are native and reference")
@@ -59,8 +60,8 @@ def rasterize(
 def _arrays(means: ArrayLike, covariances: ArrayLike, colours: ArrayLike, dtype: type[np.floating]) -> Gaussians:
     arrays = tuple(np.ascontiguousarray(values, dtype) for values in (means, covariances, colours))
     shapes = [array.shape for array in arrays]
-    count = shapes[0][0] if shapes[0] else 0
-    if shapes[:2] != [(count, 2), (count, 3)] or len(shapes[2]) != 2 or shapes[2][0] != count or shapes[2][1] < 1:
+    count = shapes[0][0]  # ascontiguousarray makes at least one dimension
+    if shapes != [(count, 2), (count, 3), (count, shapes[2][-1])] or shapes[2][-1] < 1:
         wrong = ", ".join(str(list(shape)) for shape in shapes)
         raise UsageError(f"means, covariances and colours of shapes {wrong}; they must be [N, 2], [N, 3] and [N, C]")
     return arrays[0], arrays[1], arrays[2]

@@ -1,6 +1,7 @@
 #include "binning.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <stdexcept>
 
@@ -9,7 +10,7 @@
 namespace sgi {
 namespace {
 
-constexpr int64_t kChunk = 4096;
+constexpr int64_t kChunk = 1024;
 constexpr float kLog2E = 1.44269504f;
 
 // The ellipse of all points within the cutoff, relative to the centre.
@@ -80,47 +81,57 @@ void for_each_tile(const Splat &s, const Ellipse &e, const View &view, Visit vis
   }
 }
 
+// Prepares every Gaussian and lists the tiles that each chunk of them touches; slot_start counts from the chunk's first.
+void find_tiles(const float *means, const float *covariances, int64_t n, const View &view, float cutoff, int threads,
+                Bins &bins) {
+  const int64_t chunks = (n + kChunk - 1) / kChunk;
+  bins.splats.resize(n);
+  bins.slot_start.resize(n + 1);
+  bins.chunk_tiles.resize(chunks);
+  std::atomic<int64_t> pairs{0};
+  parallel_for(chunks, threads, [&](int64_t chunk) {
+    if (pairs > bins.most_pairs) return;
+    std::vector<uint32_t> &tiles = bins.chunk_tiles[chunk];
+    tiles.clear();
+    for (int64_t i = chunk * kChunk; i < std::min(n, (chunk + 1) * kChunk); ++i) {
+      bins.slot_start[i] = static_cast<int64_t>(tiles.size());
+      Ellipse ellipse;
+      if (bins.slot_start[i] <= bins.most_pairs &&
+          prepare(means + 2 * i, covariances + 3 * i, cutoff, bins.splats[i], ellipse))
+        for_each_tile(bins.splats[i], ellipse, view, [&](uint32_t tile) { tiles.push_back(tile); });
+    }
+    pairs += static_cast<int64_t>(tiles.size());
+  });
+  if (pairs > bins.most_pairs) throw std::overflow_error("too many Gaussians in too many tiles: draw smaller crops");
+}
+
 }  // namespace
 
 void bin_gaussians(const float *means, const float *covariances, int64_t n, const View &view, float cutoff, int threads,
                    Bins &bins) {
-  const int64_t tiles = int64_t(view.tiles_x()) * view.tiles_y();
   const int64_t chunks = (n + kChunk - 1) / kChunk;
-  bins.splats.resize(n);
-  bins.slot_start.assign(n + 1, 0);
-  std::vector<Ellipse> ellipses(n);
-  parallel_for(chunks, threads, [&](int64_t chunk) {
-    for (int64_t i = chunk * kChunk; i < std::min(n, (chunk + 1) * kChunk); ++i) {
-      int64_t count = 0;
-      if (prepare(means + 2 * i, covariances + 3 * i, cutoff, bins.splats[i], ellipses[i]))
-        for_each_tile(bins.splats[i], ellipses[i], view, [&](uint32_t) { ++count; });
-      bins.slot_start[i + 1] = count;
-    }
-  });
-  for (int64_t i = 0; i < n; ++i) bins.slot_start[i + 1] += bins.slot_start[i];
-  const int64_t slots = bins.slot_start[n];
-  if (slots > INT32_MAX) throw std::length_error("too many (tile, Gaussian) pairs for one call: draw smaller crops");
-  bins.slot_tile.resize(slots);
-  bins.entries.resize(slots);
+  bins.count = -1;
+  find_tiles(means, covariances, n, view, cutoff, threads, bins);
+  const auto chunk_end = [&](int64_t chunk) { return std::min(n, (chunk + 1) * kChunk); };
+  int64_t slots = 0;
+  for (int64_t chunk = 0; chunk < chunks; ++chunk) {
+    for (int64_t i = chunk * kChunk; i < chunk_end(chunk); ++i) bins.slot_start[i] += slots;
+    slots += static_cast<int64_t>(bins.chunk_tiles[chunk].size());
+  }
+  bins.slot_start[n] = slots;
 
   // Stable counting sort by tile: groups of chunks count their own, so the order never depends on the threads.
+  const int64_t tiles = int64_t(view.tiles_x()) * view.tiles_y();
   const int64_t groups = std::max<int64_t>(1, std::min<int64_t>(chunks, 16));
   bins.scratch.assign(groups * tiles, 0);
-  const auto group_range = [&](int64_t group) {
-    return std::pair<int64_t, int64_t>(std::min(n, chunks * group / groups * kChunk),
-                                       std::min(n, chunks * (group + 1) / groups * kChunk));
+  const auto for_each_chunk = [&](int64_t group, auto visit) {
+    for (int64_t chunk = chunks * group / groups; chunk < chunks * (group + 1) / groups; ++chunk) visit(chunk);
   };
   parallel_for(groups, threads, [&](int64_t group) {
     int64_t *count = bins.scratch.data() + group * tiles;
-    const auto [begin, end] = group_range(group);
-    for (int64_t i = begin; i < end; ++i) {
-      int64_t slot = bins.slot_start[i];
-      if (slot == bins.slot_start[i + 1]) continue;
-      for_each_tile(bins.splats[i], ellipses[i], view, [&](uint32_t tile) {
-        bins.slot_tile[slot++] = tile;
-        ++count[tile];
-      });
-    }
+    for_each_chunk(group, [&](int64_t chunk) {
+      for (const uint32_t tile : bins.chunk_tiles[chunk]) ++count[tile];
+    });
   });
   bins.tile_start.resize(tiles + 1);
   int64_t at = 0;
@@ -133,13 +144,18 @@ void bin_gaussians(const float *means, const float *covariances, int64_t n, cons
     }
   }
   bins.tile_start[tiles] = at;
+  bins.entries.resize(slots);
   parallel_for(groups, threads, [&](int64_t group) {
     int64_t *next = bins.scratch.data() + group * tiles;
-    const auto [begin, end] = group_range(group);
-    for (int64_t i = begin; i < end; ++i)
-      for (int64_t slot = bins.slot_start[i]; slot < bins.slot_start[i + 1]; ++slot)
-        bins.entries[next[bins.slot_tile[slot]]++] = {static_cast<int32_t>(i), static_cast<uint32_t>(slot)};
+    for_each_chunk(group, [&](int64_t chunk) {
+      const uint32_t *tile = bins.chunk_tiles[chunk].data();
+      for (int64_t i = chunk * kChunk; i < chunk_end(chunk); ++i)
+        for (int64_t slot = bins.slot_start[i]; slot < bins.slot_start[i + 1]; ++slot)
+          bins.entries[next[*tile++]++] = {static_cast<int32_t>(i), static_cast<uint32_t>(slot)};
+    });
   });
+  bins.count = n;
+  bins.view = view;
 }
 
 }  // namespace sgi

@@ -1,6 +1,7 @@
 // What one tile needs to be drawn and differentiated; one implementation per instruction set.
 #pragma once
 #include <cstdint>
+#include <string>
 
 namespace sgi {
 
@@ -26,6 +27,8 @@ struct Entry {
 // followed by sums of G dL/dI per channel.
 constexpr int kMoments = 6;
 
+constexpr int kPeakChains = 12;  // enough to hide the latency of four cycles in two units
+
 struct TileKernel {
   // Adds the Gaussians of `entries` to tile [channels][16][16], whose first pixel is (x0, y0).
   void (*forward)(const Entry *entries, int64_t n, const Splat *splats, const float *colours, int channels, int x0,
@@ -33,6 +36,8 @@ struct TileKernel {
   // Writes partials[slot][kMoments + channels] of every entry, from dL/dI = grad [channels][16][16].
   void (*backward)(const Entry *entries, int64_t n, const Splat *splats, const float *colours, int channels, int x0,
                    int y0, const float *grad, float *partials);
+  // `rounds` times kPeakChains independent vector multiply-adds; what the processor can do at best.
+  float (*multiply_add)(int64_t rounds);
   const char *name;
   int lanes;
 };
@@ -42,5 +47,9 @@ const TileKernel &portable_kernel();
 const TileKernel &avx2_kernel();
 const TileKernel &avx512_kernel();
 #endif
+
+// `isa`: "auto" (the widest that this processor has), "avx512", "avx2" or "portable"; throws std::invalid_argument if
+// this processor lacks it.
+const TileKernel &choose_kernel(const std::string &isa);
 
 }  // namespace sgi

@@ -112,53 +112,50 @@ void forward_group(const Entry *entries, int64_t n, const Splat *splats, const f
   }
 }
 
-// Sums pairs of vectors: the first half of the result holds halves of a, the second of b. Repeating this log2(LANES)
-// times over a set of vectors leaves one horizontal sum per lane with three instructions per merge.
-template <int WIDTH, size_t... I>
-inline vf merge(vf a, vf b, std::index_sequence<I...>) {
-#if defined(__clang__)
-  const vf lo = __builtin_shufflevector(a, b, ((I / WIDTH % 2 ? LANES : 0) + I % WIDTH + I / (2 * WIDTH) * 2 * WIDTH)...);
-  const vf hi = __builtin_shufflevector(
-      a, b, ((I / WIDTH % 2 ? LANES : 0) + I % WIDTH + I / (2 * WIDTH) * 2 * WIDTH + WIDTH)...);
-#else
-  const vi lo_at = {int32_t((I / WIDTH % 2 ? LANES : 0) + I % WIDTH + I / (2 * WIDTH) * 2 * WIDTH)...};
-  const vi hi_at = {int32_t((I / WIDTH % 2 ? LANES : 0) + I % WIDTH + I / (2 * WIDTH) * 2 * WIDTH + WIDTH)...};
-  const vf lo = __builtin_shuffle(a, b, lo_at), hi = __builtin_shuffle(a, b, hi_at);
-#endif
-  return lo + hi;
+// Where element `i` of merge's first (ODD = 0) or second operand comes from among a's elements followed by b's.
+template <int UNIT, int SPAN>
+constexpr int32_t merge_index(int i, int odd) {
+  constexpr int HALF = SPAN / UNIT / 2;
+  const int unit = i % SPAN / UNIT;
+  return (unit < HALF ? 0 : LANES) + i / SPAN * SPAN + (unit % HALF * 2 + odd) * UNIT + i % UNIT;
 }
 
-// Horizontal sums of v[0..COUNT), COUNT <= LANES, into out[0..LANES): vector i's at lane_of(i).
-template <int COUNT, int WIDTH>
-inline void horizontal_sums(const vf *v, float *out) {
-  constexpr auto lanes = std::make_index_sequence<LANES>{};
-  constexpr int PAIRS = (COUNT + 1) / 2;
-  vf next[PAIRS];
-  for (int i = 0; i < PAIRS; ++i) next[i] = merge<WIDTH>(v[2 * i], 2 * i + 1 < COUNT ? v[2 * i + 1] : vf{}, lanes);
-  if constexpr (WIDTH == 1) {
-    store(out, next[0]);
+// Adds neighbouring units of UNIT lanes: each SPAN of the result holds those of a, then those of b.
+template <int UNIT, int SPAN, size_t... I>
+inline vf merge(vf a, vf b, std::index_sequence<I...>) {
+#if defined(__clang__)
+  return __builtin_shufflevector(a, b, merge_index<UNIT, SPAN>(I, 0)...) +
+         __builtin_shufflevector(a, b, merge_index<UNIT, SPAN>(I, 1)...);
+#else
+  return __builtin_shuffle(a, b, vi{merge_index<UNIT, SPAN>(I, 0)...}) +
+         __builtin_shuffle(a, b, vi{merge_index<UNIT, SPAN>(I, 1)...});
+#endif
+}
+
+// Horizontal sums of v[0..COUNT), COUNT <= LANES: lane i of the result is the sum of v[i]. Pairs are merged until one
+// vector is left, first within the four lanes that shuffle cheaply, then across them.
+template <int COUNT, int SUMMED = 1>
+inline vf horizontal_sums(const vf *v) {
+  if constexpr (SUMMED == LANES) {
+    return v[0];
   } else {
-    horizontal_sums<PAIRS, WIDTH / 2>(next, out);
+    constexpr int UNIT = SUMMED < 4 ? 1 : 4, SPAN = SUMMED < 4 ? 4 : LANES, PAIRS = (COUNT + 1) / 2;
+    vf next[PAIRS];
+    for (int i = 0; i < PAIRS; ++i)
+      next[i] = merge<UNIT, SPAN>(v[2 * i], 2 * i + 1 < COUNT ? v[2 * i + 1] : vf{}, std::make_index_sequence<LANES>{});
+    return horizontal_sums<PAIRS, 2 * SUMMED>(next);
   }
 }
 
-// Index of vector i's sum among the lanes that horizontal_sums leaves.
-inline constexpr int lane_of(int i) {
-  int lane = 0;
-  for (int width = LANES / 2; width >= 1; width /= 2, i >>= 1)
-    if (i & 1) lane += width;
-  return lane;
-}
-
+// Adds the horizontal sums of v[0..COUNT) to out[0..COUNT).
 template <int COUNT>
-inline void add_sums(const vf *v, float *out, const int *where) {
+inline void add_sums(const vf *v, float *out) {
   constexpr int STEP = COUNT < LANES ? COUNT : LANES;
-  alignas(64) float sums[LANES];
   for (int at = 0; at < COUNT; at += STEP) {
     vf part[STEP];
     for (int i = 0; i < STEP; ++i) part[i] = at + i < COUNT ? v[at + i] : vf{};
-    horizontal_sums<STEP, LANES / 2>(part, sums);
-    for (int i = 0; i < STEP && at + i < COUNT; ++i) out[where[at + i]] += sums[lane_of(i)];
+    const vf sums = horizontal_sums<STEP>(part);
+    for (int i = 0; i < STEP && at + i < COUNT; ++i) out[at + i] += sums[i];
   }
 }
 
@@ -170,6 +167,7 @@ inline __attribute__((always_inline)) void gather_rows(const Splat &s, const flo
   const vf quad = s.a * dx * dx;
   const vf slope = s.b * dx;
   const vf kk = vf{} + s.k;
+  vf j = vf{} + (first - (kTile / 2 - 0.5f));  // rows, centred so that the shift to dy loses few bits
   for (int row = first; row < last;) {
     const float dy = top + row - s.y;
     vf g = exp2v(quad + (slope + s.c * dy) * dy);
@@ -177,19 +175,18 @@ inline __attribute__((always_inline)) void gather_rows(const Splat &s, const flo
     const int stop = row + s.span < last ? row + s.span : last;
     for (; row < stop; ++row) {
       const float *at = grad + row * kTile;
-      vf up[CG];
       vf t{};
 #pragma GCC unroll 4
       for (int k = 0; k < CG; ++k) {
-        up[k] = load(at + k * kTilePixels);
-        t += up[k] * c[k];
-        mc[k] += g * up[k];
+        const vf up = load(at + k * kTilePixels);
+        t = k ? t + up * c[k] : up * c[k];
+        mc[k] += g * up;
       }
-      const vf w = g * t;
-      const float j = row - (kTile / 2 - 0.5f);  // centred, so that the shift to dy loses few bits
+      const vf w = g * t, wj = w * j;
       m[0] += w;
-      m[1] += w * j;
-      m[2] += w * (j * j);
+      m[1] += wj;
+      m[2] += wj * j;
+      j += 1.0f;
       g *= r;
       r *= kk;
     }
@@ -199,9 +196,6 @@ inline __attribute__((always_inline)) void gather_rows(const Splat &s, const flo
 template <int CG>
 void backward_group(const Entry *entries, int64_t n, const Splat *splats, const float *colours, int channels, int c0,
                     int x0, int y0, const float *grad, float *partials) {
-  int where[kMoments + CG];
-  for (int i = 0; i < kMoments; ++i) where[i] = i;
-  for (int k = 0; k < CG; ++k) where[kMoments + k] = kMoments + c0 + k;
   const float top = y0 + 0.5f, middle = y0 + 0.5f * kTile;
   for (int64_t i = 0; i < n; ++i) {
     const Splat &s = splats[entries[i].gaussian];
@@ -209,7 +203,7 @@ void backward_group(const Entry *entries, int64_t n, const Splat *splats, const 
     const float from = s.y_min - top, to = s.y_max - top;
     const int first = from > 0 ? static_cast<int>(from) : 0;
     const int last = to < kTile - 1 ? static_cast<int>(to) + 1 : kTile;
-    float *out = partials + int64_t(entries[i].slot) * (kMoments + channels);
+    float sum[kMoments + CG] = {};
     for (int bx = 0; bx < kTile; bx += LANES) {
       const vf dx = iota() + (x0 + bx + 0.5f) - s.x;
       vf m[3] = {}, mc[CG] = {};
@@ -218,8 +212,11 @@ void backward_group(const Entry *entries, int64_t n, const Splat *splats, const 
       const vf w = m[0], wy = m[1] + shift * m[0], wyy = m[2] + shift * (2.0f * m[1] + shift * m[0]);
       vf all[kMoments + CG] = {w, w * dx, w * dx * dx, wy, wy * dx, wyy};
       for (int k = 0; k < CG; ++k) all[kMoments + k] = mc[k];
-      add_sums<kMoments + CG>(all, out, where);
+      add_sums<kMoments + CG>(all, sum);
     }
+    float *out = partials + int64_t(entries[i].slot) * (kMoments + channels);
+    for (int j = 0; j < kMoments; ++j) out[j] = c0 == 0 ? sum[j] : out[j] + sum[j];
+    for (int k = 0; k < CG; ++k) out[kMoments + c0 + k] = sum[kMoments + k];
   }
 }
 
@@ -240,8 +237,6 @@ void forward(const Entry *entries, int64_t n, const Splat *splats, const float *
 
 void backward(const Entry *entries, int64_t n, const Splat *splats, const float *colours, int channels, int x0, int y0,
               const float *grad, float *partials) {
-  for (int64_t i = 0; i < n; ++i)
-    std::memset(partials + int64_t(entries[i].slot) * (kMoments + channels), 0, sizeof(float) * (kMoments + channels));
   for (int c = 0; c < channels;) {
     const int left = channels - c;
     const float *from = grad + c * kTilePixels;
@@ -252,6 +247,18 @@ void backward(const Entry *entries, int64_t n, const Splat *splats, const float 
       default: backward_group<4>(entries, n, splats, colours, channels, c, x0, y0, from, partials); c += 4; break;
     }
   }
+}
+
+float multiply_add(int64_t rounds) {
+  vf chain[kPeakChains];
+  for (int i = 0; i < kPeakChains; ++i) chain[i] = iota() + float(i);
+  const vf factor = vf{} + 0.5f, term = vf{} + 1.0f;
+  for (int64_t round = 0; round < rounds; ++round)
+#pragma GCC unroll 16
+    for (int i = 0; i < kPeakChains; ++i) chain[i] = chain[i] * factor + term;
+  vf sum{};
+  for (int i = 0; i < kPeakChains; ++i) sum += chain[i];
+  return sum[0];
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "neighbours.hpp"
+#include "peak.hpp"
 #include "rasterizer.hpp"
 #include "thread_pool.hpp"
 
@@ -37,6 +38,9 @@ template <class Array>
 sgi::View view(const Array &image, const sgi::Gaussians &g, int x0, int y0) {
   require(int(image.shape(0)) == g.channels, "image must be [C, H, W] with the colours' C");
   require(image.shape(1) > 0 && image.shape(2) > 0, "image must not be empty");
+  constexpr int kFar = 1 << 30;
+  require(image.shape(1) < kFar && image.shape(2) < kFar && x0 > -kFar && x0 < kFar && y0 > -kFar && y0 < kFar,
+          "image and origin must be smaller than 2^30 pixels");
   return {x0, y0, int(image.shape(2)), int(image.shape(1))};
 }
 
@@ -52,7 +56,7 @@ sgi::Gradients gradients(const sgi::Gaussians &g, F32Out2 &means, F32Out2 &covar
 
 NB_MODULE(_native, m) {
   nb::class_<sgi::Rasterizer>(m, "Rasterizer")
-      .def(nb::init<const std::string &, int>(), "isa"_a = "auto", "threads"_a = 0)
+      .def(nb::init<const std::string &, int, int64_t>(), "isa"_a, "threads"_a, "most_pairs"_a)
       .def("forward",
            [](sgi::Rasterizer &self, F32In2 means, F32In2 covariances, F32In2 colours, F32Out3 image, int x0, int y0,
               float cutoff) {
@@ -90,4 +94,5 @@ NB_MODULE(_native, m) {
                             int(out.shape(1)), threads, out.data());
   });
   m.def("resolve_threads", &sgi::resolve_threads);
+  m.def("fma_peak", &sgi::fma_peak, nb::call_guard<nb::gil_scoped_release>());
 }

@@ -27,8 +27,9 @@ struct Gradients {
 // repeated steps reuse the memory. Not safe for use by two threads at once.
 class Rasterizer {
  public:
-  // `isa`: "auto", "avx512", "avx2" or "portable"; throws std::invalid_argument if this processor lacks it.
-  Rasterizer(const std::string &isa, int threads);
+  // `isa` as for choose_kernel. A call throws std::overflow_error where more than `most_pairs` (tile, Gaussian) pairs
+  // would have to be listed: hostile Gaussians must not take all memory.
+  Rasterizer(const std::string &isa, int threads, int64_t most_pairs);
 
   // Draws into image [C, height, width].
   void forward(const Gaussians &g, const View &view, float cutoff, float *image);

@@ -1,0 +1,74 @@
+"""The yardstick itself: against the formula in plain Python, and its gradients against finite differences."""
+
+import math
+
+import numpy as np
+import pytest
+from scenes import exact, random_scene
+
+from sgicodec.raster.reference import ReferenceRasterizer, rasterize_reference, rasterize_reference_backward
+
+ORIGIN = (-3, 5)
+
+
+def test_the_formula_pixel_by_pixel() -> None:
+    means = np.array([[1.5, 2.0], [-2.0, 7.0]])
+    covariances = np.array([[4.0, 1.0, 2.0], [3.0, -2.0, 5.0]])
+    colours = np.array([[1.0, -0.5], [0.25, 2.0]])
+    image = rasterize_reference(means, covariances, colours, 6, 4, ORIGIN)
+    assert image.shape == (2, 4, 6)
+    for channel, row, column in np.ndindex(image.shape):
+        expected = 0.0
+        for (mx, my), (xx, xy, yy), colour in zip(means, covariances, colours, strict=True):
+            dx, dy = column + ORIGIN[0] + 0.5 - mx, row + ORIGIN[1] + 0.5 - my
+            distance = (yy * dx * dx - 2 * xy * dx * dy + xx * dy * dy) / (xx * yy - xy * xy)
+            expected += colour[channel] * math.exp(-0.5 * distance)
+        assert image[channel, row, column] == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("channels", [1, 3])
+def test_gradients_against_central_differences(channels: int) -> None:
+    rng = np.random.default_rng(channels)
+    arrays = exact(random_scene(rng, 4, channels, 9, 7, sigma=(1.0, 3.0), ratio=3.0, margin=1.0))
+    weights = rng.normal(size=(channels, 7, 9))
+
+    def loss() -> float:
+        return float(np.sum(weights * rasterize_reference(*arrays, 9, 7, (1, -1))))
+
+    step = 1e-6
+    for array, gradient in zip(arrays, rasterize_reference_backward(*arrays, weights, (1, -1)), strict=True):
+        numeric = np.empty_like(array)
+        for index in np.ndindex(array.shape):
+            here = array[index]
+            array[index] = here + step
+            above = loss()
+            array[index] = here - step
+            numeric[index] = (above - loss()) / (2 * step)
+            array[index] = here
+        np.testing.assert_allclose(gradient, numeric, rtol=1e-6, atol=1e-8)
+
+
+def test_squared_error_against_central_differences() -> None:
+    rng = np.random.default_rng(7)
+    arrays = exact(random_scene(rng, 3, 2, 8, 6, sigma=(1.0, 3.0), margin=0.0))
+    target = rng.normal(size=(2, 6, 8))
+    raster = ReferenceRasterizer()
+    loss, gradients = raster.squared_error(*arrays, target, 0.5)
+    assert loss == pytest.approx(0.5 * float(np.sum((raster.forward(*arrays, 8, 6) - target) ** 2)))
+    direction = [rng.normal(size=array.shape) for array in arrays]
+    ahead, behind = (
+        raster.squared_error(*(a + sign * 1e-6 * d for a, d in zip(arrays, direction, strict=True)), target, 0.5)[0]
+        for sign in (1, -1)
+    )
+    slope = sum(float(np.sum(g * d)) for g, d in zip(gradients, direction, strict=True))
+    assert (ahead - behind) / 2e-6 == pytest.approx(slope, rel=1e-6)
+
+
+def test_what_is_no_gaussian_is_left_out() -> None:
+    means = np.array([[2.0, 2.0], [np.nan, 2.0], [2.0, 2.0], [2.0, 2.0]])
+    covariances = np.array([[1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 2.0, 1.0], [np.inf, 0.0, 1.0]])
+    colours = np.ones((4, 1))
+    image = rasterize_reference(means, covariances, colours, 4, 4)
+    np.testing.assert_array_equal(image, rasterize_reference(means[:1], covariances[:1], colours[:1], 4, 4))
+    gradients = rasterize_reference_backward(means, covariances, colours, np.ones((1, 4, 4)))
+    assert all(not gradient[1:].any() and gradient[:1].any() for gradient in gradients[1:])
