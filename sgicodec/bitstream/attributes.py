@@ -150,7 +150,7 @@ class AttributeCoder:
         scale = np.clip(SCALE_ZERO + prediction.scale[:, columns] + base - index, 0, SCALES - 1)
         symbols = None
         if values is not None:
-            symbols = np.clip(quantize(values, mean, step), -MAX_MAGNITUDE, MAX_MAGNITUDE)
+            symbols = np.clip(quantize(values, mean, step, scale), -MAX_MAGNITUDE, MAX_MAGNITUDE)
         coded = walk.code(symbols, scale + SCALES * self.family)
         return dequantize(coded.astype(np.int64), mean, step)
 

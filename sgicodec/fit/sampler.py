@@ -25,7 +25,7 @@ from sgicodec.model.context import (
 )
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.neighbours import nearest_seeds
-from sgicodec.model.quantize import PER_OCTAVE, STEP_COUNT, STEP_ZERO
+from sgicodec.model.quantize import DEAD_ZONE, DEAD_ZONE_LIMIT, PER_OCTAVE, STEP_COUNT, STEP_ZERO
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import AMPLITUDE_ZERO, GAMMA_BITS, StepPlan, follows_amplitude
 
@@ -63,7 +63,9 @@ class Sampler:
             name: torch.tensor(value / 2.0**GAMMA_BITS, dtype=torch.float32).requires_grad_()
             for name, value in plan.gamma.items()
         }
-        self.columns = {g.name: torch.from_numpy(output_columns(spec, g.name)) for g in spec.groups}
+        self.columns: dict[str, Tensor | None] = {
+            g.name: _unless_identity(output_columns(spec, g.name)) for g in spec.groups
+        }
         self.age = 0
 
     def step_parameters(self) -> list[Tensor]:
@@ -111,7 +113,7 @@ class Sampler:
                 self.common = self._common_inputs(values)
         self.age = (self.age + 1) % self.refresh
         decoded: dict[str, Tensor] = {}
-        bits: Tensor | None = None
+        costs: dict[str, tuple[Tensor, Tensor, Tensor]] = {}
         for number, step in enumerate(self.spec.context.steps):
             mean, scale, refine = self.net.forward(number, self._inputs(number, decoded))
             start = 0
@@ -126,26 +128,33 @@ class Sampler:
                 else:
                     log_step = log_base
                 log_step = log_step + refine[:, position : position + 1].clamp(-4, 4)
-                columns = self.columns[name]
-                q = torch.exp2(log_step[:, columns]).clamp(_LEAST_STEP, _GREATEST_STEP)
-                q_base = torch.exp2(log_base[:, columns])
-                m = mean[:, units][:, columns] * q_base
-                s = torch.exp2(scale[:, units][:, columns].clamp(-12, 12)) * q_base
+                q = self._spread(name, torch.exp2(log_step).clamp(_LEAST_STEP, _GREATEST_STEP))
+                q_base = torch.exp2(log_base)
+                m = self._spread(name, mean[:, units] * q_base)
+                s = self._spread(name, torch.exp2(scale[:, units].clamp(-12, 12)) * q_base)
                 s = torch.maximum(s, q * 2.0**-4)
-                value = self._perturb(values[name], m, q, rounding, generator)
+                value = self._perturb(values[name], m, q, s, rounding, generator)
                 q_rate = q.detach() if rounding == "round" else q
-                cost = self.bits_of(value - m, q_rate, s).sum(dim=1)
-                bits = cost if bits is None else bits + cost
+                costs[name] = (value - m, q_rate, s)
                 decoded[name] = value
-        assert bits is not None
+        bits = self.bits_of(*(torch.cat(parts, dim=1) for parts in zip(*costs.values(), strict=True))).sum(dim=1)
         return Sample(torch.cat([decoded[group.name] for group in self.spec.groups], dim=1), bits)
 
+    def _spread(self, name: str, predicted: Tensor) -> Tensor:
+        """From MLP_p's outputs [N, U] to a group's attributes [N, size]."""
+        columns = self.columns[name]
+        return predicted if columns is None else predicted[:, columns]
+
     @staticmethod
-    def _perturb(value: Tensor, m: Tensor, q: Tensor, rounding: Rounding, generator: torch.Generator) -> Tensor:
+    def _perturb(
+        value: Tensor, m: Tensor, q: Tensor, s: Tensor, rounding: Rounding, generator: torch.Generator
+    ) -> Tensor:
         if rounding == "noise":
             return value + q * (torch.rand(value.shape, generator=generator) - 0.5)
         with torch.no_grad():
-            shift = m + q * torch.round((value - m) / q) - value
+            u = (value - m) / q
+            towards_zero = (DEAD_ZONE * q / s).clamp_max(DEAD_ZONE_LIMIT)
+            shift = m + q * u.sign() * (u.abs() + 0.5 - towards_zero).floor() - value
         return value + shift
 
     def summary(self, values: dict[str, Tensor]) -> Tensor:
@@ -189,3 +198,7 @@ class Sampler:
                 known["shape"] = torch.zeros(len(self.level), 3 * self.spec.per_seed)
             blocks.append(own_inputs(self.summary(known), number, torch.cat))
         return torch.cat(blocks, dim=1)
+
+
+def _unless_identity(columns: np.ndarray) -> Tensor | None:
+    return None if np.array_equal(columns, np.arange(len(columns))) else torch.from_numpy(columns)

@@ -44,19 +44,19 @@ class LearningRates:
     it passes before the decay begins, `constant` names what never decays.
     """
 
-    colour: float = 0.01
-    shape: float = 0.02
-    offset: float = 0.02
+    colour: float = 0.02
+    shape: float = 0.06
+    offset: float = 0.06
     feature: float = 0.0075
     scales: float = 0.007
     decoder_colour: float = 0.008
     decoder_shape: float = 0.004
     context: float = 0.005
-    steps: float = 0.01
+    steps: float = 0.03
     betas: tuple[float, float] = (0.9, 0.999)
     epsilon: float = 1e-15
     final: float = 0.02
-    hold: float = 0.5
+    hold: float = 0.7
     constant: tuple[str, ...] = ()
 
 
@@ -77,8 +77,8 @@ class FitSettings:
     rates: LearningRates = field(default_factory=LearningRates)
     loss: Literal["squared", "absolute"] = "squared"
     split: float = 3.0
-    prune: float = 0.5
-    growth: float = 1.5
+    prune: float = 1.0
+    growth: float = 2.0
     seed_bits: float = 30.0
     rate_sample: float = 1.0
     seeds: int | None = None
@@ -102,11 +102,16 @@ def default_settings(lmbda: float, steps: int) -> FitSettings:
 
 
 def default_phases(steps: int) -> tuple[Phase, ...]:
-    """Free fit, noise with the rate and pruning, then the values that will really be decoded."""
+    """Free fit, noise with the rate while seeds come and go, and briefly the values that will really be decoded.
+
+    The last phase is short because straight-through gradients lead away from the optimum that noise found.
+    """
+    free, rounded = max(1, round(0.15 * steps)), max(1, round(0.03 * steps))
+    noisy = max(1, steps - free - rounded)
     return (
-        Phase(round(0.15 * steps)),
-        Phase(round(0.75 * steps), rounding="noise", rate=True, learn_steps=True, prune=5),
-        Phase(steps - round(0.15 * steps) - round(0.75 * steps), rounding="round", rate=True),
+        Phase(free),
+        Phase(noisy, rounding="noise", rate=True, learn_steps=True, prune=10, grow=4),
+        Phase(rounded, rounding="round", rate=True),
     )
 
 

@@ -64,9 +64,7 @@ def train(paths: list[Path], net: ContextNet, settings: FitSettings, rate: float
             print(f"step {step:4d}  {seeds:8.0f} seeds  {bits / seeds:.3f} bits per seed", flush=True)
 
 
-def _trainer(
-    path: Path, net: ContextNet, settings: FitSettings, rng: np.random.Generator, seed: int
-) -> Trainer:
+def _trainer(path: Path, net: ContextNet, settings: FitSettings, rng: np.random.Generator, seed: int) -> Trainer:
     lmbda = float(np.exp(rng.uniform(*np.log(LMBDA_RANGE))))
     unit = to_unit(read(path)).transpose(2, 0, 1)
     x, y = (int(rng.integers(0, max(1, n - c + 1))) for n, c in zip(unit.shape[:0:-1], CROP, strict=True))

@@ -284,7 +284,7 @@ class Trainer:
             groups.append({"name": "context", "params": self.net.parameters(), "base": rates.context})
         for group in groups:
             group["lr"] = group["base"]
-        return torch.optim.Adam(groups, betas=rates.betas, eps=rates.epsilon)
+        return torch.optim.Adam(groups, betas=rates.betas, eps=rates.epsilon, fused=True)
 
     def result(self) -> Fitted:
         """What the fit has found so far, in the stream's order."""

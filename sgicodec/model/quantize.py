@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "DEAD_ZONE",
+    "DEAD_ZONE_LIMIT",
     "FRACTION_BITS",
     "PER_OCTAVE",
     "SCALE_ZERO",
@@ -55,9 +57,21 @@ def step_index(step: F64 | float) -> I64:
     return clipped
 
 
-def quantize(values: F64, mean: I64, step: I64) -> I64:
-    """Symbols n = round((v − m) / q) for float values and fixed-point means and steps; only the encoder does this."""
-    return np.rint((values * 2.0**FRACTION_BITS - mean) / step).astype(np.int64)
+DEAD_ZONE = 0.118
+"""How far decisions move towards zero for a scale of one step: the next symbol costs √2 q / (σ ln 2) more bits, and at
+the step that rate theory picks a bit is worth ln 2 / 12 of a squared step."""
+DEAD_ZONE_LIMIT = 0.3
+
+
+def quantize(values: F64, mean: I64, step: I64, scale: I64) -> I64:
+    """Symbols n near (v − m) / q for float values, fixed-point means and steps, and scale indices (σ in steps).
+
+    Decisions lean towards zero by what the bits are worth; only the encoder does this, a decoder need not know.
+    """
+    position = (values * 2.0**FRACTION_BITS - mean) / step
+    lean = np.minimum(DEAD_ZONE * 2.0 ** ((SCALE_ZERO - scale) / PER_OCTAVE), DEAD_ZONE_LIMIT)
+    symbols: I64 = (np.sign(position) * np.floor(np.abs(position) + 0.5 - lean)).astype(np.int64)
+    return symbols
 
 
 def dequantize(symbols: I64, mean: I64, step: I64) -> I64:

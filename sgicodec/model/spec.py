@@ -101,7 +101,7 @@ def default_spec(channels: int, per_seed: int = 1, prior: int = 1, hidden: int =
         skip=True,
         seed_scales=False,
         base_cell=32,
-        context=ContextSpec(prior=prior, steps=(("colour",), ("shape",), ("offset",)), hidden=32, neighbours=6),
+        context=ContextSpec(prior=prior, steps=(("colour",), ("shape",), ("offset",)), hidden=64, neighbours=6),
     )
 
 
