@@ -1,0 +1,158 @@
+"""Seeds to Gaussians against the paper's formulas and matrix functions, in numpy and in torch."""
+
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+import torch
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sgicodec.model.gaussians import MIN_VARIANCE, colour_matrix, decoder_shapes, gaussians_from_seeds
+from sgicodec.model.spec import ModelSpec, default_spec, paper_spec
+
+SPECS = {
+    "default": default_spec(3),
+    "default, K = 2, decoders": default_spec(3, per_seed=2, hidden=8),
+    "default, one channel": default_spec(1, per_seed=3),
+    "default, six channels": default_spec(6),
+    "paper": paper_spec(3, per_seed=4, features=12),
+}
+
+
+def inputs_of(spec: ModelSpec, seeds: int, dtype: Any, size: float = 1.0) -> tuple[Any, ...]:
+    """Attributes, centres, cells, decoders and opponent matrix."""
+    rng = np.random.default_rng(seeds)
+    decoders = {name: rng.normal(size=shape).astype(dtype) * 0.3 for name, shape in decoder_shapes(spec).items()}
+    return (
+        (rng.normal(size=(seeds, spec.attributes)) * size).astype(dtype),
+        rng.uniform(0, 100, (seeds, 2)).astype(dtype),
+        2.0 ** rng.integers(0, 7, seeds).astype(dtype),
+        decoders,
+        np.array(colour_matrix(spec.channels), dtype),
+    )
+
+
+def to_torch(arrays: tuple[Any, ...]) -> tuple[Any, ...]:
+    return tuple(
+        {name: torch.from_numpy(weights) for name, weights in array.items()}
+        if isinstance(array, dict)
+        else torch.from_numpy(array)
+        for array in arrays
+    )
+
+
+@pytest.mark.parametrize("spec", SPECS.values(), ids=SPECS)
+@pytest.mark.parametrize(("dtype", "tolerance"), [(np.float64, 1e-12), (np.float32, 2e-5)])
+def test_numpy_and_torch_agree(spec: ModelSpec, dtype: Any, tolerance: float) -> None:
+    arrays = inputs_of(spec, 60, dtype)
+    ours = gaussians_from_seeds(spec, *arrays, np)
+    theirs = gaussians_from_seeds(spec, *to_torch(arrays), torch)
+    count = 60 * spec.per_seed
+    assert [array.shape for array in ours] == [(count, 2), (count, 3), (count, spec.channels)]
+    for one, two in zip(ours, theirs, strict=True):
+        assert one.dtype == two.numpy().dtype == dtype
+        scale = np.abs(one).max(axis=1, keepdims=True)
+        assert np.all(np.abs(one - two.numpy()) <= tolerance * scale)
+
+
+@pytest.mark.parametrize("spec", SPECS.values(), ids=SPECS)
+def test_torch_differentiates_every_attribute(spec: ModelSpec) -> None:
+    attributes, *rest = to_torch(inputs_of(spec, 20, np.float64))
+    attributes.requires_grad_()
+    sum((array**2).sum() for array in gaussians_from_seeds(spec, attributes, *rest, torch)).backward()
+    assert torch.isfinite(attributes.grad).all()
+    assert bool((attributes.grad != 0).any(dim=0).all())
+
+
+def test_zero_attributes_are_finite_to_differentiate() -> None:
+    """A seed starts round: the square root of b² + c² must not have an infinite slope there."""
+    spec = default_spec(3)
+    attributes, *rest = to_torch(inputs_of(spec, 5, np.float32, size=0.0))
+    attributes.requires_grad_()
+    _, covariances, _ = gaussians_from_seeds(spec, attributes, *rest, torch)
+    covariances[:, 1].sum().backward()
+    assert torch.isfinite(attributes.grad).all()
+
+
+number = st.floats(-3, 3)
+
+
+@given(number, number, number, st.sampled_from([1.0, 4.0, 64.0]))
+def test_log_covariance_is_a_matrix_exponential(a: float, b: float, c: float, cell: float) -> None:
+    spec = default_spec(1)
+    attributes = np.array([[0.5, a, b, c, 0.25, -0.5]])
+    means, covariances, colours = gaussians_from_seeds(
+        spec, attributes, np.array([[10.0, 20.0]]), np.array([cell]), {}, np.eye(1), np
+    )
+    values, vectors = np.linalg.eigh(np.array([[a + b, c], [c, a - b]]))
+    expected = cell**2 * (vectors * np.exp(2 * values)) @ vectors.T + MIN_VARIANCE * np.eye(2)
+    np.testing.assert_allclose(covariances[0, [0, 1, 1, 2]], expected.reshape(-1), rtol=1e-9, atol=1e-9 * cell**2)
+    np.testing.assert_allclose(means, [[10.0 + 0.25 * cell, 20.0 - 0.5 * cell]])
+    assert colours.tolist() == [[0.5]]
+
+
+def test_rotated_covariance_offsets_and_decoders() -> None:
+    """Paper, equations 1 to 3, one seed and one Gaussian at a time."""
+    spec = paper_spec(2, per_seed=3, features=7)
+    attributes, centres, cell, decoders, opponent = inputs_of(spec, 6, np.float64)
+    means, covariances, colours = gaussians_from_seeds(spec, attributes, centres, cell, decoders, opponent, np)
+    for seed in range(6):
+        feature, scales, offset = np.split(attributes[seed], [7, 11])
+        outputs = {
+            net: decoders[f"{net}.w2"] @ np.maximum(decoders[f"{net}.w1"] @ feature + decoders[f"{net}.b1"], 0)
+            + decoders[f"{net}.b2"]
+            for net in ("colour", "shape")
+        }
+        for k in range(3):
+            at = 3 * seed + k
+            np.testing.assert_allclose(colours[at], outputs["colour"][2 * k : 2 * k + 2])
+            moved = [offset[2 * k + i] * math.exp(scales[i]) * cell[seed] for i in range(2)]
+            np.testing.assert_allclose(means[at], centres[seed] + moved)
+            first, second, angle = outputs["shape"][3 * k : 3 * k + 3]
+            deviation = [
+                cell[seed] * math.exp(s) / (1 + math.exp(-t)) for s, t in zip(scales[2:], (first, second), strict=True)
+            ]
+            turn = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+            matrix = turn @ np.diag(deviation) @ np.diag(deviation).T @ turn.T + MIN_VARIANCE * np.eye(2)
+            np.testing.assert_allclose(covariances[at], matrix[[0, 0, 1], [0, 1, 1]], rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize("channels", [1, 2, 3, 4, 7])
+def test_the_opponent_matrix_is_orthonormal(channels: int) -> None:
+    matrix = np.array(colour_matrix(channels))
+    np.testing.assert_allclose(matrix @ matrix.T, np.eye(channels), atol=1e-15)
+    gray = matrix @ np.ones(channels)
+    if channels >= 3:
+        np.testing.assert_allclose(gray[:3], [math.sqrt(3), 0, 0], atol=1e-15)
+        np.testing.assert_array_equal(matrix[3:], np.eye(channels)[3:])
+
+
+def test_features_are_opponent_colours_until_decoders_say_otherwise() -> None:
+    spec = default_spec(3, hidden=4)
+    attributes, centres, cell, decoders, opponent = inputs_of(spec, 9, np.float64)
+    silent = {name: weights * 0 for name, weights in decoders.items()}
+    _, _, colours = gaussians_from_seeds(spec, attributes, centres, cell, silent, opponent, np)
+    np.testing.assert_allclose(colours @ opponent.T, attributes[:, :3])
+
+
+@pytest.mark.parametrize("spec", SPECS.values(), ids=SPECS)
+@pytest.mark.parametrize("attribute", [2.0**21 + 2**13, -(2.0**21) - 2**13])
+@pytest.mark.parametrize("weight", [1024.0, -1024.0])
+def test_the_largest_values_that_a_stream_can_hold_stay_finite(
+    spec: ModelSpec, attribute: float, weight: float
+) -> None:
+    """Symbols up to 2^20 in steps up to 2, means up to 2^13; weights up to 2^20 in steps of 2^-10."""
+    large = dataclasses.replace(spec, features=512, hidden=512) if not spec.skip else spec
+    rng = np.random.default_rng(0)
+    decoders = {
+        name: (weight * rng.choice([0, 1], shape)).astype(np.float32) for name, shape in decoder_shapes(large).items()
+    }
+    attributes = np.where(rng.random((20, large.attributes)) < 0.8, attribute, 0).astype(np.float32)
+    centres, cell = np.full((20, 2), 1e6, np.float32), np.full(20, 64, np.float32)
+    opponent = np.array(colour_matrix(large.channels), np.float32)
+    with np.errstate(all="raise", under="ignore"):
+        arrays = gaussians_from_seeds(large, attributes, centres, cell, decoders, opponent, np)
+    assert all(np.isfinite(array).all() for array in arrays)

@@ -1,0 +1,50 @@
+"""The bucket search against all distances."""
+
+import numpy as np
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from sgicodec.model.neighbours import nearest_seeds
+
+small = st.tuples(st.integers(0, 8), st.integers(0, 8))  # many ties and coinciding points
+line = st.tuples(st.integers(0, 5000), st.just(3))
+wide = st.tuples(st.integers(-(2**29), 2**29), st.integers(-(2**29), 2**29))
+Points = list[tuple[int, int]]
+
+
+def brute(points: Points, queries: Points, k: int) -> list[list[int]]:
+    """Sorted by distance, then by index, in Python's integers."""
+    result = []
+    for x, y in queries:
+        order = sorted((((px - x) ** 2 + (py - y) ** 2), i) for i, (px, py) in enumerate(points))
+        found = [i for _, i in order[:k]]
+        result.append(found + [-1] * (k - len(found)))
+    return result
+
+
+def as_array(points: Points) -> np.ndarray:
+    return np.array(points, np.int32).reshape(-1, 2)
+
+
+@settings(max_examples=300, deadline=None)
+@given(
+    st.one_of(*(st.tuples(st.lists(p, max_size=60), st.lists(p, max_size=20)) for p in (small, line, wide))),
+    st.integers(1, 7),
+)
+@example(([(0, 0)], [(2**29, 2**29), (-(2**29), 5)]), 2)
+@example(([(0, 0), (0, 0), (4, 0), (0, 4)], [(2, 2), (9, 9)]), 3)
+def test_against_all_distances(both: tuple[Points, Points], k: int) -> None:
+    points, queries = both
+    found = nearest_seeds(as_array(points), as_array(queries), k)
+    assert found.shape == (len(queries), k)
+    assert found.tolist() == brute(points, queries, k)
+
+
+def test_many_points_in_clusters() -> None:
+    rng = np.random.default_rng(0)
+    clusters = rng.integers(0, 20_000, (12, 2))
+    points = (clusters[rng.integers(0, 12, 1500)] + rng.normal(0, 30, (1500, 2))).astype(np.int32)
+    queries = np.concatenate([points[:100], rng.integers(-5000, 25_000, (100, 2)).astype(np.int32)])
+    distance = np.sum((queries[:, None].astype(np.int64) - points) ** 2, axis=2)
+    expected = np.argsort(distance, axis=1, kind="stable")[:, :6]
+    np.testing.assert_array_equal(nearest_seeds(points, queries, 6), expected)
