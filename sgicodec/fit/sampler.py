@@ -20,6 +20,7 @@ from sgicodec.model.context import (
     neighbour_inputs,
     neighbour_table,
     output_columns,
+    output_count,
     own_inputs,
     passes,
 )
@@ -64,7 +65,7 @@ class Sampler:
             for name, value in plan.gamma.items()
         }
         self.columns: dict[str, Tensor | None] = {
-            g.name: _unless_identity(output_columns(spec, g.name)) for g in spec.groups
+            g.name: _unless_identity(output_columns(spec, g.name), output_count(spec, g.name)) for g in spec.groups
         }
         self.age = 0
 
@@ -200,5 +201,5 @@ class Sampler:
         return torch.cat(blocks, dim=1)
 
 
-def _unless_identity(columns: np.ndarray) -> Tensor | None:
-    return None if np.array_equal(columns, np.arange(len(columns))) else torch.from_numpy(columns)
+def _unless_identity(columns: np.ndarray, outputs: int) -> Tensor | None:
+    return None if np.array_equal(columns, np.arange(outputs)) else torch.from_numpy(columns)
