@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from itertools import product
 from pathlib import Path
 from types import TracebackType
 from typing import BinaryIO, NamedTuple
@@ -16,9 +17,9 @@ from sgicodec.bitstream.header import Header, decode_header
 from sgicodec.bitstream.tile import DECODER_SHIFT, TileModel, read_tile
 from sgicodec.errors import CorruptStreamError, LimitError, UsageError
 from sgicodec.image import Metadata, Picture, from_unit
-from sgicodec.model.base import cubic_weights
+from sgicodec.model.base_view import add_base
 from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
-from sgicodec.model.quantize import step_fixed
+from sgicodec.model.quantize import FRACTION_BITS, step_fixed
 from sgicodec.raster import NativeRasterizer, scaled
 
 __all__ = ["CHUNKS", "MAX_OUTPUT_SAMPLES", "Region", "Stream", "open_stream"]
@@ -33,11 +34,32 @@ CHUNKS = "Ticxs"
 MAX_OUTPUT_SAMPLES = 1 << 31
 """Most samples (pixels times channels) that one call renders."""
 
+_BLOCK_SAMPLES = 1 << 23
+_BLOCK_COLUMNS = 1 << 16
+"""A picture is drawn in blocks of no more samples and columns."""
+
+_MOST_PAIRS = 1 << 26
+"""Most (tile, Gaussian) pairs of a block; a sound one has a hundredth."""
+
+_MOST_TEXT = 200
+"""Bytes that are shown of the name of the program that wrote a stream."""
+
 
 class _Gaussians(NamedTuple):
     means: F32
     covariances: F32
     colours: F32
+
+
+class _View(NamedTuple):
+    """Where it starts in the picture, output pixels for each of the picture's, and its size in output pixels."""
+
+    x: int
+    y: int
+    sx: float
+    sy: float
+    columns: int
+    rows: int
 
 
 class Stream:
@@ -63,7 +85,7 @@ class Stream:
             raise CorruptStreamError("there is no tile: nothing to draw")
         self._tile = blobs["T"]
         self.metadata = Metadata(icc=blobs.get("i"), exif=blobs.get("c"), xmp=blobs.get("x"))
-        self.software = blobs.get("s", b"").decode("utf-8", "replace")
+        self.software = _printable(blobs.get("s", b""))
         self._model: TileModel | None = None
         self._gaussians: _Gaussians | None = None
         self._bits: dict[str, float] = {}
@@ -120,22 +142,11 @@ class Stream:
         `scale` multiplies the region's size, `size` states it instead. Enlarging draws the continuous function between
         the old pixels; shrinking filters, so that nothing aliases. Raises UsageError or LimitError.
         """
-        x, y, width, height = self._checked(region)
-        columns, rows = _output_size(width, height, scale, size)
-        channels = self.header.spec.channels
-        if columns * rows * channels > MAX_OUTPUT_SAMPLES:
-            raise LimitError(f"{columns}×{rows} pixels are too many for one call; decode regions or a smaller scale")
-        sx, sy = columns / width, rows / height
-        gaussians = self._prepared()
-        unscaled = (sx, sy) == (1.0, 1.0)
-        view = gaussians if unscaled else scaled(*gaussians, (sx, sy), (x, y))
-        try:
-            image = NativeRasterizer(threads).forward(*view, columns, rows, (x, y) if unscaled else (0, 0))
-        except OverflowError as error:
-            raise LimitError("the Gaussians cover too much of the picture; decode smaller regions") from error
-        if self.header.spec.base_cell:
-            image += self._base(x, y, sx, sy, columns, rows)
-        return np.ascontiguousarray(image.transpose(1, 2, 0))
+        view = self._view(region, scale, size)
+        samples = np.empty((view.rows, view.columns, self.header.spec.channels), np.float32)
+        for where, block in self._blocks(view, threads):
+            samples[where] = block
+        return samples
 
     def picture(
         self,
@@ -146,18 +157,42 @@ class Stream:
     ) -> Picture:
         """The same as a picture in the source's depth and layout, with its metadata."""
         header = self.header
-        unit = self.render(region, scale, size, threads)
-        return from_unit(unit, header.channels, header.sample_type, header.sample_range, self.metadata)
+        view = self._view(region, scale, size)
+        pixels = np.empty((view.rows, view.columns, header.spec.channels), header.sample_type)
+        for where, block in self._blocks(view, threads):
+            pixels[where] = from_unit(block, header.channels, header.sample_type, header.sample_range).pixels
+        return Picture(pixels, header.channels, header.sample_range, self.metadata)
 
-    def _checked(self, region: Region | None) -> Region:
-        if region is None:
-            return 0, 0, self.width, self.height
-        x, y, width, height = region
+    def _view(self, region: Region | None, scale: float | None, size: tuple[int, int] | None) -> _View:
+        x, y, width, height = region or (0, 0, self.width, self.height)
         if width < 1 or height < 1 or x < 0 or y < 0 or x + width > self.width or y + height > self.height:
             raise UsageError(
                 f"region {x},{y},{width},{height} is not inside the picture of {self.width}×{self.height} pixels"
             )
-        return region
+        columns, rows = _output_size(width, height, scale, size)
+        if columns * rows * self.header.spec.channels > MAX_OUTPUT_SAMPLES:
+            raise LimitError(f"{columns}×{rows} pixels are too many for one call; decode regions or a smaller scale")
+        return _View(x, y, columns / width, rows / height, columns, rows)
+
+    def _blocks(self, view: _View, threads: int) -> Iterator[tuple[tuple[slice, slice], F32]]:
+        """Where each block of the view lies (rows, columns) and its samples [h, w, C]: memory for one at a time."""
+        spec, scale = self.header.spec, (view.sx, view.sy)
+        gaussians, origin = self._prepared(), (view.x, view.y)
+        if scale != (1.0, 1.0):
+            gaussians, origin = _Gaussians(*scaled(*gaussians, scale, origin)), (0, 0)
+        colours = self._base_colours()
+        raster = NativeRasterizer(threads, most_pairs=_MOST_PAIRS)
+        width = min(view.columns, _BLOCK_COLUMNS)
+        height = max(1, _BLOCK_SAMPLES // (width * spec.channels))
+        for top, left in product(range(0, view.rows, height), range(0, view.columns, width)):
+            columns, rows = min(width, view.columns - left), min(height, view.rows - top)
+            try:
+                image = raster.forward(*gaussians, columns, rows, (origin[0] + left, origin[1] + top))
+            except OverflowError as error:
+                raise LimitError("the Gaussians cover too much of the picture; decode smaller regions") from error
+            if spec.base_cell:
+                add_base(image, colours, spec.base_cell, (view.x, view.y), scale, (left, top))
+            yield (slice(top, top + rows), slice(left, left + columns)), image.transpose(1, 2, 0)
 
     def _prepared(self) -> _Gaussians:
         if self._gaussians is None:
@@ -177,14 +212,11 @@ class Stream:
             self._gaussians = _Gaussians(*(np.ascontiguousarray(a, dtype=np.float32) for a in arrays))
         return self._gaussians
 
-    def _base(self, x: int, y: int, sx: float, sy: float, columns: int, rows: int) -> F32:
-        spec, model = self.header.spec, self.model
-        grid = model.base * float(step_fixed(np.array(model.base_step))) * 2.0**-24
-        across = _area_weights(x, sx, columns, grid.shape[2], spec.base_cell)
-        down = _area_weights(y, sy, rows, grid.shape[1], spec.base_cell)
-        opponent = np.array(colour_matrix(spec.channels))
-        colours = np.tensordot(opponent.T, grid, axes=1)
-        return np.asarray(down @ (colours @ across.T), np.float32)
+    def _base_colours(self) -> F64:
+        """The base layer's grid in the picture's channels [C, rows, columns]."""
+        grid = self.model.base * float(step_fixed(np.array(self.model.base_step))) * 2.0**-FRACTION_BITS
+        colours: F64 = np.tensordot(np.array(colour_matrix(self.header.spec.channels)).T, grid, axes=1)
+        return colours
 
 
 def open_stream(source: str | Path | bytes | BinaryIO) -> Stream:
@@ -213,10 +245,7 @@ def _output_size(width: int, height: int, scale: float | None, size: tuple[int, 
     return max(1, round(width * scale)), max(1, round(height * scale))
 
 
-def _area_weights(start: int, scale: float, count: int, cells: int, cell: int) -> F64:
-    """Interpolation weights [count, cells] of the base layer, averaged over each output pixel's extent."""
-    taps = max(1, math.ceil(4 / (scale * cell)))
-    weights: F64 = np.zeros((count, cells))
-    for tap in range(taps):
-        weights += cubic_weights(start + (np.arange(count) + (tap + 0.5) / taps) / scale, cells, cell)
-    return weights / taps
+def _printable(text: bytes) -> str:
+    """The start of a text that somebody else wrote, without what could steer a terminal."""
+    decoded = text[:_MOST_TEXT].decode("utf-8", "replace")
+    return "".join(character if character.isprintable() else "\N{REPLACEMENT CHARACTER}" for character in decoded)

@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 
 from sgicodec.bitstream.container import ChunkWriter
 from sgicodec.bitstream.header import MAX_CHANNELS, MAX_SIDE, Header, encode_header
+from sgicodec.bitstream.limits import check_model
 from sgicodec.bitstream.prior import PRIORS, load_prior
 from sgicodec.bitstream.tile import DECODER_SHIFT, TileModel, write_tile
-from sgicodec.errors import PictureError, UsageError
+from sgicodec.errors import LimitError, PictureError, UsageError
 from sgicodec.image import Picture, full_range, to_unit
 from sgicodec.model.base import fit_base, render_base
 from sgicodec.model.gaussians import colour_matrix
@@ -106,9 +107,9 @@ def encode(
     Raises PictureError for what no stream can hold, UsageError for a range of samples that integers do not have.
     """
     settings = settings or EncodeSettings()
-    _check(picture)
+    spec = _spec(settings, picture.pixels.shape[2])
+    _check(picture, spec)
     unit = np.ascontiguousarray(to_unit(picture).transpose(2, 0, 1))
-    spec = _spec(settings, unit.shape[0])
     fit = _fit_settings(settings)
     base_step, base, target = base_layer(spec, unit, fit.lmbda)
     fitted, quality, family = _fit(spec, fit, target, on_progress)
@@ -139,11 +140,15 @@ def encode(
     return Encoded(data, parts, len(fitted.layout), len(fitted.layout) * spec.per_seed, fit.lmbda)
 
 
-def _check(picture: Picture) -> None:
+def _check(picture: Picture, spec: ModelSpec) -> None:
     bands, sides = picture.pixels.shape[2], (picture.width, picture.height)
     if bands > MAX_CHANNELS or max(sides) > MAX_SIDE:
         size = f"{sides[0]}×{sides[1]} pixels of {bands} channels"
         raise PictureError(f"{size}; a stream holds at most {MAX_CHANNELS} channels and {MAX_SIDE} pixels a side")
+    try:
+        check_model(spec, *sides)
+    except LimitError as error:
+        raise PictureError(str(error)) from error
     dtype = picture.pixels.dtype
     if dtype.kind == "u" and picture.sample_range != full_range(dtype):
         raise UsageError("integer samples span their whole type; only floating-point pictures have another range")

@@ -20,7 +20,8 @@ _PROFILES = ("default", "paper")
 
 MAX_SIDE = 1 << 24
 MAX_CHANNELS = 64
-MAX_FEATURES = 4096
+MAX_FEATURES = 1 << 13
+MAX_HIDDEN = 1 << 12
 MAX_HASH_LEVELS = 32
 MAX_HASH_RESOLUTION = 1 << 14
 
@@ -88,8 +89,8 @@ class _Fields:
             raise CorruptStreamError(f"header: ends before {what}")
         try:
             value, self.at = decode_varint(self.data, self.at)
-        except IndexError:
-            raise CorruptStreamError(f"header: ends inside {what}") from None
+        except CorruptStreamError as error:
+            raise CorruptStreamError(f"header: {what}: {error}") from error
         if not low <= value <= high:
             raise LimitError(f"header: {what} is {value}; this version takes {low} to {high}")
         return value
@@ -112,11 +113,11 @@ def decode_header(payload: bytes) -> Header:
     flags = fields.take("the flags", 0, 7)
     per_seed = fields.take("K", 1, 64)
     features = fields.take("D", 1, MAX_FEATURES)
-    hidden = fields.take("the decoders' width", 0, MAX_FEATURES)
+    hidden = fields.take("the decoders' width", 0, MAX_HIDDEN)
     base_cell = fields.take("the base cell", 0, 1 << 12)
     quality, family = fields.take("the base step", 0, 255), fields.take("the table family", 0, 1)
     prior = fields.take("the prior", 0, 255)
-    context_hidden = fields.take("the context model's width", 1, MAX_FEATURES)
+    context_hidden = fields.take("the context model's width", 1, MAX_HIDDEN)
     neighbours = fields.take("the neighbours", 0, 6)
     levels = fields.take("the hash levels", 0, MAX_HASH_LEVELS)
     resolutions = tuple(fields.take("a hash resolution", 1, MAX_HASH_RESOLUTION) for _ in range(levels))

@@ -11,11 +11,12 @@ from sgicodec.bitstream.arrays import code_base, code_signs, code_weights
 from sgicodec.bitstream.attributes import AttributeCoder
 from sgicodec.bitstream.entropy import SymbolReader, SymbolWalk, SymbolWriter
 from sgicodec.bitstream.header import Header
+from sgicodec.bitstream.limits import check_model, hash_counts, max_seeds, network_shapes
 from sgicodec.bitstream.positions import TreeShape, code_positions
 from sgicodec.bitstream.prior import load_prior
-from sgicodec.errors import CorruptStreamError
+from sgicodec.errors import CorruptStreamError, LimitError
 from sgicodec.model.base import base_shape
-from sgicodec.model.context import HashGrid, input_count, output_count
+from sgicodec.model.context import output_count
 from sgicodec.model.gaussians import decoder_shapes
 from sgicodec.model.layout import ROOT_LOG, SeedLayout
 from sgicodec.model.network import IntNetwork
@@ -23,7 +24,7 @@ from sgicodec.model.quantize import FRACTION_BITS, STEP_COUNT
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import StepPlan, default_plan, follows_amplitude
 
-__all__ = ["DECODER_SHIFT", "TileModel", "max_seeds", "read_tile", "write_tile"]
+__all__ = ["DECODER_SHIFT", "TileModel", "read_tile", "write_tile"]
 
 F64 = NDArray[np.float64]
 I64 = NDArray[np.int64]
@@ -57,35 +58,44 @@ class TileModel:
         return np.ldexp(self.decoded.astype(np.float64), -FRACTION_BITS)
 
 
-def max_seeds(width: int, height: int) -> int:
-    """The most seeds that a picture of this size may hold: one per pixel and level of the quadtree, at least 64."""
-    return max(64, 2 * width * height)
-
-
 def write_tile(header: Header, model: TileModel) -> tuple[bytes, SymbolWalk]:
-    """The payload of chunk T, and the walk with the bits of every part. Sets `model.decoded`."""
+    """The payload of chunk T, and the walk with the bits of every part. Sets `model.decoded`.
+
+    Raises LimitError for a model that `read_tile` would refuse.
+    """
+    spec, size = header.spec, (header.width, header.height)
+    check_model(spec, *size)
     walk = SymbolWriter()
-    _code(walk, header, model)
+    seeds = len(model.layout)
+    _code(walk, header, model, seeds)
     payload = walk.finish()  # ends with the CRC of all symbols
+    if seeds > max_seeds(spec, *size, len(payload)):
+        raise LimitError(
+            f"{seeds} seeds in a tile of {len(payload)} bytes; no decoder takes so many that say so little"
+        )
     return payload, walk
 
 
 def read_tile(header: Header, payload: bytes) -> tuple[TileModel, SymbolWalk]:
-    """The model of a payload. Raises CorruptStreamError where the decoded symbols are not those that were written."""
+    """The model of a payload. Raises CorruptStreamError where the decoded symbols are not those that were written and
+    LimitError, before it takes memory, for a model beyond the caps of `limits`.
+    """
+    spec, size = header.spec, (header.width, header.height)
+    check_model(spec, *size)
     walk = SymbolReader(payload)
-    model = _code(walk, header, None)
+    model = _code(walk, header, None, max_seeds(spec, *size, len(payload)))
     walk.finish()
     return model, walk
 
 
-def _code(walk: SymbolWalk, header: Header, model: TileModel | None) -> TileModel:
+def _code(walk: SymbolWalk, header: Header, model: TileModel | None, most_seeds: int) -> TileModel:
     spec, size = header.spec, (header.width, header.height)
     with walk.part("steps"):
         plan = _code_plan(walk, spec, header.quality, None if model is None else model.plan)
     with walk.part("base"):
         base_step, base = _code_base_layer(walk, header, model)
     with walk.part("positions"):
-        layout = _code_layout(walk, header, None if model is None else model.layout)
+        layout = _code_layout(walk, header, None if model is None else model.layout, most_seeds)
     with walk.part("decoders"):
         shapes = decoder_shapes(spec)
         decoders = {
@@ -93,7 +103,7 @@ def _code(walk: SymbolWalk, header: Header, model: TileModel | None) -> TileMode
             for name, shape in shapes.items()
         }
     with walk.part("hash grid"):
-        hash_tables = _code_hash(walk, header, layout, None if model is None else model.hash_tables)
+        hash_tables = _code_hash(walk, header, None if model is None else model.hash_tables)
     with walk.part("context model"):
         networks = _code_networks(walk, spec, None if model is None else model.networks)
     coder = AttributeCoder(spec, layout, size, plan, networks, hash_tables, header.quality, header.family)
@@ -129,22 +139,20 @@ def _code_base_layer(walk: SymbolWalk, header: Header, model: TileModel | None) 
     return step, code_base(walk, None if model is None else model.base, shape).astype(np.int64)
 
 
-def _code_layout(walk: SymbolWalk, header: Header, layout: SeedLayout | None) -> SeedLayout:
+def _code_layout(walk: SymbolWalk, header: Header, layout: SeedLayout | None, most: int) -> SeedLayout:
     least = 0 if header.spec.layout == "uniform" else 1
     tree = TreeShape(header.width, header.height, ROOT_LOG, least)
     seeds = None if layout is None else (layout.corner, layout.log_size)
-    return SeedLayout(*code_positions(walk, tree, seeds, max_seeds(header.width, header.height)))
+    return SeedLayout(*code_positions(walk, tree, seeds, most))
 
 
-def _code_hash(walk: SymbolWalk, header: Header, layout: SeedLayout, tables: list[I64] | None) -> list[I64]:
-    context = header.spec.context
-    if not context.hash_resolutions:
+def _code_hash(walk: SymbolWalk, header: Header, tables: list[I64] | None) -> list[I64]:
+    counts = hash_counts(header.spec, header.width, header.height)
+    if not counts:
         return []
-    sizes = HashGrid.at(context, layout.take(np.zeros(0, np.int64)), header.width, header.height).sizes
-    counts = [size * context.hash_features for size in sizes]
     given = None if tables is None else np.concatenate([table.reshape(-1) for table in tables])
     bits = code_signs(walk, given, counts).astype(np.int64)
-    return [part.reshape(-1, context.hash_features) for part in np.split(bits, np.cumsum(counts)[:-1])]
+    return [part.reshape(-1, header.spec.context.hash_features) for part in np.split(bits, np.cumsum(counts)[:-1])]
 
 
 def _code_networks(
@@ -155,13 +163,11 @@ def _code_networks(
     coded = []
     for number, step in enumerate(spec.context.steps):
         units = sum(output_count(spec, name) for name in step)
-        inputs, hidden, outputs = input_count(spec, number), spec.context.hidden, 2 * units + len(step)
         given = None if networks is None else networks[number]
         shift = walk.code_int(None if given is None else given.shift, _SHIFT_BITS)
-        shapes = {"w1": (hidden, inputs), "b1": (hidden,), "w2": (outputs, hidden), "b2": (outputs,)}
         weights = {
             name: code_weights(walk, None if given is None else getattr(given, name), shape).astype(np.int64)
-            for name, shape in shapes.items()
+            for name, shape in network_shapes(spec, number).items()
         }
         coded.append(IntNetwork(**weights, shift=shift, predicted=units))
     return tuple(coded)

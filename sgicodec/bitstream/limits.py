@@ -1,0 +1,87 @@
+"""What a tile may ask for, checked before memory or time is spent on it: a stream is hostile until shown otherwise.
+
+The range coder makes symbols that cost nothing, so the length of a payload bounds no count by itself, and a header of
+forty bytes can describe anything. The caps below hold what a sound stream needs many times over.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from sgicodec.errors import LimitError
+from sgicodec.model.base import base_shape
+from sgicodec.model.context import HashGrid, input_count, output_count
+from sgicodec.model.gaussians import decoder_shapes
+from sgicodec.model.layout import ROOT_LOG, SeedLayout
+from sgicodec.model.spec import ModelSpec
+
+__all__ = ["check_model", "hash_counts", "max_seeds", "network_shapes"]
+
+MAX_ROOTS = 1 << 18
+"""Root cells of a tile: a gigapixel."""
+MAX_BASE_VALUES = 1 << 22
+MAX_BASE_DIAGONALS = 1 << 20
+"""Rows and columns of the base layer's grid, which is decoded diagonal by diagonal."""
+MAX_WEIGHTS = 1 << 22
+"""Weights of all networks together: what the most features, Gaussians and channels that can be asked for need."""
+MAX_SIGNS = 1 << 22
+
+FREE_VALUES = 1 << 25
+"""Numbers (about 24 bytes each) that seeds may take while they are decoded, however short the payload."""
+VALUES_PER_BYTE = 128
+"""And how many more for each byte of payload; real seeds take two to ten bytes, and a hundred values each."""
+
+
+def check_model(spec: ModelSpec, width: int, height: int) -> None:
+    """Raises LimitError if the products of the header's fields are beyond what a tile may hold."""
+    side = 1 << ROOT_LOG
+    _limit(-(-width // side) * -(-height // side), MAX_ROOTS, f"{width}×{height} pixels: cells of {side} pixels")
+    if spec.base_cell:
+        rows, columns = base_shape(width, height, spec.base_cell)
+        _limit(spec.channels * rows * columns, MAX_BASE_VALUES, "base layer: values")
+        _limit(rows + columns, MAX_BASE_DIAGONALS, "base layer: rows and columns")
+    networks = [network_shapes(spec, step) for step in range(len(spec.context.steps))]
+    weights = sum(math.prod(shape) for net in (decoder_shapes(spec), *networks) for shape in net.values())
+    _limit(weights, MAX_WEIGHTS, "networks: weights")
+    _limit(sum(hash_counts(spec, width, height)), MAX_SIGNS, "hash grid: signs")
+
+
+def max_seeds(spec: ModelSpec, width: int, height: int, payload_bytes: int) -> int:
+    """The most seeds of a tile whose payload has so many bytes."""
+    values = (FREE_VALUES + VALUES_PER_BYTE * payload_bytes) // _values_per_seed(spec)
+    return min(values, max(64, 2 * width * height))
+
+
+def network_shapes(spec: ModelSpec, step: int) -> dict[str, tuple[int, ...]]:
+    """Shapes of MLP_p's weights at a step of `ContextSpec.steps`."""
+    names = spec.context.steps[step]
+    inputs, hidden = input_count(spec, step), spec.context.hidden
+    outputs = 2 * sum(output_count(spec, name) for name in names) + len(names)
+    return {"w1": (hidden, inputs), "b1": (hidden,), "w2": (outputs, hidden), "b2": (outputs,)}
+
+
+def hash_counts(spec: ModelSpec, width: int, height: int) -> list[int]:
+    """Signs of every resolution of the hash grid."""
+    context = spec.context
+    if not context.hash_resolutions:
+        return []
+    nowhere = SeedLayout(np.zeros((0, 2), np.int32), np.zeros(0, np.int8))
+    return [size * context.hash_features for size in HashGrid.at(context, nowhere, width, height).sizes]
+
+
+def _values_per_seed(spec: ModelSpec) -> int:
+    """Numbers held for each seed at a time: context, attributes, decoders and Gaussians."""
+    context = 0
+    for step in range(len(spec.context.steps)):
+        shapes = network_shapes(spec, step)
+        context = max(context, sum(shapes["w1"]) + shapes["b2"][0])
+    if spec.context.hash_resolutions:
+        context += 8 * (len(spec.context.hash_resolutions) + spec.context.hash_features)  # four corners of each cell
+    return context + spec.attributes + spec.hidden + spec.per_seed * (spec.channels + 8)
+
+
+def _limit(count: int, most: int, what: str) -> None:
+    if count > most:
+        raise LimitError(f"{what} are {count}; a tile holds at most {most}")
