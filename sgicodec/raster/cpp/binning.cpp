@@ -15,7 +15,7 @@ constexpr float kLog2E = 1.44269504f;
 
 // The ellipse of all points within the cutoff, relative to the centre.
 struct Ellipse {
-  float rx, ry;       // half extents
+  float ry;           // half height
   float lean;         // dx of the axis of widths per dy
   float half_width;   // half width at the centre row
   float top_dy;       // dy at which the right end is reached
@@ -46,13 +46,11 @@ bool prepare(const float *mean, const float *cov, float cutoff, Splat &s, Ellips
   s.b = static_cast<float>(kLog2E * xy / det);
   s.c = static_cast<float>(-0.5 * kLog2E * xx / det);
   s.k = std::exp2(2.0f * s.c);
-  e.rx = cutoff * std::sqrt(cov[0]);
-  e.ry = cutoff * std::sqrt(cov[2]);
+  s.rx = cutoff * std::sqrt(cov[0]);
+  s.ry = e.ry = cutoff * std::sqrt(cov[2]);
   e.lean = static_cast<float>(xy / yy);
   e.half_width = static_cast<float>(cutoff * std::sqrt(det / yy));
   e.top_dy = static_cast<float>(cutoff * xy / std::sqrt(xx));
-  s.y_min = s.y - e.ry;
-  s.y_max = s.y + e.ry;
   // A start must not underflow (2^-126) if a later row of its run lies within the cutoff, 2^-(0.85 cutoff)^2: over
   // span - 1 rows sqrt(-log2 G) falls by at most sqrt(-c) (span - 1).
   const float headroom = std::max(0.0f, 11.2f - 0.85f * cutoff), fall = std::sqrt(-s.c);
@@ -71,7 +69,7 @@ void for_each_tile(const Splat &s, const Ellipse &e, const View &view, Visit vis
   const auto last_tile = [](float edge, int base) {
     return static_cast<int>(std::floor((std::max(-1e8f, std::min(1e8f, edge)) - 0.5f) / kTile)) - base;
   };
-  const int row0 = std::max(0, first_tile(s.y_min, ty0)), row1 = std::min(ny - 1, last_tile(s.y_max, ty0));
+  const int row0 = std::max(0, first_tile(s.y - e.ry, ty0)), row1 = std::min(ny - 1, last_tile(s.y + e.ry, ty0));
   for (int row = row0; row <= row1; ++row) {
     const float lo = (ty0 + row) * float(kTile) + 0.5f - s.y;
     float left, right;

@@ -10,11 +10,11 @@ constexpr int kTilePixels = kTile * kTile;
 
 // A Gaussian ready to be drawn: log2 G(d) = a dx^2 + b dx dy + c dy^2.
 struct Splat {
-  float x, y;          // centre, pixels
-  float a, b, c;       // log2 units per pixel^2
-  float k;             // 2^(2c): second ratio of consecutive rows
-  float y_min, y_max;  // rows outside contribute nothing
-  int32_t span;        // rows that the row recurrence may run before it must start afresh: 8, 4 or 1
+  float x, y;     // centre, pixels
+  float a, b, c;  // log2 units per pixel^2
+  float k;        // 2^(2c): second ratio of consecutive rows
+  float rx, ry;   // half extents: what lies farther away contributes nothing
+  int32_t span;   // rows that the row recurrence may run before it must start afresh: 8, 4 or 1
 };
 
 // One (tile, Gaussian) pair; `slot` is where its partial gradient goes.
