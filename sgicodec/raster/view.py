@@ -38,6 +38,6 @@ def scaled(
         shape[:, 0] += PIXEL_VARIANCE * max(0.0, 1 - sx * sx)
         shape[:, 2] += PIXEL_VARIANCE * max(0.0, 1 - sy * sy)
         after = shape[:, 0] * shape[:, 2] - shape[:, 1] ** 2
-        fade = np.sqrt(np.clip(before / after, 0.0, 1.0))
+        fade = np.sqrt(np.where(before > 0, before / after, 0.0))
         faded = colours * fade[:, None]
         return moved.astype(means.dtype), shape.astype(covariances.dtype), faded.astype(colours.dtype)

@@ -92,3 +92,11 @@ def test_precision_and_hostile_numbers_pass_through() -> None:
     assert [array.dtype for array in view] == [np.float32] * 3
     image = NativeRasterizer(1).forward(*view, 8, 8)
     assert np.isfinite(image).all()
+
+
+def test_what_has_no_area_has_no_colour() -> None:
+    """Rounding may make such a covariance drawable once it is scaled: 0 / 0 must not become its colour."""
+    means = np.zeros((3, 2), np.float32)
+    covariances = np.array([[1e10, -1e10, 1e10], [1e22, 1e22, 1e22], [1.0, np.nan, 1.0]], np.float32)
+    view = scaled(means, covariances, np.ones((3, 1), np.float32), (1.42, 6.49))
+    np.testing.assert_array_equal(view[2], np.zeros((3, 1)))
