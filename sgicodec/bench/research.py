@@ -85,8 +85,8 @@ def _settings(settings: FitSettings, changes: dict[str, Any], threads: int) -> F
         prune=changes.pop("drops", noisy.prune),
         grow=changes.pop("growths", noisy.grow),
     )
-    phases = (replace(free, steps=free_steps), noisy, replace(rounded, steps=rounded_steps))
-    phases = tuple(phase for phase in phases if phase.steps)
+    parts = (replace(free, steps=free_steps), noisy, replace(rounded, steps=rounded_steps))
+    phases = tuple(phase for phase in parts if phase.steps)
     return replace(settings, **{**taken(FitSettings), "rates": rates, "phases": phases, "threads": threads})
 
 
