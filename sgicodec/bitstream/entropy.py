@@ -215,7 +215,8 @@ class SymbolWriter(SymbolWalk):
         if index is None:
             raise UsageError("entropy: a writer needs values")
         if model is not None:
-            self._coder.encode(np.ascontiguousarray(index), model)
+            with _without_panics(RuntimeError, "these symbols cannot be coded"):
+                self._coder.encode(np.ascontiguousarray(index), model)
         return index
 
 
@@ -246,12 +247,20 @@ class SymbolReader(SymbolWalk):
     def _run(self, index: IntArray | None, model: Any, count: int) -> IntArray:
         if model is None:
             return np.zeros(count, np.int32)
-        try:
-            return self._coder.decode(model, count)  # type: ignore[no-any-return]
-        except (KeyboardInterrupt, SystemExit):
-            raise
-        except BaseException as error:  # constriction's PanicException is not an Exception
-            raise CorruptStreamError(f"entropy: the payload does not decode ({error})") from error
+        with _without_panics(CorruptStreamError, "the payload does not decode"):
+            coded: IntArray = self._coder.decode(model, count)
+        return coded
+
+
+@contextmanager
+def _without_panics(failure: type[Exception], message: str) -> Iterator[None]:
+    """Raises `failure` for whatever constriction raises; its PanicException is not even an Exception."""
+    try:
+        yield
+    except (KeyboardInterrupt, SystemExit, MemoryError):
+        raise
+    except BaseException as error:
+        raise failure(f"entropy: {message} ({' '.join(str(error).split())})") from error
 
 
 def _as_values(symbols: ArrayLike, count: int) -> NDArray[np.int64]:

@@ -271,3 +271,39 @@ def test_any_bytes_decode_or_are_corrupt(data: bytes) -> None:
 def test_a_writer_refuses_what_cannot_be_coded(method: str, arguments: tuple[object, ...]) -> None:
     with pytest.raises(UsageError):
         getattr(SymbolWriter(), method)(*arguments)
+
+
+class Panic(BaseException):
+    """Like constriction's PanicException, no Exception."""
+
+
+class Panicking:
+    """A coder that fails as Rust does."""
+
+    def encode(self, *_: object) -> None:
+        raise Panic("assertion failed:\n  range > 1")
+
+    def decode(self, *_: object) -> None:
+        raise Panic("assertion failed:\n  range > 1")
+
+
+@pytest.mark.parametrize(
+    ("walk", "failure"), [(SymbolWriter(), RuntimeError), (SymbolReader(b"\1"), CorruptStreamError)]
+)
+def test_panics_are_errors_of_one_line(walk: entropy.SymbolWalk, failure: type[Exception]) -> None:
+    walk._coder = Panicking()  # type: ignore[attr-defined]
+    with pytest.raises(failure, match=r"^entropy: .* \(assertion failed: range > 1\)$"):
+        walk.code_bits([1, 2], 8, 2)
+
+
+@pytest.mark.parametrize("interruption", [KeyboardInterrupt, MemoryError])
+def test_what_is_not_the_coder_s_fault_passes(interruption: type[BaseException]) -> None:
+    walk = SymbolReader(b"\1")
+
+    class Interrupted:
+        def decode(self, *_: object) -> None:
+            raise interruption
+
+    walk._coder = Interrupted()
+    with pytest.raises(interruption):
+        walk.code_bits(None, 8, 2)
