@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
+#include <exception>
 #include <memory>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -31,12 +33,19 @@ struct Job {
   const std::function<void(int64_t)> *body;
   int64_t n;
   std::atomic<int64_t> next{0};
-  std::atomic<int> helpers{0};
   int wanted;
+  std::mutex failing;
+  std::exception_ptr failure;  // the first; it ends the loop and is thrown again where the loop was called
 
   void work() {
     FlushDenormals guard;
-    for (int64_t i; (i = next.fetch_add(1, std::memory_order_relaxed)) < n;) (*body)(i);
+    try {
+      for (int64_t i; (i = next.fetch_add(1, std::memory_order_relaxed)) < n;) (*body)(i);
+    } catch (...) {
+      next.store(n, std::memory_order_relaxed);
+      std::lock_guard<std::mutex> lock(failing);
+      if (!failure) failure = std::current_exception();
+    }
   }
 };
 
@@ -46,9 +55,9 @@ class Pool {
     std::unique_lock<std::mutex> turn(turn_);  // one loop at a time; callers queue
     {
       std::lock_guard<std::mutex> lock(mutex_);
-      while (static_cast<int>(workers_) < job.wanted) {
-        std::thread([this] { loop(); }).detach();
-        ++workers_;
+      try {
+        for (; workers_ < job.wanted; ++workers_) std::thread([this] { loop(); }).detach();
+      } catch (const std::system_error &) {  // no more threads to be had: fewer will do
       }
       job_ = &job;
       slots_ = job.wanted;
@@ -109,6 +118,7 @@ void parallel_for(int64_t n, int threads, const std::function<void(int64_t)> &bo
   } else {
     pool().run(job);
   }
+  if (job.failure) std::rethrow_exception(job.failure);
 }
 
 }  // namespace sgi
