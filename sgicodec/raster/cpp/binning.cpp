@@ -11,6 +11,7 @@ namespace sgi {
 namespace {
 
 constexpr int64_t kChunk = 1024;
+constexpr float kLongestSpan = 8;  // rows; rounding errors grow with the square
 constexpr float kLog2E = 1.44269504f;
 
 // The ellipse of all points within the cutoff, relative to the centre.
@@ -54,7 +55,7 @@ bool prepare(const float *mean, const float *cov, float cutoff, Splat &s, Ellips
   // A start must not underflow (2^-126) if a later row of its run lies within the cutoff, 2^-(0.85 cutoff)^2: over
   // span - 1 rows sqrt(-log2 G) falls by at most sqrt(-c) (span - 1).
   const float headroom = std::max(0.0f, 11.2f - 0.85f * cutoff), fall = std::sqrt(-s.c);
-  s.span = fall * 7.0f <= headroom ? 8 : fall * 3.0f <= headroom ? 4 : 1;
+  s.span = static_cast<int32_t>(std::min(kLongestSpan - 1.0f, headroom / fall)) + 1;
   return true;
 }
 

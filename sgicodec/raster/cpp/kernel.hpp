@@ -14,7 +14,7 @@ struct Splat {
   float a, b, c;  // log2 units per pixel^2
   float k;        // 2^(2c): second ratio of consecutive rows
   float rx, ry;   // half extents: what lies farther away contributes nothing
-  int32_t span;   // rows that the row recurrence may run before it must start afresh: 8, 4 or 1
+  int32_t span;   // rows that the recurrence may run before it must start afresh, at least 1
 };
 
 // One (tile, Gaussian) pair; `slot` is where its partial gradient goes.

@@ -46,73 +46,58 @@ inline vf exp2v(vf x) {
   return (vf)(bits & live);
 }
 
-// Accumulator rows that fit the register file beside the working set.
-template <int CG>
-constexpr int block_rows() {
-  if (LANES == 16) return CG == 1 ? 16 : CG <= 3 ? 8 : 4;
-  return CG == 1 ? 8 : CG <= 3 ? 4 : 2;
-}
+// Whether LANES columns from x on (relative to the centre) lie beside the Gaussian.
+inline bool beside(const Splat &s, float x) { return LANES < kTile && (x > s.rx || x + (LANES - 1) < -s.rx); }
 
-template <int CG, int ROWS, int SPAN>
-inline __attribute__((always_inline)) void add_splat(const Splat &s, const float *colour, vf dx, float dy0,
-                                                     vf (&acc)[CG][ROWS]) {
-  vf c[CG];
-  for (int k = 0; k < CG; ++k) c[k] = vf{} + colour[k];
+// Calls visit(row, G) for every row of a tile that the Gaussian reaches; `dx` is where the lanes lie from its centre,
+// `top` the tile's first row of pixel centres.
+template <class Visit>
+inline __attribute__((always_inline)) void for_each_row(const Splat &s, vf dx, float top, Visit visit) {
+  const float from = s.y - s.ry - top, to = s.y + s.ry - top;
+  const int first = from > 0 ? static_cast<int>(from) : 0;
+  const int last = to < kTile - 1 ? static_cast<int>(to) + 1 : kTile;
   const vf quad = s.a * dx * dx;
   const vf slope = s.b * dx;
   const vf kk = vf{} + s.k;
-  vf g{}, r{};
-#pragma GCC unroll 16
-  for (int row = 0; row < ROWS; ++row) {
-    if (row % SPAN == 0) {
-      const float dy = dy0 + row;
-      g = exp2v(quad + (slope + s.c * dy) * dy);
-      if (SPAN > 1) r = exp2v(slope + s.c * (2.0f * dy + 1.0f));
-    }
-#pragma GCC unroll 4
-    for (int k = 0; k < CG; ++k) acc[k][row] += g * c[k];
-    if (row % SPAN != SPAN - 1) {
+  for (int row = first; row < last;) {
+    const float dy = top + row - s.y;
+    vf g = exp2v(quad + (slope + s.c * dy) * dy);
+    vf r = exp2v(slope + s.c * (2.0f * dy + 1.0f));
+    const int stop = row + s.span < last ? row + s.span : last;
+    for (; row < stop; ++row) {
+      visit(row, g);
       g *= r;
       r *= kk;
     }
   }
 }
 
-// Narrow blocks often lie beside a Gaussian. With eight lanes the forward pass loses more by the test than it saves.
-constexpr bool kSkipColumns = LANES < 8;
+template <int CG>
+inline void broadcast(const float *colour, vf (&c)[CG]) {
+  for (int k = 0; k < CG; ++k) c[k] = vf{} + colour[k];
+}
 
 template <int CG>
 void forward_group(const Entry *entries, int64_t n, const Splat *splats, const float *colours, int channels, int x0,
                    int y0, float *tile) {
-  constexpr int ROWS = block_rows<CG>();
-  constexpr int LONG = ROWS < 8 ? ROWS : 8;
-  constexpr int MID = ROWS < 4 ? ROWS : 4;
   for (int bx = 0; bx < kTile; bx += LANES) {
-    const vf px = iota() + (x0 + bx + 0.5f);
-    for (int by = 0; by < kTile; by += ROWS) {
-      const float left = x0 + bx + 0.5f, top = y0 + by + 0.5f;
-      vf acc[CG][ROWS] = {};
-      for (int64_t i = 0; i < n; ++i) {
-        const Splat &s = splats[entries[i].gaussian];
-        const float dx0 = left - s.x, dy0 = top - s.y;
-        if (dy0 > s.ry || dy0 + (ROWS - 1) < -s.ry) continue;
-        if (kSkipColumns && (dx0 > s.rx || dx0 + (LANES - 1) < -s.rx)) continue;
-        const float *colour = colours + int64_t(entries[i].gaussian) * channels;
-        const vf dx = px - s.x;
-        if (s.span >= LONG) {
-          add_splat<CG, ROWS, LONG>(s, colour, dx, dy0, acc);
-        } else if (s.span >= MID) {
-          add_splat<CG, ROWS, MID>(s, colour, dx, dy0, acc);
-        } else {
-          add_splat<CG, ROWS, 1>(s, colour, dx, dy0, acc);
-        }
-      }
-      for (int k = 0; k < CG; ++k)
-        for (int row = 0; row < ROWS; ++row) {
-          float *p = tile + k * kTilePixels + (by + row) * kTile + bx;
-          store(p, load(p) + acc[k][row]);
-        }
+    vf sum[kTile][CG] = {};
+    for (int64_t i = 0; i < n; ++i) {
+      const Splat &s = splats[entries[i].gaussian];
+      const float left = x0 + bx + 0.5f - s.x;
+      if (beside(s, left)) continue;
+      vf c[CG];
+      broadcast(colours + int64_t(entries[i].gaussian) * channels, c);
+      for_each_row(s, iota() + left, y0 + 0.5f, [&](int row, vf g) {
+#pragma GCC unroll 4
+        for (int k = 0; k < CG; ++k) sum[row][k] += g * c[k];
+      });
     }
+    for (int k = 0; k < CG; ++k)
+      for (int row = 0; row < kTile; ++row) {
+        float *p = tile + k * kTilePixels + row * kTile + bx;
+        store(p, load(p) + sum[row][k]);
+      }
   }
 }
 
@@ -164,56 +149,34 @@ inline void add_sums(const vf *v, float *out) {
 }
 
 template <int CG>
-inline __attribute__((always_inline)) void gather_rows(const Splat &s, const float *colour, vf dx, float top, int first,
-                                                       int last, const float *grad, vf (&m)[3], vf (&mc)[CG]) {
-  vf c[CG];
-  for (int k = 0; k < CG; ++k) c[k] = vf{} + colour[k];
-  const vf quad = s.a * dx * dx;
-  const vf slope = s.b * dx;
-  const vf kk = vf{} + s.k;
-  vf j = vf{} + (first - (kTile / 2 - 0.5f));  // rows, centred so that the shift to dy loses few bits
-  for (int row = first; row < last;) {
-    const float dy = top + row - s.y;
-    vf g = exp2v(quad + (slope + s.c * dy) * dy);
-    vf r = exp2v(slope + s.c * (2.0f * dy + 1.0f));
-    const int stop = row + s.span < last ? row + s.span : last;
-    for (; row < stop; ++row) {
-      const float *at = grad + row * kTile;
-      vf t{};
-#pragma GCC unroll 4
-      for (int k = 0; k < CG; ++k) {
-        const vf up = load(at + k * kTilePixels);
-        t = k ? t + up * c[k] : up * c[k];
-        mc[k] += g * up;
-      }
-      const vf w = g * t, wj = w * j;
-      m[0] += w;
-      m[1] += wj;
-      m[2] += wj * j;
-      j += 1.0f;
-      g *= r;
-      r *= kk;
-    }
-  }
-}
-
-template <int CG>
 void backward_group(const Entry *entries, int64_t n, const Splat *splats, const float *colours, int channels, int c0,
                     int x0, int y0, const float *grad, float *partials) {
   const float top = y0 + 0.5f, middle = y0 + 0.5f * kTile;
   for (int64_t i = 0; i < n; ++i) {
     const Splat &s = splats[entries[i].gaussian];
-    const float *colour = colours + int64_t(entries[i].gaussian) * channels + c0;
-    const float from = s.y - s.ry - top, to = s.y + s.ry - top;
-    const int first = from > 0 ? static_cast<int>(from) : 0;
-    const int last = to < kTile - 1 ? static_cast<int>(to) + 1 : kTile;
+    vf c[CG];
+    broadcast(colours + int64_t(entries[i].gaussian) * channels + c0, c);
     float sum[kMoments + CG] = {};
     for (int bx = 0; bx < kTile; bx += LANES) {
-      const float dx0 = x0 + bx + 0.5f - s.x;
-      if (LANES < kTile && (dx0 > s.rx || dx0 + (LANES - 1) < -s.rx)) continue;
-      const vf dx = iota() + dx0;
+      const float left = x0 + bx + 0.5f - s.x;
+      if (beside(s, left)) continue;
+      const vf dx = iota() + left;
       vf m[3] = {}, mc[CG] = {};
-      gather_rows<CG>(s, colour, dx, top, first, last, grad + bx, m, mc);
+      for_each_row(s, dx, top, [&](int row, vf g) {
+        const float *at = grad + bx + row * kTile;
+        vf t{};
+#pragma GCC unroll 4
+        for (int k = 0; k < CG; ++k) {
+          const vf up = load(at + k * kTilePixels);
+          t = k ? t + up * c[k] : up * c[k];
+          mc[k] += g * up;
+        }
+        const vf w = g * t;
+        const float j = row - (kTile / 2 - 0.5f);  // centred, so that the shift to dy loses few bits
+        m[0] += w;
+        m[1] += w * j;
+        m[2] += w * (j * j);
+      });
       const float shift = middle - s.y;  // dy = j + shift
       const vf w = m[0], wy = m[1] + shift * m[0], wyy = m[2] + shift * (2.0f * m[1] + shift * m[0]);
       vf all[kMoments + CG] = {w, w * dx, w * dx * dx, wy, wy * dx, wyy};
