@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from sgicodec.model.neighbours import nearest_seeds
 
 small = st.tuples(st.integers(0, 8), st.integers(0, 8))  # many ties and coinciding points
+sparse = st.tuples(st.integers(0, 25), st.integers(0, 25))  # buckets of several units
 line = st.tuples(st.integers(0, 5000), st.just(3))
 wide = st.tuples(st.integers(-(2**29), 2**29), st.integers(-(2**29), 2**29))
 Points = list[tuple[int, int]]
@@ -28,7 +29,7 @@ def as_array(points: Points) -> np.ndarray:
 
 @settings(max_examples=300, deadline=None)
 @given(
-    st.one_of(*(st.tuples(st.lists(p, max_size=60), st.lists(p, max_size=20)) for p in (small, line, wide))),
+    st.one_of(*(st.tuples(st.lists(p, max_size=60), st.lists(p, max_size=20)) for p in (small, sparse, line, wide))),
     st.integers(1, 7),
 )
 @example(([(0, 0)], [(2**29, 2**29), (-(2**29), 5)]), 2)
@@ -38,6 +39,18 @@ def test_against_all_distances(both: tuple[Points, Points], k: int) -> None:
     found = nearest_seeds(as_array(points), as_array(queries), k)
     assert found.shape == (len(queries), k)
     assert found.tolist() == brute(points, queries, k)
+
+
+def test_every_place_of_a_bucket() -> None:
+    """The search may stop only when no ring that is left can hold a nearer point, wherever in its bucket a query is."""
+    rng = np.random.default_rng(1)
+    queries = np.stack(np.meshgrid(np.arange(-2, 28), np.arange(-2, 28)), axis=-1).reshape(-1, 2).astype(np.int32)
+    for count in (3, 5, 9, 16, 30):
+        for _ in range(12):
+            points = rng.integers(0, 26, (count, 2)).astype(np.int32)
+            distance = np.sum((queries[:, None].astype(np.int64) - points) ** 2, axis=2)
+            expected = np.argsort(distance, axis=1, kind="stable")[:, :3]
+            np.testing.assert_array_equal(nearest_seeds(points, queries, 3), expected)
 
 
 def test_many_points_in_clusters() -> None:

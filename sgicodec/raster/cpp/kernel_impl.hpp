@@ -54,7 +54,7 @@ inline bool beside(const Splat &s, float x) { return LANES < kTile && (x > s.rx 
 template <class Visit>
 inline __attribute__((always_inline)) void for_each_row(const Splat &s, vf dx, float top, Visit visit) {
   const float from = s.y - s.ry - top, to = s.y + s.ry - top;
-  const int first = from > 0 ? static_cast<int>(from) : 0;
+  const int first = from > 0 ? static_cast<int>(from) + 1 : 0;
   const int last = to < kTile - 1 ? static_cast<int>(to) + 1 : kTile;
   const vf quad = s.a * dx * dx;
   const vf slope = s.b * dx;
