@@ -21,9 +21,9 @@ from typing import Any
 import numpy as np
 import torch
 
-from sgicodec.bitstream.arrays import code_weights
 from sgicodec.bitstream.entropy import SymbolWriter
 from sgicodec.bitstream.prior import PRIORS, load_prior
+from sgicodec.bitstream.tile import code_networks
 from sgicodec.encoder import FAMILY, base_layer, quality_index
 from sgicodec.fit.settings import FitSettings, LearningRates, default_settings
 from sgicodec.fit.trainer import Trainer
@@ -63,7 +63,7 @@ def fit_variant(path: Path, variant: str, lmbda: float, steps: int, threads: int
     started = monotonic()
     trainer = Trainer(spec, settings, target, layout, quality_index(lmbda), FAMILY, networks)
     last = list(trainer.iterate())[-1]
-    side = float(trainer.net.hash_bits()) + (_weight_bits(trainer.result().networks) if own else 0.0)
+    side = float(trainer.net.hash_bits()) + _network_bits(spec, trainer.result().networks)
     bits = last.bits + last.seeds + side
     cost = 10 ** (-last.psnr / 10) * unit.size / lmbda + bits
     pixels = unit.shape[1] * unit.shape[2]
@@ -101,11 +101,9 @@ def _spec(channels: int, own: bool, changes: dict[str, Any]) -> ModelSpec:
     return replace(spec, context=replace(spec.context, **{name: changes.pop(name) for name in names}))
 
 
-def _weight_bits(networks: tuple[IntNetwork, ...]) -> float:
+def _network_bits(spec: ModelSpec, networks: tuple[IntNetwork, ...]) -> float:
     walk = SymbolWriter()
-    for network in networks:
-        for weights in (network.w1, network.b1, network.w2, network.b2):
-            code_weights(walk, weights, weights.shape)
+    code_networks(walk, spec, networks)
     return sum(walk.bits.values())
 
 

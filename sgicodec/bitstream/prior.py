@@ -46,7 +46,8 @@ def _networks(number: int) -> tuple[IntNetwork, ...]:
 
 def parse_prior(data: bytes) -> tuple[IntNetwork, ...]:
     """The networks of a prior's file: int16, little-endian; for each network its inputs, hidden, outputs, predicted and
-    shift, then W1, b1, W2, b2."""
+    shift, then W1, b1, W2, b2.
+    """
     numbers = np.frombuffer(data, "<i2").astype(np.int64)
     networks, at = [], 0
     while at < len(numbers):

@@ -19,12 +19,12 @@ from sgicodec.model.base import base_shape
 from sgicodec.model.context import output_count
 from sgicodec.model.gaussians import decoder_shapes
 from sgicodec.model.layout import ROOT_LOG, SeedLayout
-from sgicodec.model.network import IntNetwork
+from sgicodec.model.network import DIFFERENCE_SHIFT, IntNetwork
 from sgicodec.model.quantize import FRACTION_BITS, STEP_COUNT
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import StepPlan, default_plan, follows_amplitude
 
-__all__ = ["DECODER_SHIFT", "TileModel", "read_tile", "write_tile"]
+__all__ = ["DECODER_SHIFT", "TileModel", "code_networks", "read_tile", "write_tile"]
 
 F64 = NDArray[np.float64]
 I64 = NDArray[np.int64]
@@ -105,7 +105,7 @@ def _code(walk: SymbolWalk, header: Header, model: TileModel | None, most_seeds:
     with walk.part("hash grid"):
         hash_tables = _code_hash(walk, header, None if model is None else model.hash_tables)
     with walk.part("context model"):
-        networks = _code_networks(walk, spec, None if model is None else model.networks)
+        networks = code_networks(walk, spec, None if model is None else model.networks)
     coder = AttributeCoder(spec, layout, size, plan, networks, hash_tables, header.quality, header.family)
     decoded = coder.code(walk, None if model is None else model.attributes)
     if model is not None:
@@ -155,11 +155,9 @@ def _code_hash(walk: SymbolWalk, header: Header, tables: list[I64] | None) -> li
     return [part.reshape(-1, header.spec.context.hash_features) for part in np.split(bits, np.cumsum(counts)[:-1])]
 
 
-def _code_networks(
-    walk: SymbolWalk, spec: ModelSpec, networks: tuple[IntNetwork, ...] | None
-) -> tuple[IntNetwork, ...]:
+def code_networks(walk: SymbolWalk, spec: ModelSpec, networks: tuple[IntNetwork, ...] | None) -> tuple[IntNetwork, ...]:
     if spec.context.prior:
-        return load_prior(spec)
+        return _code_differences(walk, load_prior(spec), networks)
     coded = []
     for number, step in enumerate(spec.context.steps):
         units = sum(output_count(spec, name) for name in step)
@@ -171,3 +169,29 @@ def _code_networks(
         }
         coded.append(IntNetwork(**weights, shift=shift, predicted=units))
     return tuple(coded)
+
+
+def _code_differences(
+    walk: SymbolWalk, prior: tuple[IntNetwork, ...], networks: tuple[IntNetwork, ...] | None
+) -> tuple[IntNetwork, ...]:
+    """The prior, and what the picture changes in it: whether anything, then b1, W2 and b2 of every step."""
+    given = None if networks is None else [_differences(p, n) for p, n in zip(prior, networks, strict=True)]
+    changed = None if given is None else int(any(part.any() for step in given for part in step.values()))
+    if not walk.code_int(changed, 1):
+        return prior
+    coded = []
+    for number, network in enumerate(prior):
+        parts = (
+            code_weights(walk, None if given is None else given[number][name], getattr(network, name).shape).astype(
+                np.int64
+            )
+            for name in ("b1", "w2", "b2")
+        )
+        coded.append(network.plus(*parts))
+    return tuple(coded)
+
+
+def _differences(prior: IntNetwork, network: IntNetwork) -> dict[str, I64]:
+    """What `network` adds to the prior, by tensor, in the stream's units."""
+    unit = prior.shift - DIFFERENCE_SHIFT
+    return {name: (getattr(network, name) - getattr(prior, name)) >> unit for name in ("b1", "w2", "b2")}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import cast
 
 import numpy as np
@@ -9,7 +10,7 @@ import torch
 from torch import Tensor
 
 from sgicodec.model.context import INPUT_BITS, HashGrid, hash_inputs, input_count, output_count
-from sgicodec.model.network import INPUT_LIMIT, IntNetwork
+from sgicodec.model.network import DIFFERENCE_SHIFT, INPUT_LIMIT, IntNetwork
 from sgicodec.model.spec import ModelSpec
 
 __all__ = ["ContextNet", "binarize"]
@@ -50,6 +51,24 @@ class ContextNet:
         self.tables = [(torch.rand(n, features, generator=generator) * 2 - 1) * 1e-2 for n in hash_sizes]
         for parameter in self.parameters():
             parameter.requires_grad_()
+        self.differences: list[list[Tensor]] = []
+
+    def adapt(self) -> list[Tensor]:
+        """Lets everything but the first layer's weights differ from what it is now; returns what then trains."""
+        self.differences = [
+            [torch.zeros_like(tensor).requires_grad_() for tensor in layer[1:]] for layer in self.layers
+        ]
+        return [tensor for layer in self.differences for tensor in layer]
+
+    def difference_bits(self) -> Tensor:
+        """About what the differences cost: each tensor under the Laplacian of its own mean magnitude."""
+        total = torch.zeros(())
+        for layer in self.differences:
+            for tensor in layer:
+                size = tensor.abs() * 2.0**DIFFERENCE_SHIFT
+                mean = size.detach().mean() + 0.05
+                total = total + size.sum() / (mean * math.log(2.0)) + tensor.numel() * torch.log2(1.0 + 2.0 * mean)
+        return total
 
     def parameters(self) -> list[Tensor]:
         """Everything that trains."""
@@ -57,11 +76,17 @@ class ContextNet:
 
     def forward(self, step: int, inputs: Tensor) -> tuple[Tensor, Tensor, Tensor]:
         """Means in base steps [n, U], scales [n, U] and refinements [n, G] in octaves, from inputs in units of 2^-6."""
-        w1, b1, w2, b2 = self.layers[step]
+        w1, b1, w2, b2 = self._effective(step)
         x = inputs.clamp(-INPUT_LIMIT, INPUT_LIMIT) * 2.0**-INPUT_BITS
         out = torch.addmm(b2, torch.relu(torch.addmm(b1, x, w1.T)), w2.T)
         units = sum(output_count(self.spec, group) for group in self.spec.context.steps[step])
         return out[:, :units], out[:, units : 2 * units], out[:, 2 * units :]
+
+    def _effective(self, step: int) -> list[Tensor]:
+        if not self.differences:
+            return self.layers[step]
+        first, *rest = self.layers[step]
+        return [first, *(own + more for own, more in zip(rest, self.differences[step], strict=True))]
 
     def hash_features(self, grid: HashGrid, weight: Tensor) -> Tensor:
         """H at every seed [N, L·F], in input units."""
@@ -82,20 +107,32 @@ class ContextNet:
     def to_integers(self, shift: int) -> tuple[IntNetwork, ...]:
         """The networks that coding uses: weights rounded to 2^-shift."""
         networks = []
-        for layer, step in zip(self.layers, self.spec.context.steps, strict=True):
+        for number, step in enumerate(self.spec.context.steps):
             w1, b1, w2, b2 = (
-                np.rint(t.detach().numpy().astype(np.float64) * 2.0**shift).astype(np.int64) for t in layer
+                np.rint(t.detach().numpy().astype(np.float64) * 2.0**shift).astype(np.int64)
+                for t in self._effective(number)
             )
             predicted = sum(output_count(self.spec, group) for group in step)
             networks.append(IntNetwork(w1, b1, w2, b2, shift, predicted))
         return tuple(networks)
 
     def load_integers(self, networks: tuple[IntNetwork, ...], trainable: bool = False) -> None:
-        """Sets the weights to what the integer networks hold."""
+        """Sets the weights to what the integer networks hold; differences end."""
+        self.differences = []
         for layer, network in zip(self.layers, networks, strict=True):
             for index, values in enumerate((network.w1, network.b1, network.w2, network.b2)):
                 weights = torch.tensor(values * 2.0**-network.shift, dtype=torch.float32)
                 layer[index] = weights.requires_grad_(trainable)
+
+    def adapted(self, networks: tuple[IntNetwork, ...]) -> tuple[IntNetwork, ...]:
+        """`networks` with the differences added, rounded to what a stream carries."""
+        result = []
+        for network, layer in zip(networks, self.differences, strict=True):
+            b1, w2, b2 = (
+                np.rint(t.detach().numpy().astype(np.float64) * 2.0**DIFFERENCE_SHIFT).astype(np.int64) for t in layer
+            )
+            result.append(network.plus(b1, w2, b2))
+        return tuple(result)
 
     def signs(self) -> list[np.ndarray]:
         """The grid's bits as 0 or 1, [entries, F] per resolution."""

@@ -57,8 +57,8 @@ class Fitted:
 class Trainer:
     """One picture's fit. `target` [C, H, W] is the picture less its base layer, samples in 0..1.
 
-    MLP_p is one of three: `networks`, integers that stay as they are; `net`, which somebody else trains with the
-    gradients that each step leaves; or, without either, a new one that trains along and then turns into integers.
+    MLP_p is one of three: `networks`, integers to which the fit adds a small difference; `net`, which somebody else
+    trains with the gradients that each step leaves; or, without either, a new one that turns into integers at the end.
     """
 
     def __init__(
@@ -82,8 +82,10 @@ class Trainer:
         self.net = net or ContextNet(spec, sizes, self.generator)
         self.trains_net = net is None and networks is None
         self.networks = networks
+        self.differences: list[Tensor] = []
         if networks is not None:
             self.net.load_integers(networks)
+            self.differences = self.net.adapt()
         self.sampler = Sampler(spec, self.net, default_plan(spec, quality), quality, family)
         self.values = self._start_values(target)
         self.decoders = self._start_decoders()
@@ -116,8 +118,8 @@ class Trainer:
                 yield Progress(self.step, self.settings.steps, len(self.layout), psnr, bits, seconds)
 
     def _begin(self, phase: Phase) -> None:
-        if phase.rounding == "round" and self.networks is None:
-            self.networks = self.net.to_integers(WEIGHT_SHIFT)
+        if phase.rounding == "round":
+            self.networks = self._integers()
             self.net.load_integers(self.networks)
         if phase.rounding == "round":
             self.sampler.load_plan(self.sampler.plan())
@@ -135,19 +137,28 @@ class Trainer:
             error = squared_error(*gaussians, target, self.raster)
             loss, squared = error, float(error.detach())
             if phase.rate:
-                loss = loss + self.settings.lmbda * (sample.bits.sum() + self.net.hash_bits())
+                loss = loss + self.settings.lmbda * (sample.bits.sum() + self._side_bits())
         else:
             image = rasterize(*gaussians, (target.shape[2], target.shape[1]), self.raster)
             loss = (image - target).abs().mean()
             squared = float(((image.detach() - target) ** 2).sum())
             if phase.rate:
                 price = self.settings.lmbda / (len(self.layout) * self.spec.attributes)
-                loss = loss + price * (self._sampled_bits(sample) + self.net.hash_bits())
+                loss = loss + price * (self._sampled_bits(sample) + self._side_bits())
         self.optimizer.zero_grad(set_to_none=True)
         loss.backward()  # type: ignore[no-untyped-call]
         self.optimizer.step()
         self.bits = sample.bits.detach()
         return squared, float(self.bits.sum())
+
+    def _side_bits(self) -> Tensor:
+        return self.net.hash_bits() + self.net.difference_bits()
+
+    def _integers(self) -> tuple[IntNetwork, ...]:
+        """The networks as the stream would hold them now."""
+        if self.networks is None:
+            return self.net.to_integers(WEIGHT_SHIFT)
+        return self.net.adapted(self.networks) if self.net.differences else self.networks
 
     def _sample(self, phase: Phase) -> Sample:
         if phase.rounding == "none":
@@ -280,8 +291,9 @@ class Trainer:
             if weights:
                 groups.append({"name": f"decoder_{net}", "params": weights, "base": getattr(rates, f"decoder_{net}")})
         groups.append({"name": "steps", "params": self.sampler.step_parameters(), "base": rates.steps})
-        if self.trains_net:
-            groups.append({"name": "context", "params": self.net.parameters(), "base": rates.context})
+        trained = self.net.parameters() if self.trains_net else self.differences
+        if trained:
+            groups.append({"name": "context", "params": trained, "base": rates.context})
         for group in groups:
             group["lr"] = group["base"]
         return torch.optim.Adam(groups, betas=rates.betas, eps=rates.epsilon, fused=True)
@@ -291,8 +303,9 @@ class Trainer:
         order = self.layout.order()
         values = {name: value.detach().numpy().astype(np.float64)[order] for name, value in self.values.items()}
         decoders = {name: tensor.detach().numpy().astype(np.float64) for name, tensor in self.decoders.items()}
-        networks = self.networks if self.networks is not None else self.net.to_integers(WEIGHT_SHIFT)
-        return Fitted(self.layout.take(order), values, decoders, self.sampler.plan(), networks, self.net.signs())
+        return Fitted(
+            self.layout.take(order), values, decoders, self.sampler.plan(), self._integers(), self.net.signs()
+        )
 
 
 WEIGHT_SHIFT = 8

@@ -49,9 +49,7 @@ _INTEGERS = ("uint8", "uint16")
 
 FORMATS = (
     Format("png", ("png",), _INTEGERS, tuple(LAYOUTS)),
-    Format(
-        "tiff", ("tif", "tiff"), (*_INTEGERS, "float32"), _ALL, {"compression": "zip", "tiff:write_exif": 0}
-    ),
+    Format("tiff", ("tif", "tiff"), (*_INTEGERS, "float32"), _ALL, {"compression": "zip", "tiff:write_exif": 0}),
     Format(
         "jpeg",
         ("jpg", "jpeg", "jpe"),

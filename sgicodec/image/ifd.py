@@ -169,9 +169,7 @@ def _load(data: Bytes, at: int, spelling: Layout, pointers: tuple[int, ...]) -> 
             with contextlib.suppress(struct.error):
                 directory[row.tag] = _load(data, spelling.place.unpack_from(data, row.at)[0], spelling, inner)
         else:
-            directory[row.tag] = Entry(
-                row.kind, _little(bytes(data[start : start + size]), row.kind, spelling)
-            )
+            directory[row.tag] = Entry(row.kind, _little(bytes(data[start : start + size]), row.kind, spelling))
     return directory
 
 

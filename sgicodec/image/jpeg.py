@@ -59,7 +59,5 @@ def _segment(prefix: bytes, payload: bytes | None, name: str) -> bytes:
     size = len(prefix) + len(payload)
     if size > _PAYLOAD_MAX:
         most = _PAYLOAD_MAX - len(prefix)
-        raise PictureError(
-            f"jpeg cannot hold {len(payload)} bytes of {name}, only {most}; choose another format"
-        )
+        raise PictureError(f"jpeg cannot hold {len(payload)} bytes of {name}, only {most}; choose another format")
     return struct.pack(">BBH", 0xFF, _APP1, size + 2) + prefix + payload

@@ -65,9 +65,7 @@ class Picture:
             raise UsageError(f"{self.pixels.shape[2]} channels cannot be {self.channels!r}")
         low, high = self.sample_range
         if not (np.isfinite(low) and np.isfinite(high) and low < high <= low + np.finfo(np.float32).max):
-            raise UsageError(
-                f"the sample range must be two finite numbers, low before high, not {low:g} to {high:g}"
-            )
+            raise UsageError(f"the sample range must be two finite numbers, low before high, not {low:g} to {high:g}")
 
     @property
     def height(self) -> int:

@@ -55,9 +55,7 @@ class Probe:
     dtype: np.dtype[Any]
 
 
-def read(
-    source: Source, *, max_samples: int = MAX_SAMPLES, sample_range: tuple[float, float] | None = None
-) -> Picture:
+def read(source: Source, *, max_samples: int = MAX_SAMPLES, sample_range: tuple[float, float] | None = None) -> Picture:
     """Read the first image of a file, of bytes, or of a stream from where it stands.
 
     sample_range states which colour samples stand for 0 and 1. Without it integers use the full range of
@@ -136,9 +134,7 @@ def _header(spec: ImageSpec, kind: str) -> Probe:
     if native not in ("uint8", "uint16", *_INTEGERS, *_FLOATS):
         raise PictureError(f"its samples are of type {native}; save it with 8, 16 or 32 bits per sample")
     if native == "double" and spec.height == 1:  # OpenImageIO 3.2 leaves such a row unread and says nothing
-        raise PictureError(
-            "it is a single row of 64-bit floats, which cannot be read; save it as 32-bit floats"
-        )
+        raise PictureError("it is a single row of 64-bit floats, which cannot be read; save it as 32-bit floats")
     width, height = spec.width, spec.height
     if is_sideways(_orientation(spec, kind)):
         width, height = height, width

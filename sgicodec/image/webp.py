@@ -31,9 +31,7 @@ def insert(data: bytes, exif: bytes | None, xmp: bytes | None) -> bytes:
     flags = (_HAS_EXIF if exif is not None else 0) | (_HAS_XMP if xmp is not None else 0)
     chunks[0] = (b"VP8X", bytes([chunks[0][1][0] | flags]) + chunks[0][1][1:])
     chunks += [(kind, blob) for kind, blob in ((b"EXIF", exif), (b"XMP ", xmp)) if blob is not None]
-    body = b"".join(
-        kind + struct.pack("<I", len(part)) + part + bytes(len(part) % 2) for kind, part in chunks
-    )
+    body = b"".join(kind + struct.pack("<I", len(part)) + part + bytes(len(part) % 2) for kind, part in chunks)
     return b"RIFF" + struct.pack("<I", 4 + len(body)) + b"WEBP" + body
 
 

@@ -110,9 +110,7 @@ def _spec(picture: Picture, holder: Format) -> ImageSpec:
 
     height, width, count = picture.pixels.shape
     spec = oiio.ImageSpec(width, height, count, oiio.TypeDesc(picture.pixels.dtype.name.removesuffix("32")))
-    spec.channelnames = _CHANNEL_NAMES.get(picture.channels) or tuple(
-        f"band{band:04d}" for band in range(count)
-    )
+    spec.channelnames = _CHANNEL_NAMES.get(picture.channels) or tuple(f"band{band:04d}" for band in range(count))
     spec.alpha_channel = -1 if picture.alpha is None else picture.alpha
     for name, value in {**_HINTS, **holder.hints}.items():
         spec.attribute(name, value)
@@ -132,6 +130,4 @@ def _encode(pixels: npt.NDArray[Any], spec: ImageSpec, path: Path) -> None:
     done = image.open(str(path), spec) and image.write_image(pixels)
     complaint = first_line(image)
     if not (image.close() and done) or complaint or image.has_error:
-        raise PictureError(
-            complaint or first_line(image) or "OpenImageIO cannot write it and does not say why"
-        )
+        raise PictureError(complaint or first_line(image) or "OpenImageIO cannot write it and does not say why")

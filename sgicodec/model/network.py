@@ -12,7 +12,7 @@ from sgicodec.errors import CorruptStreamError
 from sgicodec.model.context import INPUT_BITS
 from sgicodec.model.quantize import PER_OCTAVE
 
-__all__ = ["INPUT_LIMIT", "MEAN_BITS", "IntNetwork", "Prediction"]
+__all__ = ["DIFFERENCE_SHIFT", "INPUT_LIMIT", "MEAN_BITS", "IntNetwork", "Prediction"]
 
 I64 = NDArray[np.int64]
 F64 = NDArray[np.float64]
@@ -20,6 +20,8 @@ F64 = NDArray[np.float64]
 INPUT_LIMIT = 1 << 13
 HIDDEN_LIMIT = 1 << 15
 MEAN_BITS = 8
+DIFFERENCE_SHIFT = 5
+"""What a picture changes in a shipped network comes in multiples of 2^-5."""
 EXACT = float(1 << 53)
 
 
@@ -59,6 +61,18 @@ class IntNetwork:
         )
         if max(float(first), float(second) * PER_OCTAVE) >= EXACT or not 2 <= self.shift <= 20:
             raise CorruptStreamError("context model: weights too large to be evaluated exactly")
+
+    def plus(self, b1: I64, w2: I64, b2: I64) -> IntNetwork:
+        """This network with differences in units of 2^-DIFFERENCE_SHIFT added to b1, W2 and b2."""
+        unit = self.shift - DIFFERENCE_SHIFT
+        return IntNetwork(
+            self.w1,
+            self.b1 + (b1 << unit),
+            self.w2 + (w2 << unit),
+            self.b2 + (b2 << unit),
+            self.shift,
+            self.predicted,
+        )
 
     def predict(self, inputs: I64, matmul: Callable[[F64, F64], F64] = np.matmul) -> Prediction:
         """Evaluates inputs [n, inputs]. Products run as float64 on integers, exact whatever the order of the sums."""

@@ -1,0 +1,39 @@
+"""Streams of every format version must decode for ever, on every machine, to the same symbols and pixels.
+
+`manifest.json` lists what each stream decodes to. A stream is made once, by `make_golden.py`, and never changed.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sgicodec import open_stream, read
+
+HERE = Path(__file__).parent
+MANIFEST = json.loads((HERE / "manifest.json").read_text())
+
+
+def test_every_listed_stream_is_here_and_every_stream_is_listed() -> None:
+    assert {path.stem for path in HERE.glob("*.sgi")} == set(MANIFEST)
+    assert len(MANIFEST) >= 4
+
+
+@pytest.mark.parametrize("name", sorted(MANIFEST))
+def test_symbols_and_pixels(name: str) -> None:
+    expected = MANIFEST[name]
+    with open_stream(HERE / f"{name}.sgi") as stream:
+        header = stream.header
+        assert (header.width, header.height, header.channels) == tuple(expected["picture"])
+        assert header.sample_type == expected["sample_type"]
+        assert len(stream.model.layout) == expected["seeds"]
+        assert f"{stream.symbol_crc:08x}" == expected["symbol_crc"]
+        pixels = stream.picture().pixels
+    reference = read(HERE / f"{name}.{expected['reference']}").pixels
+    level = {"uint8": 1.0, "uint16": 257.0, "float32": 1 / 255}[header.sample_type]
+    assert pixels.dtype == reference.dtype
+    assert pixels.shape == reference.shape
+    assert np.abs(pixels.astype(np.float64) - reference).max() <= level
