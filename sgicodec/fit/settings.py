@@ -67,9 +67,9 @@ class FitSettings:
     lmbda: squared error (samples in 0..1, summed over pixels and channels) that one bit must save; in the `paper`
     profile the λ of equation 11. loss: "squared" or "absolute". split: a cell splits while its squared deviation
     exceeds `split` seeds' worth of rate. prune: a seed is dropped when its energy is below this many times the price
-    of its bits. growth: a seed is added where the squared error that its cell's mean holds is above this many times that
-    price. rate_sample: share of the seeds whose bits are counted each step. seeds: their number in the uniform
-    layout. seed: of every random number.
+    of its bits (`seed_bits`). growth: a seed is added where the squared error that its cell's mean holds is above this
+    many times that price. rate_sample: share of the seeds whose bits are counted each step. seeds: their number in the
+    uniform layout. seed: of every random number. threads: 0 for one per core.
     """
 
     lmbda: float

@@ -14,11 +14,13 @@ from torch import Tensor
 
 from sgicodec.fit.context_net import ContextNet
 from sgicodec.fit.growth import worthwhile_cells
+from sgicodec.fit.pyramid import pyramid
 from sgicodec.fit.raster_op import rasterize, squared_error
 from sgicodec.fit.sampler import Sample, Sampler
 from sgicodec.fit.settings import FitSettings, Phase
+from sgicodec.fit.start import cell_means, fresh_decoders, fresh_values
 from sgicodec.model.context import HashGrid
-from sgicodec.model.gaussians import colour_matrix, decoder_shapes, gaussians_from_seeds
+from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import ModelSpec
@@ -75,7 +77,7 @@ class Trainer:
         self.spec, self.settings, self.layout = spec, settings, layout
         self.generator = torch.Generator().manual_seed(settings.seed)
         self.raster = NativeRasterizer(settings.threads)
-        self.targets = _pyramid(target, max(phase.level for phase in settings.phases) + 1)
+        self.targets = pyramid(target, max(phase.level for phase in settings.phases) + 1)
         self.opponent = torch.tensor(colour_matrix(spec.channels))
         context = spec.context
         sizes = HashGrid.at(context, layout, target.shape[2], target.shape[1]).sizes if context.hash_resolutions else ()
@@ -87,8 +89,9 @@ class Trainer:
             self.net.load_integers(networks)
             self.differences = self.net.adapt()
         self.sampler = Sampler(spec, self.net, default_plan(spec, quality), quality, family)
-        self.values = self._start_values(target)
-        self.decoders = self._start_decoders()
+        means = torch.from_numpy(cell_means(target, layout))
+        self.values = {name: value.requires_grad_() for name, value in self._fresh(means).items()}
+        self.decoders = fresh_decoders(spec, self.generator)
         self.optimizer = self._optimizer()
         self._set_layout(layout)
         self.step = 0
@@ -118,15 +121,14 @@ class Trainer:
                 yield Progress(self.step, self.settings.steps, len(self.layout), psnr, bits, seconds)
 
     def _begin(self, phase: Phase) -> None:
+        """From the round phase on, everything but the seeds is what the stream will hold."""
         if phase.rounding == "round":
             self.networks = self._integers()
             self.net.load_integers(self.networks)
-        if phase.rounding == "round":
             self.sampler.load_plan(self.sampler.plan())
+        live = {"steps": phase.learn_steps, "context": phase.rate}
         for group in self.optimizer.param_groups:
-            if group["name"] in ("steps", "context"):
-                live = phase.learn_steps if group["name"] == "steps" else phase.rate
-                group["live"] = live
+            group["live"] = live.get(group["name"], True)
 
     def _step(self, phase: Phase) -> tuple[float, float]:
         self._schedule()
@@ -187,7 +189,7 @@ class Trainer:
         decay = rates.final ** max(0.0, (done - rates.hold) / (1 - rates.hold))
         for group in self.optimizer.param_groups:
             constant = group["name"] in rates.constant
-            group["lr"] = group["base"] * (1.0 if constant else decay) * group.get("live", True)
+            group["lr"] = group["base"] * (1.0 if constant else decay) * group["live"]
 
     def _prune(self) -> None:
         """Drops seeds whose Gaussians hold less squared error than their bits cost."""
@@ -217,7 +219,7 @@ class Trainer:
         )
         if not len(added):
             return
-        fresh = self._fresh_values(torch.from_numpy(means))
+        fresh = self._fresh(torch.from_numpy(means))
         self._change_rows(lambda name, tensor: torch.cat([tensor, torch.zeros_like(fresh[name])]))
         with torch.no_grad():
             for name, value in fresh.items():
@@ -227,6 +229,10 @@ class Trainer:
             np.concatenate([self.layout.log_size, added.log_size]),
         )
         self._set_layout(joined)
+
+    def _fresh(self, means: Tensor) -> dict[str, Tensor]:
+        _, height, width = self.targets[0].shape
+        return fresh_values(self.spec, means, self.opponent, height * width, self.generator)
 
     def _change_rows(self, change: Callable[[str, Tensor], Tensor]) -> None:
         """Replaces each group of values, and Adam's moments of it, by `change(group's name, tensor)`."""
@@ -248,38 +254,6 @@ class Trainer:
         self.centre, self.cell = torch.from_numpy(layout.centre), torch.from_numpy(layout.cell)
         _, height, width = self.targets[0].shape
         self.sampler.set_layout(layout, width, height)
-
-    def _start_values(self, target: F32) -> dict[str, Tensor]:
-        mean = torch.from_numpy(_cell_means(target, self.layout))
-        return {name: value.requires_grad_() for name, value in self._fresh_values(mean).items()}
-
-    def _fresh_values(self, mean: Tensor) -> dict[str, Tensor]:
-        """Attributes of seeds that have not been fitted, from the mean of what they should explain [n, C]."""
-        n, spec = len(mean), self.spec
-        values = {group.name: torch.zeros(n, group.size) for group in spec.groups}
-        if spec.skip:
-            values["colour"] = (0.7 * mean @ self.opponent.T).repeat(1, spec.per_seed) / spec.per_seed
-            values["shape"][:, 0::3] = math.log(0.5)
-        if spec.seed_scales:
-            _, height, width = self.targets[0].shape
-            values["scales"] += math.log(0.5 * math.sqrt(height * width / n))
-        if spec.per_seed > 1:
-            spread = 0.35 if spec.skip else 0.7
-            values["offset"] += spread * torch.randn(values["offset"].shape, generator=self.generator)
-        return values
-
-    def _start_decoders(self) -> dict[str, Tensor]:
-        decoders = {}
-        for name, shape in decoder_shapes(self.spec).items():
-            last = name.endswith("2")
-            if len(shape) == 1:
-                tensor = torch.zeros(shape)
-            else:
-                gain = (0.01 if name.startswith("colour") or self.spec.skip else 0.5) if last else 1.0
-                bound = gain * math.sqrt(6.0 / (shape[0] + shape[1]))
-                tensor = (torch.rand(shape, generator=self.generator) * 2 - 1) * bound
-            decoders[name] = tensor.requires_grad_()
-        return decoders
 
     def _optimizer(self) -> torch.optim.Adam:
         rates = self.settings.rates
@@ -309,34 +283,9 @@ class Trainer:
 
 
 WEIGHT_SHIFT = 8
-"""MLP_p's own weights are multiples of 2^-5."""
+"""MLP_p's own weights are multiples of 2^-8."""
 
 
 def _spread(times: int, steps: int) -> set[int]:
     """`times` steps that part a phase evenly."""
     return {round((i + 1) * steps / (times + 1)) for i in range(times)}
-
-
-def _pyramid(target: F32, levels: int) -> list[Tensor]:
-    """Gaussian pyramid [C, H / 2^l, W / 2^l], here by area means of 2×2 pixels with repeated edges."""
-    result = [target]
-    for _ in range(levels - 1):
-        image = result[-1]
-        padded = np.pad(image, ((0, 0), (0, image.shape[1] % 2), (0, image.shape[2] % 2)), mode="edge")
-        result.append(
-            0.25 * (padded[:, ::2, ::2] + padded[:, 1::2, ::2] + padded[:, ::2, 1::2] + padded[:, 1::2, 1::2])
-        )
-    return [torch.from_numpy(np.ascontiguousarray(image, dtype=np.float32)) for image in result]
-
-
-def _cell_means(target: F32, layout: SeedLayout) -> F32:
-    """Mean of `target` [C, H, W] over each seed's cell, as far as it lies in the picture [N, C]."""
-    channels, height, width = target.shape
-    table = np.zeros((channels, height + 1, width + 1))
-    table[:, 1:, 1:] = target.astype(np.float64).cumsum(1).cumsum(2)
-    x0, y0 = layout.corner[:, 0], layout.corner[:, 1]
-    side = layout.cell.astype(np.int64)
-    x1, y1 = np.minimum(x0 + side, width), np.minimum(y0 + side, height)
-    total = table[:, y1, x1] - table[:, y0, x1] - table[:, y1, x0] + table[:, y0, x0]
-    means: F32 = (total / ((x1 - x0) * (y1 - y0))).T.astype(np.float32)
-    return means

@@ -1,0 +1,32 @@
+"""The Gaussian pyramid that a fit climbs down, coarse to fine (paper, section 3.3; Burt and Adelson 1983)."""
+
+from __future__ import annotations
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+__all__ = ["pyramid"]
+
+F32 = NDArray[np.float32]
+
+
+def pyramid(target: F32, levels: int) -> list[Tensor]:
+    """[C, ⌈H / 2^l⌉, ⌈W / 2^l⌉] for l = 0 … levels − 1, filtered with (1, 3, 3, 1) / 8 along both axes.
+
+    The even filter keeps pixel centres where halved coordinates put them, so a model at half scale needs no shift.
+    """
+    result = [target]
+    for _ in range(levels - 1):
+        result.append(_halved(_halved(result[-1], 1), 2))
+    return [torch.from_numpy(np.ascontiguousarray(image, dtype=np.float32)) for image in result]
+
+
+def _halved(image: F32, axis: int) -> F32:
+    width = [(0, 0), (0, 0), (0, 0)]
+    width[axis] = (1, 1 + image.shape[axis] % 2)
+    padded = np.moveaxis(np.pad(image, width, mode="edge"), axis, 0)
+    outer, inner = padded[:-3:2] + padded[3::2], padded[1:-2:2] + padded[2:-1:2]
+    halved: F32 = np.moveaxis(0.125 * outer + 0.375 * inner, 0, axis).astype(np.float32)
+    return halved
