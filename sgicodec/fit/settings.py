@@ -104,14 +104,14 @@ def default_settings(lmbda: float, steps: int) -> FitSettings:
 
 
 def default_phases(steps: int) -> tuple[Phase, ...]:
-    """Free fit, noise with the rate while seeds come and go, and briefly the values that will really be decoded.
+    """A free fit at half size, noise and rate while seeds come and go, and briefly what will really be decoded.
 
     The last phase is short because straight-through gradients lead away from the optimum that noise found.
     """
     free, rounded = max(1, round(0.15 * steps)), max(1, round(0.03 * steps))
     noisy = max(1, steps - free - rounded)
     return (
-        Phase(free),
+        Phase(free, level=1),
         Phase(noisy, rounding="noise", rate=True, learn_steps=True, prune=10, grow=4),
         Phase(rounded, rounding="round", rate=True),
     )
