@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
@@ -194,12 +195,8 @@ def base_layer(spec: ModelSpec, unit: F32, lmbda: float) -> tuple[int, NDArray[n
 def _fit(
     spec: ModelSpec, fit: FitSettings, target: F32, on_progress: Callable[[Progress], bool] | None
 ) -> tuple[Fitted, int, int]:
-    import torch
-
     from sgicodec.fit.trainer import Trainer
 
-    if fit.threads:
-        torch.set_num_threads(fit.threads)
     _, height, width = target.shape
     quality = quality_index(fit.lmbda)
     if spec.layout == "uniform":
@@ -209,7 +206,25 @@ def _fit(
         layout = adaptive_layout(target, fit.split * fit.lmbda * fit.seed_bits)
     family = 0 if spec.layout == "uniform" else FAMILY
     networks = load_prior(spec) if spec.context.prior else None
-    return Trainer(spec, fit, target, layout, quality, family, networks).run(on_progress), quality, family
+    trainer = Trainer(spec, fit, target, layout, quality, family, networks)
+    with _one_torch_thread():
+        return trainer.run(on_progress), quality, family
+
+
+@contextmanager
+def _one_torch_thread() -> Iterator[None]:
+    """With more threads torch's sums, powers and scattered additions depend on their number, some even on chance.
+
+    The rasteriser, where the time goes, gives the same for any number.
+    """
+    import torch
+
+    threads = torch.get_num_threads()
+    torch.set_num_threads(1)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(threads)
 
 
 def quality_index(lmbda: float) -> int:
