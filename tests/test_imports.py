@@ -1,0 +1,99 @@
+"""Imports run downward (docs/architecture.md), and each foreign library has one home."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import sgicodec
+
+ROOT = Path(sgicodec.__file__).parent
+
+LAYERS = {
+    "model": {"errors", "_native"},
+    "raster": {"errors", "_native"},
+    "image": {"errors"},
+    "metrics": {"errors"},
+    "files": {"errors"},
+    "bitstream": {"errors", "model"},
+    "fit": {"errors", "model", "raster"},
+    "decoder": {"errors", "bitstream", "image", "model", "raster"},
+    "encoder": {"errors", "version", "bitstream", "fit", "image", "model"},
+}
+"""What each part may import besides itself; `bench` and `cli` may import everything."""
+
+HOMES = {
+    "constriction": ("bitstream/entropy.py",),
+    "OpenImageIO": ("image/",),
+    "torch": ("fit/", "encoder.py", "bench/research.py"),
+    "rich": ("cli/", "bench/"),
+    "click": ("cli/", "bench/"),
+    "PIL": ("bench/",),
+    "imagecodecs": ("bench/",),
+    "matplotlib": ("bench/",),
+    "mpmath": ("bitstream/make_tables.py",),
+}
+
+PROGRAMS = ("fit/train_prior.py", "bitstream/make_tables.py")
+"""Run by the package's makers with `python -m`; nothing imports them."""
+
+SOURCES = sorted(path.relative_to(ROOT).as_posix() for path in ROOT.rglob("*.py"))
+
+
+def imported(source: str) -> Iterator[str]:
+    """Full names of all modules that a file imports, at its top or later, for types or in earnest."""
+    folder = ["sgicodec", *source.split("/")[:-1]]
+    for node in ast.walk(ast.parse((ROOT / source).read_text("utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = folder[: len(folder) + 1 - node.level] if node.level else []
+            module = ".".join([*base, *([node.module] if node.module else [])])
+            yield from (f"sgicodec.{alias.name}" for alias in node.names) if module == "sgicodec" else [module]
+
+
+@pytest.mark.parametrize("source", SOURCES)
+def test_imports_run_downward(source: str) -> None:
+    part = source.split("/")[0].removesuffix(".py")
+    used = {name.split(".")[1] for name in imported(source) if name.startswith("sgicodec.")} - {part}
+    if source not in PROGRAMS and part in LAYERS:
+        assert used <= LAYERS[part]
+    if part not in ("cli", "__main__"):
+        assert "cli" not in used
+
+
+@pytest.mark.parametrize("library", HOMES)
+def test_every_library_has_its_home(library: str) -> None:
+    users = [source for source in SOURCES if library in {name.split(".")[0] for name in imported(source)}]
+    assert users
+    assert [source for source in users if not source.startswith(HOMES[library])] == []
+
+
+def test_nothing_else_is_imported() -> None:
+    names = {name.split(".")[0] for source in SOURCES for name in imported(source)}
+    assert names - set(sys.stdlib_module_names) == {"sgicodec", "numpy", *HOMES}
+
+
+def test_nothing_imports_programs() -> None:
+    programs = {"sgicodec." + program.removesuffix(".py").replace("/", ".") for program in PROGRAMS}
+    assert all(programs.isdisjoint(imported(source)) for source in SOURCES)
+
+
+@pytest.mark.parametrize(
+    ("code", "absent"),
+    [
+        ("import sgicodec", {"numpy", "torch", "OpenImageIO", "constriction", "click", "rich"}),
+        ("import sgicodec; sgicodec.open_stream", {"torch", "OpenImageIO", "click", "rich"}),
+        ("import sgicodec; sgicodec.read", {"torch", "constriction", "click", "rich"}),
+        ("import sgicodec.encoder", {"torch", "OpenImageIO", "click", "rich"}),
+    ],
+)
+def test_names_load_on_first_use(code: str, absent: set[str]) -> None:
+    command = [sys.executable, "-c", f"{code}; import sys; print(*sys.modules)"]
+    loaded = set(subprocess.run(command, capture_output=True, text=True, check=True).stdout.split())
+    assert not loaded & absent
