@@ -60,6 +60,7 @@ format: setup
 	$(BIN)/ruff format .
 
 bench: setup
+	$(BIN)/python -m sgicodec.bench.raster
 	$(BIN)/sgi bench $(PICTURES) --out $(OUT)
 
 clean:
