@@ -64,5 +64,5 @@ bench: setup
 	$(BIN)/sgi bench $(PICTURES) --out $(OUT)
 
 clean:
-	rm -rf $(VENV) build demo-out bench-out .pytest_cache .hypothesis .mypy_cache .ruff_cache
+	rm -rf $(VENV) build demo-out bench-out fuzz-out .pytest_cache .hypothesis .mypy_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -127,12 +127,7 @@ def test_png_keeps_nothing_unasked(pictures: Path) -> None:
 
 def test_compressed_png_text_and_its_limits() -> None:
     def chunk(kind: bytes, contents: bytes) -> bytes:
-        return (
-            struct.pack(">I", len(contents))
-            + kind
-            + contents
-            + struct.pack(">I", zlib.crc32(kind + contents))
-        )
+        return struct.pack(">I", len(contents)) + kind + contents + struct.pack(">I", zlib.crc32(kind + contents))
 
     packed = chunk(b"iTXt", b"XML:com.adobe.xmp\0\1\0\0\0" + zlib.compress(XMP))
     plain = _through(_flat(Metadata()), "png")

@@ -293,12 +293,7 @@ def _png(kind: bytes, contents: bytes, width: int = 1, height: int = 1) -> bytes
     """A PNG file of one RGB pixel, whatever its header says, by hand, with one chunk more."""
 
     def chunk(kind: bytes, contents: bytes) -> bytes:
-        return (
-            struct.pack(">I", len(contents))
-            + kind
-            + contents
-            + struct.pack(">I", zlib.crc32(kind + contents))
-        )
+        return struct.pack(">I", len(contents)) + kind + contents + struct.pack(">I", zlib.crc32(kind + contents))
 
     header = chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0))
     pixels = chunk(b"IDAT", zlib.compress(b"\0\1\2\3"))

@@ -53,9 +53,7 @@ def test_exr_alpha_is_associated_in_the_file_only(noise: Noise, tmp_path: Path, 
     picture.pixels[..., -1] = np.linspace(0.0, 1.0, 40 * 48).reshape(40, 48)
     write(picture, tmp_path / "x.exr")
     stored = oiio.ImageInput.open(str(tmp_path / "x.exr")).read_image("float")
-    np.testing.assert_allclose(
-        stored[1:, :, 0], picture.pixels[1:, :, 0] * picture.pixels[1:, :, -1], rtol=1e-6
-    )
+    np.testing.assert_allclose(stored[1:, :, 0], picture.pixels[1:, :, 0] * picture.pixels[1:, :, -1], rtol=1e-6)
     np.testing.assert_allclose(read(tmp_path / "x.exr").pixels, picture.pixels, rtol=1e-6)
 
 
@@ -63,9 +61,7 @@ def test_rgbe_is_close(noise: Noise, tmp_path: Path) -> None:
     picture = _picture(noise, "float32", "rgb")
     np.abs(picture.pixels, out=picture.pixels)
     write(picture, tmp_path / "x.hdr")
-    np.testing.assert_allclose(
-        read(tmp_path / "x.hdr").pixels, picture.pixels, atol=picture.pixels.max(-1).max() / 128
-    )
+    np.testing.assert_allclose(read(tmp_path / "x.hdr").pixels, picture.pixels, atol=picture.pixels.max(-1).max() / 128)
 
 
 def test_jpeg_is_close(tmp_path: Path) -> None:
@@ -102,9 +98,7 @@ def test_equal_pictures_make_equal_bytes(noise: Noise, format: str, monkeypatch:
         ("webp", "uint8", "gray", "webp cannot hold gray"),
     ],
 )
-def test_nothing_is_dropped_silently(
-    noise: Noise, format: str, dtype: str, layout: str, message: str
-) -> None:
+def test_nothing_is_dropped_silently(noise: Noise, format: str, dtype: str, layout: str, message: str) -> None:
     with pytest.raises(PictureError, match=message):
         write(_picture(noise, dtype, layout), io.BytesIO(), format=format)
 
@@ -144,9 +138,7 @@ def test_formats_go_by_extension_or_name(noise: Noise, tmp_path: Path) -> None:
         write(picture, io.BytesIO())
 
 
-def test_a_failure_leaves_what_was_there(
-    noise: Noise, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_failure_leaves_what_was_there(noise: Noise, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     target = tmp_path / "x.png"
     target.write_bytes(b"before")
 
