@@ -28,7 +28,8 @@ def picture(height: int = 40, width: int = 56) -> np.ndarray:
 
 
 def call(command: object, *arguments: object) -> Result:
-    return CliRunner().invoke(command, [str(argument) for argument in arguments])
+    names = ["-h", "--help"]  # as the group has it: click keeps the help option that a command is first invoked with
+    return CliRunner().invoke(command, [str(argument) for argument in arguments], help_option_names=names)
 
 
 def test_bench_prints_tables_and_leaves_results(tmp_path: Path) -> None:
