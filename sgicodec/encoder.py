@@ -163,17 +163,16 @@ def _spec(settings: EncodeSettings, channels: int) -> ModelSpec:
 
 
 def _fit_settings(settings: EncodeSettings) -> FitSettings:
-    from sgicodec.fit.settings import EFFORTS, default_settings, lmbda_of_quality, paper_settings
+    from sgicodec.fit.settings import EFFORTS, PAPER_STEPS, default_settings, lmbda_of_quality, paper_settings
 
     if settings.profile == "paper":
         lmbda = 0.001 if settings.lmbda is None else settings.lmbda
-        fit = paper_settings(lmbda, settings.levels or 3)
+        fit = paper_settings(lmbda, settings.levels or 3, settings.steps or PAPER_STEPS)
         fit = replace(fit, seeds=settings.seeds)
     else:
         lmbda = lmbda_of_quality(settings.quality) if settings.lmbda is None else settings.lmbda
-        fit = default_settings(max(lmbda, 1e-9), EFFORTS[settings.effort])
-    fit = replace(fit, seed=settings.seed, threads=settings.threads)
-    return fit.scaled(settings.steps) if settings.steps else fit
+        fit = default_settings(max(lmbda, 1e-9), settings.steps or EFFORTS[settings.effort])
+    return replace(fit, seed=settings.seed, threads=settings.threads)
 
 
 def base_layer(spec: ModelSpec, unit: F32, lmbda: float) -> tuple[int, NDArray[np.int64], F32]:

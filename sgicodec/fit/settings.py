@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Literal
 
 from sgicodec.errors import UsageError
 
 __all__ = [
     "EFFORTS",
+    "PAPER_STEPS",
     "FitSettings",
     "LearningRates",
     "Phase",
@@ -90,11 +91,6 @@ class FitSettings:
         """Steps of all phases."""
         return sum(phase.steps for phase in self.phases)
 
-    def scaled(self, steps: int) -> FitSettings:
-        """The same phases in `steps` steps."""
-        share = [max(1, round(phase.steps * steps / self.steps)) for phase in self.phases]
-        return replace(self, phases=tuple(replace(p, steps=n) for p, n in zip(self.phases, share, strict=True)))
-
 
 def default_settings(lmbda: float, steps: int) -> FitSettings:
     """The `default` profile in `steps` steps: more steps go with smaller ones."""
@@ -117,7 +113,7 @@ def default_phases(steps: int) -> tuple[Phase, ...]:
     )
 
 
-def paper_settings(lmbda: float, levels: int) -> FitSettings:
+def paper_settings(lmbda: float, levels: int, steps: int) -> FitSettings:
     """The `paper` profile: L1, the published learning rates and schedule for M = `levels`."""
     rates = LearningRates(
         offset=0.01,
@@ -132,11 +128,11 @@ def paper_settings(lmbda: float, levels: int) -> FitSettings:
         constant=("feature", "scales", "decoder_shape"),
     )
     return FitSettings(
-        lmbda=lmbda, phases=paper_phases(levels), rates=rates, loss="absolute", rate_sample=0.05, prune=0.0
+        lmbda=lmbda, phases=paper_phases(levels, steps), rates=rates, loss="absolute", rate_sample=0.05, prune=0.0
     )
 
 
-def paper_phases(levels: int, steps: int = 15_000) -> tuple[Phase, ...]:
+def paper_phases(levels: int, steps: int) -> tuple[Phase, ...]:
     """The published schedule for M pyramid levels: noise from step 300 of each level, the rate in the last fifth."""
     parts = {1: (1.0,), 2: (0.6, 0.4), 3: (0.2, 0.4, 0.4), 4: (0.1, 0.2, 0.3, 0.4)}
     if levels not in parts:
@@ -144,12 +140,14 @@ def paper_phases(levels: int, steps: int = 15_000) -> tuple[Phase, ...]:
     phases: list[Phase] = []
     for index, part in enumerate(parts[levels]):
         level, count = levels - 1 - index, round(part * steps)
-        free = min(count, max(1, round(300 / 15_000 * steps)))
+        free = min(count, max(1, round(300 / PAPER_STEPS * steps)))
         last = round(0.2 * steps) if level == 0 else 0
         phases += [Phase(free, level), Phase(count - free - last, level, "noise")]
         phases += [Phase(last, level, "noise", rate=True, learn_steps=True)] if last else []
     return tuple(phase for phase in phases if phase.steps > 0)
 
+
+PAPER_STEPS = 15_000
 
 EFFORTS: dict[int, int] = {1: 120, 2: 200, 3: 350, 4: 600, 5: 1000, 6: 1600, 7: 2500, 8: 4000, 9: 8000}
 """Optimisation steps of the default profile for each effort."""
