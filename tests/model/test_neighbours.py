@@ -1,4 +1,4 @@
-"""The bucket search against all distances."""
+"""The search against all distances."""
 
 import numpy as np
 from hypothesis import example, given, settings
@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from sgicodec.model.neighbours import nearest_seeds
 
 small = st.tuples(st.integers(0, 8), st.integers(0, 8))  # many ties and coinciding points
-sparse = st.tuples(st.integers(0, 25), st.integers(0, 25))  # buckets of several units
+sparse = st.tuples(st.integers(0, 25), st.integers(0, 25))
 line = st.tuples(st.integers(0, 5000), st.just(3))
 wide = st.tuples(st.integers(-(2**29), 2**29), st.integers(-(2**29), 2**29))
 Points = list[tuple[int, int]]
@@ -41,8 +41,8 @@ def test_against_all_distances(both: tuple[Points, Points], k: int) -> None:
     assert found.tolist() == brute(points, queries, k)
 
 
-def test_every_place_of_a_bucket() -> None:
-    """The search may stop only when no ring that is left can hold a nearer point, wherever in its bucket a query is."""
+def test_queries_everywhere_around_the_points() -> None:
+    """The search may leave out only what can hold no nearer point, nor as near a one of lower index."""
     rng = np.random.default_rng(1)
     queries = np.stack(np.meshgrid(np.arange(-2, 28), np.arange(-2, 28)), axis=-1).reshape(-1, 2).astype(np.int32)
     for count in (3, 5, 9, 16, 30):
