@@ -22,8 +22,8 @@ __all__ = ["check_model", "hash_counts", "max_seeds", "network_shapes"]
 MAX_ROOTS = 1 << 18
 """Root cells of a tile: a gigapixel."""
 MAX_BASE_VALUES = 1 << 22
-MAX_BASE_DIAGONALS = 1 << 20
-"""Rows and columns of the base layer's grid, which is decoded diagonal by diagonal."""
+MAX_BASE_LINES = 1 << 20
+"""Rows and columns of the base layer's planes, which are decoded diagonal by diagonal."""
 MAX_WEIGHTS = 1 << 22
 """Weights of all networks together: what the most features, Gaussians and channels that can be asked for need."""
 MAX_SIGNS = 1 << 22
@@ -41,7 +41,7 @@ def check_model(spec: ModelSpec, width: int, height: int) -> None:
     if spec.base_cell:
         rows, columns = base_shape(width, height, spec.base_cell)
         _limit(spec.channels * rows * columns, MAX_BASE_VALUES, "base layer: values")
-        _limit(rows + columns, MAX_BASE_DIAGONALS, "base layer: rows and columns")
+        _limit(spec.channels * (rows + columns), MAX_BASE_LINES, "base layer: rows and columns of all channels")
     networks = [network_shapes(spec, step) for step in range(len(spec.context.steps))]
     weights = sum(math.prod(shape) for net in (decoder_shapes(spec), *networks) for shape in net.values())
     _limit(weights, MAX_WEIGHTS, "networks: weights")
