@@ -19,8 +19,9 @@ from sgicodec.model.spec import ModelSpec
 
 __all__ = ["check_model", "hash_counts", "max_seeds", "network_shapes"]
 
-MAX_ROOTS = 1 << 18
-"""Root cells of a tile: a gigapixel."""
+MAX_SAMPLES = 1 << 31
+MAX_ROOTS = 1 << 20
+"""Root cells of the quadtree: four gigapixels, fewer if the picture is narrow."""
 MAX_BASE_VALUES = 1 << 22
 MAX_BASE_LINES = 1 << 20
 """Rows and columns of the base layer's planes, which are decoded diagonal by diagonal."""
@@ -36,6 +37,7 @@ VALUES_PER_BYTE = 128
 
 def check_model(spec: ModelSpec, width: int, height: int) -> None:
     """Raises LimitError if the products of the header's fields are beyond what a tile may hold."""
+    _limit(width * height * spec.channels, MAX_SAMPLES, f"{width}×{height} pixels: samples")
     side = 1 << ROOT_LOG
     _limit(-(-width // side) * -(-height // side), MAX_ROOTS, f"{width}×{height} pixels: cells of {side} pixels")
     if spec.base_cell:

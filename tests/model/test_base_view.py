@@ -1,0 +1,70 @@
+"""The base layer by footprints against the dense interpolation of float64."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sgicodec.model.base import base_shape, render_base
+from sgicodec.model.base_view import add_base
+
+CELL = 32
+WIDTH, HEIGHT = 150, 70
+
+
+@pytest.fixture
+def grid() -> np.ndarray:
+    """Colours of two channels for 150×70 pixels."""
+    return np.random.default_rng(0).uniform(0, 1, (2, *base_shape(WIDTH, HEIGHT, CELL)))
+
+
+def drawn(
+    grid: np.ndarray, size: tuple[int, int], scale: tuple[float, float], start: tuple[int, int] = (0, 0)
+) -> np.ndarray:
+    image = np.zeros((2, size[1], size[0]), np.float32)
+    add_base(image, grid, CELL, start, scale, (0, 0))
+    return image
+
+
+def dense(grid: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    return render_base(grid, CELL, x, y)
+
+
+@pytest.mark.parametrize("scale", [1.0, 2.5, 0.5])
+def test_samples_at_the_centres_of_small_pixels(grid: np.ndarray, scale: float) -> None:
+    size = (int(WIDTH * scale), int(HEIGHT * scale))
+    x, y = ((np.arange(n) + 0.5) / scale for n in size)
+    np.testing.assert_allclose(drawn(grid, size, (scale, scale)), dense(grid, x, y), atol=1e-6)
+
+
+def test_different_scales_and_a_start(grid: np.ndarray) -> None:
+    x, y = 40 + (np.arange(30) + 0.5) / 0.75, 11 + (np.arange(90) + 0.5) / 3.0
+    np.testing.assert_allclose(drawn(grid, (30, 90), (0.75, 3.0), (40, 11)), dense(grid, x, y), atol=1e-6)
+
+
+@pytest.mark.parametrize("factor", [10, 50])
+def test_large_pixels_take_the_mean_of_their_area(grid: np.ndarray, factor: int) -> None:
+    whole = dense(grid, np.arange(WIDTH) + 0.5, np.arange(HEIGHT) + 0.5)
+    columns, rows = WIDTH // factor, HEIGHT // factor
+    cut = whole[:, : rows * factor, : columns * factor]
+    mean = cut.reshape(2, rows, factor, columns, factor).mean((2, 4))
+    image = drawn(grid, (columns, rows), (1 / factor, 1 / factor))
+    np.testing.assert_allclose(image, mean, atol=0.03)
+    centres = dense(grid, (np.arange(columns) + 0.5) * factor, (np.arange(rows) + 0.5) * factor)
+    assert np.abs(image - mean).mean() <= np.abs(centres - mean).mean()
+
+
+@pytest.mark.parametrize("scale", [1.0, 0.02, 3.3])
+def test_blocks_are_parts_of_the_whole(grid: np.ndarray, scale: float) -> None:
+    size = (max(2, int(WIDTH * scale)), max(2, int(HEIGHT * scale)))
+    whole = drawn(grid, size, (scale, scale), (3, 1))
+    for left, top in ((0, 0), (1, 1), (size[0] // 2, size[1] // 3)):
+        block = np.zeros((2, size[1] - top, size[0] - left), np.float32)
+        add_base(block, grid, CELL, (3, 1), (scale, scale), (left, top))
+        np.testing.assert_array_equal(block, whole[:, top:, left:])
+
+
+def test_adds_to_what_is_there(grid: np.ndarray) -> None:
+    image = np.full((2, HEIGHT, WIDTH), 0.25, np.float32)
+    add_base(image, grid, CELL, (0, 0), (1.0, 1.0), (0, 0))
+    np.testing.assert_allclose(image, 0.25 + drawn(grid, (WIDTH, HEIGHT), (1.0, 1.0)), atol=1e-6)
