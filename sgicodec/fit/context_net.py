@@ -74,19 +74,33 @@ class ContextNet:
         """Everything that trains."""
         return [tensor for layer in self.layers for tensor in layer] + self.tables
 
+    @property
+    def first_layer_is_fixed(self) -> bool:
+        """Whether products with W1 may be kept from step to step."""
+        return not any(layer[0].requires_grad for layer in self.layers)
+
+    def product(self, step: int, inputs: Tensor, start: int = 0) -> Tensor:
+        """W1 times inputs [n, k] in units of 2^-6 that stand at columns `start` … of all inputs [n, hidden]."""
+        x = inputs.clamp(-INPUT_LIMIT, INPUT_LIMIT) * 2.0**-INPUT_BITS
+        return x @ self.layers[step][0][:, start : start + inputs.shape[1]].T
+
     def forward(self, step: int, inputs: Tensor) -> tuple[Tensor, Tensor, Tensor]:
         """Means in base steps [n, U], scales [n, U] and refinements [n, G] in octaves, from inputs in units of 2^-6."""
-        w1, b1, w2, b2 = self._effective(step)
-        x = inputs.clamp(-INPUT_LIMIT, INPUT_LIMIT) * 2.0**-INPUT_BITS
-        out = torch.addmm(b2, torch.relu(torch.addmm(b1, x, w1.T)), w2.T)
+        return self.predict(step, self.product(step, inputs))
+
+    def predict(self, step: int, product: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+        """The same from W1 times all inputs."""
+        b1, w2, b2 = self._effective(step)
+        out = torch.addmm(b2, torch.relu(product + b1), w2.T)
         units = sum(output_count(self.spec, group) for group in self.spec.context.steps[step])
         return out[:, :units], out[:, units : 2 * units], out[:, 2 * units :]
 
     def _effective(self, step: int) -> list[Tensor]:
+        """b1, W2 and b2 with their differences."""
+        rest = self.layers[step][1:]
         if not self.differences:
-            return self.layers[step]
-        first, *rest = self.layers[step]
-        return [first, *(own + more for own, more in zip(rest, self.differences[step], strict=True))]
+            return rest
+        return [own + more for own, more in zip(rest, self.differences[step], strict=True)]
 
     def hash_features(self, grid: HashGrid, weight: Tensor) -> Tensor:
         """H at every seed [N, L·F], in input units."""
@@ -110,7 +124,7 @@ class ContextNet:
         for number, step in enumerate(self.spec.context.steps):
             w1, b1, w2, b2 = (
                 np.rint(t.detach().numpy().astype(np.float64) * 2.0**shift).astype(np.int64)
-                for t in self._effective(number)
+                for t in (self.layers[number][0], *self._effective(number))
             )
             predicted = sum(output_count(self.spec, group) for group in step)
             networks.append(IntNetwork(w1, b1, w2, b2, shift, predicted))

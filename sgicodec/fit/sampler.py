@@ -51,7 +51,7 @@ class Sampler:
     can then be evaluated at once although coding visits them pass by pass.
     """
 
-    refresh = 4
+    refresh = 8
 
     def __init__(self, spec: ModelSpec, net: ContextNet, plan: StepPlan, quality: int, family: int) -> None:
         self.spec, self.net, self.quality = spec, net, quality
@@ -112,11 +112,14 @@ class Sampler:
         if not self.age:
             with torch.no_grad():
                 self.common = self._common_inputs(values)
+                if self.net.first_layer_is_fixed:
+                    steps = range(len(self.spec.context.steps))
+                    self.products = [self.net.product(number, self.common) for number in steps]
         self.age = (self.age + 1) % self.refresh
         decoded: dict[str, Tensor] = {}
         costs: dict[str, tuple[Tensor, Tensor, Tensor]] = {}
         for number, step in enumerate(self.spec.context.steps):
-            mean, scale, refine = self.net.forward(number, self._inputs(number, decoded))
+            mean, scale, refine = self._predict(number, decoded)
             start = 0
             for position, name in enumerate(step):
                 base = self.base[name]  # [U, LEVELS]
@@ -189,8 +192,9 @@ class Sampler:
             )
         return torch.cat(blocks, dim=1)
 
-    def _inputs(self, number: int, decoded: dict[str, Tensor]) -> Tensor:
-        blocks = [self.common]
+    def _predict(self, number: int, decoded: dict[str, Tensor]) -> tuple[Tensor, Tensor, Tensor]:
+        """MLP_p at one coding step; what its first layer makes of the common inputs is kept if it does not train."""
+        blocks = []
         if self.spec.context.hash_resolutions:
             blocks.append(self.net.hash_features(self.grid, self.grid_weight))
         if number:
@@ -198,7 +202,12 @@ class Sampler:
             if "shape" not in known:
                 known["shape"] = torch.zeros(len(self.level), 3 * self.spec.per_seed)
             blocks.append(own_inputs(self.summary(known), number, torch.cat))
-        return torch.cat(blocks, dim=1)
+        if not self.net.first_layer_is_fixed:
+            return self.net.forward(number, torch.cat([self.common, *blocks], dim=1))
+        product = self.products[number]
+        if blocks:
+            product = product + self.net.product(number, torch.cat(blocks, dim=1), self.common.shape[1])
+        return self.net.predict(number, product)
 
 
 def _unless_identity(columns: np.ndarray, outputs: int) -> Tensor | None:
