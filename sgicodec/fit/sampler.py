@@ -67,6 +67,7 @@ class Sampler:
         self.columns: dict[str, Tensor | None] = {
             g.name: _unless_identity(output_columns(spec, g.name), output_count(spec, g.name)) for g in spec.groups
         }
+        self.products: list[Tensor] = []
         self.age = 0
 
     def step_parameters(self) -> list[Tensor]:
@@ -109,7 +110,7 @@ class Sampler:
 
     def sample(self, values: dict[str, Tensor], rounding: Rounding, generator: torch.Generator) -> Sample:
         """Draws (noise) or rounds the attributes `values` and counts their bits."""
-        if not self.age:
+        if not self.age or (self.net.first_layer_is_fixed and not self.products):
             with torch.no_grad():
                 self.common = self._common_inputs(values)
                 if self.net.first_layer_is_fixed:
