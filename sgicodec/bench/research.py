@@ -115,7 +115,7 @@ def main() -> None:
     parser.add_argument("--steps", type=int, default=800)
     parser.add_argument("--threads", type=int, default=2)
     options = parser.parse_args()
-    torch.set_num_threads(options.threads)
+    torch.set_num_threads(1)  # as in an encode: more would change the sums from run to run
     pictures = [Path(a) for a in options.arguments if Path(a).is_file()]
     variants = ["", *(a for a in options.arguments if not Path(a).is_file())]
     print("variant\tpicture\tseeds\tPSNR\tbits/seed\tside bits\tbpp\tJ/λ\tagainst defaults\tseconds")
