@@ -63,7 +63,7 @@ def fit_variant(path: Path, variant: str, lmbda: float, steps: int, threads: int
     started = monotonic()
     trainer = Trainer(spec, settings, target, layout, quality_index(lmbda), FAMILY, networks)
     last = list(trainer.iterate())[-1]
-    side = float(trainer.net.hash_bits()) + _network_bits(spec, trainer.result().networks)
+    side = float(trainer.net.hash_bits().detach()) + _network_bits(spec, trainer.result().networks)
     bits = last.bits + last.seeds + side
     cost = 10 ** (-last.psnr / 10) * unit.size / lmbda + bits
     pixels = unit.shape[1] * unit.shape[2]
