@@ -77,8 +77,11 @@ class IntNetwork:
     def predict(self, inputs: I64, matmul: Callable[[F64, F64], F64] = np.matmul) -> Prediction:
         """Evaluates inputs [n, inputs]. Products run as float64 on integers, exact whatever the order of the sums."""
         x = np.clip(inputs, -INPUT_LIMIT, INPUT_LIMIT).astype(np.float64)
-        hidden = np.floor(np.ldexp(matmul(x, self.w1.T.astype(np.float64)) + (self.b1 << INPUT_BITS), -self.shift))
-        hidden = np.clip(hidden, 0, HIDDEN_LIMIT)
+        hidden = matmul(x, self.w1.T.astype(np.float64))
+        hidden += self.b1 << INPUT_BITS
+        hidden *= 2.0**-self.shift  # exact, as is every step here
+        np.floor(hidden, out=hidden)
+        np.clip(hidden, 0, HIDDEN_LIMIT, out=hidden)
         out = (matmul(hidden, self.w2.T.astype(np.float64)) + (self.b2 << INPUT_BITS)).astype(np.int64)
         units, fraction = self.predicted, INPUT_BITS + self.shift
         return Prediction(
