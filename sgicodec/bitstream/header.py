@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from sgicodec.bitstream.varint import decode_varint, encode_varint
 from sgicodec.errors import CorruptStreamError, LimitError, UnsupportedStreamError
@@ -133,7 +133,7 @@ def decode_header(payload: bytes) -> Header:
     spec = ModelSpec(channels, layout, shape, per_seed, features, hidden, skip, seed_scales, base_cell, context)  # type: ignore[arg-type]
     names = tuple(group.name for group in spec.groups)
     steps = tuple((name,) for name in names) if grouped else (names,)
-    object.__setattr__(context, "steps", steps)
+    spec = replace(spec, context=replace(context, steps=steps))
     sample_range = {"uint8": (0.0, 255.0), "uint16": (0.0, 65535.0)}.get(sample_type) or _range(payload, fields)
     if fields.at != len(payload) - (8 if sample_type == "float32" else 0):
         raise CorruptStreamError("header: longer than its fields")

@@ -22,7 +22,6 @@ from sgicodec.model.context import (
     output_columns,
     output_count,
     own_inputs,
-    passes,
 )
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.neighbours import nearest_seeds
@@ -105,7 +104,6 @@ class Sampler:
         if context.hash_resolutions:
             self.grid = HashGrid.at(context, layout, width, height)
             self.grid_weight = torch.from_numpy(self.grid.weight).float()
-        self.order = [torch.from_numpy(members) for members in passes(context, layout)]
         self.age = 0
 
     def sample(self, values: dict[str, Tensor], rounding: Rounding, generator: torch.Generator) -> Sample:

@@ -150,8 +150,7 @@ class Trainer:
         self.optimizer.zero_grad(set_to_none=True)
         loss.backward()  # type: ignore[no-untyped-call]
         self.optimizer.step()
-        self.bits = sample.bits.detach()
-        return squared, float(self.bits.sum())
+        return squared, float(sample.bits.detach().sum())
 
     def _side_bits(self) -> Tensor:
         return self.net.hash_bits() + self.net.difference_bits()
