@@ -47,3 +47,40 @@ class Rasterizer:
 def nearest_neighbours(points: I32, queries: I32, out: I32, threads: int, /) -> None: ...
 def fma_peak(threads: int, isa: str, /) -> float: ...
 def resolve_threads(threads: int, /) -> int: ...
+
+MOST_NEIGHBOURS: int
+
+class SeedFit:
+    def __init__(self, isa: str, threads: int, per_seed: int, hidden: int, opponent: F32) -> None: ...
+    def set_layout(
+        self, centre: F32, cell: F32, log_size: F32, level: I32, neighbour: I32, offset: F32, level_inputs: F32
+    ) -> None: ...
+    def forward(
+        self,
+        colour: F32,
+        shape: F32,
+        offset: F32,
+        first: F32,
+        rest: F32,
+        steps: F32,
+        rounding: int,
+        key: int,
+        refresh: bool,
+        trains_first: bool,
+        means: F32,
+        covariances: F32,
+        colours: F32,
+    ) -> float: ...
+    def backward(
+        self,
+        means: F32,
+        covariances: F32,
+        colours: F32,
+        lmbda: float,
+        colour: F32,
+        shape: F32,
+        offset: F32,
+        sums: F32,
+    ) -> None: ...
+    @property
+    def sums(self) -> int: ...

@@ -51,24 +51,35 @@ class ContextNet:
         self.tables = [(torch.rand(n, features, generator=generator) * 2 - 1) * 1e-2 for n in hash_sizes]
         for parameter in self.parameters():
             parameter.requires_grad_()
-        self.differences: list[list[Tensor]] = []
+        self.difference: Tensor | None = None
 
-    def adapt(self) -> list[Tensor]:
-        """Lets everything but the first layer's weights differ from what it is now; returns what then trains."""
-        self.differences = [
-            [torch.zeros_like(tensor).requires_grad_() for tensor in layer[1:]] for layer in self.layers
-        ]
-        return [tensor for layer in self.differences for tensor in layer]
+    def adapt(self) -> Tensor:
+        """Lets everything but the first layer's weights differ from what it is now. Returns what then trains: b1, W2
+        and b2 of every step, flat.
+        """
+        self.difference = torch.zeros_like(self.flat_rest()).requires_grad_()
+        counts = torch.tensor([tensor.numel() for layer in self.layers for tensor in layer[1:]])
+        self._counts, self._tensor = counts.float(), torch.repeat_interleave(torch.arange(len(counts)), counts)
+        return self.difference
 
     def difference_bits(self) -> Tensor:
         """About what the differences cost: each tensor under the Laplacian of its own mean magnitude."""
-        total = torch.zeros(())
-        for layer in self.differences:
-            for tensor in layer:
-                size = tensor.abs() * 2.0**DIFFERENCE_SHIFT
-                mean = size.detach().mean() + 0.05
-                total = total + size.sum() / (mean * math.log(2.0)) + tensor.numel() * torch.log2(1.0 + 2.0 * mean)
-        return total
+        if self.difference is None:
+            return torch.zeros(())
+        size = self.difference.abs() * 2.0**DIFFERENCE_SHIFT
+        sums = torch.zeros_like(self._counts).index_add_(0, self._tensor, size.detach())
+        mean = sums / self._counts + 0.05
+        spent = (size / (mean * math.log(2.0))[self._tensor]).sum()
+        return spent + (self._counts * torch.log2(1.0 + 2.0 * mean)).sum()
+
+    def flat_first(self) -> Tensor:
+        """W1 of every step, flat."""
+        return torch.cat([layer[0].reshape(-1) for layer in self.layers])
+
+    def flat_rest(self) -> Tensor:
+        """b1, W2 and b2 of every step with their differences, flat."""
+        rest = torch.cat([tensor.reshape(-1) for layer in self.layers for tensor in layer[1:]])
+        return rest if self.difference is None else rest + self.difference
 
     def parameters(self) -> list[Tensor]:
         """Everything that trains."""
@@ -98,9 +109,16 @@ class ContextNet:
     def _effective(self, step: int) -> list[Tensor]:
         """b1, W2 and b2 with their differences."""
         rest = self.layers[step][1:]
-        if not self.differences:
+        if self.difference is None:
             return rest
-        return [own + more for own, more in zip(rest, self.differences[step], strict=True)]
+        return [own + more for own, more in zip(rest, self._differences(self.difference)[step], strict=True)]
+
+    def _differences(self, flat: Tensor) -> list[list[Tensor]]:
+        """The differences in the shapes of b1, W2 and b2 of every step."""
+        shapes = [tensor.shape for layer in self.layers for tensor in layer[1:]]
+        parts = torch.split(flat, [shape.numel() for shape in shapes])
+        shaped = [part.reshape(shape) for part, shape in zip(parts, shapes, strict=True)]
+        return [shaped[at : at + 3] for at in range(0, len(shaped), 3)]
 
     def hash_features(self, grid: HashGrid, weight: Tensor) -> Tensor:
         """H at every seed [N, L·F], in input units."""
@@ -132,7 +150,7 @@ class ContextNet:
 
     def load_integers(self, networks: tuple[IntNetwork, ...], trainable: bool = False) -> None:
         """Sets the weights to what the integer networks hold; differences end."""
-        self.differences = []
+        self.difference = None
         for layer, network in zip(self.layers, networks, strict=True):
             for index, values in enumerate((network.w1, network.b1, network.w2, network.b2)):
                 weights = torch.tensor(values * 2.0**-network.shift, dtype=torch.float32)
@@ -140,8 +158,10 @@ class ContextNet:
 
     def adapted(self, networks: tuple[IntNetwork, ...]) -> tuple[IntNetwork, ...]:
         """`networks` with the differences added, rounded to what a stream carries."""
+        if self.difference is None:
+            return networks
         result = []
-        for network, layer in zip(networks, self.differences, strict=True):
+        for network, layer in zip(networks, self._differences(self.difference), strict=True):
             b1, w2, b2 = (
                 np.rint(t.detach().numpy().astype(np.float64) * 2.0**DIFFERENCE_SHIFT).astype(np.int64) for t in layer
             )

@@ -44,7 +44,7 @@ class Sample:
 
 
 class Sampler:
-    """Holds the step sizes that train (log2 of base steps and γ) and the context inputs of a layout.
+    """Holds the step sizes that train (`steps`: log2 of base steps, then γ) and the context inputs of a layout.
 
     Neighbours enter with the values of the step before, refreshed every few steps: they move slowly, and all seeds
     can then be evaluated at once although coding visits them pass by pass.
@@ -55,41 +55,39 @@ class Sampler:
     def __init__(self, spec: ModelSpec, net: ContextNet, plan: StepPlan, quality: int, family: int) -> None:
         self.spec, self.net, self.quality = spec, net, quality
         self.bits_of = bits_laplace if family else bits_gaussian
-        self.base = {
-            name: torch.tensor((index - STEP_ZERO) / PER_OCTAVE, dtype=torch.float32).requires_grad_()
-            for name, index in plan.base.items()
-        }
-        self.gamma = {
-            name: torch.tensor(value / 2.0**GAMMA_BITS, dtype=torch.float32).requires_grad_()
-            for name, value in plan.gamma.items()
-        }
+        self.steps = _flat(spec, plan).requires_grad_()
         self.columns: dict[str, Tensor | None] = {
             g.name: _unless_identity(output_columns(spec, g.name), output_count(spec, g.name)) for g in spec.groups
         }
         self.products: list[Tensor] = []
         self.age = 0
 
-    def step_parameters(self) -> list[Tensor]:
-        """Base steps and exponents."""
-        return [*self.base.values(), *self.gamma.values()]
+    def _base(self) -> dict[str, Tensor]:
+        """log2 of the base steps of each group's outputs and cell sizes [U, LEVELS]."""
+        counts = [output_count(self.spec, group.name) for group in self.spec.groups]
+        rows = torch.split(self.steps[: sum(counts) * LEVELS].reshape(-1, LEVELS), counts)
+        return {group.name: part for group, part in zip(self.spec.groups, rows, strict=True)}
+
+    def _gamma(self) -> dict[str, Tensor]:
+        """γ of each group whose steps follow the amplitude."""
+        names = [group.name for group in self.spec.groups if follows_amplitude(self.spec, group.name)]
+        return dict(zip(names, self.steps[len(self.steps) - len(names) :], strict=True))
 
     def plan(self) -> StepPlan:
         """The steps in the stream's units."""
         base = {
             name: np.clip(np.rint(value.detach().numpy() * PER_OCTAVE) + STEP_ZERO, 0, STEP_COUNT - 1).astype(np.int64)
-            for name, value in self.base.items()
+            for name, value in self._base().items()
         }
         gamma = {
-            name: int(np.clip(np.rint(float(v.detach()) * 2**GAMMA_BITS), 0, 63)) for name, v in self.gamma.items()
+            name: int(np.clip(np.rint(float(v.detach()) * 2**GAMMA_BITS), 0, 63)) for name, v in self._gamma().items()
         }
-        return StepPlan(base, gamma)
+        return StepPlan(base, {name: gamma.get(name, 0) for name in base})
 
     def load_plan(self, plan: StepPlan) -> None:
         """Rounds the steps to those of the stream."""
         with torch.no_grad():
-            for name, index in plan.base.items():
-                self.base[name].copy_(torch.from_numpy((index - STEP_ZERO) / PER_OCTAVE))
-                self.gamma[name].fill_(plan.gamma[name] / 2.0**GAMMA_BITS)
+            self.steps.copy_(_flat(self.spec, plan))
 
     def set_layout(self, layout: SeedLayout, width: int, height: int) -> None:
         """Prepares everything that depends on where the seeds are."""
@@ -117,17 +115,18 @@ class Sampler:
         self.age = (self.age + 1) % self.refresh
         decoded: dict[str, Tensor] = {}
         costs: dict[str, tuple[Tensor, Tensor, Tensor]] = {}
+        bases, gammas = self._base(), self._gamma()
         for number, step in enumerate(self.spec.context.steps):
             mean, scale, refine = self._predict(number, decoded)
             start = 0
             for position, name in enumerate(step):
-                base = self.base[name]  # [U, LEVELS]
+                base = bases[name]  # [U, LEVELS]
                 units = slice(start, start + base.shape[0])
                 start += base.shape[0]
                 log_base = base.T[self.level]  # [N, U]
                 if follows_amplitude(self.spec, name):
                     loudness = self._amplitude(decoded["colour"].detach()) - AMPLITUDE_ZERO / PER_OCTAVE
-                    log_step = log_base - self.gamma[name] * loudness[:, None]
+                    log_step = log_base - gammas[name] * loudness[:, None]
                 else:
                     log_step = log_base
                 log_step = log_step + refine[:, position : position + 1].clamp(-4, 4)
@@ -207,6 +206,13 @@ class Sampler:
         if blocks:
             product = product + self.net.product(number, torch.cat(blocks, dim=1), self.common.shape[1])
         return self.net.predict(number, product)
+
+
+def _flat(spec: ModelSpec, plan: StepPlan) -> Tensor:
+    """log2 of all base steps by group, output and cell size, then γ of the groups that follow the amplitude."""
+    base = [(plan.base[group.name].reshape(-1) - STEP_ZERO) / PER_OCTAVE for group in spec.groups]
+    gamma = [plan.gamma[group.name] / 2.0**GAMMA_BITS for group in spec.groups if follows_amplitude(spec, group.name)]
+    return torch.tensor(np.concatenate([*base, np.array(gamma)]), dtype=torch.float32)
 
 
 def _unless_identity(columns: np.ndarray, outputs: int) -> Tensor | None:

@@ -17,6 +17,7 @@ from sgicodec.fit.growth import worthwhile_cells
 from sgicodec.fit.pyramid import pyramid
 from sgicodec.fit.raster_op import rasterize, squared_error
 from sgicodec.fit.sampler import Sample, Sampler
+from sgicodec.fit.seed_step import SeedStep
 from sgicodec.fit.settings import FitSettings, Phase
 from sgicodec.fit.start import cell_means, fresh_decoders, fresh_values
 from sgicodec.model.context import HashGrid
@@ -84,11 +85,13 @@ class Trainer:
         self.net = net or ContextNet(spec, sizes, self.generator)
         self.trains_net = net is None and networks is None
         self.networks = networks
-        self.differences: list[Tensor] = []
         if networks is not None:
             self.net.load_integers(networks)
-            self.differences = self.net.adapt()
+            self.net.adapt()
         self.sampler = Sampler(spec, self.net, default_plan(spec, quality), quality, family)
+        self.seed_step: SeedStep | None = None
+        if family and settings.loss == "squared" and SeedStep.can_run(spec):
+            self.seed_step = SeedStep(spec, self.raster, quality, settings.threads)
         means = torch.from_numpy(cell_means(target, layout))
         self.values = {name: value.requires_grad_() for name, value in self._fresh(means).items()}
         self.decoders = fresh_decoders(spec, self.generator)
@@ -132,6 +135,22 @@ class Trainer:
 
     def _step(self, phase: Phase) -> tuple[float, float]:
         self._schedule()
+        self.optimizer.zero_grad(set_to_none=True)
+        native = self.seed_step
+        squared, bits = self._gradients(phase) if native is None else self._native_gradients(native, phase)
+        self.optimizer.step()
+        return squared, bits
+
+    def _native_gradients(self, step: SeedStep, phase: Phase) -> tuple[float, float]:
+        lmbda = self.settings.lmbda if phase.rate else 0.0
+        key = (self.settings.seed * 0x9E3779B1 + self.step * 0x85EBCA77) & 0xFFFFFFFF
+        target = self.targets[phase.level].numpy()
+        steps = self.sampler.steps
+        if phase.rate and self.net.difference is not None:
+            (lmbda * self.net.difference_bits()).backward()  # type: ignore[no-untyped-call]
+        return step.run(self.values, self.net, steps, phase.rounding, key, target, 0.5**phase.level, lmbda)
+
+    def _gradients(self, phase: Phase) -> tuple[float, float]:
         sample = self._sample(phase)
         gaussians = self._gaussians(sample.attributes, phase.level)
         target = self.targets[phase.level]
@@ -147,9 +166,7 @@ class Trainer:
             if phase.rate:
                 price = self.settings.lmbda / (len(self.layout) * self.spec.attributes)
                 loss = loss + price * (self._sampled_bits(sample) + self._side_bits())
-        self.optimizer.zero_grad(set_to_none=True)
         loss.backward()  # type: ignore[no-untyped-call]
-        self.optimizer.step()
         return squared, float(sample.bits.detach().sum())
 
     def _side_bits(self) -> Tensor:
@@ -159,7 +176,7 @@ class Trainer:
         """The networks as the stream would hold them now."""
         if self.networks is None:
             return self.net.to_integers(WEIGHT_SHIFT)
-        return self.net.adapted(self.networks) if self.net.differences else self.networks
+        return self.net.adapted(self.networks)
 
     def _sample(self, phase: Phase) -> Sample:
         if phase.rounding == "none":
@@ -252,7 +269,10 @@ class Trainer:
         self.layout = layout
         self.centre, self.cell = torch.from_numpy(layout.centre), torch.from_numpy(layout.cell)
         _, height, width = self.targets[0].shape
-        self.sampler.set_layout(layout, width, height)
+        if self.seed_step is not None:
+            self.seed_step.set_layout(layout)
+        else:
+            self.sampler.set_layout(layout, width, height)
 
     def _optimizer(self) -> torch.optim.Adam:
         rates = self.settings.rates
@@ -263,8 +283,10 @@ class Trainer:
             weights = [tensor for name, tensor in self.decoders.items() if name.startswith(net)]
             if weights:
                 groups.append({"name": f"decoder_{net}", "params": weights, "base": getattr(rates, f"decoder_{net}")})
-        groups.append({"name": "steps", "params": self.sampler.step_parameters(), "base": rates.steps})
-        trained = self.net.parameters() if self.trains_net else self.differences
+        groups.append({"name": "steps", "params": [self.sampler.steps], "base": rates.steps})
+        trained = self.net.parameters() if self.trains_net else []
+        if self.net.difference is not None:
+            trained = [self.net.difference]
         if trained:
             groups.append({"name": "context", "params": trained, "base": rates.context})
         for group in groups:

@@ -5,6 +5,8 @@
 
 #include <stdexcept>
 
+#include "../../fit/cpp/bind_seed_fit.hpp"
+#include "../../model/cpp/bind_model.hpp"
 #include "neighbours.hpp"
 #include "peak.hpp"
 #include "rasterizer.hpp"
@@ -55,6 +57,7 @@ sgi::Gradients gradients(const sgi::Gaussians &g, F32Out2 &means, F32Out2 &covar
 }  // namespace
 
 NB_MODULE(_native, m) {
+  bind_model(m);
   nb::class_<sgi::Rasterizer>(m, "Rasterizer")
       .def(nb::init<const std::string &, int, int64_t>(), "isa"_a, "threads"_a, "most_pairs"_a)
       .def("forward",
@@ -93,6 +96,7 @@ NB_MODULE(_native, m) {
     sgi::nearest_neighbours(points.data(), int64_t(points.shape(0)), queries.data(), int64_t(queries.shape(0)),
                             int(out.shape(1)), threads, out.data());
   });
+  bind_seed_fit(m);
   m.def("resolve_threads", &sgi::resolve_threads);
   m.def("fma_peak", &sgi::fma_peak, nb::call_guard<nb::gil_scoped_release>());
 }
