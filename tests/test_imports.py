@@ -21,7 +21,7 @@ LAYERS = {
     "metrics": {"errors"},
     "files": {"errors"},
     "bitstream": {"errors", "model"},
-    "fit": {"errors", "model", "raster"},
+    "fit": {"errors", "_native", "model", "raster"},
     "decoder": {"errors", "bitstream", "image", "model", "raster"},
     "encoder": {"errors", "version", "bitstream", "fit", "image", "model"},
 }
