@@ -4,7 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 F32 = NDArray[np.float32]
+I8 = NDArray[np.int8]
+I16 = NDArray[np.int16]
 I32 = NDArray[np.int32]
+I64 = NDArray[np.int64]
 
 class Rasterizer:
     def __init__(self, isa: str, threads: int, most_pairs: int) -> None: ...
@@ -84,3 +87,55 @@ class SeedFit:
     ) -> None: ...
     @property
     def sums(self) -> int: ...
+
+def evaluate_network(
+    w1: I64,
+    b1: I64,
+    w2: I64,
+    b2: I64,
+    shift: int,
+    predicted: int,
+    inputs: I16,
+    threads: int,
+    isa: str,
+    out: I64,
+    /,
+) -> None: ...
+def seed_inputs(
+    half_pixels: I32,
+    log_size: I8,
+    neighbours: I32,
+    summary: I16,
+    members: I64,
+    quality: int,
+    threads: int,
+    out: I16,
+    /,
+) -> None: ...
+def summarise(
+    attributes: I64,
+    per_seed: int,
+    channels: int,
+    colour: int,
+    shape: int,
+    members: I64,
+    threads: int,
+    summary: I16,
+    amplitude: I32,
+    /,
+) -> None: ...
+def quantisers(
+    base: I64,
+    columns: I64,
+    gamma: int,
+    amplitude: I32 | None,
+    mean: I64,
+    scale: I64,
+    refine: I64,
+    log_size: I8,
+    threads: int,
+    out_mean: I64,
+    out_step: I64,
+    out_scale: I16,
+    /,
+) -> None: ...

@@ -7,6 +7,7 @@ two directions agree on every machine (docs/format.md, "Context model").
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,39 +16,28 @@ from numpy.typing import NDArray
 from sgicodec.bitstream.entropy import SymbolWalk
 from sgicodec.bitstream.tables import MAX_MAGNITUDE, SCALES
 from sgicodec.model.context import (
-    INPUT_BITS,
-    SUMMARY,
     HashGrid,
     hash_inputs,
-    level_inputs,
-    nearest_offset,
-    neighbour_inputs,
-    neighbour_table,
-    output_columns,
+    input_count,
+    nearest_table,
     output_count,
     own_inputs,
     passes,
 )
 from sgicodec.model.layout import SeedLayout
+from sgicodec.model.native import SeedInputs, quantisers, summarise
 from sgicodec.model.neighbours import nearest_seeds
-from sgicodec.model.network import MEAN_BITS, IntNetwork, Prediction
-from sgicodec.model.quantize import (
-    FRACTION_BITS,
-    PER_OCTAVE,
-    SCALE_ZERO,
-    amplitude_index,
-    dequantize,
-    quantize,
-    step_fixed,
-)
+from sgicodec.model.network import IntNetwork, Prediction
+from sgicodec.model.processor import ONE_THREAD, Processor
+from sgicodec.model.quantize import dequantize, quantize
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import StepPlan, follows_amplitude
 
 __all__ = ["AttributeCoder"]
 
+I16 = NDArray[np.int16]
+I32 = NDArray[np.int32]
 I64 = NDArray[np.int64]
-_INPUT_LIMIT = 1 << 13
-_MEAN_LIMIT = 1 << 20
 
 
 def _shift(value: Any, bits: int) -> Any:
@@ -69,7 +59,8 @@ class AttributeCoder:
     hash_tables: list[I64]
     quality: int
     family: int
-    matmul: Any = np.matmul
+    processor: Processor = ONE_THREAD
+    matmul: Any = None
 
     def code(self, walk: SymbolWalk, values: dict[str, NDArray[np.float64]] | None) -> I64:
         """Writes the float attributes `values` by group [N, size], or reads if None. Returns the decoded attributes
@@ -77,61 +68,54 @@ class AttributeCoder:
         """
         context, layout = self.spec.context, self.layout
         decoded = np.zeros((len(layout), self.spec.attributes), np.int64)
-        summary = np.zeros((len(layout), SUMMARY), np.int64)
-        everything = level_inputs(layout, self.quality)
-        if context.neighbours:
-            table, present = neighbour_table(context, layout, nearest_seeds)
-            offset = nearest_offset(layout, table)
+        nearest = partial(nearest_seeds, threads=self.processor.threads)
+        seeds = SeedInputs(layout, nearest_table(context, layout, nearest), self.quality, self.processor)
+        widths = [input_count(self.spec, number) for number in range(len(context.steps))]
         if context.hash_resolutions:
             grid = HashGrid.at(context, layout, *self.size)
             signs = [2 * bits - 1 for bits in self.hash_tables]
-        sizes = layout.log_size.astype(np.int64)
         for members in passes(context, layout):
             if not len(members):
                 continue
-            blocks = [everything[members]]
-            if context.neighbours:
-                beside = table[members], present[members], (sizes[members], sizes), offset[members]
-                blocks.append(neighbour_inputs(summary, *beside, np.concatenate, _shift))
+            inputs = np.empty((len(members), max(widths)), np.int16)
+            seeds.write(members, inputs)
             if context.hash_resolutions:
-                blocks.append(hash_inputs(grid, members, signs, grid.weight, np.concatenate, _shift))
-            self._code_pass(walk, members, np.concatenate(blocks, -1), values, decoded)
+                hashed = hash_inputs(grid, members, signs, grid.weight, np.concatenate, _shift)
+                inputs[:, widths[0] - hashed.shape[1] : widths[0]] = hashed
+            self._code_pass(walk, members, inputs, widths, values, decoded)
             if context.neighbours:
-                summary[members] = self._summary(decoded[members])
+                seeds.summary[members] = summarise(self.spec, decoded, members, self.processor)[0]
         return decoded
 
     def _code_pass(
         self,
         walk: SymbolWalk,
         members: I64,
-        common: I64,
+        inputs: I16,
+        widths: list[int],
         values: dict[str, NDArray[np.float64]] | None,
         decoded: I64,
     ) -> None:
+        """Codes the seeds `members`; inputs [n, most] hold what all steps see, the first widths[0] columns."""
         amplitude = None
         for number, step in enumerate(self.spec.context.steps):
-            inputs = common
             if number:
-                inputs = np.concatenate(
-                    [common, own_inputs(self._summary(decoded[members]), number, np.concatenate)], -1
-                )
-            prediction = self.networks[number].predict(inputs, self.matmul)
+                summary, amplitude = summarise(self.spec, decoded, members, self.processor)
+                inputs[:, widths[0] : widths[number]] = own_inputs(summary, number, np.concatenate)
+            prediction = self.networks[number].predict(inputs[:, : widths[number]], self.matmul, self.processor)
             start = 0
             for position, name in enumerate(step):
-                units = output_count(self.spec, name)
+                units = slice(start, start + output_count(self.spec, name))
+                start = units.stop
                 part = Prediction(
-                    prediction.mean[:, start : start + units],
-                    prediction.scale[:, start : start + units],
-                    prediction.refine[:, position],
+                    prediction.mean[:, units], prediction.scale[:, units], prediction.refine[:, position : position + 1]
                 )
-                start += units
-                group = self.spec.group(name)
-                if follows_amplitude(self.spec, name) and amplitude is None:
-                    amplitude = amplitude_index(decoded[members][:, self.spec.group("colour").columns])
-                given = None if values is None else values[name][members]
                 known = amplitude if follows_amplitude(self.spec, name) else None
+                given = None if values is None else values[name][members]
                 with walk.part(name):
-                    decoded[members, group.columns] = self._code_group(walk, name, members, part, known, given)
+                    decoded[members, self.spec.group(name).columns] = self._code_group(
+                        walk, name, members, part, known, given
+                    )
 
     def _code_group(
         self,
@@ -139,32 +123,15 @@ class AttributeCoder:
         name: str,
         members: I64,
         prediction: Prediction,
-        amplitude: I64 | None,
+        amplitude: I32 | None,
         values: NDArray[np.float64] | None,
     ) -> I64:
-        base = self.plan.base_index(self.spec, name, self.layout.log_size[members])
-        index = self.plan.refined_index(name, base, amplitude, prediction.refine)
-        columns = output_columns(self.spec, name)
-        step = step_fixed(index)
-        mean = (np.clip(prediction.mean[:, columns], -_MEAN_LIMIT, _MEAN_LIMIT) * step_fixed(base)) >> MEAN_BITS
-        scale = np.clip(SCALE_ZERO + prediction.scale[:, columns] + base - index, 0, SCALES - 1)
+        known = quantisers(
+            self.spec, self.plan, name, prediction, amplitude, self.layout.log_size[members], self.processor
+        )
         symbols = None
         if values is not None:
-            symbols = np.clip(quantize(values, mean, step, scale), -MAX_MAGNITUDE, MAX_MAGNITUDE)
-        coded = walk.code(symbols, scale + SCALES * self.family)
-        return dequantize(coded.astype(np.int64), mean, step)
-
-    def _summary(self, decoded: I64) -> I64:
-        """Summaries [n, SUMMARY] in input units; the mirror of what a fit computes in floats."""
-        spec, k = self.spec, self.spec.per_seed
-        colour = decoded[:, spec.group("colour").columns]
-        shape = decoded[:, spec.group("shape").columns]
-        mixed = colour.reshape(-1, k, spec.channels).sum(axis=1) // k
-        colours = np.zeros((len(decoded), 3), np.int64)
-        shown = 3 if spec.channels >= 3 else 1
-        colours[:, :shown] = mixed[:, :shown] >> (FRACTION_BITS - INPUT_BITS - 4)
-        loudness = (amplitude_index(colour) << INPUT_BITS) // PER_OCTAVE + (6 << INPUT_BITS)
-        shapes = (shape.reshape(-1, k, 3).sum(axis=1) // k) >> (FRACTION_BITS - INPUT_BITS)
-        joined = np.concatenate([colours, loudness[:, None], shapes], axis=1)
-        summary: I64 = np.clip(joined, -_INPUT_LIMIT, _INPUT_LIMIT)
-        return summary
+            symbols = quantize(values, known.mean, known.step, known.scale)
+            symbols = np.clip(symbols, -MAX_MAGNITUDE, MAX_MAGNITUDE)
+        coded = walk.code(symbols, known.scale + np.int16(SCALES * self.family))
+        return dequantize(coded.astype(np.int64), known.mean, known.step)

@@ -24,6 +24,7 @@ __all__ = [
     "hash_inputs",
     "input_count",
     "level_inputs",
+    "nearest_table",
     "neighbour_inputs",
     "neighbour_table",
     "output_columns",
@@ -56,16 +57,23 @@ def passes(spec: ContextSpec, layout: SeedLayout) -> list[I64]:
     return [np.flatnonzero(parity == number) for number in range(4)]
 
 
-def neighbour_table(spec: ContextSpec, layout: SeedLayout, nearest: Callable[[I32, I32, int], I32]) -> tuple[I64, I64]:
-    """Indices [N, k] of each seed's nearest seeds of earlier passes (0 where there is none) and whether they exist."""
-    table = np.full((len(layout), spec.neighbours), -1, np.int64)
+def nearest_table(spec: ContextSpec, layout: SeedLayout, nearest: Callable[[I32, I32, int], I32]) -> I32:
+    """Indices [N, k] of each seed's nearest seeds of earlier passes, nearest first, −1 where there is none."""
+    table = np.full((len(layout), spec.neighbours), -1, np.int32)
     points = layout.half_pixels
-    earlier = np.zeros(0, np.int64)
+    seen = np.zeros(len(layout), bool)
     for members in passes(spec, layout):
+        earlier = np.flatnonzero(seen)
         if len(earlier) and len(members):
             found = nearest(points[earlier], points[members], spec.neighbours)
-            table[members] = np.where(found >= 0, earlier[np.maximum(found, 0)], -1)
-        earlier = np.sort(np.concatenate([earlier, members]))
+            table[members] = np.append(earlier, -1).astype(np.int32)[found]
+        seen[members] = True
+    return table
+
+
+def neighbour_table(spec: ContextSpec, layout: SeedLayout, nearest: Callable[[I32, I32, int], I32]) -> tuple[I64, I64]:
+    """`nearest_table` with 0 where there is none, and whether each entry exists, both [N, k]."""
+    table = nearest_table(spec, layout, nearest).astype(np.int64)
     return np.maximum(table, 0), (table >= 0).astype(np.int64)
 
 

@@ -8,8 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec._native import evaluate_network
 from sgicodec.errors import CorruptStreamError
 from sgicodec.model.context import INPUT_BITS
+from sgicodec.model.processor import ONE_THREAD, Processor
 from sgicodec.model.quantize import PER_OCTAVE
 
 __all__ = ["DIFFERENCE_SHIFT", "INPUT_LIMIT", "MEAN_BITS", "IntNetwork", "Prediction"]
@@ -74,18 +76,32 @@ class IntNetwork:
             self.predicted,
         )
 
-    def predict(self, inputs: I64, matmul: Callable[[F64, F64], F64] = np.matmul) -> Prediction:
-        """Evaluates inputs [n, inputs]. Products run as float64 on integers, exact whatever the order of the sums."""
+    def predict(
+        self,
+        inputs: NDArray[np.integer],
+        matmul: Callable[[F64, F64], F64] | None = None,
+        processor: Processor = ONE_THREAD,
+    ) -> Prediction:
+        """Evaluates inputs [n, inputs]. All sums are of integers that float64 holds, in native code or, for a test that
+        adds in another order, by `matmul` in numpy.
+        """
+        out = self._native(inputs, processor) if matmul is None else self._by_products(inputs, matmul)
+        units = self.predicted
+        return Prediction(mean=out[:, :units], scale=out[:, units : 2 * units], refine=out[:, 2 * units :])
+
+    def _native(self, inputs: NDArray[np.integer], processor: Processor) -> I64:
+        if inputs.dtype != np.int16:
+            inputs = np.clip(inputs, -INPUT_LIMIT, INPUT_LIMIT).astype(np.int16)
+        out = np.empty((len(inputs), len(self.w2)), np.int64)
+        w1, b1, w2, b2 = (np.ascontiguousarray(array, np.int64) for array in (self.w1, self.b1, self.w2, self.b2))
+        evaluate_network(w1, b1, w2, b2, self.shift, self.predicted, inputs, processor.threads, processor.isa, out)
+        return out
+
+    def _by_products(self, inputs: NDArray[np.integer], matmul: Callable[[F64, F64], F64]) -> I64:
         x = np.clip(inputs, -INPUT_LIMIT, INPUT_LIMIT).astype(np.float64)
-        hidden = matmul(x, self.w1.T.astype(np.float64))
-        hidden += self.b1 << INPUT_BITS
-        hidden *= 2.0**-self.shift  # exact, as is every step here
-        np.floor(hidden, out=hidden)
-        np.clip(hidden, 0, HIDDEN_LIMIT, out=hidden)
+        hidden = matmul(x, self.w1.T.astype(np.float64)) + (self.b1 << INPUT_BITS)
+        hidden = np.clip(np.floor(hidden * 2.0**-self.shift), 0, HIDDEN_LIMIT)  # exact, as is every step here
         out = (matmul(hidden, self.w2.T.astype(np.float64)) + (self.b2 << INPUT_BITS)).astype(np.int64)
         units, fraction = self.predicted, INPUT_BITS + self.shift
-        return Prediction(
-            mean=out[:, :units] >> (fraction - MEAN_BITS),
-            scale=(out[:, units : 2 * units] * PER_OCTAVE) >> fraction,
-            refine=(out[:, 2 * units :] * PER_OCTAVE) >> fraction,
-        )
+        rest = (out[:, units:] * PER_OCTAVE) >> fraction
+        return np.concatenate([out[:, :units] >> (fraction - MEAN_BITS), rest], axis=1)

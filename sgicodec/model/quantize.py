@@ -63,7 +63,7 @@ the step that rate theory picks a bit is worth ln 2 / 12 of a squared step."""
 DEAD_ZONE_LIMIT = 0.3
 
 
-def quantize(values: F64, mean: I64, step: I64, scale: I64) -> I64:
+def quantize(values: F64, mean: I64, step: I64, scale: NDArray[np.integer]) -> I64:
     """Symbols n near (v − m) / q for float values, fixed-point means and steps, and scale indices (σ in steps).
 
     Decisions lean towards zero by what the bits are worth; only the encoder does this, a decoder need not know.

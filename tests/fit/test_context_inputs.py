@@ -69,7 +69,7 @@ class CodingRecorder:
         self.outputs, self.predicted = outputs, predicted
         self.inputs: list[np.ndarray] = []
 
-    def predict(self, inputs: np.ndarray, matmul: object) -> Prediction:
+    def predict(self, inputs: np.ndarray, *rest: object) -> Prediction:
         self.inputs.append(inputs)
         blank = np.zeros((len(inputs), self.outputs), np.int64)
         units = self.predicted

@@ -1,0 +1,115 @@
+#include "bind_model.hpp"
+
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+
+#include <optional>
+#include <stdexcept>
+
+#include "context.hpp"
+#include "network.hpp"
+
+namespace nb = nanobind;
+
+namespace {
+
+template <class T, int D>
+using Array = nb::ndarray<T, nb::ndim<D>, nb::c_contig, nb::device::cpu>;
+template <class T, int D>
+using Strided = nb::ndarray<T, nb::ndim<D>, nb::device::cpu>;  // rows apart, each contiguous
+
+void require(bool ok, const char *what) {
+  if (!ok) throw std::invalid_argument(what);
+}
+
+template <class A>
+bool has_shape(const A &array, size_t rows, size_t columns) {
+  return array.shape(0) == rows && array.shape(1) == columns;
+}
+
+void require_members(const Array<const int64_t, 1> &members, size_t count) {
+  for (size_t i = 0; i < members.shape(0); ++i)
+    require(members.data()[i] >= 0 && size_t(members.data()[i]) < count, "members must be indices of seeds");
+}
+
+void evaluate_network(Array<const int64_t, 2> w1, Array<const int64_t, 1> b1, Array<const int64_t, 2> w2,
+                      Array<const int64_t, 1> b2, int shift, int predicted, Strided<const int16_t, 2> inputs,
+                      int threads, const std::string &isa, Array<int64_t, 2> out) {
+  const size_t hidden = w1.shape(0), outputs = w2.shape(0), n = inputs.shape(0);
+  require(b1.shape(0) == hidden && w2.shape(1) == hidden && b2.shape(0) == outputs, "weights do not fit each other");
+  require(inputs.shape(1) == w1.shape(1) && (inputs.stride(1) == 1 || inputs.shape(1) < 2),
+          "inputs must be rows [n, inputs]");
+  require(has_shape(out, n, outputs), "out must be [n, outputs]");
+  require(shift >= 2 && shift <= 20 && predicted >= 0 && size_t(predicted) <= outputs, "shift must be 2..20");
+  const sgi::NetworkWeights weights{w1.data(),   b1.data(),    w2.data(), b2.data(), int(w1.shape(1)),
+                                    int(hidden), int(outputs), predicted, shift};
+  nb::gil_scoped_release release;
+  sgi::evaluate_network(weights, inputs.data(), inputs.stride(0), int64_t(n), threads, isa, out.data());
+}
+
+void seed_inputs(Array<const int32_t, 2> half_pixels, Array<const int8_t, 1> log_size,
+                 Array<const int32_t, 2> neighbours, Array<const int16_t, 2> summary, Array<const int64_t, 1> members,
+                 int quality, int threads, Array<int16_t, 2> out) {
+  const size_t count = log_size.shape(0), ranks = neighbours.shape(1);
+  require(has_shape(half_pixels, count, 2) && has_shape(summary, count, sgi::kSummary) &&
+              neighbours.shape(0) == count && ranks <= sgi::kMostRanks,
+          "half_pixels [N, 2], log_size [N], neighbours [N, at most 6], summary [N, 7]");
+  require(out.shape(0) == members.shape(0) &&
+              out.shape(1) >= size_t(sgi::kLevelInputs + (ranks ? sgi::kNeighbourInputs : 0)),
+          "out must be [n, inputs]");
+  require_members(members, count);
+  for (size_t i = 0; i < count * ranks; ++i)
+    require(neighbours.data()[i] < int64_t(count), "neighbours must be indices of seeds");
+  const sgi::SeedsView seeds{half_pixels.data(), log_size.data(), neighbours.data(), int(ranks)};
+  nb::gil_scoped_release release;
+  sgi::seed_inputs(seeds, summary.data(), members.data(), int64_t(members.shape(0)), quality, threads, out.data(),
+                   int64_t(out.shape(1)));
+}
+
+void summarise(Array<const int64_t, 2> attributes, int per_seed, int channels, int colour, int shape,
+               Array<const int64_t, 1> members, int threads, Array<int16_t, 2> summary, Array<int32_t, 1> amplitude) {
+  const int64_t width = int64_t(attributes.shape(1)), n = int64_t(members.shape(0));
+  require(per_seed >= 1 && channels >= 1 && colour >= 0 && shape >= 0 && colour + per_seed * channels <= width &&
+              shape + 3 * per_seed <= width,
+          "the groups do not fit the attributes");
+  require(has_shape(summary, n, sgi::kSummary) && int64_t(amplitude.shape(0)) == n, "summary [n, 7], amplitude [n]");
+  require_members(members, attributes.shape(0));
+  const sgi::AttributesView view{attributes.data(), width, per_seed, channels, colour, shape};
+  nb::gil_scoped_release release;
+  sgi::summarise(view, members.data(), n, threads, summary.data(), amplitude.data());
+}
+
+void quantisers(Array<const int64_t, 2> base, Array<const int64_t, 1> columns, int64_t gamma,
+                std::optional<Array<const int32_t, 1>> amplitude, Strided<const int64_t, 2> mean,
+                Strided<const int64_t, 2> scale, Strided<const int64_t, 2> refine, Array<const int8_t, 1> log_size,
+                int threads, Array<int64_t, 2> out_mean, Array<int64_t, 2> out_step, Array<int16_t, 2> out_scale) {
+  const size_t n = log_size.shape(0), size = columns.shape(0), units = mean.shape(1);
+  require(has_shape(base, size, sgi::kLevels) && gamma >= 0 && gamma < 64, "base must be [size, 8], gamma 0..63");
+  for (size_t i = 0; i < base.size(); ++i)
+    require(base.data()[i] >= 0 && base.data()[i] < sgi::kStepCount, "a base step is outside the table of steps");
+  for (size_t j = 0; j < size; ++j)
+    require(columns.data()[j] >= 0 && size_t(columns.data()[j]) < units, "columns must be predictions");
+  require(has_shape(mean, n, units) && has_shape(scale, n, units) && has_shape(refine, n, 1) &&
+              (!amplitude || amplitude->shape(0) == n),
+          "mean, scale [n, U], refine [n, 1], amplitude [n]");
+  require(mean.stride(0) == scale.stride(0) && mean.stride(0) == refine.stride(0) &&
+              (units < 2 || (mean.stride(1) == 1 && scale.stride(1) == 1)),
+          "mean, scale and refine must be columns of one array");
+  require(has_shape(out_mean, n, size) && has_shape(out_step, n, size) && has_shape(out_scale, n, size),
+          "results must be [n, size]");
+  const sgi::GroupPlan plan{base.data(), columns.data(), amplitude ? amplitude->data() : nullptr, gamma, int(size)};
+  const sgi::PredictionView prediction{mean.data(), scale.data(), refine.data(), mean.stride(0)};
+  nb::gil_scoped_release release;
+  sgi::quantisers(plan, prediction, log_size.data(), int64_t(n), threads, out_mean.data(),
+                  out_step.data(), out_scale.data());
+}
+
+}  // namespace
+
+void bind_model(nb::module_ &m) {
+  m.def("evaluate_network", &evaluate_network);
+  m.def("seed_inputs", &seed_inputs);
+  m.def("summarise", &summarise);
+  m.def("quantisers", &quantisers);
+}

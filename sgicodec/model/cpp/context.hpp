@@ -1,0 +1,59 @@
+// The integer arithmetic around MLP_p (docs/format.md, "Context model"): what it sees of a seed, and what follows from
+// what it says. Values are in units of 2^-24, inputs in units of 2^-6.
+#pragma once
+#include <cstdint>
+
+namespace sgi {
+
+constexpr int kLevels = 8;       // cell sizes told apart
+constexpr int kSummary = 7;      // three colours, the loudness, three shape numbers
+constexpr int kMostRanks = 6;    // neighbours that have a weight
+constexpr int kLevelInputs = kLevels + 1;
+constexpr int kNeighbourInputs = 1 + kSummary + 5 + 1 + kSummary + 2;
+constexpr int kStepCount = 103;
+
+struct SeedsView {
+  const int32_t *half_pixels;  // [N, 2] centres
+  const int8_t *log_size;      // [N]
+  const int32_t *neighbours;   // [N, ranks] nearest seeds of earlier passes, -1 where there is none
+  int ranks;
+};
+
+// Inputs 1 and 2 of the seeds `members` [n]: cell size and quality, then, if there are ranks, what the neighbours'
+// summaries [N, 7] say. Writes the first columns of out [n, stride].
+void seed_inputs(const SeedsView &seeds, const int16_t *summary, const int64_t *members, int64_t n, int quality,
+                 int threads, int16_t *out, int64_t stride);
+
+struct AttributesView {
+  const int64_t *values;  // [N, width] decoded
+  int64_t width;
+  int per_seed, channels;
+  int colour, shape;      // columns where these groups start
+};
+
+// Summaries [n, 7] and amplitude indices [n] of the seeds `members`.
+void summarise(const AttributesView &attributes, const int64_t *members, int64_t n, int threads, int16_t *summary,
+               int32_t *amplitude);
+
+struct GroupPlan {
+  const int64_t *base;     // [size, kLevels] base step index of each attribute
+  const int64_t *columns;  // [size] which prediction belongs to each attribute
+  const int32_t *amplitude;  // [n], or null where the steps do not follow it
+  int64_t gamma;
+  int size;
+};
+
+struct PredictionView {
+  const int64_t *mean, *scale, *refine;  // [n] rows, `stride` apart
+  int64_t stride;
+};
+
+// Mean and step (units of 2^-24) and scale index of every attribute of a group [n, size], of n seeds in cells of
+// log_size [n].
+void quantisers(const GroupPlan &plan, const PredictionView &prediction, const int8_t *log_size, int64_t n,
+                int threads, int64_t *mean, int64_t *step, int16_t *scale);
+
+// The step of an index, units of 2^-24.
+int64_t step_of(int64_t index);
+
+}  // namespace sgi

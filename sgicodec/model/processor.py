@@ -1,0 +1,21 @@
+"""What of the processor native code may use."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["ONE_THREAD", "Processor"]
+
+
+@dataclass(frozen=True)
+class Processor:
+    """threads: 0 for one per core. isa: auto, avx512, avx2 or portable, a ValueError where this machine lacks it.
+
+    Neither changes a symbol; pixels differ between instruction sets by rounding alone.
+    """
+
+    threads: int = 1
+    isa: str = "auto"
+
+
+ONE_THREAD = Processor()
