@@ -8,6 +8,7 @@ I8 = NDArray[np.int8]
 I16 = NDArray[np.int16]
 I32 = NDArray[np.int32]
 I64 = NDArray[np.int64]
+F64 = NDArray[np.float64]
 
 class Rasterizer:
     def __init__(self, isa: str, threads: int, most_pairs: int) -> None: ...
@@ -139,3 +140,8 @@ def quantisers(
     out_scale: I16,
     /,
 ) -> None: ...
+def group_by_key(keys: I16, order: I32, start: I64, /) -> None: ...
+def ungroup_symbols(
+    indices: I32, order: I32, tables: I16, support: I32, start: I64, bits: F64, symbols: I32, /
+) -> tuple[float, int]: ...
+def add_predictions(plane: I64, predictor: int, most: int, /) -> bool: ...

@@ -20,7 +20,7 @@ LAYERS = {
     "image": {"errors"},
     "metrics": {"errors"},
     "files": {"errors"},
-    "bitstream": {"errors", "model"},
+    "bitstream": {"errors", "model", "_native"},
     "fit": {"errors", "_native", "model", "raster"},
     "decoder": {"errors", "bitstream", "image", "model", "raster"},
     "encoder": {"errors", "version", "bitstream", "fit", "image", "model"},

@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from sgicodec._native import add_predictions
 from sgicodec.bitstream.entropy import IntArray, SymbolWalk
 from sgicodec.bitstream.tables import (
     MAX_MAGNITUDE,
@@ -74,7 +75,7 @@ def code_base(walk: SymbolWalk, base: ArrayLike | None, shape: tuple[int, int, i
         table = walk.code_int(table, _TABLE_BITS)
         rest = walk.code(rest, np.full(shape[1:], table, np.int16)).astype(np.int64)
         errors.append(rest + _mixed(references, (codes - 8).tolist(), shape[1:]))
-        decoded[channel] = _reconstruct(errors[-1], PREDICTORS[number]) if planes is None else planes[channel]
+        decoded[channel] = _reconstruct(errors[-1], number) if planes is None else planes[channel]
     return decoded
 
 
@@ -134,23 +135,10 @@ def _mixed(references: list[Plane], weights: list[int], shape: tuple[int, ...]) 
     return total >> 3
 
 
-def _reconstruct(error: Plane, predict: Predictor) -> Plane:
-    """The plane with these prediction errors, diagonal by diagonal: each needs only the two before it."""
-    height, width = error.shape
-    padded = np.zeros((height + 1, width + 1), np.int64)
-    padded[1:, 1:] = error
-    flat = padded.reshape(-1)
-    for diagonal in range(height + width - 1):
-        if 0 < diagonal < width:
-            padded[0, diagonal + 1] = padded[1, diagonal]
-        if 0 < diagonal < height:
-            padded[diagonal + 1, 0] = padded[diagonal, 1]
-        rows = np.arange(max(0, diagonal - width + 1), min(diagonal, height - 1) + 1)
-        here = (rows + 1) * (width + 1) + diagonal - rows + 1
-        north = here - (width + 1)
-        flat[here] += predict(flat[here - 1], flat[north], flat[north - 1])
-    plane = padded[1:, 1:]
-    if plane.size and int(np.abs(plane).max()) > MAX_MAGNITUDE:
+def _reconstruct(error: Plane, predictor: int) -> Plane:
+    """The plane with these prediction errors."""
+    plane = np.array(error, np.int64, order="C")
+    if not add_predictions(plane, predictor, MAX_MAGNITUDE):
         raise CorruptStreamError(f"base layer: a value exceeds ±{MAX_MAGNITUDE}; the stream is damaged")
     return plane
 

@@ -20,7 +20,7 @@ import zlib
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cache
+from functools import cache, lru_cache
 from itertools import pairwise
 from typing import Any
 
@@ -28,11 +28,13 @@ import constriction
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from sgicodec import _native
 from sgicodec.bitstream.tables import (
     MAX_MAGNITUDE,
     TABLES,
     TOTAL,
     bits_of_frequencies,
+    escape_bits,
     escape_exponent,
     escape_frequencies,
     frequency_tables,
@@ -83,16 +85,21 @@ class SymbolWalk(ABC):
         if values is not None and values.size and int(np.abs(values).max()) > MAX_MAGNITUDE:
             raise UsageError(f"entropy: a symbol exceeds ±{MAX_MAGNITUDE}; use a larger step")
         family = frequency_tables()
-        support = family.support[table]
-        escape = 2 * support + 1
-        index = None if values is None else np.where(np.abs(values) <= support, values + support, escape)
-        index = self._grouped(index, table, _zero_centred_model)
-        coded = index - support
-        escaped = np.flatnonzero(index == escape)
-        if escaped.size:
-            coded[escaped] = self._escaped(None if values is None else values[escaped], support[escaped])
-        self._record(coded, float(family.bits(coded, table).sum()))
-        return coded.astype(np.int32).reshape(shape)
+        order, start = _groups(table, TABLES)
+        index = None
+        if values is not None:
+            support = family.support[table]
+            index = np.where(np.abs(values) <= support, values + support, 2 * support + 1)[order].astype(np.int32)
+        index = self._in_groups(index, start, _zero_centred_model)
+        coded = np.empty(table.size, np.int32)
+        tables_of = (family.support, family.start, family.symbol_bits)
+        bits, escapes = _native.ungroup_symbols(index, order, table, *tables_of, coded)
+        if escapes:
+            where = np.flatnonzero(coded > family.support[table])
+            coded[where] = self._escaped(None if values is None else values[where], family.support[table[where]])
+            bits += float(escape_bits(np.abs(coded[where]) - family.support[table[where]] - 1).sum())
+        self._record(coded, bits)
+        return coded.reshape(shape)
 
     def code_categorical(
         self, symbols: ArrayLike | None, frequencies: NDArray[np.int64], contexts: ArrayLike
@@ -117,11 +124,16 @@ class SymbolWalk(ABC):
         alphabet = np.argsort(~present, axis=1, kind="stable").astype(np.int32)  # and back
 
         def model(row: int) -> Any:
-            return _model(frequencies[row][present[row]])
+            return _model(tuple(frequencies[row][present[row]].tolist()))
 
-        index = self._grouped(None if values is None else rank[context, values], context, model)
-        coded: IntArray = alphabet[context, index]
-        self._record(coded, float(bits_of_frequencies(frequencies)[context, coded].sum()))
+        order, start = _groups(context, len(frequencies))
+        coded = np.empty(context.size, np.int32)
+        coded[order] = self._in_groups(None if values is None else rank[context, values][order], start, model)
+        if not present.all():
+            coded = alphabet[context, coded]
+        counts = np.bincount(context.astype(np.int64) * frequencies.shape[1] + coded, minlength=frequencies.size)
+        used = np.flatnonzero(counts)
+        self._record(coded, float(counts[used] @ bits_of_frequencies(frequencies.reshape(-1)[used])))
         return coded.reshape(shape)
 
     def code_bits(self, values: ArrayLike | None, n_bits: int, count: int) -> NDArray[np.int64]:
@@ -148,19 +160,16 @@ class SymbolWalk(ABC):
         self.crc = zlib.crc32(values.astype("<u4").tobytes(), self.crc)
         self.bits[self._part] = self.bits.get(self._part, 0.0) + bits
 
-    def _grouped(
-        self, index: NDArray[np.integer] | None, keys: NDArray[np.int16], model_of: Callable[[int], Any]
-    ) -> IntArray:
-        """Codes indices in runs of equal key: several times faster than a model per symbol."""
-        order = np.argsort(keys, kind="stable")
-        ordered = keys[order]
-        bounds = [0, *(np.flatnonzero(np.diff(ordered)) + 1).tolist(), keys.size]
-        source = None if index is None else index[order].astype(np.int32)
-        coded = np.empty(keys.size, np.int32)
-        for begin, end in pairwise(bounds):
+    def _in_groups(self, index: IntArray | None, start: NDArray[np.int64], model_of: Callable[[int], Any]) -> IntArray:
+        """Codes indices that are ordered by key, those of `key` from start[key] on, in runs of equal key: several times
+        faster than a model per symbol.
+        """
+        coded = np.empty(int(start[-1]), np.int32)
+        bounds = start.tolist()
+        for key, (begin, end) in enumerate(pairwise(bounds)):
             if begin < end:
-                run = None if source is None else source[begin:end]
-                coded[order[begin:end]] = self._run(run, model_of(int(ordered[begin])), end - begin)
+                run = None if index is None else index[begin:end]
+                coded[begin:end] = self._run(run, model_of(key), end - begin)
         return coded
 
     def _escaped(self, values: NDArray[np.int64] | None, support: IntArray) -> NDArray[np.int64]:
@@ -168,7 +177,7 @@ class SymbolWalk(ABC):
         excess = None if values is None else np.abs(values) - support - 1
         exponent = self._run(
             None if excess is None else escape_exponent(excess).astype(np.int32),
-            _model(escape_frequencies()[0]),
+            _model(tuple(escape_frequencies()[0].tolist())),
             support.size,
         )
         decoded = np.empty(support.size, np.int64)
@@ -278,21 +287,29 @@ def _as_keys(models: ArrayLike, count: int) -> NDArray[np.int16]:
     return keys.astype(np.int16)
 
 
-def _model(frequencies: NDArray[np.int64]) -> Any:
+def _groups(keys: NDArray[np.int16], count: int) -> tuple[IntArray, NDArray[np.int64]]:
+    """Positions [n] ordered by key, equal keys by position, and where those of each key 0 … count begin [count + 1]."""
+    order, start = np.empty(keys.size, np.int32), np.empty(count + 1, np.int64)
+    _native.group_by_key(keys, order, start)
+    return order, start
+
+
+@lru_cache(maxsize=1 << 10)
+def _model(frequencies: tuple[int, ...]) -> Any:
     """A constriction model with exactly these frequencies; None for the single symbol that needs no coding.
 
     Categorical(perfect=False) gives every symbol 1 and shares out what is left in proportion: given f − 1 it
     has a factor of exactly 1, and all its sums are integers below 2**53.
     """
-    if frequencies.size < 2:
+    if len(frequencies) < 2:
         return None
-    weights = (frequencies - 1).astype(np.float64)
+    weights = np.array(frequencies, np.float64) - 1
     return constriction.stream.model.Categorical(weights, perfect=False)
 
 
 @cache
 def _zero_centred_model(table: int) -> Any:
-    return _model(frequency_tables().frequencies(table))
+    return _model(tuple(frequency_tables().frequencies(table).tolist()))
 
 
 @cache

@@ -26,7 +26,8 @@ from sgicodec.model.morton import Codes, canonical_order, morton, unmorton
 
 __all__ = ["Seeds", "TreeShape", "code_positions"]
 
-Flags = NDArray[np.int64]
+Flags = NDArray[np.uint8]
+Contexts = NDArray[np.int16]
 Seeds = tuple[NDArray[np.int32], NDArray[np.int8]]
 """Corners [N, 2] in pixels (x, y) and log2 of the node size [N]."""
 
@@ -47,6 +48,8 @@ _SIBLINGS = 8
 
 _SPLIT_CONTEXTS = 9 * _SIBLINGS
 _SEED_CONTEXTS = 4 * _SIBLINGS
+
+_DIRECTIONS = ((-1, 0), (1, 0), (0, -1), (0, 1))
 
 
 @dataclass(frozen=True)
@@ -101,7 +104,7 @@ def code_positions(walk: SymbolWalk, shape: TreeShape, seeds: Seeds | None, max_
 
 
 class _Flagger(Protocol):
-    def code(self, contexts: NDArray[np.int64], flags: Flags | None) -> Flags:
+    def code(self, contexts: Contexts, flags: Flags | None) -> Flags:
         """Codes one flag per context."""
 
 
@@ -112,10 +115,10 @@ class _FlagCounter:
         self._shape = shape
         self._counts = np.zeros((_context_count(shape), 2), np.int64)
 
-    def code(self, contexts: NDArray[np.int64], flags: Flags | None) -> Flags:
+    def code(self, contexts: Contexts, flags: Flags | None) -> Flags:
         if flags is None:
             raise UsageError("positions: counting needs flags")
-        self._counts += np.bincount(2 * contexts + flags, minlength=self._counts.size).reshape(-1, 2)
+        self._counts += np.bincount(2 * contexts.astype(np.int64) + flags, minlength=self._counts.size).reshape(-1, 2)
         return flags
 
     def best(self) -> tuple[int, NDArray[np.int64]]:
@@ -140,14 +143,13 @@ class _FlagCoder:
         self._best = best
         self._sent = np.full(merged.size, -1, np.int64)
 
-    def code(self, contexts: NDArray[np.int64], flags: Flags | None) -> Flags:
-        contexts = self._merged[contexts]
-        occurring = np.unique(contexts)
+    def code(self, contexts: Contexts, flags: Flags | None) -> Flags:
+        merged = self._merged[contexts]
+        occurring = np.flatnonzero(np.bincount(merged, minlength=self._sent.size))
         fresh = occurring[self._sent[occurring] < 0]
         best = None if self._best is None else self._best[fresh]
         self._sent[fresh] = self._walk.code_bits(best, 4, fresh.size)
-        coded: Flags = self._walk.code_categorical(flags, _FREQUENCIES, self._sent[contexts]).astype(np.int64)
-        return coded
+        return self._walk.code_categorical(flags, _FREQUENCIES, self._sent[merged]).astype(np.uint8)
 
 
 class _Truth:
@@ -172,19 +174,20 @@ class _Truth:
 
     def seed(self, level: int, codes: Codes) -> Flags:
         """1 where a node carries a seed."""
-        return (_find(codes, self._seeds[level]) >= 0).astype(np.int64)
+        return _occurs(codes, self._seeds[level])
 
     def split(self, level: int, codes: Codes) -> Flags:
         """1 where a node has seeds below it."""
-        return (_find(codes, self._splits[level]) >= 0).astype(np.int64)
+        return _occurs(codes, self._splits[level])
 
 
-def _find(values: Codes, ordered: Codes) -> NDArray[np.int64]:
-    """Index of each value in an ordered array, −1 where it is absent."""
+def _occurs(values: Codes, ordered: Codes) -> Flags:
+    """1 where a value is in an ordered array."""
     if ordered.size == 0:
-        return np.full(values.size, -1, np.int64)
+        return np.zeros(values.size, np.uint8)
     index = np.minimum(np.searchsorted(ordered, values), ordered.size - 1)
-    return np.where(ordered[index] == values, index, -1)
+    found: Flags = (ordered[index] == values).astype(np.uint8)
+    return found
 
 
 def _context_count(shape: TreeShape) -> int:
@@ -205,13 +208,14 @@ def _traverse(shape: TreeShape, flagger: _Flagger, truth: _Truth | None, max_see
     """Codes the tree; returns the Morton codes of the nodes that carry seeds, with their level."""
     columns, rows = shape.root_grid
     y, x = np.divmod(np.arange(columns * rows), columns)
-    roots = np.sort(morton(x, y))
-    unknown = np.zeros(roots.size, np.int64)
+    order = np.argsort(morton(x, y), kind="stable")
+    roots = morton(x, y)[order]
+    unknown = np.zeros(roots.size, np.int16)
     seed, split = _code_nodes(shape, flagger, truth, shape.root_log, roots, unknown, unknown)
-    seeds, parents = roots[seed == 1], roots[split == 1]
-    found = [(seeds, shape.root_log)]
+    parents = _Parents.of_roots(x[order], y[order], split)
+    found = [(roots[seed == 1], shape.root_log)]
     for level in range(shape.root_log - 1, shape.min_log - 2, -1):
-        if max(parents.size, sum(codes.size for codes, _ in found)) > max_seeds:
+        if max(len(parents), sum(codes.size for codes, _ in found)) > max_seeds:
             raise LimitError(f"positions: more than {max_seeds} seeds at level {level + 1}")
         if level >= shape.min_log:
             seeds, parents = _code_level(shape, flagger, truth, level, parents)
@@ -219,54 +223,79 @@ def _traverse(shape: TreeShape, flagger: _Flagger, truth: _Truth | None, max_see
     return found
 
 
+@dataclass(frozen=True)
+class _Parents:
+    """The split nodes of one level by ascending Morton code: their coordinates [P] in nodes, and for each of the four
+    directions the index of the neighbour among them [P], −1 where it is not split or not there.
+    """
+
+    x: Codes
+    y: Codes
+    beside: dict[tuple[int, int], Codes]
+
+    def __len__(self) -> int:
+        return len(self.x)
+
+    @classmethod
+    def of_roots(cls, x: Codes, y: Codes, split: Flags) -> _Parents:
+        """Those of the roots (all of a grid) that are split."""
+        x, y = x[split == 1], y[split == 1]
+        number = np.full((int(y.max(initial=0)) + 3, int(x.max(initial=0)) + 3), -1)
+        number[y + 1, x + 1] = np.arange(len(x))
+        return cls(x, y, {(dx, dy): number[y + 1 + dy, x + 1 + dx] for dx, dy in _DIRECTIONS})
+
+    def children(self, split: Flags) -> _Parents:
+        """Those of their children that are split, split [P, 4]: neighbours are children of the same or a neighbour."""
+        parent, child = np.nonzero(split)
+        number = np.full((len(self) + 1, 4), -1)  # the last row is that of neighbours that are not there
+        number[parent, child] = np.arange(len(parent))
+        beside = {}
+        for dx, dy in _DIRECTIONS:
+            half = child & 1 if dx else child >> 1
+            within = half + dx + dy == half ^ 1
+            where = np.where(within, parent, self.beside[dx, dy][parent])
+            beside[dx, dy] = number[where, child ^ (1 if dx else 2)]
+        return _Parents(2 * self.x[parent] + (child & 1), 2 * self.y[parent] + (child >> 1), beside)
+
+
 def _code_level(
-    shape: TreeShape, flagger: _Flagger, truth: _Truth | None, level: int, parents: Codes
-) -> tuple[Codes, Codes]:
-    """The children of `parents` (ascending): codes of those that carry seeds and of those that are split."""
-    x, y = unmorton(parents)
-    beside = _neighbours(x, y, parents)
-    seed = np.zeros((parents.size, 4), np.int64)
-    split = np.zeros((parents.size, 4), np.int64)
-    empty = np.zeros(parents.size, np.int64)
+    shape: TreeShape, flagger: _Flagger, truth: _Truth | None, level: int, parents: _Parents
+) -> tuple[Codes, _Parents]:
+    """The children of `parents`: codes of those that carry seeds, and those that are split."""
+    count = len(parents)
+    codes = 4 * morton(parents.x, parents.y)
+    seed = np.zeros((count, 4), np.uint8)
+    split = np.zeros((count + 1, 4), np.uint8)  # the last row is that of neighbours that are not there
+    empty, occupied = np.zeros(count, np.uint8), np.zeros(count, np.uint8)
     for child in range(4):
         right, down = child & 1, child >> 1
-        inside = (2 * x + right << level < shape.width) & (2 * y + down << level < shape.height)
-        exists = np.flatnonzero(inside)
-        occupied = np.any(seed + split > 0, axis=1).astype(np.int64)
-        score = _score(split, beside, child)[exists]
-        siblings = (2 * empty + occupied)[exists]
-        codes = 4 * parents[exists] + child
-        here = _code_nodes(shape, flagger, truth, level, codes, score, siblings)
-        seed[exists, child], split[exists, child] = here
-        empty[exists] += here[0] + here[1] == 0
-    if not np.all(np.any(seed + split > 0, axis=1)):
+        inside = (2 * parents.x + right << level < shape.width) & (2 * parents.y + down << level < shape.height)
+        exists = slice(None) if inside.all() else np.flatnonzero(inside)
+        score = _score(split, parents, child)[exists]
+        siblings = (2 * empty + occupied)[exists].astype(np.int16)
+        here = _code_nodes(shape, flagger, truth, level, codes[exists] + child, score, siblings)
+        seed[exists, child], split[:count][exists, child] = here
+        taken = here[0] | here[1]
+        empty[exists] += taken ^ 1
+        occupied[exists] |= taken
+    if not occupied.all():
         raise CorruptStreamError(f"positions: a split node of level {level + 1} has no children")
-    children = 4 * parents[:, None] + np.arange(4)
-    return children[seed == 1], children[split == 1]
+    parent, number = np.nonzero(seed)
+    return codes[parent] + number, parents.children(split[:count])
 
 
-def _neighbours(x: Codes, y: Codes, codes: Codes) -> dict[tuple[int, int], NDArray[np.int64]]:
-    """For each of the four directions the index of the neighbour among `codes`, −1 where it is not there."""
-    beside = {}
-    for dx, dy in ((-1, 0), (1, 0), (0, -1), (0, 1)):
-        inside = (x + dx >= 0) & (y + dy >= 0)
-        index = _find(morton(np.maximum(x + dx, 0), np.maximum(y + dy, 0)), codes)
-        beside[dx, dy] = np.where(inside, index, -1)
-    return beside
-
-
-def _score(split: Flags, beside: dict[tuple[int, int], NDArray[np.int64]], child: int) -> NDArray[np.int64]:
+def _score(split: Flags, parents: _Parents, child: int) -> NDArray[np.int16]:
     """Sum over the four neighbours of child number `child` of each parent: 2 for one known to be split, 1 for
     one not coded yet whose parent is split, else 0.
     """
-    score = np.zeros(len(split), np.int64)
-    for (dx, dy), index in beside.items():
+    score = np.zeros(len(parents), np.int16)
+    for (dx, dy), index in parents.beside.items():
         half = child & 1 if dx else child >> 1
         other = child ^ (1 if dx else 2)
-        within = half + dx + dy in (0, 1)  # the neighbour has the same parent
-        parent = np.arange(len(split)) if within else index
-        value = 2 * split[parent, other] if other < child else 1
-        score += np.where(parent >= 0, value, 0)
+        if half + dx + dy in (0, 1):  # the neighbour has the same parent
+            score += 2 * split[:-1, other] if other < child else 1
+        else:
+            score += 2 * split[index, other] if other < child else index >= 0
     return score
 
 
@@ -276,15 +305,15 @@ def _code_nodes(
     truth: _Truth | None,
     level: int,
     codes: Codes,
-    score: NDArray[np.int64],
-    siblings: NDArray[np.int64],
+    score: NDArray[np.int16],
+    siblings: NDArray[np.int16],
 ) -> tuple[Flags, Flags]:
-    """The two flags of nodes of one level: first whether each is split, then whether it carries a seed."""
-    split = np.zeros(codes.size, np.int64)
+    """The two flags of nodes of one level, whether each carries a seed and whether it is split, which comes first."""
+    split = np.zeros(codes.size, np.uint8)
     if level > shape.min_log:
         first = _SEED_CONTEXTS + (level - shape.min_log) * _SPLIT_CONTEXTS
         given = None if truth is None else truth.split(level, codes)
-        split = flagger.code(first + _SIBLINGS * score + siblings, given)
+        split = flagger.code(np.int16(first) + np.int16(_SIBLINGS) * score + siblings, given)
     kind = 2 * (level == shape.min_log) + split
     given = None if truth is None else truth.seed(level, codes)
-    return flagger.code(_SIBLINGS * kind + siblings, given), split
+    return flagger.code(np.int16(_SIBLINGS) * kind + siblings, given), split

@@ -5,6 +5,7 @@
 
 #include <stdexcept>
 
+#include "../../bitstream/cpp/bind_bitstream.hpp"
 #include "../../fit/cpp/bind_seed_fit.hpp"
 #include "../../model/cpp/bind_model.hpp"
 #include "neighbours.hpp"
@@ -57,6 +58,7 @@ sgi::Gradients gradients(const sgi::Gaussians &g, F32Out2 &means, F32Out2 &covar
 }  // namespace
 
 NB_MODULE(_native, m) {
+  bind_bitstream(m);
   bind_model(m);
   nb::class_<sgi::Rasterizer>(m, "Rasterizer")
       .def(nb::init<const std::string &, int, int64_t>(), "isa"_a, "threads"_a, "most_pairs"_a)

@@ -1,0 +1,5 @@
+// Python bindings of what lies between symbols and arrays.
+#pragma once
+#include <nanobind/nanobind.h>
+
+void bind_bitstream(nanobind::module_ &m);
