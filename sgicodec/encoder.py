@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import math
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -17,20 +18,24 @@ from sgicodec.bitstream.header import MAX_CHANNELS, MAX_SIDE, Header, encode_hea
 from sgicodec.bitstream.limits import check_model
 from sgicodec.bitstream.prior import PRIORS, load_prior
 from sgicodec.bitstream.tile import DECODER_SHIFT, TileModel, write_tile
-from sgicodec.errors import LimitError, PictureError, UsageError
+from sgicodec.decoder import open_stream
+from sgicodec.errors import LimitError, PictureError, TargetMissedError, UsageError
+from sgicodec.fit.steering import Goal, Measured, Steering, first_lmbda
 from sgicodec.image import Picture, full_range, to_unit
+from sgicodec.metrics import psnr
 from sgicodec.model.base import fit_base, render_base
 from sgicodec.model.gaussians import colour_matrix
 from sgicodec.model.layout import adaptive_layout, uniform_layout
 from sgicodec.model.quantize import step_fixed, step_index
 from sgicodec.model.spec import ModelSpec, default_spec, paper_spec
+from sgicodec.trim import coarser, trim
 from sgicodec.version import __version__
 
 if TYPE_CHECKING:
     from sgicodec.fit.settings import FitSettings
     from sgicodec.fit.trainer import Fitted, Progress
 
-__all__ = ["FAMILY", "EncodeSettings", "Encoded", "base_layer", "encode", "quality_index"]
+__all__ = ["FAMILY", "EncodeSettings", "Encoded", "base_layer", "encode"]
 
 FAMILY = 1
 """Frequency tables of the default profile: Laplace."""
@@ -45,6 +50,8 @@ class EncodeSettings:
     quality: 1 to 100, or lmbda directly. effort: 1 to 9, optimisation steps of the default profile. seeds: their number
     in the paper profile. per_seed: K. features: D (paper). levels: M (paper). steps: of the whole fit. prior: number
     of the shipped context model, 0 for one that travels in the stream. metadata: whether ICC, EXIF and XMP are kept.
+    psnr in dB, size in bytes or bpp in bits per pixel: what to end at, in the default profile. time_limit: seconds
+    that the encode may take, instead of a number of steps.
     """
 
     quality: float = 50.0
@@ -60,6 +67,23 @@ class EncodeSettings:
     seed: int = 0
     threads: int = 0
     metadata: bool = True
+    psnr: float | None = None
+    size: float | None = None
+    bpp: float | None = None
+    time_limit: float | None = None
+
+    def goal(self, pixels: int) -> Goal | None:
+        """What a picture of so many pixels is to end at, if anything."""
+        if self.psnr is not None:
+            return Goal(psnr=self.psnr)
+        if self.bpp is not None:
+            return Goal(bytes=self.bpp * pixels / 8)
+        return None if self.size is None else Goal(bytes=self.size)
+
+    def asked(self) -> str:
+        """The goal in a word, empty without one."""
+        goals = {"psnr": self.psnr, "bpp": self.bpp, "size": self.size}
+        return "".join(f"{name}{value:g}" for name, value in goals.items() if value is not None)
 
     def __post_init__(self) -> None:
         checks = [
@@ -75,11 +99,20 @@ class EncodeSettings:
             (self.seeds is None or self.seeds >= 1, f"seeds {self.seeds}; at least 1"),
             (self.steps is None or self.steps >= 1, f"steps {self.steps}; at least 1"),
             (self.levels is None or 1 <= self.levels <= 4, f"levels {self.levels}; 1 to 4"),
+            (self.psnr is None or 0 < self.psnr < math.inf, f"psnr {self.psnr}; it must be positive"),
+            (self.size is None or self.size >= 1, f"size {self.size}; at least 1 byte"),
+            (self.bpp is None or 0 < self.bpp < math.inf, f"bpp {self.bpp}; it must be positive"),
+            (self.time_limit is None or 0 < self.time_limit < math.inf, f"time limit {self.time_limit}; above 0 s"),
             (self.threads >= 0, f"threads {self.threads}; 0 (all cores) or more"),
         ]
         for sound, message in checks:
             if not sound:
                 raise UsageError(message)
+        goals = [name for name in ("psnr", "size", "bpp") if getattr(self, name) is not None]
+        if len(goals) > 1:
+            raise UsageError(f"{goals[0]} and {goals[1]} exclude each other")
+        if goals and self.profile != "default":
+            raise UsageError(f"{goals[0]} is a setting of the default profile")
         if self.profile == "default":
             for name in ("seeds", "features", "levels"):
                 if getattr(self, name) is not None:
@@ -101,44 +134,132 @@ def encode(
     picture: Picture,
     settings: EncodeSettings | None = None,
     on_progress: Callable[[Progress], bool] | None = None,
+    started: float | None = None,
 ) -> Encoded:
     """Fits `picture` and writes the stream. `on_progress` is called after every step; what it returns says whether to
-    go on (True) or to finish with what is there. Equal input, settings and version give equal bytes.
+    go on (True) or to finish with what is there. Equal input, settings and version give equal bytes, unless time is
+    the limit: it runs from `started` on, a value of time.monotonic(), or from this call.
 
-    Raises PictureError for what no stream can hold, UsageError for a range of samples that integers do not have.
+    Raises TargetMissedError, with the nearest stream, for a size or quality that cannot be reached, PictureError for what no stream can hold, UsageError for a range of samples that integers do not have.
     """
     settings = settings or EncodeSettings()
     spec = _spec(settings, picture.pixels.shape[2])
     _check(picture, spec)
-    unit = np.ascontiguousarray(to_unit(picture).transpose(2, 0, 1))
-    fit = _fit_settings(settings)
-    base_step, base, target = base_layer(spec, unit, fit.lmbda)
-    fitted, quality, family = _fit(spec, fit, target, on_progress)
-    header = Header(
-        picture.width,
-        picture.height,
-        picture.channels,
-        str(picture.pixels.dtype),
-        picture.sample_range,
-        settings.profile,
-        spec,
-        quality,
-        family,
-    )
-    model = TileModel(
-        fitted.layout,
-        fitted.plan,
-        base_step,
-        base,
-        {name: np.rint(w * 2.0**DECODER_SHIFT).astype(np.int64) for name, w in fitted.decoders.items()},
-        fitted.networks,
-        fitted.hash_bits,
-        fitted.attributes,
-    )
-    payload, walk = write_tile(header, model)
-    data = _assemble(picture, header, payload, settings, fit)
-    parts = {name: bits / 8 for name, bits in walk.bits.items()}
-    return Encoded(data, parts, len(fitted.layout), len(fitted.layout) * spec.per_seed, fit.lmbda)
+    started = time.monotonic() if started is None else started
+    return _Encoding(picture, settings, spec, started).run(on_progress)
+
+
+class _Encoding:
+    """One picture on its way to a stream."""
+
+    def __init__(self, picture: Picture, settings: EncodeSettings, spec: ModelSpec, started: float) -> None:
+        self.started = started
+        self.picture, self.settings, self.spec = picture, settings, spec
+        self.unit = np.ascontiguousarray(to_unit(picture).transpose(2, 0, 1))
+        self.goal = settings.goal(picture.width * picture.height)
+        self.fit = _fit_settings(settings)
+        if self.goal is not None:
+            _, _, detail = base_layer(spec, self.unit, self.fit.lmbda)
+            self.fit = replace(self.fit, lmbda=first_lmbda(self.goal, detail, self.fit))
+        self.base_step, self.base, self.target = base_layer(spec, self.unit, self.fit.lmbda)
+
+    def run(self, on_progress: Callable[[Progress], bool] | None) -> Encoded:
+        """Fits and writes. Raises TargetMissedError, with the nearest stream, where a goal cannot be reached."""
+        fitted, family = self._fitted(on_progress)
+        if self.goal is None:
+            return self._stream(fitted, family)
+        goal = self.goal
+        encoded, measured = trim(goal, lambda shift: self._measured(fitted, family, shift))
+        if goal.is_missed(measured):
+            raise TargetMissedError(_regret(goal, measured), encoded)
+        return encoded
+
+    def _fitted(self, on_progress: Callable[[Progress], bool] | None) -> tuple[Fitted, int]:
+        from sgicodec.fit.trainer import Trainer
+
+        spec, fit = self.spec, self.fit
+        _, height, width = self.target.shape
+        if spec.layout == "uniform":
+            count = fit.seeds or max(1, round(width * height / 400))
+            layout = uniform_layout(width, height, count, np.random.default_rng(fit.seed))
+        else:
+            layout = adaptive_layout(self.target, fit.split * fit.lmbda * fit.seed_bits)
+        family = 0 if spec.layout == "uniform" else FAMILY
+        networks = load_prior(spec) if spec.context.prior else None
+        steering = None
+        if self.goal is not None:
+            steering = Steering(self.goal, fit.lmbda, _OVERHEAD + _BASE_BYTES * self.base.size)
+        with _one_torch_thread():
+            trainer = Trainer(
+                spec,
+                fit,
+                self.target,
+                layout,
+                family,
+                networks,
+                steering=steering,
+                measure=lambda fitted: self._measured(fitted, family, 0)[1],
+                seconds=self._seconds(),
+            )
+            return trainer.run(on_progress), family
+
+    def _seconds(self) -> float | None:
+        """What is left for the fit itself."""
+        if self.settings.time_limit is None:
+            return None
+        coding: float = _CODING_SECONDS * (2 if self.goal is None else 8) * (0.2 + self.target[0].size / 1e6)
+        left = self.settings.time_limit - (time.monotonic() - self.started)
+        return max(0.5 * left, left - coding, 1e-3)
+
+    def _measured(self, fitted: Fitted, family: int, shift: int) -> tuple[Encoded, Measured]:
+        encoded = self._stream(fitted, family, shift)
+        quality = math.inf
+        if self.goal is not None and self.goal.psnr is not None:
+            decoded = open_stream(encoded.data).picture(threads=self.settings.threads)
+            low, high = self.picture.sample_range
+            quality = psnr(self.picture.pixels, decoded.pixels, peak=high - low)
+        return encoded, Measured(len(encoded.data), quality)
+
+    def _stream(self, fitted: Fitted, family: int, shift: int = 0) -> Encoded:
+        picture, spec = self.picture, self.spec
+        header = Header(
+            picture.width,
+            picture.height,
+            picture.channels,
+            str(picture.pixels.dtype),
+            picture.sample_range,
+            self.settings.profile,
+            spec,
+            fitted.quality,
+            family,
+        )
+        model = TileModel(
+            fitted.layout,
+            fitted.plan,
+            self.base_step,
+            self.base,
+            {name: np.rint(w * 2.0**DECODER_SHIFT).astype(np.int64) for name, w in fitted.decoders.items()},
+            coarser(fitted.networks, shift) if shift else fitted.networks,
+            fitted.hash_bits,
+            fitted.attributes,
+        )
+        payload, walk = write_tile(header, model)
+        data = _assemble(picture, header, payload, self.settings, self.fit)
+        parts = {name: bits / 8 for name, bits in walk.bits.items()}
+        seeds = len(fitted.layout)
+        return Encoded(data, parts, seeds, seeds * spec.per_seed, fitted.lmbda)
+
+
+_OVERHEAD, _BASE_BYTES = 250.0, 0.4
+"""About what a stream holds beside its seeds: header, steps and differences; and for each number of the base layer."""
+_CODING_SECONDS = 0.6
+"""Of one stream of a megapixel, generously."""
+
+
+def _regret(goal: Goal, measured: Measured) -> str:
+    if goal.bytes is not None:
+        return f"no stream of at most {goal.bytes:.0f} bytes was found; the smallest has {measured.bytes:.0f}"
+    return f"no stream of {goal.psnr:g} dB was found; the best reaches {measured.psnr:.2f} dB"
 
 
 def _check(picture: Picture, spec: ModelSpec) -> None:
@@ -191,25 +312,6 @@ def base_layer(spec: ModelSpec, unit: F32, lmbda: float) -> tuple[int, NDArray[n
     return index, base, unit - drawn
 
 
-def _fit(
-    spec: ModelSpec, fit: FitSettings, target: F32, on_progress: Callable[[Progress], bool] | None
-) -> tuple[Fitted, int, int]:
-    from sgicodec.fit.trainer import Trainer
-
-    _, height, width = target.shape
-    quality = quality_index(fit.lmbda)
-    if spec.layout == "uniform":
-        count = fit.seeds or max(1, round(width * height / 400))
-        layout = uniform_layout(width, height, count, np.random.default_rng(fit.seed))
-    else:
-        layout = adaptive_layout(target, fit.split * fit.lmbda * fit.seed_bits)
-    family = 0 if spec.layout == "uniform" else FAMILY
-    networks = load_prior(spec) if spec.context.prior else None
-    trainer = Trainer(spec, fit, target, layout, quality, family, networks)
-    with _one_torch_thread():
-        return trainer.run(on_progress), quality, family
-
-
 @contextmanager
 def _one_torch_thread() -> Iterator[None]:
     """With more threads torch's sums, powers and scattered additions depend on their number, some even on chance.
@@ -226,20 +328,14 @@ def _one_torch_thread() -> Iterator[None]:
         torch.set_num_threads(threads)
 
 
-def quality_index(lmbda: float) -> int:
-    """Index of the colour step that rate theory gives cells of 8 pixels: q² = 6 λ / (E ln 2), with E the squared error
-    of a unit of colour in a Gaussian of about half the cell's size.
-    """
-    return int(step_index(math.sqrt(6 * max(lmbda, 1e-12) / (math.log(2) * math.pi * 0.3 * 64))))
-
-
 def _assemble(picture: Picture, header: Header, payload: bytes, settings: EncodeSettings, fit: FitSettings) -> bytes:
     buffer = io.BytesIO()
     writer = ChunkWriter(buffer)
     writer.write("H", encode_header(header))
     by_scale = settings.profile == "default"
-    asked = f"q{settings.quality:g}" if by_scale and settings.lmbda is None else f"l{fit.lmbda:g}"
+    asked = settings.asked() or (f"q{settings.quality:g}" if by_scale and settings.lmbda is None else f"l{fit.lmbda:g}")
     took = f"e{settings.effort}" if by_scale and settings.steps is None else f"n{fit.steps}"
+    took = took if settings.time_limit is None else f"t{settings.time_limit:g}"
     writer.write("s", f"{__version__} {asked} {took}".encode())
     if settings.metadata:
         blobs = {"i": picture.metadata.icc, "c": picture.metadata.exif, "x": picture.metadata.xmp}

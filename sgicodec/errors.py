@@ -5,6 +5,8 @@ Anything else that escapes is a defect of this package and ends the command with
 
 from __future__ import annotations
 
+from typing import Any
+
 __all__ = [
     "CorruptStreamError",
     "LimitError",
@@ -55,9 +57,13 @@ class LimitError(StreamError):
 
 
 class TargetMissedError(SgiError):
-    """A rate or quality that was asked for and not reached (exit 5)."""
+    """A rate or quality that was asked for and not reached (exit 5). `nearest` is the best that was found, if any."""
 
     exit_code = 5
+
+    def __init__(self, message: str, nearest: Any = None) -> None:
+        super().__init__(message)
+        self.nearest = nearest
 
 
 class OutputExistsError(SgiError):

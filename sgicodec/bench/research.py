@@ -24,7 +24,7 @@ import torch
 from sgicodec.bitstream.entropy import SymbolWriter
 from sgicodec.bitstream.prior import PRIORS, load_prior
 from sgicodec.bitstream.tile import code_networks
-from sgicodec.encoder import FAMILY, base_layer, quality_index
+from sgicodec.encoder import FAMILY, base_layer
 from sgicodec.fit.settings import FitSettings, LearningRates, default_settings
 from sgicodec.fit.trainer import Trainer
 from sgicodec.image import read, to_unit
@@ -61,7 +61,7 @@ def fit_variant(path: Path, variant: str, lmbda: float, steps: int, threads: int
     layout = adaptive_layout(target, settings.split * lmbda * settings.seed_bits)
     networks = None if own else load_prior(spec)
     started = monotonic()
-    trainer = Trainer(spec, settings, target, layout, quality_index(lmbda), FAMILY, networks)
+    trainer = Trainer(spec, settings, target, layout, FAMILY, networks)
     last = list(trainer.iterate())[-1]
     side = float(trainer.net.hash_bits().detach()) + _network_bits(spec, trainer.result().networks)
     bits = last.bits + last.seeds + side

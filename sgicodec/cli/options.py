@@ -9,6 +9,7 @@ from typing import Any, NoReturn, TypeVar
 import click
 
 __all__ = [
+    "BYTES",
     "FLOAT_RANGE",
     "REGION",
     "SCALE",
@@ -74,9 +75,17 @@ class _FloatRange(_Pattern):
         return (low, high) if -math.inf < low < high < math.inf else None
 
 
+class _Bytes(_Pattern):
+    def read(self, found: re.Match[str]) -> float | None:
+        number, prefix, binary = found.groups()
+        size = float(number) * (1024 if binary else 1000) ** " kmg".index((prefix or " ").lower())
+        return size if size >= 1 else None
+
+
 _NUMBER = r"(\d+\.?\d*|\.\d+)"
 
 REGION = _Region("X,Y,W,H", r"(\d+),(\d+),(\d+),(\d+)", "100,50,256,256")
+BYTES = _Bytes("BYTES", r"(\d+\.?\d*|\.\d+) ?(?:([kKmMgG])(i?))?B?", "20000, 200kB or 1.5MiB")
 SCALE = _Scale("F", rf"{_NUMBER}(?:/{_NUMBER})?", "0.5 or 1/4")
 SIZE = _Size("WxH", r"(\d*)[xX×](\d*)", "512x384, 512x or x384")
 FLOAT_RANGE = _FloatRange("LOW,HIGH", r"([^,]+),([^,]+)", "0,1 or -40,1500.5")

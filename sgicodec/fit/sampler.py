@@ -52,8 +52,8 @@ class Sampler:
 
     refresh = 8
 
-    def __init__(self, spec: ModelSpec, net: ContextNet, plan: StepPlan, quality: int, family: int) -> None:
-        self.spec, self.net, self.quality = spec, net, quality
+    def __init__(self, spec: ModelSpec, net: ContextNet, plan: StepPlan, family: int) -> None:
+        self.spec, self.net = spec, net
         self.bits_of = bits_laplace if family else bits_gaussian
         self.steps = _flat(spec, plan).requires_grad_()
         self.columns: dict[str, Tensor | None] = {
@@ -89,11 +89,11 @@ class Sampler:
         with torch.no_grad():
             self.steps.copy_(_flat(self.spec, plan))
 
-    def set_layout(self, layout: SeedLayout, width: int, height: int) -> None:
+    def set_layout(self, layout: SeedLayout, quality: int, width: int, height: int) -> None:
         """Prepares everything that depends on where the seeds are."""
         context = self.spec.context
         self.level = torch.from_numpy(np.clip(layout.log_size.astype(np.int64), 0, LEVELS - 1))
-        self.level_inputs = torch.from_numpy(level_inputs(layout, self.quality)).float()
+        self.level_inputs = torch.from_numpy(level_inputs(layout, quality)).float()
         self.log_size = torch.from_numpy(layout.log_size.astype(np.float32))
         if context.neighbours:
             table, present = neighbour_table(context, layout, nearest_seeds)

@@ -35,10 +35,10 @@ class SeedStep:
 
     refresh = 8
 
-    def __init__(self, spec: ModelSpec, raster: NativeRasterizer, quality: int, threads: int) -> None:
+    def __init__(self, spec: ModelSpec, raster: NativeRasterizer, threads: int) -> None:
         opponent = np.array(colour_matrix(spec.channels), np.float32)
         self.native = _native.SeedFit(raster.isa, threads, spec.per_seed, spec.context.hidden, opponent)
-        self.spec, self.raster, self.quality = spec, raster, quality
+        self.spec, self.raster = spec, raster
         self.age = 0
 
     @staticmethod
@@ -49,7 +49,7 @@ class SeedStep:
         grouped = context.steps == tuple((name,) for name in _GROUPS) and not context.hash_resolutions
         return plain and grouped and 0 < context.neighbours <= _native.MOST_NEIGHBOURS
 
-    def set_layout(self, layout: SeedLayout) -> None:
+    def set_layout(self, layout: SeedLayout, quality: int) -> None:
         """Prepares everything that depends on where the seeds are."""
         table, present = neighbour_table(self.spec.context, layout, nearest_seeds)
         one = np.float32(2.0**-INPUT_BITS)
@@ -60,7 +60,7 @@ class SeedStep:
             np.clip(layout.log_size, 0, LEVELS - 1).astype(np.int32),
             np.where(present, table, -1).astype(np.int32),
             nearest_offset(layout, table).astype(np.float32) * one,
-            level_inputs(layout, self.quality).astype(np.float32) * one,
+            level_inputs(layout, quality).astype(np.float32) * one,
         )
         self.count = len(layout)
         self.age = 0
@@ -118,6 +118,12 @@ class SeedStep:
         trained = [(tensor, part) for tensor, part in zip(networks, parts, strict=True) if tensor.requires_grad]
         if trained:
             torch.autograd.backward([tensor for tensor, _ in trained], [part for _, part in trained])
+
+    def bits(self) -> F32:
+        """Bits of every seed in the last step [N]."""
+        out = np.empty(self.count, np.float32)
+        self.native.bits(out)
+        return out
 
     def _gaussian_arrays(self) -> tuple[F32, F32, F32]:
         n = self.count * self.spec.per_seed

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Literal
 
 from sgicodec.errors import UsageError
+from sgicodec.model.quantize import step_index
 
 __all__ = [
     "EFFORTS",
     "PAPER_STEPS",
+    "SLOWED",
     "FitSettings",
     "LearningRates",
     "Phase",
     "default_settings",
     "lmbda_of_quality",
     "paper_settings",
+    "quality_index",
 ]
 
 Rounding = Literal["none", "noise", "round"]
@@ -70,7 +74,8 @@ class FitSettings:
     exceeds `split` seeds' worth of rate. prune: a seed is dropped when its energy is below this many times the price
     of its bits (`seed_bits`). growth: a seed is added where the squared error that its cell's mean holds is above this
     many times that price. rate_sample: share of the seeds whose bits are counted each step. seeds: their number in the
-    uniform layout. seed: of every random number. threads: 0 for one per core.
+    uniform layout. seed: of every random number. threads: 0 for one per core. reference_steps: the number of steps that
+    the rates of `SLOWED` are meant for; more steps go with smaller ones.
     """
 
     lmbda: float
@@ -85,18 +90,25 @@ class FitSettings:
     seeds: int | None = None
     seed: int = 0
     threads: int = 0
+    reference_steps: int | None = None
 
     @property
     def steps(self) -> int:
         """Steps of all phases."""
         return sum(phase.steps for phase in self.phases)
 
+    def slowing(self, steps: int) -> float:
+        """Factor of the learning rates in `SLOWED` for a fit of so many steps."""
+        return 1.0 if self.reference_steps is None else min(1.2, (self.reference_steps / steps) ** 0.5)
+
+
+SLOWED = ("colour", "shape", "offset", "steps")
+"""Learning rates that fall with the root of the number of steps."""
+
 
 def default_settings(lmbda: float, steps: int) -> FitSettings:
-    """The `default` profile in `steps` steps: more steps go with smaller ones."""
-    speed = min(1.2, (800 / steps) ** 0.5)
-    rates = LearningRates(colour=0.02 * speed, shape=0.06 * speed, offset=0.06 * speed, steps=0.03 * speed)
-    return FitSettings(lmbda=lmbda, phases=default_phases(steps), rates=rates)
+    """The `default` profile in `steps` steps."""
+    return FitSettings(lmbda=lmbda, phases=default_phases(steps), reference_steps=800)
 
 
 def default_phases(steps: int) -> tuple[Phase, ...]:
@@ -156,3 +168,10 @@ EFFORTS: dict[int, int] = {1: 120, 2: 200, 3: 350, 4: 600, 5: 1000, 6: 1600, 7: 
 def lmbda_of_quality(quality: float) -> float:
     """λ of the default profile for a quality of 1 to 100: 16 steps of quality halve it twice."""
     return float(0.5 * 2.0 ** (-(quality - 1) / 8.0))
+
+
+def quality_index(lmbda: float) -> int:
+    """Index of the colour step that rate theory gives cells of 8 pixels: q² = 6 λ / (E ln 2), with E the squared error
+    of a unit of colour in a Gaussian of about half the cell's size.
+    """
+    return int(step_index(math.sqrt(6 * max(lmbda, 1e-12) / (math.log(2) * math.pi * 0.3 * 64))))

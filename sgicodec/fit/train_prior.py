@@ -16,7 +16,8 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from sgicodec.encoder import FAMILY, base_layer, quality_index
+from sgicodec.encoder import FAMILY, base_layer
+from sgicodec.fit.adam import Adam, Group
 from sgicodec.fit.context_net import ContextNet
 from sgicodec.fit.settings import FitSettings, default_settings
 from sgicodec.fit.trainer import Trainer
@@ -42,9 +43,9 @@ def train(paths: list[Path], net: ContextNet, settings: FitSettings, rate: float
     trainers = [_trainer(path, net, settings, rng, seed) for path in paths]
     fits = [trainer.iterate() for trainer in trainers]
     parameters = net.parameters()
-    optimizer = torch.optim.Adam(parameters, lr=rate)
+    optimizer = Adam([Group("context", parameters, rate)], (0.9, 0.999), 1e-8)
     for step in range(settings.steps):
-        optimizer.param_groups[0]["lr"] = rate * min(1.0, 2.0 * (1 - step / settings.steps)) + 1e-5
+        optimizer.groups[0].factor = min(1.0, 2.0 * (1 - step / settings.steps)) + 0.002
         total = [torch.zeros_like(p) for p in parameters]
         seeds = bits = 0.0
         for trainer, fit in zip(trainers, fits, strict=True):
@@ -72,7 +73,7 @@ def _trainer(path: Path, net: ContextNet, settings: FitSettings, rng: np.random.
     fit = replace(settings, lmbda=lmbda, seed=seed)
     _, _, target = base_layer(net.spec, crop, lmbda)
     layout = adaptive_layout(target, fit.split * lmbda * fit.seed_bits)
-    return Trainer(net.spec, fit, target, layout, quality_index(lmbda), FAMILY, net=net)
+    return Trainer(net.spec, fit, target, layout, FAMILY, net=net)
 
 
 def write_prior(networks: tuple[IntNetwork, ...], path: Path) -> str:

@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from sgicodec.fit.adam import Adam, Group
 from sgicodec.fit.context_net import ContextNet
 from sgicodec.fit.growth import worthwhile_cells
+from sgicodec.fit.pace import Pace
 from sgicodec.fit.pyramid import pyramid
 from sgicodec.fit.raster_op import rasterize, squared_error
 from sgicodec.fit.sampler import Sample, Sampler
 from sgicodec.fit.seed_step import SeedStep
-from sgicodec.fit.settings import FitSettings, Phase
+from sgicodec.fit.settings import SLOWED, FitSettings, Phase, quality_index
 from sgicodec.fit.start import cell_means, fresh_decoders, fresh_values
+from sgicodec.fit.steering import Measured, Steering
 from sgicodec.model.context import HashGrid
 from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
 from sgicodec.model.layout import SeedLayout
@@ -55,10 +58,15 @@ class Fitted:
     plan: StepPlan
     networks: tuple[IntNetwork, ...]
     hash_bits: list[NDArray[np.int64]]
+    quality: int
+    lmbda: float
 
 
 class Trainer:
     """One picture's fit. `target` [C, H, W] is the picture less its base layer, samples in 0..1.
+
+    `steering` moves λ towards a goal, with `measure` to tell what a model's stream would be; `seconds` replaces the
+    number of steps.
 
     MLP_p is one of three: `networks`, integers to which the fit adds a small difference; `net`, which somebody else
     trains with the gradients that each step leaves; or, without either, a new one that turns into integers at the end.
@@ -70,12 +78,16 @@ class Trainer:
         settings: FitSettings,
         target: F32,
         layout: SeedLayout,
-        quality: int,
         family: int,
         networks: tuple[IntNetwork, ...] | None = None,
         net: ContextNet | None = None,
+        steering: Steering | None = None,
+        measure: Callable[[Fitted], Measured] | None = None,
+        seconds: float | None = None,
     ) -> None:
         self.spec, self.settings, self.layout = spec, settings, layout
+        self.lmbda, self.steering, self.measure = settings.lmbda, steering, measure
+        self.pace = Pace(settings.phases, seconds)
         self.generator = torch.Generator().manual_seed(settings.seed)
         self.raster = NativeRasterizer(settings.threads)
         self.targets = pyramid(target, max(phase.level for phase in settings.phases) + 1)
@@ -88,10 +100,11 @@ class Trainer:
         if networks is not None:
             self.net.load_integers(networks)
             self.net.adapt()
-        self.sampler = Sampler(spec, self.net, default_plan(spec, quality), quality, family)
+        self.quality = quality_index(self.lmbda)
+        self.sampler = Sampler(spec, self.net, default_plan(spec, self.quality), family)
         self.seed_step: SeedStep | None = None
         if family and settings.loss == "squared" and SeedStep.can_run(spec):
-            self.seed_step = SeedStep(spec, self.raster, quality, settings.threads)
+            self.seed_step = SeedStep(spec, self.raster, settings.threads)
         means = torch.from_numpy(cell_means(target, layout))
         self.values = {name: value.requires_grad_() for name, value in self._fresh(means).items()}
         self.decoders = fresh_decoders(spec, self.generator)
@@ -108,20 +121,29 @@ class Trainer:
 
     def iterate(self) -> Iterator[Progress]:
         """Steps one at a time through all phases."""
-        started = time.monotonic()
-        for phase in self.settings.phases:
+        for index, phase in enumerate(self.settings.phases):
             self._begin(phase)
-            prunes, growths = _spread(phase.prune, phase.steps), _spread(phase.grow, phase.steps)
-            for number in range(phase.steps):
+            prunes, growths = _spread(phase.prune), _spread(phase.grow)
+            checks = list(self.steering.checks) if self.steering is not None and phase.rounding == "noise" else []
+            for fraction in self.pace.within(index):
                 error, bits = self._step(phase)
-                if number in prunes:
-                    self._prune()
-                if number in growths:
+                if _passed(prunes, fraction):
+                    self._prune(first=len(prunes) == phase.prune - 1)
+                if _passed(growths, fraction):
                     self._grow()
                 self.step += 1
                 psnr = -10 * math.log10(max(error / self.targets[phase.level].numel(), 1e-12))
-                seconds = time.monotonic() - started
-                yield Progress(self.step, self.settings.steps, len(self.layout), psnr, bits, seconds)
+                if self.steering is not None and phase.rate:
+                    self._steer(self.steering, bits, psnr, _passed(checks, fraction))
+                yield Progress(self.step, self.pace.steps, len(self.layout), psnr, bits, self.pace.elapsed)
+
+    def _steer(self, steering: Steering, bits: float, psnr: float, check: bool) -> None:
+        if self.pace.done < STEER_FROM:
+            return
+        steering.observe(self.pace.done, self.pace.steps, bits, len(self.layout), psnr)
+        if check and self.measure is not None:
+            steering.correct(self.measure(self.result()))
+        self.lmbda = steering.steer(min(0.2, 12.0 / self.pace.steps))
 
     def _begin(self, phase: Phase) -> None:
         """From the round phase on, everything but the seeds is what the stream will hold."""
@@ -130,19 +152,18 @@ class Trainer:
             self.net.load_integers(self.networks)
             self.sampler.load_plan(self.sampler.plan())
         live = {"steps": phase.learn_steps, "context": phase.rate}
-        for group in self.optimizer.param_groups:
-            group["live"] = live.get(group["name"], True)
+        self.live = {group.name: live.get(group.name, True) for group in self.optimizer.groups}
 
     def _step(self, phase: Phase) -> tuple[float, float]:
         self._schedule()
-        self.optimizer.zero_grad(set_to_none=True)
+        self.optimizer.clear()
         native = self.seed_step
         squared, bits = self._gradients(phase) if native is None else self._native_gradients(native, phase)
         self.optimizer.step()
         return squared, bits
 
     def _native_gradients(self, step: SeedStep, phase: Phase) -> tuple[float, float]:
-        lmbda = self.settings.lmbda if phase.rate else 0.0
+        lmbda = self.lmbda if phase.rate else 0.0
         key = (self.settings.seed * 0x9E3779B1 + self.step * 0x85EBCA77) & 0xFFFFFFFF
         target = self.targets[phase.level].numpy()
         steps = self.sampler.steps
@@ -158,13 +179,13 @@ class Trainer:
             error = squared_error(*gaussians, target, self.raster)
             loss, squared = error, float(error.detach())
             if phase.rate:
-                loss = loss + self.settings.lmbda * (sample.bits.sum() + self._side_bits())
+                loss = loss + self.lmbda * (sample.bits.sum() + self._side_bits())
         else:
             image = rasterize(*gaussians, (target.shape[2], target.shape[1]), self.raster)
             loss = (image - target).abs().mean()
             squared = float(((image.detach() - target) ** 2).sum())
             if phase.rate:
-                price = self.settings.lmbda / (len(self.layout) * self.spec.attributes)
+                price = self.lmbda / (len(self.layout) * self.spec.attributes)
                 loss = loss + price * (self._sampled_bits(sample) + self._side_bits())
         loss.backward()  # type: ignore[no-untyped-call]
         return squared, float(sample.bits.detach().sum())
@@ -201,21 +222,24 @@ class Trainer:
         return means, covariances, colours
 
     def _schedule(self) -> None:
-        rates, done = self.settings.rates, self.step / self.settings.steps
+        rates, done = self.settings.rates, self.pace.done
+        slow = self.settings.slowing(self.pace.steps)
         decay = rates.final ** max(0.0, (done - rates.hold) / (1 - rates.hold))
-        for group in self.optimizer.param_groups:
-            constant = group["name"] in rates.constant
-            group["lr"] = group["base"] * (1.0 if constant else decay) * group["live"]
+        for group in self.optimizer.groups:
+            speed = (1.0 if group.name in rates.constant else decay) * (slow if group.name in SLOWED else 1.0)
+            group.factor = speed * self.live[group.name]
 
-    def _prune(self) -> None:
+    def _prune(self, first: bool) -> None:
         """Drops seeds whose Gaussians hold less squared error than their bits cost."""
         with torch.no_grad():
             _, covariances, colours = self._gaussians(self._joined(), 0)
             spread = (covariances[:, 0] * covariances[:, 2] - covariances[:, 1] ** 2).clamp_min(1e-9).sqrt()
             energy = math.pi * spread * (colours**2).sum(1)  # of c·G over the plane
             energy = energy.reshape(len(self.layout), -1).sum(1)
-            price = self.settings.lmbda * self.settings.prune * self.settings.seed_bits
-            keep = energy > price
+            price = self.settings.prune * self.settings.seed_bits
+            if first and self.steering is not None and self.seed_step is not None:
+                self.lmbda = self.steering.foresee(energy.numpy(), self.seed_step.bits(), price)
+            keep = energy > price * self.lmbda
         if not bool(keep.all()) and bool(keep.any()):
             self._keep(keep)
 
@@ -231,7 +255,7 @@ class Trainer:
             residual = self.targets[0] - rasterize(*gaussians, (width, height), self.raster)
         settings = self.settings
         added, means = worthwhile_cells(
-            residual.numpy(), self.layout, settings.lmbda * settings.seed_bits * settings.growth
+            residual.numpy(), self.layout, self.lmbda * settings.seed_bits * settings.growth
         )
         if not len(added):
             return
@@ -252,46 +276,30 @@ class Trainer:
 
     def _change_rows(self, change: Callable[[str, Tensor], Tensor]) -> None:
         """Replaces each group of values, and Adam's moments of it, by `change(group's name, tensor)`."""
-        for group in self.optimizer.param_groups:
-            name = group["name"]
-            if name not in self.values:
-                continue
-            old = self.values[name]
-            new = change(name, old.detach()).clone().requires_grad_()
-            state = self.optimizer.state.pop(old)
-            for key in ("exp_avg", "exp_avg_sq"):
-                state[key] = change(name, state[key])
-            self.optimizer.state[new] = state
-            group["params"] = [new]
-            self.values[name] = new
+        for name in self.values:
+            self.values[name] = self.optimizer.replace(name, partial(change, name))
 
     def _set_layout(self, layout: SeedLayout) -> None:
-        self.layout = layout
+        self.layout, self.quality = layout, quality_index(self.lmbda)
         self.centre, self.cell = torch.from_numpy(layout.centre), torch.from_numpy(layout.cell)
         _, height, width = self.targets[0].shape
         if self.seed_step is not None:
-            self.seed_step.set_layout(layout)
+            self.seed_step.set_layout(layout, self.quality)
         else:
-            self.sampler.set_layout(layout, width, height)
+            self.sampler.set_layout(layout, self.quality, width, height)
 
-    def _optimizer(self) -> torch.optim.Adam:
+    def _optimizer(self) -> Adam:
         rates = self.settings.rates
-        groups = [
-            {"name": name, "params": [value], "base": getattr(rates, name)} for name, value in self.values.items()
-        ]
+        groups = [Group(name, [value], getattr(rates, name)) for name, value in self.values.items()]
         for net in ("colour", "shape"):
             weights = [tensor for name, tensor in self.decoders.items() if name.startswith(net)]
-            if weights:
-                groups.append({"name": f"decoder_{net}", "params": weights, "base": getattr(rates, f"decoder_{net}")})
-        groups.append({"name": "steps", "params": [self.sampler.steps], "base": rates.steps})
+            groups.append(Group(f"decoder_{net}", weights, getattr(rates, f"decoder_{net}")))
+        groups.append(Group("steps", [self.sampler.steps], rates.steps))
         trained = self.net.parameters() if self.trains_net else []
         if self.net.difference is not None:
             trained = [self.net.difference]
-        if trained:
-            groups.append({"name": "context", "params": trained, "base": rates.context})
-        for group in groups:
-            group["lr"] = group["base"]
-        return torch.optim.Adam(groups, betas=rates.betas, eps=rates.epsilon, fused=True)
+        groups.append(Group("context", trained, rates.context))
+        return Adam(groups, rates.betas, rates.epsilon)
 
     def result(self) -> Fitted:
         """What the fit has found so far, in the stream's order."""
@@ -299,14 +307,32 @@ class Trainer:
         values = {name: value.detach().numpy().astype(np.float64)[order] for name, value in self.values.items()}
         decoders = {name: tensor.detach().numpy().astype(np.float64) for name, tensor in self.decoders.items()}
         return Fitted(
-            self.layout.take(order), values, decoders, self.sampler.plan(), self._integers(), self.net.signs()
+            self.layout.take(order),
+            values,
+            decoders,
+            self.sampler.plan(),
+            self._integers(),
+            self.net.signs(),
+            self.quality,
+            self.lmbda,
         )
 
+
+STEER_FROM = 0.24
+"""Fraction of a fit after which its state foretells the outcome: seeds have been dropped for the first time."""
 
 WEIGHT_SHIFT = 8
 """MLP_p's own weights are multiples of 2^-8."""
 
 
-def _spread(times: int, steps: int) -> set[int]:
-    """`times` steps that part a phase evenly."""
-    return {round((i + 1) * steps / (times + 1)) for i in range(times)}
+def _spread(times: int) -> list[float]:
+    """`times` fractions that part a phase evenly."""
+    return [(i + 1) / (times + 1) for i in range(times)]
+
+
+def _passed(fractions: list[float], now: float) -> bool:
+    """Whether the first of `fractions` lies behind; what does is dropped."""
+    passed = bool(fractions) and fractions[0] <= now
+    while fractions and fractions[0] <= now:
+        del fractions[0]
+    return passed

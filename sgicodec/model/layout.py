@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,13 +10,14 @@ from numpy.typing import NDArray
 
 from sgicodec.model.morton import canonical_order
 
-__all__ = ["ROOT_LOG", "SeedLayout", "adaptive_layout", "cell_sums", "uniform_layout"]
+__all__ = ["ROOT_LOG", "SeedLayout", "adaptive_layout", "cell_sums", "count_leaves", "uniform_layout"]
 
 ROOT_LOG = 6
 """log2 of the side in pixels of the quadtree's root cells."""
 
 F32 = NDArray[np.float32]
 I32 = NDArray[np.int32]
+CellSums = tuple[dict[int, NDArray[np.float64]], dict[int, NDArray[np.float64]]]
 
 
 @dataclass(frozen=True)
@@ -87,23 +89,34 @@ def adaptive_layout(detail: F32, threshold: float, min_log: int = 1, root_log: i
     pixels and channels, so a threshold of so many bits' worth of distortion makes the count follow from the rate.
     """
     _, height, width = detail.shape
-    sums, squares = cell_sums(detail, root_log)
-    alive = np.ones(squares[root_log].shape, bool)
     corners, sizes = [], []
-    for level in range(root_log, min_log - 1, -1):
-        deviation = squares[level] - np.sum(sums[level] ** 2, axis=0) / 4.0**level
-        split = alive & (deviation > threshold) if level > min_log else np.zeros_like(alive)
-        y, x = np.nonzero(alive & ~split)
+    for level, leaves in _leaves(cell_sums(detail, root_log), threshold, min_log, root_log):
+        y, x = np.nonzero(leaves)
         corner = np.stack([x, y], axis=1).astype(np.int32) << level
         inside = (corner[:, 0] < width) & (corner[:, 1] < height)
         corners.append(corner[inside])
         sizes.append(np.full(int(inside.sum()), level, np.int8))
-        alive = split.repeat(2, axis=0).repeat(2, axis=1)
     layout = SeedLayout(np.concatenate(corners), np.concatenate(sizes))
     return layout.take(layout.order())
 
 
-def cell_sums(detail: F32, root_log: int) -> tuple[dict[int, NDArray[np.float64]], dict[int, NDArray[np.float64]]]:
+def count_leaves(sums: CellSums, threshold: float, min_log: int = 1, root_log: int = ROOT_LOG) -> int:
+    """How many leaves `adaptive_layout` would find, from the sums of `cell_sums`; cells beside the picture count."""
+    return sum(int(leaves.sum()) for _, leaves in _leaves(sums, threshold, min_log, root_log))
+
+
+def _leaves(sums: CellSums, threshold: float, min_log: int, root_log: int) -> Iterator[tuple[int, NDArray[np.bool_]]]:
+    """Level by level from the roots, which of its cells are leaves."""
+    totals, squares = sums
+    alive = np.ones(squares[root_log].shape, bool)
+    for level in range(root_log, min_log - 1, -1):
+        deviation = squares[level] - np.sum(totals[level] ** 2, axis=0) / 4.0**level
+        split = alive & (deviation > threshold) if level > min_log else np.zeros_like(alive)
+        yield level, alive & ~split
+        alive = split.repeat(2, axis=0).repeat(2, axis=1)
+
+
+def cell_sums(detail: F32, root_log: int) -> CellSums:
     """Sums and sums of squares of `detail` over the cells of every level, from pixels to roots."""
     channels, height, width = detail.shape
     side = 1 << root_log

@@ -57,8 +57,8 @@ class Fit:
         return {group.name: decoded[:, group.columns].float() for group in self.spec.groups}, walk
 
     def sampler(self, net: ContextNet, plan: StepPlan) -> Sampler:
-        sampler = Sampler(self.spec, net, plan, QUALITY, FAMILY)
-        sampler.set_layout(self.layout, *SIZE)
+        sampler = Sampler(self.spec, net, plan, FAMILY)
+        sampler.set_layout(self.layout, QUALITY, *SIZE)
         return sampler
 
 

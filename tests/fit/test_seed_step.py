@@ -90,8 +90,8 @@ class Problem:
                 tensor.requires_grad_(False)
             with torch.no_grad():
                 self.net.adapt().normal_(0, 0.05, generator=torch.Generator().manual_seed(1))
-        self.sampler = KnownNoise(spec, self.net, default_plan(spec, QUALITY), QUALITY, FAMILY)
-        self.sampler.set_layout(self.layout, WIDTH, HEIGHT)
+        self.sampler = KnownNoise(spec, self.net, default_plan(spec, QUALITY), FAMILY)
+        self.sampler.set_layout(self.layout, QUALITY, WIDTH, HEIGHT)
 
     def leaves(self) -> dict[str, Tensor]:
         trained = [t for t in self.net.parameters() if t.requires_grad]
@@ -132,8 +132,8 @@ class Problem:
         self, rounding: Rounding, level: int, isa: str, threads: int = 1
     ) -> tuple[float, float, dict[str, Tensor | None]]:
         self.fresh()
-        step = SeedStep(self.spec, NativeRasterizer(threads, isa), QUALITY, threads)
-        step.set_layout(self.layout)
+        step = SeedStep(self.spec, NativeRasterizer(threads, isa), threads)
+        step.set_layout(self.layout, QUALITY)
         lmbda = LMBDA if rounding != "none" else 0.0
         target = self.reduced(level)
         error, bits = step.run(self.values, self.net, self.sampler.steps, rounding, KEY, target, 0.5**level, lmbda)

@@ -3,6 +3,7 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "seed_fit.hpp"
@@ -95,5 +96,10 @@ void bind_seed_fit(nb::module_ &m) {
       .def("set_layout", &set_layout)
       .def("forward", &forward)
       .def("backward", &backward)
+      .def("bits",
+           [](const sgi::SeedFit &self, Out1 out) {
+             require(out.shape(0) == self.bits().size(), "bits must be [N]");
+             std::copy(self.bits().begin(), self.bits().end(), out.data());
+           })
       .def_prop_ro("sums", &sgi::SeedFit::sums);
 }

@@ -52,6 +52,7 @@ void SeedFit::set_layout(const SeedLayoutArrays &layout) {
   inputs_.resize(padded * kCommonInputs);
   product_.resize(padded * kGroups * state_.hidden);
   decoded_.resize(padded * state_.attributes());
+  bits_.resize(n);
   state_.centre = centre_.data();
   state_.cell = cell_.data();
   state_.log_size = log_size_.data();
@@ -63,6 +64,7 @@ void SeedFit::set_layout(const SeedLayoutArrays &layout) {
   state_.inputs = inputs_.data();
   state_.product = product_.data();
   state_.decoded = decoded_.data();
+  state_.bits = bits_.data();
 }
 
 int64_t SeedFit::first_size() const {

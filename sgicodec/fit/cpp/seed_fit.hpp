@@ -38,6 +38,8 @@ class SeedFit {
   int64_t first_size() const;
   int64_t rest_size() const;
   int64_t sums() const { return state_.sums(); }
+  // Bits of every seed in the last `forward` [N].
+  const std::vector<float> &bits() const { return bits_; }
   const SeedState &state() const { return state_; }
 
  private:
@@ -49,7 +51,7 @@ class SeedFit {
   SeedState state_{};
   std::vector<float> opponent_, centre_, cell_, log_size_, offset_, level_inputs_;
   std::vector<int32_t> level_, neighbour_;
-  std::vector<float> summary_, inputs_, product_, decoded_, partials_;
+  std::vector<float> summary_, inputs_, product_, decoded_, bits_, partials_;
 };
 
 }  // namespace sgi

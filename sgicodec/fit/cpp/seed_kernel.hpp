@@ -49,6 +49,7 @@ struct SeedState {
   float *inputs;                    // [block][kCommonInputs][LANES]
   float *product;                   // [block][kGroups][hidden][LANES]: W1 times the common inputs
   float *decoded;                   // [block][d_A][LANES]
+  float *bits;                      // [N]
   Rounding rounding;
   uint32_t key;                     // of the noise
   bool trains_first;

@@ -278,6 +278,7 @@ double forward(const SeedState &s, int64_t begin, int64_t end, const SeedGaussia
       }
       if (g == 0) loudness = loudness_of(s, decoded);
     }
+    block.scatter(sum, s.bits, 1, 0);
     sum *= block.live;
     for (int i = 0; i < LANES; ++i) bits += sum[i];
     write_gaussians(s, block, decoded, out);

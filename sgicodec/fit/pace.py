@@ -1,0 +1,61 @@
+"""How far a fit has come: counted in steps, or by the clock where only the time is given."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+
+from sgicodec.fit.settings import Phase
+
+__all__ = ["Pace"]
+
+
+class Pace:
+    """Shares a fit's steps, or `seconds` from its first step on, out to its phases in the proportion of their steps.
+
+    `done` is the fraction of the whole fit that lies behind, `steps` how many steps the whole fit has: exact when they
+    are counted, else what the speed so far lets expect.
+    """
+
+    def __init__(self, phases: tuple[Phase, ...], seconds: float | None) -> None:
+        self.phases, self.seconds = phases, seconds
+        self.total = sum(phase.steps for phase in phases)
+        self.started: float | None = None
+        self.taken = 0
+        self.done = 0.0
+
+    @property
+    def steps(self) -> int:
+        """Steps of the whole fit."""
+        if self.seconds is None or not self.done:
+            return self.total
+        return max(self.taken, round(self.taken / self.done))
+
+    @property
+    def elapsed(self) -> float:
+        """Seconds since the first step began."""
+        return 0.0 if self.started is None else time.monotonic() - self.started
+
+    def within(self, index: int) -> Iterator[float]:
+        """One value for each step of a phase: the fraction of the phase that this step completes. At least one step."""
+        self.started = time.monotonic() if self.started is None else self.started
+        before = sum(phase.steps for phase in self.phases[:index])
+        count = self.phases[index].steps
+        if self.seconds is None:
+            for number in range(1, count + 1):
+                yield number / count
+                self._took((before + number) / self.total)
+            return
+        begin, end = before / self.total, (before + count) / self.total
+        fraction = 0.0
+        while fraction < 1.0:
+            # The step to come is taken to last as long as the mean step so far.
+            elapsed = self.elapsed
+            coming = elapsed / self.taken if self.taken else 0.0
+            fraction = min(1.0, max(0.0, ((elapsed + coming) / self.seconds - begin) / (end - begin)))
+            yield fraction
+            self._took(begin + fraction * (end - begin))
+
+    def _took(self, done: float) -> None:
+        self.taken += 1
+        self.done = done
