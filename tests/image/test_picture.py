@@ -60,7 +60,7 @@ def test_convert_between_depths() -> None:
     picture = Picture(np.array([[[0], [1], [128], [255]]], np.uint8), "gray", (0.0, 255.0), metadata)
     deep = convert(picture, 16)
     assert deep.pixels.ravel().tolist() == [0, 257, 128 * 257, 65535]
-    assert deep.metadata is metadata
+    assert deep.metadata == metadata
     assert convert(deep, 8).pixels.tolist() == picture.pixels.tolist()
     assert convert(picture, 32).sample_range == (0.0, 1.0)
     np.testing.assert_allclose(convert(picture, 32).pixels.ravel(), [0, 1 / 255, 128 / 255, 1], rtol=1e-6)
