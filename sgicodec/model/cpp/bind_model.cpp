@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "base_lines.hpp"
 #include "context.hpp"
 #include "network.hpp"
 
@@ -105,9 +106,22 @@ void quantisers(Array<const int64_t, 2> base, Array<const int64_t, 1> columns, i
                   out_step.data(), out_scale.data());
 }
 
+void base_lines(Array<const double, 3> grid, int64_t first, Array<const int64_t, 1> left, Array<const double, 2> across,
+                int threads, Array<float, 3> lines) {
+  const size_t width = left.shape(0), taps = across.shape(1);
+  require(across.shape(0) == width && lines.shape(0) == grid.shape(0) && lines.shape(2) == width,
+          "left [w], across [w, T], lines [C, count, w]");
+  require(grid.shape(1) > 0 && grid.shape(2) > 0, "the grid must not be empty");
+  const sgi::BaseGrid view{grid.data(), int64_t(grid.shape(0)), int64_t(grid.shape(1)), int64_t(grid.shape(2))};
+  nb::gil_scoped_release release;
+  sgi::base_lines(view, first, int64_t(lines.shape(1)), left.data(), across.data(), int64_t(width), int(taps), threads,
+                  lines.data());
+}
+
 }  // namespace
 
 void bind_model(nb::module_ &m) {
+  m.def("base_lines", &base_lines);
   m.def("evaluate_network", &evaluate_network);
   m.def("seed_inputs", &seed_inputs);
   m.def("summarise", &summarise);
