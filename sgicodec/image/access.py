@@ -7,10 +7,11 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
+from ..errors import PictureError
 from .opened import Opened
 from .orientation import is_flipped, is_sideways
 
-__all__ = ["Access", "Rows", "Tiles", "Whole", "access"]
+__all__ = ["Access", "Rows", "Tiles", "Whole", "access", "whole"]
 
 Samples = npt.NDArray[Any]
 
@@ -34,7 +35,7 @@ class Access(Protocol):
 def access(opened: Opened) -> Access:
     """The way with the least memory for this picture.
 
-    A picture whose rows must be read in another order than they are decoded in is read whole. So are 64-bit floats:
+    A picture whose rows must be read in another order than they are decoded in is kept whole. So are 64-bit floats:
     OpenImageIO 3.2 returns garbage for a part of their rows.
     """
     if opened.spec.tile_width:
@@ -69,7 +70,7 @@ class Tiles:
         """As `Access` says."""
         spec = self._opened.spec
         across = min(width + 2 * spec.tile_width, spec.width)
-        return (width * height + across * spec.tile_height) * int(spec.nchannels)
+        return int((width * height + 2 * across * spec.tile_height) * spec.nchannels)
 
 
 class Rows:
@@ -80,15 +81,17 @@ class Rows:
 
     def __init__(self, opened: Opened) -> None:
         self._opened = opened
-        spec = opened.spec
-        separate = spec.get("planarconfig") == "separate"
+        separate = opened.spec.get("planarconfig") == "separate"
         # libtiff reads compressed planes in whole strips only.
-        self._step = min(spec.get_int_attribute("tiff:RowsPerStrip", 1), spec.height) if separate else 1
-        self._row_shape = (spec.width, spec.nchannels)
+        self._step = min(opened.spec.get_int_attribute("tiff:RowsPerStrip", 1), opened.spec.height) if separate else 1
+        self._row_samples = int(opened.spec.width * opened.spec.nchannels)
         self._first = 0
-        self._band: Samples = np.empty((0, *self._row_shape), opened.native)
+        self._band = self._empty(0)
         self._next = 0
         """The row that OpenImageIO stands at."""
+
+    def _empty(self, rows: int) -> Samples:
+        return np.empty((rows, self._opened.spec.width, self._opened.spec.nchannels), self._opened.native)
 
     def read(self, x: int, y: int, width: int, height: int) -> Samples:
         """As `Access` says."""
@@ -97,6 +100,12 @@ class Rows:
             self._move(start, stop)
         return self._band[y - self._first : y - self._first + height, x : x + width].copy()
 
+    def whole(self) -> Samples:
+        """All rows, which the caller owns."""
+        pixels = self._empty(self._opened.spec.height)
+        self._fill(pixels, 0)
+        return pixels
+
     def _move(self, start: int, stop: int) -> None:
         """Make the band rows start … stop; those that it has already are kept."""
         begin = min(max(start, self._first), stop)
@@ -104,36 +113,35 @@ class Rows:
         kept = self._band[begin - self._first : end - self._first].copy() if end > begin else self._band[:0]
         if len(self._band) != stop - start:
             del self._band  # before the new one takes memory
-            self._band = np.empty((stop - start, *self._row_shape), self._opened.native)
+            self._band = self._empty(stop - start)
         self._first = start
         self._band[begin - start : end - start] = kept
         del kept
         try:
-            self._fill(start, begin)
-            self._fill(end, stop)
+            self._fill(self._band[: begin - start], start)
+            self._fill(self._band[end - start :], end)
         except BaseException:
-            self._band, self._next = self._band[:0], self._opened.spec.height
+            self._band, self._next = self._empty(0), self._opened.spec.height
             raise
 
-    def _fill(self, start: int, stop: int) -> None:
-        """Read rows start … stop into the band, some at a time."""
-        rows = max(1, _CHUNK_SAMPLES // (self._row_shape[0] * self._row_shape[1] * self._step)) * self._step
-        if start < self._next and start < stop:
+    def _fill(self, band: Samples, start: int) -> None:
+        """Read rows from `start` on into `band`, some at a time."""
+        if start < self._next and len(band):
             self._opened.reopen()  # faster than OpenImageIO's own way back
-        for top in range(start, stop, rows):
-            bottom, offset = min(top + rows, stop), self._opened.spec.y
-            part = self._opened.samples(
-                self._opened.image.read_scanlines, bottom - top, offset + top, offset + bottom, 0
-            )
-            self._band[top - self._first : bottom - self._first] = part
+        rows = max(1, _CHUNK_SAMPLES // (self._row_samples * self._step)) * self._step
+        for top in range(start, start + len(band), rows):
+            bottom, offset = min(top + rows, start + len(band)), self._opened.spec.y
+            reader = self._opened.image.read_scanlines
+            part = self._opened.samples(reader, bottom - top, offset + top, offset + bottom, 0)
+            band[top - start : bottom - start] = part
             self._next = bottom
 
     def held(self, width: int, height: int) -> int:
         """As `Access` says."""
-        samples_of_row = self._row_shape[0] * self._row_shape[1]
-        band = min(height + 2 * (self._step - 1), self._opened.spec.height)
-        chunk = min(max(_CHUNK_SAMPLES, samples_of_row * self._step), samples_of_row * self._opened.spec.height)
-        return samples_of_row * band + max(chunk, width * height * self._row_shape[1])
+        rows, channels = self._opened.spec.height, self._opened.spec.nchannels
+        chunk = min(max(_CHUNK_SAMPLES, self._row_samples * self._step), self._row_samples * rows)
+        band = min(height + 2 * (self._step - 1), rows)
+        return self._row_samples * band + int(max(chunk, width * height * channels))
 
 
 class Whole:
@@ -146,10 +154,25 @@ class Whole:
     def read(self, x: int, y: int, width: int, height: int) -> Samples:
         """As `Access` says."""
         if self._pixels is None:
-            self._pixels = self._opened.whole()
+            self._pixels = whole(self._opened)
         return self._pixels[y : y + height, x : x + width].copy()
 
     def held(self, width: int, height: int) -> int:
         """As `Access` says."""
         spec = self._opened.spec
-        return (int(spec.width) * int(spec.height) + width * height) * int(spec.nchannels)
+        return int((spec.width * spec.height + width * height) * spec.nchannels)
+
+
+def whole(opened: Opened) -> Samples:
+    """All stored samples [H, W, C] in their native type. Raises PictureError.
+
+    They are read part by part: OpenImageIO's own way takes their memory twice, and serves 64-bit floats alone, whose
+    rows it cannot read in parts.
+    """
+    spec = opened.spec
+    if str(spec.format) == "double":
+        return opened.samples(opened.image.read_image, spec.height)
+    try:
+        return Tiles(opened).read(0, 0, spec.width, spec.height) if spec.tile_width else Rows(opened).whole()
+    except MemoryError:
+        raise PictureError("there is not enough memory for its pixels") from None

@@ -68,10 +68,6 @@ class Opened:
         self.image.close()
         self.image = _open(self.path)
 
-    def whole(self) -> Samples:
-        """All stored samples [H, W, C] in their native type. Raises PictureError."""
-        return self.samples(self.image.read_image, self.spec.height)
-
     def samples(self, method: Callable[..., Any], rows: int, *where: int) -> Samples:
         """What a method of `image` reads of the first picture, [rows, columns, C] in the native type.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ..errors import PictureError
+from .access import whole
 from .extremes import Extremes
 from .header import Probe
 from .opened import Opened, open_picture
@@ -27,7 +28,7 @@ def read(origin: Origin, *, max_samples: int = MAX_SAMPLES, sample_range: tuple[
     with naming(origin), on_disk(origin) as path:
         opened = open_picture(path)
         check_whole(opened, max_samples)
-        pixels = opened.finished(opened.whole())
+        pixels = opened.finished(whole(opened))
         if sample_range is None and pixels.dtype.kind == "u":
             sample_range = full_range(pixels.dtype)
         elif sample_range is None:

@@ -107,10 +107,10 @@ class Source:
             self._range = full_range(self.dtype)
         elif self._range is None:
             found = Extremes(self.channels, self.nodata)
-            for window in self._scan():
-                found.add(self._pixels(window))
             with naming(self._origin):
-                self._range = found.range()
+                for window in self._scan():
+                    found.add(self._pixels(window))
+            self._range = found.range()
         return self._range
 
     def read(self, x: int, y: int, width: int, height: int) -> Picture:
@@ -123,7 +123,9 @@ class Source:
             raise UsageError(
                 f"window {x},{y},{width},{height} is not inside the picture of {self.width}×{self.height} pixels"
             )
-        return Picture(self._pixels((x, y, width, height)), self.channels, self.sample_range, self.metadata)
+        with naming(self._origin):
+            pixels = self._pixels((x, y, width, height))
+        return Picture(pixels, self.channels, self.sample_range, self.metadata)
 
     def memory(self, width: int, height: int) -> int:
         """Bytes that reading windows of width × height pixels one after the other takes at most, the window included.
@@ -137,10 +139,9 @@ class Source:
         return self._held(width, height) * native + copies + library
 
     def _pixels(self, window: Window) -> npt.NDArray[Any]:
-        with naming(self._origin):
-            self._check(*window[2:])
-            stored = self._access.read(*stored_window(window, self.width, self.height, self._opened.orientation))
-            return self._opened.finished(stored)
+        self._check(*window[2:])
+        stored = self._access.read(*stored_window(window, self.width, self.height, self._opened.orientation))
+        return self._opened.finished(stored)
 
     def _held(self, width: int, height: int) -> int:
         *_, stored_width, stored_height = stored_window((0, 0, width, height), 0, 0, self._opened.orientation)
