@@ -28,7 +28,7 @@ void for_each_seed(int64_t n, int threads, Body body) {
   });
 }
 
-int64_t floor_divide(int64_t a, int64_t b) { return a / b - (a % b < 0); }
+int64_t floor_divide(int64_t a, int64_t b) { return b == 1 ? a : a / b - (a % b < 0); }
 
 int16_t as_input(int64_t value) { return int16_t(std::clamp<int64_t>(value, -kSummaryLimit, kSummaryLimit)); }
 

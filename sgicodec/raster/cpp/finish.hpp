@@ -17,11 +17,11 @@ struct TileRect {
 
 // What lies behind the Gaussians: row y is the sum over t < taps of down[y][t] * lines[c][top[y] + t].
 struct Background {
-  const float *lines;  // [C, count, width], null for none
+  const float *lines;  // [C, count, width]
   int64_t count, width;
   const int32_t *top;  // [height]
   const float *down;   // [height, taps]
-  int taps;
+  int taps;           // 0 for no background
 };
 
 enum class SampleType { u8, u16, f32 };
@@ -36,15 +36,15 @@ struct Samples {
   bool clip;
 };
 
-// Finishes tile [C][16][16], which it overwrites. Every operation is rounded by itself, none fused, so that all
+// Finishes tile [C][16][16]. Every operation is rounded by itself, none fused, so that all
 // instruction sets give the same.
-using FinishTile = void (*)(float *tile, int channels, const TileRect &rect, const Background &background,
+using FinishTile = void (*)(const float *tile, int channels, const TileRect &rect, const Background &background,
                             const Samples &samples);
 
-void finish_portable(float *, int, const TileRect &, const Background &, const Samples &);
+void finish_portable(const float *, int, const TileRect &, const Background &, const Samples &);
 #ifdef SGI_X86
-void finish_avx2(float *, int, const TileRect &, const Background &, const Samples &);
-void finish_avx512(float *, int, const TileRect &, const Background &, const Samples &);
+void finish_avx2(const float *, int, const TileRect &, const Background &, const Samples &);
+void finish_avx512(const float *, int, const TileRect &, const Background &, const Samples &);
 #endif
 
 // The one for the instruction set that a kernel is made for.
