@@ -16,7 +16,9 @@ __all__ = ["Access", "Rows", "Tiles", "Whole", "access", "whole"]
 Samples = npt.NDArray[Any]
 
 _CHUNK_SAMPLES = 1 << 22
-"""Samples that are asked of OpenImageIO at once, on top of the band that they go to."""
+"""Samples that are asked of OpenImageIO at once, on top of the band that they go to. Its Python binding holds them
+twice.
+"""
 
 _ANY_ROW = ("tiff",)
 """Formats whose rows can be read from anywhere without decoding all those before."""
@@ -141,7 +143,7 @@ class Rows:
         rows, channels = self._opened.spec.height, self._opened.spec.nchannels
         chunk = min(max(_CHUNK_SAMPLES, self._row_samples * self._step), self._row_samples * rows)
         band = min(height + 2 * (self._step - 1), rows)
-        return self._row_samples * band + int(max(chunk, width * height * channels))
+        return self._row_samples * band + int(max(2 * chunk, width * height * channels))
 
 
 class Whole:
