@@ -1,5 +1,7 @@
 """The compiled extension (sgicodec/raster/cpp/module.cpp). Arrays are C-contiguous and on the CPU."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,6 +16,23 @@ class Rasterizer:
     def __init__(self, isa: str, threads: int, most_pairs: int) -> None: ...
     def forward(
         self, means: F32, covariances: F32, colours: F32, image: F32, x0: int, y0: int, cutoff: float, /
+    ) -> None: ...
+    def draw(
+        self,
+        means: F32,
+        covariances: F32,
+        colours: F32,
+        out: NDArray[Any],
+        x0: int,
+        y0: int,
+        cutoff: float,
+        lines: F32,
+        top: I32,
+        down: F32,
+        low: F32,
+        span: F32,
+        clip: bool,
+        /,
     ) -> None: ...
     def backward(
         self,
@@ -145,4 +164,7 @@ def group_by_key(keys: I16, order: I32, start: I64, /) -> None: ...
 def ungroup_symbols(
     indices: I32, order: I32, tables: I16, support: I32, start: I64, bits: F64, symbols: I32, /
 ) -> tuple[float, int]: ...
+def ungroup_categorical(indices: I32, order: I32, keys: I16, alphabets: I32, bits: F64, symbols: I32, /) -> float: ...
+def dequantise(symbols: I32, mean: I64, step: I64, members: I64, first: int, threads: int, decoded: I64, /) -> None: ...
 def add_predictions(plane: I64, predictor: int, most: int, /) -> bool: ...
+def base_lines(grid: F64, first: int, left: I64, across: F64, threads: int, lines: F32, /) -> None: ...

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping as Lookup
 from itertools import product
 from pathlib import Path
 from types import TracebackType
-from typing import BinaryIO, NamedTuple
+from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,11 +16,13 @@ from sgicodec.bitstream.container import SIGNATURE, ChunkReader
 from sgicodec.bitstream.header import Header, decode_header
 from sgicodec.bitstream.tile import DECODER_SHIFT, TileModel, read_tile
 from sgicodec.errors import CorruptStreamError, LimitError, UsageError
-from sgicodec.image import Metadata, Picture, from_unit
-from sgicodec.model.base_view import add_base
+from sgicodec.image import Metadata, Picture, full_range
+from sgicodec.image.picture import alpha_index
+from sgicodec.model.base_view import base_view
 from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
+from sgicodec.model.processor import Processor
 from sgicodec.model.quantize import FRACTION_BITS, step_fixed
-from sgicodec.raster import NativeRasterizer, scaled
+from sgicodec.raster import Background, Mapping, NativeRasterizer, scaled
 
 __all__ = ["CHUNKS", "MAX_OUTPUT_SAMPLES", "Region", "Stream", "open_stream"]
 
@@ -34,9 +36,9 @@ CHUNKS = "Ticxs"
 MAX_OUTPUT_SAMPLES = 1 << 31
 """Most samples (pixels times channels) that one call renders."""
 
-_BLOCK_SAMPLES = 1 << 23
+_BLOCK_SAMPLES = 1 << 27
 _BLOCK_COLUMNS = 1 << 16
-"""A picture is drawn in blocks of no more samples and columns."""
+"""A picture is drawn in blocks of no more samples and columns, each of which looks at all Gaussians."""
 
 _MOST_PAIRS = 1 << 26
 """Most (tile, Gaussian) pairs of a block; a sound one has a hundredth."""
@@ -68,8 +70,8 @@ class Stream:
     `size` is the stream's length in bytes, `chunk_bytes` that of every chunk by its letter, frame included.
     """
 
-    def __init__(self, source: bytes | BinaryIO, owned: BinaryIO | None = None) -> None:
-        self._owned = owned
+    def __init__(self, source: bytes | BinaryIO, owned: BinaryIO | None = None, isa: str = "auto") -> None:
+        self._owned, self._isa = owned, isa
         reader = ChunkReader(source, CHUNKS)
         blobs: dict[str, bytes] = {}
         self.chunk_bytes: dict[str, int] = {"signature": len(SIGNATURE)}
@@ -113,10 +115,7 @@ class Stream:
     @property
     def model(self) -> TileModel:
         """The decoded model. Raises CorruptStreamError or LimitError."""
-        if self._model is None:
-            self._model, walk = read_tile(self.header, self._tile)
-            self._bits, self._symbol_crc = walk.bits, walk.crc
-        return self._model
+        return self._decoded(0)
 
     @property
     def symbol_crc(self) -> int:
@@ -125,7 +124,7 @@ class Stream:
         return self._symbol_crc
 
     @property
-    def part_bytes(self) -> Mapping[str, float]:
+    def part_bytes(self) -> Lookup[str, float]:
         """Bytes of each part of the tile, by information content."""
         _ = self.model
         return {name: bits / 8 for name, bits in self._bits.items()}
@@ -144,8 +143,7 @@ class Stream:
         """
         view = self._view(region, scale, size)
         samples = np.empty((view.rows, view.columns, self.header.spec.channels), np.float32)
-        for where, block in self._blocks(view, threads):
-            samples[where] = block
+        self._draw(view, samples, None, threads)
         return samples
 
     def picture(
@@ -159,8 +157,7 @@ class Stream:
         header = self.header
         view = self._view(region, scale, size)
         pixels = np.empty((view.rows, view.columns, header.spec.channels), header.sample_type)
-        for where, block in self._blocks(view, threads):
-            pixels[where] = from_unit(block, header.channels, header.sample_type, header.sample_range).pixels
+        self._draw(view, pixels, _mapping(header), threads)
         return Picture(pixels, header.channels, header.sample_range, self.metadata)
 
     def _view(self, region: Region | None, scale: float | None, size: tuple[int, int] | None) -> _View:
@@ -174,29 +171,37 @@ class Stream:
             raise LimitError(f"{columns}×{rows} pixels are too many for one call; decode regions or a smaller scale")
         return _View(x, y, columns / width, rows / height, columns, rows)
 
-    def _blocks(self, view: _View, threads: int) -> Iterator[tuple[tuple[slice, slice], F32]]:
-        """Where each block of the view lies (rows, columns) and its samples [h, w, C]: memory for one at a time."""
+    def _draw(self, view: _View, out: NDArray[Any], mapping: Mapping | None, threads: int) -> None:
+        """Fills out [rows, columns, C] with samples of the view, block by block: memory for one at a time."""
         spec, scale = self.header.spec, (view.sx, view.sy)
-        gaussians, origin = self._prepared(), (view.x, view.y)
+        gaussians, origin = self._prepared(threads), (view.x, view.y)
         if scale != (1.0, 1.0):
             gaussians, origin = _Gaussians(*scaled(*gaussians, scale, origin)), (0, 0)
         colours = self._base_colours()
-        raster = NativeRasterizer(threads, most_pairs=_MOST_PAIRS)
+        raster = NativeRasterizer(threads, self._isa, most_pairs=_MOST_PAIRS)
         width = min(view.columns, _BLOCK_COLUMNS)
         height = max(1, _BLOCK_SAMPLES // (width * spec.channels))
         for top, left in product(range(0, view.rows, height), range(0, view.columns, width)):
-            columns, rows = min(width, view.columns - left), min(height, view.rows - top)
+            block = out[top : top + height, left : left + width]
+            background = None
+            if spec.base_cell:
+                size = block.shape[1], block.shape[0]
+                seen = base_view(colours, spec.base_cell, (view.x, view.y), scale, (left, top), size, threads)
+                background = Background(*seen)
             try:
-                image = raster.forward(*gaussians, columns, rows, (origin[0] + left, origin[1] + top))
+                raster.draw(*gaussians, block, (origin[0] + left, origin[1] + top), background, mapping)
             except OverflowError as error:
                 raise LimitError("the Gaussians cover too much of the picture; decode smaller regions") from error
-            if spec.base_cell:
-                add_base(image, colours, spec.base_cell, (view.x, view.y), scale, (left, top))
-            yield (slice(top, top + rows), slice(left, left + columns)), image.transpose(1, 2, 0)
 
-    def _prepared(self) -> _Gaussians:
+    def _decoded(self, threads: int) -> TileModel:
+        if self._model is None:
+            self._model, walk = read_tile(self.header, self._tile, Processor(threads, self._isa))
+            self._bits, self._symbol_crc = walk.bits, walk.crc
+        return self._model
+
+    def _prepared(self, threads: int) -> _Gaussians:
         if self._gaussians is None:
-            model, spec = self.model, self.header.spec
+            model, spec = self._decoded(threads), self.header.spec
             decoders = {
                 name: np.ldexp(weights.astype(np.float32), -DECODER_SHIFT) for name, weights in model.decoders.items()
             }
@@ -219,16 +224,29 @@ class Stream:
         return colours
 
 
-def open_stream(source: str | Path | bytes | BinaryIO) -> Stream:
-    """Opens a stream from a path, bytes or a binary file object. Raises StreamError for what is none."""
+def open_stream(source: str | Path | bytes | BinaryIO, isa: str = "auto") -> Stream:
+    """Opens a stream from a path, bytes or a binary file object. Raises StreamError for what is none.
+
+    isa: the instruction set to decode with: auto, avx512, avx2 or portable; ValueError later where this machine lacks
+    it. Symbols are the same with all, pixels up to rounding.
+    """
     if isinstance(source, bytes) or not isinstance(source, str | Path):
-        return Stream(source)
+        return Stream(source, isa=isa)
     file = Path(source).open("rb")  # noqa: SIM115 (the stream closes it)
     try:
-        return Stream(file, owned=file)
+        return Stream(file, file, isa)
     except BaseException:
         file.close()
         raise
+
+
+def _mapping(header: Header) -> Mapping:
+    """How values become samples: colours span the stated range, alpha its type."""
+    low, high = (np.full(header.spec.channels, value, np.float64) for value in header.sample_range)
+    alpha = alpha_index(header.channels)
+    if alpha is not None:
+        low[alpha], high[alpha] = full_range(header.sample_type)
+    return Mapping(low.astype(np.float32), (high - low).astype(np.float32))
 
 
 def _output_size(width: int, height: int, scale: float | None, size: tuple[int, int] | None) -> tuple[int, int]:

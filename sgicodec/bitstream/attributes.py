@@ -7,7 +7,6 @@ two directions agree on every machine (docs/format.md, "Context model").
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,21 +14,21 @@ from numpy.typing import NDArray
 
 from sgicodec.bitstream.entropy import SymbolWalk
 from sgicodec.bitstream.tables import MAX_MAGNITUDE, SCALES
+from sgicodec.model.ahead import ahead
 from sgicodec.model.context import (
     HashGrid,
     hash_inputs,
     input_count,
-    nearest_table,
+    nearest_by_pass,
     output_count,
     own_inputs,
-    passes,
 )
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.native import SeedInputs, quantisers, summarise
 from sgicodec.model.neighbours import nearest_seeds
 from sgicodec.model.network import IntNetwork, Prediction
 from sgicodec.model.processor import ONE_THREAD, Processor
-from sgicodec.model.quantize import dequantize, quantize
+from sgicodec.model.quantize import quantize
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import StepPlan, follows_amplitude
 
@@ -68,17 +67,17 @@ class AttributeCoder:
         """
         context, layout = self.spec.context, self.layout
         decoded = np.zeros((len(layout), self.spec.attributes), np.int64)
-        nearest = partial(nearest_seeds, threads=self.processor.threads)
-        seeds = SeedInputs(layout, nearest_table(context, layout, nearest), self.quality, self.processor)
+        seeds = SeedInputs(layout, self.quality, self.processor)
+        parts = nearest_by_pass(context, layout, nearest_seeds)
         widths = [input_count(self.spec, number) for number in range(len(context.steps))]
         if context.hash_resolutions:
             grid = HashGrid.at(context, layout, *self.size)
             signs = [2 * bits - 1 for bits in self.hash_tables]
-        for members in passes(context, layout):
+        for members, neighbours in parts if self.processor.threads == 1 else ahead(parts):
             if not len(members):
                 continue
             inputs = np.empty((len(members), max(widths)), np.int16)
-            seeds.write(members, inputs)
+            seeds.write(members, neighbours, inputs)
             if context.hash_resolutions:
                 hashed = hash_inputs(grid, members, signs, grid.weight, np.concatenate, _shift)
                 inputs[:, widths[0] - hashed.shape[1] : widths[0]] = hashed
@@ -113,9 +112,7 @@ class AttributeCoder:
                 known = amplitude if follows_amplitude(self.spec, name) else None
                 given = None if values is None else values[name][members]
                 with walk.part(name):
-                    decoded[members, self.spec.group(name).columns] = self._code_group(
-                        walk, name, members, part, known, given
-                    )
+                    self._code_group(walk, name, members, part, known, given, decoded)
 
     def _code_group(
         self,
@@ -125,7 +122,8 @@ class AttributeCoder:
         prediction: Prediction,
         amplitude: I32 | None,
         values: NDArray[np.float64] | None,
-    ) -> I64:
+        decoded: I64,
+    ) -> None:
         known = quantisers(
             self.spec, self.plan, name, prediction, amplitude, self.layout.log_size[members], self.processor
         )
@@ -134,4 +132,4 @@ class AttributeCoder:
             symbols = quantize(values, known.mean, known.step, known.scale)
             symbols = np.clip(symbols, -MAX_MAGNITUDE, MAX_MAGNITUDE)
         coded = walk.code(symbols, known.scale + np.int16(SCALES * self.family))
-        return dequantize(coded.astype(np.int64), known.mean, known.step)
+        known.decode(coded, members, self.spec.group(name).start, decoded, self.processor)

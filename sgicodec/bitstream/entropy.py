@@ -29,11 +29,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sgicodec import _native
+from sgicodec.bitstream.alphabets import Alphabets
 from sgicodec.bitstream.tables import (
     MAX_MAGNITUDE,
     TABLES,
-    TOTAL,
-    bits_of_frequencies,
     escape_bits,
     escape_exponent,
     escape_frequencies,
@@ -102,38 +101,31 @@ class SymbolWalk(ABC):
         return coded.reshape(shape)
 
     def code_categorical(
-        self, symbols: ArrayLike | None, frequencies: NDArray[np.int64], contexts: ArrayLike
+        self, symbols: ArrayLike | None, alphabets: Alphabets | NDArray[np.int64], contexts: ArrayLike
     ) -> IntArray:
-        """Symbols 0 … A−1; symbol i under row `contexts[i]` of `frequencies` [contexts, A].
+        """Symbols 0 … A−1; symbol i under row `contexts[i]` of `alphabets`, or of the frequencies of some.
 
-        Rows sum to 2**24; a symbol of frequency 0 cannot occur, and one of frequency 2**24 costs nothing.
         Order in the stream as for `code`, by context. Raises UsageError for a symbol that cannot occur or a
         bad row.
         """
-        shape = np.shape(contexts)
-        context = _as_keys(contexts, len(frequencies))
-        if context.size and (frequencies.min() < 0 or np.any(frequencies.sum(axis=1) != TOTAL)):
-            raise UsageError(f"entropy: frequencies must be non-negative and sum to {TOTAL} in every row")
-        values = None if symbols is None else _as_values(symbols, context.size)
-        if values is not None and np.any((values < 0) | (values >= frequencies.shape[1])):
-            raise UsageError(f"entropy: a symbol is outside 0..{frequencies.shape[1] - 1}")
-        if values is not None and np.any(frequencies[context, values] == 0):
-            raise UsageError("entropy: a symbol has frequency 0 in its context")
-        present = frequencies > 0
-        rank = np.cumsum(present, axis=1, dtype=np.int32) - 1  # symbol → index among those that can occur
-        alphabet = np.argsort(~present, axis=1, kind="stable").astype(np.int32)  # and back
-
-        def model(row: int) -> Any:
-            return _model(tuple(frequencies[row][present[row]].tolist()))
-
-        order, start = _groups(context, len(frequencies))
+        if not isinstance(alphabets, Alphabets):
+            alphabets = Alphabets(alphabets)
+        shape, rows = np.shape(contexts), len(alphabets.frequencies)
+        context = _as_keys(contexts, rows)
+        order, start = _groups(context, rows)
+        index = None
+        if symbols is not None:
+            values, size = _as_values(symbols, context.size), alphabets.frequencies.shape[1]
+            if np.any((values < 0) | (values >= size)):
+                raise UsageError(f"entropy: a symbol is outside 0..{size - 1}")
+            if np.any(alphabets.frequencies[context, values] == 0):
+                raise UsageError("entropy: a symbol has frequency 0 in its context")
+            index = alphabets.rank[context, values][order]
+        possible = alphabets.possible
+        index = self._in_groups(index, start, lambda row: _model(possible[row]))
         coded = np.empty(context.size, np.int32)
-        coded[order] = self._in_groups(None if values is None else rank[context, values][order], start, model)
-        if not present.all():
-            coded = alphabet[context, coded]
-        counts = np.bincount(context.astype(np.int64) * frequencies.shape[1] + coded, minlength=frequencies.size)
-        used = np.flatnonzero(counts)
-        self._record(coded, float(counts[used] @ bits_of_frequencies(frequencies.reshape(-1)[used])))
+        bits = _native.ungroup_categorical(index, order, context, alphabets.symbol, alphabets.bits, coded)
+        self._record(coded, bits)
         return coded.reshape(shape)
 
     def code_bits(self, values: ArrayLike | None, n_bits: int, count: int) -> NDArray[np.int64]:
@@ -224,8 +216,10 @@ class SymbolWriter(SymbolWalk):
         if index is None:
             raise UsageError("entropy: a writer needs values")
         if model is not None:
-            with _without_panics(RuntimeError, "these symbols cannot be coded"):
+            try:
                 self._coder.encode(np.ascontiguousarray(index), model)
+            except BaseException as error:
+                raise _not_a_panic(error, RuntimeError, "these symbols cannot be coded") from error
         return index
 
 
@@ -256,20 +250,18 @@ class SymbolReader(SymbolWalk):
     def _run(self, index: IntArray | None, model: Any, count: int) -> IntArray:
         if model is None:
             return np.zeros(count, np.int32)
-        with _without_panics(CorruptStreamError, "the payload does not decode"):
+        try:
             coded: IntArray = self._coder.decode(model, count)
+        except BaseException as error:
+            raise _not_a_panic(error, CorruptStreamError, "the payload does not decode") from error
         return coded
 
 
-@contextmanager
-def _without_panics(failure: type[Exception], message: str) -> Iterator[None]:
-    """Raises `failure` for whatever constriction raises; its PanicException is not even an Exception."""
-    try:
-        yield
-    except (KeyboardInterrupt, SystemExit, MemoryError):
-        raise
-    except BaseException as error:
-        raise failure(f"entropy: {message} ({' '.join(str(error).split())})") from error
+def _not_a_panic(error: BaseException, failure: type[Exception], message: str) -> BaseException:
+    """What to raise instead of whatever constriction raised; its PanicException is not even an Exception."""
+    if isinstance(error, KeyboardInterrupt | SystemExit | MemoryError):
+        return error
+    return failure(f"entropy: {message} ({' '.join(str(error).split())})")
 
 
 def _as_values(symbols: ArrayLike, count: int) -> NDArray[np.int64]:

@@ -19,6 +19,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec.bitstream.alphabets import Alphabets
 from sgicodec.bitstream.entropy import SymbolWalk
 from sgicodec.bitstream.tables import TOTAL, bits_of_frequencies
 from sgicodec.errors import CorruptStreamError, LimitError, UsageError
@@ -38,7 +39,7 @@ MAX_ROOTS = 1 << 20
 ONES = (0, 3, 6, 11, 21, 38, 67, 106, 150, 189, 218, 235, 245, 250, 253, 256)
 """P(flag = 1) · 256 for each 4-bit code: equal steps of log-odds, and "never" and "always" at the ends."""
 
-_FREQUENCIES = np.array([[256 - one, one] for one in ONES], np.int64) * (TOTAL // 256)  # [16, 2]
+_FLAGS = Alphabets(np.array([[256 - one, one] for one in ONES], np.int64) * (TOTAL // 256))  # [16, 2]
 
 SCORE_SHIFTS = (0, 1, 2, 4)
 """By how much neighbour scores are shifted: small trees cannot pay for the probabilities of all contexts."""
@@ -123,7 +124,7 @@ class _FlagCounter:
 
     def best(self) -> tuple[int, NDArray[np.int64]]:
         """The detail of contexts that costs least, with the probability code of each context under it."""
-        bits = np.minimum(bits_of_frequencies(_FREQUENCIES), 1e9)  # impossible, but 0 · ∞ is not a number
+        bits = np.minimum(bits_of_frequencies(_FLAGS.frequencies), 1e9)  # impossible, but 0 · ∞ is not a number
         trials = []
         for detail in range(len(SCORE_SHIFTS)):
             counts = np.zeros_like(self._counts)
@@ -141,7 +142,7 @@ class _FlagCoder:
         self._walk = walk
         self._merged = merged
         self._best = best
-        self._sent = np.full(merged.size, -1, np.int64)
+        self._sent = np.full(merged.size, -1, np.int16)
 
     def code(self, contexts: Contexts, flags: Flags | None) -> Flags:
         merged = self._merged[contexts]
@@ -149,7 +150,7 @@ class _FlagCoder:
         fresh = occurring[self._sent[occurring] < 0]
         best = None if self._best is None else self._best[fresh]
         self._sent[fresh] = self._walk.code_bits(best, 4, fresh.size)
-        return self._walk.code_categorical(flags, _FREQUENCIES, self._sent[merged]).astype(np.uint8)
+        return self._walk.code_categorical(flags, _FLAGS, self._sent[merged]).astype(np.uint8)
 
 
 class _Truth:
@@ -246,15 +247,16 @@ class _Parents:
 
     def children(self, split: Flags) -> _Parents:
         """Those of their children that are split, split [P, 4]: neighbours are children of the same or a neighbour."""
-        parent, child = np.nonzero(split)
-        number = np.full((len(self) + 1, 4), -1)  # the last row is that of neighbours that are not there
-        number[parent, child] = np.arange(len(parent))
+        found = np.flatnonzero(split)
+        parent, child = found >> 2, found & 3
+        number = np.full(4 * (len(self) + 1), -1)  # the last four are children of neighbours that are not there
+        number[found] = np.arange(len(found))
         beside = {}
         for dx, dy in _DIRECTIONS:
             half = child & 1 if dx else child >> 1
             within = half + dx + dy == half ^ 1
             where = np.where(within, parent, self.beside[dx, dy][parent])
-            beside[dx, dy] = number[where, child ^ (1 if dx else 2)]
+            beside[dx, dy] = number[4 * where + (child ^ (1 if dx else 2))]
         return _Parents(2 * self.x[parent] + (child & 1), 2 * self.y[parent] + (child >> 1), beside)
 
 
@@ -280,8 +282,8 @@ def _code_level(
         occupied[exists] |= taken
     if not occupied.all():
         raise CorruptStreamError(f"positions: a split node of level {level + 1} has no children")
-    parent, number = np.nonzero(seed)
-    return codes[parent] + number, parents.children(split[:count])
+    found = np.flatnonzero(seed)
+    return codes[found >> 2] + (found & 3), parents.children(split[:count])
 
 
 def _score(split: Flags, parents: _Parents, child: int) -> NDArray[np.int16]:

@@ -20,6 +20,7 @@ from sgicodec.model.context import output_count
 from sgicodec.model.gaussians import decoder_shapes
 from sgicodec.model.layout import ROOT_LOG, SeedLayout
 from sgicodec.model.network import DIFFERENCE_SHIFT, IntNetwork
+from sgicodec.model.processor import ONE_THREAD, Processor
 from sgicodec.model.quantize import FRACTION_BITS, STEP_COUNT
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import StepPlan, default_plan, follows_amplitude
@@ -76,19 +77,21 @@ def write_tile(header: Header, model: TileModel) -> tuple[bytes, SymbolWalk]:
     return payload, walk
 
 
-def read_tile(header: Header, payload: bytes) -> tuple[TileModel, SymbolWalk]:
+def read_tile(header: Header, payload: bytes, processor: Processor = ONE_THREAD) -> tuple[TileModel, SymbolWalk]:
     """The model of a payload. Raises CorruptStreamError where the decoded symbols are not those that were written and
     LimitError, before it takes memory, for a model beyond the caps of `limits`.
     """
     spec, size = header.spec, (header.width, header.height)
     check_model(spec, *size)
     walk = SymbolReader(payload)
-    model = _code(walk, header, None, max_seeds(spec, *size, len(payload)))
+    model = _code(walk, header, None, max_seeds(spec, *size, len(payload)), processor)
     walk.finish()
     return model, walk
 
 
-def _code(walk: SymbolWalk, header: Header, model: TileModel | None, most_seeds: int) -> TileModel:
+def _code(
+    walk: SymbolWalk, header: Header, model: TileModel | None, most_seeds: int, processor: Processor = ONE_THREAD
+) -> TileModel:
     spec, size = header.spec, (header.width, header.height)
     with walk.part("steps"):
         plan = _code_plan(walk, spec, header.quality, None if model is None else model.plan)
@@ -106,7 +109,7 @@ def _code(walk: SymbolWalk, header: Header, model: TileModel | None, most_seeds:
         hash_tables = _code_hash(walk, header, None if model is None else model.hash_tables)
     with walk.part("context model"):
         networks = code_networks(walk, spec, None if model is None else model.networks)
-    coder = AttributeCoder(spec, layout, size, plan, networks, hash_tables, header.quality, header.family)
+    coder = AttributeCoder(spec, layout, size, plan, networks, hash_tables, header.quality, header.family, processor)
     decoded = coder.code(walk, None if model is None else model.attributes)
     if model is not None:
         model.decoded = decoded

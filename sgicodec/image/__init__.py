@@ -5,14 +5,23 @@
     again = from_unit(unit, picture.channels, picture.pixels.dtype, picture.sample_range, picture.metadata)
     write(again, "out.png")
 
+Pictures that need not fit into memory come and go in parts, and may be larger than `read` takes:
+
+    with open_source("in.tif") as source, open_sink("out.tif", source.width, 512, "rgb", "uint8") as sink:
+        sink.write_rows(0, source.read(0, 1000, source.width, 512).pixels)
+
 What happens to each kind of input is told in docs/pictures.md. Importing this package does not import
 OpenImageIO.
 """
 
 from __future__ import annotations
 
-from .picture import LAYOUTS, Metadata, Picture, convert, from_unit, full_range, to_unit
-from .reader import MAX_SAMPLES, Probe, probe, read
+from .header import Probe
+from .picture import LAYOUTS, Metadata, Picture, convert, from_unit, full_range, nodata_mask, to_unit
+from .placement import view as geo_view
+from .reader import MAX_SAMPLES, probe, read
+from .sink import Sink, open_sink
+from .source import Source, open_source
 from .writer import write
 
 __all__ = [
@@ -21,9 +30,15 @@ __all__ = [
     "Metadata",
     "Picture",
     "Probe",
+    "Sink",
+    "Source",
     "convert",
     "from_unit",
     "full_range",
+    "geo_view",
+    "nodata_mask",
+    "open_sink",
+    "open_source",
     "probe",
     "read",
     "to_unit",

@@ -22,16 +22,22 @@ def unassociate(pixels: Samples) -> Samples:
     Integers are rounded to nearest and clipped to their type; multiplying again gives back every colour that
     was not larger than its alpha.
     """
-    alpha = pixels[..., -1:]
     result = pixels.copy()
     if pixels.dtype.kind == "f":
+        alpha = pixels[..., -1:]
         np.divide(pixels[..., :-1], alpha, out=result[..., :-1], where=alpha != 0)
         return result
-    largest = np.iinfo(pixels.dtype).max
+    for row, divided in zip(pixels, result, strict=True):  # row by row, as 64 bits for all would take much memory
+        _divide(row, divided)
+    return result
+
+
+def _divide(pixels: Samples, result: Samples) -> None:
+    """Put the divided colours of integers [W, C] into `result`."""
+    alpha, largest = pixels[..., -1:], np.iinfo(pixels.dtype).max
     divisor = np.maximum(alpha, 1).astype(np.uint64)
     colour = (pixels[..., :-1].astype(np.uint64) * largest + divisor // 2) // divisor
     np.copyto(result[..., :-1], np.minimum(colour, largest).astype(pixels.dtype), where=alpha != 0)
-    return result
 
 
 def associate(pixels: Samples) -> Samples:

@@ -1,26 +1,32 @@
-"""EXIF and XMP inside picture files, kept byte for byte.
+"""EXIF, XMP and `geo` inside picture files, kept byte for byte.
 
-OpenImageIO turns both into attributes of its own and back, and on the way loses maker notes, many GPS fields
-and any XMP that it does not know. A little container syntax keeps them whole.
+OpenImageIO turns EXIF and XMP into attributes of its own and back, and on the way loses maker notes, many GPS fields
+and any XMP that it does not know; of GeoTIFF it knows nothing. A little container syntax keeps them whole.
 """
 
 from __future__ import annotations
 
+import os
 import struct
 from pathlib import Path
 
 from ..errors import PictureError
-from . import exif, jpeg, png, webp
-from .ifd import Bytes
+from . import exif, jpeg, png, tiff, webp
+from .filebytes import Bytes, FileBytes
 from .picture import Metadata
 
-__all__ = ["embed", "extract"]
+__all__ = ["copies", "embed", "extract"]
+
+_INSERT = {"jpeg": jpeg.insert, "png": png.insert, "webp": webp.insert}
+_REWRITTEN = ("jpeg", "png")
+"""Formats whose files are written anew even without metadata, to lose what OpenImageIO puts there unasked."""
 
 
-def extract(data: Bytes) -> tuple[bytes | None, bytes | None]:
-    """EXIF and XMP, both with the orientation set to 1, in the bytes of any picture file; None where there is
-    none.
+def extract(data: Bytes) -> Metadata:
+    """EXIF and XMP, both with the orientation set to 1, and `geo`, which still speaks of the stored pixels, in the
+    bytes of any picture file; each None where there is none.
     """
+    place = None
     if data[:3] == jpeg.SIGNATURE:
         blob, xmp = jpeg.find(data)
     elif data[:8] == png.SIGNATURE:
@@ -28,24 +34,30 @@ def extract(data: Bytes) -> tuple[bytes | None, bytes | None]:
     elif webp.is_webp(data):
         blob, xmp = webp.find(data)
     else:
-        blob, xmp = exif.from_tiff(data)
-    return blob and exif.upright(blob), xmp and exif.upright_xmp(xmp)
+        blob, xmp, place = tiff.find(data)
+    return Metadata(exif=blob and exif.upright(blob), xmp=xmp and exif.upright_xmp(xmp), geo=place)
+
+
+def copies(holder: str) -> int:
+    """How many times a file in the format `holder` may stand on the disk while `embed` works on it."""
+    return 1 if holder == "tiff" or holder not in _INSERT else 2
 
 
 def embed(path: Path, holder: str, metadata: Metadata) -> None:
-    """Put EXIF and XMP into the file that was just written at `path` in the format `holder`; others stay as
-    they are.
+    """Put EXIF, XMP and `geo` into the file that was just written at `path` in the format `holder`, as far as it has
+    a place for them.
 
     Raises PictureError if they do not fit.
     """
     blob, xmp = metadata.exif, metadata.xmp
     if holder == "tiff":
         try:
-            exif.into_tiff(path, blob, xmp)
+            tiff.insert(path, blob, xmp, metadata.geo)
         except struct.error as error:
-            raise PictureError(f"tiff cannot hold its EXIF: {error}") from error
-    elif holder in ("jpeg", "png"):
-        insert = jpeg.insert if holder == "jpeg" else png.insert
-        path.write_bytes(insert(path.read_bytes(), blob, xmp))
-    elif holder == "webp" and (blob is not None or xmp is not None):
-        path.write_bytes(webp.insert(path.read_bytes(), blob, xmp))
+            raise PictureError(f"tiff cannot hold its metadata: {error}") from error
+    elif holder in _REWRITTEN or (holder in _INSERT and (blob is not None or xmp is not None)):
+        whole = path.with_name("whole" + path.suffix)
+        with path.open("rb") as file, whole.open("wb") as out:
+            for piece in _INSERT[holder](FileBytes(file), blob, xmp):
+                out.write(piece)
+        os.replace(whole, path)

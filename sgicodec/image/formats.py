@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 
 from ..errors import PictureError
-from .picture import LAYOUTS, Picture
+from .header import Probe
+from .picture import LAYOUTS
 
 __all__ = ["FORMATS", "Format", "find"]
 
@@ -22,6 +23,7 @@ class Format:
     writer.
 
     associated: alpha is stored premultiplied, by the format's definition.
+    in_library: how many times the size of all samples OpenImageIO's writer holds in memory; 0 if it needs a few rows.
     """
 
     name: str
@@ -30,17 +32,18 @@ class Format:
     layouts: tuple[str, ...]
     hints: Mapping[str, str | int] = field(default_factory=lambda: MappingProxyType({}))
     associated: bool = False
+    in_library: int = 0
 
-    def check(self, picture: Picture) -> None:
+    def check(self, header: Probe) -> None:
         """Raise PictureError if the picture would lose depth or channels."""
-        if picture.channels not in self.layouts:
+        if header.channels not in self.layouts:
             held = ", ".join("any bands" if layout == "multi" else layout for layout in self.layouts)
-            bands = f"{picture.pixels.shape[2]} bands" if picture.channels == "multi" else picture.channels
+            bands = f"{header.count} bands" if header.channels == "multi" else header.channels
             raise PictureError(f"{self.name} cannot hold {bands}, only {held}; choose another format")
-        if picture.pixels.dtype.name not in self.dtypes:
+        if header.dtype.name not in self.dtypes:
             held = " or ".join(_DEPTH_NAMES[name] for name in self.dtypes)
             raise PictureError(
-                f"{self.name} cannot hold {_DEPTH_NAMES[picture.pixels.dtype.name]} per sample, only {held}; "
+                f"{self.name} cannot hold {_DEPTH_NAMES[header.dtype.name]} per sample, only {held}; "
                 "ask for that depth or choose another format"
             )
 
@@ -57,16 +60,18 @@ FORMATS = (
         _NO_ALPHA,
         {"compression": "jpeg:95", "jpeg:subsampling": "4:4:4"},
     ),
-    Format("webp", ("webp",), ("uint8",), ("rgb", "rgba"), {"compression": "lossless:50", "webp:method": 2}),
-    Format("jpegxl", ("jxl",), _INTEGERS, ("gray", "rgb", "rgba"), {"compression": "jpegxl:100"}),
-    Format("jpeg2000", ("jp2",), _INTEGERS, ("gray", "rgb", "rgba")),
+    Format(
+        "webp", ("webp",), ("uint8",), ("rgb", "rgba"), {"compression": "lossless:50", "webp:method": 2}, in_library=10
+    ),
+    Format("jpegxl", ("jxl",), _INTEGERS, ("gray", "rgb", "rgba"), {"compression": "jpegxl:100"}, in_library=11),
+    Format("jpeg2000", ("jp2",), _INTEGERS, ("gray", "rgb", "rgba"), in_library=9),
     Format("openexr", ("exr",), ("float32",), _ALL, {"compression": "zip"}, associated=True),
     Format("hdr", ("hdr",), ("float32",), ("rgb",)),
     Format("pfm", ("pfm",), ("float32",), _NO_ALPHA),
     Format("pnm", ("ppm", "pgm", "pnm"), _INTEGERS, _NO_ALPHA),
     Format("targa", ("tga",), ("uint8",), tuple(LAYOUTS), {"compression": "rle"}),
     Format("bmp", ("bmp",), ("uint8",), ("gray", "rgb", "rgba")),
-    Format("sgi", ("sgi", "rgb", "rgba", "bw"), _INTEGERS, tuple(LAYOUTS), {"compression": "rle"}),
+    Format("sgi", ("sgi", "rgb", "rgba", "bw"), _INTEGERS, tuple(LAYOUTS), {"compression": "rle"}, in_library=1),
 )
 
 

@@ -7,17 +7,19 @@ normalises values to little-endian, so what was read from any file can be writte
 from __future__ import annotations
 
 import contextlib
-import mmap
+import itertools
 import struct
+from collections.abc import Container
 from dataclasses import dataclass
 from typing import NamedTuple, Union
 
 import numpy as np
 
+from .filebytes import Bytes
+
 __all__ = [
     "EXIF_IFD",
     "GPS_IFD",
-    "Bytes",
     "Directory",
     "Entry",
     "Layout",
@@ -54,10 +56,6 @@ _VALUE_SIZE = {
 
 _RATIONALS = (5, 10)
 _LONG, _LONG8 = 4, 16
-
-
-Bytes = bytes | memoryview | mmap.mmap
-"""Anything that slices like bytes."""
 
 
 class Entry(NamedTuple):
@@ -116,20 +114,23 @@ def layout(data: Bytes) -> Layout | None:
 
 def rows(data: Bytes, at: int, spelling: Layout) -> list[Row]:
     """The rows of the directory at byte `at`. Raises struct.error if it reaches past the end."""
-    (count,) = spelling.count.unpack_from(data, at)
+    (count,) = spelling.count.unpack(data[at : at + spelling.count.size])
     at += spelling.count.size
     if at + count * spelling.row.size > len(data):
         raise struct.error("directory reaches past the end")
-    found = []
-    for start in range(at, at + count * spelling.row.size, spelling.row.size):
-        tag, kind, values, _ = spelling.row.unpack_from(data, start)
-        found.append(Row(tag, kind, values, start + spelling.row.size - spelling.place.size))
-    return found
+    table = data[at : at + count * spelling.row.size]
+    places = itertools.count(at + spelling.row.size - spelling.place.size, spelling.row.size)
+    found = zip(spelling.row.iter_unpack(table), places, strict=False)
+    return [Row(tag, kind, values, place) for (tag, kind, values, _), place in found]
 
 
 def first_directory(data: Bytes, spelling: Layout) -> int:
     """Place of the first directory. Raises struct.error if there is none."""
-    return int(spelling.place.unpack_from(data, spelling.first)[0])
+    return _place(data, spelling.first, spelling)
+
+
+def _place(data: Bytes, at: int, spelling: Layout) -> int:
+    return int(spelling.place.unpack(data[at : at + spelling.place.size])[0])
 
 
 def damage(data: Bytes) -> str | None:
@@ -147,27 +148,32 @@ def damage(data: Bytes) -> str | None:
     return None
 
 
-def load(data: Bytes) -> Directory:
-    """The first directory of a TIFF structure, with its EXIF, GPS and interoperability directories.
+def load(data: Bytes, only: Container[int] | None = None) -> Directory:
+    """The first directory of a TIFF structure, with its EXIF, GPS and interoperability directories; of the first only
+    the tags in `only`, if stated.
 
     Values and subordinate directories that are damaged are left out. Raises struct.error if the first directory is.
     """
     spelling = layout(data)
     if spelling is None:
         raise struct.error("not a TIFF structure")
-    return _load(data, first_directory(data, spelling), spelling, (EXIF_IFD, GPS_IFD))
+    return _load(data, first_directory(data, spelling), spelling, (EXIF_IFD, GPS_IFD), only)
 
 
-def _load(data: Bytes, at: int, spelling: Layout, pointers: tuple[int, ...]) -> Directory:
+def _load(
+    data: Bytes, at: int, spelling: Layout, pointers: tuple[int, ...], only: Container[int] | None = None
+) -> Directory:
     directory: Directory = {}
     for row in rows(data, at, spelling):
+        if only is not None and row.tag not in only:
+            continue
         start, size = _extent(data, row, spelling)
         if size == 0 or start + size > len(data):
             continue
         if row.tag in pointers:
             inner = (INTEROP_IFD,) if row.tag == EXIF_IFD else ()
             with contextlib.suppress(struct.error):
-                directory[row.tag] = _load(data, spelling.place.unpack_from(data, row.at)[0], spelling, inner)
+                directory[row.tag] = _load(data, _place(data, row.at, spelling), spelling, inner)
         else:
             directory[row.tag] = Entry(row.kind, _little(bytes(data[start : start + size]), row.kind, spelling))
     return directory
@@ -176,7 +182,7 @@ def _load(data: Bytes, at: int, spelling: Layout, pointers: tuple[int, ...]) -> 
 def _extent(data: Bytes, row: Row, spelling: Layout) -> tuple[int, int]:
     """Start and length in bytes of a row's values; no length if their type is unknown."""
     size = _VALUE_SIZE.get(row.kind, 0) * row.values
-    return (row.at if size <= spelling.place.size else int(spelling.place.unpack_from(data, row.at)[0])), size
+    return (row.at if size <= spelling.place.size else _place(data, row.at, spelling)), size
 
 
 def _little(values: bytes, kind: int, spelling: Layout) -> bytes:

@@ -7,7 +7,7 @@ import struct
 from collections.abc import Iterator
 
 from ..errors import PictureError
-from .ifd import Bytes
+from .filebytes import Bytes
 
 __all__ = ["EXIF_PREFIX", "SIGNATURE", "find", "insert"]
 
@@ -16,6 +16,7 @@ EXIF_PREFIX = b"Exif\0\0"
 _XMP_PREFIX = b"http://ns.adobe.com/xap/1.0/\0"
 _START_OF_SCAN, _APP0, _APP1 = 0xDA, 0xE0, 0xE1
 _PAYLOAD_MAX = 65533
+_PIECE = 1 << 20
 
 
 def find(data: Bytes) -> tuple[bytes | None, bytes | None]:
@@ -30,16 +31,17 @@ def find(data: Bytes) -> tuple[bytes | None, bytes | None]:
     return exif, xmp
 
 
-def insert(data: bytes, exif: bytes | None, xmp: bytes | None) -> bytes:
-    """The file with this metadata in place of any that it has. Raises PictureError if it does not fit a
-    segment.
+def insert(data: Bytes, exif: bytes | None, xmp: bytes | None) -> Iterator[bytes]:
+    """The file with this metadata in place of any that it has, piece by piece. Raises PictureError if it does not fit
+    a segment.
     """
-    segments = [data[start:end] for start, end in _segments(data)]
-    rest = data[2 + sum(map(len, segments)) :]
+    segments = [bytes(data[start:end]) for start, end in _segments(data)]
+    rest = range(2 + sum(map(len, segments)), len(data), _PIECE)
     kept = [segment for segment in segments if not segment.startswith((EXIF_PREFIX, _XMP_PREFIX), 4)]
     jfif = list(itertools.takewhile(lambda segment: segment[1] == _APP0, kept))
     ours = [_segment(EXIF_PREFIX, exif, "EXIF"), _segment(_XMP_PREFIX, xmp, "XMP")]
-    return b"".join([data[:2], *jfif, *ours, *kept[len(jfif) :], rest])
+    yield from (bytes(data[:2]), *jfif, *ours, *kept[len(jfif) :])
+    yield from (bytes(data[start : start + _PIECE]) for start in rest)
 
 
 def _segments(data: Bytes) -> Iterator[tuple[int, int]]:

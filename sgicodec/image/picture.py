@@ -2,15 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from ..errors import UsageError
+from . import geo
 
-__all__ = ["LAYOUTS", "Metadata", "Picture", "alpha_index", "convert", "from_unit", "full_range", "to_unit"]
+__all__ = [
+    "LAYOUTS",
+    "Metadata",
+    "Picture",
+    "alpha_index",
+    "convert",
+    "equal_samples",
+    "from_unit",
+    "full_range",
+    "nodata_mask",
+    "to_unit",
+]
 
 Samples = npt.NDArray[Any]
 
@@ -31,11 +43,14 @@ class Metadata:
     icc:  an ICC profile that fits the layout.
     exif: a TIFF structure (`II*\0` or `MM\0*` first, no `Exif\0\0` prefix) whose orientation, if any, is 1.
     xmp:  an XMP packet, UTF-8.
+    geo:  where the picture lies and what its numbers mean: a little-endian TIFF structure with the tags of
+          `sgicodec.image.geo` for the upright picture and its sample type.
     """
 
     icc: bytes | None = None
     exif: bytes | None = None
     xmp: bytes | None = None
+    geo: bytes | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,10 +97,28 @@ class Picture:
         """Index of the alpha channel, or None."""
         return alpha_index(self.channels)
 
+    @property
+    def nodata(self) -> float | None:
+        """The sample value that stands for "nothing was measured here", or None. It may be not-a-number."""
+        return geo.nodata(self.metadata.geo, self.pixels.dtype)
+
 
 def alpha_index(channels: str) -> int | None:
     """Index of the alpha channel in a layout, or None."""
     return LAYOUTS[channels] - 1 if channels in ("gray+alpha", "rgba") else None
+
+
+def equal_samples(pixels: Samples, value: float) -> npt.NDArray[np.bool_]:
+    """Which samples are `value`, of the shape of `pixels`; not-a-number equals itself."""
+    return np.isnan(pixels) if np.isnan(value) else pixels == pixels.dtype.type(value)
+
+
+def nodata_mask(picture: Picture) -> npt.NDArray[np.bool_]:
+    """Which pixels [H, W] were not measured: those whose samples, but for alpha, all have the nodata value."""
+    nodata = picture.nodata
+    if nodata is None:
+        return np.zeros(picture.pixels.shape[:2], np.bool_)
+    return np.asarray(equal_samples(picture.pixels[..., : picture.alpha], nodata).all(axis=-1))
 
 
 def full_range(dtype: npt.DTypeLike) -> tuple[float, float]:
@@ -97,12 +130,15 @@ def full_range(dtype: npt.DTypeLike) -> tuple[float, float]:
 
 
 def to_unit(picture: Picture) -> npt.NDArray[np.float32]:
-    """Samples as float32 [H, W, C] in 0..1; what lies outside the sample range is clipped."""
+    """Samples as float32 [H, W, C] in 0..1; what lies outside the sample range is clipped, not-a-number becomes 0."""
     low, span = _affine(picture.channels, picture.pixels.shape[2], picture.pixels.dtype, picture.sample_range)
     unit = picture.pixels.astype(np.float32)
     unit -= low
     unit /= span
-    return np.clip(unit, 0.0, 1.0, out=unit)
+    np.clip(unit, 0.0, 1.0, out=unit)
+    if picture.nodata is not None and np.isnan(picture.nodata):
+        unit[np.isnan(unit)] = 0.0
+    return unit
 
 
 def from_unit(
@@ -131,7 +167,7 @@ def from_unit(
 
 def convert(picture: Picture, depth: int) -> Picture:
     """The picture in 8 or 16-bit integers or 32-bit float, its sample range mapped to the full range of that
-    type.
+    type. So is the nodata value; one outside the sample range is forgotten.
 
     Raises UsageError for any other depth.
     """
@@ -140,7 +176,16 @@ def convert(picture: Picture, depth: int) -> Picture:
     dtype = _DTYPE_OF_DEPTH[depth]
     if picture.pixels.dtype == dtype:
         return picture
-    return from_unit(to_unit(picture), picture.channels, dtype, None, picture.metadata)
+
+    def mapped(value: float) -> float | None:
+        low, high = picture.sample_range
+        if picture.nodata is None or not low <= value <= high:
+            return None
+        sample = Picture(np.full((1, 1, 1), value, picture.pixels.dtype), "gray", picture.sample_range)
+        return float(from_unit(to_unit(sample), "gray", dtype).pixels[0, 0, 0])
+
+    metadata = replace(picture.metadata, geo=geo.resampled(picture.metadata.geo, mapped))
+    return from_unit(to_unit(picture), picture.channels, dtype, None, metadata)
 
 
 def _affine(

@@ -6,7 +6,7 @@ import struct
 import zlib
 from collections.abc import Iterator
 
-from .ifd import Bytes
+from .filebytes import Bytes
 
 __all__ = ["SIGNATURE", "damage", "find", "insert"]
 
@@ -58,16 +58,19 @@ def find(data: Bytes) -> tuple[bytes | None, bytes | None]:
     return exif or hidden_exif, xmp or hidden_xmp
 
 
-def insert(data: bytes, exif: bytes | None, xmp: bytes | None) -> bytes:
-    """The file with its pixels, its ICC profile and this metadata.
+def insert(data: Bytes, exif: bytes | None, xmp: bytes | None) -> Iterator[bytes]:
+    """The file with its pixels, its ICC profile and this metadata, piece by piece.
 
     Nothing else is kept: unasked, OpenImageIO writes that the picture is sRGB, even beside a profile that
     says otherwise, an empty EXIF, and an offset of 0.
     """
-    kept = [data[start - 8 : end + 4] for kind, start, end in _chunks(data) if kind in _KEPT]
-    ours = _chunk(b"eXIf", exif) if exif is not None else b""
-    ours += _chunk(b"iTXt", _XMP_KEYWORD + bytes(5) + xmp) if xmp is not None else b""
-    return b"".join([SIGNATURE, kept[0], ours, *kept[1:]])
+    yield SIGNATURE
+    for kind, start, end in _chunks(data):
+        if kind in _KEPT:
+            yield bytes(data[start - 8 : end + 4])
+        if kind == b"IHDR":
+            yield _chunk(b"eXIf", exif) if exif is not None else b""
+            yield _chunk(b"iTXt", _XMP_KEYWORD + bytes(5) + xmp) if xmp is not None else b""
 
 
 def _chunks(data: Bytes) -> Iterator[tuple[bytes, int, int]]:

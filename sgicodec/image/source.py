@@ -1,91 +1,177 @@
-"""Where a picture comes from: a file, bytes or a stream, brought to a file that OpenImageIO can open."""
+"""Reading parts of a picture that need not fit into memory."""
 
 from __future__ import annotations
 
-import contextlib
-import os
-import shutil
-import tempfile
 from collections.abc import Iterator
-from io import BytesIO
-from pathlib import Path
-from typing import Any, BinaryIO
+from contextlib import ExitStack
+from types import TracebackType
+from typing import Any
 
-from ..errors import PictureError
+import numpy as np
+import numpy.typing as npt
 
-__all__ = ["Source", "display_name", "first_line", "is_utf8", "on_disk"]
+from ..errors import PictureError, UsageError
+from .access import Access, Tiles, Whole, access
+from .extremes import Extremes
+from .header import Probe
+from .opened import Opened, open_picture
+from .orientation import Window, stored_window
+from .origin import Origin, naming, on_disk
+from .picture import Metadata, Picture, full_range
+from .reader import MAX_SAMPLES, check_whole
 
-Source = str | Path | BinaryIO | bytes
+__all__ = ["Source", "open_source"]
 
-_HEAD = 8
-_SUFFIXES = {
-    b"\x89PNG": ".png",
-    b"\xff\xd8\xff": ".jpg",
-    b"II*\0": ".tif",
-    b"MM\0*": ".tif",
-    b"\x01\xda": ".sgi",
-    b"RIFF": ".webp",
-    b"\0\0\0\x0cJXL ": ".jxl",
-    b"\0\0\0\x0cjP  ": ".jp2",
-    b"v/1\x01": ".exr",
-}
-"""How files of the commonest formats begin. A name with the right extension makes OpenImageIO say what is wrong."""
+_SCAN_SAMPLES = 1 << 22
+"""Samples of a window by which the range of floats is looked for."""
 
-
-def display_name(source: object) -> str:
-    """What to call a source or target in a message."""
-    name = source if isinstance(source, str | Path) else getattr(source, "name", None)
-    return os.fsencode(name).decode("utf-8", "replace") if isinstance(name, str | Path) else "the picture"
+_IN_LIBRARY = {"gif": 1, "iff": 1, "jpeg2000": 5, "jpegxl": 6, "pnm": 1, "targa": 1, "webp": 3}
+"""Formats that OpenImageIO's own readers hold whole, and how many times the size of the samples that takes."""
 
 
-def first_line(speaker: Any) -> str:
-    """The first line of the complaints that an OpenImageIO object, or the module, has gathered; they are
-    cleared.
+class Source:
+    """An open picture: what it is at once, its pixels window by window. A context manager; not for several threads.
+
+    The pixels are those that `read` gives, bit for bit. What is damaged, or not a number, is found in the window that
+    it is in.
     """
-    try:
-        text = str(speaker.geterror())
-    except UnicodeDecodeError:
-        text = "the file is damaged"
-    return next(filter(None, map(str.strip, text.splitlines())), "")
+
+    def __init__(
+        self, origin: Origin, *, max_samples: int = MAX_SAMPLES, sample_range: tuple[float, float] | None = None
+    ) -> None:
+        self._origin, self._max_samples, self._range = origin, max_samples, sample_range
+        with naming(origin), ExitStack() as stack:
+            path = stack.enter_context(on_disk(origin))
+            self._opened: Opened = open_picture(path, any_size=True)
+            stack.callback(lambda: self._opened.image.close())
+            self._access: Access = access(self._opened)
+            if self._opened.kind in _IN_LIBRARY or isinstance(self._access, Whole):
+                check_whole(self._opened, max_samples)
+            self._check(1, 1)
+            self._stack = stack.pop_all()
+
+    def __enter__(self) -> Source:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the file; no window can be read any more."""
+        self._stack.close()
+
+    @property
+    def header(self) -> Probe:
+        """Size, layout, channel count and sample type of the upright picture."""
+        return self._opened.header
+
+    @property
+    def width(self) -> int:
+        """Columns."""
+        return self.header.width
+
+    @property
+    def height(self) -> int:
+        """Rows."""
+        return self.header.height
+
+    @property
+    def channels(self) -> str:
+        """A layout, as in `Picture`."""
+        return self.header.channels
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """The type of samples: uint8, uint16 or float32."""
+        return self.header.dtype
+
+    @property
+    def metadata(self) -> Metadata:
+        """That of the upright picture."""
+        return self._opened.metadata
+
+    @property
+    def nodata(self) -> float | None:
+        """The sample value that stands for "nothing was measured here", or None. It may be not-a-number."""
+        return self._opened.nodata
+
+    @property
+    def sample_range(self) -> tuple[float, float]:
+        """As in `Picture`. For floats without a stated range all pixels are read, once, on first use.
+
+        Raises PictureError for infinite samples.
+        """
+        if self._range is None and self.dtype.kind == "u":
+            self._range = full_range(self.dtype)
+        elif self._range is None:
+            found = Extremes(self.channels, self.nodata)
+            with naming(self._origin):
+                for window in self._scan():
+                    found.add(self._pixels(window))
+            self._range = found.range()
+        return self._range
+
+    def read(self, x: int, y: int, width: int, height: int) -> Picture:
+        """The picture of a window whose first pixel is (x, y); its metadata are the whole picture's.
+
+        Ask in rows of windows from the top down: most formats can only go forward. Raises PictureError for damage and
+        for windows beyond the cap of samples, UsageError for those not inside the picture.
+        """
+        if not (0 <= x < x + width <= self.width and 0 <= y < y + height <= self.height):
+            raise UsageError(
+                f"window {x},{y},{width},{height} is not inside the picture of {self.width}×{self.height} pixels"
+            )
+        with naming(self._origin):
+            pixels = self._pixels((x, y, width, height))
+        return Picture(pixels, self.channels, self.sample_range, self.metadata)
+
+    def memory(self, width: int, height: int) -> int:
+        """Bytes that reading windows of width × height pixels one after the other takes at most, the window included.
+
+        Not counted are what a window shares with the next row of windows, and what libraries hold of interlaced PNG
+        (all samples), progressive JPEG (two bytes for each) and compressed strips of TIFF (one strip).
+        """
+        header, native = self.header, self._opened.native.itemsize
+        library = _IN_LIBRARY.get(self._opened.kind, 0) * header.width * header.height * header.count * native
+        copies = 2 * width * height * header.count * header.dtype.itemsize
+        return self._held(width, height) * native + copies + library
+
+    def _pixels(self, window: Window) -> npt.NDArray[Any]:
+        self._check(*window[2:])
+        stored = self._access.read(*stored_window(window, self.width, self.height, self._opened.orientation))
+        return self._opened.finished(stored)
+
+    def _held(self, width: int, height: int) -> int:
+        *_, stored_width, stored_height = stored_window((0, 0, width, height), 0, 0, self._opened.orientation)
+        return self._access.held(stored_width, stored_height)
+
+    def _check(self, width: int, height: int) -> None:
+        """Raise PictureError if such windows need more samples than may be held."""
+        held = self._held(width, height)
+        if held > self._max_samples:
+            raise PictureError(
+                f"a window of {width} × {height} pixels takes {held} samples in memory, more than the cap of "
+                f"{self._max_samples}"
+            )
+
+    def _scan(self) -> Iterator[Window]:
+        """Windows that cover the picture: squares of tiles, or full rows."""
+        side = int((_SCAN_SAMPLES / self.header.count) ** 0.5) + 1
+        columns = side if isinstance(self._access, Tiles) else self.width
+        rows = max(1, _SCAN_SAMPLES // (columns * self.header.count))
+        for y in range(0, self.height, rows):
+            for x in range(0, self.width, columns):
+                yield x, y, min(columns, self.width - x), min(rows, self.height - y)
 
 
-@contextlib.contextmanager
-def on_disk(source: Source) -> Iterator[Path]:
-    """A path to a regular file with the bytes of `source`: itself, or a copy that lasts as long as the
-    context.
+def open_source(
+    origin: Origin, *, max_samples: int = MAX_SAMPLES, sample_range: tuple[float, float] | None = None
+) -> Source:
+    """Open the first image of a file, of bytes, or of a stream from where it stands, to read it in parts.
 
-    OpenImageIO has no streams in Python, and takes no file name that is not UTF-8. Any PictureError raised in
-    the context gets the name of the source, any OSError becomes one.
+    max_samples caps what is held in memory at once, not the picture. sample_range is as in `read`. Raises PictureError
+    as `read` does for all that the header says.
     """
-    try:
-        with contextlib.ExitStack() as stack:
-            if isinstance(source, str | Path):
-                if Path(source).is_file() and is_utf8(source):
-                    yield Path(source)
-                    return
-                stream: BinaryIO = stack.enter_context(Path(source).open("rb"))
-            else:
-                stream = BytesIO(source) if isinstance(source, bytes) else source
-            head = stream.read(_HEAD)
-            copy = stack.enter_context(tempfile.NamedTemporaryFile(prefix="sgicodec-", suffix=_suffix(head)))
-            copy.write(head)
-            shutil.copyfileobj(stream, copy)
-            copy.flush()
-            yield Path(copy.name)
-    except PictureError as error:
-        raise PictureError(f"{display_name(source)}: {error}") from error.__cause__
-    except OSError as error:
-        raise PictureError(f"{display_name(source)}: {error.strerror or error}") from error
-
-
-def _suffix(head: bytes) -> str:
-    return next((suffix for start, suffix in _SUFFIXES.items() if head.startswith(start)), "")
-
-
-def is_utf8(path: str | Path) -> bool:
-    """Whether OpenImageIO can be told this path."""
-    try:
-        os.fspath(path).encode("utf-8")
-    except UnicodeEncodeError:
-        return False
-    return True
+    return Source(origin, max_samples=max_samples, sample_range=sample_range)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterator
 
-from .ifd import Bytes
+from .filebytes import Bytes
 
 __all__ = ["find", "insert", "is_webp"]
 
@@ -23,16 +23,17 @@ def find(data: Bytes) -> tuple[bytes | None, bytes | None]:
     return found.get(b"EXIF"), found.get(b"XMP ")
 
 
-def insert(data: bytes, exif: bytes | None, xmp: bytes | None) -> bytes:
-    """The losslessly compressed file, which has no metadata yet, with this."""
-    chunks = [(kind, data[start:end]) for kind, start, end in _chunks(data)]
+def insert(data: Bytes, exif: bytes | None, xmp: bytes | None) -> Iterator[bytes]:
+    """The losslessly compressed file, which has no metadata yet, with this, piece by piece."""
+    chunks = [(kind, bytes(data[start:end])) for kind, start, end in _chunks(data)]
     if chunks[0][0] != b"VP8X":
         chunks.insert(0, (b"VP8X", _extended_header(chunks[0][1])))
     flags = (_HAS_EXIF if exif is not None else 0) | (_HAS_XMP if xmp is not None else 0)
     chunks[0] = (b"VP8X", bytes([chunks[0][1][0] | flags]) + chunks[0][1][1:])
     chunks += [(kind, blob) for kind, blob in ((b"EXIF", exif), (b"XMP ", xmp)) if blob is not None]
     body = b"".join(kind + struct.pack("<I", len(part)) + part + bytes(len(part) % 2) for kind, part in chunks)
-    return b"RIFF" + struct.pack("<I", 4 + len(body)) + b"WEBP" + body
+    yield b"RIFF" + struct.pack("<I", 4 + len(body)) + b"WEBP"
+    yield body
 
 
 def _extended_header(vp8l: bytes) -> bytes:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec._native import base_lines
 from sgicodec.model.base import cubic_weights
 
-__all__ = ["add_base"]
+__all__ = ["BaseView", "base_view"]
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -20,27 +21,36 @@ _SAMPLES_PER_CELL = 4
 """How densely the area of a pixel is sampled that covers cells rather than parts of one."""
 
 
-def add_base(
-    image: F32, grid: F64, cell: int, start: tuple[int, int], scale: tuple[float, float], first: tuple[int, int]
-) -> None:
-    """Adds B to image [C, h, w], the block from pixel `first` (x, y) on of a picture drawn at `scale` from `start`.
+class BaseView(NamedTuple):
+    """B in a block of output pixels: row i is the sum over t of down[i, t] · lines[:, top[i] + t].
+
+    lines [C, L, w], top [h], down [h, T].
+    """
+
+    lines: F32
+    top: NDArray[np.int32]
+    down: F32
+
+
+def base_view(
+    grid: F64,
+    cell: int,
+    start: tuple[int, int],
+    scale: tuple[float, float],
+    first: tuple[int, int],
+    size: tuple[int, int],
+    threads: int = 1,
+) -> BaseView:
+    """B in the block of `size` (w, h) pixels from pixel `first` (x, y) on of a picture drawn at `scale` from `start`.
 
     grid [C, rows, columns] holds the colours of cells of `cell` pixels. Output pixel (j, i) is the mean of B over the
     1/sx × 1/sy picture pixels from start + (first + (j, i)) / scale on, by one sample at its centre where it is small.
     """
-    _, height, width = image.shape
-    left, across = _footprints(start[0], scale[0], first[0], width, cell)
-    top, down = _footprints(start[1], scale[1], first[1], height, cell)
-    rows = np.clip(np.arange(top[0], top[-1] + down.shape[1]), 0, grid.shape[1] - 1)
-    lines = np.zeros((len(grid), len(rows), width), np.float32)
-    for tap in range(across.shape[1]):
-        columns = np.clip(left + tap, 0, grid.shape[2] - 1)
-        lines += grid[:, rows[:, None], columns] * across[:, tap]
-    bounds = [0, *(np.flatnonzero(np.diff(top)) + 1).tolist(), height]
-    for begin, end in pairwise(bounds):
-        band = image[:, begin:end]
-        for tap in range(down.shape[1]):
-            band += lines[:, None, top[begin] - top[0] + tap] * down[begin:end, tap, None].astype(np.float32)
+    left, across = _footprints(start[0], scale[0], first[0], size[0], cell)
+    top, down = _footprints(start[1], scale[1], first[1], size[1], cell)
+    lines = np.empty((len(grid), int(top[-1] - top[0]) + down.shape[1], size[0]), np.float32)
+    base_lines(np.ascontiguousarray(grid), int(top[0]), left, across, threads, lines)
+    return BaseView(lines, (top - top[0]).astype(np.int32), down.astype(np.float32))
 
 
 def _footprints(start: int, scale: float, first: int, count: int, cell: int) -> tuple[I64, F64]:

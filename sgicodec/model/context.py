@@ -7,7 +7,7 @@ opponent colours and three shape numbers, the mean over its K Gaussians, so that
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,7 +24,7 @@ __all__ = [
     "hash_inputs",
     "input_count",
     "level_inputs",
-    "nearest_table",
+    "nearest_by_pass",
     "neighbour_inputs",
     "neighbour_table",
     "output_columns",
@@ -57,23 +57,29 @@ def passes(spec: ContextSpec, layout: SeedLayout) -> list[I64]:
     return [np.flatnonzero(parity == number) for number in range(4)]
 
 
-def nearest_table(spec: ContextSpec, layout: SeedLayout, nearest: Callable[[I32, I32, int], I32]) -> I32:
-    """Indices [N, k] of each seed's nearest seeds of earlier passes, nearest first, −1 where there is none."""
-    table = np.full((len(layout), spec.neighbours), -1, np.int32)
+def nearest_by_pass(
+    spec: ContextSpec, layout: SeedLayout, nearest: Callable[[I32, I32, int], I32]
+) -> Iterator[tuple[I64, I32]]:
+    """The seeds of each pass [n], and indices [n, k] of their nearest seeds of earlier passes: nearest first, −1 where
+    there is none.
+    """
     points = layout.half_pixels
     seen = np.zeros(len(layout), bool)
     for members in passes(spec, layout):
+        table = np.full((len(members), spec.neighbours), -1, np.int32)
         earlier = np.flatnonzero(seen)
-        if len(earlier) and len(members):
+        if spec.neighbours and len(earlier) and len(members):
             found = nearest(points[earlier], points[members], spec.neighbours)
-            table[members] = np.append(earlier, -1).astype(np.int32)[found]
+            table = np.append(earlier, -1).astype(np.int32)[found]
+        yield members, table
         seen[members] = True
-    return table
 
 
 def neighbour_table(spec: ContextSpec, layout: SeedLayout, nearest: Callable[[I32, I32, int], I32]) -> tuple[I64, I64]:
-    """`nearest_table` with 0 where there is none, and whether each entry exists, both [N, k]."""
-    table = nearest_table(spec, layout, nearest).astype(np.int64)
+    """Indices [N, k] of each seed's nearest seeds of earlier passes (0 where there is none) and whether they exist."""
+    table = np.full((len(layout), spec.neighbours), -1, np.int64)
+    for members, found in nearest_by_pass(spec, layout, nearest):
+        table[members] = found
     return np.maximum(table, 0), (table >= 0).astype(np.int64)
 
 

@@ -26,23 +26,23 @@ I64 = NDArray[np.int64]
 
 
 class SeedInputs:
-    """What MLP_p sees of seeds before any of their own values: cell size, quality, and neighbours' summaries.
+    """What MLP_p sees of seeds before any of their own values: cell size, quality, and neighbours' summaries."""
 
-    neighbours [N, k]: nearest seeds of earlier passes, −1 where there is none; k = 0 for none at all.
-    """
-
-    def __init__(self, layout: SeedLayout, neighbours: I32, quality: int, processor: Processor) -> None:
+    def __init__(self, layout: SeedLayout, quality: int, processor: Processor) -> None:
         self._half_pixels, self._log_size = np.ascontiguousarray(layout.half_pixels), layout.log_size
-        self._neighbours, self._quality, self._threads = neighbours, quality, processor.threads
+        self._quality, self._threads = quality, processor.threads
         self.summary: I16 = np.zeros((len(layout), SUMMARY), np.int16)
         """Summaries of the seeds decoded so far, zeros for others."""
 
-    def write(self, members: I64, out: I16) -> None:
-        """Inputs 1 and 2 of the format of the seeds `members` [n] into the first columns of out [n, inputs]."""
+    def write(self, members: I64, neighbours: I32, out: I16) -> None:
+        """Inputs 1 and 2 of the format of the seeds `members` [n] into the first columns of out [n, inputs].
+
+        neighbours [n, k]: nearest seeds of earlier passes, −1 where there is none; k = 0 for none at all.
+        """
         _native.seed_inputs(
             self._half_pixels,
             self._log_size,
-            self._neighbours,
+            neighbours,
             self.summary,
             members,
             self._quality,
@@ -69,6 +69,10 @@ class Quantisers:
     mean: I64
     step: I64
     scale: I16
+
+    def decode(self, symbols: I32, members: I64, first: int, decoded: I64, processor: Processor) -> None:
+        """Writes m + q·n of symbols [n, size] to the columns from `first` on of rows `members` of decoded [N, d_A]."""
+        _native.dequantise(symbols, self.mean, self.step, members, first, processor.threads, decoded)
 
 
 def quantisers(

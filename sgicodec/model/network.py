@@ -90,7 +90,9 @@ class IntNetwork:
         return Prediction(mean=out[:, :units], scale=out[:, units : 2 * units], refine=out[:, 2 * units :])
 
     def _native(self, inputs: NDArray[np.integer], processor: Processor) -> I64:
-        x = np.clip(inputs, -INPUT_LIMIT, INPUT_LIMIT).astype(np.int16)
+        if inputs.dtype != np.int16:  # those are clipped as they are read
+            inputs = np.clip(inputs, -INPUT_LIMIT, INPUT_LIMIT)
+        x = inputs.astype(np.int16, copy=False)
         out = np.empty((len(inputs), len(self.w2)), np.int64)
         w1, b1, w2, b2 = (np.ascontiguousarray(array, np.int64) for array in (self.w1, self.b1, self.w2, self.b2))
         evaluate_network(w1, b1, w2, b2, self.shift, self.predicted, x, processor.threads, processor.isa, out)

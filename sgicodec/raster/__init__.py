@@ -10,11 +10,20 @@ from numpy.typing import ArrayLike, NDArray
 
 from sgicodec.errors import UsageError
 from sgicodec.raster.backend import DEFAULT_CUTOFF, Backend
-from sgicodec.raster.native import NativeRasterizer
+from sgicodec.raster.native import Background, Mapping, NativeRasterizer
 from sgicodec.raster.reference import ReferenceRasterizer
 from sgicodec.raster.view import scaled
 
-__all__ = ["DEFAULT_CUTOFF", "Backend", "NativeRasterizer", "ReferenceRasterizer", "rasterize", "scaled"]
+__all__ = [
+    "DEFAULT_CUTOFF",
+    "Backend",
+    "Background",
+    "Mapping",
+    "NativeRasterizer",
+    "ReferenceRasterizer",
+    "rasterize",
+    "scaled",
+]
 
 Gaussians = tuple[NDArray[Any], NDArray[Any], NDArray[Any]]
 

@@ -2,15 +2,40 @@
 
 from __future__ import annotations
 
+from typing import Any, NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec import _native
 from sgicodec.raster.backend import DEFAULT_CUTOFF
 
-__all__ = ["DEFAULT_CUTOFF", "NativeRasterizer"]
+__all__ = ["DEFAULT_CUTOFF", "Background", "Mapping", "NativeRasterizer"]
 
 F32 = NDArray[np.float32]
+
+
+class Background(NamedTuple):
+    """What is behind the Gaussians: row i is the sum over t of down[i, t] · lines[:, top[i] + t].
+
+    lines [C, L, width], top [height], down [height, T].
+    """
+
+    lines: F32
+    top: NDArray[np.int32]
+    down: F32
+
+
+def _nothing_behind(channels: int) -> Background:
+    return Background(np.zeros((channels, 0, 0), np.float32), np.zeros(0, np.int32), np.zeros((0, 0), np.float32))
+
+
+class Mapping(NamedTuple):
+    """The sample low + span · v that stands for a value v, by channel [C]."""
+
+    low: F32
+    span: F32
+
 
 MOST_PAIRS = 1 << 28
 """A sound picture has a few pairs per Gaussian."""
@@ -55,6 +80,29 @@ class NativeRasterizer:
         image = np.empty((colours.shape[1], height, width), np.float32)
         self._raster.forward(means, covariances, colours, image, *origin, self.cutoff)
         return image
+
+    def draw(
+        self,
+        means: F32,
+        covariances: F32,
+        colours: F32,
+        out: NDArray[Any],
+        origin: tuple[int, int] = (0, 0),
+        background: Background | None = None,
+        mapping: Mapping | None = None,
+    ) -> None:
+        """Draws onto `background` and stores samples in out [height, width, C], uint8, uint16 or float32, a view maybe
+        whose rows are apart. There is no image of floats in between: a tile is finished while it is in the cache.
+
+        With a `mapping` values are clipped to 0..1, mapped in float32 and, for integers, rounded to nearest with ties
+        to even; without, out is float32 and takes them as they are.
+        """
+        channels = colours.shape[1]
+        nothing = np.zeros(channels, np.float32)
+        low, span = mapping or (nothing, nothing)
+        lines, top, down = background or _nothing_behind(channels)
+        clip = mapping is not None
+        self._raster.draw(means, covariances, colours, out, *origin, self.cutoff, lines, top, down, low, span, clip)
 
     def backward(
         self, means: F32, covariances: F32, colours: F32, grad: F32, origin: tuple[int, int] = (0, 0)

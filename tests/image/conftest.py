@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import OpenImageIO as oiio
 import pytest
 
 
@@ -57,5 +58,32 @@ def noise() -> Callable[..., np.ndarray]:
         if dtype == "float32":
             return random.normal(0.0, 100.0, (height, width, count)).astype(np.float32)
         return random.integers(0, np.iinfo(dtype).max, (height, width, count), dtype, endpoint=True)
+
+    return build
+
+
+@pytest.fixture(scope="session")
+def save() -> Callable[..., Path]:
+    """Writer of a file as OpenImageIO alone makes it.
+
+    Attributes are written as keywords, `__` for their colon; `tile` is (width, height), `at` the place of the first
+    pixel.
+    """
+
+    def build(
+        path: Path, pixels: np.ndarray, tile: tuple[int, int] = (0, 0), at: tuple[int, int] = (0, 0), **hints: object
+    ) -> Path:
+        height, width, count = pixels.shape
+        name = {"float32": "float", "float16": "half", "float64": "double"}.get(str(pixels.dtype), str(pixels.dtype))
+        spec = oiio.ImageSpec(width, height, count, name)
+        spec.tile_width, spec.tile_height = tile
+        spec.x, spec.y = at
+        for hint, value in hints.items():
+            spec.attribute(hint.replace("__", ":"), value)
+        image = oiio.ImageOutput.create(str(path))
+        assert image.open(str(path), spec), image.geterror()
+        assert image.write_image(np.ascontiguousarray(pixels)), image.geterror()
+        assert image.close()
+        return path
 
     return build

@@ -94,7 +94,7 @@ def test_an_orientation_is_applied_once(exif_blob: Blob, place: str) -> None:
         data = plain[:33] + chunk + plain[33:]
     else:
         insert = {"jpeg": jpeg_file, "png": png_file, "webp": webp_file}[place].insert
-        data = insert(_through(picture, place), turned, None)
+        data = b"".join(insert(_through(picture, place), turned, None))
     once = read(data)
     assert once.pixels.shape == (17, 9, 3)
     assert (np.abs(once.pixels.astype(int) - np.rot90(ramp, -1)) <= 2).all()

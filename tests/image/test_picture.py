@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sgicodec.errors import UsageError
-from sgicodec.image import Metadata, Picture, convert, from_unit, full_range, to_unit
+from sgicodec.image import Metadata, Picture, convert, from_unit, full_range, geo, ifd, nodata_mask, to_unit
 
 
 @pytest.mark.parametrize("dtype", ["uint8", "uint16"])
@@ -60,7 +60,7 @@ def test_convert_between_depths() -> None:
     picture = Picture(np.array([[[0], [1], [128], [255]]], np.uint8), "gray", (0.0, 255.0), metadata)
     deep = convert(picture, 16)
     assert deep.pixels.ravel().tolist() == [0, 257, 128 * 257, 65535]
-    assert deep.metadata is metadata
+    assert deep.metadata == metadata
     assert convert(deep, 8).pixels.tolist() == picture.pixels.tolist()
     assert convert(picture, 32).sample_range == (0.0, 1.0)
     np.testing.assert_allclose(convert(picture, 32).pixels.ravel(), [0, 1 / 255, 128 / 255, 1], rtol=1e-6)
@@ -87,3 +87,37 @@ def test_contradictions_are_refused(
 ) -> None:
     with pytest.raises(UsageError, match=message):
         Picture(np.zeros(shape, dtype), channels, sample_range)
+
+
+def _geo(nodata: bytes) -> Metadata:
+    return Metadata(geo=geo.pack({geo.GDAL_NODATA: ifd.Entry(2, nodata + b"\0")}))
+
+
+def test_pixels_without_data() -> None:
+    pixels = np.array([[[7, 7, 7], [7, 7, 8], [0, 7, 7]]], np.uint8)
+    picture = Picture(pixels, "rgb", (0.0, 255.0), _geo(b"7"))
+    assert picture.nodata == 7.0
+    assert nodata_mask(picture).tolist() == [[True, False, False]]
+    assert nodata_mask(Picture(pixels, "rgb", (0.0, 255.0))).tolist() == [[False, False, False]]
+    assert not nodata_mask(Picture(pixels, "rgb", (0.0, 255.0), _geo(b"300"))).any()
+
+
+def test_alpha_has_data_of_its_own() -> None:
+    pixels = np.array([[[7, 7, 7, 0], [7, 7, 7, 7], [7, 7, 6, 7]]], np.uint8)
+    assert nodata_mask(Picture(pixels, "rgba", (0.0, 255.0), _geo(b"7"))).tolist() == [[True, True, False]]
+    assert nodata_mask(Picture(pixels, "multi", (0.0, 255.0), _geo(b"7"))).tolist() == [[False, True, False]]
+
+
+def test_no_data_may_be_no_number() -> None:
+    picture = Picture(np.array([[[np.nan], [2.0], [4.0]]], np.float32), "gray", (2.0, 4.0), _geo(b"nan"))
+    assert nodata_mask(picture).tolist() == [[True, False, False]]
+    assert to_unit(picture).ravel().tolist() == [0.0, 0.0, 1.0]
+
+
+def test_nodata_is_converted_with_its_samples() -> None:
+    pixels = np.array([[[0], [1000], [65535]]], np.uint16)
+    assert convert(Picture(pixels, "gray", (0.0, 65535.0), _geo(b"65535")), 8).nodata == 255.0
+    assert convert(Picture(pixels.astype(np.float32), "gray", (0.0, 2000.0), _geo(b"1000")), 8).nodata == 128.0
+    for gone in (b"-9999", b"nan"):
+        assert convert(Picture(pixels.astype(np.float32), "gray", (0.0, 2000.0), _geo(gone)), 16).nodata is None
+    assert convert(Picture(pixels, "gray", (0.0, 65535.0), _geo(b"0.5")), 8).metadata.geo is None

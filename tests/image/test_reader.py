@@ -14,7 +14,7 @@ import OpenImageIO as oiio
 import pytest
 
 from sgicodec.errors import PictureError, UsageError
-from sgicodec.image import Picture, from_unit, probe, read, to_unit, write
+from sgicodec.image import Metadata, Picture, from_unit, geo, ifd, open_source, probe, read, to_unit, write
 
 Noise = Callable[..., np.ndarray]
 
@@ -303,3 +303,18 @@ def _png(kind: bytes, contents: bytes, width: int = 1, height: int = 1) -> bytes
 def test_importing_the_package_leaves_openimageio_alone() -> None:
     code = "import sys, sgicodec.image; sys.exit('OpenImageIO' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+@pytest.mark.parametrize("nodata", [b"-9999", b"nan"])
+def test_samples_without_data_are_outside_the_range(tmp_path: Path, nodata: bytes) -> None:
+    pixels = np.array([[[float(nodata)], [2.0], [4.0]]], np.float32)
+    metadata = Metadata(geo=geo.pack({geo.GDAL_NODATA: ifd.Entry(2, nodata + b"\0")}))
+    write(Picture(pixels, "gray", (2.0, 4.0), metadata), tmp_path / "x.tif")
+    for picture in (read(tmp_path / "x.tif"), open_source(tmp_path / "x.tif").read(0, 0, 3, 1)):
+        np.testing.assert_array_equal(picture.pixels, pixels)
+        assert picture.sample_range == (2.0, 4.0)
+    pixels[0, 1] = np.nan
+    write(Picture(pixels, "gray", (2.0, 4.0), metadata), tmp_path / "x.tif")
+    if nodata == b"-9999":
+        with pytest.raises(PictureError, match="not a number"):
+            read(tmp_path / "x.tif")

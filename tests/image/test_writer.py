@@ -14,7 +14,7 @@ import OpenImageIO as oiio
 import pytest
 
 from sgicodec.errors import PictureError, UsageError
-from sgicodec.image import LAYOUTS, Picture, full_range, read, write, writer
+from sgicodec.image import LAYOUTS, Picture, full_range, read, sink, write
 from sgicodec.image.formats import FORMATS, find
 
 Noise = Callable[..., np.ndarray]
@@ -145,7 +145,7 @@ def test_a_failure_leaves_what_was_there(noise: Noise, tmp_path: Path, monkeypat
     def fail(*_: Any) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(writer.embedded, "embed", fail)
+    monkeypatch.setattr(sink.embedded, "embed", fail)
     with pytest.raises(PictureError, match=r"x\.png: No space left"):
         write(_picture(noise, "uint8", "rgb"), target)
     assert [path.name for path in tmp_path.iterdir()] == ["x.png"]
@@ -160,7 +160,7 @@ def test_a_complaint_of_the_encoder_is_a_failure(noise: Noise, tmp_path: Path) -
 
 def test_a_full_disk_is_noticed_before(noise: Noise, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     full = shutil.disk_usage(tmp_path)._replace(free=1000)
-    monkeypatch.setattr(writer.shutil, "disk_usage", lambda _: full)
+    monkeypatch.setattr(sink.shutil, "disk_usage", lambda _: full)
     with pytest.raises(PictureError, match="free disk space"):
         write(_picture(noise, "uint8", "rgb"), tmp_path / "x.jpg")
     assert list(tmp_path.iterdir()) == []

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sgicodec.model.base import base_shape, render_base
-from sgicodec.model.base_view import add_base
+from sgicodec.model.base_view import base_view
 
 CELL = 32
 WIDTH, HEIGHT = 150, 70
@@ -19,10 +19,17 @@ def grid() -> np.ndarray:
 
 
 def drawn(
-    grid: np.ndarray, size: tuple[int, int], scale: tuple[float, float], start: tuple[int, int] = (0, 0)
+    grid: np.ndarray,
+    size: tuple[int, int],
+    scale: tuple[float, float],
+    start: tuple[int, int] = (0, 0),
+    first: tuple[int, int] = (0, 0),
+    threads: int = 1,
 ) -> np.ndarray:
-    image = np.zeros((2, size[1], size[0]), np.float32)
-    add_base(image, grid, CELL, start, scale, (0, 0))
+    view = base_view(grid, CELL, start, scale, first, size, threads)
+    image = np.zeros((2, size[1], size[0]))
+    for tap in range(view.down.shape[1]):
+        image += view.lines[:, view.top + tap] * view.down[:, tap, None]
     return image
 
 
@@ -59,12 +66,5 @@ def test_blocks_are_parts_of_the_whole(grid: np.ndarray, scale: float) -> None:
     size = (max(2, int(WIDTH * scale)), max(2, int(HEIGHT * scale)))
     whole = drawn(grid, size, (scale, scale), (3, 1))
     for left, top in ((0, 0), (1, 1), (size[0] // 2, size[1] // 3)):
-        block = np.zeros((2, size[1] - top, size[0] - left), np.float32)
-        add_base(block, grid, CELL, (3, 1), (scale, scale), (left, top))
+        block = drawn(grid, (size[0] - left, size[1] - top), (scale, scale), (3, 1), (left, top), threads=2)
         np.testing.assert_array_equal(block, whole[:, top:, left:])
-
-
-def test_adds_to_what_is_there(grid: np.ndarray) -> None:
-    image = np.full((2, HEIGHT, WIDTH), 0.25, np.float32)
-    add_base(image, grid, CELL, (0, 0), (1.0, 1.0), (0, 0))
-    np.testing.assert_allclose(image, 0.25 + drawn(grid, (WIDTH, HEIGHT), (1.0, 1.0)), atol=1e-6)

@@ -49,6 +49,22 @@ std::pair<double, int64_t> ungroup_symbols(Array<const int32_t, 1> indices, Arra
   return {found.bits, found.escapes};
 }
 
+double ungroup_categorical(Array<const int32_t, 1> indices, Array<const int32_t, 1> order, Array<const int16_t, 1> keys,
+                           Array<const int32_t, 2> alphabets, Array<const double, 2> bits, Array<int32_t, 1> symbols) {
+  const size_t n = indices.shape(0), rows = alphabets.shape(0), size = alphabets.shape(1);
+  require(order.shape(0) == n && keys.shape(0) == n && symbols.shape(0) == n && bits.shape(0) == rows &&
+              bits.shape(1) == size,
+          "indices, order, keys and symbols [n]; alphabets and bits [contexts, A]");
+  for (size_t i = 0; i < alphabets.size(); ++i)
+    require(alphabets.data()[i] >= 0 && size_t(alphabets.data()[i]) < size, "alphabets must hold symbols");
+  for (size_t i = 0; i < n; ++i)
+    require(order.data()[i] >= 0 && size_t(order.data()[i]) < n && keys.data()[i] >= 0 &&
+                size_t(keys.data()[i]) < rows && indices.data()[i] >= 0 && size_t(indices.data()[i]) < size,
+            "an index is in no alphabet");
+  return sgi::ungroup_categorical(indices.data(), order.data(), keys.data(), int64_t(n), alphabets.data(), bits.data(),
+                                  int64_t(size), symbols.data());
+}
+
 bool add_predictions(Array<int64_t, 2> plane, int predictor, int64_t most) {
   require(predictor >= 0 && predictor < 4, "predictor must be 0..3");
   return sgi::add_predictions(plane.data(), int64_t(plane.shape(0)), int64_t(plane.shape(1)), predictor, most);
@@ -59,5 +75,6 @@ bool add_predictions(Array<int64_t, 2> plane, int predictor, int64_t most) {
 void bind_bitstream(nb::module_ &m) {
   m.def("group_by_key", &group_by_key);
   m.def("ungroup_symbols", &ungroup_symbols);
+  m.def("ungroup_categorical", &ungroup_categorical);
   m.def("add_predictions", &add_predictions);
 }

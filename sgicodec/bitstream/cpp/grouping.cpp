@@ -26,4 +26,16 @@ Symbols ungroup_symbols(const int32_t *indices, const int32_t *order, const int1
   return found;
 }
 
+double ungroup_categorical(const int32_t *indices, const int32_t *order, const int16_t *keys, int64_t n,
+                           const int32_t *alphabets, const double *bits, int64_t size, int32_t *symbols) {
+  double total = 0;
+  for (int64_t i = 0; i < n; ++i) {
+    const int64_t row = keys[order[i]] * size;
+    const int32_t symbol = alphabets[row + indices[i]];
+    total += bits[row + symbol];
+    symbols[order[i]] = symbol;
+  }
+  return total;
+}
+
 }  // namespace sgi

@@ -23,4 +23,8 @@ struct Symbols {
 Symbols ungroup_symbols(const int32_t *indices, const int32_t *order, const int16_t *tables, int64_t n,
                         const SymbolTables &all, int32_t *symbols);
 
+// Puts indices in coding order back to their positions as symbols of alphabets [keys, size]; the information content.
+double ungroup_categorical(const int32_t *indices, const int32_t *order, const int16_t *keys, int64_t n,
+                           const int32_t *alphabets, const double *bits, int64_t size, int32_t *symbols);
+
 }  // namespace sgi

@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "base_lines.hpp"
 #include "context.hpp"
 #include "network.hpp"
 
@@ -53,17 +54,17 @@ void seed_inputs(Array<const int32_t, 2> half_pixels, Array<const int8_t, 1> log
                  int quality, int threads, Array<int16_t, 2> out) {
   const size_t count = log_size.shape(0), ranks = neighbours.shape(1);
   require(has_shape(half_pixels, count, 2) && has_shape(summary, count, sgi::kSummary) &&
-              neighbours.shape(0) == count && ranks <= sgi::kMostRanks,
-          "half_pixels [N, 2], log_size [N], neighbours [N, at most 6], summary [N, 7]");
+              neighbours.shape(0) == members.shape(0) && ranks <= sgi::kMostRanks,
+          "half_pixels [N, 2], log_size [N], neighbours [n, at most 6], summary [N, 7]");
   require(out.shape(0) == members.shape(0) &&
               out.shape(1) >= size_t(sgi::kLevelInputs + (ranks ? sgi::kNeighbourInputs : 0)),
           "out must be [n, inputs]");
   require_members(members, count);
-  for (size_t i = 0; i < count * ranks; ++i)
+  for (size_t i = 0; i < neighbours.size(); ++i)
     require(neighbours.data()[i] < int64_t(count), "neighbours must be indices of seeds");
-  const sgi::SeedsView seeds{half_pixels.data(), log_size.data(), neighbours.data(), int(ranks)};
+  const sgi::SeedsView seeds{half_pixels.data(), log_size.data()};
   nb::gil_scoped_release release;
-  sgi::seed_inputs(seeds, summary.data(), members.data(), int64_t(members.shape(0)), quality, threads, out.data(),
+  sgi::seed_inputs(seeds, {neighbours.data(), int(ranks)}, summary.data(), members.data(), int64_t(members.shape(0)), quality, threads, out.data(),
                    int64_t(out.shape(1)));
 }
 
@@ -105,11 +106,37 @@ void quantisers(Array<const int64_t, 2> base, Array<const int64_t, 1> columns, i
                   out_step.data(), out_scale.data());
 }
 
+void dequantise(Array<const int32_t, 2> symbols, Array<const int64_t, 2> mean, Array<const int64_t, 2> step,
+                Array<const int64_t, 1> members, int64_t first, int threads, Array<int64_t, 2> decoded) {
+  const size_t n = members.shape(0), size = symbols.shape(1);
+  require(has_shape(symbols, n, size) && has_shape(mean, n, size) && has_shape(step, n, size),
+          "symbols, mean and step must be [n, size]");
+  require(first >= 0 && first + int64_t(size) <= int64_t(decoded.shape(1)), "the group does not fit the attributes");
+  require_members(members, decoded.shape(0));
+  nb::gil_scoped_release release;
+  sgi::dequantise(symbols.data(), mean.data(), step.data(), members.data(), int64_t(n), int64_t(size), first, threads,
+                  decoded.data(), int64_t(decoded.shape(1)));
+}
+
+void base_lines(Array<const double, 3> grid, int64_t first, Array<const int64_t, 1> left, Array<const double, 2> across,
+                int threads, Array<float, 3> lines) {
+  const size_t width = left.shape(0), taps = across.shape(1);
+  require(across.shape(0) == width && lines.shape(0) == grid.shape(0) && lines.shape(2) == width,
+          "left [w], across [w, T], lines [C, count, w]");
+  require(grid.shape(1) > 0 && grid.shape(2) > 0, "the grid must not be empty");
+  const sgi::BaseGrid view{grid.data(), int64_t(grid.shape(0)), int64_t(grid.shape(1)), int64_t(grid.shape(2))};
+  nb::gil_scoped_release release;
+  sgi::base_lines(view, first, int64_t(lines.shape(1)), left.data(), across.data(), int64_t(width), int(taps), threads,
+                  lines.data());
+}
+
 }  // namespace
 
 void bind_model(nb::module_ &m) {
+  m.def("base_lines", &base_lines);
   m.def("evaluate_network", &evaluate_network);
   m.def("seed_inputs", &seed_inputs);
   m.def("summarise", &summarise);
   m.def("quantisers", &quantisers);
+  m.def("dequantise", &dequantise);
 }

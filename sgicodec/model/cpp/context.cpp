@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdlib>
+#include <cstring>
 
 #include "../../raster/cpp/thread_pool.hpp"
 #include "network.hpp"
@@ -28,17 +28,17 @@ void for_each_seed(int64_t n, int threads, Body body) {
   });
 }
 
-int64_t floor_divide(int64_t a, int64_t b) { return a / b - (a % b < 0); }
+int64_t floor_divide(int64_t a, int64_t b) { return b == 1 ? a : a / b - (a % b < 0); }
 
 int16_t as_input(int64_t value) { return int16_t(std::clamp<int64_t>(value, -kSummaryLimit, kSummaryLimit)); }
 
 int level_of(int log_size) { return std::clamp(log_size, 0, kLevels - 1); }
 
-void neighbour_inputs(const SeedsView &seeds, const int16_t *summary, int64_t seed, int16_t *out) {
-  const int32_t *ranked = seeds.neighbours + seed * seeds.ranks;
+void neighbour_inputs(const SeedsView &seeds, const int32_t *ranked, int ranks, const int16_t *summary, int64_t seed,
+                      int16_t *out) {
   const int own_log = seeds.log_size[seed];
   int count = 0, level = 0, weighted[kSummary] = {}, absolute[5] = {};
-  for (int rank = 0; rank < seeds.ranks && ranked[rank] >= 0; ++rank) {
+  for (int rank = 0; rank < ranks && ranked[rank] >= 0; ++rank) {
     const int16_t *row = summary + int64_t(ranked[rank]) * kSummary;
     const int weight = kWeights[rank];
     count += weight;
@@ -69,10 +69,16 @@ int32_t amplitude_index(const int64_t *values, int count) {
     const int64_t coarse = std::clamp(values[j] >> (kFractionBits / 2), -kCoarseLimit, kCoarseLimit);
     energy += coarse * coarse;
   }
-  int exponent;
-  const double mantissa = std::frexp(double(std::max<int64_t>(energy, 1)), &exponent);
-  const int third = (mantissa >= 0.6299605249474366) + (mantissa >= 0.7937005259840998);
-  return 3 * (exponent - 1) + third - 3 * kFractionBits;
+  // The bits of a double tell its exponent and, with another one in their place, its mantissa in 1..2.
+  const double exact = double(std::max<int64_t>(energy, 1));
+  uint64_t bits;
+  std::memcpy(&bits, &exact, sizeof bits);
+  const auto exponent = int32_t(bits >> 52) - 1023;
+  bits = (bits & ((uint64_t(1) << 52) - 1)) | uint64_t(1023) << 52;
+  double mantissa;
+  std::memcpy(&mantissa, &bits, sizeof mantissa);
+  const int third = (mantissa >= 2 * 0.6299605249474366) + (mantissa >= 2 * 0.7937005259840998);
+  return 3 * exponent + third - 3 * kFractionBits;
 }
 
 std::array<int64_t, kStepCount> all_steps() {
@@ -93,15 +99,17 @@ const std::array<int64_t, kStepCount> kSteps = all_steps();
 
 int64_t step_of(int64_t index) { return kSteps[size_t(index)]; }
 
-void seed_inputs(const SeedsView &seeds, const int16_t *summary, const int64_t *members, int64_t n, int quality,
-                 int threads, int16_t *out, int64_t stride) {
+void seed_inputs(const SeedsView &seeds, const Neighbours &neighbours, const int16_t *summary, const int64_t *members,
+                 int64_t n, int quality, int threads, int16_t *out, int64_t stride) {
   for_each_seed(n, threads, [&](int64_t i) {
     const int64_t seed = members[i];
     int16_t *row = out + i * stride;
     std::fill_n(row, kLevels, int16_t(0));
     row[level_of(seeds.log_size[seed])] = 1 << kInputBits;
     row[kLevels] = int16_t((quality << kInputBits) / 12);
-    if (seeds.ranks) neighbour_inputs(seeds, summary, seed, row + kLevelInputs);
+    if (neighbours.ranks)
+      neighbour_inputs(seeds, neighbours.seeds + i * neighbours.ranks, neighbours.ranks, summary, seed,
+                       row + kLevelInputs);
   });
 }
 
@@ -142,6 +150,14 @@ void quantisers(const GroupPlan &plan, const PredictionView &prediction, const i
       step[at] = step_of(index);
       scale[at] = int16_t(std::clamp<int64_t>(kScaleZero + prediction.scale[from] + base - index, 0, kScales - 1));
     }
+  });
+}
+
+void dequantise(const int32_t *symbols, const int64_t *mean, const int64_t *step, const int64_t *members, int64_t n,
+                int64_t size, int64_t first, int threads, int64_t *decoded, int64_t width) {
+  for_each_seed(n, threads, [&](int64_t i) {
+    int64_t *to = decoded + members[i] * width + first;
+    for (int64_t at = i * size; at < (i + 1) * size; ++at) *to++ = mean[at] + step[at] * symbols[at];
   });
 }
 

@@ -15,14 +15,18 @@ constexpr int kStepCount = 103;
 struct SeedsView {
   const int32_t *half_pixels;  // [N, 2] centres
   const int8_t *log_size;      // [N]
-  const int32_t *neighbours;   // [N, ranks] nearest seeds of earlier passes, -1 where there is none
+};
+
+// Nearest seeds of earlier passes [n, ranks], -1 where there is none.
+struct Neighbours {
+  const int32_t *seeds;
   int ranks;
 };
 
 // Inputs 1 and 2 of the seeds `members` [n]: cell size and quality, then, if there are ranks, what the neighbours'
 // summaries [N, 7] say. Writes the first columns of out [n, stride].
-void seed_inputs(const SeedsView &seeds, const int16_t *summary, const int64_t *members, int64_t n, int quality,
-                 int threads, int16_t *out, int64_t stride);
+void seed_inputs(const SeedsView &seeds, const Neighbours &neighbours, const int16_t *summary, const int64_t *members,
+                 int64_t n, int quality, int threads, int16_t *out, int64_t stride);
 
 struct AttributesView {
   const int64_t *values;  // [N, width] decoded
@@ -52,6 +56,11 @@ struct PredictionView {
 // log_size [n].
 void quantisers(const GroupPlan &plan, const PredictionView &prediction, const int8_t *log_size, int64_t n,
                 int threads, int64_t *mean, int64_t *step, int16_t *scale);
+
+// Writes mean + step * symbol of a group [n, size] to the columns from `first` on of the rows `members` of decoded
+// [N, width].
+void dequantise(const int32_t *symbols, const int64_t *mean, const int64_t *step, const int64_t *members, int64_t n,
+                int64_t size, int64_t first, int threads, int64_t *decoded, int64_t width);
 
 // The step of an index, units of 2^-24.
 int64_t step_of(int64_t index);

@@ -4,6 +4,7 @@
 // is exact in any order, on any instruction set, with or without fused multiply-adds.
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <string>
 
 namespace sgi {
@@ -21,8 +22,24 @@ struct NetworkWeights {
   int shift;
 };
 
-// Evaluates n rows of inputs, `stride` apart, into out [n, outputs]: means in 2^-8 base steps, scales and refinements in
-// sixths of an octave. `isa` as for choose_kernel.
+// Weights made ready for one instruction set, to be evaluated many times. `isa` as for choose_kernel.
+class Network {
+ public:
+  Network(const NetworkWeights &weights, const std::string &isa);
+  ~Network();
+
+  int outputs() const;
+  int64_t scratch_size() const;  // numbers that an evaluation writes while it runs
+  // Evaluates n rows of inputs, `stride` apart, into out [n, outputs]: means in 2^-8 base steps, scales and refinements
+  // in sixths of an octave.
+  void evaluate(const int16_t *rows, int64_t stride, int64_t n, double *scratch, int64_t *out) const;
+
+ private:
+  struct Packed;
+  std::unique_ptr<Packed> packed_;
+};
+
+// The same once, on several threads.
 void evaluate_network(const NetworkWeights &weights, const int16_t *rows, int64_t stride, int64_t n, int threads,
                       const std::string &isa, int64_t *out);
 

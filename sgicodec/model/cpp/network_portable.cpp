@@ -1,9 +1,10 @@
-#define LANES 2
-#include "network_impl.hpp"
+#define LANES 4
+#include "network_narrow_impl.hpp"
+#include "network_wide_impl.hpp"
 
 namespace sgi {
-void network_portable(const PackedNetwork &net, const int16_t *rows, int64_t stride, int64_t n, double *scratch,
-                int64_t *out) {
-  evaluate(net, rows, stride, n, scratch, out);
+const NetworkKernel &network_portable() {
+  static const NetworkKernel kernel{narrow::evaluate, wide::evaluate};
+  return kernel;
 }
 }  // namespace sgi

@@ -1,6 +1,7 @@
 // The tile kernels of this build, chosen at run time.
 #include <stdexcept>
 
+#include "finish.hpp"
 #include "kernel.hpp"
 
 namespace sgi {
@@ -21,6 +22,15 @@ const TileKernel &choose_kernel(const std::string &isa) {
 #endif
   if (isa == "portable" || isa == "auto") return portable_kernel();
   throw std::invalid_argument("unknown instruction set '" + isa + "': use auto, avx512, avx2 or portable");
+}
+
+FinishTile finish_for(const TileKernel &kernel) {
+#ifdef SGI_X86
+  if (&kernel == &avx512_kernel()) return finish_avx512;
+  if (&kernel == &avx2_kernel()) return finish_avx2;
+#endif
+  (void)kernel;
+  return finish_portable;
 }
 
 }  // namespace sgi

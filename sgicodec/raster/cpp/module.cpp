@@ -15,6 +15,8 @@
 
 namespace nb = nanobind;
 using namespace nb::literals;
+using F32In1 = nb::ndarray<const float, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using I32In1 = nb::ndarray<const int32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using F32In2 = nb::ndarray<const float, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using F32In3 = nb::ndarray<const float, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
 using F32Out2 = nb::ndarray<float, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
@@ -37,14 +39,19 @@ sgi::Gaussians gaussians(const F32In2 &means, const F32In2 &covariances, const F
   return {means.data(), covariances.data(), colours.data(), int64_t(n), int(colours.shape(1))};
 }
 
+sgi::View view_of(size_t channels, size_t given, size_t height, size_t width, int x0, int y0) {
+  require(given == channels, "the image must have the colours' channels");
+  require(height > 0 && width > 0, "image must not be empty");
+  constexpr int kFar = 1 << 30;
+  require(height < kFar && width < kFar && x0 > -kFar && x0 < kFar && y0 > -kFar && y0 < kFar,
+          "image and origin must be smaller than 2^30 pixels");
+  return {x0, y0, int(width), int(height)};
+}
+
+// Of an image [C, H, W].
 template <class Array>
 sgi::View view(const Array &image, const sgi::Gaussians &g, int x0, int y0) {
-  require(int(image.shape(0)) == g.channels, "image must be [C, H, W] with the colours' C");
-  require(image.shape(1) > 0 && image.shape(2) > 0, "image must not be empty");
-  constexpr int kFar = 1 << 30;
-  require(image.shape(1) < kFar && image.shape(2) < kFar && x0 > -kFar && x0 < kFar && y0 > -kFar && y0 < kFar,
-          "image and origin must be smaller than 2^30 pixels");
-  return {x0, y0, int(image.shape(2)), int(image.shape(1))};
+  return view_of(size_t(g.channels), image.shape(0), image.shape(1), image.shape(2), x0, y0);
 }
 
 sgi::Gradients gradients(const sgi::Gaussians &g, F32Out2 &means, F32Out2 &covariances, F32Out2 &colours) {
@@ -53,6 +60,36 @@ sgi::Gradients gradients(const sgi::Gaussians &g, F32Out2 &means, F32Out2 &covar
               colours.shape(0) == n && int(colours.shape(1)) == g.channels,
           "gradients must have the shapes of the inputs");
   return {means.data(), covariances.data(), colours.data()};
+}
+
+// Any of the three sample types, rows apart.
+using Pixels = nb::ndarray<nb::ndim<3>, nb::device::cpu>;
+
+sgi::Samples samples(const Pixels &out, const F32In1 &low, const F32In1 &span, bool clip) {
+  const size_t channels = out.shape(2);
+  require(channels <= sgi::kMostChannels && low.shape(0) == channels && span.shape(0) == channels,
+          "low and span must be [C], C at most 64");
+  require((out.shape(2) < 2 || out.stride(2) == 1) && (out.shape(1) < 2 || out.stride(1) == int64_t(channels)),
+          "a row of samples must be contiguous");
+  const nb::dlpack::dtype type = out.dtype();
+  require(type == nb::dtype<uint8_t>() || type == nb::dtype<uint16_t>() || type == nb::dtype<float>(),
+          "samples must be uint8, uint16 or float32");
+  const sgi::SampleType kind = type == nb::dtype<uint8_t>()    ? sgi::SampleType::u8
+                               : type == nb::dtype<uint16_t>() ? sgi::SampleType::u16
+                                                               : sgi::SampleType::f32;
+  require(clip || kind == sgi::SampleType::f32, "integers must be clipped");
+  return {out.data(), out.stride(0), kind, low.data(), span.data(), clip};
+}
+
+sgi::Background background(const F32In3 &lines, const I32In1 &top, const F32In2 &down, const Pixels &out) {
+  if (lines.size() == 0) return {};
+  const size_t taps = down.shape(1), height = out.shape(0);
+  require(lines.shape(0) == out.shape(2) && lines.shape(2) == out.shape(1) && top.shape(0) == height &&
+              down.shape(0) == height,
+          "background must be lines [C, count, width], top [height], down [height, taps]");
+  for (size_t y = 0; y < height; ++y)
+    require(top.data()[y] >= 0 && size_t(top.data()[y]) + taps <= lines.shape(1), "top must be lines");
+  return {lines.data(), int64_t(lines.shape(1)), int64_t(lines.shape(2)), top.data(), down.data(), int(taps)};
 }
 
 }  // namespace
@@ -69,6 +106,16 @@ NB_MODULE(_native, m) {
              const sgi::View v = view(image, g, x0, y0);
              nb::gil_scoped_release release;
              self.forward(g, v, cutoff, image.data());
+           })
+      .def("draw",
+           [](sgi::Rasterizer &self, F32In2 means, F32In2 covariances, F32In2 colours, Pixels out, int x0, int y0,
+              float cutoff, F32In3 lines, I32In1 top, F32In2 down, F32In1 low, F32In1 span, bool clip) {
+             const sgi::Gaussians g = gaussians(means, covariances, colours);
+             const sgi::View v = view_of(size_t(g.channels), out.shape(2), out.shape(0), out.shape(1), x0, y0);
+             const sgi::Samples to = samples(out, low, span, clip);
+             const sgi::Background behind = background(lines, top, down, out);
+             nb::gil_scoped_release release;
+             self.draw(g, v, cutoff, behind, to);
            })
       .def("backward",
            [](sgi::Rasterizer &self, F32In2 means, F32In2 covariances, F32In2 colours, F32In3 grad, int x0, int y0,

@@ -10,12 +10,6 @@
 namespace sgi {
 namespace {
 
-// The part of a tile that lies in the view, in view coordinates.
-struct TileRect {
-  int x, y;                      // first pixel of the tile, view coordinates (may be negative)
-  int col0, col1, row0, row1;    // pixels of the tile inside the view
-};
-
 TileRect tile_rect(const View &view, int64_t tile) {
   TileRect r;
   r.x = (view.tile_x0() + static_cast<int>(tile % view.tiles_x())) * kTile - view.x0;
@@ -63,6 +57,20 @@ void Rasterizer::forward(const Gaussians &g, const View &view, float cutoff, flo
                      g.channels, r.x + view.x0, r.y + view.y0, buffer.data());
     for_each_row(view, r, g.channels,
                  [&](int64_t to, int from, int n) { std::memcpy(image + to, buffer.data() + from, n * sizeof(float)); });
+  });
+}
+
+void Rasterizer::draw(const Gaussians &g, const View &view, float cutoff, const Background &background,
+                      const Samples &samples) {
+  bin_gaussians(g.means, g.covariances, g.count, view, cutoff, threads_, bins_);
+  const FinishTile finish = finish_for(*kernel_);
+  parallel_for(int64_t(view.tiles_x()) * view.tiles_y(), threads_, [&](int64_t tile) {
+    std::vector<float> buffer(g.channels * kTilePixels, 0.0f);
+    const TileRect r = tile_rect(view, tile);
+    const int64_t begin = bins_.tile_start[tile];
+    kernel_->forward(bins_.entries.data() + begin, bins_.tile_start[tile + 1] - begin, bins_.splats.data(), g.colours,
+                     g.channels, r.x + view.x0, r.y + view.y0, buffer.data());
+    finish(buffer.data(), g.channels, r, background, samples);
   });
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "binning.hpp"
+#include "finish.hpp"
 
 namespace sgi {
 
@@ -33,6 +34,8 @@ class Rasterizer {
 
   // Draws into image [C, height, width].
   void forward(const Gaussians &g, const View &view, float cutoff, float *image);
+  // Draws onto a background and stores samples, tile by tile: there is no image of floats in between.
+  void draw(const Gaussians &g, const View &view, float cutoff, const Background &background, const Samples &samples);
   // Gradients of the last forward's Gaussians from dL/dI = grad [C, height, width].
   void backward(const Gaussians &g, const View &view, const float *grad, const Gradients &out);
   // One pass over the tiles: draws, returns sum over pixels and channels of weight * (I - target)^2 and its gradients.

@@ -1,0 +1,180 @@
+"""Windows of stored pixels: by tiles, by a band of rows, or out of the whole picture."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import PictureError
+from .opened import Opened
+from .orientation import is_flipped, is_sideways
+
+__all__ = ["Access", "Rows", "Tiles", "Whole", "access", "whole"]
+
+Samples = npt.NDArray[Any]
+
+_CHUNK_SAMPLES = 1 << 22
+"""Samples that are asked of OpenImageIO at once, on top of the band that they go to. Its Python binding holds them
+twice.
+"""
+
+_ANY_ROW = ("tiff",)
+"""Formats whose rows can be read from anywhere without decoding all those before."""
+
+
+class Access(Protocol):
+    """One way to get at the stored pixels of an open picture."""
+
+    def read(self, x: int, y: int, width: int, height: int) -> Samples:
+        """A window [height, width, C] in the native type, a copy. Raises PictureError."""
+
+    def held(self, width: int, height: int) -> int:
+        """Most samples that exist at once while such windows are read one after the other, the window included."""
+
+
+def access(opened: Opened) -> Access:
+    """The way with the least memory for this picture.
+
+    A picture whose rows must be read in another order than they are decoded in is kept whole. So are 64-bit floats:
+    OpenImageIO 3.2 returns garbage for a part of their rows.
+    """
+    if opened.spec.tile_width:
+        return Tiles(opened)
+    backward = is_flipped(opened.orientation) and opened.kind not in _ANY_ROW
+    if backward or is_sideways(opened.orientation) or str(opened.spec.format) == "double":
+        return Whole(opened)
+    return Rows(opened)
+
+
+class Tiles:
+    """For files in tiles: reads those that a window touches, a row of tiles at a time."""
+
+    def __init__(self, opened: Opened) -> None:
+        self._opened = opened
+
+    def read(self, x: int, y: int, width: int, height: int) -> Samples:
+        """As `Access` says."""
+        spec = self._opened.spec
+        left = x - x % spec.tile_width
+        right = min(left - (left - x - width) // spec.tile_width * spec.tile_width, spec.width)
+        window = np.empty((height, width, spec.nchannels), self._opened.native)
+        for top in range(y - y % spec.tile_height, y + height, spec.tile_height):
+            bottom = min(top + spec.tile_height, spec.height)
+            where = (spec.x + left, spec.x + right, spec.y + top, spec.y + bottom, 0, 1)
+            tiles = self._opened.samples(self._opened.image.read_tiles, bottom - top, *where)
+            start, stop = max(top, y), min(bottom, y + height)
+            window[start - y : stop - y] = tiles[start - top : stop - top, x - left : x - left + width]
+        return window
+
+    def held(self, width: int, height: int) -> int:
+        """As `Access` says."""
+        spec = self._opened.spec
+        across = min(width + 2 * spec.tile_width, spec.width)
+        return int((width * height + 2 * across * spec.tile_height) * spec.nchannels)
+
+
+class Rows:
+    """For files in rows: keeps the band of full rows that the last window came from, and reads on from there.
+
+    Windows side by side cost nothing more. Rows above the band are decoded again, in most formats from the first on.
+    """
+
+    def __init__(self, opened: Opened) -> None:
+        self._opened = opened
+        separate = opened.spec.get("planarconfig") == "separate"
+        # libtiff reads compressed planes in whole strips only.
+        self._step = min(opened.spec.get_int_attribute("tiff:RowsPerStrip", 1), opened.spec.height) if separate else 1
+        self._row_samples = int(opened.spec.width * opened.spec.nchannels)
+        self._first = 0
+        self._band = self._empty(0)
+        self._next = 0
+        """The row that OpenImageIO stands at."""
+
+    def _empty(self, rows: int) -> Samples:
+        return np.empty((rows, self._opened.spec.width, self._opened.spec.nchannels), self._opened.native)
+
+    def read(self, x: int, y: int, width: int, height: int) -> Samples:
+        """As `Access` says."""
+        start, stop = y - y % self._step, min(-(-(y + height) // self._step) * self._step, self._opened.spec.height)
+        if not self._first <= start <= stop <= self._first + len(self._band):
+            self._move(start, stop)
+        return self._band[y - self._first : y - self._first + height, x : x + width].copy()
+
+    def whole(self) -> Samples:
+        """All rows, which the caller owns."""
+        pixels = self._empty(self._opened.spec.height)
+        self._fill(pixels, 0)
+        return pixels
+
+    def _move(self, start: int, stop: int) -> None:
+        """Make the band rows start … stop; those that it has already are kept."""
+        begin = min(max(start, self._first), stop)
+        end = max(min(stop, self._first + len(self._band)), begin)
+        kept = self._band[begin - self._first : end - self._first].copy() if end > begin else self._band[:0]
+        if len(self._band) != stop - start:
+            del self._band  # before the new one takes memory
+            self._band = self._empty(stop - start)
+        self._first = start
+        self._band[begin - start : end - start] = kept
+        del kept
+        try:
+            self._fill(self._band[: begin - start], start)
+            self._fill(self._band[end - start :], end)
+        except BaseException:
+            self._band, self._next = self._empty(0), self._opened.spec.height
+            raise
+
+    def _fill(self, band: Samples, start: int) -> None:
+        """Read rows from `start` on into `band`, some at a time."""
+        if start < self._next and len(band):
+            self._opened.reopen()  # faster than OpenImageIO's own way back
+        rows = max(1, _CHUNK_SAMPLES // (self._row_samples * self._step)) * self._step
+        for top in range(start, start + len(band), rows):
+            bottom, offset = min(top + rows, start + len(band)), self._opened.spec.y
+            reader = self._opened.image.read_scanlines
+            part = self._opened.samples(reader, bottom - top, offset + top, offset + bottom, 0)
+            band[top - start : bottom - start] = part
+            self._next = bottom
+
+    def held(self, width: int, height: int) -> int:
+        """As `Access` says."""
+        rows, channels = self._opened.spec.height, self._opened.spec.nchannels
+        chunk = min(max(_CHUNK_SAMPLES, self._row_samples * self._step), self._row_samples * rows)
+        band = min(height + 2 * (self._step - 1), rows)
+        return self._row_samples * band + int(max(2 * chunk, width * height * channels))
+
+
+class Whole:
+    """For all others: keeps the whole picture."""
+
+    def __init__(self, opened: Opened) -> None:
+        self._opened = opened
+        self._pixels: Samples | None = None
+
+    def read(self, x: int, y: int, width: int, height: int) -> Samples:
+        """As `Access` says."""
+        if self._pixels is None:
+            self._pixels = whole(self._opened)
+        return self._pixels[y : y + height, x : x + width].copy()
+
+    def held(self, width: int, height: int) -> int:
+        """As `Access` says."""
+        spec = self._opened.spec
+        return int((spec.width * spec.height + width * height) * spec.nchannels)
+
+
+def whole(opened: Opened) -> Samples:
+    """All stored samples [H, W, C] in their native type. Raises PictureError.
+
+    They are read part by part: OpenImageIO's own way takes their memory twice, and serves 64-bit floats alone, whose
+    rows it cannot read in parts.
+    """
+    spec = opened.spec
+    if str(spec.format) == "double":
+        return opened.samples(opened.image.read_image, spec.height)
+    try:
+        return Tiles(opened).read(0, 0, spec.width, spec.height) if spec.tile_width else Rows(opened).whole()
+    except MemoryError:
+        raise PictureError("there is not enough memory for its pixels") from None

@@ -1,0 +1,119 @@
+"""What the header of a picture file says, in our terms, or why the picture is none of ours."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..errors import PictureError
+from .orientation import is_sideways
+
+if TYPE_CHECKING:
+    from OpenImageIO import ImageSpec
+
+__all__ = ["Probe", "has_own_numbers", "header", "is_associated", "number_as_read", "orientation"]
+
+_WHITE_IS_ZERO, _GRAY, _RGB, _YCBCR = 0, 1, 2, 6
+_LAB_PHOTOMETRICS = (8, 9, 10)
+_FLOATS = ("half", "float", "double")
+_INTEGERS = ("int8", "int16", "int", "uint")
+
+_ASSOCIATED = ("openexr", "tiff")
+"""Formats that store premultiplied alpha unless OpenImageIO says that this file does not."""
+
+_SECOND_IS_ALPHA = ("sgi", "targa")
+"""Formats whose second of two channels is alpha although OpenImageIO does not name it so."""
+
+_ALREADY_UPRIGHT = ("jpegxl",)
+"""Formats whose library turns the pixels itself; their EXIF orientation must be ignored (ISO/IEC 18181-2
+§9.2).
+"""
+
+
+@dataclass(frozen=True)
+class Probe:
+    """What a picture's header says: upright size in pixels, layout, channel count, and the dtype that `read`
+    gives.
+    """
+
+    width: int
+    height: int
+    channels: str
+    count: int
+    dtype: np.dtype[Any]
+
+
+def header(spec: ImageSpec, kind: str) -> Probe:
+    """The header of a file in the format `kind`. Raises PictureError for what cannot be read faithfully."""
+    if spec.deep or spec.depth > 1:
+        raise PictureError("it is a deep or volume image; only flat pictures can be read")
+    if _photometric(spec) in _LAB_PHOTOMETRICS:
+        raise PictureError("it is a CIELAB TIFF, which OpenImageIO does not convert; convert it to RGB first")
+    formats = {str(sample) for sample in spec.channelformats} or {str(spec.format)}
+    if not (len(formats) == 1 or formats <= set(_FLOATS)):
+        raise PictureError(f"its channels mix {' and '.join(sorted(formats))} samples; save them as one type")
+    native = str(spec.format)
+    if native not in ("uint8", "uint16", *_INTEGERS, *_FLOATS):
+        raise PictureError(f"its samples are of type {native}; save it with 8, 16 or 32 bits per sample")
+    if native == "double" and (spec.tile_width or spec.height == 1):  # OpenImageIO 3.2 makes garbage of them in silence
+        what = "in tiles" if spec.tile_width else "a single row"
+        raise PictureError(f"its 64-bit floats are {what}, which cannot be read; save it as 32-bit floats")
+    if native == "uint16" and _photometric(spec) == _WHITE_IS_ZERO:  # OpenImageIO 3.2 turns over 8 bits, not 16
+        raise PictureError("0 is white in its 16-bit samples, which cannot be read; invert it first")
+    width, height = spec.width, spec.height
+    if is_sideways(orientation(spec, kind)):
+        width, height = height, width
+    dtype = np.dtype(native if native in ("uint8", "uint16") else np.float32)
+    return Probe(width, height, _layout(spec, kind), spec.nchannels, dtype)
+
+
+def _layout(spec: ImageSpec, kind: str) -> str:
+    alpha = spec.alpha_channel
+    match spec.nchannels:
+        case 1:
+            return "gray"
+        case 2 if alpha == 1 or kind in _SECOND_IS_ALPHA:
+            return "gray+alpha"
+        case 3 if alpha < 0:
+            return "rgb"
+        case 4 if spec.channelnames[3] == "A":
+            return "rgba"
+    return "multi"
+
+
+def orientation(spec: ImageSpec, kind: str) -> int:
+    """How the stored pixels must be turned, 1 to 8."""
+    return 1 if kind in _ALREADY_UPRIGHT else int(spec.get_int_attribute("Orientation", 1))
+
+
+def is_associated(spec: ImageSpec, kind: str) -> bool:
+    """Whether the colours, if there is alpha, come multiplied by it."""
+    return kind in _ASSOCIATED and spec.get_int_attribute("oiio:UnassociatedAlpha", 0) == 0
+
+
+def _photometric(spec: ImageSpec) -> int:
+    return int(spec.get_int_attribute("tiff:PhotometricInterpretation", -1))
+
+
+def has_own_numbers(spec: ImageSpec) -> bool:
+    """Whether the samples of a TIFF come as the numbers that stand in the file: not stretched to more bits, not turned
+    over, no indices of a palette.
+    """
+    bits = spec.get_int_attribute("oiio:BitsPerSample", 0)
+    stretched = str(spec.format).startswith("uint") and bits not in (0, 8 * spec.format.size())
+    return not stretched and _photometric(spec) in (_GRAY, _RGB, _YCBCR)
+
+
+def number_as_read(value: float, spec: ImageSpec) -> float | None:
+    """What OpenImageIO makes of the sample `value` of a TIFF that has not its own numbers; None if nothing certain."""
+    bits = spec.get_int_attribute("oiio:BitsPerSample", 0)
+    photometric, native = _photometric(spec), str(spec.format)
+    if photometric not in (_WHITE_IS_ZERO, _GRAY, _RGB) or native not in ("uint8", "uint16") or not 1 <= bits <= 16:
+        return None
+    most, largest = (1 << bits) - 1, (1 << 8 * spec.format.size()) - 1
+    if not (0 <= value <= most and value == int(value)):
+        return None
+    read = int(value) * largest // most
+    return float(largest - read if photometric == _WHITE_IS_ZERO else read)

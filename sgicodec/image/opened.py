@@ -1,0 +1,175 @@
+"""A picture file that OpenImageIO has opened: its header and metadata in our terms, its samples on demand."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import PictureError
+from . import embedded, geo, ifd, placement, png
+from .alpha import unassociate
+from .filebytes import FileBytes
+from .header import Probe, has_own_numbers, header, is_associated, number_as_read, orientation
+from .orientation import upright
+from .origin import first_line
+from .picture import Metadata, alpha_index
+
+if TYPE_CHECKING:
+    from OpenImageIO import ImageInput, ImageSpec
+
+__all__ = ["Opened", "open_picture"]
+
+Samples = npt.NDArray[Any]
+
+_STREAM_SIGNATURE = b"\x89SGI\r\n\x1a\n"
+_NUMPY_NAMES = {"half": "float16", "float": "float32", "double": "float64", "int": "int32", "uint": "uint32"}
+_SIZE_LIMIT = "limits:imagesize_MB"
+_LIFTING = threading.Lock()
+
+
+@dataclass
+class Opened:
+    """An open file. `spec` and `kind` are OpenImageIO's header and format name; `header` and `metadata` are those of
+    the upright picture.
+    """
+
+    path: Path
+    image: ImageInput
+    spec: ImageSpec
+    kind: str
+    header: Probe
+    metadata: Metadata
+
+    @property
+    def orientation(self) -> int:
+        """How stored pixels must be turned, 1 to 8."""
+        return orientation(self.spec, self.kind)
+
+    @property
+    def native(self) -> np.dtype[Any]:
+        """The type of stored samples."""
+        name = str(self.spec.format)
+        return np.dtype(_NUMPY_NAMES.get(name, name))
+
+    @property
+    def nodata(self) -> float | None:
+        """The sample value that stands for "nothing was measured here", or None."""
+        return geo.nodata(self.metadata.geo, self.header.dtype)
+
+    def reopen(self) -> None:
+        """Close the file and open it anew: OpenImageIO then stands at the first row again."""
+        self.image.close()
+        self.image = _open(self.path)
+
+    def samples(self, method: Callable[..., Any], rows: int, *where: int) -> Samples:
+        """What a method of `image` reads of the first picture, [rows, columns, C] in the native type.
+
+        where: the method's arguments between those that name the picture and those that name the channels. Any
+        complaint raises PictureError: what came with it may be half a picture.
+        """
+        early = _complaint(self.image, self.path)
+        try:
+            pixels = method(0, 0, *where, 0, self.spec.nchannels, self.spec.format)
+        except MemoryError:
+            raise PictureError("there is not enough memory for its pixels") from None
+        complaint = early or _complaint(self.image, self.path)
+        if pixels is None or complaint:
+            raise PictureError(complaint or "its pixels cannot be read; the file is damaged or cut off")
+        return np.asarray(pixels).reshape(rows, -1, self.spec.nchannels)
+
+    def finished(self, stored: Samples) -> Samples:
+        """Stored samples of the picture, or of a part, as `Picture` wants them: upright, alpha unassociated.
+
+        Raises PictureError for samples that are not a number, unless that is the nodata value.
+        """
+        pixels = stored.astype(self.header.dtype, copy=False)
+        if alpha_index(self.header.channels) is not None and is_associated(self.spec, self.kind):
+            pixels = unassociate(pixels)
+        if pixels.dtype.kind == "f" and (self.nodata is None or not np.isnan(self.nodata)) and np.isnan(pixels).any():
+            raise PictureError("it holds samples that are not a number; replace them by numbers first")
+        return upright(pixels, self.orientation)
+
+
+def open_picture(path: Path, *, any_size: bool = False) -> Opened:
+    """Open a file and read its header and metadata, not its pixels.
+
+    any_size: lift OpenImageIO's own limit (32 GiB, or the machine's memory) for a TIFF, which can be read in parts.
+
+    Raises PictureError for what cannot be read faithfully.
+    """
+    found, is_tiff = _examine(path)
+    with _no_size_limit() if any_size and is_tiff else nullcontext():
+        image = _open(path)
+    spec, kind = image.spec(), image.format_name()
+    told = header(spec, kind)
+    place = found.geo
+    if not has_own_numbers(spec):
+        place = geo.resampled(place, lambda value: number_as_read(value, spec))
+    place = placement.oriented(place, orientation(spec, kind), spec.width, spec.height)
+    metadata = replace(found, icc=_icc(spec, told.channels), geo=place)
+    return Opened(path, image, spec, kind, told, metadata)
+
+
+def _examine(path: Path) -> tuple[Metadata, bool]:
+    """EXIF, XMP and `geo` of the file, and whether it is a TIFF. Raises PictureError for what its bytes rule out."""
+    if path.stat().st_size == 0:
+        raise PictureError("the file is empty")
+    with path.open("rb") as file:
+        data = FileBytes(file)
+        if data[:8] == _STREAM_SIGNATURE:
+            raise PictureError("this is an encoded stream, not a picture; decode it first")
+        damage = png.damage(data) if data[:8] == png.SIGNATURE else ifd.damage(data)
+        if damage:
+            raise PictureError(damage)
+        return embedded.extract(data), ifd.layout(data) is not None
+
+
+@contextmanager
+def _no_size_limit() -> Iterator[None]:
+    import OpenImageIO as oiio
+
+    with _LIFTING:
+        limit = oiio.get_int_attribute(_SIZE_LIMIT)
+        oiio.attribute(_SIZE_LIMIT, 0)
+        try:
+            yield
+        finally:
+            oiio.attribute(_SIZE_LIMIT, limit)
+
+
+def _open(path: Path) -> ImageInput:
+    import OpenImageIO as oiio  # takes 30 ms: not for those who only decode to arrays
+
+    hints = oiio.ImageSpec()
+    hints.attribute("oiio:UnassociatedAlpha", 1)
+    image = oiio.ImageInput.open(str(path), hints)
+    if image is None:
+        complaint = _complaint(oiio, path)
+        if "could not find a format reader" in complaint:
+            complaint = "it is in no picture format that OpenImageIO reads"
+        raise PictureError(complaint or "it cannot be opened; the file is damaged or cut off")
+    if image.format_name() == "null":
+        raise PictureError("it stands for OpenImageIO's null picture")
+    return image
+
+
+def _complaint(speaker: Any, path: Path) -> str:
+    """What OpenImageIO has to say, without the path, or an empty text."""
+    return first_line(speaker).replace(f'("{path}")', "").replace(str(path), "the file").strip()
+
+
+def _icc(spec: ImageSpec, channels: str) -> bytes | None:
+    """The ICC profile if it is for this layout: one for CMYK is void once the pixels are RGB."""
+    profile = spec.get("ICCProfile")
+    if profile is None:
+        return None
+    icc = np.asarray(profile, np.uint8).tobytes()
+    space = b"GRAY" if channels.startswith("gray") else b"RGB "
+    return icc if channels == "multi" or icc[16:20] == space else None

@@ -1,0 +1,96 @@
+"""Where a picture comes from: a file, bytes or a stream, brought to a file that OpenImageIO can open."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from io import BytesIO
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from ..errors import PictureError
+
+__all__ = ["Origin", "display_name", "first_line", "is_utf8", "naming", "on_disk"]
+
+Origin = str | Path | BinaryIO | bytes
+
+_HEAD = 8
+_SUFFIXES = {
+    b"\x89PNG": ".png",
+    b"\xff\xd8\xff": ".jpg",
+    b"II*\0": ".tif",
+    b"MM\0*": ".tif",
+    b"\x01\xda": ".sgi",
+    b"RIFF": ".webp",
+    b"\0\0\0\x0cJXL ": ".jxl",
+    b"\0\0\0\x0cjP  ": ".jp2",
+    b"v/1\x01": ".exr",
+}
+"""How files of the commonest formats begin. A name with the right extension makes OpenImageIO say what is wrong."""
+
+
+def display_name(origin: object) -> str:
+    """What to call an origin or target in a message."""
+    name = origin if isinstance(origin, str | Path) else getattr(origin, "name", None)
+    return os.fsencode(name).decode("utf-8", "replace") if isinstance(name, str | Path) else "the picture"
+
+
+def first_line(speaker: Any) -> str:
+    """The first line of the complaints that an OpenImageIO object, or the module, has gathered; they are
+    cleared.
+    """
+    try:
+        text = str(speaker.geterror())
+    except UnicodeDecodeError:
+        text = "the file is damaged"
+    return next(filter(None, map(str.strip, text.splitlines())), "")
+
+
+@contextlib.contextmanager
+def naming(place: object) -> Iterator[None]:
+    """Give any PictureError raised in the context the name of its origin or target; any OSError becomes one."""
+    try:
+        yield
+    except PictureError as error:
+        raise PictureError(f"{display_name(place)}: {error}") from error.__cause__
+    except OSError as error:
+        raise PictureError(f"{display_name(place)}: {error.strerror or error}") from error
+
+
+@contextlib.contextmanager
+def on_disk(origin: Origin) -> Iterator[Path]:
+    """A path to a regular file with the bytes of `origin`: itself, or a copy that lasts as long as the
+    context.
+
+    OpenImageIO has no streams in Python, and takes no file name that is not UTF-8.
+    """
+    with contextlib.ExitStack() as stack:
+        if isinstance(origin, str | Path):
+            if Path(origin).is_file() and is_utf8(origin):
+                yield Path(origin)
+                return
+            stream: BinaryIO = stack.enter_context(Path(origin).open("rb"))
+        else:
+            stream = BytesIO(origin) if isinstance(origin, bytes) else origin
+        head = stream.read(_HEAD)
+        copy = stack.enter_context(tempfile.NamedTemporaryFile(prefix="sgicodec-", suffix=_suffix(head)))
+        copy.write(head)
+        shutil.copyfileobj(stream, copy)
+        copy.flush()
+        yield Path(copy.name)
+
+
+def _suffix(head: bytes) -> str:
+    return next((suffix for start, suffix in _SUFFIXES.items() if head.startswith(start)), "")
+
+
+def is_utf8(path: str | Path) -> bool:
+    """Whether OpenImageIO can be told this path."""
+    try:
+        os.fspath(path).encode("utf-8")
+    except UnicodeEncodeError:
+        return False
+    return True

@@ -1,0 +1,53 @@
+// From a drawn tile to samples: the background is added, values are clipped, mapped and rounded, channels interleaved.
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "kernel.hpp"
+
+namespace sgi {
+
+constexpr int kMostChannels = 64;
+
+// The part of a tile that lies in the view, in view coordinates.
+struct TileRect {
+  int x, y;                      // first pixel of the tile, view coordinates (may be negative)
+  int col0, col1, row0, row1;    // pixels of the tile inside the view
+};
+
+// What lies behind the Gaussians: row y is the sum over t < taps of down[y][t] * lines[c][top[y] + t].
+struct Background {
+  const float *lines;  // [C, count, width]
+  int64_t count, width;
+  const int32_t *top;  // [height]
+  const float *down;   // [height, taps]
+  int taps;           // 0 for no background
+};
+
+enum class SampleType { u8, u16, f32 };
+
+// Where samples go [height, width, C], and how: sample = low + span * value, of values clipped to 0..1 if `clip`,
+// rounded to nearest, ties to even, for integers. Not-a-number becomes 0 if `clip`.
+struct Samples {
+  void *first;
+  int64_t row_stride;  // samples
+  SampleType type;
+  const float *low, *span;  // [C]
+  bool clip;
+};
+
+// Finishes tile [C][16][16]. Every operation is rounded by itself, none fused, so that all
+// instruction sets give the same.
+using FinishTile = void (*)(const float *tile, int channels, const TileRect &rect, const Background &background,
+                            const Samples &samples);
+
+void finish_portable(const float *, int, const TileRect &, const Background &, const Samples &);
+#ifdef SGI_X86
+void finish_avx2(const float *, int, const TileRect &, const Background &, const Samples &);
+void finish_avx512(const float *, int, const TileRect &, const Background &, const Samples &);
+#endif
+
+// The one for the instruction set that a kernel is made for.
+FinishTile finish_for(const TileKernel &kernel);
+
+}  // namespace sgi
