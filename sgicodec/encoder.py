@@ -140,7 +140,8 @@ def encode(
     go on (True) or to finish with what is there. Equal input, settings and version give equal bytes, unless time is
     the limit: it runs from `started` on, a value of time.monotonic(), or from this call.
 
-    Raises TargetMissedError, with the nearest stream, for a size or quality that cannot be reached, PictureError for what no stream can hold, UsageError for a range of samples that integers do not have.
+    Raises TargetMissedError, with the nearest stream, for a size or quality that cannot be reached, PictureError for
+    what no stream can hold, UsageError for a range of samples that integers do not have.
     """
     settings = settings or EncodeSettings()
     spec = _spec(settings, picture.pixels.shape[2])

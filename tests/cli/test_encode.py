@@ -33,7 +33,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     """The settings that reach the encoder, which then does nothing."""
     seen: dict[str, Any] = {}
 
-    def record(picture: Picture, settings: encoder.EncodeSettings, on_progress: object) -> None:
+    def record(picture: Picture, settings: encoder.EncodeSettings, on_progress: object, started: float) -> None:
         seen.update(asdict(settings))
         raise Stopped("stopped")
 
