@@ -95,7 +95,7 @@ def _settings(choices: dict[str, Any]) -> EncodeSettings:
     from sgicodec.encoder import EncodeSettings
 
     chosen = {name: value for name, value in choices.items() if value is not None}
-    for names in (("quality", "lmbda", "psnr", "bpp", "size"), ("effort", "steps", "time_limit")):
+    for names in (("quality", "lmbda", "psnr", "bpp", "size"), ("effort", "time_limit"), ("steps", "time_limit")):
         given = [f"--{name.replace('_', '-')}" for name in names if name in chosen]
         if len(given) > 1:
             raise UsageError(f"{given[0]} and {given[1]} exclude each other")
