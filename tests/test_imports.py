@@ -17,7 +17,7 @@ ROOT = Path(sgicodec.__file__).parent
 LAYERS = {
     "model": {"errors", "_native"},
     "raster": {"errors", "_native"},
-    "image": {"errors"},
+    "image": {"errors", "_native"},
     "metrics": {"errors"},
     "files": {"errors"},
     "bitstream": {"errors", "model", "_native"},
