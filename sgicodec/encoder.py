@@ -22,8 +22,10 @@ from sgicodec.image import Picture, full_range, to_unit
 from sgicodec.model.base import fit_base, render_base
 from sgicodec.model.gaussians import colour_matrix
 from sgicodec.model.layout import adaptive_layout, uniform_layout
+from sgicodec.model.processor import Processor
 from sgicodec.model.quantize import step_fixed, step_index
 from sgicodec.model.spec import ModelSpec, default_spec, paper_spec
+from sgicodec.refine import can_refine, refine
 from sgicodec.version import __version__
 
 if TYPE_CHECKING:
@@ -44,7 +46,8 @@ class EncodeSettings:
 
     quality: 1 to 100, or lmbda directly. effort: 1 to 9, optimisation steps of the default profile. seeds: their number
     in the paper profile. per_seed: K. features: D (paper). levels: M (paper). steps: of the whole fit. prior: number
-    of the shipped context model, 0 for one that travels in the stream. metadata: whether ICC, EXIF and XMP are kept.
+    of the shipped context model, 0 for one that travels in the stream. refine: whether symbols are searched after the
+    fit, where that is known how. metadata: whether ICC, EXIF and XMP are kept.
     """
 
     quality: float = 50.0
@@ -57,6 +60,7 @@ class EncodeSettings:
     levels: int | None = None
     steps: int | None = None
     prior: int | None = None
+    refine: bool = True
     seed: int = 0
     threads: int = 0
     metadata: bool = True
@@ -135,10 +139,12 @@ def encode(
         fitted.hash_bits,
         fitted.attributes,
     )
+    if settings.refine and can_refine(spec):
+        model = refine(header, model, target, fit.lmbda, processor=Processor(fit.threads)).model
     payload, walk = write_tile(header, model)
     data = _assemble(picture, header, payload, settings, fit)
     parts = {name: bits / 8 for name, bits in walk.bits.items()}
-    return Encoded(data, parts, len(fitted.layout), len(fitted.layout) * spec.per_seed, fit.lmbda)
+    return Encoded(data, parts, len(model.layout), len(model.layout) * spec.per_seed, fit.lmbda)
 
 
 def _check(picture: Picture, spec: ModelSpec) -> None:

@@ -23,7 +23,8 @@ LAYERS = {
     "bitstream": {"errors", "model", "_native"},
     "fit": {"errors", "_native", "model", "raster"},
     "decoder": {"errors", "bitstream", "image", "model", "raster"},
-    "encoder": {"errors", "version", "bitstream", "fit", "image", "model"},
+    "refine": {"_native", "bitstream", "model", "raster"},
+    "encoder": {"errors", "version", "bitstream", "fit", "image", "model", "refine"},
 }
 """What each part may import besides itself; `bench` and `cli` may import everything."""
 

@@ -9,6 +9,7 @@
 #include "../../fit/cpp/bind_seed_fit.hpp"
 #include "../../image/cpp/bind_image.hpp"
 #include "../../model/cpp/bind_model.hpp"
+#include "../../refine/cpp/bind_refine.hpp"
 #include "neighbours.hpp"
 #include "peak.hpp"
 #include "rasterizer.hpp"
@@ -99,6 +100,7 @@ NB_MODULE(_native, m) {
   bind_bitstream(m);
   bind_image(m);
   bind_model(m);
+  bind_refine(m);
   nb::class_<sgi::Rasterizer>(m, "Rasterizer")
       .def(nb::init<const std::string &, int, int64_t>(), "isa"_a, "threads"_a, "most_pairs"_a)
       .def("forward",
