@@ -26,8 +26,10 @@ from sgicodec.metrics import psnr
 from sgicodec.model.base import fit_base, render_base
 from sgicodec.model.gaussians import colour_matrix
 from sgicodec.model.layout import adaptive_layout, uniform_layout
+from sgicodec.model.processor import Processor
 from sgicodec.model.quantize import step_fixed, step_index
 from sgicodec.model.spec import ModelSpec, default_spec, paper_spec
+from sgicodec.refine import can_refine, refine
 from sgicodec.trim import coarser, trim
 from sgicodec.version import __version__
 
@@ -49,9 +51,10 @@ class EncodeSettings:
 
     quality: 1 to 100, or lmbda directly. effort: 1 to 9, optimisation steps of the default profile. seeds: their number
     in the paper profile. per_seed: K. features: D (paper). levels: M (paper). steps: of the whole fit. prior: number
-    of the shipped context model, 0 for one that travels in the stream. metadata: whether ICC, EXIF and XMP are kept.
-    psnr in dB, size in bytes or bpp in bits per pixel: what to end at, in the default profile. time_limit: seconds
-    that the encode may take, instead of a number of steps.
+    of the shipped context model, 0 for one that travels in the stream. refine: whether symbols are searched after the
+    fit, where that is known how. metadata: whether ICC, EXIF and XMP are kept. psnr in dB, size in bytes or bpp in
+    bits per pixel: what to end at, in the default profile. time_limit: seconds that the encode may take, instead of a
+    number of steps.
     """
 
     quality: float = 50.0
@@ -64,6 +67,7 @@ class EncodeSettings:
     levels: int | None = None
     steps: int | None = None
     prior: int | None = None
+    refine: bool = True
     seed: int = 0
     threads: int = 0
     metadata: bool = True
@@ -213,7 +217,7 @@ class _Encoding:
         return max(0.5 * left, left - coding, 1e-3)
 
     def _measured(self, fitted: Fitted, family: int, shift: int) -> tuple[Encoded, Measured]:
-        encoded = self._stream(fitted, family, shift)
+        encoded = self._stream(fitted, family, shift, final=False)
         quality = math.inf
         if self.goal is not None and self.goal.psnr is not None:
             decoded = open_stream(encoded.data).picture(threads=self.settings.threads)
@@ -221,7 +225,7 @@ class _Encoding:
             quality = psnr(self.picture.pixels, decoded.pixels, peak=high - low)
         return encoded, Measured(len(encoded.data), quality)
 
-    def _stream(self, fitted: Fitted, family: int, shift: int = 0) -> Encoded:
+    def _stream(self, fitted: Fitted, family: int, shift: int = 0, final: bool = True) -> Encoded:
         picture, spec = self.picture, self.spec
         header = Header(
             picture.width,
@@ -244,10 +248,12 @@ class _Encoding:
             fitted.hash_bits,
             fitted.attributes,
         )
+        if final and self.settings.refine and can_refine(spec):
+            model = refine(header, model, self.target, fitted.lmbda, processor=Processor(self.fit.threads)).model
         payload, walk = write_tile(header, model)
         data = _assemble(picture, header, payload, self.settings, self.fit)
         parts = {name: bits / 8 for name, bits in walk.bits.items()}
-        seeds = len(fitted.layout)
+        seeds = len(model.layout)
         return Encoded(data, parts, seeds, seeds * spec.per_seed, fitted.lmbda)
 
 
