@@ -37,6 +37,9 @@ INPUT_BITS = 6
 LEVELS = 8
 """Cell sizes told apart: 2^0 to 2^7 pixels."""
 
+COARSEST = 5
+"""log2 of the cells that are coded first; larger ones go with them."""
+
 SUMMARY = 7
 """Columns of a summary: colours (Y, Co, Cg), log2 of the amplitude, shape (a, b, c)."""
 
@@ -50,11 +53,16 @@ I64 = NDArray[np.int64]
 
 
 def passes(spec: ContextSpec, layout: SeedLayout) -> list[I64]:
-    """Indices of the seeds that each pass codes: four parities of the cells, or all at once without neighbours."""
+    """Indices of the seeds that each pass codes: all at once without neighbours, else the four parities of the cells,
+    with `coarse_first` once for each cell size from 2^COARSEST pixels (and above) down to 2 (and below).
+    """
     if not spec.neighbours:
         return [np.arange(len(layout))]
-    parity = layout.parity
-    return [np.flatnonzero(parity == number) for number in range(4)]
+    number = layout.parity
+    if spec.coarse_first:
+        number = number + 4 * (COARSEST - np.clip(layout.log_size.astype(np.int64), 1, COARSEST))
+    order, bounds = np.argsort(number, kind="stable"), np.cumsum(np.bincount(number))
+    return [members for members in np.split(order, bounds[:-1]) if len(members)]
 
 
 def nearest_by_pass(
