@@ -181,23 +181,24 @@ class _Encoding:
 
     def _at_goal(self, goal: Goal, fitted: Fitted, header: Header) -> tuple[Encoded, Measured]:
         """Trims the fit to what the search for symbols will bring to the goal, and searches until it is there."""
-        shift = trim(
-            self._fit_goal(goal), lambda shift: self._measured(header, self._model(fitted, shift), fitted.lmbda)
-        )
+        lmbda = fitted.lmbda
+        shift = trim(self._fit_goal(goal), lambda shift: self._measured(header, self._model(fitted, shift), lmbda)[1])
         model = self._model(fitted, shift)
         if not self._searches:
-            return self._measured(header, model, fitted.lmbda)
-        found: list[tuple[Encoded, Measured]] = []
-        refiner = Refiner(header, model, self.target, fitted.lmbda, processor=Processor(self.fit.threads))
-        octaves = 0.0
-        for _ in range(_MOST_SEARCHES):
-            searched = refiner.at(fitted.lmbda * 2.0**octaves).model
-            found.append(self._measured(header, searched, fitted.lmbda))
-            if goal.is_met(found[-1][1]):
-                return found[-1]
-            octaves += _SEARCH_GAIN * goal.excess(found[-1][1])
-        sound = [one for one in found if not goal.is_missed(one[1])]
-        return min(sound or found, key=lambda one: abs(goal.excess(one[1])))
+            return self._measured(header, model, lmbda)
+        refiner = Refiner(header, model, self.target, lmbda, processor=Processor(self.fit.threads))
+        found: dict[float, tuple[Encoded, Measured]] = {}
+        octaves, gain = 0.0, _SEARCH_GAIN
+        while octaves not in found and len(found) < _MOST_SEARCHES:
+            found[octaves] = self._measured(header, refiner.at(lmbda * 2.0**octaves).model, lmbda)
+            if goal.is_met(found[octaves][1]):
+                return found[octaves]
+            if len(found) > 1:
+                (a, first), (b, last) = list(found.items())[-2:]
+                gain = min(4.0, max(0.5, (b - a) / ((goal.excess(first[1]) - goal.excess(last[1])) or 1.0)))
+            octaves += max(-1.0, min(1.0, gain * goal.excess(found[octaves][1])))
+        sound = [one for one in found.values() if not goal.is_missed(one[1])]
+        return min(sound or found.values(), key=lambda one: abs(goal.excess(one[1])))
 
     @property
     def _searches(self) -> bool:
@@ -235,9 +236,7 @@ class _Encoding:
                 family,
                 networks,
                 steering=steering,
-                measure=lambda fitted: self._measured(self._header(fitted, family), self._model(fitted), fitted.lmbda)[
-                    1
-                ],
+                measure=lambda f: self._measured(self._header(f, family), self._model(f), f.lmbda)[1],
                 seconds=self._seconds(),
             )
             return trainer.run(on_progress), family

@@ -27,7 +27,7 @@ def coarser(networks: tuple[IntNetwork, ...], shift: int) -> tuple[IntNetwork, .
     return tuple(result)
 
 
-def trim(goal: Goal, measure: Callable[[int], tuple[object, Measured]]) -> int:
+def trim(goal: Goal, measure: Callable[[int], Measured]) -> int:
     """The shift whose stream comes nearest to the goal, of up to eight; `measure` makes a stream and measures it.
 
     Size and PSNR fall as the shift rises: a secant search. What misses the goal is taken only if all do.
@@ -35,7 +35,7 @@ def trim(goal: Goal, measure: Callable[[int], tuple[object, Measured]]) -> int:
     tried: dict[int, Measured] = {}
     shift, slope = 0, _FIRST_SLOPE
     while shift not in tried and len(tried) < _MOST_TRIES:
-        tried[shift] = measure(shift)[1]
+        tried[shift] = measure(shift)
         if goal.is_met(tried[shift]):
             return shift
         excess = {at: goal.excess(measured) for at, measured in tried.items()}
