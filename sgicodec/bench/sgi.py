@@ -18,7 +18,7 @@ import numpy as np
 from sgicodec.bench.codec import Pixels8, RoundTrip
 from sgicodec.errors import SgiError, UsageError
 
-__all__ = ["DEFAULT_QUALITIES", "SgiCodec", "fingerprint"]
+__all__ = ["DEFAULT_QUALITIES", "SgiCodec", "fingerprint", "run_timed"]
 
 DEFAULT_QUALITIES = (20.0, 35.0, 50.0, 65.0, 80.0)
 
@@ -65,8 +65,8 @@ class SgiCodec:
             options = ["-q", f"{quality:g}", "-f", "--quiet", "--no-verify", "--threads", str(self.threads)]
             if self.effort is not None:
                 options += ["-e", str(self.effort)]
-            encode_seconds, encode_peak = _run([*self.command, "encode", str(source), str(stream), *options])
-            decode_seconds, decode_peak = _run([*self.command, "decode", str(stream), str(result), "-f"])
+            encode_seconds, encode_peak = run_timed([*self.command, "encode", str(source), str(stream), *options])
+            decode_seconds, decode_peak = run_timed([*self.command, "decode", str(stream), str(result), "-f"])
             with Image.open(result) as picture:
                 decoded = np.asarray(picture.convert("RGB"))
             peaks = [peak for peak in (encode_peak, decode_peak) if peak is not None]
@@ -84,7 +84,7 @@ def fingerprint(package: Path) -> str:
     return digest.hexdigest()[:8]
 
 
-def _run(command: Sequence[str]) -> tuple[float, float | None]:
+def run_timed(command: Sequence[str]) -> tuple[float, float | None]:
     """Seconds and peak MiB of a command. Raises SgiError with its last line of complaint if it fails."""
     launched = [sys.executable, "-I", str(_LAUNCHER), *command]
     done = subprocess.run(launched, capture_output=True, text=True, errors="replace", check=False)

@@ -8,21 +8,22 @@ import tempfile
 from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
-from typing import Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 import numpy.typing as npt
 
 from ..errors import PictureError, UsageError
 from . import embedded, formats
-from .header import Probe
+from .header import MAX_SAMPLES, Probe
 from .origin import is_utf8, naming
-from .output import Output
 from .picture import LAYOUTS, Metadata
 from .png_output import PngOutput
-from .reader import MAX_SAMPLES
 
 __all__ = ["Sink", "Target", "open_sink"]
+
+if TYPE_CHECKING:
+    from .output import Output
 
 Target = str | Path | BinaryIO
 
@@ -65,6 +66,8 @@ class Sink:
             if self._holder.name == "png":
                 self._output = PngOutput(self._part, header, metadata, level, threads)
             else:
+                from .output import Output
+
                 self._output = Output(self._part, self._holder, header, metadata.icc)
             self._stack = stack.pop_all()
 

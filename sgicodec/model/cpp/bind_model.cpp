@@ -39,7 +39,7 @@ void evaluate_network(Array<const int64_t, 2> w1, Array<const int64_t, 1> b1, Ar
                       int threads, const std::string &isa, Array<int64_t, 2> out) {
   const size_t hidden = w1.shape(0), outputs = w2.shape(0), n = inputs.shape(0);
   require(b1.shape(0) == hidden && w2.shape(1) == hidden && b2.shape(0) == outputs, "weights do not fit each other");
-  require(inputs.shape(1) == w1.shape(1) && (inputs.stride(1) == 1 || inputs.shape(1) < 2),
+  require(inputs.shape(1) == w1.shape(1) && (n == 0 || inputs.stride(1) == 1 || inputs.shape(1) < 2),
           "inputs must be rows [n, inputs]");
   require(has_shape(out, n, outputs), "out must be [n, outputs]");
   require(shift >= 2 && shift <= 20 && predicted >= 0 && size_t(predicted) <= outputs, "shift must be 2..20");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <numeric>
 #include <vector>
 
 #include "../../raster/cpp/binning.hpp"
@@ -11,6 +12,20 @@ namespace sgi {
 namespace {
 
 constexpr Window kCorner{0, 0, 1, 1, kWindowPadding};  // stands for no pixels at all
+
+// 0 to count - 1 by reversed bits: neighbours come to lie far apart, so that threads need not wait for each other.
+std::vector<int32_t> scattered(int64_t count) {
+  std::vector<int32_t> order;
+  order.reserve(count);
+  int bits = 0;
+  while ((int64_t(1) << bits) < count) ++bits;
+  for (int64_t i = 0; i < (int64_t(1) << bits); ++i) {
+    int64_t reversed = 0;
+    for (int b = 0; b < bits; ++b) reversed |= (i >> b & 1) << (bits - 1 - b);
+    if (reversed < count) order.push_back(static_cast<int32_t>(reversed));
+  }
+  return order;
+}
 
 template <class Body>
 void for_each_chunk(int64_t count, int threads, Body body) {
@@ -48,7 +63,7 @@ void search_pass(const CodingModel &model, const SearchSettings &settings, const
       if (windows[i].empty()) windows[i] = kCorner;
     }
   });
-  for_each_window(windows, residual, threads, [&]() -> Worker {
+  for_each_window(windows, scattered(seeds.count), residual, threads, [&]() -> Worker {
     return [&, search = std::make_shared<SeedSearch>(model, settings, kernel)](int64_t i) {
       Coded best;
       out.change[i] = search->search(seed(i), windows[i], residual, best);
@@ -69,7 +84,9 @@ void drop_gaussians(const Residual &residual, const Droppable &gaussians, float 
     windows[i] = drawn ? window_around(splats[i], 1, 0, residual) : Window{};
     dropped[i] = windows[i].empty() && gaussians.worth[i] > 0;
   }
-  for_each_window(windows, residual, threads, [&]() -> Worker {
+  std::vector<int32_t> order(gaussians.count);
+  std::iota(order.begin(), order.end(), 0);
+  for_each_window(windows, order, residual, threads, [&]() -> Worker {
     return [&, plane = std::make_shared<std::vector<float>>()](int64_t i) {
       const Window &w = windows[i];
       plane->assign(w.size(), 0.0f);

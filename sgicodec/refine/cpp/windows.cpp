@@ -15,20 +15,6 @@ int first_pixel(float edge, int size) {
   return static_cast<int>(std::ceil(std::min(std::max(edge - 0.5f, 0.0f), static_cast<float>(size))));
 }
 
-// 0 .. count - 1 by reversed bits: numbers that are close come to lie far apart.
-std::vector<int32_t> scattered(int64_t count) {
-  std::vector<int32_t> order;
-  order.reserve(count);
-  int bits = 0;
-  while ((int64_t(1) << bits) < count) ++bits;
-  for (int64_t i = 0; i < (int64_t(1) << bits); ++i) {
-    int64_t reversed = 0;
-    for (int b = 0; b < bits; ++b) reversed |= (i >> b & 1) << (bits - 1 - b);
-    if (reversed < count) order.push_back(static_cast<int32_t>(reversed));
-  }
-  return order;
-}
-
 // For each window in turn the earlier ones that touched one of its tiles last: when they are done, it may begin.
 struct Turns {
   std::vector<int32_t> order;
@@ -36,12 +22,12 @@ struct Turns {
   std::vector<int32_t> awaited;  // turns
 };
 
-Turns turns_of(const std::vector<Window> &windows, const Residual &r) {
+Turns turns_of(const std::vector<Window> &windows, const std::vector<int32_t> &order, const Residual &r) {
   const int64_t across = (r.row + kTile - 1) / kTile, down = (r.height + kTile - 1) / kTile;
   std::vector<int32_t> last(across * down, -1);
   Turns turns;
   turns.first.push_back(0);
-  for (const int32_t i : scattered(static_cast<int64_t>(windows.size()))) {
+  for (const int32_t i : order) {
     const Window &w = windows[i];
     if (w.empty()) continue;
     const int32_t turn = static_cast<int32_t>(turns.order.size());
@@ -90,9 +76,9 @@ bool holds(const Window &w, const Splat &s, const Residual &r) {
                          own.y + own.height <= w.y + w.height);
 }
 
-void for_each_window(const std::vector<Window> &windows, const Residual &residual, int threads,
-                     const std::function<Worker()> &make) {
-  const Turns turns = turns_of(windows, residual);
+void for_each_window(const std::vector<Window> &windows, const std::vector<int32_t> &order, const Residual &residual,
+                     int threads, const std::function<Worker()> &make) {
+  const Turns turns = turns_of(windows, order, residual);
   const int64_t count = static_cast<int64_t>(turns.order.size());
   std::vector<std::atomic<bool>> done(count);
   std::atomic<int64_t> next{0};
