@@ -249,7 +249,7 @@ class _Encoding:
             fitted.attributes,
         )
         if final and self.settings.refine and can_refine(spec):
-            model = refine(header, model, self.target, fitted.lmbda, processor=Processor(self.fit.threads)).model
+            model = refine(header, model, self.unit, fitted.lmbda, processor=Processor(self.fit.threads)).model
         payload, walk = write_tile(header, model)
         data = _assemble(picture, header, payload, self.settings, self.fit)
         parts = {name: bits / 8 for name, bits in walk.bits.items()}
