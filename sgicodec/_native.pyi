@@ -211,6 +211,22 @@ class SymbolSearch:
         /,
     ) -> None: ...
 
+def search_base(
+    planes: I64,
+    predictor: I32,
+    weights: I32,
+    table: I32,
+    support: I32,
+    start: I64,
+    bits: F64,
+    down: F64,
+    across: F64,
+    pull: F64,
+    step: float,
+    lmbda: float,
+    sweeps: int,
+    /,
+) -> int: ...
 def drop_gaussians(
     residual: F32,
     means: F32,

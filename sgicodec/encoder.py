@@ -186,7 +186,7 @@ class _Encoding:
         model = self._model(fitted, shift)
         if not self._searches:
             return self._measured(header, model, lmbda)
-        refiner = Refiner(header, model, self.target, lmbda, processor=Processor(self.fit.threads))
+        refiner = Refiner(header, model, self.unit, lmbda, processor=Processor(self.fit.threads))
         found: dict[float, tuple[Encoded, Measured]] = {}
         octaves, gain = 0.0, _SEARCH_GAIN
         while octaves not in found and len(found) < _MOST_SEARCHES:
@@ -278,7 +278,7 @@ class _Encoding:
     def _searched(self, header: Header, model: TileModel, lmbda: float) -> TileModel:
         if not self._searches:
             return model
-        return refine(header, model, self.target, lmbda, processor=Processor(self.fit.threads)).model
+        return refine(header, model, self.unit, lmbda, processor=Processor(self.fit.threads)).model
 
     def _encoded(self, header: Header, model: TileModel, lmbda: float) -> Encoded:
         payload, walk = write_tile(header, model)
