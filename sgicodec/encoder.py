@@ -29,7 +29,7 @@ from sgicodec.model.layout import adaptive_layout, uniform_layout
 from sgicodec.model.processor import Processor
 from sgicodec.model.quantize import step_fixed, step_index
 from sgicodec.model.spec import ModelSpec, default_spec, paper_spec
-from sgicodec.refine import Refiner, can_refine, refine
+from sgicodec.refine import SWEEPS, RefineSettings, Refiner, can_refine
 from sgicodec.trim import coarser, trim
 from sgicodec.version import __version__
 
@@ -186,7 +186,7 @@ class _Encoding:
         model = self._model(fitted, shift)
         if not self._searches:
             return self._measured(header, model, lmbda)
-        refiner = Refiner(header, model, self.unit, lmbda, processor=Processor(self.fit.threads))
+        refiner = self._refiner(header, model, lmbda)
         found: dict[float, tuple[Encoded, Measured]] = {}
         octaves, gain = 0.0, _SEARCH_GAIN
         while octaves not in found and len(found) < _MOST_SEARCHES:
@@ -199,6 +199,10 @@ class _Encoding:
             octaves += max(-1.0, min(1.0, gain * goal.excess(found[octaves][1])))
         sound = [one for one in found.values() if not goal.is_missed(one[1])]
         return min(sound or found.values(), key=lambda one: abs(goal.excess(one[1])))
+
+    def _refiner(self, header: Header, model: TileModel, lmbda: float) -> Refiner:
+        sweeps = SWEEPS[self.settings.effort] if self.settings.time_limit is None else _SWEEPS_IN_TIME
+        return Refiner(header, model, self.unit, lmbda, RefineSettings(sweeps), Processor(self.fit.threads))
 
     @property
     def _searches(self) -> bool:
@@ -245,7 +249,9 @@ class _Encoding:
         """What is left for the fit itself."""
         if self.settings.time_limit is None:
             return None
-        coding: float = _CODING_SECONDS * (2 if self.goal is None else 8) * (0.2 + self.target[0].size / 1e6)
+        searching = _SWEEPS_IN_TIME * _SWEEP_SECONDS * self._searches
+        coding: float = _CODING_SECONDS * (2 if self.goal is None else 8) + searching * (1 if self.goal is None else 2)
+        coding *= 0.2 + self.target[0].size / 1e6
         left = self.settings.time_limit - (time.monotonic() - self.started)
         return max(0.5 * left, left - coding, 1e-3)
 
@@ -278,7 +284,7 @@ class _Encoding:
     def _searched(self, header: Header, model: TileModel, lmbda: float) -> TileModel:
         if not self._searches:
             return model
-        return refine(header, model, self.unit, lmbda, processor=Processor(self.fit.threads)).model
+        return self._refiner(header, model, lmbda).at(lmbda).model
 
     def _encoded(self, header: Header, model: TileModel, lmbda: float) -> Encoded:
         payload, walk = write_tile(header, model)
@@ -303,8 +309,8 @@ _SEARCH_GAIN = 1.5
 """Octaves of λ that a search must move for each octave that a fit would have to."""
 _OVERHEAD, _BASE_BYTES = 250.0, 0.4
 """About what a stream holds beside its seeds: header, steps and differences; and for each number of the base layer."""
-_CODING_SECONDS = 0.6
-"""Of one stream of a megapixel, generously."""
+_CODING_SECONDS, _SWEEP_SECONDS, _SWEEPS_IN_TIME = 0.6, 1.0, 3
+"""Of coding a megapixel once and of one sweep of the search, generously; sweeps where time is the limit."""
 
 
 def _regret(goal: Goal, measured: Measured) -> str:

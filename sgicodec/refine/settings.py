@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["RefineSettings"]
+__all__ = ["SWEEPS", "RefineSettings"]
 
 
 @dataclass(frozen=True)
@@ -26,3 +26,7 @@ class RefineSettings:
     coarser: float = 0.3
     drop: float = 1.2
     position_bits: float = 3.0
+
+
+SWEEPS: dict[int, int] = {1: 1, 2: 2, 3: 3, 4: 4, 5: 6, 6: 8, 7: 10, 8: 12, 9: 16}
+"""Sweeps for each effort."""
