@@ -146,6 +146,7 @@ def summarise(
     amplitude: I32,
     /,
 ) -> None: ...
+def own_inputs(summary: I16, step: int, first: int, threads: int, out: I16, /) -> None: ...
 def quantisers(
     base: I64,
     columns: I64,
@@ -204,7 +205,6 @@ class SymbolSearch:
         scale: I16,
         change: F64,
         lmbda: float,
-        stay: float,
         cutoff: float,
         deep: int,
         rounds: int,

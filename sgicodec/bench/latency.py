@@ -42,7 +42,7 @@ STAGES: dict[str, tuple[str, ...]] = {
     "inputs of MLP_p": (
         "bitstream.attributes:SeedInputs.write",
         "bitstream.attributes:summarise",
-        "bitstream.attributes:own_inputs",
+        "bitstream.attributes:write_own_inputs",
     ),
     "MLP_p": ("bitstream.attributes:IntNetwork.predict",),
     "steps and values": (
@@ -164,7 +164,7 @@ def cold_times(path: Path, threads: int, isa: str = "auto", repeat: int = 7) -> 
     return {
         "import of the decoder, numpy included": median(float(run[0]) for run in runs),
         "first decode, open file to pixels": median(float(run[1]) for run in runs),
-        "`sgi decode` to PNG, the whole process": median(seconds for seconds, _ in png),
+        "`sgi decode` to PNG, the whole process": median(run.seconds for run in png),
     }
 
 

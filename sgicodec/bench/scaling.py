@@ -34,7 +34,9 @@ QUALITIES = (30.0, 60.0)
 
 MEASURES = {
     "encode_seconds": "encode, s",
+    "encode_cpu": "encode, processor s",
     "decode_seconds": "decode to PNG, s",
+    "decode_cpu": "decode to PNG, processor s",
     "pixels_seconds": "open file to pixels, s",
     "encode_mib": "encode, MiB",
     "decode_mib": "decode to PNG, MiB",
@@ -43,7 +45,7 @@ MEASURES = {
 
 @dataclass(frozen=True)
 class Point:
-    """One crop at one quality. Seconds are wall clock; encode and decode are whole processes, with their peak memory;
+    """One crop at one quality. Encode and decode are whole processes: wall-clock and processor seconds, peak memory.
     `pixels_seconds` is a second decode in one process.
     """
 
@@ -53,8 +55,10 @@ class Point:
     gaussians: int
     stream_bytes: int
     encode_seconds: float
+    encode_cpu: float
     encode_mib: float
     decode_seconds: float
+    decode_cpu: float
     decode_mib: float
     pixels_seconds: float
 
@@ -99,8 +103,8 @@ def measure(picture: Picture, quality: float, threads: int, effort: int, steps: 
         write(picture, source, png_level=1)
         chosen = ["-q", f"{quality:g}", "-e", str(effort), *([] if steps is None else ["--steps", str(steps)])]
         encode = [*command, "encode", source, stream, *chosen, *shared, "--quiet", "--no-verify"]
-        encode_seconds, encode_mib = run_timed(encode)
-        decode_seconds, decode_mib = run_timed([*command, "decode", stream, result, *shared])
+        encoded = run_timed(encode)
+        decoded = run_timed([*command, "decode", stream, result, *shared])
         with open_stream(stream) as opened:
             gaussians = len(opened.model.layout) * opened.header.spec.per_seed
             size = opened.size
@@ -110,10 +114,12 @@ def measure(picture: Picture, quality: float, threads: int, effort: int, steps: 
             picture.height,
             gaussians,
             size,
-            encode_seconds,
-            encode_mib or math.nan,
-            decode_seconds,
-            decode_mib or math.nan,
+            encoded.seconds,
+            encoded.cpu or math.nan,
+            encoded.peak or math.nan,
+            decoded.seconds,
+            decoded.cpu or math.nan,
+            decoded.peak or math.nan,
             _seconds_to_pixels(stream, threads),
         )
 
@@ -186,8 +192,8 @@ def write_plot(points: Sequence[Point], path: Path) -> None:
     figure = Figure(figsize=(10, 4.5), layout="constrained")
     FigureCanvasAgg(figure)
     seconds, memory = figure.subplots(1, 2)
-    _draw(seconds, points, [name for name in MEASURES if name.endswith("seconds")], "seconds")
-    _draw(memory, points, [name for name in MEASURES if name.endswith("mib")], "peak MiB")
+    _draw(seconds, points, ["encode_cpu", "decode_cpu", "pixels_seconds"], "seconds")
+    _draw(memory, points, ["encode_mib", "decode_mib"], "peak MiB")
     figure.savefig(path, dpi=120)
 
 
@@ -206,7 +212,10 @@ def _draw(axes: Axes, points: Sequence[Point], measures: Sequence[str], unit: st
 
 def report(points: Sequence[Point]) -> str:
     """The table, the powers, and the formulas of memory."""
-    lines = ["| megapixels | quality | Gaussians | " + " | ".join(MEASURES.values()) + " |", "|" + "---:|" * 8]
+    lines = [
+        "| megapixels | quality | Gaussians | " + " | ".join(MEASURES.values()) + " |",
+        "|" + "---:|" * (3 + len(MEASURES)),
+    ]
     for point in points:
         values = [f"{getattr(point, name):.3g}" for name in MEASURES]
         cells = [f"{point.megapixels:.2f}", f"{point.quality:g}", f"{point.gaussians:,}", *values]

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from sgicodec.model.context import LEVELS, level_inputs, nearest_by_pass, output_columns, output_count
 from sgicodec.model.layout import SeedLayout, adaptive_layout
-from sgicodec.model.native import Quantisers, SeedInputs, quantisers, summarise
+from sgicodec.model.native import Quantisers, SeedInputs, quantisers, summarise, write_own_inputs
 from sgicodec.model.neighbours import nearest_seeds
 from sgicodec.model.network import Prediction
 from sgicodec.model.processor import ONE_THREAD, Processor
@@ -140,6 +140,20 @@ def test_inputs_of_seeds(threads: int) -> None:
     everyone = np.arange(len(LAYOUT))
     SeedInputs(LAYOUT, 200, Processor(threads)).write(everyone, np.empty((len(LAYOUT), 0), np.int32), alone)
     np.testing.assert_array_equal(alone, level_inputs(LAYOUT, 200))
+
+
+@threads
+@pytest.mark.parametrize("step", [1, 2])
+def test_own_inputs(threads: int, step: int) -> None:
+    summary = np.random.default_rng(2).integers(-(2**13), 2**13 + 1, (1300, 7)).astype(np.int16)
+    out = np.full((1300, 50), 77, np.int16)
+    write_own_inputs(summary, step, 32, out, Processor(threads))
+    for row, (a, b, c, loudness, *shape) in zip(out.tolist(), summary.tolist(), strict=True):
+        expected = [a, b, c, abs(a), abs(b), abs(c), loudness]
+        expected += [*shape, abs(shape[1]), abs(shape[2])] if step == 2 else []
+        assert row == [77] * 32 + expected + [77] * (18 - len(expected))
+    with pytest.raises(ValueError, match="room"):
+        write_own_inputs(summary, step, 44, out, Processor(threads))
 
 
 def exact_quantiser(

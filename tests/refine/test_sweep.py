@@ -18,7 +18,7 @@ from sgicodec.refine.sweep import sweep
 
 Stage = Callable[..., tuple[Scene, TileModel]]
 
-PLAIN = RefineSettings(stay=0.0)
+PLAIN = RefineSettings()
 
 
 def dense_residual(scene: Scene, model: TileModel) -> NDArray[np.float64]:

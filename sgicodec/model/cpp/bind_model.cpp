@@ -81,6 +81,14 @@ void summarise(Array<const int64_t, 2> attributes, int per_seed, int channels, i
   sgi::summarise(view, members.data(), n, threads, summary.data(), amplitude.data());
 }
 
+void own_inputs(Array<const int16_t, 2> summary, int step, int64_t first, int threads, Array<int16_t, 2> out) {
+  const size_t n = summary.shape(0);
+  require(summary.shape(1) == sgi::kSummary && out.shape(0) == n, "summary [n, 7], out [n, inputs]");
+  require(step >= 1 && first >= 0 && first + (step >= 2 ? 12 : 7) <= int64_t(out.shape(1)), "out must have room");
+  nb::gil_scoped_release release;
+  sgi::own_inputs(summary.data(), int64_t(n), step, first, threads, out.data(), int64_t(out.shape(1)));
+}
+
 void quantisers(Array<const int64_t, 2> base, Array<const int64_t, 1> columns, int64_t gamma,
                 std::optional<Array<const int32_t, 1>> amplitude, Strided<const int64_t, 2> mean,
                 Strided<const int64_t, 2> scale, Strided<const int64_t, 2> refine, Array<const int8_t, 1> log_size,
@@ -137,6 +145,7 @@ void bind_model(nb::module_ &m) {
   m.def("evaluate_network", &evaluate_network);
   m.def("seed_inputs", &seed_inputs);
   m.def("summarise", &summarise);
+  m.def("own_inputs", &own_inputs);
   m.def("quantisers", &quantisers);
   m.def("dequantise", &dequantise);
 }

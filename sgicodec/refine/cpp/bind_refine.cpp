@@ -88,7 +88,7 @@ class SymbolSearch {
   void search(Array<float, 3> residual, Array<const int16_t, 2> inputs, Array<const double, 2> values,
               Array<const float, 2> centre, Array<const float, 1> cell, Array<const int8_t, 1> log_size,
               Array<int64_t, 2> decoded, Array<int32_t, 2> symbols, Array<int16_t, 2> scale, Array<double, 1> change,
-              float lmbda, float stay, float cutoff, int deep, int rounds) {
+              float lmbda, float cutoff, int deep, int rounds) {
     for (const auto &network : networks_) require(network != nullptr, "set_group comes first, for all groups");
     require(model_.inputs[1] == model_.inputs[0] + 7 && model_.inputs[2] == model_.inputs[0] + 12,
             "the networks must see 0, 7 and 12 inputs of a seed's own");
@@ -104,7 +104,7 @@ class SymbolSearch {
                                centre.data(), cell.data(),   log_size.data()};
     const sgi::PassSymbols out{decoded.data(), symbols.data(), scale.data(), change.data()};
     nb::gil_scoped_release release;
-    sgi::search_pass(model_, {lmbda, stay, cutoff, deep, rounds}, r, seeds, out, threads_, isa_);
+    sgi::search_pass(model_, {lmbda, cutoff, deep, rounds}, r, seeds, out, threads_, isa_);
   }
 
  private:
