@@ -29,7 +29,7 @@ from sgicodec.model.layout import adaptive_layout, uniform_layout
 from sgicodec.model.processor import Processor
 from sgicodec.model.quantize import step_fixed, step_index
 from sgicodec.model.spec import ModelSpec, default_spec, paper_spec
-from sgicodec.refine import SWEEPS, RefineSettings, Refiner, can_refine
+from sgicodec.refine import SWEEPS, Refiner, RefineSettings, can_refine
 from sgicodec.trim import coarser, trim
 from sgicodec.version import __version__
 
