@@ -29,7 +29,7 @@ from sgicodec.model.layout import adaptive_layout, uniform_layout
 from sgicodec.model.processor import Processor
 from sgicodec.model.quantize import step_fixed, step_index
 from sgicodec.model.spec import ModelSpec, default_spec, paper_spec
-from sgicodec.refine import Refiner, can_refine, refine
+from sgicodec.refine import Refiner, RefineSettings, can_refine, refine
 from sgicodec.trim import coarser, trim
 from sgicodec.version import __version__
 
@@ -247,7 +247,8 @@ class _Encoding:
             return None
         coding: float = _CODING_SECONDS * (2 if self.goal is None else 8) * (0.2 + self.target[0].size / 1e6)
         left = self.settings.time_limit - (time.monotonic() - self.started)
-        return max(0.5 * left, left - coding, 1e-3)
+        searching: float = _SEARCHING_SHARE * left if self._searches else 0.0
+        return max(0.5 * left, left - coding - searching, 1e-3)
 
     def _header(self, fitted: Fitted, family: int) -> Header:
         picture = self.picture
@@ -278,7 +279,9 @@ class _Encoding:
     def _searched(self, header: Header, model: TileModel, lmbda: float) -> TileModel:
         if not self._searches:
             return model
-        return refine(header, model, self.unit, lmbda, processor=Processor(self.fit.threads)).model
+        settings, limit = RefineSettings.for_steps(self.fit.steps), self.settings.time_limit
+        until = math.inf if limit is None else self.started + limit
+        return refine(header, model, self.unit, lmbda, settings, Processor(self.fit.threads), until).model
 
     def _encoded(self, header: Header, model: TileModel, lmbda: float) -> Encoded:
         payload, walk = write_tile(header, model)
@@ -305,6 +308,8 @@ _OVERHEAD, _BASE_BYTES = 250.0, 0.4
 """About what a stream holds beside its seeds: header, steps and differences; and for each number of the base layer."""
 _CODING_SECONDS = 0.6
 """Of one stream of a megapixel, generously."""
+_SEARCHING_SHARE = 0.12
+"""Of the time that is left for fit and search together."""
 
 
 def _regret(goal: Goal, measured: Measured) -> str:

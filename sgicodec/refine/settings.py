@@ -24,3 +24,8 @@ class RefineSettings:
     coarser: float = 0.3
     drop: float = 1.2
     position_bits: float = 3.0
+
+    @classmethod
+    def for_steps(cls, steps: int) -> RefineSettings:
+        """As many sweeps as befit a fit of so many steps: where both gain about the same in a second."""
+        return cls(sweeps=min(24, max(2, round(steps / 100))))
