@@ -29,7 +29,7 @@ from sgicodec.model.layout import adaptive_layout, uniform_layout
 from sgicodec.model.processor import Processor
 from sgicodec.model.quantize import step_fixed, step_index
 from sgicodec.model.spec import ModelSpec, default_spec, paper_spec
-from sgicodec.refine import SWEEPS, Refiner, RefineSettings, can_refine
+from sgicodec.refine import Refiner, RefineSettings, can_refine
 from sgicodec.trim import coarser, trim
 from sgicodec.version import __version__
 
@@ -190,7 +190,7 @@ class _Encoding:
         found: dict[float, tuple[Encoded, Measured]] = {}
         octaves, gain = 0.0, _SEARCH_GAIN
         while octaves not in found and len(found) < _MOST_SEARCHES:
-            found[octaves] = self._measured(header, refiner.at(lmbda * 2.0**octaves).model, lmbda)
+            found[octaves] = self._measured(header, refiner.at(lmbda * 2.0**octaves, until=self._end).model, lmbda)
             if goal.is_met(found[octaves][1]):
                 return found[octaves]
             if len(found) > 1:
@@ -201,8 +201,14 @@ class _Encoding:
         return min(sound or found.values(), key=lambda one: abs(goal.excess(one[1])))
 
     def _refiner(self, header: Header, model: TileModel, lmbda: float) -> Refiner:
-        sweeps = SWEEPS[self.settings.effort] if self.settings.time_limit is None else _SWEEPS_IN_TIME
-        return Refiner(header, model, self.unit, lmbda, RefineSettings(sweeps), Processor(self.fit.threads))
+        settings = RefineSettings.for_steps(self.fit.steps)
+        return Refiner(header, model, self.unit, lmbda, settings, Processor(self.fit.threads))
+
+    @property
+    def _end(self) -> float:
+        """When the time limit is over, a value of time.monotonic()."""
+        limit = self.settings.time_limit
+        return math.inf if limit is None else self.started + limit
 
     @property
     def _searches(self) -> bool:
@@ -249,11 +255,10 @@ class _Encoding:
         """What is left for the fit itself."""
         if self.settings.time_limit is None:
             return None
-        searching = _SWEEPS_IN_TIME * _SWEEP_SECONDS * self._searches
-        coding: float = _CODING_SECONDS * (2 if self.goal is None else 8) + searching * (1 if self.goal is None else 2)
-        coding *= 0.2 + self.target[0].size / 1e6
+        coding: float = _CODING_SECONDS * (2 if self.goal is None else 8) * (0.2 + self.target[0].size / 1e6)
         left = self.settings.time_limit - (time.monotonic() - self.started)
-        return max(0.5 * left, left - coding, 1e-3)
+        searching: float = _SEARCHING_SHARE * left if self._searches else 0.0
+        return max(0.5 * left, left - coding - searching, 1e-3)
 
     def _header(self, fitted: Fitted, family: int) -> Header:
         picture = self.picture
@@ -284,7 +289,7 @@ class _Encoding:
     def _searched(self, header: Header, model: TileModel, lmbda: float) -> TileModel:
         if not self._searches:
             return model
-        return self._refiner(header, model, lmbda).at(lmbda).model
+        return self._refiner(header, model, lmbda).at(lmbda, until=self._end).model
 
     def _encoded(self, header: Header, model: TileModel, lmbda: float) -> Encoded:
         payload, walk = write_tile(header, model)
@@ -309,8 +314,10 @@ _SEARCH_GAIN = 1.5
 """Octaves of λ that a search must move for each octave that a fit would have to."""
 _OVERHEAD, _BASE_BYTES = 250.0, 0.4
 """About what a stream holds beside its seeds: header, steps and differences; and for each number of the base layer."""
-_CODING_SECONDS, _SWEEP_SECONDS, _SWEEPS_IN_TIME = 0.6, 1.0, 3
-"""Of coding a megapixel once and of one sweep of the search, generously; sweeps where time is the limit."""
+_CODING_SECONDS = 0.6
+"""Of one stream of a megapixel, generously."""
+_SEARCHING_SHARE = 0.12
+"""Of the time that is left for fit and search together."""
 
 
 def _regret(goal: Goal, measured: Measured) -> str:

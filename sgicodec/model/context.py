@@ -50,6 +50,8 @@ _NEIGHBOUR_INPUTS = 1 + SUMMARY + 5 + 1 + SUMMARY + 2
 
 I32 = NDArray[np.int32]
 I64 = NDArray[np.int64]
+Nearest = Callable[[I32, I64, I64, int], I32]
+"""As `neighbours.nearest_seeds`."""
 
 
 def passes(spec: ContextSpec, layout: SeedLayout) -> list[I64]:
@@ -65,9 +67,7 @@ def passes(spec: ContextSpec, layout: SeedLayout) -> list[I64]:
     return [members for members in np.split(order, bounds[:-1]) if len(members)]
 
 
-def nearest_by_pass(
-    spec: ContextSpec, layout: SeedLayout, nearest: Callable[[I32, I32, int], I32]
-) -> Iterator[tuple[I64, I32]]:
+def nearest_by_pass(spec: ContextSpec, layout: SeedLayout, nearest: Nearest) -> Iterator[tuple[I64, I32]]:
     """The seeds of each pass [n], and indices [n, k] of their nearest seeds of earlier passes: nearest first, −1 where
     there is none.
     """
@@ -77,13 +77,12 @@ def nearest_by_pass(
         table = np.full((len(members), spec.neighbours), -1, np.int32)
         earlier = np.flatnonzero(seen)
         if spec.neighbours and len(earlier) and len(members):
-            found = nearest(points[earlier], points[members], spec.neighbours)
-            table = np.append(earlier, -1).astype(np.int32)[found]
+            table = nearest(points, earlier, members, spec.neighbours)
         yield members, table
         seen[members] = True
 
 
-def neighbour_table(spec: ContextSpec, layout: SeedLayout, nearest: Callable[[I32, I32, int], I32]) -> tuple[I64, I64]:
+def neighbour_table(spec: ContextSpec, layout: SeedLayout, nearest: Nearest) -> tuple[I64, I64]:
     """Indices [N, k] of each seed's nearest seeds of earlier passes (0 where there is none) and whether they exist."""
     table = np.full((len(layout), spec.neighbours), -1, np.int64)
     for members, found in nearest_by_pass(spec, layout, nearest):

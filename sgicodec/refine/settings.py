@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["SWEEPS", "RefineSettings"]
+__all__ = ["RefineSettings"]
 
 
 @dataclass(frozen=True)
@@ -25,6 +25,7 @@ class RefineSettings:
     drop: float = 1.2
     position_bits: float = 3.0
 
-
-SWEEPS: dict[int, int] = {1: 1, 2: 2, 3: 3, 4: 4, 5: 6, 6: 8, 7: 10, 8: 12, 9: 16}
-"""Sweeps for each effort."""
+    @classmethod
+    def for_steps(cls, steps: int) -> RefineSettings:
+        """As many sweeps as befit a fit of so many steps: where both gain about the same in a second."""
+        return cls(sweeps=min(24, max(2, round(steps / 100))))

@@ -35,6 +35,19 @@ def test_more_sweeps_never_cost(stage: Stage) -> None:
     assert costs == sorted(costs, reverse=True)
 
 
+def test_it_stops_when_time_is_up(stage: Stage) -> None:
+    """Before the second sweep: the outcome is that of one."""
+    scene, model = stage()
+    search = Refiner(scene.header, model, scene.picture, 1e-3, processor=scene.processor)
+    found, expected = search.at(1e-3, until=0.0), search.at(1e-3, sweeps=1)
+    assert found.cost == expected.cost
+    np.testing.assert_array_equal(joined(found.model), joined(expected.model))
+
+
+def test_longer_fits_are_searched_longer() -> None:
+    assert [RefineSettings.for_steps(steps).sweeps for steps in (50, 600, 1000, 8000)] == [2, 6, 10, 24]
+
+
 def test_what_would_cost_is_not_taken(stage: Stage) -> None:
     """Steps four octaves too coarse spoil any model."""
     scene, model = stage()
