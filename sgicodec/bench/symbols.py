@@ -1,7 +1,7 @@
 """What the search for symbols after the fit gains, from real streams.
 
-    python -m sgicodec.bench.symbols PICTURES… --lmbda 0.02 0.006 0.002 --steps 600
-    python -m sgicodec.bench.symbols PICTURES… --lmbda 0.006 --steps 600 deep=1 "sweeps=2;base=False"
+    python -m sgicodec.bench.symbols --steps 600 PICTURES… --lmbda 0.02 0.006 0.002
+    python -m sgicodec.bench.symbols --steps 600 --lmbda 0.006 --threads 2 PICTURES… deep=1 "sweeps=2;base=False"
 
 Each picture is encoded without the search and with it; J = D + λR has D from the decoded samples before rounding and R
 from the size of the file. Variants, lists of RefineSettings that differ from the defaults, search the stream that was
