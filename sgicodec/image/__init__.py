@@ -17,7 +17,7 @@ OpenImageIO.
 from __future__ import annotations
 
 from .header import Probe
-from .picture import LAYOUTS, Metadata, Picture, convert, from_unit, full_range, nodata_mask, to_unit
+from .picture import LAYOUTS, Metadata, Picture, comparable, convert, from_unit, full_range, nodata_mask, to_unit
 from .placement import view as geo_view
 from .reader import MAX_SAMPLES, probe, read
 from .sink import Sink, open_sink
@@ -32,6 +32,7 @@ __all__ = [
     "Probe",
     "Sink",
     "Source",
+    "comparable",
     "convert",
     "from_unit",
     "full_range",
