@@ -58,6 +58,7 @@ _HOMES = {  # the module of each name, and what it is called there if not the sa
     "Probe": "header",
     "Sink": "sink",
     "Source": "source",
+    "comparable": "picture",
     "convert": "picture",
     "from_unit": "picture",
     "full_range": "picture",
