@@ -1,0 +1,110 @@
+"""What an encode may be asked for."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from sgicodec.bitstream.header import MAX_APRON, MAX_SIDE, MIN_TILE
+from sgicodec.errors import UsageError
+from sgicodec.fit.steering import Goal
+from sgicodec.tiles import TileGrid
+
+__all__ = ["APRON", "EncodeSettings"]
+
+APRON = 8
+"""Pixels that a tile reaches over its neighbours, where nothing else is asked for."""
+
+
+@dataclass(frozen=True)
+class EncodeSettings:
+    """What an encode may be asked for; None means what the profile says.
+
+    quality: 1 to 100, or lmbda directly. effort: 1 to 9, optimisation steps of the default profile. seeds: their number
+    in the paper profile. per_seed: K. features: D (paper). levels: M (paper). steps: of the whole fit. prior: number
+    of the shipped context model, 0 for one that travels in the stream. metadata: whether ICC, EXIF and XMP are kept.
+    psnr in dB, size in bytes or bpp in bits per pixel: what to end at, in the default profile. time_limit: seconds
+    that the encode may take, instead of a number of steps. tile: largest side of a tile in pixels, 0 for a single one;
+    apron: pixels that a tile reaches over its neighbours.
+    """
+
+    quality: float = 50.0
+    lmbda: float | None = None
+    effort: int = 5
+    profile: Literal["default", "paper"] = "default"
+    seeds: int | None = None
+    per_seed: int | None = None
+    features: int | None = None
+    levels: int | None = None
+    steps: int | None = None
+    prior: int | None = None
+    seed: int = 0
+    threads: int = 0
+    metadata: bool = True
+    psnr: float | None = None
+    size: float | None = None
+    bpp: float | None = None
+    time_limit: float | None = None
+    tile: int = 2048
+    apron: int | None = None
+
+    def grid(self, width: int, height: int) -> TileGrid:
+        """The tiles of a picture."""
+        if not self.tile or max(width, height) <= self.tile:
+            return TileGrid(width, height, 0, 0)
+        return TileGrid(width, height, self.tile, min(APRON, self.tile // 4) if self.apron is None else self.apron)
+
+    def goal(self, pixels: int) -> Goal | None:
+        """What a picture of so many pixels is to end at, if anything."""
+        if self.psnr is not None:
+            return Goal(psnr=self.psnr)
+        if self.bpp is not None:
+            return Goal(bytes=self.bpp * pixels / 8)
+        return None if self.size is None else Goal(bytes=self.size)
+
+    def asked(self) -> str:
+        """The goal in a word, empty without one."""
+        goals = {"psnr": self.psnr, "bpp": self.bpp, "size": self.size}
+        return "".join(f"{name}{value:g}" for name, value in goals.items() if value is not None)
+
+    def __post_init__(self) -> None:
+        checks = [
+            (1 <= self.quality <= 100, f"quality {self.quality:g}; it runs from 1 to 100"),
+            (
+                self.lmbda is None or 0 <= self.lmbda < math.inf,
+                f"lmbda {self.lmbda}; it must not be negative",
+            ),
+            (1 <= self.effort <= 9, f"effort {self.effort}; it runs from 1 to 9"),
+            (self.profile in ("default", "paper"), f"profile {self.profile}; there are default and paper"),
+            (self.per_seed is None or 1 <= self.per_seed <= 64, f"per-seed {self.per_seed}; 1 to 64"),
+            (self.features is None or 1 <= self.features <= 512, f"features {self.features}; 1 to 512"),
+            (self.seeds is None or self.seeds >= 1, f"seeds {self.seeds}; at least 1"),
+            (self.steps is None or self.steps >= 1, f"steps {self.steps}; at least 1"),
+            (self.levels is None or 1 <= self.levels <= 4, f"levels {self.levels}; 1 to 4"),
+            (self.psnr is None or 0 < self.psnr < math.inf, f"psnr {self.psnr}; it must be positive"),
+            (self.size is None or self.size >= 1, f"size {self.size}; at least 1 byte"),
+            (self.bpp is None or 0 < self.bpp < math.inf, f"bpp {self.bpp}; it must be positive"),
+            (self.time_limit is None or 0 < self.time_limit < math.inf, f"time limit {self.time_limit}; above 0 s"),
+            (self.threads >= 0, f"threads {self.threads}; 0 (all cores) or more"),
+            (
+                self.tile == 0 or MIN_TILE <= self.tile <= MAX_SIDE,
+                f"tile {self.tile}; 0 (one tile) or {MIN_TILE} to {MAX_SIDE} pixels",
+            ),
+            (
+                self.apron is None or 0 <= self.apron <= min(MAX_APRON, (self.tile or 4 * MAX_APRON) // 4),
+                f"apron {self.apron}; at most a quarter of the tile, and {MAX_APRON} pixels",
+            ),
+        ]
+        for sound, message in checks:
+            if not sound:
+                raise UsageError(message)
+        goals = [name for name in ("psnr", "size", "bpp") if getattr(self, name) is not None]
+        if len(goals) > 1:
+            raise UsageError(f"{goals[0]} and {goals[1]} exclude each other")
+        if goals and self.profile != "default":
+            raise UsageError(f"{goals[0]} is a setting of the default profile")
+        if self.profile == "default":
+            for name in ("seeds", "features", "levels"):
+                if getattr(self, name) is not None:
+                    raise UsageError(f"{name} is a setting of the paper profile; add --profile paper")
