@@ -32,8 +32,10 @@ from sgicodec.metrics import psnr
 from sgicodec.model.base import fit_base, render_base
 from sgicodec.model.gaussians import colour_matrix
 from sgicodec.model.layout import adaptive_layout, uniform_layout
+from sgicodec.model.processor import Processor
 from sgicodec.model.quantize import step_fixed, step_index
 from sgicodec.model.spec import ModelSpec, default_spec, paper_spec
+from sgicodec.refine import can_refine, refine
 from sgicodec.tiles import Rect, TileGrid
 from sgicodec.trim import coarser, trim
 from sgicodec.version import __version__
@@ -250,8 +252,8 @@ class _Encoding:
         if self._holds_nothing():
             return TileChunk(number, self.empty, None), {}, 0
         fitted, family = self._fitted(on_progress)
-        _, payload, parts = self._payload(fitted, family, 0)
-        return TileChunk(number, self.empty, payload), parts, len(fitted.layout)
+        _, payload, parts, seeds = self._payload(fitted, family, 0, final=True)
+        return TileChunk(number, self.empty, payload), parts, seeds
 
     def _holds_nothing(self) -> bool:
         return self.empty is not None and bool(self.empty.all())
@@ -307,7 +309,7 @@ class _Encoding:
         return max(0.5 * left, left - coding, 1e-3)
 
     def _measured(self, fitted: Fitted, family: int, shift: int) -> tuple[Encoded, Measured]:
-        encoded = self._stream(fitted, family, shift)
+        encoded = self._stream(fitted, family, shift, final=False)
         quality = math.inf
         if self.goal is not None and self.goal.psnr is not None:
             decoded = open_stream(encoded.data).picture(threads=self.settings.threads)
@@ -316,12 +318,14 @@ class _Encoding:
             quality = psnr(*(np.where(shown, p.pixels, 0) for p in (self.picture, decoded)), peak=high - low)
         return encoded, Measured(len(encoded.data), quality)
 
-    def _stream(self, fitted: Fitted, family: int, shift: int = 0) -> Encoded:
-        header, payload, parts = self._payload(fitted, family, shift)
-        seeds = len(fitted.layout)
+    def _stream(self, fitted: Fitted, family: int, shift: int = 0, final: bool = True) -> Encoded:
+        header, payload, parts, seeds = self._payload(fitted, family, shift, final)
         return Encoded(self._assembled(header, payload), parts, seeds, seeds * self.spec.per_seed, fitted.lmbda)
 
-    def _payload(self, fitted: Fitted, family: int, shift: int) -> tuple[Header, bytes, dict[str, float]]:
+    def _payload(
+        self, fitted: Fitted, family: int, shift: int, final: bool
+    ) -> tuple[Header, bytes, dict[str, float], int]:
+        """The tile's header, its model's payload, the bytes of each part, and the number of seeds."""
         header = replace(self.plan.header, quality=fitted.quality, family=family)
         model = TileModel(
             fitted.layout,
@@ -333,8 +337,10 @@ class _Encoding:
             fitted.hash_bits,
             fitted.attributes,
         )
+        if final and self.settings.refine and can_refine(self.spec):
+            model = refine(header, model, self.target, fitted.lmbda, processor=Processor(self.fit.threads)).model
         payload, walk = write_tile(header, model)
-        return header, payload, {name: bits / 8 for name, bits in walk.bits.items()}
+        return header, payload, {name: bits / 8 for name, bits in walk.bits.items()}, len(model.layout)
 
     def _assembled(self, header: Header, model: bytes | None) -> bytes:
         buffer, chunk = io.BytesIO(), encode_tile_chunk(header, TileChunk(0, self.empty, model))

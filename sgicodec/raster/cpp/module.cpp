@@ -7,7 +7,9 @@
 
 #include "../../bitstream/cpp/bind_bitstream.hpp"
 #include "../../fit/cpp/bind_seed_fit.hpp"
+#include "../../image/cpp/bind_image.hpp"
 #include "../../model/cpp/bind_model.hpp"
+#include "../../refine/cpp/bind_refine.hpp"
 #include "neighbours.hpp"
 #include "peak.hpp"
 #include "rasterizer.hpp"
@@ -96,7 +98,9 @@ sgi::Background background(const F32In3 &lines, const I32In1 &top, const F32In2 
 
 NB_MODULE(_native, m) {
   bind_bitstream(m);
+  bind_image(m);
   bind_model(m);
+  bind_refine(m);
   nb::class_<sgi::Rasterizer>(m, "Rasterizer")
       .def(nb::init<const std::string &, int, int64_t>(), "isa"_a, "threads"_a, "most_pairs"_a)
       .def("forward",
