@@ -11,7 +11,10 @@ from sgicodec.errors import UsageError
 from sgicodec.fit.steering import Goal
 from sgicodec.tiles import TileGrid
 
-__all__ = ["APRON", "EncodeSettings"]
+__all__ = ["APRON", "MOST_PIXELS_OF_ONE", "TILE", "EncodeSettings"]
+
+TILE, MOST_PIXELS_OF_ONE = 1024, 1 << 22
+"""Pixels of a tile's side, where nothing else is asked for, and those of the largest picture that is then one tile."""
 
 APRON = 8
 """Pixels that a tile reaches over its neighbours, where nothing else is asked for."""
@@ -26,7 +29,8 @@ class EncodeSettings:
     of the shipped context model, 0 for one that travels in the stream. refine: whether symbols are searched after the
     fit, where that is known how. metadata: whether ICC, EXIF, XMP and the place on earth are kept.
     psnr in dB, size in bytes or bpp in bits per pixel: what to end at, in the default profile. time_limit: seconds
-    that the encode may take, instead of a number of steps. tile: largest side of a tile in pixels, 0 for a single one;
+    that the encode may take, instead of a number of steps. tile: largest side of a tile in pixels, 0 for a single one, None for what suits the
+    picture;
     apron: pixels that a tile reaches over its neighbours.
     """
 
@@ -48,14 +52,17 @@ class EncodeSettings:
     size: float | None = None
     bpp: float | None = None
     time_limit: float | None = None
-    tile: int = 2048
+    tile: int | None = None
     apron: int | None = None
 
     def grid(self, width: int, height: int) -> TileGrid:
         """The tiles of a picture."""
-        if not self.tile or max(width, height) <= self.tile:
+        tile = self.tile
+        if tile is None:
+            tile = TILE if width * height > MOST_PIXELS_OF_ONE else 0
+        if not tile or max(width, height) <= tile:
             return TileGrid(width, height, 0, 0)
-        return TileGrid(width, height, self.tile, min(APRON, self.tile // 4) if self.apron is None else self.apron)
+        return TileGrid(width, height, tile, min(APRON, tile // 4) if self.apron is None else self.apron)
 
     def goal(self, pixels: int) -> Goal | None:
         """What a picture of so many pixels is to end at, if anything."""
@@ -90,7 +97,7 @@ class EncodeSettings:
             (self.time_limit is None or 0 < self.time_limit < math.inf, f"time limit {self.time_limit}; above 0 s"),
             (self.threads >= 0, f"threads {self.threads}; 0 (all cores) or more"),
             (
-                self.tile == 0 or MIN_TILE <= self.tile <= MAX_SIDE,
+                not self.tile or MIN_TILE <= self.tile <= MAX_SIDE,
                 f"tile {self.tile}; 0 (one tile) or {MIN_TILE} to {MAX_SIDE} pixels",
             ),
             (

@@ -50,9 +50,11 @@ __all__ = [
     "Encoded",
     "EncodedTile",
     "Plan",
+    "Shape",
     "base_layer",
     "encode",
     "encode_tile",
+    "fit_lmbda",
     "stream_plan",
 ]
 
@@ -125,6 +127,8 @@ class Plan:
     settings: EncodeSettings
     software: bytes
     metadata: Metadata | None
+    place_of_windows: Metadata
+    """What tells the nodata value of windows."""
 
 
 def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
@@ -145,13 +149,18 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
         what = "a size or PSNR to end at" if settings.asked() else "a time limit"
         raise UsageError(f"{what} is for a single tile; give a quality or λ, or --tile 0")
     metadata = shape.metadata if settings.metadata else None
-    return Plan(header, settings, _software(settings, fit), metadata)
+    return Plan(header, settings, _software(settings, fit), metadata, Metadata(geo=shape.metadata.geo))
+
+
+def fit_lmbda(settings: EncodeSettings) -> float:
+    """λ of a fit without a goal."""
+    return _fit_settings(settings).lmbda
 
 
 @dataclass(frozen=True)
 class EncodedTile:
     """A finished tile. payload: of its chunk; part_bytes, seeds as in `Encoded`; squared_error: of the fit's last step,
-    samples in 0..1, over `samples` of them; seconds: that it took.
+    samples in 0..1, over `samples` of them; seconds: that it took; length: of the payload.
     """
 
     payload: bytes
@@ -160,6 +169,7 @@ class EncodedTile:
     squared_error: float
     samples: int
     seconds: float
+    length: int
 
 
 def encode_tile(
@@ -183,7 +193,7 @@ def encode_tile(
     error = samples * 10 ** (-0.1 * last[0].psnr) if last else 0.0
     payload = encode_tile_chunk(header, chunk)
     parts["mask"] = len(payload) - len(chunk.model or b"")
-    return EncodedTile(payload, parts, seeds, error, samples, time.monotonic() - started)
+    return EncodedTile(payload, parts, seeds, error, samples, time.monotonic() - started, len(payload))
 
 
 def window_of(picture: Picture, rect: Rect) -> Picture:
@@ -214,8 +224,7 @@ def summary(data: bytes, plan: Plan, tiles: list[EncodedTile]) -> Encoded:
     for tile in tiles:
         parts.update(tile.part_bytes)
     seeds = sum(tile.seeds for tile in tiles)
-    fit = _fit_settings(plan.settings)
-    return Encoded(data, dict(parts), seeds, seeds * plan.header.spec.per_seed, fit.lmbda)
+    return Encoded(data, dict(parts), seeds, seeds * plan.header.spec.per_seed, fit_lmbda(plan.settings))
 
 
 def _empty(picture: Picture, masked: Masked | None) -> NDArray[np.bool_]:

@@ -15,6 +15,7 @@ __all__ = [
     "SgiError",
     "StreamError",
     "TargetMissedError",
+    "TileFailedError",
     "UnsupportedStreamError",
     "UsageError",
 ]
@@ -64,6 +65,14 @@ class TargetMissedError(SgiError):
     def __init__(self, message: str, nearest: Any = None) -> None:
         super().__init__(message)
         self.nearest = nearest
+
+
+class TileFailedError(SgiError):
+    """A tile of a large picture that could not be encoded (exit 1): `tile` is its number."""
+
+    def __init__(self, tile: int, reason: str) -> None:
+        super().__init__(f"tile {tile}: {reason}")
+        self.tile = tile
 
 
 class OutputExistsError(SgiError):
