@@ -27,11 +27,10 @@ class EncodeSettings:
     quality: 1 to 100, or lmbda directly. effort: 1 to 9, optimisation steps of the default profile. seeds: their number
     in the paper profile. per_seed: K. features: D (paper). levels: M (paper). steps: of the whole fit. prior: number
     of the shipped context model, 0 for one that travels in the stream. refine: whether symbols are searched after the
-    fit, where that is known how. metadata: whether ICC, EXIF, XMP and the place on earth are kept.
-    psnr in dB, size in bytes or bpp in bits per pixel: what to end at, in the default profile. time_limit: seconds
-    that the encode may take, instead of a number of steps. tile: largest side of a tile in pixels, 0 for a single one, None for what suits the
-    picture;
-    apron: pixels that a tile reaches over its neighbours.
+    fit, where that is known how. metadata: whether ICC, EXIF, XMP and the place on earth are kept. psnr in dB, size in
+    bytes or bpp in bits per pixel: what to end at, in the default profile. time_limit: seconds that the encode may
+    take, instead of a number of steps. tile: largest side of a tile in pixels, 0 for a single one, None for what suits
+    the picture; apron: pixels that a tile reaches over its neighbours.
     """
 
     quality: float = 50.0

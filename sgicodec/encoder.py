@@ -55,6 +55,7 @@ __all__ = [
     "encode",
     "encode_tile",
     "fit_lmbda",
+    "fit_steps",
     "stream_plan",
 ]
 
@@ -150,6 +151,11 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
         raise UsageError(f"{what} is for a single tile; give a quality or λ, or --tile 0")
     metadata = shape.metadata if settings.metadata else None
     return Plan(header, settings, _software(settings, fit), metadata, Metadata(geo=shape.metadata.geo))
+
+
+def fit_steps(settings: EncodeSettings) -> int:
+    """Optimisation steps of a fit without a time limit."""
+    return _fit_settings(settings).steps
 
 
 def fit_lmbda(settings: EncodeSettings) -> float:

@@ -8,7 +8,9 @@ from __future__ import annotations
 from typing import Any
 
 __all__ = [
+    "BatchError",
     "CorruptStreamError",
+    "EncodeInterruptedError",
     "LimitError",
     "OutputExistsError",
     "PictureError",
@@ -73,6 +75,16 @@ class TileFailedError(SgiError):
     def __init__(self, tile: int, reason: str) -> None:
         super().__init__(f"tile {tile}: {reason}")
         self.tile = tile
+
+
+class BatchError(SgiError):
+    """Some of many files failed; each was told of (exit 1)."""
+
+
+class EncodeInterruptedError(SgiError):
+    """An encode that Ctrl-C stopped and that --resume goes on with (exit 130)."""
+
+    exit_code = 130
 
 
 class OutputExistsError(SgiError):

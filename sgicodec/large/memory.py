@@ -1,4 +1,4 @@
-"""What an encode of several tiles will take at its peak, and how many workers fit (docs/large.md has the measurements)."""
+"""What an encode of several tiles takes at its peak, and how many workers fit (docs/large.md, "Memory")."""
 
 from __future__ import annotations
 

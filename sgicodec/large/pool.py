@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import signal
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
@@ -91,10 +91,8 @@ class _Pool(Generic[Job, Result]):
 
     def _give(self, worker: _Worker, number: int, job_of: Callable[[int], Job]) -> None:
         worker.tile, job = number, job_of(number)
-        try:
+        with contextlib.suppress(OSError):  # it died while it was idle: the pipe tells so to whoever waits
             worker.pipe.send((number, job))
-        except OSError:
-            pass  # it died while it was idle: the pipe tells so to whoever waits
 
     def _outcome(self, worker: _Worker) -> tuple[int, Result | Failure]:
         number, worker.tile = worker.tile or 0, None
@@ -117,7 +115,7 @@ class _Pool(Generic[Job, Result]):
             worker.pipe.close()
 
 
-@contextmanager
+@contextlib.contextmanager
 def _pool(task: Callable[[int, Job], Result], count: int) -> Iterator[_Pool[Job, Result]]:
     pool = _Pool(task, count)
     try:
