@@ -198,7 +198,8 @@ def encode_tile(
     samples = window.pixels.size
     error = samples * 10 ** (-0.1 * last[0].psnr) if last else 0.0
     payload = encode_tile_chunk(header, chunk)
-    parts["mask"] = len(payload) - len(chunk.model or b"")
+    if header.masked is not None:
+        parts["mask"] = len(payload) - len(chunk.model or b"")
     return EncodedTile(payload, parts, seeds, error, samples, time.monotonic() - started, len(payload))
 
 
