@@ -277,7 +277,7 @@ class _Encoding:
     def run(self, on_progress: Callable[[Progress], bool] | None) -> Encoded:
         """Fits and writes. Raises TargetMissedError, with the nearest stream, where a goal cannot be reached."""
         if self._holds_nothing():
-            return Encoded(self._assembled(self.plan.header, None), {}, 0, 0, self.fit.lmbda)
+            return Encoded(self._assembled(self.plan.header, None)[0], {}, 0, 0, self.fit.lmbda)
         fitted, family = self._fitted(on_progress)
         if self.goal is None:
             return self._stream(fitted, family)
@@ -336,7 +336,10 @@ class _Encoding:
 
     def _stream(self, fitted: Fitted, family: int, shift: int = 0, final: bool = True) -> Encoded:
         header, payload, parts, seeds = self._payload(fitted, family, shift, final)
-        return Encoded(self._assembled(header, payload), parts, seeds, seeds * self.spec.per_seed, fitted.lmbda)
+        data, chunk_bytes = self._assembled(header, payload)
+        if header.masked is not None:
+            parts["mask"] = chunk_bytes - len(payload)
+        return Encoded(data, parts, seeds, seeds * self.spec.per_seed, fitted.lmbda)
 
     def _payload(
         self, fitted: Fitted, family: int, shift: int, final: bool
@@ -358,10 +361,11 @@ class _Encoding:
         payload, walk = write_tile(header, model)
         return header, payload, {name: bits / 8 for name, bits in walk.bits.items()}, len(model.layout)
 
-    def _assembled(self, header: Header, model: bytes | None) -> bytes:
+    def _assembled(self, header: Header, model: bytes | None) -> tuple[bytes, int]:
+        """The stream, and the bytes of its tile's payload."""
         buffer, chunk = io.BytesIO(), encode_tile_chunk(header, TileChunk(0, self.empty, model))
         write_stream(buffer, header, self.plan.software, self.plan.metadata, [chunk])
-        return buffer.getvalue()
+        return buffer.getvalue(), len(chunk)
 
 
 _OVERHEAD, _BASE_BYTES = 250.0, 0.4
