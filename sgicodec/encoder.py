@@ -56,6 +56,7 @@ __all__ = [
     "encode_tile",
     "fit_lmbda",
     "fit_steps",
+    "keep_to_one_torch_thread",
     "stream_plan",
 ]
 
@@ -429,6 +430,13 @@ def base_layer(spec: ModelSpec, unit: F32, lmbda: float) -> tuple[int, NDArray[n
     colours = np.tensordot(opponent.T, base * step, axes=1)
     drawn = render_base(colours, spec.base_cell, np.arange(width) + 0.5, np.arange(height) + 0.5)
     return index, base, unit - drawn
+
+
+def keep_to_one_torch_thread() -> None:
+    """For a process that fits several tiles at once in threads of its own: see `_one_torch_thread`."""
+    import torch
+
+    torch.set_num_threads(1)
 
 
 @contextmanager

@@ -31,6 +31,9 @@ LAYERS = {
     "trim": {"fit", "model"},
     "refine": {"_native", "bitstream", "model", "raster"},
     "assembly": {"bitstream", "image"},
+    "large": {
+        *("assembly", "bitstream", "decoder", "encoder", "encode_settings", "errors", "files", "image"),
+    },
     "encode_settings": {"errors", "bitstream", "fit", "tiles"},
     "encoder": {
         "assembly",
@@ -60,6 +63,8 @@ HOMES = {
     "PIL": ("bench/",),
     "imagecodecs": ("bench/",),
     "matplotlib": ("bench/",),
+    "distributed": ("large/cluster.py",),
+    "fsspec": ("large/task.py",),
     "mpmath": ("bitstream/make_tables.py",),
 }
 

@@ -40,6 +40,9 @@ class Job:
     verbose: bool
     resume: bool
     max_memory: float | None
+    cluster: str | None
+    source_at: str | None
+    send_pixels: bool
     batch: bool
     started: float
 
@@ -67,6 +70,9 @@ class Job:
 @click.option("--tile", type=int, metavar="N", help="Side of the tiles of a large picture; 0 for a single one.")
 @click.option("--max-memory", type=BYTES, metavar="SIZE", help="Take fewer workers than -j if they need more: 1.5GiB.")
 @click.option("--resume", is_flag=True, help="Go on with the interrupted encode in OUT.part.")
+@click.option("--cluster", metavar="ADDRESS", help="Fit tiles on a Dask cluster; local:N starts one.")
+@click.option("--source-at", metavar="PLACE", help="Path or URL of IN as the cluster sees it.")
+@click.option("--send-pixels", is_flag=True, help="Send pixels to the cluster, which then reads nothing.")
 @click.option("--output-dir", metavar="DIR", help="Encode all IN into this folder.")
 @threads_option
 @force_option
@@ -83,6 +89,9 @@ def encode(
     force: bool,
     resume: bool,
     max_memory: float | None,
+    cluster: str | None,
+    source_at: str | None,
+    send_pixels: bool,
     **choices: Any,
 ) -> None:
     """Encode picture IN into stream OUT, by default IN's name with .sgi; - stands for stdin or stdout.
@@ -95,6 +104,10 @@ def encode(
     at once: OUT.part keeps the finished ones for --resume.
     """
     settings = _settings(choices)
+    if cluster is None and (source_at is not None or send_pixels):
+        raise UsageError("--source-at and --send-pixels go with --cluster")
+    if source_at is not None and send_pixels:
+        raise UsageError("--source-at and --send-pixels exclude each other")
     verbose = bool(click.get_current_context().meta.get(VERBOSE))
 
     def job(source: str, target: str) -> Job:
@@ -108,6 +121,9 @@ def encode(
             verbose,
             resume,
             max_memory,
+            cluster,
+            source_at,
+            send_pixels,
             output_dir is not None,
         )
         return Job(source, target, settings, *options, time.monotonic())

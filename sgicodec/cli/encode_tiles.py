@@ -15,7 +15,7 @@ import click
 
 from sgicodec.cli.paths import STANDARD, display
 from sgicodec.cli.progress import tile_progress
-from sgicodec.errors import EncodeInterruptedError, StreamError
+from sgicodec.errors import EncodeInterruptedError, StreamError, UsageError
 
 if TYPE_CHECKING:
     from sgicodec.cli.encode import Job
@@ -34,8 +34,8 @@ def encode_tiles(job: Job, source: Source) -> int:
     from sgicodec.large.journal import fingerprint, opened_journal
 
     plan = plan_of(source, replace(job.settings, threads=0))
-    runner = _runner(job, source, plan)
     with ExitStack() as stack:
+        runner = _cluster(job, source, plan, stack) if job.cluster is not None else _runner(job, source, plan)
         if job.target == STANDARD:
             part = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="sgicodec-"))) / "part"
         else:
@@ -67,6 +67,28 @@ def _runner(job: Job, source: Source, plan: Plan) -> Runner:
         text = f"{grid.count} tiles of {width}×{height} pixels, {workers} worker{'s' * (workers > 1)}"
         click.echo(f"{text}, about {found.total(workers) / MIB:,.0f} MiB of memory", err=True)
     return run_tiles(source, plan, workers, threads)
+
+
+def _cluster(job: Job, source: Source, plan: Plan, stack: ExitStack) -> Runner:
+    """The same for a cluster, which is open while `stack` is."""
+    from sgicodec.large.cluster import open_cluster
+    from sgicodec.large.encode import run_on_cluster
+    from sgicodec.large.memory import MIB, estimate
+
+    cluster = stack.enter_context(open_cluster(job.cluster or ""))
+    place = job.source_at
+    if place is None and not job.send_pixels:
+        if job.source == STANDARD:
+            raise UsageError("a cluster cannot read stdin; add --send-pixels")
+        place = str(Path(job.source).resolve())
+    if not job.quiet:
+        grid = plan.header.grid
+        _, _, width, height = grid.rect(0)
+        worker = estimate(plan, source.memory(width, height)).worker / MIB
+        text = f"{grid.count} tiles of {width}×{height} pixels, {cluster.workers} at once on the cluster"
+        click.echo(f"{text}, each about {worker:,.0f} MiB of memory", err=True)
+    settings = replace(plan.settings, threads=max(1, job.settings.threads))
+    return run_on_cluster(source, replace(plan, settings=settings), cluster, place)
 
 
 def _run(job: Job, plan: Plan, runner: Runner, journal: Journal) -> Totals:

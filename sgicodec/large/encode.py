@@ -8,29 +8,22 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import BinaryIO
+from typing import TYPE_CHECKING, BinaryIO
 
 from sgicodec.assembly import write_stream
-from sgicodec.encoder import EncodedTile, EncodeSettings, Plan, Shape, encode_tile, fit_lmbda, stream_plan
+from sgicodec.encoder import EncodedTile, EncodeSettings, Plan, Shape, fit_lmbda, stream_plan
 from sgicodec.files import whole_file
 from sgicodec.image import Picture, Source
 from sgicodec.large.journal import Journal
 from sgicodec.large.pool import run_here, run_in_processes
+from sgicodec.large.task import ReadingTask, TileTask
 
-__all__ = ["State", "TileTask", "Totals", "encode_source", "plan_of", "run_tiles"]
+if TYPE_CHECKING:
+    from sgicodec.large.cluster import Cluster
+
+__all__ = ["State", "Totals", "encode_source", "plan_of", "run_on_cluster", "run_tiles"]
 
 Runner = Callable[[Iterable[int]], Iterator[tuple[int, EncodedTile]]]
-
-
-@dataclass(frozen=True)
-class TileTask:
-    """What a worker does with the pixels of a tile."""
-
-    plan: Plan
-
-    def __call__(self, number: int, window: Picture) -> EncodedTile:
-        """Fits the tile."""
-        return encode_tile(window, self.plan, number)
 
 
 @dataclass
@@ -95,14 +88,23 @@ def plan_of(source: Source, settings: EncodeSettings) -> Plan:
     return stream_plan(Shape(*shape, source.sample_range, source.metadata, source.nodata), settings)
 
 
+def run_on_cluster(source: Source, plan: Plan, cluster: Cluster, place: str | None) -> Runner:
+    """Fits tiles on a cluster, whose workers read the picture at `place`, or are sent their pixels if it is None."""
+    if place is None:
+        return lambda numbers: cluster.run(TileTask(plan), numbers, _windows(source, plan))
+    return lambda numbers: cluster.run(ReadingTask(plan, place), numbers, lambda _: None)
+
+
+def _windows(source: Source, plan: Plan) -> Callable[[int], Picture]:
+    """Reads what a tile covers, with no more metadata than a fit needs."""
+    grid = plan.header.grid
+    return lambda number: replace(source.read(*grid.rect(number)), metadata=plan.place_of_windows)
+
+
 def run_tiles(source: Source, plan: Plan, workers: int, threads: int) -> Runner:
     """Fits tiles in this process, or in several that are sent their pixels; `threads` are shared among them."""
-    grid, each = plan.header.grid, max(1, threads // workers)
-    task = TileTask(replace(plan, settings=replace(plan.settings, threads=each)))
-
-    def window(number: int) -> Picture:
-        return replace(source.read(*grid.rect(number)), metadata=task.plan.place_of_windows)
-
+    task = TileTask(replace(plan, settings=replace(plan.settings, threads=max(1, threads // workers))))
+    window = _windows(source, plan)
     if workers == 1:
         return lambda numbers: run_here(task, numbers, window)
     return lambda numbers: run_in_processes(task, numbers, window, workers)

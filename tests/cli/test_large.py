@@ -12,7 +12,7 @@ from click.testing import Result
 
 from sgicodec import open_stream
 from sgicodec.image import Metadata, Picture, read, write
-from sgicodec.large import encode as large
+from sgicodec.large import task as large
 
 Run = Callable[..., Result]
 OPTIONS = ("--tile", 32, "--steps", 4, "-j", 1)
