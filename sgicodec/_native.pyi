@@ -69,6 +69,7 @@ class Rasterizer:
     def pairs(self) -> int: ...
 
 def nearest_neighbours(points: I32, queries: I32, out: I32, threads: int, /) -> None: ...
+def nearest_among(points: I32, among: I64, members: I64, out: I32, threads: int, /) -> None: ...
 def fma_peak(threads: int, isa: str, /) -> float: ...
 def resolve_threads(threads: int, /) -> int: ...
 
@@ -146,6 +147,7 @@ def summarise(
     amplitude: I32,
     /,
 ) -> None: ...
+def own_inputs(summary: I16, step: int, first: int, threads: int, out: I16, /) -> None: ...
 def quantisers(
     base: I64,
     columns: I64,
@@ -204,13 +206,28 @@ class SymbolSearch:
         scale: I16,
         change: F64,
         lmbda: float,
-        stay: float,
         cutoff: float,
         deep: int,
         rounds: int,
         /,
     ) -> None: ...
 
+def search_base(
+    planes: I64,
+    predictor: I32,
+    weights: I32,
+    table: I32,
+    support: I32,
+    start: I64,
+    bits: F64,
+    down: F64,
+    across: F64,
+    pull: F64,
+    step: float,
+    lmbda: float,
+    sweeps: int,
+    /,
+) -> int: ...
 def drop_gaussians(
     residual: F32,
     means: F32,

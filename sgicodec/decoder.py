@@ -93,7 +93,7 @@ class Stream:
         """The decoded model of a picture in one tile. Raises CorruptStreamError or LimitError."""
         if self.grid.count > 1:
             raise UsageError(f"there are {self.grid.count} models, one in each tile")
-        model = self._tile(0, 0).model
+        model = self.tile(0, 0).model
         if model is None:
             raise UsageError("there is no model: no pixel holds anything")
         return model
@@ -114,8 +114,8 @@ class Stream:
             parts: Counter[str] = Counter()
             crcs, seeds = [], 0
             for number in range(self.grid.count):
-                payload = self._chunks.tile(number)
-                tile = self._tile(0, threads) if self.grid.count == 1 else self._drawn(number, threads, payload)
+                payload = self.payload(number)
+                tile = self.tile(0, threads) if self.grid.count == 1 else self._drawn(number, threads, payload)
                 parts.update({name: bits / 8 for name, bits in tile.bits.items()})
                 if self.header.masked is not None:
                     parts["mask"] += tile.mask_bytes
@@ -194,7 +194,7 @@ class Stream:
                 block = out[down.first : down.last, across.first : across.last]
                 at = across.first, top + down.first
                 tiles = [
-                    self._tile(self.grid.number(column, row), threads, alone)
+                    self.tile(self.grid.number(column, row), threads, alone)
                     for row in _both(down)
                     for column in _both(across)
                 ]
@@ -205,10 +205,15 @@ class Stream:
                 if mapping is not None and self.header.masked is not None:
                     clear(self.header, tiles[0], view, at, block)
 
-    def _tile(self, number: int, threads: int, alone: bool = False) -> DrawnTile:
+    def payload(self, number: int) -> bytes:
+        """What the chunk of a tile holds. Raises CorruptStreamError."""
+        return self._chunks.tile(number)
+
+    def tile(self, number: int, threads: int = 0, alone: bool = False) -> DrawnTile:
+        """A decoded tile; `alone`: its base layer alone. Raises CorruptStreamError or LimitError."""
         key = number, alone
         if key not in self._kept:
-            payload = self._chunks.tile(number)
+            payload = self.payload(number)
             self._kept[key] = self._drawn(number, threads, payload, alone)
             if self.grid.count > 1:
                 self._kept[key].forget_model()
@@ -299,7 +304,7 @@ def open_stream(source: str | Path | bytes | BinaryIO, isa: str = "auto") -> Str
     """Opens a stream from a path, bytes or a binary file object. Raises StreamError for what is none.
 
     isa: the instruction set to decode with: auto, avx512, avx2 or portable; ValueError later where this machine lacks
-    it. Symbols are the same with all, pixels up to rounding.
+    it. Symbols are the same with all, pixels to less than a level of eight bits.
     """
     if isinstance(source, bytes) or not isinstance(source, str | Path):
         return Stream(source, isa=isa)

@@ -66,7 +66,7 @@ class DrawnTile:
         self.model: TileModel | None = None
         self.bits: Lookup[str, float] = {}
         self.symbol_crc = 0
-        self._gaussians, self._colours = _nothing(own), np.zeros((own.spec.channels, 0, 0))
+        self.gaussians, self._colours = _nothing(own), np.zeros((own.spec.channels, 0, 0))
         self._scaled: tuple[View, _Gaussians] | None = None
         if chunk.model is None:
             return
@@ -77,7 +77,7 @@ class DrawnTile:
             self.model, walk = read_tile(own, chunk.model, processor)
             self.bits, self.symbol_crc = walk.bits, walk.crc
             base_step, base = self.model.base_step, self.model.base
-            self._gaussians = _drawable(own, self.model)
+            self.gaussians = _drawable(own, self.model)
         step = float(step_fixed(np.array(base_step))) * 2.0**-FRACTION_BITS
         self._colours = np.tensordot(np.array(colour_matrix(own.spec.channels)).T, base * step, axes=1)
 
@@ -89,8 +89,8 @@ class DrawnTile:
     @property
     def memory(self) -> int:
         """Bytes that it holds, about."""
-        drawing = (2 if self._scaled else 1) * sum(array.nbytes for array in self._gaussians)
-        model = 16 * len(self._gaussians.means) * self.header.spec.attributes if self.model else 0
+        drawing = (2 if self._scaled else 1) * sum(array.nbytes for array in self.gaussians)
+        model = 16 * len(self.gaussians.means) * self.header.spec.attributes if self.model else 0
         return drawing + model + self._colours.nbytes + (0 if self.mask is None else self.mask.nbytes)
 
     def forget_model(self) -> None:
@@ -120,11 +120,11 @@ class DrawnTile:
 
     def _seen(self, view: View) -> _Gaussians:
         if (view.sx, view.sy) == (1.0, 1.0):
-            return self._gaussians
+            return self.gaussians
         key = view._replace(columns=0, rows=0)
         if self._scaled is None or self._scaled[0] != key:
             start = float(view.x - self.x), float(view.y - self.y)
-            self._scaled = key, _Gaussians(*scaled(*self._gaussians, (view.sx, view.sy), start))
+            self._scaled = key, _Gaussians(*scaled(*self.gaussians, (view.sx, view.sy), start))
         return self._scaled[1]
 
 

@@ -35,7 +35,7 @@ from sgicodec.model.layout import adaptive_layout, uniform_layout
 from sgicodec.model.processor import Processor
 from sgicodec.model.quantize import step_fixed, step_index
 from sgicodec.model.spec import ModelSpec, default_spec, paper_spec
-from sgicodec.refine import can_refine, refine
+from sgicodec.refine import Refiner, RefineSettings, can_refine, refine
 from sgicodec.tiles import Rect, TileGrid
 from sgicodec.trim import coarser, trim
 from sgicodec.version import __version__
@@ -259,7 +259,7 @@ class _Encoding:
         self.fit = _fit_settings(self.settings)
         if self.goal is not None:
             _, _, detail = base_layer(spec, self.unit, self.fit.lmbda)
-            self.fit = replace(self.fit, lmbda=first_lmbda(self.goal, detail, self.fit))
+            self.fit = replace(self.fit, lmbda=first_lmbda(self._fit_goal(self.goal), detail, self.fit))
         self.base_step, self.base, self.target = base_layer(spec, self.unit, self.fit.lmbda)
 
     def chunk(
@@ -269,8 +269,10 @@ class _Encoding:
         if self._holds_nothing():
             return TileChunk(number, self.empty, None), {}, 0
         fitted, family = self._fitted(on_progress)
-        _, payload, parts, seeds = self._payload(fitted, family, 0, final=True)
-        return TileChunk(number, self.empty, payload), parts, seeds
+        header = self._header(fitted, family)
+        model = self._searched(header, self._model(fitted), fitted.lmbda)
+        payload, parts = _written(header, model)
+        return TileChunk(number, self.empty, payload), parts, len(model.layout)
 
     def _holds_nothing(self) -> bool:
         return self.empty is not None and bool(self.empty.all())
@@ -280,13 +282,46 @@ class _Encoding:
         if self._holds_nothing():
             return Encoded(self._assembled(self.plan.header, None)[0], {}, 0, 0, self.fit.lmbda)
         fitted, family = self._fitted(on_progress)
+        header = self._header(fitted, family)
         if self.goal is None:
-            return self._stream(fitted, family)
-        goal = self.goal
-        encoded, measured = trim(goal, lambda shift: self._measured(fitted, family, shift))
-        if goal.is_missed(measured):
-            raise TargetMissedError(_regret(goal, measured), encoded)
+            return self._encoded(header, self._searched(header, self._model(fitted), fitted.lmbda), fitted.lmbda)
+        encoded, measured = self._at_goal(self.goal, fitted, header)
+        if self.goal.is_missed(measured):
+            raise TargetMissedError(_regret(self.goal, measured), encoded)
         return encoded
+
+    def _at_goal(self, goal: Goal, fitted: Fitted, header: Header) -> tuple[Encoded, Measured]:
+        """Trims the fit to what the search for symbols will bring to the goal, and searches until it is there."""
+        lmbda = fitted.lmbda
+        shift = trim(self._fit_goal(goal), lambda shift: self._measured(header, self._model(fitted, shift), lmbda)[1])
+        model = self._model(fitted, shift)
+        if not self._searches:
+            return self._measured(header, model, lmbda)
+        refiner = Refiner(header, model, self.unit, lmbda, processor=Processor(self.fit.threads))
+        found: dict[float, tuple[Encoded, Measured]] = {}
+        octaves, gain = 0.0, _SEARCH_GAIN
+        while octaves not in found and len(found) < _MOST_SEARCHES:
+            found[octaves] = self._measured(header, refiner.at(lmbda * 2.0**octaves).model, lmbda)
+            if goal.is_met(found[octaves][1]):
+                return found[octaves]
+            if len(found) > 1:
+                (a, first), (b, last) = list(found.items())[-2:]
+                gain = min(4.0, max(0.5, (b - a) / ((goal.excess(first[1]) - goal.excess(last[1])) or 1.0)))
+            octaves += max(-1.0, min(1.0, gain * goal.excess(found[octaves][1])))
+        sound = [one for one in found.values() if not goal.is_missed(one[1])]
+        return min(sound or found.values(), key=lambda one: abs(goal.excess(one[1])))
+
+    @property
+    def _searches(self) -> bool:
+        return self.settings.refine and can_refine(self.spec)
+
+    def _fit_goal(self, goal: Goal) -> Goal:
+        """Where a fit has to end so that the search for symbols ends at the goal."""
+        if not self._searches:
+            return goal
+        if goal.bytes is not None:
+            return Goal(bytes=goal.bytes / _SEARCHED_BYTES)
+        return Goal(psnr=(goal.psnr or 0.0) - _SEARCHED_DECIBELS)
 
     def _fitted(self, on_progress: Callable[[Progress], bool] | None) -> tuple[Fitted, int]:
         from sgicodec.fit.trainer import Trainer
@@ -302,7 +337,7 @@ class _Encoding:
         networks = load_prior(spec) if spec.context.prior else None
         steering = None
         if self.goal is not None:
-            steering = Steering(self.goal, fit.lmbda, _OVERHEAD + _BASE_BYTES * self.base.size)
+            steering = Steering(self._fit_goal(self.goal), fit.lmbda, _OVERHEAD + _BASE_BYTES * self.base.size)
         with _one_torch_thread():
             trainer = Trainer(
                 spec,
@@ -312,7 +347,7 @@ class _Encoding:
                 family,
                 networks,
                 steering=steering,
-                measure=lambda fitted: self._measured(fitted, family, 0)[1],
+                measure=lambda f: self._measured(self._header(f, family), self._model(f), f.lmbda)[1],
                 seconds=self._seconds(),
             )
             return trainer.run(on_progress), family
@@ -323,31 +358,14 @@ class _Encoding:
             return None
         coding: float = _CODING_SECONDS * (2 if self.goal is None else 8) * (0.2 + self.target[0].size / 1e6)
         left = self.settings.time_limit - (time.monotonic() - self.started)
-        return max(0.5 * left, left - coding, 1e-3)
+        searching: float = _SEARCHING_SHARE * left if self._searches else 0.0
+        return max(0.5 * left, left - coding - searching, 1e-3)
 
-    def _measured(self, fitted: Fitted, family: int, shift: int) -> tuple[Encoded, Measured]:
-        encoded = self._stream(fitted, family, shift, final=False)
-        quality = math.inf
-        if self.goal is not None and self.goal.psnr is not None:
-            decoded = open_stream(encoded.data).picture(threads=self.settings.threads)
-            low, high = self.picture.sample_range
-            shown = np.array(True) if self.empty is None else ~self.empty[..., None]
-            quality = psnr(*(np.where(shown, p.pixels, 0) for p in (self.picture, decoded)), peak=high - low)
-        return encoded, Measured(len(encoded.data), quality)
+    def _header(self, fitted: Fitted, family: int) -> Header:
+        return replace(self.plan.header, quality=fitted.quality, family=family)
 
-    def _stream(self, fitted: Fitted, family: int, shift: int = 0, final: bool = True) -> Encoded:
-        header, payload, parts, seeds = self._payload(fitted, family, shift, final)
-        data, chunk_bytes = self._assembled(header, payload)
-        if header.masked is not None:
-            parts["mask"] = chunk_bytes - len(payload)
-        return Encoded(data, parts, seeds, seeds * self.spec.per_seed, fitted.lmbda)
-
-    def _payload(
-        self, fitted: Fitted, family: int, shift: int, final: bool
-    ) -> tuple[Header, bytes, dict[str, float], int]:
-        """The tile's header, its model's payload, the bytes of each part, and the number of seeds."""
-        header = replace(self.plan.header, quality=fitted.quality, family=family)
-        model = TileModel(
+    def _model(self, fitted: Fitted, shift: int = 0) -> TileModel:
+        return TileModel(
             fitted.layout,
             fitted.plan,
             self.base_step,
@@ -357,10 +375,30 @@ class _Encoding:
             fitted.hash_bits,
             fitted.attributes,
         )
-        if final and self.settings.refine and can_refine(self.spec):
-            model = refine(header, model, self.target, fitted.lmbda, processor=Processor(self.fit.threads)).model
-        payload, walk = write_tile(header, model)
-        return header, payload, {name: bits / 8 for name, bits in walk.bits.items()}, len(model.layout)
+
+    def _searched(self, header: Header, model: TileModel, lmbda: float) -> TileModel:
+        if not self._searches:
+            return model
+        settings, limit = RefineSettings.for_steps(self.fit.steps), self.settings.time_limit
+        until = math.inf if limit is None else self.started + limit
+        return refine(header, model, self.unit, lmbda, settings, Processor(self.fit.threads), until).model
+
+    def _encoded(self, header: Header, model: TileModel, lmbda: float) -> Encoded:
+        payload, parts = _written(header, model)
+        data, chunk_bytes = self._assembled(header, payload)
+        if header.masked is not None:
+            parts["mask"] = chunk_bytes - len(payload)
+        seeds = len(model.layout)
+        return Encoded(data, parts, seeds, seeds * self.spec.per_seed, lmbda)
+
+    def _measured(self, header: Header, model: TileModel, lmbda: float) -> tuple[Encoded, Measured]:
+        encoded, quality = self._encoded(header, model, lmbda), math.inf
+        if self.goal is not None and self.goal.psnr is not None:
+            decoded = open_stream(encoded.data).picture(threads=self.settings.threads)
+            low, high = self.picture.sample_range
+            shown = np.array(True) if self.empty is None else ~self.empty[..., None]
+            quality = psnr(*(np.where(shown, p.pixels, 0) for p in (self.picture, decoded)), peak=high - low)
+        return encoded, Measured(len(encoded.data), quality)
 
     def _assembled(self, header: Header, model: bytes | None) -> tuple[bytes, int]:
         """The stream, and the bytes of its tile's payload."""
@@ -369,10 +407,23 @@ class _Encoding:
         return buffer.getvalue(), len(chunk)
 
 
+def _written(header: Header, model: TileModel) -> tuple[bytes, dict[str, float]]:
+    """The payload of a model, and the bytes of each part."""
+    payload, walk = write_tile(header, model)
+    return payload, {name: bits / 8 for name, bits in walk.bits.items()}
+
+
+_MOST_SEARCHES = 4
+_SEARCHED_BYTES, _SEARCHED_DECIBELS = 0.95, 0.35
+"""What the search for symbols leaves of the bytes, and adds to the PSNR, on photographs."""
+_SEARCH_GAIN = 1.5
+"""Octaves of λ that a search must move for each octave that a fit would have to."""
 _OVERHEAD, _BASE_BYTES = 250.0, 0.4
 """About what a stream holds beside its seeds: header, steps and differences; and for each number of the base layer."""
 _CODING_SECONDS = 0.6
 """Of one stream of a megapixel, generously."""
+_SEARCHING_SHARE = 0.12
+"""Of the time that is left for fit and search together."""
 
 
 def _regret(goal: Goal, measured: Measured) -> str:

@@ -1,7 +1,7 @@
 """Symbols after the fit: a search for those of least squared error plus price, with the tables that will code them.
 
 A fit rounds every attribute by itself. Here each seed's symbols move one step at a time where the picture as drawn, all
-other seeds in it, and the bits as coded say that it pays; seeds that do not pay at all are dropped.
+other seeds in it, and the bits as coded say that it pays; the base layer's follow, and seeds that do not pay go.
 docs/research.md, "Symbols after the fit", tells what each part gains.
 """
 

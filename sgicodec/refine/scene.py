@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,12 +10,14 @@ from numpy.typing import NDArray
 from sgicodec._native import WINDOW_PADDING
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.tile import TileModel, write_tile
+from sgicodec.model.base import render_base
 from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
 from sgicodec.model.processor import Processor
+from sgicodec.model.quantize import FRACTION_BITS, step_fixed
 from sgicodec.model.spec import ModelSpec
 from sgicodec.raster.native import NativeRasterizer
 
-__all__ = ["Cost", "Scene", "can_refine", "joined", "with_values"]
+__all__ = ["Cost", "Scene", "base_step", "can_refine", "joined", "with_values"]
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -46,11 +48,28 @@ class Cost:
 
 @dataclass(frozen=True)
 class Scene:
-    """target [C, H, W]: the picture less its base layer, samples in 0..1."""
+    """picture [C, H, W]: samples in 0..1."""
 
     header: Header
-    target: F32
+    picture: F32
     processor: Processor
+    _less_base: dict[bytes, F32] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    def target(self, model: TileModel) -> F32:
+        """The picture less a model's base layer [C, H, W]: what its seeds have to show."""
+        key = model.base_step.to_bytes(1, "little") + model.base.tobytes()
+        if key not in self._less_base:
+            self._less_base.clear()
+            self._less_base[key] = self.picture - self._base(model)
+        return self._less_base[key]
+
+    def _base(self, model: TileModel) -> F32:
+        _, height, width = self.picture.shape
+        if not model.base.size:
+            return np.zeros_like(self.picture)
+        opponent = np.array(colour_matrix(self.header.spec.channels))
+        colours = np.tensordot(opponent.T, model.base * base_step(model), axes=1)
+        return render_base(colours, self.header.spec.base_cell, np.arange(width) + 0.5, np.arange(height) + 0.5)
 
     def gaussians(self, model: TileModel) -> tuple[F32, F32, F32]:
         """Means [N, 2], covariances [N, 3] and colours [N, C] of a model's attributes."""
@@ -65,10 +84,10 @@ class Scene:
 
     def residual(self, model: TileModel) -> F32:
         """Target less drawn [C, H, W + padding], the last columns zero, as native searches want it."""
-        _, height, width = self.target.shape
+        _, height, width = self.picture.shape
         raster = NativeRasterizer(self.processor.threads, self.processor.isa)
-        out = np.zeros((*self.target.shape[:2], width + WINDOW_PADDING), np.float32)
-        np.subtract(self.target, raster.forward(*self.gaussians(model), width, height), out=out[:, :, :width])
+        out = np.zeros((*self.picture.shape[:2], width + WINDOW_PADDING), np.float32)
+        np.subtract(self.target(model), raster.forward(*self.gaussians(model), width, height), out=out[:, :, :width])
         return out
 
     def cost(self, model: TileModel) -> Cost:
@@ -77,6 +96,11 @@ class Scene:
         payload, _ = write_tile(self.header, coded)
         error = self.residual(with_values(self.header.spec, coded, coded.decoded_values))
         return Cost(float(np.sum(np.square(error, dtype=np.float64))), 8.0 * len(payload))
+
+
+def base_step(model: TileModel) -> float:
+    """The step of a model's base layer."""
+    return float(np.ldexp(float(step_fixed(np.array(model.base_step))), -FRACTION_BITS))
 
 
 def joined(model: TileModel) -> F64:

@@ -1,8 +1,9 @@
-"""The search: sweeps, what they teach about steps and scales, and dropping, with the best outcome kept."""
+"""The search: sweeps, the base layer, what they teach about steps and scales, dropping; the best outcome is kept."""
 
 from __future__ import annotations
 
 import math
+import time
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,6 +13,7 @@ from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.tile import TileModel
 from sgicodec.model.processor import Processor
 from sgicodec.refine.adapt import fitted_scales, with_coarser_steps
+from sgicodec.refine.base import with_better_base
 from sgicodec.refine.drop import without_losers
 from sgicodec.refine.scene import Cost, Scene
 from sgicodec.refine.settings import RefineSettings
@@ -40,43 +42,49 @@ class Refiner:
         self,
         header: Header,
         model: TileModel,
-        target: NDArray[np.float32],
+        picture: NDArray[np.float32],
         lmbda: float,
         settings: RefineSettings | None = None,
         processor: Processor | None = None,
     ) -> None:
-        self.scene = Scene(header, np.ascontiguousarray(target, np.float32), processor or Processor(threads=0))
+        self.scene = Scene(header, np.ascontiguousarray(picture, np.float32), processor or Processor(threads=0))
         self.fitted, self.lmbda, self.settings = model, lmbda, settings or RefineSettings()
 
-    def at(self, lmbda: float, sweeps: int | None = None) -> Refined:
-        """The best model found for λ; at the fit's own, none that costs more than the fit as it is."""
-        settings = self.settings
+    def at(self, lmbda: float, sweeps: int | None = None, until: float = math.inf) -> Refined:
+        """The best model found for λ; at the fit's own, none that costs more than the fit as it is.
+
+        Ends early where another sweep would not be done by `until`, a value of time.monotonic().
+        """
+        scene, settings = self.scene, self.settings
         octaves = settings.coarser + 0.5 * math.log2(lmbda / self.lmbda)
         model = replace(self.fitted, networks=with_coarser_steps(self.fitted.networks, octaves))
-        best = Refined(self.fitted, self.scene.cost(self.fitted))
-        last = (settings.sweeps if sweeps is None else sweeps) - 1
-        for number in range(last + 1):
-            model, found = sweep(self.scene, model, lmbda, settings)
-            cost = self.scene.cost(model)
+        best = Refined(self.fitted, scene.cost(self.fitted))
+        most = settings.sweeps if sweeps is None else sweeps
+        for number in range(most):
+            started = time.monotonic()
+            model, found = sweep(scene, model, lmbda, settings)
+            model = with_better_base(scene, model, lmbda)
+            cost = scene.cost(model)
             if cost.at(lmbda) < best.cost.at(lmbda):
                 best = Refined(model, cost)
-            if number == last:
+            if number == most - 1 or 2 * time.monotonic() - started > until:
                 break
             if number == 0:
-                networks = fitted_scales(self.scene.header.spec, model.networks, found)
+                networks = fitted_scales(scene.header.spec, model.networks, found)
                 model = replace(model, networks=networks)
             worth = lmbda * settings.drop * (found.bits + settings.position_bits)
-            model = without_losers(self.scene, model, worth)
+            model = without_losers(scene, model, worth)
         return best
 
 
 def refine(
     header: Header,
     model: TileModel,
-    target: NDArray[np.float32],
+    picture: NDArray[np.float32],
     lmbda: float,
     settings: RefineSettings | None = None,
     processor: Processor | None = None,
+    until: float = math.inf,
 ) -> Refined:
-    """The best model found for the λ of the fit. target [C, H, W]: the picture less its base layer, samples in 0..1."""
-    return Refiner(header, model, target, lmbda, settings, processor).at(lmbda)
+    """The best model found for the λ of the fit. picture [C, H, W]: samples in 0..1; until: see `Refiner.at`."""
+    return Refiner(header, model, picture, lmbda, settings, processor).at(lmbda, until=until)

@@ -12,8 +12,7 @@ class RefineSettings:
     """How symbols are searched after a fit.
 
     sweeps: times that all seeds are gone through; the best outcome counts. deep: choices of a seed's colours that are
-    followed to its shape and offset. rounds: times that the symbols of a shape or an offset are gone through. stay:
-    bits by which keeping a seed's colours is preferred, since changing them unsettles the contexts of others. coarser:
+    followed to its shape and offset. rounds: times that the symbols of a shape or an offset are gone through. coarser:
     octaves by which steps grow beforehand, since symbols that are searched want coarser steps than the noise that they
     were trained with. drop: a seed goes when that costs less squared error than this many times its price.
     position_bits: what a seed's place adds to its price.
@@ -22,7 +21,11 @@ class RefineSettings:
     sweeps: int = 6
     deep: int = 3
     rounds: int = 3
-    stay: float = 0.5
     coarser: float = 0.3
     drop: float = 1.2
     position_bits: float = 3.0
+
+    @classmethod
+    def for_steps(cls, steps: int) -> RefineSettings:
+        """As many sweeps as befit a fit of so many steps: where both gain about the same in a second."""
+        return cls(sweeps=min(24, max(2, round(steps / 100))))

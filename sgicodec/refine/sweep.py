@@ -79,7 +79,6 @@ def sweep(scene: Scene, model: TileModel, lmbda: float, settings: RefineSettings
             part.scale,
             part.change,
             lmbda,
-            settings.stay,
             DEFAULT_CUTOFF,
             settings.deep,
             settings.rounds,

@@ -40,11 +40,11 @@ def stage() -> Stage:
         channels: int = 3, height: int = 70, width: int = 100, isa: str = "auto", threads: int = 2
     ) -> tuple[Scene, TileModel]:
         spec, rng = default_spec(channels), np.random.default_rng(7)
-        target = waves(channels, height, width)
+        picture = waves(channels, height, width)
         header = Header(
             width, height, LAYOUTS[channels], "uint8", (0.0, 255.0), "default", spec, quality=QUALITY, family=1
         )
-        layout = adaptive_layout(target, 0.4)
+        layout = adaptive_layout(picture, 0.4)
         n = len(layout)
         attributes = {
             "colour": rng.normal(0, 0.05, (n, channels)),
@@ -53,6 +53,6 @@ def stage() -> Stage:
         }
         base = np.zeros((channels, -(-height // 32), -(-width // 32)), np.int64)
         model = TileModel(layout, default_plan(spec, QUALITY), 60, base, {}, load_prior(spec), [], attributes)
-        return Scene(header, target, Processor(threads, isa)), model
+        return Scene(header, picture, Processor(threads, isa)), model
 
     return make

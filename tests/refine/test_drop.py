@@ -22,7 +22,7 @@ def test_each_goes_that_costs_less_than_it_is_worth(stage: Stage) -> None:
     worth = rng.uniform(0, 0.3, len(model.layout))
     means, covariances, colours = (array.astype(np.float64) for array in scene.gaussians(model))
     values = rasterize_reference(means, covariances, np.eye(len(means)), 60, 40)  # [N, H, W]
-    residual = scene.target - np.einsum("nc,nyx->cyx", colours, values)
+    residual = scene.picture - np.einsum("nc,nyx->cyx", colours, values)
     energy = (colours**2).sum(1) * np.sqrt(covariances[:, 0] * covariances[:, 2] - covariances[:, 1] ** 2)
     keep = np.ones(len(means), bool)
     for i in np.argsort(energy / worth, kind="stable"):

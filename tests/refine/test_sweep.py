@@ -18,17 +18,17 @@ from sgicodec.refine.sweep import sweep
 
 Stage = Callable[..., tuple[Scene, TileModel]]
 
-PLAIN = RefineSettings(stay=0.0)
+PLAIN = RefineSettings()
 
 
 def dense_residual(scene: Scene, model: TileModel) -> NDArray[np.float64]:
-    """Target less drawn [C, H, W], every Gaussian everywhere."""
-    _, height, width = scene.target.shape
+    """Picture less drawn [C, H, W], every Gaussian everywhere; the base layer is zero."""
+    _, height, width = scene.picture.shape
     opponent = np.array(colour_matrix(scene.header.spec.channels))
     layout = model.layout
     centre, cell = layout.centre.astype(np.float64), layout.cell.astype(np.float64)
     gaussians = gaussians_from_seeds(scene.header.spec, joined(model), centre, cell, {}, opponent, np)
-    return scene.target - rasterize_reference(*gaussians, width, height)
+    return scene.picture - rasterize_reference(*gaussians, width, height)
 
 
 def coded(scene: Scene, model: TileModel) -> tuple[NDArray[np.float64], dict[str, float]]:

@@ -6,6 +6,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "base_search.hpp"
 #include "sweep.hpp"
 
 namespace nb = nanobind;
@@ -22,6 +23,16 @@ void require(bool ok, const char *what) {
 template <class A>
 bool has_shape(const A &array, size_t rows, size_t columns) {
   return array.shape(0) == rows && array.shape(1) == columns;
+}
+
+void require_tables(const Array<const int32_t, 1> &support, const Array<const int64_t, 1> &start,
+                    const Array<const double, 1> &bits) {
+  const size_t tables = support.shape(0);
+  require(start.shape(0) == tables, "support and start must be [tables]");
+  for (size_t t = 0; t < tables; ++t)
+    require(support.data()[t] >= 0 && start.data()[t] >= 0 &&
+                size_t(start.data()[t]) + 2 * size_t(support.data()[t]) + 2 <= bits.shape(0),
+            "a table exceeds bits");
 }
 
 sgi::Residual residual_of(const Array<float, 3> &samples, size_t channels) {
@@ -42,10 +53,8 @@ class SymbolSearch {
     const size_t channels = opponent.shape(0), tables = support.shape(0);
     require(opponent.shape(1) == channels && channels >= 1 && channels <= sgi::kMostColours,
             "opponent must be [C, C], C at most 64");
-    require(start.shape(0) == tables && first >= 0 && size_t(first) + kScales <= tables, "support, start [tables]");
-    for (size_t t = 0; t < tables; ++t)
-      require(start.data()[t] >= 0 && size_t(start.data()[t]) + 2 * size_t(support.data()[t]) + 2 <= bits.shape(0),
-              "a table exceeds bits");
+    require(first >= 0 && size_t(first) + kScales <= tables, "there must be a table for every scale");
+    require_tables(support, start, bits);
     model_.channels = int(channels);
     model_.tables = {support_.data(), start_.data(), bits_.data(), first};
     model_.opponent = opponent_.data();
@@ -79,7 +88,7 @@ class SymbolSearch {
   void search(Array<float, 3> residual, Array<const int16_t, 2> inputs, Array<const double, 2> values,
               Array<const float, 2> centre, Array<const float, 1> cell, Array<const int8_t, 1> log_size,
               Array<int64_t, 2> decoded, Array<int32_t, 2> symbols, Array<int16_t, 2> scale, Array<double, 1> change,
-              float lmbda, float stay, float cutoff, int deep, int rounds) {
+              float lmbda, float cutoff, int deep, int rounds) {
     for (const auto &network : networks_) require(network != nullptr, "set_group comes first, for all groups");
     require(model_.inputs[1] == model_.inputs[0] + 7 && model_.inputs[2] == model_.inputs[0] + 12,
             "the networks must see 0, 7 and 12 inputs of a seed's own");
@@ -95,7 +104,7 @@ class SymbolSearch {
                                centre.data(), cell.data(),   log_size.data()};
     const sgi::PassSymbols out{decoded.data(), symbols.data(), scale.data(), change.data()};
     nb::gil_scoped_release release;
-    sgi::search_pass(model_, {lmbda, stay, cutoff, deep, rounds}, r, seeds, out, threads_, isa_);
+    sgi::search_pass(model_, {lmbda, cutoff, deep, rounds}, r, seeds, out, threads_, isa_);
   }
 
  private:
@@ -124,6 +133,25 @@ void drop_gaussians(Array<float, 3> residual, Array<const float, 2> means, Array
   sgi::drop_gaussians(r, gaussians, cutoff, threads, isa, dropped.data());
 }
 
+int64_t search_base(Array<int64_t, 3> planes, Array<const int32_t, 1> predictor, Array<const int32_t, 2> weights,
+                    Array<const int32_t, 1> table, Array<const int32_t, 1> support, Array<const int64_t, 1> start,
+                    Array<const double, 1> bits, Array<const double, 2> down, Array<const double, 2> across,
+                    Array<double, 3> pull, double step, double lmbda, int sweeps) {
+  const size_t channels = planes.shape(0), rows = planes.shape(1), columns = planes.shape(2);
+  require(predictor.shape(0) == channels && has_shape(weights, channels, channels) && table.shape(0) == channels,
+          "predictor [C], weights [C, C], table [C]");
+  require(has_shape(down, rows, rows) && has_shape(across, columns, columns) && pull.shape(0) == channels &&
+              pull.shape(1) == rows && pull.shape(2) == columns,
+          "down [rows, rows], across [columns, columns], pull [C, rows, columns]");
+  require_tables(support, start, bits);
+  for (size_t c = 0; c < channels; ++c)
+    require(table.data()[c] >= 0 && size_t(table.data()[c]) < support.shape(0), "a table does not exist");
+  const sgi::BasePlanes base{planes.data(),    int64_t(channels), int64_t(rows), int64_t(columns),
+                             predictor.data(), weights.data(),    table.data(),  {support.data(), start.data(), bits.data(), 0}};
+  nb::gil_scoped_release release;
+  return sgi::search_base(base, {down.data(), across.data(), pull.data(), step}, lmbda, sweeps);
+}
+
 }  // namespace
 
 void bind_refine(nb::module_ &m) {
@@ -133,5 +161,6 @@ void bind_refine(nb::module_ &m) {
       .def("set_group", &SymbolSearch::set_group)
       .def("search", &SymbolSearch::search);
   m.def("drop_gaussians", &drop_gaussians);
+  m.def("search_base", &search_base);
   m.attr("WINDOW_PADDING") = sgi::kWindowPadding;
 }

@@ -48,15 +48,8 @@ void SeedContext::tell(Group known, const Coded &coded, int row) {
   constexpr int64_t kOnly = 0;
   int16_t summary[kSummary];
   summarise(view, &kOnly, 1, 1, summary, amplitude_.data() + row);
-  int16_t *own = rows_.data() + size_t(row) * model_.inputs[kOffset] + model_.inputs[kColour];
-  for (int j = 0; j < 3; ++j) {
-    own[j] = summary[j];
-    own[3 + j] = int16_t(std::abs(summary[j]));
-  }
-  own[6] = summary[3];
-  if (known == kColour) return;
-  std::copy_n(summary + 4, 3, own + 7);
-  for (int j = 0; j < 2; ++j) own[10 + j] = int16_t(std::abs(summary[5 + j]));
+  const int64_t stride = model_.inputs[kOffset];
+  own_inputs(summary, 1, known == kColour ? 1 : 2, model_.inputs[kColour], 1, rows_.data() + row * stride, stride);
 }
 
 void SeedContext::predict(Group group, int count, Lattice *lattices) {

@@ -97,7 +97,7 @@ void SeedSearch::try_colours(const Place &place) {
     float delta[kMostColours];
     for (int j = 0; j < channels; ++j) moved[j] = lattice.value(j, symbols[j]) - old[j];
     colours_of(moved, delta);
-    cost_[k] = settings_.lmbda * (bits_of(model_, kColour, lattice, symbols) - (k ? 0 : settings_.stay));
+    cost_[k] = settings_.lmbda * bits_of(model_, kColour, lattice, symbols);
     for (int c = 0; c < channels; ++c) cost_[k] += double(delta[c]) * (double(delta[c]) * square - 2.0 * along[c]);
     context_.tell(kColour, candidates_[k], k);
   }

@@ -10,7 +10,6 @@ namespace sgi {
 
 struct SearchSettings {
   float lmbda;   // squared error per bit
-  float stay;    // bits by which keeping the colours is preferred: changing them unsettles the contexts of other seeds
   float cutoff;  // where a Gaussian ends, standard deviations
   int deep;      // how many choices of colours are followed to the end
   int rounds;    // times that the symbols of a group are gone through
@@ -33,7 +32,7 @@ class SeedSearch {
   Window reserve(const Seed &seed, const Residual &residual);
 
   // Finds the symbols of least change in squared error plus price within reach of the present values, and takes what
-  // they change in the drawn Gaussian out of the residual. Returns that change, `stay` counted as saved.
+  // they change in the drawn Gaussian out of the residual. Returns that change.
   double search(const Seed &seed, const Window &window, const Residual &residual, Coded &best);
 
  private:
