@@ -33,7 +33,7 @@ Region = tuple[int, int, int, int]
 MAX_OUTPUT_SAMPLES = 1 << 31
 """Most samples (pixels times channels) that one call renders."""
 
-BASE_ALONE = 1.0
+BASE_ALONE = 1.5
 """Output pixels per cell of the base layer from which down it alone is drawn of pictures in several tiles."""
 
 KEPT_BYTES = 1 << 28
