@@ -67,7 +67,7 @@ def decode(
         targets = named_targets(paths, output_dir, partial(_extension_of, job))
         run_batch("decoded", targets, partial(_decode, job))
     elif len(paths) > 2:
-        raise UsageError(f"{len(paths)} names; give IN and OUT, or --output-dir for many streams")
+        raise click.UsageError(f"{len(paths)} names; give IN and OUT, or --output-dir for many streams")
     else:
         _decode(job, paths[0], paths[1] if len(paths) == 2 else None)
 

@@ -133,7 +133,7 @@ def encode(
         run_batch("encoded", targets, lambda source, target: _encode(job(source, target)), as_json, quiet)
         return
     if len(paths) > 2:
-        raise UsageError(f"{len(paths)} names; give IN and OUT, or --output-dir for many pictures")
+        raise click.UsageError(f"{len(paths)} names; give IN and OUT, or --output-dir for many pictures")
     _encode(job(paths[0], paths[1] if len(paths) == 2 else _default_target(paths[0])))
 
 
