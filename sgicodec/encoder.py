@@ -35,7 +35,7 @@ from sgicodec.model.layout import adaptive_layout, uniform_layout
 from sgicodec.model.processor import Processor
 from sgicodec.model.quantize import step_fixed, step_index
 from sgicodec.model.spec import ModelSpec, default_spec, paper_spec
-from sgicodec.refine import Refiner, RefineSettings, can_refine, refine
+from sgicodec.refine import Refiner, RefineSettings, can_refine
 from sgicodec.tiles import Rect, TileGrid
 from sgicodec.trim import coarser, trim
 from sgicodec.version import __version__
@@ -297,11 +297,11 @@ class _Encoding:
         model = self._model(fitted, shift)
         if not self._searches:
             return self._measured(header, model, lmbda)
-        refiner = Refiner(header, model, self.unit, lmbda, processor=Processor(self.fit.threads))
+        refiner = self._refiner(header, model, lmbda)
         found: dict[float, tuple[Encoded, Measured]] = {}
         octaves, gain = 0.0, _SEARCH_GAIN
         while octaves not in found and len(found) < _MOST_SEARCHES:
-            found[octaves] = self._measured(header, refiner.at(lmbda * 2.0**octaves).model, lmbda)
+            found[octaves] = self._measured(header, refiner.at(lmbda * 2.0**octaves, until=self._end).model, lmbda)
             if goal.is_met(found[octaves][1]):
                 return found[octaves]
             if len(found) > 1:
@@ -310,6 +310,16 @@ class _Encoding:
             octaves += max(-1.0, min(1.0, gain * goal.excess(found[octaves][1])))
         sound = [one for one in found.values() if not goal.is_missed(one[1])]
         return min(sound or found.values(), key=lambda one: abs(goal.excess(one[1])))
+
+    def _refiner(self, header: Header, model: TileModel, lmbda: float) -> Refiner:
+        settings = RefineSettings.for_steps(self.fit.steps)
+        return Refiner(header, model, self.unit, lmbda, settings, Processor(self.fit.threads))
+
+    @property
+    def _end(self) -> float:
+        """When the time limit is over, a value of time.monotonic()."""
+        limit = self.settings.time_limit
+        return math.inf if limit is None else self.started + limit
 
     @property
     def _searches(self) -> bool:
@@ -379,9 +389,7 @@ class _Encoding:
     def _searched(self, header: Header, model: TileModel, lmbda: float) -> TileModel:
         if not self._searches:
             return model
-        settings, limit = RefineSettings.for_steps(self.fit.steps), self.settings.time_limit
-        until = math.inf if limit is None else self.started + limit
-        return refine(header, model, self.unit, lmbda, settings, Processor(self.fit.threads), until).model
+        return self._refiner(header, model, lmbda).at(lmbda, until=self._end).model
 
     def _encoded(self, header: Header, model: TileModel, lmbda: float) -> Encoded:
         payload, parts = _written(header, model)

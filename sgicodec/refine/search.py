@@ -63,7 +63,8 @@ class Refiner:
         for number in range(most):
             started = time.monotonic()
             model, found = sweep(scene, model, lmbda, settings)
-            model = with_better_base(scene, model, lmbda)
+            if settings.base:
+                model = with_better_base(scene, model, lmbda)
             cost = scene.cost(model)
             if cost.at(lmbda) < best.cost.at(lmbda):
                 best = Refined(model, cost)
