@@ -148,4 +148,7 @@ def _work(pipe: Connection, task: Callable[[int, Any], Any]) -> None:
         except Exception as error:
             outcome = Failure.of(error)
         del job
-        pipe.send(outcome)
+        try:
+            pipe.send(outcome)
+        except OSError:
+            return
