@@ -6,7 +6,7 @@ docs/research.md, "Symbols after the fit", tells what each part gains.
 """
 
 from sgicodec.refine.scene import Cost, Scene, can_refine
-from sgicodec.refine.search import Refined, Refiner, refine
+from sgicodec.refine.search import Refined, Refiner
 from sgicodec.refine.settings import RefineSettings
 
-__all__ = ["Cost", "RefineSettings", "Refined", "Refiner", "Scene", "can_refine", "refine"]
+__all__ = ["Cost", "RefineSettings", "Refined", "Refiner", "Scene", "can_refine"]

@@ -19,7 +19,7 @@ from sgicodec.refine.scene import Cost, Scene
 from sgicodec.refine.settings import RefineSettings
 from sgicodec.refine.sweep import sweep
 
-__all__ = ["Refined", "Refiner", "refine"]
+__all__ = ["Refined", "Refiner"]
 
 
 @dataclass(frozen=True)
@@ -76,16 +76,3 @@ class Refiner:
             worth = lmbda * settings.drop * (found.bits + settings.position_bits)
             model = without_losers(scene, model, worth)
         return best
-
-
-def refine(
-    header: Header,
-    model: TileModel,
-    picture: NDArray[np.float32],
-    lmbda: float,
-    settings: RefineSettings | None = None,
-    processor: Processor | None = None,
-    until: float = math.inf,
-) -> Refined:
-    """The best model found for the λ of the fit. picture [C, H, W]: samples in 0..1; until: see `Refiner.at`."""
-    return Refiner(header, model, picture, lmbda, settings, processor).at(lmbda, until=until)

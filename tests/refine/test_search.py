@@ -10,8 +10,7 @@ import pytest
 from sgicodec import EncodeSettings, encode, open_stream, read
 from sgicodec.bitstream.tile import TileModel
 from sgicodec.image import to_unit
-from sgicodec.model.spec import ContextSpec, ModelSpec, default_spec, paper_spec
-from sgicodec.refine import Refiner, RefineSettings, Scene, can_refine, refine
+from sgicodec.refine import Refined, Refiner, RefineSettings, Scene
 from sgicodec.refine.scene import joined
 
 Stage = Callable[..., tuple[Scene, TileModel]]
@@ -19,10 +18,14 @@ Stage = Callable[..., tuple[Scene, TileModel]]
 PICTURE = Path(__file__).parents[1] / "data" / "kodim23.png"
 
 
+def refined(scene: Scene, model: TileModel, lmbda: float, settings: RefineSettings) -> Refined:
+    return Refiner(scene.header, model, scene.picture, lmbda, settings, scene.processor).at(lmbda)
+
+
 @pytest.mark.parametrize("lmbda", [1e-4, 1e-3, 1e-2])
 def test_it_gains(stage: Stage, lmbda: float) -> None:
     scene, model = stage()
-    found = refine(scene.header, model, scene.picture, lmbda, RefineSettings(sweeps=2), scene.processor)
+    found = refined(scene, model, lmbda, RefineSettings(sweeps=2))
     assert found.cost == scene.cost(found.model)
     assert found.cost.at(lmbda) < 0.9 * scene.cost(model).at(lmbda)
 
@@ -51,16 +54,16 @@ def test_longer_fits_are_searched_longer() -> None:
 def test_what_would_cost_is_not_taken(stage: Stage) -> None:
     """Steps four octaves too coarse spoil any model."""
     scene, model = stage()
-    good = refine(scene.header, model, scene.picture, 1e-5, RefineSettings(sweeps=3), scene.processor)
+    good = refined(scene, model, 1e-5, RefineSettings(sweeps=3))
     spoilt = RefineSettings(sweeps=1, coarser=4.0)
-    kept = refine(scene.header, good.model, scene.picture, 1e-5, spoilt, scene.processor)
+    kept = refined(scene, good.model, 1e-5, spoilt)
     assert kept.cost == good.cost
     np.testing.assert_array_equal(joined(kept.model), joined(good.model))
 
 
 def test_size_follows_the_price_of_bits(stage: Stage) -> None:
     scene, model = stage()
-    fitted = refine(scene.header, model, scene.picture, 1e-4, RefineSettings(sweeps=4), scene.processor).model
+    fitted = refined(scene, model, 1e-4, RefineSettings(sweeps=4)).model
     search = Refiner(scene.header, fitted, scene.picture, 1e-4, RefineSettings(coarser=0.0), scene.processor)
     bits = [search.at(1e-4 * factor, sweeps=2).cost.bits for factor in (0.5, 1, 2, 4)]
     assert bits == sorted(bits, reverse=True)
@@ -71,7 +74,7 @@ def test_same_model_for_any_number_of_threads(stage: Stage) -> None:
     models = []
     for threads in (1, 2):
         scene, model = stage(height=120, width=130, threads=threads)
-        models.append(refine(scene.header, model, scene.picture, 1e-3, RefineSettings(sweeps=3), scene.processor).model)
+        models.append(refined(scene, model, 1e-3, RefineSettings(sweeps=3)).model)
     np.testing.assert_array_equal(joined(models[0]), joined(models[1]))
     np.testing.assert_array_equal(models[0].layout.corner, models[1].layout.corner)
 
@@ -87,26 +90,3 @@ def test_streams_cost_less() -> None:
         error = np.sum((open_stream(data).render().astype(np.float64) - unit) ** 2)
         costs.append(error + lmbda * 8 * len(data))
     assert costs[1] < 0.98 * costs[0]
-
-
-@pytest.mark.parametrize(
-    ("spec", "known"),
-    [
-        (default_spec(3), True),
-        (default_spec(1), True),
-        (default_spec(64, prior=0), True),
-        (default_spec(3, per_seed=2), False),
-        (default_spec(3, hidden=8), False),
-        (paper_spec(3), False),
-        (replace(default_spec(3), features=8), False),
-        (
-            replace(
-                default_spec(3),
-                context=ContextSpec(0, (("colour",), ("shape",), ("offset",)), 64, 6, hash_resolutions=(18,)),
-            ),
-            False,
-        ),
-    ],
-)
-def test_which_models_it_knows(spec: ModelSpec, known: bool) -> None:
-    assert can_refine(spec) == known
