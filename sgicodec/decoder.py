@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections import Counter, OrderedDict
+from collections.abc import Iterator
 from collections.abc import Mapping as Lookup
-from itertools import product
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import Any, BinaryIO, NamedTuple
@@ -12,86 +14,60 @@ from typing import Any, BinaryIO, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.bitstream.container import SIGNATURE, ChunkReader
-from sgicodec.bitstream.header import Header, decode_header
-from sgicodec.bitstream.tile import DECODER_SHIFT, TileModel, read_tile
-from sgicodec.errors import CorruptStreamError, LimitError, UsageError
-from sgicodec.image import Metadata, Picture, full_range
+from sgicodec.bitstream.header import Header
+from sgicodec.bitstream.tile import TileModel
+from sgicodec.drawn_tile import DrawnTile, View, joined_crc
+from sgicodec.errors import LimitError, StreamError, UsageError
+from sgicodec.image import Metadata, Picture, full_range, geo_view
 from sgicodec.image.picture import alpha_index
-from sgicodec.model.base_view import base_view
-from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
-from sgicodec.model.processor import Processor
-from sgicodec.model.quantize import FRACTION_BITS, step_fixed
-from sgicodec.raster import Background, Mapping, NativeRasterizer, scaled
+from sgicodec.masking import clear
+from sgicodec.opened import OpenedChunks
+from sgicodec.raster import Mapping
+from sgicodec.tiles import Segment
 
-__all__ = ["CHUNKS", "MAX_OUTPUT_SAMPLES", "Region", "Stream", "open_stream"]
+__all__ = ["MAX_OUTPUT_SAMPLES", "Region", "Stream", "Survey", "open_stream"]
 
 F32 = NDArray[np.float32]
-F64 = NDArray[np.float64]
 Region = tuple[int, int, int, int]
-
-CHUNKS = "Ticxs"
-"""Chunks that this version knows: tile, ICC profile, EXIF as `c`amera data, XMP, and what wrote the file."""
 
 MAX_OUTPUT_SAMPLES = 1 << 31
 """Most samples (pixels times channels) that one call renders."""
 
-_BLOCK_SAMPLES = 1 << 27
-_BLOCK_COLUMNS = 1 << 16
-"""A picture is drawn in blocks of no more samples and columns, each of which looks at all Gaussians."""
+BASE_ALONE = 1.5
+"""Output pixels per cell of the base layer from which down it alone is drawn of pictures in several tiles."""
 
-_MOST_PAIRS = 1 << 26
-"""Most (tile, Gaussian) pairs of a block; a sound one has a hundredth."""
+KEPT_BYTES = 1 << 28
+"""What decoded tiles may take before the one that was used least recently is let go."""
 
 _MOST_TEXT = 200
 """Bytes that are shown of the name of the program that wrote a stream."""
 
 
-class _Gaussians(NamedTuple):
-    means: F32
-    covariances: F32
-    colours: F32
+class Survey(NamedTuple):
+    """What all tiles hold together: number of seeds, bytes of each part, checksum of all decoded symbols."""
 
-
-class _View(NamedTuple):
-    """Where it starts in the picture, output pixels for each of the picture's, and its size in output pixels."""
-
-    x: int
-    y: int
-    sx: float
-    sy: float
-    columns: int
-    rows: int
+    seeds: int
+    part_bytes: dict[str, float]
+    symbol_crc: int
 
 
 class Stream:
     """An opened `.sgi` stream: header and metadata at once, pixels on demand. A context manager.
 
-    `size` is the stream's length in bytes, `chunk_bytes` that of every chunk by its letter, frame included.
+    Of several tiles those are read and decoded that a region touches. `size` is the stream's length in bytes,
+    `chunk_bytes` that of every chunk by its letter, frame included.
     """
 
     def __init__(self, source: bytes | BinaryIO, owned: BinaryIO | None = None, isa: str = "auto") -> None:
         self._owned, self._isa = owned, isa
-        reader = ChunkReader(source, CHUNKS)
-        blobs: dict[str, bytes] = {}
-        self.chunk_bytes: dict[str, int] = {"signature": len(SIGNATURE)}
-        for chunk in reader:
-            if chunk.kind in blobs:
-                raise CorruptStreamError(f"{chunk}: there may be only one")
-            blobs[chunk.kind] = chunk.payload()
-            self.chunk_bytes[chunk.kind] = chunk.end - chunk.offset
-            if chunk.kind == "H":
-                self.header: Header = decode_header(blobs["H"])
-        self.size = reader.end
-        if "T" not in blobs:
-            raise CorruptStreamError("there is no tile: nothing to draw")
-        self._tile = blobs["T"]
-        self.metadata = Metadata(icc=blobs.get("i"), exif=blobs.get("c"), xmp=blobs.get("x"))
+        self._chunks = OpenedChunks(source)
+        self.header, self.size, blobs = self._chunks.header, self._chunks.size, self._chunks.blobs
+        self.chunk_bytes = self._chunks.chunk_bytes
+        self.metadata = Metadata(icc=blobs.get("i"), exif=blobs.get("c"), xmp=blobs.get("x"), geo=blobs.get("g"))
         self.software = _printable(blobs.get("s", b""))
-        self._model: TileModel | None = None
-        self._gaussians: _Gaussians | None = None
-        self._bits: dict[str, float] = {}
-        self._symbol_crc = 0
+        self.grid = self.header.grid
+        self._kept: OrderedDict[tuple[int, bool], DrawnTile] = OrderedDict()
+        self._survey: Survey | None = None
 
     def __enter__(self) -> Stream:
         return self
@@ -114,20 +90,39 @@ class Stream:
 
     @property
     def model(self) -> TileModel:
-        """The decoded model. Raises CorruptStreamError or LimitError."""
-        return self._decoded(0)
+        """The decoded model of a picture in one tile. Raises CorruptStreamError or LimitError."""
+        if self.grid.count > 1:
+            raise UsageError(f"there are {self.grid.count} models, one in each tile")
+        model = self.tile(0, 0).model
+        if model is None:
+            raise UsageError("there is no model: no pixel holds anything")
+        return model
 
     @property
     def symbol_crc(self) -> int:
-        """CRC-32 of every decoded symbol of the tile: equal on every machine."""
-        _ = self.model
-        return self._symbol_crc
+        """CRC-32 of every decoded symbol: equal on every machine."""
+        return self.survey().symbol_crc
 
     @property
     def part_bytes(self) -> Lookup[str, float]:
-        """Bytes of each part of the tile, by information content."""
-        _ = self.model
-        return {name: bits / 8 for name, bits in self._bits.items()}
+        """Bytes of each part of the tiles, by information content."""
+        return self.survey().part_bytes
+
+    def survey(self, threads: int = 0) -> Survey:
+        """Decodes all tiles, one at a time. Raises CorruptStreamError or LimitError."""
+        if self._survey is None:
+            parts: Counter[str] = Counter()
+            crcs, seeds = [], 0
+            for number in range(self.grid.count):
+                payload = self.payload(number)
+                tile = self.tile(0, threads) if self.grid.count == 1 else self._drawn(number, threads, payload)
+                parts.update({name: bits / 8 for name, bits in tile.bits.items()})
+                if self.header.masked is not None:
+                    parts["mask"] += tile.mask_bytes
+                crcs.append(tile.symbol_crc)
+                seeds += 0 if tile.model is None else len(tile.model.layout)
+            self._survey = Survey(seeds, dict(parts), joined_crc(crcs))
+        return self._survey
 
     def render(
         self,
@@ -158,70 +153,151 @@ class Stream:
         view = self._view(region, scale, size)
         pixels = np.empty((view.rows, view.columns, header.spec.channels), header.sample_type)
         self._draw(view, pixels, _mapping(header), threads)
-        return Picture(pixels, header.channels, header.sample_range, self.metadata)
+        return Picture(pixels, header.channels, header.sample_range, self._placed(view))
 
-    def _view(self, region: Region | None, scale: float | None, size: tuple[int, int] | None) -> _View:
+    def bands(
+        self,
+        region: Region | None = None,
+        scale: float | None = None,
+        size: tuple[int, int] | None = None,
+        threads: int = 0,
+    ) -> Bands:
+        """The same picture in bands of rows from the top down, for what need not fit into memory."""
+        view = self._view(region, scale, size, most=None)
+        return Bands(self, view, threads)
+
+    def _placed(self, view: View) -> Metadata:
+        return replace(self.metadata, geo=geo_view(self.metadata.geo, view.x, view.y, view.sx, view.sy))
+
+    def _view(
+        self,
+        region: Region | None,
+        scale: float | None,
+        size: tuple[int, int] | None,
+        most: int | None = MAX_OUTPUT_SAMPLES,
+    ) -> View:
         x, y, width, height = region or (0, 0, self.width, self.height)
         if width < 1 or height < 1 or x < 0 or y < 0 or x + width > self.width or y + height > self.height:
             raise UsageError(
                 f"region {x},{y},{width},{height} is not inside the picture of {self.width}×{self.height} pixels"
             )
         columns, rows = _output_size(width, height, scale, size)
-        if columns * rows * self.header.spec.channels > MAX_OUTPUT_SAMPLES:
+        if most is not None and columns * rows * self.header.spec.channels > most:
             raise LimitError(f"{columns}×{rows} pixels are too many for one call; decode regions or a smaller scale")
-        return _View(x, y, columns / width, rows / height, columns, rows)
+        return View(x, y, columns / width, rows / height, columns, rows)
 
-    def _draw(self, view: _View, out: NDArray[Any], mapping: Mapping | None, threads: int) -> None:
-        """Fills out [rows, columns, C] with samples of the view, block by block: memory for one at a time."""
-        spec, scale = self.header.spec, (view.sx, view.sy)
-        gaussians, origin = self._prepared(threads), (view.x, view.y)
-        if scale != (1.0, 1.0):
-            gaussians, origin = _Gaussians(*scaled(*gaussians, scale, origin)), (0, 0)
-        colours = self._base_colours()
-        raster = NativeRasterizer(threads, self._isa, most_pairs=_MOST_PAIRS)
-        width = min(view.columns, _BLOCK_COLUMNS)
-        height = max(1, _BLOCK_SAMPLES // (width * spec.channels))
-        for top, left in product(range(0, view.rows, height), range(0, view.columns, width)):
-            block = out[top : top + height, left : left + width]
-            background = None
-            if spec.base_cell:
-                size = block.shape[1], block.shape[0]
-                seen = base_view(colours, spec.base_cell, (view.x, view.y), scale, (left, top), size, threads)
-                background = Background(*seen)
-            try:
-                raster.draw(*gaussians, block, (origin[0] + left, origin[1] + top), background, mapping)
-            except OverflowError as error:
-                raise LimitError("the Gaussians cover too much of the picture; decode smaller regions") from error
+    def _draw(self, view: View, out: NDArray[Any], mapping: Mapping | None, threads: int, top: int = 0) -> None:
+        """Fills out [rows, columns, C] with samples of the view from its row `top` on."""
+        alone = self.grid.count > 1 and self.header.spec.base_cell * max(view.sx, view.sy) <= BASE_ALONE
+        for down in self.grid.down.segments(view.y, view.sy, top, len(out)):
+            for across in self.grid.across.segments(view.x, view.sx, 0, view.columns):
+                block = out[down.first : down.last, across.first : across.last]
+                at = across.first, top + down.first
+                tiles = [
+                    self.tile(self.grid.number(column, row), threads, alone)
+                    for row in _both(down)
+                    for column in _both(across)
+                ]
+                if len(tiles) == 1:
+                    tiles[0].draw(view, at, block, mapping, threads)
+                else:
+                    _blend(tiles, (down, across), view, at, block, mapping, threads)
+                if mapping is not None and self.header.masked is not None:
+                    clear(self.header, tiles[0], view, at, block)
 
-    def _decoded(self, threads: int) -> TileModel:
-        if self._model is None:
-            self._model, walk = read_tile(self.header, self._tile, Processor(threads, self._isa))
-            self._bits, self._symbol_crc = walk.bits, walk.crc
-        return self._model
+    def payload(self, number: int) -> bytes:
+        """What the chunk of a tile holds. Raises CorruptStreamError."""
+        return self._chunks.tile(number)
 
-    def _prepared(self, threads: int) -> _Gaussians:
-        if self._gaussians is None:
-            model, spec = self._decoded(threads), self.header.spec
-            decoders = {
-                name: np.ldexp(weights.astype(np.float32), -DECODER_SHIFT) for name, weights in model.decoders.items()
-            }
-            arrays = gaussians_from_seeds(
-                spec,
-                model.decoded_values.astype(np.float32),
-                model.layout.centre,
-                model.layout.cell,
-                decoders,
-                np.array(colour_matrix(spec.channels), np.float32),
-                np,
-            )
-            self._gaussians = _Gaussians(*(np.ascontiguousarray(a, dtype=np.float32) for a in arrays))
-        return self._gaussians
+    def tile(self, number: int, threads: int = 0, alone: bool = False) -> DrawnTile:
+        """A decoded tile; `alone`: its base layer alone. Raises CorruptStreamError or LimitError."""
+        key = number, alone
+        if key not in self._kept:
+            payload = self.payload(number)
+            self._kept[key] = self._drawn(number, threads, payload, alone)
+            if self.grid.count > 1:
+                self._kept[key].forget_model()
+            while len(self._kept) > _LEAST_KEPT and sum(tile.memory for tile in self._kept.values()) > KEPT_BYTES:
+                self._kept.popitem(last=False)
+        self._kept.move_to_end(key)
+        return self._kept[key]
 
-    def _base_colours(self) -> F64:
-        """The base layer's grid in the picture's channels [C, rows, columns]."""
-        grid = self.model.base * float(step_fixed(np.array(self.model.base_step))) * 2.0**-FRACTION_BITS
-        colours: F64 = np.tensordot(np.array(colour_matrix(self.header.spec.channels)).T, grid, axes=1)
-        return colours
+    def _drawn(self, number: int, threads: int, payload: bytes, alone: bool = False) -> DrawnTile:
+        try:
+            tile = DrawnTile(self.header, payload, threads, self._isa, alone)
+        except StreamError as error:
+            if self.grid.count == 1:
+                raise
+            raise type(error)(f"tile {number}: {error}") from error.__cause__
+        return tile
+
+
+_LEAST_KEPT = 4
+"""Tiles that meet in a corner."""
+
+
+class Bands:
+    """A view of a stream, drawn band by band. width, height: in output pixels; metadata: those of the view."""
+
+    def __init__(self, stream: Stream, view: View, threads: int) -> None:
+        self._stream, self._view, self._threads = stream, view, threads
+        self.width, self.height = view.columns, view.rows
+        self.metadata = stream._placed(view)
+
+    @property
+    def rows(self) -> int:
+        """Rows of a band; the last one may have fewer."""
+        samples = self.width * self._stream.header.spec.channels
+        return min(self.height, max(MIN_BAND_ROWS, BAND_SAMPLES // samples))
+
+    def __iter__(self) -> Iterator[tuple[int, Picture]]:
+        """First row and picture of each band."""
+        header = self._stream.header
+        for top in range(0, self.height, self.rows):
+            shape = (min(self.rows, self.height - top), self.width, header.spec.channels)
+            pixels = np.empty(shape, header.sample_type)
+            self._stream._draw(self._view, pixels, _mapping(header), self._threads, top)
+            yield top, Picture(pixels, header.channels, header.sample_range, self.metadata)
+
+
+BAND_SAMPLES = 1 << 25
+MIN_BAND_ROWS = 16
+"""A band has so many samples, but no fewer rows."""
+
+
+def _both(segment: Segment) -> tuple[int, ...]:
+    return (segment.tile,) if segment.weight is None else (segment.tile, segment.tile + 1)
+
+
+def _blend(
+    tiles: list[DrawnTile],
+    where: tuple[Segment, Segment],
+    view: View,
+    at: tuple[int, int],
+    block: NDArray[Any],
+    mapping: Mapping | None,
+    threads: int,
+) -> None:
+    """Draws what two or four tiles share: each fades into the next."""
+    down, across = (_shares(segment) for segment in where)
+    total = np.zeros(block.shape, np.float32)
+    drawn = np.empty(block.shape, np.float32)
+    weights = [(w_down, w_across) for w_down in down for w_across in across]
+    for tile, (w_down, w_across) in zip(tiles, weights, strict=True):
+        tile.draw(view, at, drawn, None, threads)
+        total += drawn * (w_down[:, None, None] * w_across[None, :, None])
+    block[...] = total if mapping is None else _mapped(total, mapping, block.dtype)
+
+
+def _shares(segment: Segment) -> list[F32]:
+    if segment.weight is None:
+        return [np.ones(segment.last - segment.first, np.float32)]
+    return [1 - segment.weight, segment.weight]
+
+
+def _mapped(values: F32, mapping: Mapping, dtype: np.dtype[Any]) -> NDArray[Any]:
+    samples = mapping.low + mapping.span * np.clip(values, 0, 1)
+    return samples.astype(dtype) if dtype.kind == "f" else np.rint(samples).astype(dtype)
 
 
 def open_stream(source: str | Path | bytes | BinaryIO, isa: str = "auto") -> Stream:

@@ -5,23 +5,29 @@ from __future__ import annotations
 import io
 import math
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.bitstream.container import ChunkWriter
-from sgicodec.bitstream.header import MAX_CHANNELS, MAX_SIDE, Header, encode_header
+from sgicodec.assembly import write_stream
+from sgicodec.bitstream.header import MAX_CHANNELS, MAX_SIDE, MAX_TILES, Header, Masked
 from sgicodec.bitstream.limits import check_model
 from sgicodec.bitstream.prior import PRIORS, load_prior
 from sgicodec.bitstream.tile import DECODER_SHIFT, TileModel, write_tile
+from sgicodec.bitstream.tile_chunk import TileChunk, encode_tile_chunk
 from sgicodec.decoder import open_stream
+from sgicodec.encode_settings import EncodeSettings
 from sgicodec.errors import LimitError, PictureError, TargetMissedError, UsageError
+from sgicodec.fill import fill
+from sgicodec.fit.settings import quality_index
 from sgicodec.fit.steering import Goal, Measured, Steering, first_lmbda
-from sgicodec.image import Picture, comparable, full_range, to_unit
+from sgicodec.image import Picture, comparable, full_range, nodata_mask, to_unit
+from sgicodec.image.picture import Metadata, alpha_index
 from sgicodec.metrics import psnr
 from sgicodec.model.base import fit_base, render_base
 from sgicodec.model.context import input_count
@@ -31,6 +37,7 @@ from sgicodec.model.processor import Processor
 from sgicodec.model.quantize import step_fixed, step_index
 from sgicodec.model.spec import ModelSpec, default_spec, paper_spec
 from sgicodec.refine import Refiner, RefineSettings, can_refine
+from sgicodec.tiles import Rect, TileGrid
 from sgicodec.trim import coarser, trim
 from sgicodec.version import __version__
 
@@ -38,92 +45,26 @@ if TYPE_CHECKING:
     from sgicodec.fit.settings import FitSettings
     from sgicodec.fit.trainer import Fitted, Progress
 
-__all__ = ["FAMILY", "EncodeSettings", "Encoded", "base_layer", "encode"]
+__all__ = [
+    "FAMILY",
+    "EncodeSettings",
+    "Encoded",
+    "EncodedTile",
+    "Plan",
+    "Shape",
+    "base_layer",
+    "encode",
+    "encode_tile",
+    "fit_lmbda",
+    "fit_steps",
+    "keep_to_one_torch_thread",
+    "stream_plan",
+]
 
 FAMILY = 1
 """Frequency tables of the default profile: Laplace."""
 
 F32 = NDArray[np.float32]
-
-
-@dataclass(frozen=True)
-class EncodeSettings:
-    """What an encode may be asked for; None means what the profile says.
-
-    quality: 1 to 100, or lmbda directly. effort: 1 to 9, optimisation steps of the default profile. seeds: their number
-    in the paper profile. per_seed: K. features: D (paper). levels: M (paper). steps: of the whole fit. prior: number
-    of the shipped context model, 0 for one that travels in the stream. refine: whether symbols are searched after the
-    fit, where that is known how. metadata: whether ICC, EXIF and XMP are kept. psnr in dB, size in bytes or bpp in
-    bits per pixel: what to end at, in the default profile. time_limit: seconds that the encode may take, instead of a
-    number of steps.
-    """
-
-    quality: float = 50.0
-    lmbda: float | None = None
-    effort: int = 5
-    profile: Literal["default", "paper"] = "default"
-    seeds: int | None = None
-    per_seed: int | None = None
-    features: int | None = None
-    levels: int | None = None
-    steps: int | None = None
-    prior: int | None = None
-    refine: bool = True
-    seed: int = 0
-    threads: int = 0
-    metadata: bool = True
-    psnr: float | None = None
-    size: float | None = None
-    bpp: float | None = None
-    time_limit: float | None = None
-
-    def goal(self, pixels: int) -> Goal | None:
-        """What a picture of so many pixels is to end at, if anything."""
-        if self.psnr is not None:
-            return Goal(psnr=self.psnr)
-        if self.bpp is not None:
-            return Goal(bytes=self.bpp * pixels / 8)
-        return None if self.size is None else Goal(bytes=self.size)
-
-    def asked(self) -> str:
-        """The goal in a word, empty without one."""
-        goals = {"psnr": self.psnr, "bpp": self.bpp, "size": self.size}
-        return "".join(f"{name}{value:g}" for name, value in goals.items() if value is not None)
-
-    def __post_init__(self) -> None:
-        checks = [
-            (1 <= self.quality <= 100, f"quality {self.quality:g}; it runs from 1 to 100"),
-            (
-                self.lmbda is None or 0 <= self.lmbda < math.inf,
-                f"lmbda {self.lmbda}; it must not be negative",
-            ),
-            (1 <= self.effort <= 9, f"effort {self.effort}; it runs from 1 to 9"),
-            (self.profile in ("default", "paper"), f"profile {self.profile}; there are default and paper"),
-            (self.per_seed is None or 1 <= self.per_seed <= 64, f"per-seed {self.per_seed}; 1 to 64"),
-            (self.features is None or 1 <= self.features <= 512, f"features {self.features}; 1 to 512"),
-            (self.seeds is None or self.seeds >= 1, f"seeds {self.seeds}; at least 1"),
-            (self.steps is None or self.steps >= 1, f"steps {self.steps}; at least 1"),
-            (self.levels is None or 1 <= self.levels <= 4, f"levels {self.levels}; 1 to 4"),
-            (self.psnr is None or 0 < self.psnr < math.inf, f"psnr {self.psnr}; it must be positive"),
-            (self.size is None or 1 <= self.size < math.inf, f"size {self.size}; at least 1 byte"),
-            (self.bpp is None or 0 < self.bpp < math.inf, f"bpp {self.bpp}; it must be positive"),
-            (self.time_limit is None or 0 < self.time_limit < math.inf, f"time limit {self.time_limit}; above 0 s"),
-            (self.threads >= 0, f"threads {self.threads}; 0 (all cores) or more"),
-        ]
-        for sound, message in checks:
-            if not sound:
-                raise UsageError(message)
-        goals = [name for name in ("psnr", "size", "bpp") if getattr(self, name) is not None]
-        instead = [*goals, *(["lmbda"] if goals and self.lmbda is not None else [])]
-        instead = ["steps", "time_limit"] if self.steps is not None and self.time_limit is not None else instead
-        if len(instead) > 1:
-            raise UsageError(f"{instead[0]} and {instead[1]} exclude each other")
-        if goals and self.profile != "default":
-            raise UsageError(f"{goals[0]} is a setting of the default profile")
-        if self.profile == "default":
-            for name in ("seeds", "features", "levels"):
-                if getattr(self, name) is not None:
-                    raise UsageError(f"{name} is a setting of the paper profile; add --profile paper")
 
 
 @dataclass(frozen=True)
@@ -151,22 +92,173 @@ def encode(
     what no stream can hold, UsageError for a range of samples that integers do not have.
     """
     settings = settings or EncodeSettings()
-    spec = _spec(settings, picture.pixels.shape[2])
-    _check(picture, spec)
+    plan = stream_plan(Shape.of(picture), settings)
     started = time.monotonic() if started is None else started
-    return _Encoding(picture, settings, spec, started).run(on_progress)
+    if plan.header.tile:
+        return _encode_tiles(picture, plan, on_progress)
+    masked = plan.header.masked if _empty(picture, plan.header.masked).any() else None
+    plan = replace(plan, header=replace(plan.header, masked=masked))
+    return _Encoding(picture, plan, started).run(on_progress)
+
+
+@dataclass(frozen=True)
+class Shape:
+    """What is known of a picture before its pixels are: as in `Picture`, `bands` their number."""
+
+    width: int
+    height: int
+    channels: str
+    bands: int
+    dtype: np.dtype[Any]
+    sample_range: tuple[float, float]
+    metadata: Metadata
+    nodata: float | None
+
+    @classmethod
+    def of(cls, picture: Picture) -> Shape:
+        """That of a picture in memory."""
+        bands, dtype = picture.pixels.shape[2], picture.pixels.dtype
+        shape = (picture.width, picture.height, picture.channels, bands, dtype)
+        return cls(*shape, picture.sample_range, picture.metadata, picture.nodata)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What the tiles of a stream have in common. settings: those of each tile; software: what chunk `s` says."""
+
+    header: Header
+    settings: EncodeSettings
+    software: bytes
+    metadata: Metadata | None
+    place_of_windows: Metadata
+    """What tells the nodata value of windows."""
+
+
+def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
+    """The header and settings of a picture's tiles. Raises as `encode`."""
+    spec, grid = _spec(settings, shape.bands), settings.grid(shape.width, shape.height)
+    _check(shape, spec, grid)
+    fit = _fit_settings(settings)
+    header = Header(
+        *(shape.width, shape.height, shape.channels, str(shape.dtype), shape.sample_range, settings.profile, spec),
+        quality=quality_index(fit.lmbda),
+        family=0 if spec.layout == "uniform" else FAMILY,
+        tile=grid.tile,
+        apron=grid.apron,
+        masked="nodata" if shape.nodata is not None else "transparent" if alpha_index(shape.channels) else None,
+        nodata=shape.nodata or 0.0,
+    )
+    if grid.tile and (settings.asked() or settings.time_limit is not None):
+        what = "a size or PSNR to end at" if settings.asked() else "a time limit"
+        raise UsageError(f"{what} is for a single tile; give a quality or λ, or --tile 0")
+    metadata = shape.metadata if settings.metadata else None
+    return Plan(header, settings, _software(settings, fit), metadata, Metadata(geo=shape.metadata.geo))
+
+
+def fit_steps(settings: EncodeSettings) -> int:
+    """Optimisation steps of a fit without a time limit."""
+    return _fit_settings(settings).steps
+
+
+def fit_lmbda(settings: EncodeSettings) -> float:
+    """λ of a fit without a goal."""
+    return _fit_settings(settings).lmbda
+
+
+@dataclass(frozen=True)
+class EncodedTile:
+    """A finished tile. payload: of its chunk; part_bytes, seeds as in `Encoded`; squared_error: of the fit's last step,
+    samples in 0..1, over `samples` of them; seconds: that it took; length: of the payload.
+    """
+
+    payload: bytes
+    part_bytes: dict[str, float]
+    seeds: int
+    squared_error: float
+    samples: int
+    seconds: float
+    length: int
+
+
+def encode_tile(
+    window: Picture, plan: Plan, number: int, on_progress: Callable[[Progress], bool] | None = None
+) -> EncodedTile:
+    """Fits tile `number` of a stream of several to its pixels, apron included."""
+    header, started = plan.header, time.monotonic()
+    settings = plan.settings
+    if settings.seeds is not None:
+        share = window.width * window.height / (header.width * header.height)
+        settings = replace(settings, seeds=max(1, round(settings.seeds * share)))
+    last: list[Progress] = []
+
+    def watch(progress: Progress) -> bool:
+        last[:] = [progress]
+        return on_progress is None or on_progress(progress)
+
+    tile = _Encoding(window, replace(plan, header=header.of_tile(number), settings=settings), started)
+    chunk, parts, seeds = tile.chunk(number, watch)
+    samples = window.pixels.size
+    error = samples * 10 ** (-0.1 * last[0].psnr) if last else 0.0
+    payload = encode_tile_chunk(header, chunk)
+    if header.masked is not None:
+        parts["mask"] = len(payload) - len(chunk.model or b"")
+    return EncodedTile(payload, parts, seeds, error, samples, time.monotonic() - started, len(payload))
+
+
+def window_of(picture: Picture, rect: Rect) -> Picture:
+    """The part of a picture in memory that a tile covers."""
+    x, y, width, height = rect
+    return replace(picture, pixels=picture.pixels[y : y + height, x : x + width])
+
+
+def _encode_tiles(picture: Picture, plan: Plan, on_progress: Callable[[Progress], bool] | None) -> Encoded:
+    grid, tiles = plan.header.grid, []
+    for number in range(grid.count):
+
+        def watch(progress: Progress, before: int = number) -> bool:
+            if on_progress is None:
+                return True
+            total = grid.count * progress.steps
+            return on_progress(replace(progress, step=before * progress.steps + progress.step, steps=total))
+
+        tiles.append(encode_tile(window_of(picture, grid.rect(number)), plan, number, watch))
+    buffer = io.BytesIO()
+    write_stream(buffer, plan.header, plan.software, plan.metadata, (tile.payload for tile in tiles))
+    return summary(buffer.getvalue(), plan, tiles)
+
+
+def summary(data: bytes, plan: Plan, tiles: list[EncodedTile]) -> Encoded:
+    """The figures of a stream from those of its tiles."""
+    parts: Counter[str] = Counter()
+    for tile in tiles:
+        parts.update(tile.part_bytes)
+    seeds = sum(tile.seeds for tile in tiles)
+    return Encoded(data, dict(parts), seeds, seeds * plan.header.spec.per_seed, fit_lmbda(plan.settings))
+
+
+def _empty(picture: Picture, masked: Masked | None) -> NDArray[np.bool_]:
+    """Which pixels [H, W] need not be coded."""
+    if masked == "transparent":
+        return np.asarray(picture.pixels[..., -1] == 0)
+    return nodata_mask(picture)
 
 
 class _Encoding:
-    """One picture on its way to a stream."""
+    """One picture, or one tile, on its way to a stream."""
 
-    def __init__(self, picture: Picture, settings: EncodeSettings, spec: ModelSpec, started: float) -> None:
-        self.started = started
-        self.picture, self.settings, self.spec = picture, settings, spec
+    def __init__(self, picture: Picture, plan: Plan, started: float) -> None:
+        self.started, self.picture, self.plan, self.settings = started, picture, plan, plan.settings
+        self.spec = spec = plan.header.spec
         self.unit = np.ascontiguousarray(to_unit(picture).transpose(2, 0, 1))
-        self.goal = settings.goal(picture.width * picture.height)
+        self.empty: NDArray[np.bool_] | None = None
+        if plan.header.masked is not None:
+            empty = _empty(picture, plan.header.masked)
+            self.empty = empty if empty.any() else None
+            if self.empty is not None:
+                self.unit = fill(self.unit, self.empty)
+        self.goal = self.settings.goal(picture.width * picture.height)
         self.tries = 0
-        self.fit = _fit_settings(settings)
+        self.fit = _fit_settings(self.settings)
         if self.goal is not None:
             _, _, detail = base_layer(spec, self.unit, self.fit.lmbda)
             lmbda = first_lmbda(self._fit_goal(self.goal), detail, self.fit, self._extra())
@@ -178,8 +270,25 @@ class _Encoding:
         self.fit = replace(self.fit, lmbda=lmbda)
         self.base_step, self.base, self.target = base_layer(self.spec, self.unit, lmbda)
 
+    def chunk(
+        self, number: int, on_progress: Callable[[Progress], bool] | None
+    ) -> tuple[TileChunk, dict[str, float], int]:
+        """The parts of chunk T without goals, the bytes of each, and the number of seeds."""
+        if self._holds_nothing():
+            return TileChunk(number, self.empty, None), {}, 0
+        fitted, family = self._fitted(on_progress)
+        header = self._header(fitted, family)
+        model = self._searched(header, self._model(fitted), fitted.lmbda)
+        payload, parts = _written(header, model)
+        return TileChunk(number, self.empty, payload), parts, len(model.layout)
+
+    def _holds_nothing(self) -> bool:
+        return self.empty is not None and bool(self.empty.all())
+
     def run(self, on_progress: Callable[[Progress], bool] | None) -> Encoded:
         """Fits and writes. Raises TargetMissedError, with the nearest stream, where a goal cannot be reached."""
+        if self._holds_nothing():
+            return Encoded(self._assembled(self.plan.header, None)[0], {}, 0, 0, self.fit.lmbda)
         if self.goal is None:
             fitted, family = self._fitted(on_progress)
             header = self._header(fitted, family)
@@ -297,18 +406,7 @@ class _Encoding:
         return max(0.5 * left, left - coding - searching, 1e-3)
 
     def _header(self, fitted: Fitted, family: int) -> Header:
-        picture = self.picture
-        return Header(
-            picture.width,
-            picture.height,
-            picture.channels,
-            str(picture.pixels.dtype),
-            picture.sample_range,
-            self.settings.profile,
-            self.spec,
-            fitted.quality,
-            family,
-        )
+        return replace(self.plan.header, quality=fitted.quality, family=family)
 
     def _model(self, fitted: Fitted, shift: int = 0) -> TileModel:
         return TileModel(
@@ -328,9 +426,10 @@ class _Encoding:
         return self._refiner(header, model, lmbda).at(lmbda, until=self._end).model
 
     def _encoded(self, header: Header, model: TileModel, lmbda: float) -> Encoded:
-        payload, walk = write_tile(header, model)
-        data = _assemble(self.picture, header, payload, self.settings, self.fit)
-        parts = {name: bits / 8 for name, bits in walk.bits.items()}
+        payload, parts = _written(header, model)
+        data, chunk_bytes = self._assembled(header, payload)
+        if header.masked is not None:
+            parts["mask"] = chunk_bytes - len(payload)
         seeds = len(model.layout)
         return Encoded(data, parts, seeds, seeds * self.spec.per_seed, lmbda)
 
@@ -338,8 +437,21 @@ class _Encoding:
         encoded, quality = self._encoded(header, model, lmbda), math.inf
         if self.goal is not None and self.goal.psnr is not None:
             decoded = open_stream(encoded.data).picture(threads=self.settings.threads)
-            quality = psnr(comparable(self.picture), comparable(decoded))
+            shown = np.array(True) if self.empty is None else ~self.empty[..., None]
+            quality = psnr(*(np.where(shown, comparable(p), 0) for p in (self.picture, decoded)))
         return encoded, Measured(len(encoded.data), quality)
+
+    def _assembled(self, header: Header, model: bytes | None) -> tuple[bytes, int]:
+        """The stream, and the bytes of its tile's payload."""
+        buffer, chunk = io.BytesIO(), encode_tile_chunk(header, TileChunk(0, self.empty, model))
+        write_stream(buffer, header, self.plan.software, self.plan.metadata, [chunk])
+        return buffer.getvalue(), len(chunk)
+
+
+def _written(header: Header, model: TileModel) -> tuple[bytes, dict[str, float]]:
+    """The payload of a model, and the bytes of each part."""
+    payload, walk = write_tile(header, model)
+    return payload, {name: bits / 8 for name, bits in walk.bits.items()}
 
 
 _MOST_SEARCHES = 4
@@ -365,17 +477,18 @@ def _regret(goal: Goal, measured: Measured) -> str:
     return f"no stream of {goal.psnr:g} dB was found; the best reaches {measured.psnr:.2f} dB"
 
 
-def _check(picture: Picture, spec: ModelSpec) -> None:
-    bands, sides = picture.pixels.shape[2], (picture.width, picture.height)
+def _check(shape: Shape, spec: ModelSpec, grid: TileGrid) -> None:
+    bands, sides = shape.bands, (shape.width, shape.height)
     if bands > MAX_CHANNELS or max(sides) > MAX_SIDE:
         size = f"{sides[0]}×{sides[1]} pixels of {bands} channels"
         raise PictureError(f"{size}; a stream holds at most {MAX_CHANNELS} channels and {MAX_SIDE} pixels a side")
+    if grid.count > MAX_TILES:
+        raise UsageError(f"tile {grid.tile}: {grid.count} tiles; a stream holds at most {MAX_TILES}")
     try:
-        check_model(spec, *sides)
+        check_model(spec, *grid.rect(0)[2:])
     except LimitError as error:
         raise PictureError(str(error)) from error
-    dtype = picture.pixels.dtype
-    if dtype.kind == "u" and picture.sample_range != full_range(dtype):
+    if shape.dtype.kind == "u" and shape.sample_range != full_range(shape.dtype):
         raise UsageError("integer samples span their whole type; only floating-point pictures have another range")
 
 
@@ -415,6 +528,13 @@ def base_layer(spec: ModelSpec, unit: F32, lmbda: float) -> tuple[int, NDArray[n
     return index, base, unit - drawn
 
 
+def keep_to_one_torch_thread() -> None:
+    """For a process that fits several tiles at once in threads of its own: see `_one_torch_thread`."""
+    import torch
+
+    torch.set_num_threads(1)
+
+
 @contextmanager
 def _one_torch_thread() -> Iterator[None]:
     """With more threads torch's sums, powers and scattered additions depend on their number, some even on chance.
@@ -431,20 +551,13 @@ def _one_torch_thread() -> Iterator[None]:
         torch.set_num_threads(threads)
 
 
-def _assemble(picture: Picture, header: Header, payload: bytes, settings: EncodeSettings, fit: FitSettings) -> bytes:
-    buffer = io.BytesIO()
-    writer = ChunkWriter(buffer)
-    writer.write("H", encode_header(header))
+def _software(settings: EncodeSettings, fit: FitSettings) -> bytes:
+    """What chunk `s` says."""
     by_scale = settings.profile == "default"
     asked = settings.asked() or (f"q{settings.quality:g}" if by_scale and settings.lmbda is None else f"l{fit.lmbda:g}")
     took = f"e{settings.effort}" if by_scale and settings.steps is None else f"n{fit.steps}"
     took = took if settings.time_limit is None else f"t{settings.time_limit:g}"
-    writer.write("s", f"{__version__} {asked} {took}".encode())
-    for kind, blob in _blobs(picture, settings).items():
-        writer.write(kind, blob)
-    writer.write("T", payload)
-    writer.finish()
-    return buffer.getvalue()
+    return f"{__version__} {asked} {took}".encode()
 
 
 def _blobs(picture: Picture, settings: EncodeSettings) -> dict[str, bytes]:

@@ -8,13 +8,16 @@ from __future__ import annotations
 from typing import Any
 
 __all__ = [
+    "BatchError",
     "CorruptStreamError",
+    "EncodeInterruptedError",
     "LimitError",
     "OutputExistsError",
     "PictureError",
     "SgiError",
     "StreamError",
     "TargetMissedError",
+    "TileFailedError",
     "UnsupportedStreamError",
     "UsageError",
 ]
@@ -64,6 +67,24 @@ class TargetMissedError(SgiError):
     def __init__(self, message: str, nearest: Any = None) -> None:
         super().__init__(message)
         self.nearest = nearest
+
+
+class TileFailedError(SgiError):
+    """A tile of a large picture that could not be encoded (exit 1): `tile` is its number."""
+
+    def __init__(self, tile: int, reason: str) -> None:
+        super().__init__(f"tile {tile}: {reason}")
+        self.tile = tile
+
+
+class BatchError(SgiError):
+    """Some of many files failed; each was told of (exit 1)."""
+
+
+class EncodeInterruptedError(SgiError):
+    """An encode that Ctrl-C stopped and that --resume goes on with (exit 130)."""
+
+    exit_code = 130
 
 
 class OutputExistsError(SgiError):

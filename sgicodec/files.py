@@ -4,13 +4,22 @@ from __future__ import annotations
 
 import contextlib
 import os
+from collections.abc import Iterator
 from pathlib import Path
+from typing import BinaryIO
 
-__all__ = ["write_whole"]
+__all__ = ["whole_file", "write_whole"]
 
 
 def write_whole(path: Path, data: bytes) -> None:
-    """Writes `data` to `path`: under a temporary name in the same folder, synced to disk, then renamed.
+    """Writes `data` to `path` as `whole_file` does."""
+    with whole_file(path) as file:
+        file.write(data)
+
+
+@contextlib.contextmanager
+def whole_file(path: Path) -> Iterator[BinaryIO]:
+    """A file to write to under a temporary name in the folder of `path`; then it is synced to disk and renamed.
 
     A link is followed. What is no regular file (a device, a named pipe) is written to directly. Raises OSError, after
     which the old file, if any, is still there and nothing else is.
@@ -18,12 +27,12 @@ def write_whole(path: Path, data: bytes) -> None:
     path = Path(os.path.realpath(path))
     if path.exists() and not path.is_file():
         with path.open("wb") as device:
-            device.write(data)
+            yield device
         return
     unfinished = path.with_name(f".{os.urandom(4).hex()}.sgi-part")
     try:
         with unfinished.open("xb") as file:
-            file.write(data)
+            yield file
             file.flush()
             os.fsync(file.fileno())
         os.replace(unfinished, path)

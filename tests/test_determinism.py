@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 import torch
 
-from sgicodec import EncodeSettings, Picture, Stream, decoder, encode, open_stream, read
+from sgicodec import EncodeSettings, Picture, Stream, drawn_tile, encode, open_stream, read
 from sgicodec.bitstream import tile
 from sgicodec.bitstream.attributes import AttributeCoder
 from sgicodec.metrics import psnr
@@ -162,8 +162,8 @@ def test_a_region_is_the_crop_of_the_picture(stream: Stream, region: tuple[int, 
 @pytest.mark.parametrize("scale", [None, 0.37, 2.0])
 def test_blocks_do_not_show(stream: Stream, scale: float | None, monkeypatch: pytest.MonkeyPatch) -> None:
     whole, pixels = stream.render(scale=scale), stream.picture(scale=scale).pixels
-    monkeypatch.setattr(decoder, "_BLOCK_SAMPLES", 2000)
-    monkeypatch.setattr(decoder, "_BLOCK_COLUMNS", 50)
+    monkeypatch.setattr(drawn_tile, "BLOCK_SAMPLES", 2000)
+    monkeypatch.setattr(drawn_tile, "BLOCK_COLUMNS", 50)
     np.testing.assert_array_equal(stream.render(scale=scale), whole)
     np.testing.assert_array_equal(stream.picture(scale=scale).pixels, pixels)
 

@@ -23,6 +23,7 @@ from sgicodec import _native
 from sgicodec.bench.raster import forward_operations, pairs_within
 from sgicodec.bench.sgi import run_timed
 from sgicodec.bitstream.tile import read_tile
+from sgicodec.bitstream.tile_chunk import decode_tile_chunk
 from sgicodec.decoder import Stream, open_stream
 from sgicodec.raster import DEFAULT_CUTOFF, NativeRasterizer
 
@@ -49,9 +50,9 @@ STAGES: dict[str, tuple[str, ...]] = {
         "bitstream.attributes:quantisers",
         "bitstream.attributes:AttributeCoder._code_pass",
     ),
-    "Gaussians": ("decoder:Stream._prepared",),
-    "base layer": ("bitstream.tile:_code_base_layer", "decoder:base_view", "decoder:Stream._base_colours"),
-    "drawing, background, rounding": ("decoder:NativeRasterizer.draw",),
+    "Gaussians": ("drawn_tile:_drawable",),
+    "base layer": ("bitstream.tile:_code_base_layer", "drawn_tile:base_view"),
+    "drawing, background, rounding": ("drawn_tile:NativeRasterizer.draw",),
     "the rest": ("decoder:Stream.picture",),
 }
 """What is called what: functions by module, each with the time that it spends outside of those of other stages."""
@@ -80,11 +81,11 @@ class Work:
 
     @classmethod
     def of(cls, stream: Stream) -> Work:
-        """That of a stream, which is decoded for it."""
-        header = stream.header
-        model, walk = read_tile(header, stream._tile)
+        """That of a stream of a single tile, which is decoded for it."""
+        header, tile = stream.header, stream.tile(0)
+        model, walk = read_tile(header, decode_tile_chunk(header, stream.payload(0)).model or b"")
         per_seed = sum(net.w1.size + net.w2.size for net in model.networks)
-        means, covariances, colours = stream._prepared(0)
+        means, covariances, colours = tile.gaussians
         pairs = pairs_within((means, covariances, colours), DEFAULT_CUTOFF, header.width, header.height)
         samples = header.width * header.height * header.spec.channels * np.dtype(header.sample_type).itemsize
         return cls(walk.count, per_seed * len(model.layout), pairs, stream.size, samples)

@@ -91,6 +91,7 @@ class Chunk:
     length: int
     """Bytes of payload."""
     head: bytes = field(repr=False)
+    """Its first bytes, those before the payload."""
     reader: ChunkReader = field(repr=False)
 
     @property
@@ -151,6 +152,20 @@ class ChunkReader:
                 raise UnsupportedStreamError(f"{chunk} is required but unknown; decode the file with a newer version")
         if chunk.length or chunk.payload() or self._file.read(1):
             raise CorruptStreamError(f"{chunk}: there is data behind the end mark; the file is damaged")
+
+    @property
+    def size(self) -> int | None:
+        """Bytes of a source that can seek."""
+        return self._size
+
+    def chunk_at(self, offset: int) -> Chunk:
+        """The chunk that begins at `offset` of a source that can seek. Raises CorruptStreamError."""
+        return self._read_head(offset)
+
+    def peek(self, offset: int, count: int) -> bytes:
+        """Up to `count` bytes from `offset` on of a source that can seek; nobody has checked them."""
+        self._file.seek(self._start + offset)
+        return self._file.read(count)
 
     def read_payload(self, chunk: Chunk) -> bytes:
         """See `Chunk.payload`."""

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import struct
 from dataclasses import dataclass, replace
+from typing import Literal
 
 from sgicodec.bitstream.varint import decode_varint, encode_varint
 from sgicodec.errors import CorruptStreamError, LimitError, UnsupportedStreamError
 from sgicodec.model.spec import ContextSpec, ModelSpec
+from sgicodec.tiles import TileGrid
 
-__all__ = ["FORMAT_VERSION", "LAYOUT_NAMES", "SAMPLE_TYPES", "Header", "decode_header", "encode_header"]
+__all__ = ["FORMAT_VERSION", "LAYOUT_NAMES", "SAMPLE_TYPES", "Header", "Masked", "decode_header", "encode_header"]
 
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
+
+Masked = Literal["transparent", "nodata"]
 
 LAYOUT_NAMES = ("multi", "gray", "gray+alpha", "rgb", "rgba")
 SAMPLE_TYPES = ("uint8", "uint16", "float32")
@@ -25,13 +29,20 @@ MAX_HIDDEN = 1 << 12
 MAX_HASH_LEVELS = 32
 MAX_HASH_RESOLUTION = 1 << 14
 
-_SKIP, _SEED_SCALES, _GROUPED, _COARSE_FIRST = 1, 2, 4, 8
+MAX_TILES = 1 << 20
+MIN_TILE, MAX_APRON = 32, 256
+
+_SKIP, _SEED_SCALES, _GROUPED, _COARSE_FIRST, _TILED = 1, 2, 4, 8, 16
+_MASKED: dict[Masked | None, int] = {None: 0, "transparent": 32, "nodata": 64}
+_ALL_FLAGS = 127
 
 
 @dataclass(frozen=True)
 class Header:
     """width, height in pixels; channels: the layout's name; sample_type: numpy's name; sample_range: what 0 and 1 of
-    the model mean. quality: index of the base colour step; family: of the frequency tables.
+    the model mean. quality: index of the base colour step; family: of the frequency tables. tile: largest side of a
+    tile without its apron, 0 if there is one; apron: how far it reaches over its neighbours. masked: whether tiles say
+    which pixels are "transparent", or "nodata" with the value `nodata`.
     """
 
     width: int
@@ -43,13 +54,27 @@ class Header:
     spec: ModelSpec
     quality: int
     family: int
+    tile: int = 0
+    apron: int = 0
+    masked: Masked | None = None
+    nodata: float = 0.0
+
+    @property
+    def grid(self) -> TileGrid:
+        """Where the tiles are."""
+        return TileGrid(self.width, self.height, self.tile, self.apron)
+
+    def of_tile(self, number: int) -> Header:
+        """The header that a tile's model would have as a picture of its own."""
+        _, _, width, height = self.grid.rect(number)
+        return replace(self, width=width, height=height, tile=0, apron=0)
 
 
 def encode_header(header: Header) -> bytes:
     """The payload of chunk H."""
     spec, context = header.spec, header.spec.context
     flags = _SKIP * spec.skip + _SEED_SCALES * spec.seed_scales + _GROUPED * (len(context.steps) > 1)
-    flags += _COARSE_FIRST * context.coarse_first
+    flags += _COARSE_FIRST * context.coarse_first + _TILED * bool(header.tile) + _MASKED[header.masked]
     fields = [
         FORMAT_VERSION,
         header.width,
@@ -75,9 +100,13 @@ def encode_header(header: Header) -> bytes:
     ]
     if context.hash_resolutions:
         fields += [context.hash_features, context.hash_log2_entries]
+    if header.tile:
+        fields += [header.tile, header.apron]
     payload = b"".join(encode_varint(value) for value in fields)
     if header.sample_type == "float32":
         payload += struct.pack("<2f", *header.sample_range)
+    if header.masked == "nodata":
+        payload += struct.pack("<d", header.nodata)
     return payload
 
 
@@ -96,6 +125,12 @@ class _Fields:
             raise LimitError(f"header: {what} is {value}; this version takes {low} to {high}")
         return value
 
+    def unpack(self, what: str, layout: str) -> tuple[float, ...]:
+        start, self.at = self.at, self.at + struct.calcsize(layout)
+        if self.at > len(self.data):
+            raise CorruptStreamError(f"header: ends before {what}")
+        return struct.unpack_from(layout, self.data, start)
+
 
 def decode_header(payload: bytes) -> Header:
     """Reads chunk H. Raises UnsupportedStreamError for a newer version, LimitError for a field beyond its cap and
@@ -103,7 +138,7 @@ def decode_header(payload: bytes) -> Header:
     """
     fields = _Fields(payload)
     version = fields.take("the format version", 0, 1 << 20)
-    if version != FORMAT_VERSION:
+    if version not in (1, FORMAT_VERSION):
         raise UnsupportedStreamError(f"header: format version {version}; this program reads version {FORMAT_VERSION}")
     width, height = fields.take("the width", 1, MAX_SIDE), fields.take("the height", 1, MAX_SIDE)
     channels = fields.take("the number of channels", 1, MAX_CHANNELS)
@@ -111,7 +146,7 @@ def decode_header(payload: bytes) -> Header:
     sample_type = SAMPLE_TYPES[fields.take("the sample type", 0, len(SAMPLE_TYPES) - 1)]
     profile = _PROFILES[fields.take("the profile", 0, len(_PROFILES) - 1)]
     layout, shape = _LAYOUTS[fields.take("the seed layout", 0, 1)], _SHAPES[fields.take("the shape", 0, 1)]
-    flags = fields.take("the flags", 0, 15)
+    flags = fields.take("the flags", 0, 15 if version == 1 else _ALL_FLAGS)
     per_seed = fields.take("K", 1, 64)
     features = fields.take("D", 1, MAX_FEATURES)
     hidden = fields.take("the decoders' width", 0, MAX_HIDDEN)
@@ -138,16 +173,49 @@ def decode_header(payload: bytes) -> Header:
     names = tuple(group.name for group in spec.groups)
     steps = tuple((name,) for name in names) if grouped else (names,)
     spec = replace(spec, context=replace(context, steps=steps))
-    sample_range = {"uint8": (0.0, 255.0), "uint16": (0.0, 65535.0)}.get(sample_type) or _range(payload, fields)
-    if fields.at != len(payload) - (8 if sample_type == "float32" else 0):
+    tile = fields.take("the tile size", MIN_TILE, MAX_SIDE) if flags & _TILED else 0
+    apron = fields.take("the apron", 0, min(tile // 4, MAX_APRON)) if flags & _TILED else 0
+    sample_range = {"uint8": (0.0, 255.0), "uint16": (0.0, 65535.0)}.get(sample_type) or _range(fields)
+    masked = _masked(flags, layout_name)
+    nodata = fields.unpack("the nodata value", "<d")[0] if masked == "nodata" else 0.0
+    if fields.at != len(payload):
         raise CorruptStreamError("header: longer than its fields")
-    return Header(width, height, layout_name, sample_type, sample_range, profile, spec, quality, family)
+    if masked == "nodata":
+        nodata = _sample(nodata, sample_type)
+    header = Header(
+        *(width, height, layout_name, sample_type, sample_range, profile, spec, quality, family),
+        *(tile, apron, masked, nodata),
+    )
+    _check_tiles(header)
+    return header
 
 
-def _range(payload: bytes, fields: _Fields) -> tuple[float, float]:
-    if len(payload) != fields.at + 8:
-        raise CorruptStreamError("header: ends before the sample range")
-    low, high = struct.unpack_from("<2f", payload, fields.at)
+def _check_tiles(header: Header) -> None:
+    if header.tile and header.grid.count == 1:
+        raise CorruptStreamError(f"header: a picture of one tile states a tile size of {header.tile}")
+    if header.grid.count > MAX_TILES:
+        raise LimitError(f"header: {header.grid.count} tiles; this version takes at most {MAX_TILES}")
+
+
+def _masked(flags: int, layout_name: str) -> Masked | None:
+    for masked, flag in _MASKED.items():
+        if flags & (_MASKED["transparent"] | _MASKED["nodata"]) == flag:
+            if masked == "transparent" and layout_name not in ("gray+alpha", "rgba"):
+                raise CorruptStreamError(f"header: {layout_name} has no transparent pixels")
+            return masked
+    raise CorruptStreamError("header: pixels are either transparent or without data")
+
+
+def _sample(value: float, sample_type: str) -> float:
+    if sample_type != "float32":
+        largest = {"uint8": 255, "uint16": 65535}[sample_type]
+        if not (0 <= value <= largest and value == int(value)):
+            raise CorruptStreamError(f"header: no sample of {sample_type} is {value:g}")
+    return value
+
+
+def _range(fields: _Fields) -> tuple[float, float]:
+    low, high = fields.unpack("the sample range", "<2f")
     if not (abs(low) < 1e38 and abs(high) < 1e38 and low < high):
         raise CorruptStreamError(f"header: a sample range of {low:g} to {high:g}")
     return low, high

@@ -25,7 +25,7 @@ from sgicodec.model.quantize import FRACTION_BITS, STEP_COUNT
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import StepPlan, default_plan, follows_amplitude
 
-__all__ = ["DECODER_SHIFT", "TileModel", "code_networks", "read_tile", "write_tile"]
+__all__ = ["DECODER_SHIFT", "TileModel", "code_networks", "read_base", "read_tile", "write_tile"]
 
 F64 = NDArray[np.float64]
 I64 = NDArray[np.int64]
@@ -87,6 +87,14 @@ def read_tile(header: Header, payload: bytes, processor: Processor = ONE_THREAD)
     model = _code(walk, header, None, max_seeds(spec, *size, len(payload)), processor)
     walk.finish()
     return model, walk
+
+
+def read_base(header: Header, payload: bytes) -> tuple[int, I64]:
+    """Step index and grid of the base layer alone: the first parts of a payload, whose end is not looked at."""
+    check_model(header.spec, header.width, header.height)
+    walk = SymbolReader(payload)
+    _code_plan(walk, header.spec, header.quality, None)
+    return _code_base_layer(walk, header, None)
 
 
 def _code(

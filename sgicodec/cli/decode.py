@@ -2,27 +2,29 @@
 
 from __future__ import annotations
 
-import io
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from sgicodec.cli.batch import named_targets, run_batch
 from sgicodec.cli.options import REGION, SCALE, SIZE, VERBOSE, force_option, threads_option
-from sgicodec.cli.paths import STANDARD, check_output, display, opened_stream, with_extension, write_output
+from sgicodec.cli.paths import STANDARD, check_output, display, opened_stream, with_extension
+from sgicodec.cli.pictures import Output, write_bands, write_picture
 from sgicodec.errors import PictureError, UsageError
 
 if TYPE_CHECKING:
     from sgicodec.bitstream.header import Header
-    from sgicodec.decoder import Region
+    from sgicodec.decoder import Bands, Region
     from sgicodec.image import Picture
 
 __all__ = ["decode"]
 
 
-@click.command(short_help="Decode a stream, or a part of it, at any scale.")
-@click.argument("source", metavar="IN")
-@click.argument("target", metavar="[OUT]", required=False)
+@click.command(short_help="Decode streams, or a part of them, at any scale.")
+@click.argument("paths", metavar="IN... [OUT]", nargs=-1, required=True)
 @click.option("--region", type=REGION, metavar="X,Y,W,H", help="Only these pixels of the picture.")
 @click.option("--scale", type=SCALE, metavar="F", help="Enlarge or shrink by this factor, such as 2 or 1/4.")
 @click.option("--size", type=SIZE, metavar="WxH", help="Scale to this size; 512x and x512 keep the aspect.")
@@ -35,37 +37,80 @@ __all__ = ["decode"]
     show_default="2",
     help="How hard PNG is compressed.",
 )
+@click.option("--output-dir", metavar="DIR", help="Decode all IN into this folder.")
 @threads_option
 @force_option
 def decode(
-    source: str,
-    target: str | None,
+    paths: tuple[str, ...],
     region: Region | None,
     scale: float | None,
     size: tuple[int | None, int | None] | None,
     depth: str | None,
     format_: str | None,
     png_level: int | None,
+    output_dir: str | None,
     threads: int,
     force: bool,
 ) -> None:
     """Decode stream IN into picture OUT; - stands for stdin or stdout.
 
     OUT is by default IN's name with .png, or .tif for what PNG cannot hold: floats, or bands without a meaning.
+
+    With --output-dir many IN are decoded one after the other; one that fails does not stop the others.
     """
     if scale is not None and size is not None:
         raise UsageError("--scale and --size exclude each other")
     bits = None if depth is None else int(depth)
+    verbose = bool(click.get_current_context().meta.get(VERBOSE))
+    job = _Job(region, scale, size, Output(bits, png_level, threads), format_, force, verbose)
+    if output_dir is not None:
+        targets = named_targets(paths, output_dir, partial(_extension_of, job))
+        run_batch("decoded", targets, partial(_decode, job))
+    elif len(paths) > 2:
+        raise click.UsageError(f"{len(paths)} names; give IN and OUT, or --output-dir for many streams")
+    else:
+        _decode(job, paths[0], paths[1] if len(paths) == 2 else None)
+
+
+@dataclass(frozen=True)
+class _Job:
+    """What the options say."""
+
+    region: Region | None
+    scale: float | None
+    size: tuple[int | None, int | None] | None
+    output: Output
+    format_: str | None
+    force: bool
+    verbose: bool
+
+
+def _extension_of(job: _Job, source: str) -> str:
     with opened_stream(source) as stream:
-        extension = _extension(stream.header, target, format_, bits)
+        return _extension(stream.header, None, job.format_, job.output.bits)
+
+
+def _decode(job: _Job, source: str, target: str | None) -> int:
+    """Decodes one stream; returns the bytes of the picture, 0 if it went to stdout."""
+    with opened_stream(source) as stream:
+        extension = _extension(stream.header, target, job.format_, job.output.bits)
         target = with_extension(source, extension) if target is None else target
-        check_output(target, source, force)
-        _, _, width, height = region or (0, 0, stream.width, stream.height)
-        picture = stream.picture(region, scale, None if size is None else _whole(size, width, height), threads)
-    _write(picture, target, extension, bits, png_level, threads)
-    if click.get_current_context().meta.get(VERBOSE):
-        name = display(target, "stdout")
-        click.echo(f"{name}: {picture.width}×{picture.height}, {picture.channels}", err=True)
+        check_output(target, source, job.force)
+        _, _, width, height = job.region or (0, 0, stream.width, stream.height)
+        size = None if job.size is None else _whole(job.size, width, height)
+        view = job.region, job.scale, size, job.output.threads
+        shown: Bands | Picture
+        if stream.grid.count > 1:
+            shown = stream.bands(*view)
+            write_bands(stream.header, shown, target, extension, job.output)
+        else:
+            shown = picture = stream.picture(*view)
+    if stream.grid.count == 1:
+        write_picture(picture, target, extension, job.output)
+    if job.verbose:
+        text = f"{shown.width}×{shown.height}, {stream.header.channels}"
+        click.echo(f"{display(target, 'stdout')}: {text}", err=True)
+    return 0 if target == STANDARD else Path(target).stat().st_size
 
 
 def _extension(header: Header, target: str | None, format_: str | None, bits: int | None) -> str:
@@ -94,16 +139,3 @@ def _whole(size: tuple[int | None, int | None], width: int, height: int) -> tupl
     if high is None:
         high = max(1, round(height * wide / width))
     return wide, high
-
-
-def _write(
-    picture: Picture, target: str, extension: str, bits: int | None, png_level: int | None, threads: int
-) -> None:
-    from sgicodec.image import write
-
-    if target != STANDARD:
-        write(picture, target, format=extension, depth=bits, png_level=png_level, threads=threads)
-        return
-    buffer = io.BytesIO()
-    write(picture, buffer, format=extension, depth=bits, png_level=png_level, threads=threads)
-    write_output(target, buffer.getvalue(), PictureError)

@@ -1,29 +1,54 @@
-"""`sgi encode`: a picture becomes a stream."""
+"""`sgi encode`: pictures become streams."""
 
 from __future__ import annotations
 
+import io
+import sys
 import time
+from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from sgicodec.cli.interrupt import EarlyEnd
+from sgicodec.cli.batch import named_targets, run_batch
+from sgicodec.cli.encode_one import encode_one
 from sgicodec.cli.options import BYTES, FLOAT_RANGE, VERBOSE, force_option, json_option, threads_option
-from sgicodec.cli.paths import STANDARD, check_output, display, picture_source, with_extension, write_output
-from sgicodec.cli.progress import Mode, fit_progress
-from sgicodec.errors import StreamError, TargetMissedError, UsageError
+from sgicodec.cli.paths import STANDARD, check_output, display, with_extension
+from sgicodec.cli.progress import Mode
+from sgicodec.errors import UsageError
 
 if TYPE_CHECKING:
-    from sgicodec.encoder import Encoded, EncodeSettings
-    from sgicodec.fit.trainer import Progress
-    from sgicodec.image import Picture
+    from sgicodec.encoder import EncodeSettings
 
-__all__ = ["encode"]
+__all__ = ["Job", "encode"]
 
 
-@click.command(short_help="Encode a picture.")
-@click.argument("source", metavar="IN")
-@click.argument("target", metavar="[OUT]", required=False)
+@dataclass(frozen=True)
+class Job:
+    """What the options say besides the settings of the stream. target: a path, or - for stdout."""
+
+    source: str
+    target: str
+    settings: EncodeSettings
+    float_range: tuple[float, float] | None
+    verify: bool
+    progress: Mode
+    force: bool
+    as_json: bool
+    quiet: bool
+    verbose: bool
+    resume: bool
+    max_memory: float | None
+    cluster: str | None
+    source_at: str | None
+    send_pixels: bool
+    batch: bool
+    started: float
+
+
+@click.command(short_help="Encode pictures.")
+@click.argument("paths", metavar="IN... [OUT]", nargs=-1, required=True)
 @click.option("-q", "--quality", type=float, metavar="1-100", show_default="50", help="Quality; more is better.")
 @click.option("--lmbda", type=float, metavar="L", help="Squared error that a bit must save, instead of -q.")
 @click.option("--psnr", type=float, metavar="DB", help="PSNR to end at, instead of -q.")
@@ -42,46 +67,90 @@ __all__ = ["encode"]
 @click.option("--metadata/--no-metadata", default=True, show_default=True, help="Keep ICC profile, EXIF and XMP.")
 @click.option("--verify/--no-verify", default=True, show_default=True, help="Decode the stream and measure it.")
 @click.option("--progress", type=click.Choice(["auto", "on", "off"]), default="auto", show_default=True)
+@click.option("--tile", type=int, metavar="N", help="Side of the tiles of a large picture; 0 for a single one.")
+@click.option("--max-memory", type=BYTES, metavar="SIZE", help="Take fewer workers than -j if they need more: 1.5GiB.")
+@click.option("--resume", is_flag=True, help="Go on with the interrupted encode in OUT.part.")
+@click.option("--cluster", metavar="ADDRESS", help="Fit tiles on a Dask cluster; local:N starts one.")
+@click.option("--source-at", metavar="PLACE", help="Path or URL of IN as the cluster sees it.")
+@click.option("--send-pixels", is_flag=True, help="Send pixels to the cluster, which then reads nothing.")
+@click.option("--output-dir", metavar="DIR", help="Encode all IN into this folder.")
 @threads_option
 @force_option
 @json_option
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 def encode(
-    source: str,
-    target: str | None,
+    paths: tuple[str, ...],
+    output_dir: str | None,
+    as_json: bool,
+    quiet: bool,
     float_range: tuple[float, float] | None,
     verify: bool,
     progress: Mode,
     force: bool,
-    as_json: bool,
-    quiet: bool,
+    resume: bool,
+    max_memory: float | None,
+    cluster: str | None,
+    source_at: str | None,
+    send_pixels: bool,
     **choices: Any,
 ) -> None:
     """Encode picture IN into stream OUT, by default IN's name with .sgi; - stands for stdin or stdout.
 
+    With --output-dir many IN are encoded one after the other; one that fails does not stop the others.
+
     A size or quality that cannot be reached ends with exit code 5 and the nearest stream in OUT.
 
-    Ctrl-C ends the fit early and writes what it has; a second Ctrl-C writes nothing.
+    Ctrl-C ends the fit early and writes what it has; a second Ctrl-C writes nothing. A picture of several tiles stops
+    at once: OUT.part keeps the finished ones for --resume.
     """
-    from sgicodec.cli.report import Report, print_report
-    from sgicodec.image import read
-
-    started = time.monotonic()
-    target = _default_target(source) if target is None else target
-    if as_json and target == STANDARD:
-        raise UsageError("stdout cannot take both the stream and --json; name OUT")
-    check_output(target, source, force)
     settings = _settings(choices)
-    picture = read(picture_source(source), sample_range=float_range)
-    with EarlyEnd() as early:
-        encoded, last, missed = _fit(picture, settings, started, "off" if quiet else progress, early, quiet)
-        report = Report.of(picture, encoded, settings, last, verify)
-        write_output(target, encoded.data, StreamError)
-    if not quiet or as_json:
-        verbose = bool(click.get_current_context().meta.get(VERBOSE))
-        print_report(report, source, target, time.monotonic() - started, as_json, verbose)
-    if missed is not None:
-        raise TargetMissedError(f"{missed}; it is written to {display(target, 'stdout')}")
+    if cluster is None and (source_at is not None or send_pixels):
+        raise UsageError("--source-at and --send-pixels go with --cluster")
+    if source_at is not None and send_pixels:
+        raise UsageError("--source-at and --send-pixels exclude each other")
+    verbose = bool(click.get_current_context().meta.get(VERBOSE))
+
+    def job(source: str, target: str) -> Job:
+        options = (
+            float_range,
+            verify,
+            progress,
+            force,
+            as_json,
+            quiet,
+            verbose,
+            resume,
+            max_memory,
+            cluster,
+            source_at,
+            send_pixels,
+            output_dir is not None,
+        )
+        return Job(source, target, settings, *options, time.monotonic())
+
+    if output_dir is not None:
+        targets = named_targets(paths, output_dir, lambda _: "sgi")
+        run_batch("encoded", targets, lambda source, target: _encode(job(source, target)), as_json, quiet)
+        return
+    if len(paths) > 2:
+        raise click.UsageError(f"{len(paths)} names; give IN and OUT, or --output-dir for many pictures")
+    _encode(job(paths[0], paths[1] if len(paths) == 2 else _default_target(paths[0])))
+
+
+def _encode(job: Job) -> int:
+    """Encodes one picture in whatever way suits its size; returns the bytes of the stream."""
+    from sgicodec.image import open_source
+
+    if job.as_json and job.target == STANDARD:
+        raise UsageError("stdout cannot take both the stream and --json; name OUT")
+    check_output(job.target, job.source, job.force)
+    origin = sys.stdin.buffer.read() if job.source == STANDARD else Path(job.source)
+    with open_source(origin, sample_range=job.float_range) as source:
+        if job.settings.grid(source.width, source.height).count > 1:
+            from sgicodec.cli.encode_tiles import encode_tiles
+
+            return encode_tiles(job, source)
+    return encode_one(job, io.BytesIO(origin) if isinstance(origin, bytes) else origin)
 
 
 def _default_target(source: str) -> str:
@@ -104,26 +173,3 @@ def _settings(choices: dict[str, Any]) -> EncodeSettings:
             if name in chosen:
                 raise UsageError(f"--{name} is a scale of the default profile; give --{instead} to the paper profile")
     return EncodeSettings(**chosen)
-
-
-def _fit(
-    picture: Picture, settings: EncodeSettings, started: float, progress: Mode, early: EarlyEnd, quiet: bool
-) -> tuple[Encoded, Progress, TargetMissedError | None]:
-    """The stream, the state of its fit after the last step, and what was asked for and not reached."""
-    from sgicodec.encoder import encode as encode_picture
-
-    states: list[Progress] = []
-    with fit_progress(progress, picture.width * picture.height) as draw:
-
-        def on_progress(state: Progress) -> bool:
-            states[:] = [state]
-            early.arm()
-            draw(state)
-            if early.asked and not quiet:
-                click.echo(f"sgi: interrupted at step {state.step} of {state.steps}; writing what is there", err=True)
-            return not early.asked
-
-        try:
-            return encode_picture(picture, settings, on_progress, started), states[0], None
-        except TargetMissedError as missed:
-            return missed.nearest, states[0], missed

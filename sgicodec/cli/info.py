@@ -42,7 +42,7 @@ def info(source: str, as_json: bool) -> None:
 
 def _facts(stream: Stream) -> dict[str, Any]:
     """What `--json` prints besides the parts."""
-    header, seeds = stream.header, len(stream.model.layout)
+    header, seeds = stream.header, stream.survey().seeds
     pixels = stream.width * stream.height
     return {
         "width": stream.width,
@@ -54,6 +54,7 @@ def _facts(stream: Stream) -> dict[str, Any]:
         "bytes": stream.size,
         "bpp": 8 * stream.size / pixels,
         "profile": header.profile,
+        "tiles": stream.grid.count,
         "seeds": seeds,
         "gaussians": seeds * header.spec.per_seed,
         "settings": _settings(header),
@@ -75,6 +76,9 @@ def _settings(header: Header) -> dict[str, Any]:
         "context_width": context.hidden,
         "neighbours": context.neighbours,
         "hash_levels": len(context.hash_resolutions),
+        "tile": header.tile,
+        "apron": header.apron,
+        "masked": header.masked,
     }
 
 
@@ -89,10 +93,16 @@ def _lines(stream: Stream, facts: Mapping[str, Any]) -> dict[str, str]:
     context += f", {settings['neighbours']} neighbours" if settings["neighbours"] else ""
     context += f", {settings['hash_levels']} hash levels" if settings["hash_levels"] else ""
     base = f", base layer of {settings['base_cell']}-pixel cells" if settings["base_cell"] else ""
+    tiles = {}
+    if stream.grid.count > 1:
+        grid = stream.grid
+        what = f"{grid.count} ({grid.across.count}×{grid.down.count}) of up to {grid.tile} pixels a side"
+        tiles["tiles"] = f"{what}, fading over {2 * grid.apron}"
     return {
         "picture": f"{stream.width}×{stream.height}, {count if channels == 'multi' else channels}"
         + f"{' bands' if channels == 'multi' else ''}, {depth}",
         "size": f"{facts['bytes']:,} bytes, {facts['bpp']:.3f} bpp",
+        **tiles,
         "seeds": f"{facts['seeds']:,} × {settings['per_seed']} = {facts['gaussians']:,} Gaussians",
         "profile": f"{facts['profile']}: {settings['layout']} layout, D = {settings['features']}{base}",
         "context": context,

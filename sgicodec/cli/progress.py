@@ -1,4 +1,4 @@
-"""The progress bar of a fit."""
+"""Progress bars: of a fit, and of an encode in several tiles."""
 
 from __future__ import annotations
 
@@ -8,9 +8,12 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
-    from sgicodec.fit.trainer import Progress
+    from rich.console import Console
 
-__all__ = ["Mode", "fit_progress"]
+    from sgicodec.fit.trainer import Progress
+    from sgicodec.large.encode import State
+
+__all__ = ["Mode", "fit_progress", "tile_progress"]
 
 Mode = Literal["auto", "on", "off"]
 
@@ -21,16 +24,14 @@ def fit_progress(mode: Mode, pixels: int) -> Iterator[Callable[[Progress], None]
 
     pixels: of the picture, to show bits per pixel. They count the seeds' attributes alone, hence the ~.
     """
-    if mode == "off" or (mode == "auto" and not sys.stderr.isatty()):
+    if not _is_drawn(mode):
         yield lambda progress: None
         return
-    from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
     from rich.progress import Progress as Bar
 
     columns = (TextColumn("fit"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[state]}"))
-    console = Console(stderr=True, force_terminal=True if mode == "on" else None)
-    with Bar(*columns, TimeRemainingColumn(), TextColumn("left"), console=console, refresh_per_second=4) as bar:
+    with Bar(*columns, TimeRemainingColumn(), TextColumn("left"), console=_console(mode), refresh_per_second=4) as bar:
         task = bar.add_task("fit", total=None, state="")
 
         def draw(progress: Progress) -> None:
@@ -39,3 +40,44 @@ def fit_progress(mode: Mode, pixels: int) -> Iterator[Callable[[Progress], None]
             bar.update(task, completed=progress.step, total=progress.steps, state=state)
 
         yield draw
+
+
+@contextlib.contextmanager
+def tile_progress(mode: Mode) -> Iterator[Callable[[State], None]]:
+    """The same for tiles: how many are done, pace, bits per pixel and PSNR (before rounding) so far, time left."""
+    if not _is_drawn(mode):
+        yield lambda state: None
+        return
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn
+    from rich.progress import Progress as Bar
+
+    columns = (TextColumn("tiles"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[state]}"))
+    with Bar(*columns, console=_console(mode), refresh_per_second=4) as bar:
+        task = bar.add_task("tiles", total=None, state="")
+
+        def draw(state: State) -> None:
+            bar.update(task, completed=state.done, total=state.tiles, state=_told(state))
+
+        yield draw
+
+
+def _told(state: State) -> str:
+    parts = []
+    if state.fresh:
+        parts.append(f"{60e-6 * state.pixels_per_second:.2f} MP/min")
+    if state.done:
+        parts.append(f"{state.bpp:.3f} bpp  {state.psnr:.2f} dB")
+    if state.fresh:
+        minutes, seconds = divmod(round(state.seconds_left), 60)
+        parts.append(f"{minutes // 60}:{minutes % 60:02}:{seconds:02} left")
+    return "  ".join(parts)
+
+
+def _is_drawn(mode: Mode) -> bool:
+    return mode == "on" or (mode == "auto" and sys.stderr.isatty())
+
+
+def _console(mode: Mode) -> Console:
+    from rich.console import Console
+
+    return Console(stderr=True, force_terminal=True if mode == "on" else None)

@@ -14,9 +14,10 @@ from sgicodec.cli.parts import all_parts, print_parts
 from sgicodec.cli.paths import STANDARD, display
 
 if TYPE_CHECKING:
-    from sgicodec.encoder import Encoded, EncodeSettings
+    from sgicodec.encoder import Encoded, EncodeSettings, Plan
     from sgicodec.fit.trainer import Progress
     from sgicodec.image import Picture
+    from sgicodec.large.encode import Totals
 
 __all__ = ["Report", "peak_mib", "print_report"]
 
@@ -43,6 +44,7 @@ class Report:
     steps: int
     ended_early: bool
     parts: dict[str, float]
+    tiles: int
 
     @classmethod
     def of(cls, picture: Picture, encoded: Encoded, settings: EncodeSettings, last: Progress, verify: bool) -> Report:
@@ -66,6 +68,31 @@ class Report:
             steps=last.step,
             ended_early=last.step < last.steps,
             parts=all_parts(encoded.part_bytes, {}, size),
+            tiles=1,
+        )
+
+    @classmethod
+    def of_tiles(cls, plan: Plan, totals: Totals, psnr: float | None) -> Report:
+        """Of a stream in several tiles that is written already."""
+        from sgicodec.encoder import fit_steps
+
+        header = plan.header
+        return cls(
+            width=header.width,
+            height=header.height,
+            channels=header.channels,
+            sample_type=header.sample_type,
+            bytes=totals.bytes,
+            bpp=8 * totals.bytes / (header.width * header.height),
+            psnr=psnr,
+            profile=header.profile,
+            lmbda=totals.lmbda,
+            seeds=totals.seeds,
+            gaussians=totals.gaussians,
+            steps=fit_steps(plan.settings),
+            ended_early=False,
+            parts=all_parts(totals.part_bytes, {}, totals.bytes),
+            tiles=header.grid.count,
         )
 
 
@@ -98,9 +125,14 @@ def peak_mib() -> float | None:
 
 
 def _psnr(picture: Picture, data: bytes, threads: int) -> float:
+    """Over all samples, but for colours where alpha is 0."""
     from sgicodec.decoder import open_stream
     from sgicodec.image import comparable
     from sgicodec.metrics import psnr
 
     with open_stream(data) as stream:
-        return psnr(comparable(picture), comparable(stream.picture(threads=threads)))
+        original, decoded = comparable(picture), comparable(stream.picture(threads=threads))
+    if picture.alpha is not None:
+        hidden = original[..., picture.alpha] == 0
+        decoded[hidden, : picture.alpha] = original[hidden, : picture.alpha]
+    return psnr(original, decoded)

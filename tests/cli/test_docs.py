@@ -26,7 +26,11 @@ def test_every_option_is_in_its_table(command: str) -> None:
     documented = {name for row in rows for name in re.findall(r"`(--?[a-z-]+)`", row)}
     found = cli.get_command(click.Context(cli), command)
     assert found is not None
-    params = [param for param in found.get_params(click.Context(found)) if isinstance(param, click.Option)]
+    params = [
+        param
+        for param in found.get_params(click.Context(found, help_option_names=["-h", "--help"]))
+        if isinstance(param, click.Option)
+    ]
     actual = {name for param in params for name in (*param.opts, *param.secondary_opts)}
     assert documented == actual - {"-h", "--help"}
 

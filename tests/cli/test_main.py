@@ -75,6 +75,9 @@ def test_exit_codes_of_all_errors() -> None:
         "UnsupportedStreamError": 4,
         "TargetMissedError": 5,
         "OutputExistsError": 6,
+        "TileFailedError": 1,
+        "BatchError": 1,
+        "EncodeInterruptedError": 130,
     }
 
 

@@ -1,0 +1,37 @@
+"""Chunks in their order: what every stream of this package is put together by."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import BinaryIO
+
+from sgicodec.bitstream.container import ChunkWriter
+from sgicodec.bitstream.header import Header, encode_header
+from sgicodec.bitstream.index import Place, encode_index
+from sgicodec.image import Metadata
+
+__all__ = ["write_stream"]
+
+
+def write_stream(
+    file: BinaryIO, header: Header, software: bytes, metadata: Metadata | None, tiles: Iterable[bytes]
+) -> int:
+    """Writes a stream whose tiles have these payloads, in the order of their numbers; returns its length.
+
+    A stream of several tiles ends with an index.
+    """
+    writer = ChunkWriter(file)
+    writer.write("H", encode_header(header))
+    writer.write("s", software)
+    if metadata is not None:
+        for kind, blob in {"i": metadata.icc, "c": metadata.exif, "x": metadata.xmp, "g": metadata.geo}.items():
+            if blob:
+                writer.write(kind, blob)
+    places = []
+    for payload in tiles:
+        places.append(Place(writer.offset, len(payload)))
+        writer.write("T", payload)
+    if header.tile:
+        writer.write("X", encode_index(places, writer.offset))
+    writer.finish()
+    return writer.offset

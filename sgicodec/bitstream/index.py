@@ -1,0 +1,51 @@
+"""Chunk X: where in the file each tile is, and itself, so that a reader finds it from the end."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from sgicodec.bitstream.varint import decode_varint, encode_varint
+from sgicodec.errors import CorruptStreamError
+
+__all__ = ["TRAILER_BYTES", "Place", "decode_index", "encode_index", "index_offset"]
+
+_END = bytes.fromhex("4500bfa9d7cc")
+"""Chunk E."""
+
+_OFFSET_BYTES, _CRC_BYTES = 8, 4
+TRAILER_BYTES = _OFFSET_BYTES + _CRC_BYTES + len(_END)
+"""Of a file with an index: where the index begins, its CRC, the end mark."""
+
+
+class Place(NamedTuple):
+    """Where a chunk begins in the file, and the length of its payload."""
+
+    offset: int
+    length: int
+
+
+def encode_index(places: Sequence[Place], offset: int) -> bytes:
+    """The payload for tiles 0, 1, … of an index that begins at `offset`."""
+    fields = [len(places), *(number for place in places for number in place)]
+    return b"".join(map(encode_varint, fields)) + offset.to_bytes(_OFFSET_BYTES, "little")
+
+
+def decode_index(payload: bytes, count: int) -> list[Place]:
+    """Where the `count` tiles are. Raises CorruptStreamError."""
+    end = len(payload) - _OFFSET_BYTES
+    fields: list[int] = []
+    body, at = payload[: max(end, 0)], 0
+    while at < end and len(fields) < 2 * count + 1:
+        value, at = decode_varint(body, at)
+        fields.append(value)
+    if at != end or len(fields) != 2 * count + 1 or fields[0] != count:
+        raise CorruptStreamError(f"index: it does not list the {count} tiles; the file is damaged")
+    return [Place(*pair) for pair in zip(fields[1::2], fields[2::2], strict=True)]
+
+
+def index_offset(tail: bytes) -> int | None:
+    """Where the index of a file that ends in these `TRAILER_BYTES` begins, if it has one."""
+    if len(tail) != TRAILER_BYTES or not tail.endswith(_END):
+        return None
+    return int.from_bytes(tail[:_OFFSET_BYTES], "little")

@@ -1,0 +1,113 @@
+"""`sgi encode` of a picture in several tiles, which is read window by window."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+import time
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from sgicodec.cli.paths import STANDARD, display
+from sgicodec.cli.progress import tile_progress
+from sgicodec.errors import EncodeInterruptedError, StreamError, UsageError
+
+if TYPE_CHECKING:
+    from sgicodec.cli.encode import Job
+    from sgicodec.encoder import Plan
+    from sgicodec.image import Source
+    from sgicodec.large.encode import Runner, Totals
+    from sgicodec.large.journal import Journal
+
+__all__ = ["encode_tiles"]
+
+
+def encode_tiles(job: Job, source: Source) -> int:
+    """Fits what OUT.part lacks, writes the stream and prints the report; returns the stream's bytes."""
+    from sgicodec.cli.report import Report, print_report
+    from sgicodec.large.encode import plan_of
+    from sgicodec.large.journal import fingerprint, opened_journal
+
+    plan = plan_of(source, replace(job.settings, threads=0))
+    with ExitStack() as stack:
+        runner = _cluster(job, source, plan, stack) if job.cluster is not None else _runner(job, source, plan)
+        if job.target == STANDARD:
+            part = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="sgicodec-"))) / "part"
+        else:
+            part = Path(os.path.realpath(job.target) + ".part")
+        mark = fingerprint(plan, None if job.source == STANDARD else Path(job.source))
+        try:
+            journal = stack.enter_context(opened_journal(part, mark, job.resume, job.force))
+            totals = _run(job, plan, runner, journal)
+        except OSError as error:
+            raise StreamError(f"{display(job.target, 'stdout')}: {error.strerror or error}") from error
+    psnr = _psnr(job, source) if job.verify and job.target != STANDARD else None
+    report = Report.of_tiles(plan, totals, psnr)
+    if not job.quiet or job.as_json:
+        print_report(report, job.source, job.target, time.monotonic() - job.started, job.as_json, job.verbose)
+    return totals.bytes
+
+
+def _runner(job: Job, source: Source, plan: Plan) -> Runner:
+    """Who fits the tiles. Tells what memory that will take."""
+    from sgicodec.large.encode import run_tiles
+    from sgicodec.large.memory import MIB, estimate, fitting_workers
+
+    grid = plan.header.grid
+    _, _, width, height = grid.rect(0)
+    threads = job.settings.threads or os.cpu_count() or 1
+    found = estimate(plan, source.memory(width, height))
+    workers = fitting_workers(found, min(threads, grid.count), job.max_memory)
+    if not job.quiet:
+        text = f"{grid.count} tiles of {width}×{height} pixels, {workers} worker{'s' * (workers > 1)}"
+        click.echo(f"{text}, about {found.total(workers) / MIB:,.0f} MiB of memory", err=True)
+    return run_tiles(source, plan, workers, threads)
+
+
+def _cluster(job: Job, source: Source, plan: Plan, stack: ExitStack) -> Runner:
+    """The same for a cluster, which is open while `stack` is."""
+    from sgicodec.large.cluster import open_cluster
+    from sgicodec.large.encode import run_on_cluster
+    from sgicodec.large.memory import MIB, estimate
+
+    cluster = stack.enter_context(open_cluster(job.cluster or ""))
+    place = job.source_at
+    if place is None and not job.send_pixels:
+        if job.source == STANDARD:
+            raise UsageError("a cluster cannot read stdin; add --send-pixels")
+        place = str(Path(job.source).resolve())
+    if not job.quiet:
+        grid = plan.header.grid
+        _, _, width, height = grid.rect(0)
+        worker = estimate(plan, source.memory(width, height)).worker / MIB
+        text = f"{grid.count} tiles of {width}×{height} pixels, {cluster.workers} at once on the cluster"
+        click.echo(f"{text}, each about {worker:,.0f} MiB of memory", err=True)
+    settings = replace(plan.settings, threads=max(1, job.settings.threads))
+    return run_on_cluster(source, replace(plan, settings=settings), cluster, place)
+
+
+def _run(job: Job, plan: Plan, runner: Runner, journal: Journal) -> Totals:
+    from sgicodec.large.encode import encode_source
+
+    target = sys.stdout.buffer if job.target == STANDARD else Path(job.target)
+    try:
+        with tile_progress("off" if job.quiet else job.progress) as draw:
+            return encode_source(plan, runner, journal, target, draw)
+    except KeyboardInterrupt:
+        if job.target == STANDARD:
+            raise
+        done = f"{len(journal.tiles)} of {plan.header.grid.count} tiles are in {display(job.target)}.part"
+        raise EncodeInterruptedError(f"interrupted; {done}, --resume goes on") from None
+
+
+def _psnr(job: Job, source: Source) -> float:
+    from sgicodec.decoder import open_stream
+    from sgicodec.large.measure import measured_psnr
+
+    with open_stream(Path(job.target)) as stream:
+        return measured_psnr(stream, source, job.settings.threads)

@@ -1,0 +1,91 @@
+"""Where a decoded picture goes: to a file or stdout, whole or band by band."""
+
+from __future__ import annotations
+
+import io
+import shutil
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from sgicodec.cli.paths import STANDARD, write_output
+from sgicodec.errors import PictureError
+
+if TYPE_CHECKING:
+    from sgicodec.bitstream.header import Header
+    from sgicodec.decoder import Bands
+    from sgicodec.image import Picture, Sink
+
+__all__ = ["Output", "write_bands", "write_picture"]
+
+
+@dataclass(frozen=True)
+class Output:
+    """How a picture is written. bits: per sample, None for the stream's own."""
+
+    bits: int | None
+    png_level: int | None
+    threads: int
+
+
+def write_picture(picture: Picture, target: str, extension: str, output: Output) -> None:
+    """Writes a picture that is in memory."""
+    from sgicodec.image import write
+
+    options = {"depth": output.bits, "png_level": output.png_level, "threads": output.threads}
+    if target != STANDARD:
+        write(picture, target, format=extension, **options)  # type: ignore[arg-type]
+        return
+    buffer = io.BytesIO()
+    write(picture, buffer, format=extension, **options)  # type: ignore[arg-type]
+    write_output(target, buffer.getvalue(), PictureError)
+
+
+def write_bands(header: Header, bands: Bands, target: str, extension: str, output: Output) -> None:
+    """Writes a picture band by band: no more than one of them is ever in memory. Raises PictureError or StreamError."""
+    if target != STANDARD:
+        _write_bands(header, bands, Path(target), extension, output)
+        return
+    with tempfile.TemporaryDirectory(prefix="sgicodec-") as folder:
+        path = Path(folder) / f"picture.{extension}"
+        _write_bands(header, bands, path, extension, output)
+        with path.open("rb") as file:
+            shutil.copyfileobj(file, sys.stdout.buffer)
+            sys.stdout.buffer.flush()
+
+
+def _write_bands(header: Header, bands: Bands, path: Path, extension: str, output: Output) -> None:
+    from sgicodec.image import convert
+
+    sink: Sink | None = None
+    try:
+        for top, band in bands:
+            picture = band if output.bits is None else convert(band, output.bits)
+            if sink is None:
+                sink = _sink(path, header, bands, picture, extension, output)
+            sink.write_rows(top, picture.pixels)
+    except BaseException:
+        if sink is not None:
+            sink.abort()
+        raise
+    if sink is not None:
+        sink.close()
+
+
+def _sink(path: Path, header: Header, bands: Bands, first: Picture, extension: str, output: Output) -> Sink:
+    from sgicodec.image import open_sink
+
+    return open_sink(
+        path,
+        bands.width,
+        bands.height,
+        header.channels,
+        first.pixels.dtype,
+        first.metadata,
+        bands=header.spec.channels if header.channels == "multi" else None,
+        format=extension,
+        png_level=output.png_level,
+        threads=output.threads,
+    )
