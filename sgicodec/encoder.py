@@ -21,9 +21,10 @@ from sgicodec.bitstream.tile import DECODER_SHIFT, TileModel, write_tile
 from sgicodec.decoder import open_stream
 from sgicodec.errors import LimitError, PictureError, TargetMissedError, UsageError
 from sgicodec.fit.steering import Goal, Measured, Steering, first_lmbda
-from sgicodec.image import Picture, full_range, to_unit
+from sgicodec.image import Picture, comparable, full_range, to_unit
 from sgicodec.metrics import psnr
 from sgicodec.model.base import fit_base, render_base
+from sgicodec.model.context import input_count
 from sgicodec.model.gaussians import colour_matrix
 from sgicodec.model.layout import adaptive_layout, uniform_layout
 from sgicodec.model.processor import Processor
@@ -104,7 +105,7 @@ class EncodeSettings:
             (self.steps is None or self.steps >= 1, f"steps {self.steps}; at least 1"),
             (self.levels is None or 1 <= self.levels <= 4, f"levels {self.levels}; 1 to 4"),
             (self.psnr is None or 0 < self.psnr < math.inf, f"psnr {self.psnr}; it must be positive"),
-            (self.size is None or self.size >= 1, f"size {self.size}; at least 1 byte"),
+            (self.size is None or 1 <= self.size < math.inf, f"size {self.size}; at least 1 byte"),
             (self.bpp is None or 0 < self.bpp < math.inf, f"bpp {self.bpp}; it must be positive"),
             (self.time_limit is None or 0 < self.time_limit < math.inf, f"time limit {self.time_limit}; above 0 s"),
             (self.threads >= 0, f"threads {self.threads}; 0 (all cores) or more"),
@@ -113,8 +114,10 @@ class EncodeSettings:
             if not sound:
                 raise UsageError(message)
         goals = [name for name in ("psnr", "size", "bpp") if getattr(self, name) is not None]
-        if len(goals) > 1:
-            raise UsageError(f"{goals[0]} and {goals[1]} exclude each other")
+        instead = [*goals, *(["lmbda"] if goals and self.lmbda is not None else [])]
+        instead = ["steps", "time_limit"] if self.steps is not None and self.time_limit is not None else instead
+        if len(instead) > 1:
+            raise UsageError(f"{instead[0]} and {instead[1]} exclude each other")
         if goals and self.profile != "default":
             raise UsageError(f"{goals[0]} is a setting of the default profile")
         if self.profile == "default":
@@ -162,26 +165,46 @@ class _Encoding:
         self.picture, self.settings, self.spec = picture, settings, spec
         self.unit = np.ascontiguousarray(to_unit(picture).transpose(2, 0, 1))
         self.goal = settings.goal(picture.width * picture.height)
+        self.tries = 0
         self.fit = _fit_settings(settings)
         if self.goal is not None:
             _, _, detail = base_layer(spec, self.unit, self.fit.lmbda)
-            self.fit = replace(self.fit, lmbda=first_lmbda(self._fit_goal(self.goal), detail, self.fit))
-        self.base_step, self.base, self.target = base_layer(spec, self.unit, self.fit.lmbda)
+            lmbda = first_lmbda(self._fit_goal(self.goal), detail, self.fit, self._extra())
+            self.fit = replace(self.fit, lmbda=lmbda)
+        self._begin(self.fit.lmbda)
+
+    def _begin(self, lmbda: float) -> None:
+        self.tries += 1
+        self.fit = replace(self.fit, lmbda=lmbda)
+        self.base_step, self.base, self.target = base_layer(self.spec, self.unit, lmbda)
 
     def run(self, on_progress: Callable[[Progress], bool] | None) -> Encoded:
         """Fits and writes. Raises TargetMissedError, with the nearest stream, where a goal cannot be reached."""
-        fitted, family = self._fitted(on_progress)
-        header = self._header(fitted, family)
         if self.goal is None:
+            fitted, family = self._fitted(on_progress)
+            header = self._header(fitted, family)
             return self._encoded(header, self._searched(header, self._model(fitted), fitted.lmbda), fitted.lmbda)
-        encoded, measured = self._at_goal(self.goal, fitted, header)
-        if self.goal.is_missed(measured):
-            raise TargetMissedError(_regret(self.goal, measured), encoded)
+        goal, ended = self.goal, False
+
+        def watch(state: Progress) -> bool:
+            nonlocal ended
+            ended = on_progress is not None and not on_progress(state)
+            return not ended
+
+        encoded, measured = self._at_goal(goal, *self._fitted(watch))
+        little = goal.psnr is not None and goal.excess(measured) > -_LITTLE
+        if goal.is_missed(measured) and little and not ended and self.settings.time_limit is None:
+            # Seeds were dropped that were needed: once more, from where λ should have begun, and below.
+            self._begin(0.5 * math.sqrt(self.fit.lmbda * encoded.lmbda))
+            again = self._at_goal(goal, *self._fitted(watch))
+            encoded, measured = max((encoded, measured), again, key=lambda one: one[1].psnr)
+        if goal.is_missed(measured):
+            raise TargetMissedError(_regret(goal, measured), encoded)
         return encoded
 
-    def _at_goal(self, goal: Goal, fitted: Fitted, header: Header) -> tuple[Encoded, Measured]:
+    def _at_goal(self, goal: Goal, fitted: Fitted, family: int) -> tuple[Encoded, Measured]:
         """Trims the fit to what the search for symbols will bring to the goal, and searches until it is there."""
-        lmbda = fitted.lmbda
+        lmbda, header = fitted.lmbda, self._header(fitted, family)
         shift = trim(self._fit_goal(goal), lambda shift: self._measured(header, self._model(fitted, shift), lmbda)[1])
         model = self._model(fitted, shift)
         if not self._searches:
@@ -236,7 +259,8 @@ class _Encoding:
         networks = load_prior(spec) if spec.context.prior else None
         steering = None
         if self.goal is not None:
-            steering = Steering(self._fit_goal(self.goal), fit.lmbda, _OVERHEAD + _BASE_BYTES * self.base.size)
+            goal = self._fit_goal(self.goal)
+            steering = Steering(goal, fit.lmbda, self._overhead(), leaps=self.tries == 1)
         with _one_torch_thread():
             trainer = Trainer(
                 spec,
@@ -250,6 +274,18 @@ class _Encoding:
                 seconds=self._seconds(),
             )
             return trainer.run(on_progress), family
+
+    def _overhead(self) -> float:
+        """About what the stream holds beside its seeds, in bytes."""
+        return _OVERHEAD + _BASE_BYTES * self.target.size / max(1, self.spec.base_cell**2) + self._extra()
+
+    def _extra(self) -> float:
+        """Of that, what most streams do not have: metadata and networks of their own."""
+        context = self.spec.context
+        inputs = [input_count(self.spec, step) for step in range(len(context.steps))]
+        weights = 0 if context.prior else context.hidden * sum(inputs)
+        blobs = _blobs(self.picture, self.settings)
+        return sum(len(blob) for blob in blobs.values()) + _WEIGHT_BYTES * weights
 
     def _seconds(self) -> float | None:
         """What is left for the fit itself."""
@@ -302,8 +338,7 @@ class _Encoding:
         encoded, quality = self._encoded(header, model, lmbda), math.inf
         if self.goal is not None and self.goal.psnr is not None:
             decoded = open_stream(encoded.data).picture(threads=self.settings.threads)
-            low, high = self.picture.sample_range
-            quality = psnr(self.picture.pixels, decoded.pixels, peak=high - low)
+            quality = psnr(comparable(self.picture), comparable(decoded))
         return encoded, Measured(len(encoded.data), quality)
 
 
@@ -312,8 +347,12 @@ _SEARCHED_BYTES, _SEARCHED_DECIBELS = 0.95, 0.35
 """What the search for symbols leaves of the bytes, and adds to the PSNR, on photographs."""
 _SEARCH_GAIN = 1.5
 """Octaves of λ that a search must move for each octave that a fit would have to."""
-_OVERHEAD, _BASE_BYTES = 250.0, 0.4
-"""About what a stream holds beside its seeds: header, steps and differences; and for each number of the base layer."""
+_OVERHEAD, _BASE_BYTES, _WEIGHT_BYTES = 250.0, 0.4, 1.2
+"""About what a stream holds beside its seeds: header, steps and differences; for each number of the base layer; for
+each weight of an own network.
+"""
+_LITTLE = 1.0
+"""Octaves of λ by which a PSNR may be missed for a second fit."""
 _CODING_SECONDS = 0.6
 """Of one stream of a megapixel, generously."""
 _SEARCHING_SHARE = 0.12
@@ -401,11 +440,15 @@ def _assemble(picture: Picture, header: Header, payload: bytes, settings: Encode
     took = f"e{settings.effort}" if by_scale and settings.steps is None else f"n{fit.steps}"
     took = took if settings.time_limit is None else f"t{settings.time_limit:g}"
     writer.write("s", f"{__version__} {asked} {took}".encode())
-    if settings.metadata:
-        blobs = {"i": picture.metadata.icc, "c": picture.metadata.exif, "x": picture.metadata.xmp}
-        for kind, blob in blobs.items():
-            if blob:
-                writer.write(kind, blob)
+    for kind, blob in _blobs(picture, settings).items():
+        writer.write(kind, blob)
     writer.write("T", payload)
     writer.finish()
     return buffer.getvalue()
+
+
+def _blobs(picture: Picture, settings: EncodeSettings) -> dict[str, bytes]:
+    """The metadata that the stream keeps, by chunk."""
+    metadata = picture.metadata
+    blobs = {"i": metadata.icc, "c": metadata.exif, "x": metadata.xmp} if settings.metadata else {}
+    return {kind: blob for kind, blob in blobs.items() if blob}

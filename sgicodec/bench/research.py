@@ -3,10 +3,11 @@
     python -m sgicodec.bench.research PICTURES… --steps 800 prune=2 "hold=0.5;shape=0.02" own:neighbours=0
 
 A variant is a list of settings that differ from the defaults: fields of FitSettings and LearningRates, `free` and
-`rounded` for the first and last phase's share of the steps, `drops` and `growths` for how often seeds are pruned and
-added. With `own:` in front MLP_p trains along instead of being the shipped prior, and fields of ContextSpec may
-differ too. Variants are compared by J = D + λR with the bits of everything that varies: attributes, positions at one
-bit each, the hash grid, and own weights as the stream codes them. Lower is better; 1 % of J is about 2 % of rate.
+`rounded` for the first and last phase's share of the steps, `level` for the first phase's pyramid level, `drops` and
+`growths` for how often seeds are pruned and added. With `own:` in front MLP_p trains along instead of being the shipped
+prior, and fields of ContextSpec may differ too. Variants are compared by J = D + λR with the bits of everything that
+varies: attributes, positions at one bit each, the hash grid, and own weights as the stream codes them. Lower is
+better; 1 % of J is about 2 % of rate.
 """
 
 from __future__ import annotations
@@ -85,7 +86,8 @@ def _settings(settings: FitSettings, changes: dict[str, Any], threads: int) -> F
         prune=changes.pop("drops", noisy.prune),
         grow=changes.pop("growths", noisy.grow),
     )
-    parts = (replace(free, steps=free_steps), noisy, replace(rounded, steps=rounded_steps))
+    level = int(changes.pop("level", free.level))
+    parts = (replace(free, steps=free_steps, level=level), noisy, replace(rounded, steps=rounded_steps))
     phases = tuple(phase for phase in parts if phase.steps)
     return replace(settings, **{**taken(FitSettings), "rates": rates, "phases": phases, "threads": threads})
 

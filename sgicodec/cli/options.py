@@ -79,13 +79,13 @@ class _Bytes(_Pattern):
     def read(self, found: re.Match[str]) -> float | None:
         number, prefix, binary = found.groups()
         size = float(number) * (1024 if binary else 1000) ** " kmg".index((prefix or " ").lower())
-        return size if size >= 1 else None
+        return size if 1 <= size < math.inf else None
 
 
 _NUMBER = r"(\d+\.?\d*|\.\d+)"
 
 REGION = _Region("X,Y,W,H", r"(\d+),(\d+),(\d+),(\d+)", "100,50,256,256")
-BYTES = _Bytes("BYTES", r"(\d+\.?\d*|\.\d+) ?(?:([kKmMgG])(i?))?B?", "20000, 200kB or 1.5MiB")
+BYTES = _Bytes("BYTES", rf"{_NUMBER} ?(?:([kKmMgG])(i?))?B?", "20000, 200kB or 1.5MiB")
 SCALE = _Scale("F", rf"{_NUMBER}(?:/{_NUMBER})?", "0.5 or 1/4")
 SIZE = _Size("WxH", r"(\d*)[xX×](\d*)", "512x384, 512x or x384")
 FLOAT_RANGE = _FloatRange("LOW,HIGH", r"([^,]+),([^,]+)", "0,1 or -40,1500.5")

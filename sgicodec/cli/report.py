@@ -14,8 +14,6 @@ from sgicodec.cli.parts import all_parts, print_parts
 from sgicodec.cli.paths import STANDARD, display
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
     from sgicodec.encoder import Encoded, EncodeSettings
     from sgicodec.fit.trainer import Progress
     from sgicodec.image import Picture
@@ -101,14 +99,8 @@ def peak_mib() -> float | None:
 
 def _psnr(picture: Picture, data: bytes, threads: int) -> float:
     from sgicodec.decoder import open_stream
+    from sgicodec.image import comparable
     from sgicodec.metrics import psnr
 
     with open_stream(data) as stream:
-        return psnr(_comparable(picture), _comparable(stream.picture(threads=threads)))
-
-
-def _comparable(picture: Picture) -> npt.NDArray[Any]:
-    """Integers as they are, floats on the scale where their range is 0..1."""
-    from sgicodec.image import to_unit
-
-    return picture.pixels if picture.pixels.dtype.kind == "u" else to_unit(picture)
+        return psnr(comparable(picture), comparable(stream.picture(threads=threads)))

@@ -13,23 +13,24 @@ __all__ = ["Pace"]
 class Pace:
     """Shares a fit's steps, or `seconds` from its first step on, out to its phases in the proportion of their steps.
 
-    `done` is the fraction of the whole fit that lies behind, `steps` how many steps the whole fit has: exact when they
-    are counted, else what the speed so far lets expect.
+    `done` is the fraction of the whole fit that lies behind, without the step under way; `steps` is how many steps the
+    whole fit has: exact when they are counted, else what the speed so far lets expect.
     """
 
     def __init__(self, phases: tuple[Phase, ...], seconds: float | None) -> None:
         self.phases, self.seconds = phases, seconds
         self.total = sum(phase.steps for phase in phases)
         self.started: float | None = None
-        self.taken = 0
+        self.begun = 0
         self.done = 0.0
+        self._reached = 0.0
 
     @property
     def steps(self) -> int:
         """Steps of the whole fit."""
-        if self.seconds is None or not self.done:
+        if self.seconds is None or not self._reached:
             return self.total
-        return max(self.taken, round(self.taken / self.done))
+        return max(self.begun, round(self.begun / self._reached))
 
     @property
     def elapsed(self) -> float:
@@ -43,19 +44,21 @@ class Pace:
         count = self.phases[index].steps
         if self.seconds is None:
             for number in range(1, count + 1):
+                self._begin((before + number) / self.total)
                 yield number / count
-                self._took((before + number) / self.total)
+                self.done = self._reached
             return
         begin, end = before / self.total, (before + count) / self.total
         fraction = 0.0
         while fraction < 1.0:
             # The step to come is taken to last as long as the mean step so far.
             elapsed = self.elapsed
-            coming = elapsed / self.taken if self.taken else 0.0
+            coming = elapsed / self.begun if self.begun else 0.0
             fraction = min(1.0, max(0.0, ((elapsed + coming) / self.seconds - begin) / (end - begin)))
+            self._begin(begin + fraction * (end - begin))
             yield fraction
-            self._took(begin + fraction * (end - begin))
+            self.done = self._reached
 
-    def _took(self, done: float) -> None:
-        self.taken += 1
-        self.done = done
+    def _begin(self, reached: float) -> None:
+        self.begun += 1
+        self._reached = reached

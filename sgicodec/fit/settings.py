@@ -84,7 +84,7 @@ class FitSettings:
     loss: Literal["squared", "absolute"] = "squared"
     split: float = 3.0
     prune: float = 1.0
-    growth: float = 2.0
+    growth: float = 0.3
     seed_bits: float = 30.0
     rate_sample: float = 1.0
     seeds: int | None = None

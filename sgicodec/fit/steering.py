@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.model.layout import ROOT_LOG, cell_sums, count_leaves
+from sgicodec.fit.course import POSITION_BITS, course
+from sgicodec.model.layout import ROOT_LOG, cell_sums, leaf_sums
 
 if TYPE_CHECKING:
     from sgicodec.fit.settings import FitSettings
@@ -36,7 +37,7 @@ class Goal:
         """How many octaves λ should rise, as far as this can be told: positive where more is spent than was asked."""
         if self.bytes is not None:
             return math.log2(max(measured.bytes, 1.0) / (_AIM * self.bytes)) / _BYTES_PER_OCTAVE
-        return (measured.psnr - (self.psnr or 0.0)) / _DECIBELS_PER_OCTAVE
+        return (min(measured.psnr, _PERFECT) - (self.psnr or 0.0)) / _DECIBELS_PER_OCTAVE
 
     def is_met(self, measured: Measured) -> bool:
         """Size: at most the goal, and within 3 % of it. PSNR: within 0.1 dB."""
@@ -55,96 +56,108 @@ _AIM, _FULL, _TOLERANCE = 0.99, 0.97, 0.1
 _BYTES_PER_OCTAVE = 0.65
 """log2 of the bytes that an octave of λ takes or gives, on photographs between 0.1 and 1 bpp."""
 _DECIBELS_PER_OCTAVE = 1.5
+_MARGIN = 0.08
+_PERFECT = 200.0
+"""dB that stand for no error at all."""
 _LMBDA_RANGE = 1e-6, 4.0
-_POSITION_BITS = 4.0
-"""Of a seed, about."""
 
 
 class Steering:
-    """λ as a function of how the fit goes: an integral controller on the outcome that the state so far foretells.
+    """λ as a function of how the fit goes: two leaps early on, then an integral controller, on the outcome that the
+    state so far foretells.
 
-    `overhead` is what the stream holds beside seeds, in bytes.
+    `overhead` is what the stream holds beside seeds, in bytes. `leaps` is False where λ is known to be nearly right.
     """
 
     checks = (0.3, 0.6, 0.9)
     """Fractions of the noise phase after which a real stream corrects the forecast."""
 
-    def __init__(self, goal: Goal, lmbda: float, overhead: float) -> None:
-        self.goal, self.lmbda, self.overhead = goal, lmbda, overhead
+    def __init__(self, goal: Goal, lmbda: float, overhead: float, leaps: bool = True) -> None:
+        # A little better than asked: at the end, finer steps buy less than coarser ones cost.
+        self.goal = goal if goal.psnr is None else Goal(psnr=goal.psnr + _MARGIN)
+        self.lmbda, self.overhead = lmbda, overhead
         self._excess: float | None = None
         self._correction = 0.0
+        self._leaps, self._leapt = leaps, not leaps
 
-    def observe(self, done: float, steps: int, bits: float, seeds: int, psnr: float) -> None:
-        """Takes in the state after a step of a fit of so many: the fraction that lies behind, bits of the seeds'
-        attributes, their number, PSNR under noise.
+    def steer(self, done: float, steps: int, bits: float, seeds: int, psnr: float) -> float:
+        """λ after a step of a fit of so many, from the fraction that lies behind, bits of the seeds' attributes, their
+        number, and PSNR under noise.
         """
-        ratio, lift = _course(done, steps)
-        size = (bits + _POSITION_BITS * seeds) / 8 / ratio + self.overhead
-        excess = self.goal.excess(Measured(size, psnr - lift))
+        if done < _LEAP or (self._leapt and done < _SETTLED):
+            return self.lmbda
+        excess = self.goal.excess(self._forecast(done, steps, bits + POSITION_BITS * seeds, psnr))
         self._excess = excess if self._excess is None else 0.8 * self._excess + 0.2 * excess
-
-    def correct(self, measured: Measured) -> None:
-        """Takes in what a real stream of this moment is."""
-        if self._excess is not None:
-            self._correction = self.goal.excess(measured) - self._excess
-
-    def steer(self, gain: float) -> float:
-        """Moves λ by a part of the excess and returns it."""
-        if self._excess is not None:
-            octaves = max(-0.5, min(0.5, gain * (self._excess + self._correction)))
-            self.lmbda = max(_LMBDA_RANGE[0], min(_LMBDA_RANGE[1], self.lmbda * 2.0**octaves))
+        if not self._leapt:
+            self._leapt = True
+            self._move(_LEAP_GAIN * self._excess, 2.0)
+            self._excess = None
+        else:
+            gain = min(0.2, 12.0 / steps) * min(1.0, (1.0 - done) / _FADE)  # late, λ hardly changes the outcome
+            self._move(gain * (self._excess + self._correction), 0.5)
         return self.lmbda
 
-    def foresee(self, energy: NDArray[np.float32], bits: NDArray[np.float32], price: float) -> float:
-        """λ before seeds are dropped for the first time, from what would be left at a size that is asked for.
+    def correct(self, done: float, steps: int, measured: Measured) -> None:
+        """Takes in what a real stream of this moment is."""
+        if self._excess is None:
+            return
+        (end, _), (now, lift) = (course(at, steps, self.lmbda) for at in (1.0, done))
+        size = max(measured.bytes - self.overhead, 1.0) * end / now + self.overhead
+        # Until noise is better than what is decoded, both have the same PSNR.
+        self._correction = self.goal.excess(Measured(size, measured.psnr - min(0.0, lift))) - self._excess
+
+    def foresee(
+        self, energy: NDArray[np.float32], bits: NDArray[np.float32], price: float, psnr: float, steps: int
+    ) -> float:
+        """Moves λ before seeds are dropped for the first time, by what would be left of a size or by the PSNR under
+        noise, and returns the λ to drop them at.
 
         energy, bits [N] of every seed; a seed is dropped whose energy is below price · λ.
         """
-        if self.goal.bytes is None:
-            return self.steer(1.0)
-        order = np.argsort(-energy)
-        size = np.cumsum(bits[order] + _POSITION_BITS, dtype=np.float64) / 8 / _FIRST_DROP + self.overhead
-        kept = int(np.searchsorted(size, _AIM * self.goal.bytes))
-        if 0 < kept < len(order):
-            self.lmbda = max(_LMBDA_RANGE[0], min(_LMBDA_RANGE[1], float(energy[order[kept]]) / price))
-        self._excess = None
-        return self.lmbda
+        if not self._leaps:
+            return self.lmbda
+        kept = bits[energy > price * self.lmbda]
+        size = float(np.sum(kept + POSITION_BITS, dtype=np.float64)) / 8 / _FIRST_DROP + self.overhead
+        _, lift = course(0.0, steps, self.lmbda)
+        excess = self.goal.excess(Measured(size, psnr - lift))
+        if self.goal.bytes is not None:
+            self._move(_SIZE_FORESIGHT * excess, 2.0)
+            return self.lmbda
+        self._move(_PSNR_FORESIGHT * excess, 2.0)
+        return 0.5 * self.lmbda  # texture never regains what is dropped too soon, and the next time is near
+
+    def _forecast(self, done: float, steps: int, bits: float, psnr: float) -> Measured:
+        ratio, lift = course(done, steps, self.lmbda)
+        return Measured(bits / 8 / ratio + self.overhead, psnr - lift)
+
+    def _move(self, octaves: float, most: float) -> None:
+        moved = self.lmbda * 2.0 ** max(-most, min(most, octaves))
+        self.lmbda = max(_LMBDA_RANGE[0], min(_LMBDA_RANGE[1], moved))
 
 
+_LEAP, _SETTLED, _FADE = 0.30, 0.36, 0.4
+"""Fractions of a fit: seeds were dropped once, what followed has settled; from 1 − 0.4 on, λ moves less."""
+_SIZE_FORESIGHT, _PSNR_FORESIGHT, _LEAP_GAIN = 0.4, 0.6, 0.8
+"""Parts of the excess that λ makes up at once, before and after seeds are dropped for the first time."""
 _FIRST_DROP = 1.3
 """Bytes after seeds are dropped for the first time, over those of the final stream."""
 
-# How the state of a fit at constant λ relates to its outcome, after a fraction of 350 and of 1,000 steps: estimated
-# bytes over the stream's, and PSNR under noise less the decoded picture's. Means over photographs.
-_DONE = (0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6, 0.7, 0.8, 1.0)
-_RATIO = (
-    (1.35, 1.22, 1.18, 1.09, 1.04, 1.02, 1.01, 0.99, 0.985, 0.985),
-    (1.25, 1.09, 1.06, 1.03, 1.015, 1.01, 1.005, 0.99, 0.985, 0.985),
-)
-_LIFT = (
-    (-2.5, -1.9, -1.25, -0.98, -0.82, -0.72, -0.6, -0.2, 0.05, 0.1),
-    (-1.9, -0.9, -0.63, -0.54, -0.48, -0.45, -0.4, -0.06, 0.1, 0.18),
-)
 
+def first_lmbda(goal: Goal, detail: NDArray[np.float32], settings: FitSettings, extra: float = 0.0) -> float:
+    """Where to begin: λ at which the seeds that a fit of `detail` [C, H, W] starts with foretell the goal. `extra`
+    bytes come on top.
 
-def _course(done: float, steps: int) -> tuple[float, float]:
-    """Ratio of bytes and difference of PSNR to expect when a fraction of so many steps lies behind."""
-    part = min(1.0, max(0.0, math.log(steps / 350) / math.log(1000 / 350)))
-    few, many = ([float(np.interp(done, _DONE, table[i])) for table in (_RATIO, _LIFT)] for i in (0, 1))
-    return few[0] + part * (many[0] - few[0]), few[1] + part * (many[1] - few[1])
-
-
-def first_lmbda(goal: Goal, detail: NDArray[np.float32], settings: FitSettings) -> float:
-    """Where to begin: λ at which the seeds that a fit of `detail` [C, H, W] starts with foretell the goal.
-
-    A stream has about one byte for each of them, and its squared error is about 1.7 λ times its bits.
+    The forecast is a product of powers of λ, of the number of seeds and of what deviates within their cells, fitted
+    to photographs.
     """
-    sums = cell_sums(detail, ROOT_LOG)
+    sums, pixels = cell_sums(detail, ROOT_LOG), detail[0].size
     low, high = (math.log2(limit) for limit in _LMBDA_RANGE)
     for _ in range(8):
         middle = 0.5 * (low + high)
         lmbda = 2.0**middle
-        size = 0.95 * count_leaves(sums, settings.split * lmbda * settings.seed_bits)
-        quality = -10 * math.log10(1.7 * lmbda * 8 * size / detail.size)
-        low, high = (middle, high) if goal.excess(Measured(size, quality)) > 0 else (low, middle)
+        count, deviation = (v / pixels for v in leaf_sums(sums, settings.split * lmbda * settings.seed_bits))
+        size = 200 + extra + pixels * 0.5 * lmbda**-0.33 * count**0.77 * max(deviation, 0.0) ** 0.36
+        error = 5.7 * lmbda * count**0.8 / len(detail)
+        excess = goal.excess(Measured(size, -10 * math.log10(error)))
+        low, high = (middle, high) if excess > 0 else (low, middle)
     return float(2.0 ** (0.5 * (low + high)))

@@ -127,23 +127,22 @@ class Trainer:
             checks = list(self.steering.checks) if self.steering is not None and phase.rounding == "noise" else []
             for fraction in self.pace.within(index):
                 error, bits = self._step(phase)
+                psnr = -10 * math.log10(max(error / self.targets[phase.level].numel(), 1e-12))
+                untouched = len(prunes) == phase.prune
                 if _passed(prunes, fraction):
-                    self._prune(first=len(prunes) == phase.prune - 1)
+                    self._prune(psnr if untouched else None)
                 if _passed(growths, fraction):
                     self._grow()
                 self.step += 1
-                psnr = -10 * math.log10(max(error / self.targets[phase.level].numel(), 1e-12))
                 if self.steering is not None and phase.rate:
                     self._steer(self.steering, bits, psnr, _passed(checks, fraction))
                 yield Progress(self.step, self.pace.steps, len(self.layout), psnr, bits, self.pace.elapsed)
 
     def _steer(self, steering: Steering, bits: float, psnr: float, check: bool) -> None:
-        if self.pace.done < STEER_FROM:
-            return
-        steering.observe(self.pace.done, self.pace.steps, bits, len(self.layout), psnr)
+        done, steps = self.pace.done, self.pace.steps
+        self.lmbda = steering.steer(done, steps, bits, len(self.layout), psnr)
         if check and self.measure is not None:
-            steering.correct(self.measure(self.result()))
-        self.lmbda = steering.steer(min(0.2, 12.0 / self.pace.steps))
+            steering.correct(done, steps, self.measure(self.result()))
 
     def _begin(self, phase: Phase) -> None:
         """From the round phase on, everything but the seeds is what the stream will hold."""
@@ -229,18 +228,24 @@ class Trainer:
             speed = (1.0 if group.name in rates.constant else decay) * (slow if group.name in SLOWED else 1.0)
             group.factor = speed * self.live[group.name]
 
-    def _prune(self, first: bool) -> None:
-        """Drops seeds whose Gaussians hold less squared error than their bits cost."""
+    def _prune(self, foresee_from: float | None) -> None:
+        """Drops seeds whose Gaussians hold less squared error than their bits cost; the first time, λ is foreseen from
+        the PSNR so far.
+        """
         with torch.no_grad():
             _, covariances, colours = self._gaussians(self._joined(), 0)
             spread = (covariances[:, 0] * covariances[:, 2] - covariances[:, 1] ** 2).clamp_min(1e-9).sqrt()
             energy = math.pi * spread * (colours**2).sum(1)  # of c·G over the plane
             energy = energy.reshape(len(self.layout), -1).sum(1)
             price = self.settings.prune * self.settings.seed_bits
-            if first and self.steering is not None and self.seed_step is not None:
-                self.lmbda = self.steering.foresee(energy.numpy(), self.seed_step.bits(), price)
-            keep = energy > price * self.lmbda
-        if not bool(keep.all()) and bool(keep.any()):
+            floor = price * self.lmbda
+            if foresee_from is not None and self.steering is not None and self.seed_step is not None:
+                bits, steps = self.seed_step.bits(), self.pace.steps
+                floor = price * self.steering.foresee(energy.numpy(), bits, price, foresee_from, steps)
+                self.lmbda = self.steering.lmbda
+            keep = energy > floor
+            keep[energy.argmax()] = True  # a model without seeds has no gradients
+        if not bool(keep.all()):
             self._keep(keep)
 
     def _keep(self, keep: Tensor) -> None:
@@ -317,9 +322,6 @@ class Trainer:
             self.lmbda,
         )
 
-
-STEER_FROM = 0.24
-"""Fraction of a fit after which its state foretells the outcome: seeds have been dropped for the first time."""
 
 WEIGHT_SHIFT = 8
 """MLP_p's own weights are multiples of 2^-8."""

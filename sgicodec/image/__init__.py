@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .header import MAX_SAMPLES, Probe
-    from .picture import LAYOUTS, Metadata, Picture, convert, from_unit, full_range, nodata_mask, to_unit
+    from .picture import LAYOUTS, Metadata, Picture, comparable, convert, from_unit, full_range, nodata_mask, to_unit
     from .placement import view as geo_view
     from .reader import probe, read
     from .sink import Sink, open_sink
@@ -36,6 +36,7 @@ __all__ = [
     "Probe",
     "Sink",
     "Source",
+    "comparable",
     "convert",
     "from_unit",
     "full_range",
@@ -57,6 +58,7 @@ _HOMES = {  # the module of each name, and what it is called there if not the sa
     "Probe": "header",
     "Sink": "sink",
     "Source": "source",
+    "comparable": "picture",
     "convert": "picture",
     "from_unit": "picture",
     "full_range": "picture",

@@ -141,6 +141,11 @@ def to_unit(picture: Picture) -> npt.NDArray[np.float32]:
     return unit
 
 
+def comparable(picture: Picture) -> Samples:
+    """What an error is measured on: integers as they are, floats on the scale where their range is 0..1."""
+    return picture.pixels if picture.pixels.dtype.kind == "u" else to_unit(picture)
+
+
 def from_unit(
     unit: npt.NDArray[np.floating[Any]],
     channels: str,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from sgicodec.model.morton import canonical_order
 
-__all__ = ["ROOT_LOG", "SeedLayout", "adaptive_layout", "cell_sums", "count_leaves", "uniform_layout"]
+__all__ = ["ROOT_LOG", "SeedLayout", "adaptive_layout", "cell_sums", "leaf_sums", "uniform_layout"]
 
 ROOT_LOG = 6
 """log2 of the side in pixels of the quadtree's root cells."""
@@ -90,7 +90,7 @@ def adaptive_layout(detail: F32, threshold: float, min_log: int = 1, root_log: i
     """
     _, height, width = detail.shape
     corners, sizes = [], []
-    for level, leaves in _leaves(cell_sums(detail, root_log), threshold, min_log, root_log):
+    for level, leaves, _ in _leaves(cell_sums(detail, root_log), threshold, min_log, root_log):
         y, x = np.nonzero(leaves)
         corner = np.stack([x, y], axis=1).astype(np.int32) << level
         inside = (corner[:, 0] < width) & (corner[:, 1] < height)
@@ -100,19 +100,27 @@ def adaptive_layout(detail: F32, threshold: float, min_log: int = 1, root_log: i
     return layout.take(layout.order())
 
 
-def count_leaves(sums: CellSums, threshold: float, min_log: int = 1, root_log: int = ROOT_LOG) -> int:
-    """How many leaves `adaptive_layout` would find, from the sums of `cell_sums`; cells beside the picture count."""
-    return sum(int(leaves.sum()) for _, leaves in _leaves(sums, threshold, min_log, root_log))
+def leaf_sums(sums: CellSums, threshold: float, min_log: int = 1, root_log: int = ROOT_LOG) -> tuple[int, float]:
+    """How many leaves `adaptive_layout` would find, and their squared deviations together, from the sums of
+    `cell_sums`; cells beside the picture count.
+    """
+    count, total = 0, 0.0
+    for _, leaves, deviation in _leaves(sums, threshold, min_log, root_log):
+        count += int(leaves.sum())
+        total += float(deviation[leaves].sum())
+    return count, total
 
 
-def _leaves(sums: CellSums, threshold: float, min_log: int, root_log: int) -> Iterator[tuple[int, NDArray[np.bool_]]]:
-    """Level by level from the roots, which of its cells are leaves."""
+def _leaves(
+    sums: CellSums, threshold: float, min_log: int, root_log: int
+) -> Iterator[tuple[int, NDArray[np.bool_], NDArray[np.float64]]]:
+    """Level by level from the roots, which of its cells are leaves, and the squared deviation of each cell."""
     totals, squares = sums
     alive = np.ones(squares[root_log].shape, bool)
     for level in range(root_log, min_log - 1, -1):
         deviation = squares[level] - np.sum(totals[level] ** 2, axis=0) / 4.0**level
         split = alive & (deviation > threshold) if level > min_log else np.zeros_like(alive)
-        yield level, alive & ~split
+        yield level, alive & ~split, deviation
         alive = split.repeat(2, axis=0).repeat(2, axis=1)
 
 

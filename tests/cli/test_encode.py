@@ -91,6 +91,10 @@ def test_json_has_no_infinity(sgi: Run, picture: Path, monkeypatch: pytest.Monke
         (["--quality", "1"], {"quality": 1.0}),
         (["--lmbda", "0.25"], {"lmbda": 0.25}),
         (["-e", "9"], {"effort": 9}),
+        (["--psnr", "31.5"], {"psnr": 31.5, "size": None, "bpp": None}),
+        (["--bpp", "0.25"], {"bpp": 0.25, "psnr": None}),
+        (["--size", "1.5kB"], {"size": 1500.0}),
+        (["--time-limit", "2.5", "--bpp", "1"], {"time_limit": 2.5, "bpp": 1.0, "steps": None}),
         (["--effort", "1", "--steps", "7"], {"effort": 1, "steps": 7}),
         (["--per-seed", "4"], {"per_seed": 4}),
         (
@@ -118,6 +122,18 @@ def test_options_reach_the_encoder(
         ("-q 101", "1 to 100"),
         ("-q nan", "1 to 100"),
         ("-q 50 --lmbda 1", "exclude each other"),
+        ("-q 50 --psnr 30", "--quality and --psnr exclude each other"),
+        ("--lmbda 1 --bpp 1", "--lmbda and --bpp exclude each other"),
+        ("--bpp 1 --size 1kB", "--bpp and --size exclude each other"),
+        ("-e 5 --time-limit 1", "--effort and --time-limit exclude each other"),
+        ("--steps 5 --time-limit 1", "--steps and --time-limit exclude each other"),
+        ("--psnr 0", "positive"),
+        ("--psnr nan", "positive"),
+        ("--bpp -1", "positive"),
+        ("--size 0", "as in 20000, 200kB"),
+        ("--size many", "as in 20000, 200kB"),
+        ("--time-limit 0", "above 0 s"),
+        ("--profile paper --psnr 30", "default profile"),
         ("--lmbda -1", "negative"),
         ("-e 0", "1 to 9"),
         ("-e 10", "1 to 9"),
@@ -146,6 +162,52 @@ def test_settings_that_make_no_sense(sgi: Run, picture: Path, options: str, comp
     assert result.stderr.startswith("sgi: ")
     assert result.stderr.count("\n") == 1
     assert not picture.with_suffix(".sgi").exists()
+
+
+@pytest.mark.parametrize("option", ["--size", "--bpp"])
+def test_a_size_that_is_reached(sgi: Run, picture: Path, option: str) -> None:
+    size = 1000
+    asked = size if option == "--size" else 8 * size / (48 * 32)
+    result = sgi("encode", picture, option, asked, "--steps", 40, "--json")
+    assert result.exit_code == 0, result.output
+    written = picture.with_suffix(".sgi").stat().st_size
+    assert json.loads(result.stdout)["bytes"] == written
+    assert 0.97 * size <= written <= size
+
+
+def test_a_size_that_is_missed(sgi: Run, picture: Path) -> None:
+    """Exit 5, the report as ever, one line of complaint, and the nearest stream, which decodes."""
+    target = picture.with_suffix(".sgi")
+    result = sgi("encode", picture, "--size", 20, "--steps", 5)
+    assert result.exit_code == 5
+    assert re.fullmatch(
+        rf"sgi: no stream of at most 20 bytes .*; it is written to {re.escape(str(target))}\n", result.stderr
+    )
+    assert f"{target.stat().st_size:,} bytes" in result.stdout
+    assert sgi("verify", target).exit_code == 0
+
+
+def test_ctrl_c_on_the_way_to_a_goal(sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first step is the last; what there is, is written, and the code says whether the goal was met."""
+    real = encoder.encode
+
+    def stopped(picture: Picture, settings: encoder.EncodeSettings, on_progress: Any, started: float) -> Any:
+        return real(picture, settings, lambda state: on_progress(state) and False, started)
+
+    monkeypatch.setattr(encoder, "encode", stopped)
+    for goal, value, code in (("--size", 5000, 0), ("--size", 30, 5), ("--psnr", 90, 5)):
+        result = sgi("encode", picture, "-f", goal, value, "--steps", 30, "--json")
+        assert result.exit_code == code, result.output
+        assert json.loads(result.stdout)["steps"] == 1
+        assert json.loads(result.stdout)["ended_early"] is True
+        assert sgi("verify", picture.with_suffix(".sgi")).exit_code == 0
+
+
+def test_time_limit(sgi: Run, picture: Path) -> None:
+    result = sgi("encode", picture, "--time-limit", 1, "--json")
+    assert result.exit_code == 0
+    assert json.loads(result.stdout)["ended_early"] is False
+    assert sgi("verify", picture.with_suffix(".sgi")).exit_code == 0
 
 
 def test_paper_profile(sgi: Run, picture: Path) -> None:

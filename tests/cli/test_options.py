@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 import pytest
 
-from sgicodec.cli.options import FLOAT_RANGE, REGION, SCALE, SIZE
+from sgicodec.cli.options import BYTES, FLOAT_RANGE, REGION, SCALE, SIZE
 
 
 @pytest.mark.parametrize(
@@ -20,6 +20,13 @@ from sgicodec.cli.options import FLOAT_RANGE, REGION, SCALE, SIZE
         (SIZE, "512x", (512, None)),
         (SIZE, "X384", (None, 384)),
         (SIZE, "5×4", (5, 4)),
+        (BYTES, "20000", 20_000.0),
+        (BYTES, "512 B", 512.0),
+        (BYTES, "200kB", 200_000.0),
+        (BYTES, "200KiB", 204_800.0),
+        (BYTES, ".5M", 500_000.0),
+        (BYTES, "1.5MiB", 1_572_864.0),
+        (BYTES, "2G", 2e9),
         (FLOAT_RANGE, "0,1", (0.0, 1.0)),
         (FLOAT_RANGE, "-1.5,2e3", (-1.5, 2000.0)),
     ],
@@ -35,6 +42,7 @@ def test_reads(kind: click.ParamType, text: str, value: object) -> None:
         (REGION, ("", "1,2,3", "1,2,3,4,5", "-1,0,2,2", "a,b,c,d", "1.5,0,2,2")),
         (SCALE, ("", "0", "-1", "1/0", "0/3", "1/2/3", "inf", "nan", "half", "1e5", "9" * 400)),
         (SIZE, ("", "x", "0x5", "5x0", "512", "-5x4", "5x4x3")),
+        (BYTES, ("", "0", "0.9", "-5", "kB", "5iB", "5TB", "1e5", "nan", "inf", "5 k B", "9" * 400)),
         (FLOAT_RANGE, ("", "1", "1,0", "1,1", "nan,1", "0,inf", "a,b", "0,1,2")),
     ],
 )

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sgicodec.model.context import passes
-from sgicodec.model.layout import ROOT_LOG, SeedLayout, adaptive_layout, cell_sums, uniform_layout
+from sgicodec.model.layout import ROOT_LOG, SeedLayout, adaptive_layout, cell_sums, leaf_sums, uniform_layout
 from sgicodec.model.spec import default_spec, paper_spec
 
 
@@ -71,6 +71,26 @@ def test_leaves_are_those_below_the_threshold() -> None:
         if k < ROOT_LOG:
             parent = x >> (k + 1) << (k + 1), y >> (k + 1) << (k + 1)
             assert deviation(*parent, k + 1) > threshold
+
+
+@settings(deadline=None)
+@given(st.integers(1, 3), st.integers(1, 3), st.floats(0, 30), st.integers(0, 3), st.integers(0, 100))
+def test_leaf_sums_are_those_of_the_leaves(rows: int, columns: int, threshold: float, min_log: int, seed: int) -> None:
+    detail = picture(seed, 2, columns << ROOT_LOG, rows << ROOT_LOG)
+    layout = adaptive_layout(detail, threshold, min_log)
+    count, total = leaf_sums(cell_sums(detail, ROOT_LOG), threshold, min_log)
+    assert count == len(layout)
+    expected = 0.0
+    for (x, y), k in zip(layout.corner, layout.log_size, strict=True):
+        cell = detail[:, y : y + (1 << k), x : x + (1 << k)].astype(np.float64)
+        expected += float(np.sum((cell - cell.mean(axis=(1, 2), keepdims=True)) ** 2))
+    assert total == pytest.approx(expected, abs=1e-6)
+
+
+def test_leaf_sums_count_cells_beside_the_picture() -> None:
+    """A row of 65 ones in two cells of zeros: 64 − 64² / 4096, and 1 − 1 / 4096."""
+    sums = cell_sums(np.ones((1, 1, 65), np.float32), ROOT_LOG)
+    assert leaf_sums(sums, 1e9) == (2, pytest.approx(64 - 1 / 4096))
 
 
 def test_cell_sums_are_sums_over_cells() -> None:

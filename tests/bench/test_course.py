@@ -1,0 +1,22 @@
+"""The course of a fit, from one real fit in a few steps."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sgicodec.bench.course import followed
+from sgicodec.fit.course import DONE
+
+PICTURE = Path(__file__).parent.parent / "data" / "pictures" / "hopper_gray.jpg"
+
+
+def test_forecasts_come_nearer_to_the_outcome() -> None:
+    ratio, lift = followed(PICTURE, 0.006, 60, 1)
+    assert len(ratio) == len(lift) == len(DONE)
+    assert ratio[0] > 1.2
+    assert ratio[-1] == pytest.approx(1.0, abs=0.15)
+    assert lift[-1] == pytest.approx(0.0, abs=0.3)
+    assert abs(lift[-1]) < np.abs(lift[1:5]).min()
