@@ -24,7 +24,7 @@ from sgicodec.decoder import open_stream
 from sgicodec.encode_settings import EncodeSettings
 from sgicodec.errors import LimitError, PictureError, TargetMissedError, UsageError
 from sgicodec.fill import fill
-from sgicodec.fit.settings import quality_index
+from sgicodec.fit.settings import quality_index, steered
 from sgicodec.fit.steering import Goal, Measured, Steering, first_lmbda
 from sgicodec.image import Picture, comparable, full_range, nodata_mask, to_unit
 from sgicodec.image.picture import Metadata, alpha_index
@@ -260,6 +260,7 @@ class _Encoding:
         self.tries = 0
         self.fit = _fit_settings(self.settings)
         if self.goal is not None:
+            self.fit = steered(self.fit)
             _, _, detail = base_layer(spec, self.unit, self.fit.lmbda)
             lmbda = first_lmbda(self._fit_goal(self.goal), detail, self.fit, self._extra())
             self.fit = replace(self.fit, lmbda=lmbda)

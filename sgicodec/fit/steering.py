@@ -135,7 +135,7 @@ class Steering:
         self.lmbda = max(_LMBDA_RANGE[0], min(_LMBDA_RANGE[1], moved))
 
 
-_LEAP, _SETTLED, _FADE = 0.30, 0.36, 0.4
+_LEAP, _SETTLED, _FADE = 0.26, 0.32, 0.4
 """Fractions of a fit: seeds were dropped once, what followed has settled; from 1 − 0.4 on, λ moves less."""
 _SIZE_FORESIGHT, _PSNR_FORESIGHT, _LEAP_GAIN = 0.4, 0.6, 0.8
 """Parts of the excess that λ makes up at once, before and after seeds are dropped for the first time."""

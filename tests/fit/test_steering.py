@@ -93,10 +93,10 @@ def test_a_real_stream_is_taken_for_what_it_will_have_become() -> None:
 
 def test_nothing_moves_before_the_leap_nor_at_the_end() -> None:
     steering = Steering(Goal(bytes=100.0), 0.01, OVERHEAD)
-    assert steering.steer(0.29, 1000, 1e6, 1000, 30.0) == 0.01
-    leapt = steering.steer(0.30, 1000, 1e6, 1000, 30.0)
+    assert steering.steer(0.25, 1000, 1e6, 1000, 30.0) == 0.01
+    leapt = steering.steer(0.26, 1000, 1e6, 1000, 30.0)
     assert leapt > 0.01
-    assert steering.steer(0.35, 1000, 1e6, 1000, 30.0) == leapt
+    assert steering.steer(0.3, 1000, 1e6, 1000, 30.0) == leapt
     assert steering.steer(1.0, 1000, 1e6, 1000, 30.0) == leapt
 
 
