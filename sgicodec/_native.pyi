@@ -11,6 +11,7 @@ I16 = NDArray[np.int16]
 I32 = NDArray[np.int32]
 I64 = NDArray[np.int64]
 F64 = NDArray[np.float64]
+U8 = NDArray[np.uint8]
 
 class Rasterizer:
     def __init__(self, isa: str, threads: int, most_pairs: int) -> None: ...
@@ -68,6 +69,7 @@ class Rasterizer:
     def pairs(self) -> int: ...
 
 def nearest_neighbours(points: I32, queries: I32, out: I32, threads: int, /) -> None: ...
+def nearest_among(points: I32, among: I64, members: I64, out: I32, threads: int, /) -> None: ...
 def fma_peak(threads: int, isa: str, /) -> float: ...
 def resolve_threads(threads: int, /) -> int: ...
 
@@ -145,6 +147,7 @@ def summarise(
     amplitude: I32,
     /,
 ) -> None: ...
+def own_inputs(summary: I16, step: int, first: int, threads: int, out: I16, /) -> None: ...
 def quantisers(
     base: I64,
     columns: I64,
@@ -168,3 +171,72 @@ def ungroup_categorical(indices: I32, order: I32, keys: I16, alphabets: I32, bit
 def dequantise(symbols: I32, mean: I64, step: I64, members: I64, first: int, threads: int, decoded: I64, /) -> None: ...
 def add_predictions(plane: I64, predictor: int, most: int, /) -> bool: ...
 def base_lines(grid: F64, first: int, left: I64, across: F64, threads: int, lines: F32, /) -> None: ...
+def png_filter(rows: U8, above: U8, step: int, out: U8, /) -> None: ...
+
+WINDOW_PADDING: int
+
+class SymbolSearch:
+    def __init__(
+        self, support: I32, start: I64, bits: F64, first: int, opponent: F32, threads: int, isa: str, /
+    ) -> None: ...
+    def set_group(
+        self,
+        group: int,
+        w1: I64,
+        b1: I64,
+        w2: I64,
+        b2: I64,
+        shift: int,
+        predicted: int,
+        base: I64,
+        columns: I64,
+        gamma: int,
+        /,
+    ) -> None: ...
+    def search(
+        self,
+        residual: F32,
+        inputs: I16,
+        values: F64,
+        centre: F32,
+        cell: F32,
+        log_size: I8,
+        decoded: I64,
+        symbols: I32,
+        scale: I16,
+        change: F64,
+        lmbda: float,
+        cutoff: float,
+        deep: int,
+        rounds: int,
+        /,
+    ) -> None: ...
+
+def search_base(
+    planes: I64,
+    predictor: I32,
+    weights: I32,
+    table: I32,
+    support: I32,
+    start: I64,
+    bits: F64,
+    down: F64,
+    across: F64,
+    pull: F64,
+    step: float,
+    lmbda: float,
+    sweeps: int,
+    /,
+) -> int: ...
+def drop_gaussians(
+    residual: F32,
+    means: F32,
+    covariances: F32,
+    colours: F32,
+    worth: F32,
+    cutoff: float,
+    threads: int,
+    isa: str,
+    dropped: NDArray[np.bool_],
+    /,
+) -> None: ...

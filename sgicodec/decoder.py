@@ -228,7 +228,7 @@ def open_stream(source: str | Path | bytes | BinaryIO, isa: str = "auto") -> Str
     """Opens a stream from a path, bytes or a binary file object. Raises StreamError for what is none.
 
     isa: the instruction set to decode with: auto, avx512, avx2 or portable; ValueError later where this machine lacks
-    it. Symbols are the same with all, pixels up to rounding.
+    it. Symbols are the same with all, pixels to less than a level of eight bits.
     """
     if isinstance(source, bytes) or not isinstance(source, str | Path):
         return Stream(source, isa=isa)

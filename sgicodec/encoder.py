@@ -27,9 +27,11 @@ from sgicodec.model.base import fit_base, render_base
 from sgicodec.model.context import input_count
 from sgicodec.model.gaussians import colour_matrix
 from sgicodec.model.layout import adaptive_layout, uniform_layout
+from sgicodec.model.processor import Processor
 from sgicodec.model.quantize import step_fixed, step_index
 from sgicodec.model.spec import ModelSpec, default_spec, paper_spec
-from sgicodec.trim import coarser, trim
+from sgicodec.refine import Refiner, RefineSettings, can_refine
+from sgicodec.trim import MOST_SHIFT, coarser, trim
 from sgicodec.version import __version__
 
 if TYPE_CHECKING:
@@ -50,9 +52,10 @@ class EncodeSettings:
 
     quality: 1 to 100, or lmbda directly. effort: 1 to 9, optimisation steps of the default profile. seeds: their number
     in the paper profile. per_seed: K. features: D (paper). levels: M (paper). steps: of the whole fit. prior: number
-    of the shipped context model, 0 for one that travels in the stream. metadata: whether ICC, EXIF and XMP are kept.
-    psnr in dB, size in bytes or bpp in bits per pixel: what to end at, in the default profile. time_limit: seconds
-    that the encode may take, instead of a number of steps.
+    of the shipped context model, 0 for one that travels in the stream. refine: whether symbols are searched after the
+    fit, where that is known how. metadata: whether ICC, EXIF and XMP are kept. psnr in dB, size in bytes or bpp in
+    bits per pixel: what to end at, in the default profile. time_limit: seconds that the encode may take, instead of a
+    number of steps.
     """
 
     quality: float = 50.0
@@ -65,6 +68,7 @@ class EncodeSettings:
     levels: int | None = None
     steps: int | None = None
     prior: int | None = None
+    refine: bool = True
     seed: int = 0
     threads: int = 0
     metadata: bool = True
@@ -165,7 +169,7 @@ class _Encoding:
         self.fit = _fit_settings(settings)
         if self.goal is not None:
             _, _, detail = base_layer(spec, self.unit, self.fit.lmbda)
-            self.fit = replace(self.fit, lmbda=first_lmbda(self.goal, detail, self.fit, self._extra()))
+            self.fit = replace(self.fit, lmbda=first_lmbda(self._fit_goal(self.goal), detail, self.fit, self._extra()))
         self._begin(self.fit.lmbda)
 
     def _begin(self, lmbda: float) -> None:
@@ -176,7 +180,8 @@ class _Encoding:
     def run(self, on_progress: Callable[[Progress], bool] | None) -> Encoded:
         """Fits and writes. Raises TargetMissedError, with the nearest stream, where a goal cannot be reached."""
         if self.goal is None:
-            return self._stream(*self._fitted(on_progress))
+            fitted, header = self._fitted(on_progress)
+            return self._encoded(header, self._searched(header, self._model(fitted), fitted.lmbda), fitted.lmbda)
         goal, ended = self.goal, False
 
         def watch(state: Progress) -> bool:
@@ -184,22 +189,71 @@ class _Encoding:
             ended = on_progress is not None and not on_progress(state)
             return not ended
 
-        encoded, measured = self._trimmed(goal, watch)
+        encoded, measured = self._at_goal(goal, *self._fitted(watch))
         little = goal.psnr is not None and goal.excess(measured) > -_LITTLE
         if goal.is_missed(measured) and little and not ended and self.settings.time_limit is None:
             # Seeds were dropped that were needed: once more, from where λ should have begun, and below.
             self._begin(0.5 * math.sqrt(self.fit.lmbda * encoded.lmbda))
-            again = self._trimmed(goal, watch)
+            again = self._at_goal(goal, *self._fitted(watch))
             encoded, measured = max((encoded, measured), again, key=lambda one: one[1].psnr)
         if goal.is_missed(measured):
             raise TargetMissedError(_regret(goal, measured), encoded)
         return encoded
 
-    def _trimmed(self, goal: Goal, on_progress: Callable[[Progress], bool]) -> tuple[Encoded, Measured]:
-        fitted, family = self._fitted(on_progress)
-        return trim(goal, lambda shift: self._measured(fitted, family, shift))
+    def _at_goal(self, goal: Goal, fitted: Fitted, header: Header) -> tuple[Encoded, Measured]:
+        """Trims the fit to what the search for symbols will bring to the goal, and searches until it is there."""
+        lmbda = fitted.lmbda
+        shift = trim(self._fit_goal(goal), lambda shift: self._measured(header, self._model(fitted, shift), lmbda)[1])
+        if not self._searches:
+            return self._measured(header, self._model(fitted, shift), lmbda)
+        found: list[tuple[Encoded, Measured]] = []
+        while not found or (goal.is_missed(found[-1][1]) and len(found) < _MOST_SHIFTS):
+            found.append(self._searched_to(goal, header, self._model(fitted, shift), lmbda))
+            excess = goal.excess(found[-1][1])
+            shift += round(_SHIFTS_PER_OCTAVE * excess) + (4 if excess > 0 else -4)
+            shift = max(-MOST_SHIFT, min(MOST_SHIFT, shift))
+        sound = [one for one in found if not goal.is_missed(one[1])]
+        return min(sound or found, key=lambda one: abs(goal.excess(one[1])))
 
-    def _fitted(self, on_progress: Callable[[Progress], bool] | None) -> tuple[Fitted, int]:
+    def _searched_to(self, goal: Goal, header: Header, model: TileModel, lmbda: float) -> tuple[Encoded, Measured]:
+        """Searches at several λ."""
+        refiner = self._refiner(header, model, lmbda)
+        found: dict[float, tuple[Encoded, Measured]] = {}
+        octaves, gain = 0.0, _SEARCH_GAIN
+        while octaves not in found and len(found) < _MOST_SEARCHES:
+            found[octaves] = self._measured(header, refiner.at(lmbda * 2.0**octaves, until=self._end).model, lmbda)
+            if goal.is_met(found[octaves][1]):
+                return found[octaves]
+            if len(found) > 1:
+                (a, first), (b, last) = list(found.items())[-2:]
+                gain = min(4.0, max(0.5, (b - a) / ((goal.excess(first[1]) - goal.excess(last[1])) or 1.0)))
+            octaves += max(-1.0, min(1.0, gain * goal.excess(found[octaves][1])))
+        sound = [one for one in found.values() if not goal.is_missed(one[1])]
+        return min(sound or found.values(), key=lambda one: abs(goal.excess(one[1])))
+
+    def _refiner(self, header: Header, model: TileModel, lmbda: float) -> Refiner:
+        settings = RefineSettings.for_steps(self.fit.steps)
+        return Refiner(header, model, self.unit, lmbda, settings, Processor(self.fit.threads))
+
+    @property
+    def _end(self) -> float:
+        """When the time limit is over, a value of time.monotonic()."""
+        limit = self.settings.time_limit
+        return math.inf if limit is None else self.started + limit
+
+    @property
+    def _searches(self) -> bool:
+        return self.settings.refine and can_refine(self.spec)
+
+    def _fit_goal(self, goal: Goal) -> Goal:
+        """Where a fit has to end so that the search for symbols ends at the goal."""
+        if not self._searches:
+            return goal
+        if goal.bytes is not None:
+            return Goal(bytes=goal.bytes / _SEARCHED_BYTES)
+        return Goal(psnr=(goal.psnr or 0.0) - _SEARCHED_DECIBELS)
+
+    def _fitted(self, on_progress: Callable[[Progress], bool] | None) -> tuple[Fitted, Header]:
         from sgicodec.fit.trainer import Trainer
 
         spec, fit = self.spec, self.fit
@@ -213,7 +267,7 @@ class _Encoding:
         networks = load_prior(spec) if spec.context.prior else None
         steering = None
         if self.goal is not None:
-            steering = Steering(self.goal, fit.lmbda, self._overhead(), leaps=self.tries == 1)
+            steering = Steering(self._fit_goal(self.goal), fit.lmbda, self._overhead(), leaps=self.tries == 1)
         with _one_torch_thread():
             trainer = Trainer(
                 spec,
@@ -223,10 +277,11 @@ class _Encoding:
                 family,
                 networks,
                 steering=steering,
-                measure=lambda fitted: self._measured(fitted, family, 0)[1],
+                measure=lambda f: self._measured(self._header(f, family), self._model(f), f.lmbda)[1],
                 seconds=self._seconds(),
             )
-            return trainer.run(on_progress), family
+            fitted = trainer.run(on_progress)
+            return fitted, self._header(fitted, family)
 
     def _overhead(self) -> float:
         """About what the stream holds beside its seeds, in bytes."""
@@ -246,30 +301,25 @@ class _Encoding:
             return None
         coding: float = _CODING_SECONDS * (2 if self.goal is None else 8) * (0.2 + self.target[0].size / 1e6)
         left = self.settings.time_limit - (time.monotonic() - self.started)
-        return max(0.5 * left, left - coding, 1e-3)
+        searching: float = _SEARCHING_SHARE * left if self._searches else 0.0
+        return max(0.5 * left, left - coding - searching, 1e-3)
 
-    def _measured(self, fitted: Fitted, family: int, shift: int) -> tuple[Encoded, Measured]:
-        encoded = self._stream(fitted, family, shift)
-        quality = math.inf
-        if self.goal is not None and self.goal.psnr is not None:
-            decoded = open_stream(encoded.data).picture(threads=self.settings.threads)
-            quality = psnr(comparable(self.picture), comparable(decoded))
-        return encoded, Measured(len(encoded.data), quality)
-
-    def _stream(self, fitted: Fitted, family: int, shift: int = 0) -> Encoded:
-        picture, spec = self.picture, self.spec
-        header = Header(
+    def _header(self, fitted: Fitted, family: int) -> Header:
+        picture = self.picture
+        return Header(
             picture.width,
             picture.height,
             picture.channels,
             str(picture.pixels.dtype),
             picture.sample_range,
             self.settings.profile,
-            spec,
+            self.spec,
             fitted.quality,
             family,
         )
-        model = TileModel(
+
+    def _model(self, fitted: Fitted, shift: int = 0) -> TileModel:
+        return TileModel(
             fitted.layout,
             fitted.plan,
             self.base_step,
@@ -279,13 +329,34 @@ class _Encoding:
             fitted.hash_bits,
             fitted.attributes,
         )
+
+    def _searched(self, header: Header, model: TileModel, lmbda: float) -> TileModel:
+        if not self._searches:
+            return model
+        return self._refiner(header, model, lmbda).at(lmbda, until=self._end).model
+
+    def _encoded(self, header: Header, model: TileModel, lmbda: float) -> Encoded:
         payload, walk = write_tile(header, model)
-        data = _assemble(picture, header, payload, self.settings, self.fit)
+        data = _assemble(self.picture, header, payload, self.settings, self.fit)
         parts = {name: bits / 8 for name, bits in walk.bits.items()}
-        seeds = len(fitted.layout)
-        return Encoded(data, parts, seeds, seeds * spec.per_seed, fitted.lmbda)
+        seeds = len(model.layout)
+        return Encoded(data, parts, seeds, seeds * self.spec.per_seed, lmbda)
+
+    def _measured(self, header: Header, model: TileModel, lmbda: float) -> tuple[Encoded, Measured]:
+        encoded, quality = self._encoded(header, model, lmbda), math.inf
+        if self.goal is not None and self.goal.psnr is not None:
+            decoded = open_stream(encoded.data).picture(threads=self.settings.threads)
+            quality = psnr(comparable(self.picture), comparable(decoded))
+        return encoded, Measured(len(encoded.data), quality)
 
 
+_MOST_SEARCHES, _MOST_SHIFTS = 4, 3
+_SHIFTS_PER_OCTAVE = 60
+"""Units by which a trim shifts steps for what an octave of λ does to the bytes, about."""
+_SEARCHED_BYTES, _SEARCHED_DECIBELS = 0.95, 0.35
+"""What the search for symbols leaves of the bytes, and adds to the PSNR, on photographs."""
+_SEARCH_GAIN = 1.5
+"""Octaves of λ that a search must move for each octave that a fit would have to."""
 _OVERHEAD, _BASE_BYTES, _WEIGHT_BYTES = 250.0, 0.4, 1.2
 """About what a stream holds beside its seeds: header, steps and differences; for each number of the base layer; for
 each weight of an own network.
@@ -294,6 +365,8 @@ _LITTLE = 1.0
 """Octaves of λ by which a PSNR may be missed for a second fit."""
 _CODING_SECONDS = 0.6
 """Of one stream of a megapixel, generously."""
+_SEARCHING_SHARE = 0.12
+"""Of the time that is left for fit and search together."""
 
 
 def _regret(goal: Goal, measured: Measured) -> str:

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypeVar
 
 import numpy as np
 
 from sgicodec.fit.steering import Goal, Measured
 from sgicodec.model.network import DIFFERENCE_SHIFT, IntNetwork
 
-__all__ = ["coarser", "trim"]
-
-Stream = TypeVar("Stream")
+__all__ = ["MOST_SHIFT", "coarser", "trim"]
 
 _MOST_TRIES = 8
-_MOST_SHIFT = 3 << DIFFERENCE_SHIFT
+MOST_SHIFT = 3 << DIFFERENCE_SHIFT
+"""Of all steps, either way: three octaves."""
 _FIRST_SLOPE = -0.01
 """log2 of the bytes for each unit of the shift, where nothing is known yet."""
 
@@ -30,18 +28,18 @@ def coarser(networks: tuple[IntNetwork, ...], shift: int) -> tuple[IntNetwork, .
     return tuple(result)
 
 
-def trim(goal: Goal, finish: Callable[[int], tuple[Stream, Measured]]) -> tuple[Stream, Measured]:
-    """The stream that comes nearest to the goal among those of up to eight shifts; `finish` makes and measures one.
+def trim(goal: Goal, measure: Callable[[int], Measured]) -> int:
+    """The shift whose stream comes nearest to the goal, of up to eight; `measure` makes a stream and measures it.
 
     Size and PSNR fall as the shift rises: a secant search. What misses the goal is taken only if all do.
     """
-    tried: dict[int, tuple[Stream, Measured]] = {}
+    tried: dict[int, Measured] = {}
     shift, slope = 0, _FIRST_SLOPE
     while shift not in tried and len(tried) < _MOST_TRIES:
-        tried[shift] = finish(shift)
-        if goal.is_met(tried[shift][1]):
-            return tried[shift]
-        excess = {at: goal.excess(measured) for at, (_, measured) in tried.items()}
+        tried[shift] = measure(shift)
+        if goal.is_met(tried[shift]):
+            return shift
+        excess = {at: goal.excess(measured) for at, measured in tried.items()}
         below = [at for at in excess if excess[at] > 0]  # too large or too good: must become coarser
         above = [at for at in excess if excess[at] <= 0]
         if below and above:
@@ -53,6 +51,6 @@ def trim(goal: Goal, finish: Callable[[int], tuple[Stream, Measured]]) -> tuple[
                 slope = (excess[max(excess)] - excess[min(excess)]) / (max(excess) - min(excess)) or _FIRST_SLOPE
             move = -excess[shift] / min(slope, 0.3 * _FIRST_SLOPE)
             shift += round(max(-24.0, min(24.0, 1.2 * move))) or (1 if excess[shift] > 0 else -1)
-            shift = max(-_MOST_SHIFT, min(_MOST_SHIFT, shift))
-    sound = [found for found in tried.values() if not goal.is_missed(found[1])]
-    return min(sound or tried.values(), key=lambda found: abs(goal.excess(found[1])))
+            shift = max(-MOST_SHIFT, min(MOST_SHIFT, shift))
+    sound = [at for at, measured in tried.items() if not goal.is_missed(measured)]
+    return min(sound or tried, key=lambda at: abs(goal.excess(tried[at])))

@@ -17,14 +17,26 @@ ROOT = Path(sgicodec.__file__).parent
 LAYERS = {
     "model": {"errors", "_native"},
     "raster": {"errors", "_native"},
-    "image": {"errors"},
+    "image": {"errors", "_native"},
     "metrics": {"errors"},
     "files": {"errors"},
     "bitstream": {"errors", "model", "_native"},
     "fit": {"errors", "_native", "model", "raster"},
     "decoder": {"errors", "bitstream", "image", "model", "raster"},
     "trim": {"fit", "model"},
-    "encoder": {"errors", "version", "bitstream", "decoder", "fit", "image", "metrics", "model", "trim"},
+    "refine": {"_native", "bitstream", "model", "raster"},
+    "encoder": {
+        "errors",
+        "version",
+        "bitstream",
+        "decoder",
+        "fit",
+        "image",
+        "metrics",
+        "model",
+        "refine",
+        "trim",
+    },
 }
 """What each part may import besides itself; `bench` and `cli` may import everything."""
 

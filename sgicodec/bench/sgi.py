@@ -12,13 +12,14 @@ from importlib.metadata import PackageNotFoundError
 from importlib.metadata import version as distribution_version
 from importlib.util import find_spec
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from sgicodec.bench.codec import Pixels8, RoundTrip
 from sgicodec.errors import SgiError, UsageError
 
-__all__ = ["DEFAULT_QUALITIES", "SgiCodec", "fingerprint"]
+__all__ = ["DEFAULT_QUALITIES", "SgiCodec", "fingerprint", "run_timed"]
 
 DEFAULT_QUALITIES = (20.0, 35.0, 50.0, 65.0, 80.0)
 
@@ -65,12 +66,14 @@ class SgiCodec:
             options = ["-q", f"{quality:g}", "-f", "--quiet", "--no-verify", "--threads", str(self.threads)]
             if self.effort is not None:
                 options += ["-e", str(self.effort)]
-            encode_seconds, encode_peak = _run([*self.command, "encode", str(source), str(stream), *options])
-            decode_seconds, decode_peak = _run([*self.command, "decode", str(stream), str(result), "-f"])
+            encoded = run_timed([*self.command, "encode", str(source), str(stream), *options])
+            decoded_by = run_timed([*self.command, "decode", str(stream), str(result), "-f"])
             with Image.open(result) as picture:
                 decoded = np.asarray(picture.convert("RGB"))
-            peaks = [peak for peak in (encode_peak, decode_peak) if peak is not None]
-            return RoundTrip(stream.read_bytes(), decoded, encode_seconds, decode_seconds, max(peaks, default=None))
+            peaks = [run.peak for run in (encoded, decoded_by) if run.peak is not None]
+            return RoundTrip(
+                stream.read_bytes(), decoded, encoded.seconds, decoded_by.seconds, max(peaks, default=None)
+            )
 
 
 def fingerprint(package: Path) -> str:
@@ -84,12 +87,21 @@ def fingerprint(package: Path) -> str:
     return digest.hexdigest()[:8]
 
 
-def _run(command: Sequence[str]) -> tuple[float, float | None]:
-    """Seconds and peak MiB of a command. Raises SgiError with its last line of complaint if it fails."""
+class Run(NamedTuple):
+    """A command that ended: wall-clock seconds, peak MiB and processor seconds, None where the system does not tell."""
+
+    seconds: float
+    peak: float | None
+    cpu: float | None
+
+
+def run_timed(command: Sequence[str]) -> Run:
+    """Runs a command. Raises SgiError with its last line of complaint if it fails."""
     launched = [sys.executable, "-I", str(_LAUNCHER), *command]
     done = subprocess.run(launched, capture_output=True, text=True, errors="replace", check=False)
     if done.returncode:
         complaint = [line for line in done.stderr.splitlines() if line.strip()] or ["it says nothing"]
         raise SgiError(f"`{' '.join(command)}` failed: {complaint[-1]}")
-    seconds, peak = done.stdout.split()
-    return float(seconds), None if peak == "-" else float(peak)
+    seconds, *rest = done.stdout.split()
+    peak, cpu = (None if value == "-" else float(value) for value in rest)
+    return Run(float(seconds), peak, cpu)

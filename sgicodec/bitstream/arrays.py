@@ -7,6 +7,7 @@ encoder chose (tables, predictors, probabilities) precedes the array as raw bits
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,7 +23,7 @@ from sgicodec.bitstream.tables import (
 )
 from sgicodec.errors import CorruptStreamError, UsageError
 
-__all__ = ["code_base", "code_signs", "code_weights"]
+__all__ = ["BaseChannel", "base_channels", "base_references", "code_base", "code_signs", "code_weights"]
 
 _TABLE_BITS = (TABLES - 1).bit_length()
 
@@ -51,6 +52,36 @@ def code_signs(walk: SymbolWalk, bits: ArrayLike | None, counts: Sequence[int]) 
     return walk.code_categorical(values, bernoulli_frequencies(codes), level)
 
 
+@dataclass(frozen=True)
+class BaseChannel:
+    """How a channel of the base layer is coded: number of its predictor, weights in eighths of the errors of channels 0
+    and the one before, and the table of what remains.
+    """
+
+    predictor: int
+    weights: list[int]
+    table: int
+    error: Plane
+    rest: Plane
+
+
+def base_channels(planes: NDArray[np.int64]) -> list[BaseChannel]:
+    """The cheapest coding of planes [C, h, w], found channel by channel."""
+    channels: list[BaseChannel] = []
+    for channel, plane in enumerate(planes):
+        references = [channels[i].error for i in base_references(channel)]
+        number, error = _best_prediction(plane)
+        weights = _fit_weights(error, references)
+        rest = error - _mixed(references, weights, error.shape)
+        channels.append(BaseChannel(number, weights, frequency_tables().best(rest), error, rest))
+    return channels
+
+
+def base_references(channel: int) -> list[int]:
+    """Channels whose errors predict those of `channel`."""
+    return [i for i in sorted({0, channel - 1}) if 0 <= i < channel]
+
+
 def code_base(walk: SymbolWalk, base: ArrayLike | None, shape: tuple[int, int, int]) -> IntArray:
     """Planes [C, h, w] of a smooth picture in integer steps; luma first.
 
@@ -62,18 +93,14 @@ def code_base(walk: SymbolWalk, base: ArrayLike | None, shape: tuple[int, int, i
     planes = None if base is None else _shaped(base, shape)
     decoded = np.zeros(shape, np.int32)
     errors: list[Plane] = []
+    given = None if planes is None else base_channels(planes)
     for channel in range(shape[0]):
-        references = [errors[i] for i in sorted({0, channel - 1}) if 0 <= i < channel]
-        number = weights = table = rest = None
-        if planes is not None:
-            number, error = _best_prediction(planes[channel])
-            weights = _fit_weights(error, references)
-            rest = error - _mixed(references, weights, error.shape)
-            table = frequency_tables().best(rest)
-        number = walk.code_int(number, 2)
-        codes = walk.code_bits(None if weights is None else np.add(weights, 8), 4, len(references))
-        table = walk.code_int(table, _TABLE_BITS)
-        rest = walk.code(rest, np.full(shape[1:], table, np.int16)).astype(np.int64)
+        references = [errors[i] for i in base_references(channel)]
+        chosen = None if given is None else given[channel]
+        number = walk.code_int(None if chosen is None else chosen.predictor, 2)
+        codes = walk.code_bits(None if chosen is None else np.add(chosen.weights, 8), 4, len(references))
+        table = walk.code_int(None if chosen is None else chosen.table, _TABLE_BITS)
+        rest = walk.code(None if chosen is None else chosen.rest, np.full(shape[1:], table, np.int16)).astype(np.int64)
         errors.append(rest + _mixed(references, (codes - 8).tolist(), shape[1:]))
         decoded[channel] = _reconstruct(errors[-1], number) if planes is None else planes[channel]
     return decoded

@@ -21,10 +21,9 @@ from sgicodec.model.context import (
     input_count,
     nearest_by_pass,
     output_count,
-    own_inputs,
 )
 from sgicodec.model.layout import SeedLayout
-from sgicodec.model.native import SeedInputs, quantisers, summarise
+from sgicodec.model.native import SeedInputs, quantisers, summarise, write_own_inputs
 from sgicodec.model.neighbours import nearest_seeds
 from sgicodec.model.network import IntNetwork, Prediction
 from sgicodec.model.processor import ONE_THREAD, Processor
@@ -100,7 +99,7 @@ class AttributeCoder:
         for number, step in enumerate(self.spec.context.steps):
             if number:
                 summary, amplitude = summarise(self.spec, decoded, members, self.processor)
-                inputs[:, widths[0] : widths[number]] = own_inputs(summary, number, np.concatenate)
+                write_own_inputs(summary, number, widths[0], inputs, self.processor)
             prediction = self.networks[number].predict(inputs[:, : widths[number]], self.matmul, self.processor)
             start = 0
             for position, name in enumerate(step):

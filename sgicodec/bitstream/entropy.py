@@ -173,9 +173,9 @@ class SymbolWalk(ABC):
             support.size,
         )
         decoded = np.empty(support.size, np.int64)
-        for e in np.unique(exponent).tolist():
+        for e in np.flatnonzero(np.bincount(exponent)).tolist():
             where = np.flatnonzero(exponent == e)
-            mantissa = None if excess is None else excess[where] + 1 - (1 << e)
+            mantissa = None if excess is None else (excess[where] + 1 - (1 << e)).astype(np.int64)
             decoded[where] = self._uniform(mantissa, e, where.size) + (1 << e) - 1
         sign = self._uniform(None if values is None else (values < 0).astype(np.int64), 1, support.size)
         magnitude = decoded + support + 1
@@ -286,22 +286,24 @@ def _groups(keys: NDArray[np.int16], count: int) -> tuple[IntArray, NDArray[np.i
     return order, start
 
 
-@lru_cache(maxsize=1 << 10)
-def _model(frequencies: tuple[int, ...]) -> Any:
-    """A constriction model with exactly these frequencies; None for the single symbol that needs no coding.
+def _categorical(frequencies: NDArray[np.int64]) -> Any:
+    """A constriction model with exactly these frequencies, two or more.
 
     Categorical(perfect=False) gives every symbol 1 and shares out what is left in proportion: given f − 1 it
     has a factor of exactly 1, and all its sums are integers below 2**53.
     """
-    if len(frequencies) < 2:
-        return None
-    weights = np.array(frequencies, np.float64) - 1
-    return constriction.stream.model.Categorical(weights, perfect=False)
+    return constriction.stream.model.Categorical((frequencies - 1).astype(np.float64), perfect=False)
+
+
+@lru_cache(maxsize=1 << 10)
+def _model(frequencies: tuple[int, ...]) -> Any:
+    """A model of these frequencies; None for the single symbol that needs no coding."""
+    return None if len(frequencies) < 2 else _categorical(np.array(frequencies))
 
 
 @cache
 def _zero_centred_model(table: int) -> Any:
-    return _model(tuple(frequency_tables().frequencies(table).tolist()))
+    return _categorical(frequency_tables().frequencies(table))
 
 
 @cache

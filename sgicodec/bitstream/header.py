@@ -25,7 +25,7 @@ MAX_HIDDEN = 1 << 12
 MAX_HASH_LEVELS = 32
 MAX_HASH_RESOLUTION = 1 << 14
 
-_SKIP, _SEED_SCALES, _GROUPED = 1, 2, 4
+_SKIP, _SEED_SCALES, _GROUPED, _COARSE_FIRST = 1, 2, 4, 8
 
 
 @dataclass(frozen=True)
@@ -49,6 +49,7 @@ def encode_header(header: Header) -> bytes:
     """The payload of chunk H."""
     spec, context = header.spec, header.spec.context
     flags = _SKIP * spec.skip + _SEED_SCALES * spec.seed_scales + _GROUPED * (len(context.steps) > 1)
+    flags += _COARSE_FIRST * context.coarse_first
     fields = [
         FORMAT_VERSION,
         header.width,
@@ -110,7 +111,7 @@ def decode_header(payload: bytes) -> Header:
     sample_type = SAMPLE_TYPES[fields.take("the sample type", 0, len(SAMPLE_TYPES) - 1)]
     profile = _PROFILES[fields.take("the profile", 0, len(_PROFILES) - 1)]
     layout, shape = _LAYOUTS[fields.take("the seed layout", 0, 1)], _SHAPES[fields.take("the shape", 0, 1)]
-    flags = fields.take("the flags", 0, 7)
+    flags = fields.take("the flags", 0, 15)
     per_seed = fields.take("K", 1, 64)
     features = fields.take("D", 1, MAX_FEATURES)
     hidden = fields.take("the decoders' width", 0, MAX_HIDDEN)
@@ -129,7 +130,10 @@ def decode_header(payload: bytes) -> Header:
         raise CorruptStreamError(f"header: {channels} channels cannot be {layout_name}")
     if skip != grouped or (skip and features < per_seed * (channels + 3)) or (neighbours and not skip):
         raise CorruptStreamError("header: settings that contradict each other")
-    context = ContextSpec(prior, (), context_hidden, neighbours, resolutions, hash_features, hash_entries)
+    coarse_first = bool(flags & _COARSE_FIRST)
+    if coarse_first and not neighbours:
+        raise CorruptStreamError("header: an order of passes without neighbours")
+    context = ContextSpec(prior, (), context_hidden, neighbours, resolutions, hash_features, hash_entries, coarse_first)
     spec = ModelSpec(channels, layout, shape, per_seed, features, hidden, skip, seed_scales, base_cell, context)  # type: ignore[arg-type]
     names = tuple(group.name for group in spec.groups)
     steps = tuple((name,) for name in names) if grouped else (names,)

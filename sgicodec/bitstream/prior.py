@@ -15,7 +15,10 @@ from sgicodec.model.spec import ModelSpec
 
 __all__ = ["PRIORS", "load_prior", "parse_prior"]
 
-PRIORS: dict[int, str] = {1: "b50932e04ed61a3245e3861bcf5ff42d1ac9eac72dcf659fd119910635cd9304"}
+PRIORS: dict[int, str] = {
+    1: "b50932e04ed61a3245e3861bcf5ff42d1ac9eac72dcf659fd119910635cd9304",
+    2: "133a1e939b9374f9b96cbc9607457184ac215f66758f54a09abf5deb3b5c515c",
+}
 """SHA-256 of every prior's file; a stream names its prior by number, and a number never changes its meaning."""
 
 

@@ -56,7 +56,7 @@ class TileModel:
         """Decoded attributes [N, d_A] as floats."""
         if self.decoded is None:
             raise ValueError("the tile has not been coded yet")
-        return np.ldexp(self.decoded.astype(np.float64), -FRACTION_BITS)
+        return np.multiply(self.decoded, 2.0**-FRACTION_BITS, dtype=np.float64)
 
 
 def write_tile(header: Header, model: TileModel) -> tuple[bytes, SymbolWalk]:

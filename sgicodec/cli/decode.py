@@ -28,6 +28,13 @@ __all__ = ["decode"]
 @click.option("--size", type=SIZE, metavar="WxH", help="Scale to this size; 512x and x512 keep the aspect.")
 @click.option("--depth", type=click.Choice(["8", "16", "32"]), help="Bits per sample.  [default: the source's]")
 @click.option("--format", "format_", metavar="NAME", help="Picture format.  [default: by OUT's extension]")
+@click.option(
+    "--png-level",
+    type=click.IntRange(0, 9),
+    metavar="0-9",
+    show_default="2",
+    help="How hard PNG is compressed.",
+)
 @threads_option
 @force_option
 def decode(
@@ -38,6 +45,7 @@ def decode(
     size: tuple[int | None, int | None] | None,
     depth: str | None,
     format_: str | None,
+    png_level: int | None,
     threads: int,
     force: bool,
 ) -> None:
@@ -54,7 +62,7 @@ def decode(
         check_output(target, source, force)
         _, _, width, height = region or (0, 0, stream.width, stream.height)
         picture = stream.picture(region, scale, None if size is None else _whole(size, width, height), threads)
-    _write(picture, target, extension, bits)
+    _write(picture, target, extension, bits, png_level, threads)
     if click.get_current_context().meta.get(VERBOSE):
         name = display(target, "stdout")
         click.echo(f"{name}: {picture.width}×{picture.height}, {picture.channels}", err=True)
@@ -88,12 +96,14 @@ def _whole(size: tuple[int | None, int | None], width: int, height: int) -> tupl
     return wide, high
 
 
-def _write(picture: Picture, target: str, extension: str, bits: int | None) -> None:
+def _write(
+    picture: Picture, target: str, extension: str, bits: int | None, png_level: int | None, threads: int
+) -> None:
     from sgicodec.image import write
 
     if target != STANDARD:
-        write(picture, target, format=extension, depth=bits)
+        write(picture, target, format=extension, depth=bits, png_level=png_level, threads=threads)
         return
     buffer = io.BytesIO()
-    write(picture, buffer, format=extension, depth=bits)
+    write(picture, buffer, format=extension, depth=bits, png_level=png_level, threads=threads)
     write_output(target, buffer.getvalue(), PictureError)

@@ -58,7 +58,7 @@ class LearningRates:
     decoder_shape: float = 0.004
     context: float = 0.005
     steps: float = 0.03
-    betas: tuple[float, float] = (0.9, 0.999)
+    betas: tuple[float, float] = (0.9, 0.99)
     epsilon: float = 1e-15
     final: float = 0.01
     hold: float = 0.6
@@ -120,7 +120,7 @@ def default_phases(steps: int) -> tuple[Phase, ...]:
     noisy = max(1, steps - free - rounded)
     return (
         Phase(free, level=1),
-        Phase(noisy, rounding="noise", rate=True, learn_steps=True, prune=10, grow=4),
+        Phase(noisy, rounding="noise", rate=True, learn_steps=True, prune=6, grow=4),
         Phase(rounded, rounding="round", rate=True),
     )
 
@@ -135,6 +135,7 @@ def paper_settings(lmbda: float, levels: int, steps: int) -> FitSettings:
         decoder_shape=0.004,
         context=0.005,
         steps=0.0,
+        betas=(0.9, 0.999),
         final=0.01,
         hold=0.0,
         constant=("feature", "scales", "decoder_shape"),

@@ -35,7 +35,8 @@ CROP = (320, 256)
 
 
 def train(paths: list[Path], net: ContextNet, settings: FitSettings, rate: float, seed: int) -> None:
-    """Fits a random crop of every picture at a random λ, all in step, and moves `net` on by their mean gradient.
+    """Fits a random crop of every picture, mirrored at random, at a random λ, all in step, and moves `net` on by their
+    mean gradient.
 
     Each fit weighs by its bits per seed: its loss is divided by λ and by the number of its seeds.
     """
@@ -69,7 +70,9 @@ def _trainer(path: Path, net: ContextNet, settings: FitSettings, rng: np.random.
     lmbda = float(np.exp(rng.uniform(*np.log(LMBDA_RANGE))))
     unit = to_unit(read(path)).transpose(2, 0, 1)
     x, y = (int(rng.integers(0, max(1, n - c + 1))) for n, c in zip(unit.shape[:0:-1], CROP, strict=True))
-    crop = np.ascontiguousarray(unit[:3, y : y + CROP[1], x : x + CROP[0]])
+    crop = unit[:3, y : y + CROP[1], x : x + CROP[0]]
+    crop = crop[:, :: rng.choice((-1, 1)), :: rng.choice((-1, 1))]
+    crop = np.ascontiguousarray(crop if rng.random() < 0.5 else crop.swapaxes(1, 2))
     fit = replace(settings, lmbda=lmbda, seed=seed)
     _, _, target = base_layer(net.spec, crop, lmbda)
     layout = adaptive_layout(target, fit.split * lmbda * fit.seed_bits)
@@ -115,7 +118,7 @@ def main() -> None:
     settings = replace(settings, phases=settings.phases[:-1], threads=arguments.threads)
     paths = sorted(arguments.pictures.glob("*.png"))
     for epoch in range(arguments.epochs):
-        train(paths, net, settings, arguments.rate * 0.5**epoch, arguments.seed + epoch)
+        train(paths, net, settings, arguments.rate * (1 - epoch / arguments.epochs), arguments.seed + epoch)
         print("sha256", write_prior(net.to_integers(SHIFT), arguments.out), flush=True)
 
 

@@ -17,8 +17,8 @@ from .picture import Metadata
 
 __all__ = ["copies", "embed", "extract"]
 
-_INSERT = {"jpeg": jpeg.insert, "png": png.insert, "webp": webp.insert}
-_REWRITTEN = ("jpeg", "png")
+_INSERT = {"jpeg": jpeg.insert, "webp": webp.insert}
+_REWRITTEN = ("jpeg",)
 """Formats whose files are written anew even without metadata, to lose what OpenImageIO puts there unasked."""
 
 
@@ -45,7 +45,7 @@ def copies(holder: str) -> int:
 
 def embed(path: Path, holder: str, metadata: Metadata) -> None:
     """Put EXIF, XMP and `geo` into the file that was just written at `path` in the format `holder`, as far as it has
-    a place for them.
+    a place for them and its writer, that of PNG, has not put them there.
 
     Raises PictureError if they do not fit.
     """

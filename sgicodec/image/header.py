@@ -13,7 +13,10 @@ from .orientation import is_sideways
 if TYPE_CHECKING:
     from OpenImageIO import ImageSpec
 
-__all__ = ["Probe", "has_own_numbers", "header", "is_associated", "number_as_read", "orientation"]
+__all__ = ["MAX_SAMPLES", "Probe", "has_own_numbers", "header", "is_associated", "number_as_read", "orientation"]
+
+MAX_SAMPLES = 1 << 31
+"""Default cap on width × height × channels of what is held in memory at once."""
 
 _WHITE_IS_ZERO, _GRAY, _RGB, _YCBCR = 0, 1, 2, 6
 _LAB_PHOTOMETRICS = (8, 9, 10)

@@ -36,9 +36,6 @@ _TILE = 256
 _TILED_PIXELS = 1 << 22
 """TIFF with more pixels is tiled, so that others can read parts of it fast."""
 
-_BUFFERED_BYTES = 1 << 19
-"""More than libpng and zlib keep back before they write."""
-
 _CLASSIC_BYTES = 7 << 29
 """TIFF whose samples take more is a BigTIFF: classic files end at 4 GiB."""
 
@@ -122,18 +119,7 @@ class Output:
 
     def abandon(self) -> None:
         """Let go of an unfinished file, whatever becomes of it. It cannot be written to any more."""
-        if self._image is not None and self._image.format_name() == "png" and self._next < self._header.height:
-            self._feed()
         self._image = None
-
-    def _feed(self) -> None:
-        """Give libpng, which prints to stderr if it is closed before it wrote anything, rows that fill its buffers."""
-        header = self._header
-        row_bytes = header.width * header.count * header.dtype.itemsize
-        rows = min(_BUFFERED_BYTES // row_bytes + 1, header.height - self._next)
-        noise = np.frombuffer(np.random.default_rng(0).bytes(rows * row_bytes), header.dtype)
-        pixels = noise.reshape(rows, header.width, header.count)
-        self._image.write_scanlines(self._next, self._next + rows, 0, pixels)
 
     def _require(self, done: bool) -> None:
         """Raise PictureError unless all went well; any complaint counts, as some formats report success after a

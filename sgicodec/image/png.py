@@ -1,4 +1,4 @@
-"""EXIF and XMP in the chunks of a PNG file, and the check of those chunks (PNG 3, §5.3 and §11.3)."""
+"""Metadata in the chunks of a PNG file, and the check of those chunks (PNG 3, §5.3 and §11.3)."""
 
 from __future__ import annotations
 
@@ -7,14 +7,13 @@ import zlib
 from collections.abc import Iterator
 
 from .filebytes import Bytes
+from .picture import Metadata
 
-__all__ = ["SIGNATURE", "damage", "find", "insert"]
+__all__ = ["SIGNATURE", "chunk", "damage", "find", "metadata_chunks"]
 
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _XMP_KEYWORD = b"XML:com.adobe.xmp"
 _EXIF_PROFILES = (b"Raw profile type exif", b"Raw profile type APP1")
-
-_KEPT = (b"IHDR", b"iCCP", b"IDAT", b"IEND")
 
 _TEXT_MAX = 1 << 26
 """Bytes that a compressed text may grow to."""
@@ -58,19 +57,16 @@ def find(data: Bytes) -> tuple[bytes | None, bytes | None]:
     return exif or hidden_exif, xmp or hidden_xmp
 
 
-def insert(data: Bytes, exif: bytes | None, xmp: bytes | None) -> Iterator[bytes]:
-    """The file with its pixels, its ICC profile and this metadata, piece by piece.
-
-    Nothing else is kept: unasked, OpenImageIO writes that the picture is sRGB, even beside a profile that
-    says otherwise, an empty EXIF, and an offset of 0.
-    """
-    yield SIGNATURE
-    for kind, start, end in _chunks(data):
-        if kind in _KEPT:
-            yield bytes(data[start - 8 : end + 4])
-        if kind == b"IHDR":
-            yield _chunk(b"eXIf", exif) if exif is not None else b""
-            yield _chunk(b"iTXt", _XMP_KEYWORD + bytes(5) + xmp) if xmp is not None else b""
+def metadata_chunks(metadata: Metadata) -> bytes:
+    """The chunks between IHDR and the pixels: ICC profile, EXIF and XMP, as far as there are any."""
+    chunks = b""
+    if metadata.icc is not None:
+        chunks += chunk(b"iCCP", b"ICC profile\0\0" + zlib.compress(metadata.icc))
+    if metadata.exif is not None:
+        chunks += chunk(b"eXIf", metadata.exif)
+    if metadata.xmp is not None:
+        chunks += chunk(b"iTXt", _XMP_KEYWORD + bytes(5) + metadata.xmp)
+    return chunks
 
 
 def _chunks(data: Bytes) -> Iterator[tuple[bytes, int, int]]:
@@ -113,6 +109,7 @@ def _raw_profile(text: bytes) -> bytes | None:
         return None
 
 
-def _chunk(kind: bytes, contents: bytes) -> bytes:
-    crc = zlib.crc32(kind + contents)
+def chunk(kind: bytes, contents: bytes) -> bytes:
+    """A whole chunk: length, kind, contents and their CRC."""
+    crc = zlib.crc32(contents, zlib.crc32(kind))
     return struct.pack(">I", len(contents)) + kind + contents + struct.pack(">I", crc)

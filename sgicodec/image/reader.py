@@ -5,15 +5,12 @@ from __future__ import annotations
 from ..errors import PictureError
 from .access import whole
 from .extremes import Extremes
-from .header import Probe
+from .header import MAX_SAMPLES, Probe
 from .opened import Opened, open_picture
 from .origin import Origin, naming, on_disk
 from .picture import Picture, full_range
 
-__all__ = ["MAX_SAMPLES", "check_whole", "probe", "read"]
-
-MAX_SAMPLES = 1 << 31
-"""Default cap on width × height × channels of what is held in memory at once."""
+__all__ = ["check_whole", "probe", "read"]
 
 
 def read(origin: Origin, *, max_samples: int = MAX_SAMPLES, sample_range: tuple[float, float] | None = None) -> Picture:

@@ -8,20 +8,22 @@ import tempfile
 from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
-from typing import Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 import numpy.typing as npt
 
 from ..errors import PictureError, UsageError
 from . import embedded, formats
-from .header import Probe
+from .header import MAX_SAMPLES, Probe
 from .origin import is_utf8, naming
-from .output import Output
 from .picture import LAYOUTS, Metadata
-from .reader import MAX_SAMPLES
+from .png_output import PngOutput
 
 __all__ = ["Sink", "Target", "open_sink"]
+
+if TYPE_CHECKING:
+    from .output import Output
 
 Target = str | Path | BinaryIO
 
@@ -35,7 +37,16 @@ class Sink:
     renamed. For streams and devices it is made in the folder for temporary files and copied.
     """
 
-    def __init__(self, target: Target, header: Probe, metadata: Metadata, format: str | None, max_samples: int) -> None:
+    def __init__(
+        self,
+        target: Target,
+        header: Probe,
+        metadata: Metadata,
+        format: str | None,
+        max_samples: int,
+        level: int | None,
+        threads: int,
+    ) -> None:
         self._target, self._header, self._metadata = target, header, metadata
         with naming(target), ExitStack() as stack:
             self._holder = formats.find(format or (Path(target).suffix if isinstance(target, str | Path) else ""))
@@ -51,7 +62,13 @@ class Sink:
             folder = Path(name)
             self._check_folder(folder, samples * header.dtype.itemsize)
             self._part = folder / f"picture.{self._holder.extensions[0]}"
-            self._output = Output(self._part, self._holder, header, metadata.icc)
+            self._output: Output | PngOutput
+            if self._holder.name == "png":
+                self._output = PngOutput(self._part, header, metadata, level, threads)
+            else:
+                from .output import Output
+
+                self._output = Output(self._part, self._holder, header, metadata.icc)
             self._stack = stack.pop_all()
 
     def _check_folder(self, folder: Path, size: int) -> None:
@@ -129,6 +146,8 @@ def open_sink(
     bands: int | None = None,
     format: str | None = None,
     max_samples: int = MAX_SAMPLES,
+    png_level: int | None = None,
+    threads: int = 0,
 ) -> Sink:
     """Begin a picture of width × height pixels in a file, which appears whole or not at all, or on a stream.
 
@@ -136,6 +155,8 @@ def open_sink(
     dtype:       uint8, uint16 or float32.
     format:      a name or extension; by default the extension of the target.
     max_samples: cap for formats that are written from memory.
+    png_level:   effort of PNG's compression, 0 to 9; `png_output.DEFAULT_LEVEL` if None.
+    threads:     that PNG's compression may use, 0 for all cores; they do not change the bytes.
 
     Equal pictures make equal bytes, however their rows came. Raises PictureError, one line that names the target, if
     the format cannot hold the depth, the channels or the size, or if the file cannot be begun; UsageError for a
@@ -148,8 +169,10 @@ def open_sink(
         raise UsageError(f"a picture cannot be of {width} × {height} pixels of {count} channels")
     if np.dtype(dtype) not in (np.uint8, np.uint16, np.float32):
         raise UsageError(f"pixels must be uint8, uint16 or float32, not {np.dtype(dtype)}")
+    if png_level is not None and not 0 <= png_level <= 9:
+        raise UsageError(f"a PNG level of {png_level}; it runs from 0 to 9")
     header = Probe(width, height, channels, count, np.dtype(dtype))
-    return Sink(target, header, metadata or Metadata(), format, max_samples)
+    return Sink(target, header, metadata or Metadata(), format, max_samples, png_level, threads)
 
 
 def _file_of(target: Target) -> Path | None:

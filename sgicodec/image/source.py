@@ -13,12 +13,12 @@ import numpy.typing as npt
 from ..errors import PictureError, UsageError
 from .access import Access, Tiles, Whole, access
 from .extremes import Extremes
-from .header import Probe
+from .header import MAX_SAMPLES, Probe
 from .opened import Opened, open_picture
 from .orientation import Window, stored_window
 from .origin import Origin, naming, on_disk
 from .picture import Metadata, Picture, full_range
-from .reader import MAX_SAMPLES, check_whole
+from .reader import check_whole
 
 __all__ = ["Source", "open_source"]
 

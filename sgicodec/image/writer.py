@@ -8,11 +8,20 @@ from .sink import Target, open_sink
 __all__ = ["write"]
 
 
-def write(picture: Picture, target: Target, *, format: str | None = None, depth: int | None = None) -> None:
+def write(
+    picture: Picture,
+    target: Target,
+    *,
+    format: str | None = None,
+    depth: int | None = None,
+    png_level: int | None = None,
+    threads: int = 0,
+) -> None:
     """Write a picture to a file, which appears whole or not at all, or to a stream.
 
     format: a name or extension; by default the extension of the target.
     depth:  8, 16 or 32 (float) bits per sample to convert to; by default the picture's own.
+    png_level, threads: as for `open_sink`.
 
     Equal pictures make equal bytes. Raises PictureError, one line that names the target, if the format cannot
     hold the depth, the channels or the metadata, or if the file cannot be written; UsageError for another
@@ -31,5 +40,7 @@ def write(picture: Picture, target: Target, *, format: str | None = None, depth:
         bands=bands,
         format=format,
         max_samples=picture.pixels.size,
+        png_level=png_level,
+        threads=threads,
     ) as sink:
         sink.write_rows(0, picture.pixels)

@@ -37,6 +37,9 @@ INPUT_BITS = 6
 LEVELS = 8
 """Cell sizes told apart: 2^0 to 2^7 pixels."""
 
+COARSEST = 5
+"""log2 of the cells that are coded first; larger ones go with them."""
+
 SUMMARY = 7
 """Columns of a summary: colours (Y, Co, Cg), log2 of the amplitude, shape (a, b, c)."""
 
@@ -47,19 +50,24 @@ _NEIGHBOUR_INPUTS = 1 + SUMMARY + 5 + 1 + SUMMARY + 2
 
 I32 = NDArray[np.int32]
 I64 = NDArray[np.int64]
+Nearest = Callable[[I32, I64, I64, int], I32]
+"""As `neighbours.nearest_seeds`."""
 
 
 def passes(spec: ContextSpec, layout: SeedLayout) -> list[I64]:
-    """Indices of the seeds that each pass codes: four parities of the cells, or all at once without neighbours."""
+    """Indices of the seeds that each pass codes: all at once without neighbours, else the four parities of the cells,
+    with `coarse_first` once for each cell size from 2^COARSEST pixels (and above) down to 2 (and below).
+    """
     if not spec.neighbours:
         return [np.arange(len(layout))]
-    parity = layout.parity
-    return [np.flatnonzero(parity == number) for number in range(4)]
+    number = layout.parity
+    if spec.coarse_first:
+        number = number + 4 * (COARSEST - np.clip(layout.log_size.astype(np.int64), 1, COARSEST))
+    order, bounds = np.argsort(number, kind="stable"), np.cumsum(np.bincount(number))
+    return [members for members in np.split(order, bounds[:-1]) if len(members)]
 
 
-def nearest_by_pass(
-    spec: ContextSpec, layout: SeedLayout, nearest: Callable[[I32, I32, int], I32]
-) -> Iterator[tuple[I64, I32]]:
+def nearest_by_pass(spec: ContextSpec, layout: SeedLayout, nearest: Nearest) -> Iterator[tuple[I64, I32]]:
     """The seeds of each pass [n], and indices [n, k] of their nearest seeds of earlier passes: nearest first, −1 where
     there is none.
     """
@@ -69,13 +77,12 @@ def nearest_by_pass(
         table = np.full((len(members), spec.neighbours), -1, np.int32)
         earlier = np.flatnonzero(seen)
         if spec.neighbours and len(earlier) and len(members):
-            found = nearest(points[earlier], points[members], spec.neighbours)
-            table = np.append(earlier, -1).astype(np.int32)[found]
+            table = nearest(points, earlier, members, spec.neighbours)
         yield members, table
         seen[members] = True
 
 
-def neighbour_table(spec: ContextSpec, layout: SeedLayout, nearest: Callable[[I32, I32, int], I32]) -> tuple[I64, I64]:
+def neighbour_table(spec: ContextSpec, layout: SeedLayout, nearest: Nearest) -> tuple[I64, I64]:
     """Indices [N, k] of each seed's nearest seeds of earlier passes (0 where there is none) and whether they exist."""
     table = np.full((len(layout), spec.neighbours), -1, np.int64)
     for members, found in nearest_by_pass(spec, layout, nearest):

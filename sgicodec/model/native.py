@@ -18,7 +18,7 @@ from sgicodec.model.processor import Processor
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import StepPlan
 
-__all__ = ["Quantisers", "SeedInputs", "quantisers", "summarise"]
+__all__ = ["Quantisers", "SeedInputs", "quantisers", "summarise", "write_own_inputs"]
 
 I16 = NDArray[np.int16]
 I32 = NDArray[np.int32]
@@ -60,6 +60,13 @@ def summarise(spec: ModelSpec, decoded: I64, members: I64, processor: Processor)
         decoded, spec.per_seed, spec.channels, colour, shape, members, processor.threads, summary, amplitude
     )
     return summary, amplitude
+
+
+def write_own_inputs(summary: I16, step: int, first: int, out: I16, processor: Processor) -> None:
+    """Input 4 of the format of seeds with these summaries [n, SUMMARY] into the columns from `first` on of
+    out [n, inputs], for the second step (1) or a later one.
+    """
+    _native.own_inputs(summary, step, first, processor.threads, out)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ __all__ = ["ONE_THREAD", "Processor"]
 class Processor:
     """threads: 0 for one per core. isa: auto, avx512, avx2 or portable, a ValueError where this machine lacks it.
 
-    Neither changes a symbol; pixels differ between instruction sets by rounding alone.
+    Neither changes a symbol; pixels differ between instruction sets by less than a level of eight bits.
     """
 
     threads: int = 1

@@ -17,8 +17,6 @@ __all__ = [
     "SCALE_ZERO",
     "STEP_COUNT",
     "STEP_ZERO",
-    "amplitude_index",
-    "dequantize",
     "quantize",
     "step_fixed",
     "step_index",
@@ -72,26 +70,3 @@ def quantize(values: F64, mean: I64, step: I64, scale: NDArray[np.integer]) -> I
     lean = np.minimum(DEAD_ZONE * 2.0 ** ((SCALE_ZERO - scale) / PER_OCTAVE), DEAD_ZONE_LIMIT)
     symbols: I64 = (np.sign(position) * np.floor(np.abs(position) + 0.5 - lean)).astype(np.int64)
     return symbols
-
-
-def dequantize(symbols: I64, mean: I64, step: I64) -> I64:
-    """v = m + q·n in units of 2^-24."""
-    return mean + step * symbols
-
-
-# An amplitude's index counts sixths of an octave of sqrt(energy), which are thirds of an octave of the energy.
-_THIRDS = np.array([0.5, 0.6299605249474366, 0.7937005259840998])
-
-
-def amplitude_index(values: I64) -> I64:
-    """floor(6 log2 sqrt(Σ v²)) over the last axis, exact; v in units of 2^-24, at least −72 (2^-12).
-
-    The energy is summed in units of 2^-24 (values rounded to 2^-12), far below 2^53, and `frexp` of an integer below
-    2^53 is exact, so every machine finds the same third of an octave.
-    """
-    coarse = np.clip(values >> (FRACTION_BITS // 2), -(1 << 20), 1 << 20)
-    energy = np.maximum(np.sum(coarse * coarse, axis=-1), 1)
-    mantissa, exponent = np.frexp(energy.astype(np.float64))
-    third = np.searchsorted(_THIRDS, mantissa, side="right") - 1
-    index: I64 = 3 * (exponent.astype(np.int64) - 1) + third - 3 * FRACTION_BITS
-    return index

@@ -33,6 +33,7 @@ class ContextSpec:
     `steps` lists the groups that each evaluation of MLP_p predicts; later steps see what earlier ones decoded.
     `neighbours` is how many seeds of earlier passes a seed sees (0 codes all seeds in one pass). The hash grid has one
     entry of `hash_features` signs per vertex of every resolution in `hash_resolutions`, at most 2^`hash_log2_entries`.
+    With `coarse_first` the passes go from large cells to small ones, so that the first of them draw a coarse picture.
     """
 
     prior: int
@@ -42,6 +43,7 @@ class ContextSpec:
     hash_resolutions: tuple[int, ...] = ()
     hash_features: int = 4
     hash_log2_entries: int = 13
+    coarse_first: bool = False
 
 
 @dataclass(frozen=True)
@@ -89,8 +91,12 @@ class ModelSpec:
         return sum(group.size for group in self.groups)
 
 
-def default_spec(channels: int, per_seed: int = 1, prior: int = 1, hidden: int = 0) -> ModelSpec:
-    """The `default` profile: adaptive seeds, log-covariances, a base layer, context from decoded neighbours."""
+def default_spec(channels: int, per_seed: int = 1, prior: int = 2, hidden: int = 0) -> ModelSpec:
+    """The `default` profile: adaptive seeds, log-covariances, a base layer, context from decoded neighbours.
+
+    Prior 1 was trained for passes that do not go by size.
+    """
+    steps = (("colour",), ("shape",), ("offset",))
     return ModelSpec(
         channels=channels,
         layout="adaptive",
@@ -101,7 +107,7 @@ def default_spec(channels: int, per_seed: int = 1, prior: int = 1, hidden: int =
         skip=True,
         seed_scales=False,
         base_cell=32,
-        context=ContextSpec(prior=prior, steps=(("colour",), ("shape",), ("offset",)), hidden=64, neighbours=6),
+        context=ContextSpec(prior=prior, steps=steps, hidden=64, neighbours=6, coarse_first=prior != 1),
     )
 
 

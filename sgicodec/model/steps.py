@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.model.context import LEVELS, output_columns, output_count
+from sgicodec.model.context import LEVELS, output_count
 from sgicodec.model.quantize import STEP_COUNT, STEP_ZERO
 from sgicodec.model.spec import ModelSpec
 
@@ -34,22 +34,6 @@ class StepPlan:
 
     base: dict[str, I64]
     gamma: dict[str, int]
-
-    def base_index(self, spec: ModelSpec, group: str, log_size: NDArray[np.integer]) -> I64:
-        """Base step index of each attribute of a group [n, size]."""
-        level = np.clip(log_size.astype(np.int64), 0, LEVELS - 1)
-        return self.base[group][output_columns(spec, group)][:, level].T
-
-    def refined_index(self, group: str, base: I64, amplitude: I64 | None, refine: I64) -> I64:
-        """base − γ·(amplitude index − AMPLITUDE_ZERO) + r, clipped to the table: q = Q · amplitude^-γ · 2^r [n, size].
-
-        base [n, size]; amplitude [n], None where the colours are not decoded yet; refine [n].
-        """
-        index = base + np.clip(refine, -REFINE_LIMIT, REFINE_LIMIT)[:, None]
-        if amplitude is not None:
-            index = index - ((self.gamma[group] * (amplitude - AMPLITUDE_ZERO)) >> GAMMA_BITS)[:, None]
-        clipped: I64 = np.clip(index, 0, STEP_COUNT - 1)
-        return clipped
 
 
 def follows_amplitude(spec: ModelSpec, group: str) -> bool:

@@ -24,8 +24,9 @@ SECTIONS = {part.split(maxsplit=1)[0]: part for part in TEXT.split("\n## sgi ")[
 def test_every_option_is_in_its_table(command: str) -> None:
     rows = re.findall(r"^\| (`-.*?) \|", SECTIONS[command], re.MULTILINE)
     documented = {name for row in rows for name in re.findall(r"`(--?[a-z-]+)`", row)}
-    context = click.Context(cli.commands[command])
-    params = [param for param in cli.commands[command].get_params(context) if isinstance(param, click.Option)]
+    found = cli.get_command(click.Context(cli), command)
+    assert found is not None
+    params = [param for param in found.get_params(click.Context(found)) if isinstance(param, click.Option)]
     actual = {name for param in params for name in (*param.opts, *param.secondary_opts)}
     assert documented == actual - {"-h", "--help"}
 

@@ -20,7 +20,8 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
     crop = replace(photo, pixels=np.ascontiguousarray(photo.pixels[CROP]))
     small = np.ascontiguousarray(crop.pixels[:64, :96])
     luma = small.astype(np.uint16) @ np.array([77, 150, 29], np.uint16)  # 16 bits
-    quick = EncodeSettings(quality=50, steps=150, threads=1)
+    quick = EncodeSettings(quality=50, steps=150, threads=1, prior=1)
+    coarse_first = replace(quick, prior=2)
     paper = EncodeSettings(profile="paper", seeds=60, per_seed=3, features=12, steps=80, threads=1)
     alpha = np.concatenate([small, 255 - small[..., :1]], axis=2)
     return {
@@ -33,6 +34,8 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
         "float": (Picture((luma / 8192.0).astype(np.float32)[..., None], "gray", (-1.0, 8.5)), quick),
         "multi8": (Picture(np.concatenate([alpha, small[..., 1:2]], axis=2), "multi", (0.0, 255.0)), quick),
         "paper-rgb8": (Picture(small, "rgb", (0.0, 255.0)), paper),
+        "rgb8-coarse-first": (crop, coarse_first),
+        "gray16-coarse-first": (Picture(luma[..., None], "gray", (0.0, 65535.0)), coarse_first),
         "one-pixel": (Picture(small[:1, :1], "rgb", (0.0, 255.0)), quick),
     }
 

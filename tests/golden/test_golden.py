@@ -33,7 +33,8 @@ def test_symbols_and_pixels(name: str) -> None:
         assert f"{stream.symbol_crc:08x}" == expected["symbol_crc"]
         pixels = stream.picture().pixels
     reference = read(HERE / f"{name}.{expected['reference']}").pixels
-    level = {"uint8": 1.0, "uint16": 257.0, "float32": 1 / 255}[header.sample_type]
+    low, high = header.sample_range
+    level = {"uint8": 1.0, "uint16": 257.0, "float32": (high - low) / 255}[header.sample_type]
     assert pixels.dtype == reference.dtype
     assert pixels.shape == reference.shape
     assert np.abs(pixels.astype(np.float64) - reference).max() <= level

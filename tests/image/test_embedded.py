@@ -92,8 +92,11 @@ def test_an_orientation_is_applied_once(exif_blob: Blob, place: str) -> None:
         chunk = struct.pack(">I", len(text)) + b"tEXt" + text + struct.pack(">I", zlib.crc32(b"tEXt" + text))
         plain = _through(picture, "png")
         data = plain[:33] + chunk + plain[33:]
+    elif place == "png":
+        plain = _through(picture, "png")
+        data = plain[:33] + png_file.chunk(b"eXIf", turned) + plain[33:]
     else:
-        insert = {"jpeg": jpeg_file, "png": png_file, "webp": webp_file}[place].insert
+        insert = {"jpeg": jpeg_file, "webp": webp_file}[place].insert
         data = b"".join(insert(_through(picture, place), turned, None))
     once = read(data)
     assert once.pixels.shape == (17, 9, 3)

@@ -160,7 +160,7 @@ def test_a_full_disk_is_noticed_before(tmp_path: Path, monkeypatch: pytest.Monke
     monkeypatch.setattr(sink.shutil, "disk_usage", lambda _: shutil._ntuple_diskusage(free, 0, free))
     open_sink(tmp_path / "x.tif", 10_000, 1000, "rgb", "uint8").abort()
     with pytest.raises(PictureError, match="free disk space"):  # its file is rewritten, and stands there twice
-        open_sink(tmp_path / "x.png", 10_000, 1000, "rgb", "uint8")
+        open_sink(tmp_path / "x.jpg", 10_000, 1000, "rgb", "uint8")
 
 
 def test_devices_are_written_through(noise: Noise) -> None:

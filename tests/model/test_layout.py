@@ -137,13 +137,28 @@ def test_centres_in_pixels_and_half_pixels() -> None:
 
 
 def test_passes_take_every_seed_once_by_parity() -> None:
-    order = passes(default_spec(3).context, LAYOUT)
+    order = passes(default_spec(3, prior=1).context, LAYOUT)
     assert sorted(np.concatenate(order).tolist()) == list(range(len(LAYOUT)))
     parities = [(0, 0), (1, 1), (1, 0), (0, 1)]
     for members, (x, y) in zip(order, parities, strict=True):
         index = LAYOUT.corner[members] >> LAYOUT.log_size[members].astype(int)[:, None]
         assert np.all(index % 2 == [x, y])
     assert [members.tolist() for members in passes(paper_spec(3).context, LAYOUT)] == [list(range(len(LAYOUT)))]
+
+
+def test_passes_from_large_cells_to_small_ones() -> None:
+    order = passes(default_spec(3, prior=2).context, LAYOUT)
+    assert sorted(np.concatenate(order).tolist()) == list(range(len(LAYOUT)))
+    ranks = [(0, 0), (1, 1), (1, 0), (0, 1)]
+    seen = []
+    for members in order:
+        assert len(members)
+        size = np.clip(LAYOUT.log_size[members].astype(int), 1, 5)
+        parity = (LAYOUT.corner[members] >> LAYOUT.log_size[members].astype(int)[:, None]) % 2
+        kinds = {(-int(k), ranks.index((int(x), int(y)))) for k, (x, y) in zip(size, parity, strict=True)}
+        assert len(kinds) == 1
+        seen += kinds
+    assert seen == sorted(set(seen))
 
 
 @pytest.mark.parametrize("keep", [np.arange(3), np.arange(len(LAYOUT)) % 3 == 0])

@@ -1,10 +1,11 @@
 """The search against all distances."""
 
 import numpy as np
+import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from sgicodec.model.neighbours import nearest_seeds
+from sgicodec.model.neighbours import nearest_points, nearest_seeds
 
 small = st.tuples(st.integers(0, 8), st.integers(0, 8))  # many ties and coinciding points
 sparse = st.tuples(st.integers(0, 25), st.integers(0, 25))
@@ -36,7 +37,7 @@ def as_array(points: Points) -> np.ndarray:
 @example(([(0, 0), (0, 0), (4, 0), (0, 4)], [(2, 2), (9, 9)]), 3)
 def test_against_all_distances(both: tuple[Points, Points], k: int) -> None:
     points, queries = both
-    found = nearest_seeds(as_array(points), as_array(queries), k)
+    found = nearest_points(as_array(points), as_array(queries), k)
     assert found.shape == (len(queries), k)
     assert found.tolist() == brute(points, queries, k)
 
@@ -50,7 +51,7 @@ def test_queries_everywhere_around_the_points() -> None:
             points = rng.integers(0, 26, (count, 2)).astype(np.int32)
             distance = np.sum((queries[:, None].astype(np.int64) - points) ** 2, axis=2)
             expected = np.argsort(distance, axis=1, kind="stable")[:, :3]
-            np.testing.assert_array_equal(nearest_seeds(points, queries, 3), expected)
+            np.testing.assert_array_equal(nearest_points(points, queries, 3), expected)
 
 
 def test_many_points_in_clusters() -> None:
@@ -60,4 +61,18 @@ def test_many_points_in_clusters() -> None:
     queries = np.concatenate([points[:100], rng.integers(-5000, 25_000, (100, 2)).astype(np.int32)])
     distance = np.sum((queries[:, None].astype(np.int64) - points) ** 2, axis=2)
     expected = np.argsort(distance, axis=1, kind="stable")[:, :6]
-    np.testing.assert_array_equal(nearest_seeds(points, queries, 6), expected)
+    np.testing.assert_array_equal(nearest_points(points, queries, 6), expected)
+
+
+def test_some_seeds_among_others() -> None:
+    rng = np.random.default_rng(2)
+    points = rng.integers(0, 60, (400, 2)).astype(np.int32)
+    chosen = rng.permutation(400)
+    among, members = np.sort(chosen[:150]), chosen[150:260]
+    expected = among[nearest_points(points[among], points[members], 5)]
+    np.testing.assert_array_equal(nearest_seeds(points, among, members, 5), expected)
+    few = nearest_seeds(points, among[:2], members, 3)
+    assert np.all(few[:, 2] == -1)
+    assert set(few[:, :2].ravel().tolist()) <= set(among[:2].tolist())
+    with pytest.raises(ValueError, match="indices of points"):
+        nearest_seeds(points, np.array([400]), members, 1)

@@ -1,46 +1,13 @@
-"""Step indices against the formula q = Q · amplitude^−γ · 2^r."""
+"""The default plan: within the table, and what it says of each profile."""
 
-import numpy as np
 import pytest
 
 from sgicodec.model.context import LEVELS, output_count
 from sgicodec.model.quantize import STEP_COUNT, STEP_ZERO
 from sgicodec.model.spec import ModelSpec, default_spec, paper_spec
-from sgicodec.model.steps import (
-    AMPLITUDE_ZERO,
-    GAMMA_BITS,
-    REFINE_LIMIT,
-    StepPlan,
-    default_plan,
-    follows_amplitude,
-)
+from sgicodec.model.steps import default_plan, follows_amplitude
 
 SPEC = default_spec(3, per_seed=2)
-
-
-def test_base_index_follows_the_cell_and_the_column() -> None:
-    base = np.arange(3 * LEVELS).reshape(3, LEVELS)
-    plan = StepPlan({"colour": base}, {"colour": 0})
-    found = plan.base_index(SPEC, "colour", np.array([0, 3, 7, 9], np.int8))
-    assert found.shape == (4, 6)
-    for row, level in zip(found, (0, 3, 7, 7), strict=True):
-        assert row.tolist() == [base[channel, level] for channel in (0, 1, 2, 0, 1, 2)]
-
-
-@pytest.mark.parametrize("gamma", [0, 8, 16, 25, 63])
-def test_refined_index_is_the_formula_rounded_down(gamma: int) -> None:
-    rng = np.random.default_rng(gamma)
-    plan = StepPlan({}, {"shape": gamma})
-    base = rng.integers(0, STEP_COUNT, (500, 3))
-    amplitude, refine = rng.integers(-72, 30, 500), rng.integers(-60, 60, 500)
-    found = plan.refined_index("shape", base, amplitude, refine)
-    bounded = np.clip(refine, -REFINE_LIMIT, REFINE_LIMIT)
-    exact = base + (bounded - gamma / 2**GAMMA_BITS * (amplitude - AMPLITUDE_ZERO))[:, None]
-    clipped = np.clip(exact, 0, STEP_COUNT - 1)
-    assert np.all((found >= clipped - 1e-9) & (found < clipped + 1))  # less is taken away than exact, by under one
-    np.testing.assert_array_equal(
-        plan.refined_index("shape", base, None, refine), np.clip(base + bounded[:, None], 0, STEP_COUNT - 1)
-    )
 
 
 @pytest.mark.parametrize("spec", [SPEC, default_spec(1), paper_spec(3)])

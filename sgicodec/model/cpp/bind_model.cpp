@@ -39,7 +39,7 @@ void evaluate_network(Array<const int64_t, 2> w1, Array<const int64_t, 1> b1, Ar
                       int threads, const std::string &isa, Array<int64_t, 2> out) {
   const size_t hidden = w1.shape(0), outputs = w2.shape(0), n = inputs.shape(0);
   require(b1.shape(0) == hidden && w2.shape(1) == hidden && b2.shape(0) == outputs, "weights do not fit each other");
-  require(inputs.shape(1) == w1.shape(1) && (inputs.stride(1) == 1 || inputs.shape(1) < 2),
+  require(inputs.shape(1) == w1.shape(1) && (n == 0 || inputs.stride(1) == 1 || inputs.shape(1) < 2),
           "inputs must be rows [n, inputs]");
   require(has_shape(out, n, outputs), "out must be [n, outputs]");
   require(shift >= 2 && shift <= 20 && predicted >= 0 && size_t(predicted) <= outputs, "shift must be 2..20");
@@ -79,6 +79,14 @@ void summarise(Array<const int64_t, 2> attributes, int per_seed, int channels, i
   const sgi::AttributesView view{attributes.data(), width, per_seed, channels, colour, shape};
   nb::gil_scoped_release release;
   sgi::summarise(view, members.data(), n, threads, summary.data(), amplitude.data());
+}
+
+void own_inputs(Array<const int16_t, 2> summary, int step, int64_t first, int threads, Array<int16_t, 2> out) {
+  const size_t n = summary.shape(0);
+  require(summary.shape(1) == sgi::kSummary && out.shape(0) == n, "summary [n, 7], out [n, inputs]");
+  require(step >= 1 && first >= 0 && first + (step >= 2 ? 12 : 7) <= int64_t(out.shape(1)), "out must have room");
+  nb::gil_scoped_release release;
+  sgi::own_inputs(summary.data(), int64_t(n), step, first, threads, out.data(), int64_t(out.shape(1)));
 }
 
 void quantisers(Array<const int64_t, 2> base, Array<const int64_t, 1> columns, int64_t gamma,
@@ -137,6 +145,7 @@ void bind_model(nb::module_ &m) {
   m.def("evaluate_network", &evaluate_network);
   m.def("seed_inputs", &seed_inputs);
   m.def("summarise", &summarise);
+  m.def("own_inputs", &own_inputs);
   m.def("quantisers", &quantisers);
   m.def("dequantise", &dequantise);
 }

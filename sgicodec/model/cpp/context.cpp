@@ -135,6 +135,18 @@ void summarise(const AttributesView &a, const int64_t *members, int64_t n, int t
   });
 }
 
+void own_inputs(const int16_t *summary, int64_t n, int step, int64_t first, int threads, int16_t *out, int64_t stride) {
+  const auto size = [](int16_t value) { return int16_t(std::abs(int(value))); };
+  for_each_seed(n, threads, [&](int64_t i) {
+    const int16_t *row = summary + i * kSummary;
+    int16_t *to = out + i * stride + first;
+    to = std::copy_n(row, 3, to);
+    to = std::transform(row, row + 3, to, size);
+    *to++ = row[3];
+    if (step >= 2) std::transform(row + 5, row + 7, std::copy_n(row + 4, 3, to), size);
+  });
+}
+
 void quantisers(const GroupPlan &plan, const PredictionView &prediction, const int8_t *log_size, int64_t n,
                 int threads, int64_t *mean, int64_t *step, int16_t *scale) {
   for_each_seed(n, threads, [&](int64_t i) {

@@ -39,6 +39,10 @@ struct AttributesView {
 void summarise(const AttributesView &attributes, const int64_t *members, int64_t n, int threads, int16_t *summary,
                int32_t *amplitude);
 
+// Input 4 of seeds with these summaries [n, 7]: the columns from `first` on of out [n, stride]; `step` is 1 for those that
+// know their colours, 2 for those that know their shape too.
+void own_inputs(const int16_t *summary, int64_t n, int step, int64_t first, int threads, int16_t *out, int64_t stride);
+
 struct GroupPlan {
   const int64_t *base;     // [size, kLevels] base step index of each attribute
   const int64_t *columns;  // [size] which prediction belongs to each attribute

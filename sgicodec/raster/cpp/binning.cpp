@@ -106,6 +106,11 @@ void find_tiles(const float *means, const float *covariances, int64_t n, const V
 
 }  // namespace
 
+bool prepare_splat(const float *mean, const float *covariance, float cutoff, Splat &splat) {
+  Ellipse ellipse;
+  return prepare(mean, covariance, cutoff, splat, ellipse);
+}
+
 void bin_gaussians(const float *means, const float *covariances, int64_t n, const View &view, float cutoff, int threads,
                    Bins &bins) {
   const int64_t chunks = (n + kChunk - 1) / kChunk;

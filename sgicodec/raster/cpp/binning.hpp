@@ -33,6 +33,9 @@ struct Bins {
   std::vector<int64_t> scratch;
 };
 
+// Prepares one Gaussian: mean [2] pixels, covariance [3] (xx, xy, yy) pixels^2. False for one that is not drawn.
+bool prepare_splat(const float *mean, const float *covariance, float cutoff, Splat &splat);
+
 // Fills `bins` for `n` Gaussians: means [N, 2] pixels, covariances [N, 3] (xx, xy, yy) pixels^2. A Gaussian reaches as
 // far as `cutoff` standard deviations; one that is not finite or not positive definite touches nothing. Throws
 // std::overflow_error for more than `bins.most_pairs` (tile, Gaussian) pairs.

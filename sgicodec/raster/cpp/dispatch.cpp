@@ -9,8 +9,12 @@ namespace sgi {
 const TileKernel &choose_kernel(const std::string &isa) {
 #ifdef SGI_X86
   const bool has_avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+#ifdef SGI_NO_AVX512
+  const bool has_avx512 = false;
+#else
   const bool has_avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
                           __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw");
+#endif
   if (isa == "avx512" || (isa == "auto" && has_avx512)) {
     if (!has_avx512) throw std::invalid_argument("this processor has no AVX-512");
     return avx512_kernel();

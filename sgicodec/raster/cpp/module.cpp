@@ -7,7 +7,9 @@
 
 #include "../../bitstream/cpp/bind_bitstream.hpp"
 #include "../../fit/cpp/bind_seed_fit.hpp"
+#include "../../image/cpp/bind_image.hpp"
 #include "../../model/cpp/bind_model.hpp"
+#include "../../refine/cpp/bind_refine.hpp"
 #include "neighbours.hpp"
 #include "peak.hpp"
 #include "rasterizer.hpp"
@@ -16,6 +18,7 @@
 namespace nb = nanobind;
 using namespace nb::literals;
 using F32In1 = nb::ndarray<const float, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using I64In1 = nb::ndarray<const int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using I32In1 = nb::ndarray<const int32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using F32In2 = nb::ndarray<const float, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using F32In3 = nb::ndarray<const float, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
@@ -96,7 +99,9 @@ sgi::Background background(const F32In3 &lines, const I32In1 &top, const F32In2 
 
 NB_MODULE(_native, m) {
   bind_bitstream(m);
+  bind_image(m);
   bind_model(m);
+  bind_refine(m);
   nb::class_<sgi::Rasterizer>(m, "Rasterizer")
       .def(nb::init<const std::string &, int, int64_t>(), "isa"_a, "threads"_a, "most_pairs"_a)
       .def("forward",
@@ -146,6 +151,17 @@ NB_MODULE(_native, m) {
                             int(out.shape(1)), threads, out.data());
   });
   bind_seed_fit(m);
+  m.def("nearest_among", [](I32In2 points, I64In1 among, I64In1 members, I32Out2 out, int threads) {
+    const auto all = int64_t(points.shape(0));
+    require(points.shape(1) == 2 && out.shape(0) == members.shape(0) && out.shape(1) > 0,
+            "points [N, 2], among [n], members [m], out [m, k]");
+    for (const I64In1 &indices : {among, members})
+      for (size_t i = 0; i < indices.shape(0); ++i)
+        require(indices.data()[i] >= 0 && indices.data()[i] < all, "among and members must be indices of points");
+    nb::gil_scoped_release release;
+    sgi::nearest_among(points.data(), among.data(), int64_t(among.shape(0)), members.data(), int64_t(members.shape(0)),
+                       int(out.shape(1)), threads, out.data());
+  });
   m.def("resolve_threads", &sgi::resolve_threads);
   m.def("fma_peak", &sgi::fma_peak, nb::call_guard<nb::gil_scoped_release>());
 }

@@ -1,7 +1,6 @@
 #include "neighbours.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -23,84 +22,88 @@ struct Box {
   }
 };
 
-// The k nearest so far, nearest first, ties to the lower index.
+// The k nearest so far, nearest first, ties to the lower index; none farther than `limit`.
 class Best {
  public:
-  explicit Best(int k) : k_(k) { found_.reserve(k + 1); }
+  Best(int k, const int32_t *points) : k_(k), points_(points), found_(k + 1) {}
 
-  void clear() { found_.clear(); }
-  bool wants(int64_t distance) const { return static_cast<int>(found_.size()) < k_ || distance <= found_.back().first; }
-  void add(int64_t distance, int32_t index) {
-    const std::pair<int64_t, int32_t> candidate{distance, index};
-    found_.insert(std::upper_bound(found_.begin(), found_.end(), candidate), candidate);
-    if (static_cast<int>(found_.size()) > k_) found_.pop_back();
+  // Starts another query. What the last one found bounds what this one can find: queries come in an order that goes from
+  // neighbour to neighbour.
+  void start(const int32_t *query) {
+    limit_ = kAnywhere;
+    if (count_ == k_) {
+      limit_ = 0;
+      for (int j = 0; j < k_; ++j) limit_ = std::max(limit_, distance(query, found_[j].second));
+    }
+    count_ = 0;
+  }
+  bool wants(int64_t distance) const { return distance <= limit_; }
+  void add(const int32_t *query, int32_t index) {
+    const std::pair<int64_t, int32_t> candidate{distance(query, index), index};
+    if (candidate.first > limit_) return;
+    int at = count_;
+    for (; at > 0 && candidate < found_[at - 1]; --at) found_[at] = found_[at - 1];
+    found_[at] = candidate;
+    count_ = std::min(count_ + 1, k_);
+    if (count_ == k_) limit_ = std::min(limit_, found_[k_ - 1].first);
   }
   void write(int32_t *out) const {
-    for (int j = 0; j < k_; ++j) out[j] = j < static_cast<int>(found_.size()) ? found_[j].second : -1;
+    for (int j = 0; j < k_; ++j) out[j] = j < count_ ? found_[j].second : -1;
   }
 
  private:
-  int k_;
+  static constexpr int64_t kAnywhere = INT64_MAX;
+
+  int64_t distance(const int32_t *query, int32_t index) const {
+    const int64_t dx = int64_t(points_[2 * int64_t(index)]) - query[0];
+    const int64_t dy = int64_t(points_[2 * int64_t(index) + 1]) - query[1];
+    return dx * dx + dy * dy;
+  }
+
+  int k_, count_ = 0;
+  const int32_t *points_;
   std::vector<std::pair<int64_t, int32_t>> found_;
+  int64_t limit_ = kAnywhere;
 };
 
-// A k-d tree: however a stream scatters its seeds, a search stays short (buckets of one size would not).
+// Boxes around runs of points, and around pairs of boxes up to one around all: node i has the children 2i and 2i + 1.
+// Points in Morton order, as seeds are, make small boxes however they are scattered; any other order is only slower.
 class Tree {
  public:
-  Tree(const int32_t *points, int64_t n) : points_(points), order_(n) {
-    std::iota(order_.begin(), order_.end(), 0);
-    nodes_.reserve(4 * (n / kLeaf + 1));
-    build(0, n);
+  Tree(const int32_t *points, int64_t n) : n_(n) {
+    while (leaves_ * kLeaf < n) leaves_ *= 2;
+    boxes_.assign(2 * leaves_, Box{{INT32_MAX, INT32_MAX}, {INT32_MIN, INT32_MIN}});
+    for (int64_t i = 0; i < n; ++i) extend(boxes_[leaves_ + i / kLeaf], points + 2 * i, points + 2 * i);
+    for (int64_t node = leaves_ - 1; node > 0; --node)
+      for (int64_t child : {2 * node, 2 * node + 1}) extend(boxes_[node], boxes_[child].lo, boxes_[child].hi);
   }
 
-  void search(const int32_t *query, Best &best) const { visit(0, nodes_[0].box.squared_distance(query), query, best); }
+  // Adds to `best` whatever belongs there.
+  void search(const int32_t *query, Best &best) const { visit(1, boxes_[1].squared_distance(query), query, best); }
 
  private:
-  static constexpr int64_t kLeaf = 12;
+  static constexpr int64_t kLeaf = 8;
 
-  struct Node {
-    Box box;
-    int32_t begin, end;   // of its points in order_
-    int32_t right;        // its second child, 0 for a leaf; the first one follows it
-  };
-
-  const int32_t *at(int32_t index) const { return points_ + 2 * int64_t(index); }
-
-  int32_t build(int64_t begin, int64_t end) {
-    const auto number = static_cast<int32_t>(nodes_.size());
-    const int32_t *first = at(order_[begin]);
-    Node node{{{first[0], first[1]}, {first[0], first[1]}}, int32_t(begin), int32_t(end), 0};
-    for (int64_t i = begin; i < end; ++i)
-      for (int d = 0; d < 2; ++d) {
-        node.box.lo[d] = std::min(node.box.lo[d], at(order_[i])[d]);
-        node.box.hi[d] = std::max(node.box.hi[d], at(order_[i])[d]);
-      }
-    nodes_.push_back(node);
-    if (end - begin > kLeaf) {
-      const Box &box = node.box;
-      const int axis = int64_t(box.hi[0]) - box.lo[0] < int64_t(box.hi[1]) - box.lo[1];
-      const auto before = [&](int32_t a, int32_t b) { return at(a)[axis] < at(b)[axis]; };
-      const int64_t middle = begin + (end - begin) / 2;
-      std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end, before);
-      build(begin, middle);
-      nodes_[number].right = build(middle, end);
+  static void extend(Box &box, const int32_t *lo, const int32_t *hi) {
+    for (int d = 0; d < 2; ++d) {
+      box.lo[d] = std::min(box.lo[d], lo[d]);
+      box.hi[d] = std::max(box.hi[d], hi[d]);
     }
-    return number;
   }
 
-  void visit(int32_t number, int64_t distance, const int32_t *query, Best &best) const {
+  // The boxes behind the last point are empty and lie nowhere.
+  bool empty(int64_t node) const { return boxes_[node].lo[0] > boxes_[node].hi[0]; }
+
+  void visit(int64_t node, int64_t distance, const int32_t *query, Best &best) const {
     if (!best.wants(distance)) return;
-    const Node &node = nodes_[number];
-    if (node.right == 0) {
-      for (int32_t i = node.begin; i < node.end; ++i) {
-        const int32_t *p = at(order_[i]);
-        const int64_t dx = int64_t(p[0]) - query[0], dy = int64_t(p[1]) - query[1];
-        if (best.wants(dx * dx + dy * dy)) best.add(dx * dx + dy * dy, order_[i]);
-      }
+    if (node >= leaves_) {
+      const int64_t begin = (node - leaves_) * kLeaf, end = std::min(n_, begin + kLeaf);
+      for (int64_t i = begin; i < end; ++i) best.add(query, int32_t(i));
       return;
     }
-    int32_t near = number + 1, far = node.right;
-    int64_t to_near = nodes_[near].box.squared_distance(query), to_far = nodes_[far].box.squared_distance(query);
+    int64_t near = 2 * node, far = near + 1;
+    if (empty(far)) return visit(near, boxes_[near].squared_distance(query), query, best);
+    int64_t to_near = boxes_[near].squared_distance(query), to_far = boxes_[far].squared_distance(query);
     if (to_far < to_near) {
       std::swap(near, far);
       std::swap(to_near, to_far);
@@ -109,9 +112,8 @@ class Tree {
     visit(far, to_far, query, best);
   }
 
-  const int32_t *points_;
-  std::vector<int32_t> order_;
-  std::vector<Node> nodes_;
+  int64_t n_, leaves_ = 1;
+  std::vector<Box> boxes_;
 };
 
 }  // namespace
@@ -125,13 +127,25 @@ void nearest_neighbours(const int32_t *points, int64_t n, const int32_t *queries
   const Tree tree(points, n);
   constexpr int64_t kChunk = 256;
   parallel_for((m + kChunk - 1) / kChunk, threads, [&](int64_t chunk) {
-    Best best(k);
+    Best best(k, points);
     for (int64_t i = chunk * kChunk; i < std::min(m, (chunk + 1) * kChunk); ++i) {
-      best.clear();
+      best.start(queries + 2 * i);
       tree.search(queries + 2 * i, best);
       best.write(out + i * k);
     }
   });
+}
+
+void nearest_among(const int32_t *points, const int64_t *among, int64_t n, const int64_t *members, int64_t m, int k,
+                   int threads, int32_t *out) {
+  const auto gathered = [&](const int64_t *indices, int64_t count) {
+    std::vector<int32_t> chosen(2 * count);
+    for (int64_t i = 0; i < count; ++i) std::copy_n(points + 2 * indices[i], 2, chosen.begin() + 2 * i);
+    return chosen;
+  };
+  nearest_neighbours(gathered(among, n).data(), n, gathered(members, m).data(), m, k, threads, out);
+  for (int64_t i = 0; i < m * k; ++i)
+    if (out[i] >= 0) out[i] = int32_t(among[out[i]]);
 }
 
 }  // namespace sgi

@@ -1,0 +1,220 @@
+"""Where the time of a decode goes, from an open file to pixels (`python -m sgicodec.bench.latency FILE.sgi`)."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import wraps
+from importlib import import_module
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+import click
+import numpy as np
+
+from sgicodec import _native
+from sgicodec.bench.raster import forward_operations, pairs_within
+from sgicodec.bench.sgi import run_timed
+from sgicodec.bitstream.tile import read_tile
+from sgicodec.decoder import Stream, open_stream
+from sgicodec.raster import DEFAULT_CUTOFF, NativeRasterizer
+
+__all__ = ["STAGES", "Breakdown", "Work", "cold_times", "main", "measure", "stage_times"]
+
+STAGES: dict[str, tuple[str, ...]] = {
+    "file, chunks, header": ("decoder:open_stream",),
+    "range decoder (constriction)": ("bitstream.entropy:SymbolReader._run",),
+    "symbols to arrays": (
+        "bitstream.entropy:SymbolReader.code",
+        "bitstream.entropy:SymbolReader.code_categorical",
+        "bitstream.entropy:SymbolReader.code_bits",
+    ),
+    "quadtree": ("bitstream.tile:_code_layout",),
+    "weights and steps": ("bitstream.tile:code_networks", "bitstream.tile:_code_plan"),
+    "neighbours, as far as waited for": ("bitstream.attributes:AttributeCoder.code",),
+    "inputs of MLP_p": (
+        "bitstream.attributes:SeedInputs.write",
+        "bitstream.attributes:summarise",
+        "bitstream.attributes:write_own_inputs",
+    ),
+    "MLP_p": ("bitstream.attributes:IntNetwork.predict",),
+    "steps and values": (
+        "bitstream.attributes:quantisers",
+        "bitstream.attributes:AttributeCoder._code_pass",
+    ),
+    "Gaussians": ("decoder:Stream._prepared",),
+    "base layer": ("bitstream.tile:_code_base_layer", "decoder:base_view", "decoder:Stream._base_colours"),
+    "drawing, background, rounding": ("decoder:NativeRasterizer.draw",),
+    "the rest": ("decoder:Stream.picture",),
+}
+"""What is called what: functions by module, each with the time that it spends outside of those of other stages."""
+
+
+@dataclass(frozen=True)
+class Breakdown:
+    """Seconds of a whole decode, medians and minimum, and median seconds of each stage."""
+
+    total: float
+    least: float
+    stages: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Work:
+    """What a decode cannot do without: symbols read, multiply-adds of MLP_p, Gaussians times pixels within the cutoff,
+    and bytes of the stream and of the samples.
+    """
+
+    symbols: int
+    network: int
+    pairs: int
+    stream_bytes: int
+    sample_bytes: int
+
+    @classmethod
+    def of(cls, stream: Stream) -> Work:
+        """That of a stream, which is decoded for it."""
+        header = stream.header
+        model, walk = read_tile(header, stream._tile)
+        per_seed = sum(net.w1.size + net.w2.size for net in model.networks)
+        means, covariances, colours = stream._prepared(0)
+        pairs = pairs_within((means, covariances, colours), DEFAULT_CUTOFF, header.width, header.height)
+        samples = header.width * header.height * header.spec.channels * np.dtype(header.sample_type).itemsize
+        return cls(walk.count, per_seed * len(model.layout), pairs, stream.size, samples)
+
+
+@contextmanager
+def stage_times() -> Iterator[dict[str, float]]:
+    """Seconds of each stage inside the block, by wrapping the functions of STAGES: a microsecond for every call."""
+    spent: dict[str, float] = defaultdict(float)
+    inner: list[float] = []
+    undo: list[tuple[Any, str, Any]] = []
+    for label, paths in STAGES.items():
+        for path in paths:
+            owner, name = _resolve(path)
+            undo.append((owner, name, getattr(owner, name)))
+            setattr(owner, name, _timed(getattr(owner, name), label, spent, inner))
+    try:
+        yield spent
+    finally:
+        for owner, name, function in reversed(undo):
+            setattr(owner, name, function)
+
+
+def _resolve(path: str) -> tuple[Any, str]:
+    module, _, names = path.partition(":")
+    owner: Any = import_module(f"sgicodec.{module}")
+    *classes, name = names.split(".")
+    for part in classes:
+        owner = getattr(owner, part)
+    return owner, name
+
+
+def _timed(function: Callable[..., Any], label: str, spent: dict[str, float], inner: list[float]) -> Callable[..., Any]:
+    @wraps(function)
+    def wrapper(*args: Any, **kwargs: Any) -> Any:
+        inner.append(0.0)
+        start = time.perf_counter()
+        try:
+            return function(*args, **kwargs)
+        finally:
+            seconds = time.perf_counter() - start
+            spent[label] += seconds - inner.pop()
+            if inner:
+                inner[-1] += seconds
+
+    return wrapper
+
+
+def measure(path: Path, threads: int, isa: str = "auto", repeat: int = 25) -> Breakdown:
+    """Opens and decodes a file `repeat` times in this process, after once to find memory."""
+    open_stream(path, isa).picture(threads=threads)
+    totals, stages = [], []
+    for _ in range(repeat):
+        with stage_times() as spent:
+            decoder = import_module("sgicodec.decoder")
+            start = time.perf_counter()
+            with decoder.open_stream(path, isa) as stream:
+                stream.picture(threads=threads)
+            totals.append(time.perf_counter() - start)
+        stages.append(dict(spent))
+    shares = {label: median(run.get(label, 0.0) for run in stages) for label in STAGES}
+    return Breakdown(median(totals), min(totals), shares)
+
+
+def cold_times(path: Path, threads: int, isa: str = "auto", repeat: int = 7) -> dict[str, float]:
+    """Median seconds in fresh processes: import of the decoder, the first decode, and the command with PNG output."""
+    code = (
+        "import sys, time; start = time.perf_counter(); from sgicodec import open_stream; open_stream; "
+        "loaded = time.perf_counter(); open_stream(sys.argv[1], sys.argv[3]).picture(threads=int(sys.argv[2])); "
+        "print(loaded - start, time.perf_counter() - loaded)"
+    )
+    fresh = [sys.executable, "-c", code, str(path), str(threads), isa]
+    runs = [subprocess.run(fresh, capture_output=True, text=True, check=True).stdout.split() for _ in range(repeat)]
+    with tempfile.TemporaryDirectory(prefix="sgi-latency-") as folder:
+        decode = [sys.executable, "-m", "sgicodec", "decode", str(path), "-f", "-j", str(threads)]
+        png = [run_timed([*decode, str(Path(folder, "out.png"))]) for _ in range(repeat)]
+    return {
+        "import of the decoder, numpy included": median(float(run[0]) for run in runs),
+        "first decode, open file to pixels": median(float(run[1]) for run in runs),
+        "`sgi decode` to PNG, the whole process": median(run.seconds for run in png),
+    }
+
+
+def floors(work: Work, breakdown: Breakdown, channels: int, threads: int, isa: str) -> dict[str, float]:
+    """Least seconds of the stages whose work can be counted: see docs/speed.md."""
+    peak = _native.fma_peak(threads, isa)
+    block = np.ones(work.sample_bytes, np.uint8)
+    copies = []
+    for _ in range(5):
+        start = time.perf_counter()
+        block.copy()
+        copies.append(time.perf_counter() - start)
+    return {
+        "range decoder (constriction)": breakdown.stages["range decoder (constriction)"],
+        "MLP_p": 2 * work.network / (2 * peak),  # two 16-bit products where peak counts one of 32 bits
+        "drawing, background, rounding": work.pairs * forward_operations(channels) / peak + min(copies),
+    }
+
+
+@click.command()
+@click.argument("path", type=click.Path(path_type=Path, exists=True, dir_okay=False), metavar="FILE.sgi")
+@click.option("--threads", default=2, show_default=True, type=click.IntRange(1))
+@click.option("--isa", default="auto", show_default=True, type=click.Choice(["auto", "avx512", "avx2", "portable"]))
+@click.option("--repeat", default=25, show_default=True, type=click.IntRange(1), help="Runs; medians are printed.")
+@click.option("--cold/--no-cold", default=True, show_default=True, help="Also time fresh processes.")
+def main(path: Path, threads: int, isa: str, repeat: int, cold: bool) -> None:
+    """Time the decoding of FILE.sgi stage by stage."""
+    try:
+        name = NativeRasterizer(threads, isa).isa
+    except ValueError as error:
+        raise click.UsageError(str(error)) from error
+    with open_stream(path, isa) as stream:
+        header, work = stream.header, Work.of(stream)
+        gaussians = len(stream.model.layout) * header.spec.per_seed
+    breakdown = measure(path, threads, isa, repeat)
+    least = floors(work, breakdown, header.spec.channels, threads, isa)
+    workers = "1 thread" if threads == 1 else f"{threads} threads"
+    click.echo(f"{header.width}×{header.height} pixels, {gaussians:,} Gaussians, {work.stream_bytes:,} bytes")
+    click.echo(f"{work.symbols:,} symbols, {work.network / 1e6:.0f} M multiply-adds of MLP_p, ", nl=False)
+    click.echo(f"{work.pairs / 1e6:.1f} M pairs of Gaussian and pixel, {work.sample_bytes / 1e6:.1f} MB of samples")
+    click.echo(f"{name}, {workers}, median of {repeat} runs\n\n| stage | ms | floor ms |\n|---|---:|---:|")
+    for label, seconds in breakdown.stages.items():
+        floor = f"{1e3 * least[label]:.1f}" if label in least else ""
+        click.echo(f"| {label} | {1e3 * seconds:.1f} | {floor} |")
+    click.echo(f"| **open file to pixels** | **{1e3 * breakdown.total:.1f}** | {1e3 * sum(least.values()):.1f} |")
+    click.echo(f"| fastest run | {1e3 * breakdown.least:.1f} | |")
+    if cold:
+        for label, seconds in cold_times(path, threads, isa).items():
+            click.echo(f"| {label} | {1e3 * seconds:.0f} | |")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,32 @@
+"""Every number that steers the search for symbols."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["RefineSettings"]
+
+
+@dataclass(frozen=True)
+class RefineSettings:
+    """How symbols are searched after a fit.
+
+    sweeps: times that all seeds are gone through; the best outcome counts. deep: choices of a seed's colours that are
+    followed to its shape and offset. rounds: times that the symbols of a shape or an offset are gone through. coarser:
+    octaves by which steps grow beforehand, since symbols that are searched want coarser steps than the noise that they
+    were trained with. base: whether the base layer moves too. drop: a seed goes when that costs less squared error than
+    this many times its price. position_bits: what a seed's place adds to its price.
+    """
+
+    sweeps: int = 6
+    deep: int = 3
+    rounds: int = 3
+    coarser: float = 0.3
+    base: bool = True
+    drop: float = 1.2
+    position_bits: float = 3.0
+
+    @classmethod
+    def for_steps(cls, steps: int) -> RefineSettings:
+        """As many sweeps as befit a fit of so many steps: where both gain about the same in a second."""
+        return cls(sweeps=min(24, max(2, round(steps / 100))))
