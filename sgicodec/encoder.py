@@ -353,8 +353,8 @@ class _Encoding:
 _MOST_SEARCHES, _MOST_SHIFTS = 4, 3
 _SHIFTS_PER_OCTAVE = 60
 """Units by which a trim shifts steps for what an octave of λ does to the bytes, about."""
-_SEARCHED_BYTES, _SEARCHED_DECIBELS = 0.95, 0.35
-"""What the search for symbols leaves of the bytes, and adds to the PSNR, on photographs."""
+_SEARCHED_BYTES, _SEARCHED_DECIBELS = 0.965, 0.22
+"""What the search for symbols leaves of the bytes, and adds to the PSNR, on photographs whose fit was steered."""
 _SEARCH_GAIN = 1.5
 """Octaves of λ that a search must move for each octave that a fit would have to."""
 _OVERHEAD, _BASE_BYTES, _WEIGHT_BYTES = 250.0, 0.4, 1.2
