@@ -38,7 +38,7 @@ from sgicodec.model.quantize import step_fixed, step_index
 from sgicodec.model.spec import ModelSpec, default_spec, paper_spec
 from sgicodec.refine import Refiner, RefineSettings, can_refine
 from sgicodec.tiles import Rect, TileGrid
-from sgicodec.trim import coarser, trim
+from sgicodec.trim import MOST_SHIFT, coarser, trim
 from sgicodec.version import __version__
 
 if TYPE_CHECKING:
@@ -277,8 +277,7 @@ class _Encoding:
         """The parts of chunk T without goals, the bytes of each, and the number of seeds."""
         if self._holds_nothing():
             return TileChunk(number, self.empty, None), {}, 0
-        fitted, family = self._fitted(on_progress)
-        header = self._header(fitted, family)
+        fitted, header = self._fitted(on_progress)
         model = self._searched(header, self._model(fitted), fitted.lmbda)
         payload, parts = _written(header, model)
         return TileChunk(number, self.empty, payload), parts, len(model.layout)
@@ -291,8 +290,7 @@ class _Encoding:
         if self._holds_nothing():
             return Encoded(self._assembled(self.plan.header, None)[0], {}, 0, 0, self.fit.lmbda)
         if self.goal is None:
-            fitted, family = self._fitted(on_progress)
-            header = self._header(fitted, family)
+            fitted, header = self._fitted(on_progress)
             return self._encoded(header, self._searched(header, self._model(fitted), fitted.lmbda), fitted.lmbda)
         goal, ended = self.goal, False
 
@@ -312,13 +310,23 @@ class _Encoding:
             raise TargetMissedError(_regret(goal, measured), encoded)
         return encoded
 
-    def _at_goal(self, goal: Goal, fitted: Fitted, family: int) -> tuple[Encoded, Measured]:
+    def _at_goal(self, goal: Goal, fitted: Fitted, header: Header) -> tuple[Encoded, Measured]:
         """Trims the fit to what the search for symbols will bring to the goal, and searches until it is there."""
-        lmbda, header = fitted.lmbda, self._header(fitted, family)
+        lmbda = fitted.lmbda
         shift = trim(self._fit_goal(goal), lambda shift: self._measured(header, self._model(fitted, shift), lmbda)[1])
-        model = self._model(fitted, shift)
         if not self._searches:
-            return self._measured(header, model, lmbda)
+            return self._measured(header, self._model(fitted, shift), lmbda)
+        found: list[tuple[Encoded, Measured]] = []
+        while not found or (goal.is_missed(found[-1][1]) and len(found) < _MOST_SHIFTS):
+            found.append(self._searched_to(goal, header, self._model(fitted, shift), lmbda))
+            excess = goal.excess(found[-1][1])
+            shift += round(_SHIFTS_PER_OCTAVE * excess) + (4 if excess > 0 else -4)
+            shift = max(-MOST_SHIFT, min(MOST_SHIFT, shift))
+        sound = [one for one in found if not goal.is_missed(one[1])]
+        return min(sound or found, key=lambda one: abs(goal.excess(one[1])))
+
+    def _searched_to(self, goal: Goal, header: Header, model: TileModel, lmbda: float) -> tuple[Encoded, Measured]:
+        """Searches at several λ."""
         refiner = self._refiner(header, model, lmbda)
         found: dict[float, tuple[Encoded, Measured]] = {}
         octaves, gain = 0.0, _SEARCH_GAIN
@@ -355,7 +363,7 @@ class _Encoding:
             return Goal(bytes=goal.bytes / _SEARCHED_BYTES)
         return Goal(psnr=(goal.psnr or 0.0) - _SEARCHED_DECIBELS)
 
-    def _fitted(self, on_progress: Callable[[Progress], bool] | None) -> tuple[Fitted, int]:
+    def _fitted(self, on_progress: Callable[[Progress], bool] | None) -> tuple[Fitted, Header]:
         from sgicodec.fit.trainer import Trainer
 
         spec, fit = self.spec, self.fit
@@ -383,7 +391,8 @@ class _Encoding:
                 measure=lambda f: self._measured(self._header(f, family), self._model(f), f.lmbda)[1],
                 seconds=self._seconds(),
             )
-            return trainer.run(on_progress), family
+            fitted = trainer.run(on_progress)
+            return fitted, self._header(fitted, family)
 
     def _overhead(self) -> float:
         """About what the stream holds beside its seeds, in bytes."""
@@ -455,9 +464,11 @@ def _written(header: Header, model: TileModel) -> tuple[bytes, dict[str, float]]
     return payload, {name: bits / 8 for name, bits in walk.bits.items()}
 
 
-_MOST_SEARCHES = 4
-_SEARCHED_BYTES, _SEARCHED_DECIBELS = 0.95, 0.35
-"""What the search for symbols leaves of the bytes, and adds to the PSNR, on photographs."""
+_MOST_SEARCHES, _MOST_SHIFTS = 4, 3
+_SHIFTS_PER_OCTAVE = 60
+"""Units by which a trim shifts steps for what an octave of λ does to the bytes, about."""
+_SEARCHED_BYTES, _SEARCHED_DECIBELS = 0.965, 0.22
+"""What the search for symbols leaves of the bytes, and adds to the PSNR, on photographs whose fit was steered."""
 _SEARCH_GAIN = 1.5
 """Octaves of λ that a search must move for each octave that a fit would have to."""
 _OVERHEAD, _BASE_BYTES, _WEIGHT_BYTES = 250.0, 0.4, 1.2

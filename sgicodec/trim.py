@@ -9,10 +9,11 @@ import numpy as np
 from sgicodec.fit.steering import Goal, Measured
 from sgicodec.model.network import DIFFERENCE_SHIFT, IntNetwork
 
-__all__ = ["coarser", "trim"]
+__all__ = ["MOST_SHIFT", "coarser", "trim"]
 
 _MOST_TRIES = 8
-_MOST_SHIFT = 3 << DIFFERENCE_SHIFT
+MOST_SHIFT = 3 << DIFFERENCE_SHIFT
+"""Of all steps, either way: three octaves."""
 _FIRST_SLOPE = -0.01
 """log2 of the bytes for each unit of the shift, where nothing is known yet."""
 
@@ -50,6 +51,6 @@ def trim(goal: Goal, measure: Callable[[int], Measured]) -> int:
                 slope = (excess[max(excess)] - excess[min(excess)]) / (max(excess) - min(excess)) or _FIRST_SLOPE
             move = -excess[shift] / min(slope, 0.3 * _FIRST_SLOPE)
             shift += round(max(-24.0, min(24.0, 1.2 * move))) or (1 if excess[shift] > 0 else -1)
-            shift = max(-_MOST_SHIFT, min(_MOST_SHIFT, shift))
+            shift = max(-MOST_SHIFT, min(MOST_SHIFT, shift))
     sound = [at for at, measured in tried.items() if not goal.is_missed(measured)]
     return min(sound or tried, key=lambda at: abs(goal.excess(tried[at])))

@@ -10,7 +10,6 @@ from pathlib import Path
 import click
 import numpy as np
 
-from sgicodec.cli.parts import all_parts, paper_parts
 from sgicodec.decoder import open_stream
 from sgicodec.encoder import EncodeSettings, encode
 from sgicodec.image import Picture, comparable, read
@@ -22,6 +21,17 @@ PIXELS_PER_GAUSSIAN = 20
 """In the paper profile, unless a table says otherwise: 3.5 million Gaussians on 70 megapixels."""
 FEATURES_PER_GAUSSIAN = 5
 """D and the width of the networks follow K, as in the paper: D = 50 for K = 10."""
+
+PARTS = {
+    "x_a": ("positions",),
+    "f_a": ("feature", "colour", "shape"),
+    "{s_o, s_a}": ("scales",),
+    "δ": ("offset",),
+    "H": ("hash grid",),
+    "MLPs": ("decoders", "context model"),
+}
+"""The columns of the paper's table of components, and which of a stream's parts they hold."""
+SEEDS = ("x_a", "f_a", "{s_o, s_a}", "δ")
 
 Settings = dict[str, EncodeSettings]
 
@@ -65,9 +75,9 @@ def measured(pictures: list[Picture], settings: EncodeSettings) -> Row:
         encoded = encode(picture, settings)
         seconds = time.monotonic() - started
         decoded = open_stream(encoded.data).picture(threads=settings.threads)
-        parts = all_parts(encoded.part_bytes, {}, len(encoded.data))
-        named = paper_parts(parts) if settings.profile == "paper" else parts
-        rows.append(Row(psnr(comparable(picture), comparable(decoded)), len(encoded.data), seconds, named))
+        parts = {name: sum(encoded.part_bytes.get(part, 0.0) for part in members) for name, members in PARTS.items()}
+        parts["other"] = len(encoded.data) - sum(parts.values())
+        rows.append(Row(psnr(comparable(picture), comparable(decoded)), len(encoded.data), seconds, parts))
 
     def mean(values: list[float]) -> float:
         return sum(values) / len(values)
@@ -97,15 +107,14 @@ def main(pictures: tuple[Path, ...], profile: str, steps: int, crop: int, thread
     for name, rows in tables(profile, gaussians, base).items():
         if chosen and name not in chosen.split(","):
             continue
-        parts: list[str] = []
+        columns = (*PARTS, "other")
+        click.echo(f"\n| {name} | PSNR | bytes | of seeds | seconds | " + " | ".join(columns) + " |")
+        click.echo("|" + "---|" * (5 + len(columns)))
         for value, settings in rows.items():
             row = measured(crops, settings)
-            if not parts:
-                parts = list(row.parts)
-                click.echo(f"\n| {name} | PSNR | bytes | seconds | " + " | ".join(parts) + " |")
-                click.echo("|" + "---|" * (4 + len(parts)))
-            shares = " | ".join(f"{100 * row.parts[part] / row.bytes:.1f} %" for part in parts)
-            click.echo(f"| {value} | {row.psnr:.2f} | {row.bytes:,.0f} | {row.seconds:.1f} | {shares} |")
+            seeds = sum(row.parts[part] for part in SEEDS)
+            shares = " | ".join(f"{100 * row.parts[part] / row.bytes:.1f} %" for part in columns)
+            click.echo(f"| {value} | {row.psnr:.2f} | {row.bytes:,.0f} | {seeds:,.0f} | {row.seconds:.1f} | {shares} |")
 
 
 if __name__ == "__main__":

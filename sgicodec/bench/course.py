@@ -37,7 +37,7 @@ def followed(path: Path, lmbda: float, steps: int, threads: int) -> NDArray[np.f
         states.append(state)
         return True
 
-    encoded = encode(picture, EncodeSettings(lmbda=lmbda, steps=steps, threads=threads), on_progress)
+    encoded = encode(picture, EncodeSettings(lmbda=lmbda, steps=steps, threads=threads, refine=False), on_progress)
     reached = psnr(comparable(picture), comparable(open_stream(encoded.data).picture(threads=threads)))
     size = sum(encoded.part_bytes[name] for name in ("positions", "colour", "shape", "offset"))
     at = [states[max(0, math.ceil(done * len(states)) - 1)] for done in DONE]

@@ -89,18 +89,27 @@ def _point(picture: Picture, settings: EncodeSettings) -> tuple[Point, bool]:
 
 
 def loss(point: Point, plain: list[Point]) -> float:
-    """How many dB `point` is below the line through the two plain points of the nearest rates, over log rate.
+    """How many dB `point` is below the plain points, by a line over log rate: between the two whose rates enclose its
+    own, else through the nearest and the nearest to that of at least 15 % more or less.
 
-    NaN where there are no two of different size.
+    NaN where there are no two such points.
     """
-    near = sorted({p.bytes: p for p in plain}.values(), key=lambda p: abs(math.log(p.bytes / point.bytes)))[:2]
-    if len(near) < 2:
+    near = sorted(plain, key=lambda p: abs(math.log(p.bytes / point.bytes)))
+    other_side = [p for p in near if (p.bytes < point.bytes) != (near[0].bytes < point.bytes)]
+    apart = [p for p in near if abs(math.log(p.bytes / near[0].bytes)) >= math.log(1.15)]
+    if not (other_side or apart):
         return math.nan
-    slope = (near[1].psnr - near[0].psnr) / math.log(near[1].bytes / near[0].bytes)
-    return near[0].psnr + slope * math.log(point.bytes / near[0].bytes) - point.psnr
+    first, second = near[0], (other_side or apart)[0]
+    if first.bytes == second.bytes:
+        return first.psnr - point.psnr
+    slope = (second.psnr - first.psnr) / math.log(second.bytes / first.bytes)
+    return first.psnr + slope * math.log(point.bytes / first.bytes) - point.psnr
 
 
-COLUMNS = ("picture", "goal", "asked", "reached", "bytes", "bpp", "psnr", "lmbda", "seconds", "plain", "ratio", "loss")
+COLUMNS = (
+    *("picture", "goal", "asked", "reached", "bytes", "bpp", "psnr", "lmbda", "seconds"),
+    *("plain_bytes", "plain_psnr", "plain_seconds", "ratio", "loss"),
+)
 
 
 def report(outcomes: list[Outcome]) -> list[str]:
@@ -110,7 +119,8 @@ def report(outcomes: list[Outcome]) -> list[str]:
         goal = one.goal
         cells = [one.picture, one.asked.name, f"{one.asked.value:g}"]
         cells += [f"{one.asked.reached(goal):.5g}" + ("!" if one.missed else ""), f"{goal.bytes}", f"{goal.bpp:.4f}"]
-        cells += [f"{goal.psnr:.3f}", f"{goal.lmbda:.5g}", f"{goal.seconds:.2f}", f"{one.plain.seconds:.2f}"]
+        cells += [f"{goal.psnr:.3f}", f"{goal.lmbda:.5g}", f"{goal.seconds:.2f}"]
+        cells += [f"{one.plain.bytes}", f"{one.plain.psnr:.3f}", f"{one.plain.seconds:.2f}"]
         cells += [f"{goal.seconds / one.plain.seconds:.3f}", f"{loss(goal, plain):.3f}"]
         rows.append("\t".join(cells))
     return rows
@@ -152,8 +162,8 @@ def asked_of(name: str, values: str) -> list[Asked]:
 def main(pictures: tuple[Path, ...], bpp: str, decibels: str, effort: int, threads: int) -> None:
     """Encode PICTURES towards rates and PSNRs and print tab-separated rows.
 
-    reached ends in ! where the encoder said that it missed. seconds, plain: of the encode towards the goal and of one
-    at the λ that it ended with; ratio: theirs. loss: dB below the curve of the plain encodes at the same rate.
+    reached ends in ! where the encoder said that it missed. plain_…: of an encode at the λ that the other ended with;
+    ratio: of their seconds. loss: dB below the curve of a picture's plain encodes at the same rate.
     """
     goals = [*asked_of("bpp", bpp), *asked_of("psnr", decibels)]
     outcomes: dict[str, list[Outcome]] = {}

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.fit.course import POSITION_BITS, course
+from sgicodec.fit.course import DONE, POSITION_BITS, course
 from sgicodec.model.layout import ROOT_LOG, cell_sums, leaf_sums
 
 if TYPE_CHECKING:
@@ -117,8 +117,8 @@ class Steering:
         if not self._leaps:
             return self.lmbda
         kept = bits[energy > price * self.lmbda]
-        size = float(np.sum(kept + POSITION_BITS, dtype=np.float64)) / 8 / _FIRST_DROP + self.overhead
-        _, lift = course(0.0, steps, self.lmbda)
+        (_, lift), (ratio, _) = (course(done, steps, self.lmbda) for done in DONE[:2])
+        size = float(np.sum(kept + POSITION_BITS, dtype=np.float64)) / 8 / ratio + self.overhead
         excess = self.goal.excess(Measured(size, psnr - lift))
         if self.goal.bytes is not None:
             self._move(_SIZE_FORESIGHT * excess, 2.0)
@@ -135,12 +135,10 @@ class Steering:
         self.lmbda = max(_LMBDA_RANGE[0], min(_LMBDA_RANGE[1], moved))
 
 
-_LEAP, _SETTLED, _FADE = 0.26, 0.32, 0.4
+_LEAP, _SETTLED, _FADE = 0.29, 0.35, 0.4
 """Fractions of a fit: seeds were dropped once, what followed has settled; from 1 − 0.4 on, λ moves less."""
 _SIZE_FORESIGHT, _PSNR_FORESIGHT, _LEAP_GAIN = 0.4, 0.6, 0.8
 """Parts of the excess that λ makes up at once, before and after seeds are dropped for the first time."""
-_FIRST_DROP = 1.3
-"""Bytes after seeds are dropped for the first time, over those of the final stream."""
 
 
 def first_lmbda(goal: Goal, detail: NDArray[np.float32], settings: FitSettings, extra: float = 0.0) -> float:

@@ -62,5 +62,5 @@ def test_the_command_prints_a_table() -> None:
     result = CliRunner().invoke(main, [str(PICTURE), "--steps", "5", "--crop", "20", "--tables", "M"])
     assert result.exit_code == 0, result.output
     lines = result.output.strip().splitlines()
-    assert lines[0].startswith("| M | PSNR | bytes | seconds | x_a | f_a |")
+    assert lines[0].startswith("| M | PSNR | bytes | of seeds | seconds | x_a | f_a |")
     assert [line.split(" | ")[0] for line in lines[2:]] == ["| 1", "| 2", "| 3", "| 4"]

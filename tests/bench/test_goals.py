@@ -25,6 +25,7 @@ def test_loss_is_measured_along_the_nearest_plain_points() -> None:
     assert loss(point(1000, 29.5), plain) == pytest.approx(0.5)
     assert loss(point(1414, 31.5), plain) == pytest.approx(0.0, abs=1e-3)
     assert loss(point(500, 27.0), plain) == pytest.approx(0.0)
+    assert loss(point(900, 29.0), [*plain, point(1001, 20.0)]) == pytest.approx(30 - 3 * math.log2(1 / 0.9) - 29)
     assert math.isnan(loss(point(500, 27.0), [plain[0], plain[0]]))
 
 

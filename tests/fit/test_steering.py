@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sgicodec.fit.course import POSITION_BITS, course
+from sgicodec.fit.course import DONE, POSITION_BITS, course
 from sgicodec.fit.settings import default_settings
 from sgicodec.fit.steering import Goal, Measured, Steering, first_lmbda
 
@@ -93,10 +93,10 @@ def test_a_real_stream_is_taken_for_what_it_will_have_become() -> None:
 
 def test_nothing_moves_before_the_leap_nor_at_the_end() -> None:
     steering = Steering(Goal(bytes=100.0), 0.01, OVERHEAD)
-    assert steering.steer(0.25, 1000, 1e6, 1000, 30.0) == 0.01
-    leapt = steering.steer(0.26, 1000, 1e6, 1000, 30.0)
+    assert steering.steer(0.28, 1000, 1e6, 1000, 30.0) == 0.01
+    leapt = steering.steer(0.3, 1000, 1e6, 1000, 30.0)
     assert leapt > 0.01
-    assert steering.steer(0.3, 1000, 1e6, 1000, 30.0) == leapt
+    assert steering.steer(0.33, 1000, 1e6, 1000, 30.0) == leapt
     assert steering.steer(1.0, 1000, 1e6, 1000, 30.0) == leapt
 
 
@@ -128,7 +128,7 @@ def test_foresees_a_size_from_what_would_be_left() -> None:
     energy, bits = seeds(20_000)
     price = 30.0
     kept = int(np.sum(energy > price * 0.01))
-    size = kept * (25 + POSITION_BITS) / 8 / 1.3 + OVERHEAD
+    size = kept * (25 + POSITION_BITS) / 8 / course(DONE[1], 1000, 0.01)[0] + OVERHEAD
     for factor, direction in ((0.5, 1), (0.99**-1, 0), (2.0, -1)):
         steering = Steering(Goal(bytes=size * factor), 0.01, OVERHEAD)
         moved = math.log2(steering.foresee(energy, bits, price, 30.0, 1000) / 0.01)
