@@ -106,7 +106,7 @@ def default_spec(channels: int, per_seed: int = 1, prior: int = 2, hidden: int =
         hidden=hidden,
         skip=True,
         seed_scales=False,
-        base_cell=32,
+        base_cell=64,
         context=ContextSpec(prior=prior, steps=steps, hidden=64, neighbours=6, coarse_first=prior != 1),
     )
 
