@@ -9,9 +9,9 @@ import click
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.decoder import open_stream
+from sgicodec.decoder import Stream, open_stream
 from sgicodec.metrics import psnr
-from sgicodec.view import BASE_ALONE, finest_cells, view_of
+from sgicodec.view import BASE_ALONE, Region, finest_cells, view_of
 
 __all__ = ["averaged", "main", "thumbnail"]
 
@@ -22,18 +22,24 @@ FINEST = (0, 2, 3, 4, 5, BASE_ALONE)
 """Where passes end that go coarse first, and the base layer alone."""
 
 
-def thumbnail(path: Path, size: tuple[int, int], finest: int | None, threads: int, repeat: int) -> tuple[F32, float]:
-    """Samples [h, w, C] of a stream drawn at `size`, with cells of 2^finest pixels and more (None: as the decoder
-    chooses), and the least seconds of `repeat` runs from an open file to pixels.
+def thumbnail(path: Path, shrink: int, finest: int | None, threads: int, repeat: int) -> tuple[F32, float]:
+    """Samples [h, w, C] of a stream at 1 / shrink, as far as pixels are whole, with cells of 2^finest pixels and more
+    (None: as the decoder chooses), and the least seconds of `repeat` runs from an open file to pixels.
     """
     seconds = []
     for _ in range(repeat):
         start = time.perf_counter()
         with open_stream(path) as stream:
             stream.finest = finest
-            samples = stream.render(size=size, threads=threads)
+            samples = stream.render(*_whole(stream, shrink), threads=threads)
         seconds.append(time.perf_counter() - start)
     return np.clip(samples, 0, 1), min(seconds)
+
+
+def _whole(stream: Stream, shrink: int) -> tuple[Region, None, tuple[int, int]]:
+    """Region, scale and size of the pixels at 1 / shrink that are whole."""
+    columns, rows = stream.width // shrink, stream.height // shrink
+    return (0, 0, columns * shrink, rows * shrink), None, (columns, rows)
 
 
 def averaged(pixels: NDArray[np.uint8], shrink: int) -> F32:
@@ -62,15 +68,15 @@ def main(paths: tuple[Path, ...], source: Path | None, shrinks: tuple[int, ...],
         pixels = read(source).pixels
     for path in paths:
         with open_stream(path) as stream:
-            header, width, height = stream.header, stream.width, stream.height
+            header = stream.header
+            views = {shrink: view_of(header, *_whole(stream, shrink)) for shrink in shrinks}
         click.echo(f"{path}\n\n| scale | cells from | PSNR to all cells | PSNR to source | ms | of all |")
         click.echo("|---|---:|---:|---:|---:|---:|")
-        for shrink in shrinks:
-            size = width // shrink, height // shrink
-            chosen = finest_cells(header, view_of(header, None, None, size))
+        for shrink, view in views.items():
+            chosen = finest_cells(header, view)
             mean = None if pixels is None else averaged(pixels, shrink)
             least = FINEST if header.spec.context.coarse_first else (0, BASE_ALONE)
-            runs = {finest: thumbnail(path, size, finest, threads, repeat) for finest in least}
+            runs = {finest: thumbnail(path, shrink, finest, threads, repeat) for finest in least}
             for finest, (samples, seconds) in runs.items():
                 name = "base alone" if finest == BASE_ALONE else str(1 << finest) if finest else "all"
                 name += " *" if finest == chosen or (finest == 0 and chosen == 1) else ""
