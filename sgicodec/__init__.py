@@ -19,7 +19,9 @@ from sgicodec.version import __version__
 
 if TYPE_CHECKING:
     from sgicodec.decoder import Stream, open_stream
-    from sgicodec.encoder import Encoded, EncodeSettings, encode
+    from sgicodec.encode_settings import EncodeSettings
+    from sgicodec.encoder import encode
+    from sgicodec.encoding import Encoded
     from sgicodec.image import Picture, read, write
 
 __all__ = [
@@ -36,8 +38,8 @@ __all__ = [
 ]
 
 _HOMES = {
-    "EncodeSettings": "encoder",
-    "Encoded": "encoder",
+    "EncodeSettings": "encode_settings",
+    "Encoded": "encoding",
     "encode": "encoder",
     "Stream": "decoder",
     "open_stream": "decoder",

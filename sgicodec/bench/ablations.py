@@ -11,7 +11,8 @@ import click
 import numpy as np
 
 from sgicodec.decoder import open_stream
-from sgicodec.encoder import EncodeSettings, encode
+from sgicodec.encode_settings import EncodeSettings
+from sgicodec.encoder import encode
 from sgicodec.image import Picture, comparable, read
 from sgicodec.metrics import psnr
 

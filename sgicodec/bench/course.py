@@ -3,12 +3,15 @@
     python -m sgicodec.bench.course PICTURES…
 
 For fractions of the fit, estimated bytes over the stream's bytes of seeds, and PSNR under noise less that of the
-decoded picture: medians over the pictures, then how far pictures are off on average.
+decoded picture; what the search for symbols leaves of the bytes, and adds to PSNR: medians over the pictures, then
+how far pictures are off on average.
 """
 
 from __future__ import annotations
 
 import math
+import time
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,10 +20,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.decoder import open_stream
-from sgicodec.encoder import EncodeSettings, encode
+from sgicodec.encode_settings import EncodeSettings
+from sgicodec.encoding import Encoding
 from sgicodec.fit.course import DONE, LAMBDAS, POSITION_BITS, STEPS
 from sgicodec.image import comparable, read
 from sgicodec.metrics import psnr
+from sgicodec.plan import Shape, stream_plan
 
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Progress
@@ -28,8 +33,20 @@ if TYPE_CHECKING:
 __all__ = ["followed", "main"]
 
 
-def followed(path: Path, lmbda: float, steps: int, threads: int) -> NDArray[np.float64]:
-    """Fits a picture; for each of DONE the ratio of bytes and the difference of PSNR to what came [2, DONE]."""
+@dataclass(frozen=True)
+class Followed:
+    """ratio, lift [DONE]: of bytes, and difference of PSNR, to what came without a search; share, gain: what the search
+    left of the bytes, and added to PSNR.
+    """
+
+    ratio: NDArray[np.float64]
+    lift: NDArray[np.float64]
+    share: float
+    gain: float
+
+
+def followed(path: Path, lmbda: float, steps: int, threads: int) -> Followed:
+    """Fits a picture and searches its symbols."""
     picture = read(path)
     states: list[Progress] = []
 
@@ -37,12 +54,16 @@ def followed(path: Path, lmbda: float, steps: int, threads: int) -> NDArray[np.f
         states.append(state)
         return True
 
-    encoded = encode(picture, EncodeSettings(lmbda=lmbda, steps=steps, threads=threads, refine=False), on_progress)
-    reached = psnr(comparable(picture), comparable(open_stream(encoded.data).picture(threads=threads)))
-    size = sum(encoded.part_bytes[name] for name in ("positions", "colour", "shape", "offset"))
+    settings = EncodeSettings(lmbda=lmbda, steps=steps, threads=threads)
+    encoding = Encoding(picture, stream_plan(Shape.of(picture), settings), time.monotonic())
+    candidate = encoding.candidate(encoding.fitted(on_progress))
+    streams = [encoding.encoded(one) for one in (candidate, encoding.searched(candidate))]
+    quality = [psnr(comparable(picture), comparable(open_stream(one.data).picture(threads=threads))) for one in streams]
+    size = sum(streams[0].part_bytes[name] for name in ("positions", "colour", "shape", "offset"))
     at = [states[max(0, math.ceil(done * len(states)) - 1)] for done in DONE]
-    ratio = [(state.bits + POSITION_BITS * state.seeds) / 8 / size for state in at]
-    return np.array([ratio, [state.psnr - reached for state in at]])
+    ratio = np.array([(state.bits + POSITION_BITS * state.seeds) / 8 / size for state in at])
+    lift = np.array([state.psnr for state in at]) - quality[0]
+    return Followed(ratio, lift, len(streams[1].data) / len(streams[0].data), quality[1] - quality[0])
 
 
 @click.command()
@@ -52,11 +73,12 @@ def main(pictures: tuple[Path, ...], threads: int) -> None:
     """Fit PICTURES at three λ and print the tables."""
     for steps in STEPS:
         for lmbda in LAMBDAS:
-            courses = np.stack([followed(path, lmbda, steps, threads) for path in pictures])  # [pictures, 2, DONE]
-            middle = np.median(courses, axis=0)
-            off = np.abs(courses - middle).mean(axis=0)
-            for number, name in enumerate(("ratio", "lift")):
-                for what, row in ((name, middle[number]), (f"{name} off by", off[number])):
+            courses = [followed(path, lmbda, steps, threads) for path in pictures]
+            for name in ("ratio", "lift", "share", "gain"):
+                values = np.stack([np.atleast_1d(getattr(course, name)) for course in courses])  # [pictures, ·]
+                middle = np.median(values, axis=0)
+                off = np.abs(values - middle).mean(axis=0)
+                for what, row in ((name, middle), (f"{name} off by", off)):
                     click.echo(f"{steps} steps, λ {lmbda:g}, {what}: " + ", ".join(f"{value:.3f}" for value in row))
 
 

@@ -11,7 +11,9 @@ from statistics import median
 import click
 
 from sgicodec.decoder import open_stream
-from sgicodec.encoder import Encoded, EncodeSettings, encode
+from sgicodec.encode_settings import EncodeSettings
+from sgicodec.encoder import encode
+from sgicodec.encoding import Encoded
 from sgicodec.errors import TargetMissedError, UsageError
 from sgicodec.image import Picture, comparable, read
 from sgicodec.metrics import psnr

@@ -25,13 +25,14 @@ import torch
 from sgicodec.bitstream.entropy import SymbolWriter
 from sgicodec.bitstream.prior import PRIORS, load_prior
 from sgicodec.bitstream.tile import code_networks
-from sgicodec.encoder import FAMILY, base_layer
+from sgicodec.fit.base_layer import base_layer
 from sgicodec.fit.settings import FitSettings, LearningRates, default_settings
 from sgicodec.fit.trainer import Trainer
 from sgicodec.image import read, to_unit
 from sgicodec.model.layout import adaptive_layout
 from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import ContextSpec, ModelSpec, default_spec
+from sgicodec.plan import FAMILY
 
 __all__ = ["Outcome", "fit_variant"]
 

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.decoder import open_stream
-from sgicodec.encoder import EncodeSettings, encode
+from sgicodec.encode_settings import EncodeSettings
+from sgicodec.encoder import encode
 from sgicodec.image import Picture, read
 from sgicodec.tiles import TileGrid
 

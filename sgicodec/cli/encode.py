@@ -19,7 +19,7 @@ from sgicodec.cli.progress import Mode
 from sgicodec.errors import UsageError
 
 if TYPE_CHECKING:
-    from sgicodec.encoder import EncodeSettings
+    from sgicodec.encode_settings import EncodeSettings
 
 __all__ = ["Job", "encode"]
 
@@ -161,7 +161,7 @@ def _default_target(source: str) -> str:
 
 def _settings(choices: dict[str, Any]) -> EncodeSettings:
     """The settings that were chosen. Raises UsageError for choices that exclude each other or make no sense."""
-    from sgicodec.encoder import EncodeSettings
+    from sgicodec.encode_settings import EncodeSettings
 
     chosen = {name: value for name, value in choices.items() if value is not None}
     for names in (("quality", "lmbda", "psnr", "bpp", "size"), ("effort", "time_limit"), ("steps", "time_limit")):

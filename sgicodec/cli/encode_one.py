@@ -15,7 +15,8 @@ from sgicodec.errors import StreamError, TargetMissedError
 
 if TYPE_CHECKING:
     from sgicodec.cli.encode import Job
-    from sgicodec.encoder import Encoded, EncodeSettings
+    from sgicodec.encode_settings import EncodeSettings
+    from sgicodec.encoding import Encoded
     from sgicodec.fit.trainer import Progress
     from sgicodec.image import Picture
 

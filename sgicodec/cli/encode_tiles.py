@@ -19,10 +19,10 @@ from sgicodec.errors import EncodeInterruptedError, StreamError, UsageError
 
 if TYPE_CHECKING:
     from sgicodec.cli.encode import Job
-    from sgicodec.encoder import Plan
     from sgicodec.image import Source
     from sgicodec.large.encode import Runner, Totals
     from sgicodec.large.journal import Journal
+    from sgicodec.plan import Plan
 
 __all__ = ["encode_tiles"]
 

@@ -14,10 +14,12 @@ from sgicodec.cli.parts import all_parts, print_parts
 from sgicodec.cli.paths import STANDARD, display
 
 if TYPE_CHECKING:
-    from sgicodec.encoder import Encoded, EncodeSettings, Plan
+    from sgicodec.encode_settings import EncodeSettings
+    from sgicodec.encoding import Encoded
     from sgicodec.fit.trainer import Progress
     from sgicodec.image import Picture
     from sgicodec.large.encode import Totals
+    from sgicodec.plan import Plan
 
 __all__ = ["Report", "peak_mib", "print_report"]
 
@@ -74,7 +76,7 @@ class Report:
     @classmethod
     def of_tiles(cls, plan: Plan, totals: Totals, psnr: float | None) -> Report:
         """Of a stream in several tiles that is written already."""
-        from sgicodec.encoder import fit_steps
+        from sgicodec.plan import fit_steps
 
         header = plan.header
         return cls(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Literal
 
 from sgicodec.errors import UsageError
@@ -20,7 +20,6 @@ __all__ = [
     "lmbda_of_quality",
     "paper_settings",
     "quality_index",
-    "steered",
 ]
 
 Rounding = Literal["none", "noise", "round"]
@@ -110,12 +109,6 @@ SLOWED = ("colour", "shape", "offset", "steps")
 def default_settings(lmbda: float, steps: int) -> FitSettings:
     """The `default` profile in `steps` steps."""
     return FitSettings(lmbda=lmbda, phases=default_phases(steps), reference_steps=800)
-
-
-def steered(settings: FitSettings) -> FitSettings:
-    """The same with the schedule that `steering` knows: seeds are dropped more often and added less freely."""
-    phases = tuple(replace(phase, prune=10) if phase.prune else phase for phase in settings.phases)
-    return replace(settings, phases=phases, growth=2.0)
 
 
 def default_phases(steps: int) -> tuple[Phase, ...]:

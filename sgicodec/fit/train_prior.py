@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from sgicodec.encoder import FAMILY, base_layer
 from sgicodec.fit.adam import Adam, Group
+from sgicodec.fit.base_layer import base_layer
 from sgicodec.fit.context_net import ContextNet
 from sgicodec.fit.settings import FitSettings, default_settings
 from sgicodec.fit.trainer import Trainer
@@ -25,6 +25,7 @@ from sgicodec.image import read, to_unit
 from sgicodec.model.layout import adaptive_layout
 from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import default_spec
+from sgicodec.plan import FAMILY
 
 __all__ = ["train", "write_prior"]
 

@@ -11,12 +11,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 from sgicodec.assembly import write_stream
-from sgicodec.encoder import EncodedTile, EncodeSettings, Plan, Shape, fit_lmbda, stream_plan
+from sgicodec.encode_settings import EncodeSettings
+from sgicodec.encoder import EncodedTile
 from sgicodec.files import whole_file
 from sgicodec.image import Picture, Source
 from sgicodec.large.journal import Journal
 from sgicodec.large.pool import run_here, run_in_processes
 from sgicodec.large.task import ReadingTask, TileTask
+from sgicodec.plan import Plan, Shape, fit_lmbda, stream_plan
 
 if TYPE_CHECKING:
     from sgicodec.large.cluster import Cluster

@@ -13,8 +13,9 @@ from pathlib import Path
 from typing import BinaryIO
 
 from sgicodec.bitstream.header import encode_header
-from sgicodec.encoder import EncodedTile, Plan
+from sgicodec.encoder import EncodedTile
 from sgicodec.errors import OutputExistsError, UsageError
+from sgicodec.plan import Plan
 
 __all__ = ["Journal", "fingerprint", "opened_journal"]
 

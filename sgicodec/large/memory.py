@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from sgicodec.encoder import Plan, fit_lmbda
 from sgicodec.errors import UsageError
+from sgicodec.plan import Plan, fit_lmbda
 
 __all__ = ["Estimate", "estimate", "fitting_workers"]
 

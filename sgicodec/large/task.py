@@ -8,9 +8,11 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
-from sgicodec.encoder import EncodedTile, Plan, encode_tile, keep_to_one_torch_thread
+from sgicodec.encoder import EncodedTile, encode_tile
+from sgicodec.encoding import keep_to_one_torch_thread
 from sgicodec.errors import PictureError
 from sgicodec.image import Picture, Source, open_source
+from sgicodec.plan import Plan
 
 __all__ = ["ReadingTask", "TileTask"]
 

@@ -17,7 +17,7 @@ from sgicodec.refine.base import with_better_base
 from sgicodec.refine.drop import without_losers
 from sgicodec.refine.scene import Cost, Scene
 from sgicodec.refine.settings import RefineSettings
-from sgicodec.refine.sweep import sweep
+from sgicodec.refine.sweep import Symbols, sweep
 
 __all__ = ["Refined", "Refiner"]
 
@@ -31,11 +31,10 @@ class Refined:
 
 
 class Refiner:
-    """Refines one fitted model, for one λ or for several.
+    """Refines one model, which was fitted for λ = `lmbda` or came out of another search, sweep by sweep.
 
-    lmbda is what the fit was made for; asking for another one moves along the curve of rate and distortion: twice λ
-    means steps coarser by half an octave, dearer bits and fewer seeds. A search for a size of file can bisect λ with
-    few `sweeps` and take all of them at the end. Same bytes for any number of threads.
+    Another λ in a sweep moves along the curve of rate and distortion: twice λ means steps coarser by half an octave,
+    dearer bits and fewer seeds. Same bytes for any number of threads.
     """
 
     def __init__(
@@ -48,31 +47,44 @@ class Refiner:
         processor: Processor | None = None,
     ) -> None:
         self.scene = Scene(header, np.ascontiguousarray(picture, np.float32), processor or Processor(threads=0))
-        self.fitted, self.lmbda, self.settings = model, lmbda, settings or RefineSettings()
+        self.settings = settings or RefineSettings()
+        self.fitted, self.fitted_lmbda = model, lmbda
+        self._restart()
+
+    def _restart(self) -> None:
+        self.model, self.lmbda, self.sweeps = self.fitted, self.fitted_lmbda, 0
+        self._found: Symbols | None = None
+
+    def sweep(self, lmbda: float) -> Refined:
+        """One sweep for λ, on from the last one, after what that taught: scales once, and which seeds do not pay."""
+        scene, settings, model = self.scene, self.settings, self.model
+        if self._found is not None:
+            if self.sweeps == 1:
+                model = replace(model, networks=fitted_scales(scene.header.spec, model.networks, self._found))
+            worth = lmbda * settings.drop * (self._found.bits + settings.position_bits)
+            model = without_losers(scene, model, worth)
+        octaves = 0.5 * math.log2(lmbda / self.lmbda) + (settings.coarser if self.sweeps == 0 else 0.0)
+        if octaves:
+            model = replace(model, networks=with_coarser_steps(model.networks, octaves))
+        model, self._found = sweep(scene, model, lmbda, settings)
+        if settings.base:
+            model = with_better_base(scene, model, lmbda)
+        self.model, self.lmbda = model, lmbda
+        self.sweeps += 1
+        return Refined(model, scene.cost(model))
 
     def at(self, lmbda: float, sweeps: int | None = None, until: float = math.inf) -> Refined:
-        """The best model found for λ; at the fit's own, none that costs more than the fit as it is.
+        """The best model that so many sweeps from the start find for λ; none that costs more than what there was.
 
         Ends early where another sweep would not be done by `until`, a value of time.monotonic().
         """
-        scene, settings = self.scene, self.settings
-        octaves = settings.coarser + 0.5 * math.log2(lmbda / self.lmbda)
-        model = replace(self.fitted, networks=with_coarser_steps(self.fitted.networks, octaves))
-        best = Refined(self.fitted, scene.cost(self.fitted))
-        most = settings.sweeps if sweeps is None else sweeps
-        for number in range(most):
+        self._restart()
+        best = Refined(self.fitted, self.scene.cost(self.fitted))
+        for _ in range(self.settings.sweeps if sweeps is None else sweeps):
             started = time.monotonic()
-            model, found = sweep(scene, model, lmbda, settings)
-            if settings.base:
-                model = with_better_base(scene, model, lmbda)
-            cost = scene.cost(model)
-            if cost.at(lmbda) < best.cost.at(lmbda):
-                best = Refined(model, cost)
-            if number == most - 1 or 2 * time.monotonic() - started > until:
+            found = self.sweep(lmbda)
+            if found.cost.at(lmbda) < best.cost.at(lmbda):
+                best = found
+            if 2 * time.monotonic() - started > until:
                 break
-            if number == 0:
-                networks = fitted_scales(scene.header.spec, model.networks, found)
-                model = replace(model, networks=networks)
-            worth = lmbda * settings.drop * (found.bits + settings.position_bits)
-            model = without_losers(scene, model, worth)
         return best

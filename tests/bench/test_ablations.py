@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from sgicodec.bench.ablations import centre, main, measured, tables
-from sgicodec.encoder import EncodeSettings
+from sgicodec.encode_settings import EncodeSettings
 from sgicodec.image import Picture, read
 
 PICTURE = Path(__file__).parent.parent / "data" / "pictures" / "hopper_gray.jpg"

@@ -14,9 +14,11 @@ PICTURE = Path(__file__).parent.parent / "data" / "pictures" / "hopper_gray.jpg"
 
 
 def test_forecasts_come_nearer_to_the_outcome() -> None:
-    ratio, lift = followed(PICTURE, 0.006, 60, 1)
+    course = followed(PICTURE, 0.006, 60, 1)
+    ratio, lift = course.ratio, course.lift
     assert len(ratio) == len(lift) == len(DONE)
     assert ratio[0] > 1.2
     assert ratio[-1] == pytest.approx(1.0, abs=0.15)
     assert lift[-1] == pytest.approx(0.0, abs=0.3)
     assert abs(lift[-1]) < np.abs(lift[1:5]).min()
+    assert course.share < 1.0 or course.gain > 0.0

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 from sgicodec.bench import goals
 from sgicodec.bench.goals import Asked, Outcome, Point, asked_of, loss, report, summary
-from sgicodec.encoder import EncodeSettings
+from sgicodec.encode_settings import EncodeSettings
 from sgicodec.errors import UsageError
 
 DATA = Path(__file__).parent.parent / "data" / "pictures"

@@ -9,11 +9,12 @@ from pathlib import Path
 import pytest
 
 from sgicodec import EncodeSettings
-from sgicodec.encoder import EncodedTile, Plan
+from sgicodec.encoder import EncodedTile
 from sgicodec.errors import OutputExistsError, UsageError
 from sgicodec.image import open_source
 from sgicodec.large.encode import plan_of
 from sgicodec.large.journal import Journal, fingerprint, opened_journal
+from sgicodec.plan import Plan
 
 MARK = bytes(range(32))
 
