@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Literal
 
 __all__ = ["ContextSpec", "Group", "ModelSpec", "default_spec", "paper_spec"]
@@ -67,7 +68,7 @@ class ModelSpec:
     base_cell: int
     context: ContextSpec = field(repr=False)
 
-    @property
+    @cached_property
     def groups(self) -> tuple[Group, ...]:
         """The attribute groups in coding order; their sizes sum to d_A (paper: D + 4 + 2K)."""
         if self.skip:
