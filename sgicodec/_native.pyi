@@ -170,6 +170,32 @@ def ungroup_symbols(
 def ungroup_categorical(indices: I32, order: I32, keys: I16, alphabets: I32, bits: F64, symbols: I32, /) -> float: ...
 def dequantise(symbols: I32, mean: I64, step: I64, members: I64, first: int, threads: int, decoded: I64, /) -> None: ...
 def add_predictions(plane: I64, predictor: int, most: int, /) -> bool: ...
+def tree_input_count(child: int, /) -> int: ...
+def base_detail(base: I64, out: I16, /) -> None: ...
+def tree_inputs(
+    parents: tuple[I32, I32, I32, U8, U8],
+    slots: tuple[U8, U8, U8],
+    detail: I16,
+    cell: int,
+    head: I16,
+    level: int,
+    child: int,
+    members: I32,
+    out: I16,
+    /,
+) -> None: ...
+def split_children(
+    parents: tuple[I32, I32, I32, U8, U8],
+    slots: tuple[U8, U8, U8],
+    found: I32,
+    number: I32,
+    x: I32,
+    y: I32,
+    neighbour: I32,
+    beside: U8,
+    around: U8,
+    /,
+) -> None: ...
 def base_lines(grid: F64, first: int, left: I64, across: F64, threads: int, lines: F32, /) -> None: ...
 def png_filter(rows: U8, above: U8, step: int, out: U8, /) -> None: ...
 
