@@ -14,6 +14,7 @@ from importlib.resources import files
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec._native import TreeNetwork
 from sgicodec.bitstream.alphabets import Alphabets
 from sgicodec.bitstream.entropy import SymbolWalk
 from sgicodec.bitstream.predicted_tree import LEVELS, Batch, Scenery, input_counts, walk_tree
@@ -54,18 +55,17 @@ def code_predicted_positions(
     before anything of that size is allocated.
     """
     truth = None if seeds is None else TreeTruth(shape, seeds, max_seeds)
-    networks, alphabets = _networks(), _alphabets()
+    networks, alphabets = _native_networks(processor.isa), _alphabets()
 
-    def flags(given: Flags | None, rows: NDArray[np.int64]) -> Flags:
+    def flags(given: Flags | None, rows: NDArray[np.integer]) -> Flags:
         return walk.code_categorical(given, alphabets, rows).astype(np.uint8)
 
     def code(batch: Batch) -> tuple[Flags, Flags]:
-        odds = networks[batch.child].predict(batch.inputs, processor=processor).mean  # [n, 3]
-        row = np.clip((odds + (1 << _PER_ROW - 1)) >> _PER_ROW, -_MOST, _MOST) + _MOST
-        split = np.zeros(batch.codes.size, np.uint8)
+        row = batch.rows(networks[batch.child], _PER_ROW, _MOST, processor.threads)
+        split = np.zeros(len(batch), np.uint8)
         if batch.level > LEVELS[-1]:
             split = flags(None if truth is None else truth.split(batch.level, batch.codes), row[:, 0])
-        of_seed = np.where(split == 1, row[:, 2], np.where(batch.needed, _CERTAIN, row[:, 1]))
+        of_seed = np.where(split, row[:, 2], np.where(batch.needed, np.int16(_CERTAIN), row[:, 1]))
         return split, flags(None if truth is None else truth.seed(batch.level, batch.codes), of_seed)
 
     return seeds_of(walk_tree(shape, scenery, code, max_seeds))
@@ -76,6 +76,14 @@ def _alphabets() -> Alphabets:
     """Rows of log-odds −6 … 6, and that of a flag that is 1 in any case."""
     ones = [65536 - one for one in ONES[:0:-1]] + [*ONES, 65536]
     return Alphabets(np.array([[65536 - one, one] for one in ones], np.int64) * (TOTAL >> 16))
+
+
+@cache
+def _native_networks(isa: str) -> tuple[TreeNetwork, ...]:
+    """Ready for one instruction set; the outputs are all log-odds."""
+    return tuple(
+        TreeNetwork(net.w1, net.b1, net.w2, net.b2, net.shift, child, isa) for child, net in enumerate(_networks())
+    )
 
 
 @cache

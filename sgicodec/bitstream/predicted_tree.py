@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,19 +53,41 @@ class Scenery:
         return out
 
 
-@dataclass(frozen=True)
 class Batch:
-    """Nodes that are coded together: Morton codes [n] at their level, inputs [n, inputs] of the prediction, and which
-    must not be empty [n] because all of their siblings are.
+    """Nodes of one level and child number that are coded together; needed [n]: which must not be empty, being the last
+    of their parent's children where the others are.
     """
 
-    level: int
-    child: int
-    codes: Codes
-    inputs: I16
-    needed: NDArray[np.bool_]
+    def __init__(self, level: _Level, child: int, members: I32, needed: NDArray[np.bool_], head: I16) -> None:
+        self.level, self.child, self.needed = level.level, child, needed
+        self.members, self._of, self._head = members, level, head
+
+    def __len__(self) -> int:
+        return len(self.members)
+
+    @property
+    def codes(self) -> Codes:
+        """Morton codes [n] at their level."""
+        parents = self._of.parents
+        return 4 * morton(parents.x[self.members], parents.y[self.members]) + self.child
+
+    @property
+    def inputs(self) -> I16:
+        """What a prediction sees [n, inputs], in 1/64."""
+        out = np.empty((len(self), input_counts()[self.child]), np.int16)
+        _native.tree_inputs(*self._of.seen, self._head, self.level, self.child, self.members, out)
+        return out
+
+    def rows(self, network: _native.TreeNetwork, shift: int, most: int, threads: int) -> I16:
+        """What the network of this child number says [n, outputs]: log-odds in units of 2^(shift − 8), clipped to ±most
+        and moved by `most`.
+        """
+        out = np.empty((len(self), 3), np.int16)
+        network.rows(*self._of.seen, self._head, self.level, self.members, shift, most, threads, out)
+        return out
 
 
+@cache
 def input_counts() -> tuple[int, ...]:
     """Inputs by child number."""
     return tuple(_native.tree_input_count(child) for child in range(4))
@@ -80,14 +104,21 @@ def walk_tree(
     if (shape.root_log, shape.min_log) != (LEVELS[0], LEVELS[-1]):
         raise UsageError(f"positions: trees of levels {shape.min_log} to {shape.root_log} have no prediction")
     shape.check_roots()
-    walk = _Walk(shape, scenery, code)
+    detail, rates = scenery.detail, _Rates()
     parents = _above_roots(shape)
     found: list[tuple[Codes, int]] = []
-    for level in LEVELS:
-        if level < LEVELS[0] and max(len(parents.x), sum(codes.size for codes, _ in found)) > max_seeds:
-            raise LimitError(f"positions: more than {max_seeds} seeds at level {level + 1}")
-        seeds, parents = walk.level(level, parents)
-        found.append((seeds, level))
+    for log_size in LEVELS:
+        if log_size < LEVELS[0] and max(len(parents.x), sum(codes.size for codes, _ in found)) > max_seeds:
+            raise LimitError(f"positions: more than {max_seeds} seeds at level {log_size + 1}")
+        level = _Level(log_size, shape, parents, (detail, max(1, scenery.cell)))
+        rates.next_level()
+        for child in CHILDREN:
+            batch = level.batch(child, scenery.quality, rates)
+            split, seed = code(batch)
+            level.take(batch, split, seed)
+            rates.count(split, seed, has_split=log_size > LEVELS[-1])
+        found.append((level.seeds(), log_size))
+        parents = level.children()
     if sum(codes.size for codes, _ in found) > max_seeds:
         raise LimitError(f"positions: more than {max_seeds} seeds")
     return found
@@ -157,48 +188,43 @@ class _Rates:
         return [2 * rate for rate in rates]
 
 
-class _Walk:
-    """What the levels of one tree have in common."""
+class _Level:
+    """The children of all split nodes of one level, four slots for each, and a last row for what is not there."""
 
-    def __init__(self, shape: TreeShape, scenery: Scenery, code: Callable[[Batch], tuple[Flags, Flags]]) -> None:
-        self._shape, self._code, self._rates = shape, code, _Rates()
-        self._detail, self._cell = scenery.detail, max(1, scenery.cell)
-        self._quality, self._counts = scenery.quality, input_counts()
-
-    def level(self, level: int, parents: _Split) -> tuple[Codes, _Split]:
-        """The children of `parents`: codes of those that carry seeds, and those that are split."""
-        self._rates.next_level()
+    def __init__(self, level: int, shape: TreeShape, parents: _Split, detail: tuple[I16, int]) -> None:
+        self.level, self.parents, self._detail = level, parents, detail
         count = len(parents.x)
-        exists, split, seed = (np.zeros((count + 1, 4), np.uint8) for _ in range(3))  # a last row for no parent
-        for child in range(4):
-            inside = 2 * parents.x + (child & 1) << level < self._shape.width
-            exists[:count, child] = inside & (2 * parents.y + (child >> 1) << level < self._shape.height)
-        first = 4 * morton(parents.x, parents.y)
-        for turn, child in enumerate(CHILDREN):
-            members = np.flatnonzero(exists[:count, child]).astype(np.int32)
-            inputs = self._inputs(level, child, parents, (exists, split, seed), members)
-            needed = np.full(members.size, level < LEVELS[0])
-            if level < LEVELS[0]:
-                needed &= ~exists[members][:, CHILDREN[turn + 1 :]].any(axis=1)
-                needed &= ~(split[members] | seed[members]).any(axis=1)
-            here = self._code(Batch(level, child, first[members] + child, inputs, needed))
-            split[members, child], seed[members, child] = here
-            self._rates.count(*here, has_split=level > LEVELS[-1])
-        found = np.flatnonzero(seed)
-        return first[found >> 2] + (found & 3), _children(parents, exists, split, seed)
+        self._exists, self._split, self._seed = (np.zeros((count + 1, 4), np.uint8) for _ in range(3))
+        self._occupied = np.full(count, level == LEVELS[0], np.uint8)  # roots may all be empty
+        _native.children_inside(parents.arrays, level, shape.width, shape.height, self._exists)
 
-    def _inputs(self, level: int, child: int, parents: _Split, slots: tuple[Flags, Flags, Flags], members: I32) -> I16:
-        levels = [_ONE * (level == LEVELS[-1] + i) for i in range(len(LEVELS))]
-        head = np.array([*levels, self._quality, *self._rates.inputs()], np.int16)
-        inputs = np.empty((members.size, self._counts[child]), np.int16)
-        _native.tree_inputs(parents.arrays, slots, self._detail, self._cell, head, level, child, members, inputs)
-        return inputs
+    @property
+    def seen(self) -> tuple[Any, ...]:
+        """What predictions of all batches see, as native code takes it."""
+        return self.parents.arrays, (self._exists, self._split, self._seed), *self._detail
 
+    def batch(self, child: int, quality: int, rates: _Rates) -> Batch:
+        """The nodes of one child number."""
+        room = len(self._exists)
+        members, needed = np.empty(room, np.int32), np.empty(room, np.uint8)
+        count = _native.begin_batch(self._exists, self._occupied, child, members, needed)
+        levels = [_ONE * (self.level == LEVELS[-1] + i) for i in range(len(LEVELS))]
+        head = np.array([*levels, quality, *rates.inputs()], np.int16)
+        return Batch(self, child, members[:count], needed[:count].astype(bool), head)
 
-def _children(parents: _Split, exists: Flags, split: Flags, seed: Flags) -> _Split:
-    """The children that are split."""
-    found = np.flatnonzero(split).astype(np.int32)
-    nodes = _Split.empty(found.size)
-    number = np.empty(split.shape, np.int32)
-    _native.split_children(parents.arrays, (exists, split, seed), found, number, *nodes.arrays)
-    return nodes
+    def take(self, batch: Batch, split: Flags, seed: Flags) -> None:
+        """Keeps the flags of a batch."""
+        _native.end_batch(batch.members, batch.child, split, seed, self._split, self._seed, self._occupied)
+
+    def seeds(self) -> Codes:
+        """Morton codes of the nodes that carry seeds."""
+        found = np.flatnonzero(self._seed)
+        return 4 * morton(self.parents.x[found >> 2], self.parents.y[found >> 2]) + (found & 3)
+
+    def children(self) -> _Split:
+        """Those that are split."""
+        found = np.flatnonzero(self._split).astype(np.int32)
+        nodes = _Split.empty(found.size)
+        number = np.empty(self._split.shape, np.int32)
+        _native.split_children(*self.seen[:2], found, number, *nodes.arrays)
+        return nodes

@@ -113,7 +113,7 @@ class Examples:
         """Those of one child number. A tree weighs by the root of its nodes: large ones say more, but alike."""
         inputs, flags, counted, weight = [], [], [], []
         for batches in trees:
-            share = sum(len(batch.codes) for batch, _, _ in batches) ** -0.5
+            share = sum(len(batch) for batch, _, _ in batches) ** -0.5
             for batch, split, seed in batches:
                 if batch.child == child:
                     inputs.append(batch.inputs)

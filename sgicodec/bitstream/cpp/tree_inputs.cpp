@@ -4,6 +4,8 @@
 #include <array>
 #include <vector>
 
+#include "../../raster/cpp/thread_pool.hpp"
+
 namespace sgi {
 namespace {
 
@@ -80,6 +82,35 @@ void base_detail(const int64_t *base, int64_t channels, int64_t rows, int64_t co
     }
 }
 
+void children_inside(const SplitNodes &parents, int level, int64_t width, int64_t height, uint8_t *exists) {
+  std::fill_n(exists + 4 * parents.count, 4, uint8_t(0));
+  for (int64_t p = 0; p < parents.count; ++p)
+    for (int child = 0; child < 4; ++child)
+      exists[4 * p + child] = (2 * int64_t(parents.x[p]) + (child & 1)) << level < width &&
+                              (2 * int64_t(parents.y[p]) + (child >> 1)) << level < height;
+}
+
+int64_t begin_batch(int64_t count, const uint8_t *exists, const uint8_t *occupied, int child, int32_t *members,
+                    uint8_t *needed) {
+  int64_t n = 0;
+  for (int64_t p = 0; p < count; ++p) {
+    uint8_t later = 0;
+    for (int other = 0; other < 4; ++other) later |= exists[4 * p + other] & uint8_t(kRank[other] > kRank[child]);
+    members[n] = int32_t(p);
+    needed[n] = uint8_t(!later && !occupied[p]);
+    n += exists[4 * p + child];
+  }
+  return n;
+}
+
+void end_batch(const int32_t *members, int64_t n, int child, const uint8_t *split_flags, const uint8_t *seed_flags,
+               uint8_t *split, uint8_t *seed, uint8_t *occupied) {
+  for (int64_t i = 0; i < n; ++i) {
+    split[4 * int64_t(members[i]) + child] = split_flags[i], seed[4 * int64_t(members[i]) + child] = seed_flags[i];
+    occupied[members[i]] |= split_flags[i] | seed_flags[i];
+  }
+}
+
 void tree_inputs(const SplitNodes &parents, const Slots &slots, const BaseDetail &detail, const int16_t *head, int level,
                  int child, const int32_t *members, int64_t n, int16_t *out) {
   const std::vector<Place> known = known_beside(child);
@@ -103,6 +134,25 @@ void tree_inputs(const SplitNodes &parents, const Slots &slots, const BaseDetail
       *out++ = int16_t(kOne * slots.seed[4 * owner + place.child]);
     }
   }
+}
+
+void tree_rows(const Network &network, const SplitNodes &parents, const Slots &slots, const BaseDetail &detail,
+               const int16_t *head, int level, int child, const int32_t *members, int64_t n, int shift, int most,
+               int threads, int16_t *rows) {
+  constexpr int64_t kChunk = 256;
+  const int inputs = tree_input_count(child), outputs = network.outputs();
+  parallel_for((n + kChunk - 1) / kChunk, threads, [&](int64_t chunk) {
+    const int64_t begin = chunk * kChunk, count = std::min(n - begin, kChunk);
+    std::vector<int16_t> in(size_t(count) * inputs);
+    std::vector<int64_t> odds(size_t(count) * outputs);
+    std::vector<double> scratch(network.scratch_size());
+    tree_inputs(parents, slots, detail, head, level, child, members + begin, count, in.data());
+    network.evaluate(in.data(), inputs, count, scratch.data(), odds.data());
+    for (int64_t i = 0; i < count * outputs; ++i) {
+      const int64_t row = (odds[i] + (int64_t(1) << (shift - 1))) >> shift;
+      rows[begin * outputs + i] = int16_t(std::min(std::max(row, int64_t(-most)), int64_t(most)) + most);
+    }
+  });
 }
 
 void split_children(const SplitNodes &parents, const Slots &slots, const int32_t *found, int64_t m, int32_t *number,

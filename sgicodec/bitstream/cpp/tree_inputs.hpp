@@ -3,6 +3,8 @@
 #pragma once
 #include <cstdint>
 
+#include "../../model/cpp/network.hpp"
+
 namespace sgi {
 
 // Neighbours of a node: (-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1).
@@ -39,9 +41,27 @@ struct BaseDetail {
   int64_t rows, columns, cell;
 };
 
+// Which children lie in a picture of width x height pixels: exists [P + 1, 4], the last row zeros.
+void children_inside(const SplitNodes &parents, int level, int64_t width, int64_t height, uint8_t *exists);
+
+// The parents whose child number `child` exists, and which of these children must not be empty, being the last of their
+// parent's where none is occupied [P] so far; their number. members and needed have room for P + 1.
+int64_t begin_batch(int64_t count, const uint8_t *exists, const uint8_t *occupied, int child, int32_t *members,
+                    uint8_t *needed);
+
+// Puts the flags of a batch into their slots.
+void end_batch(const int32_t *members, int64_t n, int child, const uint8_t *split_flags, const uint8_t *seed_flags,
+               uint8_t *split, uint8_t *seed, uint8_t *occupied);
+
 // Rows of inputs for child number `child`, a node of `level`, of each of n parents; head [kHead].
 void tree_inputs(const SplitNodes &parents, const Slots &slots, const BaseDetail &detail, const int16_t *head, int level,
                  int child, const int32_t *members, int64_t n, int16_t *out);
+
+// What a network whose outputs are log-odds in 1/256 says of them: rows [n, outputs], the odds in units of 2^`shift`,
+// clipped to +-most and moved by most.
+void tree_rows(const Network &network, const SplitNodes &parents, const Slots &slots, const BaseDetail &detail,
+               const int16_t *head, int level, int child, const int32_t *members, int64_t n, int shift, int most,
+               int threads, int16_t *rows);
 
 // The nodes in the m given slots, ascending, which are the split ones: everything of SplitNodes but x and y, which are
 // written too. `number` [P + 1, 4] is scratch.
