@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +29,7 @@ LEVELS = range(6, 0, -1)
 """Levels of the trees whose flags are predicted, roots first."""
 
 _SIDES = ((-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1))
-_BESIDE, _AROUND, _DETAIL = 1 + 3 * len(_SIDES), 6, 5
+_ABOVE, _DETAIL = 1 + 3 * len(_SIDES) + 6, 5
 _ONE = 64
 
 
@@ -46,7 +45,7 @@ class Scenery:
 
     @property
     def detail(self) -> I16:
-        """How much the base layer varies at each cell [rows, columns, 5], eighths of an octave."""
+        """How much the base layer varies at each cell [rows, columns, 5], sixteenths of an octave."""
         out = np.zeros((*self.base.shape[1:], _DETAIL), np.int16)
         if self.cell:
             _native.base_detail(np.ascontiguousarray(self.base, np.int64), out)
@@ -75,7 +74,8 @@ class Batch:
     def inputs(self) -> I16:
         """What a prediction sees [n, inputs], in 1/64."""
         out = np.empty((len(self), input_counts()[self.child]), np.int16)
-        _native.tree_inputs(*self._of.seen, self._head, self.level, self.child, self.members, out)
+        parents, slots, detail, cell = self._of.seen
+        _native.tree_inputs(parents, slots, detail, cell, self._head, self.level, self.child, self.members, out)
         return out
 
     def rows(self, network: _native.TreeNetwork, shift: int, most: int, threads: int) -> I16:
@@ -83,7 +83,8 @@ class Batch:
         and moved by `most`.
         """
         out = np.empty((len(self), 3), np.int16)
-        network.rows(*self._of.seen, self._head, self.level, self.members, shift, most, threads, out)
+        parents, slots, detail, cell = self._of.seen
+        network.rows(parents, slots, detail, cell, self._head, self.level, self.members, shift, most, threads, out)
         return out
 
 
@@ -127,26 +128,23 @@ def walk_tree(
 @dataclass(frozen=True)
 class _Split:
     """The split nodes of one level by ascending Morton code: coordinates [P] in nodes, the index of each neighbour
-    among them [P, 8] (P: none), seed and (split, seed, exists) of the neighbours [P, 25], and of the parent and its
-    parent (seed, splits in 3×3 nodes, seeds there) [P, 6].
+    among them [P, 8] (P: none), and what they add to the inputs of their children [P, 31].
     """
 
     x: I32
     y: I32
     neighbour: I32
-    beside: Flags
-    around: Flags
+    above: I16
 
     @classmethod
     def empty(cls, count: int) -> _Split:
-        sides = np.empty((count, len(_SIDES)), np.int32)
-        states = np.zeros((count, _BESIDE), np.uint8), np.zeros((count, _AROUND), np.uint8)
-        return cls(np.empty(count, np.int32), np.empty(count, np.int32), sides, *states)
+        x, y, neighbour = (np.empty(shape, np.int32) for shape in (count, count, (count, len(_SIDES))))
+        return cls(x, y, neighbour, np.zeros((count, _ABOVE), np.int16))
 
     @property
-    def arrays(self) -> tuple[I32, I32, I32, Flags, Flags]:
+    def arrays(self) -> tuple[I32, I32, I32, I16]:
         """As native code takes them."""
-        return self.x, self.y, self.neighbour, self.beside, self.around
+        return self.x, self.y, self.neighbour, self.above
 
 
 def _above_roots(shape: TreeShape) -> _Split:
@@ -161,7 +159,7 @@ def _above_roots(shape: TreeShape) -> _Split:
     for side, (dx, dy) in enumerate(_SIDES):
         nodes.neighbour[:, side] = number[nodes.y + 1 + dy, nodes.x + 1 + dx]
         there = nodes.neighbour[:, side] < order.size
-        nodes.beside[:, 1 + 3 * side] = nodes.beside[:, 3 + 3 * side] = there
+        nodes.above[:, 1 + 3 * side] = nodes.above[:, 3 + 3 * side] = _ONE * there  # split and existing
     return nodes
 
 
@@ -194,14 +192,14 @@ class _Level:
     def __init__(self, level: int, shape: TreeShape, parents: _Split, detail: tuple[I16, int]) -> None:
         self.level, self.parents, self._detail = level, parents, detail
         count = len(parents.x)
-        self._exists, self._split, self._seed = (np.zeros((count + 1, 4), np.uint8) for _ in range(3))
+        self._exists, self._flags = np.zeros((count + 1, 4), np.uint8), np.zeros((count + 1, 4, 2), np.int16)
         self._occupied = np.full(count, level == LEVELS[0], np.uint8)  # roots may all be empty
         _native.children_inside(parents.arrays, level, shape.width, shape.height, self._exists)
 
     @property
-    def seen(self) -> tuple[Any, ...]:
+    def seen(self) -> tuple[tuple[I32, I32, I32, I16], tuple[Flags, I16], I16, int]:
         """What predictions of all batches see, as native code takes it."""
-        return self.parents.arrays, (self._exists, self._split, self._seed), *self._detail
+        return self.parents.arrays, (self._exists, self._flags), *self._detail
 
     def batch(self, child: int, quality: int, rates: _Rates) -> Batch:
         """The nodes of one child number."""
@@ -214,17 +212,17 @@ class _Level:
 
     def take(self, batch: Batch, split: Flags, seed: Flags) -> None:
         """Keeps the flags of a batch."""
-        _native.end_batch(batch.members, batch.child, split, seed, self._split, self._seed, self._occupied)
+        _native.end_batch(batch.members, batch.child, split, seed, self._flags, self._occupied)
 
     def seeds(self) -> Codes:
         """Morton codes of the nodes that carry seeds."""
-        found = np.flatnonzero(self._seed)
+        found = np.flatnonzero(self._flags[..., 1])
         return 4 * morton(self.parents.x[found >> 2], self.parents.y[found >> 2]) + (found & 3)
 
     def children(self) -> _Split:
         """Those that are split."""
-        found = np.flatnonzero(self._split).astype(np.int32)
+        found = np.flatnonzero(self._flags[..., 0]).astype(np.int32)
         nodes = _Split.empty(found.size)
-        number = np.empty(self._split.shape, np.int32)
-        _native.split_children(*self.seen[:2], found, number, *nodes.arrays)
+        number = np.empty(self._exists.shape, np.int32)
+        _native.split_children(self.parents.arrays, (self._exists, self._flags), found, number, *nodes.arrays)
         return nodes

@@ -18,9 +18,9 @@ void require(bool ok, const char *what) {
   if (!ok) throw std::invalid_argument(what);
 }
 
-using SplitNodes = std::tuple<Array<const int32_t, 1>, Array<const int32_t, 1>, Array<const int32_t, 2>,
-                              Array<const uint8_t, 2>, Array<const uint8_t, 2>>;
-using Slots = std::tuple<Array<const uint8_t, 2>, Array<const uint8_t, 2>, Array<const uint8_t, 2>>;
+using SplitNodes =
+    std::tuple<Array<const int32_t, 1>, Array<const int32_t, 1>, Array<const int32_t, 2>, Array<const int16_t, 2>>;
+using Slots = std::tuple<Array<const uint8_t, 2>, Array<const int16_t, 3>>;
 
 template <class A>
 bool has_shape(const A &array, size_t rows, size_t columns) {
@@ -28,20 +28,21 @@ bool has_shape(const A &array, size_t rows, size_t columns) {
 }
 
 sgi::SplitNodes checked(const SplitNodes &nodes) {
-  const auto &[x, y, neighbour, beside, around] = nodes;
+  const auto &[x, y, neighbour, above] = nodes;
   const size_t count = x.shape(0);
   require(count < (size_t(1) << 28) && y.shape(0) == count && has_shape(neighbour, count, sgi::kSides) &&
-              has_shape(beside, count, sgi::kBeside) && has_shape(around, count, sgi::kAround),
-          "x, y [P]; neighbour [P, 8]; beside [P, 25]; around [P, 6]");
+              has_shape(above, count, sgi::kAbove),
+          "x, y [P]; neighbour [P, 8]; above [P, 31]");
   for (size_t i = 0; i < neighbour.size(); ++i)
     require(neighbour.data()[i] >= 0 && size_t(neighbour.data()[i]) <= count, "neighbours must be indices, or P");
-  return {x.data(), y.data(), neighbour.data(), beside.data(), around.data(), int64_t(count)};
+  return {x.data(), y.data(), neighbour.data(), above.data(), int64_t(count)};
 }
 
 sgi::Slots checked(const Slots &slots, int64_t count) {
-  const auto &[exists, split, seed] = slots;
-  for (const auto *array : {&exists, &split, &seed}) require(has_shape(*array, size_t(count) + 1, 4), "slots [P + 1, 4]");
-  return {exists.data(), split.data(), seed.data()};
+  const auto &[exists, flags] = slots;
+  require(has_shape(exists, size_t(count) + 1, 4) && has_shape(flags, size_t(count) + 1, 4) && flags.shape(2) == 2,
+          "exists [P + 1, 4], flags [P + 1, 4, 2]");
+  return {exists.data(), flags.data()};
 }
 
 void base_detail(Array<const int64_t, 3> base, Array<int16_t, 3> out) {
@@ -128,33 +129,31 @@ int64_t begin_batch(Array<const uint8_t, 2> exists, Array<const uint8_t, 1> occu
 }
 
 void end_batch(Array<const int32_t, 1> members, int child, Array<const uint8_t, 1> split_flags,
-               Array<const uint8_t, 1> seed_flags, Array<uint8_t, 2> split, Array<uint8_t, 2> seed,
-               Array<uint8_t, 1> occupied) {
+               Array<const uint8_t, 1> seed_flags, Array<int16_t, 3> flags, Array<uint8_t, 1> occupied) {
   const size_t n = members.shape(0), count = occupied.shape(0);
   require(child >= 0 && child < 4 && split_flags.shape(0) == n && seed_flags.shape(0) == n &&
-              has_shape(split, count + 1, 4) && has_shape(seed, count + 1, 4),
-          "flags [n], slots [P + 1, 4]");
+              has_shape(flags, count + 1, 4) && flags.shape(2) == 2,
+          "flags [n]; of all slots [P + 1, 4, 2]");
   for (size_t i = 0; i < n; ++i)
     require(members.data()[i] >= 0 && size_t(members.data()[i]) < count, "members must be indices");
-  sgi::end_batch(members.data(), int64_t(n), child, split_flags.data(), seed_flags.data(), split.data(), seed.data(),
+  sgi::end_batch(members.data(), int64_t(n), child, split_flags.data(), seed_flags.data(), flags.data(),
                  occupied.data());
 }
 
 void split_children(const SplitNodes &nodes, const Slots &states, Array<const int32_t, 1> found,
                     Array<int32_t, 2> number, Array<int32_t, 1> x, Array<int32_t, 1> y, Array<int32_t, 2> neighbour,
-                    Array<uint8_t, 2> beside, Array<uint8_t, 2> around) {
+                    Array<int16_t, 2> above) {
   const sgi::SplitNodes parents = checked(nodes);
   const sgi::Slots slots = checked(states, parents.count);
   const size_t m = found.shape(0);
   require(has_shape(number, size_t(parents.count) + 1, 4) && x.shape(0) == m && y.shape(0) == m &&
-              has_shape(neighbour, m, sgi::kSides) && has_shape(beside, m, sgi::kBeside) &&
-              has_shape(around, m, sgi::kAround),
+              has_shape(neighbour, m, sgi::kSides) && has_shape(above, m, sgi::kAbove),
           "outputs must be as of split nodes");
   for (size_t i = 0; i < m; ++i)
     require(found.data()[i] >= 0 && found.data()[i] < 4 * parents.count, "found must be slots");
   nb::gil_scoped_release release;
   sgi::split_children(parents, slots, found.data(), int64_t(m), number.data(), x.data(), y.data(), neighbour.data(),
-                      beside.data(), around.data());
+                      above.data());
 }
 
 }  // namespace

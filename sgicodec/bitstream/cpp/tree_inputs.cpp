@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "../../raster/cpp/thread_pool.hpp"
@@ -11,7 +12,7 @@ namespace {
 
 constexpr int kSideX[kSides] = {-1, 0, 1, -1, 1, -1, 0, 1}, kSideY[kSides] = {-1, -1, -1, 0, 0, 1, 1, 1};
 constexpr int kRank[4] = {0, 2, 3, 1};  // children are coded in the order 0, 3, 1, 2
-constexpr int kOne = 64, kCount = 16, kOctaves = 2;
+constexpr int kOne = 64, kCounts = 4;  // inputs are in 1/64, counts in quarters
 
 int half_down(int v) { return (v + 4) / 2 - 2; }
 
@@ -42,17 +43,17 @@ std::vector<Place> known_beside(int child) {
   return known;
 }
 
-int16_t octaves(int64_t v) {  // 8 log2(v + 1), between powers of two along straight lines
+int16_t octaves(int64_t v) {  // 16 log2(v + 1), in steps of 2 and between powers of two along straight lines
   int exponent = 0;
   while ((v + 1) >> (exponent + 1)) ++exponent;
-  return int16_t(8 * exponent + (((v + 1) << 3) >> exponent) - 8);
+  return int16_t(2 * (8 * exponent + (((v + 1) << 3) >> exponent) - 8));
 }
 
-// Seed of a node and the numbers of split nodes and of seeds in 3 x 3 around it, itself included; it is split.
-void summarise_node(const uint8_t *beside, uint8_t *summary) {
-  summary[0] = beside[0], summary[1] = 1, summary[2] = beside[0];
-  for (int side = 0; side < kSides; ++side)
-    summary[1] += beside[1 + 3 * side], summary[2] += beside[2 + 3 * side];
+// Seed of a split node and the numbers of split nodes and of seeds in 3 x 3 around it, itself included.
+void summarise_node(const int16_t *above, int16_t *summary) {
+  int split = kOne, seed = above[0];
+  for (int side = 0; side < kSides; ++side) split += above[1 + 3 * side], seed += above[2 + 3 * side];
+  summary[0] = above[0], summary[1] = int16_t(split / kCounts), summary[2] = int16_t(seed / kCounts);
 }
 
 }  // namespace
@@ -104,9 +105,10 @@ int64_t begin_batch(int64_t count, const uint8_t *exists, const uint8_t *occupie
 }
 
 void end_batch(const int32_t *members, int64_t n, int child, const uint8_t *split_flags, const uint8_t *seed_flags,
-               uint8_t *split, uint8_t *seed, uint8_t *occupied) {
+               int16_t *flags, uint8_t *occupied) {
   for (int64_t i = 0; i < n; ++i) {
-    split[4 * int64_t(members[i]) + child] = split_flags[i], seed[4 * int64_t(members[i]) + child] = seed_flags[i];
+    int16_t *slot = flags + 8 * int64_t(members[i]) + 2 * child;
+    slot[0] = int16_t(kOne * split_flags[i]), slot[1] = int16_t(kOne * seed_flags[i]);
     occupied[members[i]] |= split_flags[i] | seed_flags[i];
   }
 }
@@ -122,16 +124,14 @@ void tree_inputs(const SplitNodes &parents, const Slots &slots, const BaseDetail
       const int64_t column = std::min((((2 * x + 1) << level) >> 1) / detail.cell, detail.columns - 1);
       const int64_t row = std::min((((2 * y + 1) << level) >> 1) / detail.cell, detail.rows - 1);
       const int16_t *values = detail.values + (row * detail.columns + column) * kDetail;
-      for (int k = 0; k < kDetail; ++k) *out++ = int16_t(kOctaves * values[k]);
+      out = std::copy(values, values + kDetail, out);
     } else {
       out = std::fill_n(out, kDetail, int16_t(0));
     }
-    for (int k = 0; k < kBeside; ++k) *out++ = int16_t(kOne * parents.beside[p * kBeside + k]);
-    for (int k = 0; k < kAround; ++k) *out++ = int16_t((k % 3 ? kCount : kOne) * parents.around[p * kAround + k]);
+    out = std::copy_n(parents.above + p * kAbove, kAbove, out);
     for (const Place &place : known) {
       const int64_t owner = place.side == kSides ? p : parents.neighbour[p * kSides + place.side];
-      *out++ = int16_t(kOne * slots.split[4 * owner + place.child]);
-      *out++ = int16_t(kOne * slots.seed[4 * owner + place.child]);
+      out = std::copy_n(slots.flags + 8 * owner + 2 * place.child, 2, out);
     }
   }
 }
@@ -139,15 +139,15 @@ void tree_inputs(const SplitNodes &parents, const Slots &slots, const BaseDetail
 void tree_rows(const Network &network, const SplitNodes &parents, const Slots &slots, const BaseDetail &detail,
                const int16_t *head, int level, int child, const int32_t *members, int64_t n, int shift, int most,
                int threads, int16_t *rows) {
-  constexpr int64_t kChunk = 256;
+  constexpr int64_t kChunk = 512;
   const int inputs = tree_input_count(child), outputs = network.outputs();
   parallel_for((n + kChunk - 1) / kChunk, threads, [&](int64_t chunk) {
     const int64_t begin = chunk * kChunk, count = std::min(n - begin, kChunk);
-    std::vector<int16_t> in(size_t(count) * inputs);
-    std::vector<int64_t> odds(size_t(count) * outputs);
-    std::vector<double> scratch(network.scratch_size());
-    tree_inputs(parents, slots, detail, head, level, child, members + begin, count, in.data());
-    network.evaluate(in.data(), inputs, count, scratch.data(), odds.data());
+    const std::unique_ptr<int16_t[]> in(new int16_t[count * inputs]);  // not zeroed, as a vector would be
+    const std::unique_ptr<int64_t[]> odds(new int64_t[count * outputs]);
+    const std::unique_ptr<double[]> scratch(new double[network.scratch_size()]);
+    tree_inputs(parents, slots, detail, head, level, child, members + begin, count, in.get());
+    network.evaluate(in.get(), inputs, count, scratch.get(), odds.get());
     for (int64_t i = 0; i < count * outputs; ++i) {
       const int64_t row = (odds[i] + (int64_t(1) << (shift - 1))) >> shift;
       rows[begin * outputs + i] = int16_t(std::min(std::max(row, int64_t(-most)), int64_t(most)) + most);
@@ -156,7 +156,7 @@ void tree_rows(const Network &network, const SplitNodes &parents, const Slots &s
 }
 
 void split_children(const SplitNodes &parents, const Slots &slots, const int32_t *found, int64_t m, int32_t *number,
-                    int32_t *x, int32_t *y, int32_t *neighbour, uint8_t *beside, uint8_t *around) {
+                    int32_t *x, int32_t *y, int32_t *neighbour, int16_t *above) {
   std::array<Place, 4 * kSides> places;
   for (int child = 0; child < 4; ++child)
     for (int side = 0; side < kSides; ++side)
@@ -167,17 +167,19 @@ void split_children(const SplitNodes &parents, const Slots &slots, const int32_t
     const int64_t p = found[i] >> 2;
     const int child = found[i] & 3;
     x[i] = 2 * parents.x[p] + (child & 1), y[i] = 2 * parents.y[p] + (child >> 1);
-    uint8_t *of = beside + i * kBeside;
-    of[0] = slots.seed[found[i]];
+    int16_t *of = above + i * kAbove;
+    of[0] = slots.flags[2 * int64_t(found[i]) + 1];
     for (int side = 0; side < kSides; ++side) {
       const Place place = places[child * kSides + side];
       const int64_t owner = place.side == kSides ? p : parents.neighbour[p * kSides + place.side];
       const int64_t slot = 4 * owner + place.child;
       neighbour[i * kSides + side] = number[slot];
-      of[1 + 3 * side] = slots.split[slot], of[2 + 3 * side] = slots.seed[slot], of[3 + 3 * side] = slots.exists[slot];
+      of[1 + 3 * side] = slots.flags[2 * slot], of[2 + 3 * side] = slots.flags[2 * slot + 1];
+      of[3 + 3 * side] = int16_t(kOne * slots.exists[slot]);
     }
-    summarise_node(parents.beside + p * kBeside, around + i * kAround);
-    std::copy_n(parents.around + p * kAround, 3, around + i * kAround + 3);
+    const int16_t *over = parents.above + p * kAbove;
+    summarise_node(over, of + kAbove - 6);
+    std::copy_n(over + kAbove - 6, 3, of + kAbove - 3);
   }
 }
 
