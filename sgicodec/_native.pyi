@@ -180,6 +180,53 @@ def ungroup_symbols(
 def ungroup_categorical(indices: I32, order: I32, keys: I16, alphabets: I32, bits: F64, symbols: I32, /) -> float: ...
 def dequantise(symbols: I32, mean: I64, step: I64, members: I64, first: int, threads: int, decoded: I64, /) -> None: ...
 def add_predictions(plane: I64, predictor: int, most: int, /) -> bool: ...
+def tree_input_count(child: int, /) -> int: ...
+def base_detail(base: I64, out: I16, /) -> None: ...
+def children_inside(parents: tuple[I32, I32, I32, I16], level: int, width: int, height: int, exists: U8, /) -> None: ...
+def begin_batch(exists: U8, occupied: U8, child: int, members: I32, needed: U8, /) -> int: ...
+def end_batch(members: I32, child: int, split: U8, seed: U8, flags: I16, occupied: U8, /) -> None: ...
+
+class TreeNetwork:
+    def __init__(self, w1: I64, b1: I64, w2: I64, b2: I64, shift: int, child: int, isa: str, /) -> None: ...
+    def rows(
+        self,
+        parents: tuple[I32, I32, I32, I16],
+        slots: tuple[U8, I16],
+        detail: I16,
+        cell: int,
+        head: I16,
+        level: int,
+        members: I32,
+        shift: int,
+        most: int,
+        threads: int,
+        out: I16,
+        /,
+    ) -> None: ...
+
+def tree_inputs(
+    parents: tuple[I32, I32, I32, I16],
+    slots: tuple[U8, I16],
+    detail: I16,
+    cell: int,
+    head: I16,
+    level: int,
+    child: int,
+    members: I32,
+    out: I16,
+    /,
+) -> None: ...
+def split_children(
+    parents: tuple[I32, I32, I32, I16],
+    slots: tuple[U8, I16],
+    found: I32,
+    number: I32,
+    x: I32,
+    y: I32,
+    neighbour: I32,
+    above: I16,
+    /,
+) -> None: ...
 def base_lines(grid: F64, first: int, left: I64, across: F64, threads: int, lines: F32, /) -> None: ...
 def png_filter(rows: U8, above: U8, step: int, out: U8, /) -> None: ...
 

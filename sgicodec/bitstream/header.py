@@ -32,9 +32,9 @@ MAX_HASH_RESOLUTION = 1 << 14
 MAX_TILES = 1 << 20
 MIN_TILE, MAX_APRON = 32, 256
 
-_SKIP, _SEED_SCALES, _GROUPED, _COARSE_FIRST, _TILED = 1, 2, 4, 8, 16
+_SKIP, _SEED_SCALES, _GROUPED, _COARSE_FIRST, _TILED, _PREDICTED = 1, 2, 4, 8, 16, 128
 _MASKED: dict[Masked | None, int] = {None: 0, "transparent": 32, "nodata": 64}
-_ALL_FLAGS = 127
+_ALL_FLAGS = 255
 
 
 @dataclass(frozen=True)
@@ -75,6 +75,7 @@ def encode_header(header: Header) -> bytes:
     spec, context = header.spec, header.spec.context
     flags = _SKIP * spec.skip + _SEED_SCALES * spec.seed_scales + _GROUPED * (len(context.steps) > 1)
     flags += _COARSE_FIRST * context.coarse_first + _TILED * bool(header.tile) + _MASKED[header.masked]
+    flags += _PREDICTED * spec.predicted_seeds
     fields = [
         FORMAT_VERSION,
         header.width,
@@ -168,11 +169,14 @@ def decode_header(payload: bytes) -> Header:
     coarse_first = bool(flags & _COARSE_FIRST)
     if coarse_first and not neighbours:
         raise CorruptStreamError("header: an order of passes without neighbours")
+    predicted = bool(flags & _PREDICTED)
+    if predicted and layout != "adaptive":
+        raise CorruptStreamError("header: predicted places of seeds that lie on a grid")
     context = ContextSpec(prior, (), context_hidden, neighbours, resolutions, hash_features, hash_entries, coarse_first)
     spec = ModelSpec(channels, layout, shape, per_seed, features, hidden, skip, seed_scales, base_cell, context)  # type: ignore[arg-type]
     names = tuple(group.name for group in spec.groups)
     steps = tuple((name,) for name in names) if grouped else (names,)
-    spec = replace(spec, context=replace(context, steps=steps))
+    spec = replace(spec, context=replace(context, steps=steps), predicted_seeds=predicted)
     tile = fields.take("the tile size", MIN_TILE, MAX_SIDE) if flags & _TILED else 0
     apron = fields.take("the apron", 0, min(tile // 4, MAX_APRON)) if flags & _TILED else 0
     sample_range = {"uint8": (0.0, 255.0), "uint16": (0.0, 65535.0)}.get(sample_type) or _range(fields)

@@ -1,8 +1,4 @@
-"""Seed positions: a quadtree over the picture, coded level by level.
-
-A node of level k is a square of 2**k pixels; roots of level `root_log` tile the picture. A node may carry a
-seed at its centre and may be split into four children; children that lie wholly outside the picture do not
-exist. Each split node has a seed somewhere below it, so a tree has one spelling.
+"""Seed positions as a quadtree (`seed_tree`), coded level by level under probabilities that the stream states.
 
 Levels are coded from the roots down, and within a level the children number 0, 1, 2, 3 of all split nodes,
 one number after the other. When a child is coded its parent's level is thus complete, and so are the earlier
@@ -21,20 +17,14 @@ from numpy.typing import NDArray
 
 from sgicodec.bitstream.alphabets import Alphabets
 from sgicodec.bitstream.entropy import SymbolWalk
+from sgicodec.bitstream.seed_tree import Flags, Seeds, TreeShape, TreeTruth, seeds_of
 from sgicodec.bitstream.tables import TOTAL, bits_of_frequencies
 from sgicodec.errors import CorruptStreamError, LimitError, UsageError
-from sgicodec.model.morton import Codes, canonical_order, morton, unmorton
+from sgicodec.model.morton import Codes, morton
 
-__all__ = ["Seeds", "TreeShape", "code_positions"]
+__all__ = ["code_positions"]
 
-Flags = NDArray[np.uint8]
 Contexts = NDArray[np.int16]
-Seeds = tuple[NDArray[np.int32], NDArray[np.int8]]
-"""Corners [N, 2] in pixels (x, y) and log2 of the node size [N]."""
-
-MAX_LOG = 16
-MAX_SIDE = 1 << 24
-MAX_ROOTS = 1 << 20
 
 ONES = (0, 3, 6, 11, 21, 38, 67, 106, 150, 189, 218, 235, 245, 250, 253, 256)
 """P(flag = 1) · 256 for each 4-bit code: equal steps of log-odds, and "never" and "always" at the ends."""
@@ -53,32 +43,6 @@ _SEED_CONTEXTS = 4 * _SIBLINGS
 _DIRECTIONS = ((-1, 0), (1, 0), (0, -1), (0, 1))
 
 
-@dataclass(frozen=True)
-class TreeShape:
-    """What the header says about a tile's quadtree. Raises UsageError for what no tree can have.
-
-    width, height: pixels; root_log, min_log: log2 of the side of roots and of the smallest nodes.
-    """
-
-    width: int
-    height: int
-    root_log: int
-    min_log: int
-
-    def __post_init__(self) -> None:
-        if not (1 <= self.width <= MAX_SIDE and 1 <= self.height <= MAX_SIDE):
-            raise UsageError(f"positions: {self.width}×{self.height} pixels; sides must be 1..{MAX_SIDE}")
-        if not 0 <= self.min_log <= self.root_log <= MAX_LOG:
-            sizes = f"2**{self.min_log} to 2**{self.root_log}"
-            raise UsageError(f"positions: node sizes {sizes}; need 0 ≤ min ≤ root ≤ {MAX_LOG}")
-
-    @property
-    def root_grid(self) -> tuple[int, int]:
-        """Number of roots across and down."""
-        side = 1 << self.root_log
-        return -(-self.width // side), -(-self.height // side)
-
-
 def code_positions(walk: SymbolWalk, shape: TreeShape, seeds: Seeds | None, max_seeds: int) -> Seeds:
     """Writes `seeds`, or reads them if None; returns them in `canonical_order` either way.
 
@@ -86,10 +50,8 @@ def code_positions(walk: SymbolWalk, shape: TreeShape, seeds: Seeds | None, max_
     split node, LimitError for a tree of more than `max_seeds` seeds, before anything of that size is
     allocated.
     """
-    columns, rows = shape.root_grid
-    if columns * rows > MAX_ROOTS:
-        raise LimitError(f"positions: {columns}×{rows} root nodes; at most {MAX_ROOTS} are allowed")
-    truth = None if seeds is None else _Truth(shape, seeds, max_seeds)
+    shape.check_roots()
+    truth = None if seeds is None else TreeTruth(shape, seeds, max_seeds)
     detail = best = None
     if truth is not None:
         counter = _FlagCounter(shape)
@@ -97,11 +59,7 @@ def code_positions(walk: SymbolWalk, shape: TreeShape, seeds: Seeds | None, max_
         detail, best = counter.best()
     detail = walk.code_int(detail, 2)
     found = _traverse(shape, _FlagCoder(walk, _merged_contexts(shape, detail), best), truth, max_seeds)
-    code = np.concatenate([codes for codes, _ in found])
-    log_size = np.concatenate([np.full(codes.size, level, np.int8) for codes, level in found])
-    corner = np.stack(unmorton(code), axis=-1) << log_size[:, None]
-    order = canonical_order(corner, log_size)
-    return corner[order].astype(np.int32), log_size[order]
+    return seeds_of(found)
 
 
 class _Flagger(Protocol):
@@ -153,44 +111,6 @@ class _FlagCoder:
         return self._walk.code_categorical(flags, _FLAGS, self._sent[merged]).astype(np.uint8)
 
 
-class _Truth:
-    """The tree of given seeds: which nodes of a level carry seeds, which are split."""
-
-    def __init__(self, shape: TreeShape, seeds: Seeds, max_seeds: int) -> None:
-        corner, log_size = np.asarray(seeds[0], np.int64).reshape(-1, 2), np.asarray(seeds[1], np.int64)
-        if len(corner) != len(log_size) or len(corner) > max_seeds:
-            counts = f"{len(corner)} corners, {len(log_size)} sizes"
-            raise UsageError(f"positions: {counts}; need as many of each and at most {max_seeds}")
-        sized = (log_size >= shape.min_log) & (log_size <= shape.root_log)
-        inside = (corner >= 0) & (corner < (shape.width, shape.height))
-        aligned = corner & ((1 << np.clip(log_size, 0, MAX_LOG)) - 1)[:, None] == 0
-        if not (sized.all() and inside.all() and aligned.all()):
-            raise UsageError("positions: a seed is no node of the tree: outside, off its grid, of another size")
-        code = morton(corner[:, 0], corner[:, 1])
-        levels = range(shape.min_log, shape.root_log + 1)
-        self._seeds = {level: np.unique(code[log_size == level] >> 2 * level) for level in levels}
-        self._splits = {level: np.unique(code[log_size < level] >> 2 * level) for level in levels}
-        if sum(codes.size for codes in self._seeds.values()) != len(corner):
-            raise UsageError("positions: two seeds share one node")
-
-    def seed(self, level: int, codes: Codes) -> Flags:
-        """1 where a node carries a seed."""
-        return _occurs(codes, self._seeds[level])
-
-    def split(self, level: int, codes: Codes) -> Flags:
-        """1 where a node has seeds below it."""
-        return _occurs(codes, self._splits[level])
-
-
-def _occurs(values: Codes, ordered: Codes) -> Flags:
-    """1 where a value is in an ordered array."""
-    if ordered.size == 0:
-        return np.zeros(values.size, np.uint8)
-    index = np.minimum(np.searchsorted(ordered, values), ordered.size - 1)
-    found: Flags = (ordered[index] == values).astype(np.uint8)
-    return found
-
-
 def _context_count(shape: TreeShape) -> int:
     return _SEED_CONTEXTS + (shape.root_log - shape.min_log + 1) * _SPLIT_CONTEXTS
 
@@ -205,7 +125,7 @@ def _merged_contexts(shape: TreeShape, detail: int) -> NDArray[np.int64]:
     return np.where(context < _SEED_CONTEXTS, context, merged)
 
 
-def _traverse(shape: TreeShape, flagger: _Flagger, truth: _Truth | None, max_seeds: int) -> list[tuple[Codes, int]]:
+def _traverse(shape: TreeShape, flagger: _Flagger, truth: TreeTruth | None, max_seeds: int) -> list[tuple[Codes, int]]:
     """Codes the tree; returns the Morton codes of the nodes that carry seeds, with their level."""
     columns, rows = shape.root_grid
     y, x = np.divmod(np.arange(columns * rows), columns)
@@ -261,7 +181,7 @@ class _Parents:
 
 
 def _code_level(
-    shape: TreeShape, flagger: _Flagger, truth: _Truth | None, level: int, parents: _Parents
+    shape: TreeShape, flagger: _Flagger, truth: TreeTruth | None, level: int, parents: _Parents
 ) -> tuple[Codes, _Parents]:
     """The children of `parents`: codes of those that carry seeds, and those that are split."""
     count = len(parents)
@@ -304,7 +224,7 @@ def _score(split: Flags, parents: _Parents, child: int) -> NDArray[np.int16]:
 def _code_nodes(
     shape: TreeShape,
     flagger: _Flagger,
-    truth: _Truth | None,
+    truth: TreeTruth | None,
     level: int,
     codes: Codes,
     score: NDArray[np.int16],

@@ -12,8 +12,11 @@ from sgicodec.bitstream.attributes import AttributeCoder
 from sgicodec.bitstream.entropy import SymbolReader, SymbolWalk, SymbolWriter
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.limits import check_model, hash_counts, max_seeds, network_shapes
-from sgicodec.bitstream.positions import TreeShape, code_positions
+from sgicodec.bitstream.positions import code_positions
+from sgicodec.bitstream.predicted_positions import code_predicted_positions
+from sgicodec.bitstream.predicted_tree import Scenery
 from sgicodec.bitstream.prior import load_prior
+from sgicodec.bitstream.seed_tree import TreeShape
 from sgicodec.errors import CorruptStreamError, LimitError
 from sgicodec.model.base import base_shape
 from sgicodec.model.context import output_count
@@ -124,7 +127,7 @@ def _code(
     with walk.part("base"):
         base_step, base = _code_base_layer(walk, header, model)
     with walk.part("positions"):
-        layout = _code_layout(walk, header, None if model is None else model.layout, most_seeds)
+        layout = _code_layout(walk, header, base, None if model is None else model.layout, most_seeds, processor)
     with walk.part("decoders"):
         shapes = decoder_shapes(spec)
         decoders = {
@@ -168,10 +171,15 @@ def _code_base_layer(walk: SymbolWalk, header: Header, model: TileModel | None) 
     return step, code_base(walk, None if model is None else model.base, shape).astype(np.int64)
 
 
-def _code_layout(walk: SymbolWalk, header: Header, layout: SeedLayout | None, most: int) -> SeedLayout:
+def _code_layout(
+    walk: SymbolWalk, header: Header, base: I64, layout: SeedLayout | None, most: int, processor: Processor
+) -> SeedLayout:
     least = 0 if header.spec.layout == "uniform" else 1
     tree = TreeShape(header.width, header.height, ROOT_LOG, least)
     seeds = None if layout is None else (layout.corner, layout.log_size)
+    if header.spec.predicted_seeds:
+        scenery = Scenery(base, header.spec.base_cell, header.quality)
+        return SeedLayout(*code_predicted_positions(walk, tree, scenery, seeds, most, processor))
     return SeedLayout(*code_positions(walk, tree, seeds, most))
 
 

@@ -9,7 +9,6 @@ a running fit knows. So many fits run in step under one network, and their mean 
 from __future__ import annotations
 
 import argparse
-import hashlib
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,18 +18,16 @@ import torch
 from sgicodec.fit.adam import Adam, Group
 from sgicodec.fit.base_layer import base_layer
 from sgicodec.fit.context_net import ContextNet
+from sgicodec.fit.prior_file import SHIFT, write_prior
 from sgicodec.fit.settings import FitSettings, default_settings
 from sgicodec.fit.trainer import Trainer
 from sgicodec.image import read, to_unit
 from sgicodec.model.layout import adaptive_layout
-from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import default_spec
 from sgicodec.plan import FAMILY
 
-__all__ = ["train", "write_prior"]
+__all__ = ["train"]
 
-SHIFT = 8
-"""The prior's weights are multiples of 2^-8."""
 LMBDA_RANGE = (3e-4, 6e-2)
 CROP = (320, 256)
 
@@ -78,22 +75,6 @@ def _trainer(path: Path, net: ContextNet, settings: FitSettings, rng: np.random.
     _, _, target = base_layer(net.spec, crop, lmbda)
     layout = adaptive_layout(target, fit.split * lmbda * fit.seed_bits)
     return Trainer(net.spec, fit, target, layout, FAMILY, net=net)
-
-
-def write_prior(networks: tuple[IntNetwork, ...], path: Path) -> str:
-    """Writes the file that `bitstream.prior` reads and returns its SHA-256."""
-    blocks = []
-    for network in networks:
-        hidden, inputs = network.w1.shape
-        head = [inputs, hidden, network.w2.shape[0], network.predicted, network.shift]
-        parts = [np.array(head), network.w1, network.b1, network.w2, network.b2]
-        values = np.concatenate([part.reshape(-1) for part in parts])
-        if np.abs(values).max() > 32767:
-            raise ValueError("a weight does not fit into 16 bits")
-        blocks.append(values.astype("<i2"))
-    data = np.concatenate(blocks).tobytes()
-    path.write_bytes(data)
-    return hashlib.sha256(data).hexdigest()
 
 
 def main() -> None:

@@ -25,8 +25,8 @@ from sgicodec.bitstream.tile import TileModel
 from sgicodec.decoder import open_stream
 from sgicodec.encode_settings import EncodeSettings
 from sgicodec.encoder import encode
-from sgicodec.fit.rate import bits_laplace
 from sgicodec.fit.prior_file import write_prior
+from sgicodec.fit.rate import bits_laplace
 from sgicodec.image import read
 from sgicodec.model.context import INPUT_BITS, LEVELS, input_count, nearest_by_pass, output_columns
 from sgicodec.model.native import SeedInputs, quantisers, summarise, write_own_inputs

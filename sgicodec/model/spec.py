@@ -54,7 +54,7 @@ class ModelSpec:
     `features` is D, `per_seed` is K. With `skip` the decoders start as an identity, so that the first K·C features
     are colours in an opponent space and the next 3K are shapes. `hidden` is the width of MLP_c and MLP_Σ; 0 leaves
     only the skip. `seed_scales` says whether s_o and s_a are carried. `base_cell` is the side in pixels of the base
-    layer's cells, 0 for none.
+    layer's cells, 0 for none. With `predicted_seeds` a shipped network predicts where seeds are.
     """
 
     channels: int
@@ -67,6 +67,7 @@ class ModelSpec:
     seed_scales: bool
     base_cell: int
     context: ContextSpec = field(repr=False)
+    predicted_seeds: bool = False
 
     @cached_property
     def groups(self) -> tuple[Group, ...]:
@@ -95,7 +96,7 @@ class ModelSpec:
 def default_spec(channels: int, per_seed: int = 1, prior: int = 3, hidden: int = 0) -> ModelSpec:
     """The `default` profile: adaptive seeds, log-covariances, a base layer, context from decoded neighbours.
 
-    Prior 1 was trained for passes that do not go by size.
+    Prior 1 was trained for passes that do not go by size, and its streams state the probabilities of seeds' places.
     """
     steps = (("colour",), ("shape",), ("offset",))
     return ModelSpec(
@@ -109,6 +110,7 @@ def default_spec(channels: int, per_seed: int = 1, prior: int = 3, hidden: int =
         seed_scales=False,
         base_cell=64,
         context=ContextSpec(prior=prior, steps=steps, hidden=64, neighbours=6, coarse_first=prior != 1),
+        predicted_seeds=prior != 1,
     )
 
 

@@ -6,7 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sgicodec.bitstream.entropy import SymbolReader, SymbolWriter
-from sgicodec.bitstream.positions import ONES, Seeds, TreeShape, code_positions
+from sgicodec.bitstream.positions import ONES, code_positions
+from sgicodec.bitstream.seed_tree import Seeds, TreeShape
 from sgicodec.bitstream.tables import TOTAL
 from sgicodec.errors import CorruptStreamError, LimitError, UsageError
 

@@ -19,7 +19,10 @@ from sgicodec.bitstream.arrays import code_base, code_weights
 from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.bitstream.entropy import SymbolWriter
 from sgicodec.bitstream.header import decode_header
-from sgicodec.bitstream.positions import TreeShape, code_positions
+from sgicodec.bitstream.positions import code_positions
+from sgicodec.bitstream.predicted_positions import code_predicted_positions
+from sgicodec.bitstream.predicted_tree import Scenery
+from sgicodec.bitstream.seed_tree import TreeShape
 from sgicodec.bitstream.tile import read_tile
 from sgicodec.errors import CorruptStreamError, LimitError
 from sgicodec.model.base import base_shape
@@ -119,19 +122,37 @@ def test_chunks_that_are_really_too_long(coded: Any, tmp_path: Path) -> None:
     assert kind == "LimitError", message
 
 
-def test_free_seeds_are_few(coded: Any) -> None:
-    """A tree in which everything is split costs two dozen bytes, however many seeds it has."""
-    least = 0 if decode_header(split(coded.data)[0][1]).spec.layout == "uniform" else 1
+@pytest.mark.parametrize("predicted", [False, True])
+def test_free_seeds_are_few(coded: Any, predicted: bool) -> None:
+    """A tree in which everything is split costs two dozen bytes, however many seeds it has; a predicted one has no flag
+    that costs nothing, but less than what its seeds take in memory.
+    """
+    adaptive = decode_header(split(coded.data)[0][1]).spec.layout == "adaptive"
+    if predicted and not adaptive:
+        return
+    least = int(adaptive)
     side = 2**10 << least
-    header = decode_header(split(with_fields(coded.data, width=side, height=side))[0][1])
+    fields = {"width": side, "height": side, "flags": lambda flags: flags & 127 | 128 * predicted}
+    header = decode_header(split(with_fields(coded.data, **fields))[0][1])
     y, x = (axis.reshape(-1) << least for axis in np.mgrid[: 2**10, : 2**10])
     seeds = np.stack([x, y], axis=1), np.full(x.size, least, np.int8)
     walk = _up_to_positions(header)
-    code_positions(walk, TreeShape(side, side, 6, least), seeds, x.size)
+    shape = TreeShape(side, side, 6, least)
+    if predicted:
+        base = np.zeros((header.spec.channels, *base_shape(side, side, header.spec.base_cell)), np.int64)
+        code_predicted_positions(walk, shape, Scenery(base, header.spec.base_cell, header.quality), seeds, x.size)
+    else:
+        code_positions(walk, shape, seeds, x.size)
     payload = walk.finish()
-    assert len(payload) < 500
+    assert len(payload) < (x.size // 4 if predicted else 500)
     with pytest.raises(LimitError, match="seeds"):
         read_tile(header, payload)
+
+
+def test_seeds_on_a_grid_are_not_predicted(coded: Any) -> None:
+    header = split(with_fields(coded.data, seed_layout=1, flags=lambda flags: flags | 128))[0][1]
+    with pytest.raises(CorruptStreamError, match="grid"):
+        decode_header(header)
 
 
 def _up_to_positions(header: Any) -> SymbolWriter:

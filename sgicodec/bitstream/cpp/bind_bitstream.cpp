@@ -124,4 +124,5 @@ void bind_bitstream(nb::module_ &m) {
   m.def("ungroup_symbols", &ungroup_symbols);
   m.def("ungroup_categorical", &ungroup_categorical);
   m.def("add_predictions", &add_predictions);
+  bind_tree(m);
 }

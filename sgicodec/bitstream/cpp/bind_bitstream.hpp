@@ -3,3 +3,4 @@
 #include <nanobind/nanobind.h>
 
 void bind_bitstream(nanobind::module_ &m);
+void bind_tree(nanobind::module_ &m);

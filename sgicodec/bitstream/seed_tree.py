@@ -1,0 +1,105 @@
+"""A quadtree of seeds: its shape, and which of its nodes carry seeds or are split.
+
+A node of level k is a square of 2**k pixels; roots of level `root_log` tile the picture. A node may carry a
+seed at its centre and may be split into four children; children that lie wholly outside the picture do not
+exist. Each split node has a seed somewhere below it, so a tree has one spelling.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec.errors import LimitError, UsageError
+from sgicodec.model.morton import Codes, canonical_order, morton, unmorton
+
+__all__ = ["Flags", "Seeds", "TreeShape", "TreeTruth", "seeds_of"]
+
+Flags = NDArray[np.uint8]
+Seeds = tuple[NDArray[np.int32], NDArray[np.int8]]
+"""Corners [N, 2] in pixels (x, y) and log2 of the node size [N]."""
+
+MAX_LOG = 16
+MAX_SIDE = 1 << 24
+MAX_ROOTS = 1 << 20
+
+
+@dataclass(frozen=True)
+class TreeShape:
+    """What the header says about a tile's quadtree. Raises UsageError for what no tree can have.
+
+    width, height: pixels; root_log, min_log: log2 of the side of roots and of the smallest nodes.
+    """
+
+    width: int
+    height: int
+    root_log: int
+    min_log: int
+
+    def __post_init__(self) -> None:
+        if not (1 <= self.width <= MAX_SIDE and 1 <= self.height <= MAX_SIDE):
+            raise UsageError(f"positions: {self.width}×{self.height} pixels; sides must be 1..{MAX_SIDE}")
+        if not 0 <= self.min_log <= self.root_log <= MAX_LOG:
+            sizes = f"2**{self.min_log} to 2**{self.root_log}"
+            raise UsageError(f"positions: node sizes {sizes}; need 0 ≤ min ≤ root ≤ {MAX_LOG}")
+
+    @property
+    def root_grid(self) -> tuple[int, int]:
+        """Number of roots across and down."""
+        side = 1 << self.root_log
+        return -(-self.width // side), -(-self.height // side)
+
+    def check_roots(self) -> None:
+        """Raises LimitError for more roots than any tree may have."""
+        columns, rows = self.root_grid
+        if columns * rows > MAX_ROOTS:
+            raise LimitError(f"positions: {columns}×{rows} root nodes; at most {MAX_ROOTS} are allowed")
+
+
+def seeds_of(found: list[tuple[Codes, int]]) -> Seeds:
+    """The seeds in `canonical_order` from the Morton codes of the nodes that carry them, with their level."""
+    code = np.concatenate([codes for codes, _ in found])
+    log_size = np.concatenate([np.full(codes.size, level, np.int8) for codes, level in found])
+    corner = np.stack(unmorton(code), axis=-1) << log_size[:, None]
+    order = canonical_order(corner, log_size)
+    return corner[order].astype(np.int32), log_size[order]
+
+
+class TreeTruth:
+    """The tree of given seeds: which nodes of a level carry seeds, which are split."""
+
+    def __init__(self, shape: TreeShape, seeds: Seeds, max_seeds: int) -> None:
+        corner, log_size = np.asarray(seeds[0], np.int64).reshape(-1, 2), np.asarray(seeds[1], np.int64)
+        if len(corner) != len(log_size) or len(corner) > max_seeds:
+            counts = f"{len(corner)} corners, {len(log_size)} sizes"
+            raise UsageError(f"positions: {counts}; need as many of each and at most {max_seeds}")
+        sized = (log_size >= shape.min_log) & (log_size <= shape.root_log)
+        inside = (corner >= 0) & (corner < (shape.width, shape.height))
+        aligned = corner & ((1 << np.clip(log_size, 0, MAX_LOG)) - 1)[:, None] == 0
+        if not (sized.all() and inside.all() and aligned.all()):
+            raise UsageError("positions: a seed is no node of the tree: outside, off its grid, of another size")
+        code = morton(corner[:, 0], corner[:, 1])
+        levels = range(shape.min_log, shape.root_log + 1)
+        self._seeds = {level: np.unique(code[log_size == level] >> 2 * level) for level in levels}
+        self._splits = {level: np.unique(code[log_size < level] >> 2 * level) for level in levels}
+        if sum(codes.size for codes in self._seeds.values()) != len(corner):
+            raise UsageError("positions: two seeds share one node")
+
+    def seed(self, level: int, codes: Codes) -> Flags:
+        """1 where a node carries a seed."""
+        return _occurs(codes, self._seeds[level])
+
+    def split(self, level: int, codes: Codes) -> Flags:
+        """1 where a node has seeds below it."""
+        return _occurs(codes, self._splits[level])
+
+
+def _occurs(values: Codes, ordered: Codes) -> Flags:
+    """1 where a value is in an ordered array."""
+    if ordered.size == 0:
+        return np.zeros(values.size, np.uint8)
+    index = np.minimum(np.searchsorted(ordered, values), ordered.size - 1)
+    found: Flags = (ordered[index] == values).astype(np.uint8)
+    return found
