@@ -1,0 +1,297 @@
+"""Tiles in rounds: fits of some, then of the others, then searches, until a goal for all of them together is met."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import BinaryIO, NamedTuple, Protocol, TypeVar
+
+import numpy as np
+
+from sgicodec.assembly import stream_length, write_stream
+from sgicodec.choice import Option, choose
+from sgicodec.distortion import decibels
+from sgicodec.fit.settings import quality_index
+from sgicodec.fit.steering import Goal, Measured
+from sgicodec.image import Picture
+from sgicodec.outlook import Bound, Outlook, spread
+from sgicodec.plan import Plan, fit_lmbda
+from sgicodec.tile_work import EncodedTile, FitTask, LookTask, SearchTask, Start
+
+__all__ = ["Finished", "Rounds", "Runner", "Store", "Task", "Version", "Watcher"]
+
+Result = TypeVar("Result")
+Made = TypeVar("Made", covariant=True)
+
+
+class Version(NamedTuple):
+    """A coding of a tile: its number, and the round that made it."""
+
+    tile: int
+    round: int = 0
+
+
+class Task(Protocol[Made]):
+    """What is done to a tile: pickled, and called where the pixels are."""
+
+    def __call__(self, number: int, window: Picture, start: Start, threads: int) -> Made:
+        """Made of tile `number`, whose pixels are `window`."""
+
+
+class Runner(Protocol):
+    """Who does it: yields results by tile in any order."""
+
+    def __call__(
+        self, task: Task[Result], numbers: Sequence[int], start: Callable[[int], Start]
+    ) -> Iterator[tuple[int, Result]]:
+        """Raises TileFailedError."""
+
+
+class Store(Protocol):
+    """Where codings are kept. tiles: all of them, with or without their payloads."""
+
+    tiles: dict[Version, EncodedTile]
+
+    def add(self, version: Version, tile: EncodedTile) -> None:
+        """Keeps a finished tile."""
+
+    def payload(self, version: Version) -> bytes:
+        """That of a kept tile."""
+
+    def remembered(self, name: str, found: Callable[[], float]) -> float:
+        """The number that was kept under this name, else what is found now, which is kept."""
+
+
+class Watcher(Protocol):
+    """Who is told how far it has come."""
+
+    def begin(self, name: str, numbers: Sequence[int], there: dict[int, EncodedTile]) -> None:
+        """A round over these tiles begins, some of which are there already."""
+
+    def done(self, number: int, tile: EncodedTile | None) -> None:
+        """One more is done; None if it was only looked at."""
+
+
+@dataclass(frozen=True)
+class Finished:
+    """Which coding of each tile the stream takes, the plan of its header, the λ of the last fits, and what was asked
+    for and not reached.
+    """
+
+    plan: Plan
+    chosen: list[Version]
+    lmbda: float
+    missed: str | None = None
+
+
+class Rounds:
+    """Encodes the tiles of a plan. What a round does follows from what earlier ones came to alone, so that workers,
+    order and interruptions do not matter.
+
+    error_of: squared error of a stream over the whole picture, samples in 0..1.
+    """
+
+    def __init__(
+        self, plan: Plan, runner: Runner, store: Store, watcher: Watcher, error_of: Callable[[BinaryIO], float]
+    ) -> None:
+        self.plan, self.runner, self.store, self.watcher, self.error_of = plan, runner, store, watcher, error_of
+        header = plan.header
+        self.all = range(header.grid.count)
+        self.samples = header.width * header.height * header.spec.channels
+        self.goal = plan.settings.goal(header.width * header.height)
+        self.fade = 1.0
+        """The picture's squared error over that of the tiles' cores."""
+
+    def run(self) -> Finished:
+        """All rounds. Raises TileFailedError; the store then has what was finished."""
+        if self.goal is None:
+            self._round("tiles", 0, FitTask(self.plan), self.all)
+            return Finished(self.plan, [Version(number) for number in self.all], fit_lmbda(self.plan.settings))
+        lmbda, index, tries = self._lmbda(0, self.all, 0.0), 0, 1
+        while True:
+            plan = self.plan.at(lmbda, quality_index(lmbda))
+            chosen, index, wanted = self._fitted(plan, lmbda, index, tries < _TRIES)
+            if len(chosen) == len(self.all) and (tries == _TRIES or not _is_far(wanted, lmbda)):
+                return self._settled(plan, chosen, index, self.goal)
+            lmbda, tries = wanted, tries + 1
+
+    def _fitted(self, plan: Plan, lmbda: float, index: int, may_stop: bool) -> tuple[dict[int, Version], int, float]:
+        """Fits of all tiles, some first, which tell the λ of the others; stops where λ turns out to be far off.
+
+        Returns the codings, the number of the next round, and the λ that all would want.
+        """
+        chosen: dict[int, Version] = {}
+        at = wanted = lmbda
+        while len(chosen) < len(self.all):
+            numbers = self._stage(lmbda, chosen)
+            self._round("sample" if not chosen else "tiles", index, FitTask(plan.at(at, plan.header.quality)), numbers)
+            chosen |= {number: Version(number, index) for number in numbers}
+            index += 1
+            tiles = {number: self.store.tiles[version] for number, version in chosen.items()}
+            bound = self._bound()
+            self.outlook.learn(bound, tiles)
+            wanted = self._lmbda(2 * index - 1, self.all, 0.0)
+            if may_stop and _is_far(wanted, lmbda):
+                break
+            rest = [number for number in self.all if number not in chosen]
+            if rest:
+                at = self._lmbda(2 * index, rest, sum(map(bound.of, tiles.values())))
+                at = min(max(at, lmbda / 2**_FAR), lmbda * 2**_FAR)
+        return chosen, index, wanted
+
+    def _stage(self, lmbda: float, chosen: dict[int, Version]) -> list[int]:
+        """The tiles to fit next."""
+        rest = [number for number in self.all if number not in chosen]
+        if not chosen:
+            return spread(self.outlook.foretold(self.all, lmbda), min(_MOST_SAMPLES, max(1, len(rest) // 4)))
+        return rest[::2] if len(chosen) <= _MOST_SAMPLES and len(self.all) >= _MANY else rest
+
+    def _lmbda(self, number: int, tiles: Sequence[int], done: float) -> float:
+        """λ that takes these tiles to the goal, kept under a number."""
+        bound = self._bound()
+        aimed = Bound(bound.what, _AIM[bound.what] * bound.value)
+        return self.store.remembered(f"lmbda {number}", lambda: self.outlook.lmbda(aimed, tiles, done))
+
+    @cached_property
+    def outlook(self) -> Outlook:
+        """From a look at every tile."""
+        self.watcher.begin("look", self.all, {})
+        looks = {}
+        for number, look in self.runner(LookTask(self.plan), self.all, lambda _: Start()):
+            looks[number] = look
+            self.watcher.done(number, None)
+        return Outlook([looks[number] for number in self.all], self._bound().what)
+
+    def _bound(self, lengths: Iterable[int] | None = None) -> Bound:
+        """What the goal leaves to the tiles; `lengths`: of their payloads, where they are known."""
+        goal = self.goal or Goal()
+        if goal.psnr is not None:
+            return Bound("error", self.samples * 10 ** (-0.1 * goal.psnr) / self.fade)
+        size = goal.bytes or 0.0
+        lengths = [round(size / len(self.all))] * len(self.all) if lengths is None else list(lengths)
+        return Bound("bytes", max(1.0, size - (self._length(self.plan, lengths) - sum(lengths))))
+
+    def _settled(self, plan: Plan, base: dict[int, Version], index: int, goal: Goal) -> Finished:
+        """Searches, from the fits on, until a choice of codings meets the goal."""
+        versions = {number: [base[number]] for number in self.all}
+        lmbda, slope, before = self.store.tiles[base[self.all[-1]]].lmbda, _SLOPE, math.inf
+        for number in range(_SEARCHES + 1):
+            chosen, measured = self._choice(plan, versions, goal)
+            if goal.is_met(measured):
+                break
+            bound = self._bound()
+            fits = {n: bound.of(self.store.tiles[base[n]]) for n in self.all}
+            need = Bound(bound.what, _SEARCH_AIM[bound.what] * bound.value).need(sum(fits.values()))
+            reached = abs(bound.need(sum(bound.of(self.store.tiles[v]) for v in chosen)))
+            if number == _SEARCHES or reached > _HOPE * before:
+                break
+            before = reached
+            octaves, numbers = self._search(need / slope, fits, number)
+            self._searched(plan, base, octaves, numbers, index)
+            for n in numbers:
+                versions[n].append(Version(n, index))
+            found = sum(bound.of(self.store.tiles[Version(n, index)]) for n in numbers)
+            response = abs(math.log2(max(found, 1e-9) / max(sum(fits[n] for n in numbers), 1e-9)) / octaves)
+            slope, index = min(max(response, _SLOPES[0]), _SLOPES[1]), index + 1
+        missed = _regret(goal, measured) if goal.is_missed(measured) else None
+        return Finished(plan, chosen, lmbda, missed)
+
+    def _search(self, octaves: float, fits: dict[int, float], number: int) -> tuple[float, list[int]]:
+        """By how many octaves to move the λ of which tiles, if that is what all would need: where it is little, some
+        of them at first.
+        """
+        size = _MORE * abs(octaves)
+        count = len(fits) if number else min(len(fits), max(_FEW, math.ceil(len(fits) * size / _GENTLE)))
+        size = min(max(size, _GENTLE), _MOST_OCTAVES)
+        return math.copysign(size, octaves), spread(np.array(list(fits.values())), count) if count < len(fits) else list(fits)
+
+    def _searched(self, plan: Plan, base: dict[int, Version], octaves: float, numbers: list[int], index: int) -> None:
+        """A round of searches, one for each λ that there is among the fits."""
+        by_lmbda: dict[float, list[int]] = {}
+        for number in numbers:
+            by_lmbda.setdefault(self.store.tiles[base[number]].lmbda, []).append(number)
+        for lmbda, some in by_lmbda.items():
+            task = SearchTask(plan.at(lmbda * 2.0**octaves, plan.header.quality))
+            start = lambda n, lmbda=lmbda: Start(self.store.payload(base[n]), lmbda)  # noqa: E731
+            self._round("search", index, task, some, start)
+
+    def _choice(self, plan: Plan, versions: dict[int, list[Version]], goal: Goal) -> tuple[list[Version], Measured]:
+        """The best choice of codings, and what the stream is."""
+        for _ in range(_MEASURES):
+            chosen = self._best(versions)
+            tiles = [self.store.tiles[version] for version in chosen]
+            length = self._length(plan, [tile.length for tile in tiles])
+            if goal.psnr is None:
+                return chosen, Measured(length, math.inf)
+            with tempfile.TemporaryFile() as file:
+                write_stream(file, plan.header, plan.software, plan.metadata, map(self.store.payload, chosen))
+                file.seek(0)
+                error = self.error_of(file)
+            self.fade = error / max(sum(tile.squared_error for tile in tiles), 1e-12) or 1.0
+            measured = Measured(length, decibels(error, self.samples))
+            if goal.is_met(measured) or all(len(some) == 1 for some in versions.values()):
+                break
+        return chosen, measured
+
+    def _best(self, versions: dict[int, list[Version]]) -> list[Version]:
+        def option(version: Version) -> Option:
+            tile = self.store.tiles[version]
+            size, error = float(tile.length), tile.squared_error
+            return Option(size, error) if self._what == "bytes" else Option(error, size)
+
+        options = [[option(version) for version in versions[number]] for number in self.all]
+        lengths = [max(self.store.tiles[version].length for version in versions[number]) for number in self.all]
+        chosen = choose(options, self._bound(lengths).value)
+        return [versions[number][index] for number, index in zip(self.all, chosen, strict=True)]
+
+    @property
+    def _what(self) -> str:
+        return "bytes" if self.goal is not None and self.goal.psnr is None else "error"
+
+    def _length(self, plan: Plan, lengths: Sequence[int]) -> int:
+        return stream_length(plan.header, plan.software, plan.metadata, lengths)
+
+    def _round(
+        self,
+        name: str,
+        index: int,
+        task: Task[EncodedTile],
+        numbers: Sequence[int],
+        start: Callable[[int], Start] = lambda _: Start(),
+    ) -> None:
+        """Does what is not there yet."""
+        there = {number: Version(number, index) for number in numbers if Version(number, index) in self.store.tiles}
+        self.watcher.begin(name, numbers, {number: self.store.tiles[version] for number, version in there.items()})
+        missing = [number for number in numbers if number not in there]
+        if missing:
+            for number, tile in self.runner(task, missing, start):
+                self.store.add(Version(number, index), tile)
+                self.watcher.done(number, tile)
+
+
+_AIM = {"bytes": 0.985, "error": 0.995}
+_SEARCH_AIM = {"bytes": 0.99, "error": 1.0}
+"""Where fits and searches are to end, as a part of what all tiles together may have."""
+_MOST_SAMPLES, _MANY = 8, 64
+"""Tiles that are fitted first, and number of tiles from which on a half of the others comes before the rest."""
+_FAR, _TRIES = 0.5, 3
+"""Octaves that the λ of fits of one stream may be apart, and how often they begin anew with another λ."""
+_SEARCHES, _MEASURES, _HOPE = 3, 2, 0.8
+"""Rounds of searches; measures of a PSNR in each; what one has to leave of how far off the last one was, at most."""
+_SLOPE, _SLOPES = 0.18, (0.05, 0.6)
+"""Octaves of bytes or error that an octave of λ moves in a search, at first, and within which it is believed."""
+_MORE, _GENTLE, _MOST_OCTAVES, _FEW = 1.25, 0.35, 3.0, 4
+"""A search goes further than it seems to need, by no less than an octave's third, in no fewer tiles than this."""
+
+
+def _is_far(one: float, other: float) -> bool:
+    return abs(math.log2(one / other)) > _FAR
+
+
+def _regret(goal: Goal, measured: Measured) -> str:
+    if goal.bytes is not None:
+        return f"no stream of at most {goal.bytes:.0f} bytes was found; the smallest has {measured.bytes:.0f}"
+    return f"no stream of {goal.psnr:g} dB was found; the best reaches {measured.psnr:.2f} dB"
