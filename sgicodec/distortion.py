@@ -16,7 +16,9 @@ def squared_error(original: Picture, decoded: Picture) -> float:
     error = 0.0
     for row in range(0, original.height, _ROWS):
         rows = slice(row, row + _ROWS)
-        parts = (Picture(p.pixels[rows], p.channels, original.sample_range, original.metadata) for p in (original, decoded))
+        parts = (
+            Picture(p.pixels[rows], p.channels, original.sample_range, original.metadata) for p in (original, decoded)
+        )
         ours, theirs = (to_unit(part) for part in parts)
         difference = ours.astype(np.float64) - theirs
         if original.alpha is not None:

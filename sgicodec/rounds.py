@@ -206,7 +206,9 @@ class Rounds:
         size = _MORE * abs(octaves)
         count = len(fits) if number else min(len(fits), max(_FEW, math.ceil(len(fits) * size / _GENTLE)))
         size = min(max(size, _GENTLE), _MOST_OCTAVES)
-        return math.copysign(size, octaves), spread(np.array(list(fits.values())), count) if count < len(fits) else list(fits)
+        return math.copysign(size, octaves), spread(np.array(list(fits.values())), count) if count < len(
+            fits
+        ) else list(fits)
 
     def _searched(self, plan: Plan, base: dict[int, Version], octaves: float, numbers: list[int], index: int) -> None:
         """A round of searches, one for each λ that there is among the fits."""

@@ -67,7 +67,7 @@ class LookTask:
 
     plan: Plan
 
-    def __call__(self, number: int, window: Picture, _: Start, threads: int) -> Look:
+    def __call__(self, number: int, window: Picture, start: Start, threads: int) -> Look:
         """A tile in which no pixel holds anything costs and errs nothing."""
         tile = _encoding(window, self.plan, number, threads)
         if tile.holds_nothing:
@@ -75,8 +75,8 @@ class LookTask:
         _, _, width, height = self.plan.header.grid.core(number)
         samples = width * height * self.plan.header.spec.channels
         foretold = Foretold(tile.target, tile.fit)
-        sizes, errors = zip(*map(foretold.at, GRID), strict=True)
-        return Look(sizes, tuple(samples * error for error in errors))
+        found = [foretold.at(lmbda) for lmbda in GRID]
+        return Look(tuple(size for size, _ in found), tuple(samples * error for _, error in found))
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ class FitTask:
     plan: Plan
     on_progress: Callable[[Progress], bool] | None = None
 
-    def __call__(self, number: int, window: Picture, _: Start, threads: int) -> EncodedTile:
+    def __call__(self, number: int, window: Picture, start: Start, threads: int) -> EncodedTile:
         """Fits the pixels that the tile covers, apron included."""
         return encode_tile(window, self.plan, number, threads, self.on_progress)
 

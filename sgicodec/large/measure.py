@@ -12,8 +12,7 @@ __all__ = ["measured_error", "measured_psnr"]
 def measured_error(stream: Stream, source: Source, threads: int = 0) -> float:
     """Squared error over all samples of what the stream decodes to, in 0..1, but for colours where alpha is 0."""
     return sum(
-        squared_error(source.read(0, top, band.width, band.height), band)
-        for top, band in stream.bands(threads=threads)
+        squared_error(source.read(0, top, band.width, band.height), band) for top, band in stream.bands(threads=threads)
     )
 
 

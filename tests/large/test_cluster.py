@@ -17,7 +17,8 @@ from sgicodec.errors import PictureError, TileFailedError, UsageError
 from sgicodec.image import Picture, open_source, write
 from sgicodec.large.cluster import open_cluster
 from sgicodec.large.encode import plan_of
-from sgicodec.large.task import ReadingTask
+from sgicodec.large.task import Job, ReadingTask
+from sgicodec.tile_work import FitTask, Start
 
 
 def dies_once(folder: Path, number: int, job: int) -> int:
@@ -64,11 +65,12 @@ def test_addresses_without_a_cluster(address: str, monkeypatch: pytest.MonkeyPat
 def test_workers_read_paths_and_urls(photo: Path, settings: EncodeSettings, tmp_path: Path) -> None:
     with open_source(photo) as source:
         plan = plan_of(source, settings)
-    by_path, by_url = (ReadingTask(plan, place)(4, None) for place in (str(photo), photo.as_uri()))
+    job, work = Job(None, Start()), FitTask(plan)
+    by_path, by_url = (ReadingTask(plan, place, work, 1)(4, job) for place in (str(photo), photo.as_uri()))
     assert by_path.payload == by_url.payload
     other = tmp_path / "other.png"
     write(Picture(np.zeros((9, 9, 3), np.uint8), "rgb", (0.0, 255.0)), other)
     with pytest.raises(PictureError, match="another picture"):
-        ReadingTask(plan, str(other))(0, None)
+        ReadingTask(plan, str(other), work, 1)(0, job)
     with pytest.raises(PictureError):
-        ReadingTask(plan, (tmp_path / "missing.png").as_uri())(0, None)
+        ReadingTask(plan, (tmp_path / "missing.png").as_uri(), work, 1)(0, job)
