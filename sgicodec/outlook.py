@@ -38,22 +38,30 @@ class Outlook:
 
     def __init__(self, looks: Sequence[Look], what: Literal["bytes", "error"]) -> None:
         tables = np.array([look.bytes if what == "bytes" else look.errors for look in looks])  # [tiles, GRID]
-        self._logs, self._ratio = np.log(np.maximum(tables, 1e-12)), 1.0
+        self._logs = np.log(np.maximum(tables, 1e-12))
+        self._ratios: dict[float, float] = {}
+        """Logarithms, by that of λ."""
 
     def foretold(self, numbers: Collection[int], lmbda: float) -> NDArray[np.float64]:
         """Of each of these tiles at λ."""
+        known, ratio = sorted(self._ratios), 0.0
+        if known:
+            ratio = float(np.interp(math.log(lmbda), known, [self._ratios[at] for at in known]))
+        return math.exp(ratio) * self._looked(numbers, lmbda)
+
+    def _looked(self, numbers: Collection[int], lmbda: float) -> NDArray[np.float64]:
         at = np.clip(math.log2(lmbda), math.log2(GRID[0]), math.log2(GRID[-1])) - math.log2(GRID[0])
         first = min(int(at), len(GRID) - 2)
         logs, part = self._logs[list(numbers)], at - first
-        values: NDArray[np.float64] = self._ratio * np.exp((1 - part) * logs[:, first] + part * logs[:, first + 1])
+        values: NDArray[np.float64] = np.exp((1 - part) * logs[:, first] + part * logs[:, first + 1])
         return values
 
-    def learn(self, bound: Bound, tiles: dict[int, EncodedTile]) -> None:
-        """Takes in what tiles came to."""
-        self._ratio = 1.0
-        foretold = sum(float(self.foretold([number], tile.lmbda)[0]) for number, tile in tiles.items())
+    def learn(self, bound: Bound, tiles: dict[int, EncodedTile], lmbda: float) -> None:
+        """Takes in what tiles came to at about λ; what others came to at another λ still counts there."""
+        looked = sum(float(self._looked([number], tile.lmbda)[0]) for number, tile in tiles.items())
         found = sum(bound.of(tile) for tile in tiles.values())
-        self._ratio = found / foretold if found > 0 and foretold > 1e-6 else 1.0
+        if found > 0 and looked > 1e-6:
+            self._ratios[math.log(lmbda)] = math.log(found / looked)
 
     def lmbda(self, bound: Bound, numbers: Collection[int], done: float = 0.0) -> float:
         """λ at which these tiles, with what is done already, come to the bound."""

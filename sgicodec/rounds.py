@@ -6,7 +6,7 @@ import math
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import BinaryIO, NamedTuple, Protocol, TypeVar
 
 import numpy as np
@@ -15,7 +15,7 @@ from sgicodec.assembly import stream_length, write_stream
 from sgicodec.choice import Option, choose
 from sgicodec.distortion import decibels
 from sgicodec.fit.settings import quality_index
-from sgicodec.fit.steering import Goal, Measured
+from sgicodec.fit.steering import LMBDA_RANGE, Goal, Measured
 from sgicodec.image import Picture
 from sgicodec.outlook import Bound, Outlook, spread
 from sgicodec.plan import Plan, fit_lmbda
@@ -87,6 +87,45 @@ class Finished:
     missed: str | None = None
 
 
+@dataclass(frozen=True)
+class Correction:
+    """A kind of round after the fits. direction: of λ; slope: octaves of bytes or error that an octave of λ moves;
+    least, most: octaves that λ moves; more: how much further than it seems to need the first one goes.
+    """
+
+    name: str
+    direction: int
+    slope: float
+    least: float
+    most: float
+    more: float
+
+    def next(
+        self, need: float, weights: Sequence[float], tried: Sequence[tuple[float, float]]
+    ) -> tuple[float, list[int]]:
+        """By how many octaves to move the λ of which tiles, from the need of the fits and from what was tried: octaves
+        and what they would leave to need if all tiles took them. Where it is little, some tiles do at first.
+        """
+        everything = list(range(len(weights)))
+        if not tried:
+            wanted = self.more * abs(need) / self.slope
+            count = max(_FEW, math.ceil(len(weights) * wanted / self.least))
+            numbers = spread(np.array(weights), count) if count < len(weights) else everything
+            return self.direction * min(max(wanted, self.least), self.most), numbers
+        last, left = tried[-1]
+        slope = self.slope
+        if len(tried) > 1 and abs(last - tried[-2][0]) > 1e-3:
+            slope = min(max((tried[-2][1] - left) / (last - tried[-2][0]), 0.3 * slope), 3 * slope)
+        wanted = self.direction * (last + left / slope)
+        return self.direction * min(max(wanted, 0.2 * self.least), self.most), everything
+
+
+_FEW = 4
+_SEARCH = Correction("search", 1, 0.2, 0.35, 4.0, 1.3)
+"""Cheap, but it drops seeds and adds none."""
+_FIT = Correction("again", -1, 0.6, 0.5, 2.0, 1.1)
+
+
 class Rounds:
     """Encodes the tiles of a plan. What a round does follows from what earlier ones came to alone, so that workers,
     order and interruptions do not matter.
@@ -110,13 +149,14 @@ class Rounds:
         if self.goal is None:
             self._round("tiles", 0, FitTask(self.plan), self.all)
             return Finished(self.plan, [Version(number) for number in self.all], fit_lmbda(self.plan.settings))
-        lmbda, index, tries = self._lmbda(0, self.all, 0.0), 0, 1
+        lmbda, index, samples, fits = self._lmbda(0, self.all, 0.0), 0, 1, 0
         while True:
             plan = self.plan.at(lmbda, quality_index(lmbda))
-            chosen, index, wanted = self._fitted(plan, lmbda, index, tries < _TRIES)
-            if len(chosen) == len(self.all) and (tries == _TRIES or not _is_far(wanted, lmbda)):
-                return self._settled(plan, chosen, index, self.goal)
-            lmbda, tries = wanted, tries + 1
+            base, index, wanted = self._fitted(plan, lmbda, index, samples < _SAMPLES)
+            samples, fits = samples + 1, fits + (len(base) == len(self.all))
+            if fits == _FITS or (fits and not _is_far(wanted, lmbda)):
+                return self._settled(plan, base, index, self.goal)
+            lmbda = wanted
 
     def _fitted(self, plan: Plan, lmbda: float, index: int, may_stop: bool) -> tuple[dict[int, Version], int, float]:
         """Fits of all tiles, some first, which tell the λ of the others; stops where λ turns out to be far off.
@@ -132,7 +172,7 @@ class Rounds:
             index += 1
             tiles = {number: self.store.tiles[version] for number, version in chosen.items()}
             bound = self._bound()
-            self.outlook.learn(bound, tiles)
+            self.outlook.learn(bound, tiles, lmbda)
             wanted = self._lmbda(2 * index - 1, self.all, 0.0)
             if may_stop and _is_far(wanted, lmbda):
                 break
@@ -146,7 +186,7 @@ class Rounds:
         """The tiles to fit next."""
         rest = [number for number in self.all if number not in chosen]
         if not chosen:
-            return spread(self.outlook.foretold(self.all, lmbda), min(_MOST_SAMPLES, max(1, len(rest) // 4)))
+            return spread(self.outlook.foretold(self.all, lmbda), min(_MOST_SAMPLES, max(2, len(rest) // 4)))
         return rest[::2] if len(chosen) <= _MOST_SAMPLES and len(self.all) >= _MANY else rest
 
     def _lmbda(self, number: int, tiles: Sequence[int], done: float) -> float:
@@ -175,50 +215,50 @@ class Rounds:
         return Bound("bytes", max(1.0, size - (self._length(self.plan, lengths) - sum(lengths))))
 
     def _settled(self, plan: Plan, base: dict[int, Version], index: int, goal: Goal) -> Finished:
-        """Searches, from the fits on, until a choice of codings meets the goal."""
+        """Corrections of the fits until a choice of codings meets the goal."""
         versions = {number: [base[number]] for number in self.all}
-        lmbda, slope, before = self.store.tiles[base[self.all[-1]]].lmbda, _SLOPE, math.inf
-        for number in range(_SEARCHES + 1):
+        tried: list[tuple[float, float]] = []
+        for count in range(_CORRECTIONS + 1):
             chosen, measured = self._choice(plan, versions, goal)
-            if goal.is_met(measured):
-                break
             bound = self._bound()
-            fits = {n: bound.of(self.store.tiles[base[n]]) for n in self.all}
-            need = Bound(bound.what, _SEARCH_AIM[bound.what] * bound.value).need(sum(fits.values()))
-            reached = abs(bound.need(sum(bound.of(self.store.tiles[v]) for v in chosen)))
-            if number == _SEARCHES or reached > _HOPE * before:
+            fits = {number: bound.of(self.store.tiles[base[number]]) for number in self.all}
+            need = bound.need(sum(fits.values()))
+            kind = _SEARCH if need > 0 else _FIT
+            if goal.is_met(measured) or count == _CORRECTIONS:
                 break
-            before = reached
-            octaves, numbers = self._search(need / slope, fits, number)
-            self._searched(plan, base, octaves, numbers, index)
-            for n in numbers:
-                versions[n].append(Version(n, index))
-            found = sum(bound.of(self.store.tiles[Version(n, index)]) for n in numbers)
-            response = abs(math.log2(max(found, 1e-9) / max(sum(fits[n] for n in numbers), 1e-9)) / octaves)
-            slope, index = min(max(response, _SLOPES[0]), _SLOPES[1]), index + 1
+            octaves, numbers = kind.next(need, list(fits.values()), tried)
+            if not self._corrected(kind, plan, base, octaves, numbers, index):
+                break
+            found = sum(bound.of(self.store.tiles[Version(number, index)]) for number in numbers)
+            others = sum(fits.values()) / max(sum(fits[number] for number in numbers), 1e-9)
+            tried.append((octaves, bound.need(found * others)))
+            for number in numbers:
+                versions[number].append(Version(number, index))
+            index += 1
         missed = _regret(goal, measured) if goal.is_missed(measured) else None
-        return Finished(plan, chosen, lmbda, missed)
+        return Finished(plan, chosen, self.store.tiles[base[self.all[-1]]].lmbda, missed)
 
-    def _search(self, octaves: float, fits: dict[int, float], number: int) -> tuple[float, list[int]]:
-        """By how many octaves to move the λ of which tiles, if that is what all would need: where it is little, some
-        of them at first.
+    def _corrected(
+        self, kind: Correction, plan: Plan, base: dict[int, Version], octaves: float, numbers: list[int], index: int
+    ) -> bool:
+        """A round that moves the λ of some tiles by so many octaves, a part for each λ that there is among the fits;
+        False where λ cannot move.
         """
-        size = _MORE * abs(octaves)
-        count = len(fits) if number else min(len(fits), max(_FEW, math.ceil(len(fits) * size / _GENTLE)))
-        size = min(max(size, _GENTLE), _MOST_OCTAVES)
-        return math.copysign(size, octaves), spread(np.array(list(fits.values())), count) if count < len(
-            fits
-        ) else list(fits)
-
-    def _searched(self, plan: Plan, base: dict[int, Version], octaves: float, numbers: list[int], index: int) -> None:
-        """A round of searches, one for each λ that there is among the fits."""
         by_lmbda: dict[float, list[int]] = {}
         for number in numbers:
             by_lmbda.setdefault(self.store.tiles[base[number]].lmbda, []).append(number)
         for lmbda, some in by_lmbda.items():
-            task = SearchTask(plan.at(lmbda * 2.0**octaves, plan.header.quality))
-            start = lambda n, lmbda=lmbda: Start(self.store.payload(base[n]), lmbda)  # noqa: E731
-            self._round("search", index, task, some, start)
+            moved = lmbda * 2.0**octaves
+            if moved < 0.999 * LMBDA_RANGE[0]:
+                return False
+            at = plan.at(moved, plan.header.quality)
+            task: FitTask | SearchTask = SearchTask(at) if kind is _SEARCH else FitTask(at)
+            self._round(kind.name, index, task, some, partial(self._start, base))
+        return bool(numbers)
+
+    def _start(self, base: dict[int, Version], number: int) -> Start:
+        version = base[number]
+        return Start(self.store.payload(version), self.store.tiles[version].lmbda)
 
     def _choice(self, plan: Plan, versions: dict[int, list[Version]], goal: Goal) -> tuple[list[Version], Measured]:
         """The best choice of codings, and what the stream is."""
@@ -275,18 +315,13 @@ class Rounds:
 
 
 _AIM = {"bytes": 0.985, "error": 0.995}
-_SEARCH_AIM = {"bytes": 0.99, "error": 1.0}
-"""Where fits and searches are to end, as a part of what all tiles together may have."""
+"""Where fits are to end, as a part of what all tiles together may have."""
 _MOST_SAMPLES, _MANY = 8, 64
 """Tiles that are fitted first, and number of tiles from which on a half of the others comes before the rest."""
-_FAR, _TRIES = 0.5, 3
-"""Octaves that the λ of fits of one stream may be apart, and how often they begin anew with another λ."""
-_SEARCHES, _MEASURES, _HOPE = 3, 2, 0.8
-"""Rounds of searches; measures of a PSNR in each; what one has to leave of how far off the last one was, at most."""
-_SLOPE, _SLOPES = 0.18, (0.05, 0.6)
-"""Octaves of bytes or error that an octave of λ moves in a search, at first, and within which it is believed."""
-_MORE, _GENTLE, _MOST_OCTAVES, _FEW = 1.25, 0.35, 3.0, 4
-"""A search goes further than it seems to need, by no less than an octave's third, in no fewer tiles than this."""
+_FAR, _SAMPLES, _FITS = 0.5, 4, 2
+"""Octaves that the λ of fits of one stream may be apart; how often samples, and how often all tiles are fitted."""
+_CORRECTIONS, _MEASURES = 4, 2
+"""Rounds after the fits; measures of a PSNR in each."""
 
 
 def _is_far(one: float, other: float) -> bool:

@@ -13,7 +13,7 @@ from sgicodec.bitstream.tile_chunk import TileChunk, decode_tile_chunk, encode_t
 from sgicodec.decoder import open_stream
 from sgicodec.distortion import squared_error
 from sgicodec.encoding import Candidate, Encoding, written
-from sgicodec.fit.steering import Foretold
+from sgicodec.fit.steering import STREAM_BYTES, Foretold
 from sgicodec.image import Picture
 from sgicodec.model.network import DIFFERENCE_SHIFT
 from sgicodec.model.processor import Processor
@@ -76,7 +76,12 @@ class LookTask:
         samples = width * height * self.plan.header.spec.channels
         foretold = Foretold(tile.target, tile.fit)
         found = [foretold.at(lmbda) for lmbda in GRID]
-        return Look(tuple(size for size, _ in found), tuple(samples * error for _, error in found))
+        sizes = tuple(max(size - STREAM_BYTES, 0.0) + _TILE_BYTES for size, _ in found)
+        return Look(sizes, tuple(samples * error for _, error in found))
+
+
+_TILE_BYTES = 30.0
+"""Of a tile without seeds, about."""
 
 
 @dataclass(frozen=True)

@@ -28,11 +28,13 @@ def test_limits() -> None:
 
 def test_what_was_found_corrects_the_rest() -> None:
     outlook, bound = Outlook(LOOKS, "bytes"), Bound("bytes", 160.0)
-    outlook.learn(bound, {1: tile(40, 1.0, 0.01)})  # twice what was foretold
+    outlook.learn(bound, {1: tile(40, 1.0, 0.01)}, 0.01)  # twice what was foretold
     assert outlook.foretold([0, 2], 0.01) == pytest.approx([20.0, 100.0])
     assert outlook.lmbda(bound, range(3)) == pytest.approx(0.01, rel=1e-3)
-    outlook.learn(bound, {1: tile(0, 0.0, 0.01)})
-    assert outlook.foretold([0], 0.01) == pytest.approx([10.0])
+    outlook.learn(bound, {1: tile(0, 0.0, 0.01)}, 0.02)  # tells nothing
+    assert outlook.foretold([0], 0.01) == pytest.approx([20.0])
+    outlook.learn(bound, {1: tile(10, 1.0, 0.04)}, 0.04)  # what was foretold
+    assert outlook.foretold([0], 0.02) == pytest.approx([2**0.5 * 50**0.5])
 
 
 def test_need_is_positive_where_lmbda_has_to_rise() -> None:
@@ -41,7 +43,7 @@ def test_need_is_positive_where_lmbda_has_to_rise() -> None:
 
 
 def test_samples_are_spread_over_what_weighs() -> None:
-    assert spread(np.ones(8), 4) == [0, 2, 4, 6] or spread(np.ones(8), 4) == [1, 3, 5, 7]
+    assert spread(np.ones(9), 3) == [1, 4, 7]
     assert spread(np.array([0, 0, 9.0, 0, 0, 1.0]), 2) == [2]
-    assert spread(np.zeros(4), 2) == [0, 2] or spread(np.zeros(4), 2) == [1, 3]
+    assert len(spread(np.zeros(40), 2)) == 2
     assert spread(np.ones(3), 9) == [0, 1, 2]

@@ -74,9 +74,9 @@ def test_an_impossible_size_gives_the_smallest_stream(photo: Picture) -> None:
 
 def test_an_impossible_psnr_gives_the_best_stream(photo: Picture) -> None:
     with pytest.raises(TargetMissedError, match="99 dB") as caught:
-        encode(photo, replace(SETTINGS, psnr=99.0, steps=10))
+        encode(photo, replace(SETTINGS, psnr=99.0, steps=20))
     assert f"reaches {quality(photo, caught.value.nearest):.2f} dB" in str(caught.value)
-    assert quality(photo, caught.value.nearest) > 30
+    assert quality(photo, caught.value.nearest) > 27
 
 
 def test_a_size_beyond_all_need_is_met(photo: Picture) -> None:
@@ -101,12 +101,13 @@ def test_pixels_that_hold_nothing(goal: dict[str, float], whole_tiles: bool) -> 
 
 @pytest.mark.parametrize("choices", [{"prior": 0}, {"refine": False}, {"per_seed": 2}])
 def test_models_that_are_searched_otherwise_or_not_at_all(choices: dict[str, int]) -> None:
-    picture, size = crop("kodim23.png", 96, 128, 280, 180), 9000.0
+    """Networks of their own take 8 KB in each tile."""
+    picture, size = crop("kodim23.png", 96, 128, 280, 180), 60_000.0 if "prior" in choices else 9000.0
     encoded = encode(picture, replace(SETTINGS, size=size, **choices))  # type: ignore[arg-type]
     assert 0.97 * size <= len(encoded.data) <= size
     assert quality(picture, encoded) > 20
 
 
 def test_the_stream_names_its_goal(photo: Picture) -> None:
-    encoded = encode(photo, replace(SETTINGS, steps=2, bpp=0.5))
-    assert open_stream(encoded.data).software.endswith("bpp0.5 n2")
+    encoded = encode(photo, replace(SETTINGS, steps=10, bpp=0.5))
+    assert open_stream(encoded.data).software.endswith("bpp0.5 n10")

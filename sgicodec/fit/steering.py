@@ -15,7 +15,7 @@ from sgicodec.model.layout import ROOT_LOG, cell_sums, leaf_sums
 if TYPE_CHECKING:
     from sgicodec.fit.settings import FitSettings
 
-__all__ = ["LMBDA_RANGE", "Foretold", "Goal", "Measured", "Steering", "first_lmbda"]
+__all__ = ["LMBDA_RANGE", "STREAM_BYTES", "Foretold", "Goal", "Measured", "Steering", "first_lmbda"]
 
 
 @dataclass(frozen=True)
@@ -159,6 +159,10 @@ def first_lmbda(goal: Goal, detail: NDArray[np.float32], settings: FitSettings, 
     return float(2.0 ** (0.5 * (low + high)))
 
 
+STREAM_BYTES = 200.0
+"""Of a stream without seeds, about."""
+
+
 class Foretold:
     """What a fit of `detail` [C, H, W], a picture less its base layer, will come to at any λ."""
 
@@ -170,5 +174,5 @@ class Foretold:
         """Bytes of the stream and mean squared error of a sample in 0..1."""
         threshold = self.settings.split * lmbda * self.settings.seed_bits
         count, deviation = (v / self.pixels for v in leaf_sums(self._sums, threshold))
-        size = 200 + self.pixels * 0.5 * lmbda**-0.33 * count**0.77 * max(deviation, 0.0) ** 0.36
+        size = STREAM_BYTES + self.pixels * 0.5 * lmbda**-0.33 * count**0.77 * max(deviation, 0.0) ** 0.36
         return size, 5.7 * lmbda * count**0.8 / self.channels

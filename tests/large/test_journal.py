@@ -52,14 +52,19 @@ def test_finished_tiles_are_there_again(tmp_path: Path) -> None:
 
 def test_rounds_and_numbers_are_kept_apart(tmp_path: Path) -> None:
     path = tmp_path / "part"
-    with pytest.raises(KeyboardInterrupt), opened_journal(path, MARK, False, False) as journal:
-        journal.add(Version(1, 0), tile(1))
-        assert journal.remembered("lmbda 0", lambda: 0.1 + 0.2) == 0.1 + 0.2
-        journal.add(Version(1, 3), tile(2))
-        assert journal.remembered("lmbda 0", lambda: 7.0) == 0.1 + 0.2
-        assert journal.payload(Version(1, 0)) == tile(1).payload
-        journal.add(Version(0, 3), tile(3))
-        raise KeyboardInterrupt
+
+    def work() -> None:
+        with opened_journal(path, MARK, False, False) as journal:
+            journal.add(Version(1, 0), tile(1))
+            assert journal.remembered("lmbda 0", lambda: 0.1 + 0.2) == 0.1 + 0.2
+            journal.add(Version(1, 3), tile(2))
+            assert journal.remembered("lmbda 0", lambda: 7.0) == 0.1 + 0.2
+            assert journal.payload(Version(1, 0)) == tile(1).payload
+            journal.add(Version(0, 3), tile(3))
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        work()
     with opened_journal(path, MARK, True, False) as journal:
         assert set(journal.tiles) == {(1, 0), (1, 3), (0, 3)}
         assert [journal.payload(version) for version in journal.tiles] == [tile(n).payload for n in (1, 2, 3)]
