@@ -90,7 +90,7 @@ class Finished:
 @dataclass(frozen=True)
 class Correction:
     """A kind of round after the fits. direction: of λ; slope: octaves of bytes or error that an octave of λ moves;
-    least, most: octaves that λ moves; more: how much further than it seems to need the first one goes.
+    least, most: octaves that λ moves; more: how much further it goes than it seems to need.
     """
 
     name: str
@@ -101,23 +101,25 @@ class Correction:
     more: float
 
     def next(
-        self, need: float, weights: Sequence[float], tried: Sequence[tuple[float, float]]
+        self, left: float, shares: dict[int, float], fresh: Sequence[int], tried: Sequence[tuple[float, float]]
     ) -> tuple[float, list[int]]:
-        """By how many octaves to move the λ of which tiles, from the need of the fits and from what was tried: octaves
-        and what they would leave to need if all tiles took them. Where it is little, some tiles do at first.
+        """By how many octaves to move the λ of which tiles. left: what the best choice still needs. shares: what each
+        tile has of the total. fresh: tiles that were not corrected yet, of which some do where little is left. tried:
+        octaves, and what they would leave to need if all tiles took them.
         """
-        everything = list(range(len(weights)))
-        if not tried:
-            wanted = self.more * abs(need) / self.slope
-            count = max(_FEW, math.ceil(len(weights) * wanted / self.least))
-            numbers = spread(np.array(weights), count) if count < len(weights) else everything
+        if fresh and left * self.direction > 0:
+            part = sum(shares[number] for number in fresh) / max(sum(shares.values()), 1e-9)
+            wanted = self.more * abs(left) / self.slope / max(part, 1e-3)
+            count = max(_FEW, math.ceil(len(fresh) * wanted / self.least))
+            numbers = list(fresh)
+            if count < len(numbers):
+                numbers = [numbers[at] for at in spread(np.array([shares[number] for number in fresh]), count)]
             return self.direction * min(max(wanted, self.least), self.most), numbers
-        last, left = tried[-1]
-        slope = self.slope
+        last, slope = tried[-1][0] if tried else 0.0, self.slope
         if len(tried) > 1 and abs(last - tried[-2][0]) > 1e-3:
-            slope = min(max((tried[-2][1] - left) / (last - tried[-2][0]), 0.3 * slope), 3 * slope)
-        wanted = self.direction * (last + left / slope)
-        return self.direction * min(max(wanted, 0.2 * self.least), self.most), everything
+            slope = min(max((tried[-2][1] - tried[-1][1]) / (last - tried[-2][0]), 0.3 * slope), 3 * slope)
+        wanted = self.direction * (last + (tried[-1][1] if tried else left) / slope)
+        return self.direction * min(max(wanted, 0.2 * self.least), self.most), list(shares)
 
 
 _FEW = 4
@@ -226,7 +228,9 @@ class Rounds:
             kind = _SEARCH if need > 0 else _FIT
             if goal.is_met(measured) or count == _CORRECTIONS:
                 break
-            octaves, numbers = kind.next(need, list(fits.values()), tried)
+            left = bound.need(sum(bound.of(self.store.tiles[version]) for version in chosen))
+            fresh = [number for number in self.all if len(versions[number]) == 1]
+            octaves, numbers = kind.next(left, fits, fresh, tried)
             if not self._corrected(kind, plan, base, octaves, numbers, index):
                 break
             found = sum(bound.of(self.store.tiles[Version(number, index)]) for number in numbers)

@@ -15,8 +15,10 @@ from sgicodec.distortion import squared_error
 from sgicodec.encoding import Candidate, Encoding, written
 from sgicodec.fit.steering import STREAM_BYTES, Foretold
 from sgicodec.image import Picture
+from sgicodec.model.context import input_count
 from sgicodec.model.network import DIFFERENCE_SHIFT
 from sgicodec.model.processor import Processor
+from sgicodec.model.spec import ModelSpec
 from sgicodec.plan import Plan
 from sgicodec.refine import Refiner, RefineSettings
 from sgicodec.trim import coarser
@@ -76,12 +78,20 @@ class LookTask:
         samples = width * height * self.plan.header.spec.channels
         foretold = Foretold(tile.target, tile.fit)
         found = [foretold.at(lmbda) for lmbda in GRID]
-        sizes = tuple(max(size - STREAM_BYTES, 0.0) + _TILE_BYTES for size, _ in found)
+        fixed = _TILE_BYTES + _WEIGHT_BYTES * _weights(tile.spec)
+        sizes = tuple(max(size - STREAM_BYTES, 0.0) + fixed for size, _ in found)
         return Look(sizes, tuple(samples * error for _, error in found))
 
 
-_TILE_BYTES = 30.0
-"""Of a tile without seeds, about."""
+_TILE_BYTES, _WEIGHT_BYTES = 30.0, 1.2
+"""About what a tile takes without seeds; for each weight of an own network."""
+
+
+def _weights(spec: ModelSpec) -> int:
+    """How many weights an own network of the tile has."""
+    if spec.context.prior:
+        return 0
+    return spec.context.hidden * sum(input_count(spec, step) for step in range(len(spec.context.steps)))
 
 
 @dataclass(frozen=True)

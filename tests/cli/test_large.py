@@ -105,9 +105,11 @@ def test_interrupt_keeps_what_is_done(
 
 def test_a_size_of_all_tiles(sgi: Run, picture: Path, tmp_path: Path) -> None:
     out = tmp_path / "a.sgi"
-    result = sgi("encode", picture, out, *OPTIONS, "--size", 700, "--json", "--progress", "on")
+    result = sgi(
+        "encode", picture, out, *OPTIONS[:2], "--steps", 30, "-j", 1, "--size", 900, "--json", "--progress", "on"
+    )
     assert result.exit_code == 0, result.output
-    assert 0.97 * 700 <= out.stat().st_size == json.loads(result.stdout)["bytes"] <= 700
+    assert 0.97 * 900 <= out.stat().st_size == json.loads(result.stdout)["bytes"] <= 900
     assert "sample" in result.stderr or "search" in result.stderr
 
 
