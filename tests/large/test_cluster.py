@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -53,6 +54,16 @@ def test_same_bytes_as_one_process(
     result = CliRunner().invoke(cli, arguments)
     assert result.exit_code == 0, result.output
     assert out.read_bytes() == encode(read(photo), settings).data
+
+
+def test_goals_on_a_cluster(photo: Path, settings: EncodeSettings, tmp_path: Path) -> None:
+    from click.testing import CliRunner
+
+    out = tmp_path / "out.sgi"
+    arguments = ["encode", str(photo), str(out), "--tile", "40", "--steps", "8", "--bpp", "0.9", "--cluster", "local:2"]
+    result = CliRunner().invoke(cli, arguments)
+    assert result.exit_code == 0, result.output
+    assert out.read_bytes() == encode(read(photo), replace(settings, tile=40, bpp=0.9)).data
 
 
 @pytest.mark.parametrize("address", ["local:0", "local:x", "tcp://127.0.0.1:1"])
