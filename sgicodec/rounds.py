@@ -9,10 +9,9 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import BinaryIO, NamedTuple, Protocol, TypeVar
 
-import numpy as np
-
 from sgicodec.assembly import stream_length, write_stream
 from sgicodec.choice import Option, choose
+from sgicodec.correction import FIT, SEARCH, Correction
 from sgicodec.distortion import decibels
 from sgicodec.fit.settings import quality_index
 from sgicodec.fit.steering import LMBDA_RANGE, Goal, Measured
@@ -85,47 +84,6 @@ class Finished:
     chosen: list[Version]
     lmbda: float
     missed: str | None = None
-
-
-@dataclass(frozen=True)
-class Correction:
-    """A kind of round after the fits. direction: of λ; slope: octaves of bytes or error that an octave of λ moves;
-    least, most: octaves that λ moves; more: how much further it goes than it seems to need.
-    """
-
-    name: str
-    direction: int
-    slope: float
-    least: float
-    most: float
-    more: float
-
-    def next(
-        self, left: float, shares: dict[int, float], fresh: Sequence[int], tried: Sequence[tuple[float, float]]
-    ) -> tuple[float, list[int]]:
-        """By how many octaves to move the λ of which tiles. left: what the best choice still needs. shares: what each
-        tile has of the total. fresh: tiles that were not corrected yet, of which some do where little is left. tried:
-        octaves, and what they would leave to need if all tiles took them.
-        """
-        if fresh and left * self.direction > 0:
-            part = sum(shares[number] for number in fresh) / max(sum(shares.values()), 1e-9)
-            wanted = self.more * abs(left) / self.slope / max(part, 1e-3)
-            count = max(_FEW, math.ceil(len(fresh) * wanted / self.least))
-            numbers = list(fresh)
-            if count < len(numbers):
-                numbers = [numbers[at] for at in spread(np.array([shares[number] for number in fresh]), count)]
-            return self.direction * min(max(wanted, self.least), self.most), numbers
-        last, slope = tried[-1][0] if tried else 0.0, self.slope
-        if len(tried) > 1 and abs(last - tried[-2][0]) > 1e-3:
-            slope = min(max((tried[-2][1] - tried[-1][1]) / (last - tried[-2][0]), 0.3 * slope), 3 * slope)
-        wanted = self.direction * (last + (tried[-1][1] if tried else left) / slope)
-        return self.direction * min(max(wanted, 0.2 * self.least), self.most), list(shares)
-
-
-_FEW = 4
-_SEARCH = Correction("search", 1, 0.2, 0.35, 4.0, 1.3)
-"""Cheap, but it drops seeds and adds none."""
-_FIT = Correction("again", -1, 0.6, 0.5, 2.0, 1.1)
 
 
 class Rounds:
@@ -213,7 +171,7 @@ class Rounds:
         if goal.psnr is not None:
             return Bound("error", self.samples * 10 ** (-0.1 * goal.psnr) / self.fade)
         size = goal.bytes or 0.0
-        lengths = [round(size / len(self.all))] * len(self.all) if lengths is None else list(lengths)
+        lengths = [min(_LONG, round(size / len(self.all)))] * len(self.all) if lengths is None else list(lengths)
         return Bound("bytes", max(1.0, size - (self._length(self.plan, lengths) - sum(lengths))))
 
     def _settled(self, plan: Plan, base: dict[int, Version], index: int, goal: Goal) -> Finished:
@@ -225,7 +183,7 @@ class Rounds:
             bound = self._bound()
             fits = {number: bound.of(self.store.tiles[base[number]]) for number in self.all}
             need = bound.need(sum(fits.values()))
-            kind = _SEARCH if need > 0 else _FIT
+            kind = SEARCH if need > 0 else FIT
             if goal.is_met(measured) or count == _CORRECTIONS:
                 break
             left = bound.need(sum(bound.of(self.store.tiles[version]) for version in chosen))
@@ -256,7 +214,7 @@ class Rounds:
             if moved < 0.999 * LMBDA_RANGE[0]:
                 return False
             at = plan.at(moved, plan.header.quality)
-            task: FitTask | SearchTask = SearchTask(at) if kind is _SEARCH else FitTask(at)
+            task: FitTask | SearchTask = SearchTask(at) if kind is SEARCH else FitTask(at)
             self._round(kind.name, index, task, some, partial(self._start, base))
         return bool(numbers)
 
@@ -320,6 +278,8 @@ class Rounds:
 
 _AIM = {"bytes": 0.985, "error": 0.995}
 """Where fits are to end, as a part of what all tiles together may have."""
+_LONG = 1 << 20
+"""Bytes of a payload, where it is not known and there is room for any: what its frame takes hardly depends on it."""
 _MOST_SAMPLES, _MANY = 8, 64
 """Tiles that are fitted first, and number of tiles from which on a half of the others comes before the rest."""
 _FAR, _SAMPLES, _FITS = 0.5, 4, 2

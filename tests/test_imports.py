@@ -37,7 +37,8 @@ LAYERS = {
         *("bitstream", "decoder", "distortion", "encoding", "fit", "image", "model", "plan", "refine", "trim"),
     },
     "outlook": {"fit", "tile_work"},
-    "rounds": {"assembly", "choice", "distortion", "fit", "image", "outlook", "plan", "tile_work"},
+    "correction": {"outlook"},
+    "rounds": {"assembly", "choice", "correction", "distortion", "fit", "image", "outlook", "plan", "tile_work"},
     "large": {
         *(
             "assembly",

@@ -6,10 +6,8 @@ import math
 
 import pytest
 
-from sgicodec.rounds import Correction
+from sgicodec.correction import FIT, SEARCH
 
-SEARCH = Correction("search", 1, 0.2, 0.35, 4.0, 1.3)
-FIT = Correction("again", -1, 0.6, 0.5, 2.0, 1.1)
 EVEN = dict.fromkeys(range(40), 10.0)
 
 
