@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.bitstream.header import Header
-from sgicodec.bitstream.tile import DECODER_SHIFT, TileModel, read_base, read_tile
+from sgicodec.bitstream.tile import DECODER_SHIFT, TileModel, read_base, read_coarse, read_tile
 from sgicodec.bitstream.tile_chunk import decode_tile_chunk
 from sgicodec.errors import LimitError
 from sgicodec.model.base_view import base_view
@@ -19,8 +19,9 @@ from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
 from sgicodec.model.processor import Processor
 from sgicodec.model.quantize import FRACTION_BITS, step_fixed
 from sgicodec.raster import Background, Mapping, NativeRasterizer, scaled
+from sgicodec.view import BASE_ALONE, View
 
-__all__ = ["BLOCK_COLUMNS", "BLOCK_SAMPLES", "DrawnTile", "View", "joined_crc"]
+__all__ = ["BLOCK_COLUMNS", "BLOCK_SAMPLES", "DrawnTile", "joined_crc"]
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -33,17 +34,6 @@ _MOST_PAIRS = 1 << 26
 """Most (tile, Gaussian) pairs of a block; a sound one has a hundredth."""
 
 
-class View(NamedTuple):
-    """Where it starts in the picture, output pixels for each of the picture's, and its size in output pixels."""
-
-    x: int
-    y: int
-    sx: float
-    sy: float
-    columns: int
-    rows: int
-
-
 class _Gaussians(NamedTuple):
     means: F32
     covariances: F32
@@ -54,10 +44,11 @@ class DrawnTile:
     """Decodes the payload of a chunk T. Raises CorruptStreamError or LimitError.
 
     x, y: where the tile begins in the picture. mask: [h, w] which of its pixels hold nothing, None if all hold
-    something; mask_bytes: what it and the tile's number take. base_alone: only the base layer is decoded and drawn.
+    something; mask_bytes: what it and the tile's number take. finest: log2 of the smallest cells that are decoded and
+    drawn, of passes that go coarse first; BASE_ALONE for the base layer alone, whatever the passes.
     """
 
-    def __init__(self, header: Header, payload: bytes, threads: int, isa: str, base_alone: bool = False) -> None:
+    def __init__(self, header: Header, payload: bytes, threads: int, isa: str, finest: int = 0) -> None:
         chunk = decode_tile_chunk(header, payload)
         self.x, self.y, _, _ = header.grid.rect(chunk.number)
         self.mask, self._isa = chunk.mask, isa
@@ -71,11 +62,14 @@ class DrawnTile:
         if chunk.model is None:
             return
         processor = Processor(threads, isa)
-        if base_alone:
+        if finest == BASE_ALONE:
             base_step, base = read_base(own, chunk.model)
         else:
-            self.model, walk = read_tile(own, chunk.model, processor)
-            self.bits, self.symbol_crc = walk.bits, walk.crc
+            if finest and own.spec.context.coarse_first:
+                self.model = read_coarse(own, chunk.model, finest, processor)
+            else:
+                self.model, walk = read_tile(own, chunk.model, processor)
+                self.bits, self.symbol_crc = walk.bits, walk.crc
             base_step, base = self.model.base_step, self.model.base
             self.gaussians = _drawable(own, self.model)
         step = float(step_fixed(np.array(base_step))) * 2.0**-FRACTION_BITS
@@ -96,6 +90,10 @@ class DrawnTile:
     def forget_model(self) -> None:
         """Keeps only what draws."""
         self.model = None
+
+    def prepare(self, view: View) -> None:
+        """Does what `draw` would have to do first."""
+        self._seen(view)
 
     def draw(self, view: View, at: tuple[int, int], out: NDArray[Any], mapping: Mapping | None, threads: int) -> None:
         """Fills out [h, w, C] with the samples of the view from its pixel `at` (x, y) on, block by block."""

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.bitstream.header import Header
-from sgicodec.drawn_tile import DrawnTile, View
+from sgicodec.drawn_tile import DrawnTile
 from sgicodec.image.picture import alpha_index, equal_samples
+from sgicodec.view import View
 
 __all__ = ["clear"]
 

@@ -25,9 +25,15 @@ LAYERS = {
     "bitstream": {"errors", "model", "tiles", "_native"},
     "fit": {"errors", "_native", "model", "raster"},
     "opened": {"errors", "bitstream"},
-    "drawn_tile": {"errors", "bitstream", "model", "raster"},
-    "masking": {"bitstream", "drawn_tile", "image"},
-    "decoder": {"errors", "bitstream", "drawn_tile", "image", "masking", "opened", "raster", "tiles"},
+    "view": {"errors", "bitstream", "model"},
+    "drawn_tile": {"errors", "bitstream", "model", "raster", "view"},
+    "masking": {"bitstream", "drawn_tile", "image", "view"},
+    "kept_tiles": {"_native", "drawn_tile", "errors", "opened", "view"},
+    "drawing": {"bitstream", "drawn_tile", "image", "kept_tiles", "masking", "raster", "tiles", "view"},
+    "bands": {"bitstream", "image", "view"},
+    "decoder": {
+        *("bands", "bitstream", "drawing", "drawn_tile", "errors", "image", "kept_tiles", "opened", "raster", "view"),
+    },
     "trim": {"fit", "model"},
     "refine": {"_native", "bitstream", "model", "raster"},
     "assembly": {"bitstream", "image"},
@@ -69,7 +75,7 @@ LAYERS = {
 """What each part may import besides itself; `bench` and `cli` may import everything."""
 
 HOMES = {
-    "constriction": ("bitstream/entropy.py",),
+    "constriction": ("bitstream/entropy.py", "bitstream/symbol_models.py"),
     "OpenImageIO": ("image/",),
     "torch": ("fit/", "encoding.py", "bench/research.py"),
     "rich": ("cli/", "bench/"),

@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 import io
+import zlib
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
+from threading import get_ident
+from typing import Any
 
 import numpy as np
 import pytest
 
 from sgicodec import Encoded, EncodeSettings, Picture, encode, open_stream, read
 from sgicodec.bitstream.container import SIGNATURE
+from sgicodec.bitstream.entropy import SymbolReader
 from sgicodec.bitstream.varint import decode_varint
+from sgicodec.drawn_tile import DrawnTile
 from sgicodec.errors import CorruptStreamError, UsageError
 from sgicodec.metrics import psnr
+from sgicodec.view import BASE_ALONE
 
 DATA = Path(__file__).parent / "data"
 SETTINGS = EncodeSettings(steps=60, tile=128, threads=1)
@@ -74,7 +81,7 @@ def test_regions_are_parts_of_the_whole(coded: tuple[Picture, Encoded], region: 
 def test_bands_are_the_picture(
     coded: tuple[Picture, Encoded], scale: float | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("sgicodec.decoder.BAND_SAMPLES", 48 * 3 * 20)
+    monkeypatch.setattr("sgicodec.bands.BAND_SAMPLES", 48 * 3 * 20)
     stream = open_stream(coded[1].data)
     bands = stream.bands(scale=scale)
     parts = [band.pixels for _, band in bands]
@@ -86,10 +93,10 @@ def test_bands_are_the_picture(
 def test_few_tiles_are_kept(coded: tuple[Picture, Encoded], monkeypatch: pytest.MonkeyPatch) -> None:
     stream = open_stream(coded[1].data)
     whole = stream.picture().pixels
-    monkeypatch.setattr("sgicodec.decoder.KEPT_BYTES", 0)
+    monkeypatch.setattr("sgicodec.kept_tiles.KEPT_BYTES", 0)
     again = open_stream(coded[1].data)
     np.testing.assert_array_equal(again.picture().pixels, whole)
-    assert len(again._kept) <= 4
+    assert len(again._tiles) <= 4
 
 
 def test_scaled_views_agree_with_averages(coded: tuple[Picture, Encoded]) -> None:
@@ -103,11 +110,92 @@ def test_scaled_views_agree_with_averages(coded: tuple[Picture, Encoded]) -> Non
 
 
 def test_thumbnails_take_the_base_layer_alone(coded: tuple[Picture, Encoded]) -> None:
+    """Only where nobody sees it: at half of a pixel per cell, and not where a cell is a pixel."""
     stream = open_stream(coded[1].data)
-    small = stream.render(scale=1 / 32)
-    assert {alone for _, alone in stream._kept} == {True}
-    means = coded[0].pixels.reshape(8, 32, -1, 3)[:, :, :320].reshape(8, 32, 10, 32, 3).mean(axis=(1, 3)) / 255
-    assert np.abs(small[:, :10] - means).mean() < 0.04
+    small = stream.render(size=(5, 4))
+    assert stream._tiles.finest == {BASE_ALONE}
+    means = coded[0].pixels[:, :320].reshape(4, 64, 5, 64, 3).mean(axis=(1, 3)) / 255
+    assert np.abs(stream.render((0, 0, 320, 256), size=(5, 4)) - means).mean() < 0.02
+    assert small.shape == (4, 5, 3)
+    stream = open_stream(coded[1].data)
+    stream.render(scale=1 / 32)
+    assert stream._tiles.finest == {0}
+
+
+def test_a_view_may_stop_at_large_cells(coded: tuple[Picture, Encoded], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Reads fewer symbols, and draws just the large cells of what the whole stream holds."""
+    read_symbols: list[int] = []
+    part = SymbolReader.part
+
+    def counted(self: SymbolReader, name: str) -> AbstractContextManager[None]:
+        read_symbols.append(self.count)
+        return part(self, name)
+
+    monkeypatch.setattr(SymbolReader, "part", counted)
+    counts, drawn = {}, {}
+    for finest in (0, 3, 4, BASE_ALONE):
+        counts[finest], tiles = 0, []
+        for number in range(6):
+            read_symbols.clear()
+            tiles.append(open_stream(coded[1].data).tile(number, finest=finest))
+            counts[finest] += max(read_symbols, default=0)
+        drawn[finest] = tiles
+    assert counts[0] > counts[3] > counts[4] > counts[BASE_ALONE]
+    for number in range(6):
+        whole = open_stream(coded[1].data)._tiles.decoded(number, 1)
+        assert whole.model is not None
+        for finest in (3, 4):
+            keep = whole.model.layout.log_size >= finest
+            for part_of, all_of in zip(drawn[finest][number].gaussians, whole.gaussians, strict=True):
+                np.testing.assert_array_equal(part_of, all_of[keep])
+
+
+def test_tiles_without_a_base_layer_are_drawn(coded: tuple[Picture, Encoded]) -> None:
+    picture = replace(coded[0], pixels=np.ascontiguousarray(coded[0].pixels[:, :160]))
+    stream = open_stream(encode(picture, replace(SETTINGS, steps=30, profile="paper")).data)
+    assert stream.header.spec.base_cell == 0
+    assert stream.render(scale=0.1).mean() == pytest.approx(stream.render().mean(), rel=0.1)
+
+
+@pytest.mark.parametrize("scale", [None, 1 / 5])
+def test_tiles_are_decoded_side_by_side(
+    coded: tuple[Picture, Encoded], scale: float | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    alone = open_stream(coded[1].data).picture(scale=scale, threads=1).pixels
+    used: set[int] = set()
+    init = DrawnTile.__init__
+
+    def noted(self: DrawnTile, *arguments: Any) -> None:
+        used.add(get_ident())
+        init(self, *arguments)
+
+    monkeypatch.setattr(DrawnTile, "__init__", noted)
+    np.testing.assert_array_equal(open_stream(coded[1].data).picture(scale=scale, threads=3).pixels, alone)
+    assert used
+    assert get_ident() not in used
+    used.clear()
+    open_stream(coded[1].data).picture(scale=scale, threads=1)
+    assert used == {get_ident()}
+
+
+def test_few_tiles_are_decoded_ahead(coded: tuple[Picture, Encoded], monkeypatch: pytest.MonkeyPatch) -> None:
+    """No more than there are threads, and one: the first of six tiles is not drawn before the last is begun."""
+    begun: list[int] = []
+    stream = open_stream(coded[1].data)
+    payload = stream._chunks.tile
+    monkeypatch.setattr(stream._chunks, "tile", lambda number: begun.append(number) or payload(number))
+    drawn_after: list[int] = []
+    draw = DrawnTile.draw
+
+    def noted(self: DrawnTile, *arguments: Any) -> None:
+        drawn_after.append(len(begun))
+        draw(self, *arguments)
+
+    monkeypatch.setattr(DrawnTile, "draw", noted)
+    stream.picture(threads=2)
+    assert begun == list(range(6))
+    assert drawn_after[0] == 4
+    assert drawn_after[-1] == 6
 
 
 class Counting(io.BytesIO):
@@ -202,6 +290,18 @@ def test_a_damaged_tile_is_named(coded: tuple[Picture, Encoded]) -> None:
     stream.picture((0, 0, 40, 40))
     with pytest.raises(CorruptStreamError, match="CRC"):
         stream.picture()
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_a_tile_of_other_symbols_is_named(coded: tuple[Picture, Encoded], threads: int) -> None:
+    """Its chunk is sound, what it holds is not; whoever decodes it, the caller learns of it."""
+    data = bytearray(coded[1].data)
+    start, end = _tile_chunks(coded[1].data)[4]
+    data[(start + end) // 2] ^= 1
+    head = data.rindex(b"T", 0, start)
+    data[end : end + 4] = zlib.crc32(data[head:end]).to_bytes(4, "little")
+    with pytest.raises(CorruptStreamError, match="tile 4: "):
+        open_stream(bytes(data)).picture(threads=threads)
 
 
 def test_one_tile_pays_nothing(coded: tuple[Picture, Encoded]) -> None:

@@ -31,7 +31,7 @@ __all__ = ["STAGES", "Breakdown", "Work", "cold_times", "main", "measure", "stag
 
 STAGES: dict[str, tuple[str, ...]] = {
     "file, chunks, header": ("decoder:open_stream",),
-    "range decoder (constriction)": ("bitstream.entropy:SymbolReader._run",),
+    "range decoder": ("bitstream.entropy:SymbolReader._in_groups", "bitstream.entropy:SymbolReader._equally_likely"),
     "symbols to arrays": (
         "bitstream.entropy:SymbolReader.code",
         "bitstream.entropy:SymbolReader.code_categorical",
@@ -179,7 +179,7 @@ def floors(work: Work, breakdown: Breakdown, channels: int, threads: int, isa: s
         block.copy()
         copies.append(time.perf_counter() - start)
     return {
-        "range decoder (constriction)": breakdown.stages["range decoder (constriction)"],
+        "range decoder": breakdown.stages["range decoder"],
         "MLP_p": 2 * work.network / (2 * peak),  # two 16-bit products where peak counts one of 32 bits
         "drawing, background, rounding": work.pairs * forward_operations(channels) / peak + min(copies),
     }

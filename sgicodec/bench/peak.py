@@ -8,7 +8,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-__all__ = ["family", "main", "share"]
+__all__ = ["family", "main", "share", "together"]
 
 _EVERY_SECONDS = 0.1
 
@@ -32,6 +32,12 @@ def share(pid: int) -> int:
     except OSError:
         return 0
     return next((int(line.split()[1]) for line in lines if line.startswith("Pss:")), 0)
+
+
+def together(pid: int) -> float:
+    """MiB of a process and all that it started; 0 while there is but one, whose peak the system knows."""
+    pids = list(family(pid))
+    return sum(map(share, pids)) / 1024 if len(pids) > 1 else 0.0
 
 
 def main(command: list[str]) -> int:

@@ -106,7 +106,7 @@ def measure(picture: Picture, quality: float, threads: int, effort: int, steps: 
         encoded = run_timed(encode)
         decoded = run_timed([*command, "decode", stream, result, *shared])
         with open_stream(stream) as opened:
-            gaussians = len(opened.model.layout) * opened.header.spec.per_seed
+            gaussians = opened.survey().seeds * opened.header.spec.per_seed
             size = opened.size
         return Point(
             quality,

@@ -1,38 +1,91 @@
-"""What thumbnails lose that draw the base layer alone: python -m sgicodec.bench.thumbnails STREAM…"""
+"""What overviews lose that leave out small cells, and what they gain: python -m sgicodec.bench.thumbnails --help"""
 
 from __future__ import annotations
 
-import sys
+import time
+from pathlib import Path
 
+import click
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec import decoder
+from sgicodec.decoder import Stream, open_stream
 from sgicodec.metrics import psnr
+from sgicodec.view import BASE_ALONE, Region, finest_cells, view_of
 
-__all__ = ["main", "thumbnail"]
+__all__ = ["averaged", "main", "thumbnail"]
 
-SCALES = (16, 24, 32, 48, 64)
+F32 = NDArray[np.float32]
 
-
-def thumbnail(path: str, shrink: int, base_alone: bool) -> NDArray[np.float32]:
-    """A stream of several tiles at 1 / shrink, by its base layer or by the whole model."""
-    usual = decoder.BASE_ALONE
-    decoder.BASE_ALONE = float("inf") if base_alone else 0.0
-    try:
-        with decoder.open_stream(path) as stream:
-            return np.clip(stream.render(scale=1 / shrink), 0, 1)
-    finally:
-        decoder.BASE_ALONE = usual
+SHRINKS = (4, 8, 12, 16, 24, 32, 48, 64)
+FINEST = (0, 2, 3, 4, 5, BASE_ALONE)
+"""Where passes end that go coarse first, and the base layer alone."""
 
 
-def main(paths: list[str]) -> None:
-    """Prints for each stream the PSNR of one against the other at all SCALES."""
+def thumbnail(path: Path, shrink: int, finest: int | None, threads: int, repeat: int) -> tuple[F32, float]:
+    """Samples [h, w, C] of a stream at 1 / shrink, as far as pixels are whole, with cells of 2^finest pixels and more
+    (None: as the decoder chooses), and the least seconds of `repeat` runs from an open file to pixels.
+    """
+    seconds = []
+    for _ in range(repeat):
+        start = time.perf_counter()
+        with open_stream(path) as stream:
+            stream.finest = finest
+            samples = stream.render(*_whole(stream, shrink), threads=threads)
+        seconds.append(time.perf_counter() - start)
+    return np.clip(samples, 0, 1), min(seconds)
+
+
+def _whole(stream: Stream, shrink: int) -> tuple[Region, None, tuple[int, int]]:
+    """Region, scale and size of the pixels at 1 / shrink that are whole."""
+    columns, rows = stream.width // shrink, stream.height // shrink
+    return (0, 0, columns * shrink, rows * shrink), None, (columns, rows)
+
+
+def averaged(pixels: NDArray[np.uint8], shrink: int) -> F32:
+    """Means in 0..1 of blocks of shrink × shrink pixels; those that are not whole are left out."""
+    rows, columns = (side // shrink for side in pixels.shape[:2])
+    blocks = pixels[: rows * shrink, : columns * shrink].reshape(rows, shrink, columns, shrink, -1)
+    return np.asarray(blocks.mean(axis=(1, 3)) / 255, np.float32)
+
+
+@click.command()
+@click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path, exists=True, dir_okay=False))
+@click.option("--source", type=click.Path(path_type=Path, exists=True), help="The picture of 8 bits that was encoded.")
+@click.option("--shrink", "shrinks", multiple=True, type=click.IntRange(1), default=SHRINKS, show_default=True)
+@click.option("--threads", default=1, show_default=True, type=click.IntRange(1))
+@click.option(
+    "--repeat", default=3, show_default=True, type=click.IntRange(1), help="Runs, of which the fastest counts."
+)
+def main(paths: tuple[Path, ...], source: Path | None, shrinks: tuple[int, ...], threads: int, repeat: int) -> None:
+    """Print for each stream, scale and least cell the PSNR against what the whole model gives at that scale, that of
+    both against the averaged source, and seconds. A star marks what the decoder chooses.
+    """
+    pixels = None
+    if source is not None:
+        from sgicodec.image import read
+
+        pixels = read(source).pixels
     for path in paths:
-        for shrink in SCALES:
-            score = psnr(thumbnail(path, shrink, False), thumbnail(path, shrink, True))
-            print(f"{path}  1/{shrink}  {score:.1f} dB")
+        with open_stream(path) as stream:
+            header = stream.header
+            views = {shrink: view_of(header, *_whole(stream, shrink)) for shrink in shrinks}
+        click.echo(f"{path}\n\n| scale | cells from | PSNR to all cells | PSNR to source | ms | of all |")
+        click.echo("|---|---:|---:|---:|---:|---:|")
+        for shrink, view in views.items():
+            chosen = finest_cells(header, view)
+            mean = None if pixels is None else averaged(pixels, shrink)
+            least = FINEST if header.spec.context.coarse_first else (0, BASE_ALONE)
+            runs = {finest: thumbnail(path, shrink, finest, threads, repeat) for finest in least}
+            for finest, (samples, seconds) in runs.items():
+                name = "base alone" if finest == BASE_ALONE else str(1 << finest) if finest else "all"
+                name += " *" if finest == chosen or (finest == 0 and chosen == 1) else ""
+                near = "" if finest == 0 else f"{psnr(samples, runs[0][0]):.1f}"
+                true = "" if mean is None else f"{psnr(samples, mean):.2f}"
+                share = f"{seconds / runs[0][1]:.2f}"
+                click.echo(f"| 1/{shrink} | {name} | {near} | {true} | {1e3 * seconds:.0f} | {share} |")
+        click.echo()
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main()

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec._native import SymbolModels
 from sgicodec.bitstream.tables import TOTAL, bits_of_frequencies
 from sgicodec.errors import UsageError
 
@@ -42,6 +43,13 @@ class Alphabets:
     def possible(self) -> list[tuple[int, ...]]:
         """Frequencies of the symbols that can occur, by context."""
         return [tuple(row[row > 0].tolist()) for row in self.frequencies]
+
+    @cached_property
+    def models(self) -> SymbolModels:
+        """What the range decoder reads them with, by context."""
+        contexts, size = self.frequencies.shape
+        frequencies = np.ascontiguousarray(self.frequencies, np.int64).reshape(-1)
+        return SymbolModels(frequencies, np.arange(contexts + 1, dtype=np.int64) * size)
 
     @cached_property
     def bits(self) -> NDArray[np.float64]:

@@ -60,14 +60,14 @@ class AttributeCoder:
     processor: Processor = ONE_THREAD
     matmul: Any = None
 
-    def code(self, walk: SymbolWalk, values: dict[str, NDArray[np.float64]] | None) -> I64:
+    def code(self, walk: SymbolWalk, values: dict[str, NDArray[np.float64]] | None, finest: int = 0) -> I64:
         """Writes the float attributes `values` by group [N, size], or reads if None. Returns the decoded attributes
-        [N, d_A] in units of 2^-24, in the layout's order.
+        [N, d_A] in units of 2^-24, in the layout's order; zeros for seeds of passes that `finest` leaves out.
         """
         context, layout = self.spec.context, self.layout
         decoded = np.zeros((len(layout), self.spec.attributes), np.int64)
         seeds = SeedInputs(layout, self.quality, self.processor)
-        parts = nearest_by_pass(context, layout, nearest_seeds)
+        parts = nearest_by_pass(context, layout, nearest_seeds, finest)
         widths = [input_count(self.spec, number) for number in range(len(context.steps))]
         if context.hash_resolutions:
             grid = HashGrid.at(context, layout, *self.size)

@@ -11,16 +11,15 @@ All parts of a tile share one range coder (ending one costs about four bytes). W
 exactly from the frequencies, in both directions: `walk.bits`.
 
 The coder is constriction's range coder (Bamler 2022; Pasco 1976) with 32-bit words, 64-bit state and 24-bit
-probabilities; docs/format.md specifies it to the bit. This is the only module that knows constriction.
+probabilities; docs/format.md specifies it to the bit. Constriction writes; native code reads, without Python's lock.
 """
 
 from __future__ import annotations
 
 import zlib
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import cache, lru_cache
 from itertools import pairwise
 from typing import Any
 
@@ -30,12 +29,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from sgicodec import _native
 from sgicodec.bitstream.alphabets import Alphabets
+from sgicodec.bitstream.symbol_models import (
+    ZERO_CENTRED,
+    CategoricalModels,
+    SymbolModels,
+    escape_alphabet,
+    uniform_model,
+)
 from sgicodec.bitstream.tables import (
     MAX_MAGNITUDE,
     TABLES,
     escape_bits,
     escape_exponent,
-    escape_frequencies,
     frequency_tables,
 )
 from sgicodec.errors import CorruptStreamError, UsageError
@@ -89,7 +94,7 @@ class SymbolWalk(ABC):
         if values is not None:
             support = family.support[table]
             index = np.where(np.abs(values) <= support, values + support, 2 * support + 1)[order].astype(np.int32)
-        index = self._in_groups(index, start, _zero_centred_model)
+        index = self._in_groups(index, start, ZERO_CENTRED)
         coded = np.empty(table.size, np.int32)
         tables_of = (family.support, family.start, family.symbol_bits)
         bits, escapes = _native.ungroup_symbols(index, order, table, *tables_of, coded)
@@ -121,8 +126,7 @@ class SymbolWalk(ABC):
             if np.any(alphabets.frequencies[context, values] == 0):
                 raise UsageError("entropy: a symbol has frequency 0 in its context")
             index = alphabets.rank[context, values][order]
-        possible = alphabets.possible
-        index = self._in_groups(index, start, lambda row: _model(possible[row]))
+        index = self._in_groups(index, start, CategoricalModels(alphabets))
         coded = np.empty(context.size, np.int32)
         bits = _native.ungroup_categorical(index, order, context, alphabets.symbol, alphabets.bits, coded)
         self._record(coded, bits)
@@ -144,33 +148,25 @@ class SymbolWalk(ABC):
         return int(self.code_bits(None if value is None else [value], n_bits, 1)[0])
 
     @abstractmethod
-    def _run(self, index: IntArray | None, model: Any, count: int) -> IntArray:
-        """Codes `count` symbol indices under one model."""
+    def _in_groups(self, index: IntArray | None, start: NDArray[np.int64], models: SymbolModels) -> IntArray:
+        """Codes symbol indices that are ordered by key, those of `key` from start[key] on, each run under its model."""
+
+    @abstractmethod
+    def _equally_likely(self, values: IntArray | None, n_bits: int, count: int) -> IntArray:
+        """Codes `count` values of 1 to _UNIFORM_BITS bits."""
 
     def _record(self, values: NDArray[np.integer], bits: float) -> None:
         self.count += values.size
         self.crc = zlib.crc32(values.astype("<u4").tobytes(), self.crc)
         self.bits[self._part] = self.bits.get(self._part, 0.0) + bits
 
-    def _in_groups(self, index: IntArray | None, start: NDArray[np.int64], model_of: Callable[[int], Any]) -> IntArray:
-        """Codes indices that are ordered by key, those of `key` from start[key] on, in runs of equal key: several times
-        faster than a model per symbol.
-        """
-        coded = np.empty(int(start[-1]), np.int32)
-        bounds = start.tolist()
-        for key, (begin, end) in enumerate(pairwise(bounds)):
-            if begin < end:
-                run = None if index is None else index[begin:end]
-                coded[begin:end] = self._run(run, model_of(key), end - begin)
-        return coded
-
     def _escaped(self, values: NDArray[np.int64] | None, support: IntArray) -> NDArray[np.int64]:
         """Values beyond ±support: exponents, then mantissas by ascending exponent, then signs."""
         excess = None if values is None else np.abs(values) - support - 1
-        exponent = self._run(
+        exponent = self._in_groups(
             None if excess is None else escape_exponent(excess).astype(np.int32),
-            _model(tuple(escape_frequencies()[0].tolist())),
-            support.size,
+            np.array([0, support.size], np.int64),
+            CategoricalModels(escape_alphabet()),
         )
         decoded = np.empty(support.size, np.int64)
         for e in np.flatnonzero(np.bincount(exponent)).tolist():
@@ -191,7 +187,7 @@ class SymbolWalk(ABC):
         if n_bits == 0 or count == 0:
             return np.zeros(count, np.int64)
         index = None if values is None else values.astype(np.int32)
-        return self._run(index, _uniform_model(n_bits), count).astype(np.int64)
+        return self._equally_likely(index, n_bits, count).astype(np.int64)
 
 
 class SymbolWriter(SymbolWalk):
@@ -212,15 +208,28 @@ class SymbolWriter(SymbolWalk):
         words: NDArray[np.uint32] = self._coder.get_compressed()
         return words.astype(">u4").tobytes().rstrip(b"\0")
 
-    def _run(self, index: IntArray | None, model: Any, count: int) -> IntArray:
+    def _in_groups(self, index: IntArray | None, start: NDArray[np.int64], models: SymbolModels) -> IntArray:
         if index is None:
             raise UsageError("entropy: a writer needs values")
-        if model is not None:
-            try:
-                self._coder.encode(np.ascontiguousarray(index), model)
-            except BaseException as error:
-                raise _not_a_panic(error, RuntimeError, "these symbols cannot be coded") from error
+        for key, (begin, end) in enumerate(pairwise(start.tolist())):
+            if begin < end:
+                self._run(index[begin:end], models.writing(key))
         return index
+
+    def _equally_likely(self, values: IntArray | None, n_bits: int, count: int) -> IntArray:
+        if values is None:
+            raise UsageError("entropy: a writer needs values")
+        self._run(values, uniform_model(n_bits))
+        return values
+
+    def _run(self, index: IntArray, model: Any) -> None:
+        """Codes symbol indices under one model of constriction; None codes nothing."""
+        if model is None:
+            return
+        try:
+            self._coder.encode(np.ascontiguousarray(index), model)
+        except BaseException as error:
+            raise _not_a_panic(error, RuntimeError, "these symbols cannot be coded") from error
 
 
 class SymbolReader(SymbolWalk):
@@ -230,8 +239,7 @@ class SymbolReader(SymbolWalk):
         super().__init__()
         if payload[-1:] == b"\0":
             raise CorruptStreamError("entropy: the payload is padded with zero bytes; it was not written by an encoder")
-        words = np.frombuffer(payload + b"\0" * (-len(payload) % 4), ">u4").astype(np.uint32)
-        self._coder = constriction.stream.queue.RangeDecoder(words)
+        self._coder = _native.RangeDecoder(payload)
 
     def finish(self) -> None:
         """Raises CorruptStreamError unless the symbols are those written and the payload ends with them."""
@@ -247,14 +255,19 @@ class SymbolReader(SymbolWalk):
         if not self._coder.maybe_exhausted():
             raise CorruptStreamError("entropy: bytes are left over behind the last symbol")
 
-    def _run(self, index: IntArray | None, model: Any, count: int) -> IntArray:
-        if model is None:
-            return np.zeros(count, np.int32)
-        try:
-            coded: IntArray = self._coder.decode(model, count)
-        except BaseException as error:
-            raise _not_a_panic(error, CorruptStreamError, "the payload does not decode") from error
-        return coded
+    def _in_groups(self, index: IntArray | None, start: NDArray[np.int64], models: SymbolModels) -> IntArray:
+        coded = np.empty(int(start[-1]), np.int32)
+        return _sound(coded, self._coder.decode(models.reading, start, coded))
+
+    def _equally_likely(self, values: IntArray | None, n_bits: int, count: int) -> IntArray:
+        coded = np.empty(count, np.int32)
+        return _sound(coded, self._coder.decode_uniform(n_bits, coded))
+
+
+def _sound(coded: IntArray, decodes: bool) -> IntArray:
+    if not decodes:
+        raise CorruptStreamError("entropy: the payload does not decode; it is damaged")
+    return coded
 
 
 def _not_a_panic(error: BaseException, failure: type[Exception], message: str) -> BaseException:
@@ -284,28 +297,3 @@ def _groups(keys: NDArray[np.int16], count: int) -> tuple[IntArray, NDArray[np.i
     order, start = np.empty(keys.size, np.int32), np.empty(count + 1, np.int64)
     _native.group_by_key(keys, order, start)
     return order, start
-
-
-def _categorical(frequencies: NDArray[np.int64]) -> Any:
-    """A constriction model with exactly these frequencies, two or more.
-
-    Categorical(perfect=False) gives every symbol 1 and shares out what is left in proportion: given f − 1 it
-    has a factor of exactly 1, and all its sums are integers below 2**53.
-    """
-    return constriction.stream.model.Categorical((frequencies - 1).astype(np.float64), perfect=False)
-
-
-@lru_cache(maxsize=1 << 10)
-def _model(frequencies: tuple[int, ...]) -> Any:
-    """A model of these frequencies; None for the single symbol that needs no coding."""
-    return None if len(frequencies) < 2 else _categorical(np.array(frequencies))
-
-
-@cache
-def _zero_centred_model(table: int) -> Any:
-    return _categorical(frequency_tables().frequencies(table))
-
-
-@cache
-def _uniform_model(n_bits: int) -> Any:
-    return constriction.stream.model.Uniform(1 << n_bits)

@@ -14,8 +14,8 @@ from sgicodec.cli.paths import STANDARD, write_output
 from sgicodec.errors import PictureError
 
 if TYPE_CHECKING:
+    from sgicodec.bands import Bands
     from sgicodec.bitstream.header import Header
-    from sgicodec.decoder import Bands
     from sgicodec.image import Picture, Sink
 
 __all__ = ["Output", "write_bands", "write_picture"]

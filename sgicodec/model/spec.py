@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Literal
 
 __all__ = ["ContextSpec", "Group", "ModelSpec", "default_spec", "paper_spec"]
@@ -67,7 +68,7 @@ class ModelSpec:
     base_cell: int
     context: ContextSpec = field(repr=False)
 
-    @property
+    @cached_property
     def groups(self) -> tuple[Group, ...]:
         """The attribute groups in coding order; their sizes sum to d_A (paper: D + 4 + 2K)."""
         if self.skip:
@@ -106,7 +107,7 @@ def default_spec(channels: int, per_seed: int = 1, prior: int = 2, hidden: int =
         hidden=hidden,
         skip=True,
         seed_scales=False,
-        base_cell=32,
+        base_cell=64,
         context=ContextSpec(prior=prior, steps=steps, hidden=64, neighbours=6, coarse_first=prior != 1),
     )
 

@@ -19,11 +19,11 @@ def test_stages_are_all_seen_and_hold_nearly_all_of_the_time() -> None:
 
 
 def test_functions_are_put_back() -> None:
-    before = decoder.open_stream, SymbolReader._run
+    before = decoder.open_stream, SymbolReader._in_groups
     with stage_times() as spent:
         assert decoder.open_stream is not before[0]
         decoder.open_stream(STREAM).picture(threads=1)
-    assert before == (decoder.open_stream, SymbolReader._run)
+    assert before == (decoder.open_stream, SymbolReader._in_groups)
     assert set(spent) == set(STAGES)
 
 

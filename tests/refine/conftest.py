@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.prior import load_prior
 from sgicodec.bitstream.tile import TileModel
+from sgicodec.model.base import base_shape
 from sgicodec.model.layout import adaptive_layout
 from sgicodec.model.processor import Processor
 from sgicodec.model.spec import default_spec
@@ -51,7 +52,7 @@ def stage() -> Stage:
             "shape": rng.normal([-0.6, 0, 0], 0.3, (n, 3)),
             "offset": rng.normal(0, 0.2, (n, 2)),
         }
-        base = np.zeros((channels, -(-height // 32), -(-width // 32)), np.int64)
+        base = np.zeros((channels, *base_shape(width, height, spec.base_cell)), np.int64)
         model = TileModel(layout, default_plan(spec, QUALITY), 60, base, {}, load_prior(spec), [], attributes)
         return Scene(header, picture, Processor(threads, isa)), model
 

@@ -1,0 +1,59 @@
+// The range decoder of docs/format.md, "Range coder": 32-bit words, 64-bit state, 24-bit probabilities.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+namespace sgi {
+
+// Frequencies of the symbols of several models, each summing to 2^24, as what finds a symbol fast.
+class SymbolModels {
+ public:
+  // frequency: of all models side by side, model k from start[k] to start[k + 1]. Symbols of frequency 0 do not count.
+  SymbolModels(const int64_t *frequency, const int64_t *start, int64_t models);
+
+  int64_t size() const { return int64_t(first_.size()) - 1; }
+
+ private:
+  friend class RangeDecoder;
+
+  int32_t find(int64_t model, uint32_t quantile) const {
+    const int64_t bucket = bucket_[model];
+    const uint32_t *sums = sums_.data() + first_[model];  // sums[s]: frequencies before s
+    int32_t s = bucket < 0 ? 0 : buckets_[bucket + (quantile >> kBucketShift)];
+    while (sums[s + 1] <= quantile) ++s;
+    return s;
+  }
+
+  static constexpr int kBucketShift = 16, kBuckets = 1 << 8, kFew = 8;
+
+  std::vector<uint32_t> sums_;
+  std::vector<int64_t> first_;     // [models + 1]
+  std::vector<int64_t> bucket_;    // [models] where its buckets begin, -1 for a model of few symbols
+  std::vector<uint16_t> buckets_;  // the symbol at the first quantile of each bucket
+};
+
+class RangeDecoder {
+ public:
+  RangeDecoder(const uint8_t *payload, int64_t bytes);
+
+  // Symbols start[k] … start[k + 1] - 1 of out under model k, k = 0 … keys - 1. A symbol's number counts those of its
+  // model that can occur. False where the payload does not decode.
+  bool decode(const SymbolModels &models, const int64_t *start, int64_t keys, int32_t *out);
+
+  // Equally likely values of 1 to 16 bits.
+  bool decode_uniform(int bits, int64_t count, int32_t *out);
+
+  // Whether an encoder may have ended here: nothing is left over.
+  bool maybe_exhausted() const;
+
+ private:
+  uint64_t next_word();
+  bool quantile(uint64_t &scale, uint32_t &found) const;
+  void take(uint64_t scale, uint32_t before, uint32_t frequency);
+
+  std::vector<uint8_t> payload_;
+  int64_t at_ = 0;
+  uint64_t range_ = ~uint64_t(0), offset_ = 0;
+};
+
+}  // namespace sgi
