@@ -57,11 +57,15 @@ class Outlook:
         return values
 
     def learn(self, bound: Bound, tiles: dict[int, EncodedTile], lmbda: float) -> None:
-        """Takes in what tiles came to at about λ; what others came to at another λ still counts there."""
+        """Takes in what tiles came to at about λ. What others came to at another λ tells how the ratio changes with λ;
+        its level is that of the most tiles at this one.
+        """
         looked = sum(float(self._looked([number], tile.lmbda)[0]) for number, tile in tiles.items())
         found = sum(bound.of(tile) for tile in tiles.values())
         if found > 0 and looked > 1e-6:
-            self._ratios[math.log(lmbda)] = math.log(found / looked)
+            at, ratio = math.log(lmbda), math.log(found / looked)
+            more = ratio - self._ratios.get(at, ratio)
+            self._ratios = {key: known + more for key, known in self._ratios.items()} | {at: ratio}
 
     def lmbda(self, bound: Bound, numbers: Collection[int], done: float = 0.0) -> float:
         """λ at which these tiles, with what is done already, come to the bound."""

@@ -37,6 +37,15 @@ def test_what_was_found_corrects_the_rest() -> None:
     assert outlook.foretold([0], 0.02) == pytest.approx([2**0.5 * 50**0.5])
 
 
+def test_more_tiles_at_one_lmbda_move_what_is_known_of_others() -> None:
+    outlook, bound = Outlook(LOOKS, "bytes"), Bound("bytes", 160.0)
+    outlook.learn(bound, {0: tile(5, 1.0, 0.04)}, 0.04)  # as foretold
+    outlook.learn(bound, {0: tile(20, 1.0, 0.01)}, 0.01)  # twice that
+    outlook.learn(bound, {0: tile(20, 1.0, 0.01), 2: tile(100, 1.0, 0.01), 1: tile(120, 1.0, 0.01)}, 0.01)  # 3 times
+    assert outlook.foretold([0], 0.01) == pytest.approx([30.0])
+    assert outlook.foretold([0], 0.04) == pytest.approx([7.5])
+
+
 def test_need_is_positive_where_lmbda_has_to_rise() -> None:
     assert Bound("bytes", 100.0).need(200.0) == pytest.approx(1.0)
     assert Bound("error", 100.0).need(200.0) == pytest.approx(-1.0)
