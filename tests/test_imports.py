@@ -88,7 +88,7 @@ HOMES = {
     "mpmath": ("bitstream/make_tables.py",),
 }
 
-PROGRAMS = ("fit/train_prior.py", "bitstream/make_tables.py")
+PROGRAMS = ("fit/train_prior.py", "fit/tune_prior.py", "bitstream/make_tables.py")
 """Run by the package's makers with `python -m`; nothing imports them."""
 
 SOURCES = sorted(path.relative_to(ROOT).as_posix() for path in ROOT.rglob("*.py"))

@@ -18,6 +18,7 @@ __all__ = ["PRIORS", "load_prior", "parse_prior"]
 PRIORS: dict[int, str] = {
     1: "b50932e04ed61a3245e3861bcf5ff42d1ac9eac72dcf659fd119910635cd9304",
     2: "133a1e939b9374f9b96cbc9607457184ac215f66758f54a09abf5deb3b5c515c",
+    3: "d9685f69a2b79fcd846e92723fe0757b9dbf1673eed61b7d19320ee5c7ece104",
 }
 """SHA-256 of every prior's file; a stream names its prior by number, and a number never changes its meaning."""
 

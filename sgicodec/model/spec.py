@@ -92,7 +92,7 @@ class ModelSpec:
         return sum(group.size for group in self.groups)
 
 
-def default_spec(channels: int, per_seed: int = 1, prior: int = 2, hidden: int = 0) -> ModelSpec:
+def default_spec(channels: int, per_seed: int = 1, prior: int = 3, hidden: int = 0) -> ModelSpec:
     """The `default` profile: adaptive seeds, log-covariances, a base layer, context from decoded neighbours.
 
     Prior 1 was trained for passes that do not go by size.

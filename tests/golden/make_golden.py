@@ -36,6 +36,7 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
         "paper-rgb8": (Picture(small, "rgb", (0.0, 255.0)), paper),
         "rgb8-coarse-first": (crop, coarse_first),
         "gray16-coarse-first": (Picture(luma[..., None], "gray", (0.0, 65535.0)), coarse_first),
+        "rgb8-prior3": (crop, replace(quick, prior=3)),
         "one-pixel": (Picture(small[:1, :1], "rgb", (0.0, 255.0)), quick),
     }
 
