@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterable
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from sgicodec.bitstream.container import ChunkWriter
 from sgicodec.bitstream.header import Header, encode_header
 from sgicodec.bitstream.index import Place, encode_index
 from sgicodec.image import Metadata
 
-__all__ = ["write_stream"]
+__all__ = ["stream_length", "write_stream"]
 
 
 def write_stream(
@@ -35,3 +36,15 @@ def write_stream(
         writer.write("X", encode_index(places, writer.offset))
     writer.finish()
     return writer.offset
+
+
+def stream_length(header: Header, software: bytes, metadata: Metadata | None, lengths: Iterable[int]) -> int:
+    """That of a stream whose tiles have payloads of these lengths."""
+    return write_stream(_Nowhere(), header, software, metadata, map(bytes, lengths))
+
+
+class _Nowhere(io.BytesIO):
+    """Takes everything and keeps nothing."""
+
+    def write(self, data: Any, /) -> int:
+        return len(data)

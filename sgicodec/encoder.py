@@ -5,23 +5,29 @@ from __future__ import annotations
 import io
 import time
 from collections import Counter
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, BinaryIO, TypeVar
 
 from sgicodec.aim import Aim
 from sgicodec.assembly import write_stream
-from sgicodec.bitstream.tile_chunk import encode_tile_chunk
+from sgicodec.decoder import open_stream
+from sgicodec.distortion import squared_error
 from sgicodec.encode_settings import EncodeSettings
 from sgicodec.encoding import Encoded, Encoding, empty_pixels
+from sgicodec.errors import TargetMissedError
 from sgicodec.image import Picture
-from sgicodec.plan import Plan, Shape, fit_lmbda, stream_plan
+from sgicodec.plan import Plan, Shape, stream_plan
+from sgicodec.rounds import Finished, Rounds, Task, Version
+from sgicodec.tile_work import EncodedTile, FitTask, Start
 from sgicodec.tiles import Rect
 
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Progress
 
-__all__ = ["EncodedTile", "encode", "encode_tile", "summary", "window_of"]
+__all__ = ["encode", "window_of"]
+
+Result = TypeVar("Result")
 
 
 def encode(
@@ -49,46 +55,6 @@ def encode(
     return encoding.run(on_progress) if goal is None else Aim(encoding, goal).run(on_progress)
 
 
-@dataclass(frozen=True)
-class EncodedTile:
-    """A finished tile. payload: of its chunk; part_bytes, seeds as in `Encoded`; squared_error: of the fit's last step,
-    samples in 0..1, over `samples` of them; seconds: that it took; length: of the payload.
-    """
-
-    payload: bytes
-    part_bytes: dict[str, float]
-    seeds: int
-    squared_error: float
-    samples: int
-    seconds: float
-    length: int
-
-
-def encode_tile(
-    window: Picture, plan: Plan, number: int, on_progress: Callable[[Progress], bool] | None = None
-) -> EncodedTile:
-    """Fits tile `number` of a stream of several to its pixels, apron included."""
-    header, started = plan.header, time.monotonic()
-    settings = plan.settings
-    if settings.seeds is not None:
-        share = window.width * window.height / (header.width * header.height)
-        settings = replace(settings, seeds=max(1, round(settings.seeds * share)))
-    last: list[Progress] = []
-
-    def watch(progress: Progress) -> bool:
-        last[:] = [progress]
-        return on_progress is None or on_progress(progress)
-
-    tile = Encoding(window, replace(plan, header=header.of_tile(number), settings=settings), started)
-    chunk, parts, seeds = tile.chunk(number, watch)
-    samples = window.pixels.size
-    error = samples * 10 ** (-0.1 * last[0].psnr) if last else 0.0
-    payload = encode_tile_chunk(header, chunk)
-    if header.masked is not None:
-        parts["mask"] = len(payload) - len(chunk.model or b"")
-    return EncodedTile(payload, parts, seeds, error, samples, time.monotonic() - started, len(payload))
-
-
 def window_of(picture: Picture, rect: Rect) -> Picture:
     """The part of a picture in memory that a tile covers."""
     x, y, width, height = rect
@@ -96,25 +62,73 @@ def window_of(picture: Picture, rect: Rect) -> Picture:
 
 
 def _encode_tiles(picture: Picture, plan: Plan, on_progress: Callable[[Progress], bool] | None) -> Encoded:
-    grid, tiles = plan.header.grid, []
-    for number in range(grid.count):
+    """Raises as `encode`."""
+    grid, threads = plan.header.grid, plan.settings.threads
+    fits = 0
 
-        def watch(progress: Progress, before: int = number) -> bool:
+    def watched(task: FitTask) -> FitTask:
+        nonlocal fits
+        before, fits = fits, fits + 1
+
+        def watch(progress: Progress) -> bool:
             if on_progress is None:
                 return True
-            total = grid.count * progress.steps
+            total = max(grid.count, before + 1) * progress.steps
             return on_progress(replace(progress, step=before * progress.steps + progress.step, steps=total))
 
-        tiles.append(encode_tile(window_of(picture, grid.rect(number)), plan, number, watch))
-    buffer = io.BytesIO()
-    write_stream(buffer, plan.header, plan.software, plan.metadata, (tile.payload for tile in tiles))
-    return summary(buffer.getvalue(), plan, tiles)
+        return replace(task, on_progress=watch)
+
+    def runner(
+        task: Task[Result], numbers: Sequence[int], start: Callable[[int], Start]
+    ) -> Iterator[tuple[int, Result]]:
+        for number in numbers:
+            done: Task[Result] = watched(task) if isinstance(task, FitTask) else task  # type: ignore[assignment]
+            yield number, done(number, window_of(picture, grid.rect(number)), start(number), threads)
+
+    def error_of(file: BinaryIO) -> float:
+        with open_stream(file) as stream:
+            return squared_error(picture, stream.picture(threads=threads))
+
+    kept, buffer = _Kept(), io.BytesIO()
+    found = Rounds(plan, runner, kept, _Nobody(), error_of).run()
+    write_stream(buffer, found.plan.header, plan.software, plan.metadata, map(kept.payload, found.chosen))
+    encoded = _summary(buffer.getvalue(), found, [kept.tiles[version] for version in found.chosen])
+    if found.missed is not None:
+        raise TargetMissedError(found.missed, encoded)
+    return encoded
 
 
-def summary(data: bytes, plan: Plan, tiles: list[EncodedTile]) -> Encoded:
+class _Kept:
+    """Tiles in memory."""
+
+    def __init__(self) -> None:
+        self.tiles: dict[Version, EncodedTile] = {}
+        self._numbers: dict[str, float] = {}
+
+    def add(self, version: Version, tile: EncodedTile) -> None:
+        self.tiles[version] = tile
+
+    def payload(self, version: Version) -> bytes:
+        return self.tiles[version].payload
+
+    def remembered(self, name: str, found: Callable[[], float]) -> float:
+        if name not in self._numbers:
+            self._numbers[name] = found()
+        return self._numbers[name]
+
+
+class _Nobody:
+    """Is told in vain."""
+
+    def begin(self, name: str, numbers: Sequence[int], there: dict[int, EncodedTile]) -> None: ...
+
+    def done(self, number: int, tile: EncodedTile | None) -> None: ...
+
+
+def _summary(data: bytes, found: Finished, tiles: list[EncodedTile]) -> Encoded:
     """The figures of a stream from those of its tiles."""
     parts: Counter[str] = Counter()
     for tile in tiles:
         parts.update(tile.part_bytes)
     seeds = sum(tile.seeds for tile in tiles)
-    return Encoded(data, dict(parts), seeds, seeds * plan.header.spec.per_seed, fit_lmbda(plan.settings))
+    return Encoded(data, dict(parts), seeds, seeds * found.plan.header.spec.per_seed, found.lmbda)

@@ -33,7 +33,7 @@ from sgicodec.trim import coarser
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Fitted, Progress
 
-__all__ = ["Encoded", "Encoding", "empty_pixels", "keep_to_one_torch_thread"]
+__all__ = ["Candidate", "Encoded", "Encoding", "empty_pixels", "keep_to_one_torch_thread", "written"]
 
 
 @dataclass(frozen=True)
@@ -87,16 +87,6 @@ class Encoding:
         self.fit = replace(self.fit, lmbda=lmbda)
         self.base_step, self.base, self.target = base_layer(self.spec, self.unit, lmbda)
 
-    def chunk(
-        self, number: int, on_progress: Callable[[Progress], bool] | None
-    ) -> tuple[TileChunk, dict[str, float], int]:
-        """The parts of chunk T of tile `number`, the bytes of each, and the number of seeds."""
-        if self.holds_nothing:
-            return TileChunk(number, self.empty, None), {}, 0
-        found = self.searched(self.candidate(self.fitted(on_progress)))
-        payload, parts = _written(found)
-        return TileChunk(number, self.empty, payload), parts, len(found.model.layout)
-
     def run(self, on_progress: Callable[[Progress], bool] | None) -> Encoded:
         """Fits at a constant λ and writes."""
         if self.holds_nothing:
@@ -110,7 +100,7 @@ class Encoding:
 
     def nothing(self) -> Encoded:
         """The stream of a picture that holds nothing."""
-        return Encoded(self._assembled(self.plan.header, None)[0], {}, 0, 0, self.fit.lmbda)
+        return Encoded(self.assembled(self.plan.header, None)[0], {}, 0, 0, self.fit.lmbda)
 
     def fitted(
         self, on_progress: Callable[[Progress], bool] | None, steering: Steering | None = None, share: float = 1.0
@@ -179,8 +169,8 @@ class Encoding:
 
     def encoded(self, candidate: Candidate) -> Encoded:
         """The stream."""
-        payload, parts = _written(candidate)
-        data, chunk_bytes = self._assembled(candidate.header, payload)
+        payload, parts = written(candidate)
+        data, chunk_bytes = self.assembled(candidate.header, payload)
         if candidate.header.masked is not None:
             parts["mask"] = chunk_bytes - len(payload)
         seeds = len(candidate.model.layout)
@@ -210,7 +200,7 @@ class Encoding:
         searching: float = _SEARCHING_SHARE * share * left if self.searches else 0.0
         return max(0.5 * left, left - coding - searching, 1e-3)
 
-    def _assembled(self, header: Header, model: bytes | None) -> tuple[bytes, int]:
+    def assembled(self, header: Header, model: bytes | None) -> tuple[bytes, int]:
         """The stream, and the bytes of its tile's payload."""
         buffer, chunk = io.BytesIO(), encode_tile_chunk(header, TileChunk(0, self.empty, model))
         write_stream(buffer, header, self.plan.software, self.plan.metadata, [chunk])
@@ -223,7 +213,7 @@ _SEARCHING_SHARE = 0.12
 """Of the time that is left for fit and search together."""
 
 
-def _written(candidate: Candidate) -> tuple[bytes, dict[str, float]]:
+def written(candidate: Candidate) -> tuple[bytes, dict[str, float]]:
     """The payload of a model, and the bytes of each part."""
     payload, walk = write_tile(candidate.header, candidate.model)
     return payload, {name: bits / 8 for name, bits in walk.bits.items()}

@@ -60,6 +60,11 @@ class Plan:
     place_of_windows: Metadata
     """What tells the nodata value of windows."""
 
+    def at(self, lmbda: float, quality: int) -> Plan:
+        """The same for tiles that are fitted at λ, whatever the goal, with this index of the base colour step."""
+        settings = replace(self.settings, lmbda=lmbda, psnr=None, size=None, bpp=None)
+        return replace(self, header=replace(self.header, quality=quality), settings=settings)
+
 
 def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
     """The header and settings of a picture's tiles. Raises as `encode`."""
@@ -76,9 +81,8 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
         masked="nodata" if shape.nodata is not None else "transparent" if alpha_index(shape.channels) else None,
         nodata=shape.nodata or 0.0,
     )
-    if grid.tile and (settings.asked() or settings.time_limit is not None):
-        what = "a size or PSNR to end at" if settings.asked() else "a time limit"
-        raise UsageError(f"{what} is for a single tile; give a quality or λ, or --tile 0")
+    if grid.tile and settings.time_limit is not None:
+        raise UsageError("a time limit is for a single tile; give an effort, or --tile 0")
     metadata = shape.metadata if settings.metadata else None
     return Plan(header, settings, _software(settings, fit), metadata, Metadata(geo=shape.metadata.geo))
 

@@ -37,18 +37,28 @@ LAYERS = {
     "trim": {"fit", "model"},
     "refine": {"_native", "bitstream", "model", "raster"},
     "assembly": {"bitstream", "image"},
+    "choice": set(),
+    "distortion": {"image"},
+    "tile_work": {
+        *("bitstream", "decoder", "distortion", "encoding", "fit", "image", "model", "plan", "refine", "trim"),
+    },
+    "outlook": {"fit", "tile_work"},
+    "correction": {"outlook"},
+    "rounds": {"assembly", "choice", "correction", "distortion", "fit", "image", "outlook", "plan", "tile_work"},
     "large": {
         *(
             "assembly",
             "bitstream",
             "decoder",
+            "distortion",
             "encode_settings",
-            "encoder",
             "encoding",
             "errors",
             "files",
             "image",
             "plan",
+            "rounds",
+            "tile_work",
         ),
     },
     "encode_settings": {"errors", "bitstream", "fit", "tiles"},
@@ -57,7 +67,10 @@ LAYERS = {
         *("assembly", "bitstream", "decoder", "fill", "fit", "image", "metrics", "model", "plan", "refine", "trim"),
     },
     "aim": {"encoding", "errors", "fit", "model", "trim"},
-    "encoder": {"aim", "assembly", "bitstream", "encode_settings", "encoding", "fit", "image", "plan", "tiles"},
+    "encoder": {
+        *("aim", "assembly", "decoder", "distortion", "encode_settings", "encoding", "errors", "fit", "image", "plan"),
+        *("rounds", "tile_work", "tiles"),
+    },
 }
 """What each part may import besides itself; `bench` and `cli` may import everything."""
 

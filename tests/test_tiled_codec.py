@@ -311,9 +311,7 @@ def test_one_tile_pays_nothing(coded: tuple[Picture, Encoded]) -> None:
     assert one.count(b"X") == 0 or open_stream(one).chunk_bytes.keys() == {"signature", "H", "s", "T"}
 
 
-def test_goals_need_a_single_tile(coded: tuple[Picture, Encoded]) -> None:
-    with pytest.raises(UsageError, match="single tile"):
-        encode(coded[0], EncodeSettings(bpp=0.3, tile=128))
+def test_a_time_limit_needs_a_single_tile(coded: tuple[Picture, Encoded]) -> None:
     with pytest.raises(UsageError, match="single tile"):
         encode(coded[0], EncodeSettings(time_limit=3, tile=128))
 

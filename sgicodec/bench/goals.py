@@ -64,11 +64,11 @@ class Outcome:
     missed: bool
 
 
-def run(path: Path, goals: list[Asked], effort: int, threads: int) -> list[Outcome]:
+def run(path: Path, goals: list[Asked], effort: int, threads: int, tile: int | None = None) -> list[Outcome]:
     """Both encodes of every goal on one picture, one after the other, so that a busy machine slows them alike."""
     picture, outcomes = read(path), []
     for asked in goals:
-        settings = EncodeSettings(effort=effort, threads=threads)
+        settings = EncodeSettings(effort=effort, threads=threads, tile=tile)
         goal, missed = _point(picture, asked.put_into(settings))
         plain, _ = _point(picture, replace(settings, lmbda=goal.lmbda))
         outcomes.append(Outcome(path.stem, asked, goal, plain, missed))
@@ -161,7 +161,8 @@ def asked_of(name: str, values: str) -> list[Asked]:
 @click.option("--psnr", "decibels", default="28,32,36", show_default=True, help="PSNRs to ask for.")
 @click.option("--effort", default=5, show_default=True, type=click.IntRange(1, 9))
 @click.option("--threads", default=2, show_default=True, type=click.IntRange(0))
-def main(pictures: tuple[Path, ...], bpp: str, decibels: str, effort: int, threads: int) -> None:
+@click.option("--tile", type=int, help="Side of tiles, as in sgi encode.")
+def main(pictures: tuple[Path, ...], bpp: str, decibels: str, effort: int, threads: int, tile: int | None) -> None:
     """Encode PICTURES towards rates and PSNRs and print tab-separated rows.
 
     reached ends in ! where the encoder said that it missed. plain_…: of an encode at the λ that the other ended with;
@@ -171,7 +172,7 @@ def main(pictures: tuple[Path, ...], bpp: str, decibels: str, effort: int, threa
     outcomes: dict[str, list[Outcome]] = {}
     click.echo("\t".join(COLUMNS))
     for path in pictures:
-        outcomes[path.stem] = run(path, goals, effort, threads)
+        outcomes[path.stem] = run(path, goals, effort, threads, tile)
         click.echo("\n".join(report(outcomes[path.stem])))
     click.echo("\n".join(summary(outcomes)))
 

@@ -15,20 +15,24 @@ import click
 
 from sgicodec.cli.paths import STANDARD, display
 from sgicodec.cli.progress import tile_progress
-from sgicodec.errors import EncodeInterruptedError, StreamError, UsageError
+from sgicodec.errors import EncodeInterruptedError, StreamError, TargetMissedError, UsageError
 
 if TYPE_CHECKING:
     from sgicodec.cli.encode import Job
     from sgicodec.image import Source
-    from sgicodec.large.encode import Runner, Totals
+    from sgicodec.large.encode import Totals
     from sgicodec.large.journal import Journal
     from sgicodec.plan import Plan
+    from sgicodec.rounds import Runner
 
 __all__ = ["encode_tiles"]
 
 
 def encode_tiles(job: Job, source: Source) -> int:
-    """Fits what OUT.part lacks, writes the stream and prints the report; returns the stream's bytes."""
+    """Fits what OUT.part lacks, writes the stream and prints the report; returns the stream's bytes.
+
+    Raises TargetMissedError, after all of that, for a goal that was missed.
+    """
     from sgicodec.cli.report import Report, print_report
     from sgicodec.large.encode import plan_of
     from sgicodec.large.journal import fingerprint, opened_journal
@@ -43,13 +47,15 @@ def encode_tiles(job: Job, source: Source) -> int:
         mark = fingerprint(plan, None if job.source == STANDARD else Path(job.source))
         try:
             journal = stack.enter_context(opened_journal(part, mark, job.resume, job.force))
-            totals = _run(job, plan, runner, journal)
+            totals = _run(job, source, plan, runner, journal)
         except OSError as error:
             raise StreamError(f"{display(job.target, 'stdout')}: {error.strerror or error}") from error
     psnr = _psnr(job, source) if job.verify and job.target != STANDARD else None
     report = Report.of_tiles(plan, totals, psnr)
     if not job.quiet or job.as_json:
         print_report(report, job.source, job.target, time.monotonic() - job.started, job.as_json, job.verbose)
+    if totals.missed is not None:
+        raise TargetMissedError(f"{totals.missed}; it is written to {display(job.target, 'stdout')}")
     return totals.bytes
 
 
@@ -87,22 +93,22 @@ def _cluster(job: Job, source: Source, plan: Plan, stack: ExitStack) -> Runner:
         worker = estimate(plan, source.memory(width, height)).worker / MIB
         text = f"{grid.count} tiles of {width}×{height} pixels, {cluster.workers} at once on the cluster"
         click.echo(f"{text}, each about {worker:,.0f} MiB of memory", err=True)
-    settings = replace(plan.settings, threads=max(1, job.settings.threads))
-    return run_on_cluster(source, replace(plan, settings=settings), cluster, place)
+    return run_on_cluster(source, plan, cluster, place, max(1, job.settings.threads))
 
 
-def _run(job: Job, plan: Plan, runner: Runner, journal: Journal) -> Totals:
+def _run(job: Job, source: Source, plan: Plan, runner: Runner, journal: Journal) -> Totals:
     from sgicodec.large.encode import encode_source
 
     target = sys.stdout.buffer if job.target == STANDARD else Path(job.target)
     try:
         with tile_progress("off" if job.quiet else job.progress) as draw:
-            return encode_source(plan, runner, journal, target, draw)
+            return encode_source(source, plan, runner, journal, target, draw)
     except KeyboardInterrupt:
         if job.target == STANDARD:
             raise
-        done = f"{len(journal.tiles)} of {plan.header.grid.count} tiles are in {display(job.target)}.part"
-        raise EncodeInterruptedError(f"interrupted; {done}, --resume goes on") from None
+        done = len({version.tile for version in journal.tiles})
+        text = f"{done} of {plan.header.grid.count} tiles are in {display(job.target)}.part"
+        raise EncodeInterruptedError(f"interrupted; {text}, --resume goes on") from None
 
 
 def _psnr(job: Job, source: Source) -> float:

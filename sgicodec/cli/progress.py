@@ -44,19 +44,19 @@ def fit_progress(mode: Mode, pixels: int) -> Iterator[Callable[[Progress], None]
 
 @contextlib.contextmanager
 def tile_progress(mode: Mode) -> Iterator[Callable[[State], None]]:
-    """The same for tiles: how many are done, pace, bits per pixel and PSNR (before rounding) so far, time left."""
+    """The same for a round over tiles: how many are done, pace, bits per pixel and PSNR so far, time left."""
     if not _is_drawn(mode):
         yield lambda state: None
         return
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn
     from rich.progress import Progress as Bar
 
-    columns = (TextColumn("tiles"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[state]}"))
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[state]}"))
     with Bar(*columns, console=_console(mode), refresh_per_second=4) as bar:
         task = bar.add_task("tiles", total=None, state="")
 
         def draw(state: State) -> None:
-            bar.update(task, completed=state.done, total=state.tiles, state=_told(state))
+            bar.update(task, description=state.round, completed=state.done, total=state.tiles, state=_told(state))
 
         yield draw
 
@@ -65,7 +65,7 @@ def _told(state: State) -> str:
     parts = []
     if state.fresh:
         parts.append(f"{60e-6 * state.pixels_per_second:.2f} MP/min")
-    if state.done:
+    if state.samples:
         parts.append(f"{state.bpp:.3f} bpp  {state.psnr:.2f} dB")
     if state.fresh:
         minutes, seconds = divmod(round(state.seconds_left), 60)

@@ -75,7 +75,8 @@ class FitSettings:
     of its bits (`seed_bits`). growth: a seed is added where the squared error that its cell's mean holds is above this
     many times that price. rate_sample: share of the seeds whose bits are counted each step. seeds: their number in the
     uniform layout. seed: of every random number. threads: 0 for one per core. reference_steps: the number of steps that
-    the rates of `SLOWED` are meant for; more steps go with smaller ones.
+    the rates of `SLOWED` are meant for; more steps go with smaller ones. quality: index of the base colour step, where
+    it is not to follow λ.
     """
 
     lmbda: float
@@ -91,6 +92,7 @@ class FitSettings:
     seed: int = 0
     threads: int = 0
     reference_steps: int | None = None
+    quality: int | None = None
 
     @property
     def steps(self) -> int:

@@ -15,7 +15,7 @@ from sgicodec.model.layout import ROOT_LOG, cell_sums, leaf_sums
 if TYPE_CHECKING:
     from sgicodec.fit.settings import FitSettings
 
-__all__ = ["Goal", "Measured", "Steering", "first_lmbda"]
+__all__ = ["LMBDA_RANGE", "STREAM_BYTES", "Foretold", "Goal", "Measured", "Steering", "first_lmbda"]
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,8 @@ _DECIBELS_PER_OCTAVE = 1.5
 _MARGIN = 0.08
 _PERFECT = 200.0
 """dB that stand for no error at all."""
-_LMBDA_RANGE = 1e-6, 4.0
+LMBDA_RANGE = 1e-6, 4.0
+"""Where goals are looked for."""
 
 
 class Steering:
@@ -132,7 +133,7 @@ class Steering:
 
     def _move(self, octaves: float, most: float) -> None:
         moved = self.lmbda * 2.0 ** max(-most, min(most, octaves))
-        self.lmbda = max(_LMBDA_RANGE[0], min(_LMBDA_RANGE[1], moved))
+        self.lmbda = max(LMBDA_RANGE[0], min(LMBDA_RANGE[1], moved))
 
 
 _LEAP, _SETTLED, _FADE = 0.29, 0.35, 0.4
@@ -148,14 +149,30 @@ def first_lmbda(goal: Goal, detail: NDArray[np.float32], settings: FitSettings, 
     The forecast is a product of powers of λ, of the number of seeds and of what deviates within their cells, fitted
     to photographs.
     """
-    sums, pixels = cell_sums(detail, ROOT_LOG), detail[0].size
-    low, high = (math.log2(limit) for limit in _LMBDA_RANGE)
+    foretold = Foretold(detail, settings)
+    low, high = (math.log2(limit) for limit in LMBDA_RANGE)
     for _ in range(8):
         middle = 0.5 * (low + high)
-        lmbda = 2.0**middle
-        count, deviation = (v / pixels for v in leaf_sums(sums, settings.split * lmbda * settings.seed_bits))
-        size = 200 + extra + pixels * 0.5 * lmbda**-0.33 * count**0.77 * max(deviation, 0.0) ** 0.36
-        error = 5.7 * lmbda * count**0.8 / len(detail)
-        excess = goal.excess(Measured(size, -10 * math.log10(error)))
+        size, error = foretold.at(2.0**middle)
+        excess = goal.excess(Measured(size + extra, -10 * math.log10(error)))
         low, high = (middle, high) if excess > 0 else (low, middle)
     return float(2.0 ** (0.5 * (low + high)))
+
+
+STREAM_BYTES = 200.0
+"""Of a stream without seeds, about."""
+
+
+class Foretold:
+    """What a fit of `detail` [C, H, W], a picture less its base layer, will come to at any λ."""
+
+    def __init__(self, detail: NDArray[np.float32], settings: FitSettings) -> None:
+        self.settings, self.channels, self.pixels = settings, len(detail), detail[0].size
+        self._sums = cell_sums(detail, ROOT_LOG)
+
+    def at(self, lmbda: float) -> tuple[float, float]:
+        """Bytes of the stream and mean squared error of a sample in 0..1."""
+        threshold = self.settings.split * lmbda * self.settings.seed_bits
+        count, deviation = (v / self.pixels for v in leaf_sums(self._sums, threshold))
+        size = STREAM_BYTES + self.pixels * 0.5 * lmbda**-0.33 * count**0.77 * max(deviation, 0.0) ** 0.36
+        return size, 5.7 * lmbda * count**0.8 / self.channels

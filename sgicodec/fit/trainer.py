@@ -100,7 +100,7 @@ class Trainer:
         if networks is not None:
             self.net.load_integers(networks)
             self.net.adapt()
-        self.quality = quality_index(self.lmbda)
+        self.quality = self._quality()
         self.sampler = Sampler(spec, self.net, default_plan(spec, self.quality), family)
         self.seed_step: SeedStep | None = None
         if family and settings.loss == "squared" and SeedStep.can_run(spec):
@@ -285,13 +285,16 @@ class Trainer:
             self.values[name] = self.optimizer.replace(name, partial(change, name))
 
     def _set_layout(self, layout: SeedLayout) -> None:
-        self.layout, self.quality = layout, quality_index(self.lmbda)
+        self.layout, self.quality = layout, self._quality()
         self.centre, self.cell = torch.from_numpy(layout.centre), torch.from_numpy(layout.cell)
         _, height, width = self.targets[0].shape
         if self.seed_step is not None:
             self.seed_step.set_layout(layout, self.quality)
         else:
             self.sampler.set_layout(layout, self.quality, width, height)
+
+    def _quality(self) -> int:
+        return quality_index(self.lmbda) if self.settings.quality is None else self.settings.quality
 
     def _optimizer(self) -> Adam:
         rates = self.settings.rates

@@ -5,35 +5,42 @@ from __future__ import annotations
 import math
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING, BinaryIO, TypeVar
 
 from sgicodec.assembly import write_stream
+from sgicodec.decoder import open_stream
+from sgicodec.distortion import decibels
 from sgicodec.encode_settings import EncodeSettings
-from sgicodec.encoder import EncodedTile
 from sgicodec.files import whole_file
-from sgicodec.image import Picture, Source
+from sgicodec.image import Source
 from sgicodec.large.journal import Journal
+from sgicodec.large.measure import measured_error
 from sgicodec.large.pool import run_here, run_in_processes
-from sgicodec.large.task import ReadingTask, TileTask
-from sgicodec.plan import Plan, Shape, fit_lmbda, stream_plan
+from sgicodec.large.task import Job, ReadingTask, TileTask
+from sgicodec.plan import Plan, Shape, stream_plan
+from sgicodec.rounds import Finished, Rounds, Runner, Task
+from sgicodec.tile_work import EncodedTile, Start
 
 if TYPE_CHECKING:
     from sgicodec.large.cluster import Cluster
 
 __all__ = ["State", "Totals", "encode_source", "plan_of", "run_on_cluster", "run_tiles"]
 
-Runner = Callable[[Iterable[int]], Iterator[tuple[int, EncodedTile]]]
+Result = TypeVar("Result")
 
 
 @dataclass
 class State:
-    """How far an encode of several tiles has come. pixels: of the cores that are done; fresh of them in this run."""
+    """How far a round over several tiles has come. pixels: of the cores that are done; fresh of them in this run.
+    round: what is done to them.
+    """
 
     tiles: int
     all_pixels: int
+    round: str = "tiles"
     done: int = 0
     pixels: int = 0
     fresh: int = 0
@@ -42,19 +49,21 @@ class State:
     samples: int = 0
     started: float = field(default_factory=time.monotonic)
 
-    def add(self, tile: EncodedTile, pixels: int, fresh: bool) -> None:
-        """Counts a tile whose core has so many pixels."""
+    def add(self, tile: EncodedTile | None, pixels: int, fresh: bool) -> None:
+        """Counts a tile whose core has so many pixels; None if it was only looked at."""
         self.done += 1
         self.pixels += pixels
         self.fresh += pixels if fresh else 0
+        if tile is None:
+            return
         self.bytes += tile.length
         self.squared_error += tile.squared_error
         self.samples += tile.samples
 
     @property
     def psnr(self) -> float:
-        """dB before rounding to samples, over the tiles so far."""
-        return 10 * math.log10(self.samples / self.squared_error) if self.squared_error > 0 else math.inf
+        """dB over the tiles so far."""
+        return decibels(self.squared_error, self.samples)
 
     @property
     def bpp(self) -> float:
@@ -74,13 +83,14 @@ class State:
 
 @dataclass(frozen=True)
 class Totals:
-    """Figures of a finished stream, as in `Encoded`."""
+    """Figures of a finished stream, as in `Encoded`. missed: what was asked for and not reached."""
 
     bytes: int
     part_bytes: dict[str, float]
     seeds: int
     gaussians: int
     lmbda: float
+    missed: str | None = None
 
 
 def plan_of(source: Source, settings: EncodeSettings) -> Plan:
@@ -90,66 +100,100 @@ def plan_of(source: Source, settings: EncodeSettings) -> Plan:
     return stream_plan(Shape(*shape, source.sample_range, source.metadata, source.nodata), settings)
 
 
-def run_on_cluster(source: Source, plan: Plan, cluster: Cluster, place: str | None) -> Runner:
-    """Fits tiles on a cluster, whose workers read the picture at `place`, or are sent their pixels if it is None."""
-    if place is None:
-        return lambda numbers: cluster.run(TileTask(plan), numbers, _windows(source, plan))
-    return lambda numbers: cluster.run(ReadingTask(plan, place), numbers, lambda _: None)
+def run_on_cluster(source: Source, plan: Plan, cluster: Cluster, place: str | None, threads: int = 1) -> Runner:
+    """Tiles on a cluster, whose workers read the picture at `place`, or are sent their pixels if it is None. Each takes
+    so many threads.
+    """
 
+    def runner(
+        task: Task[Result], numbers: Sequence[int], start: Callable[[int], Start]
+    ) -> Iterator[tuple[int, Result]]:
+        if place is None:
+            return cluster.run(TileTask(task, threads), numbers, _jobs(source, plan, start))
+        return cluster.run(ReadingTask(plan, place, task, threads), numbers, lambda number: Job(None, start(number)))
 
-def _windows(source: Source, plan: Plan) -> Callable[[int], Picture]:
-    """Reads what a tile covers, with no more metadata than a fit needs."""
-    grid = plan.header.grid
-    return lambda number: replace(source.read(*grid.rect(number)), metadata=plan.place_of_windows)
+    return runner
 
 
 def run_tiles(source: Source, plan: Plan, workers: int, threads: int) -> Runner:
-    """Fits tiles in this process, or in several that are sent their pixels; `threads` are shared among them."""
-    task = TileTask(replace(plan, settings=replace(plan.settings, threads=max(1, threads // workers))))
-    window = _windows(source, plan)
-    if workers == 1:
-        return lambda numbers: run_here(task, numbers, window)
-    return lambda numbers: run_in_processes(task, numbers, window, workers)
+    """Tiles in this process, or in several that are sent their pixels; `threads` are shared among them."""
+
+    def runner(
+        task: Task[Result], numbers: Sequence[int], start: Callable[[int], Start]
+    ) -> Iterator[tuple[int, Result]]:
+        count, jobs = min(workers, len(numbers)), _jobs(source, plan, start)
+        work = TileTask(task, max(1, threads // max(1, count)))
+        return run_here(work, numbers, jobs) if workers == 1 else run_in_processes(work, numbers, jobs, count)
+
+    return runner
+
+
+def _jobs(source: Source, plan: Plan, start: Callable[[int], Start]) -> Callable[[int], Job]:
+    """Reads what a tile covers, with no more metadata than a fit needs."""
+    grid = plan.header.grid
+
+    def job(number: int) -> Job:
+        return Job(replace(source.read(*grid.rect(number)), metadata=plan.place_of_windows), start(number))
+
+    return job
+
+
+class _Telling:
+    """Keeps the state of the round under way and tells of it."""
+
+    def __init__(self, plan: Plan, on_state: Callable[[State], None] | None) -> None:
+        self._grid, self._on_state = plan.header.grid, on_state or (lambda _: None)
+        self._state = State(0, 0)
+
+    def begin(self, name: str, numbers: Sequence[int], there: dict[int, EncodedTile]) -> None:
+        """As in `Watcher`."""
+        self._state = State(len(numbers), sum(map(self._area, numbers)), name)
+        for number, tile in there.items():
+            self._state.add(tile, self._area(number), fresh=False)
+        self._on_state(self._state)
+
+    def done(self, number: int, tile: EncodedTile | None) -> None:
+        """As in `Watcher`."""
+        self._state.add(tile, self._area(number), fresh=True)
+        self._on_state(self._state)
+
+    def _area(self, number: int) -> int:
+        _, _, width, height = self._grid.core(number)
+        return width * height
 
 
 def encode_source(
+    source: Source,
     plan: Plan,
     runner: Runner,
     journal: Journal,
     target: Path | BinaryIO,
     on_state: Callable[[State], None] | None = None,
 ) -> Totals:
-    """Fits the tiles that the journal lacks and writes the stream, the same whoever fitted them in whatever order.
+    """Does what the journal lacks and writes the stream, the same whoever did it in whatever order.
 
     Raises TileFailedError; the journal then has what was finished.
     """
-    grid = plan.header.grid
-    state = State(grid.count, plan.header.width * plan.header.height)
-    for number, tile in journal.tiles.items():
-        state.add(tile, _area(plan, number), fresh=False)
-    if on_state is not None:
-        on_state(state)
-    for number, tile in runner([n for n in range(grid.count) if n not in journal.tiles]):
-        journal.add(number, tile)
-        state.add(tile, _area(plan, number), fresh=True)
-        if on_state is not None:
-            on_state(state)
+
+    def error_of(file: BinaryIO) -> float:
+        with open_stream(file) as stream:
+            return measured_error(stream, source, plan.settings.threads)
+
+    found = Rounds(plan, runner, journal, _Telling(plan, on_state), error_of).run()
     if isinstance(target, Path):
         with whole_file(target) as file:
-            size = _write(file, plan, journal)
+            size = _write(file, found, journal)
     else:
-        size = _write(target, plan, journal)
+        size = _write(target, found, journal)
+    tiles = [journal.tiles[version] for version in found.chosen]
     parts: Counter[str] = Counter()
-    for tile in journal.tiles.values():
+    for tile in tiles:
         parts.update(tile.part_bytes)
-    seeds = sum(tile.seeds for tile in journal.tiles.values())
-    return Totals(size, dict(parts), seeds, seeds * plan.header.spec.per_seed, fit_lmbda(plan.settings))
+    seeds = sum(tile.seeds for tile in tiles)
+    gaussians = seeds * plan.header.spec.per_seed
+    return Totals(size, dict(parts), seeds, gaussians, found.lmbda, found.missed)
 
 
-def _write(file: BinaryIO, plan: Plan, journal: Journal) -> int:
-    return write_stream(file, plan.header, plan.software, plan.metadata, journal.payloads())
-
-
-def _area(plan: Plan, number: int) -> int:
-    _, _, width, height = plan.header.grid.core(number)
-    return width * height
+def _write(file: BinaryIO, found: Finished, journal: Journal) -> int:
+    plan = found.plan
+    return write_stream(file, plan.header, plan.software, plan.metadata, map(journal.payload, found.chosen))

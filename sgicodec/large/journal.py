@@ -1,4 +1,6 @@
-"""What a long encode has done so far, safe on disk: finished tiles, in the order in which they came."""
+"""What a long encode has done so far, safe on disk: finished tiles, in the order in which they came, and what was
+decided on them.
+"""
 
 from __future__ import annotations
 
@@ -6,20 +8,21 @@ import hashlib
 import json
 import os
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from sgicodec.bitstream.header import encode_header
-from sgicodec.encoder import EncodedTile
 from sgicodec.errors import OutputExistsError, UsageError
 from sgicodec.plan import Plan
+from sgicodec.rounds import Version
+from sgicodec.tile_work import EncodedTile
 
 __all__ = ["Journal", "fingerprint", "opened_journal"]
 
-_SIGNATURE = b"\x89SGI-part 1\n"
+_SIGNATURE = b"\x89SGI-part 2\n"
 _BLOCK = 1 << 20
 
 
@@ -43,9 +46,10 @@ class Journal:
 
     def __init__(self, file: BinaryIO, mark: bytes) -> None:
         self._file = file
-        self._places: dict[int, tuple[int, int]] = {}
-        self.tiles: dict[int, EncodedTile] = {}
-        """Finished tiles by number, without their payloads."""
+        self._places: dict[Version, tuple[int, int]] = {}
+        self._numbers: dict[str, float] = {}
+        self.tiles: dict[Version, EncodedTile] = {}
+        """Finished tiles, without their payloads."""
         head = _SIGNATURE + mark
         found = file.read(len(head))
         if found.startswith(_SIGNATURE) and len(found) == len(head) and found != head:
@@ -57,31 +61,46 @@ class Journal:
             file.truncate()
             self._write(head)
 
-    def add(self, number: int, tile: EncodedTile) -> None:
+    def add(self, version: Version, tile: EncodedTile) -> None:
         """Writes a finished tile and waits until it is on the disk."""
-        facts = {name: value for name, value in asdict(tile).items() if name != "payload"} | {"tile": number}
+        facts = {name: value for name, value in asdict(tile).items() if name != "payload"}
+        offset = self._record(facts | version._asdict(), tile.payload)
+        self._note(version, tile, offset, len(tile.payload))
+
+    def remembered(self, name: str, found: Callable[[], float]) -> float:
+        """The number that was kept under this name, else what is found now, which is kept."""
+        if name not in self._numbers:
+            value = found()
+            self._record({"name": name, "value": value}, b"")
+            self._numbers[name] = value
+        return self._numbers[name]
+
+    def payload(self, version: Version) -> bytes:
+        """That of a finished tile."""
+        offset, length = self._places[version]
+        end = self._file.tell()
+        self._file.seek(offset)
+        payload = self._file.read(length)
+        self._file.seek(end)
+        return payload
+
+    def _record(self, facts: dict[str, Any], payload: bytes) -> int:
+        """Writes a record; returns where its payload is."""
         line = json.dumps(facts).encode() + b"\n"
-        body = line + tile.payload
+        body = line + payload
         sizes = len(line).to_bytes(4, "little") + len(body).to_bytes(8, "little")
         start = self._file.tell()
         self._write(sizes + zlib.crc32(body).to_bytes(4, "little") + body)
-        self._note(number, tile, start + 16 + len(line), len(tile.payload))
-
-    def payloads(self) -> Iterator[bytes]:
-        """The payloads of all tiles by number."""
-        for number in sorted(self._places):
-            offset, length = self._places[number]
-            self._file.seek(offset)
-            yield self._file.read(length)
+        return start + 16 + len(line)
 
     def _write(self, data: bytes) -> None:
         self._file.write(data)
         self._file.flush()
         os.fsync(self._file.fileno())
 
-    def _note(self, number: int, tile: EncodedTile, offset: int, length: int) -> None:
-        self._places[number] = offset, length
-        self.tiles[number] = replace(tile, payload=b"")
+    def _note(self, version: Version, tile: EncodedTile, offset: int, length: int) -> None:
+        self._places[version] = offset, length
+        self.tiles[version] = replace(tile, payload=b"")
 
     def _load(self) -> None:
         while True:
@@ -93,8 +112,11 @@ class Journal:
             if not body or zlib.crc32(body).to_bytes(4, "little") != sizes[12:]:
                 break
             facts = json.loads(body[:line_bytes])
-            number, payload = facts.pop("tile"), body[line_bytes:]
-            self._note(number, EncodedTile(payload, **facts), start + 16 + line_bytes, len(payload))
+            if "name" in facts:
+                self._numbers[facts["name"]] = facts["value"]
+                continue
+            version, payload = Version(facts.pop("tile"), facts.pop("round")), body[line_bytes:]
+            self._note(version, EncodedTile(payload, **facts), start + 16 + line_bytes, len(payload))
         self._file.seek(start)
         self._file.truncate()
 

@@ -41,7 +41,9 @@ def estimate(plan: Plan, reading: int) -> Estimate:
     header = plan.header
     _, _, width, height = header.grid.rect(0)
     pixels, channels = (width + 2 * header.apron) * (height + 2 * header.apron), header.spec.channels
-    share = min(MOST_SEEDS, USUAL_SEEDS * math.sqrt(USUAL_LMBDA / max(fit_lmbda(plan.settings), 1e-9)))
+    share = MOST_SEEDS  # where λ follows from a goal
+    if not plan.settings.asked():
+        share = min(MOST_SEEDS, USUAL_SEEDS * math.sqrt(USUAL_LMBDA / max(fit_lmbda(plan.settings), 1e-9)))
     window = pixels * channels * {"uint8": 1, "uint16": 2, "float32": 4}[header.sample_type]
     each_pixel = PIXEL_BYTES + CHANNEL_BYTES * channels + SEED_BYTES * share
     return Estimate(MAIN + reading + 2 * window, WORKER + window + round(pixels * each_pixel))

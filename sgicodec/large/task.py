@@ -6,39 +6,54 @@ import atexit
 import threading
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any
+from typing import Any, Generic, NamedTuple, TypeVar
 
-from sgicodec.encoder import EncodedTile, encode_tile
 from sgicodec.encoding import keep_to_one_torch_thread
 from sgicodec.errors import PictureError
 from sgicodec.image import Picture, Source, open_source
 from sgicodec.plan import Plan
+from sgicodec.rounds import Task
+from sgicodec.tile_work import Start
 
-__all__ = ["ReadingTask", "TileTask"]
+__all__ = ["Job", "ReadingTask", "TileTask"]
+
+Result = TypeVar("Result")
+
+
+class Job(NamedTuple):
+    """What a worker is sent: the pixels, or None where it reads them itself, and where a search begins."""
+
+    window: Picture | None
+    start: Start
 
 
 @dataclass(frozen=True)
-class TileTask:
-    """Fits the pixels that come with the tile's number."""
+class TileTask(Generic[Result]):
+    """Does a task to the pixels that come with the tile's number."""
 
-    plan: Plan
+    task: Task[Result]
+    threads: int
 
-    def __call__(self, number: int, window: Picture) -> EncodedTile:
-        """Fits the tile."""
+    def __call__(self, number: int, job: Job) -> Result:
+        """What the task makes of the tile. Raises PictureError where no pixels came."""
         if threading.current_thread() is not threading.main_thread():
             keep_to_one_torch_thread()
-        return encode_tile(window, self.plan, number)
+        if job.window is None:
+            raise PictureError("no pixels came")
+        return self.task(number, job.window, job.start, self.threads)
 
 
 @dataclass(frozen=True)
-class ReadingTask:
+class ReadingTask(Generic[Result]):
     """Reads the tile's pixels from `place`, a path or a URL, which stays open between tiles."""
 
     plan: Plan
     place: str
+    task: Task[Result]
+    threads: int
 
-    def __call__(self, number: int, _: None) -> EncodedTile:
-        """Fits the tile. Raises PictureError for another picture than the plan's."""
+    def __call__(self, number: int, job: Job) -> Result:
+        """What the task makes of the tile. Raises PictureError for another picture than the plan's."""
         header = self.plan.header
         with _reading:
             source = _opened(self.place, header.sample_range if header.sample_type == "float32" else None)
@@ -46,7 +61,8 @@ class ReadingTask:
             if found != (header.width, header.height, header.channels, header.sample_type):
                 raise PictureError(f"{self.place}: this is another picture than the one being encoded")
             window = source.read(*header.grid.rect(number))
-        return TileTask(self.plan)(number, replace(window, metadata=self.plan.place_of_windows))
+        window = replace(window, metadata=self.plan.place_of_windows)
+        return TileTask(self.task, self.threads)(number, job._replace(window=window))
 
 
 _reading = threading.Lock()

@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 from click.testing import Result
 
-from sgicodec import open_stream
+from sgicodec import open_stream, tile_work
 from sgicodec.image import Metadata, Picture, read, write
-from sgicodec.large import task as large
 
 Run = Callable[..., Result]
 OPTIONS = ("--tile", 32, "--steps", 4, "-j", 1)
@@ -79,16 +78,16 @@ def test_standard_streams(sgi: Run, picture: Path, tiled: Path, tmp_path: Path) 
 def test_interrupt_keeps_what_is_done(
     sgi: Run, picture: Path, tiled: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    fit, fitted = large.encode_tile, []
+    fit, fitted = tile_work.encode_tile, []
 
-    def interrupted(window: object, plan: object, number: int) -> object:
+    def interrupted(window: object, plan: object, number: int, *others: object) -> object:
         if number == 1 and fitted.count(1) == 0:
             fitted.append(1)
             raise KeyboardInterrupt
         fitted.append(number)
-        return fit(window, plan, number)  # type: ignore[arg-type]
+        return fit(window, plan, number, *others)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(large, "encode_tile", interrupted)
+    monkeypatch.setattr(tile_work, "encode_tile", interrupted)
     out = tmp_path / "a.sgi"
     stopped = sgi("encode", picture, out, *OPTIONS)
     assert stopped.exit_code == 130
@@ -101,6 +100,26 @@ def test_interrupt_keeps_what_is_done(
     assert resumed.exit_code == 0, resumed.output
     assert fitted == [0, 1, 1]
     assert out.read_bytes() == tiled.read_bytes()
+    assert not (tmp_path / "a.sgi.part").exists()
+
+
+def test_a_size_of_all_tiles(sgi: Run, picture: Path, tmp_path: Path) -> None:
+    out = tmp_path / "a.sgi"
+    result = sgi(
+        "encode", picture, out, *OPTIONS[:2], "--steps", 30, "-j", 1, "--size", 900, "--json", "--progress", "on"
+    )
+    assert result.exit_code == 0, result.output
+    assert 0.97 * 900 <= out.stat().st_size == json.loads(result.stdout)["bytes"] <= 900
+    assert "sample" in result.stderr or "search" in result.stderr
+
+
+@pytest.mark.parametrize(("goal", "value"), [("--size", 60), ("--psnr", 98)])
+def test_what_is_impossible_leaves_the_nearest(sgi: Run, picture: Path, tmp_path: Path, goal: str, value: int) -> None:
+    out = tmp_path / "a.sgi"
+    result = sgi("encode", picture, out, *OPTIONS, goal, value)
+    assert result.exit_code == 5
+    assert f"it is written to {out}" in result.stderr
+    assert sgi("verify", out).exit_code == 0
     assert not (tmp_path / "a.sgi.part").exists()
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -17,7 +18,8 @@ from sgicodec.errors import PictureError, TileFailedError, UsageError
 from sgicodec.image import Picture, open_source, write
 from sgicodec.large.cluster import open_cluster
 from sgicodec.large.encode import plan_of
-from sgicodec.large.task import ReadingTask
+from sgicodec.large.task import Job, ReadingTask
+from sgicodec.tile_work import FitTask, Start
 
 
 def dies_once(folder: Path, number: int, job: int) -> int:
@@ -54,6 +56,16 @@ def test_same_bytes_as_one_process(
     assert out.read_bytes() == encode(read(photo), settings).data
 
 
+def test_goals_on_a_cluster(photo: Path, settings: EncodeSettings, tmp_path: Path) -> None:
+    from click.testing import CliRunner
+
+    out = tmp_path / "out.sgi"
+    arguments = ["encode", str(photo), str(out), "--tile", "40", "--steps", "8", "--bpp", "0.9", "--cluster", "local:2"]
+    result = CliRunner().invoke(cli, arguments)
+    assert result.exit_code == 0, result.output
+    assert out.read_bytes() == encode(read(photo), replace(settings, tile=40, bpp=0.9)).data
+
+
 @pytest.mark.parametrize("address", ["local:0", "local:x", "tcp://127.0.0.1:1"])
 def test_addresses_without_a_cluster(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sgicodec.large.cluster._PATIENCE_SECONDS", 0.3)
@@ -64,11 +76,12 @@ def test_addresses_without_a_cluster(address: str, monkeypatch: pytest.MonkeyPat
 def test_workers_read_paths_and_urls(photo: Path, settings: EncodeSettings, tmp_path: Path) -> None:
     with open_source(photo) as source:
         plan = plan_of(source, settings)
-    by_path, by_url = (ReadingTask(plan, place)(4, None) for place in (str(photo), photo.as_uri()))
+    job, work = Job(None, Start()), FitTask(plan)
+    by_path, by_url = (ReadingTask(plan, place, work, 1)(4, job) for place in (str(photo), photo.as_uri()))
     assert by_path.payload == by_url.payload
     other = tmp_path / "other.png"
     write(Picture(np.zeros((9, 9, 3), np.uint8), "rgb", (0.0, 255.0)), other)
     with pytest.raises(PictureError, match="another picture"):
-        ReadingTask(plan, str(other))(0, None)
+        ReadingTask(plan, str(other), work, 1)(0, job)
     with pytest.raises(PictureError):
-        ReadingTask(plan, (tmp_path / "missing.png").as_uri())(0, None)
+        ReadingTask(plan, (tmp_path / "missing.png").as_uri(), work, 1)(0, job)

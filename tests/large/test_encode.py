@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from sgicodec import EncodeSettings, encode, open_stream, read
-from sgicodec.encoder import EncodedTile
 from sgicodec.errors import UsageError
 from sgicodec.image import open_source
 from sgicodec.large.encode import State, Totals, encode_source, plan_of, run_tiles
@@ -18,6 +18,8 @@ from sgicodec.large.journal import Journal
 from sgicodec.large.measure import measured_psnr
 from sgicodec.large.memory import MIB, Estimate, estimate, fitting_workers
 from sgicodec.metrics import psnr
+from sgicodec.rounds import Task
+from sgicodec.tile_work import EncodedTile, Start
 
 
 @pytest.fixture(scope="module")
@@ -34,10 +36,12 @@ def encoded(photo: Path, settings: EncodeSettings, workers: int, backwards: bool
         if backwards:
             forwards = runner
 
-            def runner(numbers: Iterable[int]) -> Iterator[tuple[int, EncodedTile]]:
-                return forwards(sorted(numbers, reverse=True))
+            def runner(
+                task: Task[Any], numbers: Sequence[int], start: Callable[[int], Start]
+            ) -> Iterator[tuple[int, Any]]:
+                return forwards(task, sorted(numbers, reverse=True), start)
 
-        totals = encode_source(plan, runner, Journal(io.BytesIO(), bytes(32)), target)
+        totals = encode_source(source, plan, runner, Journal(io.BytesIO(), bytes(32)), target)
     return target.getvalue(), totals
 
 
@@ -66,10 +70,10 @@ def test_going_on_gives_the_same_bytes(photo: Path, settings: EncodeSettings, ex
                 raise KeyboardInterrupt
 
         with pytest.raises(KeyboardInterrupt):
-            encode_source(plan, runner, journal, target, stop)
-        assert sorted(journal.tiles) == [0, 1, 2]
+            encode_source(source, plan, runner, journal, target, stop)
+        assert sorted(journal.tiles) == [(0, 0), (1, 0), (2, 0)]
         assert not target.getvalue()
-        encode_source(plan, runner, journal, target, lambda state: states.append((state.done, state.fresh)))
+        encode_source(source, plan, runner, journal, target, lambda state: states.append((state.done, state.fresh)))
     assert target.getvalue() == expected
     assert [done for done, _ in states] == [3, 4, 5, 6]
     assert states[0][1] == 0
@@ -79,8 +83,8 @@ def test_going_on_gives_the_same_bytes(photo: Path, settings: EncodeSettings, ex
 def test_state_adds_up() -> None:
     state = State(tiles=4, all_pixels=4000)
     assert state.seconds_left == float("inf")
-    state.add(EncodedTile(b"", {}, 1, 0.03, 300, 1.0, 125), 1000, fresh=True)
-    state.add(EncodedTile(b"", {}, 1, 0.03, 300, 1.0, 125), 1000, fresh=False)
+    state.add(EncodedTile(b"", {}, 1, 0.03, 300, 1.0, 125, 0.01), 1000, fresh=True)
+    state.add(EncodedTile(b"", {}, 1, 0.03, 300, 1.0, 125, 0.01), 1000, fresh=False)
     assert (state.done, state.bpp) == (2, 1.0)
     assert state.psnr == pytest.approx(40.0)
     assert state.seconds_left == pytest.approx(2000 / state.pixels_per_second, rel=0.5)

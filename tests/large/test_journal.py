@@ -9,19 +9,20 @@ from pathlib import Path
 import pytest
 
 from sgicodec import EncodeSettings
-from sgicodec.encoder import EncodedTile
 from sgicodec.errors import OutputExistsError, UsageError
 from sgicodec.image import open_source
 from sgicodec.large.encode import plan_of
 from sgicodec.large.journal import Journal, fingerprint, opened_journal
 from sgicodec.plan import Plan
+from sgicodec.rounds import Version
+from sgicodec.tile_work import EncodedTile
 
 MARK = bytes(range(32))
 
 
 def tile(number: int) -> EncodedTile:
     payload = bytes([number]) * (100 + number)
-    return EncodedTile(payload, {"colour": 1.5 * number}, number, 0.25, 300, 0.5, len(payload))
+    return EncodedTile(payload, {"colour": 1.5 * number}, number, 0.25, 300, 0.5, len(payload), 0.01)
 
 
 def interrupted(path: Path, numbers: list[int], mark: bytes = MARK, resume: bool = False) -> None:
@@ -30,7 +31,7 @@ def interrupted(path: Path, numbers: list[int], mark: bytes = MARK, resume: bool
     def work() -> None:
         with opened_journal(path, mark, resume, False) as journal:
             for number in numbers:
-                journal.add(number, tile(number))
+                journal.add(Version(number), tile(number))
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
@@ -42,9 +43,33 @@ def test_finished_tiles_are_there_again(tmp_path: Path) -> None:
     interrupted(path, [2, 0])
     interrupted(path, [1], resume=True)
     with opened_journal(path, MARK, True, False) as journal:
-        assert journal.tiles == {number: replace(tile(number), payload=b"") for number in (0, 1, 2)}
-        assert list(journal.payloads()) == [tile(number).payload for number in (0, 1, 2)]
+        assert journal.tiles == {Version(number): replace(tile(number), payload=b"") for number in (0, 1, 2)}
+        assert [journal.payload(Version(number)) for number in (0, 1, 2)] == [
+            tile(number).payload for number in (0, 1, 2)
+        ]
     assert not path.exists()
+
+
+def test_rounds_and_numbers_are_kept_apart(tmp_path: Path) -> None:
+    path = tmp_path / "part"
+
+    def work() -> None:
+        with opened_journal(path, MARK, False, False) as journal:
+            journal.add(Version(1, 0), tile(1))
+            assert journal.remembered("lmbda 0", lambda: 0.1 + 0.2) == 0.1 + 0.2
+            journal.add(Version(1, 3), tile(2))
+            assert journal.remembered("lmbda 0", lambda: 7.0) == 0.1 + 0.2
+            assert journal.payload(Version(1, 0)) == tile(1).payload
+            journal.add(Version(0, 3), tile(3))
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        work()
+    with opened_journal(path, MARK, True, False) as journal:
+        assert set(journal.tiles) == {(1, 0), (1, 3), (0, 3)}
+        assert [journal.payload(version) for version in journal.tiles] == [tile(n).payload for n in (1, 2, 3)]
+        assert journal.remembered("lmbda 0", lambda: 7.0) == 0.1 + 0.2
+        assert journal.remembered("lmbda 1", lambda: 7.0) == 7.0
 
 
 @pytest.mark.parametrize("lost", [1, 60, 130, 250])
@@ -55,8 +80,8 @@ def test_what_a_kill_cut_short_is_dropped(tmp_path: Path, lost: int) -> None:
     path.write_bytes(data[:-lost])
     interrupted(path, [7], resume=True)
     with opened_journal(path, MARK, True, False) as journal:
-        assert {0, 7} <= set(journal.tiles) <= {0, 1, 7}
-        assert list(journal.payloads())[-1] == tile(7).payload
+        assert {0, 7} <= {version.tile for version in journal.tiles} <= {0, 1, 7}
+        assert journal.payload(Version(7)) == tile(7).payload
 
 
 def test_a_damaged_record_is_dropped(tmp_path: Path) -> None:
@@ -66,7 +91,7 @@ def test_a_damaged_record_is_dropped(tmp_path: Path) -> None:
     data[-5] ^= 1
     path.write_bytes(data)
     with opened_journal(path, MARK, True, False) as journal:
-        assert set(journal.tiles) == {0}
+        assert set(journal.tiles) == {Version(0)}
 
 
 def test_tiles_are_on_disk_before_add_returns(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -75,7 +100,7 @@ def test_tiles_are_on_disk_before_add_returns(tmp_path: Path, monkeypatch: pytes
     monkeypatch.setattr(os, "fsync", lambda number: (synced.append(os.fstat(number).st_size), real(number))[1])
     with (tmp_path / "part").open("w+b") as file:
         journal = Journal(file, MARK)
-        journal.add(0, tile(0))
+        journal.add(Version(0), tile(0))
         assert synced[-1] == file.tell() > 100
 
 

@@ -1,0 +1,186 @@
+"""What is done to one tile of a stream of several: it is looked at, fitted, or searched again."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, NamedTuple
+
+from sgicodec.bitstream.tile import read_tile
+from sgicodec.bitstream.tile_chunk import TileChunk, decode_tile_chunk, encode_tile_chunk
+from sgicodec.decoder import open_stream
+from sgicodec.distortion import squared_error
+from sgicodec.encoding import Candidate, Encoding, written
+from sgicodec.fit.steering import STREAM_BYTES, Foretold
+from sgicodec.image import Picture
+from sgicodec.model.context import input_count
+from sgicodec.model.network import DIFFERENCE_SHIFT
+from sgicodec.model.processor import Processor
+from sgicodec.model.spec import ModelSpec
+from sgicodec.plan import Plan
+from sgicodec.refine import Refiner, RefineSettings
+from sgicodec.trim import coarser
+
+if TYPE_CHECKING:
+    from sgicodec.fit.trainer import Progress
+
+__all__ = ["GRID", "EncodedTile", "FitTask", "Look", "LookTask", "SearchTask", "Start", "encode_tile"]
+
+GRID = tuple(2.0**octave for octave in range(-20, 3))
+"""λ at which tiles are looked at."""
+
+
+@dataclass(frozen=True)
+class EncodedTile:
+    """A finished tile. payload: of its chunk; part_bytes, seeds as in `Encoded`; squared_error: of what is decoded, in
+    the tile's core, over `samples` of them in 0..1; seconds: that it took; length: of the payload; lmbda: its λ.
+    """
+
+    payload: bytes
+    part_bytes: dict[str, float]
+    seeds: int
+    squared_error: float
+    samples: int
+    seconds: float
+    length: int
+    lmbda: float
+
+
+class Start(NamedTuple):
+    """Where a search begins: the payload of a tile's chunk and the λ that it was made for."""
+
+    payload: bytes = b""
+    lmbda: float = 0.0
+
+
+@dataclass(frozen=True)
+class Look:
+    """What a tile is foretold to come to at every λ of `GRID`: bytes, and squared error in its core."""
+
+    bytes: tuple[float, ...]
+    errors: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class LookTask:
+    """Foretells what a tile will come to, without a fit."""
+
+    plan: Plan
+
+    def __call__(self, number: int, window: Picture, start: Start, threads: int) -> Look:
+        """A tile in which no pixel holds anything costs and errs nothing."""
+        tile = _encoding(window, self.plan, number, threads)
+        if tile.holds_nothing:
+            return Look((0.0,) * len(GRID), (0.0,) * len(GRID))
+        _, _, width, height = self.plan.header.grid.core(number)
+        samples = width * height * self.plan.header.spec.channels
+        foretold = Foretold(tile.target, tile.fit)
+        found = [foretold.at(lmbda) for lmbda in GRID]
+        fixed = _TILE_BYTES + _WEIGHT_BYTES * _weights(tile.spec)
+        sizes = tuple(max(size - STREAM_BYTES, 0.0) + fixed for size, _ in found)
+        return Look(sizes, tuple(samples * error for _, error in found))
+
+
+_TILE_BYTES, _WEIGHT_BYTES = 30.0, 1.2
+"""About what a tile takes without seeds; for each weight of an own network."""
+
+
+def _weights(spec: ModelSpec) -> int:
+    """How many weights an own network of the tile has."""
+    if spec.context.prior:
+        return 0
+    return spec.context.hidden * sum(input_count(spec, step) for step in range(len(spec.context.steps)))
+
+
+@dataclass(frozen=True)
+class FitTask:
+    """Fits a tile at the plan's λ."""
+
+    plan: Plan
+    on_progress: Callable[[Progress], bool] | None = None
+
+    def __call__(self, number: int, window: Picture, start: Start, threads: int) -> EncodedTile:
+        """Fits the pixels that the tile covers, apron included."""
+        return encode_tile(window, self.plan, number, threads, self.on_progress)
+
+
+@dataclass(frozen=True)
+class SearchTask:
+    """Searches the symbols of a finished tile again, for the plan's λ."""
+
+    plan: Plan
+
+    def __call__(self, number: int, window: Picture, start: Start, threads: int) -> EncodedTile:
+        """A model that cannot be searched has its steps moved as λ asks for."""
+        started, tile = time.monotonic(), _encoding(window, self.plan, number, threads)
+        payload = decode_tile_chunk(self.plan.header, start.payload).model
+        if payload is None:
+            return _finished(tile, self.plan, number, None, started)
+        header, lmbda = tile.plan.header, tile.fit.lmbda
+        model, _ = read_tile(header, payload, Processor(threads))
+        values = model.decoded_values
+        groups = {group.name: values[:, group.columns] for group in header.spec.groups}
+        model = replace(model, attributes=groups, decoded=None)
+        if not tile.searches:
+            shift = round(0.5 * math.log2(lmbda / start.lmbda) * 2**DIFFERENCE_SHIFT)
+            model = replace(model, networks=coarser(model.networks, shift))
+            return _finished(tile, self.plan, number, Candidate(header, model, lmbda), started)
+        settings = RefineSettings.for_steps(tile.fit.steps)
+        settings = replace(settings, coarser=0.0, sweeps=max(_LEAST_SWEEPS, settings.sweeps // _SWEEPS_SHARE))
+        refiner = Refiner(header, model, tile.unit, start.lmbda, settings, Processor(threads))
+        for _ in range(settings.sweeps):
+            model = refiner.sweep(lmbda).model
+        return _finished(tile, self.plan, number, Candidate(header, model, lmbda), started)
+
+
+_LEAST_SWEEPS, _SWEEPS_SHARE = 2, 3
+"""Sweeps of a search after a search: at least, and of those after a fit."""
+
+
+def encode_tile(
+    window: Picture,
+    plan: Plan,
+    number: int,
+    threads: int = 0,
+    on_progress: Callable[[Progress], bool] | None = None,
+) -> EncodedTile:
+    """Fits tile `number` of a stream of several to its pixels, apron included."""
+    started, tile = time.monotonic(), _encoding(window, plan, number, threads)
+    candidate = None if tile.holds_nothing else tile.searched(tile.candidate(tile.fitted(on_progress)))
+    return _finished(tile, plan, number, candidate, started)
+
+
+def _encoding(window: Picture, plan: Plan, number: int, threads: int) -> Encoding:
+    header, settings = plan.header, replace(plan.settings, threads=threads)
+    if settings.seeds is not None:
+        share = window.width * window.height / (header.width * header.height)
+        settings = replace(settings, seeds=max(1, round(settings.seeds * share)))
+    own = replace(plan, header=header.of_tile(number), settings=settings, metadata=None)
+    tile = Encoding(window, own, time.monotonic())
+    tile.fit = replace(tile.fit, quality=header.quality)
+    return tile
+
+
+def _finished(tile: Encoding, plan: Plan, number: int, candidate: Candidate | None, started: float) -> EncodedTile:
+    """The tile's payload, measured on its own: where it fades into its neighbours, they make the error smaller."""
+    header, model, parts, seeds = plan.header, None, dict[str, float](), 0
+    if candidate is not None:
+        model, parts = written(candidate)
+        seeds = len(candidate.model.layout)
+    payload = encode_tile_chunk(header, TileChunk(number, tile.empty, model))
+    if header.masked is not None:
+        parts["mask"] = len(payload) - len(model or b"")
+    with open_stream(tile.assembled(tile.plan.header, model)[0]) as stream:
+        decoded = stream.picture(threads=tile.settings.threads)
+    own, shown = (_core(plan, number, picture) for picture in (tile.picture, decoded))
+    error, seconds = squared_error(own, shown), time.monotonic() - started
+    return EncodedTile(payload, parts, seeds, error, own.pixels.size, seconds, len(payload), tile.fit.lmbda)
+
+
+def _core(plan: Plan, number: int, window: Picture) -> Picture:
+    """What of a tile's pixels is in no other core."""
+    grid = plan.header.grid
+    (left, top, _, _), (x, y, width, height) = grid.rect(number), grid.core(number)
+    return replace(window, pixels=window.pixels[y - top : y - top + height, x - left : x - left + width])
