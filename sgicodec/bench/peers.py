@@ -94,6 +94,8 @@ class WebP(Peer):
 class Avif(Peer):
     """AVIF by libaom at speed 6, 4:4:4.
 
+    One tile, or with `tiled` as many as libavif finds right for the size.
+
     Tuned for PSNR, because libavif's default since libaom 3.12 tunes for an image-quality model and would
     enter a comparison by PSNR with a handicap. Decodes with dav1d, whose thread count pillow does not
     offer.
@@ -102,6 +104,7 @@ class Avif(Peer):
     name: ClassVar[str] = "avif"
     ladder: tuple[float, ...] = (2, 8, 16, 26, 38, 52, 68, 85)
     threads: int = 1
+    tiled: bool = False
 
     def version(self) -> str:
         libavif = _pillow_version(self.name, "avif", "libavif")
@@ -112,10 +115,11 @@ class Avif(Peer):
         return f"{libavif}, {_avif.codec_versions()}"
 
     def settings(self, quality: float) -> str:
-        return f"quality={round(quality)} 4:4:4 aom speed=6 tune=psnr tiles=1 threads={self.threads}"
+        tiles = "auto" if self.tiled else "1"
+        return f"quality={round(quality)} 4:4:4 aom speed=6 tune=psnr tiles={tiles} threads={self.threads}"
 
     def encode(self, pixels: Pixels8, quality: float) -> bytes:
-        options: dict[str, Any] = {"subsampling": "4:4:4", "codec": "aom", "speed": 6, "autotiling": False}
+        options: dict[str, Any] = {"subsampling": "4:4:4", "codec": "aom", "speed": 6, "autotiling": self.tiled}
         options |= {"advanced": {"tune": "psnr"}, "max_threads": self.threads}
         return _pillow_encode(pixels, "AVIF", quality=round(quality), **options)
 
