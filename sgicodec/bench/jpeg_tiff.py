@@ -15,7 +15,7 @@ import numpy as np
 
 from sgicodec.bench.codec import Pixels8
 from sgicodec.image import Source
-from sgicodec.image.ifd import Entry, dump
+from sgicodec.image.ifd import Directory, Entry, dump
 
 __all__ = ["TILE", "write_jpeg_tiff"]
 
@@ -66,7 +66,7 @@ def _jpeg(tile: Pixels8, quality: int, streamtype: int) -> bytes:
     return buffer.getvalue()
 
 
-def _directory(width: int, height: int, offsets: list[int], sizes: list[int], tables: bytes) -> dict[int, Entry]:
+def _directory(width: int, height: int, offsets: list[int], sizes: list[int], tables: bytes) -> Directory:
     numbers = {
         256: (_LONG, [width]),
         257: (_LONG, [height]),
@@ -82,7 +82,7 @@ def _directory(width: int, height: int, offsets: list[int], sizes: list[int], ta
         530: (_SHORT, [2, 2]),
         532: (_RATIONAL, [value for pair in (0, 255, 128, 255, 128, 255) for value in (pair, 1)]),
     }
-    entries = {
+    entries: Directory = {
         tag: Entry(kind, np.array(values, "<u2" if kind == _SHORT else "<u4").tobytes())
         for tag, (kind, values) in numbers.items()
     }

@@ -101,8 +101,8 @@ def main(
     """Measure sgi on PICTURES, peers at the same PSNR, and how time and memory grow.
 
     Writes OUT/results/large.tsv; from squares of the largest picture OUT/results/large-scaling.tsv and
-    OUT/images/large-time.png and large-memory.png. What is measured is noted in the folder --streams at once: a run that
-    was stopped goes on where it was.
+    OUT/images/large-time.png and large-memory.png. What is measured is noted in the folder --streams at once: a run
+    that was stopped goes on where it was.
     """
     require_matplotlib()
     codecs = _peers(peers, workers)

@@ -1,4 +1,4 @@
-"""The quality at which a peer has the PSNR of sgi: found on a sample of the picture, then corrected on the whole of it."""
+"""The quality at which a peer has the PSNR of sgi: found on a sample of the picture, corrected on the whole of it."""
 
 from __future__ import annotations
 

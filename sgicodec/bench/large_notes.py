@@ -1,4 +1,4 @@
-"""What all runs on large pictures share, and their measurements, kept in a file as they are made, so that a benchmark of hours can be interrupted."""
+"""What runs on large pictures share, and their measurements, written down as they are made: a run of hours can stop."""
 
 from __future__ import annotations
 

@@ -27,12 +27,9 @@ _out = click.argument("out", type=click.Path(dir_okay=False, path_type=Path))
 _threads = click.option("--threads", default=1, type=click.IntRange(1))
 
 
-class _Region(click.ParamType):
-    name = "x,y,width,height"
-
-    def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> Rect:
-        x, y, width, height = map(int, value.split(","))
-        return x, y, width, height
+def _rect(context: click.Context, parameter: click.Parameter, value: str) -> Rect:
+    x, y, width, height = map(int, value.split(","))
+    return x, y, width, height
 
 
 @click.group()
@@ -56,7 +53,7 @@ def encode(codec: str, source: Path, out: Path, threads: int, rung: int) -> None
 @_source
 @_out
 @_threads
-@click.option("--region", required=True, type=_Region(), help="Pixels to decode.")
+@click.option("--region", required=True, callback=_rect, metavar="X,Y,W,H", help="Pixels to decode.")
 def decode(codec: str, source: Path, out: Path, threads: int, region: Rect) -> None:
     """Decode into a TIFF as sgi decode writes it."""
     _, _, width, height = region

@@ -61,7 +61,9 @@ def row_of(
             if name in ("encode", "decode"):
                 values |= {f"{name}_per_megapixel": run.seconds / pixels * 1e6, f"{name}_cpu": run.cpu}
     rates = {"bytes": trip.bytes, "bpp": 8 * trip.bytes / pixels, "equal_bpp": 8 * equal_bytes / pixels}
-    known = {name: float(value) for name, value in (values | rates | {"psnr": trip.psnr}).items() if value is not None}
+    known: dict[str, Any] = {
+        name: float(value) for name, value in (values | rates | {"psnr": trip.psnr}).items() if value is not None
+    }
     return LargeRow(
         picture.stem, *size, codec, effort, settings=trip.settings, version=trip.version, note=note, **known
     )

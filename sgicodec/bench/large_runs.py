@@ -74,5 +74,5 @@ def _matched_row(
     off = found.trip.psnr - psnr
     note = codec.region_note
     if abs(off) > TOLERANCE:
-        note += f"; {off:+.2f} dB, no nearer quality found"
+        note += f"; {off:+.3f} dB, no nearer quality found"
     return row_of(picture, size, codec.name, effort, found.trip, found.equal_bytes, note)

@@ -45,7 +45,8 @@ def write_crop(picture: Path, side: int, out: Path) -> None:
     """The middle square of a picture as a TIFF, a band of rows at a time."""
     with open_source(picture) as source:
         left, top = (source.width - side) // 2, (source.height - side) // 2
-        with open_sink(out, side, side, source.channels, source.dtype, bands=source.header.count) as sink:
+        bands = source.header.count if source.channels == "multi" else None
+        with open_sink(out, side, side, source.channels, source.dtype, bands=bands) as sink:
             for y in range(0, side, _BAND):
                 sink.write_rows(y, source.read(left, top + y, side, min(_BAND, side - y)).pixels)
 

@@ -66,7 +66,7 @@ def peer_trip(codec: LargePeer, picture: Path, job: Job, size: tuple[int, int], 
             raise
         notes.put("refused", reason)
         raise RefusedError(reason) from error
-    runs = {name: found[name] and Run(*found[name]) for name in ("encode", "decode", "region")}
+    runs: dict[str, Any] = {name: found[name] and Run(*found[name]) for name in ("encode", "decode", "region")}
     return Trip(codec.settings(rung), codec.version(), found["bytes"], found["psnr"], **runs)
 
 
