@@ -27,7 +27,7 @@ from sgicodec.model.processor import ONE_THREAD, Processor
 
 __all__ = ["ONES", "code_predicted_positions"]
 
-SHA256 = "4894349b959dd87528968b1aca122acd3a8fb255aa98f006c9b86dc964f52c5a"
+SHA256 = "cea8d9a268ade90a019ca4bf78ddca68f764b3e7c45010a487a8a041b0fe7f3a"
 
 ONES = (
     *(32768, 36843, 40793, 44511, 47911, 50941, 53581, 55834, 57724, 59287, 60565, 61598, 62428),

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.errors import LimitError, UsageError
-from sgicodec.model.morton import Codes, canonical_order, morton, unmorton
+from sgicodec.model.morton import Codes, morton, unmorton
 
 __all__ = ["Flags", "Seeds", "TreeShape", "TreeTruth", "seeds_of"]
 
@@ -60,11 +60,10 @@ class TreeShape:
 
 def seeds_of(found: list[tuple[Codes, int]]) -> Seeds:
     """The seeds in `canonical_order` from the Morton codes of the nodes that carry them, with their level."""
-    code = np.concatenate([codes for codes, _ in found])
-    log_size = np.concatenate([np.full(codes.size, level, np.int8) for codes, level in found])
-    corner = np.stack(unmorton(code), axis=-1) << log_size[:, None]
-    order = canonical_order(corner, log_size)
-    return corner[order].astype(np.int32), log_size[order]
+    keys = np.concatenate([codes << 2 * level + 5 | MAX_LOG - level for codes, level in found])  # below 2**54
+    keys.sort(kind="stable")  # merges what is in order level by level
+    corner = np.stack(unmorton(keys >> 5), axis=-1)
+    return corner.astype(np.int32), (MAX_LOG - (keys & 31)).astype(np.int8)
 
 
 class TreeTruth:

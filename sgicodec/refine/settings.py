@@ -29,4 +29,4 @@ class RefineSettings:
     @classmethod
     def for_steps(cls, steps: int) -> RefineSettings:
         """As many sweeps as befit a fit of so many steps: where both gain about the same in a second."""
-        return cls(sweeps=min(24, max(2, round(steps / 100))))
+        return cls(sweeps=min(64, max(2, round(steps / 100))))

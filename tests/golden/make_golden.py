@@ -21,7 +21,8 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
     small = np.ascontiguousarray(crop.pixels[:64, :96])
     luma = small.astype(np.uint16) @ np.array([77, 150, 29], np.uint16)  # 16 bits
     quick = EncodeSettings(quality=50, steps=150, threads=1, prior=1)
-    coarse_first = replace(quick, prior=2)
+    coarse_first = replace(quick, prior=2)  # made before places were predicted, which they are now
+    predicted = replace(quick, prior=2)
     paper = EncodeSettings(profile="paper", seeds=60, per_seed=3, features=12, steps=80, threads=1)
     alpha = np.concatenate([small, 255 - small[..., :1]], axis=2)
     return {
@@ -37,6 +38,8 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
         "rgb8-coarse-first": (crop, coarse_first),
         "gray16-coarse-first": (Picture(luma[..., None], "gray", (0.0, 65535.0)), coarse_first),
         "rgb8-prior3": (crop, replace(quick, prior=3)),
+        "rgb8-predicted-seeds": (crop, predicted),
+        "gray16-predicted-seeds": (Picture(luma[..., None], "gray", (0.0, 65535.0)), predicted),
         "one-pixel": (Picture(small[:1, :1], "rgb", (0.0, 255.0)), quick),
     }
 

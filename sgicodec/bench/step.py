@@ -1,0 +1,100 @@
+"""What a step of a fit spends where: `python -m sgicodec.bench.step PICTURES… [--steps 1000] [--threads 2]`.
+
+A whole fit runs with a clock around its parts; the rows are milliseconds per step, averaged over all of its steps,
+since seeds come and go.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import click
+
+from sgicodec.encode_settings import EncodeSettings
+from sgicodec.encoding import Encoding
+from sgicodec.fit.adam import Adam
+from sgicodec.fit.seed_step import SeedStep
+from sgicodec.fit.trainer import Trainer
+from sgicodec.image import Picture, read
+from sgicodec.plan import Shape, stream_plan
+
+__all__ = ["PARTS", "Spent", "main", "spent"]
+
+PARTS: dict[str, list[tuple[type, str]]] = {
+    "drawing, forward and backward": [(SeedStep, "_draw")],
+    "values, noise, MLP_p, bits, and their gradients": [(SeedStep, "run")],
+    "Adam": [(Adam, "step")],
+    "dropping and adding seeds": [(Trainer, "_prune"), (Trainer, "_grow")],
+    "learning rates, and what is left": [(Trainer, "_step")],
+}
+"""Methods that are timed; a part does not count what a part above it counts."""
+
+
+@dataclass(frozen=True)
+class Spent:
+    """Seconds of the parts of a fit, by name, of so many steps; seeds at its end."""
+
+    seconds: dict[str, float]
+    steps: int
+    seeds: int
+
+
+def spent(picture: Picture, settings: EncodeSettings) -> Spent:
+    """Fits a picture, search not included."""
+    totals: dict[str, float] = defaultdict(float)
+    with ExitStack() as stack:
+        for name, methods in PARTS.items():
+            for owner, method in methods:
+                stack.enter_context(_timed(owner, method, name, totals))
+        encoding = Encoding(picture, stream_plan(Shape.of(picture), settings), time.monotonic())
+        fitted = encoding.fitted(None)
+    names = list(PARTS)
+    drawing, run, adam, step = (totals[names[i]] for i in (0, 1, 2, 4))
+    seconds = {names[0]: drawing, names[1]: run - drawing, names[2]: adam, names[3]: totals[names[3]]}
+    seconds[names[4]] = step - run - adam
+    return Spent(seconds, encoding.fit.steps, len(fitted.layout))
+
+
+@contextmanager
+def _timed(owner: type, method: str, name: str, totals: dict[str, float]) -> Iterator[None]:
+    plain: Callable[..., Any] = getattr(owner, method)
+
+    def timed(*arguments: Any, **named: Any) -> Any:
+        started = time.perf_counter()
+        try:
+            return plain(*arguments, **named)
+        finally:
+            totals[name] += time.perf_counter() - started
+
+    setattr(owner, method, timed)
+    try:
+        yield
+    finally:
+        setattr(owner, method, plain)
+
+
+@click.command()
+@click.argument("pictures", nargs=-1, required=True, type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.option("--steps", default=1000, show_default=True, type=click.IntRange(1))
+@click.option("--quality", default=50.0, show_default=True, type=click.FloatRange(1, 100))
+@click.option("--threads", default=2, show_default=True, type=click.IntRange(0))
+def main(pictures: tuple[Path, ...], steps: int, quality: float, threads: int) -> None:
+    """Fit PICTURES and print where the time of a step goes."""
+    for path in pictures:
+        one = spent(read(path), EncodeSettings(quality=quality, steps=steps, threads=threads))
+        total = sum(one.seconds.values())
+        click.echo(f"{path.stem}, {one.seeds} seeds at the end, {1e3 * total / one.steps:.2f} ms per step\n")
+        click.echo("| part | ms | share |\n|---|---:|---:|")
+        for name, seconds in one.seconds.items():
+            click.echo(f"| {name} | {1e3 * seconds / one.steps:.2f} | {100 * seconds / total:.1f} % |")
+        click.echo("")
+
+
+if __name__ == "__main__":
+    main()
