@@ -16,17 +16,17 @@ pytest.importorskip("PIL")
 pytest.importorskip("imagecodecs")
 pytest.importorskip("matplotlib")
 
-from sgicodec.bench import large, large_notes, large_peer, large_runs, large_sgi, large_trips
-from sgicodec.bench.jpeg_tiff import write_jpeg_tiff
-from sgicodec.bench.large_match import TOLERANCE, Probes, match, nearest_rung
-from sgicodec.bench.large_notes import Job, Notes, Trip, psnr_of
-from sgicodec.bench.large_peers import LARGE_PEERS, JpegTiff
-from sgicodec.bench.large_rows import LargeRow, read_rows, report, write_rows
-from sgicodec.bench.large_scaling import read_sizes, write_crop
-from sgicodec.bench.large_sgi import Counting, middle_region
-from sgicodec.bench.large_trips import RefusedError, peer_trip, sample_of
+from sgicodec.bench.large import command, notes, peer, runs, sgi, trips
+from sgicodec.bench.large.jpeg_tiff import write_jpeg_tiff
+from sgicodec.bench.large.match import TOLERANCE, Probes, match, nearest_rung
+from sgicodec.bench.large.notes import Job, Notes, Trip, psnr_of
+from sgicodec.bench.large.peers import LARGE_PEERS, JpegTiff
+from sgicodec.bench.large.rows import LargeRow, read_rows, report, write_rows
+from sgicodec.bench.large.scaling import read_sizes, write_crop
+from sgicodec.bench.large.sgi import Counting, middle_region
+from sgicodec.bench.large.trips import RefusedError, peer_trip, sample_of
 from sgicodec.bench.sgi import Run
-from sgicodec.cli.main import cli as sgi
+from sgicodec.cli.main import cli as sgi_command
 from sgicodec.errors import SgiError, UsageError
 from sgicodec.image import Picture, open_source, read, write
 from sgicodec.tiles import TileGrid
@@ -43,7 +43,7 @@ class InProcess:
     def __call__(self, command: Sequence[str]) -> Run:
         module, arguments = command[2], list(command[3:])
         self.commands.append([module, *arguments])
-        main = {"sgicodec": sgi, "sgicodec.bench.large_peer": large_peer.main}[module]
+        main = {"sgicodec": sgi_command, "sgicodec.bench.large.peer": peer.main}[module]
         done = CliRunner().invoke(main, arguments)
         if done.exit_code:
             raise SgiError(f"`{module}` failed: {done.output}{done.exception}")
@@ -53,8 +53,8 @@ class InProcess:
 @pytest.fixture
 def processes(monkeypatch: pytest.MonkeyPatch) -> InProcess:
     runner = InProcess()
-    monkeypatch.setattr(large_sgi, "run_timed", runner)
-    monkeypatch.setattr(large_trips, "run_timed", runner)
+    monkeypatch.setattr(sgi, "run_timed", runner)
+    monkeypatch.setattr(trips, "run_timed", runner)
     return runner
 
 
@@ -192,7 +192,7 @@ def test_the_sample_is_blocks_from_all_over_the_picture(
 ) -> None:
     job = Job(tmp_path, 1)
     assert sample_of(picture, job) == picture
-    monkeypatch.setattr(large_trips, "_BLOCK", 16)
+    monkeypatch.setattr(trips, "_BLOCK", 16)
     pixels, sample = read(picture).pixels, read(sample_of(picture, job)).pixels
     assert sample.shape == (64, 64, 3)
     np.testing.assert_array_equal(sample[:16, :16], pixels[:16, :16])
@@ -250,11 +250,11 @@ def test_an_interrupted_encode_counts_what_it_had_done(
         return Run(5.0, 100.0, 4.0)
 
     for _ in range(2):
-        monkeypatch.setattr(large_sgi, "run_timed", stopped)
+        monkeypatch.setattr(sgi, "run_timed", stopped)
         with pytest.raises(SgiError, match="stopped"):
-            large_sgi.encode(picture, stream, 1, job, Notes(tmp_path / "x.json", {}))
-    monkeypatch.setattr(large_sgi, "run_timed", finished)
-    assert large_sgi.encode(picture, stream, 1, job, Notes(tmp_path / "x.json", {})) == Run(85.0, 100.0, None)
+            sgi.encode(picture, stream, 1, job, Notes(tmp_path / "x.json", {}))
+    monkeypatch.setattr(sgi, "run_timed", finished)
+    assert sgi.encode(picture, stream, 1, job, Notes(tmp_path / "x.json", {})) == Run(85.0, 100.0, None)
     assert "--resume" in commands[0]
     assert part.exists()
 
@@ -262,7 +262,7 @@ def test_an_interrupted_encode_counts_what_it_had_done(
     notes.clear()
     notes.put("version", "older")
     notes.put("attempt", {"begun": 0.0, "spent": 7.0})
-    assert large_sgi.encode(picture, stream, 1, job, notes) == Run(5.0, 100.0, 4.0)
+    assert sgi.encode(picture, stream, 1, job, notes) == Run(5.0, 100.0, 4.0)
     assert not part.exists()
 
 
@@ -288,7 +288,7 @@ def test_a_refusal_is_told_and_remembered(tmp_path: Path, picture: Path, monkeyp
     broken.write_bytes(picture.read_bytes()[:3000])
     with pytest.raises(RefusedError) as first:
         peer_trip(JpegTiff(), broken, job, (176, 132), None, 50)
-    monkeypatch.setattr(large_trips, "run_timed", None)
+    monkeypatch.setattr(trips, "run_timed", None)
     with pytest.raises(RefusedError) as second:
         peer_trip(JpegTiff(), broken, job, (176, 132), None, 50)
     assert str(first.value) == str(second.value)
@@ -305,7 +305,7 @@ def arguments(picture: Path, folder: Path) -> list[str]:
 
 @pytest.fixture
 def done(tmp_path: Path, picture: Path, processes: InProcess) -> Path:
-    result = CliRunner().invoke(large.main, arguments(picture, tmp_path), catch_exceptions=False)
+    result = CliRunner().invoke(command.main, arguments(picture, tmp_path), catch_exceptions=False)
     assert result.exit_code == 0, result.output
     return tmp_path
 
@@ -334,12 +334,12 @@ def test_a_second_run_measures_nothing_again(done: Path, picture: Path, processe
     tables = [(done / "results" / name).read_text() for name in ("large.tsv", "large-scaling.tsv")]
     count = len(processes.commands)
     assert count > 20
-    again = CliRunner().invoke(large.main, arguments(picture, done), catch_exceptions=False)
+    again = CliRunner().invoke(command.main, arguments(picture, done), catch_exceptions=False)
     assert again.exit_code == 0
     assert len(processes.commands) == count
     assert [(done / "results" / name).read_text() for name in ("large.tsv", "large-scaling.tsv")] == tables
     (done / "streams" / "tiny-e1.sgi").unlink()
-    CliRunner().invoke(large.main, [*arguments(picture, done), "--peers", "", "--sizes", ""], catch_exceptions=False)
+    CliRunner().invoke(command.main, [*arguments(picture, done), "--peers", "", "--sizes", ""], catch_exceptions=False)
     assert [command[1] for command in processes.commands[count:]] == ["encode", "decode", "decode", "decode"]
 
 
@@ -349,9 +349,9 @@ def test_a_codec_that_fails_has_a_row_that_says_so(
     def trip_of(codec: object, *rest: object) -> Trip:
         raise RefusedError("too large") if isinstance(codec, JpegTiff) else SgiError("killed")
 
-    monkeypatch.setattr(large_runs, "peer_trip", trip_of)
+    monkeypatch.setattr(runs, "peer_trip", trip_of)
     only = ["--peers", "jpeg-tiff,jxl", "--sizes", ""]
-    result = CliRunner().invoke(large.main, [*arguments(picture, tmp_path), *only])
+    result = CliRunner().invoke(command.main, [*arguments(picture, tmp_path), *only])
     assert isinstance(result.exception, SgiError)
     rows = read_rows(tmp_path / "results" / "large.tsv")
     assert [row.note for row in rows] == ["", "refused: too large", "failed: killed"]
@@ -373,7 +373,7 @@ def test_rows_survive_their_table(tmp_path: Path) -> None:
 def test_what_makes_no_sense_is_refused(
     options: list[str], complaint: str, tmp_path: Path, picture: Path, processes: InProcess
 ) -> None:
-    result = CliRunner().invoke(large.main, [*arguments(picture, tmp_path), *options])
+    result = CliRunner().invoke(command.main, [*arguments(picture, tmp_path), *options])
     assert isinstance(result.exception, UsageError)
     assert complaint in str(result.exception)
     assert not processes.commands
@@ -382,9 +382,9 @@ def test_what_makes_no_sense_is_refused(
 def test_peers_want_rgb_of_eight_bits(tmp_path: Path) -> None:
     write(Picture(np.zeros((40, 40, 1), np.uint16), "gray", (0.0, 65535.0)), tmp_path / "deep.png")
     with pytest.raises(UsageError, match="gray of uint16"):
-        large_runs.check_picture(tmp_path / "deep.png")
+        runs.check_picture(tmp_path / "deep.png")
 
 
 def test_notes_are_what_a_picture_depends_on(tmp_path: Path, picture: Path) -> None:
-    asked = large_notes.Job(tmp_path, 3).asked_of(picture)
+    asked = notes.Job(tmp_path, 3).asked_of(picture)
     assert asked == {"picture": "tiny.png", "picture_bytes": picture.stat().st_size, "workers": 3}

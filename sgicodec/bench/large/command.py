@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import click
 
-from sgicodec.bench.large_notes import Job
-from sgicodec.bench.large_peers import LARGE_PEERS, LargePeer
-from sgicodec.bench.large_rows import LargeRow, report, write_rows
-from sgicodec.bench.large_runs import FAILED, check_picture, rows_of
-from sgicodec.bench.large_scaling import SizePoint, measure_size, write_size_plot, write_sizes
+from sgicodec.bench.large.notes import Job
+from sgicodec.bench.large.peers import LARGE_PEERS, LargePeer
+from sgicodec.bench.large.rows import LargeRow, report, write_rows
+from sgicodec.bench.large.runs import FAILED, check_picture, rows_of
+from sgicodec.bench.large.scaling import SizePoint, measure_size, write_size_plot, write_sizes
 from sgicodec.bench.plots import require_matplotlib
 from sgicodec.errors import SgiError, UsageError
 from sgicodec.image import probe
@@ -117,11 +116,3 @@ def main(
     _grow(largest, _numbers(sizes, "--sizes"), replace(job, steps=steps), out)
     if any(row.note.startswith(FAILED) for row in rows):
         raise SgiError("some codecs failed; see their notes")
-
-
-if __name__ == "__main__":
-    try:
-        main()
-    except SgiError as error:
-        print(f"error: {error}", file=sys.stderr)
-        sys.exit(error.exit_code)

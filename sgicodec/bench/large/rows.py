@@ -9,7 +9,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from sgicodec.bench.large_notes import Trip
+from sgicodec.bench.large.notes import Trip
 
 __all__ = ["LargeRow", "failed_row", "read_rows", "report", "row_of", "write_rows"]
 

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from dataclasses import astuple, dataclass, fields
 from pathlib import Path
 
-from sgicodec.bench.large_notes import Job, Notes
-from sgicodec.bench.large_sgi import decode, encode
+from sgicodec.bench.large.notes import Job, Notes
+from sgicodec.bench.large.sgi import decode, encode
 from sgicodec.bench.sgi import Run
 from sgicodec.decoder import open_stream
 from sgicodec.image import open_sink, open_source

@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from sgicodec.bench.large_notes import Job, Notes, Trip, psnr_of
+from sgicodec.bench.large.notes import Job, Notes, Trip, psnr_of
 from sgicodec.bench.sgi import Run, SgiCodec, run_timed
 from sgicodec.decoder import Stream, open_stream
 from sgicodec.tiles import Axis, Rect, TileGrid

@@ -1,7 +1,7 @@
 """One encode or decode of a peer as a process of its own, so that its time and memory are its own.
 
-python -m sgicodec.bench.large_peer encode jxl city.tif city.jxl --rung 70
-python -m sgicodec.bench.large_peer decode jxl city.jxl part.tif --region 0,0,1024,1024
+python -m sgicodec.bench.large.peer encode jxl city.tif city.jxl --rung 70
+python -m sgicodec.bench.large.peer decode jxl city.jxl part.tif --region 0,0,1024,1024
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from pathlib import Path
 
 import click
 
-from sgicodec.bench.large_peers import LARGE_PEERS
+from sgicodec.bench.large.peers import LARGE_PEERS
 from sgicodec.errors import SgiError
 from sgicodec.image import open_sink
 from sgicodec.tiles import Rect

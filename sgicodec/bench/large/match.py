@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from sgicodec.bench.large_notes import Trip
+from sgicodec.bench.large.notes import Trip
 
 __all__ = ["TOLERANCE", "Matched", "Probes", "match", "nearest_rung"]
 

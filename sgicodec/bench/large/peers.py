@@ -15,7 +15,7 @@ from typing import ClassVar
 import numpy as np
 
 from sgicodec.bench.codec import Pixels8
-from sgicodec.bench.jpeg_tiff import TILE, write_jpeg_tiff
+from sgicodec.bench.large.jpeg_tiff import TILE, write_jpeg_tiff
 from sgicodec.bench.peers import Avif, Jpeg, JpegXl, Peer
 from sgicodec.image import Source, open_source
 from sgicodec.tiles import Rect

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from sgicodec.bench.large_notes import Job, Notes, Trip, psnr_of
-from sgicodec.bench.large_peer import REFUSED
-from sgicodec.bench.large_peers import LargePeer
+from sgicodec.bench.large.notes import Job, Notes, Trip, psnr_of
+from sgicodec.bench.large.peer import REFUSED
+from sgicodec.bench.large.peers import LargePeer
 from sgicodec.bench.sgi import Run, run_timed
 from sgicodec.errors import SgiError
 from sgicodec.image import open_sink, open_source
@@ -75,7 +75,7 @@ def _measure(name: str, picture: Path, rung: int, job: Job, everything: Rect, re
         coded, decoded = Path(folder, f"coded.{name.rpartition('-')[2]}"), Path(folder, "decoded.tif")
 
         def run(action: str, *arguments: object) -> Run:
-            command = [sys.executable, "-m", "sgicodec.bench.large_peer", action, name]
+            command = [sys.executable, "-m", "sgicodec.bench.large.peer", action, name]
             return run_timed([*command, *map(str, arguments), "--threads", str(job.workers)])
 
         def decode(rect: Rect) -> Run:

@@ -6,12 +6,12 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
 
-from sgicodec.bench.large_match import TOLERANCE, Probes, match
-from sgicodec.bench.large_notes import Job
-from sgicodec.bench.large_peers import LargePeer
-from sgicodec.bench.large_rows import LargeRow, failed_row, row_of
-from sgicodec.bench.large_sgi import middle_region, sgi_trip
-from sgicodec.bench.large_trips import RefusedError, peer_trip, sample_of
+from sgicodec.bench.large.match import TOLERANCE, Probes, match
+from sgicodec.bench.large.notes import Job
+from sgicodec.bench.large.peers import LargePeer
+from sgicodec.bench.large.rows import LargeRow, failed_row, row_of
+from sgicodec.bench.large.sgi import middle_region, sgi_trip
+from sgicodec.bench.large.trips import RefusedError, peer_trip, sample_of
 from sgicodec.decoder import open_stream
 from sgicodec.errors import SgiError, UsageError
 from sgicodec.image import probe
