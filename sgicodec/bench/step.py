@@ -1,7 +1,7 @@
-"""What a step of a fit spends where: `python -m sgicodec.bench.step PICTURES… [--steps 1000] [--threads 2]`.
+"""What a step of a fit spends where: `python -m sgicodec.bench.step PICTURES… [--steps 1000] [--threads 2] [--whole]`.
 
 A whole fit runs with a clock around its parts; the rows are milliseconds per step, averaged over all of its steps,
-since seeds come and go.
+since seeds come and go. With --whole: the seconds of a whole encode instead, from pixels to the stream.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from sgicodec.fit.trainer import Trainer
 from sgicodec.image import Picture, read
 from sgicodec.plan import Shape, stream_plan
 
-__all__ = ["PARTS", "Spent", "main", "spent"]
+__all__ = ["PARTS", "Spent", "main", "spent", "stages"]
 
 PARTS: dict[str, list[tuple[type, str]]] = {
     "drawing, forward and backward": [(SeedStep, "_draw")],
@@ -61,6 +61,21 @@ def spent(picture: Picture, settings: EncodeSettings) -> Spent:
     return Spent(seconds, encoding.fit.steps, len(fitted.layout))
 
 
+def stages(picture: Picture, settings: EncodeSettings) -> tuple[dict[str, float], int]:
+    """Seconds of the stages of an encode, and the number of seeds that are left."""
+    clock = [time.perf_counter()]
+    encoding = Encoding(picture, stream_plan(Shape.of(picture), settings), time.monotonic())
+    clock.append(time.perf_counter())
+    candidate = encoding.candidate(encoding.fitted(None))
+    clock.append(time.perf_counter())
+    candidate = encoding.searched(candidate)
+    clock.append(time.perf_counter())
+    encoded = encoding.encoded(candidate)
+    clock.append(time.perf_counter())
+    names = ("base layer", "fit", "search", "stream")
+    return {name: b - a for name, a, b in zip(names, clock, clock[1:], strict=False)}, encoded.seeds
+
+
 @contextmanager
 def _timed(owner: type, method: str, name: str, totals: dict[str, float]) -> Iterator[None]:
     plain: Callable[..., Any] = getattr(owner, method)
@@ -84,10 +99,18 @@ def _timed(owner: type, method: str, name: str, totals: dict[str, float]) -> Ite
 @click.option("--steps", default=1000, show_default=True, type=click.IntRange(1))
 @click.option("--quality", default=50.0, show_default=True, type=click.FloatRange(1, 100))
 @click.option("--threads", default=2, show_default=True, type=click.IntRange(0))
-def main(pictures: tuple[Path, ...], steps: int, quality: float, threads: int) -> None:
+@click.option("--whole", is_flag=True, help="Seconds of whole encodes instead.")
+def main(pictures: tuple[Path, ...], steps: int, quality: float, threads: int, whole: bool) -> None:
     """Fit PICTURES and print where the time of a step goes."""
     for path in pictures:
-        one = spent(read(path), EncodeSettings(quality=quality, steps=steps, threads=threads))
+        picture, settings = read(path), EncodeSettings(quality=quality, steps=steps, threads=threads)
+        if whole:
+            seconds, seeds = stages(picture, settings)
+            total, megapixels = sum(seconds.values()), picture.width * picture.height / 1e6
+            parts = ", ".join(f"{name} {value:.2f} s" for name, value in seconds.items())
+            click.echo(f"{path.stem}: {parts}; {total / megapixels:.1f} s per megapixel; {seeds} seeds")
+            continue
+        one = spent(picture, settings)
         total = sum(one.seconds.values())
         click.echo(f"{path.stem}, {one.seeds} seeds at the end, {1e3 * total / one.steps:.2f} ms per step\n")
         click.echo("| part | ms | share |\n|---|---:|---:|")

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from sgicodec import EncodeSettings, read
-from sgicodec.bench.step import PARTS, spent
+from sgicodec import EncodeSettings, encode, read
+from sgicodec.bench.step import PARTS, spent, stages
 
 PHOTO = Path(__file__).parent.parent / "data" / "kodim23.png"
 
@@ -25,3 +25,12 @@ def test_parts_make_up_the_whole() -> None:
     assert min(found.seconds.values()) > 0
     assert sum(found.seconds.values()) < time.perf_counter() - started
     assert all(getattr(owner, name) is method for (owner, name), method in plain.items())
+
+
+def test_stages_make_up_an_encode() -> None:
+    photo = read(PHOTO)
+    crop = replace(photo, pixels=np.ascontiguousarray(photo.pixels[:96, :128]))
+    seconds, seeds = stages(crop, EncodeSettings(steps=40, threads=1))
+    assert list(seconds) == ["base layer", "fit", "search", "stream"]
+    assert min(seconds.values()) > 0
+    assert seeds == encode(crop, EncodeSettings(steps=40, threads=1)).seeds
