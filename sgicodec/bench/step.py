@@ -105,9 +105,9 @@ def main(pictures: tuple[Path, ...], steps: int, quality: float, threads: int, w
     for path in pictures:
         picture, settings = read(path), EncodeSettings(quality=quality, steps=steps, threads=threads)
         if whole:
-            seconds, seeds = stages(picture, settings)
-            total, megapixels = sum(seconds.values()), picture.width * picture.height / 1e6
-            parts = ", ".join(f"{name} {value:.2f} s" for name, value in seconds.items())
+            by_stage, seeds = stages(picture, settings)
+            total, megapixels = sum(by_stage.values()), picture.width * picture.height / 1e6
+            parts = ", ".join(f"{name} {value:.2f} s" for name, value in by_stage.items())
             click.echo(f"{path.stem}: {parts}; {total / megapixels:.1f} s per megapixel; {seeds} seeds")
             continue
         one = spent(picture, settings)
