@@ -20,10 +20,10 @@ MAX_OUTPUT_SAMPLES = 1 << 31
 BASE_ALONE = ROOT_LOG + 1
 """log2 of cells larger than any: none is drawn, the base layer alone is."""
 
-_BASE_CELL = 2 / 3
-"""Output pixels per cell of the base layer from which down it alone is drawn of pictures in several tiles: where nobody
-sees a difference. Nothing pays between it and the whole model: large pixels get their mean from small Gaussians, and
-part of these is worse than none (docs/large.md).
+_BASE_CELL = 1.5
+"""Output pixels per cell of the base layer from which down it alone is drawn of pictures in several tiles: quick, and a
+little soft. Nothing pays between it and the whole model: large pixels get their mean from small Gaussians, and part of
+these is worse than none (docs/large.md).
 """
 
 

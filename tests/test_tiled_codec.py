@@ -110,7 +110,7 @@ def test_scaled_views_agree_with_averages(coded: tuple[Picture, Encoded]) -> Non
 
 
 def test_thumbnails_take_the_base_layer_alone(coded: tuple[Picture, Encoded]) -> None:
-    """Only where nobody sees it: at half of a pixel per cell, and not where a cell is a pixel."""
+    """At a pixel and a half per cell, unless told otherwise, and not at two."""
     stream = open_stream(coded[1].data)
     small = stream.render(size=(5, 4))
     assert stream._tiles.finest == {BASE_ALONE}
@@ -118,8 +118,11 @@ def test_thumbnails_take_the_base_layer_alone(coded: tuple[Picture, Encoded]) ->
     assert np.abs(stream.render((0, 0, 320, 256), size=(5, 4)) - means).mean() < 0.02
     assert small.shape == (4, 5, 3)
     stream = open_stream(coded[1].data)
-    stream.render(scale=1 / 32)
+    stream.render(scale=1 / 16)
     assert stream._tiles.finest == {0}
+    exact = open_stream(coded[1].data)
+    exact.finest = 0
+    assert np.abs(exact.render(size=(5, 4)) - small).max() > 1e-4
 
 
 def test_a_view_may_stop_at_large_cells(coded: tuple[Picture, Encoded], monkeypatch: pytest.MonkeyPatch) -> None:

@@ -47,8 +47,9 @@ def test_the_base_layer_alone_is_for_tiny_views_of_several_tiles() -> None:
         return finest_cells(header, view_of(header, None, None, (columns, rows)))
 
     assert BASE_ALONE > ROOT_LOG
-    assert finest(TILED, 4096 // 48, 3000 // 48) == BASE_ALONE
-    assert finest(TILED, 4096 // 47, 3000 // 47) == 0
-    assert finest(TILED, 4096 // 48, 3000) == 0
+    cell = TILED.spec.base_cell
+    assert finest(TILED, 4096 * 3 // (2 * cell), 3000 * 3 // (2 * cell)) == BASE_ALONE
+    assert finest(TILED, 4096 * 8 // (5 * cell), 3000 * 8 // (5 * cell)) == 0
+    assert finest(TILED, 4096 // cell, 3000) == 0
     assert finest(replace(TILED, tile=0, apron=0), 20, 15) == 0
     assert finest(replace(TILED, spec=paper_spec(3)), 20, 15) == 0

@@ -37,6 +37,7 @@ __all__ = ["decode"]
     show_default="2",
     help="How hard PNG is compressed.",
 )
+@click.option("--exact", is_flag=True, help="Draw small views of large pictures from all that the stream holds.")
 @click.option("--output-dir", metavar="DIR", help="Decode all IN into this folder.")
 @threads_option
 @force_option
@@ -48,6 +49,7 @@ def decode(
     depth: str | None,
     format_: str | None,
     png_level: int | None,
+    exact: bool,
     output_dir: str | None,
     threads: int,
     force: bool,
@@ -62,7 +64,7 @@ def decode(
         raise UsageError("--scale and --size exclude each other")
     bits = None if depth is None else int(depth)
     verbose = bool(click.get_current_context().meta.get(VERBOSE))
-    job = _Job(region, scale, size, Output(bits, png_level, threads), format_, force, verbose)
+    job = _Job(region, scale, size, Output(bits, png_level, threads), format_, exact, force, verbose)
     if output_dir is not None:
         targets = named_targets(paths, output_dir, partial(_extension_of, job))
         run_batch("decoded", targets, partial(_decode, job))
@@ -81,6 +83,7 @@ class _Job:
     size: tuple[int | None, int | None] | None
     output: Output
     format_: str | None
+    exact: bool
     force: bool
     verbose: bool
 
@@ -96,6 +99,7 @@ def _decode(job: _Job, source: str, target: str | None) -> int:
         extension = _extension(stream.header, target, job.format_, job.output.bits)
         target = with_extension(source, extension) if target is None else target
         check_output(target, source, job.force)
+        stream.finest = 0 if job.exact else None
         _, _, width, height = job.region or (0, 0, stream.width, stream.height)
         size = None if job.size is None else _whole(job.size, width, height)
         view = job.region, job.scale, size, job.output.threads
