@@ -5,7 +5,8 @@
 A variant is a list of settings that differ from the defaults: fields of FitSettings and LearningRates, `free` and
 `rounded` for the first and last phase's share of the steps, `level` for the first phase's pyramid level, `drops` and
 `growths` for how often seeds are pruned and added. With `own:` in front MLP_p trains along instead of being the shipped
-prior, and fields of ContextSpec may differ too. Variants are compared by J = D + λR with the bits of everything that
+prior, and fields of ContextSpec may differ too. `colours` is the space that is coded: 'opponent', 'rgb', or 'klt' for
+the principal axes of the picture's own colours. Variants are compared by J = D + λR with the bits of everything that
 varies: attributes, positions at one bit each, the hash grid, and own weights as the stream codes them. Lower is
 better; 1 % of J is about 2 % of rate.
 """
@@ -21,6 +22,7 @@ from typing import Any
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 
 from sgicodec.bitstream.entropy import SymbolWriter
 from sgicodec.bitstream.prior import PRIORS, load_prior
@@ -29,6 +31,7 @@ from sgicodec.fit.base_layer import base_layer
 from sgicodec.fit.settings import FitSettings, LearningRates, default_settings
 from sgicodec.fit.trainer import Trainer
 from sgicodec.image import read, to_unit
+from sgicodec.model.gaussians import colour_matrix
 from sgicodec.model.layout import adaptive_layout
 from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import ContextSpec, ModelSpec, default_spec
@@ -57,6 +60,7 @@ def fit_variant(path: Path, variant: str, lmbda: float, steps: int, threads: int
     settings = _settings(default_settings(lmbda, steps), changes, threads)
     unit = np.ascontiguousarray(to_unit(read(path)).transpose(2, 0, 1))
     spec = _spec(unit.shape[0], own, changes)
+    unit = _rotated(unit, str(changes.pop("colours", "opponent")))
     if changes:
         raise SystemExit(f"research: unknown settings {sorted(changes)} in {variant!r}")
     _, _, target = base_layer(spec, unit, lmbda)
@@ -70,6 +74,17 @@ def fit_variant(path: Path, variant: str, lmbda: float, steps: int, threads: int
     cost = 10 ** (-last.psnr / 10) * unit.size / lmbda + bits
     pixels = unit.shape[1] * unit.shape[2]
     return Outcome(last.seeds, last.psnr, last.bits / last.seeds, side, bits / pixels, cost, monotonic() - started)
+
+
+def _rotated(unit: NDArray[np.float32], colours: str) -> NDArray[np.float32]:
+    """A picture [C, H, W] whose opponent channels are those of another orthonormal space: errors stay as they are."""
+    opponent = np.array(colour_matrix(len(unit)))
+    spaces = {"opponent": opponent, "rgb": np.eye(len(unit))}
+    if colours == "klt":
+        spaces["klt"] = np.linalg.eigh(np.cov(unit.reshape(len(unit), -1)))[1].T[::-1]
+    if colours not in spaces:
+        raise SystemExit(f"research: colours {colours!r}; there are opponent, rgb and klt")
+    return np.ascontiguousarray(np.tensordot(opponent.T @ spaces[colours], unit, axes=1), np.float32)
 
 
 def _settings(settings: FitSettings, changes: dict[str, Any], threads: int) -> FitSettings:
