@@ -54,7 +54,7 @@ class Aim:
             again = self._reached(self._fitted(watch, leaps=False))
             encoded, measured = max((encoded, measured), again, key=lambda one: one[1].psnr)
         if goal.is_missed(measured):
-            raise TargetMissedError(_regret(goal, measured), encoded)
+            raise TargetMissedError(goal.regret(measured), encoded)
         return encoded
 
     def _first_lmbda(self) -> float:
@@ -95,8 +95,13 @@ class Aim:
             candidate, found = self._searched(candidate)
             if goal.is_met(found[1]):
                 return found
-        shift = trim(goal, lambda shift: encoding.measured(_shifted(candidate, shift))[1])
-        return encoding.measured(_shifted(candidate, shift))
+        tried: dict[int, Reached] = {}
+
+        def measure(shift: int) -> Measured:
+            tried[shift] = encoding.measured(_shifted(candidate, shift))
+            return tried[shift][1]
+
+        return tried[trim(goal, measure)]
 
     def _searched(self, start: Candidate) -> tuple[Candidate, Reached]:
         """Sweeps until the goal is met, but as often as without one; the last that met it, else the nearest."""
@@ -138,9 +143,3 @@ def _shifted(candidate: Candidate, shift: int) -> Candidate:
     """The candidate with all steps of its attributes coarser by `shift` units."""
     model = candidate.model
     return replace(candidate, model=replace(model, networks=coarser(model.networks, shift), decoded=None))
-
-
-def _regret(goal: Goal, measured: Measured) -> str:
-    if goal.bytes is not None:
-        return f"no stream of at most {goal.bytes:.0f} bytes was found; the smallest has {measured.bytes:.0f}"
-    return f"no stream of {goal.psnr:g} dB was found; the best reaches {measured.psnr:.2f} dB"

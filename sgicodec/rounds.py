@@ -197,7 +197,7 @@ class Rounds:
             for number in numbers:
                 versions[number].append(Version(number, index))
             index += 1
-        missed = _regret(goal, measured) if goal.is_missed(measured) else None
+        missed = goal.regret(measured) if goal.is_missed(measured) else None
         return Finished(plan, chosen, self.store.tiles[base[self.all[-1]]].lmbda, missed)
 
     def _corrected(
@@ -292,9 +292,3 @@ _CORRECTIONS, _MEASURES = 4, 2
 
 def _is_far(one: float, other: float) -> bool:
     return abs(math.log2(one / other)) > _FAR
-
-
-def _regret(goal: Goal, measured: Measured) -> str:
-    if goal.bytes is not None:
-        return f"no stream of at most {goal.bytes:.0f} bytes was found; the smallest has {measured.bytes:.0f}"
-    return f"no stream of {goal.psnr:g} dB was found; the best reaches {measured.psnr:.2f} dB"

@@ -51,6 +51,12 @@ class Goal:
             return measured.bytes > self.bytes
         return measured.psnr < (self.psnr or 0.0) - _TOLERANCE
 
+    def regret(self, measured: Measured) -> str:
+        """What to say where the best that was found misses the goal."""
+        if self.bytes is not None:
+            return f"no stream of at most {self.bytes:.0f} bytes was found; the smallest has {measured.bytes:.0f}"
+        return f"no stream of {self.psnr:g} dB was found; the best reaches {measured.psnr:.2f} dB"
+
 
 _AIM, _FULL, _TOLERANCE = 0.99, 0.97, 0.1
 _BYTES_PER_OCTAVE = 0.65
