@@ -30,8 +30,8 @@ BLOCK_SAMPLES = 1 << 27
 BLOCK_COLUMNS = 1 << 16
 """A picture is drawn in blocks of no more samples and columns, each of which looks at all Gaussians."""
 
-_MOST_PAIRS = 1 << 26
-"""Most (tile, Gaussian) pairs of a block; a sound one has a hundredth."""
+_MOST_PAIRS = 1 << 24
+"""Most (tile, Gaussian) pairs of a block; a sound one has a tenth at most."""
 
 
 class _Gaussians(NamedTuple):
