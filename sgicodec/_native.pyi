@@ -90,7 +90,7 @@ class SeedFit:
         steps: F32,
         rounding: int,
         key: int,
-        refresh: bool,
+        reuse: int,
         trains_first: bool,
         means: F32,
         covariances: F32,

@@ -166,8 +166,6 @@ class Trainer:
         key = (self.settings.seed * 0x9E3779B1 + self.step * 0x85EBCA77) & 0xFFFFFFFF
         target = self.targets[phase.level].numpy()
         steps = self.sampler.steps
-        if phase.rate and self.net.difference is not None:
-            (lmbda * self.net.difference_bits()).backward()  # type: ignore[no-untyped-call]
         return step.run(self.values, self.net, steps, phase.rounding, key, target, 0.5**phase.level, lmbda)
 
     def _gradients(self, phase: Phase) -> tuple[float, float]:
