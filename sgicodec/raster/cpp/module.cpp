@@ -1,15 +1,13 @@
 // Python bindings: arrays in, arrays out; no link against torch or numpy.
 #include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
-
-#include <stdexcept>
 
 #include "../../bitstream/cpp/bind_bitstream.hpp"
 #include "../../fit/cpp/bind_seed_fit.hpp"
 #include "../../image/cpp/bind_image.hpp"
 #include "../../model/cpp/bind_model.hpp"
 #include "../../refine/cpp/bind_refine.hpp"
+#include "binding.hpp"
 #include "neighbours.hpp"
 #include "peak.hpp"
 #include "rasterizer.hpp"
@@ -17,26 +15,25 @@
 
 namespace nb = nanobind;
 using namespace nb::literals;
-using F32In1 = nb::ndarray<const float, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using I64In1 = nb::ndarray<const int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using I32In1 = nb::ndarray<const int32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using F32In2 = nb::ndarray<const float, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-using F32In3 = nb::ndarray<const float, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
-using F32Out2 = nb::ndarray<float, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-using F32Out3 = nb::ndarray<float, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
-using I32In2 = nb::ndarray<const int32_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-using I32Out2 = nb::ndarray<int32_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+using sgi::Array;
+using sgi::has_shape;
+using sgi::require;
+using F32In1 = Array<const float, 1>;
+using I64In1 = Array<const int64_t, 1>;
+using I32In1 = Array<const int32_t, 1>;
+using F32In2 = Array<const float, 2>;
+using F32In3 = Array<const float, 3>;
+using F32Out2 = Array<float, 2>;
+using F32Out3 = Array<float, 3>;
+using I32In2 = Array<const int32_t, 2>;
+using I32Out2 = Array<int32_t, 2>;
 
 namespace {
-
-void require(bool ok, const char *what) {
-  if (!ok) throw std::invalid_argument(what);
-}
 
 sgi::Gaussians gaussians(const F32In2 &means, const F32In2 &covariances, const F32In2 &colours) {
   const size_t n = means.shape(0);
   require(means.shape(1) == 2, "means must be [N, 2]");
-  require(covariances.shape(0) == n && covariances.shape(1) == 3, "covariances must be [N, 3]");
+  require(has_shape(covariances, n, 3), "covariances must be [N, 3]");
   require(colours.shape(0) == n && colours.shape(1) >= 1, "colours must be [N, C]");
   require(n < (size_t(1) << 31), "too many Gaussians");
   return {means.data(), covariances.data(), colours.data(), int64_t(n), int(colours.shape(1))};
@@ -52,15 +49,14 @@ sgi::View view_of(size_t channels, size_t given, size_t height, size_t width, in
 }
 
 // Of an image [C, H, W].
-template <class Array>
-sgi::View view(const Array &image, const sgi::Gaussians &g, int x0, int y0) {
+template <class A>
+sgi::View view(const A &image, const sgi::Gaussians &g, int x0, int y0) {
   return view_of(size_t(g.channels), image.shape(0), image.shape(1), image.shape(2), x0, y0);
 }
 
 sgi::Gradients gradients(const sgi::Gaussians &g, F32Out2 &means, F32Out2 &covariances, F32Out2 &colours) {
   const size_t n = g.count;
-  require(means.shape(0) == n && means.shape(1) == 2 && covariances.shape(0) == n && covariances.shape(1) == 3 &&
-              colours.shape(0) == n && int(colours.shape(1)) == g.channels,
+  require(has_shape(means, n, 2) && has_shape(covariances, n, 3) && has_shape(colours, n, size_t(g.channels)),
           "gradients must have the shapes of the inputs");
   return {means.data(), covariances.data(), colours.data()};
 }

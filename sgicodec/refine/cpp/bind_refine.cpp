@@ -1,29 +1,19 @@
 #include "bind_refine.hpp"
 
-#include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
 
 #include <memory>
-#include <stdexcept>
 
+#include "../../raster/cpp/binding.hpp"
 #include "base_search.hpp"
 #include "sweep.hpp"
 
 namespace nb = nanobind;
+using sgi::Array;
+using sgi::has_shape;
+using sgi::require;
 
 namespace {
-
-template <class T, int D>
-using Array = nb::ndarray<T, nb::ndim<D>, nb::c_contig, nb::device::cpu>;
-
-void require(bool ok, const char *what) {
-  if (!ok) throw std::invalid_argument(what);
-}
-
-template <class A>
-bool has_shape(const A &array, size_t rows, size_t columns) {
-  return array.shape(0) == rows && array.shape(1) == columns;
-}
 
 void require_tables(const Array<const int32_t, 1> &support, const Array<const int64_t, 1> &start,
                     const Array<const double, 1> &bits) {
