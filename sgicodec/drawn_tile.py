@@ -76,11 +76,6 @@ class DrawnTile:
         self._colours = np.tensordot(np.array(colour_matrix(own.spec.channels)).T, base * step, axes=1)
 
     @property
-    def is_empty(self) -> bool:
-        """Whether no pixel holds anything."""
-        return self.mask is not None and self.model is None and not self._colours.size
-
-    @property
     def memory(self) -> int:
         """Bytes that it holds, about."""
         drawing = (2 if self._scaled else 1) * sum(array.nbytes for array in self.gaussians)

@@ -98,6 +98,7 @@ NB_MODULE(_native, m) {
   bind_image(m);
   bind_model(m);
   bind_refine(m);
+  bind_seed_fit(m);
   nb::class_<sgi::Rasterizer>(m, "Rasterizer")
       .def(nb::init<const std::string &, int, int64_t>(), "isa"_a, "threads"_a, "most_pairs"_a)
       .def("forward",
@@ -139,14 +140,6 @@ NB_MODULE(_native, m) {
       .def_prop_ro("isa", [](const sgi::Rasterizer &self) { return std::string(self.kernel().name); })
       .def_prop_ro("pairs", &sgi::Rasterizer::pairs);
 
-  m.def("nearest_neighbours", [](I32In2 points, I32In2 queries, I32Out2 out, int threads) {
-    require(points.shape(1) == 2 && queries.shape(1) == 2 && out.shape(0) == queries.shape(0) && out.shape(1) > 0,
-            "points [N, 2], queries [M, 2], out [M, k]");
-    nb::gil_scoped_release release;
-    sgi::nearest_neighbours(points.data(), int64_t(points.shape(0)), queries.data(), int64_t(queries.shape(0)),
-                            int(out.shape(1)), threads, out.data());
-  });
-  bind_seed_fit(m);
   m.def("nearest_among", [](I32In2 points, I64In1 among, I64In1 members, I32Out2 out, int threads) {
     const auto all = int64_t(points.shape(0));
     require(points.shape(1) == 2 && out.shape(0) == members.shape(0) && out.shape(1) > 0,
