@@ -80,7 +80,7 @@ def test_ramps_survive_away_from_the_border() -> None:
 
 @pytest.mark.parametrize("channels", [1, 3, 4])
 def test_colours_of_integers(channels: int) -> None:
-    """Luma and two differences of the first three channels, others as they are; 84 is a quarter, two octaves below 1."""
+    """Luma and two differences of the first three channels, others as they are; step 84 is 2^((84 − 96) / 6) = 1/4."""
     base = np.random.default_rng(channels).integers(-40, 40, (channels, 3, 2))
     colours = base_colours(base, 84)
     opponent = colours.copy()
