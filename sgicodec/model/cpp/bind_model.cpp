@@ -50,8 +50,8 @@ void seed_inputs(Array<const int32_t, 2> half_pixels, Array<const int8_t, 1> log
     require(neighbours.data()[i] < int64_t(count), "neighbours must be indices of seeds");
   const sgi::SeedsView seeds{half_pixels.data(), log_size.data()};
   nb::gil_scoped_release release;
-  sgi::seed_inputs(seeds, {neighbours.data(), int(ranks)}, summary.data(), members.data(), int64_t(members.shape(0)), quality, threads, out.data(),
-                   int64_t(out.shape(1)));
+  sgi::seed_inputs(seeds, {neighbours.data(), int(ranks)}, summary.data(), members.data(), int64_t(members.shape(0)),
+                   quality, threads, out.data(), int64_t(out.shape(1)));
 }
 
 void summarise(Array<const int64_t, 2> attributes, int per_seed, int channels, int colour, int shape,
