@@ -77,8 +77,8 @@ class IntNetwork:
         )
 
     def biased(self, outputs: slice, more: int | I64) -> IntNetwork:
-        """This network with some of its outputs raised by `more` · 2^-DIFFERENCE_SHIFT: base steps for means, octaves for
-        scales and refinements.
+        """This network with some of its outputs raised by `more` · 2^-DIFFERENCE_SHIFT: base steps for means, octaves
+        for scales and refinements.
         """
         b2 = np.zeros_like(self.b2)
         b2[outputs] = more
