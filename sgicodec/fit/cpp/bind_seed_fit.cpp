@@ -1,32 +1,30 @@
 #include "bind_seed_fit.hpp"
 
-#include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
 
 #include <algorithm>
-#include <stdexcept>
 
+#include "../../raster/cpp/binding.hpp"
 #include "seed_fit.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
+using sgi::Array;
+using sgi::has_shape;
+using sgi::require;
 
 namespace {
 
-using In1 = nb::ndarray<const float, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using In2 = nb::ndarray<const float, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-using Out1 = nb::ndarray<float, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using Out2 = nb::ndarray<float, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-using Ints1 = nb::ndarray<const int32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using Ints2 = nb::ndarray<const int32_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+using In1 = Array<const float, 1>;
+using In2 = Array<const float, 2>;
+using Out1 = Array<float, 1>;
+using Out2 = Array<float, 2>;
+using Ints1 = Array<const int32_t, 1>;
+using Ints2 = Array<const int32_t, 2>;
 
-void require(bool ok, const char *what) {
-  if (!ok) throw std::invalid_argument(what);
-}
-
-template <class Array>
-void require_rows(const Array &array, int64_t rows, int64_t columns, const char *what) {
-  require(int64_t(array.shape(0)) == rows && int64_t(array.shape(1)) == columns, what);
+template <class A>
+void require_rows(const A &array, int64_t rows, int64_t columns, const char *what) {
+  require(has_shape(array, size_t(rows), size_t(columns)), what);
 }
 
 void set_layout(sgi::SeedFit &self, In2 centre, In1 cell, In1 log_size, Ints1 level, Ints2 neighbour, In2 offset,
