@@ -55,6 +55,9 @@ MAX_MAGNITUDE = 1 << 20
 ESCAPE_EXPONENTS = 21
 """Number of Exp-Golomb exponents behind an escape: |n| − S − 1 lies in 0 .. MAX_MAGNITUDE − 1."""
 
+_MOST_COUNTED = 2048
+"""Largest magnitude up to which symbols are counted before their bits are summed."""
+
 _FILE = "tables.bin"
 _SHA256 = "7e86137a6abd4543b53f667e7ca867ab8bba768232796e9b2458be738410b1e0"
 
@@ -93,6 +96,26 @@ class FrequencyTables:
         values, counts = np.unique(np.asarray(symbols), return_counts=True)
         cost = self.bits(values[None, :], np.arange(TABLES)[:, None]) @ counts  # [TABLES]
         return int(np.argmin(cost))
+
+    def least_bits(self, options: NDArray[np.int64]) -> NDArray[np.float64]:
+        """What each of some arrays, options [n, …], costs in bits under the table that is best for it [n]."""
+        largest = int(np.abs(options).max(initial=0))
+        if largest > _MOST_COUNTED:
+            return np.array([self.bits(option, self.best(option)).sum() for option in options])
+        reach = 8
+        while reach < largest:
+            reach *= 2
+        width, number = 2 * reach + 1, np.arange(len(options))[:, None]
+        values = options.reshape(len(options), -1) + reach + width * number
+        counts = np.bincount(values.ravel(), minlength=width * len(options)).reshape(len(options), width)
+        least: NDArray[np.float64] = (counts @ _bits_of_small(reach)).min(axis=1)
+        return least
+
+
+@cache
+def _bits_of_small(reach: int) -> NDArray[np.float64]:
+    """Bits of −reach … reach under every table [2 reach + 1, TABLES]."""
+    return frequency_tables().bits(np.arange(-reach, reach + 1)[:, None], np.arange(TABLES)[None, :])
 
 
 def escape_exponent(excess: NDArray[np.integer]) -> NDArray[np.int32]:

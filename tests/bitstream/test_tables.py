@@ -82,6 +82,15 @@ def test_best_finds_the_family_and_scale_that_symbols_came_from() -> None:
     assert tables.best(np.zeros(0)) == 0
 
 
+@pytest.mark.parametrize("scale", [0.3, 5.0, 90.0, 900.0, 30_000.0])
+def test_least_bits_are_those_under_the_best_table(scale: float) -> None:
+    options = np.rint(np.random.default_rng(2).laplace(0, scale, (5, 4, 30))).astype(np.int64)
+    options[3] //= 2
+    tables = frequency_tables()
+    every = np.stack([tables.bits(options, table).sum(axis=(1, 2)) for table in range(TABLES)])
+    np.testing.assert_allclose(tables.least_bits(options), every.min(axis=0), rtol=1e-12)
+
+
 def test_bernoulli_frequencies_are_midpoints() -> None:
     frequency = bernoulli_frequencies(np.arange(256))
     assert np.array_equal(frequency[:, 1] * 512, (2 * np.arange(256) + 1) * TOTAL)
