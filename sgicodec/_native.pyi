@@ -89,6 +89,7 @@ class SeedFit:
         steps: F32,
         rounding: int,
         key: int,
+        negative: bool,
         reuse: int,
         trains_first: bool,
         means: F32,

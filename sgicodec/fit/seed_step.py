@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from enum import Enum
+from typing import NamedTuple
 
 import numpy as np
 import torch
@@ -34,11 +35,18 @@ class Reuse(Enum):
     NOTHING, INPUTS, PREDICTIONS = range(3)
 
 
+class NoiseKey(NamedTuple):
+    """What noise is a hash of, in 32 bits; `negative` for that noise with its signs turned."""
+
+    key: int
+    negative: bool
+
+
 class SeedStep:
     """Squared error plus λ times bits, those of MLP_p's difference included, and the gradients, for the models that
     `can_run` names.
 
-    Noise is a hash of (key, column, seed), so that a step does not depend on the number of threads. Inputs from
+    Noise is a hash of (its key, column, seed), so that a step does not depend on the number of threads. Inputs from
     neighbours are found anew every `refresh` steps, as in `Sampler`. Under noise, where MLP_p is a prior's and only its
     difference trains, it runs every `predict` steps: in between, what it said and the gradients that its difference and
     the steps had then stand.
@@ -83,7 +91,7 @@ class SeedStep:
         net: ContextNet,
         steps: Tensor,
         rounding: Rounding,
-        key: int,
+        noise: NoiseKey,
         target: F32,
         scale: float,
         lmbda: float,
@@ -105,7 +113,8 @@ class SeedStep:
             rest.detach().numpy(),
             steps.detach().numpy(),
             _ROUNDINGS[rounding],
-            key,
+            noise.key,
+            noise.negative,
             reuse.value,
             not net.first_layer_is_fixed,
             *gaussians,

@@ -47,12 +47,12 @@ class Phase:
 @dataclass(frozen=True)
 class LearningRates:
     """Adam's learning rates at the start; `final` is the fraction that is left at the end of a fit, `hold` how much of
-    it passes before the decay begins, `constant` names what never decays.
+    it passes before the decay begins, `decay` what its curve is, `constant` names what never decays.
     """
 
-    colour: float = 0.02
-    shape: float = 0.06
-    offset: float = 0.06
+    colour: float = 0.028
+    shape: float = 0.085
+    offset: float = 0.085
     feature: float = 0.0075
     scales: float = 0.007
     decoder_colour: float = 0.008
@@ -62,8 +62,14 @@ class LearningRates:
     betas: tuple[float, float] = (0.9, 0.99)
     epsilon: float = 1e-15
     final: float = 0.01
-    hold: float = 0.6
+    hold: float = 0.4
+    decay: Literal["exponential", "linear"] = "linear"
     constant: tuple[str, ...] = ()
+
+    def left(self, done: float) -> float:
+        """What is left of the rates when a fraction `done` of a fit lies behind."""
+        past = max(0.0, (done - self.hold) / (1 - self.hold))
+        return self.final**past if self.decay == "exponential" else 1.0 - (1.0 - self.final) * past
 
 
 @dataclass(frozen=True)
@@ -102,11 +108,14 @@ class FitSettings:
 
     def slowing(self, steps: int) -> float:
         """Factor of the learning rates in `SLOWED` for a fit of so many steps."""
-        return 1.0 if self.reference_steps is None else min(1.2, (self.reference_steps / steps) ** 0.5)
+        if self.reference_steps is None:
+            return 1.0
+        ratio = self.reference_steps / steps
+        return float(ratio**0.5 if ratio < 1 else ratio**0.25)
 
 
 SLOWED = ("colour", "shape", "offset", "steps")
-"""Learning rates that fall with the root of the number of steps."""
+"""Learning rates that follow the number of steps."""
 
 
 def default_settings(lmbda: float, steps: int) -> FitSettings:
@@ -141,6 +150,7 @@ def paper_settings(lmbda: float, levels: int, steps: int) -> FitSettings:
         betas=(0.9, 0.999),
         final=0.01,
         hold=0.0,
+        decay="exponential",
         constant=("feature", "scales", "decoder_shape"),
     )
     return FitSettings(

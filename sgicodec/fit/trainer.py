@@ -19,7 +19,7 @@ from sgicodec.fit.population import Population
 from sgicodec.fit.pyramid import pyramid
 from sgicodec.fit.raster_op import rasterize, squared_error
 from sgicodec.fit.sampler import Sample, Sampler
-from sgicodec.fit.seed_step import SeedStep
+from sgicodec.fit.seed_step import NoiseKey, SeedStep
 from sgicodec.fit.settings import SLOWED, FitSettings, Phase, quality_index
 from sgicodec.fit.steering import Measured, Steering
 from sgicodec.model.context import HashGrid
@@ -158,10 +158,11 @@ class Trainer:
 
     def _native_gradients(self, step: SeedStep, phase: Phase) -> tuple[float, float]:
         lmbda = self.lmbda if phase.rate else 0.0
-        key = (self.settings.seed * 0x9E3779B1 + self.step * 0x85EBCA77) & 0xFFFFFFFF
+        pair, second = divmod(self.step, 2)  # the error that noise makes of first order goes out in pairs
+        noise = NoiseKey((self.settings.seed * 0x9E3779B1 + pair * 0x85EBCA77) & 0xFFFFFFFF, bool(second))
         target = self.targets[phase.level].numpy()
         steps = self.sampler.steps
-        return step.run(self.seeds.values, self.net, steps, phase.rounding, key, target, 0.5**phase.level, lmbda)
+        return step.run(self.seeds.values, self.net, steps, phase.rounding, noise, target, 0.5**phase.level, lmbda)
 
     def _gradients(self, phase: Phase) -> tuple[float, float]:
         sample = self._sample(phase)
@@ -204,9 +205,9 @@ class Trainer:
         return sample.bits[chosen].sum() / share
 
     def _schedule(self) -> None:
-        rates, done = self.settings.rates, self.pace.done
+        rates = self.settings.rates
+        decay = rates.left(self.pace.done)
         slow = self.settings.slowing(self.pace.steps)
-        decay = rates.final ** max(0.0, (done - rates.hold) / (1 - rates.hold))
         for group in self.optimizer.groups:
             speed = (1.0 if group.name in rates.constant else decay) * (slow if group.name in SLOWED else 1.0)
             group.factor = speed * self.live[group.name]

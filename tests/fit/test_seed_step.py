@@ -12,7 +12,7 @@ from sgicodec.fit.context_net import ContextNet
 from sgicodec.fit.raster_op import squared_error
 from sgicodec.fit.rate import bits_laplace
 from sgicodec.fit.sampler import Sampler
-from sgicodec.fit.seed_step import SeedStep
+from sgicodec.fit.seed_step import NoiseKey, SeedStep
 from sgicodec.fit.settings import Rounding
 from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
 from sgicodec.model.layout import adaptive_layout
@@ -22,6 +22,7 @@ from sgicodec.raster.native import NativeRasterizer
 
 WIDTH, HEIGHT = 160, 120
 QUALITY, FAMILY, LMBDA, KEY = 62, 1, 0.004, 12345
+NOISE = NoiseKey(KEY, False)
 
 SPECS = {
     "default": default_spec(3, prior=0),
@@ -58,6 +59,7 @@ class KnownNoise(Sampler):
     """Draws the noise that the native step hashes, and remembers the means, steps and scales of each group."""
 
     column: int
+    sign = 1
     predicted: list[tuple[Tensor, Tensor, Tensor]]
 
     def _perturb(  # type: ignore[override]
@@ -68,7 +70,7 @@ class KnownNoise(Sampler):
         self.predicted.append((m.detach(), q.detach(), s.detach()))
         start = self.column
         self.column += value.shape[1]
-        columns = [expected_noise(start + j, len(value)) for j in range(value.shape[1])]
+        columns = [self.sign * expected_noise(start + j, len(value)) for j in range(value.shape[1])]
         return value + q * torch.from_numpy(np.stack(columns, axis=1)).float()
 
 
@@ -142,13 +144,19 @@ class Problem:
         return step
 
     def native_step(
-        self, rounding: Rounding, level: int, isa: str, threads: int = 1, step: SeedStep | None = None
+        self,
+        rounding: Rounding,
+        level: int,
+        isa: str,
+        threads: int = 1,
+        step: SeedStep | None = None,
+        noise: NoiseKey = NOISE,
     ) -> tuple[float, float, dict[str, Tensor | None]]:
         self.fresh()
         step = step or self.native(isa, threads)
         lmbda = LMBDA if rounding != "none" else 0.0
         target = self.reduced(level)
-        error, bits = step.run(self.values, self.net, self.sampler.steps, rounding, KEY, target, 0.5**level, lmbda)
+        error, bits = step.run(self.values, self.net, self.sampler.steps, rounding, noise, target, 0.5**level, lmbda)
         return error, bits, {name: t.grad for name, t in self.leaves().items()}
 
     def reduced(self, level: int) -> np.ndarray:
@@ -241,6 +249,16 @@ def test_when_the_network_runs() -> None:
     rounded = [problem.native_step("round", 0, "auto", step=step)[1]]
     problem.sampler.steps.data += 0.01
     assert problem.native_step("round", 0, "auto", step=step)[1] != rounded[0]
+
+
+@pytest.mark.parametrize("isa", available_isas())
+def test_noise_with_its_signs_turned(isa: str) -> None:
+    problem = Problem(default_spec(3, prior=0))
+    problem.sampler.sign = -1
+    error, bits, expected = problem.torch_step("noise", 0, isa)
+    found_error, found_bits, found = problem.native_step("noise", 0, isa, noise=NoiseKey(KEY, True))
+    assert (found_error, found_bits) == pytest.approx((error, bits), rel=2e-5)
+    assert_close(found, expected)
 
 
 def test_threads_change_no_bit() -> None:

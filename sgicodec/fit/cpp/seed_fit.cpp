@@ -93,7 +93,7 @@ void SeedFit::over_runs(const Body &body) {
 }
 
 double SeedFit::forward(const std::array<const float *, kGroups> &values, const SeedParameters &parameters,
-                        Rounding rounding, uint32_t key, Reuse reuse, bool trains_first, const SeedGaussians &out) {
+                        Rounding rounding, NoiseKey key, Reuse reuse, bool trains_first, const SeedGaussians &out) {
   SeedState &s = state_;
   const float *first = parameters.first, *rest = parameters.rest;
   for (int g = 0; g < kGroups; ++g) {
@@ -106,7 +106,8 @@ double SeedFit::forward(const std::array<const float *, kGroups> &values, const 
   s.base = parameters.steps;
   s.gamma = parameters.steps + kUnits * kLevels;
   s.rounding = rounding;
-  s.key = key;
+  s.key = key.key;
+  s.mirror = key.negative ? ~uint32_t(0) : 0;
   s.trains_first = trains_first;
   s.predicts = rounding != Rounding::kNone && reuse != Reuse::kPredictions;
   const bool refresh = s.predicts && reuse == Reuse::kNothing;

@@ -26,6 +26,11 @@ struct SeedParameters {
 // What a step takes over from those before it: nothing, inputs from neighbours, or all that MLP_p predicts.
 enum class Reuse : int { kNothing, kInputs, kPredictions };
 
+struct NoiseKey {
+  uint32_t key;
+  bool negative;
+};
+
 class SeedFit {
  public:
   SeedFit(const std::string &isa, int threads, int per_seed, int channels, int hidden, const float *opponent);
@@ -33,7 +38,7 @@ class SeedFit {
   void set_layout(const SeedLayoutArrays &layout);
   // Bits of all seeds; 0 without rounding.
   double forward(const std::array<const float *, kGroups> &values, const SeedParameters &parameters, Rounding rounding,
-                 uint32_t key, Reuse reuse, bool trains_first, const SeedGaussians &out);
+                 NoiseKey key, Reuse reuse, bool trains_first, const SeedGaussians &out);
   // After `forward` on the same arrays. `sums` [sums()] receives gradients of rest, steps and, if it trains, first;
   // nothing where predictions were kept.
   void backward(const SeedGradients &gradients, float *sums);

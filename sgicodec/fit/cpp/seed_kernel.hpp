@@ -52,7 +52,7 @@ struct SeedState {
   float *decoded;                   // [block][d_A][LANES]
   float *bits;                      // [N]
   Rounding rounding;
-  uint32_t key;                     // of the noise
+  uint32_t key, mirror;             // of the noise; mirror is 0, or all ones for its negative
   bool trains_first;
   bool predicts;                    // MLP_p runs; otherwise what it said last stands for a constant
 
