@@ -81,8 +81,8 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
         masked="nodata" if shape.nodata is not None else "transparent" if alpha_index(shape.channels) else None,
         nodata=shape.nodata or 0.0,
     )
-    if grid.tile and settings.time_limit is not None:
-        raise UsageError("a time limit is for a single tile; give an effort, or --tile 0")
+    if grid.tile and settings.time_limit is not None and settings.asked():
+        raise UsageError("a time limit goes with a size, a rate or a PSNR in a single tile only; --tile 0 makes one")
     metadata = shape.metadata if settings.metadata else None
     return Plan(header, settings, _software(settings, fit), metadata, Metadata(geo=shape.metadata.geo))
 

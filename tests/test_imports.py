@@ -42,9 +42,13 @@ LAYERS = {
     "tile_work": {
         *("bitstream", "decoder", "distortion", "encoding", "fit", "image", "model", "plan", "refine", "trim"),
     },
+    "time_shares": {"tile_work", "tiles"},
     "outlook": {"fit", "tile_work"},
     "correction": {"outlook"},
-    "rounds": {"assembly", "choice", "correction", "distortion", "fit", "image", "outlook", "plan", "tile_work"},
+    "rounds": {
+        *("assembly", "choice", "correction", "distortion", "fit", "image", "outlook", "plan", "tile_work"),
+        "time_shares",
+    },
     "large": {
         *(
             "assembly",
@@ -59,6 +63,7 @@ LAYERS = {
             "plan",
             "rounds",
             "tile_work",
+            "time_shares",
         ),
     },
     "encode_settings": {"errors", "bitstream", "fit", "tiles"},
@@ -69,7 +74,7 @@ LAYERS = {
     "aim": {"encoding", "errors", "fit", "model", "trim"},
     "encoder": {
         *("aim", "assembly", "decoder", "distortion", "encode_settings", "encoding", "errors", "fit", "image", "plan"),
-        *("rounds", "tile_work", "tiles"),
+        *("rounds", "tile_work", "tiles", "time_shares"),
     },
 }
 """What each part may import besides itself; `bench` and `cli` may import everything."""

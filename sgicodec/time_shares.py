@@ -1,0 +1,89 @@
+"""What of a time limit each tile gets: its part of what is left when its work begins."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from sgicodec.tile_work import EncodedTile
+from sgicodec.tiles import TileGrid
+
+__all__ = ["TimeShares"]
+
+
+class _Begun(NamedTuple):
+    """A tile under way: values of time.monotonic(), and the seconds that it was told."""
+
+    at: float
+    until: float
+    told: float
+
+
+class TimeShares:
+    """Shares the time until `end`, a value of time.monotonic(), out to tiles in proportion to their pixels.
+
+    workers: how many tiles are done at once. decoders: how many threads decode the stream at the end, 0 if nobody does.
+    What is left of all workers' time goes to the tiles that have not begun: what one tile leaves or takes beyond its
+    share, the others gain or lose. Tiles are told less than their share by what they took beyond it so far.
+    """
+
+    def __init__(self, grid: TileGrid, end: float, workers: int, decoders: int) -> None:
+        self._grid, self._end, self._workers, self._decoders = grid, end, workers, decoders
+        self._waiting: dict[int, int] = {}  # pixels by number
+        self._begun: dict[int, _Begun] = {}
+        self._late = self._decoding = 0.0  # seconds
+        self._fitted = self._decoded = 0  # pixels
+
+    def expect(self, numbers: Iterable[int]) -> None:
+        """These tiles are to be done."""
+        self._waiting = {number: self._pixels(number) for number in numbers}
+
+    def begin(self, number: int) -> float:
+        """Seconds for a tile whose work begins now, perhaps once more."""
+        now, pixels = time.monotonic(), self._pixels(number)
+        self._begun.pop(number, None)
+        self._waiting[number] = pixels
+        left = max(0.0, self._end - self._ending() - now)
+        taken = sum(max(0.0, begun.until - now) for begun in self._begun.values())
+        share = max(0.0, self._workers * left - taken) * pixels / sum(self._waiting.values())
+        turns = -(-len(self._waiting) // self._workers)
+        share = min(share, left if turns == 1 else left * (1 - _KEPT / turns))
+        late = self._late * pixels / max(1, self._fitted)
+        told = max(share - late, _LEAST_PART * share, _LEAST)
+        del self._waiting[number]
+        self._begun[number] = _Begun(now, now + share, told)
+        return told
+
+    def done(self, number: int, tile: EncodedTile) -> None:
+        """A tile that `begin` was told of is finished. One that holds nothing teaches nothing."""
+        begun = self._begun.pop(number)
+        if tile.seeds:
+            self._late += time.monotonic() - begun.at - begun.told
+            self._fitted += self._pixels(number)
+            self._decoding += tile.decoding
+        self._decoded += self._pixels(number)
+
+    def _ending(self) -> float:
+        """Seconds from the last tile on: the stream is written and, if so, decoded and compared."""
+        pixels = self._grid.width * self._grid.height
+        if not self._decoders:
+            return _WRITING + _WRITING_PIXEL * pixels
+        each = self._decoding / self._decoded if self._decoded else _DECODING_PIXEL
+        threads = min(self._decoders, _MOST_DECODERS)
+        return _WRITING + (_WRITING_PIXEL + _COMPARING_PIXEL + each / threads) * pixels
+
+    def _pixels(self, number: int) -> int:
+        _, _, width, height = self._grid.rect(number)
+        return width * height
+
+
+_KEPT = 0.5
+"""Of a turn's even part of the time, at least what a tile leaves to each turn of the workers that comes after it."""
+_LEAST, _LEAST_PART = 1e-3, 0.1
+"""What a tile is told at least: seconds, and of its share."""
+_WRITING, _WRITING_PIXEL = 0.3, 5e-9
+_DECODING_PIXEL, _COMPARING_PIXEL = 3e-7, 1e-7
+"""Seconds: of any stream, and for each pixel; a decode's by one thread, as long as no tile has told."""
+_MOST_DECODERS = 2
+"""Threads that help a decode."""
