@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import time
+from collections import deque
 from collections.abc import Iterable
+from statistics import median
 from typing import NamedTuple
 
 from sgicodec.tile_work import EncodedTile
@@ -25,15 +27,16 @@ class TimeShares:
 
     workers: how many tiles are done at once. decoders: how many threads decode the stream at the end, 0 if nobody does.
     What is left of all workers' time goes to the tiles that have not begun: what one tile leaves or takes beyond its
-    share, the others gain or lose. Tiles are told less than their share by what they took beyond it so far.
+    share, the others gain or lose. Tiles are told less than their share by what most of the last ones took beyond what
+    they were told, begin to end as seen from here; more if they took less.
     """
 
     def __init__(self, grid: TileGrid, end: float, workers: int, decoders: int) -> None:
         self._grid, self._end, self._workers, self._decoders = grid, end, workers, decoders
         self._waiting: dict[int, int] = {}  # pixels by number
         self._begun: dict[int, _Begun] = {}
-        self._late = self._decoding = 0.0  # seconds
-        self._fitted = self._decoded = 0  # pixels
+        self._late = deque([0.0], maxlen=_LAST)  # seconds for each pixel
+        self._decoding, self._decoded = 0.0, 0  # seconds, pixels
 
     def expect(self, numbers: Iterable[int]) -> None:
         """These tiles are to be done."""
@@ -49,20 +52,19 @@ class TimeShares:
         share = max(0.0, self._workers * left - taken) * pixels / sum(self._waiting.values())
         turns = -(-len(self._waiting) // self._workers)
         share = min(share, left if turns == 1 else left * (1 - _KEPT / turns))
-        late = self._late * pixels / max(1, self._fitted)
-        told = max(share - late, _LEAST_PART * share, _LEAST)
+        told = min(max(share - median(self._late) * pixels, _LEAST_PART * share), left)
+        told = max(told, _LEAST)
         del self._waiting[number]
         self._begun[number] = _Begun(now, now + share, told)
         return told
 
     def done(self, number: int, tile: EncodedTile) -> None:
         """A tile that `begin` was told of is finished. One that holds nothing teaches nothing."""
-        begun = self._begun.pop(number)
+        begun, pixels = self._begun.pop(number), self._pixels(number)
         if tile.seeds:
-            self._late += time.monotonic() - begun.at - begun.told
-            self._fitted += self._pixels(number)
+            self._late.append((time.monotonic() - begun.at - begun.told) / pixels)
             self._decoding += tile.decoding
-        self._decoded += self._pixels(number)
+        self._decoded += pixels
 
     def _ending(self) -> float:
         """Seconds from the last tile on: the stream is written and, if so, decoded and compared."""
@@ -80,8 +82,12 @@ class TimeShares:
 
 _KEPT = 0.5
 """Of a turn's even part of the time, at least what a tile leaves to each turn of the workers that comes after it."""
-_LEAST, _LEAST_PART = 1e-3, 0.1
-"""What a tile is told at least: seconds, and of its share."""
+_LEAST, _LEAST_PART = 1e-3, 0.5
+"""What a tile is told at least: seconds, and of its share. A fit of hardly any steps leaves so many seeds that coding them
+takes longer than more steps would have.
+"""
+_LAST = 5
+"""Tiles that teach how late tiles are; before the first, none is."""
 _WRITING, _WRITING_PIXEL = 0.3, 5e-9
 _DECODING_PIXEL, _COMPARING_PIXEL = 3e-7, 1e-7
 """Seconds: of any stream, and for each pixel; a decode's by one thread, as long as no tile has told."""
