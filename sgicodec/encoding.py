@@ -33,7 +33,7 @@ from sgicodec.trim import coarser
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Fitted, Progress
 
-__all__ = ["Candidate", "Encoded", "Encoding", "empty_pixels", "keep_to_one_torch_thread", "written"]
+__all__ = ["Candidate", "Encoded", "Encoding", "empty_pixels", "keep_to_one_torch_thread", "make_ready", "written"]
 
 
 @dataclass(frozen=True)
@@ -223,6 +223,11 @@ def written(candidate: Candidate) -> tuple[bytes, dict[str, float]]:
     """The payload of a model, and the bytes of each part."""
     payload, walk = write_tile(candidate.header, candidate.model)
     return payload, {name: bits / 8 for name, bits in walk.bits.items()}
+
+
+def make_ready() -> None:
+    """Loads what every fit needs, which takes a second or two: of a worker's life, not of its first tile's time."""
+    import sgicodec.fit.trainer  # noqa: F401
 
 
 def keep_to_one_torch_thread() -> None:

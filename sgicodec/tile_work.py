@@ -52,8 +52,8 @@ class EncodedTile:
 
 
 class Start(NamedTuple):
-    """Where a search begins: the payload of a tile's chunk and the λ that it was made for. seconds: that a fit may take,
-    instead of a number of steps.
+    """Where a search begins: the payload of a tile's chunk and the λ that it was made for. seconds: that the tile
+    may take, instead of a number of steps.
     """
 
     payload: bytes = b""

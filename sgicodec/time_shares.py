@@ -83,8 +83,8 @@ class TimeShares:
 _KEPT = 0.5
 """Of a turn's even part of the time, at least what a tile leaves to each turn of the workers that comes after it."""
 _LEAST, _LEAST_PART = 1e-3, 0.5
-"""What a tile is told at least: seconds, and of its share. A fit of hardly any steps leaves so many seeds that coding them
-takes longer than more steps would have.
+"""What a tile is told at least: seconds, and of its share. A fit of hardly any steps leaves so many seeds that
+searching and coding them takes longer than more steps would have.
 """
 _LAST = 5
 """Tiles that teach how late tiles are; before the first, none is."""

@@ -109,9 +109,7 @@ def _cluster(job: Job, source: Source, plan: Plan, stack: ExitStack) -> tuple[Ru
     return run_on_cluster(source, plan, cluster, place, max(1, job.settings.threads)), cluster.workers
 
 
-def _run(
-    job: Job, source: Source, plan: Plan, runner: Runner, journal: Journal, shares: TimeShares | None
-) -> Totals:
+def _run(job: Job, source: Source, plan: Plan, runner: Runner, journal: Journal, shares: TimeShares | None) -> Totals:
     from sgicodec.large.encode import encode_source
 
     target = sys.stdout.buffer if job.target == STANDARD else Path(job.target)

@@ -29,7 +29,8 @@ class Report:
     """Figures of one encode.
 
     bpp: bits per pixel of the whole stream. psnr: dB over all samples, None if not measured, infinite for no error.
-    parts: bytes of each part, metadata counted as container; they sum to `bytes`. time_limit: seconds that were allowed.
+    parts: bytes of each part, metadata counted as container; they sum to `bytes`.
+    time_limit: seconds that were allowed.
     """
 
     width: int

@@ -38,8 +38,8 @@ class Cluster:
         job_of: Callable[[int], Job],
         make_ready: Callable[[], None] | None = None,
     ) -> Iterator[tuple[int, Result]]:
-        """As `run_in_processes`. A tile whose worker died goes to another one. With `make_ready`, which all workers call
-        first, no tile is on its way before one of them can begin.
+        """As `run_in_processes`. A tile whose worker died goes to another one. With `make_ready`, which all workers
+        call first, no tile is on its way before one of them can begin.
         """
         from distributed import as_completed
 

@@ -14,12 +14,13 @@ from sgicodec.assembly import write_stream
 from sgicodec.decoder import open_stream
 from sgicodec.distortion import decibels
 from sgicodec.encode_settings import EncodeSettings
+from sgicodec.encoding import make_ready
 from sgicodec.files import whole_file
 from sgicodec.image import Source
 from sgicodec.large.journal import Journal
 from sgicodec.large.measure import measured_error
 from sgicodec.large.pool import run_here, run_in_processes
-from sgicodec.large.task import Job, ReadingTask, TileTask, make_ready
+from sgicodec.large.task import Job, ReadingTask, TileTask
 from sgicodec.plan import Plan, Shape, stream_plan
 from sgicodec.rounds import Finished, Rounds, Runner, Task
 from sgicodec.tile_work import EncodedTile, Start
@@ -84,8 +85,8 @@ class State:
 
 @dataclass(frozen=True)
 class Totals:
-    """Figures of a finished stream, as in `Encoded`. steps: of a fit, the mean of those that there were. missed: what was
-    asked for and not reached.
+    """Figures of a finished stream, as in `Encoded`. steps: of a fit, the mean over the tiles that have any.
+    missed: what was asked for and not reached.
     """
 
     bytes: int

@@ -16,7 +16,7 @@ from sgicodec.plan import Plan
 from sgicodec.rounds import Task
 from sgicodec.tile_work import Start
 
-__all__ = ["Job", "ReadingTask", "TileTask", "make_ready"]
+__all__ = ["Job", "ReadingTask", "TileTask"]
 
 Result = TypeVar("Result")
 
@@ -26,11 +26,6 @@ class Job(NamedTuple):
 
     window: Picture | None
     start: Start
-
-
-def make_ready() -> None:
-    """Loads what every fit needs, so that the first one's time does not go into that."""
-    import sgicodec.fit.trainer  # noqa: F401
 
 
 @dataclass(frozen=True)
