@@ -7,6 +7,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, BinaryIO, TypeVar
 
 from sgicodec.aim import Aim
@@ -19,6 +20,7 @@ from sgicodec.errors import TargetMissedError
 from sgicodec.image import Picture
 from sgicodec.plan import Plan, Shape, stream_plan
 from sgicodec.rounds import Finished, Rounds, Task, Version
+from sgicodec.tile_weight import tile_weight
 from sgicodec.tile_work import EncodedTile, FitTask, Start
 from sgicodec.tiles import Rect
 from sgicodec.time_shares import TimeShares
@@ -93,13 +95,20 @@ def _encode_tiles(
             return squared_error(picture, stream.picture(threads=threads))
 
     kept, buffer, limit = _Kept(), io.BytesIO(), plan.settings.time_limit
-    shares = None if limit is None else TimeShares(grid, started + limit, workers=1, decoders=0)
+    shares = None
+    if limit is not None:
+        weigh = partial(_weight, picture, plan)
+        shares = TimeShares(grid, started + limit, workers=1, decoders=0, weigh=weigh)
     found = Rounds(plan, runner, kept, _Nobody(), error_of, shares).run()
     write_stream(buffer, found.plan.header, plan.software, plan.metadata, map(kept.payload, found.chosen))
     encoded = _summary(buffer.getvalue(), found, [kept.tiles[version] for version in found.chosen])
     if found.missed is not None:
         raise TargetMissedError(found.missed, encoded)
     return encoded
+
+
+def _weight(picture: Picture, plan: Plan, number: int) -> float:
+    return tile_weight(window_of(picture, plan.header.grid.rect(number)), plan)
 
 
 class _Kept:

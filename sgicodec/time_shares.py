@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from statistics import median
 from typing import NamedTuple
 
@@ -23,61 +23,70 @@ class _Begun(NamedTuple):
 
 
 class TimeShares:
-    """Shares the time until `end`, a value of time.monotonic(), out to tiles in proportion to their pixels.
+    """Shares the time until `end`, a value of time.monotonic(), out to tiles in proportion to their weights.
 
     workers: how many tiles are done at once. decoders: how many threads decode the stream at the end, 0 if nobody does.
+    weigh: what a step of a tile's fit costs, in any unit; without it all pixels weigh the same.
     What is left of all workers' time goes to the tiles that have not begun: what one tile leaves or takes beyond its
     share, the others gain or lose. Tiles are told less than their share by what most of the last ones took beyond what
     they were told, begin to end as seen from here; more if they took less.
     """
 
-    def __init__(self, grid: TileGrid, end: float, workers: int, decoders: int) -> None:
+    def __init__(
+        self, grid: TileGrid, end: float, workers: int, decoders: int, weigh: Callable[[int], float] | None = None
+    ) -> None:
         self._grid, self._end, self._workers, self._decoders = grid, end, workers, decoders
-        self._waiting: dict[int, int] = {}  # pixels by number
+        self._weigh = weigh or self._pixels
+        self._weights: dict[int, float] = {}
+        self._waiting: set[int] = set()
         self._begun: dict[int, _Begun] = {}
-        self._late = deque([0.0], maxlen=_LAST)  # seconds for each pixel
-        self._decoding, self._decoded = 0.0, 0  # seconds, pixels
+        self._late = deque([0.0], maxlen=_LAST)  # seconds for each unit of weight
+        self._decoding = self._decoded = 0.0  # seconds, weight
 
     def expect(self, numbers: Iterable[int]) -> None:
-        """These tiles are to be done."""
-        self._waiting = {number: self._pixels(number) for number in numbers}
+        """These tiles are to be done. Weighs them."""
+        self._weights = {number: self._weigh(number) for number in numbers}
+        self._waiting = set(self._weights)
 
     def begin(self, number: int) -> float:
         """Seconds for a tile whose work begins now, perhaps once more."""
-        now, pixels = time.monotonic(), self._pixels(number)
+        now, weight = time.monotonic(), self._weights[number]
         self._begun.pop(number, None)
-        self._waiting[number] = pixels
+        self._waiting.add(number)
         left = max(0.0, self._end - self._ending() - now)
         taken = sum(max(0.0, begun.until - now) for begun in self._begun.values())
-        share = max(0.0, self._workers * left - taken) * pixels / sum(self._waiting.values())
+        share = max(0.0, self._workers * left - taken) * weight / sum(self._weights[other] for other in self._waiting)
         turns = -(-len(self._waiting) // self._workers)
         share = min(share, left if turns == 1 else left * (1 - _KEPT / turns))
-        told = min(max(share - median(self._late) * pixels, _LEAST_PART * share), left)
+        told = min(max(share - median(self._late) * weight, _LEAST_PART * share), left)
         told = max(told, _LEAST)
-        del self._waiting[number]
+        self._waiting.remove(number)
         self._begun[number] = _Begun(now, now + share, told)
         return told
 
     def done(self, number: int, tile: EncodedTile) -> None:
         """A tile that `begin` was told of is finished. One that holds nothing teaches nothing."""
-        begun, pixels = self._begun.pop(number), self._pixels(number)
+        begun, weight = self._begun.pop(number), self._weights[number]
         if tile.seeds:
-            self._late.append((time.monotonic() - begun.at - begun.told) / pixels)
+            self._late.append((time.monotonic() - begun.at - begun.told) / weight)
             self._decoding += tile.decoding
-        self._decoded += pixels
+            self._decoded += weight
 
     def _ending(self) -> float:
         """Seconds from the last tile on: the stream is written and, if so, decoded and compared."""
         pixels = self._grid.width * self._grid.height
         if not self._decoders:
             return _WRITING + _WRITING_PIXEL * pixels
-        each = self._decoding / self._decoded if self._decoded else _DECODING_PIXEL
+        decoding = _DECODING_PIXEL * pixels
+        if self._decoded:
+            whole = sum(self._weights.values()) * self._grid.count / len(self._weights)
+            decoding = self._decoding / self._decoded * whole
         threads = min(self._decoders, _MOST_DECODERS)
-        return _WRITING + (_WRITING_PIXEL + _COMPARING_PIXEL + each / threads) * pixels
+        return _WRITING + (_WRITING_PIXEL + _COMPARING_PIXEL) * pixels + decoding / threads
 
-    def _pixels(self, number: int) -> int:
+    def _pixels(self, number: int) -> float:
         _, _, width, height = self._grid.rect(number)
-        return width * height
+        return float(width * height)
 
 
 _KEPT = 0.5

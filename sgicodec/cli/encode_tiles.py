@@ -49,7 +49,7 @@ def encode_tiles(job: Job, source: Source) -> int:
         mark = fingerprint(plan, None if job.source == STANDARD else Path(job.source))
         try:
             journal = stack.enter_context(opened_journal(part, mark, job.resume, job.force))
-            totals = _run(job, source, plan, runner, journal, _shares(job, plan, workers))
+            totals = _run(job, source, plan, runner, journal, _shares(job, source, plan, workers))
         except OSError as error:
             raise StreamError(f"{display(job.target, 'stdout')}: {error.strerror or error}") from error
     psnr = _psnr(job, source) if job.verify and job.target != STANDARD else None
@@ -61,15 +61,15 @@ def encode_tiles(job: Job, source: Source) -> int:
     return totals.bytes
 
 
-def _shares(job: Job, plan: Plan, workers: int) -> TimeShares | None:
+def _shares(job: Job, source: Source, plan: Plan, workers: int) -> TimeShares | None:
     """Who tells each tile its time, where that is the limit."""
-    from sgicodec.time_shares import TimeShares
+    from sgicodec.large.encode import time_shares
 
     if job.settings.time_limit is None:
         return None
     decoders = job.settings.threads or os.cpu_count() or 1
     verified = job.verify and job.target != STANDARD
-    return TimeShares(plan.header.grid, job.started + job.settings.time_limit, workers, decoders if verified else 0)
+    return time_shares(source, plan, job.started + job.settings.time_limit, workers, decoders if verified else 0)
 
 
 def _runner(job: Job, source: Source, plan: Plan) -> tuple[Runner, int]:

@@ -16,20 +16,21 @@ from sgicodec.distortion import decibels
 from sgicodec.encode_settings import EncodeSettings
 from sgicodec.encoding import make_ready
 from sgicodec.files import whole_file
-from sgicodec.image import Source
+from sgicodec.image import Picture, Source
 from sgicodec.large.journal import Journal
 from sgicodec.large.measure import measured_error
 from sgicodec.large.pool import run_here, run_in_processes
 from sgicodec.large.task import Job, ReadingTask, TileTask
 from sgicodec.plan import Plan, Shape, stream_plan
 from sgicodec.rounds import Finished, Rounds, Runner, Task
+from sgicodec.tile_weight import tile_weight
 from sgicodec.tile_work import EncodedTile, Start
 from sgicodec.time_shares import TimeShares
 
 if TYPE_CHECKING:
     from sgicodec.large.cluster import Cluster
 
-__all__ = ["State", "Totals", "encode_source", "plan_of", "run_on_cluster", "run_tiles"]
+__all__ = ["State", "Totals", "encode_source", "plan_of", "run_on_cluster", "run_tiles", "time_shares"]
 
 Result = TypeVar("Result")
 
@@ -139,13 +140,21 @@ def run_tiles(source: Source, plan: Plan, workers: int, threads: int) -> Runner:
 
 
 def _jobs(source: Source, plan: Plan, start: Callable[[int], Start]) -> Callable[[int], Job]:
+    return lambda number: Job(_window(source, plan, number), start(number))
+
+
+def _window(source: Source, plan: Plan, number: int) -> Picture:
     """Reads what a tile covers, with no more metadata than a fit needs."""
-    grid = plan.header.grid
+    return replace(source.read(*plan.header.grid.rect(number)), metadata=plan.place_of_windows)
 
-    def job(number: int) -> Job:
-        return Job(replace(source.read(*grid.rect(number)), metadata=plan.place_of_windows), start(number))
 
-    return job
+def time_shares(source: Source, plan: Plan, end: float, workers: int, decoders: int) -> TimeShares:
+    """Who tells each tile of an opened picture its part of the time until `end`; the rest as in `TimeShares`."""
+
+    def weigh(number: int) -> float:
+        return tile_weight(_window(source, plan, number), plan)
+
+    return TimeShares(plan.header.grid, end, workers, decoders, weigh)
 
 
 class _Telling:

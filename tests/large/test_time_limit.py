@@ -12,10 +12,9 @@ import pytest
 
 from sgicodec import EncodeSettings, encode, open_stream, read
 from sgicodec.image import Metadata, Picture, open_source, write
-from sgicodec.large.encode import State, Totals, encode_source, plan_of, run_tiles
+from sgicodec.large.encode import State, Totals, encode_source, plan_of, run_tiles, time_shares
 from sgicodec.large.journal import Journal
 from sgicodec.metrics import psnr
-from sgicodec.time_shares import TimeShares
 
 GEO_WITH_NODATA_0 = bytes.fromhex("49492a00 08000000 0100 81a40200 02000000 30000000 00000000")
 
@@ -57,7 +56,7 @@ def limited(
     target = io.BytesIO()
     with open_source(path) as source:
         plan = plan_of(source, EncodeSettings(time_limit=limit, tile=64, threads=1))
-        shares = TimeShares(plan.header.grid, clock.now + limit, workers=1, decoders=0)
+        shares = time_shares(source, plan, clock.now + limit, workers=1, decoders=0)
         totals = encode_source(source, plan, run_tiles(source, plan, 1, 1), journal, target, watch, shares)
     return target.getvalue(), totals
 
