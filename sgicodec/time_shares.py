@@ -56,7 +56,8 @@ class TimeShares:
         left = max(0.0, self._end - self._ending() - now)
         taken = sum(max(0.0, begun.until - now) for begun in self._begun.values())
         share = max(0.0, self._workers * left - taken) * weight / sum(self._weights[other] for other in self._waiting)
-        turns = -(-len(self._waiting) // self._workers)
+        alike = sum(self._weights[other] >= _ALIKE * weight for other in self._waiting)
+        turns = -(-alike // self._workers)
         share = min(share, left if turns == 1 else left * (1 - _KEPT / turns))
         told = min(max(share - median(self._late) * weight, _LEAST_PART * share), left)
         told = max(told, _LEAST)
@@ -89,8 +90,10 @@ class TimeShares:
         return float(width * height)
 
 
-_KEPT = 0.5
-"""Of a turn's even part of the time, at least what a tile leaves to each turn of the workers that comes after it."""
+_KEPT, _ALIKE = 0.5, 0.5
+"""Of an even part of the time, what a tile leaves at least to each turn of the workers that comes after it; from what
+part of its weight on other tiles count for a turn.
+"""
 _LEAST, _LEAST_PART = 1e-3, 0.5
 """What a tile is told at least: seconds, and of its share. A fit of hardly any steps leaves so many seeds that
 searching and coding them takes longer than more steps would have.

@@ -84,6 +84,13 @@ def test_larger_tiles_have_more(clock: Clock) -> None:
     assert told == pytest.approx([100 * width / 352 for width in (80, 96, 96, 80)], rel=1e-3)
 
 
+def test_what_weighs_more_has_more(clock: Clock) -> None:
+    """Two of no weight to speak of, as blank tiles, leave all to the others."""
+    shares = TimeShares(row(4), START + 60 + WRITING, 1, decoders=0, weigh=[1.0, 1e6, 2e6, 1.0].__getitem__)
+    told = worked(clock, shares, 4, 1, lambda _, told: told)
+    assert told[1:3] == pytest.approx([20, 40], rel=1e-3)
+
+
 def test_start_up_is_part_of_the_limit(clock: Clock) -> None:
     shares = TimeShares(row(4), START + 10 + WRITING, 2, decoders=0)
     clock.now += 4.0

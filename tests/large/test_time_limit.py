@@ -15,6 +15,7 @@ from sgicodec.image import Metadata, Picture, open_source, write
 from sgicodec.large.encode import State, Totals, encode_source, plan_of, run_tiles, time_shares
 from sgicodec.large.journal import Journal
 from sgicodec.metrics import psnr
+from sgicodec.tile_weight import tile_weight
 
 GEO_WITH_NODATA_0 = bytes.fromhex("49492a00 08000000 0100 81a40200 02000000 30000000 00000000")
 
@@ -69,13 +70,18 @@ def steps(journal: Journal) -> list[int]:
     return [tile.steps for _, tile in sorted(journal.tiles.items())]
 
 
-def test_every_tile_has_its_steps_and_the_limit_holds(clock: Ticking, photo: Path) -> None:
-    """Six tiles of about one size."""
+def test_every_tile_has_its_part_and_the_limit_holds(clock: Ticking, photo: Path) -> None:
+    """By this clock all steps take the same, so that time by weight is steps by weight."""
     journal, began = fresh(), clock.now
     data, totals = limited(clock, photo, 20.0, journal)
     assert 17.0 < clock.now - began < 20.0
     counts = steps(journal)
-    assert max(counts) < 1.5 * min(counts)
+    with open_source(photo) as source:
+        plan = plan_of(source, EncodeSettings(tile=64))
+        weights = [tile_weight(source.read(*plan.header.grid.rect(number)), plan) for number in range(6)]
+    assert max(weights) > 1.5 * min(weights)
+    each = np.divide(counts, weights)
+    assert max(each) < 1.6 * min(each)
     assert min(counts) > 15
     assert totals.steps == round(np.mean(counts))
     assert {tile.lmbda for tile in journal.tiles.values()} == {totals.lmbda}
