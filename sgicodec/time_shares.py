@@ -100,7 +100,7 @@ searching and coding them takes longer than more steps would have.
 """
 _LAST = 5
 """Tiles that teach how late tiles are; before the first, none is."""
-_WRITING, _WRITING_PIXEL = 0.3, 5e-9
+_WRITING, _WRITING_PIXEL = 0.5, 5e-9
 _DECODING_PIXEL, _COMPARING_PIXEL = 3e-7, 1e-7
 """Seconds: of any stream, and for each pixel; a decode's by one thread, as long as no tile has told."""
 _MOST_DECODERS = 2

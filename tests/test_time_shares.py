@@ -39,11 +39,11 @@ def tile(seeds: int = 9, decoding: float = 0.0) -> EncodedTile:
 
 
 def row(count: int) -> TileGrid:
-    """Equal tiles side by side, so small that writing the stream takes 0.3 s."""
+    """Equal tiles side by side, so small that writing the stream takes 0.5 s."""
     return TileGrid(64 * count, 64, 64, 0)
 
 
-WRITING = 0.3
+WRITING = 0.5
 
 
 def worked(
