@@ -1,31 +1,20 @@
-#include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 
-#include <stdexcept>
-
+#include "../../raster/cpp/binding.hpp"
 #include "bind_bitstream.hpp"
 #include "tree_inputs.hpp"
 
 namespace nb = nanobind;
+using sgi::Array;
+using sgi::has_shape;
+using sgi::require;
 
 namespace {
-
-template <class T, int D>
-using Array = nb::ndarray<T, nb::ndim<D>, nb::c_contig, nb::device::cpu>;
-
-void require(bool ok, const char *what) {
-  if (!ok) throw std::invalid_argument(what);
-}
 
 using SplitNodes =
     std::tuple<Array<const int32_t, 1>, Array<const int32_t, 1>, Array<const int32_t, 2>, Array<const int16_t, 2>>;
 using Slots = std::tuple<Array<const uint8_t, 2>, Array<const int16_t, 3>>;
-
-template <class A>
-bool has_shape(const A &array, size_t rows, size_t columns) {
-  return array.shape(0) == rows && array.shape(1) == columns;
-}
 
 sgi::SplitNodes checked(const SplitNodes &nodes) {
   const auto &[x, y, neighbour, above] = nodes;

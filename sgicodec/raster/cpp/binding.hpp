@@ -1,0 +1,25 @@
+// What the Python bindings of every part share: arrays as arguments, and what is required of them.
+#pragma once
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include <cstddef>
+#include <stdexcept>
+
+namespace sgi {
+
+// An array of numpy or torch in main memory, D dimensions, contiguous; `const T` where it is only read.
+template <class T, int D>
+using Array = nanobind::ndarray<T, nanobind::ndim<D>, nanobind::c_contig, nanobind::device::cpu>;
+
+// Raises ValueError in Python.
+inline void require(bool ok, const char *what) {
+  if (!ok) throw std::invalid_argument(what);
+}
+
+template <class A>
+bool has_shape(const A &array, size_t rows, size_t columns) {
+  return array.shape(0) == rows && array.shape(1) == columns;
+}
+
+}  // namespace sgi
