@@ -18,10 +18,10 @@ from __future__ import annotations
 
 import zlib
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from itertools import pairwise
-from typing import Any
+from typing import Any, TypeVar
 
 import constriction
 import numpy as np
@@ -48,6 +48,10 @@ from sgicodec.errors import CorruptStreamError, UsageError
 __all__ = ["IntArray", "SymbolReader", "SymbolWalk", "SymbolWriter"]
 
 IntArray = NDArray[np.int32]
+
+Found = TypeVar("Found")
+
+_DAMAGED = "entropy: the payload does not decode; it is damaged"
 
 _UNIFORM_BITS = 16
 """Widest field that is coded in one piece; wider ones go in two."""
@@ -241,6 +245,17 @@ class SymbolReader(SymbolWalk):
             raise CorruptStreamError("entropy: the payload is padded with zero bytes; it was not written by an encoder")
         self._coder = _native.RangeDecoder(payload)
 
+    def read(self, part: Callable[[_native.RangeDecoder], tuple[Found, IntArray, float] | None]) -> Found:
+        """What a native function finds in a part that it reads by itself. With it come all symbols of the part in
+        coding order and their information content, or nothing where the payload does not decode.
+        """
+        result = part(self._coder)
+        if result is None:
+            raise CorruptStreamError(_DAMAGED)
+        found, symbols, bits = result
+        self._record(symbols, bits)
+        return found
+
     def finish(self) -> None:
         """Raises CorruptStreamError unless the symbols are those written and the payload ends with them."""
         crc = self.crc
@@ -266,7 +281,7 @@ class SymbolReader(SymbolWalk):
 
 def _sound(coded: IntArray, decodes: bool) -> IntArray:
     if not decodes:
-        raise CorruptStreamError("entropy: the payload does not decode; it is damaged")
+        raise CorruptStreamError(_DAMAGED)
     return coded
 
 

@@ -35,6 +35,12 @@ SymbolModels::SymbolModels(const int64_t *frequency, const int64_t *start, int64
   }
 }
 
+int64_t SymbolModels::most_symbols() const {
+  int64_t most = 0;
+  for (size_t k = 0; k + 1 < first_.size(); ++k) most = std::max(most, first_[k + 1] - first_[k] - 1);
+  return most;
+}
+
 RangeDecoder::RangeDecoder(const uint8_t *payload, int64_t bytes) : payload_(payload, payload + bytes) {
   payload_.resize((bytes + 3) / 4 * 4);  // zeros for ever
   offset_ = next_word() << 32;

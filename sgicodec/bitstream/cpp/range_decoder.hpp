@@ -12,6 +12,7 @@ class SymbolModels {
   SymbolModels(const int64_t *frequency, const int64_t *start, int64_t models);
 
   int64_t size() const { return int64_t(first_.size()) - 1; }
+  int64_t most_symbols() const;  // that any of them has
 
  private:
   friend class RangeDecoder;
