@@ -173,6 +173,9 @@ class RangeDecoder:
     def decode(self, models: SymbolModels, start: I64, out: I32, /) -> bool: ...
     def decode_uniform(self, bits: int, out: I32, /) -> bool: ...
     def maybe_exhausted(self) -> bool: ...
+    @property
+    def seconds(self) -> float:
+        """That `decode` took so far."""
 
 def group_by_key(keys: I16, order: I32, start: I64, /) -> None: ...
 def ungroup_symbols(
@@ -232,8 +235,59 @@ def read_tree(
     most: int,
     threads: int,
     /,
-) -> tuple[list[tuple[I64, int]], I32, float] | None:
-    """Codes as of `walk_tree`, all flags in coding order and their information content; None where they do not decode."""
+) -> tuple[bool, list[tuple[I64, int]], I32, float]:
+    """Whether they decode, codes as of `walk_tree`, all flags in coding order and their information content."""
+
+class ZeroCentredTables:
+    def __init__(
+        self, models: SymbolModels, support: I32, start: I64, bits: F64, exponents: SymbolModels, most: int, /
+    ) -> None: ...
+
+def read_zero_centred(
+    decoder: RangeDecoder, tables: ZeroCentredTables, keys: I16, symbols: I32, /
+) -> tuple[int, float]:
+    """0, or 1 where the payload does not decode, 2 where a symbol is too large; information content."""
+
+class AttributeModel:
+    def __init__(
+        self,
+        attributes: int,
+        per_seed: int,
+        channels: int,
+        colour: int,
+        shape: int,
+        quality: int,
+        neighbours: int,
+        first_table: int,
+        /,
+    ) -> None: ...
+    def add_step(self, w1: I64, b1: I64, w2: I64, b2: I64, shift: int, predicted: int, isa: str, /) -> None: ...
+    def add_group(
+        self,
+        base: I64,
+        columns: I64,
+        gamma: int,
+        follows_amplitude: bool,
+        prediction: int,
+        units: int,
+        refinement: int,
+        first: int,
+    ) -> None: ...
+    def read(
+        self,
+        decoder: RangeDecoder,
+        tables: ZeroCentredTables,
+        half_pixels: I32,
+        log_size: I8,
+        members: I64,
+        start: I64,
+        threads: int,
+        decoded: I64,
+        /,
+    ) -> tuple[int, I32, list[float], tuple[float, ...]]:
+        """As of `read_zero_centred`, all symbols in coding order, information content by group; seconds of the search
+        for neighbours as far as waited for, inputs, networks, steps and values, symbols.
+        """
 
 def base_lines(grid: F64, first: int, left: I64, across: F64, threads: int, lines: F32, /) -> None: ...
 def png_filter(rows: U8, above: U8, step: int, out: U8, /) -> None: ...

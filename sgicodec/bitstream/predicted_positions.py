@@ -87,13 +87,17 @@ def _read(walk: SymbolReader, shape: TreeShape, scenery: Scenery, max_seeds: int
     """The whole tree in one native call, which lets other threads run."""
     native, networks, alphabets = native_scenery(shape, scenery), _native_networks(processor.isa), _alphabets()
     known = alphabets.models, alphabets.symbol, alphabets.bits
+    found: list[tuple[Codes, int]] = []
 
-    def read(decoder: RangeDecoder) -> tuple[list[tuple[Codes, int]], IntArray, float] | None:
-        return limited(
+    def read(decoder: RangeDecoder) -> tuple[int, IntArray, list[float]]:
+        decodes, codes, symbols, bits = limited(
             lambda: read_tree(decoder, native, max_seeds, networks, *known, _PER_ROW, _MOST, processor.threads)
         )
+        found.extend(codes)
+        return int(not decodes), symbols, [bits]
 
-    return seeds_of(walk.read(read))
+    walk.read(read, [walk.current])
+    return seeds_of(found)
 
 
 @cache

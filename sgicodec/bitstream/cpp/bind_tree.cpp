@@ -11,6 +11,7 @@
 
 namespace nb = nanobind;
 using sgi::Array;
+using sgi::as_array;
 using sgi::has_shape;
 using sgi::require;
 using sgi::TreeBatch;
@@ -18,14 +19,6 @@ using sgi::TreeBatch;
 namespace {
 
 using Scenery = std::shared_ptr<sgi::TreeScenery>;
-
-// A numpy array that owns what it holds.
-template <class T, class Shown = T, size_t D>
-auto as_array(std::vector<T> values, const std::array<size_t, D> &shape) {
-  auto *owned = new std::vector<T>(std::move(values));
-  nb::capsule owner(owned, [](void *held) noexcept { delete static_cast<std::vector<T> *>(held); });
-  return nb::ndarray<nb::numpy, Shown, nb::ndim<D>>(reinterpret_cast<Shown *>(owned->data()), D, shape.data(), owner);
-}
 
 // The network of one child number, made ready once.
 class TreeNetwork {
@@ -148,12 +141,13 @@ struct TreeReader {
   }
 };
 
-nb::object read_tree(sgi::RangeDecoder &decoder, Scenery scenery, int64_t max_seeds, const nb::tuple &networks,
+nb::tuple read_tree(sgi::RangeDecoder &decoder, Scenery scenery, int64_t max_seeds, const nb::tuple &networks,
                      const sgi::SymbolModels &models, Array<const int32_t, 2> symbol, Array<const double, 2> bits_of,
                      int shift, int most, int threads) {
   require(networks.size() == 4, "networks of 4 child numbers");
-  require(shift >= 1 && shift <= 20 && most >= 0 && models.size() == 2 * most + 2 && models.most_symbols() <= 2,
-          "shift 1..20, models of 2 most + 2 rows and 2 symbols");
+  require(shift >= 1 && shift <= 20 && most >= 0 && models.size() == 2 * most + 2,
+          "shift 1..20, models of 2 most + 2 rows");
+  for (int64_t row = 0; row < models.size(); ++row) require(models.symbols(row) <= 2, "models of at most 2 symbols");
   require(has_shape(symbol, size_t(models.size()), 2) && has_shape(bits_of, size_t(models.size()), 2),
           "symbol and bits [rows, 2]");
   for (size_t i = 0; i < symbol.size(); ++i) require(symbol.data()[i] >= 0 && symbol.data()[i] <= 1, "flags are 0 or 1");
@@ -172,9 +166,8 @@ nb::object read_tree(sgi::RangeDecoder &decoder, Scenery scenery, int64_t max_se
                              },
                              found);
   }
-  if (!decodes) return nb::none();
   const size_t n = symbols.size();
-  return nb::make_tuple(as_list(std::move(found)), as_array<int32_t>(std::move(symbols), std::array{n}), bits);
+  return nb::make_tuple(decodes, as_list(std::move(found)), as_array<int32_t>(std::move(symbols), std::array{n}), bits);
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "stopwatch.hpp"
+
 namespace sgi {
 
 namespace {
@@ -35,12 +37,6 @@ SymbolModels::SymbolModels(const int64_t *frequency, const int64_t *start, int64
   }
 }
 
-int64_t SymbolModels::most_symbols() const {
-  int64_t most = 0;
-  for (size_t k = 0; k + 1 < first_.size(); ++k) most = std::max(most, first_[k + 1] - first_[k] - 1);
-  return most;
-}
-
 RangeDecoder::RangeDecoder(const uint8_t *payload, int64_t bytes) : payload_(payload, payload + bytes) {
   payload_.resize((bytes + 3) / 4 * 4);  // zeros for ever
   offset_ = next_word() << 32;
@@ -71,6 +67,7 @@ inline void RangeDecoder::take(uint64_t scale, uint32_t before, uint32_t frequen
 }
 
 bool RangeDecoder::decode(const SymbolModels &models, const int64_t *start, int64_t keys, int32_t *out) {
+  Stopwatch watch(seconds_);
   for (int64_t k = 0; k < keys; ++k) {
     const uint32_t *sums = models.sums_.data() + models.first_[k];
     if (models.first_[k + 1] - models.first_[k] == 2) {  // one symbol, which codes nothing
