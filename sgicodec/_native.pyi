@@ -286,7 +286,7 @@ class AttributeModel:
         /,
     ) -> tuple[int, I32, list[float], tuple[float, ...]]:
         """As of `read_zero_centred`, all symbols in coding order, information content by group; seconds of the search
-        for neighbours as far as waited for, inputs, networks, steps and values, symbols.
+        for neighbours as far as waited for, of the context model, of the symbols.
         """
 
 def base_lines(grid: F64, first: int, left: I64, across: F64, threads: int, lines: F32, /) -> None: ...

@@ -153,9 +153,12 @@ class SymbolWalk(ABC):
         """Codes `count` values of 1 to _UNIFORM_BITS bits."""
 
     def _record(self, values: NDArray[np.integer], bits: float) -> None:
+        self._count(values)
+        self._book(bits)
+
+    def _count(self, values: NDArray[np.integer]) -> None:
         self.count += values.size
         self.crc = zlib.crc32(np.ascontiguousarray(values, "<i4").data, self.crc)
-        self._book(bits)
 
     def _book(self, bits: float) -> None:
         self.bits[self._part] = self.bits.get(self._part, 0.0) + bits
@@ -252,13 +255,18 @@ class SymbolReader(SymbolWalk):
             raise CorruptStreamError("entropy: the payload is padded with zero bytes; it was not written by an encoder")
         self._coder = _native.RangeDecoder(payload)
 
+    @property
+    def seconds(self) -> float:
+        """That the range decoder took so far for symbols that are not equally likely."""
+        return self._coder.seconds
+
     def read(self, part: Callable[[_native.RangeDecoder], tuple[int, IntArray, list[float]]], names: list[str]) -> None:
         """Lets a native function read by itself: it returns whether that is sound (`require_sound`), all symbols in
         coding order, and the information content of each of the parts `names`.
         """
         reading, symbols, bits = part(self._coder)
         require_sound(reading)
-        self._record(symbols, 0.0)
+        self._count(symbols)
         for name, amount in zip(names, bits, strict=True):
             with self.part(name):
                 self._book(amount)

@@ -148,7 +148,7 @@ class AttributeModel {
     const sgi::AttributeSeconds &took = found.seconds;
     const size_t n = found.symbols.size();
     return nb::make_tuple(int(reading), as_array<int32_t>(std::move(found.symbols), std::array{n}), bits,
-                          nb::make_tuple(took.neighbours, took.inputs, took.network, took.steps, took.symbols));
+                          nb::make_tuple(took.neighbours, took.model, took.symbols));
   }
 
  private:

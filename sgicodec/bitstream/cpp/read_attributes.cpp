@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "../../raster/cpp/neighbours.hpp"
+#include "../../raster/cpp/thread_pool.hpp"
 #include "stopwatch.hpp"
 
 namespace sgi {
@@ -89,72 +90,120 @@ class AttributeReader {
   }
 
  private:
+  // What a group is coded with [n, size].
+  struct Coded {
+    std::vector<int64_t> mean, step;
+    std::vector<int16_t> tables;
+    const int32_t *symbols = nullptr;
+  };
+
+  template <class T>
+  static void grow(std::vector<T> &memory, size_t size) {
+    if (memory.size() < size) memory.resize(size);
+  }
+
+  // Calls body(begin, count) for runs of n seeds, on several threads. All that happens to a seed between two groups of
+  // symbols happens in one run: its numbers stay in the cache, and threads are woken once.
+  template <class Body>
+  void for_runs(size_t n, Body body) {
+    Stopwatch watch(read_.seconds.model);
+    constexpr size_t kRun = 512;
+    parallel_for(int64_t((n + kRun - 1) / kRun), threads_, [&](int64_t run) {
+      const size_t begin = size_t(run) * kRun;
+      body(begin, std::min(n - begin, kRun));
+    });
+  }
+
   Reading read_pass(const std::vector<int64_t> &members, const std::vector<int32_t> &table) {
-    const auto n = int64_t(members.size());
-    std::vector<int16_t> inputs(size_t(n * stride_)), summary(size_t(n) * kSummary);
-    std::vector<int32_t> amplitude(members.size());
-    std::vector<int8_t> log_size(members.size());
-    for (size_t i = 0; i < members.size(); ++i) log_size[i] = seeds_.view.log_size[members[i]];
-    {
-      Stopwatch watch(read_.seconds.inputs);
-      seed_inputs(seeds_.view, {table.data(), model_.ranks}, summary_.data(), members.data(), n, model_.quality, threads_,
-                  inputs.data(), stride_);
-    }
+    const size_t n = members.size();
+    grow(inputs_, n * size_t(stride_)), grow(own_summary_, n * kSummary), grow(amplitude_, n), grow(log_size_, n);
     size_t number = 0;
     for (size_t s = 0; s < model_.steps.size(); ++s) {
-      const AttributeStep &step = model_.steps[s];
-      if (s) {
-        Stopwatch watch(read_.seconds.inputs);
-        summarise(values_, members.data(), n, threads_, summary.data(), amplitude.data());
-        own_inputs(summary.data(), n, int(s), model_.steps[0].inputs, threads_, inputs.data(), stride_);
-      }
-      const int outputs = step.network->outputs();
-      std::vector<int64_t> predicted(size_t(n) * size_t(outputs));
-      {
-        Stopwatch watch(read_.seconds.network);
-        evaluate_network(*step.network, inputs.data(), stride_, n, threads_, predicted.data());
-      }
-      for (const AttributeGroup &group : step.groups) {
-        const PredictionView view{predicted.data() + group.prediction,
-                                  predicted.data() + step.predicted + group.prediction,
-                                  predicted.data() + 2 * step.predicted + group.refinement, outputs};
-        const Reading reading = read_group(group, number++, view, s ? amplitude.data() : nullptr, members, log_size);
-        if (reading != Reading::kSound) return reading;
-      }
+      make_room(model_.steps[s], n);
+      for_runs(n, [&](size_t begin, size_t count) {
+        if (s == 0)
+          begin_seeds(members, table, begin, count);
+        else
+          go_on(members, s, begin, count);
+        predict(model_.steps[s], s > 0, begin, count);
+      });
+      const Reading reading = read_step(model_.steps[s], n, number);
+      if (reading != Reading::kSound) return reading;
     }
-    if (model_.ranks) {
-      Stopwatch watch(read_.seconds.inputs);
-      summarise(values_, members.data(), n, threads_, summary.data(), amplitude.data());
-      for (size_t i = 0; i < members.size(); ++i)
-        std::copy_n(summary.data() + i * kSummary, kSummary, summary_.data() + size_t(members[i]) * kSummary);
-    }
+    for_runs(n, [&](size_t begin, size_t count) {
+      finish(members, model_.steps.back(), begin, count);
+      for (size_t i = begin; i < begin + count && model_.ranks; ++i)
+        std::copy_n(own_summary_.data() + i * kSummary, kSummary, summary_.data() + size_t(members[i]) * kSummary);
+    });
     return Reading::kSound;
   }
 
-  Reading read_group(const AttributeGroup &group, size_t number, const PredictionView &prediction,
-                     const int32_t *amplitude, const std::vector<int64_t> &members,
-                     const std::vector<int8_t> &log_size) {
-    const auto n = int64_t(members.size()), count = n * group.size();
-    std::vector<int64_t> mean(static_cast<size_t>(count)), steps(mean.size());
-    std::vector<int16_t> keys(mean.size());
-    const GroupPlan plan{group.base.data(), group.columns.data(), group.follows_amplitude ? amplitude : nullptr,
-                         group.gamma, group.size()};
-    {
-      Stopwatch watch(read_.seconds.steps);
-      quantisers(plan, prediction, log_size.data(), n, threads_, mean.data(), steps.data(), keys.data());
-      for (int16_t &key : keys) key = int16_t(key + model_.first_table);
+  void make_room(const AttributeStep &step, size_t n) {
+    grow(predicted_, n * size_t(step.network->outputs()));
+    grow(coded_, step.groups.size());
+    for (size_t g = 0; g < step.groups.size(); ++g) {
+      const size_t count = n * size_t(step.groups[g].size());
+      grow(coded_[g].mean, count), grow(coded_[g].step, count), grow(coded_[g].tables, count);
     }
-    const size_t first = read_.symbols.size();
-    read_.symbols.resize(first + mean.size());
-    int32_t *symbols = read_.symbols.data() + first;
-    {
-      Stopwatch watch(read_.seconds.symbols);
-      const Reading reading = read_zero_centred(decoder_, tables_, keys.data(), count, symbols, read_.bits[number]);
+  }
+
+  // Inputs of seeds that know nothing of themselves.
+  void begin_seeds(const std::vector<int64_t> &members, const std::vector<int32_t> &table, size_t begin, size_t count) {
+    for (size_t i = begin; i < begin + count; ++i) log_size_[i] = seeds_.view.log_size[members[i]];
+    seed_inputs(seeds_.view, {table.data() + begin * size_t(model_.ranks), model_.ranks}, summary_.data(),
+                members.data() + begin, int64_t(count), model_.quality, 1, inputs_.data() + begin * size_t(stride_),
+                stride_);
+  }
+
+  // The values of a step, and the summaries that follow from them.
+  void finish(const std::vector<int64_t> &members, const AttributeStep &step, size_t begin, size_t count) {
+    for (size_t g = 0; g < step.groups.size(); ++g) {
+      const AttributeGroup &group = step.groups[g];
+      const size_t at = begin * size_t(group.size());
+      dequantise(coded_[g].symbols + at, coded_[g].mean.data() + at, coded_[g].step.data() + at, members.data() + begin,
+                 int64_t(count), group.size(), group.first, 1, decoded_, model_.attributes);
+    }
+    if (model_.ranks || model_.steps.size() > 1)
+      summarise(values_, members.data() + begin, int64_t(count), 1, own_summary_.data() + begin * kSummary,
+                amplitude_.data() + begin);
+  }
+
+  void go_on(const std::vector<int64_t> &members, size_t s, size_t begin, size_t count) {
+    finish(members, model_.steps[s - 1], begin, count);
+    own_inputs(own_summary_.data() + begin * kSummary, int64_t(count), int(s), model_.steps[0].inputs, 1,
+               inputs_.data() + begin * size_t(stride_), stride_);
+  }
+
+  void predict(const AttributeStep &step, bool knows_amplitude, size_t begin, size_t count) {
+    const int64_t outputs = step.network->outputs();
+    int64_t *predicted = predicted_.data() + begin * size_t(outputs);
+    const std::unique_ptr<double[]> scratch(new double[size_t(step.network->scratch_size())]);
+    step.network->evaluate(inputs_.data() + begin * size_t(stride_), stride_, int64_t(count), scratch.get(), predicted);
+    for (size_t g = 0; g < step.groups.size(); ++g) {
+      const AttributeGroup &group = step.groups[g];
+      const bool follows = group.follows_amplitude && knows_amplitude;
+      const GroupPlan plan{group.base.data(), group.columns.data(), follows ? amplitude_.data() + begin : nullptr,
+                           group.gamma, group.size()};
+      const PredictionView view{predicted + group.prediction, predicted + step.predicted + group.prediction,
+                                predicted + 2 * step.predicted + group.refinement, outputs};
+      const size_t at = begin * size_t(group.size());
+      int16_t *tables = coded_[g].tables.data() + at;
+      quantisers(plan, view, log_size_.data() + begin, int64_t(count), 1, coded_[g].mean.data() + at,
+                 coded_[g].step.data() + at, tables);
+      for (size_t i = 0; i < count * size_t(group.size()); ++i) tables[i] = int16_t(tables[i] + model_.first_table);
+    }
+  }
+
+  Reading read_step(const AttributeStep &step, size_t n, size_t &number) {
+    Stopwatch watch(read_.seconds.symbols);
+    for (size_t g = 0; g < step.groups.size(); ++g) {
+      const size_t count = n * size_t(step.groups[g].size()), first = read_.symbols.size();
+      read_.symbols.resize(first + count);  // within what was reserved: pointers stay good
+      coded_[g].symbols = read_.symbols.data() + first;
+      const Reading reading = read_zero_centred(decoder_, tables_, coded_[g].tables.data(), int64_t(count),
+                                                read_.symbols.data() + first, read_.bits[number++]);
       if (reading != Reading::kSound) return reading;
     }
-    Stopwatch watch(read_.seconds.steps);
-    dequantise(symbols, mean.data(), steps.data(), members.data(), n, group.size(), group.first, threads_, decoded_,
-               model_.attributes);
     return Reading::kSound;
   }
 
@@ -168,6 +217,13 @@ class AttributeReader {
   AttributesView values_;
   std::vector<int16_t> summary_;  // [N, kSummary] of seeds of earlier passes, zeros for others
   int64_t stride_ = 0;
+
+  // Of one pass or step; kept, since memory that is new costs more than what is done in it.
+  std::vector<int16_t> inputs_, own_summary_;
+  std::vector<int32_t> amplitude_;
+  std::vector<int8_t> log_size_;
+  std::vector<int64_t> predicted_;
+  std::vector<Coded> coded_;  // groups of a step
 };
 
 }  // namespace
@@ -177,6 +233,9 @@ Reading read_attributes(RangeDecoder &decoder, const AttributeModel &model, cons
   size_t groups = 0;
   for (const AttributeStep &step : model.steps) groups += step.groups.size();
   read.bits.assign(groups, 0.0);
+  size_t members = 0;
+  for (const std::vector<int64_t> &pass : seeds.passes) members += pass.size();
+  read.symbols.reserve(members * size_t(model.attributes));
   return AttributeReader(decoder, model, tables, seeds, threads, decoded, read).read_all();
 }
 

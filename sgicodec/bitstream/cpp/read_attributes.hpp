@@ -47,7 +47,7 @@ struct TileSeeds {
 
 // Seconds that parts of the reading took.
 struct AttributeSeconds {
-  double neighbours = 0, inputs = 0, network = 0, steps = 0, symbols = 0;
+  double neighbours = 0, model = 0, symbols = 0;  // `model`: inputs, MLP_p, steps and values
 };
 
 struct AttributesRead {

@@ -127,18 +127,15 @@ void Network::evaluate(const int16_t *rows, int64_t stride, int64_t n, double *s
     packed_->kernel.wide(packed_->wide, rows, stride, n, scratch, out);
 }
 
-void evaluate_network(const Network &network, const int16_t *rows, int64_t stride, int64_t n, int threads, int64_t *out) {
+void evaluate_network(const NetworkWeights &w, const int16_t *rows, int64_t stride, int64_t n, int threads,
+                      const std::string &isa, int64_t *out) {
+  const Network network(w, isa);
   constexpr int64_t kChunk = 512;
   parallel_for((n + kChunk - 1) / kChunk, threads, [&](int64_t chunk) {
     const int64_t begin = chunk * kChunk, count = std::min(n - begin, kChunk);
-    const std::unique_ptr<double[]> scratch(new double[network.scratch_size()]);  // not zeroed, as a vector would be
-    network.evaluate(rows + begin * stride, stride, count, scratch.get(), out + begin * network.outputs());
+    std::vector<double> scratch(network.scratch_size());
+    network.evaluate(rows + begin * stride, stride, count, scratch.data(), out + begin * w.outputs);
   });
-}
-
-void evaluate_network(const NetworkWeights &w, const int16_t *rows, int64_t stride, int64_t n, int threads,
-                      const std::string &isa, int64_t *out) {
-  evaluate_network(Network(w, isa), rows, stride, n, threads, out);
 }
 
 }  // namespace sgi

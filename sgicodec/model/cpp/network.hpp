@@ -39,10 +39,7 @@ class Network {
   std::unique_ptr<Packed> packed_;
 };
 
-// The same on several threads.
-void evaluate_network(const Network &network, const int16_t *rows, int64_t stride, int64_t n, int threads, int64_t *out);
-
-// The same of weights that are needed once.
+// The same once, on several threads.
 void evaluate_network(const NetworkWeights &weights, const int16_t *rows, int64_t stride, int64_t n, int threads,
                       const std::string &isa, int64_t *out);
 
