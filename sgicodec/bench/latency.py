@@ -32,11 +32,14 @@ __all__ = ["STAGES", "Breakdown", "Work", "cold_times", "main", "measure", "stag
 
 STAGES: dict[str, tuple[str, ...]] = {
     "file, chunks, header": ("decoder:open_stream",),
-    "quadtree": ("bitstream.tile:_code_layout",),
+    "quadtree, with its flags": ("bitstream.tile:_code_layout",),
     "weights and steps": ("bitstream.tile:code_networks", "bitstream.tile:_code_plan"),
     "neighbours, as far as waited for": (),
     "MLP_p with inputs, steps and values": (),
-    "symbols": ("bitstream.tile:SymbolReader.code", "bitstream.tile:SymbolReader.code_bits"),
+    "symbols of attributes and small arrays": (
+        "bitstream.tile:SymbolReader.code",
+        "bitstream.tile:SymbolReader.code_bits",
+    ),
     "passes, and memory for them": ("bitstream.attributes:AttributeCoder.code",),
     "Gaussians": ("drawn_tile:_drawable",),
     "base layer": ("bitstream.tile:_code_base_layer", "drawn_tile:base_view"),
@@ -45,7 +48,11 @@ STAGES: dict[str, tuple[str, ...]] = {
 }
 """What is called what: functions by module, each with the time that it spends outside of those of other stages."""
 
-_NATIVE = ("neighbours, as far as waited for", "MLP_p with inputs, steps and values", "symbols")
+_NATIVE = (
+    "neighbours, as far as waited for",
+    "MLP_p with inputs, steps and values",
+    "symbols of attributes and small arrays",
+)
 """The stages whose seconds `read_attributes` tells."""
 
 
@@ -187,7 +194,7 @@ def floors(work: Work, breakdown: Breakdown, channels: int, threads: int, isa: s
         block.copy()
         copies.append(time.perf_counter() - start)
     return {
-        "symbols": work.range_decoder,
+        "symbols of attributes and small arrays": work.range_decoder,
         "MLP_p with inputs, steps and values": work.network
         / peak,  # two 16-bit products where it counts one of 32 bits
         "drawing, background, rounding": work.pairs * forward_operations(channels) / peak + min(copies),
