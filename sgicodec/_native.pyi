@@ -69,7 +69,6 @@ class Rasterizer:
     @property
     def pairs(self) -> int: ...
 
-def nearest_neighbours(points: I32, queries: I32, out: I32, threads: int, /) -> None: ...
 def nearest_among(points: I32, among: I64, members: I64, out: I32, threads: int, /) -> None: ...
 def fma_peak(threads: int, isa: str, /) -> float: ...
 def resolve_threads(threads: int, /) -> int: ...
@@ -91,7 +90,7 @@ class SeedFit:
         steps: F32,
         rounding: int,
         key: int,
-        refresh: bool,
+        reuse: int,
         trains_first: bool,
         means: F32,
         covariances: F32,

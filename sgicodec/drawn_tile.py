@@ -15,10 +15,10 @@ from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.tile import DECODER_SHIFT, TileModel, read_base, read_coarse, read_tile
 from sgicodec.bitstream.tile_chunk import decode_tile_chunk
 from sgicodec.errors import LimitError
+from sgicodec.model.base import base_colours
 from sgicodec.model.base_view import base_view
 from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
 from sgicodec.model.processor import Processor
-from sgicodec.model.quantize import FRACTION_BITS, step_fixed
 from sgicodec.raster import Background, Mapping, NativeRasterizer, scaled
 from sgicodec.view import BASE_ALONE, View
 
@@ -31,8 +31,8 @@ BLOCK_SAMPLES = 1 << 27
 BLOCK_COLUMNS = 1 << 16
 """A picture is drawn in blocks of no more samples and columns, each of which looks at all Gaussians."""
 
-_MOST_PAIRS = 1 << 26
-"""Most (tile, Gaussian) pairs of a block; a sound one has a hundredth."""
+_MOST_PAIRS = 1 << 24
+"""Most (tile, Gaussian) pairs of a block; a sound one has a tenth at most."""
 
 
 _WHOLE_SAMPLES = 1 << 18
@@ -88,13 +88,7 @@ class DrawnTile:
                 self.bits, self.symbol_crc = walk.bits, walk.crc
             base_step, base = self.model.base_step, self.model.base
             self.gaussians = _drawable(own, self.model)
-        step = float(step_fixed(np.array(base_step))) * 2.0**-FRACTION_BITS
-        self._colours = np.tensordot(np.array(colour_matrix(own.spec.channels)).T, base * step, axes=1)
-
-    @property
-    def is_empty(self) -> bool:
-        """Whether no pixel holds anything."""
-        return self.mask is not None and self.model is None and not self._colours.size
+        self._colours = base_colours(base, base_step)
 
     @property
     def memory(self) -> int:
@@ -128,7 +122,7 @@ class DrawnTile:
 
     def _drawn_whole(self, view: View, threads: int) -> _Whole | None:
         """What a reduced view shows of the tile, if that is little."""
-        if max(view.sx, view.sy) >= 1 or self.is_empty:
+        if max(view.sx, view.sy) >= 1:
             return None
         if self._whole is None or self._whole.view != view:
             left, right = _extent(self.x - view.x, self.header.width, view.sx, view.columns)

@@ -6,7 +6,7 @@ encoder chose (tables, predictors, probabilities) precedes the array as raw bits
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,7 +28,6 @@ __all__ = ["BaseChannel", "base_channels", "base_references", "code_base", "code
 _TABLE_BITS = (TABLES - 1).bit_length()
 
 Plane = NDArray[np.int64]
-Predictor = Callable[[Plane, Plane, Plane], Plane]
 
 
 def code_weights(walk: SymbolWalk, weights: ArrayLike | None, shape: tuple[int, ...]) -> IntArray:

@@ -39,8 +39,6 @@ __all__ = [
     "escape_exponent",
     "escape_frequencies",
     "frequency_tables",
-    "nearest_table",
-    "scale_of",
 ]
 
 PRECISION = 24
@@ -113,20 +111,6 @@ def escape_bits(excess: NDArray[np.integer]) -> NDArray[np.float64]:
     """Bits behind an escape: exponent, as many mantissa bits, sign."""
     exponent = escape_exponent(excess)
     return (np.minimum(exponent + 1, ESCAPE_EXPONENTS - 1) + exponent + 1).astype(np.float64)
-
-
-def scale_of(table: int) -> float:
-    """Standard deviation in steps that a zero-centred table stands for."""
-    return float(2.0 ** ((table % SCALES - 24) / 6))
-
-
-def nearest_table(scale: ArrayLike, family: int = 0) -> NDArray[np.int16]:
-    """Index of the table nearest in log σ to each `scale` (steps). For encoders and estimates: a decoder
-    computes table indices in integers.
-    """
-    position = 24 + 6 * np.log2(np.maximum(np.asarray(scale, np.float64), 2.0**-20))
-    index: NDArray[np.int16] = (np.clip(np.rint(position), 0, SCALES - 1) + SCALES * family).astype(np.int16)
-    return index
 
 
 def bernoulli_frequencies(code: ArrayLike) -> NDArray[np.int64]:

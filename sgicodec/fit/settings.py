@@ -16,6 +16,7 @@ __all__ = [
     "FitSettings",
     "LearningRates",
     "Phase",
+    "Rounding",
     "default_settings",
     "lmbda_of_quality",
     "paper_settings",

@@ -19,12 +19,14 @@ from sgicodec.model.spec import ContextSpec, ModelSpec
 
 __all__ = [
     "INPUT_BITS",
+    "LEVELS",
     "SUMMARY",
     "HashGrid",
     "hash_inputs",
     "input_count",
     "level_inputs",
     "nearest_by_pass",
+    "nearest_offset",
     "neighbour_inputs",
     "neighbour_table",
     "output_columns",

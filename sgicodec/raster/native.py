@@ -69,7 +69,7 @@ class NativeRasterizer:
 
     @property
     def tile_pairs(self) -> int:
-        """(16×16 tile, Gaussian) pairs of the last forward pass; times 256 for pixels."""
+        """(Tile, Gaussian) pairs of the last forward pass."""
         return self._raster.pairs
 
     def forward(

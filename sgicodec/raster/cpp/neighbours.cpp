@@ -220,10 +220,9 @@ void search_all(const int32_t *points, int64_t n, const int32_t *queries, int64_
   });
 }
 
-}  // namespace
-
-void nearest_neighbours(const int32_t *points, int64_t n, const int32_t *queries, int64_t m, int k, int threads,
-                        int32_t *out) {
+// Of each of queries [m, 2] its k nearest of points [n, 2].
+void nearest_points(const int32_t *points, int64_t n, const int32_t *queries, int64_t m, int k, int threads,
+                    int32_t *out) {
   if (n == 0) {
     std::fill(out, out + m * k, -1);
     return;
@@ -234,6 +233,8 @@ void nearest_neighbours(const int32_t *points, int64_t n, const int32_t *queries
   (small ? search_all<SmallKey> : search_all<LargeKey>)(points, n, queries, m, k, error, threads, out);
 }
 
+}  // namespace
+
 void nearest_among(const int32_t *points, const int64_t *among, int64_t n, const int64_t *members, int64_t m, int k,
                    int threads, int32_t *out) {
   const auto gathered = [&](const int64_t *indices, int64_t count) {
@@ -241,7 +242,7 @@ void nearest_among(const int32_t *points, const int64_t *among, int64_t n, const
     for (int64_t i = 0; i < count; ++i) std::copy_n(points + 2 * indices[i], 2, chosen.begin() + 2 * i);
     return chosen;
   };
-  nearest_neighbours(gathered(among, n).data(), n, gathered(members, m).data(), m, k, threads, out);
+  nearest_points(gathered(among, n).data(), n, gathered(members, m).data(), m, k, threads, out);
   for (int64_t i = 0; i < m * k; ++i)
     if (out[i] >= 0) out[i] = int32_t(among[out[i]]);
 }
