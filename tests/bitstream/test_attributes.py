@@ -4,17 +4,24 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from sgicodec.bitstream import tile
 from sgicodec.bitstream.attributes import AttributeCoder
+from sgicodec.bitstream.entropy import SymbolReader, SymbolWriter
 from sgicodec.bitstream.header import Header
+from sgicodec.bitstream.prior import load_prior
 from sgicodec.bitstream.tile_chunk import decode_tile_chunk
 from sgicodec.decoder import open_stream
 from sgicodec.errors import StreamError
+from sgicodec.model.context import passes
+from sgicodec.model.layout import SeedLayout
 from sgicodec.model.processor import ONE_THREAD, Processor
+from sgicodec.model.spec import ModelSpec, default_spec
+from sgicodec.model.steps import default_plan
 
 GOLDEN = Path(__file__).parent.parent / "golden"
 STREAMS = [
@@ -81,3 +88,25 @@ def test_coarse_passes_alone(finest: int, monkeypatch: pytest.MonkeyPatch) -> No
     other = tile.read_coarse(header, payload, finest)
     assert len(native.layout) > 0
     np.testing.assert_array_equal(native.decoded, other.decoded)
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+@pytest.mark.parametrize("spec", [default_spec(1), default_spec(3), default_spec(2, per_seed=2)])
+def test_passes_of_many_runs(spec: ModelSpec, threads: int) -> None:
+    """Thousands of seeds in a pass are worked on in several runs, and groups of one step are larger than the last's."""
+    rng = np.random.default_rng(spec.channels)
+    corner = 4 * np.stack(np.meshgrid(np.arange(90), np.arange(90)), axis=-1).reshape(-1, 2).astype(np.int32)
+    layout = SeedLayout(corner, np.full(len(corner), 2, np.int8))
+    layout = layout.take(layout.order())
+    assert max(len(members) for members in passes(spec.context, layout)) > 3 * 512
+    values = {group.name: rng.normal(0, 0.3, (len(layout), group.size)) for group in spec.groups}
+    known: tuple[Any, ...] = spec, layout, (360, 360), default_plan(spec, 60), load_prior(spec), [], 60, 1
+    writer = SymbolWriter()
+    written = AttributeCoder(*known).code(writer, values)
+    crc, bits = writer.crc, dict(writer.bits)
+    reader = SymbolReader(writer.finish())
+    read = AttributeCoder(*known, Processor(threads)).code(reader, None)
+    np.testing.assert_array_equal(read, written)
+    assert reader.crc == crc
+    assert reader.bits == pytest.approx(bits)
+    reader.finish()

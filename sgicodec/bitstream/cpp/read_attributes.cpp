@@ -72,7 +72,10 @@ class AttributeReader {
       : decoder_(decoder), model_(model), tables_(tables), seeds_(seeds), threads_(threads), decoded_(decoded), read_(read),
         values_{decoded, model.attributes, model.per_seed, model.channels, model.colour, model.shape},
         summary_(size_t(seeds.count) * kSummary) {
-    for (const AttributeStep &step : model.steps) stride_ = std::max(stride_, int64_t(step.inputs));
+    for (const AttributeStep &step : model.steps) {
+      stride_ = std::max(stride_, int64_t(step.inputs));
+      coded_.emplace_back(step.groups.size());
+    }
   }
 
   Reading read_all() {
@@ -119,31 +122,32 @@ class AttributeReader {
     grow(inputs_, n * size_t(stride_)), grow(own_summary_, n * kSummary), grow(amplitude_, n), grow(log_size_, n);
     size_t number = 0;
     for (size_t s = 0; s < model_.steps.size(); ++s) {
-      make_room(model_.steps[s], n);
+      make_room(s, n);
       for_runs(n, [&](size_t begin, size_t count) {
         if (s == 0)
           begin_seeds(members, table, begin, count);
         else
           go_on(members, s, begin, count);
-        predict(model_.steps[s], s > 0, begin, count);
+        predict(s, begin, count);
       });
-      const Reading reading = read_step(model_.steps[s], n, number);
+      const Reading reading = read_step(s, n, number);
       if (reading != Reading::kSound) return reading;
     }
     for_runs(n, [&](size_t begin, size_t count) {
-      finish(members, model_.steps.back(), begin, count);
+      finish(members, model_.steps.size() - 1, begin, count);
       for (size_t i = begin; i < begin + count && model_.ranks; ++i)
         std::copy_n(own_summary_.data() + i * kSummary, kSummary, summary_.data() + size_t(members[i]) * kSummary);
     });
     return Reading::kSound;
   }
 
-  void make_room(const AttributeStep &step, size_t n) {
+  void make_room(size_t s, size_t n) {
+    const AttributeStep &step = model_.steps[s];
     grow(predicted_, n * size_t(step.network->outputs()));
-    grow(coded_, step.groups.size());
     for (size_t g = 0; g < step.groups.size(); ++g) {
       const size_t count = n * size_t(step.groups[g].size());
-      grow(coded_[g].mean, count), grow(coded_[g].step, count), grow(coded_[g].tables, count);
+      Coded &coded = coded_[s][g];
+      grow(coded.mean, count), grow(coded.step, count), grow(coded.tables, count);
     }
   }
 
@@ -156,11 +160,13 @@ class AttributeReader {
   }
 
   // The values of a step, and the summaries that follow from them.
-  void finish(const std::vector<int64_t> &members, const AttributeStep &step, size_t begin, size_t count) {
+  void finish(const std::vector<int64_t> &members, size_t s, size_t begin, size_t count) {
+    const AttributeStep &step = model_.steps[s];
     for (size_t g = 0; g < step.groups.size(); ++g) {
       const AttributeGroup &group = step.groups[g];
+      const Coded &coded = coded_[s][g];
       const size_t at = begin * size_t(group.size());
-      dequantise(coded_[g].symbols + at, coded_[g].mean.data() + at, coded_[g].step.data() + at, members.data() + begin,
+      dequantise(coded.symbols + at, coded.mean.data() + at, coded.step.data() + at, members.data() + begin,
                  int64_t(count), group.size(), group.first, 1, decoded_, model_.attributes);
     }
     if (model_.ranks || model_.steps.size() > 1)
@@ -169,38 +175,41 @@ class AttributeReader {
   }
 
   void go_on(const std::vector<int64_t> &members, size_t s, size_t begin, size_t count) {
-    finish(members, model_.steps[s - 1], begin, count);
+    finish(members, s - 1, begin, count);
     own_inputs(own_summary_.data() + begin * kSummary, int64_t(count), int(s), model_.steps[0].inputs, 1,
                inputs_.data() + begin * size_t(stride_), stride_);
   }
 
-  void predict(const AttributeStep &step, bool knows_amplitude, size_t begin, size_t count) {
+  void predict(size_t s, size_t begin, size_t count) {
+    const AttributeStep &step = model_.steps[s];
     const int64_t outputs = step.network->outputs();
     int64_t *predicted = predicted_.data() + begin * size_t(outputs);
     const std::unique_ptr<double[]> scratch(new double[size_t(step.network->scratch_size())]);
     step.network->evaluate(inputs_.data() + begin * size_t(stride_), stride_, int64_t(count), scratch.get(), predicted);
     for (size_t g = 0; g < step.groups.size(); ++g) {
       const AttributeGroup &group = step.groups[g];
-      const bool follows = group.follows_amplitude && knows_amplitude;
+      Coded &coded = coded_[s][g];
+      const bool follows = group.follows_amplitude && s > 0;
       const GroupPlan plan{group.base.data(), group.columns.data(), follows ? amplitude_.data() + begin : nullptr,
                            group.gamma, group.size()};
       const PredictionView view{predicted + group.prediction, predicted + step.predicted + group.prediction,
                                 predicted + 2 * step.predicted + group.refinement, outputs};
       const size_t at = begin * size_t(group.size());
-      int16_t *tables = coded_[g].tables.data() + at;
-      quantisers(plan, view, log_size_.data() + begin, int64_t(count), 1, coded_[g].mean.data() + at,
-                 coded_[g].step.data() + at, tables);
+      int16_t *tables = coded.tables.data() + at;
+      quantisers(plan, view, log_size_.data() + begin, int64_t(count), 1, coded.mean.data() + at,
+                 coded.step.data() + at, tables);
       for (size_t i = 0; i < count * size_t(group.size()); ++i) tables[i] = int16_t(tables[i] + model_.first_table);
     }
   }
 
-  Reading read_step(const AttributeStep &step, size_t n, size_t &number) {
+  Reading read_step(size_t s, size_t n, size_t &number) {
+    const AttributeStep &step = model_.steps[s];
     Stopwatch watch(read_.seconds.symbols);
     for (size_t g = 0; g < step.groups.size(); ++g) {
       const size_t count = n * size_t(step.groups[g].size()), first = read_.symbols.size();
       read_.symbols.resize(first + count);  // within what was reserved: pointers stay good
-      coded_[g].symbols = read_.symbols.data() + first;
-      const Reading reading = read_zero_centred(decoder_, tables_, coded_[g].tables.data(), int64_t(count),
+      coded_[s][g].symbols = read_.symbols.data() + first;
+      const Reading reading = read_zero_centred(decoder_, tables_, coded_[s][g].tables.data(), int64_t(count),
                                                 read_.symbols.data() + first, read_.bits[number++]);
       if (reading != Reading::kSound) return reading;
     }
@@ -223,7 +232,7 @@ class AttributeReader {
   std::vector<int32_t> amplitude_;
   std::vector<int8_t> log_size_;
   std::vector<int64_t> predicted_;
-  std::vector<Coded> coded_;  // groups of a step
+  std::vector<std::vector<Coded>> coded_;  // groups by step: a step is finished while the next one is predicted
 };
 
 }  // namespace
