@@ -105,7 +105,7 @@ def test_passes_of_many_runs(spec: ModelSpec, threads: int) -> None:
     written = AttributeCoder(*known).code(writer, values)
     crc, bits = writer.crc, dict(writer.bits)
     reader = SymbolReader(writer.finish())
-    read = AttributeCoder(*known, Processor(threads)).code(reader, None)
+    read = AttributeCoder(*known, processor=Processor(threads)).code(reader, None)
     np.testing.assert_array_equal(read, written)
     assert reader.crc == crc
     assert reader.bits == pytest.approx(bits)
