@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -102,10 +103,11 @@ def test_passes_of_many_runs(spec: ModelSpec, threads: int) -> None:
     values = {group.name: rng.normal(0, 0.3, (len(layout), group.size)) for group in spec.groups}
     known: tuple[Any, ...] = spec, layout, (360, 360), default_plan(spec, 60), load_prior(spec), [], 60, 1
     writer = SymbolWriter()
-    written = AttributeCoder(*known).code(writer, values)
+    coder = AttributeCoder(*known)
+    written = coder.code(writer, values)
     crc, bits = writer.crc, dict(writer.bits)
     reader = SymbolReader(writer.finish())
-    read = AttributeCoder(*known, processor=Processor(threads)).code(reader, None)
+    read = replace(coder, processor=Processor(threads)).code(reader, None)
     np.testing.assert_array_equal(read, written)
     assert reader.crc == crc
     assert reader.bits == pytest.approx(bits)
