@@ -11,6 +11,8 @@ small = st.tuples(st.integers(0, 8), st.integers(0, 8))  # many ties and coincid
 sparse = st.tuples(st.integers(0, 25), st.integers(0, 25))
 line = st.tuples(st.integers(0, 5000), st.just(3))
 wide = st.tuples(st.integers(-(2**29), 2**29), st.integers(-(2**29), 2**29))
+far = st.tuples(st.integers(2**25 - 9, 2**25), st.integers(2**25 - 9, 2**25))  # one place to a float of 24 bits
+beyond_small_keys = st.tuples(st.integers(2**16 - 4, 2**16 + 4), st.integers(-(2**16) - 4, -(2**16) + 4))
 Points = list[tuple[int, int]]
 
 
@@ -36,7 +38,12 @@ def nearest_points(points: np.ndarray, queries: np.ndarray, k: int) -> np.ndarra
 
 @settings(max_examples=300, deadline=None)
 @given(
-    st.one_of(*(st.tuples(st.lists(p, max_size=60), st.lists(p, max_size=20)) for p in (small, sparse, line, wide))),
+    st.one_of(
+        *(
+            st.tuples(st.lists(p, max_size=60), st.lists(p, max_size=20))
+            for p in (small, sparse, line, wide, far, beyond_small_keys)
+        )
+    ),
     st.integers(1, 7),
 )
 @example(([(0, 0)], [(2**29, 2**29), (-(2**29), 5)]), 2)

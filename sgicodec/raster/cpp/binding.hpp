@@ -3,8 +3,11 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
+#include <array>
 #include <cstddef>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 namespace sgi {
 
@@ -20,6 +23,15 @@ inline void require(bool ok, const char *what) {
 template <class A>
 bool has_shape(const A &array, size_t rows, size_t columns) {
   return array.shape(0) == rows && array.shape(1) == columns;
+}
+
+// A numpy array that owns what it holds; Shown is T or what numpy calls it.
+template <class T, class Shown = T, size_t D>
+auto as_array(std::vector<T> values, const std::array<size_t, D> &shape) {
+  auto *owned = new std::vector<T>(std::move(values));
+  nanobind::capsule owner(owned, [](void *held) noexcept { delete static_cast<std::vector<T> *>(held); });
+  return nanobind::ndarray<nanobind::numpy, Shown, nanobind::ndim<D>>(reinterpret_cast<Shown *>(owned->data()), D,
+                                                                      shape.data(), owner);
 }
 
 }  // namespace sgi
