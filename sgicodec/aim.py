@@ -127,8 +127,8 @@ class Aim:
 _UNSETTLED = 1
 """Sweeps whose outcome says little: scales are not fitted yet, and seeds that do not pay are still there."""
 _UP, _MORE_UP, _DOWN, _MOST_MOVE = 1.0, 1.5, 2.5, 1.0
-"""By what multiple of what λ is off it moves between two sweeps, up (and how much further each time that it must rise
-again) or down, and the most octaves. Seeds can be dropped but not added, so that a smaller λ does less than a larger one.
+"""By what multiple of what λ is off it moves between two sweeps: up, and how much further each time that it must rise
+again; down; and the most octaves. Seeds can be dropped but not added, so that a smaller λ does less than a larger one.
 """
 _MORE_SWEEPS = 5
 """Sweeps beyond the usual."""
