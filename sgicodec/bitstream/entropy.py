@@ -29,6 +29,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from sgicodec import _native
 from sgicodec.bitstream.alphabets import Alphabets
+from sgicodec.bitstream.symbol_groups import IntArray, as_keys, as_values, groups
 from sgicodec.bitstream.symbol_models import (
     ZERO_CENTRED,
     CategoricalModels,
@@ -47,8 +48,6 @@ from sgicodec.bitstream.tables import (
 from sgicodec.errors import CorruptStreamError, UsageError
 
 __all__ = ["IntArray", "SymbolReader", "SymbolWalk", "SymbolWriter", "require_sound"]
-
-IntArray = NDArray[np.int32]
 
 _UNIFORM_BITS = 16
 """Widest field that is coded in one piece; wider ones go in two."""
@@ -90,8 +89,8 @@ class SymbolWalk(ABC):
         a bad index when writing, CorruptStreamError when reading.
         """
         shape = np.shape(tables)
-        table = _as_keys(tables, TABLES)
-        values = None if symbols is None else _as_values(symbols, table.size)
+        table = as_keys(tables, TABLES)
+        values = None if symbols is None else as_values(symbols, table.size)
         if values is not None and values.size and int(np.abs(values).max()) > MAX_MAGNITUDE:
             raise UsageError(f"entropy: a symbol exceeds ±{MAX_MAGNITUDE}; use a larger step")
         coded, bits = self._zero_centred(values, table)
@@ -109,17 +108,17 @@ class SymbolWalk(ABC):
         if not isinstance(alphabets, Alphabets):
             alphabets = Alphabets(alphabets)
         shape, rows = np.shape(contexts), len(alphabets.frequencies)
-        context = _as_keys(contexts, rows)
-        order, start = _groups(context, rows)
+        context = as_keys(contexts, rows)
+        order, start = groups(context, rows)
         index = None
         if symbols is not None:
-            values, size = _as_values(symbols, context.size), alphabets.frequencies.shape[1]
+            values, size = as_values(symbols, context.size), alphabets.frequencies.shape[1]
             if np.any((values < 0) | (values >= size)):
                 raise UsageError(f"entropy: a symbol is outside 0..{size - 1}")
             if np.any(alphabets.frequencies[context, values] == 0):
                 raise UsageError("entropy: a symbol has frequency 0 in its context")
             index = alphabets.rank[context, values][order]
-        index = self._in_groups(index, start, CategoricalModels(alphabets))
+        index = self._ingroups(index, start, CategoricalModels(alphabets))
         coded = np.empty(context.size, np.int32)
         bits = _native.ungroup_categorical(index, order, context, alphabets.symbol, alphabets.bits, coded)
         self._record(coded, bits)
@@ -129,7 +128,7 @@ class SymbolWalk(ABC):
         """`count` equally likely integers of `n_bits` (0 to 32) bits each."""
         if not 0 <= n_bits <= 32:
             raise UsageError(f"entropy: fields of {n_bits} bits; at most 32 are possible")
-        given = None if values is None else _as_values(values, count)
+        given = None if values is None else as_values(values, count)
         if given is not None and given.size and not 0 <= int(given.min()) <= int(given.max()) < 1 << n_bits:
             raise UsageError(f"entropy: a value does not fit into {n_bits} bits")
         coded = self._uniform(given, n_bits, count)
@@ -145,7 +144,7 @@ class SymbolWalk(ABC):
         """Codes zero-centred symbols as `code` says; with them comes their information content."""
 
     @abstractmethod
-    def _in_groups(self, index: IntArray | None, start: NDArray[np.int64], models: SymbolModels) -> IntArray:
+    def _ingroups(self, index: IntArray | None, start: NDArray[np.int64], models: SymbolModels) -> IntArray:
         """Codes symbol indices that are ordered by key, those of `key` from start[key] on, each run under its model."""
 
     @abstractmethod
@@ -196,10 +195,10 @@ class SymbolWriter(SymbolWalk):
         if values is None:
             raise UsageError("entropy: a writer needs values")
         family = frequency_tables()
-        order, start = _groups(table, TABLES)
+        order, start = groups(table, TABLES)
         support = family.support[table]
         index = np.where(np.abs(values) <= support, values + support, 2 * support + 1)[order].astype(np.int32)
-        self._in_groups(index, start, ZERO_CENTRED)
+        self._ingroups(index, start, ZERO_CENTRED)
         coded = np.empty(table.size, np.int32)
         tables_of = (family.support, family.start, family.symbol_bits)
         bits, escapes = _native.ungroup_symbols(index, order, table, *tables_of, coded)
@@ -215,14 +214,14 @@ class SymbolWriter(SymbolWalk):
         """
         excess = np.abs(values) - support - 1
         exponent = escape_exponent(excess).astype(np.int32)
-        self._in_groups(exponent, np.array([0, exponent.size], np.int64), CategoricalModels(escape_alphabet()))
+        self._ingroups(exponent, np.array([0, exponent.size], np.int64), CategoricalModels(escape_alphabet()))
         for e in np.unique(exponent).tolist():
             where = np.flatnonzero(exponent == e)
             self._uniform((excess[where] + 1 - (1 << e)).astype(np.int64), e, where.size)
         self._uniform((values < 0).astype(np.int64), 1, values.size)
         return float(escape_bits(excess).sum())
 
-    def _in_groups(self, index: IntArray | None, start: NDArray[np.int64], models: SymbolModels) -> IntArray:
+    def _ingroups(self, index: IntArray | None, start: NDArray[np.int64], models: SymbolModels) -> IntArray:
         if index is None:
             raise UsageError("entropy: a writer needs values")
         for key, (begin, end) in enumerate(pairwise(start.tolist())):
@@ -291,7 +290,7 @@ class SymbolReader(SymbolWalk):
         require_sound(reading)
         return coded, bits
 
-    def _in_groups(self, index: IntArray | None, start: NDArray[np.int64], models: SymbolModels) -> IntArray:
+    def _ingroups(self, index: IntArray | None, start: NDArray[np.int64], models: SymbolModels) -> IntArray:
         coded = np.empty(int(start[-1]), np.int32)
         return _sound(coded, self._coder.decode(models.reading, start, coded))
 
@@ -320,25 +319,3 @@ def _not_a_panic(error: BaseException, failure: type[Exception], message: str) -
     if isinstance(error, KeyboardInterrupt | SystemExit | MemoryError):
         return error
     return failure(f"entropy: {message} ({' '.join(str(error).split())})")
-
-
-def _as_values(symbols: ArrayLike, count: int) -> NDArray[np.int64]:
-    values = np.asarray(symbols, np.int64).reshape(-1)
-    if values.size != count:
-        raise UsageError(f"entropy: {values.size} symbols for {count} models")
-    return values
-
-
-def _as_keys(models: ArrayLike, count: int) -> NDArray[np.int16]:
-    """Model numbers as 16-bit integers, which numpy sorts by radix."""
-    keys = np.asarray(models).reshape(-1)
-    if keys.size and not 0 <= int(keys.min()) <= int(keys.max()) < min(count, 1 << 15):
-        raise UsageError(f"entropy: a table index or context is outside 0..{count - 1}")
-    return keys.astype(np.int16)
-
-
-def _groups(keys: NDArray[np.int16], count: int) -> tuple[IntArray, NDArray[np.int64]]:
-    """Positions [n] ordered by key, equal keys by position, and where those of each key 0 … count begin [count + 1]."""
-    order, start = np.empty(keys.size, np.int32), np.empty(count + 1, np.int64)
-    _native.group_by_key(keys, order, start)
-    return order, start
