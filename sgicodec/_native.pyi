@@ -90,6 +90,7 @@ class SeedFit:
         steps: F32,
         rounding: int,
         key: int,
+        mirrored: bool,
         refresh: bool,
         trains_first: bool,
         means: F32,

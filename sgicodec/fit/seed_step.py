@@ -29,7 +29,8 @@ _FLOOR = np.array([MIN_VARIANCE, 0.0, MIN_VARIANCE], np.float32)
 class SeedStep:
     """Squared error plus λ times bits, and the gradients of both, for the models that `can_run` names.
 
-    Noise is a hash of (key, column, seed), so that a step does not depend on the number of threads. Inputs from
+    Noise is a hash of (key, column, seed), so that a step does not depend on the number of threads; `mirrored` noise is
+    its negative. Inputs from
     neighbours are found anew every `refresh` steps, as in `Sampler`.
     """
 
@@ -72,6 +73,7 @@ class SeedStep:
         steps: Tensor,
         rounding: Rounding,
         key: int,
+        mirrored: bool,
         target: F32,
         scale: float,
         lmbda: float,
@@ -94,6 +96,7 @@ class SeedStep:
             steps.detach().numpy(),
             _ROUNDINGS[rounding],
             key,
+            mirrored,
             self.age == 0,
             not net.first_layer_is_fixed,
             *gaussians,

@@ -163,12 +163,15 @@ class Trainer:
 
     def _native_gradients(self, step: SeedStep, phase: Phase) -> tuple[float, float]:
         lmbda = self.lmbda if phase.rate else 0.0
-        key = (self.settings.seed * 0x9E3779B1 + self.step * 0x85EBCA77) & 0xFFFFFFFF
+        pair, mirrored = divmod(self.step, 2)  # of two steps the second's noise takes back what the first's did
+        key = (self.settings.seed * 0x9E3779B1 + pair * 0x85EBCA77) & 0xFFFFFFFF
         target = self.targets[phase.level].numpy()
         steps = self.sampler.steps
         if phase.rate and self.net.difference is not None:
             (lmbda * self.net.difference_bits()).backward()  # type: ignore[no-untyped-call]
-        return step.run(self.values, self.net, steps, phase.rounding, key, target, 0.5**phase.level, lmbda)
+        return step.run(
+            self.values, self.net, steps, phase.rounding, key, bool(mirrored), target, 0.5**phase.level, lmbda
+        )
 
     def _gradients(self, phase: Phase) -> tuple[float, float]:
         sample = self._sample(phase)

@@ -52,7 +52,9 @@ def expected_noise(column: int, seeds: int) -> np.ndarray:
 
 
 class KnownNoise(Sampler):
-    """Draws the noise that the native step hashes."""
+    """Draws the noise that the native step hashes, times `sign`."""
+
+    sign = 1.0
 
     def _perturb(  # type: ignore[override]
         self, value: Tensor, m: Tensor, q: Tensor, s: Tensor, rounding: Rounding, generator: torch.Generator
@@ -62,7 +64,7 @@ class KnownNoise(Sampler):
         start = self.column
         self.column += value.shape[1]
         columns = [expected_noise(start + j, len(value)) for j in range(value.shape[1])]
-        return value + q * torch.from_numpy(np.stack(columns, axis=1)).float()
+        return value + self.sign * q * torch.from_numpy(np.stack(columns, axis=1)).float()
 
 
 class Problem:
@@ -129,14 +131,15 @@ class Problem:
         return float(error.detach()), float(bits.detach().sum()), {name: t.grad for name, t in self.leaves().items()}
 
     def native_step(
-        self, rounding: Rounding, level: int, isa: str, threads: int = 1
+        self, rounding: Rounding, level: int, isa: str, threads: int = 1, mirrored: bool = False
     ) -> tuple[float, float, dict[str, Tensor | None]]:
         self.fresh()
         step = SeedStep(self.spec, NativeRasterizer(threads, isa), threads)
         step.set_layout(self.layout, QUALITY)
         lmbda = LMBDA if rounding != "none" else 0.0
         target = self.reduced(level)
-        error, bits = step.run(self.values, self.net, self.sampler.steps, rounding, KEY, target, 0.5**level, lmbda)
+        key = KEY, mirrored
+        error, bits = step.run(self.values, self.net, self.sampler.steps, rounding, *key, target, 0.5**level, lmbda)
         return error, bits, {name: t.grad for name, t in self.leaves().items()}
 
     def reduced(self, level: int) -> np.ndarray:
@@ -182,6 +185,17 @@ def test_native_step_with_differences_to_fixed_networks() -> None:
     found_error, found_bits, found = problem.native_step("noise", 0, "auto")
     assert (found_error, found_bits) == pytest.approx((error, bits), rel=2e-5)
     assert_close(found, expected)
+
+
+@pytest.mark.parametrize("isa", available_isas())
+def test_mirrored_noise_is_the_negative(isa: str) -> None:
+    problem = Problem(default_spec(3, prior=0))
+    problem.sampler.sign = -1.0
+    error, bits, expected = problem.torch_step("noise", 0, isa)
+    found_error, found_bits, found = problem.native_step("noise", 0, isa, mirrored=True)
+    assert (found_error, found_bits) == pytest.approx((error, bits), rel=2e-5)
+    assert_close(found, expected)
+    assert problem.native_step("noise", 0, isa)[1] != found_bits
 
 
 def test_threads_change_no_bit() -> None:

@@ -46,7 +46,7 @@ void set_layout(sgi::SeedFit &self, In2 centre, In1 cell, In1 log_size, Ints1 le
 }
 
 double forward(sgi::SeedFit &self, In2 colour, In2 shape, In2 offset, In1 first, In1 rest, In1 steps, int rounding,
-               uint32_t key, bool refresh, bool trains_first, Out2 means, Out2 covariances, Out2 colours) {
+               uint32_t key, bool mirrored, bool refresh, bool trains_first, Out2 means, Out2 covariances, Out2 colours) {
   const sgi::SeedState &s = self.state();
   const int64_t gaussians = s.count * s.per_seed;
   require_rows(colour, s.count, s.group_size(0), "colour must be [N, K C]");
@@ -62,7 +62,7 @@ double forward(sgi::SeedFit &self, In2 colour, In2 shape, In2 offset, In1 first,
   const sgi::SeedGaussians out{means.data(), covariances.data(), colours.data()};
   nb::gil_scoped_release release;
   return self.forward({colour.data(), shape.data(), offset.data()}, {first.data(), rest.data(), steps.data()},
-                      sgi::Rounding(rounding), key, refresh, trains_first, out);
+                      sgi::Rounding(rounding), key, mirrored, refresh, trains_first, out);
 }
 
 void backward(sgi::SeedFit &self, In2 means, In2 covariances, In2 colours, float lmbda, Out2 colour, Out2 shape,

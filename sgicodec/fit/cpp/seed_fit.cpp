@@ -91,7 +91,8 @@ void SeedFit::over_runs(const Body &body) {
 }
 
 double SeedFit::forward(const std::array<const float *, kGroups> &values, const SeedParameters &parameters,
-                        Rounding rounding, uint32_t key, bool refresh, bool trains_first, const SeedGaussians &out) {
+                        Rounding rounding, uint32_t key, bool mirrored, bool refresh, bool trains_first,
+                        const SeedGaussians &out) {
   SeedState &s = state_;
   const float *first = parameters.first, *rest = parameters.rest;
   for (int g = 0; g < kGroups; ++g) {
@@ -105,6 +106,7 @@ double SeedFit::forward(const std::array<const float *, kGroups> &values, const 
   s.gamma = parameters.steps + kUnits * kLevels;
   s.rounding = rounding;
   s.key = key;
+  s.mirrored = mirrored;
   s.trains_first = trains_first;
   if (rounding != Rounding::kNone && refresh)
     over_runs([&](int64_t, int64_t begin, int64_t end, float *m) { kernel_->summarize(s, begin, end, m); });

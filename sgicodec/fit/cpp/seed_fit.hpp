@@ -30,7 +30,7 @@ class SeedFit {
   void set_layout(const SeedLayoutArrays &layout);
   // Bits of all seeds; 0 without rounding. `refresh` says whether inputs from neighbours are found anew, from `values`.
   double forward(const std::array<const float *, kGroups> &values, const SeedParameters &parameters, Rounding rounding,
-                 uint32_t key, bool refresh, bool trains_first, const SeedGaussians &out);
+                 uint32_t key, bool mirrored, bool refresh, bool trains_first, const SeedGaussians &out);
   // After `forward` on the same arrays. `sums` [sums()] receives gradients of rest, steps and, if it trains, first.
   void backward(const SeedGradients &gradients, float *sums);
 

@@ -52,6 +52,7 @@ struct SeedState {
   float *bits;                      // [N]
   Rounding rounding;
   uint32_t key;                     // of the noise
+  bool mirrored;                    // its negative
   bool trains_first;
 
   SGI_INLINE int attributes() const { return per_seed * (channels + 5); }

@@ -271,7 +271,7 @@ double forward(const SeedState &s, int64_t begin, int64_t end, const SeedGaussia
         vf value = block.gather(s.value[g], size, j);
         if (s.rounding != Rounding::kNone) {
           const Unit &unit = u.unit[unit_of(s, g, j)];
-          value = s.rounding == Rounding::kNoise ? value + unit.step * noise(s.key, start + j, at) : rounded(value, unit);
+          value = s.rounding == Rounding::kNoise ? value + unit.step * noise(s.key, s.mirrored, start + j, at) : rounded(value, unit);
           sum += laplace_bits(value - unit.mean, unit.step, unit.scale).bits;
         }
         store(decoded + (start + j) * LANES, value);
@@ -402,7 +402,7 @@ inline void descend_group(const SeedState &s, const Block &block, int group, con
     block.scatter(above + slope, g.value[group], size, j);
     mean[i] -= slope;
     scale[i] += price * b.scale;
-    if (s.rounding == Rounding::kNoise) step[i] += price * b.step + (above + slope) * noise(s.key, start + j, block.first);
+    if (s.rounding == Rounding::kNoise) step[i] += price * b.step + (above + slope) * noise(s.key, s.mirrored, start + j, block.first);
   }
   vf refine{}, gamma{};
   for (int i = 0; i < count; ++i) {
