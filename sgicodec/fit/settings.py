@@ -45,13 +45,13 @@ class Phase:
 
 @dataclass(frozen=True)
 class LearningRates:
-    """Adam's learning rates at the start; `final` is the fraction that is left at the end of a fit, `hold` how much of
-    it passes before the decay begins, `constant` names what never decays.
+    """Adam's learning rates at the start. From the fraction `hold` of a fit to `settled` they fall to `final` times
+    that, in equal steps or by equal factors; `constant` names what never decays.
     """
 
-    colour: float = 0.02
-    shape: float = 0.06
-    offset: float = 0.06
+    colour: float = 0.028
+    shape: float = 0.085
+    offset: float = 0.085
     feature: float = 0.0075
     scales: float = 0.007
     decoder_colour: float = 0.008
@@ -61,8 +61,17 @@ class LearningRates:
     betas: tuple[float, float] = (0.9, 0.99)
     epsilon: float = 1e-15
     final: float = 0.01
-    hold: float = 0.6
+    hold: float = 0.4
+    settled: float = 0.97
+    decay: Literal["linear", "exponential"] = "linear"
     constant: tuple[str, ...] = ()
+
+    def left(self, done: float) -> float:
+        """Fraction of the learning rates that is left when the fraction `done` of a fit lies behind."""
+        fallen = min(1.0, max(0.0, (done - self.hold) / (self.settled - self.hold)))
+        if self.decay == "exponential":
+            return float(self.final**fallen)
+        return 1.0 - (1.0 - self.final) * fallen
 
 
 @dataclass(frozen=True)
@@ -140,6 +149,8 @@ def paper_settings(lmbda: float, levels: int, steps: int) -> FitSettings:
         betas=(0.9, 0.999),
         final=0.01,
         hold=0.0,
+        settled=1.0,
+        decay="exponential",
         constant=("feature", "scales", "decoder_shape"),
     )
     return FitSettings(

@@ -226,7 +226,7 @@ class Trainer:
     def _schedule(self) -> None:
         rates, done = self.settings.rates, self.pace.done
         slow = self.settings.slowing(self.pace.steps)
-        decay = rates.final ** max(0.0, (done - rates.hold) / (1 - rates.hold))
+        decay = rates.left(done)
         for group in self.optimizer.groups:
             speed = (1.0 if group.name in rates.constant else decay) * (slow if group.name in SLOWED else 1.0)
             group.factor = speed * self.live[group.name]
