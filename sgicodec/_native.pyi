@@ -1,5 +1,6 @@
 """The compiled extension (sgicodec/raster/cpp/module.cpp). Arrays are C-contiguous and on the CPU."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -68,7 +69,6 @@ class Rasterizer:
     @property
     def pairs(self) -> int: ...
 
-def nearest_neighbours(points: I32, queries: I32, out: I32, threads: int, /) -> None: ...
 def nearest_among(points: I32, among: I64, members: I64, out: I32, threads: int, /) -> None: ...
 def fma_peak(threads: int, isa: str, /) -> float: ...
 def resolve_threads(threads: int, /) -> int: ...
@@ -90,8 +90,8 @@ class SeedFit:
         steps: F32,
         rounding: int,
         key: int,
-        mirrored: bool,
-        refresh: bool,
+        negative: bool,
+        reuse: int,
         trains_first: bool,
         means: F32,
         covariances: F32,
@@ -173,6 +173,9 @@ class RangeDecoder:
     def decode(self, models: SymbolModels, start: I64, out: I32, /) -> bool: ...
     def decode_uniform(self, bits: int, out: I32, /) -> bool: ...
     def maybe_exhausted(self) -> bool: ...
+    @property
+    def seconds(self) -> float:
+        """That `decode` took so far."""
 
 def group_by_key(keys: I16, order: I32, start: I64, /) -> None: ...
 def ungroup_symbols(
@@ -182,52 +185,110 @@ def ungroup_categorical(indices: I32, order: I32, keys: I16, alphabets: I32, bit
 def dequantise(symbols: I32, mean: I64, step: I64, members: I64, first: int, threads: int, decoded: I64, /) -> None: ...
 def add_predictions(plane: I64, predictor: int, most: int, /) -> bool: ...
 def tree_input_count(child: int, /) -> int: ...
-def base_detail(base: I64, out: I16, /) -> None: ...
-def children_inside(parents: tuple[I32, I32, I32, I16], level: int, width: int, height: int, exists: U8, /) -> None: ...
-def begin_batch(exists: U8, occupied: U8, child: int, members: I32, needed: U8, /) -> int: ...
-def end_batch(members: I32, child: int, split: U8, seed: U8, flags: I16, occupied: U8, /) -> None: ...
 
 class TreeNetwork:
     def __init__(self, w1: I64, b1: I64, w2: I64, b2: I64, shift: int, child: int, isa: str, /) -> None: ...
-    def rows(
-        self,
-        parents: tuple[I32, I32, I32, I16],
-        slots: tuple[U8, I16],
-        detail: I16,
-        cell: int,
-        head: I16,
-        level: int,
-        members: I32,
-        shift: int,
-        most: int,
-        threads: int,
-        out: I16,
-        /,
+
+class TreeScenery:
+    def __init__(self, width: int, height: int, base: I64, cell: int, quality: int, /) -> None: ...
+
+class TreeBatch:
+    """Nodes of one level and child number that are coded together."""
+
+    @property
+    def level(self) -> int: ...
+    @property
+    def child(self) -> int: ...
+    def __len__(self) -> int: ...
+    @property
+    def needed(self) -> NDArray[np.bool_]:
+        """Which [n] must not be empty, being the last of their parent's children where the others are."""
+
+    @property
+    def codes(self) -> I64:
+        """Morton codes [n] at their level."""
+
+    @property
+    def inputs(self) -> I16:
+        """What a prediction sees [n, inputs], in 1/64."""
+
+    def rows(self, network: TreeNetwork, shift: int, most: int, threads: int, /) -> I16:
+        """What the network of this child number says [n, 3]: log-odds in units of 2^(shift − 8), clipped to ±most and
+        moved by `most`.
+        """
+
+    def seed_rows(self, rows: I16, split: U8, certain: int, /) -> I16:
+        """The row of every seed flag [n]: `certain` where it is needed."""
+
+def walk_tree(
+    scenery: TreeScenery, max_seeds: int, code: Callable[[TreeBatch], tuple[U8, U8]], /
+) -> list[tuple[I64, int]]: ...
+def read_tree(
+    decoder: RangeDecoder,
+    scenery: TreeScenery,
+    max_seeds: int,
+    networks: tuple[TreeNetwork, ...],
+    models: SymbolModels,
+    symbol: I32,
+    bits: F64,
+    shift: int,
+    most: int,
+    threads: int,
+    /,
+) -> tuple[bool, list[tuple[I64, int]], I32, float]:
+    """Whether they decode, codes as of `walk_tree`, all flags in coding order and their information content."""
+
+class ZeroCentredTables:
+    def __init__(
+        self, models: SymbolModels, support: I32, start: I64, bits: F64, exponents: SymbolModels, most: int, /
     ) -> None: ...
 
-def tree_inputs(
-    parents: tuple[I32, I32, I32, I16],
-    slots: tuple[U8, I16],
-    detail: I16,
-    cell: int,
-    head: I16,
-    level: int,
-    child: int,
-    members: I32,
-    out: I16,
-    /,
-) -> None: ...
-def split_children(
-    parents: tuple[I32, I32, I32, I16],
-    slots: tuple[U8, I16],
-    found: I32,
-    number: I32,
-    x: I32,
-    y: I32,
-    neighbour: I32,
-    above: I16,
-    /,
-) -> None: ...
+def read_zero_centred(
+    decoder: RangeDecoder, tables: ZeroCentredTables, keys: I16, symbols: I32, /
+) -> tuple[int, float]:
+    """0, or 1 where the payload does not decode, 2 where a symbol is too large; information content."""
+
+class AttributeModel:
+    def __init__(
+        self,
+        attributes: int,
+        per_seed: int,
+        channels: int,
+        colour: int,
+        shape: int,
+        quality: int,
+        neighbours: int,
+        first_table: int,
+        /,
+    ) -> None: ...
+    def add_step(self, w1: I64, b1: I64, w2: I64, b2: I64, shift: int, predicted: int, isa: str, /) -> None: ...
+    def add_group(
+        self,
+        base: I64,
+        columns: I64,
+        gamma: int,
+        follows_amplitude: bool,
+        prediction: int,
+        units: int,
+        refinement: int,
+        first: int,
+    ) -> None: ...
+    def read(
+        self,
+        decoder: RangeDecoder,
+        tables: ZeroCentredTables,
+        half_pixels: I32,
+        log_size: I8,
+        members: I64,
+        start: I64,
+        threads: int,
+        decoded: I64,
+        /,
+    ) -> tuple[int, I32, list[float], tuple[float, ...]]:
+        """As of `read_zero_centred`, all symbols in coding order, information content by group; seconds of the search
+        for neighbours as far as waited for, of the context model, of the symbols.
+        """
+
 def base_lines(grid: F64, first: int, left: I64, across: F64, threads: int, lines: F32, /) -> None: ...
 def png_filter(rows: U8, above: U8, step: int, out: U8, /) -> None: ...
 

@@ -107,7 +107,7 @@ class Aim:
         """Sweeps until the goal is met, but as often as without one; the last that met it, else the nearest."""
         encoding, goal, refiner = self.encoding, self.goal, self.encoding.refiner(start)
         tries: list[tuple[Candidate, Reached]] = []
-        lmbda, least = start.lmbda, refiner.settings.sweeps
+        lmbda, least, up = start.lmbda, refiner.settings.sweeps, _UP
         for number in range(least + _MORE_SWEEPS):
             began = time.monotonic()
             candidate = Candidate(start.header, refiner.sweep(lmbda).model, lmbda)
@@ -117,7 +117,8 @@ class Aim:
                 break
             if number >= _UNSETTLED:
                 excess = goal.excess(measured)
-                lmbda *= 2.0 ** max(-_MOST_MOVE, min(_MOST_MOVE, (_DOWN if excess < 0 else _UP) * excess))
+                lmbda *= 2.0 ** max(-_MOST_MOVE, min(_MOST_MOVE, (_DOWN if excess < 0 else up) * excess))
+                up = _UP if excess < 0 else _MORE_UP * up
         met = [one for one in tries if goal.is_met(one[1][1])]
         sound = [one for one in tries if not goal.is_missed(one[1][1])]
         return met[-1] if met else min(sound or tries, key=lambda one: abs(goal.excess(one[1][1])))
@@ -125,9 +126,9 @@ class Aim:
 
 _UNSETTLED = 1
 """Sweeps whose outcome says little: scales are not fitted yet, and seeds that do not pay are still there."""
-_UP, _DOWN, _MOST_MOVE = 1.0, 2.5, 1.0
-"""By what multiple of what λ is off it moves between two sweeps, up or down, and the most octaves. Seeds can be dropped
-but not added, so that a smaller λ does less than a larger one.
+_UP, _MORE_UP, _DOWN, _MOST_MOVE = 1.0, 1.5, 2.5, 1.0
+"""By what multiple of what λ is off it moves between two sweeps: up, and how much further each time that it must rise
+again; down; and the most octaves. Seeds can be dropped but not added, so that a smaller λ does less than a larger one.
 """
 _MORE_SWEEPS = 5
 """Sweeps beyond the usual."""

@@ -88,15 +88,10 @@ def _blend(
     for tile, (w_down, w_across) in zip(tiles, weights, strict=True):
         tile.draw(view, at, drawn, None, threads)
         total += drawn * (w_down[:, None, None] * w_across[None, :, None])
-    block[...] = total if mapping is None else _mapped(total, mapping, block.dtype)
+    block[...] = total if mapping is None else mapping.samples(total, block.dtype)
 
 
 def _shares(segment: Segment) -> list[F32]:
     if segment.weight is None:
         return [np.ones(segment.last - segment.first, np.float32)]
     return [1 - segment.weight, segment.weight]
-
-
-def _mapped(values: F32, mapping: Mapping, dtype: np.dtype[Any]) -> NDArray[Any]:
-    samples = mapping.low + mapping.span * np.clip(values, 0, 1)
-    return samples.astype(dtype) if dtype.kind == "f" else np.rint(samples).astype(dtype)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import zlib
 from collections.abc import Mapping as Lookup
 from itertools import product
+from math import ceil, floor, prod
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,10 +15,10 @@ from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.tile import DECODER_SHIFT, TileModel, read_base, read_coarse, read_tile
 from sgicodec.bitstream.tile_chunk import decode_tile_chunk
 from sgicodec.errors import LimitError
+from sgicodec.model.base import base_colours
 from sgicodec.model.base_view import base_view
 from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
 from sgicodec.model.processor import Processor
-from sgicodec.model.quantize import FRACTION_BITS, step_fixed
 from sgicodec.raster import Background, Mapping, NativeRasterizer, scaled
 from sgicodec.view import BASE_ALONE, View
 
@@ -30,8 +31,22 @@ BLOCK_SAMPLES = 1 << 27
 BLOCK_COLUMNS = 1 << 16
 """A picture is drawn in blocks of no more samples and columns, each of which looks at all Gaussians."""
 
-_MOST_PAIRS = 1 << 26
-"""Most (tile, Gaussian) pairs of a block; a sound one has a hundredth."""
+_MOST_PAIRS = 1 << 24
+"""Most (tile, Gaussian) pairs of a block; a sound one has a tenth at most."""
+
+
+_WHOLE_SAMPLES = 1 << 18
+"""A tile of a reduced view that has no more samples is drawn at once, whatever part is asked for: each part would have
+to look at all of its Gaussians again."""
+
+
+class _Whole(NamedTuple):
+    """A tile as a view shows it [h, w, C], and where that is in the view."""
+
+    view: View
+    left: int
+    top: int
+    samples: F32
 
 
 class _Gaussians(NamedTuple):
@@ -59,6 +74,7 @@ class DrawnTile:
         self.symbol_crc = 0
         self.gaussians, self._colours = _nothing(own), np.zeros((own.spec.channels, 0, 0))
         self._scaled: tuple[View, _Gaussians] | None = None
+        self._whole: _Whole | None = None
         if chunk.model is None:
             return
         processor = Processor(threads, isa)
@@ -72,19 +88,14 @@ class DrawnTile:
                 self.bits, self.symbol_crc = walk.bits, walk.crc
             base_step, base = self.model.base_step, self.model.base
             self.gaussians = _drawable(own, self.model)
-        step = float(step_fixed(np.array(base_step))) * 2.0**-FRACTION_BITS
-        self._colours = np.tensordot(np.array(colour_matrix(own.spec.channels)).T, base * step, axes=1)
-
-    @property
-    def is_empty(self) -> bool:
-        """Whether no pixel holds anything."""
-        return self.mask is not None and self.model is None and not self._colours.size
+        self._colours = base_colours(base, base_step)
 
     @property
     def memory(self) -> int:
         """Bytes that it holds, about."""
         drawing = (2 if self._scaled else 1) * sum(array.nbytes for array in self.gaussians)
         model = 16 * len(self.gaussians.means) * self.header.spec.attributes if self.model else 0
+        drawing += 0 if self._whole is None else self._whole.samples.nbytes
         return drawing + model + self._colours.nbytes + (0 if self.mask is None else self.mask.nbytes)
 
     def forget_model(self) -> None:
@@ -93,10 +104,39 @@ class DrawnTile:
 
     def prepare(self, view: View) -> None:
         """Does what `draw` would have to do first."""
-        self._seen(view)
+        if self._drawn_whole(view, 1) is None:
+            self._seen(view)
 
     def draw(self, view: View, at: tuple[int, int], out: NDArray[Any], mapping: Mapping | None, threads: int) -> None:
-        """Fills out [h, w, C] with the samples of the view from its pixel `at` (x, y) on, block by block."""
+        """Fills out [h, w, C] with the samples of the view from its pixel `at` (x, y) on."""
+        whole = self._drawn_whole(view, threads)
+        if whole is not None:
+            rows, columns, _ = out.shape
+            left, top = at[0] - whole.left, at[1] - whole.top
+            known_rows, known_columns, _ = whole.samples.shape
+            if 0 <= left <= known_columns - columns and 0 <= top <= known_rows - rows:
+                part = whole.samples[top : top + rows, left : left + columns]
+                out[...] = part if mapping is None else mapping.samples(part, out.dtype)
+                return
+        self._draw(view, at, out, mapping, threads)
+
+    def _drawn_whole(self, view: View, threads: int) -> _Whole | None:
+        """What a reduced view shows of the tile, if that is little."""
+        if max(view.sx, view.sy) >= 1:
+            return None
+        if self._whole is None or self._whole.view != view:
+            left, right = _extent(self.x - view.x, self.header.width, view.sx, view.columns)
+            top, bottom = _extent(self.y - view.y, self.header.height, view.sy, view.rows)
+            shape = bottom - top, right - left, self.header.spec.channels
+            if not 0 < prod(shape) <= _WHOLE_SAMPLES:
+                return None
+            samples = np.empty(shape, np.float32)
+            self._draw(view, (left, top), samples, None, threads)
+            self._whole = _Whole(view, left, top, samples)
+        return self._whole
+
+    def _draw(self, view: View, at: tuple[int, int], out: NDArray[Any], mapping: Mapping | None, threads: int) -> None:
+        """Draws block by block."""
         spec, scale = self.header.spec, (view.sx, view.sy)
         start = view.x - self.x, view.y - self.y
         gaussians, origin = self._seen(view), start if scale == (1.0, 1.0) else (0, 0)
@@ -124,6 +164,11 @@ class DrawnTile:
             start = float(view.x - self.x), float(view.y - self.y)
             self._scaled = key, _Gaussians(*scaled(*self.gaussians, (view.sx, view.sy), start))
         return self._scaled[1]
+
+
+def _extent(start: int, size: int, scale: float, most: int) -> tuple[int, int]:
+    """First and last output pixel and one on, out of `most`, of what begins at `start` and has `size` pixels."""
+    return max(0, floor(start * scale)), min(most, ceil((start + size) * scale))
 
 
 def _nothing(header: Header) -> _Gaussians:

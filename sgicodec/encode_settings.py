@@ -77,7 +77,14 @@ class EncodeSettings:
         return "".join(f"{name}{value:g}" for name, value in goals.items() if value is not None)
 
     def __post_init__(self) -> None:
-        checks = [
+        for sound, message in self._ranges():
+            if not sound:
+                raise UsageError(message)
+        self._check_choices()
+
+    def _ranges(self) -> list[tuple[bool, str]]:
+        """Whether each setting lies where it must, and what to say if not."""
+        return [
             (1 <= self.quality <= 100, f"quality {self.quality:g}; it runs from 1 to 100"),
             (
                 self.lmbda is None or 0 <= self.lmbda < math.inf,
@@ -104,9 +111,9 @@ class EncodeSettings:
                 f"apron {self.apron}; at most a quarter of the tile, and {MAX_APRON} pixels",
             ),
         ]
-        for sound, message in checks:
-            if not sound:
-                raise UsageError(message)
+
+    def _check_choices(self) -> None:
+        """Raises UsageError for settings that exclude each other, or that the profile does not have."""
         goals = [name for name in ("psnr", "size", "bpp") if getattr(self, name) is not None]
         instead = [*goals, *(["lmbda"] if goals and self.lmbda is not None else [])]
         instead = ["steps", "time_limit"] if self.steps is not None and self.time_limit is not None else instead

@@ -7,6 +7,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, BinaryIO, TypeVar
 
 from sgicodec.aim import Aim
@@ -19,8 +20,10 @@ from sgicodec.errors import TargetMissedError
 from sgicodec.image import Picture
 from sgicodec.plan import Plan, Shape, stream_plan
 from sgicodec.rounds import Finished, Rounds, Task, Version
+from sgicodec.tile_weight import tile_weight
 from sgicodec.tile_work import EncodedTile, FitTask, Start
 from sgicodec.tiles import Rect
+from sgicodec.time_shares import TimeShares
 
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Progress
@@ -47,7 +50,7 @@ def encode(
     plan = stream_plan(Shape.of(picture), settings)
     started = time.monotonic() if started is None else started
     if plan.header.tile:
-        return _encode_tiles(picture, plan, on_progress)
+        return _encode_tiles(picture, plan, on_progress, started)
     masked = plan.header.masked if empty_pixels(picture, plan.header.masked).any() else None
     plan = replace(plan, header=replace(plan.header, masked=masked))
     encoding = Encoding(picture, plan, started)
@@ -61,7 +64,9 @@ def window_of(picture: Picture, rect: Rect) -> Picture:
     return replace(picture, pixels=picture.pixels[y : y + height, x : x + width])
 
 
-def _encode_tiles(picture: Picture, plan: Plan, on_progress: Callable[[Progress], bool] | None) -> Encoded:
+def _encode_tiles(
+    picture: Picture, plan: Plan, on_progress: Callable[[Progress], bool] | None, started: float
+) -> Encoded:
     """Raises as `encode`."""
     grid, threads = plan.header.grid, plan.settings.threads
     fits = 0
@@ -89,13 +94,21 @@ def _encode_tiles(picture: Picture, plan: Plan, on_progress: Callable[[Progress]
         with open_stream(file) as stream:
             return squared_error(picture, stream.picture(threads=threads))
 
-    kept, buffer = _Kept(), io.BytesIO()
-    found = Rounds(plan, runner, kept, _Nobody(), error_of).run()
+    kept, buffer, limit = _Kept(), io.BytesIO(), plan.settings.time_limit
+    shares = None
+    if limit is not None:
+        weigh = partial(_weight, picture, plan)
+        shares = TimeShares(grid, started + limit, workers=1, decoders=0, weigh=weigh)
+    found = Rounds(plan, runner, kept, _Nobody(), error_of, shares).run()
     write_stream(buffer, found.plan.header, plan.software, plan.metadata, map(kept.payload, found.chosen))
     encoded = _summary(buffer.getvalue(), found, [kept.tiles[version] for version in found.chosen])
     if found.missed is not None:
         raise TargetMissedError(found.missed, encoded)
     return encoded
+
+
+def _weight(picture: Picture, plan: Plan, number: int) -> float:
+    return tile_weight(window_of(picture, plan.header.grid.rect(number)), plan)
 
 
 class _Kept:

@@ -33,7 +33,7 @@ from sgicodec.trim import coarser
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Fitted, Progress
 
-__all__ = ["Candidate", "Encoded", "Encoding", "empty_pixels", "keep_to_one_torch_thread", "written"]
+__all__ = ["Candidate", "Encoded", "Encoding", "empty_pixels", "keep_to_one_torch_thread", "make_ready", "written"]
 
 
 @dataclass(frozen=True)
@@ -165,7 +165,8 @@ class Encoding:
         """The best that the search finds for the candidate's λ."""
         if not self.searches:
             return candidate
-        return replace(candidate, model=self.refiner(candidate).at(candidate.lmbda, until=self.end).model)
+        until = self.end - 0.5 * self._coding_seconds
+        return replace(candidate, model=self.refiner(candidate).at(candidate.lmbda, until=until).model)
 
     def encoded(self, candidate: Candidate) -> Encoded:
         """The stream."""
@@ -195,10 +196,15 @@ class Encoding:
         """What is left for the fit itself."""
         if self.settings.time_limit is None:
             return None
-        coding: float = _CODING_SECONDS * (0.2 + self.target[0].size / 1e6)
+        coding = self._coding_seconds
         left: float = self.end - time.monotonic()
         searching: float = _SEARCHING_SHARE * share * left if self.searches else 0.0
         return max(0.5 * left, left - coding - searching, 1e-3)
+
+    @property
+    def _coding_seconds(self) -> float:
+        """Of two streams, generously."""
+        return float(_CODING_SECONDS * (0.2 + self.target[0].size / 1e6))
 
     def assembled(self, header: Header, model: bytes | None) -> tuple[bytes, int]:
         """The stream, and the bytes of its tile's payload."""
@@ -217,6 +223,11 @@ def written(candidate: Candidate) -> tuple[bytes, dict[str, float]]:
     """The payload of a model, and the bytes of each part."""
     payload, walk = write_tile(candidate.header, candidate.model)
     return payload, {name: bits / 8 for name, bits in walk.bits.items()}
+
+
+def make_ready() -> None:
+    """Loads what every fit needs, which takes a second or two: of a worker's life, not of its first tile's time."""
+    import sgicodec.fit.trainer  # noqa: F401
 
 
 def keep_to_one_torch_thread() -> None:

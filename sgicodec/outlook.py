@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.fit.steering import LMBDA_RANGE
+from sgicodec.fit.steering import bisected
 from sgicodec.tile_work import GRID, EncodedTile, Look
 
 __all__ = ["Bound", "Outlook", "spread"]
@@ -69,12 +69,7 @@ class Outlook:
 
     def lmbda(self, bound: Bound, numbers: Collection[int], done: float = 0.0) -> float:
         """λ at which these tiles, with what is done already, come to the bound."""
-        low, high = (math.log2(limit) for limit in LMBDA_RANGE)
-        for _ in range(_HALVINGS):
-            middle = 0.5 * (low + high)
-            total = done + float(self.foretold(numbers, 2.0**middle).sum())
-            low, high = (middle, high) if bound.need(total) > 0 else (low, middle)
-        return float(2.0 ** (0.5 * (low + high)))
+        return bisected(lambda lmbda: bound.need(done + float(self.foretold(numbers, lmbda).sum())) > 0, _HALVINGS)
 
 
 def spread(weights: NDArray[np.float64], count: int) -> list[int]:

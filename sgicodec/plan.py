@@ -22,7 +22,7 @@ from sgicodec.version import __version__
 if TYPE_CHECKING:
     from sgicodec.fit.settings import FitSettings
 
-__all__ = ["FAMILY", "Plan", "Shape", "fit_lmbda", "fit_settings", "fit_steps", "stream_plan"]
+__all__ = ["FAMILY", "Plan", "Shape", "fit_lmbda", "fit_settings", "stream_plan"]
 
 FAMILY = 1
 """Frequency tables of the default profile: Laplace."""
@@ -81,15 +81,10 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
         masked="nodata" if shape.nodata is not None else "transparent" if alpha_index(shape.channels) else None,
         nodata=shape.nodata or 0.0,
     )
-    if grid.tile and settings.time_limit is not None:
-        raise UsageError("a time limit is for a single tile; give an effort, or --tile 0")
+    if grid.tile and settings.time_limit is not None and settings.asked():
+        raise UsageError("a time limit goes with a size, a rate or a PSNR in a single tile only; --tile 0 makes one")
     metadata = shape.metadata if settings.metadata else None
     return Plan(header, settings, _software(settings, fit), metadata, Metadata(geo=shape.metadata.geo))
-
-
-def fit_steps(settings: EncodeSettings) -> int:
-    """Optimisation steps of a fit without a time limit."""
-    return fit_settings(settings).steps
 
 
 def fit_lmbda(settings: EncodeSettings) -> float:

@@ -19,6 +19,7 @@ from sgicodec.image import Picture
 from sgicodec.outlook import Bound, Outlook, spread
 from sgicodec.plan import Plan, fit_lmbda
 from sgicodec.tile_work import EncodedTile, FitTask, LookTask, SearchTask, Start
+from sgicodec.time_shares import TimeShares
 
 __all__ = ["Finished", "Rounds", "Runner", "Store", "Task", "Version", "Watcher"]
 
@@ -90,13 +91,21 @@ class Rounds:
     """Encodes the tiles of a plan. What a round does follows from what earlier ones came to alone, so that workers,
     order and interruptions do not matter.
 
-    error_of: squared error of a stream over the whole picture, samples in 0..1.
+    error_of: squared error of a stream over the whole picture, samples in 0..1. shares: who tells each fit its seconds,
+    where time is the limit.
     """
 
     def __init__(
-        self, plan: Plan, runner: Runner, store: Store, watcher: Watcher, error_of: Callable[[BinaryIO], float]
+        self,
+        plan: Plan,
+        runner: Runner,
+        store: Store,
+        watcher: Watcher,
+        error_of: Callable[[BinaryIO], float],
+        shares: TimeShares | None = None,
     ) -> None:
         self.plan, self.runner, self.store, self.watcher, self.error_of = plan, runner, store, watcher, error_of
+        self.shares = shares
         header = plan.header
         self.all = range(header.grid.count)
         self.samples = header.width * header.height * header.spec.channels
@@ -107,7 +116,7 @@ class Rounds:
     def run(self) -> Finished:
         """All rounds. Raises TileFailedError; the store then has what was finished."""
         if self.goal is None:
-            self._round("tiles", 0, FitTask(self.plan), self.all)
+            self._round("tiles", 0, FitTask(self.plan), self.all, self._first)
             return Finished(self.plan, [Version(number) for number in self.all], fit_lmbda(self.plan.settings))
         lmbda, index, samples, fits = self._lmbda(0, self.all, 0.0), 0, 1, 0
         while True:
@@ -218,6 +227,9 @@ class Rounds:
             self._round(kind.name, index, task, some, partial(self._start, base))
         return bool(numbers)
 
+    def _first(self, number: int) -> Start:
+        return Start() if self.shares is None else Start(seconds=self.shares.begin(number))
+
     def _start(self, base: dict[int, Version], number: int) -> Start:
         version = base[number]
         return Start(self.store.payload(version), self.store.tiles[version].lmbda)
@@ -270,8 +282,12 @@ class Rounds:
         there = {number: Version(number, index) for number in numbers if Version(number, index) in self.store.tiles}
         self.watcher.begin(name, numbers, {number: self.store.tiles[version] for number, version in there.items()})
         missing = [number for number in numbers if number not in there]
+        if self.shares is not None:
+            self.shares.expect(missing)
         if missing:
             for number, tile in self.runner(task, missing, start):
+                if self.shares is not None:
+                    self.shares.done(number, tile)
                 self.store.add(Version(number, index), tile)
                 self.watcher.done(number, tile)
 

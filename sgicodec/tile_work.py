@@ -35,7 +35,8 @@ GRID = tuple(2.0**octave for octave in range(-20, 3))
 @dataclass(frozen=True)
 class EncodedTile:
     """A finished tile. payload: of its chunk; part_bytes, seeds as in `Encoded`; squared_error: of what is decoded, in
-    the tile's core, over `samples` of them in 0..1; seconds: that it took; length: of the payload; lmbda: its λ.
+    the tile's core, over `samples` of them in 0..1; seconds: that it took, `decoding` of them to decode it; length: of
+    the payload; lmbda: its λ; steps: of its fit.
     """
 
     payload: bytes
@@ -46,13 +47,22 @@ class EncodedTile:
     seconds: float
     length: int
     lmbda: float
+    decoding: float = 0.0
+    steps: int = 0
 
 
 class Start(NamedTuple):
-    """Where a search begins: the payload of a tile's chunk and the λ that it was made for."""
+    """Where a search begins: the payload of a tile's chunk and the λ that it was made for. seconds: that the tile
+    may take, instead of a number of steps.
+    """
 
     payload: bytes = b""
     lmbda: float = 0.0
+    seconds: float | None = None
+
+    def later(self, seconds: float) -> Start:
+        """The same when so many seconds are gone."""
+        return self if self.seconds is None else self._replace(seconds=max(1e-3, self.seconds - seconds))
 
 
 @dataclass(frozen=True)
@@ -103,7 +113,7 @@ class FitTask:
 
     def __call__(self, number: int, window: Picture, start: Start, threads: int) -> EncodedTile:
         """Fits the pixels that the tile covers, apron included."""
-        return encode_tile(window, self.plan, number, threads, self.on_progress)
+        return encode_tile(window, self.plan, number, threads, self.on_progress, start.seconds)
 
 
 @dataclass(frozen=True)
@@ -145,20 +155,29 @@ def encode_tile(
     number: int,
     threads: int = 0,
     on_progress: Callable[[Progress], bool] | None = None,
+    seconds: float | None = None,
 ) -> EncodedTile:
-    """Fits tile `number` of a stream of several to its pixels, apron included."""
-    started, tile = time.monotonic(), _encoding(window, plan, number, threads)
-    candidate = None if tile.holds_nothing else tile.searched(tile.candidate(tile.fitted(on_progress)))
-    return _finished(tile, plan, number, candidate, started)
+    """Fits tile `number` of a stream of several to its pixels, apron included; in about so many seconds, if given."""
+    started, tile = time.monotonic(), _encoding(window, plan, number, threads, seconds)
+    steps = 0
+
+    def watch(progress: Progress) -> bool:
+        nonlocal steps
+        steps = progress.step
+        return on_progress is None or on_progress(progress)
+
+    candidate = None if tile.holds_nothing else tile.searched(tile.candidate(tile.fitted(watch)))
+    return replace(_finished(tile, plan, number, candidate, started), steps=steps)
 
 
-def _encoding(window: Picture, plan: Plan, number: int, threads: int) -> Encoding:
-    header, settings = plan.header, replace(plan.settings, threads=threads)
+def _encoding(window: Picture, plan: Plan, number: int, threads: int, seconds: float | None = None) -> Encoding:
+    started = time.monotonic()
+    header, settings = plan.header, replace(plan.settings, threads=threads, time_limit=seconds)
     if settings.seeds is not None:
         share = window.width * window.height / (header.width * header.height)
         settings = replace(settings, seeds=max(1, round(settings.seeds * share)))
     own = replace(plan, header=header.of_tile(number), settings=settings, metadata=None)
-    tile = Encoding(window, own, time.monotonic())
+    tile = Encoding(window, own, started)
     tile.fit = replace(tile.fit, quality=header.quality)
     return tile
 
@@ -172,11 +191,13 @@ def _finished(tile: Encoding, plan: Plan, number: int, candidate: Candidate | No
     payload = encode_tile_chunk(header, TileChunk(number, tile.empty, model))
     if header.masked is not None:
         parts["mask"] = len(payload) - len(model or b"")
+    coded = time.monotonic()
     with open_stream(tile.assembled(tile.plan.header, model)[0]) as stream:
         decoded = stream.picture(threads=tile.settings.threads)
+    decoding = time.monotonic() - coded
     own, shown = (_core(plan, number, picture) for picture in (tile.picture, decoded))
     error, seconds = squared_error(own, shown), time.monotonic() - started
-    return EncodedTile(payload, parts, seeds, error, own.pixels.size, seconds, len(payload), tile.fit.lmbda)
+    return EncodedTile(payload, parts, seeds, error, own.pixels.size, seconds, len(payload), tile.fit.lmbda, decoding)
 
 
 def _core(plan: Plan, number: int, window: Picture) -> Picture:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,11 +48,6 @@ class Axis:
         """First pixel of tile `index`, and the one behind its last."""
         first, last = self.edge(index), self.edge(index + 1)
         return first - self.apron * (index > 0), last + self.apron * (index + 1 < self.count)
-
-    def touched(self, start: float, stop: float) -> range:
-        """The tiles that draw in pixels start … stop."""
-        found = [i for i in range(*self._around(start, stop)) if self.extent(i)[0] < stop and self.extent(i)[1] > start]
-        return range(found[0], found[-1] + 1) if found else range(0)
 
     def segments(self, start: int, scale: float, first: int, count: int) -> Iterator[Segment]:
         """The runs of output pixels first … first + count − 1 of a picture drawn at `scale` from pixel `start` on.
@@ -128,9 +122,3 @@ class TileGrid:
         row, column = divmod(number, self.across.count)
         left, top = self.across.edge(column), self.down.edge(row)
         return left, top, self.across.edge(column + 1) - left, self.down.edge(row + 1) - top
-
-    def touching(self, region: Rect) -> list[int]:
-        """Numbers of the tiles that draw in a region."""
-        x, y, width, height = region
-        columns, rows = self.across.touched(x, x + width), self.down.touched(y, y + height)
-        return [self.number(column, row) for row, column in product(rows, columns)]

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
-
 from sgicodec.fit.steering import Goal, Measured
 from sgicodec.model.network import DIFFERENCE_SHIFT, IntNetwork
 
@@ -20,12 +18,7 @@ _FIRST_SLOPE = -0.01
 
 def coarser(networks: tuple[IntNetwork, ...], shift: int) -> tuple[IntNetwork, ...]:
     """The networks with every refinement r of the steps raised by shift · 2^-DIFFERENCE_SHIFT octaves."""
-    result = []
-    for network in networks:
-        b2 = np.zeros_like(network.b2)
-        b2[2 * network.predicted :] = shift
-        result.append(network.plus(np.zeros_like(network.b1), np.zeros_like(network.w2), b2))
-    return tuple(result)
+    return tuple(network.coarser(shift) for network in networks)
 
 
 def trim(goal: Goal, measure: Callable[[int], Measured]) -> int:

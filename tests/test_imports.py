@@ -42,9 +42,14 @@ LAYERS = {
     "tile_work": {
         *("bitstream", "decoder", "distortion", "encoding", "fit", "image", "model", "plan", "refine", "trim"),
     },
+    "tile_weight": {"encoding", "image", "model", "plan"},
+    "time_shares": {"tile_work", "tiles"},
     "outlook": {"fit", "tile_work"},
     "correction": {"outlook"},
-    "rounds": {"assembly", "choice", "correction", "distortion", "fit", "image", "outlook", "plan", "tile_work"},
+    "rounds": {
+        *("assembly", "choice", "correction", "distortion", "fit", "image", "outlook", "plan", "tile_work"),
+        "time_shares",
+    },
     "large": {
         *(
             "assembly",
@@ -58,7 +63,9 @@ LAYERS = {
             "image",
             "plan",
             "rounds",
+            "tile_weight",
             "tile_work",
+            "time_shares",
         ),
     },
     "encode_settings": {"errors", "bitstream", "fit", "tiles"},
@@ -69,7 +76,7 @@ LAYERS = {
     "aim": {"encoding", "errors", "fit", "model", "trim"},
     "encoder": {
         *("aim", "assembly", "decoder", "distortion", "encode_settings", "encoding", "errors", "fit", "image", "plan"),
-        *("rounds", "tile_work", "tiles"),
+        *("rounds", "tile_weight", "tile_work", "tiles", "time_shares"),
     },
 }
 """What each part may import besides itself; `bench` and `cli` may import everything."""

@@ -314,9 +314,10 @@ def test_one_tile_pays_nothing(coded: tuple[Picture, Encoded]) -> None:
     assert one.count(b"X") == 0 or open_stream(one).chunk_bytes.keys() == {"signature", "H", "s", "T"}
 
 
-def test_a_time_limit_needs_a_single_tile(coded: tuple[Picture, Encoded]) -> None:
+@pytest.mark.parametrize("goal", [{"psnr": 30.0}, {"bpp": 0.5}, {"size": 5000.0}])
+def test_a_time_limit_with_a_goal_needs_a_single_tile(coded: tuple[Picture, Encoded], goal: dict[str, float]) -> None:
     with pytest.raises(UsageError, match="single tile"):
-        encode(coded[0], EncodeSettings(time_limit=3, tile=128))
+        encode(coded[0], EncodeSettings(time_limit=3, tile=128, **goal))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(

@@ -95,18 +95,6 @@ def test_a_scaled_view_is_covered(grid: TileGrid, scale: float) -> None:
         assert not shares[tile, ~inside & (centre < grid.width)].any()
 
 
-@given(grids(), st.data())
-def test_touching_names_the_tiles_that_a_region_meets(grid: TileGrid, data: st.DataObject) -> None:
-    x, y = data.draw(st.integers(0, grid.width - 1)), data.draw(st.integers(0, grid.height - 1))
-    width, height = data.draw(st.integers(1, grid.width - x)), data.draw(st.integers(1, grid.height - y))
-    met = []
-    for number in range(grid.count):
-        left, top, wide, high = grid.rect(number)
-        if left < x + width and x < left + wide and top < y + height and y < top + high:
-            met.append(number)
-    assert grid.touching((x, y, width, height)) == met
-
-
 def test_an_apron_is_at_most_a_quarter_of_the_tile() -> None:
     with pytest.raises(UsageError, match="apron of 17"):
         TileGrid(200, 200, 64, 17)

@@ -22,6 +22,7 @@ import numpy as np
 from sgicodec import _native
 from sgicodec.bench.raster import forward_operations, pairs_within
 from sgicodec.bench.sgi import run_timed
+from sgicodec.bitstream import attributes
 from sgicodec.bitstream.tile import read_tile
 from sgicodec.bitstream.tile_chunk import decode_tile_chunk
 from sgicodec.decoder import Stream, open_stream
@@ -31,31 +32,28 @@ __all__ = ["STAGES", "Breakdown", "Work", "cold_times", "main", "measure", "stag
 
 STAGES: dict[str, tuple[str, ...]] = {
     "file, chunks, header": ("decoder:open_stream",),
-    "range decoder": ("bitstream.entropy:SymbolReader._in_groups", "bitstream.entropy:SymbolReader._equally_likely"),
-    "symbols to arrays": (
-        "bitstream.entropy:SymbolReader.code",
-        "bitstream.entropy:SymbolReader.code_categorical",
-        "bitstream.entropy:SymbolReader.code_bits",
-    ),
-    "quadtree": ("bitstream.tile:_code_layout",),
+    "quadtree, with its flags": ("bitstream.tile:_code_layout",),
     "weights and steps": ("bitstream.tile:code_networks", "bitstream.tile:_code_plan"),
-    "neighbours, as far as waited for": ("bitstream.attributes:AttributeCoder.code",),
-    "inputs of MLP_p": (
-        "bitstream.attributes:SeedInputs.write",
-        "bitstream.attributes:summarise",
-        "bitstream.attributes:write_own_inputs",
+    "neighbours, as far as waited for": (),
+    "MLP_p with inputs, steps and values": (),
+    "symbols of attributes and small arrays": (
+        "bitstream.tile:SymbolReader.code",
+        "bitstream.tile:SymbolReader.code_bits",
     ),
-    "MLP_p": ("bitstream.attributes:IntNetwork.predict",),
-    "steps and values": (
-        "bitstream.attributes:quantisers",
-        "bitstream.attributes:AttributeCoder._code_pass",
-    ),
+    "passes, and memory for them": ("bitstream.attributes:AttributeCoder.code",),
     "Gaussians": ("drawn_tile:_drawable",),
     "base layer": ("bitstream.tile:_code_base_layer", "drawn_tile:base_view"),
     "drawing, background, rounding": ("drawn_tile:NativeRasterizer.draw",),
     "the rest": ("decoder:Stream.picture",),
 }
 """What is called what: functions by module, each with the time that it spends outside of those of other stages."""
+
+_NATIVE = (
+    "neighbours, as far as waited for",
+    "MLP_p with inputs, steps and values",
+    "symbols of attributes and small arrays",
+)
+"""The stages whose seconds `read_attributes` tells."""
 
 
 @dataclass(frozen=True)
@@ -69,11 +67,12 @@ class Breakdown:
 
 @dataclass(frozen=True)
 class Work:
-    """What a decode cannot do without: symbols read, multiply-adds of MLP_p, Gaussians times pixels within the cutoff,
-    and bytes of the stream and of the samples.
+    """What a decode cannot do without: symbols, and seconds of the range decoder for them; multiply-adds of MLP_p,
+    Gaussians times pixels within the cutoff, and bytes of the stream and of the samples.
     """
 
     symbols: int
+    range_decoder: float
     network: int
     pairs: int
     stream_bytes: int
@@ -83,12 +82,14 @@ class Work:
     def of(cls, stream: Stream) -> Work:
         """That of a stream of a single tile, which is decoded for it."""
         header, tile = stream.header, stream.tile(0)
-        model, walk = read_tile(header, decode_tile_chunk(header, stream.payload(0)).model or b"")
+        payload = decode_tile_chunk(header, stream.payload(0)).model or b""
+        model, walk = read_tile(header, payload)
+        seconds = min(read_tile(header, payload)[1].seconds for _ in range(5))
         per_seed = sum(net.w1.size + net.w2.size for net in model.networks)
         means, covariances, colours = tile.gaussians
         pairs = pairs_within((means, covariances, colours), DEFAULT_CUTOFF, header.width, header.height)
         samples = header.width * header.height * header.spec.channels * np.dtype(header.sample_type).itemsize
-        return cls(walk.count, per_seed * len(model.layout), pairs, stream.size, samples)
+        return cls(walk.count, seconds, per_seed * len(model.layout), pairs, stream.size, samples)
 
 
 @contextmanager
@@ -102,6 +103,8 @@ def stage_times() -> Iterator[dict[str, float]]:
             owner, name = _resolve(path)
             undo.append((owner, name, getattr(owner, name)))
             setattr(owner, name, _timed(getattr(owner, name), label, spent, inner))
+    undo.append((attributes, "read_attributes", attributes.read_attributes))
+    attributes.read_attributes = _told(attributes.read_attributes, spent, inner)  # type: ignore[assignment]
     try:
         yield spent
     finally:
@@ -130,6 +133,18 @@ def _timed(function: Callable[..., Any], label: str, spent: dict[str, float], in
             spent[label] += seconds - inner.pop()
             if inner:
                 inner[-1] += seconds
+
+    return wrapper
+
+
+def _told(function: Callable[..., Any], spent: dict[str, float], inner: list[float]) -> Callable[..., Any]:
+    @wraps(function)
+    def wrapper(*args: Any, **kwargs: Any) -> Any:
+        result = function(*args, **kwargs)
+        for label, seconds in zip(_NATIVE, result[-1], strict=True):
+            spent[label] += seconds
+            inner[-1] += seconds
+        return result
 
     return wrapper
 
@@ -179,8 +194,9 @@ def floors(work: Work, breakdown: Breakdown, channels: int, threads: int, isa: s
         block.copy()
         copies.append(time.perf_counter() - start)
     return {
-        "range decoder": breakdown.stages["range decoder"],
-        "MLP_p": 2 * work.network / (2 * peak),  # two 16-bit products where peak counts one of 32 bits
+        "symbols of attributes and small arrays": work.range_decoder,
+        "MLP_p with inputs, steps and values": work.network
+        / peak,  # two 16-bit products where it counts one of 32 bits
         "drawing, background, rounding": work.pairs * forward_operations(channels) / peak + min(copies),
     }
 

@@ -20,7 +20,6 @@ __all__ = ["Scene", "Speed", "backward_operations", "forward_operations", "main"
 F32 = NDArray[np.float32]
 Gaussians = tuple[F32, F32, F32]
 
-TILE_PIXELS = 256
 START = 34
 """Floating-point operations per lane to start a run of rows: the offset, two exponents, two exponentials of 13."""
 SPAN = 8
@@ -59,13 +58,12 @@ class Scene:
 
 @dataclass(frozen=True)
 class Speed:
-    """Median seconds of each pass; pixels within the cutoff, and pixels of the visited tiles, of all Gaussians."""
+    """Median seconds of each pass; pixels within the cutoff of all Gaussians."""
 
     forward: float
     backward: float
     squared_error: float
     pairs: int
-    visited: int
 
 
 def forward_operations(channels: int) -> float:
@@ -117,7 +115,7 @@ def measure(scene: Scene, threads: int = 0, isa: str = "auto", repeat: int = 20)
                 times.append(time.perf_counter() - start)
     forward, backward, fused = (median(times) for times in seconds)
     pairs = pairs_within(gaussians, DEFAULT_CUTOFF, scene.width, scene.height)
-    return Speed(forward, backward, fused, pairs, raster.tile_pairs * TILE_PIXELS)
+    return Speed(forward, backward, fused, pairs)
 
 
 def report(scene: Scene, speed: Speed, peak: float) -> str:
@@ -130,8 +128,7 @@ def report(scene: Scene, speed: Speed, peak: float) -> str:
         rates.append(f"{speed.pairs / seconds / 1e9:.2f}")
         shares.append(f"{100 * speed.pairs * operations / seconds / peak:.0f} %")
     times = [f"{1e3 * seconds:.1f}" for seconds in (speed.forward, speed.backward, speed.squared_error)]
-    within = f"{100 * speed.pairs / speed.visited:.0f} %"
-    cells = [f"{scene.count:,}", f"{scene.sigma:g}", *times, f"{speed.pairs / 1e6:.0f}", within, *rates, *shares]
+    cells = [f"{scene.count:,}", f"{scene.sigma:g}", *times, f"{speed.pairs / 1e6:.0f}", *rates, *shares]
     return "| " + " | ".join(cells) + " |"
 
 
@@ -144,7 +141,6 @@ HEADINGS = (
     "backward ms",
     "squared error ms",
     "Mpairs",
-    "of visited",
     "forward Gpairs/s",
     "backward Gpairs/s",
     "forward of peak",

@@ -19,7 +19,7 @@ import numpy as np
 from sgicodec.bench.codec import Pixels8, RoundTrip
 from sgicodec.errors import SgiError, UsageError
 
-__all__ = ["DEFAULT_QUALITIES", "SgiCodec", "fingerprint", "run_timed"]
+__all__ = ["DEFAULT_QUALITIES", "Run", "SgiCodec", "fingerprint", "run_timed"]
 
 DEFAULT_QUALITIES = (20.0, 35.0, 50.0, 65.0, 80.0)
 

@@ -10,7 +10,18 @@ from typing import Any
 from sgicodec.bench.bdrate import Curve, Delta, bd_quality, bd_rate
 from sgicodec.bench.rows import Row
 
-__all__ = ["MEASURES", "RATES", "Comparison", "Summary", "curves", "is_sgi", "mean_at", "summarise", "times"]
+__all__ = [
+    "MEASURES",
+    "RATES",
+    "Comparison",
+    "Summary",
+    "curves",
+    "is_sgi",
+    "mean_at",
+    "picture_label",
+    "summarise",
+    "times",
+]
 
 RATES = (0.15, 0.2, 0.3, 0.5, 0.75, 1.0)  # bits per pixel
 

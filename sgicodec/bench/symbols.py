@@ -17,40 +17,33 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from time import process_time
 
-import numpy as np
-
-from sgicodec import Encoded, EncodeSettings, Picture, encode, open_stream, read
+from sgicodec import EncodeSettings, Picture, encode, open_stream, read
+from sgicodec.bench.whole import Whole, measured
 from sgicodec.image import to_unit
 from sgicodec.metrics import psnr
 from sgicodec.model.processor import Processor
 from sgicodec.refine import Refiner, RefineSettings
 
-__all__ = ["Outcome", "measured", "searched"]
+__all__ = ["Outcome", "searched", "timed"]
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """cost: J; size: bytes on disk; psnr: of the decoded picture, dB; seconds: of all processors for the encode."""
+    """psnr: of the decoded picture, dB; seconds: of all processors for the encode."""
 
-    cost: float
-    size: int
+    whole: Whole
     psnr: float
-    seeds: int
     seconds: float
-    data: bytes
 
 
-def measured(picture: Picture, settings: EncodeSettings) -> Outcome:
+def timed(picture: Picture, settings: EncodeSettings) -> Outcome:
     """Encodes a picture and measures the stream."""
     started = process_time()
-    encoded: Encoded = encode(picture, settings)
+    encoded = encode(picture, settings)
     seconds = process_time() - started
     with open_stream(encoded.data) as stream:
-        error = np.sum(np.square(stream.render() - to_unit(picture), dtype=np.float64))
-        decoded = stream.picture()
-    cost = float(error) + encoded.lmbda * 8 * len(encoded.data)
-    quality = psnr(picture.pixels, decoded.pixels)
-    return Outcome(cost, len(encoded.data), quality, encoded.seeds, seconds, encoded.data)
+        quality = psnr(picture.pixels, stream.picture().pixels)
+    return Outcome(measured(picture, encoded, settings.threads), quality, seconds)
 
 
 def searched(
@@ -91,11 +84,12 @@ def main() -> None:
 
 
 def _print_gain(picture: Picture, name: str, settings: EncodeSettings) -> None:
-    a, b = measured(picture, settings), measured(picture, replace(settings, refine=True))
+    plain, refined = timed(picture, settings), timed(picture, replace(settings, refine=True))
+    a, b = plain.whole, refined.whole
     print(
         f"{name}\t{settings.lmbda:g}\t{a.cost:.1f}\t{b.cost:.1f}\t{100 * (b.cost / a.cost - 1):+.2f} %"
-        f"\t{a.size}\t{b.size}\t{a.psnr:.2f}\t{b.psnr:.2f}\t{a.seeds}\t{b.seeds}"
-        f"\t{a.seconds:.1f}\t{b.seconds - a.seconds:.1f}",
+        f"\t{len(a.encoded.data)}\t{len(b.encoded.data)}\t{plain.psnr:.2f}\t{refined.psnr:.2f}"
+        f"\t{a.encoded.seeds}\t{b.encoded.seeds}\t{plain.seconds:.1f}\t{refined.seconds - plain.seconds:.1f}",
         flush=True,
     )
 

@@ -24,7 +24,7 @@ from sgicodec.errors import UsageError
 from sgicodec.image import Picture, read, to_unit
 from sgicodec.plan import Shape, stream_plan
 
-__all__ = ["Whole", "main", "whole"]
+__all__ = ["Whole", "main", "measured", "whole"]
 
 
 @dataclass(frozen=True)
@@ -51,9 +51,13 @@ def whole(picture: Picture, settings: EncodeSettings, variant: str = "") -> Whol
     plan = stream_plan(Shape.of(picture), settings)
     if base_cell is not None:
         plan = replace(plan, header=replace(plan.header, spec=replace(plan.header.spec, base_cell=base_cell)))
-    encoded = Encoding(picture, plan, time.monotonic()).run(None)
+    return measured(picture, Encoding(picture, plan, time.monotonic()).run(None), settings.threads)
+
+
+def measured(picture: Picture, encoded: Encoded, threads: int = 0) -> Whole:
+    """What the stream of a picture costs: R is its size, D the error of what it decodes to, before rounding."""
     with open_stream(encoded.data) as stream:
-        error = float(np.sum((stream.render(threads=settings.threads).astype(np.float64) - to_unit(picture)) ** 2))
+        error = float(np.sum((stream.render(threads=threads).astype(np.float64) - to_unit(picture)) ** 2))
     return Whole(error + encoded.lmbda * 8 * len(encoded.data), error, encoded)
 
 

@@ -6,7 +6,7 @@ encoder chose (tables, predictors, probabilities) precedes the array as raw bits
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,7 +28,6 @@ __all__ = ["BaseChannel", "base_channels", "base_references", "code_base", "code
 _TABLE_BITS = (TABLES - 1).bit_length()
 
 Plane = NDArray[np.int64]
-Predictor = Callable[[Plane, Plane, Plane], Plane]
 
 
 def code_weights(walk: SymbolWalk, weights: ArrayLike | None, shape: tuple[int, ...]) -> IntArray:
@@ -135,7 +134,7 @@ def _best_prediction(plane: Plane) -> tuple[int, Plane]:
     padded[0, 2:] = plane[0, :-1]  # at an edge the one neighbour there is stands for all three
     padded[2:, 0] = plane[:-1, 0]
     errors = [plane - predict(padded[1:, :-1], padded[:-1, 1:], padded[:-1, :-1]) for predict in PREDICTORS]
-    number = int(np.argmin([_cost(error) for error in errors]))
+    number = int(np.argmin(frequency_tables().least_bits(np.stack(errors))))
     return number, errors[number]
 
 
@@ -144,14 +143,9 @@ def _fit_weights(error: Plane, references: list[Plane]) -> list[int]:
     weights = [0] * len(references)
     for i in [*range(len(references))] * 2:
         options = [[*weights[:i], weight, *weights[i + 1 :]] for weight in range(-8, 8)]
-        costs = [_cost(error - _mixed(references, option, error.shape)) for option in options]
-        weights = options[int(np.argmin(costs))]
+        rests = np.stack([error - _mixed(references, option, error.shape) for option in options])
+        weights = options[int(np.argmin(frequency_tables().least_bits(rests)))]
     return weights
-
-
-def _cost(values: Plane) -> float:
-    tables = frequency_tables()
-    return float(tables.bits(values, tables.best(values)).sum())
 
 
 def _mixed(references: list[Plane], weights: list[int], shape: tuple[int, ...]) -> Plane:

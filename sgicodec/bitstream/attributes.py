@@ -12,7 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.bitstream.entropy import SymbolWalk
+from sgicodec._native import AttributeModel, RangeDecoder
+from sgicodec.bitstream.entropy import IntArray, SymbolReader, SymbolWalk
+from sgicodec.bitstream.symbol_models import zero_centred_tables
 from sgicodec.bitstream.tables import MAX_MAGNITUDE, SCALES
 from sgicodec.model.ahead import ahead
 from sgicodec.model.context import (
@@ -20,7 +22,9 @@ from sgicodec.model.context import (
     hash_inputs,
     input_count,
     nearest_by_pass,
+    output_columns,
     output_count,
+    passes,
 )
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.native import SeedInputs, quantisers, summarise, write_own_inputs
@@ -36,6 +40,11 @@ __all__ = ["AttributeCoder"]
 I16 = NDArray[np.int16]
 I32 = NDArray[np.int32]
 I64 = NDArray[np.int64]
+
+
+def read_attributes(model: AttributeModel, *known: Any) -> tuple[int, IntArray, list[float], tuple[float, ...]]:
+    """AttributeModel.read: a function of this module, so that a benchmark can look at what it returns."""
+    return model.read(*known)
 
 
 def _shift(value: Any, bits: int) -> Any:
@@ -65,6 +74,8 @@ class AttributeCoder:
         [N, d_A] in units of 2^-24, in the layout's order; zeros for seeds of passes that `finest` leaves out.
         """
         context, layout = self.spec.context, self.layout
+        if values is None and isinstance(walk, SymbolReader) and self.matmul is None and not context.hash_resolutions:
+            return self._read(walk, finest)
         decoded = np.zeros((len(layout), self.spec.attributes), np.int64)
         seeds = SeedInputs(layout, self.quality, self.processor)
         parts = nearest_by_pass(context, layout, nearest_seeds, finest)
@@ -84,6 +95,48 @@ class AttributeCoder:
             if context.neighbours:
                 seeds.summary[members] = summarise(self.spec, decoded, members, self.processor)[0]
         return decoded
+
+    def _read(self, walk: SymbolReader, finest: int) -> I64:
+        """All in one native call, which lets other threads run: the same functions in the same order."""
+        spec, layout = self.spec, self.layout
+        decoded = np.zeros((len(layout), spec.attributes), np.int64)
+        parts = passes(spec.context, layout, finest)
+        members = np.concatenate([np.zeros(0, np.int64), *parts])
+        start = np.cumsum([0, *(len(part) for part in parts)], dtype=np.int64)
+        model = self._native()
+
+        def read(decoder: RangeDecoder) -> tuple[int, IntArray, list[float]]:
+            sizes = np.ascontiguousarray(layout.half_pixels), layout.log_size
+            threads = self.processor.threads
+            known = decoder, zero_centred_tables(), *sizes, members, start, threads, decoded
+            reading, symbols, bits, _ = read_attributes(model, *known)
+            return reading, symbols, bits
+
+        walk.read(read, [name for step in spec.context.steps for name in step])
+        return decoded
+
+    def _native(self) -> AttributeModel:
+        spec, context = self.spec, self.spec.context
+        colour, shape = (spec.group(name).start if context.neighbours else 0 for name in ("colour", "shape"))
+        known = spec.attributes, spec.per_seed, spec.channels, colour, shape, self.quality, context.neighbours
+        model = AttributeModel(*known, SCALES * self.family)
+        for step, network in zip(context.steps, self.networks, strict=True):
+            model.add_step(*network.arrays, network.shift, network.predicted, self.processor.isa)
+            units = 0
+            for position, name in enumerate(step):
+                columns, count = output_columns(spec, name), output_count(spec, name)
+                model.add_group(
+                    base=np.ascontiguousarray(self.plan.base[name][columns]),
+                    columns=columns,
+                    gamma=self.plan.gamma[name],
+                    follows_amplitude=follows_amplitude(spec, name),
+                    prediction=units,
+                    units=count,
+                    refinement=position,
+                    first=spec.group(name).start,
+                )
+                units += count
+        return model
 
     def _code_pass(
         self,

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import zlib
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from itertools import pairwise
 from typing import Any
@@ -35,6 +35,7 @@ from sgicodec.bitstream.symbol_models import (
     SymbolModels,
     escape_alphabet,
     uniform_model,
+    zero_centred_tables,
 )
 from sgicodec.bitstream.tables import (
     MAX_MAGNITUDE,
@@ -45,7 +46,7 @@ from sgicodec.bitstream.tables import (
 )
 from sgicodec.errors import CorruptStreamError, UsageError
 
-__all__ = ["IntArray", "SymbolReader", "SymbolWalk", "SymbolWriter"]
+__all__ = ["IntArray", "SymbolReader", "SymbolWalk", "SymbolWriter", "require_sound"]
 
 IntArray = NDArray[np.int32]
 
@@ -66,6 +67,11 @@ class SymbolWalk(ABC):
         self.bits: dict[str, float] = {}
         """Information content of each part so far; the sum is the payload but for its last four bytes."""
         self._part = "rest"
+
+    @property
+    def current(self) -> str:
+        """The part that is being coded."""
+        return self._part
 
     @contextmanager
     def part(self, name: str) -> Iterator[None]:
@@ -88,20 +94,7 @@ class SymbolWalk(ABC):
         values = None if symbols is None else _as_values(symbols, table.size)
         if values is not None and values.size and int(np.abs(values).max()) > MAX_MAGNITUDE:
             raise UsageError(f"entropy: a symbol exceeds ±{MAX_MAGNITUDE}; use a larger step")
-        family = frequency_tables()
-        order, start = _groups(table, TABLES)
-        index = None
-        if values is not None:
-            support = family.support[table]
-            index = np.where(np.abs(values) <= support, values + support, 2 * support + 1)[order].astype(np.int32)
-        index = self._in_groups(index, start, ZERO_CENTRED)
-        coded = np.empty(table.size, np.int32)
-        tables_of = (family.support, family.start, family.symbol_bits)
-        bits, escapes = _native.ungroup_symbols(index, order, table, *tables_of, coded)
-        if escapes:
-            where = np.flatnonzero(coded > family.support[table])
-            coded[where] = self._escaped(None if values is None else values[where], family.support[table[where]])
-            bits += float(escape_bits(np.abs(coded[where]) - family.support[table[where]] - 1).sum())
+        coded, bits = self._zero_centred(values, table)
         self._record(coded, bits)
         return coded.reshape(shape)
 
@@ -148,6 +141,10 @@ class SymbolWalk(ABC):
         return int(self.code_bits(None if value is None else [value], n_bits, 1)[0])
 
     @abstractmethod
+    def _zero_centred(self, values: NDArray[np.int64] | None, table: NDArray[np.int16]) -> tuple[IntArray, float]:
+        """Codes zero-centred symbols as `code` says; with them comes their information content."""
+
+    @abstractmethod
     def _in_groups(self, index: IntArray | None, start: NDArray[np.int64], models: SymbolModels) -> IntArray:
         """Codes symbol indices that are ordered by key, those of `key` from start[key] on, each run under its model."""
 
@@ -156,28 +153,15 @@ class SymbolWalk(ABC):
         """Codes `count` values of 1 to _UNIFORM_BITS bits."""
 
     def _record(self, values: NDArray[np.integer], bits: float) -> None:
-        self.count += values.size
-        self.crc = zlib.crc32(values.astype("<u4").tobytes(), self.crc)
-        self.bits[self._part] = self.bits.get(self._part, 0.0) + bits
+        self._count(values)
+        self._book(bits)
 
-    def _escaped(self, values: NDArray[np.int64] | None, support: IntArray) -> NDArray[np.int64]:
-        """Values beyond ±support: exponents, then mantissas by ascending exponent, then signs."""
-        excess = None if values is None else np.abs(values) - support - 1
-        exponent = self._in_groups(
-            None if excess is None else escape_exponent(excess).astype(np.int32),
-            np.array([0, support.size], np.int64),
-            CategoricalModels(escape_alphabet()),
-        )
-        decoded = np.empty(support.size, np.int64)
-        for e in np.flatnonzero(np.bincount(exponent)).tolist():
-            where = np.flatnonzero(exponent == e)
-            mantissa = None if excess is None else (excess[where] + 1 - (1 << e)).astype(np.int64)
-            decoded[where] = self._uniform(mantissa, e, where.size) + (1 << e) - 1
-        sign = self._uniform(None if values is None else (values < 0).astype(np.int64), 1, support.size)
-        magnitude = decoded + support + 1
-        if int(magnitude.max()) > MAX_MAGNITUDE:
-            raise CorruptStreamError(f"entropy: a symbol exceeds ±{MAX_MAGNITUDE}; the stream is damaged")
-        return np.where(sign == 1, -magnitude, magnitude)
+    def _count(self, values: NDArray[np.integer]) -> None:
+        self.count += values.size
+        self.crc = zlib.crc32(np.ascontiguousarray(values, "<i4").data, self.crc)
+
+    def _book(self, bits: float) -> None:
+        self.bits[self._part] = self.bits.get(self._part, 0.0) + bits
 
     def _uniform(self, values: NDArray[np.int64] | None, n_bits: int, count: int) -> NDArray[np.int64]:
         if n_bits > _UNIFORM_BITS:
@@ -207,6 +191,36 @@ class SymbolWriter(SymbolWalk):
         self.crc = crc  # of the symbols, not of their check
         words: NDArray[np.uint32] = self._coder.get_compressed()
         return words.astype(">u4").tobytes().rstrip(b"\0")
+
+    def _zero_centred(self, values: NDArray[np.int64] | None, table: NDArray[np.int16]) -> tuple[IntArray, float]:
+        if values is None:
+            raise UsageError("entropy: a writer needs values")
+        family = frequency_tables()
+        order, start = _groups(table, TABLES)
+        support = family.support[table]
+        index = np.where(np.abs(values) <= support, values + support, 2 * support + 1)[order].astype(np.int32)
+        self._in_groups(index, start, ZERO_CENTRED)
+        coded = np.empty(table.size, np.int32)
+        tables_of = (family.support, family.start, family.symbol_bits)
+        bits, escapes = _native.ungroup_symbols(index, order, table, *tables_of, coded)
+        if escapes:
+            where = np.flatnonzero(coded > support)
+            coded[where] = values[where]
+            bits += self._escape(values[where], support[where])
+        return coded, bits
+
+    def _escape(self, values: NDArray[np.int64], support: IntArray) -> float:
+        """Values beyond ±support: exponents, then mantissas by ascending exponent, then signs. Their information
+        content.
+        """
+        excess = np.abs(values) - support - 1
+        exponent = escape_exponent(excess).astype(np.int32)
+        self._in_groups(exponent, np.array([0, exponent.size], np.int64), CategoricalModels(escape_alphabet()))
+        for e in np.unique(exponent).tolist():
+            where = np.flatnonzero(exponent == e)
+            self._uniform((excess[where] + 1 - (1 << e)).astype(np.int64), e, where.size)
+        self._uniform((values < 0).astype(np.int64), 1, values.size)
+        return float(escape_bits(excess).sum())
 
     def _in_groups(self, index: IntArray | None, start: NDArray[np.int64], models: SymbolModels) -> IntArray:
         if index is None:
@@ -241,6 +255,22 @@ class SymbolReader(SymbolWalk):
             raise CorruptStreamError("entropy: the payload is padded with zero bytes; it was not written by an encoder")
         self._coder = _native.RangeDecoder(payload)
 
+    @property
+    def seconds(self) -> float:
+        """That the range decoder took so far for symbols that are not equally likely."""
+        return self._coder.seconds
+
+    def read(self, part: Callable[[_native.RangeDecoder], tuple[int, IntArray, list[float]]], names: list[str]) -> None:
+        """Lets a native function read by itself: it returns whether that is sound (`require_sound`), all symbols in
+        coding order, and the information content of each of the parts `names`.
+        """
+        reading, symbols, bits = part(self._coder)
+        require_sound(reading)
+        self._count(symbols)
+        for name, amount in zip(names, bits, strict=True):
+            with self.part(name):
+                self._book(amount)
+
     def finish(self) -> None:
         """Raises CorruptStreamError unless the symbols are those written and the payload ends with them."""
         crc = self.crc
@@ -255,6 +285,12 @@ class SymbolReader(SymbolWalk):
         if not self._coder.maybe_exhausted():
             raise CorruptStreamError("entropy: bytes are left over behind the last symbol")
 
+    def _zero_centred(self, values: NDArray[np.int64] | None, table: NDArray[np.int16]) -> tuple[IntArray, float]:
+        coded = np.empty(table.size, np.int32)
+        reading, bits = _native.read_zero_centred(self._coder, zero_centred_tables(), table, coded)
+        require_sound(reading)
+        return coded, bits
+
     def _in_groups(self, index: IntArray | None, start: NDArray[np.int64], models: SymbolModels) -> IntArray:
         coded = np.empty(int(start[-1]), np.int32)
         return _sound(coded, self._coder.decode(models.reading, start, coded))
@@ -265,9 +301,18 @@ class SymbolReader(SymbolWalk):
 
 
 def _sound(coded: IntArray, decodes: bool) -> IntArray:
-    if not decodes:
-        raise CorruptStreamError("entropy: the payload does not decode; it is damaged")
+    require_sound(0 if decodes else 1)
     return coded
+
+
+def require_sound(reading: int) -> None:
+    """Raises CorruptStreamError unless native code read without a fault: 1 where the payload does not decode, 2 where a
+    symbol is too large.
+    """
+    if reading == 1:
+        raise CorruptStreamError("entropy: the payload does not decode; it is damaged")
+    if reading == 2:
+        raise CorruptStreamError(f"entropy: a symbol exceeds ±{MAX_MAGNITUDE}; the stream is damaged")
 
 
 def _not_a_panic(error: BaseException, failure: type[Exception], message: str) -> BaseException:

@@ -11,7 +11,20 @@ from sgicodec.errors import CorruptStreamError, LimitError, UnsupportedStreamErr
 from sgicodec.model.spec import ContextSpec, ModelSpec
 from sgicodec.tiles import TileGrid
 
-__all__ = ["FORMAT_VERSION", "LAYOUT_NAMES", "SAMPLE_TYPES", "Header", "Masked", "decode_header", "encode_header"]
+__all__ = [
+    "FORMAT_VERSION",
+    "LAYOUT_NAMES",
+    "MAX_APRON",
+    "MAX_CHANNELS",
+    "MAX_SIDE",
+    "MAX_TILES",
+    "MIN_TILE",
+    "SAMPLE_TYPES",
+    "Header",
+    "Masked",
+    "decode_header",
+    "encode_header",
+]
 
 FORMAT_VERSION = 2
 
@@ -146,37 +159,10 @@ def decode_header(payload: bytes) -> Header:
     layout_name = LAYOUT_NAMES[fields.take("the channel layout", 0, len(LAYOUT_NAMES) - 1)]
     sample_type = SAMPLE_TYPES[fields.take("the sample type", 0, len(SAMPLE_TYPES) - 1)]
     profile = _PROFILES[fields.take("the profile", 0, len(_PROFILES) - 1)]
-    layout, shape = _LAYOUTS[fields.take("the seed layout", 0, 1)], _SHAPES[fields.take("the shape", 0, 1)]
-    flags = fields.take("the flags", 0, 15 if version == 1 else _ALL_FLAGS)
-    per_seed = fields.take("K", 1, 64)
-    features = fields.take("D", 1, MAX_FEATURES)
-    hidden = fields.take("the decoders' width", 0, MAX_HIDDEN)
-    base_cell = fields.take("the base cell", 0, 1 << 12)
-    quality, family = fields.take("the base step", 0, 255), fields.take("the table family", 0, 1)
-    prior = fields.take("the prior", 0, 255)
-    context_hidden = fields.take("the context model's width", 1, MAX_HIDDEN)
-    neighbours = fields.take("the neighbours", 0, 6)
-    levels = fields.take("the hash levels", 0, MAX_HASH_LEVELS)
-    resolutions = tuple(fields.take("a hash resolution", 1, MAX_HASH_RESOLUTION) for _ in range(levels))
-    hash_features = fields.take("the hash features", 1, 64) if levels else ContextSpec.hash_features
-    hash_entries = fields.take("the hash entries", 1, 20) if levels else ContextSpec.hash_log2_entries
-    grouped, skip, seed_scales = bool(flags & _GROUPED), bool(flags & _SKIP), bool(flags & _SEED_SCALES)
+    flags, spec, quality, family = _model(fields, channels, 15 if version == 1 else _ALL_FLAGS)
     expected = {"multi": channels, "gray": 1, "gray+alpha": 2, "rgb": 3, "rgba": 4}[layout_name]
     if expected != channels:
         raise CorruptStreamError(f"header: {channels} channels cannot be {layout_name}")
-    if skip != grouped or (skip and features < per_seed * (channels + 3)) or (neighbours and not skip):
-        raise CorruptStreamError("header: settings that contradict each other")
-    coarse_first = bool(flags & _COARSE_FIRST)
-    if coarse_first and not neighbours:
-        raise CorruptStreamError("header: an order of passes without neighbours")
-    predicted = bool(flags & _PREDICTED)
-    if predicted and layout != "adaptive":
-        raise CorruptStreamError("header: predicted places of seeds that lie on a grid")
-    context = ContextSpec(prior, (), context_hidden, neighbours, resolutions, hash_features, hash_entries, coarse_first)
-    spec = ModelSpec(channels, layout, shape, per_seed, features, hidden, skip, seed_scales, base_cell, context)  # type: ignore[arg-type]
-    names = tuple(group.name for group in spec.groups)
-    steps = tuple((name,) for name in names) if grouped else (names,)
-    spec = replace(spec, context=replace(context, steps=steps), predicted_seeds=predicted)
     tile = fields.take("the tile size", MIN_TILE, MAX_SIDE) if flags & _TILED else 0
     apron = fields.take("the apron", 0, min(tile // 4, MAX_APRON)) if flags & _TILED else 0
     sample_range = {"uint8": (0.0, 255.0), "uint16": (0.0, 65535.0)}.get(sample_type) or _range(fields)
@@ -192,6 +178,39 @@ def decode_header(payload: bytes) -> Header:
     )
     _check_tiles(header)
     return header
+
+
+def _model(fields: _Fields, channels: int, all_flags: int) -> tuple[int, ModelSpec, int, int]:
+    """From the seed layout to the hash entries: flags, spec, index of the base colour step, family of tables."""
+    layout, shape = _LAYOUTS[fields.take("the seed layout", 0, 1)], _SHAPES[fields.take("the shape", 0, 1)]
+    flags = fields.take("the flags", 0, all_flags)
+    per_seed = fields.take("K", 1, 64)
+    features = fields.take("D", 1, MAX_FEATURES)
+    hidden = fields.take("the decoders' width", 0, MAX_HIDDEN)
+    base_cell = fields.take("the base cell", 0, 1 << 12)
+    quality, family = fields.take("the base step", 0, 255), fields.take("the table family", 0, 1)
+    prior = fields.take("the prior", 0, 255)
+    context_hidden = fields.take("the context model's width", 1, MAX_HIDDEN)
+    neighbours = fields.take("the neighbours", 0, 6)
+    levels = fields.take("the hash levels", 0, MAX_HASH_LEVELS)
+    resolutions = tuple(fields.take("a hash resolution", 1, MAX_HASH_RESOLUTION) for _ in range(levels))
+    hash_features = fields.take("the hash features", 1, 64) if levels else ContextSpec.hash_features
+    hash_entries = fields.take("the hash entries", 1, 20) if levels else ContextSpec.hash_log2_entries
+    grouped, skip, seed_scales = bool(flags & _GROUPED), bool(flags & _SKIP), bool(flags & _SEED_SCALES)
+    if skip != grouped or (skip and features < per_seed * (channels + 3)) or (neighbours and not skip):
+        raise CorruptStreamError("header: settings that contradict each other")
+    coarse_first = bool(flags & _COARSE_FIRST)
+    if coarse_first and not neighbours:
+        raise CorruptStreamError("header: an order of passes without neighbours")
+    predicted = bool(flags & _PREDICTED)
+    if predicted and layout != "adaptive":
+        raise CorruptStreamError("header: predicted places of seeds that lie on a grid")
+    context = ContextSpec(prior, (), context_hidden, neighbours, resolutions, hash_features, hash_entries, coarse_first)
+    spec = ModelSpec(channels, layout, shape, per_seed, features, hidden, skip, seed_scales, base_cell, context)  # type: ignore[arg-type]
+    names = tuple(group.name for group in spec.groups)
+    steps = tuple((name,) for name in names) if grouped else (names,)
+    spec = replace(spec, context=replace(context, steps=steps), predicted_seeds=predicted)
+    return flags, spec, quality, family
 
 
 def _check_tiles(header: Header) -> None:

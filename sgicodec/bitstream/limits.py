@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 
+from sgicodec.bitstream.seed_tree import MAX_ROOTS
 from sgicodec.errors import LimitError
 from sgicodec.model.base import base_shape
 from sgicodec.model.context import HashGrid, input_count, output_count
@@ -20,8 +21,6 @@ from sgicodec.model.spec import ModelSpec
 __all__ = ["check_model", "hash_counts", "max_seeds", "network_shapes"]
 
 MAX_SAMPLES = 1 << 31
-MAX_ROOTS = 1 << 20
-"""Root cells of the quadtree: four gigapixels, fewer if the picture is narrow."""
 MAX_BASE_VALUES = 1 << 22
 MAX_BASE_LINES = 1 << 20
 """Rows and columns of the base layer's planes, which are decoded diagonal by diagonal."""

@@ -14,14 +14,23 @@ from importlib.resources import files
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec._native import TreeNetwork
+from sgicodec._native import RangeDecoder, TreeNetwork, read_tree
 from sgicodec.bitstream.alphabets import Alphabets
-from sgicodec.bitstream.entropy import SymbolWalk
-from sgicodec.bitstream.predicted_tree import LEVELS, Batch, Scenery, input_counts, walk_tree
+from sgicodec.bitstream.entropy import IntArray, SymbolReader, SymbolWalk
+from sgicodec.bitstream.predicted_tree import (
+    LEVELS,
+    Batch,
+    Scenery,
+    input_counts,
+    limited,
+    native_scenery,
+    walk_tree,
+)
 from sgicodec.bitstream.prior import parse_prior
 from sgicodec.bitstream.seed_tree import Flags, Seeds, TreeShape, TreeTruth, seeds_of
 from sgicodec.bitstream.tables import TOTAL
-from sgicodec.errors import UnsupportedStreamError
+from sgicodec.errors import UnsupportedStreamError, UsageError
+from sgicodec.model.morton import Codes
 from sgicodec.model.network import IntNetwork
 from sgicodec.model.processor import ONE_THREAD, Processor
 
@@ -54,21 +63,41 @@ def code_predicted_positions(
     Raises UsageError for seeds that are no nodes of the tree, LimitError for a tree of more than `max_seeds` seeds,
     before anything of that size is allocated.
     """
-    truth = None if seeds is None else TreeTruth(shape, seeds, max_seeds)
-    networks, alphabets = _native_networks(processor.isa), _alphabets()
+    if seeds is None and isinstance(walk, SymbolReader):
+        return _read(walk, shape, scenery, max_seeds, processor)
+    if seeds is None:
+        raise UsageError("positions: a writer needs seeds")
+    truth = TreeTruth(shape, seeds, max_seeds)
+    networks = _native_networks(processor.isa)
 
-    def flags(given: Flags | None, rows: NDArray[np.integer]) -> Flags:
-        return walk.code_categorical(given, alphabets, rows).astype(np.uint8)
+    def flags(given: Flags, rows: NDArray[np.int16]) -> Flags:
+        return walk.code_categorical(given, _alphabets(), rows).astype(np.uint8)
 
     def code(batch: Batch) -> tuple[Flags, Flags]:
-        row = batch.rows(networks[batch.child], _PER_ROW, _MOST, processor.threads)
+        rows = batch.rows(networks[batch.child], _PER_ROW, _MOST, processor.threads)
         split = np.zeros(len(batch), np.uint8)
         if batch.level > LEVELS[-1]:
-            split = flags(None if truth is None else truth.split(batch.level, batch.codes), row[:, 0])
-        of_seed = np.where(split, row[:, 2], np.where(batch.needed, np.int16(_CERTAIN), row[:, 1]))
-        return split, flags(None if truth is None else truth.seed(batch.level, batch.codes), of_seed)
+            split = flags(truth.split(batch.level, batch.codes), rows[:, 0])
+        return split, flags(truth.seed(batch.level, batch.codes), batch.seed_rows(rows, split, _CERTAIN))
 
     return seeds_of(walk_tree(shape, scenery, code, max_seeds))
+
+
+def _read(walk: SymbolReader, shape: TreeShape, scenery: Scenery, max_seeds: int, processor: Processor) -> Seeds:
+    """The whole tree in one native call, which lets other threads run."""
+    native, networks, alphabets = native_scenery(shape, scenery), _native_networks(processor.isa), _alphabets()
+    known = alphabets.models, alphabets.symbol, alphabets.bits
+    found: list[tuple[Codes, int]] = []
+
+    def read(decoder: RangeDecoder) -> tuple[int, IntArray, list[float]]:
+        decodes, codes, symbols, bits = limited(
+            lambda: read_tree(decoder, native, max_seeds, networks, *known, _PER_ROW, _MOST, processor.threads)
+        )
+        found.extend(codes)
+        return int(not decodes), symbols, [bits]
+
+    walk.read(read, [walk.current])
+    return seeds_of(found)
 
 
 @cache

@@ -12,18 +12,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec.bitstream.header import MAX_SIDE
 from sgicodec.errors import LimitError, UsageError
 from sgicodec.model.morton import Codes, morton, unmorton
 
-__all__ = ["Flags", "Seeds", "TreeShape", "TreeTruth", "seeds_of"]
+__all__ = ["MAX_ROOTS", "Flags", "Seeds", "TreeShape", "TreeTruth", "seeds_of"]
 
 Flags = NDArray[np.uint8]
 Seeds = tuple[NDArray[np.int32], NDArray[np.int8]]
 """Corners [N, 2] in pixels (x, y) and log2 of the node size [N]."""
 
 MAX_LOG = 16
-MAX_SIDE = 1 << 24
 MAX_ROOTS = 1 << 20
+"""Four gigapixels in cells of 64, fewer if the picture is narrow."""
 
 
 @dataclass(frozen=True)

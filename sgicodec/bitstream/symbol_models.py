@@ -12,9 +12,16 @@ from numpy.typing import NDArray
 
 from sgicodec import _native
 from sgicodec.bitstream.alphabets import Alphabets
-from sgicodec.bitstream.tables import escape_frequencies, frequency_tables
+from sgicodec.bitstream.tables import MAX_MAGNITUDE, escape_frequencies, frequency_tables
 
-__all__ = ["ZERO_CENTRED", "CategoricalModels", "SymbolModels", "escape_alphabet", "uniform_model"]
+__all__ = [
+    "ZERO_CENTRED",
+    "CategoricalModels",
+    "SymbolModels",
+    "escape_alphabet",
+    "uniform_model",
+    "zero_centred_tables",
+]
 
 
 class SymbolModels(Protocol):
@@ -85,3 +92,11 @@ def escape_alphabet() -> Alphabets:
 def uniform_model(n_bits: int) -> Any:
     """Equally likely values of so many bits, for constriction."""
     return constriction.stream.model.Uniform(1 << n_bits)
+
+
+@cache
+def zero_centred_tables() -> _native.ZeroCentredTables:
+    """All that reads zero-centred symbols, escapes included."""
+    tables = frequency_tables()
+    known = tables.support, tables.start, tables.symbol_bits
+    return _native.ZeroCentredTables(ZERO_CENTRED.reading, *known, escape_alphabet().models, MAX_MAGNITUDE)

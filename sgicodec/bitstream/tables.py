@@ -39,8 +39,6 @@ __all__ = [
     "escape_exponent",
     "escape_frequencies",
     "frequency_tables",
-    "nearest_table",
-    "scale_of",
 ]
 
 PRECISION = 24
@@ -56,6 +54,9 @@ MAX_MAGNITUDE = 1 << 20
 
 ESCAPE_EXPONENTS = 21
 """Number of Exp-Golomb exponents behind an escape: |n| − S − 1 lies in 0 .. MAX_MAGNITUDE − 1."""
+
+_MOST_COUNTED = 2048
+"""Largest magnitude up to which symbols are counted before their bits are summed."""
 
 _FILE = "tables.bin"
 _SHA256 = "7e86137a6abd4543b53f667e7ca867ab8bba768232796e9b2458be738410b1e0"
@@ -96,6 +97,26 @@ class FrequencyTables:
         cost = self.bits(values[None, :], np.arange(TABLES)[:, None]) @ counts  # [TABLES]
         return int(np.argmin(cost))
 
+    def least_bits(self, options: NDArray[np.int64]) -> NDArray[np.float64]:
+        """What each of some arrays, options [n, …], costs in bits under the table that is best for it [n]."""
+        largest = int(np.abs(options).max(initial=0))
+        if largest > _MOST_COUNTED:
+            return np.array([self.bits(option, self.best(option)).sum() for option in options])
+        reach = 8
+        while reach < largest:
+            reach *= 2
+        width, number = 2 * reach + 1, np.arange(len(options))[:, None]
+        values = options.reshape(len(options), -1) + reach + width * number
+        counts = np.bincount(values.ravel(), minlength=width * len(options)).reshape(len(options), width)
+        least: NDArray[np.float64] = (counts @ _bits_of_small(reach)).min(axis=1)
+        return least
+
+
+@cache
+def _bits_of_small(reach: int) -> NDArray[np.float64]:
+    """Bits of −reach … reach under every table [2 reach + 1, TABLES]."""
+    return frequency_tables().bits(np.arange(-reach, reach + 1)[:, None], np.arange(TABLES)[None, :])
+
 
 def escape_exponent(excess: NDArray[np.integer]) -> NDArray[np.int32]:
     """floor(log2(excess + 1)) for excess = |n| − S − 1 ≥ 0."""
@@ -113,20 +134,6 @@ def escape_bits(excess: NDArray[np.integer]) -> NDArray[np.float64]:
     """Bits behind an escape: exponent, as many mantissa bits, sign."""
     exponent = escape_exponent(excess)
     return (np.minimum(exponent + 1, ESCAPE_EXPONENTS - 1) + exponent + 1).astype(np.float64)
-
-
-def scale_of(table: int) -> float:
-    """Standard deviation in steps that a zero-centred table stands for."""
-    return float(2.0 ** ((table % SCALES - 24) / 6))
-
-
-def nearest_table(scale: ArrayLike, family: int = 0) -> NDArray[np.int16]:
-    """Index of the table nearest in log σ to each `scale` (steps). For encoders and estimates: a decoder
-    computes table indices in integers.
-    """
-    position = 24 + 6 * np.log2(np.maximum(np.asarray(scale, np.float64), 2.0**-20))
-    index: NDArray[np.int16] = (np.clip(np.rint(position), 0, SCALES - 1) + SCALES * family).astype(np.int16)
-    return index
 
 
 def bernoulli_frequencies(code: ArrayLike) -> NDArray[np.int64]:

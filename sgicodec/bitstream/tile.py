@@ -80,7 +80,7 @@ def write_tile(header: Header, model: TileModel) -> tuple[bytes, SymbolWalk]:
     return payload, walk
 
 
-def read_tile(header: Header, payload: bytes, processor: Processor = ONE_THREAD) -> tuple[TileModel, SymbolWalk]:
+def read_tile(header: Header, payload: bytes, processor: Processor = ONE_THREAD) -> tuple[TileModel, SymbolReader]:
     """The model of a payload. Raises CorruptStreamError where the decoded symbols are not those that were written and
     LimitError, before it takes memory, for a model beyond the caps of `limits`.
     """

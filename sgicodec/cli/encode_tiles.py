@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from sgicodec.large.journal import Journal
     from sgicodec.plan import Plan
     from sgicodec.rounds import Runner
+    from sgicodec.time_shares import TimeShares
 
 __all__ = ["encode_tiles"]
 
@@ -39,7 +40,8 @@ def encode_tiles(job: Job, source: Source) -> int:
 
     plan = plan_of(source, replace(job.settings, threads=0))
     with ExitStack() as stack:
-        runner = _cluster(job, source, plan, stack) if job.cluster is not None else _runner(job, source, plan)
+        on_cluster = job.cluster is not None
+        runner, workers = _cluster(job, source, plan, stack) if on_cluster else _runner(job, source, plan)
         if job.target == STANDARD:
             part = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="sgicodec-"))) / "part"
         else:
@@ -47,7 +49,7 @@ def encode_tiles(job: Job, source: Source) -> int:
         mark = fingerprint(plan, None if job.source == STANDARD else Path(job.source))
         try:
             journal = stack.enter_context(opened_journal(part, mark, job.resume, job.force))
-            totals = _run(job, source, plan, runner, journal)
+            totals = _run(job, source, plan, runner, journal, _shares(job, source, plan, workers))
         except OSError as error:
             raise StreamError(f"{display(job.target, 'stdout')}: {error.strerror or error}") from error
     psnr = _psnr(job, source) if job.verify and job.target != STANDARD else None
@@ -59,8 +61,19 @@ def encode_tiles(job: Job, source: Source) -> int:
     return totals.bytes
 
 
-def _runner(job: Job, source: Source, plan: Plan) -> Runner:
-    """Who fits the tiles. Tells what memory that will take."""
+def _shares(job: Job, source: Source, plan: Plan, workers: int) -> TimeShares | None:
+    """Who tells each tile its time, where that is the limit."""
+    from sgicodec.large.encode import time_shares
+
+    if job.settings.time_limit is None:
+        return None
+    decoders = job.settings.threads or os.cpu_count() or 1
+    verified = job.verify and job.target != STANDARD
+    return time_shares(source, plan, job.started + job.settings.time_limit, workers, decoders if verified else 0)
+
+
+def _runner(job: Job, source: Source, plan: Plan) -> tuple[Runner, int]:
+    """Who fits the tiles, and how many at once. Tells what memory that will take."""
     from sgicodec.large.encode import run_tiles
     from sgicodec.large.memory import MIB, estimate, fitting_workers
 
@@ -72,10 +85,10 @@ def _runner(job: Job, source: Source, plan: Plan) -> Runner:
     if not job.quiet:
         text = f"{grid.count} tiles of {width}×{height} pixels, {workers} worker{'s' * (workers > 1)}"
         click.echo(f"{text}, about {found.total(workers) / MIB:,.0f} MiB of memory", err=True)
-    return run_tiles(source, plan, workers, threads)
+    return run_tiles(source, plan, workers, threads), workers
 
 
-def _cluster(job: Job, source: Source, plan: Plan, stack: ExitStack) -> Runner:
+def _cluster(job: Job, source: Source, plan: Plan, stack: ExitStack) -> tuple[Runner, int]:
     """The same for a cluster, which is open while `stack` is."""
     from sgicodec.large.cluster import open_cluster
     from sgicodec.large.encode import run_on_cluster
@@ -93,16 +106,16 @@ def _cluster(job: Job, source: Source, plan: Plan, stack: ExitStack) -> Runner:
         worker = estimate(plan, source.memory(width, height)).worker / MIB
         text = f"{grid.count} tiles of {width}×{height} pixels, {cluster.workers} at once on the cluster"
         click.echo(f"{text}, each about {worker:,.0f} MiB of memory", err=True)
-    return run_on_cluster(source, plan, cluster, place, max(1, job.settings.threads))
+    return run_on_cluster(source, plan, cluster, place, max(1, job.settings.threads)), cluster.workers
 
 
-def _run(job: Job, source: Source, plan: Plan, runner: Runner, journal: Journal) -> Totals:
+def _run(job: Job, source: Source, plan: Plan, runner: Runner, journal: Journal, shares: TimeShares | None) -> Totals:
     from sgicodec.large.encode import encode_source
 
     target = sys.stdout.buffer if job.target == STANDARD else Path(job.target)
     try:
         with tile_progress("off" if job.quiet else job.progress) as draw:
-            return encode_source(source, plan, runner, journal, target, draw)
+            return encode_source(source, plan, runner, journal, target, draw, shares)
     except KeyboardInterrupt:
         if job.target == STANDARD:
             raise

@@ -7,7 +7,7 @@ import os
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING
 
 from sgicodec.errors import OutputExistsError, SgiError, StreamError, UsageError
 from sgicodec.files import write_whole
@@ -15,7 +15,7 @@ from sgicodec.files import write_whole
 if TYPE_CHECKING:
     from sgicodec.decoder import Stream
 
-__all__ = ["STANDARD", "check_output", "display", "opened_stream", "picture_source", "with_extension", "write_output"]
+__all__ = ["STANDARD", "check_output", "display", "opened_stream", "with_extension", "write_output"]
 
 STANDARD = "-"
 
@@ -28,11 +28,6 @@ def display(path: str, standard: str = "stdin") -> str:
 def with_extension(path: str, extension: str) -> str:
     """The default output of an input: its name with another extension, or stdout."""
     return STANDARD if path == STANDARD else f"{os.path.splitext(path)[0]}.{extension}"
-
-
-def picture_source(path: str) -> Path | BinaryIO:
-    """What `sgicodec.image.read` is given."""
-    return sys.stdin.buffer if path == STANDARD else Path(path)
 
 
 @contextlib.contextmanager

@@ -30,6 +30,7 @@ class Report:
 
     bpp: bits per pixel of the whole stream. psnr: dB over all samples, None if not measured, infinite for no error.
     parts: bytes of each part, metadata counted as container; they sum to `bytes`.
+    time_limit: seconds that were allowed.
     """
 
     width: int
@@ -47,6 +48,7 @@ class Report:
     ended_early: bool
     parts: dict[str, float]
     tiles: int
+    time_limit: float | None
 
     @classmethod
     def of(cls, picture: Picture, encoded: Encoded, settings: EncodeSettings, last: Progress, verify: bool) -> Report:
@@ -71,13 +73,12 @@ class Report:
             ended_early=last.step < last.steps,
             parts=all_parts(encoded.part_bytes, {}, size),
             tiles=1,
+            time_limit=settings.time_limit,
         )
 
     @classmethod
     def of_tiles(cls, plan: Plan, totals: Totals, psnr: float | None) -> Report:
         """Of a stream in several tiles that is written already."""
-        from sgicodec.plan import fit_steps
-
         header = plan.header
         return cls(
             width=header.width,
@@ -91,10 +92,11 @@ class Report:
             lmbda=totals.lmbda,
             seeds=totals.seeds,
             gaussians=totals.gaussians,
-            steps=fit_steps(plan.settings),
+            steps=totals.steps,
             ended_early=False,
             parts=all_parts(totals.part_bytes, {}, totals.bytes),
             tiles=header.grid.count,
+            time_limit=plan.settings.time_limit,
         )
 
 
@@ -109,6 +111,8 @@ def print_report(report: Report, source: str, target: str, seconds: float, as_js
     line = f"{display(target, 'stdout')}: {report.bytes:,} bytes, {report.bpp:.3f} bpp, "
     line += f"PSNR {report.psnr:.2f} dB, " if report.psnr is not None else ""
     line += f"{report.gaussians:,} Gaussians, {seconds:.1f} s"
+    if report.time_limit is not None and seconds > report.time_limit:
+        line += f" ({seconds - report.time_limit:.1f} s beyond the time limit)"
     line += f", {peak:.0f} MiB" if peak is not None else ""
     click.echo(line, err=target == STANDARD)
     if verbose:

@@ -7,9 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.model.base import fit_base, render_base
+from sgicodec.model.base import base_colours, base_step, fit_base, render_base
 from sgicodec.model.gaussians import colour_matrix
-from sgicodec.model.quantize import step_fixed, step_index
+from sgicodec.model.quantize import step_index
 from sgicodec.model.spec import ModelSpec
 
 __all__ = ["base_layer"]
@@ -25,9 +25,7 @@ def base_layer(spec: ModelSpec, unit: F32, lmbda: float) -> tuple[int, NDArray[n
     opponent = np.array(colour_matrix(channels))
     # One colour stands for cell² pixels; half of its energy is its own: q² = 6 λ / (E ln 2).
     index = int(step_index(math.sqrt(12 * lmbda / math.log(2)) / spec.base_cell))
-    step = float(step_fixed(np.array(index))) * 2.0**-24
     grid = fit_base(np.tensordot(opponent, unit, axes=1).astype(np.float32), spec.base_cell)
-    base = np.rint(grid / step).astype(np.int64)
-    colours = np.tensordot(opponent.T, base * step, axes=1)
-    drawn = render_base(colours, spec.base_cell, np.arange(width) + 0.5, np.arange(height) + 0.5)
+    base = np.rint(grid / base_step(index)).astype(np.int64)
+    drawn = render_base(base_colours(base, index), spec.base_cell, np.arange(width) + 0.5, np.arange(height) + 0.5)
     return index, base, unit - drawn

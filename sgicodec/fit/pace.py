@@ -1,4 +1,4 @@
-"""How far a fit has come: counted in steps, or by the clock where only the time is given."""
+"""How far a fit has come, counted in steps or, where only the time is given, by the clock; and what is due by then."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from sgicodec.fit.settings import Phase
 
-__all__ = ["Pace"]
+__all__ = ["Pace", "evenly", "passed"]
 
 
 class Pace:
@@ -62,3 +62,17 @@ class Pace:
     def _begin(self, reached: float) -> None:
         self.begun += 1
         self._reached = reached
+
+
+def evenly(times: int) -> list[float]:
+    """`times` fractions that part a phase evenly."""
+    return [(i + 1) / (times + 1) for i in range(times)]
+
+
+def passed(fractions: list[float], now: float) -> bool:
+    """Whether the first of `fractions`, which rise, lies behind `now`; all that do are dropped."""
+    found = False
+    while fractions and fractions[0] <= now:
+        del fractions[0]
+        found = True
+    return found

@@ -27,12 +27,13 @@ from sgicodec.model.layout import SeedLayout
 from sgicodec.model.neighbours import nearest_seeds
 from sgicodec.model.quantize import DEAD_ZONE, DEAD_ZONE_LIMIT, PER_OCTAVE, STEP_COUNT, STEP_ZERO
 from sgicodec.model.spec import ModelSpec
-from sgicodec.model.steps import AMPLITUDE_ZERO, GAMMA_BITS, StepPlan, follows_amplitude
+from sgicodec.model.steps import AMPLITUDE_ZERO, GAMMA_BITS, REFINE_LIMIT, StepPlan, follows_amplitude
 
 __all__ = ["Sample", "Sampler"]
 
 _LEAST_STEP, _GREATEST_STEP = 2.0**-16, 2.0
 _COLOUR_INPUT = 16.0
+_MOST_REFINE = REFINE_LIMIT / PER_OCTAVE
 
 
 @dataclass
@@ -129,7 +130,7 @@ class Sampler:
                     log_step = log_base - gammas[name] * loudness[:, None]
                 else:
                     log_step = log_base
-                log_step = log_step + refine[:, position : position + 1].clamp(-4, 4)
+                log_step = log_step + refine[:, position : position + 1].clamp(-_MOST_REFINE, _MOST_REFINE)
                 q = self._spread(name, torch.exp2(log_step).clamp(_LEAST_STEP, _GREATEST_STEP))
                 q_base = torch.exp2(log_base)
                 m = self._spread(name, mean[:, units] * q_base)

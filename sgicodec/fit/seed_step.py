@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from enum import Enum
+from typing import NamedTuple
+
 import numpy as np
 import torch
 from numpy.typing import NDArray
@@ -26,21 +29,37 @@ _GROUPS = ("colour", "shape", "offset")
 _FLOOR = np.array([MIN_VARIANCE, 0.0, MIN_VARIANCE], np.float32)
 
 
-class SeedStep:
-    """Squared error plus λ times bits, and the gradients of both, for the models that `can_run` names.
+class Reuse(Enum):
+    """What a step takes over from those before it: nothing, inputs from neighbours, or all that MLP_p predicts."""
 
-    Noise is a hash of (key, column, seed), so that a step does not depend on the number of threads; `mirrored` noise is
-    its negative. Inputs from
-    neighbours are found anew every `refresh` steps, as in `Sampler`.
+    NOTHING, INPUTS, PREDICTIONS = range(3)
+
+
+class NoiseKey(NamedTuple):
+    """What noise is a hash of, in 32 bits; `negative` for that noise with its signs turned."""
+
+    key: int
+    negative: bool
+
+
+class SeedStep:
+    """Squared error plus λ times bits, those of MLP_p's difference included, and the gradients, for the models that
+    `can_run` names.
+
+    Noise is a hash of (its key, column, seed), so that a step does not depend on the number of threads. Inputs from
+    neighbours are found anew every `refresh` steps, as in `Sampler`. Under noise, where MLP_p is a prior's and only its
+    difference trains, it runs every `predict` steps: in between, what it said and the gradients that its difference and
+    the steps had then stand.
     """
 
-    refresh = 8
+    refresh, predict = 8, 4
 
     def __init__(self, spec: ModelSpec, raster: NativeRasterizer, threads: int) -> None:
         opponent = np.array(colour_matrix(spec.channels), np.float32)
         self.native = _native.SeedFit(raster.isa, threads, spec.per_seed, spec.context.hidden, opponent)
         self.spec, self.raster = spec, raster
         self.age = 0
+        self.standing: list[tuple[Tensor, Tensor | None]] = []
 
     @staticmethod
     def can_run(spec: ModelSpec) -> bool:
@@ -72,21 +91,20 @@ class SeedStep:
         net: ContextNet,
         steps: Tensor,
         rounding: Rounding,
-        key: int,
-        mirrored: bool,
+        noise: NoiseKey,
         target: F32,
         scale: float,
         lmbda: float,
     ) -> tuple[float, float]:
-        """Squared error against target [C, H, W] and bits; adds the gradients to every leaf that takes part.
+        """Squared error against target [C, H, W] and bits of the seeds; leaves gradients at all that takes part.
 
         `scale` is the target's size as a fraction of the picture's; `steps` is laid out as `Sampler.steps`.
         """
         arrays = [values[name].detach().numpy() for name in _GROUPS]
         first, rest = net.flat_first(), net.flat_rest()
         gaussians = self._gaussian_arrays()
-        self.age = self.age if rounding != "none" else 0
         colour, shape, offset = arrays
+        reuse = self._reuse(rounding, net)
         bits = self.native.forward(
             colour,
             shape,
@@ -95,13 +113,13 @@ class SeedStep:
             rest.detach().numpy(),
             steps.detach().numpy(),
             _ROUNDINGS[rounding],
-            key,
-            mirrored,
-            self.age == 0,
+            noise.key,
+            noise.negative,
+            reuse.value,
             not net.first_layer_is_fixed,
             *gaussians,
         )
-        self.age = (self.age + 1) % self.refresh
+        self.age = (self.age + 1) % self.refresh if rounding != "none" else 0
         error, grads = self._draw(gaussians, target, scale)
         for name, array in zip(_GROUPS, arrays, strict=True):
             values[name].grad = torch.from_numpy(np.empty_like(array))
@@ -109,8 +127,25 @@ class SeedStep:
         sums = np.empty(self.native.sums, np.float32)
         self.native.backward(*grads, lmbda, d_colour, d_shape, d_offset, sums)
         if rounding != "none":
-            self._pass_on(torch.from_numpy(sums), steps, (rest, first))
+            if reuse is Reuse.PREDICTIONS:
+                for tensor, gradient in self.standing:
+                    tensor.grad = gradient
+            else:
+                self._pass_on(torch.from_numpy(sums), steps, (rest, first))
+                self._price_difference(net, lmbda)
+                self.standing = [(t, t.grad) for t in (steps, net.difference) if t is not None]
         return error, bits
+
+    def _reuse(self, rounding: Rounding, net: ContextNet) -> Reuse:
+        if self.age == 0 or rounding == "none":
+            return Reuse.NOTHING
+        lazy = rounding == "noise" and net.difference is not None and self.age % self.predict
+        return Reuse.PREDICTIONS if lazy else Reuse.INPUTS
+
+    @staticmethod
+    def _price_difference(net: ContextNet, lmbda: float) -> None:
+        if net.difference is not None and lmbda:
+            (lmbda * net.difference_bits()).backward()  # type: ignore[no-untyped-call]
 
     @staticmethod
     def _pass_on(gradient: Tensor, steps: Tensor, networks: tuple[Tensor, ...]) -> None:

@@ -16,6 +16,7 @@ __all__ = [
     "FitSettings",
     "LearningRates",
     "Phase",
+    "Rounding",
     "default_settings",
     "lmbda_of_quality",
     "paper_settings",
@@ -45,8 +46,8 @@ class Phase:
 
 @dataclass(frozen=True)
 class LearningRates:
-    """Adam's learning rates at the start. From the fraction `hold` of a fit to `settled` they fall to `final` times
-    that, in equal steps or by equal factors; `constant` names what never decays.
+    """Adam's learning rates at the start; `final` is the fraction that is left at the end of a fit, `hold` how much of
+    it passes before the decay begins, `decay` what its curve is, `constant` names what never decays.
     """
 
     colour: float = 0.028
@@ -62,16 +63,13 @@ class LearningRates:
     epsilon: float = 1e-15
     final: float = 0.01
     hold: float = 0.4
-    settled: float = 0.97
-    decay: Literal["linear", "exponential"] = "linear"
+    decay: Literal["exponential", "linear"] = "linear"
     constant: tuple[str, ...] = ()
 
     def left(self, done: float) -> float:
-        """Fraction of the learning rates that is left when the fraction `done` of a fit lies behind."""
-        fallen = min(1.0, max(0.0, (done - self.hold) / (self.settled - self.hold)))
-        if self.decay == "exponential":
-            return float(self.final**fallen)
-        return 1.0 - (1.0 - self.final) * fallen
+        """What is left of the rates when a fraction `done` of a fit lies behind."""
+        past = max(0.0, (done - self.hold) / (1 - self.hold))
+        return self.final**past if self.decay == "exponential" else 1.0 - (1.0 - self.final) * past
 
 
 @dataclass(frozen=True)
@@ -110,11 +108,14 @@ class FitSettings:
 
     def slowing(self, steps: int) -> float:
         """Factor of the learning rates in `SLOWED` for a fit of so many steps."""
-        return 1.0 if self.reference_steps is None else min(1.2, (self.reference_steps / steps) ** 0.5)
+        if self.reference_steps is None:
+            return 1.0
+        ratio = self.reference_steps / steps
+        return float(ratio**0.5 if ratio < 1 else ratio**0.25)
 
 
 SLOWED = ("colour", "shape", "offset", "steps")
-"""Learning rates that fall with the root of the number of steps."""
+"""Learning rates that follow the number of steps."""
 
 
 def default_settings(lmbda: float, steps: int) -> FitSettings:
@@ -149,7 +150,6 @@ def paper_settings(lmbda: float, levels: int, steps: int) -> FitSettings:
         betas=(0.9, 0.999),
         final=0.01,
         hold=0.0,
-        settled=1.0,
         decay="exponential",
         constant=("feature", "scales", "decoder_shape"),
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -15,7 +16,7 @@ from sgicodec.model.layout import ROOT_LOG, cell_sums, leaf_sums
 if TYPE_CHECKING:
     from sgicodec.fit.settings import FitSettings
 
-__all__ = ["LMBDA_RANGE", "STREAM_BYTES", "Foretold", "Goal", "Measured", "Steering", "first_lmbda"]
+__all__ = ["LMBDA_RANGE", "STREAM_BYTES", "Foretold", "Goal", "Measured", "Steering", "bisected", "first_lmbda"]
 
 
 @dataclass(frozen=True)
@@ -156,12 +157,20 @@ def first_lmbda(goal: Goal, detail: NDArray[np.float32], settings: FitSettings, 
     to photographs.
     """
     foretold = Foretold(detail, settings)
+
+    def must_rise(lmbda: float) -> bool:
+        size, error = foretold.at(lmbda)
+        return goal.excess(Measured(size + extra, -10 * math.log10(error))) > 0
+
+    return bisected(must_rise, 8)
+
+
+def bisected(must_rise: Callable[[float], bool], halvings: int) -> float:
+    """λ in LMBDA_RANGE below which `must_rise` holds, by halving octaves so many times."""
     low, high = (math.log2(limit) for limit in LMBDA_RANGE)
-    for _ in range(8):
+    for _ in range(halvings):
         middle = 0.5 * (low + high)
-        size, error = foretold.at(2.0**middle)
-        excess = goal.excess(Measured(size + extra, -10 * math.log10(error)))
-        low, high = (middle, high) if excess > 0 else (low, middle)
+        low, high = (middle, high) if must_rise(2.0**middle) else (low, middle)
     return float(2.0 ** (0.5 * (low + high)))
 
 

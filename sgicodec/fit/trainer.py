@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 import torch
@@ -15,16 +14,15 @@ from torch import Tensor
 from sgicodec.fit.adam import Adam, Group
 from sgicodec.fit.context_net import ContextNet
 from sgicodec.fit.growth import worthwhile_cells
-from sgicodec.fit.pace import Pace
+from sgicodec.fit.pace import Pace, evenly, passed
+from sgicodec.fit.population import Population
 from sgicodec.fit.pyramid import pyramid
 from sgicodec.fit.raster_op import rasterize, squared_error
 from sgicodec.fit.sampler import Sample, Sampler
-from sgicodec.fit.seed_step import SeedStep
+from sgicodec.fit.seed_step import NoiseKey, SeedStep
 from sgicodec.fit.settings import SLOWED, FitSettings, Phase, quality_index
-from sgicodec.fit.start import cell_means, fresh_decoders, fresh_values
 from sgicodec.fit.steering import Measured, Steering
 from sgicodec.model.context import HashGrid
-from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import ModelSpec
@@ -85,13 +83,12 @@ class Trainer:
         measure: Callable[[Fitted], Measured] | None = None,
         seconds: float | None = None,
     ) -> None:
-        self.spec, self.settings, self.layout = spec, settings, layout
+        self.spec, self.settings = spec, settings
         self.lmbda, self.steering, self.measure = settings.lmbda, steering, measure
         self.pace = Pace(settings.phases, seconds)
         self.generator = torch.Generator().manual_seed(settings.seed)
         self.raster = NativeRasterizer(settings.threads)
         self.targets = pyramid(target, max(phase.level for phase in settings.phases) + 1)
-        self.opponent = torch.tensor(colour_matrix(spec.channels))
         context = spec.context
         sizes = HashGrid.at(context, layout, target.shape[2], target.shape[1]).sizes if context.hash_resolutions else ()
         self.net = net or ContextNet(spec, sizes, self.generator)
@@ -105,11 +102,9 @@ class Trainer:
         self.seed_step: SeedStep | None = None
         if family and settings.loss == "squared" and SeedStep.can_run(spec):
             self.seed_step = SeedStep(spec, self.raster, settings.threads)
-        means = torch.from_numpy(cell_means(target, layout))
-        self.values = {name: value.requires_grad_() for name, value in self._fresh(means).items()}
-        self.decoders = fresh_decoders(spec, self.generator)
+        self.seeds = Population(spec, layout, target, self.generator)
         self.optimizer = self._optimizer()
-        self._set_layout(layout)
+        self._set_layout()
         self.step = 0
 
     def run(self, on_progress: Callable[[Progress], bool] | None = None) -> Fitted:
@@ -123,24 +118,24 @@ class Trainer:
         """Steps one at a time through all phases."""
         for index, phase in enumerate(self.settings.phases):
             self._begin(phase)
-            prunes, growths = _spread(phase.prune), _spread(phase.grow)
+            prunes, growths = evenly(phase.prune), evenly(phase.grow)
             checks = list(self.steering.checks) if self.steering is not None and phase.rounding == "noise" else []
             for fraction in self.pace.within(index):
                 error, bits = self._step(phase)
                 psnr = -10 * math.log10(max(error / self.targets[phase.level].numel(), 1e-12))
                 untouched = len(prunes) == phase.prune
-                if _passed(prunes, fraction):
+                if passed(prunes, fraction):
                     self._prune(psnr if untouched else None)
-                if _passed(growths, fraction):
+                if passed(growths, fraction):
                     self._grow()
                 self.step += 1
                 if self.steering is not None and phase.rate:
-                    self._steer(self.steering, bits, psnr, _passed(checks, fraction))
-                yield Progress(self.step, self.pace.steps, len(self.layout), psnr, bits, self.pace.elapsed)
+                    self._steer(self.steering, bits, psnr, passed(checks, fraction))
+                yield Progress(self.step, self.pace.steps, len(self.seeds), psnr, bits, self.pace.elapsed)
 
     def _steer(self, steering: Steering, bits: float, psnr: float, check: bool) -> None:
         done, steps = self.pace.done, self.pace.steps
-        self.lmbda = steering.steer(done, steps, bits, len(self.layout), psnr)
+        self.lmbda = steering.steer(done, steps, bits, len(self.seeds), psnr)
         if check and self.measure is not None:
             steering.correct(done, steps, self.measure(self.result()))
 
@@ -163,19 +158,15 @@ class Trainer:
 
     def _native_gradients(self, step: SeedStep, phase: Phase) -> tuple[float, float]:
         lmbda = self.lmbda if phase.rate else 0.0
-        pair, mirrored = divmod(self.step, 2)  # of two steps the second's noise takes back what the first's did
-        key = (self.settings.seed * 0x9E3779B1 + pair * 0x85EBCA77) & 0xFFFFFFFF
+        pair, second = divmod(self.step, 2)  # the error that noise makes of first order goes out in pairs
+        noise = NoiseKey((self.settings.seed * 0x9E3779B1 + pair * 0x85EBCA77) & 0xFFFFFFFF, bool(second))
         target = self.targets[phase.level].numpy()
         steps = self.sampler.steps
-        if phase.rate and self.net.difference is not None:
-            (lmbda * self.net.difference_bits()).backward()  # type: ignore[no-untyped-call]
-        return step.run(
-            self.values, self.net, steps, phase.rounding, key, bool(mirrored), target, 0.5**phase.level, lmbda
-        )
+        return step.run(self.seeds.values, self.net, steps, phase.rounding, noise, target, 0.5**phase.level, lmbda)
 
     def _gradients(self, phase: Phase) -> tuple[float, float]:
         sample = self._sample(phase)
-        gaussians = self._gaussians(sample.attributes, phase.level)
+        gaussians = self.seeds.gaussians(sample.attributes, phase.level)
         target = self.targets[phase.level]
         if self.settings.loss == "squared":
             error = squared_error(*gaussians, target, self.raster)
@@ -187,7 +178,7 @@ class Trainer:
             loss = (image - target).abs().mean()
             squared = float(((image.detach() - target) ** 2).sum())
             if phase.rate:
-                price = self.lmbda / (len(self.layout) * self.spec.attributes)
+                price = self.lmbda / (len(self.seeds) * self.spec.attributes)
                 loss = loss + price * (self._sampled_bits(sample) + self._side_bits())
         loss.backward()  # type: ignore[no-untyped-call]
         return squared, float(sample.bits.detach().sum())
@@ -203,8 +194,8 @@ class Trainer:
 
     def _sample(self, phase: Phase) -> Sample:
         if phase.rounding == "none":
-            return Sample(self._joined(), torch.zeros(len(self.layout)))
-        return self.sampler.sample(self.values, phase.rounding, self.generator)
+            return Sample(self.seeds.attributes(), torch.zeros(len(self.seeds)))
+        return self.sampler.sample(self.seeds.values, phase.rounding, self.generator)
 
     def _sampled_bits(self, sample: Sample) -> Tensor:
         share = self.settings.rate_sample
@@ -213,20 +204,10 @@ class Trainer:
         chosen = torch.rand(len(sample.bits), generator=self.generator) < share
         return sample.bits[chosen].sum() / share
 
-    def _joined(self) -> Tensor:
-        return torch.cat([self.values[group.name] for group in self.spec.groups], dim=1)
-
-    def _gaussians(self, attributes: Tensor, level: int) -> tuple[Tensor, Tensor, Tensor]:
-        scale = 0.5**level
-        means, covariances, colours = gaussians_from_seeds(
-            self.spec, attributes, self.centre * scale, self.cell * scale, self.decoders, self.opponent, torch
-        )
-        return means, covariances, colours
-
     def _schedule(self) -> None:
-        rates, done = self.settings.rates, self.pace.done
+        rates = self.settings.rates
+        decay = rates.left(self.pace.done)
         slow = self.settings.slowing(self.pace.steps)
-        decay = rates.left(done)
         for group in self.optimizer.groups:
             speed = (1.0 if group.name in rates.constant else decay) * (slow if group.name in SLOWED else 1.0)
             group.factor = speed * self.live[group.name]
@@ -235,61 +216,34 @@ class Trainer:
         """Drops seeds whose Gaussians hold less squared error than their bits cost; the first time, λ is foreseen from
         the PSNR so far.
         """
-        with torch.no_grad():
-            _, covariances, colours = self._gaussians(self._joined(), 0)
-            spread = (covariances[:, 0] * covariances[:, 2] - covariances[:, 1] ** 2).clamp_min(1e-9).sqrt()
-            energy = math.pi * spread * (colours**2).sum(1)  # of c·G over the plane
-            energy = energy.reshape(len(self.layout), -1).sum(1)
-            price = self.settings.prune * self.settings.seed_bits
-            floor = price * self.lmbda
-            if foresee_from is not None and self.steering is not None and self.seed_step is not None:
-                bits, steps = self.seed_step.bits(), self.pace.steps
-                floor = price * self.steering.foresee(energy.numpy(), bits, price, foresee_from, steps)
-                self.lmbda = self.steering.lmbda
-            keep = energy > floor
-            keep[energy.argmax()] = True  # a model without seeds has no gradients
+        energy = self.seeds.energy()
+        price = self.settings.prune * self.settings.seed_bits
+        floor = price * self.lmbda
+        if foresee_from is not None and self.steering is not None and self.seed_step is not None:
+            bits, steps = self.seed_step.bits(), self.pace.steps
+            floor = price * self.steering.foresee(energy.numpy(), bits, price, foresee_from, steps)
+            self.lmbda = self.steering.lmbda
+        keep = energy > floor
+        keep[energy.argmax()] = True  # a model without seeds has no gradients
         if not bool(keep.all()):
-            self._keep(keep)
-
-    def _keep(self, keep: Tensor) -> None:
-        self._change_rows(lambda _, tensor: tensor[keep])
-        self._set_layout(self.layout.take(keep.numpy()))
+            self.seeds.keep(keep, self.optimizer)
+            self._set_layout()
 
     def _grow(self) -> None:
         """Adds seeds where the residual of the exact values is worth more than their bits."""
+        target = self.targets[0]
         with torch.no_grad():
-            gaussians = self._gaussians(self._joined(), 0)
-            _, height, width = self.targets[0].shape
-            residual = self.targets[0] - rasterize(*gaussians, (width, height), self.raster)
-        settings = self.settings
-        added, means = worthwhile_cells(
-            residual.numpy(), self.layout, self.lmbda * settings.seed_bits * settings.growth
-        )
-        if not len(added):
-            return
-        fresh = self._fresh(torch.from_numpy(means))
-        self._change_rows(lambda name, tensor: torch.cat([tensor, torch.zeros_like(fresh[name])]))
-        with torch.no_grad():
-            for name, value in fresh.items():
-                self.values[name][-len(value) :] = value
-        joined = SeedLayout(
-            np.concatenate([self.layout.corner, added.corner]),
-            np.concatenate([self.layout.log_size, added.log_size]),
-        )
-        self._set_layout(joined)
+            gaussians = self.seeds.gaussians(self.seeds.attributes())
+            residual = target - rasterize(*gaussians, (target.shape[2], target.shape[1]), self.raster)
+        price = self.lmbda * self.settings.seed_bits * self.settings.growth
+        added, means = worthwhile_cells(residual.numpy(), self.seeds.layout, price)
+        if len(added):
+            self.seeds.add(added, means, self.optimizer)
+            self._set_layout()
 
-    def _fresh(self, means: Tensor) -> dict[str, Tensor]:
-        _, height, width = self.targets[0].shape
-        return fresh_values(self.spec, means, self.opponent, height * width, self.generator)
-
-    def _change_rows(self, change: Callable[[str, Tensor], Tensor]) -> None:
-        """Replaces each group of values, and Adam's moments of it, by `change(group's name, tensor)`."""
-        for name in self.values:
-            self.values[name] = self.optimizer.replace(name, partial(change, name))
-
-    def _set_layout(self, layout: SeedLayout) -> None:
-        self.layout, self.quality = layout, self._quality()
-        self.centre, self.cell = torch.from_numpy(layout.centre), torch.from_numpy(layout.cell)
+    def _set_layout(self) -> None:
+        """Tells everybody where the seeds are now."""
+        layout, self.quality = self.seeds.layout, self._quality()
         _, height, width = self.targets[0].shape
         if self.seed_step is not None:
             self.seed_step.set_layout(layout, self.quality)
@@ -301,9 +255,9 @@ class Trainer:
 
     def _optimizer(self) -> Adam:
         rates = self.settings.rates
-        groups = [Group(name, [value], getattr(rates, name)) for name, value in self.values.items()]
+        groups = [Group(name, [value], getattr(rates, name)) for name, value in self.seeds.values.items()]
         for net in ("colour", "shape"):
-            weights = [tensor for name, tensor in self.decoders.items() if name.startswith(net)]
+            weights = [tensor for name, tensor in self.seeds.decoders.items() if name.startswith(net)]
             groups.append(Group(f"decoder_{net}", weights, getattr(rates, f"decoder_{net}")))
         groups.append(Group("steps", [self.sampler.steps], rates.steps))
         trained = self.net.parameters() if self.trains_net else []
@@ -314,11 +268,11 @@ class Trainer:
 
     def result(self) -> Fitted:
         """What the fit has found so far, in the stream's order."""
-        order = self.layout.order()
-        values = {name: value.detach().numpy().astype(np.float64)[order] for name, value in self.values.items()}
-        decoders = {name: tensor.detach().numpy().astype(np.float64) for name, tensor in self.decoders.items()}
+        order = self.seeds.layout.order()
+        values = {name: value.detach().numpy().astype(np.float64)[order] for name, value in self.seeds.values.items()}
+        decoders = {name: tensor.detach().numpy().astype(np.float64) for name, tensor in self.seeds.decoders.items()}
         return Fitted(
-            self.layout.take(order),
+            self.seeds.layout.take(order),
             values,
             decoders,
             self.sampler.plan(),
@@ -331,16 +285,3 @@ class Trainer:
 
 WEIGHT_SHIFT = 8
 """MLP_p's own weights are multiples of 2^-8."""
-
-
-def _spread(times: int) -> list[float]:
-    """`times` fractions that part a phase evenly."""
-    return [(i + 1) / (times + 1) for i in range(times)]
-
-
-def _passed(fractions: list[float], now: float) -> bool:
-    """Whether the first of `fractions` lies behind; what does is dropped."""
-    passed = bool(fractions) and fractions[0] <= now
-    while fractions and fractions[0] <= now:
-        del fractions[0]
-    return passed

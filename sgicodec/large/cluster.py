@@ -32,13 +32,23 @@ class Cluster:
         return max(1, int(sum(self._client.nthreads().values())))
 
     def run(
-        self, task: Callable[[int, Job], Result], numbers: Iterable[int], job_of: Callable[[int], Job]
+        self,
+        task: Callable[[int, Job], Result],
+        numbers: Iterable[int],
+        job_of: Callable[[int], Job],
+        make_ready: Callable[[], None] | None = None,
     ) -> Iterator[tuple[int, Result]]:
-        """As `run_in_processes`. A tile whose worker died goes to another one."""
+        """As `run_in_processes`. A tile whose worker died goes to another one. With `make_ready`, which all workers
+        call first, no tile is on its way before one of them can begin.
+        """
         from distributed import as_completed
 
         waiting, failures, tiles = deque(numbers), Counter[int](), dict[Any, int]()
-        ahead, done = _AHEAD * self.workers, as_completed()
+        done, ahead = as_completed(), self.workers
+        if make_ready is None:
+            ahead *= _AHEAD
+        else:
+            self._client.run(make_ready)
 
         def submit() -> None:
             number = waiting.popleft()

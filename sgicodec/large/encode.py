@@ -14,20 +14,23 @@ from sgicodec.assembly import write_stream
 from sgicodec.decoder import open_stream
 from sgicodec.distortion import decibels
 from sgicodec.encode_settings import EncodeSettings
+from sgicodec.encoding import make_ready
 from sgicodec.files import whole_file
-from sgicodec.image import Source
+from sgicodec.image import Picture, Source
 from sgicodec.large.journal import Journal
 from sgicodec.large.measure import measured_error
 from sgicodec.large.pool import run_here, run_in_processes
 from sgicodec.large.task import Job, ReadingTask, TileTask
 from sgicodec.plan import Plan, Shape, stream_plan
 from sgicodec.rounds import Finished, Rounds, Runner, Task
+from sgicodec.tile_weight import tile_weight
 from sgicodec.tile_work import EncodedTile, Start
+from sgicodec.time_shares import TimeShares
 
 if TYPE_CHECKING:
     from sgicodec.large.cluster import Cluster
 
-__all__ = ["State", "Totals", "encode_source", "plan_of", "run_on_cluster", "run_tiles"]
+__all__ = ["State", "Totals", "encode_source", "plan_of", "run_on_cluster", "run_tiles", "time_shares"]
 
 Result = TypeVar("Result")
 
@@ -83,13 +86,16 @@ class State:
 
 @dataclass(frozen=True)
 class Totals:
-    """Figures of a finished stream, as in `Encoded`. missed: what was asked for and not reached."""
+    """Figures of a finished stream, as in `Encoded`. steps: of a fit, the mean over the tiles that have any.
+    missed: what was asked for and not reached.
+    """
 
     bytes: int
     part_bytes: dict[str, float]
     seeds: int
     gaussians: int
     lmbda: float
+    steps: int
     missed: str | None = None
 
 
@@ -108,9 +114,11 @@ def run_on_cluster(source: Source, plan: Plan, cluster: Cluster, place: str | No
     def runner(
         task: Task[Result], numbers: Sequence[int], start: Callable[[int], Start]
     ) -> Iterator[tuple[int, Result]]:
+        ready = None if plan.settings.time_limit is None else make_ready
         if place is None:
-            return cluster.run(TileTask(task, threads), numbers, _jobs(source, plan, start))
-        return cluster.run(ReadingTask(plan, place, task, threads), numbers, lambda number: Job(None, start(number)))
+            return cluster.run(TileTask(task, threads), numbers, _jobs(source, plan, start), ready)
+        work = ReadingTask(plan, place, task, threads)
+        return cluster.run(work, numbers, lambda number: Job(None, start(number)), ready)
 
     return runner
 
@@ -123,19 +131,30 @@ def run_tiles(source: Source, plan: Plan, workers: int, threads: int) -> Runner:
     ) -> Iterator[tuple[int, Result]]:
         count, jobs = min(workers, len(numbers)), _jobs(source, plan, start)
         work = TileTask(task, max(1, threads // max(1, count)))
-        return run_here(work, numbers, jobs) if workers == 1 else run_in_processes(work, numbers, jobs, count)
+        if workers == 1:
+            make_ready()
+            return run_here(work, numbers, jobs)
+        return run_in_processes(work, numbers, jobs, count, make_ready)
 
     return runner
 
 
 def _jobs(source: Source, plan: Plan, start: Callable[[int], Start]) -> Callable[[int], Job]:
+    return lambda number: Job(_window(source, plan, number), start(number))
+
+
+def _window(source: Source, plan: Plan, number: int) -> Picture:
     """Reads what a tile covers, with no more metadata than a fit needs."""
-    grid = plan.header.grid
+    return replace(source.read(*plan.header.grid.rect(number)), metadata=plan.place_of_windows)
 
-    def job(number: int) -> Job:
-        return Job(replace(source.read(*grid.rect(number)), metadata=plan.place_of_windows), start(number))
 
-    return job
+def time_shares(source: Source, plan: Plan, end: float, workers: int, decoders: int) -> TimeShares:
+    """Who tells each tile of an opened picture its part of the time until `end`; the rest as in `TimeShares`."""
+
+    def weigh(number: int) -> float:
+        return tile_weight(_window(source, plan, number), plan)
+
+    return TimeShares(plan.header.grid, end, workers, decoders, weigh)
 
 
 class _Telling:
@@ -169,8 +188,10 @@ def encode_source(
     journal: Journal,
     target: Path | BinaryIO,
     on_state: Callable[[State], None] | None = None,
+    shares: TimeShares | None = None,
 ) -> Totals:
-    """Does what the journal lacks and writes the stream, the same whoever did it in whatever order.
+    """Does what the journal lacks and writes the stream, the same whoever did it in whatever order unless `shares` tell
+    each fit its time.
 
     Raises TileFailedError; the journal then has what was finished.
     """
@@ -179,7 +200,7 @@ def encode_source(
         with open_stream(file) as stream:
             return measured_error(stream, source, plan.settings.threads)
 
-    found = Rounds(plan, runner, journal, _Telling(plan, on_state), error_of).run()
+    found = Rounds(plan, runner, journal, _Telling(plan, on_state), error_of, shares).run()
     if isinstance(target, Path):
         with whole_file(target) as file:
             size = _write(file, found, journal)
@@ -191,7 +212,9 @@ def encode_source(
         parts.update(tile.part_bytes)
     seeds = sum(tile.seeds for tile in tiles)
     gaussians = seeds * plan.header.spec.per_seed
-    return Totals(size, dict(parts), seeds, gaussians, found.lmbda, found.missed)
+    steps = [tile.steps for tile in tiles if tile.steps]
+    mean = round(sum(steps) / max(1, len(steps)))
+    return Totals(size, dict(parts), seeds, gaussians, found.lmbda, mean, found.missed)
 
 
 def _write(file: BinaryIO, found: Finished, journal: Journal) -> int:

@@ -27,10 +27,15 @@ _BLOCK = 1 << 20
 
 
 def fingerprint(plan: Plan, source: Path | None) -> bytes:
-    """32 bytes that change with the settings, this program's version, or any byte of the source."""
-    digest = hashlib.sha256(encode_header(plan.header) + plan.software)
+    """32 bytes that change with the settings, this program's version, or any byte of the source. Of a time limit only
+    whether there is one counts: the next run may have more time, or less.
+    """
+    limited = plan.settings.time_limit is not None
+    software = plan.software.rpartition(b" ")[0] if limited else plan.software
+    digest = hashlib.sha256(encode_header(plan.header) + software)
     blobs = asdict(plan.metadata) if plan.metadata else {}
-    digest.update(repr((replace(plan.settings, threads=0), blobs)).encode())
+    settings = replace(plan.settings, threads=0, time_limit=1.0 if limited else None)
+    digest.update(repr((settings, blobs)).encode())
     if source is not None:
         with source.open("rb") as file:
             while block := file.read(_BLOCK):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit
 import threading
+import time
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, Generic, NamedTuple, TypeVar
@@ -54,7 +55,7 @@ class ReadingTask(Generic[Result]):
 
     def __call__(self, number: int, job: Job) -> Result:
         """What the task makes of the tile. Raises PictureError for another picture than the plan's."""
-        header = self.plan.header
+        header, asked = self.plan.header, time.monotonic()
         with _reading:
             source = _opened(self.place, header.sample_range if header.sample_type == "float32" else None)
             found = source.width, source.height, source.channels, str(source.dtype)
@@ -62,7 +63,8 @@ class ReadingTask(Generic[Result]):
                 raise PictureError(f"{self.place}: this is another picture than the one being encoded")
             window = source.read(*header.grid.rect(number))
         window = replace(window, metadata=self.plan.place_of_windows)
-        return TileTask(self.task, self.threads)(number, job._replace(window=window))
+        job = Job(window, job.start.later(time.monotonic() - asked))
+        return TileTask(self.task, self.threads)(number, job)
 
 
 _reading = threading.Lock()

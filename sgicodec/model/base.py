@@ -5,7 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["base_shape", "cubic_weights", "fit_base", "render_base"]
+from sgicodec.model.gaussians import colour_matrix
+from sgicodec.model.quantize import FRACTION_BITS, step_fixed
+
+__all__ = ["base_colours", "base_shape", "base_step", "cubic_weights", "fit_base", "render_base"]
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -14,6 +17,19 @@ F64 = NDArray[np.float64]
 def base_shape(width: int, height: int, cell: int) -> tuple[int, int]:
     """Rows and columns of the grid that covers a picture with cells of `cell` pixels."""
     return -(-height // cell), -(-width // cell)
+
+
+def base_step(index: int) -> float:
+    """The step of the base layer's integers, in samples."""
+    return float(step_fixed(np.array(index))) * 2.0**-FRACTION_BITS
+
+
+def base_colours(base: NDArray[np.int64], index: int) -> F64:
+    """The cells' colours [C, rows, columns] as samples, from their integers `base` in steps of this index, which are
+    opponent colours.
+    """
+    colours: F64 = np.tensordot(np.array(colour_matrix(len(base))).T, base * base_step(index), axes=1)
+    return colours
 
 
 def cubic_weights(positions: NDArray[np.floating], count: int, cell: float) -> F64:

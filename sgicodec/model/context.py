@@ -19,12 +19,14 @@ from sgicodec.model.spec import ContextSpec, ModelSpec
 
 __all__ = [
     "INPUT_BITS",
+    "LEVELS",
     "SUMMARY",
     "HashGrid",
     "hash_inputs",
     "input_count",
     "level_inputs",
     "nearest_by_pass",
+    "nearest_offset",
     "neighbour_inputs",
     "neighbour_table",
     "output_columns",
@@ -66,7 +68,7 @@ def passes(spec: ContextSpec, layout: SeedLayout, finest: int = 0) -> list[I64]:
     if spec.coarse_first:
         number = number + 4 * (COARSEST - np.clip(layout.log_size.astype(np.int64), 1, COARSEST))
         last = 4 * (COARSEST + 1 - min(max(finest, 1), COARSEST))
-    order, bounds = np.argsort(number, kind="stable"), np.cumsum(np.bincount(number, minlength=last))
+    order, bounds = np.argsort(number.astype(np.int16), kind="stable"), np.cumsum(np.bincount(number, minlength=last))
     return [members for members in np.split(order, bounds)[:last] if len(members)]
 
 

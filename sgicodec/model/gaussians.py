@@ -7,7 +7,7 @@ from typing import Any
 
 from sgicodec.model.spec import ModelSpec
 
-__all__ = ["colour_matrix", "decoder_shapes", "gaussians_from_seeds"]
+__all__ = ["MIN_VARIANCE", "colour_matrix", "decoder_shapes", "gaussians_from_seeds"]
 
 MIN_VARIANCE = 0.05
 """Pixels² added to every variance: a Gaussian thinner than the pixel grid can neither be seen nor fitted."""

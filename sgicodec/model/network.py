@@ -64,6 +64,12 @@ class IntNetwork:
         if max(float(first), float(second) * PER_OCTAVE) >= EXACT or not 2 <= self.shift <= 20:
             raise CorruptStreamError("context model: weights too large to be evaluated exactly")
 
+    @property
+    def arrays(self) -> tuple[I64, I64, I64, I64]:
+        """W1, b1, W2 and b2 as native code takes them."""
+        w1, b1, w2, b2 = (np.ascontiguousarray(array, np.int64) for array in (self.w1, self.b1, self.w2, self.b2))
+        return w1, b1, w2, b2
+
     def plus(self, b1: I64, w2: I64, b2: I64) -> IntNetwork:
         """This network with differences in units of 2^-DIFFERENCE_SHIFT added to b1, W2 and b2."""
         unit = self.shift - DIFFERENCE_SHIFT
@@ -75,6 +81,18 @@ class IntNetwork:
             self.shift,
             self.predicted,
         )
+
+    def biased(self, outputs: slice, more: int | I64) -> IntNetwork:
+        """This network with some of its outputs raised by `more` · 2^-DIFFERENCE_SHIFT: base steps for means, octaves
+        for scales and refinements.
+        """
+        b2 = np.zeros_like(self.b2)
+        b2[outputs] = more
+        return self.plus(np.zeros_like(self.b1), np.zeros_like(self.w2), b2)
+
+    def coarser(self, shift: int) -> IntNetwork:
+        """This network with every refinement r of the steps raised by shift · 2^-DIFFERENCE_SHIFT octaves."""
+        return self.biased(slice(2 * self.predicted, None), shift)
 
     def predict(
         self,
@@ -94,8 +112,7 @@ class IntNetwork:
             inputs = np.clip(inputs, -INPUT_LIMIT, INPUT_LIMIT)
         x = inputs.astype(np.int16, copy=False)
         out = np.empty((len(inputs), len(self.w2)), np.int64)
-        w1, b1, w2, b2 = (np.ascontiguousarray(array, np.int64) for array in (self.w1, self.b1, self.w2, self.b2))
-        evaluate_network(w1, b1, w2, b2, self.shift, self.predicted, x, processor.threads, processor.isa, out)
+        evaluate_network(*self.arrays, self.shift, self.predicted, x, processor.threads, processor.isa, out)
         return out
 
     def _by_products(self, inputs: NDArray[np.integer], matmul: Callable[[F64, F64], F64]) -> I64:

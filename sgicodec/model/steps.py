@@ -19,7 +19,7 @@ AMPLITUDE_ZERO = -20
 """Amplitude index (sixths of an octave) at which a step is its base step: 2^(-20/6) = 0.1."""
 GAMMA_BITS = 4
 REFINE_LIMIT = 24
-"""Bound on the refinement r: four octaves either way."""
+"""Bound on the refinement r in sixths of an octave, either way."""
 
 # Steps relative to the colour step of the same cell, sixths of an octave, at amplitude 2^(-20/6).
 _SHAPE_OVER_COLOUR = 26

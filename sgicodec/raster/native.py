@@ -36,6 +36,11 @@ class Mapping(NamedTuple):
     low: F32
     span: F32
 
+    def samples(self, values: F32, dtype: np.dtype[Any]) -> NDArray[Any]:
+        """Those of values [h, w, C], clipped to 0 … 1: what `NativeRasterizer.draw` would write."""
+        samples = self.low + self.span * np.clip(values, 0, 1)
+        return samples.astype(dtype) if dtype.kind == "f" else np.rint(samples).astype(dtype)
+
 
 MOST_PAIRS = 1 << 28
 """A sound picture has a few pairs per Gaussian."""
@@ -64,7 +69,7 @@ class NativeRasterizer:
 
     @property
     def tile_pairs(self) -> int:
-        """(16×16 tile, Gaussian) pairs of the last forward pass; times 256 for pixels."""
+        """(Tile, Gaussian) pairs of the last forward pass."""
         return self._raster.pairs
 
     def forward(

@@ -14,16 +14,13 @@ from sgicodec.refine.sweep import Symbols
 
 __all__ = ["fitted_scales", "with_coarser_steps"]
 
-I64 = NDArray[np.int64]
-
 _REACH = 8
 """Sixths of an octave by which scales may move."""
 
 
 def with_coarser_steps(networks: tuple[IntNetwork, ...], octaves: float) -> tuple[IntNetwork, ...]:
     """Networks whose refinement r is larger by so many octaves, rounded to the stream's units: all steps grow."""
-    more = round(octaves * 2**DIFFERENCE_SHIFT)
-    return tuple(_biased(network, slice(2 * network.predicted, None), more) for network in networks)
+    return tuple(network.coarser(round(octaves * 2**DIFFERENCE_SHIFT)) for network in networks)
 
 
 def fitted_scales(spec: ModelSpec, networks: tuple[IntNetwork, ...], found: Symbols) -> tuple[IntNetwork, ...]:
@@ -38,7 +35,7 @@ def fitted_scales(spec: ModelSpec, networks: tuple[IntNetwork, ...], found: Symb
         for output in np.unique(by_output):
             best = moves[np.argmin(costs[:, by_output == output].sum(axis=1))]
             more[output] = round(best * 2**DIFFERENCE_SHIFT / PER_OCTAVE)
-        fitted.append(_biased(network, slice(network.predicted, 2 * network.predicted), more))
+        fitted.append(network.biased(slice(network.predicted, 2 * network.predicted), more))
     return tuple(fitted)
 
 
@@ -46,9 +43,3 @@ def _bits(symbols: NDArray[np.int32], scale: NDArray[np.int16], family: int) -> 
     table = np.clip(scale, 0, SCALES - 1) + SCALES * family
     bits: NDArray[np.float64] = frequency_tables().bits(symbols, table).sum(axis=0)
     return bits
-
-
-def _biased(network: IntNetwork, outputs: slice, more: int | I64) -> IntNetwork:
-    b2 = np.zeros_like(network.b2)
-    b2[outputs] = more
-    return network.plus(np.zeros_like(network.b1), np.zeros_like(network.w2), b2)

@@ -11,9 +11,9 @@ from sgicodec._native import search_base
 from sgicodec.bitstream.arrays import base_channels, base_references
 from sgicodec.bitstream.tables import frequency_tables
 from sgicodec.bitstream.tile import TileModel
-from sgicodec.model.base import cubic_weights
+from sgicodec.model.base import base_step, cubic_weights
 from sgicodec.model.gaussians import colour_matrix
-from sgicodec.refine.scene import Scene, base_step
+from sgicodec.refine.scene import Scene
 
 __all__ = ["with_better_base"]
 
@@ -32,7 +32,7 @@ def with_better_base(scene: Scene, model: TileModel, lmbda: float) -> TileModel:
     across = cubic_weights(np.arange(width) + 0.5, columns, spec.base_cell)
     lines = scene.residual(model)[:, :, :width] @ across.astype(np.float32)
     pull = np.ascontiguousarray(np.tensordot(np.array(colour_matrix(spec.channels)), down.T @ lines, axes=1))
-    base = _searched(model.base, base_step(model), lmbda, pull, down.T @ down, across.T @ across)
+    base = _searched(model.base, base_step(model.base_step), lmbda, pull, down.T @ down, across.T @ across)
     return replace(model, base=base, decoded=None)
 
 

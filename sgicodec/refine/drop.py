@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from sgicodec._native import drop_gaussians
 from sgicodec.bitstream.tile import TileModel
-from sgicodec.raster.native import DEFAULT_CUTOFF
+from sgicodec.raster.backend import DEFAULT_CUTOFF
 from sgicodec.refine.scene import Scene, joined, with_values
 
 __all__ = ["without_losers"]

@@ -10,14 +10,13 @@ from numpy.typing import NDArray
 from sgicodec._native import WINDOW_PADDING
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.tile import TileModel, write_tile
-from sgicodec.model.base import render_base
+from sgicodec.model.base import base_colours, render_base
 from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
 from sgicodec.model.processor import Processor
-from sgicodec.model.quantize import FRACTION_BITS, step_fixed
 from sgicodec.model.spec import ModelSpec
 from sgicodec.raster.native import NativeRasterizer
 
-__all__ = ["Cost", "Scene", "base_step", "can_refine", "joined", "with_values"]
+__all__ = ["Cost", "Scene", "can_refine", "joined", "with_values"]
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -67,8 +66,7 @@ class Scene:
         _, height, width = self.picture.shape
         if not model.base.size:
             return np.zeros_like(self.picture)
-        opponent = np.array(colour_matrix(self.header.spec.channels))
-        colours = np.tensordot(opponent.T, model.base * base_step(model), axes=1)
+        colours = base_colours(model.base, model.base_step)
         return render_base(colours, self.header.spec.base_cell, np.arange(width) + 0.5, np.arange(height) + 0.5)
 
     def gaussians(self, model: TileModel) -> tuple[F32, F32, F32]:
@@ -96,11 +94,6 @@ class Scene:
         payload, _ = write_tile(self.header, coded)
         error = self.residual(with_values(self.header.spec, coded, coded.decoded_values))
         return Cost(float(np.sum(np.square(error, dtype=np.float64))), 8.0 * len(payload))
-
-
-def base_step(model: TileModel) -> float:
-    """The step of a model's base layer."""
-    return float(np.ldexp(float(step_fixed(np.array(model.base_step))), -FRACTION_BITS))
 
 
 def joined(model: TileModel) -> F64:

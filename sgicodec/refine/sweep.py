@@ -15,7 +15,7 @@ from sgicodec.model.gaussians import colour_matrix
 from sgicodec.model.native import SeedInputs, summarise
 from sgicodec.model.neighbours import nearest_seeds
 from sgicodec.model.quantize import FRACTION_BITS
-from sgicodec.raster.native import DEFAULT_CUTOFF
+from sgicodec.raster.backend import DEFAULT_CUTOFF
 from sgicodec.refine.scene import Scene, joined, with_values
 from sgicodec.refine.settings import RefineSettings
 

@@ -19,11 +19,11 @@ def test_stages_are_all_seen_and_hold_nearly_all_of_the_time() -> None:
 
 
 def test_functions_are_put_back() -> None:
-    before = decoder.open_stream, SymbolReader._in_groups
+    before = decoder.open_stream, SymbolReader.code
     with stage_times() as spent:
         assert decoder.open_stream is not before[0]
         decoder.open_stream(STREAM).picture(threads=1)
-    assert before == (decoder.open_stream, SymbolReader._in_groups)
+    assert before == (decoder.open_stream, SymbolReader.code)
     assert set(spent) == set(STAGES)
 
 
@@ -35,6 +35,7 @@ def test_work_is_counted() -> None:
     assert work.symbols > 8 * seeds  # and the quadtree's, the base layer's and the differences to the prior
     assert (work.stream_bytes, work.sample_bytes) == (STREAM.stat().st_size, 192 * 128 * 3)
     assert work.pairs > 100 * seeds
+    assert work.range_decoder > 0
 
 
 def test_the_command_prints_a_table() -> None:

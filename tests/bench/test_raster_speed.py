@@ -33,7 +33,7 @@ def test_scenes_are_what_they_say() -> None:
 def test_every_pass_is_timed() -> None:
     speed = measure(SMALL, threads=1, repeat=2)
     assert min(speed.forward, speed.backward, speed.squared_error) > 0
-    assert 0 < speed.pairs < speed.visited
+    assert speed.pairs > 0
 
 
 def test_the_command_prints_a_table(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -42,4 +42,4 @@ def test_the_command_prints_a_table(monkeypatch: pytest.MonkeyPatch) -> None:
     assert result.exit_code == 0, result.output
     lines = result.output.splitlines()
     assert lines[0].startswith("portable, 1 thread,")
-    assert [line.count("|") for line in lines[2:]] == [12] * 4
+    assert [line.count("|") for line in lines[2:]] == [11] * 4

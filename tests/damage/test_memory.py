@@ -18,13 +18,13 @@ means = np.full((count, 2), 200, np.float32)
 shapes = np.tile(np.float32([1e6, 0, 1e6]), (count, 1))
 colours = np.ones((count, 1), np.float32)
 raster = NativeRasterizer({threads}, most_pairs=1 << 40)
-raster.forward(means[:9], shapes[:9], colours[:9], 400, 400)
+raster.forward(means[:9], shapes[:9], colours[:9], 1600, 800)
 resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
 try:
-    raster.forward(means, shapes, colours, 400, 400)
+    raster.forward(means, shapes, colours, 1600, 800)
 except MemoryError:
     print("too little memory")
-print(raster.forward(means[:9], shapes[:9], colours[:9], 400, 400).max().round())
+print(raster.forward(means[:9], shapes[:9], colours[:9], 1600, 800).max().round())
 """
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import time
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sgicodec.fit.pace import Pace
+from sgicodec.fit.pace import Pace, evenly, passed
 from sgicodec.fit.settings import Phase
 
 PHASES = (Phase(3), Phase(15), Phase(2))
@@ -112,3 +113,22 @@ def test_an_end_in_between_leaves_what_lies_behind(clock: Clock) -> None:
     next(steps)
     assert pace.done == pytest.approx(1 / 20)
     assert pace.begun == 2
+
+
+@given(st.lists(st.integers(1, 9), min_size=1, max_size=4), st.integers(0, 12))
+def test_what_happens_evenly_is_due_once_each_unless_steps_are_too_few(counts: list[int], times: int) -> None:
+    pace = Pace(tuple(Phase(count) for count in counts), None)
+    for index, count in enumerate(counts):
+        left = evenly(times)
+        due = [fraction for fraction in pace.within(index) if passed(left, fraction)]
+        assert due == sorted({math.ceil((i + 1) / (times + 1) * count - 1e-9) / count for i in range(times)})
+        assert left == []
+
+
+def test_parts_are_even() -> None:
+    assert evenly(3) == [0.25, 0.5, 0.75]
+    left = evenly(3)
+    assert not passed(left, 0.2)
+    assert left == [0.25, 0.5, 0.75]
+    assert passed(left, 0.5)
+    assert left == [0.75]

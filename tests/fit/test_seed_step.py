@@ -1,5 +1,7 @@
 """The native step against the sampler, the Gaussians and autograd in torch, on every instruction set."""
 
+import itertools
+
 import numpy as np
 import pytest
 import torch
@@ -8,8 +10,9 @@ from torch import Tensor
 from sgicodec import _native
 from sgicodec.fit.context_net import ContextNet
 from sgicodec.fit.raster_op import squared_error
+from sgicodec.fit.rate import bits_laplace
 from sgicodec.fit.sampler import Sampler
-from sgicodec.fit.seed_step import SeedStep
+from sgicodec.fit.seed_step import NoiseKey, SeedStep
 from sgicodec.fit.settings import Rounding
 from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
 from sgicodec.model.layout import adaptive_layout
@@ -19,6 +22,7 @@ from sgicodec.raster.native import NativeRasterizer
 
 WIDTH, HEIGHT = 160, 120
 QUALITY, FAMILY, LMBDA, KEY = 62, 1, 0.004, 12345
+NOISE = NoiseKey(KEY, False)
 
 SPECS = {
     "default": default_spec(3, prior=0),
@@ -52,19 +56,22 @@ def expected_noise(column: int, seeds: int) -> np.ndarray:
 
 
 class KnownNoise(Sampler):
-    """Draws the noise that the native step hashes, times `sign`."""
+    """Draws the noise that the native step hashes, and remembers the means, steps and scales of each group."""
 
-    sign = 1.0
+    column: int
+    sign = 1
+    predicted: list[tuple[Tensor, Tensor, Tensor]]
 
     def _perturb(  # type: ignore[override]
         self, value: Tensor, m: Tensor, q: Tensor, s: Tensor, rounding: Rounding, generator: torch.Generator
     ) -> Tensor:
         if rounding != "noise":
             return super()._perturb(value, m, q, s, rounding, generator)
+        self.predicted.append((m.detach(), q.detach(), s.detach()))
         start = self.column
         self.column += value.shape[1]
-        columns = [expected_noise(start + j, len(value)) for j in range(value.shape[1])]
-        return value + self.sign * q * torch.from_numpy(np.stack(columns, axis=1)).float()
+        columns = [self.sign * expected_noise(start + j, len(value)) for j in range(value.shape[1])]
+        return value + q * torch.from_numpy(np.stack(columns, axis=1)).float()
 
 
 class Problem:
@@ -110,7 +117,7 @@ class Problem:
         self, rounding: Rounding, level: int, isa: str = "auto"
     ) -> tuple[float, float, dict[str, Tensor | None]]:
         self.fresh()
-        self.sampler.column, self.sampler.age = 0, 0
+        self.sampler.column, self.sampler.age, self.sampler.predicted = 0, 0, []
         attributes = torch.cat([self.values[g.name] for g in self.spec.groups], dim=1)
         bits = torch.zeros(1)
         if rounding != "none":
@@ -127,19 +134,29 @@ class Problem:
             torch,
         )
         error = squared_error(*gaussians, torch.from_numpy(self.reduced(level)), NativeRasterizer(1, isa))
-        (error + LMBDA * bits.sum()).backward()  # type: ignore[no-untyped-call]
+        side = self.net.difference_bits() if rounding != "none" else torch.zeros(())
+        (error + LMBDA * (bits.sum() + side)).backward()  # type: ignore[no-untyped-call]
         return float(error.detach()), float(bits.detach().sum()), {name: t.grad for name, t in self.leaves().items()}
 
-    def native_step(
-        self, rounding: Rounding, level: int, isa: str, threads: int = 1, mirrored: bool = False
-    ) -> tuple[float, float, dict[str, Tensor | None]]:
-        self.fresh()
+    def native(self, isa: str = "auto", threads: int = 1) -> SeedStep:
         step = SeedStep(self.spec, NativeRasterizer(threads, isa), threads)
         step.set_layout(self.layout, QUALITY)
+        return step
+
+    def native_step(
+        self,
+        rounding: Rounding,
+        level: int,
+        isa: str,
+        threads: int = 1,
+        step: SeedStep | None = None,
+        noise: NoiseKey = NOISE,
+    ) -> tuple[float, float, dict[str, Tensor | None]]:
+        self.fresh()
+        step = step or self.native(isa, threads)
         lmbda = LMBDA if rounding != "none" else 0.0
         target = self.reduced(level)
-        key = KEY, mirrored
-        error, bits = step.run(self.values, self.net, self.sampler.steps, rounding, *key, target, 0.5**level, lmbda)
+        error, bits = step.run(self.values, self.net, self.sampler.steps, rounding, noise, target, 0.5**level, lmbda)
         return error, bits, {name: t.grad for name, t in self.leaves().items()}
 
     def reduced(self, level: int) -> np.ndarray:
@@ -188,14 +205,60 @@ def test_native_step_with_differences_to_fixed_networks() -> None:
 
 
 @pytest.mark.parametrize("isa", available_isas())
-def test_mirrored_noise_is_the_negative(isa: str) -> None:
+def test_between_its_runs_the_network_said_constants(isa: str) -> None:
+    problem = Problem(default_spec(3, prior=0), frozen=True)
+    problem.torch_step("noise", 0, isa)
+    predicted = [tensors for tensors in problem.sampler.predicted]
+    step = problem.native(isa)
+    _, _, whole = problem.native_step("noise", 0, isa, step=step)
+    for value in problem.values.values():
+        value.data += 0.1
+    _, bits, found = problem.native_step("noise", 0, isa, step=step)
+
+    costs = torch.zeros(())
+    drawn, column = [], 0
+    for (m, q, s), value in zip(predicted, problem.values.values(), strict=True):
+        noise = np.stack([expected_noise(column + j, len(value)) for j in range(value.shape[1])], axis=1)
+        column += value.shape[1]
+        drawn.append(value + q * torch.from_numpy(noise).float())
+        costs = costs + bits_laplace(drawn[-1] - m, q.expand_as(drawn[-1]), s.expand_as(drawn[-1])).sum()
+    centre, cell = torch.from_numpy(problem.layout.centre), torch.from_numpy(problem.layout.cell)
+    opponent = torch.tensor(colour_matrix(3))
+    gaussians = gaussians_from_seeds(problem.spec, torch.cat(drawn, dim=1), centre, cell, {}, opponent, torch)
+    error = squared_error(*gaussians, torch.from_numpy(problem.target), NativeRasterizer(1, isa))
+    for value in problem.values.values():
+        value.grad = None
+    (error + LMBDA * costs).backward()  # type: ignore[no-untyped-call]
+    assert bits == pytest.approx(float(costs.detach()), rel=2e-5)
+    standing = {name: grad for name, grad in whole.items() if name not in problem.values}
+    assert_close(found, {**{name: value.grad for name, value in problem.values.items()}, **standing})
+
+
+def test_when_the_network_runs() -> None:
+    problem = Problem(default_spec(3, prior=0), frozen=True)
+    step, runs = problem.native(), []
+    for _ in range(9):
+        before = problem.native_step("noise", 0, "auto", step=step)[1]
+        with torch.no_grad():
+            problem.net.difference += 0.01  # type: ignore[operator]
+        problem.sampler.steps.data += 0.01
+        runs.append(before)
+    same = [a == b for a, b in itertools.pairwise(runs)]
+    assert same == [True, True, True, False, True, True, True, False]
+    step = problem.native()
+    rounded = [problem.native_step("round", 0, "auto", step=step)[1]]
+    problem.sampler.steps.data += 0.01
+    assert problem.native_step("round", 0, "auto", step=step)[1] != rounded[0]
+
+
+@pytest.mark.parametrize("isa", available_isas())
+def test_noise_with_its_signs_turned(isa: str) -> None:
     problem = Problem(default_spec(3, prior=0))
-    problem.sampler.sign = -1.0
+    problem.sampler.sign = -1
     error, bits, expected = problem.torch_step("noise", 0, isa)
-    found_error, found_bits, found = problem.native_step("noise", 0, isa, mirrored=True)
+    found_error, found_bits, found = problem.native_step("noise", 0, isa, noise=NoiseKey(KEY, True))
     assert (found_error, found_bits) == pytest.approx((error, bits), rel=2e-5)
     assert_close(found, expected)
-    assert problem.native_step("noise", 0, isa)[1] != found_bits
 
 
 def test_threads_change_no_bit() -> None:

@@ -1,29 +1,19 @@
-"""Learning rates over the course of a fit."""
+"""How learning rates fall."""
 
 import pytest
 
 from sgicodec.fit.settings import LearningRates, default_settings, paper_settings
 
 
-def test_linear_decay() -> None:
-    rates = LearningRates(hold=0.2, settled=0.8, final=0.1, decay="linear")
-    left = [rates.left(done) for done in (0.0, 0.2, 0.4, 0.5, 0.8, 1.0)]
-    assert left == pytest.approx([1.0, 1.0, 0.7, 0.55, 0.1, 0.1])
+def test_rates_hold_and_then_fall_to_what_is_to_be_left() -> None:
+    straight = LearningRates(hold=0.4, final=0.01, decay="linear")
+    assert [straight.left(done) for done in (0.0, 0.4, 0.7, 1.0)] == pytest.approx([1.0, 1.0, 0.505, 0.01])
+    bent = LearningRates(hold=0.5, final=0.01, decay="exponential")
+    assert [bent.left(done) for done in (0.0, 0.5, 0.75, 1.0)] == pytest.approx([1.0, 1.0, 0.1, 0.01])
 
 
-def test_exponential_decay() -> None:
-    rates = LearningRates(hold=0.2, settled=0.8, final=0.01, decay="exponential")
-    left = [rates.left(done) for done in (0.0, 0.2, 0.5, 0.8, 1.0)]
-    assert left == pytest.approx([1.0, 1.0, 0.1, 0.01, 0.01])
-
-
-def test_the_paper_profile_decays_over_the_whole_fit() -> None:
-    rates = paper_settings(0.001, 3, 15_000).rates
-    assert [rates.left(done) for done in (0.0, 0.5, 1.0)] == pytest.approx([1.0, 0.1, 0.01])
-
-
-def test_rates_have_settled_when_values_are_rounded() -> None:
-    settings = default_settings(0.006, 1000)
-    begin = 1 - settings.phases[-1].steps / settings.steps
-    assert settings.rates.left(begin) == pytest.approx(settings.rates.final)
-    assert settings.rates.left(begin - 0.1) > settings.rates.final
+def test_short_fits_have_greater_rates() -> None:
+    assert default_settings(0.01, 1000).slowing(3200) == pytest.approx(0.5)
+    assert default_settings(0.01, 1000).slowing(800) == pytest.approx(1.0)
+    assert default_settings(0.01, 1000).slowing(50) == pytest.approx(2.0)
+    assert paper_settings(0.01, 2, 1000).slowing(50) == 1.0

@@ -26,12 +26,12 @@ def test_every_second_step_mirrors_the_noise_before(monkeypatch: pytest.MonkeyPa
     run, seen = trainer.seed_step.run, []
 
     def spy(*arguments: Any) -> tuple[float, float]:
-        seen.append(arguments[4:6])
+        seen.append(arguments[4])
         return run(*arguments)
 
     monkeypatch.setattr(trainer.seed_step, "run", spy)
     trainer.run()
-    keys = [key for key, _ in seen]
-    assert [mirrored for _, mirrored in seen] == 6 * [False, True]
+    keys = [noise.key for noise in seen]
+    assert [noise.negative for noise in seen] == 6 * [False, True]
     assert keys[0::2] == keys[1::2]
     assert len(set(keys)) == 6

@@ -18,7 +18,6 @@ from sgicodec.image import LAYOUTS, Picture, full_range, read, sink, write
 from sgicodec.image.formats import FORMATS, find
 
 Noise = Callable[..., np.ndarray]
-LAYOUT_OF_COUNT = {count: name for name, count in LAYOUTS.items()}
 
 EXACT = [
     (holder.name, dtype, layout)

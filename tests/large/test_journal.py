@@ -135,3 +135,11 @@ def test_the_mark_tells_settings_and_sources_apart(photo: Path, settings: Encode
     }
     assert len(marks) == 6
     assert fingerprint(plan_with(photo, replace(settings, threads=3)), photo) == fingerprint(plan, photo)
+
+
+def test_another_time_limit_goes_on_where_one_was_the_limit(photo: Path, settings: EncodeSettings) -> None:
+    settings = replace(settings, steps=None)
+    marks = [fingerprint(plan_with(photo, replace(settings, time_limit=limit)), photo) for limit in (3.0, 40.0, None)]
+    assert marks[0] == marks[1] != marks[2]
+    other = fingerprint(plan_with(photo, replace(settings, time_limit=3.0, quality=51)), photo)
+    assert other != marks[0]

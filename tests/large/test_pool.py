@@ -77,6 +77,38 @@ def test_the_input_is_to_blame_at_once(tmp_path: Path) -> None:
     assert (tmp_path / "tries").read_text() == "x"
 
 
+def mark(folder: Path) -> None:
+    (folder / f"ready {os.getpid()}").touch()
+
+
+def pid(number: int, job: int) -> int:
+    return os.getpid()
+
+
+def test_jobs_are_made_when_a_process_can_begin(tmp_path: Path) -> None:
+    """As many marks lie there as tiles were handed out at first."""
+    ready: list[int] = []
+
+    def job_of(number: int) -> int:
+        ready.append(len(list(tmp_path.iterdir())))
+        return number
+
+    found = dict(run_in_processes(pid, range(6), job_of, 2, partial(mark, tmp_path)))
+    assert len(found) == 6
+    assert {f"ready {process}" for process in found.values()} <= {path.name for path in tmp_path.iterdir()}
+    assert ready[0] >= 1
+    assert ready == sorted(ready)
+
+
+def cannot_begin() -> None:
+    os._exit(5)
+
+
+def test_a_process_that_cannot_begin_fails_its_tile() -> None:
+    with pytest.raises(TileFailedError, match=r"tile \d: its process ended with status 5"):
+        list(run_in_processes(square, range(3), lambda number: number, 2, cannot_begin))
+
+
 def test_what_the_reader_raises_comes_through() -> None:
     def unreadable(number: int) -> int:
         raise PictureError("the file ends")

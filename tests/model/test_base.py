@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from sgicodec.model.base import base_shape, cubic_weights, fit_base, render_base
+from sgicodec.model.base import base_colours, base_shape, cubic_weights, fit_base, render_base
 
 CELL = 4
 
@@ -76,3 +76,17 @@ def test_ramps_survive_away_from_the_border() -> None:
     np.testing.assert_allclose(render_base(grid[None], CELL, x, y)[inside], ramp[None][inside], atol=1e-6)
     fitted = render_base(fit_base(ramp[None].astype(np.float32), CELL), CELL, x, y)
     np.testing.assert_allclose(fitted[inside], ramp[None][inside], atol=2e-3)
+
+
+@pytest.mark.parametrize("channels", [1, 3, 4])
+def test_colours_of_integers(channels: int) -> None:
+    """Luma and two differences of the first three channels, others as they are; step 84 is 2^((84 − 96) / 6) = 1/4."""
+    base = np.random.default_rng(channels).integers(-40, 40, (channels, 3, 2))
+    colours = base_colours(base, 84)
+    opponent = colours.copy()
+    if channels >= 3:
+        red, green, blue = colours[:3]
+        opponent[0] = (red + green + blue) / np.sqrt(3)
+        opponent[1] = (red - blue) / np.sqrt(2)
+        opponent[2] = (2 * green - red - blue) / np.sqrt(6)
+    np.testing.assert_allclose(opponent, base / 4, atol=1e-12)

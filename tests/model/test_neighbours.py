@@ -5,12 +5,14 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from sgicodec.model.neighbours import nearest_points, nearest_seeds
+from sgicodec.model.neighbours import nearest_seeds
 
 small = st.tuples(st.integers(0, 8), st.integers(0, 8))  # many ties and coinciding points
 sparse = st.tuples(st.integers(0, 25), st.integers(0, 25))
 line = st.tuples(st.integers(0, 5000), st.just(3))
 wide = st.tuples(st.integers(-(2**29), 2**29), st.integers(-(2**29), 2**29))
+far = st.tuples(st.integers(2**25 - 9, 2**25), st.integers(2**25 - 9, 2**25))  # one place to a float of 24 bits
+beyond_small_keys = st.tuples(st.integers(2**16 - 4, 2**16 + 4), st.integers(-(2**16) - 4, -(2**16) + 4))
 Points = list[tuple[int, int]]
 
 
@@ -28,9 +30,20 @@ def as_array(points: Points) -> np.ndarray:
     return np.array(points, np.int32).reshape(-1, 2)
 
 
+def nearest_points(points: np.ndarray, queries: np.ndarray, k: int) -> np.ndarray:
+    """Of all `points`, for each of `queries`."""
+    n, m = len(points), len(queries)
+    return nearest_seeds(np.concatenate([points, queries]), np.arange(n), n + np.arange(m), k)
+
+
 @settings(max_examples=300, deadline=None)
 @given(
-    st.one_of(*(st.tuples(st.lists(p, max_size=60), st.lists(p, max_size=20)) for p in (small, sparse, line, wide))),
+    st.one_of(
+        *(
+            st.tuples(st.lists(p, max_size=60), st.lists(p, max_size=20))
+            for p in (small, sparse, line, wide, far, beyond_small_keys)
+        )
+    ),
     st.integers(1, 7),
 )
 @example(([(0, 0)], [(2**29, 2**29), (-(2**29), 5)]), 2)
@@ -69,7 +82,8 @@ def test_some_seeds_among_others() -> None:
     points = rng.integers(0, 60, (400, 2)).astype(np.int32)
     chosen = rng.permutation(400)
     among, members = np.sort(chosen[:150]), chosen[150:260]
-    expected = among[nearest_points(points[among], points[members], 5)]
+    distance = np.sum((points[members][:, None].astype(np.int64) - points[among]) ** 2, axis=2)
+    expected = among[np.argsort(distance, axis=1, kind="stable")[:, :5]]
     np.testing.assert_array_equal(nearest_seeds(points, among, members, 5), expected)
     few = nearest_seeds(points, among[:2], members, 3)
     assert np.all(few[:, 2] == -1)

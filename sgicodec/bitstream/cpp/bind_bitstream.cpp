@@ -1,24 +1,17 @@
 #include "bind_bitstream.hpp"
 
-#include <nanobind/ndarray.h>
 #include <nanobind/stl/pair.h>
 
-#include <stdexcept>
-
+#include "../../raster/cpp/binding.hpp"
 #include "base_planes.hpp"
 #include "grouping.hpp"
 #include "range_decoder.hpp"
 
 namespace nb = nanobind;
+using sgi::Array;
+using sgi::require;
 
 namespace {
-
-template <class T, int D>
-using Array = nb::ndarray<T, nb::ndim<D>, nb::c_contig, nb::device::cpu>;
-
-void require(bool ok, const char *what) {
-  if (!ok) throw std::invalid_argument(what);
-}
 
 void group_by_key(Array<const int16_t, 1> keys, Array<int32_t, 1> order, Array<int64_t, 1> start) {
   const size_t n = keys.shape(0), count = start.shape(0) - 1;
@@ -119,10 +112,12 @@ void bind_bitstream(nb::module_ &m) {
            })
       .def("decode", &decode_symbols)
       .def("decode_uniform", &decode_uniform)
-      .def("maybe_exhausted", &sgi::RangeDecoder::maybe_exhausted);
+      .def("maybe_exhausted", &sgi::RangeDecoder::maybe_exhausted)
+      .def_prop_ro("seconds", &sgi::RangeDecoder::seconds);
   m.def("group_by_key", &group_by_key);
   m.def("ungroup_symbols", &ungroup_symbols);
   m.def("ungroup_categorical", &ungroup_categorical);
   m.def("add_predictions", &add_predictions);
   bind_tree(m);
+  bind_reading(m);
 }

@@ -4,3 +4,4 @@
 
 void bind_bitstream(nanobind::module_ &m);
 void bind_tree(nanobind::module_ &m);
+void bind_reading(nanobind::module_ &m);

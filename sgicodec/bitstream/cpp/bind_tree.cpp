@@ -1,81 +1,24 @@
-#include <nanobind/ndarray.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
-#include <nanobind/stl/tuple.h>
 
-#include <stdexcept>
+#include <memory>
 
+#include "../../raster/cpp/binding.hpp"
 #include "bind_bitstream.hpp"
-#include "tree_inputs.hpp"
+#include "read_symbols.hpp"
+#include "tree_walk.hpp"
 
 namespace nb = nanobind;
+using sgi::Array;
+using sgi::as_array;
+using sgi::has_shape;
+using sgi::require;
+using sgi::TreeBatch;
 
 namespace {
 
-template <class T, int D>
-using Array = nb::ndarray<T, nb::ndim<D>, nb::c_contig, nb::device::cpu>;
-
-void require(bool ok, const char *what) {
-  if (!ok) throw std::invalid_argument(what);
-}
-
-using SplitNodes =
-    std::tuple<Array<const int32_t, 1>, Array<const int32_t, 1>, Array<const int32_t, 2>, Array<const int16_t, 2>>;
-using Slots = std::tuple<Array<const uint8_t, 2>, Array<const int16_t, 3>>;
-
-template <class A>
-bool has_shape(const A &array, size_t rows, size_t columns) {
-  return array.shape(0) == rows && array.shape(1) == columns;
-}
-
-sgi::SplitNodes checked(const SplitNodes &nodes) {
-  const auto &[x, y, neighbour, above] = nodes;
-  const size_t count = x.shape(0);
-  require(count < (size_t(1) << 28) && y.shape(0) == count && has_shape(neighbour, count, sgi::kSides) &&
-              has_shape(above, count, sgi::kAbove),
-          "x, y [P]; neighbour [P, 8]; above [P, 31]");
-  for (size_t i = 0; i < neighbour.size(); ++i)
-    require(neighbour.data()[i] >= 0 && size_t(neighbour.data()[i]) <= count, "neighbours must be indices, or P");
-  return {x.data(), y.data(), neighbour.data(), above.data(), int64_t(count)};
-}
-
-sgi::Slots checked(const Slots &slots, int64_t count) {
-  const auto &[exists, flags] = slots;
-  require(has_shape(exists, size_t(count) + 1, 4) && has_shape(flags, size_t(count) + 1, 4) && flags.shape(2) == 2,
-          "exists [P + 1, 4], flags [P + 1, 4, 2]");
-  return {exists.data(), flags.data()};
-}
-
-void base_detail(Array<const int64_t, 3> base, Array<int16_t, 3> out) {
-  require(out.shape(0) == base.shape(1) && out.shape(1) == base.shape(2) && out.shape(2) == sgi::kDetail,
-          "out must be [rows, columns, 5]");
-  nb::gil_scoped_release release;
-  sgi::base_detail(base.data(), int64_t(base.shape(0)), int64_t(base.shape(1)), int64_t(base.shape(2)), out.data());
-}
-
-sgi::BaseDetail checked(const Array<const int16_t, 3> &detail, int cell) {
-  require(detail.shape(2) == sgi::kDetail && cell >= 1, "detail [rows, columns, 5]; cell from 1");
-  return {detail.size() ? detail.data() : nullptr, int64_t(detail.shape(0)), int64_t(detail.shape(1)), cell};
-}
-
-void check_batch(const Array<const int16_t, 1> &head, int level, int child, const Array<const int32_t, 1> &members,
-                 int64_t count) {
-  require(child >= 0 && child < 4 && level >= 0 && level <= 16, "child 0..3, level 0..16");
-  require(head.shape(0) == sgi::kHead, "head [11]");
-  for (size_t i = 0; i < members.size(); ++i)
-    require(members.data()[i] >= 0 && members.data()[i] < count, "members must be indices");
-}
-
-void tree_inputs(const SplitNodes &nodes, const Slots &states, Array<const int16_t, 3> detail, int cell,
-                 Array<const int16_t, 1> head, int level, int child, Array<const int32_t, 1> members,
-                 Array<int16_t, 2> out) {
-  const sgi::SplitNodes parents = checked(nodes);
-  const sgi::Slots slots = checked(states, parents.count);
-  const sgi::BaseDetail base = checked(detail, cell);
-  check_batch(head, level, child, members, parents.count);
-  require(has_shape(out, members.shape(0), size_t(sgi::tree_input_count(child))), "out must be [n, inputs]");
-  sgi::tree_inputs(parents, slots, base, head.data(), level, child, members.data(), int64_t(members.shape(0)),
-                   out.data());
-}
+using Scenery = std::shared_ptr<sgi::TreeScenery>;
 
 // The network of one child number, made ready once.
 class TreeNetwork {
@@ -84,91 +27,171 @@ class TreeNetwork {
               Array<const int64_t, 1> b2, int shift, int child, const std::string &isa)
       : child_(child), network_(weights(w1, b1, w2, b2, shift, child), isa) {}
 
-  void rows(const SplitNodes &nodes, const Slots &states, Array<const int16_t, 3> detail, int cell,
-            Array<const int16_t, 1> head, int level, Array<const int32_t, 1> members, int shift, int most, int threads,
-            Array<int16_t, 2> out) const {
-    const sgi::SplitNodes parents = checked(nodes);
-    const sgi::Slots slots = checked(states, parents.count);
-    const sgi::BaseDetail base = checked(detail, cell);
-    check_batch(head, level, child_, members, parents.count);
-    require(has_shape(out, members.shape(0), size_t(network_.outputs())), "out must be [n, outputs]");
-    require(shift >= 1 && shift <= 20 && most >= 0 && most <= 1 << 13, "shift 1..20, most 0..2^13");
-    nb::gil_scoped_release release;
-    sgi::tree_rows(network_, parents, slots, base, head.data(), level, child_, members.data(),
-                   int64_t(members.shape(0)), shift, most, threads, out.data());
+  // Rows [n, 3] of a batch.
+  void rows(const TreeBatch &batch, int shift, int most, int threads, int16_t *out) const {
+    require(batch.child == child_, "the network is that of another child number");
+    batch.rows(network_, shift, most, threads, out);
   }
 
  private:
   static sgi::NetworkWeights weights(const Array<const int64_t, 2> &w1, const Array<const int64_t, 1> &b1,
                                      const Array<const int64_t, 2> &w2, const Array<const int64_t, 1> &b2, int shift,
                                      int child) {
-    const size_t hidden = w1.shape(0), outputs = w2.shape(0);
+    const size_t hidden = w1.shape(0);
     require(child >= 0 && child < 4 && w1.shape(1) == size_t(sgi::tree_input_count(child)), "w1 must be [hidden, inputs]");
-    require(b1.shape(0) == hidden && w2.shape(1) == hidden && b2.shape(0) == outputs, "weights do not fit each other");
+    require(b1.shape(0) == hidden && has_shape(w2, kOutputs, hidden) && b2.shape(0) == kOutputs,
+            "weights must be those of 3 outputs");
     require(shift >= 2 && shift <= 20, "shift must be 2..20");
-    return {w1.data(),   b1.data(),    w2.data(),    b2.data(), int(w1.shape(1)),
-            int(hidden), int(outputs), int(outputs), shift};
+    return {w1.data(), b1.data(), w2.data(), b2.data(), int(w1.shape(1)), int(hidden), kOutputs, kOutputs, shift};
   }
+
+  static constexpr int kOutputs = 3;
 
   int child_;
   sgi::Network network_;
 };
 
-void children_inside(const SplitNodes &nodes, int level, int64_t width, int64_t height, Array<uint8_t, 2> exists) {
-  const sgi::SplitNodes parents = checked(nodes);
-  require(level >= 0 && level <= 16 && has_shape(exists, size_t(parents.count) + 1, 4), "exists must be [P + 1, 4]");
-  sgi::children_inside(parents, level, width, height, exists.data());
+void make_scenery(sgi::TreeScenery *self, int64_t width, int64_t height, Array<const int64_t, 3> base, int64_t cell,
+                  int quality) {
+  require(width >= 1 && height >= 1 && width <= 1 << 24 && height <= 1 << 24 && cell >= 0, "sides 1..2**24, cell from 0");
+  const auto channels = int64_t(base.shape(0)), rows = int64_t(base.shape(1)), columns = int64_t(base.shape(2));
+  new (self) sgi::TreeScenery(width, height, base.data(), channels, rows, columns, cell, quality);
 }
 
-int64_t begin_batch(Array<const uint8_t, 2> exists, Array<const uint8_t, 1> occupied, int child,
-                    Array<int32_t, 1> members, Array<uint8_t, 1> needed) {
-  const size_t count = occupied.shape(0);
-  require(child >= 0 && child < 4 && has_shape(exists, count + 1, 4), "child 0..3, exists [P + 1, 4]");
-  require(members.shape(0) == count + 1 && needed.shape(0) == count + 1, "members and needed have room for P + 1");
-  return sgi::begin_batch(int64_t(count), exists.data(), occupied.data(), child, members.data(), needed.data());
+nb::ndarray<nb::numpy, int64_t, nb::ndim<1>> codes(const TreeBatch &batch) {
+  std::vector<int64_t> codes;
+  for (const int32_t parent : batch.members) codes.push_back(batch.of->code(parent, batch.child));
+  const size_t n = codes.size();
+  return as_array<int64_t>(std::move(codes), std::array{n});
 }
 
-void end_batch(Array<const int32_t, 1> members, int child, Array<const uint8_t, 1> split_flags,
-               Array<const uint8_t, 1> seed_flags, Array<int16_t, 3> flags, Array<uint8_t, 1> occupied) {
-  const size_t n = members.shape(0), count = occupied.shape(0);
-  require(child >= 0 && child < 4 && split_flags.shape(0) == n && seed_flags.shape(0) == n &&
-              has_shape(flags, count + 1, 4) && flags.shape(2) == 2,
-          "flags [n]; of all slots [P + 1, 4, 2]");
-  for (size_t i = 0; i < n; ++i)
-    require(members.data()[i] >= 0 && size_t(members.data()[i]) < count, "members must be indices");
-  sgi::end_batch(members.data(), int64_t(n), child, split_flags.data(), seed_flags.data(), flags.data(),
-                 occupied.data());
+auto inputs(const TreeBatch &batch) {
+  const std::array shape{batch.members.size(), size_t(sgi::tree_input_count(batch.child))};
+  std::vector<int16_t> out(shape[0] * shape[1]);
+  batch.inputs(out.data());
+  return as_array<int16_t>(std::move(out), shape);
 }
 
-void split_children(const SplitNodes &nodes, const Slots &states, Array<const int32_t, 1> found,
-                    Array<int32_t, 2> number, Array<int32_t, 1> x, Array<int32_t, 1> y, Array<int32_t, 2> neighbour,
-                    Array<int16_t, 2> above) {
-  const sgi::SplitNodes parents = checked(nodes);
-  const sgi::Slots slots = checked(states, parents.count);
-  const size_t m = found.shape(0);
-  require(has_shape(number, size_t(parents.count) + 1, 4) && x.shape(0) == m && y.shape(0) == m &&
-              has_shape(neighbour, m, sgi::kSides) && has_shape(above, m, sgi::kAbove),
-          "outputs must be as of split nodes");
-  for (size_t i = 0; i < m; ++i)
-    require(found.data()[i] >= 0 && found.data()[i] < 4 * parents.count, "found must be slots");
-  nb::gil_scoped_release release;
-  sgi::split_children(parents, slots, found.data(), int64_t(m), number.data(), x.data(), y.data(), neighbour.data(),
-                      above.data());
+auto rows(const TreeBatch &batch, const TreeNetwork &network, int shift, int most, int threads) {
+  require(shift >= 1 && shift <= 20 && most >= 0 && most <= 1 << 13, "shift 1..20, most 0..2^13");
+  const std::array<size_t, 2> shape{batch.members.size(), 3};
+  std::vector<int16_t> out(shape[0] * shape[1]);
+  network.rows(batch, shift, most, threads, out.data());
+  return as_array<int16_t>(std::move(out), shape);
+}
+
+auto seed_rows(const TreeBatch &batch, Array<const int16_t, 2> rows, Array<const uint8_t, 1> split, int16_t certain) {
+  const size_t n = batch.members.size();
+  require(has_shape(rows, n, 3) && split.shape(0) == n, "rows [n, 3], split [n]");
+  std::vector<int16_t> out(n);
+  batch.seed_rows(rows.data(), split.data(), certain, out.data());
+  return as_array<int16_t>(std::move(out), std::array{n});
+}
+
+nb::list as_list(std::vector<sgi::LevelSeeds> found) {
+  nb::list out;
+  for (auto &[level, codes] : found) {
+    const size_t n = codes.size();
+    out.append(nb::make_tuple(as_array<int64_t>(std::move(codes), std::array{n}), level));
+  }
+  return out;
+}
+
+nb::list walk_tree(Scenery scenery, int64_t most, const nb::callable &code) {
+  using Flags = Array<const uint8_t, 1>;
+  std::vector<sgi::LevelSeeds> found;
+  const auto ask = [&](const TreeBatch &batch, uint8_t *split, uint8_t *seed) {
+    const auto flags = nb::cast<std::pair<Flags, Flags>>(code(TreeBatch(batch)));
+    for (const auto &[given, to] : {std::pair{&flags.first, split}, std::pair{&flags.second, seed}}) {
+      require(int64_t(given->shape(0)) == batch.size(), "flags must be [n]");
+      for (size_t i = 0; i < given->shape(0); ++i) {
+        require(given->data()[i] <= 1, "flags must be 0 or 1");
+        to[i] = given->data()[i];
+      }
+    }
+    return true;
+  };
+  sgi::walk_tree(scenery, most, ask, found);
+  return as_list(std::move(found));
+}
+
+// How flags are read: networks of all child numbers; the alphabets of the rows that they choose and of `certain`.
+struct TreeReader {
+  const TreeNetwork *const *networks;
+  sgi::Alphabets alphabets;
+  int shift, most, threads;
+
+  // Appends the flags of a batch to `symbols` in coding order.
+  bool read(sgi::RangeDecoder &decoder, const TreeBatch &batch, uint8_t *split, uint8_t *seed,
+            std::vector<int32_t> &symbols, double &bits) const {
+    const int64_t n = batch.size();
+    std::vector<int16_t> rows(3 * size_t(n)), of(static_cast<size_t>(n));
+    networks[batch.child]->rows(batch, shift, most, threads, rows.data());
+    const auto flags = [&](uint8_t *out) {
+      const size_t first = symbols.size();
+      symbols.resize(first + size_t(n));
+      if (!sgi::read_categorical(decoder, alphabets, of.data(), n, symbols.data() + first, bits)) return false;
+      for (int64_t i = 0; i < n; ++i) out[i] = uint8_t(symbols[first + size_t(i)]);
+      return true;
+    };
+    for (size_t i = 0; i < size_t(n); ++i) of[i] = rows[3 * i];
+    if (batch.of->level() > sgi::kLeastLevel && !flags(split)) return false;
+    batch.seed_rows(rows.data(), split, int16_t(2 * most + 1), of.data());
+    return flags(seed);
+  }
+};
+
+nb::tuple read_tree(sgi::RangeDecoder &decoder, Scenery scenery, int64_t max_seeds, const nb::tuple &networks,
+                     const sgi::SymbolModels &models, Array<const int32_t, 2> symbol, Array<const double, 2> bits_of,
+                     int shift, int most, int threads) {
+  require(networks.size() == 4, "networks of 4 child numbers");
+  require(shift >= 1 && shift <= 20 && most >= 0 && models.size() == 2 * most + 2,
+          "shift 1..20, models of 2 most + 2 rows");
+  for (int64_t row = 0; row < models.size(); ++row) require(models.symbols(row) <= 2, "models of at most 2 symbols");
+  require(has_shape(symbol, size_t(models.size()), 2) && has_shape(bits_of, size_t(models.size()), 2),
+          "symbol and bits [rows, 2]");
+  for (size_t i = 0; i < symbol.size(); ++i) require(symbol.data()[i] >= 0 && symbol.data()[i] <= 1, "flags are 0 or 1");
+  const TreeNetwork *of[4];
+  for (size_t child = 0; child < 4; ++child) of[child] = nb::cast<const TreeNetwork *>(networks[child]);
+  const TreeReader reader{of, {&models, symbol.data(), bits_of.data(), 2}, shift, most, threads};
+  std::vector<sgi::LevelSeeds> found;
+  std::vector<int32_t> symbols;
+  double bits = 0;
+  bool decodes;
+  {
+    nb::gil_scoped_release release;
+    decodes = sgi::walk_tree(scenery, max_seeds,
+                             [&](const TreeBatch &batch, uint8_t *split, uint8_t *seed) {
+                               return reader.read(decoder, batch, split, seed, symbols, bits);
+                             },
+                             found);
+  }
+  const size_t n = symbols.size();
+  return nb::make_tuple(decodes, as_list(std::move(found)), as_array<int32_t>(std::move(symbols), std::array{n}), bits);
 }
 
 }  // namespace
 
 void bind_tree(nb::module_ &m) {
   m.def("tree_input_count", &sgi::tree_input_count);
-  m.def("base_detail", &base_detail);
-  m.def("children_inside", &children_inside);
-  m.def("begin_batch", &begin_batch);
-  m.def("end_batch", &end_batch);
-  m.def("tree_inputs", &tree_inputs);
-  m.def("split_children", &split_children);
   using Weights = Array<const int64_t, 2>;
   using Biases = Array<const int64_t, 1>;
   nb::class_<TreeNetwork>(m, "TreeNetwork")
-      .def(nb::init<Weights, Biases, Weights, Biases, int, int, const std::string &>())
-      .def("rows", &TreeNetwork::rows);
+      .def(nb::init<Weights, Biases, Weights, Biases, int, int, const std::string &>());
+  nb::class_<sgi::TreeScenery>(m, "TreeScenery").def("__init__", &make_scenery);
+  nb::class_<TreeBatch>(m, "TreeBatch")
+      .def_prop_ro("level", [](const TreeBatch &batch) { return batch.of->level(); })
+      .def_ro("child", &TreeBatch::child)
+      .def("__len__", &TreeBatch::size)
+      .def_prop_ro("needed",
+                   [](const TreeBatch &batch) {
+                     return as_array<uint8_t, bool>(batch.needed, std::array{batch.needed.size()});
+                   },
+                   nb::rv_policy::move)
+      .def_prop_ro("codes", &codes, nb::rv_policy::move)
+      .def_prop_ro("inputs", &inputs, nb::rv_policy::move)
+      .def("rows", &rows)
+      .def("seed_rows", &seed_rows);
+  m.def("walk_tree", &walk_tree);
+  m.def("read_tree", &read_tree);
 }

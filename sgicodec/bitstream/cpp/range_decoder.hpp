@@ -1,5 +1,6 @@
 // The range decoder of docs/format.md, "Range coder": 32-bit words, 64-bit state, 24-bit probabilities.
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -12,6 +13,8 @@ class SymbolModels {
   SymbolModels(const int64_t *frequency, const int64_t *start, int64_t models);
 
   int64_t size() const { return int64_t(first_.size()) - 1; }
+  // Symbols that a model has, those of frequency 0 left out.
+  int64_t symbols(int64_t model) const { return first_[std::size_t(model) + 1] - first_[std::size_t(model)] - 1; }
 
  private:
   friend class RangeDecoder;
@@ -46,11 +49,15 @@ class RangeDecoder {
   // Whether an encoder may have ended here: nothing is left over.
   bool maybe_exhausted() const;
 
+  // That `decode` took so far.
+  double seconds() const { return seconds_; }
+
  private:
   uint64_t next_word();
   bool quantile(uint64_t &scale, uint32_t &found) const;
   void take(uint64_t scale, uint32_t before, uint32_t frequency);
 
+  double seconds_ = 0;
   std::vector<uint8_t> payload_;
   int64_t at_ = 0;
   uint64_t range_ = ~uint64_t(0), offset_ = 0;

@@ -10,8 +10,8 @@
 namespace sgi {
 namespace {
 
-constexpr int kSideX[kSides] = {-1, 0, 1, -1, 1, -1, 0, 1}, kSideY[kSides] = {-1, -1, -1, 0, 0, 1, 1, 1};
-constexpr int kRank[4] = {0, 2, 3, 1};  // children are coded in the order 0, 3, 1, 2
+constexpr int kRank[4] = {0, 2, 3, 1};  // where each child number stands in kChildren
+static_assert(kRank[kChildren[0]] == 0 && kRank[kChildren[1]] == 1 && kRank[kChildren[2]] == 2 && kRank[kChildren[3]] == 3);
 constexpr int kOne = 64, kCounts = 4;  // inputs are in 1/64, counts in quarters
 
 int half_down(int v) { return (v + 4) / 2 - 2; }

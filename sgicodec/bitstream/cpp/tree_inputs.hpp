@@ -9,6 +9,10 @@ namespace sgi {
 
 // Neighbours of a node: (-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1).
 constexpr int kSides = 8;
+constexpr int kSideX[kSides] = {-1, 0, 1, -1, 1, -1, 0, 1}, kSideY[kSides] = {-1, -1, -1, 0, 0, 1, 1, 1};
+// A level is coded child number after child number, in this order: diagonal ones first, so that the other two have known
+// neighbours on all four sides.
+constexpr int kChildren[4] = {0, 3, 1, 2};
 constexpr int kAbove = 1 + 3 * kSides + 6;  // what a split node adds to the inputs of its children, see SplitNodes
 constexpr int kDetail = 5;               // numbers that the base layer adds
 constexpr int kHead = 11;                // level (6), quality, rates (4)

@@ -1,32 +1,30 @@
 #include "bind_seed_fit.hpp"
 
-#include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
 
 #include <algorithm>
-#include <stdexcept>
 
+#include "../../raster/cpp/binding.hpp"
 #include "seed_fit.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
+using sgi::Array;
+using sgi::has_shape;
+using sgi::require;
 
 namespace {
 
-using In1 = nb::ndarray<const float, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using In2 = nb::ndarray<const float, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-using Out1 = nb::ndarray<float, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using Out2 = nb::ndarray<float, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-using Ints1 = nb::ndarray<const int32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using Ints2 = nb::ndarray<const int32_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+using In1 = Array<const float, 1>;
+using In2 = Array<const float, 2>;
+using Out1 = Array<float, 1>;
+using Out2 = Array<float, 2>;
+using Ints1 = Array<const int32_t, 1>;
+using Ints2 = Array<const int32_t, 2>;
 
-void require(bool ok, const char *what) {
-  if (!ok) throw std::invalid_argument(what);
-}
-
-template <class Array>
-void require_rows(const Array &array, int64_t rows, int64_t columns, const char *what) {
-  require(int64_t(array.shape(0)) == rows && int64_t(array.shape(1)) == columns, what);
+template <class A>
+void require_rows(const A &array, int64_t rows, int64_t columns, const char *what) {
+  require(has_shape(array, size_t(rows), size_t(columns)), what);
 }
 
 void set_layout(sgi::SeedFit &self, In2 centre, In1 cell, In1 log_size, Ints1 level, Ints2 neighbour, In2 offset,
@@ -46,7 +44,7 @@ void set_layout(sgi::SeedFit &self, In2 centre, In1 cell, In1 log_size, Ints1 le
 }
 
 double forward(sgi::SeedFit &self, In2 colour, In2 shape, In2 offset, In1 first, In1 rest, In1 steps, int rounding,
-               uint32_t key, bool mirrored, bool refresh, bool trains_first, Out2 means, Out2 covariances, Out2 colours) {
+               uint32_t key, bool negative, int reuse, bool trains_first, Out2 means, Out2 covariances, Out2 colours) {
   const sgi::SeedState &s = self.state();
   const int64_t gaussians = s.count * s.per_seed;
   require_rows(colour, s.count, s.group_size(0), "colour must be [N, K C]");
@@ -56,13 +54,14 @@ double forward(sgi::SeedFit &self, In2 colour, In2 shape, In2 offset, In1 first,
   require(int64_t(rest.shape(0)) == self.rest_size(), "rest holds b1, W2 and b2 of all groups");
   require(int64_t(steps.shape(0)) == sgi::kUnits * sgi::kLevels + sgi::kGammas, "steps holds base steps and gamma");
   require(rounding >= 0 && rounding <= 2, "rounding is 0, 1 or 2");
+  require(reuse >= 0 && reuse <= 2, "reuse is 0, 1 or 2");
   require_rows(means, gaussians, 2, "means must be [N K, 2]");
   require_rows(covariances, gaussians, 3, "covariances must be [N K, 3]");
   require_rows(colours, gaussians, s.channels, "colours must be [N K, C]");
   const sgi::SeedGaussians out{means.data(), covariances.data(), colours.data()};
   nb::gil_scoped_release release;
   return self.forward({colour.data(), shape.data(), offset.data()}, {first.data(), rest.data(), steps.data()},
-                      sgi::Rounding(rounding), key, mirrored, refresh, trains_first, out);
+                      sgi::Rounding(rounding), {key, negative}, sgi::Reuse(reuse), trains_first, out);
 }
 
 void backward(sgi::SeedFit &self, In2 means, In2 covariances, In2 colours, float lmbda, Out2 colour, Out2 shape,

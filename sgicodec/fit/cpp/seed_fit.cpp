@@ -51,6 +51,7 @@ void SeedFit::set_layout(const SeedLayoutArrays &layout) {
   summary_.resize(n * kSummary);
   inputs_.resize(padded * kCommonInputs);
   product_.resize(padded * kGroups * state_.hidden);
+  kept_.resize(padded * 3 * kUnits);
   decoded_.resize(padded * state_.attributes());
   bits_.resize(n);
   state_.centre = centre_.data();
@@ -63,6 +64,7 @@ void SeedFit::set_layout(const SeedLayoutArrays &layout) {
   state_.summary = summary_.data();
   state_.inputs = inputs_.data();
   state_.product = product_.data();
+  state_.kept = kept_.data();
   state_.decoded = decoded_.data();
   state_.bits = bits_.data();
 }
@@ -91,8 +93,7 @@ void SeedFit::over_runs(const Body &body) {
 }
 
 double SeedFit::forward(const std::array<const float *, kGroups> &values, const SeedParameters &parameters,
-                        Rounding rounding, uint32_t key, bool mirrored, bool refresh, bool trains_first,
-                        const SeedGaussians &out) {
+                        Rounding rounding, NoiseKey key, Reuse reuse, bool trains_first, const SeedGaussians &out) {
   SeedState &s = state_;
   const float *first = parameters.first, *rest = parameters.rest;
   for (int g = 0; g < kGroups; ++g) {
@@ -105,15 +106,17 @@ double SeedFit::forward(const std::array<const float *, kGroups> &values, const 
   s.base = parameters.steps;
   s.gamma = parameters.steps + kUnits * kLevels;
   s.rounding = rounding;
-  s.key = key;
-  s.mirrored = mirrored;
+  s.key = key.key;
+  s.mirror = key.negative ? ~uint32_t(0) : 0;
   s.trains_first = trains_first;
-  if (rounding != Rounding::kNone && refresh)
+  s.predicts = rounding != Rounding::kNone && reuse != Reuse::kPredictions;
+  const bool refresh = s.predicts && reuse == Reuse::kNothing;
+  if (refresh)
     over_runs([&](int64_t, int64_t begin, int64_t end, float *m) { kernel_->summarize(s, begin, end, m); });
   std::vector<double> bits((s.count + kRun - 1) / kRun);
   over_runs([&](int64_t run, int64_t begin, int64_t end, float *m) {
-    if (rounding != Rounding::kNone && refresh) kernel_->gather(s, begin, end, m);
-    if (rounding != Rounding::kNone && (refresh || trains_first)) kernel_->multiply(s, begin, end, m);
+    if (refresh) kernel_->gather(s, begin, end, m);
+    if (s.predicts && (refresh || trains_first)) kernel_->multiply(s, begin, end, m);
     bits[run] = kernel_->forward(s, begin, end, out, m);
   });
   double total = 0;
@@ -127,6 +130,7 @@ void SeedFit::backward(const SeedGradients &gradients, float *sums) {
   over_runs([&](int64_t run, int64_t begin, int64_t end, float *m) {
     kernel_->backward(state_, begin, end, gradients, partials_.data() + run * width, m);
   });
+  if (!state_.predicts) return;
   for (int64_t i = 0; i < width; ++i) {
     double sum = 0;
     for (int64_t run = 0; run < runs; ++run) sum += partials_[run * width + i];

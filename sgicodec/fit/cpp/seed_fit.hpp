@@ -23,15 +23,24 @@ struct SeedParameters {
   const float *first, *rest, *steps;  // W1 of all groups; b1, W2, b2 of all groups; base steps, then γ
 };
 
+// What a step takes over from those before it: nothing, inputs from neighbours, or all that MLP_p predicts.
+enum class Reuse : int { kNothing, kInputs, kPredictions };
+
+struct NoiseKey {
+  uint32_t key;
+  bool negative;
+};
+
 class SeedFit {
  public:
   SeedFit(const std::string &isa, int threads, int per_seed, int channels, int hidden, const float *opponent);
 
   void set_layout(const SeedLayoutArrays &layout);
-  // Bits of all seeds; 0 without rounding. `refresh` says whether inputs from neighbours are found anew, from `values`.
+  // Bits of all seeds; 0 without rounding.
   double forward(const std::array<const float *, kGroups> &values, const SeedParameters &parameters, Rounding rounding,
-                 uint32_t key, bool mirrored, bool refresh, bool trains_first, const SeedGaussians &out);
-  // After `forward` on the same arrays. `sums` [sums()] receives gradients of rest, steps and, if it trains, first.
+                 NoiseKey key, Reuse reuse, bool trains_first, const SeedGaussians &out);
+  // After `forward` on the same arrays. `sums` [sums()] receives gradients of rest, steps and, if it trains, first;
+  // nothing where predictions were kept.
   void backward(const SeedGradients &gradients, float *sums);
 
   int64_t count() const { return state_.count; }
@@ -51,7 +60,7 @@ class SeedFit {
   SeedState state_{};
   std::vector<float> opponent_, centre_, cell_, log_size_, offset_, level_inputs_;
   std::vector<int32_t> level_, neighbour_;
-  std::vector<float> summary_, inputs_, product_, decoded_, bits_, partials_;
+  std::vector<float> summary_, inputs_, product_, kept_, decoded_, bits_, partials_;
 };
 
 }  // namespace sgi

@@ -48,12 +48,13 @@ struct SeedState {
   float *summary;                   // [N, kSummary]
   float *inputs;                    // [block][kCommonInputs][LANES]
   float *product;                   // [block][kGroups][hidden][LANES]: W1 times the common inputs
+  float *kept;                      // [block][kUnits][mean, step, scale][LANES] of the last whole step
   float *decoded;                   // [block][d_A][LANES]
   float *bits;                      // [N]
   Rounding rounding;
-  uint32_t key;                     // of the noise
-  bool mirrored;                    // its negative
+  uint32_t key, mirror;             // of the noise; mirror is 0, or all ones for its negative
   bool trains_first;
+  bool predicts;                    // MLP_p runs; otherwise what it said last stands for a constant
 
   SGI_INLINE int attributes() const { return per_seed * (channels + 5); }
   SGI_INLINE int group_size(int g) const { return per_seed * (g == 0 ? channels : g == 1 ? 3 : 2); }

@@ -187,9 +187,9 @@ inline void evaluate(const SeedState &s, const Block &block, int group, const vf
   }
 }
 
-// Mean, scale and step of one prediction.
+// Mean, scale and step of one prediction; the rest is only there when MLP_p has just said it.
 struct Unit {
-  vf base_step, mean, raw_scale, scale, step;
+  vf mean, step, scale, base_step, raw_scale;
   vi step_is_free, scale_is_free;  // not at a bound: gradients pass
   vi output_is_free;               // the same for the scale that MLP_p says
 };
@@ -220,6 +220,27 @@ inline Units units_of(const SeedState &s, const Block &block, int group, const v
     v.scale = maxv(v.raw_scale, v.step * kLeastScale);
   }
   return u;
+}
+
+// Predictions of a group that outlive their step.
+inline float *kept_units(const SeedState &s, const Block &block, int group) {
+  return s.kept + (block.number() * kUnits + kFirstUnit[group]) * 3 * LANES;
+}
+
+inline void keep_units(const Units &u, int group, float *to) {
+  for (int i = 0; i < kGroupUnits[group]; ++i, to += 3 * LANES) {
+    store(to, u.unit[i].mean);
+    store(to + LANES, u.unit[i].step);
+    store(to + 2 * LANES, u.unit[i].scale);
+  }
+}
+
+inline void load_units(const float *from, int group, Units &u) {
+  for (int i = 0; i < kGroupUnits[group]; ++i, from += 3 * LANES) {
+    u.unit[i].mean = load(from);
+    u.unit[i].step = load(from + LANES);
+    u.unit[i].scale = load(from + 2 * LANES);
+  }
 }
 
 inline vf rounded(vf value, const Unit &u) {
@@ -261,22 +282,25 @@ double forward(const SeedState &s, int64_t begin, int64_t end, const SeedGaussia
     for (int g = 0; g < kGroups; ++g) {
       const int size = s.group_size(g), start = s.group_start(g);
       Units u;
-      if (s.rounding != Rounding::kNone) {
+      if (s.predicts) {
         vf own[kMostOwn], outputs[kMostOutputs];
         own_inputs(s, decoded, g, loudness, own);
         evaluate(s, block, g, own, scratch.hidden, outputs);
         u = units_of(s, block, g, outputs, loudness);
+        keep_units(u, g, kept_units(s, block, g));
+      } else if (s.rounding != Rounding::kNone) {
+        load_units(kept_units(s, block, g), g, u);
       }
       for (int j = 0; j < size; ++j) {
         vf value = block.gather(s.value[g], size, j);
         if (s.rounding != Rounding::kNone) {
           const Unit &unit = u.unit[unit_of(s, g, j)];
-          value = s.rounding == Rounding::kNoise ? value + unit.step * noise(s.key, s.mirrored, start + j, at) : rounded(value, unit);
+          value = s.rounding == Rounding::kNoise ? value + unit.step * noise(s.key, s.mirror, start + j, at) : rounded(value, unit);
           sum += laplace_bits(value - unit.mean, unit.step, unit.scale).bits;
         }
         store(decoded + (start + j) * LANES, value);
       }
-      if (g == 0) loudness = loudness_of(s, decoded);
+      if (g == 0 && s.predicts) loudness = loudness_of(s, decoded);
     }
     block.scatter(sum, s.bits, 1, 0);
     sum *= block.live;
@@ -402,7 +426,7 @@ inline void descend_group(const SeedState &s, const Block &block, int group, con
     block.scatter(above + slope, g.value[group], size, j);
     mean[i] -= slope;
     scale[i] += price * b.scale;
-    if (s.rounding == Rounding::kNoise) step[i] += price * b.step + (above + slope) * noise(s.key, s.mirrored, start + j, block.first);
+    if (s.rounding == Rounding::kNoise) step[i] += price * b.step + (above + slope) * noise(s.key, s.mirror, start + j, block.first);
   }
   vf refine{}, gamma{};
   for (int i = 0; i < count; ++i) {
@@ -422,17 +446,34 @@ inline void descend_group(const SeedState &s, const Block &block, int group, con
   if (group) sums.add(sums.gamma + group - 1, gamma);
 }
 
+// The same where MLP_p's predictions are constants.
+inline void descend_values(const SeedState &s, const Block &block, int group, const float *decoded, const float *grad,
+                           const SeedGradients &g) {
+  const int size = s.group_size(group), start = s.group_start(group);
+  Units u;
+  if (s.rounding != Rounding::kNone) load_units(kept_units(s, block, group), group, u);
+  for (int j = 0; j < size; ++j) {
+    vf slope = load(grad + (start + j) * LANES);
+    if (s.rounding != Rounding::kNone) {
+      const Unit &unit = u.unit[unit_of(s, group, j)];
+      const vf value = load(decoded + (start + j) * LANES);
+      slope += g.lmbda * laplace_bits(value - unit.mean, unit.step, unit.scale).deviation;
+    }
+    block.scatter(slope, g.value[group], size, j);
+  }
+}
+
 // One coding step of a batch: down to MLP_p's outputs block by block, then back through it.
 template <int GROUP>
 void backward_group(const SeedState &s, Batch &batch, const Scratch &scratch, const SeedGradients &g,
                     const Sums &sums) {
-  const int size = s.group_size(GROUP), start = s.group_start(GROUP), rows = s.attributes();
+  const int rows = s.attributes();
   for (int b = 0; b < batch.blocks; ++b) {
     const Block block(s, (batch.first + b) * LANES);
     const float *decoded = s.decoded + block.number() * rows * LANES;
     const float *grad = scratch.attributes + b * rows * LANES;
-    if (s.rounding == Rounding::kNone) {
-      for (int j = 0; j < size; ++j) block.scatter(load(grad + (start + j) * LANES), g.value[GROUP], size, j);
+    if (!s.predicts) {
+      descend_values(s, block, GROUP, decoded, grad, g);
       continue;
     }
     vf outputs[kMostOutputs];
@@ -442,7 +483,7 @@ void backward_group(const SeedState &s, Batch &batch, const Scratch &scratch, co
     const Units u = units_of(s, block, GROUP, outputs, loudness);
     descend_group(s, block, GROUP, u, decoded, grad, g, batch.up[b], sums);
   }
-  if (s.rounding != Rounding::kNone) descend<GROUP>(s, batch, scratch.hidden, sums);
+  if (s.predicts) descend<GROUP>(s, batch, scratch.hidden, sums);
 }
 
 void backward(const SeedState &s, int64_t begin, int64_t end, const SeedGradients &g, float *out, float *memory) {
@@ -462,7 +503,7 @@ void backward(const SeedState &s, int64_t begin, int64_t end, const SeedGradient
     backward_group<1>(s, batch, scratch, g, sums);
     backward_group<2>(s, batch, scratch, g, sums);
   }
-  sums.write(s, out);
+  if (s.predicts) sums.write(s, out);
 }
 
 }  // namespace

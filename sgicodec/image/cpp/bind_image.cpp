@@ -1,22 +1,19 @@
 #include "bind_image.hpp"
 
-#include <nanobind/ndarray.h>
-
-#include <stdexcept>
-
+#include "../../raster/cpp/binding.hpp"
 #include "png_filter.hpp"
 
 namespace nb = nanobind;
+using sgi::Array;
+using sgi::has_shape;
+using sgi::require;
 
 namespace {
 
-template <class T, int D>
-using Array = nb::ndarray<T, nb::ndim<D>, nb::c_contig, nb::device::cpu>;
-
 void png_filter(Array<const uint8_t, 2> rows, Array<const uint8_t, 1> above, int step, Array<uint8_t, 2> out) {
   const size_t count = rows.shape(0), size = rows.shape(1);
-  if (above.shape(0) != size || out.shape(0) != count || out.shape(1) != size + 1 || step < 1)
-    throw std::invalid_argument("rows must be [n, bytes], above [bytes], out [n, 1 + bytes], step at least 1");
+  require(above.shape(0) == size && has_shape(out, count, size + 1) && step >= 1,
+          "rows must be [n, bytes], above [bytes], out [n, 1 + bytes], step at least 1");
   nb::gil_scoped_release release;
   sgi::png_filter(rows.data(), above.data(), int64_t(count), int64_t(size), step, out.data());
 }

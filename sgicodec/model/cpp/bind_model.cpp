@@ -1,33 +1,22 @@
 #include "bind_model.hpp"
 
-#include <nanobind/ndarray.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
 #include <optional>
-#include <stdexcept>
 
 #include "base_lines.hpp"
-#include "context.hpp"
-#include "network.hpp"
+#include "binding_checks.hpp"
 
 namespace nb = nanobind;
+using sgi::Array;
+using sgi::has_shape;
+using sgi::require;
 
 namespace {
 
 template <class T, int D>
-using Array = nb::ndarray<T, nb::ndim<D>, nb::c_contig, nb::device::cpu>;
-template <class T, int D>
 using Strided = nb::ndarray<T, nb::ndim<D>, nb::device::cpu>;  // rows apart, each contiguous
-
-void require(bool ok, const char *what) {
-  if (!ok) throw std::invalid_argument(what);
-}
-
-template <class A>
-bool has_shape(const A &array, size_t rows, size_t columns) {
-  return array.shape(0) == rows && array.shape(1) == columns;
-}
 
 void require_members(const Array<const int64_t, 1> &members, size_t count) {
   for (size_t i = 0; i < members.shape(0); ++i)
@@ -37,14 +26,11 @@ void require_members(const Array<const int64_t, 1> &members, size_t count) {
 void evaluate_network(Array<const int64_t, 2> w1, Array<const int64_t, 1> b1, Array<const int64_t, 2> w2,
                       Array<const int64_t, 1> b2, int shift, int predicted, Strided<const int16_t, 2> inputs,
                       int threads, const std::string &isa, Array<int64_t, 2> out) {
-  const size_t hidden = w1.shape(0), outputs = w2.shape(0), n = inputs.shape(0);
-  require(b1.shape(0) == hidden && w2.shape(1) == hidden && b2.shape(0) == outputs, "weights do not fit each other");
+  const sgi::NetworkWeights weights = sgi::network_weights(w1, b1, w2, b2, shift, predicted);
+  const size_t n = inputs.shape(0);
   require(inputs.shape(1) == w1.shape(1) && (n == 0 || inputs.stride(1) == 1 || inputs.shape(1) < 2),
           "inputs must be rows [n, inputs]");
-  require(has_shape(out, n, outputs), "out must be [n, outputs]");
-  require(shift >= 2 && shift <= 20 && predicted >= 0 && size_t(predicted) <= outputs, "shift must be 2..20");
-  const sgi::NetworkWeights weights{w1.data(),   b1.data(),    w2.data(), b2.data(), int(w1.shape(1)),
-                                    int(hidden), int(outputs), predicted, shift};
+  require(has_shape(out, n, size_t(weights.outputs)), "out must be [n, outputs]");
   nb::gil_scoped_release release;
   sgi::evaluate_network(weights, inputs.data(), inputs.stride(0), int64_t(n), threads, isa, out.data());
 }
@@ -64,8 +50,8 @@ void seed_inputs(Array<const int32_t, 2> half_pixels, Array<const int8_t, 1> log
     require(neighbours.data()[i] < int64_t(count), "neighbours must be indices of seeds");
   const sgi::SeedsView seeds{half_pixels.data(), log_size.data()};
   nb::gil_scoped_release release;
-  sgi::seed_inputs(seeds, {neighbours.data(), int(ranks)}, summary.data(), members.data(), int64_t(members.shape(0)), quality, threads, out.data(),
-                   int64_t(out.shape(1)));
+  sgi::seed_inputs(seeds, {neighbours.data(), int(ranks)}, summary.data(), members.data(), int64_t(members.shape(0)),
+                   quality, threads, out.data(), int64_t(out.shape(1)));
 }
 
 void summarise(Array<const int64_t, 2> attributes, int per_seed, int channels, int colour, int shape,
@@ -94,11 +80,7 @@ void quantisers(Array<const int64_t, 2> base, Array<const int64_t, 1> columns, i
                 Strided<const int64_t, 2> scale, Strided<const int64_t, 2> refine, Array<const int8_t, 1> log_size,
                 int threads, Array<int64_t, 2> out_mean, Array<int64_t, 2> out_step, Array<int16_t, 2> out_scale) {
   const size_t n = log_size.shape(0), size = columns.shape(0), units = mean.shape(1);
-  require(has_shape(base, size, sgi::kLevels) && gamma >= 0 && gamma < 64, "base must be [size, 8], gamma 0..63");
-  for (size_t i = 0; i < base.size(); ++i)
-    require(base.data()[i] >= 0 && base.data()[i] < sgi::kStepCount, "a base step is outside the table of steps");
-  for (size_t j = 0; j < size; ++j)
-    require(columns.data()[j] >= 0 && size_t(columns.data()[j]) < units, "columns must be predictions");
+  sgi::require_plan(base, columns, gamma, units);
   require(has_shape(mean, n, units) && has_shape(scale, n, units) && has_shape(refine, n, 1) &&
               (!amplitude || amplitude->shape(0) == n),
           "mean, scale [n, U], refine [n, 1], amplitude [n]");

@@ -49,6 +49,9 @@ bool prepare(const float *mean, const float *cov, float cutoff, Splat &s, Ellips
   s.k = std::exp2(2.0f * s.c);
   s.rx = cutoff * std::sqrt(cov[0]);
   s.ry = e.ry = cutoff * std::sqrt(cov[2]);
+  s.lean = static_cast<float>(xy / xx);
+  s.half_height = static_cast<float>(cutoff * std::sqrt(det / xx));
+  s.low_dx = static_cast<float>(cutoff * xy / std::sqrt(yy));
   e.lean = static_cast<float>(xy / yy);
   e.half_width = static_cast<float>(cutoff * std::sqrt(det / yy));
   e.top_dy = static_cast<float>(cutoff * xy / std::sqrt(xx));
@@ -63,19 +66,21 @@ bool prepare(const float *mean, const float *cov, float cutoff, Splat &s, Ellips
 template <class Visit>
 void for_each_tile(const Splat &s, const Ellipse &e, const View &view, Visit visit) {
   const int tx0 = view.tile_x0(), ty0 = view.tile_y0(), nx = view.tiles_x(), ny = view.tiles_y();
-  // Pixel centres sit at +1/2: a tile row covers centres y + 1/2 .. y + 15 + 1/2.
-  const auto first_tile = [](float edge, int base) {
-    return static_cast<int>(std::floor((std::max(-1e8f, std::min(1e8f, edge)) - (kTile - 0.5f)) / kTile + 1.0f)) - base;
+  // Pixel centres sit at +1/2: a tile covers centres from 1/2 to its size less 1/2.
+  const auto first_tile = [](float edge, int size, int base) {
+    return static_cast<int>(std::floor((std::max(-1e8f, std::min(1e8f, edge)) - (size - 0.5f)) / size + 1.0f)) - base;
   };
-  const auto last_tile = [](float edge, int base) {
-    return static_cast<int>(std::floor((std::max(-1e8f, std::min(1e8f, edge)) - 0.5f) / kTile)) - base;
+  const auto last_tile = [](float edge, int size, int base) {
+    return static_cast<int>(std::floor((std::max(-1e8f, std::min(1e8f, edge)) - 0.5f) / size)) - base;
   };
-  const int row0 = std::max(0, first_tile(s.y - e.ry, ty0)), row1 = std::min(ny - 1, last_tile(s.y + e.ry, ty0));
+  const int row0 = std::max(0, first_tile(s.y - e.ry, kTileHeight, ty0));
+  const int row1 = std::min(ny - 1, last_tile(s.y + e.ry, kTileHeight, ty0));
   for (int row = row0; row <= row1; ++row) {
-    const float lo = (ty0 + row) * float(kTile) + 0.5f - s.y;
+    const float lo = (ty0 + row) * float(kTileHeight) + 0.5f - s.y;
     float left, right;
-    e.extent(lo, lo + (kTile - 1), left, right);
-    const int col0 = std::max(0, first_tile(s.x + left, tx0)), col1 = std::min(nx - 1, last_tile(s.x + right, tx0));
+    e.extent(lo, lo + (kTileHeight - 1), left, right);
+    const int col0 = std::max(0, first_tile(s.x + left, kTileWidth, tx0));
+    const int col1 = std::min(nx - 1, last_tile(s.x + right, kTileWidth, tx0));
     for (int col = col0; col <= col1; ++col) visit(static_cast<uint32_t>(row * nx + col));
   }
 }

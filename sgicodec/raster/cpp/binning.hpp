@@ -1,4 +1,4 @@
-// Which Gaussians touch which 16x16 tile.
+// Which Gaussians touch which tile.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -11,14 +11,14 @@ namespace sgi {
 // equals the picture's crop to the last bit.
 struct View {
   int x0 = 0, y0 = 0, width = 0, height = 0;
-  int tile_x0() const { return floor_tile(x0); }
-  int tile_y0() const { return floor_tile(y0); }
-  int tiles_x() const { return floor_tile(x0 + width - 1) - tile_x0() + 1; }
-  int tiles_y() const { return floor_tile(y0 + height - 1) - tile_y0() + 1; }
+  int tile_x0() const { return floor_div(x0, kTileWidth); }
+  int tile_y0() const { return floor_div(y0, kTileHeight); }
+  int tiles_x() const { return floor_div(x0 + width - 1, kTileWidth) - tile_x0() + 1; }
+  int tiles_y() const { return floor_div(y0 + height - 1, kTileHeight) - tile_y0() + 1; }
   bool operator==(const View &o) const {
     return x0 == o.x0 && y0 == o.y0 && width == o.width && height == o.height;
   }
-  static int floor_tile(int v) { return v >= 0 ? v / kTile : -((-v + kTile - 1) / kTile); }
+  static int floor_div(int v, int by) { return v >= 0 ? v / by : -((-v + by - 1) / by); }
 };
 
 struct Bins {

@@ -9,12 +9,6 @@ namespace sgi {
 
 constexpr int kMostChannels = 64;
 
-// The part of a tile that lies in the view, in view coordinates.
-struct TileRect {
-  int x, y;                      // first pixel of the tile, view coordinates (may be negative)
-  int col0, col1, row0, row1;    // pixels of the tile inside the view
-};
-
 // What lies behind the Gaussians: row y is the sum over t < taps of down[y][t] * lines[c][top[y] + t].
 struct Background {
   const float *lines;  // [C, count, width]
@@ -36,7 +30,7 @@ struct Samples {
   bool clip;
 };
 
-// Finishes tile [C][16][16]. Every operation is rounded by itself, none fused, so that all
+// Finishes a tile. Every operation is rounded by itself, none fused, so that all
 // instruction sets give the same.
 using FinishTile = void (*)(const float *tile, int channels, const TileRect &rect, const Background &background,
                             const Samples &samples);

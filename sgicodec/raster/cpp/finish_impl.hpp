@@ -14,6 +14,8 @@ using Ints = int32_t __attribute__((vector_size(LANES * 4)));
 using Words = uint16_t __attribute__((vector_size(LANES * 2)));
 using Bytes = uint8_t __attribute__((vector_size(LANES)));
 
+constexpr int kStrip = 16;  // columns that are finished at once
+
 inline Row load(const float *p) {
   Row row;
   __builtin_memcpy(&row, p, sizeof row);
@@ -55,18 +57,18 @@ template <int C, class T>
 inline void interleave(const T *planes, int channels, int first, int last, T *to) {
   const int count = C ? C : channels;
   for (int x = first; x < last; ++x)
-    for (int c = 0; c < count; ++c) *to++ = planes[c * kTile + x];
+    for (int c = 0; c < count; ++c) *to++ = planes[c * kStrip + x];
 }
 
 #ifdef __SSSE3__
 // Which pixel of channel c byte i of the interleaved part p shows; 0x80 for none.
 struct ThreeChannels {
-  uint8_t pixel[3][3][kTile];
+  uint8_t pixel[3][3][kStrip];
 
   constexpr ThreeChannels() : pixel{} {
     for (int p = 0; p < 3; ++p)
       for (int c = 0; c < 3; ++c)
-        for (int i = 0; i < kTile; ++i) pixel[p][c][i] = (p * kTile + i) % 3 == c ? (p * kTile + i) / 3 : 0x80;
+        for (int i = 0; i < kStrip; ++i) pixel[p][c][i] = (p * kStrip + i) % 3 == c ? (p * kStrip + i) / 3 : 0x80;
   }
 };
 
@@ -76,8 +78,8 @@ inline void interleave_three(const uint8_t *planes, uint8_t *to) {
   for (int p = 0; p < 3; ++p) {
     __m128i out = _mm_setzero_si128();
     for (int c = 0; c < 3; ++c)
-      out = _mm_or_si128(out, _mm_shuffle_epi8(load_bytes(planes + c * kTile), load_bytes(kShown.pixel[p][c])));
-    _mm_storeu_si128(reinterpret_cast<__m128i *>(to + p * kTile), out);
+      out = _mm_or_si128(out, _mm_shuffle_epi8(load_bytes(planes + c * kStrip), load_bytes(kShown.pixel[p][c])));
+    _mm_storeu_si128(reinterpret_cast<__m128i *>(to + p * kStrip), out);
   }
 }
 #endif
@@ -86,7 +88,7 @@ template <class T>
 inline void write_row(const T *planes, int channels, int first, int last, T *to) {
 #ifdef __SSSE3__
   if constexpr (sizeof(T) == 1) {
-    if (channels == 3 && last - first == kTile) return interleave_three(planes, to);
+    if (channels == 3 && last - first == kStrip) return interleave_three(planes, to);
   }
 #endif
   switch (channels) {
@@ -102,7 +104,7 @@ template <class T>
 inline void finish_row(const float *from, int channel, int64_t row, int left, const Background &b, const Samples &s,
                        T *to) {
   const float *line = b.taps ? b.lines + (channel * b.count + b.top[row]) * b.width : nullptr;
-  for (int at = 0; at < kTile; at += LANES) {
+  for (int at = 0; at < kStrip; at += LANES) {
     Row values = load(from + at);
     for (int t = 0; t < b.taps; ++t)
       values += load_part(line + t * b.width, b.width, left + at) * b.down[row * b.taps + t];
@@ -113,13 +115,16 @@ inline void finish_row(const float *from, int channel, int64_t row, int left, co
 
 template <class T>
 void finish_as(const float *tile, int channels, const TileRect &r, const Background &b, const Samples &s) {
-  T planes[kMostChannels * kTile];
+  T planes[kMostChannels * kStrip];
   for (int y = r.row0; y < r.row1; ++y) {
     const int64_t row = int64_t(r.y) + y;
-    for (int c = 0; c < channels; ++c)
-      finish_row(tile + c * kTilePixels + y * kTile, c, row, r.x, b, s, planes + c * kTile);
-    T *to = static_cast<T *>(s.first) + row * s.row_stride + int64_t(r.x + r.col0) * channels;
-    write_row(planes, channels, r.col0, r.col1, to);
+    for (int strip = r.col0 / kStrip * kStrip; strip < r.col1; strip += kStrip) {
+      for (int c = 0; c < channels; ++c)
+        finish_row(tile + c * kTilePlane + y * kTileStride + strip, c, row, r.x + strip, b, s, planes + c * kStrip);
+      const int first = strip < r.col0 ? r.col0 - strip : 0, last = r.col1 - strip < kStrip ? r.col1 - strip : kStrip;
+      T *to = static_cast<T *>(s.first) + row * s.row_stride + int64_t(r.x + strip + first) * channels;
+      write_row(planes, channels, first, last, to);
+    }
   }
 }
 

@@ -3,7 +3,7 @@
 
 namespace sgi {
 const TileKernel &avx2_kernel() {
-  static const TileKernel kernel{forward, backward, multiply_add, "avx2", LANES};
+  static const TileKernel kernel{forward, compare, backward, multiply_add, "avx2", LANES};
   return kernel;
 }
 }  // namespace sgi

@@ -3,7 +3,7 @@
 
 namespace sgi {
 const TileKernel &avx512_kernel() {
-  static const TileKernel kernel{forward, backward, multiply_add, "avx512", LANES};
+  static const TileKernel kernel{forward, compare, backward, multiply_add, "avx512", LANES};
   return kernel;
 }
 }  // namespace sgi

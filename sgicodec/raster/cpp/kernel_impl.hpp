@@ -12,28 +12,59 @@
 namespace sgi {
 namespace {
 
-// Whether LANES columns from x on (relative to the centre) lie beside the Gaussian.
-inline bool beside(const Splat &s, float x) { return LANES < kTile && (x > s.rx || x + (LANES - 1) < -s.rx); }
+inline float least(float a, float b) { return a < b ? a : b; }
+inline float greatest(float a, float b) { return a > b ? a : b; }
 
-// Calls visit(row, G) for every row of a tile that the Gaussian reaches; `dx` is where the lanes lie from its centre,
-// `top` the tile's first row of pixel centres.
+// Rows [first, last) of a tile.
+struct Rows {
+  int first, last;
+};
+
+// The rows in which the Gaussian reaches the LANES columns from dx on; `top` is the tile's first row of pixel centres.
+inline Rows rows_of(const Splat &s, float dx, float top) {
+  float up = -s.ry, down = s.ry;
+  if (dx > -s.rx || dx + (LANES - 1) < s.rx) {
+    const float lo = greatest(dx, -s.rx), hi = least(dx + (LANES - 1), s.rx);
+    const auto end = [&](float at, float side) {
+      const float u = at / s.rx;
+      return s.lean * at + side * s.half_height * __builtin_sqrtf(greatest(0.0f, 1.0f - u * u));
+    };
+    down = end(least(greatest(s.low_dx, lo), hi), 1.0f);
+    up = end(least(greatest(-s.low_dx, lo), hi), -1.0f);
+  }
+  const float from = s.y + up - top, to = s.y + down - top;
+  return {from > 0 ? static_cast<int>(least(from, float(kTileHeight))) + 1 : 0,
+          to < kTileHeight - 1 ? static_cast<int>(greatest(to, -1.0f)) + 1 : kTileHeight};
+}
+
+// Calls visit(column, dx) for the first column of every vector that a tile needs for the Gaussian; `left` is the tile's
+// first column of pixel centres. Where that takes no more vectors, they are aligned.
 template <class Visit>
-inline __attribute__((always_inline)) void for_each_row(const Splat &s, vf dx, float top, Visit visit) {
-  const float from = s.y - s.ry - top, to = s.y + s.ry - top;
-  const int first = from > 0 ? static_cast<int>(from) + 1 : 0;
-  const int last = to < kTile - 1 ? static_cast<int>(to) + 1 : kTile;
+inline __attribute__((always_inline)) void for_each_vector(const Splat &s, float left, Visit visit) {
+  const float from = s.x - s.rx - left, to = s.x + s.rx - left;
+  int first = from > 0 ? static_cast<int>(least(from, float(kTileWidth))) : 0;
+  const int last = to < kTileWidth - 1 ? static_cast<int>(greatest(to, -1.0f)) : kTileWidth - 1;
+  const int aligned = first & -LANES;
+  if ((last - aligned) / LANES == (last - first) / LANES) first = aligned;
+  for (; first <= last; first += LANES) visit(first, left + first - s.x);
+}
+
+// Calls visit(row, dy, G) for every row; `dx` is where the lanes lie from the Gaussian's centre.
+template <class Visit>
+inline __attribute__((always_inline)) void for_each_row(const Splat &s, vf dx, float top, Rows rows, Visit visit) {
   const vf quad = s.a * dx * dx;
   const vf slope = s.b * dx;
   const vf kk = vf{} + s.k;
-  for (int row = first; row < last;) {
-    const float dy = top + row - s.y;
+  for (int row = rows.first; row < rows.last;) {
+    float dy = top + row - s.y;
     vf g = exp2v(quad + (slope + s.c * dy) * dy);
     vf r = exp2v(slope + s.c * (2.0f * dy + 1.0f));
-    const int stop = row + s.span < last ? row + s.span : last;
+    const int stop = row + s.span < rows.last ? row + s.span : rows.last;
     for (; row < stop; ++row) {
-      visit(row, g);
+      visit(row, dy, g);
       g *= r;
       r *= kk;
+      dy += 1.0f;
     }
   }
 }
@@ -46,24 +77,18 @@ inline void broadcast(const float *colour, vf (&c)[CG]) {
 template <int CG>
 void forward_group(const Entry *entries, int64_t n, const Splat *splats, const float *colours, int channels, int x0,
                    int y0, float *tile) {
-  for (int bx = 0; bx < kTile; bx += LANES) {
-    vf sum[kTile][CG] = {};
-    for (int64_t i = 0; i < n; ++i) {
-      const Splat &s = splats[entries[i].gaussian];
-      const float left = x0 + bx + 0.5f - s.x;
-      if (beside(s, left)) continue;
-      vf c[CG];
-      broadcast(colours + int64_t(entries[i].gaussian) * channels, c);
-      for_each_row(s, iota() + left, y0 + 0.5f, [&](int row, vf g) {
+  const float left = x0 + 0.5f, top = y0 + 0.5f;
+  for (int64_t i = 0; i < n; ++i) {
+    const Splat &s = splats[entries[i].gaussian];
+    vf c[CG];
+    broadcast(colours + int64_t(entries[i].gaussian) * channels, c);
+    for_each_vector(s, left, [&](int column, float dx) {
+      for_each_row(s, iota() + dx, top, rows_of(s, dx, top), [&](int row, float, vf g) {
+        float *at = tile + row * kTileStride + column;
 #pragma GCC unroll 4
-        for (int k = 0; k < CG; ++k) sum[row][k] += g * c[k];
+        for (int k = 0; k < CG; ++k) store(at + k * kTilePlane, load(at + k * kTilePlane) + g * c[k]);
       });
-    }
-    for (int k = 0; k < CG; ++k)
-      for (int row = 0; row < kTile; ++row) {
-        float *p = tile + k * kTilePixels + row * kTile + bx;
-        store(p, load(p) + sum[row][k]);
-      }
+    });
   }
 }
 
@@ -117,38 +142,37 @@ inline void add_sums(const vf *v, float *out) {
 template <int CG>
 void backward_group(const Entry *entries, int64_t n, const Splat *splats, const float *colours, int channels, int c0,
                     int x0, int y0, const float *grad, float *partials) {
-  const float top = y0 + 0.5f, middle = y0 + 0.5f * kTile;
+  const float left = x0 + 0.5f, top = y0 + 0.5f;
   for (int64_t i = 0; i < n; ++i) {
     const Splat &s = splats[entries[i].gaussian];
-    vf c[CG];
+    vf c[CG], all[kMoments + CG] = {};
     broadcast(colours + int64_t(entries[i].gaussian) * channels + c0, c);
-    float sum[kMoments + CG] = {};
-    for (int bx = 0; bx < kTile; bx += LANES) {
-      const float left = x0 + bx + 0.5f - s.x;
-      if (beside(s, left)) continue;
-      const vf dx = iota() + left;
-      vf m[3] = {}, mc[CG] = {};
-      for_each_row(s, dx, top, [&](int row, vf g) {
-        const float *at = grad + bx + row * kTile;
+    for_each_vector(s, left, [&](int column, float first_dx) {
+      const vf dx = iota() + first_dx;
+      vf w{}, wy{}, wyy{};
+      for_each_row(s, dx, top, rows_of(s, first_dx, top), [&](int row, float dy, vf g) {
+        const float *at = grad + row * kTileStride + column;
         vf t{};
 #pragma GCC unroll 4
         for (int k = 0; k < CG; ++k) {
-          const vf up = load(at + k * kTilePixels);
+          const vf up = load(at + k * kTilePlane);
           t = k ? t + up * c[k] : up * c[k];
-          mc[k] += g * up;
+          all[kMoments + k] += g * up;
         }
-        const vf w = g * t;
-        const float j = row - (kTile / 2 - 0.5f);  // centred, so that the shift to dy loses few bits
-        m[0] += w;
-        m[1] += w * j;
-        m[2] += w * (j * j);
+        const vf m = g * t;
+        w += m;
+        wy += m * dy;
+        wyy += m * (dy * dy);
       });
-      const float shift = middle - s.y;  // dy = j + shift
-      const vf w = m[0], wy = m[1] + shift * m[0], wyy = m[2] + shift * (2.0f * m[1] + shift * m[0]);
-      vf all[kMoments + CG] = {w, w * dx, w * dx * dx, wy, wy * dx, wyy};
-      for (int k = 0; k < CG; ++k) all[kMoments + k] = mc[k];
-      add_sums<kMoments + CG>(all, sum);
-    }
+      all[0] += w;
+      all[1] += w * dx;
+      all[2] += w * dx * dx;
+      all[3] += wy;
+      all[4] += wy * dx;
+      all[5] += wyy;
+    });
+    float sum[kMoments + CG] = {};
+    add_sums<kMoments + CG>(all, sum);
     float *out = partials + int64_t(entries[i].slot) * (kMoments + channels);
     for (int j = 0; j < kMoments; ++j) out[j] = c0 == 0 ? sum[j] : out[j] + sum[j];
     for (int k = 0; k < CG; ++k) out[kMoments + c0 + k] = sum[kMoments + k];
@@ -159,7 +183,7 @@ void forward(const Entry *entries, int64_t n, const Splat *splats, const float *
              float *tile) {
   for (int c = 0; c < channels;) {
     const int left = channels - c;
-    float *out = tile + c * kTilePixels;
+    float *out = tile + c * kTilePlane;
     const float *from = colours + c;
     switch (left) {
       case 1: forward_group<1>(entries, n, splats, from, channels, x0, y0, out); c += 1; break;
@@ -174,7 +198,7 @@ void backward(const Entry *entries, int64_t n, const Splat *splats, const float 
               const float *grad, float *partials) {
   for (int c = 0; c < channels;) {
     const int left = channels - c;
-    const float *from = grad + c * kTilePixels;
+    const float *from = grad + c * kTilePlane;
     switch (left) {
       case 1: backward_group<1>(entries, n, splats, colours, channels, c, x0, y0, from, partials); c += 1; break;
       case 2: backward_group<2>(entries, n, splats, colours, channels, c, x0, y0, from, partials); c += 2; break;
@@ -182,6 +206,38 @@ void backward(const Entry *entries, int64_t n, const Splat *splats, const float 
       default: backward_group<4>(entries, n, splats, colours, channels, c, x0, y0, from, partials); c += 4; break;
     }
   }
+}
+
+double compare(float *tile, int channels, const TileRect &r, const float *target, int64_t width, int64_t height,
+               float weight) {
+  double total = 0;
+  for (int c = 0; c < channels; ++c) {
+    vf sum{};
+    for (int y = 0; y < kTileHeight; ++y) {
+      float *row = tile + c * kTilePlane + y * kTileStride;
+      const bool inside = y >= r.row0 && y < r.row1;
+      const int begin = inside ? r.col0 : kTileStride, end = inside ? r.col1 : kTileStride;
+      for (int x = 0; x < begin; ++x) row[x] = 0.0f;
+      for (int x = end; x < kTileStride; ++x) row[x] = 0.0f;
+      if (!inside) continue;
+      const float *wanted = target + (c * height + r.y + y) * width + r.x;
+      int x = begin;
+      for (; x + LANES <= end; x += LANES) {
+        const vf error = load(row + x) - load(wanted + x);
+        sum += error * error;
+        store(row + x, 2.0f * weight * error);
+      }
+      float rest = 0;
+      for (; x < end; ++x) {
+        const float error = row[x] - wanted[x];
+        rest += error * error;
+        row[x] = 2.0f * weight * error;
+      }
+      total += rest;
+    }
+    for (int i = 0; i < LANES; ++i) total += sum[i];
+  }
+  return total;
 }
 
 float multiply_add(int64_t rounds) {

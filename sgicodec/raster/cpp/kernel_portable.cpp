@@ -3,7 +3,7 @@
 
 namespace sgi {
 const TileKernel &portable_kernel() {
-  static const TileKernel kernel{forward, backward, multiply_add, "portable", LANES};
+  static const TileKernel kernel{forward, compare, backward, multiply_add, "portable", LANES};
   return kernel;
 }
 }  // namespace sgi

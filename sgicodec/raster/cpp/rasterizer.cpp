@@ -12,12 +12,12 @@ namespace {
 
 TileRect tile_rect(const View &view, int64_t tile) {
   TileRect r;
-  r.x = (view.tile_x0() + static_cast<int>(tile % view.tiles_x())) * kTile - view.x0;
-  r.y = (view.tile_y0() + static_cast<int>(tile / view.tiles_x())) * kTile - view.y0;
+  r.x = (view.tile_x0() + static_cast<int>(tile % view.tiles_x())) * kTileWidth - view.x0;
+  r.y = (view.tile_y0() + static_cast<int>(tile / view.tiles_x())) * kTileHeight - view.y0;
   r.col0 = std::max(0, -r.x);
   r.row0 = std::max(0, -r.y);
-  r.col1 = std::min(kTile, view.width - r.x);
-  r.row1 = std::min(kTile, view.height - r.y);
+  r.col1 = std::min(kTileWidth, view.width - r.x);
+  r.row1 = std::min(kTileHeight, view.height - r.y);
   return r;
 }
 
@@ -25,7 +25,7 @@ template <class Row>
 void for_each_row(const View &view, const TileRect &r, int channels, Row row) {
   for (int c = 0; c < channels; ++c)
     for (int y = r.row0; y < r.row1; ++y)
-      row((int64_t(c) * view.height + r.y + y) * view.width + r.x + r.col0, c * kTilePixels + y * kTile + r.col0,
+      row((int64_t(c) * view.height + r.y + y) * view.width + r.x + r.col0, c * kTilePlane + y * kTileStride + r.col0,
           r.col1 - r.col0);
 }
 
@@ -50,7 +50,7 @@ float *Rasterizer::partials_for(int64_t slots, int channels) {
 void Rasterizer::forward(const Gaussians &g, const View &view, float cutoff, float *image) {
   bin_gaussians(g.means, g.covariances, g.count, view, cutoff, threads_, bins_);
   parallel_for(int64_t(view.tiles_x()) * view.tiles_y(), threads_, [&](int64_t tile) {
-    std::vector<float> buffer(g.channels * kTilePixels, 0.0f);
+    std::vector<float> buffer(g.channels * kTilePlane, 0.0f);
     const TileRect r = tile_rect(view, tile);
     const int64_t begin = bins_.tile_start[tile];
     kernel_->forward(bins_.entries.data() + begin, bins_.tile_start[tile + 1] - begin, bins_.splats.data(), g.colours,
@@ -65,7 +65,7 @@ void Rasterizer::draw(const Gaussians &g, const View &view, float cutoff, const 
   bin_gaussians(g.means, g.covariances, g.count, view, cutoff, threads_, bins_);
   const FinishTile finish = finish_for(*kernel_);
   parallel_for(int64_t(view.tiles_x()) * view.tiles_y(), threads_, [&](int64_t tile) {
-    std::vector<float> buffer(g.channels * kTilePixels, 0.0f);
+    std::vector<float> buffer(g.channels * kTilePlane, 0.0f);
     const TileRect r = tile_rect(view, tile);
     const int64_t begin = bins_.tile_start[tile];
     kernel_->forward(bins_.entries.data() + begin, bins_.tile_start[tile + 1] - begin, bins_.splats.data(), g.colours,
@@ -79,7 +79,7 @@ void Rasterizer::backward(const Gaussians &g, const View &view, const float *gra
     throw std::invalid_argument("backward must follow a forward pass of the same Gaussians and view");
   float *partials = partials_for(pairs(), g.channels);
   parallel_for(int64_t(view.tiles_x()) * view.tiles_y(), threads_, [&](int64_t tile) {
-    std::vector<float> buffer(g.channels * kTilePixels, 0.0f);
+    std::vector<float> buffer(g.channels * kTilePlane, 0.0f);
     const TileRect r = tile_rect(view, tile);
     const int64_t begin = bins_.tile_start[tile];
     for_each_row(view, r, g.channels,
@@ -97,23 +97,17 @@ double Rasterizer::squared_error(const Gaussians &g, const View &view, float cut
   const int64_t tiles = int64_t(view.tiles_x()) * view.tiles_y();
   tile_loss_.assign(tiles, 0.0);
   parallel_for(tiles, threads_, [&](int64_t tile) {
-    std::vector<float> buffer(2 * g.channels * kTilePixels, 0.0f);
-    float *drawn = buffer.data(), *grad = drawn + g.channels * kTilePixels;
+    std::vector<float> buffer(g.channels * kTilePlane, 0.0f);
     const TileRect r = tile_rect(view, tile);
     const int64_t begin = bins_.tile_start[tile], n = bins_.tile_start[tile + 1] - begin;
     const Entry *entries = bins_.entries.data() + begin;
-    kernel_->forward(entries, n, bins_.splats.data(), g.colours, g.channels, r.x + view.x0, r.y + view.y0, drawn);
-    float column_loss[kTile] = {};  // sixteen chains of additions instead of one
-    for_each_row(view, r, g.channels, [&](int64_t from, int at, int count) {
-      for (int x = 0; x < count; ++x) {
-        const float error = drawn[at + x] - target[from + x];
-        column_loss[x] += error * error;
-        grad[at + x] = 2.0f * weight * error;
-      }
+    for_each_row(view, r, g.channels, [&](int64_t from, int, int count) {
+      for (int x = 0; x < count; x += 16) __builtin_prefetch(target + from + x);
     });
-    tile_loss_[tile] = std::accumulate(column_loss, column_loss + kTile, 0.0);
-    kernel_->backward(entries, n, bins_.splats.data(), g.colours, g.channels, r.x + view.x0, r.y + view.y0, grad,
-                      partials);
+    const int x0 = r.x + view.x0, y0 = r.y + view.y0;
+    kernel_->forward(entries, n, bins_.splats.data(), g.colours, g.channels, x0, y0, buffer.data());
+    tile_loss_[tile] = kernel_->compare(buffer.data(), g.channels, r, target, view.width, view.height, weight);
+    kernel_->backward(entries, n, bins_.splats.data(), g.colours, g.channels, x0, y0, buffer.data(), partials);
   });
   reduce(g, out);
   double total = 0;

@@ -1,29 +1,19 @@
 #include "bind_refine.hpp"
 
-#include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
 
 #include <memory>
-#include <stdexcept>
 
+#include "../../model/cpp/binding_checks.hpp"
 #include "base_search.hpp"
 #include "sweep.hpp"
 
 namespace nb = nanobind;
+using sgi::Array;
+using sgi::has_shape;
+using sgi::require;
 
 namespace {
-
-template <class T, int D>
-using Array = nb::ndarray<T, nb::ndim<D>, nb::c_contig, nb::device::cpu>;
-
-void require(bool ok, const char *what) {
-  if (!ok) throw std::invalid_argument(what);
-}
-
-template <class A>
-bool has_shape(const A &array, size_t rows, size_t columns) {
-  return array.shape(0) == rows && array.shape(1) == columns;
-}
 
 void require_tables(const Array<const int32_t, 1> &support, const Array<const int64_t, 1> &start,
                     const Array<const double, 1> &bits) {
@@ -64,19 +54,11 @@ class SymbolSearch {
                  Array<const int64_t, 1> b2, int shift, int predicted, Array<const int64_t, 2> base,
                  Array<const int64_t, 1> columns, int64_t gamma) {
     require(group >= 0 && group < sgi::kGroupCount, "there are three groups");
-    const size_t hidden = w1.shape(0), outputs = w2.shape(0);
+    const sgi::NetworkWeights weights = sgi::network_weights(w1, b1, w2, b2, shift, predicted);
     const size_t size = group == sgi::kColour ? size_t(model_.channels) : group == sgi::kShape ? 3 : 2;
-    require(b1.shape(0) == hidden && w2.shape(1) == hidden && b2.shape(0) == outputs && predicted > 0 &&
-                outputs == 2 * size_t(predicted) + 1 && shift >= 2 && shift <= 20,
-            "weights do not fit each other");
-    require(has_shape(base, size, sgi::kLevels) && columns.shape(0) == size && gamma >= 0 && gamma < 64,
-            "base [size, 8], columns [size], gamma 0..63");
-    for (size_t j = 0; j < size; ++j)
-      require(columns.data()[j] >= 0 && columns.data()[j] < predicted, "columns must be predictions");
-    for (size_t i = 0; i < base.size(); ++i)
-      require(base.data()[i] >= 0 && base.data()[i] < sgi::kStepCount, "a base step is outside the table of steps");
-    const sgi::NetworkWeights weights{w1.data(),   b1.data(),    w2.data(), b2.data(), int(w1.shape(1)),
-                                      int(hidden), int(outputs), predicted, shift};
+    require(predicted > 0 && weights.outputs == 2 * predicted + 1 && columns.shape(0) == size,
+            "there must be a mean, a scale and a column for each attribute, and one refinement");
+    sgi::require_plan(base, columns, gamma, size_t(predicted));
     networks_[group] = std::make_unique<sgi::Network>(weights, isa_);
     base_[group] = base;
     columns_[group] = columns;
@@ -146,8 +128,9 @@ int64_t search_base(Array<int64_t, 3> planes, Array<const int32_t, 1> predictor,
   require_tables(support, start, bits);
   for (size_t c = 0; c < channels; ++c)
     require(table.data()[c] >= 0 && size_t(table.data()[c]) < support.shape(0), "a table does not exist");
+  const sgi::BitTables tables{support.data(), start.data(), bits.data(), 0};
   const sgi::BasePlanes base{planes.data(),    int64_t(channels), int64_t(rows), int64_t(columns),
-                             predictor.data(), weights.data(),    table.data(),  {support.data(), start.data(), bits.data(), 0}};
+                             predictor.data(), weights.data(),    table.data(),  tables};
   nb::gil_scoped_release release;
   return sgi::search_base(base, {down.data(), across.data(), pull.data(), step}, lmbda, sweeps);
 }

@@ -10,12 +10,14 @@
 namespace sgi {
 namespace {
 
+constexpr int kCell = 16;  // pixels per side of what two windows may not share at a time
+
 // The first pixel whose centre is not left of `edge`, within 0 and `size`.
 int first_pixel(float edge, int size) {
   return static_cast<int>(std::ceil(std::min(std::max(edge - 0.5f, 0.0f), static_cast<float>(size))));
 }
 
-// For each window in turn the earlier ones that touched one of its tiles last: when they are done, it may begin.
+// For each window in turn the earlier ones that touched one of its cells last: when they are done, it may begin.
 struct Turns {
   std::vector<int32_t> order;
   std::vector<int64_t> first;    // [order + 1] where each turn's part of `awaited` begins
@@ -23,7 +25,7 @@ struct Turns {
 };
 
 Turns turns_of(const std::vector<Window> &windows, const std::vector<int32_t> &order, const Residual &r) {
-  const int64_t across = (r.row + kTile - 1) / kTile, down = (r.height + kTile - 1) / kTile;
+  const int64_t across = (r.row + kCell - 1) / kCell, down = (r.height + kCell - 1) / kCell;
   std::vector<int32_t> last(across * down, -1);
   Turns turns;
   turns.first.push_back(0);
@@ -31,11 +33,11 @@ Turns turns_of(const std::vector<Window> &windows, const std::vector<int32_t> &o
     const Window &w = windows[i];
     if (w.empty()) continue;
     const int32_t turn = static_cast<int32_t>(turns.order.size());
-    for (int64_t y = w.y / kTile; y <= (w.y + w.height - 1) / kTile; ++y)
-      for (int64_t x = w.x / kTile; x <= (w.x + w.stride - 1) / kTile; ++x) {
-        int32_t &tile = last[y * across + x];
-        if (tile >= 0) turns.awaited.push_back(tile);
-        tile = turn;
+    for (int64_t y = w.y / kCell; y <= (w.y + w.height - 1) / kCell; ++y)
+      for (int64_t x = w.x / kCell; x <= (w.x + w.stride - 1) / kCell; ++x) {
+        int32_t &cell = last[y * across + x];
+        if (cell >= 0) turns.awaited.push_back(cell);
+        cell = turn;
       }
     const auto from = turns.awaited.begin() + turns.first.back();
     std::sort(from, turns.awaited.end());
