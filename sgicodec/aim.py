@@ -72,7 +72,7 @@ class Aim:
         share, decibels = searched(self.encoding.fit.steps, lmbda)
         if self.goal.bytes is not None:
             return Goal(bytes=self.goal.bytes / share)
-        return Goal(psnr=(self.goal.psnr or 0.0) - decibels)
+        return Goal(psnr=(self.goal.psnr or 0.0) - _SURE * decibels)
 
     def _fitted(self, on_progress: Callable[[Progress], bool], leaps: bool = True) -> Fitted:
         encoding = self.encoding
@@ -124,6 +124,8 @@ class Aim:
         return met[-1] if met else min(sound or tries, key=lambda one: abs(goal.excess(one[1][1])))
 
 
+_SURE = 0.5
+"""Of what searches usually add to PSNR, what a fit counts on: they drop seeds that are too many, but add none."""
 _UNSETTLED = 1
 """Sweeps whose outcome says little: scales are not fitted yet, and seeds that do not pay are still there."""
 _UP, _MORE_UP, _DOWN, _MOST_MOVE = 1.0, 1.5, 2.5, 1.0

@@ -63,7 +63,7 @@ _AIM, _FULL, _TOLERANCE = 0.99, 0.97, 0.1
 _BYTES_PER_OCTAVE = 0.65
 """log2 of the bytes that an octave of λ takes or gives, on photographs between 0.1 and 1 bpp."""
 _DECIBELS_PER_OCTAVE = 1.5
-_MARGIN = 0.08
+_MARGIN = 0.1
 _PERFECT = 200.0
 """dB that stand for no error at all."""
 LMBDA_RANGE = 1e-6, 4.0
@@ -101,7 +101,7 @@ class Steering:
             self._move(_LEAP_GAIN * self._excess, 2.0)
             self._excess = None
         else:
-            gain = min(0.2, 12.0 / steps) * min(1.0, (1.0 - done) / _FADE)  # late, λ hardly changes the outcome
+            gain = min(0.08, 24.0 / steps) * min(1.0, (1.0 - done) / _FADE)  # late, λ hardly changes the outcome
             self._move(gain * (self._excess + self._correction), 0.5)
         return self.lmbda
 

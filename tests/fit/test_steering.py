@@ -84,7 +84,7 @@ def test_real_streams_correct_a_wrong_forecast(off: float) -> None:
 
 def test_a_real_stream_is_taken_for_what_it_will_have_become() -> None:
     """A stream halfway that is exactly on course calls for no correction."""
-    plant, steering = Plant(1000), Steering(Goal(psnr=29.92), 0.01, OVERHEAD)
+    plant, steering = Plant(1000), Steering(Goal(psnr=29.9), 0.01, OVERHEAD)
     for step in range(250, 500):
         assert steering.steer(step / 1000, 1000, *plant.state(step / 1000)) == pytest.approx(0.01, rel=0.02)
     steering.correct(0.5, 1000, plant.stream(0.5))
