@@ -101,7 +101,7 @@ class Steering:
             self._move(_LEAP_GAIN * self._excess, 2.0)
             self._excess = None
         else:
-            gain = min(0.08, 24.0 / steps) * min(1.0, (1.0 - done) / _FADE)  # late, λ hardly changes the outcome
+            gain = min(_MOST_GAIN, _GAIN_STEPS / steps) * min(1.0, (1.0 - done) / _FADE)  # late, λ hardly changes the outcome
             self._move(gain * (self._excess + self._correction), 0.5)
         return self.lmbda
 
@@ -145,6 +145,8 @@ class Steering:
 
 _LEAP, _SETTLED, _FADE = 0.29, 0.35, 0.4
 """Fractions of a fit: seeds were dropped once, what followed has settled; from 1 − 0.4 on, λ moves less."""
+_MOST_GAIN, _GAIN_STEPS = 0.08, 24.0
+"""Part of the excess that λ makes up in a step from then on, at most and in a fit of one step."""
 _SIZE_FORESIGHT, _PSNR_FORESIGHT, _LEAP_GAIN = 0.4, 0.6, 0.8
 """Parts of the excess that λ makes up at once, before and after seeds are dropped for the first time."""
 
