@@ -101,7 +101,8 @@ class Steering:
             self._move(_LEAP_GAIN * self._excess, 2.0)
             self._excess = None
         else:
-            gain = min(_MOST_GAIN, _GAIN_STEPS / steps) * min(1.0, (1.0 - done) / _FADE)  # late, λ hardly changes the outcome
+            late = min(1.0, (1.0 - done) / _FADE)  # λ then hardly changes the outcome
+            gain = late * min(_MOST_GAIN, _GAIN_STEPS / steps)
             self._move(gain * (self._excess + self._correction), 0.5)
         return self.lmbda
 
