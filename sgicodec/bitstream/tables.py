@@ -55,7 +55,7 @@ MAX_MAGNITUDE = 1 << 20
 ESCAPE_EXPONENTS = 21
 """Number of Exp-Golomb exponents behind an escape: |n| − S − 1 lies in 0 .. MAX_MAGNITUDE − 1."""
 
-_MOST_COUNTED = 2048
+_MOST_COUNTED = 128
 """Largest magnitude up to which symbols are counted before their bits are summed."""
 
 _FILE = "tables.bin"
@@ -108,7 +108,8 @@ class FrequencyTables:
         width, number = 2 * reach + 1, np.arange(len(options))[:, None]
         values = options.reshape(len(options), -1) + reach + width * number
         counts = np.bincount(values.ravel(), minlength=width * len(options)).reshape(len(options), width)
-        least: NDArray[np.float64] = (counts @ _bits_of_small(reach)).min(axis=1)
+        # not a product of matrices: BLAS's threads would wait for each other where other work runs
+        least: NDArray[np.float64] = np.einsum("nv,vt->nt", counts, _bits_of_small(reach)).min(axis=1)
         return least
 
 
