@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import heapq
-import time
 from collections.abc import Callable
 
 import pytest
+from clock import Clock
 from hypothesis import HealthCheck, given
 from hypothesis import settings as examples
 from hypothesis import strategies as st
@@ -16,22 +16,6 @@ from sgicodec.tiles import TileGrid
 from sgicodec.time_shares import TimeShares
 
 START = 1000.0
-
-
-class Clock:
-    """Stands in for time.monotonic."""
-
-    now = START
-
-    def __call__(self) -> float:
-        return self.now
-
-
-@pytest.fixture
-def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
-    mine = Clock()
-    monkeypatch.setattr(time, "monotonic", mine)
-    return mine
 
 
 def tile(seeds: int = 9, decoding: float = 0.0) -> EncodedTile:

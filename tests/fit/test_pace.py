@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-import time
 
 import pytest
+from clock import Clock
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -13,23 +13,6 @@ from sgicodec.fit.pace import Pace, evenly, passed
 from sgicodec.fit.settings import Phase
 
 PHASES = (Phase(3), Phase(15), Phase(2))
-
-
-class Clock:
-    """Stands in for time.monotonic."""
-
-    def __init__(self) -> None:
-        self.now = 1000.0
-
-    def __call__(self) -> float:
-        return self.now
-
-
-@pytest.fixture
-def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
-    mine = Clock()
-    monkeypatch.setattr(time, "monotonic", mine)
-    return mine
 
 
 @given(st.lists(st.integers(1, 9), min_size=1, max_size=4))

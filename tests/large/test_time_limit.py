@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import io
-import time
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from clock import Clock
 
 from sgicodec import EncodeSettings, encode, open_stream, read
 from sgicodec.image import Metadata, Picture, open_source, write
@@ -20,23 +20,11 @@ from sgicodec.tile_weight import tile_weight
 GEO_WITH_NODATA_0 = bytes.fromhex("49492a00 08000000 0100 81a40200 02000000 30000000 00000000")
 
 
-@dataclass
-class Ticking:
-    """Stands in for time.monotonic: a step of a fit takes as many ticks as it looks at the clock, on any machine."""
-
-    now: float = 1000.0
-    tick: float = 0.02
-
-    def __call__(self) -> float:
-        self.now += self.tick
-        return self.now
-
-
 @pytest.fixture
-def clock(monkeypatch: pytest.MonkeyPatch) -> Ticking:
-    mine = Ticking()
-    monkeypatch.setattr(time, "monotonic", mine)
-    return mine
+def clock(clock: Clock) -> Clock:
+    """A step of a fit takes as many ticks as it looks at the clock, on any machine."""
+    clock.tick = 0.02
+    return clock
 
 
 @pytest.fixture(autouse=True)
@@ -45,9 +33,7 @@ def _no_sync(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Journal, "_write", lambda self, data: self._file.write(data))
 
 
-def limited(
-    clock: Ticking, path: Path, limit: float, journal: Journal, stop: int | None = None
-) -> tuple[bytes, Totals]:
+def limited(clock: Clock, path: Path, limit: float, journal: Journal, stop: int | None = None) -> tuple[bytes, Totals]:
     """An encode of tiles of 64 pixels in this process, interrupted after `stop` tiles."""
 
     def watch(state: State) -> None:
@@ -70,7 +56,7 @@ def steps(journal: Journal) -> list[int]:
     return [tile.steps for _, tile in sorted(journal.tiles.items())]
 
 
-def test_every_tile_has_its_part_and_the_limit_holds(clock: Ticking, photo: Path) -> None:
+def test_every_tile_has_its_part_and_the_limit_holds(clock: Clock, photo: Path) -> None:
     """By this clock all steps take the same, so that time by weight is steps by weight."""
     journal, began = fresh(), clock.now
     data, totals = limited(clock, photo, 20.0, journal)
@@ -90,7 +76,7 @@ def test_every_tile_has_its_part_and_the_limit_holds(clock: Ticking, photo: Path
         assert psnr(read(photo).pixels, stream.picture().pixels) > 22
 
 
-def test_more_time_gives_more_steps_and_a_better_file(clock: Ticking, photo: Path) -> None:
+def test_more_time_gives_more_steps_and_a_better_file(clock: Clock, photo: Path) -> None:
     pixels, costs, counts = read(photo).pixels, [], []
     for limit in (6.0, 24.0):
         journal = fresh()
@@ -102,14 +88,14 @@ def test_more_time_gives_more_steps_and_a_better_file(clock: Ticking, photo: Pat
     assert costs[1] < costs[0]
 
 
-def test_next_to_no_time_gives_a_sound_stream(clock: Ticking, photo: Path) -> None:
+def test_next_to_no_time_gives_a_sound_stream(clock: Clock, photo: Path) -> None:
     journal = fresh()
     data, _ = limited(clock, photo, 0.01, journal)
     assert max(steps(journal)) < 12
     assert psnr(read(photo).pixels, open_stream(data).picture().pixels) > 12
 
 
-def test_blank_tiles_hand_their_time_on(clock: Ticking, photo: Path, tmp_path: Path) -> None:
+def test_blank_tiles_hand_their_time_on(clock: Clock, photo: Path, tmp_path: Path) -> None:
     pixels, counts = np.maximum(read(photo).pixels, 1), []
     for blank in (0, 108):  # two of three columns, aprons included
         pixels[:, :blank] = 0
@@ -124,7 +110,7 @@ def test_blank_tiles_hand_their_time_on(clock: Ticking, photo: Path, tmp_path: P
     assert totals.steps == round(np.mean([counts[1][2], counts[1][5]]))
 
 
-def test_the_limit_counts_for_the_run(clock: Ticking, photo: Path) -> None:
+def test_the_limit_counts_for_the_run(clock: Clock, photo: Path) -> None:
     """What was finished stays as it is; what is left has all of the new time."""
     journal = fresh()
     with pytest.raises(KeyboardInterrupt):
@@ -140,14 +126,14 @@ def test_the_limit_counts_for_the_run(clock: Ticking, photo: Path) -> None:
     assert psnr(read(photo).pixels, open_stream(data).picture().pixels) > 20
 
 
-def test_a_picture_in_memory(clock: Ticking, photo: Path) -> None:
+def test_a_picture_in_memory(clock: Clock, photo: Path) -> None:
     picture, began = read(photo), clock.now
     encoded = encode(picture, EncodeSettings(time_limit=12.0, tile=64, threads=1))
     assert 9.0 < clock.now - began < 12.0
     assert psnr(picture.pixels, open_stream(encoded.data).picture().pixels) > 20
 
 
-def test_a_limit_that_has_begun(clock: Ticking, photo: Path) -> None:
+def test_a_limit_that_has_begun(clock: Clock, photo: Path) -> None:
     picture = replace(read(photo))
     encode(picture, EncodeSettings(time_limit=50.0, tile=64, threads=1), started=clock.now - 40)
     began = clock.now
