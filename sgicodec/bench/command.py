@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from sgicodec.bench.options import numbers
 from sgicodec.errors import OutputExistsError, SgiError, TargetMissedError, UsageError
 
 if TYPE_CHECKING:
@@ -135,14 +136,7 @@ def _choose_codecs(names: str | None, qualities: str, efforts: str, threads: int
         click.echo(f"left out: {reason}", err=True)
     if "sgi" not in wanted:
         return peers
-    ladder = tuple(sorted(_numbers(qualities, "--qualities")))
-    levels: list[int | None] = [int(level) for level in _numbers(efforts, "--efforts")]
+    ladder = tuple(sorted(numbers(qualities, "--qualities")))
+    levels: list[int | None] = [int(level) for level in numbers(efforts, "--efforts")]
     curves = [SgiCodec(ladder, level, threads) for level in levels or [None]]
     return [*curves, *peers]
-
-
-def _numbers(text: str, option: str) -> list[float]:
-    try:
-        return [float(part) for part in text.split(",") if part.strip()]
-    except ValueError as error:
-        raise UsageError(f"{option} takes numbers with commas between, not {text!r}") from error

@@ -13,7 +13,7 @@ from typing import Any
 
 import click
 
-from sgicodec.errors import UsageError
+from sgicodec.bench.options import numbers
 
 __all__ = ["COLUMNS", "Row", "main", "measured", "numbers_of"]
 
@@ -60,12 +60,8 @@ def measured(picture: Path, options: list[str], channels: int) -> Row:
 
 
 def numbers_of(text: str, option: str) -> list[str]:
-    """Numbers with commas between. Raises UsageError for what is none."""
-    found = [part for part in text.split(",") if part]
-    try:
-        return [f"{float(part):g}" for part in found]
-    except ValueError as error:
-        raise UsageError(f"{option} {text}: numbers with commas between, as in 20,60") from error
+    """Numbers with commas between, as a command takes them. Raises UsageError for what is none."""
+    return [f"{number:g}" for number in numbers(text, option)]
 
 
 @click.command()

@@ -13,18 +13,12 @@ from sgicodec.bench.large.peers import LARGE_PEERS, LargePeer
 from sgicodec.bench.large.rows import LargeRow, report, write_rows
 from sgicodec.bench.large.runs import FAILED, check_picture, rows_of
 from sgicodec.bench.large.scaling import SizePoint, measure_size, write_size_plot, write_sizes
+from sgicodec.bench.options import numbers
 from sgicodec.bench.plots import require_matplotlib
 from sgicodec.errors import SgiError, UsageError
 from sgicodec.image import probe
 
 __all__ = ["main"]
-
-
-def _numbers(text: str, option: str) -> list[float]:
-    try:
-        return [float(number) for number in text.split(",") if number.strip()]
-    except ValueError as error:
-        raise UsageError(f"{option} {text}: numbers with commas between") from error
 
 
 def _peers(names: str, threads: int) -> list[LargePeer]:
@@ -109,10 +103,10 @@ def main(
     for folder in (streams, out / "results", out / "images"):
         folder.mkdir(parents=True, exist_ok=True)
     job, table = Job(streams, workers, table_steps, tile), out / "results" / "large.tsv"
-    rows = _compare(pictures, [int(effort) for effort in _numbers(efforts, "--efforts")], codecs, job, table)
+    rows = _compare(pictures, [int(effort) for effort in numbers(efforts, "--efforts")], codecs, job, table)
     if rows:
         click.echo(report(rows))
     largest = max(pictures, key=lambda picture: probe(picture).width * probe(picture).height)
-    _grow(largest, _numbers(sizes, "--sizes"), replace(job, steps=steps), out)
+    _grow(largest, numbers(sizes, "--sizes"), replace(job, steps=steps), out)
     if any(row.note.startswith(FAILED) for row in rows):
         raise SgiError("some codecs failed; see their notes")
