@@ -44,7 +44,7 @@ double forward(const SeedState &s, int64_t begin, int64_t end, const SeedGaussia
   return bits;
 }
 
-// Sums over the seeds of one run, as vectors over lanes that are added up at its end.
+// Sums over the seeds of one run, as vectors over lanes that are added up at its end; only where MLP_p runs.
 struct Sums {
   float *lanes;
   int rest[kGroups], base, gamma, first[kGroups];
@@ -56,7 +56,7 @@ struct Sums {
     gamma = base + kUnits * kLevels;
     at = gamma + kGammas;
     for (int g = 0; g < kGroups; at += s.first_size(g++)) first[g] = at;
-    for (int64_t i = 0; i < int64_t(s.sums()) * LANES; ++i) lanes[i] = 0.0f;
+    for (int64_t i = 0; s.predicts && i < int64_t(s.sums()) * LANES; ++i) lanes[i] = 0.0f;
   }
   void add(int row, vf v) const {
     float *p = lanes + int64_t(row) * LANES;
