@@ -15,11 +15,16 @@ __all__ = ["stream_length", "write_stream"]
 
 
 def write_stream(
-    file: BinaryIO, header: Header, software: bytes, metadata: Metadata | None, tiles: Iterable[bytes]
+    file: BinaryIO,
+    header: Header,
+    software: bytes,
+    metadata: Metadata | None,
+    tiles: Iterable[bytes],
+    overview: bytes | None = None,
 ) -> int:
     """Writes a stream whose tiles have these payloads, in the order of their numbers; returns its length.
 
-    A stream of several tiles ends with an index.
+    overview: a stream of its own. A stream of several tiles ends with an index.
     """
     writer = ChunkWriter(file)
     writer.write("H", encode_header(header))
@@ -28,6 +33,8 @@ def write_stream(
         for kind, blob in {"i": metadata.icc, "c": metadata.exif, "x": metadata.xmp, "g": metadata.geo}.items():
             if blob:
                 writer.write(kind, blob)
+    if overview:
+        writer.write("o", overview)
     places = []
     for payload in tiles:
         places.append(Place(writer.offset, len(payload)))
@@ -38,9 +45,15 @@ def write_stream(
     return writer.offset
 
 
-def stream_length(header: Header, software: bytes, metadata: Metadata | None, lengths: Iterable[int]) -> int:
+def stream_length(
+    header: Header,
+    software: bytes,
+    metadata: Metadata | None,
+    lengths: Iterable[int],
+    overview: bytes | None = None,
+) -> int:
     """That of a stream whose tiles have payloads of these lengths."""
-    return write_stream(_Nowhere(), header, software, metadata, map(bytes, lengths))
+    return write_stream(_Nowhere(), header, software, metadata, map(bytes, lengths), overview)
 
 
 class _Nowhere(io.BytesIO):

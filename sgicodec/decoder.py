@@ -13,15 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.bands import Bands
+from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.tile import TileModel
 from sgicodec.drawing import draw_view, sample_mapping
 from sgicodec.drawn_tile import DrawnTile, joined_crc
-from sgicodec.errors import UsageError
+from sgicodec.errors import CorruptStreamError, StreamError, UsageError
 from sgicodec.image import Metadata, Picture, geo_view
 from sgicodec.kept_tiles import KeptTiles
 from sgicodec.opened import OpenedChunks
 from sgicodec.raster import Mapping
-from sgicodec.view import MAX_OUTPUT_SAMPLES, Region, View, finest_cells, view_of
+from sgicodec.view import MAX_OUTPUT_SAMPLES, Region, View, overview_size, overview_view, view_of
 
 __all__ = ["MAX_OUTPUT_SAMPLES", "Bands", "Region", "Stream", "Survey", "open_stream"]
 
@@ -43,11 +44,11 @@ class Stream:
     """An opened `.sgi` stream: header and metadata at once, pixels on demand. A context manager.
 
     Of several tiles those are read and decoded that a region touches. `size` is the stream's length in bytes,
-    `chunk_bytes` that of every chunk by its letter, frame included. `finest` is log2 of the smallest cells to draw, for
-    a quick look at a large region; None for what the scale of a view asks for.
+    `chunk_bytes` that of every chunk by its letter, frame included. Views of a sixteenth and less show the overview of
+    a stream that has one, unless `exact` asks for all that the stream holds.
     """
 
-    finest: int | None = None
+    exact: bool = False
 
     def __init__(self, source: bytes | BinaryIO, owned: BinaryIO | None = None, isa: str = "auto") -> None:
         self._owned = owned
@@ -57,7 +58,9 @@ class Stream:
         self.metadata = Metadata(icc=blobs.get("i"), exif=blobs.get("c"), xmp=blobs.get("x"), geo=blobs.get("g"))
         self.software = _printable(blobs.get("s", b""))
         self.grid = self.header.grid
+        self._isa = isa
         self._tiles = KeptTiles(self._chunks, isa)
+        self._overview: Stream | None = None
         self._survey: Survey | None = None
 
     def __enter__(self) -> Stream:
@@ -91,7 +94,7 @@ class Stream:
 
     @property
     def symbol_crc(self) -> int:
-        """CRC-32 of every decoded symbol: equal on every machine."""
+        """CRC-32 of every decoded symbol of the tiles: equal on every machine."""
         return self.survey().symbol_crc
 
     @property
@@ -165,16 +168,37 @@ class Stream:
 
     def _draw(self, view: View, out: NDArray[Any], mapping: Mapping | None, threads: int, top: int = 0) -> None:
         """Fills out [rows, columns, C] with samples of the view from its row `top` on."""
-        finest = finest_cells(self.header, view) if self.finest is None else self.finest
-        draw_view(self.header, self._tiles, view, finest, out, mapping, threads, top)
+        small = overview_view(self.header, view) if self.has_overview and not self.exact else None
+        if small is None:
+            draw_view(self.header, self._tiles, view, out, mapping, threads, top)
+        else:
+            self.overview._draw(small, out, mapping, threads, top)
+
+    @property
+    def has_overview(self) -> bool:
+        """Whether the stream carries the picture in small."""
+        return self._chunks.has_overview
+
+    @property
+    def overview(self) -> Stream:
+        """The stream that shows the picture in small. Raises StreamError, UsageError where there is none."""
+        if self._overview is None:
+            payload = self._chunks.overview()
+            if payload is None:
+                raise UsageError("there is no overview")
+            try:
+                self._overview = _checked_overview(Stream(payload, isa=self._isa), self.header)
+            except StreamError as error:
+                raise type(error)(f"overview: {error}") from error.__cause__
+        return self._overview
 
     def payload(self, number: int) -> bytes:
         """What the chunk of a tile holds. Raises CorruptStreamError."""
         return self._chunks.tile(number)
 
-    def tile(self, number: int, threads: int = 0, finest: int = 0) -> DrawnTile:
-        """A decoded tile with its cells of 2^finest pixels and more. Raises CorruptStreamError or LimitError."""
-        return self._tiles.tile(number, threads, finest)
+    def tile(self, number: int, threads: int = 0) -> DrawnTile:
+        """A decoded tile. Raises CorruptStreamError or LimitError."""
+        return self._tiles.tile(number, threads)
 
 
 def open_stream(source: str | Path | bytes | BinaryIO, isa: str = "auto") -> Stream:
@@ -191,6 +215,18 @@ def open_stream(source: str | Path | bytes | BinaryIO, isa: str = "auto") -> Str
     except BaseException:
         file.close()
         raise
+
+
+def _checked_overview(stream: Stream, header: Header) -> Stream:
+    """The overview, if it has the size and the samples that the picture's has to have."""
+    found, size = stream.header, overview_size(header.width, header.height)
+    if (found.width, found.height) != size:
+        raise CorruptStreamError(f"it has {found.width}×{found.height} pixels, not {size[0]}×{size[1]}")
+    if (found.channels, found.spec.channels) != (header.channels, header.spec.channels):
+        raise CorruptStreamError("its channels are not the picture's")
+    if (found.sample_type, found.sample_range) != (header.sample_type, header.sample_range):
+        raise CorruptStreamError("its samples are not of the picture's type and range")
+    return stream
 
 
 def _printable(text: bytes) -> str:

@@ -26,13 +26,12 @@ def draw_view(
     header: Header,
     tiles: KeptTiles,
     view: View,
-    finest: int,
     out: NDArray[Any],
     mapping: Mapping | None,
     threads: int,
     top: int = 0,
 ) -> None:
-    """Fills out [rows, columns, C] with the view from its row `top` on, of cells of 2^finest pixels and more.
+    """Fills out [rows, columns, C] with the view from its row `top` on.
 
     mapping: how values become samples of out's type, None for floats as they are.
     """
@@ -45,11 +44,11 @@ def draw_view(
     meeting = [
         [grid.number(column, row) for row in _both(down) for column in _both(across)] for down, across in segments
     ]
-    with tiles.ahead(dict.fromkeys(chain.from_iterable(meeting)), view, finest, threads):
+    with tiles.ahead(dict.fromkeys(chain.from_iterable(meeting)), view, threads):
         for (down, across), numbers in zip(segments, meeting, strict=True):
             block = out[down.first : down.last, across.first : across.last]
             at = across.first, top + down.first
-            here = [tiles.tile(number, threads, finest) for number in numbers]
+            here = [tiles.tile(number, threads) for number in numbers]
             if len(here) == 1:
                 here[0].draw(view, at, block, mapping, threads)
             else:

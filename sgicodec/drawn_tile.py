@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.bitstream.header import Header
-from sgicodec.bitstream.tile import DECODER_SHIFT, TileModel, read_base, read_coarse, read_tile
+from sgicodec.bitstream.tile import DECODER_SHIFT, TileModel, read_tile
 from sgicodec.bitstream.tile_chunk import decode_tile_chunk
 from sgicodec.errors import LimitError
 from sgicodec.model.base import base_colours
@@ -20,7 +20,7 @@ from sgicodec.model.base_view import base_view
 from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
 from sgicodec.model.processor import Processor
 from sgicodec.raster import Background, Mapping, NativeRasterizer, scaled
-from sgicodec.view import BASE_ALONE, View
+from sgicodec.view import View
 
 __all__ = ["BLOCK_COLUMNS", "BLOCK_SAMPLES", "DrawnTile", "joined_crc"]
 
@@ -59,11 +59,10 @@ class DrawnTile:
     """Decodes the payload of a chunk T. Raises CorruptStreamError or LimitError.
 
     x, y: where the tile begins in the picture. mask: [h, w] which of its pixels hold nothing, None if all hold
-    something; mask_bytes: what it and the tile's number take. finest: log2 of the smallest cells that are decoded and
-    drawn, of passes that go coarse first; BASE_ALONE for the base layer alone, whatever the passes.
+    something; mask_bytes: what it and the tile's number take.
     """
 
-    def __init__(self, header: Header, payload: bytes, threads: int, isa: str, finest: int = 0) -> None:
+    def __init__(self, header: Header, payload: bytes, threads: int, isa: str) -> None:
         chunk = decode_tile_chunk(header, payload)
         self.x, self.y, _, _ = header.grid.rect(chunk.number)
         self.mask, self._isa = chunk.mask, isa
@@ -77,18 +76,10 @@ class DrawnTile:
         self._whole: _Whole | None = None
         if chunk.model is None:
             return
-        processor = Processor(threads, isa)
-        if finest == BASE_ALONE:
-            base_step, base = read_base(own, chunk.model)
-        else:
-            if finest and own.spec.context.coarse_first:
-                self.model = read_coarse(own, chunk.model, finest, processor)
-            else:
-                self.model, walk = read_tile(own, chunk.model, processor)
-                self.bits, self.symbol_crc = walk.bits, walk.crc
-            base_step, base = self.model.base_step, self.model.base
-            self.gaussians = _drawable(own, self.model)
-        self._colours = base_colours(base, base_step)
+        self.model, walk = read_tile(own, chunk.model, Processor(threads, isa))
+        self.bits, self.symbol_crc = walk.bits, walk.crc
+        self.gaussians = _drawable(own, self.model)
+        self._colours = base_colours(self.model.base, self.model.base_step)
 
     @property
     def memory(self) -> int:
@@ -139,7 +130,7 @@ class DrawnTile:
         """Draws block by block."""
         spec, scale = self.header.spec, (view.sx, view.sy)
         start = view.x - self.x, view.y - self.y
-        gaussians, origin = self._seen(view), start if scale == (1.0, 1.0) else (0, 0)
+        gaussians, origin = self._seen(view), (int(start[0]), int(start[1])) if _is_plain(view) else (0, 0)
         raster = NativeRasterizer(threads, self._isa, most_pairs=_MOST_PAIRS)
         rows, columns, _ = out.shape
         width = min(columns, BLOCK_COLUMNS)
@@ -157,7 +148,7 @@ class DrawnTile:
                 raise LimitError("the Gaussians cover too much of the picture; decode smaller regions") from error
 
     def _seen(self, view: View) -> _Gaussians:
-        if (view.sx, view.sy) == (1.0, 1.0):
+        if _is_plain(view):
             return self.gaussians
         key = view._replace(columns=0, rows=0)
         if self._scaled is None or self._scaled[0] != key:
@@ -166,7 +157,12 @@ class DrawnTile:
         return self._scaled[1]
 
 
-def _extent(start: int, size: int, scale: float, most: int) -> tuple[int, int]:
+def _is_plain(view: View) -> bool:
+    """Whether its pixels are the picture's."""
+    return (view.sx, view.sy) == (1.0, 1.0) and float(view.x).is_integer() and float(view.y).is_integer()
+
+
+def _extent(start: float, size: int, scale: float, most: int) -> tuple[int, int]:
     """First and last output pixel and one on, out of `most`, of what begins at `start` and has `size` pixels."""
     return max(0, floor(start * scale)), min(most, ceil((start + size) * scale))
 

@@ -30,7 +30,8 @@ class EncodeSettings:
     fit, where that is known how. metadata: whether ICC, EXIF, XMP and the place on earth are kept. psnr in dB, size in
     bytes or bpp in bits per pixel: what to end at, in the default profile. time_limit: seconds that the encode may
     take, instead of a number of steps. tile: largest side of a tile in pixels, 0 for a single one, None for what suits
-    the picture; apron: pixels that a tile reaches over its neighbours.
+    the picture; apron: pixels that a tile reaches over its neighbours. overview: whether a stream of several tiles
+    carries the picture in small, None for what suits its size.
     """
 
     quality: float = 50.0
@@ -53,6 +54,7 @@ class EncodeSettings:
     time_limit: float | None = None
     tile: int | None = None
     apron: int | None = None
+    overview: bool | None = None
 
     def grid(self, width: int, height: int) -> TileGrid:
         """The tiles of a picture."""

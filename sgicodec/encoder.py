@@ -18,8 +18,10 @@ from sgicodec.encode_settings import EncodeSettings
 from sgicodec.encoding import Encoded, Encoding, empty_pixels
 from sgicodec.errors import TargetMissedError
 from sgicodec.image import Picture
+from sgicodec.overview import overview_picture, overview_settings, takes_overview
 from sgicodec.plan import Plan, Shape, stream_plan
-from sgicodec.rounds import Finished, Rounds, Task, Version
+from sgicodec.round_roles import Finished, Task, Version
+from sgicodec.rounds import Rounds
 from sgicodec.tile_weight import tile_weight
 from sgicodec.tile_work import EncodedTile, FitTask, Start
 from sgicodec.tiles import Rect
@@ -84,23 +86,29 @@ def _encode_tiles(
         return replace(task, on_progress=watch)
 
     def runner(
-        task: Task[Result], numbers: Sequence[int], start: Callable[[int], Start]
+        task: Task[Result], numbers: Sequence[int], start: Callable[[int], Start], window: Picture | None = None
     ) -> Iterator[tuple[int, Result]]:
         for number in numbers:
             done: Task[Result] = watched(task) if isinstance(task, FitTask) else task  # type: ignore[assignment]
-            yield number, done(number, window_of(picture, grid.rect(number)), start(number), threads)
+            yield number, done(number, window or window_of(picture, grid.rect(number)), start(number), threads)
 
     def error_of(file: BinaryIO) -> float:
         with open_stream(file) as stream:
             return squared_error(picture, stream.picture(threads=threads))
+
+    def draw_small(lmbda: float) -> bytes:
+        small = overview_picture(plan, lambda *window: window_of(picture, window))
+        return encode(small, overview_settings(plan, lmbda)).data
 
     kept, buffer, limit = _Kept(), io.BytesIO(), plan.settings.time_limit
     shares = None
     if limit is not None:
         weigh = partial(_weight, picture, plan)
         shares = TimeShares(grid, started + limit, workers=1, decoders=0, weigh=weigh)
-    found = Rounds(plan, runner, kept, _Nobody(), error_of, shares).run()
-    write_stream(buffer, found.plan.header, plan.software, plan.metadata, map(kept.payload, found.chosen))
+    small = draw_small if takes_overview(plan) else None
+    found = Rounds(plan, runner, kept, _Nobody(), error_of, shares, small).run()
+    tiles = map(kept.payload, found.chosen)
+    write_stream(buffer, found.plan.header, plan.software, plan.metadata, tiles, found.overview)
     encoded = _summary(buffer.getvalue(), found, [kept.tiles[version] for version in found.chosen])
     if found.missed is not None:
         raise TargetMissedError(found.missed, encoded)
@@ -117,12 +125,18 @@ class _Kept:
     def __init__(self) -> None:
         self.tiles: dict[Version, EncodedTile] = {}
         self._numbers: dict[str, float] = {}
+        self._blobs: dict[str, bytes] = {}
 
     def add(self, version: Version, tile: EncodedTile) -> None:
         self.tiles[version] = tile
 
     def payload(self, version: Version) -> bytes:
         return self.tiles[version].payload
+
+    def kept(self, name: str, made: Callable[[], bytes]) -> bytes:
+        if name not in self._blobs:
+            self._blobs[name] = made()
+        return self._blobs[name]
 
     def remembered(self, name: str, found: Callable[[], float]) -> float:
         if name not in self._numbers:
@@ -143,5 +157,7 @@ def _summary(data: bytes, found: Finished, tiles: list[EncodedTile]) -> Encoded:
     parts: Counter[str] = Counter()
     for tile in tiles:
         parts.update(tile.part_bytes)
+    if found.overview:
+        parts["overview"] = len(found.overview)
     seeds = sum(tile.seeds for tile in tiles)
     return Encoded(data, dict(parts), seeds, seeds * found.plan.header.spec.per_seed, found.lmbda)

@@ -30,41 +30,33 @@ class KeptTiles:
 
     def __init__(self, chunks: OpenedChunks, isa: str) -> None:
         self._chunks, self._isa = chunks, isa
-        self._kept: OrderedDict[tuple[int, int], DrawnTile] = OrderedDict()
+        self._kept: OrderedDict[int, DrawnTile] = OrderedDict()
         self._ahead: _Ahead | None = None
 
     def __len__(self) -> int:
         return len(self._kept)
 
-    @property
-    def finest(self) -> set[int]:
-        """How fine the kept tiles are."""
-        return {finest for _, finest in self._kept}
-
-    def tile(self, number: int, threads: int, finest: int = 0) -> DrawnTile:
-        """A tile with the cells of 2^finest pixels and more, without its model if there are several tiles. Raises
-        CorruptStreamError or LimitError.
-        """
-        key = number, finest
-        if key not in self._kept:
+    def tile(self, number: int, threads: int) -> DrawnTile:
+        """A tile, without its model if there are several. Raises CorruptStreamError or LimitError."""
+        if number not in self._kept:
             coming = None if self._ahead is None else self._ahead.take(number)
-            tile = self.decoded(number, threads, finest) if coming is None else coming
+            tile = self.decoded(number, threads) if coming is None else coming
             if self._chunks.header.grid.count > 1:
                 tile.forget_model()
-            self._kept[key] = tile
+            self._kept[number] = tile
             while len(self._kept) > _LEAST_KEPT and sum(tile.memory for tile in self._kept.values()) > KEPT_BYTES:
                 self._kept.popitem(last=False)
-        self._kept.move_to_end(key)
-        return self._kept[key]
+        self._kept.move_to_end(number)
+        return self._kept[number]
 
-    def decoded(self, number: int, threads: int, finest: int = 0) -> DrawnTile:
+    def decoded(self, number: int, threads: int) -> DrawnTile:
         """The same with its model, and not kept."""
-        return self._decode(number, self._chunks.tile(number), threads, finest)
+        return self._decode(number, self._chunks.tile(number), threads)
 
     @contextmanager
-    def ahead(self, numbers: Iterable[int], view: View, finest: int, threads: int) -> Iterator[None]:
+    def ahead(self, numbers: Iterable[int], view: View, threads: int) -> Iterator[None]:
         """While the block asks for these tiles in this order, others work on the next of them, one thread a tile."""
-        wanted = [number for number in numbers if (number, finest) not in self._kept]
+        wanted = [number for number in numbers if number not in self._kept]
         threads = resolve_threads(threads)
         if threads == 1 or len(wanted) < 2:
             yield
@@ -72,7 +64,7 @@ class KeptTiles:
         from concurrent.futures import ThreadPoolExecutor  # takes long to load
 
         def decode(number: int, payload: bytes) -> DrawnTile:
-            tile = self._decode(number, payload, max(1, threads // len(wanted)), finest)
+            tile = self._decode(number, payload, max(1, threads // len(wanted)))
             tile.prepare(view)
             return tile
 
@@ -87,10 +79,10 @@ class KeptTiles:
             self._ahead = None
             pool.shutdown(cancel_futures=True)
 
-    def _decode(self, number: int, payload: bytes, threads: int, finest: int) -> DrawnTile:
+    def _decode(self, number: int, payload: bytes, threads: int) -> DrawnTile:
         header = self._chunks.header
         try:
-            return DrawnTile(header, payload, threads, self._isa, finest)
+            return DrawnTile(header, payload, threads, self._isa)
         except StreamError as error:
             if header.grid.count == 1:
                 raise

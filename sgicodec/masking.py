@@ -12,7 +12,7 @@ from sgicodec.drawn_tile import DrawnTile
 from sgicodec.image.picture import alpha_index, equal_samples
 from sgicodec.view import View
 
-__all__ = ["clear"]
+__all__ = ["clear", "store_nodata"]
 
 
 def clear(header: Header, tile: DrawnTile, view: View, at: tuple[int, int], block: NDArray[Any]) -> None:
@@ -29,13 +29,17 @@ def clear(header: Header, tile: DrawnTile, view: View, at: tuple[int, int], bloc
     if header.masked == "transparent":
         block[empty, -1] = 0
         return
-    colours = block[..., : alpha_index(header.channels)]
+    store_nodata(header, block[..., : alpha_index(header.channels)], empty)
+
+
+def store_nodata(header: Header, colours: NDArray[Any], empty: NDArray[np.bool_]) -> None:
+    """Stores nodata in the empty pixels [h, w] of colours [h, w, C]; others that have its value go one step aside."""
     alike = ~empty & equal_samples(colours, header.nodata).all(axis=-1)
-    colours[alike, 0] = _beside(header, block.dtype)
+    colours[alike, 0] = _beside(header, colours.dtype)
     colours[empty] = header.nodata
 
 
-def _pixels(start: int, scale: float, first: int, count: int, size: int) -> NDArray[np.int64]:
+def _pixels(start: float, scale: float, first: int, count: int, size: int) -> NDArray[np.int64]:
     """The tile's pixels that hold the centres of `count` output pixels."""
     at = np.floor(start + (first + np.arange(count) + 0.5) / scale)
     return np.asarray(np.clip(at, 0, size - 1), np.int64)

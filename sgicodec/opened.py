@@ -12,9 +12,9 @@ from sgicodec.errors import CorruptStreamError
 
 __all__ = ["CHUNKS", "OpenedChunks"]
 
-CHUNKS = "TXgicxs"
-"""Chunks that this version knows: tile, index, place on earth, ICC profile, EXIF as `c`amera data, XMP, and what wrote
-the file.
+CHUNKS = "TXogicxs"
+"""Chunks that this version knows: tile, index, overview, place on earth, ICC profile, EXIF as `c`amera data, XMP, and
+what wrote the file.
 """
 
 _NUMBER_BYTES = 9
@@ -25,7 +25,7 @@ class OpenedChunks:
     """Reads all but the tiles. Those are found by the index of a source that can seek, else by reading on; one that
     cannot seek is read to its end, its compressed tiles kept.
 
-    header, blobs (payloads by letter, without T and X), size of the file, chunk_bytes: that of every chunk by its
+    header, blobs (payloads by letter, without T, X and o), size of the file, chunk_bytes: that of every chunk by its
     letter, frame included. Raises StreamError.
     """
 
@@ -35,6 +35,7 @@ class OpenedChunks:
         self.chunk_bytes: dict[str, int] = {"signature": len(SIGNATURE)}
         self._places: dict[int, Place] = {}
         self._payloads: dict[int, bytes] = {}
+        self._overview: Chunk | bytes | None = None
         self.header = self._read()
         self.size = self._reader.size or self._reader.end
         tiles = self._places.keys() | self._payloads.keys()
@@ -45,6 +46,15 @@ class OpenedChunks:
             raise CorruptStreamError(
                 f"{len(tiles)} of {self.header.grid.count} tiles are there; tile {lost} is missing"
             )
+
+    @property
+    def has_overview(self) -> bool:
+        """Whether there is one, sound or not."""
+        return self._overview is not None
+
+    def overview(self) -> bytes | None:
+        """The stream that shows the picture in small, if there is one. Raises CorruptStreamError."""
+        return self._overview.payload() if isinstance(self._overview, Chunk) else self._overview
 
     def tile(self, number: int) -> bytes:
         """The payload of a tile's chunk. Raises CorruptStreamError."""
@@ -68,8 +78,10 @@ class OpenedChunks:
                 self._note(header, chunk)
             elif chunk.kind == "X" and header is not None and header.tile:
                 chunk.payload()
-            elif chunk.kind in self.blobs or chunk.kind == "X" or self._places or (header and self._several(header)):
+            elif self._is_late(chunk, header):
                 raise CorruptStreamError(f"{chunk}: there may be only one, before the tiles")
+            elif chunk.kind == "o":
+                self._overview = chunk if self._reader.size is not None else chunk.payload()
             else:
                 self.blobs[chunk.kind] = chunk.payload()
                 header = decode_header(self.blobs["H"])
@@ -79,8 +91,10 @@ class OpenedChunks:
             raise CorruptStreamError("there is no header")
         return header
 
-    def _several(self, header: Header) -> bool:
-        return bool(header.tile and self._payloads)
+    def _is_late(self, chunk: Chunk, header: Header | None) -> bool:
+        """Whether it is a second one, or behind a tile of several."""
+        again = chunk.kind in self.blobs or chunk.kind == "X" or (chunk.kind == "o" and self.has_overview)
+        return again or bool(self._places or (header and header.tile and self._payloads))
 
     def _count(self, chunk: Chunk) -> None:
         self.chunk_bytes[chunk.kind] = self.chunk_bytes.get(chunk.kind, 0) + chunk.end - chunk.offset

@@ -69,7 +69,7 @@ class Plan:
 def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
     """The header and settings of a picture's tiles. Raises as `encode`."""
     grid = settings.grid(shape.width, shape.height)
-    spec = _spec(settings, shape.bands, several=grid.count > 1)
+    spec = _spec(settings, shape.bands)
     _check(shape, spec, grid)
     fit = fit_settings(settings)
     header = Header(
@@ -107,16 +107,11 @@ def _check(shape: Shape, spec: ModelSpec, grid: TileGrid) -> None:
         raise UsageError("integer samples span their whole type; only floating-point pictures have another range")
 
 
-_BASE_CELL_OF_TILES = 32
-"""Pixels: finer than of a single tile, since small views of large pictures show the base layer alone."""
-
-
-def _spec(settings: EncodeSettings, channels: int, several: bool) -> ModelSpec:
+def _spec(settings: EncodeSettings, channels: int) -> ModelSpec:
     if settings.profile == "paper":
         return paper_spec(channels, settings.per_seed or 10, settings.features or 50)
     prior = settings.prior if settings.prior is not None else max(PRIORS, default=0)
-    spec = default_spec(channels, settings.per_seed or 1, prior)
-    return replace(spec, base_cell=_BASE_CELL_OF_TILES) if several else spec
+    return default_spec(channels, settings.per_seed or 1, prior)
 
 
 def fit_settings(settings: EncodeSettings) -> FitSettings:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 import tempfile
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property, partial
-from typing import BinaryIO, NamedTuple, Protocol, TypeVar
+from typing import BinaryIO
 
 from sgicodec.assembly import stream_length, write_stream
 from sgicodec.choice import Option, choose
@@ -15,76 +14,13 @@ from sgicodec.correction import FIT, SEARCH, Correction
 from sgicodec.distortion import decibels
 from sgicodec.fit.settings import quality_index
 from sgicodec.fit.steering import LMBDA_RANGE, Goal, Measured
-from sgicodec.image import Picture
 from sgicodec.outlook import Bound, Outlook, spread
 from sgicodec.plan import Plan, fit_lmbda
+from sgicodec.round_roles import Finished, Runner, Store, Task, Version, Watcher
 from sgicodec.tile_work import EncodedTile, FitTask, LookTask, SearchTask, Start
 from sgicodec.time_shares import TimeShares
 
-__all__ = ["Finished", "Rounds", "Runner", "Store", "Task", "Version", "Watcher"]
-
-Result = TypeVar("Result")
-Made = TypeVar("Made", covariant=True)
-
-
-class Version(NamedTuple):
-    """A coding of a tile: its number, and the round that made it."""
-
-    tile: int
-    round: int = 0
-
-
-class Task(Protocol[Made]):
-    """What is done to a tile: pickled, and called where the pixels are."""
-
-    def __call__(self, number: int, window: Picture, start: Start, threads: int) -> Made:
-        """Made of tile `number`, whose pixels are `window`."""
-
-
-class Runner(Protocol):
-    """Who does it: yields results by tile in any order."""
-
-    def __call__(
-        self, task: Task[Result], numbers: Sequence[int], start: Callable[[int], Start]
-    ) -> Iterator[tuple[int, Result]]:
-        """Raises TileFailedError."""
-
-
-class Store(Protocol):
-    """Where codings are kept. tiles: all of them, with or without their payloads."""
-
-    tiles: dict[Version, EncodedTile]
-
-    def add(self, version: Version, tile: EncodedTile) -> None:
-        """Keeps a finished tile."""
-
-    def payload(self, version: Version) -> bytes:
-        """That of a kept tile."""
-
-    def remembered(self, name: str, found: Callable[[], float]) -> float:
-        """The number that was kept under this name, else what is found now, which is kept."""
-
-
-class Watcher(Protocol):
-    """Who is told how far it has come."""
-
-    def begin(self, name: str, numbers: Sequence[int], there: dict[int, EncodedTile]) -> None:
-        """A round over these tiles begins, some of which are there already."""
-
-    def done(self, number: int, tile: EncodedTile | None) -> None:
-        """One more is done; None if it was only looked at."""
-
-
-@dataclass(frozen=True)
-class Finished:
-    """Which coding of each tile the stream takes, the plan of its header, the λ of the last fits, and what was asked
-    for and not reached.
-    """
-
-    plan: Plan
-    chosen: list[Version]
-    lmbda: float
-    missed: str | None = None
+__all__ = ["Rounds"]
 
 
 class Rounds:
@@ -92,7 +28,8 @@ class Rounds:
     order and interruptions do not matter.
 
     error_of: squared error of a stream over the whole picture, samples in 0..1. shares: who tells each fit its seconds,
-    where time is the limit.
+    where time is the limit. draw_small: makes the overview of a stream whose tiles are fitted at this λ, if it is to
+    have one.
     """
 
     def __init__(
@@ -103,9 +40,11 @@ class Rounds:
         watcher: Watcher,
         error_of: Callable[[BinaryIO], float],
         shares: TimeShares | None = None,
+        draw_small: Callable[[float], bytes] | None = None,
     ) -> None:
         self.plan, self.runner, self.store, self.watcher, self.error_of = plan, runner, store, watcher, error_of
-        self.shares = shares
+        self.shares, self.draw_small = shares, draw_small
+        self.overview: bytes | None = None
         header = plan.header
         self.all = range(header.grid.count)
         self.samples = header.width * header.height * header.spec.channels
@@ -116,9 +55,12 @@ class Rounds:
     def run(self) -> Finished:
         """All rounds. Raises TileFailedError; the store then has what was finished."""
         if self.goal is None:
+            lmbda = fit_lmbda(self.plan.settings)
+            self._make_overview(lmbda)
             self._round("tiles", 0, FitTask(self.plan), self.all, self._first)
-            return Finished(self.plan, [Version(number) for number in self.all], fit_lmbda(self.plan.settings))
+            return Finished(self.plan, [Version(number) for number in self.all], lmbda, overview=self.overview)
         lmbda, index, samples, fits = self._lmbda(0, self.all, 0.0), 0, 1, 0
+        self._make_overview(lmbda)
         while True:
             plan = self.plan.at(lmbda, quality_index(lmbda))
             base, index, wanted = self._fitted(plan, lmbda, index, samples < _SAMPLES)
@@ -126,6 +68,17 @@ class Rounds:
             if fits == _FITS or (fits and not _is_far(wanted, lmbda)):
                 return self._settled(plan, base, index, self.goal)
             lmbda = wanted
+
+    def _make_overview(self, lmbda: float) -> None:
+        draw = self.draw_small
+        if draw is None:
+            return
+
+        def made() -> bytes:
+            self.watcher.begin("overview", [], {})
+            return draw(lmbda)
+
+        self.overview = self.store.kept("overview", made)
 
     def _fitted(self, plan: Plan, lmbda: float, index: int, may_stop: bool) -> tuple[dict[int, Version], int, float]:
         """Fits of all tiles, some first, which tell the λ of the others; stops where λ turns out to be far off.
@@ -207,7 +160,7 @@ class Rounds:
                 versions[number].append(Version(number, index))
             index += 1
         missed = goal.regret(measured) if goal.is_missed(measured) else None
-        return Finished(plan, chosen, self.store.tiles[base[self.all[-1]]].lmbda, missed)
+        return Finished(plan, chosen, self.store.tiles[base[self.all[-1]]].lmbda, missed, self.overview)
 
     def _corrected(
         self, kind: Correction, plan: Plan, base: dict[int, Version], octaves: float, numbers: list[int], index: int
@@ -268,7 +221,7 @@ class Rounds:
         return "bytes" if self.goal is not None and self.goal.psnr is None else "error"
 
     def _length(self, plan: Plan, lengths: Sequence[int]) -> int:
-        return stream_length(plan.header, plan.software, plan.metadata, lengths)
+        return stream_length(plan.header, plan.software, plan.metadata, lengths, self.overview)
 
     def _round(
         self,

@@ -49,8 +49,8 @@ class Axis:
         first, last = self.edge(index), self.edge(index + 1)
         return first - self.apron * (index > 0), last + self.apron * (index + 1 < self.count)
 
-    def segments(self, start: int, scale: float, first: int, count: int) -> Iterator[Segment]:
-        """The runs of output pixels first … first + count − 1 of a picture drawn at `scale` from pixel `start` on.
+    def segments(self, start: float, scale: float, first: int, count: int) -> Iterator[Segment]:
+        """The runs of output pixels first … first + count − 1 of a picture drawn at `scale` from `start` on, in pixels.
 
         The share of a tile rises linearly with the distance of a pixel's centre from where the tile begins.
         """

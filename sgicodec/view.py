@@ -1,4 +1,4 @@
-"""What a caller wants to see: a region of the picture at a scale, and how fine the model has to be known for it."""
+"""What a caller wants to see: a region of the picture at a scale, and what of a smaller picture that is."""
 
 from __future__ import annotations
 
@@ -7,9 +7,8 @@ from typing import NamedTuple
 
 from sgicodec.bitstream.header import Header
 from sgicodec.errors import LimitError, UsageError
-from sgicodec.model.layout import ROOT_LOG
 
-__all__ = ["BASE_ALONE", "MAX_OUTPUT_SAMPLES", "Region", "View", "finest_cells", "view_of"]
+__all__ = ["MAX_OUTPUT_SAMPLES", "OVERVIEW", "Region", "View", "overview_size", "overview_view", "view_of"]
 
 Region = tuple[int, int, int, int]
 """x, y, width, height in pixels."""
@@ -17,21 +16,17 @@ Region = tuple[int, int, int, int]
 MAX_OUTPUT_SAMPLES = 1 << 31
 """Most samples (pixels times channels) that one call renders."""
 
-BASE_ALONE = ROOT_LOG + 1
-"""log2 of cells larger than any: none is drawn, the base layer alone is."""
+OVERVIEW = 16
+"""Pixels of the picture's side for each of its overview's."""
 
-_BASE_CELL = 1.5
-"""Output pixels per cell of the base layer from which down it alone is drawn of pictures in several tiles: quick, and a
-little soft. Nothing pays between it and the whole model: large pixels get their mean from small Gaussians, and part of
-these is worse than none (docs/large.md).
-"""
+_ROUNDING = 1e-9
 
 
 class View(NamedTuple):
     """Where it starts in the picture, output pixels for each of the picture's, and its size in output pixels."""
 
-    x: int
-    y: int
+    x: float
+    y: float
     sx: float
     sy: float
     columns: int
@@ -57,10 +52,28 @@ def view_of(
     return View(x, y, columns / width, rows / height, columns, rows)
 
 
-def finest_cells(header: Header, view: View) -> int:
-    """log2 of the smallest cells that a view shows: 0 for all, BASE_ALONE for none."""
-    cell = header.spec.base_cell * max(view.sx, view.sy)
-    return BASE_ALONE if header.grid.count > 1 and 0 < cell <= _BASE_CELL else 0
+def overview_size(width: int, height: int) -> tuple[int, int]:
+    """Columns and rows of a picture's overview."""
+    return max(1, round(width / OVERVIEW)), max(1, round(height / OVERVIEW))
+
+
+def overview_view(header: Header, view: View) -> View | None:
+    """What of the picture's overview a view shows; None for one that shows more than the overview holds."""
+    columns, rows = overview_size(header.width, header.height)
+    across, down = columns / header.width, rows / header.height
+    sx, sy = _near_one(view.sx / across), _near_one(view.sy / down)
+    if _enlarges(view.columns, sx) or _enlarges(view.rows, sy):
+        return None
+    return View(view.x * across, view.y * down, sx, sy, view.columns, view.rows)
+
+
+def _near_one(scale: float) -> float:
+    return 1.0 if abs(scale - 1) < _ROUNDING else scale
+
+
+def _enlarges(count: int, scale: float) -> bool:
+    """Whether so many output pixels are more than those that they show, rounded up."""
+    return count > math.ceil(count / scale - _ROUNDING)
 
 
 def _output_size(width: int, height: int, scale: float | None, size: tuple[int, int] | None) -> tuple[int, int]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import zlib
-from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
 from threading import get_ident
@@ -15,12 +14,10 @@ import pytest
 
 from sgicodec import Encoded, EncodeSettings, Picture, encode, open_stream, read
 from sgicodec.bitstream.container import SIGNATURE
-from sgicodec.bitstream.entropy import SymbolReader
 from sgicodec.bitstream.varint import decode_varint
 from sgicodec.drawn_tile import DrawnTile
 from sgicodec.errors import CorruptStreamError, UsageError
 from sgicodec.metrics import psnr
-from sgicodec.view import BASE_ALONE
 
 DATA = Path(__file__).parent / "data"
 SETTINGS = EncodeSettings(steps=60, tile=128, threads=1)
@@ -107,50 +104,6 @@ def test_scaled_views_agree_with_averages(coded: tuple[Picture, Encoded]) -> Non
     error = np.abs(half - means).mean(axis=2)
     near = near_borders(168, 128, ([56, 112], [64]))
     assert error[near].mean() < 1.3 * error[~near].mean() + 1e-3
-
-
-def test_thumbnails_take_the_base_layer_alone(coded: tuple[Picture, Encoded]) -> None:
-    """At a pixel and a half per cell, unless told otherwise, and not at two."""
-    stream = open_stream(coded[1].data)
-    small = stream.render(size=(5, 4))
-    assert stream._tiles.finest == {BASE_ALONE}
-    means = coded[0].pixels[:, :320].reshape(4, 64, 5, 64, 3).mean(axis=(1, 3)) / 255
-    assert np.abs(stream.render((0, 0, 320, 256), size=(5, 4)) - means).mean() < 0.02
-    assert small.shape == (4, 5, 3)
-    stream = open_stream(coded[1].data)
-    stream.render(scale=1 / 16)
-    assert stream._tiles.finest == {0}
-    exact = open_stream(coded[1].data)
-    exact.finest = 0
-    assert np.abs(exact.render(size=(5, 4)) - small).max() > 1e-4
-
-
-def test_a_view_may_stop_at_large_cells(coded: tuple[Picture, Encoded], monkeypatch: pytest.MonkeyPatch) -> None:
-    """Reads fewer symbols, and draws just the large cells of what the whole stream holds."""
-    read_symbols: list[int] = []
-    part = SymbolReader.part
-
-    def counted(self: SymbolReader, name: str) -> AbstractContextManager[None]:
-        read_symbols.append(self.count)
-        return part(self, name)
-
-    monkeypatch.setattr(SymbolReader, "part", counted)
-    counts, drawn = {}, {}
-    for finest in (0, 3, 4, BASE_ALONE):
-        counts[finest], tiles = 0, []
-        for number in range(6):
-            read_symbols.clear()
-            tiles.append(open_stream(coded[1].data).tile(number, finest=finest))
-            counts[finest] += max(read_symbols, default=0)
-        drawn[finest] = tiles
-    assert counts[0] > counts[3] > counts[4] > counts[BASE_ALONE]
-    for number in range(6):
-        whole = open_stream(coded[1].data)._tiles.decoded(number, 1)
-        assert whole.model is not None
-        for finest in (3, 4):
-            keep = whole.model.layout.log_size >= finest
-            for part_of, all_of in zip(drawn[finest][number].gaussians, whole.gaussians, strict=True):
-                np.testing.assert_array_equal(part_of, all_of[keep])
 
 
 def test_tiles_without_a_base_layer_are_drawn(coded: tuple[Picture, Encoded]) -> None:

@@ -1,16 +1,13 @@
-"""What a view asks for: its size, and how fine the model has to be."""
+"""What a view asks for: its size, and what of an overview that is."""
 
 from __future__ import annotations
-
-from dataclasses import replace
 
 import pytest
 
 from sgicodec.bitstream.header import Header
 from sgicodec.errors import LimitError, UsageError
-from sgicodec.model.layout import ROOT_LOG
-from sgicodec.model.spec import default_spec, paper_spec
-from sgicodec.view import BASE_ALONE, View, finest_cells, view_of
+from sgicodec.model.spec import default_spec
+from sgicodec.view import Region, View, overview_size, overview_view, view_of
 
 TILED = Header(4096, 3000, "rgb", "uint8", (0, 255), "default", default_spec(3), 40, 0, tile=1024, apron=8)
 
@@ -42,14 +39,21 @@ def test_views_of_nothing_and_of_too_much() -> None:
     assert view_of(TILED, None, 30.0, None, most=None).columns == 122880
 
 
-def test_the_base_layer_alone_is_for_tiny_views_of_several_tiles() -> None:
-    def finest(header: Header, columns: int, rows: int) -> int:
-        return finest_cells(header, view_of(header, None, None, (columns, rows)))
+def test_a_sixteenth_and_less_is_what_an_overview_shows() -> None:
+    """It has 256×188 pixels. Regions may begin between two of them, and round up where they end."""
 
-    assert BASE_ALONE > ROOT_LOG
-    cell = TILED.spec.base_cell
-    assert finest(TILED, 4096 * 3 // (2 * cell), 3000 * 3 // (2 * cell)) == BASE_ALONE
-    assert finest(TILED, 4096 * 8 // (5 * cell), 3000 * 8 // (5 * cell)) == 0
-    assert finest(TILED, 4096 // cell, 3000) == 0
-    assert finest(replace(TILED, tile=0, apron=0), 20, 15) == 0
-    assert finest(replace(TILED, spec=paper_spec(3)), 20, 15) == 0
+    def shown(region: Region | None, scale: float | None, size: tuple[int, int] | None = None) -> View | None:
+        return overview_view(TILED, view_of(TILED, region, scale, size))
+
+    assert overview_size(4096, 3000) == (256, 188)
+    assert overview_size(5, 24) == (1, 2)
+    assert shown(None, 1 / 16) == View(0, 0, 1, 1, 256, 188)
+    assert shown(None, None, (257, 188)) is None
+    assert shown(None, None, (256, 189)) is None
+    between = shown((8, 0, 824, 750), 1 / 16)
+    assert between is not None
+    assert tuple(between) == pytest.approx((0.5, 0, 52 / 51.5, 1, 52, 47))
+    assert shown((8, 0, 824, 750), None, (53, 47)) is None
+    half = shown((1000, 300, 640, 480), 1 / 32)
+    assert half is not None
+    assert tuple(half) == pytest.approx((62.5, 18.8, 0.5, 15 / 30.08, 20, 15))

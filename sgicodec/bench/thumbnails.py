@@ -1,4 +1,4 @@
-"""What overviews lose that leave out small cells, and what they gain: python -m sgicodec.bench.thumbnails --help"""
+"""What small views cost, and how near they are to the whole model: python -m sgicodec.bench.thumbnails --help"""
 
 from __future__ import annotations
 
@@ -11,26 +11,24 @@ from numpy.typing import NDArray
 
 from sgicodec.decoder import Stream, open_stream
 from sgicodec.metrics import psnr
-from sgicodec.view import BASE_ALONE, Region, finest_cells, view_of
+from sgicodec.view import Region
 
 __all__ = ["averaged", "main", "thumbnail"]
 
 F32 = NDArray[np.float32]
 
 SHRINKS = (4, 8, 12, 16, 24, 32, 48, 64)
-FINEST = (0, 2, 3, 4, 5, BASE_ALONE)
-"""Where passes end that go coarse first, and the base layer alone."""
 
 
-def thumbnail(path: Path, shrink: int, finest: int | None, threads: int, repeat: int) -> tuple[F32, float]:
-    """Samples [h, w, C] of a stream at 1 / shrink, as far as pixels are whole, with cells of 2^finest pixels and more
-    (None: as the decoder chooses), and the least seconds of `repeat` runs from an open file to pixels.
+def thumbnail(path: Path, shrink: int, exact: bool, threads: int, repeat: int) -> tuple[F32, float]:
+    """Samples [h, w, C] of a stream at 1 / shrink, as far as pixels are whole, `exact` or as the decoder chooses, and
+    the least seconds of `repeat` runs from an open file to pixels.
     """
     seconds = []
     for _ in range(repeat):
         start = time.perf_counter()
         with open_stream(path) as stream:
-            stream.finest = finest
+            stream.exact = exact
             samples = stream.render(*_whole(stream, shrink), threads=threads)
         seconds.append(time.perf_counter() - start)
     return np.clip(samples, 0, 1), min(seconds)
@@ -58,8 +56,8 @@ def averaged(pixels: NDArray[np.uint8], shrink: int) -> F32:
     "--repeat", default=3, show_default=True, type=click.IntRange(1), help="Runs, of which the fastest counts."
 )
 def main(paths: tuple[Path, ...], source: Path | None, shrinks: tuple[int, ...], threads: int, repeat: int) -> None:
-    """Print for each stream, scale and least cell the PSNR against what the whole model gives at that scale, that of
-    both against the averaged source, and seconds. A star marks what the decoder chooses.
+    """Print for each stream and scale the PSNR of the usual view against what the whole model gives there, that of both
+    against the averaged source, and milliseconds.
     """
     pixels = None
     if source is not None:
@@ -67,22 +65,15 @@ def main(paths: tuple[Path, ...], source: Path | None, shrinks: tuple[int, ...],
 
         pixels = read(source).pixels
     for path in paths:
-        with open_stream(path) as stream:
-            header = stream.header
-            views = {shrink: view_of(header, *_whole(stream, shrink)) for shrink in shrinks}
-        click.echo(f"{path}\n\n| scale | cells from | PSNR to all cells | PSNR to source | ms | of all |")
-        click.echo("|---|---:|---:|---:|---:|---:|")
-        for shrink, view in views.items():
-            chosen = finest_cells(header, view)
+        click.echo(f"{path}\n\n| scale | drawn from | PSNR to all | PSNR to source | ms | of all |")
+        click.echo("|---|---|---:|---:|---:|---:|")
+        for shrink in shrinks:
             mean = None if pixels is None else averaged(pixels, shrink)
-            least = FINEST if header.spec.context.coarse_first else (0, BASE_ALONE)
-            runs = {finest: thumbnail(path, shrink, finest, threads, repeat) for finest in least}
-            for finest, (samples, seconds) in runs.items():
-                name = "base alone" if finest == BASE_ALONE else str(1 << finest) if finest else "all"
-                name += " *" if finest == chosen or (finest == 0 and chosen == 1) else ""
-                near = "" if finest == 0 else f"{psnr(samples, runs[0][0]):.1f}"
+            runs = {name: thumbnail(path, shrink, name == "all", threads, repeat) for name in ("all", "as usual")}
+            for name, (samples, seconds) in runs.items():
+                near = "" if name == "all" else f"{psnr(samples, runs['all'][0]):.1f}"
                 true = "" if mean is None else f"{psnr(samples, mean):.2f}"
-                share = f"{seconds / runs[0][1]:.2f}"
+                share = f"{seconds / runs['all'][1]:.2f}"
                 click.echo(f"| 1/{shrink} | {name} | {near} | {true} | {1e3 * seconds:.0f} | {share} |")
         click.echo()
 

@@ -69,16 +69,16 @@ class AttributeCoder:
     processor: Processor = ONE_THREAD
     matmul: Any = None
 
-    def code(self, walk: SymbolWalk, values: dict[str, NDArray[np.float64]] | None, finest: int = 0) -> I64:
+    def code(self, walk: SymbolWalk, values: dict[str, NDArray[np.float64]] | None) -> I64:
         """Writes the float attributes `values` by group [N, size], or reads if None. Returns the decoded attributes
-        [N, d_A] in units of 2^-24, in the layout's order; zeros for seeds of passes that `finest` leaves out.
+        [N, d_A] in units of 2^-24, in the layout's order.
         """
         context, layout = self.spec.context, self.layout
         if values is None and isinstance(walk, SymbolReader) and self.matmul is None and not context.hash_resolutions:
-            return self._read(walk, finest)
+            return self._read(walk)
         decoded = np.zeros((len(layout), self.spec.attributes), np.int64)
         seeds = SeedInputs(layout, self.quality, self.processor)
-        parts = nearest_by_pass(context, layout, nearest_seeds, finest)
+        parts = nearest_by_pass(context, layout, nearest_seeds)
         widths = [input_count(self.spec, number) for number in range(len(context.steps))]
         if context.hash_resolutions:
             grid = HashGrid.at(context, layout, *self.size)
@@ -96,11 +96,11 @@ class AttributeCoder:
                 seeds.summary[members] = summarise(self.spec, decoded, members, self.processor)[0]
         return decoded
 
-    def _read(self, walk: SymbolReader, finest: int) -> I64:
+    def _read(self, walk: SymbolReader) -> I64:
         """All in one native call, which lets other threads run: the same functions in the same order."""
         spec, layout = self.spec, self.layout
         decoded = np.zeros((len(layout), spec.attributes), np.int64)
-        parts = passes(spec.context, layout, finest)
+        parts = passes(spec.context, layout)
         members = np.concatenate([np.zeros(0, np.int64), *parts])
         start = np.cumsum([0, *(len(part) for part in parts)], dtype=np.int64)
         model = self._native()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +28,7 @@ from sgicodec.model.quantize import FRACTION_BITS, STEP_COUNT
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import StepPlan, default_plan, follows_amplitude
 
-__all__ = ["DECODER_SHIFT", "TileModel", "code_networks", "read_base", "read_coarse", "read_tile", "write_tile"]
+__all__ = ["DECODER_SHIFT", "TileModel", "code_networks", "read_tile", "write_tile"]
 
 F64 = NDArray[np.float64]
 I64 = NDArray[np.int64]
@@ -92,34 +92,12 @@ def read_tile(header: Header, payload: bytes, processor: Processor = ONE_THREAD)
     return model, walk
 
 
-def read_base(header: Header, payload: bytes) -> tuple[int, I64]:
-    """Step index and grid of the base layer alone: the first parts of a payload, whose end is not looked at."""
-    check_model(header.spec, header.width, header.height)
-    walk = SymbolReader(payload)
-    _code_plan(walk, header.spec, header.quality, None)
-    return _code_base_layer(walk, header, None)
-
-
-def read_coarse(header: Header, payload: bytes, finest: int, processor: Processor = ONE_THREAD) -> TileModel:
-    """The model without its cells of less than 2^finest pixels, for passes that are coarse first: all but the positions
-    is read only so far, and the payload's end is not looked at. Raises as `read_tile`.
-    """
-    spec, size = header.spec, (header.width, header.height)
-    check_model(spec, *size)
-    most = max_seeds(spec, *size, len(payload))
-    model = _code(SymbolReader(payload), header, None, most, processor, finest)
-    keep = np.flatnonzero(model.layout.log_size >= finest)
-    decoded = None if model.decoded is None else model.decoded[keep]
-    return replace(model, layout=model.layout.take(keep), decoded=decoded)
-
-
 def _code(
     walk: SymbolWalk,
     header: Header,
     model: TileModel | None,
     most_seeds: int,
     processor: Processor = ONE_THREAD,
-    finest: int = 0,
 ) -> TileModel:
     spec, size = header.spec, (header.width, header.height)
     with walk.part("steps"):
@@ -139,7 +117,7 @@ def _code(
     with walk.part("context model"):
         networks = code_networks(walk, spec, None if model is None else model.networks)
     coder = AttributeCoder(spec, layout, size, plan, networks, hash_tables, header.quality, header.family, processor)
-    decoded = coder.code(walk, None if model is None else model.attributes, finest)
+    decoded = coder.code(walk, None if model is None else model.attributes)
     if model is not None:
         model.decoded = decoded
         return model

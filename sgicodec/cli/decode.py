@@ -99,7 +99,7 @@ def _decode(job: _Job, source: str, target: str | None) -> int:
         extension = _extension(stream.header, target, job.format_, job.output.bits)
         target = with_extension(source, extension) if target is None else target
         check_output(target, source, job.force)
-        stream.finest = 0 if job.exact else None
+        stream.exact = job.exact
         _, _, width, height = job.region or (0, 0, stream.width, stream.height)
         size = None if job.size is None else _whole(job.size, width, height)
         view = job.region, job.scale, size, job.output.threads

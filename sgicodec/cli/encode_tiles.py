@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from sgicodec.large.encode import Totals
     from sgicodec.large.journal import Journal
     from sgicodec.plan import Plan
-    from sgicodec.rounds import Runner
+    from sgicodec.round_roles import Runner
     from sgicodec.time_shares import TimeShares
 
 __all__ = ["encode_tiles"]

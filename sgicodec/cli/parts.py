@@ -8,7 +8,7 @@ import click
 
 __all__ = ["all_parts", "paper_parts", "print_parts"]
 
-_METADATA = {"i": "ICC profile", "c": "EXIF", "x": "XMP", "g": "place"}
+_METADATA = {"i": "ICC profile", "c": "EXIF", "x": "XMP", "g": "place", "o": "overview"}
 
 _PAPER = {
     "x_a": ("positions",),

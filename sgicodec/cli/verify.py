@@ -26,6 +26,10 @@ def verify(source: str, threads: int) -> None:
     """Decode all of stream IN and say "ok", or what is wrong with it (exit code 4)."""
     with opened_stream(source) as stream:
         _draw(stream, threads)
+        shown = stream
+        while shown.has_overview:
+            shown = shown.overview
+            _draw(shown, threads)
         click.echo(f"{display(source)}: ok, {stream.width}×{stream.height} pixels, symbols {stream.symbol_crc:08x}")
 
 

@@ -20,9 +20,11 @@ from sgicodec.image import Picture, Source
 from sgicodec.large.journal import Journal
 from sgicodec.large.measure import measured_error
 from sgicodec.large.pool import run_here, run_in_processes
-from sgicodec.large.task import Job, ReadingTask, TileTask
+from sgicodec.large.task import Job, OverviewTask, ReadingTask, TileTask
+from sgicodec.overview import overview_picture, overview_settings, takes_overview
 from sgicodec.plan import Plan, Shape, stream_plan
-from sgicodec.rounds import Finished, Rounds, Runner, Task
+from sgicodec.round_roles import Finished, Runner, Task
+from sgicodec.rounds import Rounds
 from sgicodec.tile_weight import tile_weight
 from sgicodec.tile_work import EncodedTile, Start
 from sgicodec.time_shares import TimeShares
@@ -112,11 +114,11 @@ def run_on_cluster(source: Source, plan: Plan, cluster: Cluster, place: str | No
     """
 
     def runner(
-        task: Task[Result], numbers: Sequence[int], start: Callable[[int], Start]
+        task: Task[Result], numbers: Sequence[int], start: Callable[[int], Start], window: Picture | None = None
     ) -> Iterator[tuple[int, Result]]:
         ready = None if plan.settings.time_limit is None else make_ready
-        if place is None:
-            return cluster.run(TileTask(task, threads), numbers, _jobs(source, plan, start), ready)
+        if place is None or window is not None:
+            return cluster.run(TileTask(task, threads), numbers, _jobs(source, plan, start, window), ready)
         work = ReadingTask(plan, place, task, threads)
         return cluster.run(work, numbers, lambda number: Job(None, start(number)), ready)
 
@@ -127,9 +129,9 @@ def run_tiles(source: Source, plan: Plan, workers: int, threads: int) -> Runner:
     """Tiles in this process, or in several that are sent their pixels; `threads` are shared among them."""
 
     def runner(
-        task: Task[Result], numbers: Sequence[int], start: Callable[[int], Start]
+        task: Task[Result], numbers: Sequence[int], start: Callable[[int], Start], window: Picture | None = None
     ) -> Iterator[tuple[int, Result]]:
-        count, jobs = min(workers, len(numbers)), _jobs(source, plan, start)
+        count, jobs = min(workers, len(numbers)), _jobs(source, plan, start, window)
         work = TileTask(task, max(1, threads // max(1, count)))
         if workers == 1:
             make_ready()
@@ -139,8 +141,8 @@ def run_tiles(source: Source, plan: Plan, workers: int, threads: int) -> Runner:
     return runner
 
 
-def _jobs(source: Source, plan: Plan, start: Callable[[int], Start]) -> Callable[[int], Job]:
-    return lambda number: Job(_window(source, plan, number), start(number))
+def _jobs(source: Source, plan: Plan, start: Callable[[int], Start], window: Picture | None) -> Callable[[int], Job]:
+    return lambda number: Job(window or _window(source, plan, number), start(number))
 
 
 def _window(source: Source, plan: Plan, number: int) -> Picture:
@@ -200,7 +202,13 @@ def encode_source(
         with open_stream(file) as stream:
             return measured_error(stream, source, plan.settings.threads)
 
-    found = Rounds(plan, runner, journal, _Telling(plan, on_state), error_of, shares).run()
+    def draw_small(lmbda: float) -> bytes:
+        small = overview_picture(plan, source.read)
+        found = dict(runner(OverviewTask(overview_settings(plan, lmbda)), [0], lambda _: Start(), small))
+        return found[0]
+
+    small = draw_small if takes_overview(plan) else None
+    found = Rounds(plan, runner, journal, _Telling(plan, on_state), error_of, shares, small).run()
     if isinstance(target, Path):
         with whole_file(target) as file:
             size = _write(file, found, journal)
@@ -210,6 +218,8 @@ def encode_source(
     parts: Counter[str] = Counter()
     for tile in tiles:
         parts.update(tile.part_bytes)
+    if found.overview:
+        parts["overview"] = len(found.overview)
     seeds = sum(tile.seeds for tile in tiles)
     gaussians = seeds * plan.header.spec.per_seed
     steps = [tile.steps for tile in tiles if tile.steps]
@@ -219,4 +229,5 @@ def encode_source(
 
 def _write(file: BinaryIO, found: Finished, journal: Journal) -> int:
     plan = found.plan
-    return write_stream(file, plan.header, plan.software, plan.metadata, map(journal.payload, found.chosen))
+    tiles = map(journal.payload, found.chosen)
+    return write_stream(file, plan.header, plan.software, plan.metadata, tiles, found.overview)

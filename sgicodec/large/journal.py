@@ -17,7 +17,7 @@ from typing import Any, BinaryIO
 from sgicodec.bitstream.header import encode_header
 from sgicodec.errors import OutputExistsError, UsageError
 from sgicodec.plan import Plan
-from sgicodec.rounds import Version
+from sgicodec.round_roles import Version
 from sgicodec.tile_work import EncodedTile
 
 __all__ = ["Journal", "fingerprint", "opened_journal"]
@@ -53,6 +53,7 @@ class Journal:
         self._file = file
         self._places: dict[Version, tuple[int, int]] = {}
         self._numbers: dict[str, float] = {}
+        self._blobs: dict[str, bytes] = {}
         self.tiles: dict[Version, EncodedTile] = {}
         """Finished tiles, without their payloads."""
         head = _SIGNATURE + mark
@@ -71,6 +72,14 @@ class Journal:
         facts = {name: value for name, value in asdict(tile).items() if name != "payload"}
         offset = self._record(facts | version._asdict(), tile.payload)
         self._note(version, tile, offset, len(tile.payload))
+
+    def kept(self, name: str, made: Callable[[], bytes]) -> bytes:
+        """The bytes that were kept under this name, else what is made now, which is kept."""
+        if name not in self._blobs:
+            blob = made()
+            self._record({"blob": name}, blob)
+            self._blobs[name] = blob
+        return self._blobs[name]
 
     def remembered(self, name: str, found: Callable[[], float]) -> float:
         """The number that was kept under this name, else what is found now, which is kept."""
@@ -119,6 +128,9 @@ class Journal:
             facts = json.loads(body[:line_bytes])
             if "name" in facts:
                 self._numbers[facts["name"]] = facts["value"]
+                continue
+            if "blob" in facts:
+                self._blobs[facts["blob"]] = body[line_bytes:]
                 continue
             version, payload = Version(facts.pop("tile"), facts.pop("round")), body[line_bytes:]
             self._note(version, EncodedTile(payload, **facts), start + 16 + line_bytes, len(payload))

@@ -35,7 +35,7 @@ class BaseView(NamedTuple):
 def base_view(
     grid: F64,
     cell: int,
-    start: tuple[int, int],
+    start: tuple[float, float],
     scale: tuple[float, float],
     first: tuple[int, int],
     size: tuple[int, int],
@@ -53,7 +53,7 @@ def base_view(
     return BaseView(lines, (top - top[0]).astype(np.int32), down.astype(np.float32))
 
 
-def _footprints(start: int, scale: float, first: int, count: int, cell: int) -> tuple[I64, F64]:
+def _footprints(start: float, scale: float, first: int, count: int, cell: int) -> tuple[I64, F64]:
     """For `count` output pixels along an axis the first cell of each and the weights [count, T] of it and those after.
 
     Cells may lie outside the grid: those of its edges stand for them.

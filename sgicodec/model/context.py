@@ -56,31 +56,26 @@ Nearest = Callable[[I32, I64, I64, int], I32]
 """As `neighbours.nearest_seeds`."""
 
 
-def passes(spec: ContextSpec, layout: SeedLayout, finest: int = 0) -> list[I64]:
+def passes(spec: ContextSpec, layout: SeedLayout) -> list[I64]:
     """Indices of the seeds that each pass codes: all at once without neighbours, else the four parities of the cells,
-    with `coarse_first` once for each cell size from 2^COARSEST pixels (and above) down to 2 (and below). Then `finest`
-    leaves out the passes behind those of cells of 2^finest pixels.
+    with `coarse_first` once for each cell size from 2^COARSEST pixels (and above) down to 2 (and below).
     """
     if not spec.neighbours:
         return [np.arange(len(layout))]
     number = layout.parity
-    last = 4
     if spec.coarse_first:
         number = number + 4 * (COARSEST - np.clip(layout.log_size.astype(np.int64), 1, COARSEST))
-        last = 4 * (COARSEST + 1 - min(max(finest, 1), COARSEST))
-    order, bounds = np.argsort(number.astype(np.int16), kind="stable"), np.cumsum(np.bincount(number, minlength=last))
-    return [members for members in np.split(order, bounds)[:last] if len(members)]
+    order, bounds = np.argsort(number.astype(np.int16), kind="stable"), np.cumsum(np.bincount(number))
+    return [members for members in np.split(order, bounds) if len(members)]
 
 
-def nearest_by_pass(
-    spec: ContextSpec, layout: SeedLayout, nearest: Nearest, finest: int = 0
-) -> Iterator[tuple[I64, I32]]:
+def nearest_by_pass(spec: ContextSpec, layout: SeedLayout, nearest: Nearest) -> Iterator[tuple[I64, I32]]:
     """The seeds of each pass [n], and indices [n, k] of their nearest seeds of earlier passes: nearest first, −1 where
-    there is none. finest: as for `passes`.
+    there is none.
     """
     points = layout.half_pixels
     seen = np.zeros(len(layout), bool)
-    for members in passes(spec, layout, finest):
+    for members in passes(spec, layout):
         table = np.full((len(members), spec.neighbours), -1, np.int32)
         earlier = np.flatnonzero(seen)
         if spec.neighbours and len(earlier) and len(members):

@@ -81,16 +81,6 @@ def test_damage_is_told_alike(name: str, monkeypatch: pytest.MonkeyPatch) -> Non
     assert all(isinstance(kind, type) and issubclass(kind, StreamError) for kind in found)
 
 
-@pytest.mark.parametrize("finest", [2, 4])
-def test_coarse_passes_alone(finest: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    header, payload = payload_of("rgb8-predicted-seeds")
-    native = tile.read_coarse(header, payload, finest, Processor(2))
-    monkeypatch.setattr(tile, "AttributeCoder", partial(AttributeCoder, matmul=np.matmul))
-    other = tile.read_coarse(header, payload, finest)
-    assert len(native.layout) > 0
-    np.testing.assert_array_equal(native.decoded, other.decoded)
-
-
 @pytest.mark.parametrize("threads", [1, 2, 3])
 @pytest.mark.parametrize("spec", [default_spec(1), default_spec(3), default_spec(2, per_seed=2)])
 def test_passes_of_many_runs(spec: ModelSpec, threads: int) -> None:

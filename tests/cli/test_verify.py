@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from click.testing import Result
 
+from sgicodec import EncodeSettings, Picture, encode
+from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.cli import verify as module
 from sgicodec.decoder import Stream, open_stream
 
@@ -30,6 +32,17 @@ def test_every_flipped_byte_is_found(sgi: Run, stream: Path) -> None:
         result = sgi("verify", stream)
         assert (result.exit_code, result.stdout) == (4, ""), at
         assert result.stderr.count("\n") == 1
+
+
+def test_an_overview_is_verified(sgi: Run, tmp_path: Path) -> None:
+    out = tmp_path / "out.sgi"
+    settings = EncodeSettings(steps=1, tile=32, overview=True, threads=1)
+    out.write_bytes(encode(Picture(np.zeros((40, 70, 1), np.uint8), "gray", (0.0, 255.0)), settings).data)
+    assert sgi("verify", out).exit_code == 0
+    data = bytearray(out.read_bytes())
+    data[data.index(SIGNATURE, 1) + 30] ^= 1
+    out.write_bytes(data)
+    assert sgi("verify", out).exit_code == 4
 
 
 def test_all_rows_are_drawn_in_bands(sgi: Run, stream: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -40,6 +40,7 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
         "rgb8-prior3": (crop, replace(quick, prior=3)),
         "rgb8-predicted-seeds": (crop, predicted),
         "gray16-predicted-seeds": (Picture(luma[..., None], "gray", (0.0, 65535.0)), predicted),
+        "rgb8-tiles": (crop, replace(quick, prior=3, tile=100, overview=True)),
         "one-pixel": (Picture(small[:1, :1], "rgb", (0.0, 255.0)), quick),
     }
 
@@ -59,10 +60,12 @@ def main() -> None:
             manifest[name] = {
                 "picture": [stream.width, stream.height, stream.header.channels],
                 "sample_type": stream.header.sample_type,
-                "seeds": len(stream.model.layout),
+                "seeds": stream.survey().seeds,
                 "symbol_crc": f"{stream.symbol_crc:08x}",
                 "reference": reference,
             }
+            if settings.overview:
+                manifest[name]["overview_crc"] = f"{stream.overview.symbol_crc:08x}"
     manifest_path.write_text(json.dumps(manifest, indent=2) + "\n")
 
 

@@ -16,8 +16,8 @@ DATA = Path(__file__).parents[1] / "data"
 
 @pytest.fixture(scope="session")
 def settings() -> EncodeSettings:
-    """Short fits of small tiles."""
-    return EncodeSettings(steps=8, tile=64, threads=1)
+    """Short fits of small tiles, and an overview."""
+    return EncodeSettings(steps=8, tile=64, overview=True, threads=1)
 
 
 @pytest.fixture(scope="session")

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from sgicodec import EncodeSettings, encode, open_stream, read
+from sgicodec import EncodeSettings, Picture, encode, open_stream, read
 from sgicodec.errors import UsageError
 from sgicodec.image import open_source
 from sgicodec.large.encode import State, Totals, encode_source, plan_of, run_tiles
@@ -18,7 +18,7 @@ from sgicodec.large.journal import Journal
 from sgicodec.large.measure import measured_psnr
 from sgicodec.large.memory import MIB, Estimate, estimate, fitting_workers
 from sgicodec.metrics import psnr
-from sgicodec.rounds import Task
+from sgicodec.round_roles import Task
 from sgicodec.tile_work import EncodedTile, Start
 
 
@@ -37,9 +37,9 @@ def encoded(photo: Path, settings: EncodeSettings, workers: int, backwards: bool
             forwards = runner
 
             def runner(
-                task: Task[Any], numbers: Sequence[int], start: Callable[[int], Start]
+                task: Task[Any], numbers: Sequence[int], start: Callable[[int], Start], window: Picture | None = None
             ) -> Iterator[tuple[int, Any]]:
-                return forwards(task, sorted(numbers, reverse=True), start)
+                return forwards(task, sorted(numbers, reverse=True), start, window)
 
         totals = encode_source(source, plan, runner, Journal(io.BytesIO(), bytes(32)), target)
     return target.getvalue(), totals

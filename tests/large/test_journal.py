@@ -14,7 +14,7 @@ from sgicodec.image import open_source
 from sgicodec.large.encode import plan_of
 from sgicodec.large.journal import Journal, fingerprint, opened_journal
 from sgicodec.plan import Plan
-from sgicodec.rounds import Version
+from sgicodec.round_roles import Version
 from sgicodec.tile_work import EncodedTile
 
 MARK = bytes(range(32))

@@ -1,0 +1,128 @@
+"""The small picture that a stream of many pixels carries, so that small views cost what they show."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec.encode_settings import EncodeSettings
+from sgicodec.image import Picture, to_unit
+from sgicodec.image.picture import alpha_index, from_unit, nodata_mask
+from sgicodec.masking import store_nodata
+from sgicodec.plan import Plan
+from sgicodec.view import overview_size
+
+__all__ = ["overview_picture", "overview_settings", "takes_overview"]
+
+F64 = NDArray[np.float64]
+
+_LEAST_PIXELS = 1 << 20
+"""Of a picture that has an overview where nothing else is asked for: smaller ones are drawn in no time."""
+
+_FINER = 2 ** (15 / 8)
+"""The picture's λ over that of its overview: 15 steps of quality, about 1 % of the stream (docs/large.md)."""
+
+_HURRIED_EFFORT = 1
+"""Of an overview under a time limit, of which it takes next to nothing."""
+
+_ROWS = 128
+"""Of a window that are averaged at a time."""
+
+
+def takes_overview(plan: Plan) -> bool:
+    """Whether the stream of this plan is to have an overview."""
+    header, settings = plan.header, plan.settings
+    if settings.profile == "paper" or header.grid.count == 1:
+        return False
+    return header.width * header.height >= _LEAST_PIXELS if settings.overview is None else settings.overview
+
+
+def overview_settings(plan: Plan, lmbda: float) -> EncodeSettings:
+    """Those of the overview of a stream whose tiles are fitted at λ."""
+    settings = replace(plan.settings, lmbda=lmbda / _FINER, psnr=None, size=None, bpp=None, metadata=False)
+    settings = replace(settings, tile=plan.header.tile, apron=plan.header.apron)
+    if settings.time_limit is not None:
+        settings = replace(settings, time_limit=None, effort=_HURRIED_EFFORT)
+    return settings
+
+
+def overview_picture(plan: Plan, read: Callable[[int, int, int, int], Picture]) -> Picture:
+    """The picture in small: the mean of all pixels that each of its own covers, colours weighed by alpha.
+
+    read: gives the picture of a window (x, y, width, height); it is asked for windows of a tile's size from the top
+    down. A pixel whose centre holds nothing holds nothing; where nodata is around, what was measured counts.
+    """
+    header = plan.header
+    columns, rows = overview_size(header.width, header.height)
+    across, down = _Boxes(header.width, columns), _Boxes(header.height, rows)
+    total = np.zeros((rows, columns, header.spec.channels + 1))
+    nothing = np.zeros((rows, columns), np.bool_)
+    for number in range(header.grid.count):
+        x, top, width, height = header.grid.core(number)
+        window = read(x, top, width, height)
+        for first in range(0, height, _ROWS):
+            part = replace(window, pixels=window.pixels[first : first + _ROWS])
+            weighed, empty = _weighed(part)
+            y = top + first
+            row, sums = down.sums(weighed, y)
+            column, sums = across.sums(sums.swapaxes(0, 1), x)
+            total[row : row + sums.shape[1], column : column + len(sums)] += sums.swapaxes(0, 1)
+            i, j = down.centres(y, len(empty)), across.centres(x, width)
+            nothing[np.ix_(i.box, j.box)] = empty[np.ix_(i.pixel, j.pixel)]
+    alpha = alpha_index(header.channels)
+    unit = total[..., :-1]
+    unit[..., :alpha] /= np.maximum(total[..., -1:] if alpha is None else unit[..., alpha:], _TINY)
+    if alpha is not None:
+        unit[..., alpha:] /= np.maximum(total[..., -1:], _TINY)
+    found = from_unit(unit, header.channels, header.sample_type, header.sample_range, plan.place_of_windows)
+    if header.masked == "nodata":
+        store_nodata(header, found.pixels[..., :alpha], nothing)
+    return found
+
+
+_TINY = 1e-12
+
+
+def _weighed(part: Picture) -> tuple[F64, NDArray[np.bool_]]:
+    """Samples in 0..1, colours times alpha, then 1 where something was measured [h, w, C + 1]; where nothing was."""
+    unit, alpha = to_unit(part).astype(np.float64), part.alpha
+    empty = nodata_mask(part)
+    if alpha is not None:
+        unit[..., :alpha] *= unit[..., alpha:]
+    unit[empty] = 0
+    return np.concatenate([unit, ~empty[..., None]], axis=-1), empty
+
+
+@dataclass(frozen=True)
+class _Boxes:
+    """`count` boxes of equal width that cover `length` pixels along an axis."""
+
+    length: int
+    count: int
+
+    def sums(self, values: F64, start: int) -> tuple[int, F64]:
+        """For pixels [n, …] from `start` on: the first box that they touch, and what each box has of them [boxes, …],
+        pixels that it covers in part counted by that part.
+        """
+        first = start * self.count // self.length
+        behind = -(-(start + len(values)) * self.count // self.length)
+        edges = np.clip(np.arange(first, behind + 1) * (self.length / self.count) - start, 0, len(values))
+        whole = np.minimum(edges.astype(np.int64), len(values) - 1)
+        below = np.concatenate([np.zeros_like(values[:1]), np.cumsum(values, axis=0)])
+        part = (edges - whole).reshape(-1, *(1,) * (values.ndim - 1))
+        return first, np.diff(below[whole] + part * values[whole], axis=0)
+
+    def centres(self, start: int, size: int) -> _Centres:
+        """The boxes whose centres lie in `size` pixels from `start` on, and which of these that is."""
+        pixel = np.floor((np.arange(self.count) + 0.5) * (self.length / self.count)).astype(np.int64) - start
+        box = np.flatnonzero((pixel >= 0) & (pixel < size))
+        return _Centres(box, pixel[box])
+
+
+class _Centres(NamedTuple):
+    box: NDArray[np.int64]
+    pixel: NDArray[np.int64]
