@@ -8,12 +8,14 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from sgicodec.distortion import decibels
 from sgicodec.encoding import Candidate, Encoded, Encoding
 from sgicodec.errors import TargetMissedError
 from sgicodec.fit.base_layer import base_layer
 from sgicodec.fit.course import searched
 from sgicodec.fit.steering import Goal, Measured, Steering, first_lmbda
 from sgicodec.model.context import input_count
+from sgicodec.refine import Cost
 from sgicodec.trim import coarser, trim
 
 if TYPE_CHECKING:
@@ -106,22 +108,47 @@ class Aim:
     def _searched(self, start: Candidate) -> tuple[Candidate, Reached]:
         """Sweeps until the goal is met, but as often as without one; the last that met it, else the nearest."""
         encoding, goal, refiner = self.encoding, self.goal, self.encoding.refiner(start)
-        tries: list[tuple[Candidate, Reached]] = []
+        gauge = _Gauge(encoding.unit.size)
+        tries: list[tuple[Candidate, Measured]] = []
         lmbda, least, up = start.lmbda, refiner.settings.sweeps, _UP
         for number in range(least + _MORE_SWEEPS):
             began = time.monotonic()
-            candidate = Candidate(start.header, refiner.sweep(lmbda).model, lmbda)
-            tries.append((candidate, encoding.measured(candidate)))
-            measured = tries[-1][1][1]
-            if (number >= least - 1 and goal.is_met(measured)) or 2 * time.monotonic() - began > encoding.end:
+            refined = refiner.sweep(lmbda)
+            candidate, measured = Candidate(start.header, refined.model, lmbda), gauge.told(refined.cost)
+            if number == 0 or (number >= least - 1 and goal.is_met(measured)):
+                found = encoding.measured(candidate)
+                measured = gauge.learn(refined.cost, found[1])
+                if number >= least - 1 and goal.is_met(measured):
+                    return candidate, found
+            tries.append((candidate, measured))
+            if 2 * time.monotonic() - began > encoding.end:
                 break
             if number >= _UNSETTLED:
                 excess = goal.excess(measured)
                 lmbda *= 2.0 ** max(-_MOST_MOVE, min(_MOST_MOVE, (_DOWN if excess < 0 else up) * excess))
                 up = _UP if excess < 0 else _MORE_UP * up
-        met = [one for one in tries if goal.is_met(one[1][1])]
-        sound = [one for one in tries if not goal.is_missed(one[1][1])]
-        return met[-1] if met else min(sound or tries, key=lambda one: abs(goal.excess(one[1][1])))
+        met = [one for one in tries if goal.is_met(one[1])]
+        sound = [one for one in tries if not goal.is_missed(one[1])]
+        candidate, _ = met[-1] if met else min(sound or tries, key=lambda one: abs(goal.excess(one[1])))
+        return candidate, encoding.measured(candidate)
+
+
+class _Gauge:
+    """What streams would be, from what a search knows of them, by how far that was off where a stream was measured."""
+
+    def __init__(self, samples: int) -> None:
+        self._samples, self._bytes, self._decibels = samples, 0.0, 0.0
+
+    def told(self, cost: Cost) -> Measured:
+        """The search counts neither the container nor the rounding of samples."""
+        return Measured(cost.bits / 8 + self._bytes, decibels(cost.error, self._samples) + self._decibels)
+
+    def learn(self, cost: Cost, measured: Measured) -> Measured:
+        """Takes in what the stream of this cost is, and returns it."""
+        self._bytes = measured.bytes - cost.bits / 8
+        if math.isfinite(measured.psnr):
+            self._decibels = measured.psnr - decibels(cost.error, self._samples)
+        return measured
 
 
 _SURE = 0.5
