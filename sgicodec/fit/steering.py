@@ -156,8 +156,7 @@ def first_lmbda(goal: Goal, detail: NDArray[np.float32], settings: FitSettings, 
     """Where to begin: λ at which the seeds that a fit of `detail` [C, H, W] starts with foretell the goal. `extra`
     bytes come on top.
 
-    The forecast is a product of powers of λ, of the number of seeds and of what deviates within their cells, fitted
-    to photographs.
+    The forecast knows what the search for symbols will gain.
     """
     foretold = Foretold(detail, settings)
 
@@ -177,12 +176,19 @@ def bisected(must_rise: Callable[[float], bool], halvings: int) -> float:
     return float(2.0 ** (0.5 * (low + high)))
 
 
+_FLAT = 1e-9
+"""Squared deviation that stands for none."""
 STREAM_BYTES = 200.0
 """Of a stream without seeds, about."""
 
 
 class Foretold:
-    """What a fit of `detail` [C, H, W], a picture less its base layer, will come to at any λ."""
+    """What a fit of `detail` [C, H, W], a picture less its base layer, will come to at any λ.
+
+    Forecasts are products of powers of λ, of the number of seeds and of what deviates within their cells, fitted to
+    photographs; that of the error also sees both at four times the price of a seed: how quickly more seeds become
+    worth their bits tells fine texture from edges (docs/research.md, "Forecasts").
+    """
 
     def __init__(self, detail: NDArray[np.float32], settings: FitSettings) -> None:
         self.settings, self.channels, self.pixels = settings, len(detail), detail[0].size
@@ -190,7 +196,12 @@ class Foretold:
 
     def at(self, lmbda: float) -> tuple[float, float]:
         """Bytes of the stream and mean squared error of a sample in 0..1."""
-        threshold = self.settings.split * lmbda * self.settings.seed_bits
-        count, deviation = (v / self.pixels for v in leaf_sums(self._sums, threshold))
-        size = STREAM_BYTES + self.pixels * 0.5 * lmbda**-0.33 * count**0.77 * max(deviation, 0.0) ** 0.36
-        return size, 5.7 * lmbda * count**0.8 / self.channels
+        (count, deviation), (fewer, larger) = self.seeds(lmbda), self.seeds(lmbda, 4.0)
+        size = STREAM_BYTES + self.pixels * 0.5 * lmbda**-0.33 * count**0.77 * deviation**0.36
+        error = 3.0 * lmbda**0.918 * count**2.85 * fewer**-1.91 * deviation**2.43 * larger**-2.39
+        return size, error / self.channels
+
+    def seeds(self, lmbda: float, price: float = 1.0) -> tuple[float, float]:
+        """For each pixel, their number and what deviates within their cells, where one costs `price` times as much."""
+        count, deviation = leaf_sums(self._sums, price * self.settings.split * lmbda * self.settings.seed_bits)
+        return count / self.pixels, max(deviation / self.pixels, _FLAT)
