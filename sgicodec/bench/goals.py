@@ -44,13 +44,16 @@ class Asked:
 
 @dataclass(frozen=True)
 class Point:
-    """One encode: seconds of the encode alone, PSNR in dB of the decoded samples, λ at its end."""
+    """One encode: seconds of the encode alone, by the clock and of processors (cpu), PSNR in dB of the decoded samples,
+    λ at its end.
+    """
 
     bytes: int
     bpp: float
     psnr: float
     lmbda: float
     seconds: float
+    cpu: float
 
 
 @dataclass(frozen=True)
@@ -76,18 +79,18 @@ def run(path: Path, goals: list[Asked], effort: int, threads: int, tile: int | N
 
 
 def _point(picture: Picture, settings: EncodeSettings) -> tuple[Point, bool]:
-    started, missed = time.monotonic(), False
+    started, worked, missed = time.monotonic(), time.process_time(), False
     try:
         encoded = encode(picture, settings)
     except TargetMissedError as error:
         nearest, missed = error.nearest, True
         assert isinstance(nearest, Encoded)
         encoded = nearest
-    seconds = time.monotonic() - started
+    spent = time.monotonic() - started, time.process_time() - worked
     decoded = open_stream(encoded.data).picture(threads=settings.threads)
     quality = psnr(comparable(picture), comparable(decoded))
     size = len(encoded.data)
-    return Point(size, 8 * size / (picture.width * picture.height), quality, encoded.lmbda, seconds), missed
+    return Point(size, 8 * size / (picture.width * picture.height), quality, encoded.lmbda, *spent), missed
 
 
 def loss(point: Point, plain: list[Point]) -> float:
@@ -110,7 +113,7 @@ def loss(point: Point, plain: list[Point]) -> float:
 
 COLUMNS = (
     *("picture", "goal", "asked", "reached", "bytes", "bpp", "psnr", "lmbda", "seconds"),
-    *("plain_bytes", "plain_psnr", "plain_seconds", "ratio", "loss"),
+    *("plain_bytes", "plain_psnr", "plain_seconds", "ratio", "cpu_ratio", "loss"),
 )
 
 
@@ -123,7 +126,8 @@ def report(outcomes: list[Outcome]) -> list[str]:
         cells += [f"{one.asked.reached(goal):.5g}" + ("!" if one.missed else ""), f"{goal.bytes}", f"{goal.bpp:.4f}"]
         cells += [f"{goal.psnr:.3f}", f"{goal.lmbda:.5g}", f"{goal.seconds:.2f}"]
         cells += [f"{one.plain.bytes}", f"{one.plain.psnr:.3f}", f"{one.plain.seconds:.2f}"]
-        cells += [f"{goal.seconds / one.plain.seconds:.3f}", f"{loss(goal, plain):.3f}"]
+        cells += [f"{goal.seconds / one.plain.seconds:.3f}", f"{goal.cpu / one.plain.cpu:.3f}"]
+        cells.append(f"{loss(goal, plain):.3f}")
         rows.append("\t".join(cells))
     return rows
 
@@ -141,9 +145,12 @@ def summary(outcomes: dict[str, list[Outcome]]) -> list[str]:
             shares = [100 * one.asked.reached(one.goal) / one.asked.value for one, _ in ones]
             kept = f"reached / asked from {min(shares):.2f} % to {max(shares):.2f} %"
         ratio = [one.goal.seconds / one.plain.seconds for one, _ in ones]
+        cpu = [one.goal.cpu / one.plain.cpu for one, _ in ones]
         losses = [lost for _, lost in ones if math.isfinite(lost)]
         lost = f"loss median {median(losses):.3f}, most {max(losses):.3f} dB" if losses else "loss unknown"
-        lines.append(f"# {name}: {kept}; time ratio median {median(ratio):.2f}, most {max(ratio):.2f}; {lost}")
+        took = f"time ratio median {median(ratio):.2f}, most {max(ratio):.2f}"
+        took += f", of processors {median(cpu):.2f} and {max(cpu):.2f}"
+        lines.append(f"# {name}: {kept}; {took}; {lost}")
     return lines
 
 
@@ -166,7 +173,7 @@ def main(pictures: tuple[Path, ...], bpp: str, decibels: str, effort: int, threa
     """Encode PICTURES towards rates and PSNRs and print tab-separated rows.
 
     reached ends in ! where the encoder said that it missed. plain_…: of an encode at the λ that the other ended with;
-    ratio: of their seconds. loss: dB below the curve of a picture's plain encodes at the same rate.
+    ratio: of their seconds, cpu_ratio of those of processors, which other work changes less. loss: dB below the curve of a picture's plain encodes at the same rate.
     """
     goals = [*asked_of("bpp", bpp), *asked_of("psnr", decibels)]
     outcomes: dict[str, list[Outcome]] = {}

@@ -55,6 +55,7 @@ def _facts(stream: Stream) -> dict[str, Any]:
         "bpp": 8 * stream.size / pixels,
         "profile": header.profile,
         "tiles": stream.grid.count,
+        "overview": [stream.overview.width, stream.overview.height] if stream.has_overview else None,
         "seeds": seeds,
         "gaussians": seeds * header.spec.per_seed,
         "settings": _settings(header),
@@ -98,6 +99,8 @@ def _lines(stream: Stream, facts: Mapping[str, Any]) -> dict[str, str]:
         grid = stream.grid
         what = f"{grid.count} ({grid.across.count}×{grid.down.count}) of up to {grid.tile} pixels a side"
         tiles["tiles"] = f"{what}, fading over {2 * grid.apron}"
+    if facts["overview"] is not None:
+        tiles["overview"] = "{}×{}".format(*facts["overview"])
     return {
         "picture": f"{stream.width}×{stream.height}, {count if channels == 'multi' else channels}"
         + f"{' bands' if channels == 'multi' else ''}, {depth}",

@@ -16,8 +16,8 @@ from sgicodec.errors import UsageError
 DATA = Path(__file__).parent.parent / "data" / "pictures"
 
 
-def point(size: int, psnr: float, seconds: float = 1.0) -> Point:
-    return Point(size, size / 1000, psnr, 0.01, seconds)
+def point(size: int, psnr: float, seconds: float = 1.0, cpu: float = 2.0) -> Point:
+    return Point(size, size / 1000, psnr, 0.01, seconds, cpu)
 
 
 def test_loss_is_measured_along_the_nearest_plain_points() -> None:
@@ -32,14 +32,15 @@ def test_loss_is_measured_along_the_nearest_plain_points() -> None:
 def test_rows_and_summary() -> None:
     ones = [
         Outcome("a", Asked("bpp", 1.0), point(990, 30.0, 2.4), point(1000, 30.0, 2.0), False),
-        Outcome("a", Asked("bpp", 2.0), point(1980, 32.0, 2.0), point(2000, 33.0, 2.0), False),
+        Outcome("a", Asked("bpp", 2.0), point(1980, 32.0, 2.0, 2.5), point(2000, 33.0, 2.0), False),
         Outcome("a", Asked("psnr", 35.0), point(3000, 34.5, 3.0), point(3000, 35.0, 2.0), True),
     ]
     rows = [dict(zip(goals.COLUMNS, row.split("\t"), strict=True)) for row in report(ones)]
     assert [row["reached"] for row in rows] == ["0.99", "1.98", "34.5!"]
     assert [row["ratio"] for row in rows] == ["1.200", "1.000", "1.500"]
+    assert [row["cpu_ratio"] for row in rows] == ["1.000", "1.250", "1.000"]
     lines = summary({"a": ones})
-    assert lines[0].startswith("# bpp: reached / asked from 99.00 % to 99.00 %; time ratio median 1.10, most 1.20")
+    assert lines[0].startswith("# bpp: reached / asked from 99.00 % to 99.00 %; time ratio median 1.10, most 1.20, of")
     assert lines[1].startswith("# psnr: reached − asked from -0.500 to -0.500 dB; time ratio median 1.50")
 
 
@@ -55,7 +56,7 @@ def test_settings_and_what_is_reached(name: str) -> None:
     asked = Asked(name, 20.0)
     settings = asked.put_into(EncodeSettings(effort=2))
     assert (settings.effort, settings.asked()) == (2, f"{name}20")
-    assert asked.reached(Point(8000, 0.5, 31.0, 0.1, 1.0)) == {"bpp": 0.5, "size": 8000.0, "psnr": 31.0}[name]
+    assert asked.reached(Point(8000, 0.5, 31.0, 0.1, 1.0, 1.5)) == {"bpp": 0.5, "size": 8000.0, "psnr": 31.0}[name]
 
 
 def test_a_run() -> None:

@@ -40,6 +40,26 @@ def test_report_and_info(sgi: Run, picture: Path, tmp_path: Path) -> None:
     assert sgi("verify", tmp_path / "a.sgi").stdout.endswith(f"symbols {facts['symbol_crc']}\n")
 
 
+def test_an_overview_on_request(sgi: Run, picture: Path, tmp_path: Path) -> None:
+    plain, with_one = (tmp_path / name for name in ("plain.sgi", "with.sgi"))
+    assert sgi("encode", picture, plain, *OPTIONS).exit_code == 0
+    report = json.loads(sgi("encode", picture, with_one, *OPTIONS, "--overview", "--json").stdout)
+    assert sum(report["parts"].values()) == pytest.approx(with_one.stat().st_size)
+    facts = json.loads(sgi("info", with_one, "--json").stdout)
+    with open_stream(with_one) as stream:
+        assert facts["overview"] == [stream.overview.width, stream.overview.height]
+        assert stream.overview.width == round(stream.width / 16)
+    added = with_one.stat().st_size - plain.stat().st_size
+    assert added - 4 <= facts["parts"]["overview"] <= added  # what the index says of offsets may grow
+    assert "overview" in sgi("info", with_one).stdout
+    assert json.loads(sgi("info", plain, "--json").stdout)["overview"] is None
+    shown = tmp_path / "small.png"
+    assert sgi("decode", with_one, shown, "--scale", "1/16").exit_code == 0
+    exact = tmp_path / "exact.png"
+    assert sgi("decode", with_one, exact, "--scale", "1/16", "--exact").exit_code == 0
+    assert (read(shown).pixels != read(exact).pixels).any()
+
+
 def test_psnr_is_that_of_the_decoded_picture(sgi: Run, picture: Path, tmp_path: Path) -> None:
     report = json.loads(sgi("encode", picture, tmp_path / "a.sgi", *OPTIONS, "--json").stdout)
     error = read(picture).pixels.astype(float) - open_stream(tmp_path / "a.sgi").picture().pixels
