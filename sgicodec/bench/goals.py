@@ -173,7 +173,8 @@ def main(pictures: tuple[Path, ...], bpp: str, decibels: str, effort: int, threa
     """Encode PICTURES towards rates and PSNRs and print tab-separated rows.
 
     reached ends in ! where the encoder said that it missed. plain_…: of an encode at the λ that the other ended with;
-    ratio: of their seconds, cpu_ratio of those of processors, which other work changes less. loss: dB below the curve of a picture's plain encodes at the same rate.
+    ratio: of their seconds, cpu_ratio of those of processors, which other work changes less. loss: dB below the curve
+    of a picture's plain encodes at the same rate.
     """
     goals = [*asked_of("bpp", bpp), *asked_of("psnr", decibels)]
     outcomes: dict[str, list[Outcome]] = {}
