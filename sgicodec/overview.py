@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from sgicodec.image import Picture, to_unit
 from sgicodec.image.picture import alpha_index, from_unit, nodata_mask
 from sgicodec.masking import store_nodata
 from sgicodec.plan import Plan
+from sgicodec.tiles import Rect
 from sgicodec.view import overview_size
 
 __all__ = ["overview_picture", "overview_settings", "takes_overview"]
@@ -56,32 +57,62 @@ def overview_picture(plan: Plan, read: Callable[[int, int, int, int], Picture]) 
     read: gives the picture of a window (x, y, width, height); it is asked for windows of a tile's size from the top
     down. A pixel whose centre holds nothing holds nothing; where nodata is around, what was measured counts.
     """
-    header = plan.header
+    header, grid = plan.header, plan.header.grid
     columns, rows = overview_size(header.width, header.height)
-    across, down = _Boxes(header.width, columns), _Boxes(header.height, rows)
-    total = np.zeros((rows, columns, header.spec.channels + 1))
-    nothing = np.zeros((rows, columns), np.bool_)
-    for number in range(header.grid.count):
-        x, top, width, height = header.grid.core(number)
-        window = read(x, top, width, height)
+    down, across = _Boxes(header.height, rows), _Boxes(header.width, columns)
+    pixels = np.empty((rows, columns, header.spec.channels), header.sample_type)
+    band = _Band(0, np.zeros((0, columns, header.spec.channels + 1)), np.zeros((0, columns), np.bool_))
+    for row in range(grid.down.count):
+        bottom = grid.down.edge(row + 1)
+        band = band.until(down.behind(bottom))
+        for column in range(grid.across.count):
+            core = grid.core(grid.number(column, row))
+            band.add(read(*core), core, down, across)
+        done = down.whole(bottom) - band.first
+        pixels[band.first : band.first + done] = _samples(plan, band.total[:done], band.nothing[:done])
+        band = _Band(band.first + done, band.total[done:], band.nothing[done:])
+    return Picture(pixels, header.channels, header.sample_range, plan.place_of_windows)
+
+
+class _Band(NamedTuple):
+    """Rows of the overview from `first` on that are not finished: sums of weighed samples, and of weights
+    [rows, columns, C + 1]; where the pixel at the centre holds nothing [rows, columns].
+    """
+
+    first: int
+    total: F64
+    nothing: NDArray[np.bool_]
+
+    def until(self, behind: int) -> _Band:
+        """The same with room for the rows before `behind`."""
+        more = behind - self.first - len(self.total)
+        total = np.concatenate([self.total, np.zeros((more, *self.total.shape[1:]))])
+        return _Band(self.first, total, np.concatenate([self.nothing, np.zeros((more, total.shape[1]), np.bool_)]))
+
+    def add(self, window: Picture, rect: Rect, down: _Boxes, across: _Boxes) -> None:
+        """Counts the pixels of a window."""
+        x, top, width, height = rect
         for first in range(0, height, _ROWS):
-            part = replace(window, pixels=window.pixels[first : first + _ROWS])
-            weighed, empty = _weighed(part)
-            y = top + first
-            row, sums = down.sums(weighed, y)
+            weighed, empty = _weighed(replace(window, pixels=window.pixels[first : first + _ROWS]))
+            row, sums = down.sums(weighed, top + first)
             column, sums = across.sums(sums.swapaxes(0, 1), x)
-            total[row : row + sums.shape[1], column : column + len(sums)] += sums.swapaxes(0, 1)
-            i, j = down.centres(y, len(empty)), across.centres(x, width)
-            nothing[np.ix_(i.box, j.box)] = empty[np.ix_(i.pixel, j.pixel)]
-    alpha = alpha_index(header.channels)
-    unit = total[..., :-1]
-    unit[..., :alpha] /= np.maximum(total[..., -1:] if alpha is None else unit[..., alpha:], _TINY)
+            here = slice(row - self.first, row - self.first + sums.shape[1])
+            self.total[here, column : column + len(sums)] += sums.swapaxes(0, 1)
+            i, j = down.centres(top + first, len(empty)), across.centres(x, width)
+            self.nothing[np.ix_(i.box - self.first, j.box)] = empty[np.ix_(i.pixel, j.pixel)]
+
+
+def _samples(plan: Plan, total: F64, nothing: NDArray[np.bool_]) -> NDArray[Any]:
+    """Means of what was summed up, as samples of the picture's type."""
+    header, alpha = plan.header, alpha_index(plan.header.channels)
+    unit, weight = total[..., :-1], np.maximum(total[..., -1:], _TINY)
+    unit[..., :alpha] /= weight if alpha is None else np.maximum(unit[..., alpha:], _TINY)
     if alpha is not None:
-        unit[..., alpha:] /= np.maximum(total[..., -1:], _TINY)
-    found = from_unit(unit, header.channels, header.sample_type, header.sample_range, plan.place_of_windows)
+        unit[..., alpha:] /= weight
+    pixels = from_unit(unit, header.channels, header.sample_type, header.sample_range).pixels
     if header.masked == "nodata":
-        store_nodata(header, found.pixels[..., :alpha], nothing)
-    return found
+        store_nodata(header, pixels[..., :alpha], nothing)
+    return pixels
 
 
 _TINY = 1e-12
@@ -104,12 +135,19 @@ class _Boxes:
     length: int
     count: int
 
+    def whole(self, stop: int) -> int:
+        """How many boxes end at pixel `stop` or before it."""
+        return stop * self.count // self.length
+
+    def behind(self, stop: int) -> int:
+        """How many boxes begin before pixel `stop`."""
+        return -(-stop * self.count // self.length)
+
     def sums(self, values: F64, start: int) -> tuple[int, F64]:
         """For pixels [n, …] from `start` on: the first box that they touch, and what each box has of them [boxes, …],
         pixels that it covers in part counted by that part.
         """
-        first = start * self.count // self.length
-        behind = -(-(start + len(values)) * self.count // self.length)
+        first, behind = self.whole(start), self.behind(start + len(values))
         edges = np.clip(np.arange(first, behind + 1) * (self.length / self.count) - start, 0, len(values))
         whole = np.minimum(edges.astype(np.int64), len(values) - 1)
         below = np.concatenate([np.zeros_like(values[:1]), np.cumsum(values, axis=0)])
