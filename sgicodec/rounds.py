@@ -251,7 +251,7 @@ _ROOM = {"bytes": 1.0, "error": 10**0.003}
 """What of the bound a choice may take: a PSNR may be 0.03 dB below, so that both sides of it have room."""
 _LONG = 1 << 20
 """Bytes of a payload, where it is not known and there is room for any: what its frame takes hardly depends on it."""
-_MOST_SAMPLES, _MANY = 8, 64
+_MOST_SAMPLES, _MANY = 8, 12
 """Tiles that are fitted first, and number of tiles from which on a half of the others comes before the rest."""
 _FAR, _SAMPLES, _FITS = 0.5, 4, 2
 """Octaves that the λ of fits of one stream may be apart; how often samples, and how often all tiles are fitted."""
