@@ -6,7 +6,7 @@ import io
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, BinaryIO, TypeVar
 
@@ -20,7 +20,7 @@ from sgicodec.errors import TargetMissedError
 from sgicodec.image import Picture
 from sgicodec.overview import overview_picture, overview_settings, takes_overview
 from sgicodec.plan import Plan, Shape, stream_plan
-from sgicodec.round_roles import Finished, Task, Version
+from sgicodec.round_roles import Finished, Runner, Task, Version
 from sgicodec.rounds import Rounds
 from sgicodec.tile_weight import tile_weight
 from sgicodec.tile_work import EncodedTile, FitTask, Start
@@ -30,7 +30,7 @@ from sgicodec.time_shares import TimeShares
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Progress
 
-__all__ = ["encode", "window_of"]
+__all__ = ["draw_small", "encode", "window_of"]
 
 Result = TypeVar("Result")
 
@@ -96,16 +96,12 @@ def _encode_tiles(
         with open_stream(file) as stream:
             return squared_error(picture, stream.picture(threads=threads))
 
-    def draw_small(lmbda: float) -> bytes:
-        small = overview_picture(plan, lambda *window: window_of(picture, window))
-        return encode(small, overview_settings(plan, lmbda)).data
-
     kept, buffer, limit = _Kept(), io.BytesIO(), plan.settings.time_limit
     shares = None
     if limit is not None:
         weigh = partial(_weight, picture, plan)
         shares = TimeShares(grid, started + limit, workers=1, decoders=0, weigh=weigh)
-    small = draw_small if takes_overview(plan) else None
+    small = draw_small(plan, lambda *window: window_of(picture, window), runner)
     found = Rounds(plan, runner, kept, _Nobody(), error_of, shares, small).run()
     tiles = map(kept.payload, found.chosen)
     write_stream(buffer, found.plan.header, plan.software, plan.metadata, tiles, found.overview)
@@ -113,6 +109,31 @@ def _encode_tiles(
     if found.missed is not None:
         raise TargetMissedError(found.missed, encoded)
     return encoded
+
+
+@dataclass(frozen=True)
+class _OverviewTask:
+    """Encodes a picture as a stream of its own."""
+
+    settings: EncodeSettings
+
+    def __call__(self, number: int, window: Picture, start: Start, threads: int) -> bytes:
+        """The stream of `window`."""
+        return encode(window, replace(self.settings, threads=threads)).data
+
+
+def draw_small(
+    plan: Plan, read: Callable[[int, int, int, int], Picture], runner: Runner
+) -> Callable[[float], bytes] | None:
+    """What makes the overview of a stream whose tiles are fitted at a λ, if it is to have one. read: as in
+    `overview_picture`.
+    """
+
+    def drawn(lmbda: float) -> bytes:
+        task = _OverviewTask(overview_settings(plan, lmbda))
+        return dict(runner(task, [0], lambda _: Start(), overview_picture(plan, read)))[0]
+
+    return drawn if takes_overview(plan) else None
 
 
 def _weight(picture: Picture, plan: Plan, number: int) -> float:

@@ -58,8 +58,12 @@ def overview_size(width: int, height: int) -> tuple[int, int]:
 
 
 def overview_view(header: Header, view: View) -> View | None:
-    """What of the picture's overview a view shows; None for one that shows more than the overview holds."""
+    """What of the picture's overview a view shows; None for one that shows more than the overview holds, and of an
+    overview that is no smaller than the picture.
+    """
     columns, rows = overview_size(header.width, header.height)
+    if (columns, rows) == (header.width, header.height):
+        return None
     across, down = columns / header.width, rows / header.height
     sx, sy = _near_one(view.sx / across), _near_one(view.sy / down)
     if _enlarges(view.columns, sx) or _enlarges(view.rows, sy):

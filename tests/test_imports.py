@@ -25,7 +25,7 @@ LAYERS = {
     "bitstream": {"errors", "model", "tiles", "_native"},
     "fit": {"errors", "_native", "model", "raster"},
     "opened": {"errors", "bitstream"},
-    "view": {"errors", "bitstream", "model"},
+    "view": {"errors", "bitstream"},
     "drawn_tile": {"errors", "bitstream", "model", "raster", "view"},
     "masking": {"bitstream", "drawn_tile", "image", "view"},
     "kept_tiles": {"_native", "drawn_tile", "errors", "opened", "view"},
@@ -46,8 +46,10 @@ LAYERS = {
     "time_shares": {"tile_work", "tiles"},
     "outlook": {"fit", "tile_work"},
     "correction": {"outlook"},
+    "overview": {"encode_settings", "image", "masking", "plan", "tiles", "view"},
+    "round_roles": {"image", "plan", "tile_work"},
     "rounds": {
-        *("assembly", "choice", "correction", "distortion", "fit", "image", "outlook", "plan", "tile_work"),
+        *("assembly", "choice", "correction", "distortion", "fit", "outlook", "plan", "round_roles", "tile_work"),
         "time_shares",
     },
     "large": {
@@ -57,11 +59,13 @@ LAYERS = {
             "decoder",
             "distortion",
             "encode_settings",
+            "encoder",
             "encoding",
             "errors",
             "files",
             "image",
             "plan",
+            "round_roles",
             "rounds",
             "tile_weight",
             "tile_work",
@@ -73,10 +77,10 @@ LAYERS = {
     "encoding": {
         *("assembly", "bitstream", "decoder", "fill", "fit", "image", "metrics", "model", "plan", "refine", "trim"),
     },
-    "aim": {"encoding", "errors", "fit", "model", "trim"},
+    "aim": {"distortion", "encoding", "errors", "fit", "model", "refine", "trim"},
     "encoder": {
         *("aim", "assembly", "decoder", "distortion", "encode_settings", "encoding", "errors", "fit", "image", "plan"),
-        *("rounds", "tile_weight", "tile_work", "tiles", "time_shares"),
+        *("overview", "round_roles", "rounds", "tile_weight", "tile_work", "tiles", "time_shares"),
     },
 }
 """What each part may import besides itself; `bench` and `cli` may import everything."""

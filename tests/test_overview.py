@@ -172,14 +172,23 @@ def test_a_pipe_keeps_it(coded: Encoded) -> None:
 def test_an_overview_of_several_tiles_has_its_own(photo: Picture) -> None:
     """1,344×1,000 pixels: 84×62 in tiles of 32, and 5×4."""
     large = replace(photo, pixels=photo.pixels.repeat(4, axis=0).repeat(4, axis=1))
-    plan = replace(SETTINGS, tile=32, steps=1)
+    plan = replace(SETTINGS, tile=32, steps=1, quality=5)
     small_one = encode(small(large, 512), plan).data
     inner = open_stream(small_one)
     assert inner.grid.count == 6
     assert (inner.overview.width, inner.overview.height) == (5, 4)
     assert inner.overview.grid.count == 1
-    outer = open_stream(_chunks_with(encode(large, replace(SETTINGS, tile=512, steps=1)).data, [small_one]))
+    outer = open_stream(_chunks_with(encode(large, replace(plan, tile=512, refine=False)).data, [small_one]))
     np.testing.assert_array_equal(outer.picture(size=(5, 4)).pixels, inner.overview.picture().pixels)
+
+
+def test_one_that_is_no_smaller_is_left_alone() -> None:
+    """Of a single pixel; a thousand overviews, each in another, would else be followed to the last."""
+    dot = encode(Picture(np.zeros((1, 1, 1), np.uint8), "gray", (0.0, 255.0)), EncodeSettings(steps=1, threads=1)).data
+    nested = dot
+    for _ in range(1200):
+        nested = _chunks_with(dot, [nested])
+    assert open_stream(nested).picture().pixels.shape == (1, 1, 1)
 
 
 def test_who_gets_one(photo: Picture) -> None:

@@ -14,14 +14,14 @@ from sgicodec.assembly import write_stream
 from sgicodec.decoder import open_stream
 from sgicodec.distortion import decibels
 from sgicodec.encode_settings import EncodeSettings
+from sgicodec.encoder import draw_small
 from sgicodec.encoding import make_ready
 from sgicodec.files import whole_file
 from sgicodec.image import Picture, Source
 from sgicodec.large.journal import Journal
 from sgicodec.large.measure import measured_error
 from sgicodec.large.pool import run_here, run_in_processes
-from sgicodec.large.task import Job, OverviewTask, ReadingTask, TileTask
-from sgicodec.overview import overview_picture, overview_settings, takes_overview
+from sgicodec.large.task import Job, ReadingTask, TileTask
 from sgicodec.plan import Plan, Shape, stream_plan
 from sgicodec.round_roles import Finished, Runner, Task
 from sgicodec.rounds import Rounds
@@ -202,12 +202,7 @@ def encode_source(
         with open_stream(file) as stream:
             return measured_error(stream, source, plan.settings.threads)
 
-    def draw_small(lmbda: float) -> bytes:
-        small = overview_picture(plan, source.read)
-        found = dict(runner(OverviewTask(overview_settings(plan, lmbda)), [0], lambda _: Start(), small))
-        return found[0]
-
-    small = draw_small if takes_overview(plan) else None
+    small = draw_small(plan, source.read, runner)
     found = Rounds(plan, runner, journal, _Telling(plan, on_state), error_of, shares, small).run()
     if isinstance(target, Path):
         with whole_file(target) as file:

@@ -9,8 +9,6 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, Generic, NamedTuple, TypeVar
 
-from sgicodec.encode_settings import EncodeSettings
-from sgicodec.encoder import encode
 from sgicodec.encoding import keep_to_one_torch_thread
 from sgicodec.errors import PictureError
 from sgicodec.image import Picture, Source, open_source
@@ -18,7 +16,7 @@ from sgicodec.plan import Plan
 from sgicodec.round_roles import Task
 from sgicodec.tile_work import Start
 
-__all__ = ["Job", "OverviewTask", "ReadingTask", "TileTask"]
+__all__ = ["Job", "ReadingTask", "TileTask"]
 
 Result = TypeVar("Result")
 
@@ -44,17 +42,6 @@ class TileTask(Generic[Result]):
         if job.window is None:
             raise PictureError("no pixels came")
         return self.task(number, job.window, job.start, self.threads)
-
-
-@dataclass(frozen=True)
-class OverviewTask:
-    """Encodes a picture as a stream of its own."""
-
-    settings: EncodeSettings
-
-    def __call__(self, number: int, window: Picture, start: Start, threads: int) -> bytes:
-        """The stream of `window`."""
-        return encode(window, replace(self.settings, threads=threads)).data
 
 
 @dataclass(frozen=True)
