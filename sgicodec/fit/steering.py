@@ -133,7 +133,7 @@ class Steering:
             self._move(_SIZE_FORESIGHT * excess, 2.0)
             return self.lmbda
         self._move(_PSNR_FORESIGHT * excess, 2.0)
-        return 0.5 * self.lmbda  # texture never regains what is dropped too soon, and the next time is near
+        return 0.75 * self.lmbda  # texture never regains what is dropped too soon, and the next time is near
 
     def _forecast(self, done: float, steps: int, bits: float, psnr: float) -> Measured:
         ratio, lift = course(done, steps, self.lmbda)
@@ -198,7 +198,7 @@ class Foretold:
         """Bytes of the stream and mean squared error of a sample in 0..1."""
         (count, deviation), (fewer, larger) = self.seeds(lmbda), self.seeds(lmbda, 4.0)
         size = STREAM_BYTES + self.pixels * 0.5 * lmbda**-0.33 * count**0.77 * deviation**0.36
-        error = 3.0 * lmbda**0.918 * count**2.85 * fewer**-1.91 * deviation**2.43 * larger**-2.39
+        error = 2.8 * lmbda**0.918 * count**2.85 * fewer**-1.91 * deviation**2.43 * larger**-2.39
         return size, error / self.channels
 
     def seeds(self, lmbda: float, price: float = 1.0) -> tuple[float, float]:
