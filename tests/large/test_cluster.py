@@ -87,7 +87,19 @@ def test_same_bytes_as_one_process(
     from click.testing import CliRunner
 
     out = tmp_path / "out.sgi"
-    arguments = ["encode", str(photo), str(out), "--tile", "64", "--steps", "8", "--cluster", "local:2", *options]
+    arguments = [
+        "encode",
+        str(photo),
+        str(out),
+        "--tile",
+        "64",
+        "--steps",
+        "8",
+        "--overview",
+        "--cluster",
+        "local:2",
+        *options,
+    ]
     result = CliRunner().invoke(cli, arguments)
     assert result.exit_code == 0, result.output
     assert out.read_bytes() == encode(read(photo), settings).data
@@ -97,8 +109,8 @@ def test_goals_on_a_cluster(photo: Path, settings: EncodeSettings, tmp_path: Pat
     from click.testing import CliRunner
 
     out = tmp_path / "out.sgi"
-    arguments = ["encode", str(photo), str(out), "--tile", "40", "--steps", "8", "--bpp", "0.9", "--cluster", "local:2"]
-    result = CliRunner().invoke(cli, arguments)
+    arguments = ["encode", str(photo), str(out), "--tile", "40", "--steps", "8", "--bpp", "0.9"]
+    result = CliRunner().invoke(cli, [*arguments, "--overview", "--cluster", "local:2"])
     assert result.exit_code == 0, result.output
     assert out.read_bytes() == encode(read(photo), replace(settings, tile=40, bpp=0.9)).data
 
