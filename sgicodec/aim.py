@@ -63,9 +63,10 @@ class Aim:
         encoding = self.encoding
         _, _, detail = base_layer(encoding.spec, encoding.unit, encoding.fit.lmbda)
         lmbda = encoding.fit.lmbda
-        for _ in range(3):  # what the search will do depends on λ, a little
-            goal = self.goal if self.goal.bytes is None else self._fit_goal(lmbda)
-            lmbda = first_lmbda(goal, detail, encoding.fit, self._extra())
+        if self.goal.bytes is None:
+            return first_lmbda(self.goal, detail, encoding.fit, self._extra())
+        for _ in range(3):  # what the search will leave of the bytes depends on λ, a little
+            lmbda = first_lmbda(self._fit_goal(lmbda), detail, encoding.fit, self._extra())
         return lmbda
 
     def _fit_goal(self, lmbda: float) -> Goal:

@@ -1,6 +1,5 @@
-"""What `Foretold` says of pictures before a fit, and what came of it; exponents for its products of powers.
-
-python -m sgicodec.bench.forecasts PICTURES… --qualities 15,35,55,75 --effort 3
+"""What `Foretold` says of pictures before a fit, what came of it, and exponents for its products of powers
+(`python -m sgicodec.bench.forecasts PICTURES…`).
 """
 
 from __future__ import annotations
@@ -15,11 +14,12 @@ from numpy.typing import NDArray
 
 from sgicodec.bench.options import numbers
 from sgicodec.decoder import open_stream
+from sgicodec.distortion import decibels
 from sgicodec.encode_settings import EncodeSettings
 from sgicodec.encoder import encode
 from sgicodec.fit.base_layer import base_layer
 from sgicodec.fit.settings import EFFORTS, default_settings, lmbda_of_quality
-from sgicodec.fit.steering import STREAM_BYTES, Foretold
+from sgicodec.fit.steering import DEARER, STREAM_BYTES, Foretold
 from sgicodec.image import comparable, read, to_unit
 from sgicodec.metrics import psnr
 from sgicodec.plan import Shape, stream_plan
@@ -53,7 +53,7 @@ def outcomes(path: Path, qualities: list[float], effort: int, threads: int) -> l
         data = encode(picture, EncodeSettings(quality=quality, effort=effort, threads=threads)).data
         decoded = open_stream(data).picture(threads=threads)
         error = 10 ** (-0.1 * psnr(comparable(picture), comparable(decoded)))
-        seeds = lmbda, *foretold.seeds(lmbda), *foretold.seeds(lmbda, 4.0)
+        seeds = lmbda, *foretold.seeds(lmbda), *foretold.seeds(lmbda, DEARER)
         found.append(Outcome(path.stem, quality, len(data), error, foretold.at(lmbda), seeds, unit[0].size))
     return found
 
@@ -83,8 +83,8 @@ def main(pictures: tuple[Path, ...], qualities: str, effort: int, threads: int) 
             if one.error > 0:
                 found.append(one)
                 size, error = _off(one)
-                decibels = -10 * math.log10(one.error)
-                click.echo(f"{one.picture}\t{one.quality:g}\t{one.bytes}\t{decibels:.2f}\t{size:+.2f}\t{error:+.2f}")
+                quality = decibels(one.error, 1)
+                click.echo(f"{one.picture}\t{one.quality:g}\t{one.bytes}\t{quality:.2f}\t{size:+.2f}\t{error:+.2f}")
     for name, off in zip(("bytes", "error"), zip(*map(_off, found), strict=True), strict=True):
         click.echo(f"# {name} off by {np.mean(off):+.2f} ± {np.std(off):.2f} octaves")
         best, left = exponents(found, name == "error")

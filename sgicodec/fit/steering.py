@@ -16,7 +16,17 @@ from sgicodec.model.layout import ROOT_LOG, cell_sums, leaf_sums
 if TYPE_CHECKING:
     from sgicodec.fit.settings import FitSettings
 
-__all__ = ["LMBDA_RANGE", "STREAM_BYTES", "Foretold", "Goal", "Measured", "Steering", "bisected", "first_lmbda"]
+__all__ = [
+    "DEARER",
+    "LMBDA_RANGE",
+    "STREAM_BYTES",
+    "Foretold",
+    "Goal",
+    "Measured",
+    "Steering",
+    "bisected",
+    "first_lmbda",
+]
 
 
 @dataclass(frozen=True)
@@ -176,6 +186,8 @@ def bisected(must_rise: Callable[[float], bool], halvings: int) -> float:
     return float(2.0 ** (0.5 * (low + high)))
 
 
+DEARER = 4.0
+"""Price of a seed at which forecasts of error count seeds once more."""
 _FLAT = 1e-9
 """Squared deviation that stands for none."""
 STREAM_BYTES = 200.0
@@ -196,7 +208,7 @@ class Foretold:
 
     def at(self, lmbda: float) -> tuple[float, float]:
         """Bytes of the stream and mean squared error of a sample in 0..1."""
-        (count, deviation), (fewer, larger) = self.seeds(lmbda), self.seeds(lmbda, 4.0)
+        (count, deviation), (fewer, larger) = self.seeds(lmbda), self.seeds(lmbda, DEARER)
         size = STREAM_BYTES + self.pixels * 0.5 * lmbda**-0.33 * count**0.77 * deviation**0.36
         error = 2.8 * lmbda**0.918 * count**2.85 * fewer**-1.91 * deviation**2.43 * larger**-2.39
         return size, error / self.channels
