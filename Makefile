@@ -22,7 +22,7 @@ help:
 setup: $(STAMP)
 
 # Depends on what is compiled and on what is installed: Python files are used in place.
-$(STAMP): pyproject.toml constraints.txt CMakeLists.txt $(wildcard sgicodec/*/cpp/*)
+$(STAMP): pyproject.toml constraints.txt CMakeLists.txt $(wildcard native/*/*)
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
 	  { echo "sgicodec needs Python 3.11 or newer: make PYTHON=/path/to/python3"; exit 1; }
 	@for compiler in $${CXX:-c++ g++ clang++}; do command -v $$compiler >/dev/null && exit 0; done; \

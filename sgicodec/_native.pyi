@@ -1,4 +1,4 @@
-"""The compiled extension (sgicodec/raster/cpp/module.cpp). Arrays are C-contiguous and on the CPU."""
+"""The compiled extension (native/bindings/module.cpp). Arrays are C-contiguous and on the CPU."""
 
 from collections.abc import Callable
 from typing import Any

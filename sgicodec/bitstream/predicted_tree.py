@@ -1,8 +1,8 @@
 """The tree of seeds batch by batch, with what a prediction of its flags may see (docs/format.md, "Predicted flags").
 
 Roots are the children of nodes one level up that are all split, so that all nodes are coded alike. A level is coded in
-four batches, child number after child number. The walk is native (`cpp/tree_walk.cpp`), for writing, training and
-reading alike; only reading needs no Python in between.
+four batches, child number after child number. The walk (`native/bitstream/tree_walk.cpp`) is the same for writing,
+training and reading; only reading needs no Python in between.
 """
 
 from __future__ import annotations

@@ -1,0 +1,124 @@
+#include "base/thread_pool.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+#ifdef SGI_X86
+#include <immintrin.h>
+#endif
+
+namespace sgi {
+namespace {
+
+// Denormals stand for nothing visible and cost hundreds of cycles: flush them while a body runs.
+class FlushDenormals {
+ public:
+#ifdef SGI_X86
+  FlushDenormals() : saved_(_mm_getcsr()) { _mm_setcsr(saved_ | 0x8040); }
+  ~FlushDenormals() { _mm_setcsr(saved_); }
+
+ private:
+  unsigned saved_;
+#endif
+};
+
+struct Job {
+  const std::function<void(int64_t)> *body;
+  int64_t n;
+  std::atomic<int64_t> next{0};
+  int wanted;
+  std::mutex failing;
+  std::exception_ptr failure;  // the first; it ends the loop and is thrown again where the loop was called
+
+  void work() {
+    FlushDenormals guard;
+    try {
+      for (int64_t i; (i = next.fetch_add(1, std::memory_order_relaxed)) < n;) (*body)(i);
+    } catch (...) {
+      next.store(n, std::memory_order_relaxed);
+      std::lock_guard<std::mutex> lock(failing);
+      if (!failure) failure = std::current_exception();
+    }
+  }
+};
+
+class Pool {
+ public:
+  void run(Job &job) {
+    std::unique_lock<std::mutex> turn(turn_);  // one loop at a time; callers queue
+    {
+      std::lock_guard<std::mutex> lock(mutex_);
+      try {
+        for (; workers_ < job.wanted; ++workers_) std::thread([this] { loop(); }).detach();
+      } catch (const std::system_error &) {  // no more threads to be had: fewer will do
+      }
+      job_ = &job;
+      slots_ = job.wanted;
+      ++generation_;
+    }
+    wake_.notify_all();
+    job.work();
+    std::unique_lock<std::mutex> lock(mutex_);
+    slots_ = 0;  // helpers that have not started yet are not needed any more
+    done_.wait(lock, [&] { return active_ == 0; });
+    job_ = nullptr;
+  }
+
+ private:
+  void loop() {
+    uint64_t seen = 0;
+    std::unique_lock<std::mutex> lock(mutex_);
+    for (;;) {
+      wake_.wait(lock, [&] { return generation_ != seen && slots_ > 0; });
+      seen = generation_;
+      --slots_;
+      ++active_;
+      Job *job = job_;
+      lock.unlock();
+      job->work();
+      lock.lock();
+      if (--active_ == 0) done_.notify_all();
+    }
+  }
+
+  std::mutex turn_, mutex_;
+  std::condition_variable wake_, done_;
+  Job *job_ = nullptr;
+  uint64_t generation_ = 0;
+  int workers_ = 0, slots_ = 0, active_ = 0;
+};
+
+Pool &pool() {
+  static Pool *instance = new Pool;  // never destroyed: detached workers may outlive static destructors
+  return *instance;
+}
+
+}  // namespace
+
+int resolve_threads(int threads) {
+  if (threads > 0) return threads;
+  return std::max(1u, std::thread::hardware_concurrency());
+}
+
+void parallel_for(int64_t n, int threads, const std::function<void(int64_t)> &body) {
+  if (n <= 0) return;
+  Job job;
+  job.body = &body;
+  job.n = n;
+  job.wanted = static_cast<int>(std::min<int64_t>(resolve_threads(threads), n)) - 1;
+  if (job.wanted <= 0) {
+    job.work();
+  } else {
+    pool().run(job);
+  }
+  if (job.failure) std::rethrow_exception(job.failure);
+}
+
+}  // namespace sgi

@@ -1,0 +1,14 @@
+#include <nanobind/stl/string.h>
+
+#include "base/peak.hpp"
+#include "base/thread_pool.hpp"
+#include "bindings/bindings.hpp"
+
+namespace nb = nanobind;
+
+void bind_base(nb::module_ &m) {
+  m.def("resolve_threads", &sgi::resolve_threads);
+  m.def(
+      "fma_peak", [](int threads, const std::string &isa) { return sgi::fma_peak(threads, sgi::choose_isa(isa)); },
+      nb::call_guard<nb::gil_scoped_release>());
+}

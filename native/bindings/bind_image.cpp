@@ -1,0 +1,22 @@
+#include "bindings/arrays.hpp"
+#include "bindings/bindings.hpp"
+#include "image/png_filter.hpp"
+
+namespace nb = nanobind;
+using sgi::Array;
+using sgi::has_shape;
+using sgi::require;
+
+namespace {
+
+void png_filter(Array<const uint8_t, 2> rows, Array<const uint8_t, 1> above, int step, Array<uint8_t, 2> out) {
+  const size_t count = rows.shape(0), size = rows.shape(1);
+  require(above.shape(0) == size && has_shape(out, count, size + 1) && step >= 1,
+          "rows must be [n, bytes], above [bytes], out [n, 1 + bytes], step at least 1");
+  nb::gil_scoped_release release;
+  sgi::png_filter(rows.data(), above.data(), int64_t(count), int64_t(size), step, out.data());
+}
+
+}  // namespace
+
+void bind_image(nb::module_ &m) { m.def("png_filter", &png_filter); }

@@ -1,0 +1,148 @@
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+
+#include <optional>
+
+#include "bindings/bindings.hpp"
+#include "bindings/checks.hpp"
+#include "model/base_lines.hpp"
+#include "model/neighbours.hpp"
+
+namespace nb = nanobind;
+using sgi::Array;
+using sgi::has_shape;
+using sgi::require;
+
+namespace {
+
+template <class T, int D>
+using Strided = nb::ndarray<T, nb::ndim<D>, nb::device::cpu>;  // rows apart, each contiguous
+
+void require_members(const Array<const int64_t, 1> &members, size_t count) {
+  for (size_t i = 0; i < members.shape(0); ++i)
+    require(members.data()[i] >= 0 && size_t(members.data()[i]) < count, "members must be indices of seeds");
+}
+
+void evaluate_network(Array<const int64_t, 2> w1, Array<const int64_t, 1> b1, Array<const int64_t, 2> w2,
+                      Array<const int64_t, 1> b2, int shift, int predicted, Strided<const int16_t, 2> inputs,
+                      int threads, const std::string &isa, Array<int64_t, 2> out) {
+  const sgi::NetworkWeights weights = sgi::network_weights(w1, b1, w2, b2, shift, predicted);
+  const size_t n = inputs.shape(0);
+  require(inputs.shape(1) == w1.shape(1) && (n == 0 || inputs.stride(1) == 1 || inputs.shape(1) < 2),
+          "inputs must be rows [n, inputs]");
+  require(has_shape(out, n, size_t(weights.outputs)), "out must be [n, outputs]");
+  nb::gil_scoped_release release;
+  sgi::evaluate_network(weights, inputs.data(), inputs.stride(0), int64_t(n), threads, sgi::choose_isa(isa),
+                        out.data());
+}
+
+void seed_inputs(Array<const int32_t, 2> half_pixels, Array<const int8_t, 1> log_size,
+                 Array<const int32_t, 2> neighbours, Array<const int16_t, 2> summary, Array<const int64_t, 1> members,
+                 int quality, int threads, Array<int16_t, 2> out) {
+  const size_t count = log_size.shape(0), ranks = neighbours.shape(1);
+  require(has_shape(half_pixels, count, 2) && has_shape(summary, count, sgi::kSummary) &&
+              neighbours.shape(0) == members.shape(0) && ranks <= sgi::kMostRanks,
+          "half_pixels [N, 2], log_size [N], neighbours [n, at most 6], summary [N, 7]");
+  require(out.shape(0) == members.shape(0) &&
+              out.shape(1) >= size_t(sgi::kLevelInputs + (ranks ? sgi::kNeighbourInputs : 0)),
+          "out must be [n, inputs]");
+  require_members(members, count);
+  for (size_t i = 0; i < neighbours.size(); ++i)
+    require(neighbours.data()[i] < int64_t(count), "neighbours must be indices of seeds");
+  const sgi::SeedsView seeds{half_pixels.data(), log_size.data()};
+  nb::gil_scoped_release release;
+  sgi::seed_inputs(seeds, {neighbours.data(), int(ranks)}, summary.data(), members.data(), int64_t(members.shape(0)),
+                   quality, threads, out.data(), int64_t(out.shape(1)));
+}
+
+void summarise(Array<const int64_t, 2> attributes, int per_seed, int channels, int colour, int shape,
+               Array<const int64_t, 1> members, int threads, Array<int16_t, 2> summary, Array<int32_t, 1> amplitude) {
+  const int64_t width = int64_t(attributes.shape(1)), n = int64_t(members.shape(0));
+  require(per_seed >= 1 && channels >= 1 && colour >= 0 && shape >= 0 && colour + per_seed * channels <= width &&
+              shape + 3 * per_seed <= width,
+          "the groups do not fit the attributes");
+  require(has_shape(summary, n, sgi::kSummary) && int64_t(amplitude.shape(0)) == n, "summary [n, 7], amplitude [n]");
+  require_members(members, attributes.shape(0));
+  const sgi::AttributesView view{attributes.data(), width, per_seed, channels, colour, shape};
+  nb::gil_scoped_release release;
+  sgi::summarise(view, members.data(), n, threads, summary.data(), amplitude.data());
+}
+
+void own_inputs(Array<const int16_t, 2> summary, int step, int64_t first, int threads, Array<int16_t, 2> out) {
+  const size_t n = summary.shape(0);
+  require(summary.shape(1) == sgi::kSummary && out.shape(0) == n, "summary [n, 7], out [n, inputs]");
+  require(step >= 1 && first >= 0 && first + (step >= 2 ? 12 : 7) <= int64_t(out.shape(1)), "out must have room");
+  nb::gil_scoped_release release;
+  sgi::own_inputs(summary.data(), int64_t(n), step, first, threads, out.data(), int64_t(out.shape(1)));
+}
+
+void quantisers(Array<const int64_t, 2> base, Array<const int64_t, 1> columns, int64_t gamma,
+                std::optional<Array<const int32_t, 1>> amplitude, Strided<const int64_t, 2> mean,
+                Strided<const int64_t, 2> scale, Strided<const int64_t, 2> refine, Array<const int8_t, 1> log_size,
+                int threads, Array<int64_t, 2> out_mean, Array<int64_t, 2> out_step, Array<int16_t, 2> out_scale) {
+  const size_t n = log_size.shape(0), size = columns.shape(0), units = mean.shape(1);
+  sgi::require_plan(base, columns, gamma, units);
+  require(has_shape(mean, n, units) && has_shape(scale, n, units) && has_shape(refine, n, 1) &&
+              (!amplitude || amplitude->shape(0) == n),
+          "mean, scale [n, U], refine [n, 1], amplitude [n]");
+  require(mean.stride(0) == scale.stride(0) && mean.stride(0) == refine.stride(0) &&
+              (units < 2 || (mean.stride(1) == 1 && scale.stride(1) == 1)),
+          "mean, scale and refine must be columns of one array");
+  require(has_shape(out_mean, n, size) && has_shape(out_step, n, size) && has_shape(out_scale, n, size),
+          "results must be [n, size]");
+  const sgi::GroupPlan plan{base.data(), columns.data(), amplitude ? amplitude->data() : nullptr, gamma, int(size)};
+  const sgi::PredictionView prediction{mean.data(), scale.data(), refine.data(), mean.stride(0)};
+  nb::gil_scoped_release release;
+  sgi::quantisers(plan, prediction, log_size.data(), int64_t(n), threads, out_mean.data(),
+                  out_step.data(), out_scale.data());
+}
+
+void dequantise(Array<const int32_t, 2> symbols, Array<const int64_t, 2> mean, Array<const int64_t, 2> step,
+                Array<const int64_t, 1> members, int64_t first, int threads, Array<int64_t, 2> decoded) {
+  const size_t n = members.shape(0), size = symbols.shape(1);
+  require(has_shape(symbols, n, size) && has_shape(mean, n, size) && has_shape(step, n, size),
+          "symbols, mean and step must be [n, size]");
+  require(first >= 0 && first + int64_t(size) <= int64_t(decoded.shape(1)), "the group does not fit the attributes");
+  require_members(members, decoded.shape(0));
+  nb::gil_scoped_release release;
+  sgi::dequantise(symbols.data(), mean.data(), step.data(), members.data(), int64_t(n), int64_t(size), first, threads,
+                  decoded.data(), int64_t(decoded.shape(1)));
+}
+
+void base_lines(Array<const double, 3> grid, int64_t first, Array<const int64_t, 1> left, Array<const double, 2> across,
+                int threads, Array<float, 3> lines) {
+  const size_t width = left.shape(0), taps = across.shape(1);
+  require(across.shape(0) == width && lines.shape(0) == grid.shape(0) && lines.shape(2) == width,
+          "left [w], across [w, T], lines [C, count, w]");
+  require(grid.shape(1) > 0 && grid.shape(2) > 0, "the grid must not be empty");
+  const sgi::BaseGrid view{grid.data(), int64_t(grid.shape(0)), int64_t(grid.shape(1)), int64_t(grid.shape(2))};
+  nb::gil_scoped_release release;
+  sgi::base_lines(view, first, int64_t(lines.shape(1)), left.data(), across.data(), int64_t(width), int(taps), threads,
+                  lines.data());
+}
+
+void nearest_among(Array<const int32_t, 2> points, Array<const int64_t, 1> among, Array<const int64_t, 1> members,
+                   Array<int32_t, 2> out, int threads) {
+  const auto all = int64_t(points.shape(0));
+  require(points.shape(1) == 2 && out.shape(0) == members.shape(0) && out.shape(1) > 0,
+          "points [N, 2], among [n], members [m], out [m, k]");
+  for (const Array<const int64_t, 1> &indices : {among, members})
+    for (size_t i = 0; i < indices.shape(0); ++i)
+      require(indices.data()[i] >= 0 && indices.data()[i] < all, "among and members must be indices of points");
+  nb::gil_scoped_release release;
+  sgi::nearest_among(points.data(), among.data(), int64_t(among.shape(0)), members.data(), int64_t(members.shape(0)),
+                     int(out.shape(1)), threads, out.data());
+}
+
+}  // namespace
+
+void bind_model(nb::module_ &m) {
+  m.def("base_lines", &base_lines);
+  m.def("nearest_among", &nearest_among);
+  m.def("evaluate_network", &evaluate_network);
+  m.def("seed_inputs", &seed_inputs);
+  m.def("summarise", &summarise);
+  m.def("own_inputs", &own_inputs);
+  m.def("quantisers", &quantisers);
+  m.def("dequantise", &dequantise);
+}

@@ -1,0 +1,194 @@
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+
+#include <memory>
+
+#include "bindings/bindings.hpp"
+#include "bindings/checks.hpp"
+#include "bitstream/read_symbols.hpp"
+#include "bitstream/tree_walk.hpp"
+
+namespace nb = nanobind;
+using sgi::Array;
+using sgi::as_array;
+using sgi::has_shape;
+using sgi::require;
+using sgi::TreeBatch;
+
+namespace {
+
+using Scenery = std::shared_ptr<sgi::TreeScenery>;
+
+// The network of one child number, made ready once.
+class TreeNetwork {
+ public:
+  TreeNetwork(Array<const int64_t, 2> w1, Array<const int64_t, 1> b1, Array<const int64_t, 2> w2,
+              Array<const int64_t, 1> b2, int shift, int child, const std::string &isa)
+      : child_(child), network_(weights(w1, b1, w2, b2, shift, child), sgi::choose_isa(isa)) {}
+
+  // Rows [n, 3] of a batch.
+  void rows(const TreeBatch &batch, int shift, int most, int threads, int16_t *out) const {
+    require(batch.child == child_, "the network is that of another child number");
+    batch.rows(network_, shift, most, threads, out);
+  }
+
+ private:
+  static sgi::NetworkWeights weights(const Array<const int64_t, 2> &w1, const Array<const int64_t, 1> &b1,
+                                     const Array<const int64_t, 2> &w2, const Array<const int64_t, 1> &b2, int shift,
+                                     int child) {
+    require(child >= 0 && child < 4 && w1.shape(1) == size_t(sgi::tree_input_count(child)), "w1 must be [hidden, inputs]");
+    require(w2.shape(0) == kOutputs, "weights must be those of 3 outputs");
+    return sgi::network_weights(w1, b1, w2, b2, shift, kOutputs);
+  }
+
+  static constexpr int kOutputs = 3;
+
+  int child_;
+  sgi::Network network_;
+};
+
+void make_scenery(sgi::TreeScenery *self, int64_t width, int64_t height, Array<const int64_t, 3> base, int64_t cell,
+                  int quality) {
+  require(width >= 1 && height >= 1 && width <= 1 << 24 && height <= 1 << 24 && cell >= 0, "sides 1..2**24, cell from 0");
+  const auto channels = int64_t(base.shape(0)), rows = int64_t(base.shape(1)), columns = int64_t(base.shape(2));
+  new (self) sgi::TreeScenery(width, height, base.data(), channels, rows, columns, cell, quality);
+}
+
+nb::ndarray<nb::numpy, int64_t, nb::ndim<1>> codes(const TreeBatch &batch) {
+  std::vector<int64_t> codes;
+  for (const int32_t parent : batch.members) codes.push_back(batch.of->code(parent, batch.child));
+  const size_t n = codes.size();
+  return as_array<int64_t>(std::move(codes), std::array{n});
+}
+
+auto inputs(const TreeBatch &batch) {
+  const std::array shape{batch.members.size(), size_t(sgi::tree_input_count(batch.child))};
+  std::vector<int16_t> out(shape[0] * shape[1]);
+  batch.inputs(out.data());
+  return as_array<int16_t>(std::move(out), shape);
+}
+
+auto rows(const TreeBatch &batch, const TreeNetwork &network, int shift, int most, int threads) {
+  require(shift >= 1 && shift <= 20 && most >= 0 && most <= 1 << 13, "shift 1..20, most 0..2^13");
+  const std::array<size_t, 2> shape{batch.members.size(), 3};
+  std::vector<int16_t> out(shape[0] * shape[1]);
+  network.rows(batch, shift, most, threads, out.data());
+  return as_array<int16_t>(std::move(out), shape);
+}
+
+auto seed_rows(const TreeBatch &batch, Array<const int16_t, 2> rows, Array<const uint8_t, 1> split, int16_t certain) {
+  const size_t n = batch.members.size();
+  require(has_shape(rows, n, 3) && split.shape(0) == n, "rows [n, 3], split [n]");
+  std::vector<int16_t> out(n);
+  batch.seed_rows(rows.data(), split.data(), certain, out.data());
+  return as_array<int16_t>(std::move(out), std::array{n});
+}
+
+nb::list as_list(std::vector<sgi::LevelSeeds> found) {
+  nb::list out;
+  for (auto &[level, codes] : found) {
+    const size_t n = codes.size();
+    out.append(nb::make_tuple(as_array<int64_t>(std::move(codes), std::array{n}), level));
+  }
+  return out;
+}
+
+nb::list walk_tree(Scenery scenery, int64_t most, const nb::callable &code) {
+  using Flags = Array<const uint8_t, 1>;
+  std::vector<sgi::LevelSeeds> found;
+  const auto ask = [&](const TreeBatch &batch, uint8_t *split, uint8_t *seed) {
+    const auto flags = nb::cast<std::pair<Flags, Flags>>(code(TreeBatch(batch)));
+    for (const auto &[given, to] : {std::pair{&flags.first, split}, std::pair{&flags.second, seed}}) {
+      require(int64_t(given->shape(0)) == batch.size(), "flags must be [n]");
+      for (size_t i = 0; i < given->shape(0); ++i) {
+        require(given->data()[i] <= 1, "flags must be 0 or 1");
+        to[i] = given->data()[i];
+      }
+    }
+    return true;
+  };
+  sgi::walk_tree(scenery, most, ask, found);
+  return as_list(std::move(found));
+}
+
+// How flags are read: networks of all child numbers; the alphabets of the rows that they choose and of `certain`.
+struct TreeReader {
+  const TreeNetwork *const *networks;
+  sgi::Alphabets alphabets;
+  int shift, most, threads;
+
+  // Appends the flags of a batch to `symbols` in coding order.
+  bool read(sgi::RangeDecoder &decoder, const TreeBatch &batch, uint8_t *split, uint8_t *seed,
+            std::vector<int32_t> &symbols, double &bits) const {
+    const int64_t n = batch.size();
+    std::vector<int16_t> rows(3 * size_t(n)), of(static_cast<size_t>(n));
+    networks[batch.child]->rows(batch, shift, most, threads, rows.data());
+    const auto flags = [&](uint8_t *out) {
+      const size_t first = symbols.size();
+      symbols.resize(first + size_t(n));
+      if (!sgi::read_categorical(decoder, alphabets, of.data(), n, symbols.data() + first, bits)) return false;
+      for (int64_t i = 0; i < n; ++i) out[i] = uint8_t(symbols[first + size_t(i)]);
+      return true;
+    };
+    for (size_t i = 0; i < size_t(n); ++i) of[i] = rows[3 * i];
+    if (batch.of->level() > sgi::kLeastLevel && !flags(split)) return false;
+    batch.seed_rows(rows.data(), split, int16_t(2 * most + 1), of.data());
+    return flags(seed);
+  }
+};
+
+nb::tuple read_tree(sgi::RangeDecoder &decoder, Scenery scenery, int64_t max_seeds, const nb::tuple &networks,
+                     const sgi::SymbolModels &models, Array<const int32_t, 2> symbol, Array<const double, 2> bits_of,
+                     int shift, int most, int threads) {
+  require(networks.size() == 4, "networks of 4 child numbers");
+  require(shift >= 1 && shift <= 20 && most >= 0 && models.size() == 2 * most + 2,
+          "shift 1..20, models of 2 most + 2 rows");
+  for (int64_t row = 0; row < models.size(); ++row) require(models.symbols(row) <= 2, "models of at most 2 symbols");
+  require(has_shape(symbol, size_t(models.size()), 2) && has_shape(bits_of, size_t(models.size()), 2),
+          "symbol and bits [rows, 2]");
+  for (size_t i = 0; i < symbol.size(); ++i) require(symbol.data()[i] >= 0 && symbol.data()[i] <= 1, "flags are 0 or 1");
+  const TreeNetwork *of[4];
+  for (size_t child = 0; child < 4; ++child) of[child] = nb::cast<const TreeNetwork *>(networks[child]);
+  const TreeReader reader{of, {&models, symbol.data(), bits_of.data(), 2}, shift, most, threads};
+  std::vector<sgi::LevelSeeds> found;
+  std::vector<int32_t> symbols;
+  double bits = 0;
+  bool decodes;
+  {
+    nb::gil_scoped_release release;
+    decodes = sgi::walk_tree(scenery, max_seeds,
+                             [&](const TreeBatch &batch, uint8_t *split, uint8_t *seed) {
+                               return reader.read(decoder, batch, split, seed, symbols, bits);
+                             },
+                             found);
+  }
+  const size_t n = symbols.size();
+  return nb::make_tuple(decodes, as_list(std::move(found)), as_array<int32_t>(std::move(symbols), std::array{n}), bits);
+}
+
+}  // namespace
+
+void bind_tree(nb::module_ &m) {
+  m.def("tree_input_count", &sgi::tree_input_count);
+  using Weights = Array<const int64_t, 2>;
+  using Biases = Array<const int64_t, 1>;
+  nb::class_<TreeNetwork>(m, "TreeNetwork")
+      .def(nb::init<Weights, Biases, Weights, Biases, int, int, const std::string &>());
+  nb::class_<sgi::TreeScenery>(m, "TreeScenery").def("__init__", &make_scenery);
+  nb::class_<TreeBatch>(m, "TreeBatch")
+      .def_prop_ro("level", [](const TreeBatch &batch) { return batch.of->level(); })
+      .def_ro("child", &TreeBatch::child)
+      .def("__len__", &TreeBatch::size)
+      .def_prop_ro("needed",
+                   [](const TreeBatch &batch) {
+                     return as_array<uint8_t, bool>(batch.needed, std::array{batch.needed.size()});
+                   },
+                   nb::rv_policy::move)
+      .def_prop_ro("codes", &codes, nb::rv_policy::move)
+      .def_prop_ro("inputs", &inputs, nb::rv_policy::move)
+      .def("rows", &rows)
+      .def("seed_rows", &seed_rows);
+  m.def("walk_tree", &walk_tree);
+  m.def("read_tree", &read_tree);
+}

@@ -1,0 +1,13 @@
+// Python bindings: one file for each part of the native code, all bound by module.cpp.
+#pragma once
+#include <nanobind/nanobind.h>
+
+void bind_base(nanobind::module_ &m);
+void bind_bitstream(nanobind::module_ &m);
+void bind_fit(nanobind::module_ &m);
+void bind_image(nanobind::module_ &m);
+void bind_model(nanobind::module_ &m);
+void bind_raster(nanobind::module_ &m);
+void bind_rdoq(nanobind::module_ &m);
+void bind_reading(nanobind::module_ &m);
+void bind_tree(nanobind::module_ &m);

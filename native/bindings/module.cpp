@@ -1,0 +1,7 @@
+// The native module: arrays in, arrays out; no link against torch or numpy.
+#include "bindings/bindings.hpp"
+
+NB_MODULE(_native, m) {
+  for (const auto bind : {bind_base, bind_bitstream, bind_fit, bind_image, bind_model, bind_raster, bind_rdoq, bind_reading, bind_tree})
+    bind(m);
+}

@@ -1,0 +1,106 @@
+#include "bitstream/range_decoder.hpp"
+
+#include <algorithm>
+
+#include "bitstream/stopwatch.hpp"
+
+namespace sgi {
+
+namespace {
+
+constexpr int kPrecision = 24;
+constexpr uint64_t kTotal = uint64_t(1) << kPrecision;
+
+}  // namespace
+
+SymbolModels::SymbolModels(const int64_t *frequency, const int64_t *start, int64_t models) {
+  first_.push_back(0);
+  for (int64_t k = 0; k < models; ++k) {
+    uint32_t sum = 0;
+    for (int64_t i = start[k]; i < start[k + 1]; ++i) {
+      if (!frequency[i]) continue;
+      sums_.push_back(sum);
+      sum += uint32_t(frequency[i]);
+    }
+    const auto count = int64_t(sums_.size()) - first_.back();
+    sums_.push_back(sum);
+    bucket_.push_back(count > kFew ? int64_t(buckets_.size()) : -1);
+    if (count > kFew) {
+      const uint32_t *sums = sums_.data() + first_.back();
+      uint16_t s = 0;
+      for (uint32_t bucket = 0; bucket < kBuckets; ++bucket) {
+        while (sums[s + 1] <= bucket << kBucketShift) ++s;
+        buckets_.push_back(s);
+      }
+    }
+    first_.push_back(int64_t(sums_.size()));
+  }
+}
+
+RangeDecoder::RangeDecoder(const uint8_t *payload, int64_t bytes) : payload_(payload, payload + bytes) {
+  payload_.resize((bytes + 3) / 4 * 4);  // zeros for ever
+  offset_ = next_word() << 32;
+  offset_ |= next_word();
+}
+
+uint64_t RangeDecoder::next_word() {
+  if (at_ >= int64_t(payload_.size())) return 0;
+  const uint8_t *p = payload_.data() + at_;
+  at_ += 4;
+  return uint64_t(p[0]) << 24 | uint64_t(p[1]) << 16 | uint64_t(p[2]) << 8 | p[3];
+}
+
+inline bool RangeDecoder::quantile(uint64_t &scale, uint32_t &found) const {
+  scale = range_ >> kPrecision;
+  const uint64_t quantile = offset_ / scale;
+  found = uint32_t(quantile);
+  return quantile < kTotal;
+}
+
+inline void RangeDecoder::take(uint64_t scale, uint32_t before, uint32_t frequency) {
+  offset_ -= scale * before;
+  range_ = scale * frequency;
+  if (range_ >> 32 == 0) {
+    range_ <<= 32;
+    offset_ = offset_ << 32 | next_word();
+  }
+}
+
+bool RangeDecoder::decode(const SymbolModels &models, const int64_t *start, int64_t keys, int32_t *out) {
+  Stopwatch watch(seconds_);
+  for (int64_t k = 0; k < keys; ++k) {
+    const uint32_t *sums = models.sums_.data() + models.first_[k];
+    if (models.first_[k + 1] - models.first_[k] == 2) {  // one symbol, which codes nothing
+      std::fill(out + start[k], out + start[k + 1], 0);
+      continue;
+    }
+    for (int64_t i = start[k]; i < start[k + 1]; ++i) {
+      uint64_t scale;
+      uint32_t found;
+      if (!quantile(scale, found)) return false;
+      const int32_t s = models.find(k, found);
+      take(scale, sums[s], sums[s + 1] - sums[s]);
+      out[i] = s;
+    }
+  }
+  return true;
+}
+
+bool RangeDecoder::decode_uniform(int bits, int64_t count, int32_t *out) {
+  const int shift = kPrecision - bits;
+  for (int64_t i = 0; i < count; ++i) {
+    uint64_t scale;
+    uint32_t found;
+    if (!quantile(scale, found)) return false;
+    const uint32_t s = found >> shift;
+    take(scale, s << shift, uint32_t(1) << shift);
+    out[i] = int32_t(s);
+  }
+  return true;
+}
+
+bool RangeDecoder::maybe_exhausted() const {
+  return at_ >= int64_t(payload_.size()) && offset_ < (uint64_t(1) << 33) - 1;
+}
+
+}  // namespace sgi

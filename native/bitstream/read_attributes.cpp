@@ -1,0 +1,251 @@
+#include "bitstream/read_attributes.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <future>
+#include <iterator>
+
+#include "model/neighbours.hpp"
+#include "base/thread_pool.hpp"
+#include "bitstream/stopwatch.hpp"
+
+namespace sgi {
+namespace {
+
+// Nearest seeds of earlier passes, pass after pass; searched by a thread of its own if `ahead`.
+class NeighboursByPass {
+ public:
+  NeighboursByPass(const TileSeeds &seeds, int ranks, bool ahead)
+      : seeds_(seeds), ranks_(ranks), tables_(ahead ? seeds.passes.size() : 0) {
+    if (ahead) worker_ = std::async(std::launch::async, [this] { search_all(); });
+  }
+  ~NeighboursByPass() { stop_ = true; }
+
+  // [n, ranks] of the next pass, -1 where there is none.
+  std::vector<int32_t> next() {
+    const size_t pass = pass_++;
+    return tables_.empty() ? search(pass) : tables_[pass].get_future().get();
+  }
+
+ private:
+  using Table = std::vector<int32_t>;
+
+  void search_all() {
+    for (size_t pass = 0; pass < tables_.size() && !stop_; ++pass) {
+      try {
+        tables_[pass].set_value(search(pass));
+      } catch (...) {
+        tables_[pass].set_exception(std::current_exception());
+        return;
+      }
+    }
+  }
+
+  Table search(size_t pass) {
+    const std::vector<int64_t> &members = seeds_.passes[pass];
+    Table table(members.size() * size_t(ranks_), -1);
+    if (!ranks_) return table;
+    if (!earlier_.empty())
+      nearest_among(seeds_.view.half_pixels, earlier_.data(), int64_t(earlier_.size()), members.data(),
+                    int64_t(members.size()), ranks_, 1, table.data());
+    std::vector<int64_t> both;
+    both.reserve(earlier_.size() + members.size());
+    std::merge(earlier_.begin(), earlier_.end(), members.begin(), members.end(), std::back_inserter(both));
+    earlier_ = std::move(both);
+    return table;
+  }
+
+  const TileSeeds &seeds_;
+  int ranks_;
+  size_t pass_ = 0;
+  std::vector<int64_t> earlier_;  // seeds, ascending
+  std::atomic<bool> stop_{false};
+  std::vector<std::promise<Table>> tables_;
+  std::future<void> worker_;  // its end is waited for first
+};
+
+class AttributeReader {
+ public:
+  AttributeReader(RangeDecoder &decoder, const AttributeModel &model, const ZeroCentred &tables, const TileSeeds &seeds,
+                  int threads, int64_t *decoded, AttributesRead &read)
+      : decoder_(decoder), model_(model), tables_(tables), seeds_(seeds), threads_(threads), decoded_(decoded), read_(read),
+        values_{decoded, model.attributes, model.per_seed, model.channels, model.colour, model.shape},
+        summary_(size_t(seeds.count) * kSummary) {
+    for (const AttributeStep &step : model.steps) {
+      stride_ = std::max(stride_, int64_t(step.inputs));
+      coded_.emplace_back(step.groups.size());
+    }
+  }
+
+  Reading read_all() {
+    NeighboursByPass neighbours(seeds_, model_.ranks, threads_ != 1 && model_.ranks);
+    for (const std::vector<int64_t> &members : seeds_.passes) {
+      std::vector<int32_t> table;
+      {
+        Stopwatch watch(read_.seconds.neighbours);
+        table = neighbours.next();
+      }
+      const Reading reading = read_pass(members, table);
+      if (reading != Reading::kSound) return reading;
+    }
+    return Reading::kSound;
+  }
+
+ private:
+  // What a group is coded with [n, size].
+  struct Coded {
+    std::vector<int64_t> mean, step;
+    std::vector<int16_t> tables;
+    const int32_t *symbols = nullptr;
+  };
+
+  template <class T>
+  static void grow(std::vector<T> &memory, size_t size) {
+    if (memory.size() < size) memory.resize(size);
+  }
+
+  // Calls body(begin, count) for runs of n seeds, on several threads. All that happens to a seed between two groups of
+  // symbols happens in one run: its numbers stay in the cache, and threads are woken once.
+  template <class Body>
+  void for_runs(size_t n, Body body) {
+    Stopwatch watch(read_.seconds.model);
+    constexpr size_t kRun = 512;
+    parallel_for(int64_t((n + kRun - 1) / kRun), threads_, [&](int64_t run) {
+      const size_t begin = size_t(run) * kRun;
+      body(begin, std::min(n - begin, kRun));
+    });
+  }
+
+  Reading read_pass(const std::vector<int64_t> &members, const std::vector<int32_t> &table) {
+    const size_t n = members.size();
+    grow(inputs_, n * size_t(stride_)), grow(own_summary_, n * kSummary), grow(amplitude_, n), grow(log_size_, n);
+    size_t number = 0;
+    for (size_t s = 0; s < model_.steps.size(); ++s) {
+      make_room(s, n);
+      for_runs(n, [&](size_t begin, size_t count) {
+        if (s == 0)
+          begin_seeds(members, table, begin, count);
+        else
+          go_on(members, s, begin, count);
+        predict(s, begin, count);
+      });
+      const Reading reading = read_step(s, n, number);
+      if (reading != Reading::kSound) return reading;
+    }
+    for_runs(n, [&](size_t begin, size_t count) {
+      finish(members, model_.steps.size() - 1, begin, count);
+      for (size_t i = begin; i < begin + count && model_.ranks; ++i)
+        std::copy_n(own_summary_.data() + i * kSummary, kSummary, summary_.data() + size_t(members[i]) * kSummary);
+    });
+    return Reading::kSound;
+  }
+
+  void make_room(size_t s, size_t n) {
+    const AttributeStep &step = model_.steps[s];
+    grow(predicted_, n * size_t(step.network->outputs()));
+    for (size_t g = 0; g < step.groups.size(); ++g) {
+      const size_t count = n * size_t(step.groups[g].size());
+      Coded &coded = coded_[s][g];
+      grow(coded.mean, count), grow(coded.step, count), grow(coded.tables, count);
+    }
+  }
+
+  // Inputs of seeds that know nothing of themselves.
+  void begin_seeds(const std::vector<int64_t> &members, const std::vector<int32_t> &table, size_t begin, size_t count) {
+    for (size_t i = begin; i < begin + count; ++i) log_size_[i] = seeds_.view.log_size[members[i]];
+    seed_inputs(seeds_.view, {table.data() + begin * size_t(model_.ranks), model_.ranks}, summary_.data(),
+                members.data() + begin, int64_t(count), model_.quality, 1, inputs_.data() + begin * size_t(stride_),
+                stride_);
+  }
+
+  // The values of a step, and the summaries that follow from them.
+  void finish(const std::vector<int64_t> &members, size_t s, size_t begin, size_t count) {
+    const AttributeStep &step = model_.steps[s];
+    for (size_t g = 0; g < step.groups.size(); ++g) {
+      const AttributeGroup &group = step.groups[g];
+      const Coded &coded = coded_[s][g];
+      const size_t at = begin * size_t(group.size());
+      dequantise(coded.symbols + at, coded.mean.data() + at, coded.step.data() + at, members.data() + begin,
+                 int64_t(count), group.size(), group.first, 1, decoded_, model_.attributes);
+    }
+    if (model_.ranks || model_.steps.size() > 1)
+      summarise(values_, members.data() + begin, int64_t(count), 1, own_summary_.data() + begin * kSummary,
+                amplitude_.data() + begin);
+  }
+
+  void go_on(const std::vector<int64_t> &members, size_t s, size_t begin, size_t count) {
+    finish(members, s - 1, begin, count);
+    own_inputs(own_summary_.data() + begin * kSummary, int64_t(count), int(s), model_.steps[0].inputs, 1,
+               inputs_.data() + begin * size_t(stride_), stride_);
+  }
+
+  void predict(size_t s, size_t begin, size_t count) {
+    const AttributeStep &step = model_.steps[s];
+    const int64_t outputs = step.network->outputs();
+    int64_t *predicted = predicted_.data() + begin * size_t(outputs);
+    const std::unique_ptr<double[]> scratch(new double[size_t(step.network->scratch_size())]);
+    step.network->evaluate(inputs_.data() + begin * size_t(stride_), stride_, int64_t(count), scratch.get(), predicted);
+    for (size_t g = 0; g < step.groups.size(); ++g) {
+      const AttributeGroup &group = step.groups[g];
+      Coded &coded = coded_[s][g];
+      const bool follows = group.follows_amplitude && s > 0;
+      const GroupPlan plan{group.base.data(), group.columns.data(), follows ? amplitude_.data() + begin : nullptr,
+                           group.gamma, group.size()};
+      const PredictionView view{predicted + group.prediction, predicted + step.predicted + group.prediction,
+                                predicted + 2 * step.predicted + group.refinement, outputs};
+      const size_t at = begin * size_t(group.size());
+      int16_t *tables = coded.tables.data() + at;
+      quantisers(plan, view, log_size_.data() + begin, int64_t(count), 1, coded.mean.data() + at,
+                 coded.step.data() + at, tables);
+      for (size_t i = 0; i < count * size_t(group.size()); ++i) tables[i] = int16_t(tables[i] + model_.first_table);
+    }
+  }
+
+  Reading read_step(size_t s, size_t n, size_t &number) {
+    const AttributeStep &step = model_.steps[s];
+    Stopwatch watch(read_.seconds.symbols);
+    for (size_t g = 0; g < step.groups.size(); ++g) {
+      const size_t count = n * size_t(step.groups[g].size()), first = read_.symbols.size();
+      read_.symbols.resize(first + count);  // within what was reserved: pointers stay good
+      coded_[s][g].symbols = read_.symbols.data() + first;
+      const Reading reading = read_zero_centred(decoder_, tables_, coded_[s][g].tables.data(), int64_t(count),
+                                                read_.symbols.data() + first, read_.bits[number++]);
+      if (reading != Reading::kSound) return reading;
+    }
+    return Reading::kSound;
+  }
+
+  RangeDecoder &decoder_;
+  const AttributeModel &model_;
+  const ZeroCentred &tables_;
+  const TileSeeds &seeds_;
+  int threads_;
+  int64_t *decoded_;
+  AttributesRead &read_;
+  AttributesView values_;
+  std::vector<int16_t> summary_;  // [N, kSummary] of seeds of earlier passes, zeros for others
+  int64_t stride_ = 0;
+
+  // Of one pass or step; kept, since memory that is new costs more than what is done in it.
+  std::vector<int16_t> inputs_, own_summary_;
+  std::vector<int32_t> amplitude_;
+  std::vector<int8_t> log_size_;
+  std::vector<int64_t> predicted_;
+  std::vector<std::vector<Coded>> coded_;  // groups by step: a step is finished while the next one is predicted
+};
+
+}  // namespace
+
+Reading read_attributes(RangeDecoder &decoder, const AttributeModel &model, const ZeroCentred &tables,
+                        const TileSeeds &seeds, int threads, int64_t *decoded, AttributesRead &read) {
+  size_t groups = 0;
+  for (const AttributeStep &step : model.steps) groups += step.groups.size();
+  read.bits.assign(groups, 0.0);
+  size_t members = 0;
+  for (const std::vector<int64_t> &pass : seeds.passes) members += pass.size();
+  read.symbols.reserve(members * size_t(model.attributes));
+  return AttributeReader(decoder, model, tables, seeds, threads, decoded, read).read_all();
+}
+
+}  // namespace sgi

@@ -1,0 +1,37 @@
+// Symbols read in one go: grouped by model as the coder takes them, decoded, and put back.
+#pragma once
+#include <cstdint>
+
+#include "bitstream/grouping.hpp"
+#include "bitstream/range_decoder.hpp"
+
+namespace sgi {
+
+// Alphabets of `size` symbols each: what reads them, which symbol each index is and its information content.
+struct Alphabets {
+  const SymbolModels *models;  // [rows]
+  const int32_t *symbol;       // [rows, size]
+  const double *bits;          // [rows, size]
+  int64_t size;
+};
+
+// The n symbols under the alphabets `keys` [n]; adds their information content to `bits`. False where the payload does
+// not decode.
+bool read_categorical(RangeDecoder &decoder, const Alphabets &alphabets, const int16_t *keys, int64_t n, int32_t *symbols,
+                      double &bits);
+
+// Zero-centred tables, and what reads the exponents behind an escape.
+struct ZeroCentred {
+  const SymbolModels *models;
+  SymbolTables tables;
+  const SymbolModels *exponents;
+  int32_t most;  // the largest magnitude
+};
+
+enum class Reading { kSound, kDamaged, kTooLarge };
+
+// The n symbols under the tables `keys` [n]; adds their information content to `bits`.
+Reading read_zero_centred(RangeDecoder &decoder, const ZeroCentred &models, const int16_t *keys, int64_t n,
+                          int32_t *symbols, double &bits);
+
+}  // namespace sgi

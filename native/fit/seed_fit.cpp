@@ -1,0 +1,127 @@
+#include "fit/seed_fit.hpp"
+
+#include "base/thread_pool.hpp"
+
+namespace sgi {
+namespace {
+
+constexpr int64_t kRun = 1024;  // seeds; a multiple of every kernel's lanes
+
+template <class T>
+void assign(std::vector<T> &to, const T *from, int64_t n) {
+  to.assign(from, from + n);
+}
+
+}  // namespace
+
+SeedFit::SeedFit(Isa isa, int threads, int per_seed, int channels, int hidden, const float *opponent)
+    : kernel_(kernel_for<SeedKernel>(isa)), lanes_(lanes_of(isa)), threads_(threads), opponent_(opponent, opponent + channels * channels) {
+  state_.per_seed = per_seed;
+  state_.channels = channels;
+  state_.hidden = hidden;
+  state_.opponent = opponent_.data();
+}
+
+void SeedFit::set_layout(const SeedLayoutArrays &layout) {
+  const int64_t n = layout.count;
+  state_.count = n;
+  state_.neighbours = layout.neighbours;
+  assign(centre_, layout.centre, 2 * n);
+  assign(cell_, layout.cell, n);
+  assign(log_size_, layout.log_size, n);
+  assign(level_, layout.level, n);
+  assign(neighbour_, layout.neighbour, n * layout.neighbours);
+  assign(offset_, layout.offset, 2 * n);
+  assign(level_inputs_, layout.level_inputs, n * (kLevels + 1));
+  const int64_t padded = (n + lanes_ - 1) / lanes_ * lanes_;
+  summary_.resize(n * kSummary);
+  inputs_.resize(padded * kCommonInputs);
+  product_.resize(padded * kGroups * state_.hidden);
+  kept_.resize(padded * 3 * kUnits);
+  decoded_.resize(padded * state_.attributes());
+  bits_.resize(n);
+  state_.centre = centre_.data();
+  state_.cell = cell_.data();
+  state_.log_size = log_size_.data();
+  state_.level = level_.data();
+  state_.neighbour = neighbour_.data();
+  state_.offset = offset_.data();
+  state_.level_inputs = level_inputs_.data();
+  state_.summary = summary_.data();
+  state_.inputs = inputs_.data();
+  state_.product = product_.data();
+  state_.kept = kept_.data();
+  state_.decoded = decoded_.data();
+  state_.bits = bits_.data();
+}
+
+int64_t SeedFit::first_size() const {
+  int64_t total = 0;
+  for (int g = 0; g < kGroups; ++g) total += state_.first_size(g);
+  return total;
+}
+
+int64_t SeedFit::rest_size() const {
+  int64_t total = 0;
+  for (int g = 0; g < kGroups; ++g) total += state_.rest_size(g);
+  return total;
+}
+
+template <class Body>
+void SeedFit::over_runs(const Body &body) {
+  const int64_t runs = (state_.count + kRun - 1) / kRun;
+  parallel_for(runs, threads_, [&](int64_t run) {
+    thread_local std::vector<float> memory;
+    memory.resize(scratch_floats(state_, lanes_));
+    const int64_t begin = run * kRun;
+    body(run, begin, begin + kRun < state_.count ? begin + kRun : state_.count, memory.data());
+  });
+}
+
+double SeedFit::forward(const std::array<const float *, kGroups> &values, const SeedParameters &parameters,
+                        Rounding rounding, NoiseKey key, Reuse reuse, bool trains_first, const SeedGaussians &out) {
+  SeedState &s = state_;
+  const float *first = parameters.first, *rest = parameters.rest;
+  for (int g = 0; g < kGroups; ++g) {
+    s.value[g] = values[g];
+    s.first[g] = first;
+    s.rest[g] = rest;
+    first += s.first_size(g);
+    rest += s.rest_size(g);
+  }
+  s.base = parameters.steps;
+  s.gamma = parameters.steps + kUnits * kLevels;
+  s.rounding = rounding;
+  s.key = key.key;
+  s.mirror = key.negative ? ~uint32_t(0) : 0;
+  s.trains_first = trains_first;
+  s.predicts = rounding != Rounding::kNone && reuse != Reuse::kPredictions;
+  const bool refresh = s.predicts && reuse == Reuse::kNothing;
+  if (refresh)
+    over_runs([&](int64_t, int64_t begin, int64_t end, float *m) { kernel_.summarize(s, begin, end, m); });
+  std::vector<double> bits((s.count + kRun - 1) / kRun);
+  over_runs([&](int64_t run, int64_t begin, int64_t end, float *m) {
+    if (refresh) kernel_.gather(s, begin, end, m);
+    if (s.predicts && (refresh || trains_first)) kernel_.multiply(s, begin, end, m);
+    bits[run] = kernel_.forward(s, begin, end, out, m);
+  });
+  double total = 0;
+  for (double b : bits) total += b;
+  return total;
+}
+
+void SeedFit::backward(const SeedGradients &gradients, float *sums) {
+  const int64_t width = state_.sums(), runs = (state_.count + kRun - 1) / kRun;
+  partials_.resize(width * runs);
+  over_runs([&](int64_t run, int64_t begin, int64_t end, float *m) {
+    kernel_.backward(state_, begin, end, gradients, partials_.data() + run * width, m);
+  });
+  if (!state_.predicts) return;
+  for (int64_t i = 0; i < width; ++i) {
+    double sum = 0;
+    for (int64_t run = 0; run < runs; ++run) sum += partials_[run * width + i];
+    sums[i] = float(sum);
+  }
+}
+
+}  // namespace sgi

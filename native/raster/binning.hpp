@@ -1,0 +1,45 @@
+// Which Gaussians touch which tile.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "raster/tile_kernel.hpp"
+
+namespace sgi {
+
+// A crop of the plane in whole pixels. Tiles are anchored to the plane, not to the crop, so that a crop of a picture
+// equals the picture's crop to the last bit.
+struct View {
+  int x0 = 0, y0 = 0, width = 0, height = 0;
+  int tile_x0() const { return floor_div(x0, kTileWidth); }
+  int tile_y0() const { return floor_div(y0, kTileHeight); }
+  int tiles_x() const { return floor_div(x0 + width - 1, kTileWidth) - tile_x0() + 1; }
+  int tiles_y() const { return floor_div(y0 + height - 1, kTileHeight) - tile_y0() + 1; }
+  bool operator==(const View &o) const {
+    return x0 == o.x0 && y0 == o.y0 && width == o.width && height == o.height;
+  }
+  static int floor_div(int v, int by) { return v >= 0 ? v / by : -((-v + by - 1) / by); }
+};
+
+struct Bins {
+  int64_t most_pairs;                 // (tile, Gaussian) pairs that one call may list
+  int64_t count = -1;                 // N, -1 before the first call and after one that threw
+  View view;
+  std::vector<Splat> splats;          // [N]
+  std::vector<int64_t> slot_start;    // [N + 1] first slot of every Gaussian
+  std::vector<std::vector<uint32_t>> chunk_tiles;  // tiles of the slots of each run of Gaussians, in slot order
+  std::vector<int64_t> tile_start;    // [tiles + 1] first entry of every tile
+  std::vector<Entry> entries;         // [slots] ordered by tile, then by Gaussian
+  std::vector<int64_t> scratch;
+};
+
+// Prepares one Gaussian: mean [2] pixels, covariance [3] (xx, xy, yy) pixels^2. False for one that is not drawn.
+bool prepare_splat(const float *mean, const float *covariance, float cutoff, Splat &splat);
+
+// Fills `bins` for `n` Gaussians: means [N, 2] pixels, covariances [N, 3] (xx, xy, yy) pixels^2. A Gaussian reaches as
+// far as `cutoff` standard deviations; one that is not finite or not positive definite touches nothing. Throws
+// std::overflow_error for more than `bins.most_pairs` (tile, Gaussian) pairs.
+void bin_gaussians(const float *means, const float *covariances, int64_t n, const View &view, float cutoff, int threads,
+                   Bins &bins);
+
+}  // namespace sgi

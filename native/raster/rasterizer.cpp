@@ -1,0 +1,149 @@
+#include "raster/rasterizer.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <numeric>
+#include <stdexcept>
+
+#include "base/thread_pool.hpp"
+
+namespace sgi {
+namespace {
+
+TileRect tile_rect(const View &view, int64_t tile) {
+  TileRect r;
+  r.x = (view.tile_x0() + static_cast<int>(tile % view.tiles_x())) * kTileWidth - view.x0;
+  r.y = (view.tile_y0() + static_cast<int>(tile / view.tiles_x())) * kTileHeight - view.y0;
+  r.col0 = std::max(0, -r.x);
+  r.row0 = std::max(0, -r.y);
+  r.col1 = std::min(kTileWidth, view.width - r.x);
+  r.row1 = std::min(kTileHeight, view.height - r.y);
+  return r;
+}
+
+template <class Row>
+void for_each_row(const View &view, const TileRect &r, int channels, Row row) {
+  for (int c = 0; c < channels; ++c)
+    for (int y = r.row0; y < r.row1; ++y)
+      row((int64_t(c) * view.height + r.y + y) * view.width + r.x + r.col0, c * kTilePlane + y * kTileStride + r.col0,
+          r.col1 - r.col0);
+}
+
+}  // namespace
+
+Rasterizer::Rasterizer(Isa isa, int threads, int64_t most_pairs)
+    : isa_(isa), kernel_(kernel_for<TileKernel>(isa)), threads_(threads) {
+  bins_.most_pairs = most_pairs;
+}
+
+int64_t Rasterizer::pairs() const { return static_cast<int64_t>(bins_.entries.size()); }
+
+float *Rasterizer::partials_for(int64_t slots, int channels) {
+  const int64_t size = slots * (kMoments + channels);
+  if (size > partials_size_) {
+    partials_.reset(new float[size + size / 4]);
+    partials_size_ = size + size / 4;
+  }
+  return partials_.get();
+}
+
+void Rasterizer::forward(const Gaussians &g, const View &view, float cutoff, float *image) {
+  bin_gaussians(g.means, g.covariances, g.count, view, cutoff, threads_, bins_);
+  parallel_for(int64_t(view.tiles_x()) * view.tiles_y(), threads_, [&](int64_t tile) {
+    std::vector<float> buffer(g.channels * kTilePlane, 0.0f);
+    const TileRect r = tile_rect(view, tile);
+    const int64_t begin = bins_.tile_start[tile];
+    kernel_.forward(bins_.entries.data() + begin, bins_.tile_start[tile + 1] - begin, bins_.splats.data(), g.colours,
+                     g.channels, r.x + view.x0, r.y + view.y0, buffer.data());
+    for_each_row(view, r, g.channels,
+                 [&](int64_t to, int from, int n) { std::memcpy(image + to, buffer.data() + from, n * sizeof(float)); });
+  });
+}
+
+void Rasterizer::draw(const Gaussians &g, const View &view, float cutoff, const Background &background,
+                      const Samples &samples) {
+  bin_gaussians(g.means, g.covariances, g.count, view, cutoff, threads_, bins_);
+  const auto finish = kernel_for<FinishKernel>(isa_).finish;
+  parallel_for(int64_t(view.tiles_x()) * view.tiles_y(), threads_, [&](int64_t tile) {
+    std::vector<float> buffer(g.channels * kTilePlane, 0.0f);
+    const TileRect r = tile_rect(view, tile);
+    const int64_t begin = bins_.tile_start[tile];
+    kernel_.forward(bins_.entries.data() + begin, bins_.tile_start[tile + 1] - begin, bins_.splats.data(), g.colours,
+                     g.channels, r.x + view.x0, r.y + view.y0, buffer.data());
+    finish(buffer.data(), g.channels, r, background, samples);
+  });
+}
+
+void Rasterizer::backward(const Gaussians &g, const View &view, const float *grad, const Gradients &out) {
+  if (g.count != bins_.count || !(view == bins_.view))
+    throw std::invalid_argument("backward must follow a forward pass of the same Gaussians and view");
+  float *partials = partials_for(pairs(), g.channels);
+  parallel_for(int64_t(view.tiles_x()) * view.tiles_y(), threads_, [&](int64_t tile) {
+    std::vector<float> buffer(g.channels * kTilePlane, 0.0f);
+    const TileRect r = tile_rect(view, tile);
+    const int64_t begin = bins_.tile_start[tile];
+    for_each_row(view, r, g.channels,
+                 [&](int64_t from, int to, int n) { std::memcpy(buffer.data() + to, grad + from, n * sizeof(float)); });
+    kernel_.backward(bins_.entries.data() + begin, bins_.tile_start[tile + 1] - begin, bins_.splats.data(), g.colours,
+                      g.channels, r.x + view.x0, r.y + view.y0, buffer.data(), partials);
+  });
+  reduce(g, out);
+}
+
+double Rasterizer::squared_error(const Gaussians &g, const View &view, float cutoff, const float *target, float weight,
+                                 const Gradients &out) {
+  bin_gaussians(g.means, g.covariances, g.count, view, cutoff, threads_, bins_);
+  float *partials = partials_for(pairs(), g.channels);
+  const int64_t tiles = int64_t(view.tiles_x()) * view.tiles_y();
+  tile_loss_.assign(tiles, 0.0);
+  parallel_for(tiles, threads_, [&](int64_t tile) {
+    std::vector<float> buffer(g.channels * kTilePlane, 0.0f);
+    const TileRect r = tile_rect(view, tile);
+    const int64_t begin = bins_.tile_start[tile], n = bins_.tile_start[tile + 1] - begin;
+    const Entry *entries = bins_.entries.data() + begin;
+    for_each_row(view, r, g.channels, [&](int64_t from, int, int count) {
+      for (int x = 0; x < count; x += 16) __builtin_prefetch(target + from + x);
+    });
+    const int x0 = r.x + view.x0, y0 = r.y + view.y0;
+    kernel_.forward(entries, n, bins_.splats.data(), g.colours, g.channels, x0, y0, buffer.data());
+    tile_loss_[tile] = kernel_.compare(buffer.data(), g.channels, r, target, view.width, view.height, weight);
+    kernel_.backward(entries, n, bins_.splats.data(), g.colours, g.channels, x0, y0, buffer.data(), partials);
+  });
+  reduce(g, out);
+  double total = 0;
+  for (double loss : tile_loss_) total += loss;
+  return total * weight;
+}
+
+// Sums the partials of every Gaussian in slot order and carries them through the inverse of the covariance.
+void Rasterizer::reduce(const Gaussians &g, const Gradients &out) {
+  const int stride = kMoments + g.channels;
+  constexpr int64_t kChunk = 1024;
+  parallel_for((g.count + kChunk - 1) / kChunk, threads_, [&](int64_t chunk) {
+    std::vector<float> sum(stride);
+    for (int64_t i = chunk * kChunk; i < std::min(g.count, (chunk + 1) * kChunk); ++i) {
+      std::fill(sum.begin(), sum.end(), 0.0f);
+      for (int64_t slot = bins_.slot_start[i]; slot < bins_.slot_start[i + 1]; ++slot)
+        for (int k = 0; k < stride; ++k) sum[k] += partials_[slot * stride + k];
+      std::copy(sum.begin() + kMoments, sum.end(), out.colours + i * g.channels);
+      const float xx = g.covariances[3 * i], xy = g.covariances[3 * i + 1], yy = g.covariances[3 * i + 2];
+      const double det = double(xx) * yy - double(xy) * xy;
+      if (bins_.slot_start[i] == bins_.slot_start[i + 1]) {
+        out.means[2 * i] = out.means[2 * i + 1] = 0;
+        out.covariances[3 * i] = out.covariances[3 * i + 1] = out.covariances[3 * i + 2] = 0;
+        continue;
+      }
+      const float p = float(yy / det), q = float(-xy / det), s = float(xx / det);  // inverse covariance
+      const float wx = sum[1], wxx = sum[2], wy = sum[3], wxy = sum[4], wyy = sum[5];
+      out.means[2 * i] = p * wx + q * wy;
+      out.means[2 * i + 1] = q * wx + s * wy;
+      // dL/dSigma = 1/2 P W P with W the second moments of w
+      const float a0 = p * wxx + q * wxy, a1 = p * wxy + q * wyy, b0 = q * wxx + s * wxy, b1 = q * wxy + s * wyy;
+      out.covariances[3 * i] = 0.5f * (a0 * p + a1 * q);
+      out.covariances[3 * i + 1] = 0.5f * ((a0 * q + a1 * s) + (b0 * p + b1 * q));
+      out.covariances[3 * i + 2] = 0.5f * (b0 * q + b1 * s);
+    }
+  });
+}
+
+}  // namespace sgi

@@ -1,0 +1,56 @@
+// What one tile needs to be drawn and differentiated.
+#pragma once
+#include <cstdint>
+
+#include "base/isa.hpp"
+
+namespace sgi {
+
+constexpr int kTileWidth = 64, kTileHeight = 32;   // pixels
+constexpr int kTileStride = kTileWidth + 16;       // a vector may begin at any column
+constexpr int kTilePlane = kTileHeight * kTileStride;
+
+// A Gaussian ready to be drawn: log2 G(d) = a dx^2 + b dx dy + c dy^2.
+struct Splat {
+  float x, y;     // centre, pixels
+  float a, b, c;  // log2 units per pixel^2
+  float k;        // 2^(2c): second ratio of consecutive rows
+  float rx, ry;   // half extents: what lies farther away contributes nothing
+  float lean;         // dy of the axis of heights per dx
+  float half_height;  // half height at the centre column
+  float low_dx;       // dx at which the lower end is reached
+  int32_t span;   // rows that the recurrence may run before it must start afresh, at least 1
+};
+
+// One (tile, Gaussian) pair; `slot` is where its partial gradient goes.
+struct Entry {
+  int32_t gaussian;
+  uint32_t slot;
+};
+
+// Moments of one pair: sums over the tile's pixels of w, w dx, w dx^2, w dy, w dx dy, w dy^2 (w = G <dL/dI, colour>),
+// followed by sums of G dL/dI per channel.
+constexpr int kMoments = 6;
+
+// The part of a tile that lies in the view, in view coordinates.
+struct TileRect {
+  int x, y;                      // first pixel of the tile, view coordinates (may be negative)
+  int col0, col1, row0, row1;    // pixels of the tile inside the view
+};
+
+// Pixels of a tile are [channels][kTileHeight][kTileStride], of which the first kTileWidth of a row count.
+struct TileKernel {
+  // Adds the Gaussians of `entries` to a tile whose first pixel is (x0, y0).
+  void (*forward)(const Entry *entries, int64_t n, const Splat *splats, const float *colours, int channels, int x0,
+                  int y0, float *tile);
+  // Turns a drawn tile into the gradient 2 weight (I - target) within the view, 0 elsewhere; returns the sum of
+  // (I - target)^2. target [channels, height, width] of the view.
+  double (*compare)(float *tile, int channels, const TileRect &rect, const float *target, int64_t width, int64_t height,
+                    float weight);
+  // Writes partials[slot][kMoments + channels] of every entry, from dL/dI = grad; beyond kTileWidth that must be 0.
+  void (*backward)(const Entry *entries, int64_t n, const Splat *splats, const float *colours, int channels, int x0,
+                   int y0, const float *grad, float *partials);
+  static const TileKernel portable, avx2, avx512;
+};
+
+}  // namespace sgi

@@ -1,0 +1,83 @@
+// What the stream says of one seed with one Gaussian (docs/format.md, "Passes"): where the symbols of its three groups
+// may lie and what each costs. Colours, then shape, then offset; each group's symbols move the lattices of the next.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "model/context.hpp"
+#include "model/network.hpp"
+
+namespace sgi {
+
+enum Group { kColour, kShape, kOffset, kGroupCount };
+
+constexpr int kMostColours = 64;
+constexpr int kPlaceAttributes = 5;  // three of the shape, two of the offset
+constexpr int kMostAttributes = kMostColours + kPlaceAttributes;
+constexpr double kUnit = 0x1p-24;    // of decoded values
+
+// Zero-centred frequency tables as bitstream/tables.py holds them.
+struct BitTables {
+  const int32_t *support;  // [tables] S
+  const int64_t *start;    // [tables] where a table begins in `bits`
+  const double *bits;      // for n = -S to S, then the escape
+  int first;               // table of scale index 0
+
+  double of(int64_t symbol, int scale) const;
+};
+
+struct CodingModel {
+  int channels;
+  const Network *networks[kGroupCount];
+  GroupPlan plans[kGroupCount];  // without amplitudes
+  int inputs[kGroupCount];       // that each network sees
+  BitTables tables;
+  const float *opponent;         // [C, C]: colour = values * opponent
+
+  int attributes() const { return channels + kPlaceAttributes; }
+  int first_column(Group group) const { return group == kColour ? 0 : group == kShape ? channels : channels + 3; }
+};
+
+// Where a group's attributes may lie: mean + step * symbol in units of 2^-24, coded with tables of these scale indices.
+struct Lattice {
+  int64_t mean[kMostColours], step[kMostColours];
+  int16_t scale[kMostColours];
+
+  double value(int j, int64_t symbol) const { return double(mean[j] + step[j] * symbol) * kUnit; }
+  // The nearest symbol, away from the largest that a stream holds.
+  int64_t nearest(int j, double value) const;
+};
+
+// A seed's attributes on their lattices.
+struct Coded {
+  int64_t decoded[kMostAttributes];
+  int32_t symbols[kMostAttributes];
+  int16_t scale[kMostAttributes];
+};
+
+// Evaluates the networks for several versions of one seed, the rows.
+class SeedContext {
+ public:
+  SeedContext(const CodingModel &model, int most_rows);
+
+  // Begins a seed: inputs of the first network, log2 of the cell.
+  void start(const int16_t *inputs, int8_t log_size);
+  // Tells the networks behind `known` what a version's groups up to it say.
+  void tell(Group known, const Coded &coded, int row);
+  // Lattices of rows 0 to count - 1; the earlier groups must have been told.
+  void predict(Group group, int count, Lattice *lattices);
+
+ private:
+  const CodingModel &model_;
+  int8_t log_size_ = 0;
+  std::vector<int16_t> rows_;
+  std::vector<int32_t> amplitude_;
+  std::vector<int64_t> out_;
+  std::vector<double> scratch_;
+};
+
+// The bits of `symbols` of a group, and the group with these symbols written into `coded`.
+double bits_of(const CodingModel &model, Group group, const Lattice &lattice, const int64_t *symbols);
+void settle(const CodingModel &model, Group group, const Lattice &lattice, const int64_t *symbols, Coded &coded);
+
+}  // namespace sgi

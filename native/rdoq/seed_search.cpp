@@ -1,0 +1,238 @@
+#include "rdoq/seed_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "raster/binning.hpp"
+
+namespace sgi {
+namespace {
+
+constexpr float kMinVariance = 0.05f, kLogLimit = 12.0f;  // model/gaussians.py
+constexpr double kMostGrowth = 0.7, kMostShift = 2.0;     // of a window: a logarithm, and cells
+
+void nearest(const CodingModel &model, Group group, const Lattice &lattice, const double *values, int64_t *symbols) {
+  for (int j = 0; j < model.plans[group].size; ++j) symbols[j] = lattice.nearest(j, values[j]);
+}
+
+}  // namespace
+
+// What the candidates of one seed are measured against.
+struct SeedSearch::Place {
+  const Residual &residual;
+  const Window &window;
+  float colours[kMostColours];  // as drawn now
+  float *g;                     // the Gaussian as drawn now
+  float *mixed;                 // the residual with a candidate's colours in the old place, times these colours
+  float *fresh;                 // the Gaussian that replaces it
+
+  Plane working(float *plane) const { return {plane, window.stride}; }
+};
+
+SeedSearch::SeedSearch(const CodingModel &model, const SearchSettings &settings, const WindowKernel &kernel)
+    : model_(model), settings_(settings), kernel_(kernel), context_(model, 1 + 2 * model.channels) {
+  const size_t candidates = 1 + 2 * size_t(model.channels);
+  candidates_.resize(candidates);
+  shapes_.resize(candidates);
+  offsets_.resize(candidates);
+  cost_.resize(candidates);
+  guess_.resize(candidates);
+}
+
+// As model/gaussians.py; values: shape (a, b, c), then offset. False for what is not drawn.
+bool SeedSearch::splat_of(const double *values, Splat &splat) const {
+  const float a = std::clamp(float(values[0]), -kLogLimit, kLogLimit), b = float(values[1]), c = float(values[2]);
+  const float length = std::sqrt(b * b + c * c + 1e-12f), rho = std::min(length, kLogLimit), shrink = rho / length;
+  const float grow = std::exp(2 * (a + rho)), fall = std::exp(2 * (a - rho));
+  const float mean = 0.5f * (grow + fall), half = 0.5f * (grow - fall) / rho * shrink;
+  const float area = seed_->cell * seed_->cell;
+  const float covariance[3] = {area * (mean + half * b) + kMinVariance, area * half * c,
+                               area * (mean - half * b) + kMinVariance};
+  const float centre[2] = {seed_->centre[0] + seed_->cell * float(values[3]),
+                           seed_->centre[1] + seed_->cell * float(values[4])};
+  return prepare_splat(centre, covariance, settings_.cutoff, splat);
+}
+
+void SeedSearch::colours_of(const double *values, float *colours) const {
+  const int channels = model_.channels;
+  for (int c = 0; c < channels; ++c) {
+    colours[c] = 0;
+    for (int j = 0; j < channels; ++j) colours[c] += float(values[j]) * model_.opponent[j * channels + c];
+  }
+}
+
+Window SeedSearch::reserve(const Seed &seed, const Residual &residual) {
+  seed_ = &seed;
+  Splat splat;
+  if (!splat_of(seed.values + model_.channels, splat)) return {};
+  context_.start(seed.inputs, seed.log_size);
+  Coded &coded = candidates_[0];
+  for (int j = 0; j < model_.attributes(); ++j) coded.decoded[j] = std::llrint(seed.values[j] / kUnit);
+  context_.tell(kShape, coded, 0);
+  context_.predict(kShape, 1, shapes_.data());
+  context_.predict(kOffset, 1, offsets_.data());
+  const int64_t *shape = shapes_[0].step, *offset = offsets_[0].step;
+  const double growth = std::min(double(shape[0] + std::max(shape[1], shape[2])) * kUnit, kMostGrowth);
+  const double shift = std::min(double(std::max(offset[0], offset[1])) * kUnit, kMostShift) * seed.cell;
+  return window_around(splat, float(std::exp(growth)), float(shift) + 1, residual);
+}
+
+// Candidate 0 keeps the colours as near as it can, the others move one of them by one step.
+void SeedSearch::try_colours(const Place &place) {
+  const int channels = model_.channels, count = 1 + 2 * channels;
+  const double *old = seed_->values;
+  Lattice lattice;
+  context_.predict(kColour, 1, &lattice);
+  float along[kMostColours];  // each channel of the residual times G
+  for (int c = 0; c < channels; ++c)
+    along[c] = kernel_.inner(place.residual.plane(c, place.window), place.window, place.g);
+  const float square = kernel_.inner(place.working(place.g), place.window, place.g);
+  for (int k = 0; k < count; ++k) {
+    int64_t symbols[kMostColours];
+    nearest(model_, kColour, lattice, old, symbols);
+    if (k) symbols[(k - 1) / 2] += k % 2 ? 1 : -1;
+    settle(model_, kColour, lattice, symbols, candidates_[k]);
+    double moved[kMostColours];
+    float delta[kMostColours];
+    for (int j = 0; j < channels; ++j) moved[j] = lattice.value(j, symbols[j]) - old[j];
+    colours_of(moved, delta);
+    cost_[k] = settings_.lmbda * bits_of(model_, kColour, lattice, symbols);
+    for (int c = 0; c < channels; ++c) cost_[k] += double(delta[c]) * (double(delta[c]) * square - 2.0 * along[c]);
+    context_.tell(kColour, candidates_[k], k);
+  }
+  guess_ = cost_;
+  for (const Group group : {kShape, kOffset}) {
+    std::vector<Lattice> &lattices = group == kShape ? shapes_ : offsets_;
+    context_.predict(group, count, lattices.data());
+    for (int k = 0; k < count; ++k) {
+      int64_t symbols[3];
+      nearest(model_, group, lattices[k], old + model_.first_column(group), symbols);
+      guess_[k] += settings_.lmbda * bits_of(model_, group, lattices[k], symbols);
+      settle(model_, group, lattices[k], symbols, candidates_[k]);
+      if (group == kShape) context_.tell(kShape, candidates_[k], k);
+    }
+  }
+}
+
+// Fills `mixed` for a candidate's colours; returns their square.
+float SeedSearch::mix(const Place &place, const Coded &coded) const {
+  double values[kMostColours];
+  float colours[kMostColours];
+  for (int j = 0; j < model_.channels; ++j) values[j] = double(coded.decoded[j]) * kUnit;
+  colours_of(values, colours);
+  float power = 0, overlap = 0;
+  std::fill_n(place.mixed, place.window.size(), 0.0f);
+  for (int c = 0; c < model_.channels; ++c) {
+    kernel_.add_scaled(place.residual.plane(c, place.window), place.window, colours[c], place.mixed);
+    power += colours[c] * colours[c];
+    overlap += colours[c] * (colours[c] - place.colours[c]);
+  }
+  kernel_.add_scaled(place.working(place.g), place.window, -overlap, place.mixed);
+  return power;
+}
+
+// Starts at the symbols of a group that lie nearest to `values` (shape, then offset) and moves one at a time while
+// squared error plus price falls. Writes the group's part of `values` and `coded`; returns what place and bits cost.
+double SeedSearch::descend(Group group, const Lattice &lattice, const Place &place, float power, double *values,
+                           Coded &coded) {
+  const int size = model_.plans[group].size;
+  double *own = values + model_.first_column(group) - model_.channels;
+  int64_t symbols[3];
+  nearest(model_, group, lattice, own, symbols);
+  for (int j = 0; j < size; ++j) own[j] = lattice.value(j, symbols[j]);
+  Splat two[2];
+  float change[2];
+  double least = INFINITY;
+  if (splat_of(values, two[0])) {
+    two[1] = two[0];
+    kernel_.changes(two, place.window, power, place.mixed, place.g, change);
+    least = change[0] + settings_.lmbda * bits_of(model_, group, lattice, symbols);
+  }
+  int still = 0;  // attributes gone through since the last move
+  for (int turn = 0; turn < settings_.rounds * size && still < size; ++turn, ++still) {
+    const int j = turn % size;
+    const int64_t from = symbols[j];
+    bool sound[2];
+    for (int side = 0; side < 2; ++side) {
+      own[j] = lattice.value(j, from + (side ? -1 : 1));
+      sound[side] = splat_of(values, two[side]) && holds(place.window, two[side], place.residual);
+    }
+    int64_t best = from;
+    if (sound[0] || sound[1]) {
+      if (!sound[0] || !sound[1]) two[!sound[1]] = two[!sound[0]];
+      kernel_.changes(two, place.window, power, place.mixed, place.g, change);
+      for (int side = 0; side < 2; ++side) {
+        symbols[j] = from + (side ? -1 : 1);
+        const double cost = change[side] + settings_.lmbda * bits_of(model_, group, lattice, symbols);
+        if (!sound[side] || !(cost < least)) continue;
+        least = cost;
+        best = symbols[j];
+      }
+    }
+    if (best != from) still = -1;
+    symbols[j] = best;
+    own[j] = lattice.value(j, best);
+  }
+  settle(model_, group, lattice, symbols, coded);
+  return least;
+}
+
+// Chooses shape and offset for the colours of the `chosen` candidates and completes their costs.
+void SeedSearch::follow(const Place &place, const std::vector<int> &chosen) {
+  const double *old = seed_->values + model_.channels;
+  std::vector<double> values(chosen.size() * kPlaceAttributes);
+  for (size_t i = 0; i < chosen.size(); ++i) {
+    const int k = chosen[i];
+    double *own = values.data() + i * kPlaceAttributes;
+    std::copy_n(old, kPlaceAttributes, own);
+    descend(kShape, shapes_[k], place, mix(place, candidates_[k]), own, candidates_[k]);
+    int64_t symbols[3];
+    std::copy_n(candidates_[k].symbols + model_.first_column(kShape), 3, symbols);
+    cost_[k] += settings_.lmbda * bits_of(model_, kShape, shapes_[k], symbols);
+    context_.tell(kShape, candidates_[k], int(i));
+  }
+  context_.predict(kOffset, int(chosen.size()), offsets_.data());
+  for (size_t i = 0; i < chosen.size(); ++i) {
+    Coded &coded = candidates_[chosen[i]];
+    cost_[chosen[i]] +=
+        descend(kOffset, offsets_[i], place, mix(place, coded), values.data() + i * kPlaceAttributes, coded);
+  }
+}
+
+void SeedSearch::replace(const Place &place, const Coded &coded) const {
+  double values[kMostAttributes];
+  float colours[kMostColours];
+  for (int j = 0; j < model_.attributes(); ++j) values[j] = double(coded.decoded[j]) * kUnit;
+  colours_of(values, colours);
+  Splat splat;
+  if (splat_of(values + model_.channels, splat)) kernel_.draw(splat, place.window, place.fresh);
+  for (int c = 0; c < model_.channels; ++c) {
+    const Plane plane = place.residual.plane(c, place.window);
+    kernel_.subtract(plane, place.window, -place.colours[c], place.g);
+    kernel_.subtract(plane, place.window, colours[c], place.fresh);
+  }
+}
+
+double SeedSearch::search(const Seed &seed, const Window &window, const Residual &residual, Coded &best) {
+  seed_ = &seed;
+  context_.start(seed.inputs, seed.log_size);
+  planes_.assign(3 * window.size(), 0.0f);
+  float *planes = planes_.data();
+  Place place{residual, window, {}, planes, planes + window.size(), planes + 2 * window.size()};
+  Splat splat;
+  if (splat_of(seed.values + model_.channels, splat)) kernel_.draw(splat, window, place.g);
+  colours_of(seed.values, place.colours);
+  try_colours(place);
+  std::vector<int> order(candidates_.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return guess_[a] < guess_[b]; });
+  order.resize(std::min<size_t>(std::max(settings_.deep, 1), order.size()));
+  follow(place, order);
+  const int chosen = *std::min_element(order.begin(), order.end(), [&](int a, int b) { return cost_[a] < cost_[b]; });
+  best = candidates_[chosen];
+  replace(place, best);
+  return cost_[chosen];
+}
+
+}  // namespace sgi

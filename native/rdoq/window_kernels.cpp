@@ -1,0 +1,106 @@
+// Along a column G follows the recurrence of raster/tile_kernels.cpp.
+#include "base/vector.hpp"
+#include "rdoq/window_kernel.hpp"
+
+namespace sgi {
+namespace {
+
+static_assert(kWindowPadding % LANES == 0, "a working row must hold whole vectors");
+
+// G in LANES columns, row by row, restarted where the recurrence must not run on.
+struct Column {
+  const Splat &s;
+  vf quad, slope, kk, g, r;
+
+  Column(const Splat &splat, float left) : s(splat), kk(vf{} + splat.k) {
+    const vf dx = iota() + (left + 0.5f - s.x);
+    quad = s.a * dx * dx;
+    slope = s.b * dx;
+  }
+  void start(float y) {
+    const float dy = y + 0.5f - s.y;
+    g = exp2v(quad + (slope + s.c * dy) * dy);
+    r = exp2v(slope + s.c * (2.0f * dy + 1.0f));
+  }
+  void next() {
+    g *= r;
+    r *= kk;
+  }
+};
+
+inline int least(int a, int b) { return a < b ? a : b; }
+
+// The first `count` lanes of v, zero in the others.
+inline vf first_lanes(vf v, int count) {
+  return count >= LANES ? v : (vf)((vi)v & (vi)(iota() < static_cast<float>(count)));
+}
+
+inline float sum_of(vf v) {
+  float sum = 0;
+  for (int i = 0; i < LANES; ++i) sum += v[i];
+  return sum;
+}
+
+void draw(const Splat &s, const Window &w, float *out) {
+  for (int x = 0; x < w.width; x += LANES) {
+    Column column(s, w.x + x);
+    for (int row = 0; row < w.height;) {
+      column.start(w.y + row);
+      for (const int stop = least(row + s.span, w.height); row < stop; ++row, column.next())
+        store(out + int64_t(row) * w.stride + x, first_lanes(column.g, w.width - x));
+    }
+  }
+}
+
+void add_scaled(const Plane &p, const Window &w, float factor, float *out) {
+  for (int row = 0; row < w.height; ++row)
+    for (int x = 0; x < w.width; x += LANES) {
+      float *to = out + int64_t(row) * w.stride + x;
+      store(to, load(to) + factor * load(p.first + row * p.row + x));
+    }
+}
+
+float inner(const Plane &p, const Window &w, const float *g) {
+  vf sum{};
+  for (int row = 0; row < w.height; ++row)
+    for (int x = 0; x < w.width; x += LANES)
+      sum += load(p.first + row * p.row + x) * load(g + int64_t(row) * w.stride + x);
+  return sum_of(sum);
+}
+
+void subtract(const Plane &p, const Window &w, float factor, const float *g) {
+  for (int row = 0; row < w.height; ++row)
+    for (int x = 0; x < w.width; x += LANES) {
+      float *to = p.first + row * p.row + x;
+      store(to, load(to) - factor * load(g + int64_t(row) * w.stride + x));
+    }
+}
+
+// Two at once hide each other's latency and share what is loaded.
+void changes(const Splat *two, const Window &w, float power, const float *mixed, const float *g, float *out) {
+  const int span = least(two[0].span, two[1].span);
+  vf total[2] = {};
+  for (int x = 0; x < w.width; x += LANES) {
+    Column a(two[0], w.x + x), b(two[1], w.x + x);
+    vf sum[2] = {};
+    for (int row = 0; row < w.height;) {
+      a.start(w.y + row);
+      b.start(w.y + row);
+      for (const int stop = least(row + span, w.height); row < stop; ++row, a.next(), b.next()) {
+        const int64_t at = int64_t(row) * w.stride + x;
+        const vf old = load(g + at), twice = 2.0f * load(mixed + at);
+        const vf da = a.g - old, db = b.g - old;
+        sum[0] += da * (power * da - twice);
+        sum[1] += db * (power * db - twice);
+      }
+    }
+    for (int i = 0; i < 2; ++i) total[i] += first_lanes(sum[i], w.width - x);
+  }
+  for (int i = 0; i < 2; ++i) out[i] = sum_of(total[i]);
+}
+
+}  // namespace
+
+const WindowKernel WindowKernel::SGI_ISA{sgi::draw, sgi::add_scaled, sgi::inner, sgi::subtract, sgi::changes};
+
+}  // namespace sgi

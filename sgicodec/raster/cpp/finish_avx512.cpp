@@ -1,9 +1,0 @@
-#define LANES 16
-#include "finish_impl.hpp"
-
-namespace sgi {
-void finish_avx512(const float *tile, int channels, const TileRect &rect, const Background &background,
-                   const Samples &samples) {
-  finish(tile, channels, rect, background, samples);
-}
-}  // namespace sgi

@@ -1,0 +1,49 @@
+"""C++ includes run downward, as imports do, and never in a circle."""
+
+from __future__ import annotations
+
+import re
+from graphlib import TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+NATIVE = Path(__file__).resolve().parent.parent / "native"
+
+LAYERS = {
+    "base": set(),
+    "image": set(),
+    "model": {"base"},
+    "raster": {"base"},
+    "bitstream": {"base", "model"},
+    "fit": {"base", "model", "raster"},
+    "rdoq": {"base", "model", "raster", "bitstream"},
+    "bindings": {"base", "image", "model", "raster", "bitstream", "fit", "rdoq"},
+}
+"""What each folder may include besides itself."""
+
+SOURCES = sorted(path.relative_to(NATIVE).as_posix() for path in NATIVE.rglob("*.?pp"))
+
+
+def included(source: str) -> set[str]:
+    return set(re.findall(r'^\s*#\s*include "([^"]+)"', (NATIVE / source).read_text("utf-8"), re.MULTILINE))
+
+
+@pytest.mark.parametrize("source", SOURCES)
+def test_includes_run_downward(source: str) -> None:
+    """Every file is named by its path from native/, lies there, and is in this folder or a lower one."""
+    assert included(source) <= set(SOURCES)
+    folder = source.split("/")[0]
+    assert {name.split("/")[0] for name in included(source)} - {folder} <= LAYERS[folder]
+
+
+def test_no_includes_are_circular() -> None:
+    """Neither of files nor of folders: both orders exist."""
+    assert len(list(TopologicalSorter({source: included(source) for source in SOURCES}).static_order())) == len(SOURCES)
+    assert len(list(TopologicalSorter(LAYERS).static_order())) == len(LAYERS)
+
+
+def test_only_bindings_know_python() -> None:
+    users = [source for source in SOURCES if "nanobind" in (NATIVE / source).read_text("utf-8")]
+    assert users
+    assert [source for source in users if not source.startswith("bindings/")] == []
