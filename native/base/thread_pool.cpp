@@ -29,6 +29,17 @@ class FlushDenormals {
 #endif
 };
 
+thread_local bool in_loop = false;  // this thread runs a body
+
+class InLoop {
+ public:
+  InLoop() : before_(in_loop) { in_loop = true; }
+  ~InLoop() { in_loop = before_; }
+
+ private:
+  const bool before_;
+};
+
 struct Job {
   const std::function<void(int64_t)> *body;
   int64_t n;
@@ -38,7 +49,8 @@ struct Job {
   std::exception_ptr failure;  // the first; it ends the loop and is thrown again where the loop was called
 
   void work() {
-    FlushDenormals guard;
+    FlushDenormals flush;
+    InLoop mark;
     try {
       for (int64_t i; (i = next.fetch_add(1, std::memory_order_relaxed)) < n;) (*body)(i);
     } catch (...) {
@@ -113,7 +125,7 @@ void parallel_for(int64_t n, int threads, const std::function<void(int64_t)> &bo
   job.body = &body;
   job.n = n;
   job.wanted = static_cast<int>(std::min<int64_t>(resolve_threads(threads), n)) - 1;
-  if (job.wanted <= 0) {
+  if (job.wanted <= 0 || in_loop) {  // the pool serves one loop at a time: waiting for it here would never end
     job.work();
   } else {
     pool().run(job);

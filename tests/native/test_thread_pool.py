@@ -1,0 +1,21 @@
+"""The native thread pool, driven by a small program of its own: Python sees no loops."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+NATIVE = HERE.parent.parent / "native"
+
+
+def test_a_loop_within_a_loop_ends(tmp_path: Path) -> None:
+    """Every body runs once and exceptions come through; a deadlock would run into the time limit."""
+    compiler = next(filter(shutil.which, [os.environ.get("CXX", "c++"), "g++", "clang++"]))
+    sources = [HERE / "nested_loops.cpp", NATIVE / "base" / "thread_pool.cpp"]
+    program = tmp_path / "nested_loops"
+    subprocess.run([compiler, "-std=c++17", "-pthread", f"-I{NATIVE}", *sources, "-o", program], check=True)
+    ran = subprocess.run([program], capture_output=True, text=True, timeout=60, check=True)
+    assert ran.stdout == "1028 of 1028, a reason\n"
