@@ -18,11 +18,12 @@ from sgicodec.errors import SgiError
 from sgicodec.version import __version__
 
 if TYPE_CHECKING:
-    from sgicodec.decoder import Stream, open_stream
-    from sgicodec.encode_settings import EncodeSettings
-    from sgicodec.encoder import encode
-    from sgicodec.encoding import Encoded
-    from sgicodec.image import Picture, read, write
+    from sgicodec.decoder.stream import Stream, open_stream
+    from sgicodec.encoder.pipeline import encode
+    from sgicodec.encoder.settings import EncodeSettings
+    from sgicodec.encoder.tile_encoder import Encoded
+    from sgicodec.image import read, write
+    from sgicodec.picture import Picture
 
 __all__ = [
     "EncodeSettings",
@@ -38,14 +39,14 @@ __all__ = [
 ]
 
 _HOMES = {
-    "EncodeSettings": "encode_settings",
-    "Encoded": "encoding",
-    "encode": "encoder",
-    "Stream": "decoder",
-    "open_stream": "decoder",
-    "Picture": "image",
-    "read": "image",
-    "write": "image",
+    "EncodeSettings": "encoder.settings",
+    "Encoded": "encoder.tile_encoder",
+    "Picture": "picture",
+    "Stream": "decoder.stream",
+    "encode": "encoder.pipeline",
+    "open_stream": "decoder.stream",
+    "read": "image.reader",
+    "write": "image.writer",
 }
 
 

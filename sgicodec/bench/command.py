@@ -84,7 +84,8 @@ def compare(
     a: Path, b: Path, map_path: Path | None, gain: float, force: bool, fail_under: float | None, as_json: bool
 ) -> None:
     """Print how far picture B is from picture A: PSNR, luma PSNR, SSIM and MS-SSIM."""
-    from sgicodec import image, metrics
+    from sgicodec import image
+    from sgicodec.metrics import scores as metrics
 
     if map_path is not None and map_path.exists() and not force:
         raise OutputExistsError(f"{map_path} exists; give -f to overwrite it")
@@ -115,10 +116,11 @@ def _scaled(pixels: npt.NDArray[Any], sample_range: tuple[float, float]) -> npt.
 
 def _write_map(path: Path, pixels: npt.NDArray[np.uint8]) -> None:
     from sgicodec import image
+    from sgicodec.picture import Picture
 
     # An error in alpha would show as transparency.
     shown, layout = (pixels[..., :1], "gray") if pixels.shape[2] < 3 else (pixels[..., :3], "rgb")
-    image.write(image.Picture(shown, layout, (0.0, 255.0)), path)
+    image.write(Picture(shown, layout, (0.0, 255.0)), path)
 
 
 def _choose_codecs(names: str | None, qualities: str, efforts: str, threads: int) -> list[Codec]:

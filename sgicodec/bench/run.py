@@ -11,11 +11,11 @@ from pathlib import Path
 
 import numpy as np
 
-from sgicodec import metrics
 from sgicodec.bench.codec import Codec, Pixels8
 from sgicodec.bench.rows import Key, Results, Row
 from sgicodec.bench.summary import Summary, summarise
 from sgicodec.errors import PictureError, SgiError, UsageError
+from sgicodec.metrics import scores as metrics
 
 __all__ = ["Sample", "find_pictures", "run_bench", "to_rgb"]
 
@@ -115,8 +115,9 @@ def run_bench(
 
 def _load(path: Path) -> Sample:
     from sgicodec import image
+    from sgicodec.picture import convert
 
-    pixels = to_rgb(image.convert(image.read(path), 8).pixels)
+    pixels = to_rgb(convert(image.read(path), 8).pixels)
     crc = zlib.crc32(pixels.tobytes(), zlib.crc32(f"{pixels.shape[1]}x{pixels.shape[0]}:".encode()))
     # A tab, a line break or bytes that are no text would break the row.
     name = " ".join(os.fsencode(path.name).decode("utf-8", "replace").split())

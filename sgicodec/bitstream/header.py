@@ -9,7 +9,7 @@ from typing import Literal
 from sgicodec.bitstream.varint import decode_varint, encode_varint
 from sgicodec.errors import CorruptStreamError, LimitError, UnsupportedStreamError
 from sgicodec.model.spec import ContextSpec, ModelSpec
-from sgicodec.tiles import TileGrid
+from sgicodec.model.tile_grid import TileGrid
 
 __all__ = [
     "FORMAT_VERSION",

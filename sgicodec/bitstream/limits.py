@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from sgicodec.bitstream.seed_tree import MAX_ROOTS
+from sgicodec.bitstream.parts.seed_tree import MAX_ROOTS
 from sgicodec.errors import LimitError
 from sgicodec.model.base import base_shape
 from sgicodec.model.context import HashGrid, input_count, output_count

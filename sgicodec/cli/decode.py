@@ -17,8 +17,8 @@ from sgicodec.errors import PictureError, UsageError
 
 if TYPE_CHECKING:
     from sgicodec.bitstream.header import Header
-    from sgicodec.decoder import Bands, Region
-    from sgicodec.image import Picture
+    from sgicodec.decoder.stream import Bands, Region
+    from sgicodec.picture import Picture
 
 __all__ = ["decode"]
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import io
 import sys
 import time
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from sgicodec.cli.batch import named_targets, run_batch
+from sgicodec.cli.encode_job import Job
 from sgicodec.cli.encode_one import encode_one
 from sgicodec.cli.options import BYTES, FLOAT_RANGE, VERBOSE, force_option, json_option, threads_option
 from sgicodec.cli.paths import STANDARD, check_output, display, with_extension
@@ -19,32 +19,9 @@ from sgicodec.cli.progress import Mode
 from sgicodec.errors import UsageError
 
 if TYPE_CHECKING:
-    from sgicodec.encode_settings import EncodeSettings
+    from sgicodec.encoder.settings import EncodeSettings
 
-__all__ = ["Job", "encode"]
-
-
-@dataclass(frozen=True)
-class Job:
-    """What the options say besides the settings of the stream. target: a path, or - for stdout."""
-
-    source: str
-    target: str
-    settings: EncodeSettings
-    float_range: tuple[float, float] | None
-    verify: bool
-    progress: Mode
-    force: bool
-    as_json: bool
-    quiet: bool
-    verbose: bool
-    resume: bool
-    max_memory: float | None
-    cluster: str | None
-    source_at: str | None
-    send_pixels: bool
-    batch: bool
-    started: float
+__all__ = ["encode"]
 
 
 @click.command(short_help="Encode pictures.")
@@ -162,7 +139,7 @@ def _default_target(source: str) -> str:
 
 def _settings(choices: dict[str, Any]) -> EncodeSettings:
     """The settings that were chosen. Raises UsageError for choices that exclude each other or make no sense."""
-    from sgicodec.encode_settings import EncodeSettings
+    from sgicodec.encoder.settings import EncodeSettings
 
     chosen = {name: value for name, value in choices.items() if value is not None}
     for names in (("quality", "lmbda", "psnr", "bpp", "size"), ("effort", "time_limit"), ("steps", "time_limit")):

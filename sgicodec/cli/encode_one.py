@@ -14,11 +14,11 @@ from sgicodec.cli.progress import Mode, fit_progress
 from sgicodec.errors import StreamError, TargetMissedError
 
 if TYPE_CHECKING:
-    from sgicodec.cli.encode import Job
-    from sgicodec.encode_settings import EncodeSettings
-    from sgicodec.encoding import Encoded
+    from sgicodec.cli.encode_job import Job
+    from sgicodec.encoder.settings import EncodeSettings
+    from sgicodec.encoder.tile_encoder import Encoded
     from sgicodec.fit.trainer import Progress
-    from sgicodec.image import Picture
+    from sgicodec.picture import Picture
 
 __all__ = ["encode_one"]
 
@@ -50,7 +50,7 @@ def _fit(
     picture: Picture, settings: EncodeSettings, started: float, progress: Mode, early: EarlyEnd, quiet: bool
 ) -> tuple[Encoded, Progress, TargetMissedError | None]:
     """The stream, the state of its fit after the last step, and what was asked for and not reached."""
-    from sgicodec.encoder import encode as encode_picture
+    from sgicodec.encoder.pipeline import encode as encode_picture
 
     states: list[Progress] = []
     with fit_progress(progress, picture.width * picture.height) as draw:

@@ -18,13 +18,13 @@ from sgicodec.cli.progress import tile_progress
 from sgicodec.errors import EncodeInterruptedError, StreamError, TargetMissedError, UsageError
 
 if TYPE_CHECKING:
-    from sgicodec.cli.encode import Job
+    from sgicodec.cli.encode_job import Job
+    from sgicodec.encoder.checkpoint import Journal
+    from sgicodec.encoder.interfaces import Runner
+    from sgicodec.encoder.out_of_core import Totals
+    from sgicodec.encoder.plan import Plan
+    from sgicodec.encoder.time_budget import TimeShares
     from sgicodec.image import Source
-    from sgicodec.large.encode import Totals
-    from sgicodec.large.journal import Journal
-    from sgicodec.plan import Plan
-    from sgicodec.round_roles import Runner
-    from sgicodec.time_shares import TimeShares
 
 __all__ = ["encode_tiles"]
 
@@ -35,8 +35,8 @@ def encode_tiles(job: Job, source: Source) -> int:
     Raises TargetMissedError, after all of that, for a goal that was missed.
     """
     from sgicodec.cli.report import Report, print_report
-    from sgicodec.large.encode import plan_of
-    from sgicodec.large.journal import fingerprint, opened_journal
+    from sgicodec.encoder.checkpoint import fingerprint, opened_journal
+    from sgicodec.encoder.out_of_core import plan_of
 
     plan = plan_of(source, replace(job.settings, threads=0))
     with ExitStack() as stack:
@@ -63,7 +63,7 @@ def encode_tiles(job: Job, source: Source) -> int:
 
 def _shares(job: Job, source: Source, plan: Plan, workers: int) -> TimeShares | None:
     """Who tells each tile its time, where that is the limit."""
-    from sgicodec.large.encode import time_shares
+    from sgicodec.encoder.out_of_core import time_shares
 
     if job.settings.time_limit is None:
         return None
@@ -74,8 +74,8 @@ def _shares(job: Job, source: Source, plan: Plan, workers: int) -> TimeShares | 
 
 def _runner(job: Job, source: Source, plan: Plan) -> tuple[Runner, int]:
     """Who fits the tiles, and how many at once. Tells what memory that will take."""
-    from sgicodec.large.encode import run_tiles
-    from sgicodec.large.memory import MIB, estimate, fitting_workers
+    from sgicodec.encoder.memory import MIB, estimate, fitting_workers
+    from sgicodec.encoder.out_of_core import run_tiles
 
     grid = plan.header.grid
     _, _, width, height = grid.rect(0)
@@ -90,9 +90,9 @@ def _runner(job: Job, source: Source, plan: Plan) -> tuple[Runner, int]:
 
 def _cluster(job: Job, source: Source, plan: Plan, stack: ExitStack) -> tuple[Runner, int]:
     """The same for a cluster, which is open while `stack` is."""
-    from sgicodec.large.cluster import open_cluster
-    from sgicodec.large.encode import run_on_cluster
-    from sgicodec.large.memory import MIB, estimate
+    from sgicodec.encoder.memory import MIB, estimate
+    from sgicodec.encoder.out_of_core import run_on_cluster
+    from sgicodec.executors.dask import open_cluster
 
     cluster = stack.enter_context(open_cluster(job.cluster or ""))
     place = job.source_at
@@ -110,7 +110,7 @@ def _cluster(job: Job, source: Source, plan: Plan, stack: ExitStack) -> tuple[Ru
 
 
 def _run(job: Job, source: Source, plan: Plan, runner: Runner, journal: Journal, shares: TimeShares | None) -> Totals:
-    from sgicodec.large.encode import encode_source
+    from sgicodec.encoder.out_of_core import encode_source
 
     target = sys.stdout.buffer if job.target == STANDARD else Path(job.target)
     try:
@@ -125,8 +125,8 @@ def _run(job: Job, source: Source, plan: Plan, runner: Runner, journal: Journal,
 
 
 def _psnr(job: Job, source: Source) -> float:
-    from sgicodec.decoder import open_stream
-    from sgicodec.large.measure import measured_psnr
+    from sgicodec.decoder.stream import open_stream
+    from sgicodec.encoder.measure import measured_psnr
 
     with open_stream(Path(job.target)) as stream:
         return measured_psnr(stream, source, job.settings.threads)

@@ -14,7 +14,7 @@ from sgicodec.cli.paths import display, opened_stream
 
 if TYPE_CHECKING:
     from sgicodec.bitstream.header import Header
-    from sgicodec.decoder import Stream
+    from sgicodec.decoder.stream import Stream
 
 __all__ = ["info"]
 

@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sgicodec.errors import OutputExistsError, SgiError, StreamError, UsageError
-from sgicodec.files import write_whole
+from sgicodec.image.files import write_whole
 
 if TYPE_CHECKING:
-    from sgicodec.decoder import Stream
+    from sgicodec.decoder.stream import Stream
 
 __all__ = ["STANDARD", "check_output", "display", "opened_stream", "with_extension", "write_output"]
 
@@ -33,7 +33,7 @@ def with_extension(path: str, extension: str) -> str:
 @contextlib.contextmanager
 def opened_stream(path: str) -> Iterator[Stream]:
     """The opened stream. StreamErrors in the block get the file's name; a file that cannot be opened raises one."""
-    from sgicodec.decoder import open_stream
+    from sgicodec.decoder.stream import open_stream
 
     try:
         with open_stream(sys.stdin.buffer if path == STANDARD else Path(path)) as stream:

@@ -14,9 +14,10 @@ from sgicodec.cli.paths import STANDARD, write_output
 from sgicodec.errors import PictureError
 
 if TYPE_CHECKING:
-    from sgicodec.bands import Bands
     from sgicodec.bitstream.header import Header
-    from sgicodec.image import Picture, Sink
+    from sgicodec.decoder.bands import Bands
+    from sgicodec.image import Sink
+    from sgicodec.picture import Picture
 
 __all__ = ["Output", "write_bands", "write_picture"]
 
@@ -57,7 +58,7 @@ def write_bands(header: Header, bands: Bands, target: str, extension: str, outpu
 
 
 def _write_bands(header: Header, bands: Bands, path: Path, extension: str, output: Output) -> None:
-    from sgicodec.image import convert
+    from sgicodec.picture import convert
 
     sink: Sink | None = None
     try:

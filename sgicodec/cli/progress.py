@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Literal
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from sgicodec.encoder.out_of_core import State
     from sgicodec.fit.trainer import Progress
-    from sgicodec.large.encode import State
 
 __all__ = ["Mode", "fit_progress", "tile_progress"]
 

@@ -14,12 +14,12 @@ from sgicodec.cli.parts import all_parts, print_parts
 from sgicodec.cli.paths import STANDARD, display
 
 if TYPE_CHECKING:
-    from sgicodec.encode_settings import EncodeSettings
-    from sgicodec.encoding import Encoded
+    from sgicodec.encoder.out_of_core import Totals
+    from sgicodec.encoder.plan import Plan
+    from sgicodec.encoder.settings import EncodeSettings
+    from sgicodec.encoder.tile_encoder import Encoded
     from sgicodec.fit.trainer import Progress
-    from sgicodec.image import Picture
-    from sgicodec.large.encode import Totals
-    from sgicodec.plan import Plan
+    from sgicodec.picture import Picture
 
 __all__ = ["Report", "peak_mib", "print_report"]
 
@@ -132,9 +132,9 @@ def peak_mib() -> float | None:
 
 def _psnr(picture: Picture, data: bytes, threads: int) -> float:
     """Over all samples, but for colours where alpha is 0."""
-    from sgicodec.decoder import open_stream
-    from sgicodec.image import comparable
-    from sgicodec.metrics import psnr
+    from sgicodec.decoder.stream import open_stream
+    from sgicodec.metrics.scores import psnr
+    from sgicodec.picture import comparable
 
     with open_stream(data) as stream:
         original, decoded = comparable(picture), comparable(stream.picture(threads=threads))

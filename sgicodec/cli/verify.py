@@ -11,7 +11,7 @@ from sgicodec.cli.paths import display, opened_stream
 from sgicodec.errors import CorruptStreamError
 
 if TYPE_CHECKING:
-    from sgicodec.decoder import Stream
+    from sgicodec.decoder.stream import Stream
 
 __all__ = ["verify"]
 

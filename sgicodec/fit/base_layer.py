@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from sgicodec.model.base import base_colours, base_step, fit_base, render_base
 from sgicodec.model.gaussians import colour_matrix
-from sgicodec.model.quantize import step_index
+from sgicodec.model.quantization import step_index
 from sgicodec.model.spec import ModelSpec
 
 __all__ = ["base_layer"]

@@ -9,7 +9,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from sgicodec.raster.native import NativeRasterizer
+from sgicodec.raster.cpu import NativeRasterizer
 
 __all__ = ["rasterize", "squared_error"]
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from sgicodec.errors import UsageError
-from sgicodec.model.quantize import step_index
+from sgicodec.model.quantization import step_index
 
 __all__ = [
     "EFFORTS",
@@ -105,6 +105,11 @@ class FitSettings:
     def steps(self) -> int:
         """Steps of all phases."""
         return sum(phase.steps for phase in self.phases)
+
+    @property
+    def split_price(self) -> float:
+        """Squared deviation that splits a cell, for each unit of λ."""
+        return self.split * self.seed_bits
 
     def slowing(self, steps: int) -> float:
         """Factor of the learning rates in `SLOWED` for a fit of so many steps."""

@@ -12,22 +12,23 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from sgicodec.fit.adam import Adam, Group
-from sgicodec.fit.context_net import ContextNet
-from sgicodec.fit.growth import worthwhile_cells
-from sgicodec.fit.pace import Pace, evenly, passed
-from sgicodec.fit.population import Population
+from sgicodec.fit.context_training import ContextNet
+from sgicodec.fit.densification import worthwhile_cells
+from sgicodec.fit.fused_step import NoiseKey, SeedStep
 from sgicodec.fit.pyramid import pyramid
+from sgicodec.fit.quantization_noise import Sample, Sampler
 from sgicodec.fit.raster_op import rasterize, squared_error
-from sgicodec.fit.sampler import Sample, Sampler
-from sgicodec.fit.seed_step import NoiseKey, SeedStep
+from sgicodec.fit.schedule import Pace, evenly, passed
+from sgicodec.fit.seed_set import Population
 from sgicodec.fit.settings import SLOWED, FitSettings, Phase, quality_index
-from sgicodec.fit.steering import Measured, Steering
 from sgicodec.model.context import HashGrid
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import StepPlan, default_plan
-from sgicodec.raster.native import NativeRasterizer
+from sgicodec.raster.cpu import NativeRasterizer
+from sgicodec.rate_control.lambda_controller import Steering
+from sgicodec.rate_control.target import Measured
 
 __all__ = ["Fitted", "Progress", "Trainer"]
 

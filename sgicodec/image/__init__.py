@@ -1,4 +1,4 @@
-"""Pictures in and out of files: samples, colour profile, EXIF and XMP. The only user of OpenImageIO.
+"""Pictures in and out of files. The only user of OpenImageIO.
 
     picture = read("in.tif")
     unit = to_unit(picture)                                  # float32 [H, W, C] in 0..1
@@ -20,61 +20,28 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .header import MAX_SAMPLES, Probe
-    from .picture import LAYOUTS, Metadata, Picture, comparable, convert, from_unit, full_range, nodata_mask, to_unit
-    from .placement import view as geo_view
-    from .reader import probe, read
-    from .sink import Sink, open_sink
-    from .source import Source, open_source
-    from .writer import write
+    from sgicodec.image.header import MAX_SAMPLES, Probe
+    from sgicodec.image.reader import probe, read
+    from sgicodec.image.sink import Sink, open_sink
+    from sgicodec.image.source import Source, open_source
+    from sgicodec.image.writer import write
 
-__all__ = [
-    "LAYOUTS",
-    "MAX_SAMPLES",
-    "Metadata",
-    "Picture",
-    "Probe",
-    "Sink",
-    "Source",
-    "comparable",
-    "convert",
-    "from_unit",
-    "full_range",
-    "geo_view",
-    "nodata_mask",
-    "open_sink",
-    "open_source",
-    "probe",
-    "read",
-    "to_unit",
-    "write",
-]
+__all__ = ["MAX_SAMPLES", "Probe", "Sink", "Source", "open_sink", "open_source", "probe", "read", "write"]
 
-_HOMES = {  # the module of each name, and what it is called there if not the same
-    "LAYOUTS": "picture",
+_HOMES = {
     "MAX_SAMPLES": "header",
-    "Metadata": "picture",
-    "Picture": "picture",
     "Probe": "header",
     "Sink": "sink",
     "Source": "source",
-    "comparable": "picture",
-    "convert": "picture",
-    "from_unit": "picture",
-    "full_range": "picture",
-    "geo_view": "placement.view",
-    "nodata_mask": "picture",
     "open_sink": "sink",
     "open_source": "source",
     "probe": "reader",
     "read": "reader",
-    "to_unit": "picture",
     "write": "writer",
 }
 
 
 def __getattr__(name: str) -> Any:
     if name in _HOMES:
-        home, _, other = _HOMES[name].partition(".")
-        return getattr(import_module(f"sgicodec.image.{home}"), other or name)
+        return getattr(import_module(f"sgicodec.image.{_HOMES[name]}"), name)
     raise AttributeError(f"module 'sgicodec.image' has no attribute {name!r}")

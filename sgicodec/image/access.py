@@ -7,9 +7,9 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from ..errors import PictureError
-from .opened import Opened
-from .orientation import is_flipped, is_sideways
+from sgicodec.errors import PictureError
+from sgicodec.image.opened import Opened
+from sgicodec.metadata.orientation import is_flipped, is_sideways
 
 __all__ = ["Access", "Rows", "Tiles", "Whole", "access", "whole"]
 

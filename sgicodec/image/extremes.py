@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..errors import PictureError
-from .picture import alpha_index, equal_samples
+from sgicodec.errors import PictureError
+from sgicodec.picture import alpha_index, equal_samples
 
 __all__ = ["Extremes"]
 

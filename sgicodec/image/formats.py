@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
-from ..errors import PictureError
-from .header import Probe
-from .picture import LAYOUTS
+from sgicodec.errors import PictureError
+from sgicodec.image.header import Probe
+from sgicodec.picture import LAYOUTS
 
 __all__ = ["FORMATS", "Format", "find"]
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import PictureError
-from .orientation import is_sideways
+from sgicodec.errors import PictureError
+from sgicodec.metadata.orientation import is_sideways
 
 if TYPE_CHECKING:
     from OpenImageIO import ImageSpec

@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from ..errors import PictureError
-from . import embedded, geo, ifd, placement, png
-from .alpha import unassociate
-from .filebytes import FileBytes
-from .header import Probe, has_own_numbers, header, is_associated, number_as_read, orientation
-from .orientation import upright
-from .origin import first_line
-from .picture import Metadata, alpha_index
+from sgicodec.errors import PictureError
+from sgicodec.image.alpha import unassociate
+from sgicodec.image.header import Probe, has_own_numbers, header, is_associated, number_as_read, orientation
+from sgicodec.image.origin import first_line
+from sgicodec.metadata import embedded, geo, ifd, placement, png
+from sgicodec.metadata.filebytes import FileBytes
+from sgicodec.metadata.orientation import upright
+from sgicodec.picture import Metadata, alpha_index
 
 if TYPE_CHECKING:
     from OpenImageIO import ImageInput, ImageSpec

@@ -11,7 +11,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from ..errors import PictureError
+from sgicodec.errors import PictureError
 
 __all__ = ["Origin", "display_name", "first_line", "is_utf8", "naming", "on_disk"]
 

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from ..errors import PictureError
-from .alpha import associate
-from .formats import Format
-from .header import Probe
-from .origin import first_line
-from .picture import alpha_index
+from sgicodec.errors import PictureError
+from sgicodec.image.alpha import associate
+from sgicodec.image.formats import Format
+from sgicodec.image.header import Probe
+from sgicodec.image.origin import first_line
+from sgicodec.picture import alpha_index
 
 if TYPE_CHECKING:
     from OpenImageIO import ImageSpec

@@ -16,10 +16,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .. import _native
-from .header import Probe
-from .picture import Metadata
-from .png import SIGNATURE, chunk, metadata_chunks
+from sgicodec import _native
+from sgicodec.image.header import Probe
+from sgicodec.metadata.png import SIGNATURE, chunk, metadata_chunks
+from sgicodec.picture import Metadata
 
 __all__ = ["DEFAULT_LEVEL", "PngOutput"]
 

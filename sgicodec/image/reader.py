@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from ..errors import PictureError
-from .access import whole
-from .extremes import Extremes
-from .header import MAX_SAMPLES, Probe
-from .opened import Opened, open_picture
-from .origin import Origin, naming, on_disk
-from .picture import Picture, full_range
+from sgicodec.errors import PictureError
+from sgicodec.image.access import whole
+from sgicodec.image.extremes import Extremes
+from sgicodec.image.header import MAX_SAMPLES, Probe
+from sgicodec.image.opened import Opened, open_picture
+from sgicodec.image.origin import Origin, naming, on_disk
+from sgicodec.picture import Picture, full_range
 
 __all__ = ["check_whole", "probe", "read"]
 

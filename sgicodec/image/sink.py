@@ -13,17 +13,18 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 import numpy as np
 import numpy.typing as npt
 
-from ..errors import PictureError, UsageError
-from . import embedded, formats
-from .header import MAX_SAMPLES, Probe
-from .origin import is_utf8, naming
-from .picture import LAYOUTS, Metadata
-from .png_output import PngOutput
+from sgicodec.errors import PictureError, UsageError
+from sgicodec.image import formats
+from sgicodec.image.header import MAX_SAMPLES, Probe
+from sgicodec.image.origin import is_utf8, naming
+from sgicodec.image.png_output import PngOutput
+from sgicodec.metadata import embedded
+from sgicodec.picture import LAYOUTS, Metadata
 
 __all__ = ["Sink", "Target", "open_sink"]
 
 if TYPE_CHECKING:
-    from .output import Output
+    from sgicodec.image.output import Output
 
 Target = str | Path | BinaryIO
 
@@ -66,7 +67,7 @@ class Sink:
             if self._holder.name == "png":
                 self._output = PngOutput(self._part, header, metadata, level, threads)
             else:
-                from .output import Output
+                from sgicodec.image.output import Output
 
                 self._output = Output(self._part, self._holder, header, metadata.icc)
             self._stack = stack.pop_all()

@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..errors import PictureError, UsageError
-from .access import Access, Tiles, Whole, access
-from .extremes import Extremes
-from .header import MAX_SAMPLES, Probe
-from .opened import Opened, open_picture
-from .orientation import Window, stored_window
-from .origin import Origin, naming, on_disk
-from .picture import Metadata, Picture, full_range
-from .reader import check_whole
+from sgicodec.errors import PictureError, UsageError
+from sgicodec.image.access import Access, Tiles, Whole, access
+from sgicodec.image.extremes import Extremes
+from sgicodec.image.header import MAX_SAMPLES, Probe
+from sgicodec.image.opened import Opened, open_picture
+from sgicodec.image.origin import Origin, naming, on_disk
+from sgicodec.image.reader import check_whole
+from sgicodec.metadata.orientation import Window, stored_window
+from sgicodec.picture import Metadata, Picture, full_range
 
 __all__ = ["Source", "open_source"]
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from .picture import Picture, convert
-from .sink import Target, open_sink
+from sgicodec.image.sink import Target, open_sink
+from sgicodec.picture import Picture, convert
 
 __all__ = ["write"]
 

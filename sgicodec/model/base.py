@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.model.gaussians import colour_matrix
-from sgicodec.model.quantize import FRACTION_BITS, step_fixed
+from sgicodec.model.quantization import FRACTION_BITS, step_fixed
 
 __all__ = ["base_colours", "base_shape", "base_step", "cubic_weights", "fit_base", "render_base"]
 

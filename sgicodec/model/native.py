@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec import _native
+from sgicodec.device import Processor
 from sgicodec.model.context import SUMMARY, output_columns
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.network import Prediction
-from sgicodec.model.processor import Processor
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import StepPlan
 

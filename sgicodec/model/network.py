@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec._native import evaluate_network
+from sgicodec.device import ONE_THREAD, Processor
 from sgicodec.errors import CorruptStreamError
 from sgicodec.model.context import INPUT_BITS
-from sgicodec.model.processor import ONE_THREAD, Processor
-from sgicodec.model.quantize import PER_OCTAVE
+from sgicodec.model.quantization import PER_OCTAVE
 
 __all__ = ["DIFFERENCE_SHIFT", "INPUT_LIMIT", "MEAN_BITS", "IntNetwork", "Prediction"]
 

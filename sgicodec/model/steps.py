@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.model.context import LEVELS, output_count
-from sgicodec.model.quantize import STEP_COUNT, STEP_ZERO
+from sgicodec.model.quantization import STEP_COUNT, STEP_ZERO
 from sgicodec.model.spec import ModelSpec
 
 __all__ = ["AMPLITUDE_ZERO", "GAMMA_BITS", "REFINE_LIMIT", "StepPlan", "default_plan", "follows_amplitude"]

@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from sgicodec.errors import UsageError
 from sgicodec.raster.backend import DEFAULT_CUTOFF, Backend
-from sgicodec.raster.native import Background, Mapping, NativeRasterizer
+from sgicodec.raster.cpu import Background, Mapping, NativeRasterizer
 from sgicodec.raster.reference import ReferenceRasterizer
-from sgicodec.raster.view import scaled
+from sgicodec.raster.rescaling import scaled
 
 __all__ = [
     "DEFAULT_CUTOFF",

@@ -1,0 +1,87 @@
+"""How the state of a fit at constant λ relates to its outcome: prints the tables of `fit/course.py`.
+
+    python -m benchmarks.course PICTURES…
+
+For fractions of the fit, estimated bytes over the stream's bytes of seeds, and PSNR under noise less that of the
+decoded picture; what the search for symbols leaves of the bytes, and adds to PSNR: medians over the pictures, then
+how far pictures are off on average.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec.decoder.stream import open_stream
+from sgicodec.encoder.plan import Shape, stream_plan
+from sgicodec.encoder.settings import EncodeSettings
+from sgicodec.encoder.tile_encoder import Encoding
+from sgicodec.image import read
+from sgicodec.metrics.scores import psnr
+from sgicodec.picture import comparable
+from sgicodec.rate_control.convergence import DONE, LAMBDAS, POSITION_BITS, STEPS
+
+if TYPE_CHECKING:
+    from sgicodec.fit.trainer import Progress
+
+__all__ = ["followed", "main"]
+
+
+@dataclass(frozen=True)
+class Followed:
+    """ratio, lift [DONE]: of bytes, and difference of PSNR, to what came without a search; share, gain: what the search
+    left of the bytes, and added to PSNR.
+    """
+
+    ratio: NDArray[np.float64]
+    lift: NDArray[np.float64]
+    share: float
+    gain: float
+
+
+def followed(path: Path, lmbda: float, steps: int, threads: int) -> Followed:
+    """Fits a picture and searches its symbols."""
+    picture = read(path)
+    states: list[Progress] = []
+
+    def on_progress(state: Progress) -> bool:
+        states.append(state)
+        return True
+
+    settings = EncodeSettings(lmbda=lmbda, steps=steps, threads=threads)
+    encoding = Encoding(picture, stream_plan(Shape.of(picture), settings), time.monotonic())
+    candidate = encoding.candidate(encoding.fitted(on_progress))
+    streams = [encoding.encoded(one) for one in (candidate, encoding.searched(candidate))]
+    quality = [psnr(comparable(picture), comparable(open_stream(one.data).picture(threads=threads))) for one in streams]
+    size = sum(streams[0].part_bytes[name] for name in ("positions", "colour", "shape", "offset"))
+    at = [states[max(0, math.ceil(done * len(states)) - 1)] for done in DONE]
+    ratio = np.array([(state.bits + POSITION_BITS * state.seeds) / 8 / size for state in at])
+    lift = np.array([state.psnr for state in at]) - quality[0]
+    return Followed(ratio, lift, len(streams[1].data) / len(streams[0].data), quality[1] - quality[0])
+
+
+@click.command()
+@click.argument("pictures", nargs=-1, required=True, type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.option("--threads", default=2, show_default=True, type=click.IntRange(0))
+def main(pictures: tuple[Path, ...], threads: int) -> None:
+    """Fit PICTURES at three λ and print the tables."""
+    for steps in STEPS:
+        for lmbda in LAMBDAS:
+            courses = [followed(path, lmbda, steps, threads) for path in pictures]
+            for name in ("ratio", "lift", "share", "gain"):
+                values = np.stack([np.atleast_1d(getattr(course, name)) for course in courses])  # [pictures, ·]
+                middle = np.median(values, axis=0)
+                off = np.abs(values - middle).mean(axis=0)
+                for what, row in ((name, middle), (f"{name} off by", off)):
+                    click.echo(f"{steps} steps, λ {lmbda:g}, {what}: " + ", ".join(f"{value:.3f}" for value in row))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,191 @@
+"""How near encodes come to a size or a PSNR, and what that costs (`python -m benchmarks.goals`)."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass, replace
+from pathlib import Path
+from statistics import median
+
+import click
+
+from sgicodec.decoder.stream import open_stream
+from sgicodec.encoder.pipeline import encode
+from sgicodec.encoder.settings import EncodeSettings
+from sgicodec.encoder.tile_encoder import Encoded, make_ready
+from sgicodec.errors import TargetMissedError, UsageError
+from sgicodec.image import read
+from sgicodec.metrics.scores import psnr
+from sgicodec.picture import Picture, comparable
+
+__all__ = ["Asked", "Outcome", "Point", "asked_of", "loss", "main", "report", "run"]
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A goal: `name` is bpp, size or psnr, as in EncodeSettings."""
+
+    name: str
+    value: float
+
+    def put_into(self, settings: EncodeSettings) -> EncodeSettings:
+        """The settings with this goal."""
+        return replace(
+            settings,
+            bpp=self.value if self.name == "bpp" else None,
+            size=self.value if self.name == "size" else None,
+            psnr=self.value if self.name == "psnr" else None,
+        )
+
+    def reached(self, point: Point) -> float:
+        """What a point has of what was asked for."""
+        return {"bpp": point.bpp, "size": float(point.bytes), "psnr": point.psnr}[self.name]
+
+
+@dataclass(frozen=True)
+class Point:
+    """One encode: seconds of the encode alone, by the clock and of processors (cpu), PSNR in dB of the decoded samples,
+    λ at its end.
+    """
+
+    bytes: int
+    bpp: float
+    psnr: float
+    lmbda: float
+    seconds: float
+    cpu: float
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A goal's encode beside a plain one at the λ that it ended with."""
+
+    picture: str
+    asked: Asked
+    goal: Point
+    plain: Point
+    missed: bool
+
+
+def run(path: Path, goals: list[Asked], effort: int, threads: int, tile: int | None = None) -> list[Outcome]:
+    """Both encodes of every goal on one picture, one after the other, so that a busy machine slows them alike."""
+    picture, outcomes = read(path), []
+    for asked in goals:
+        settings = EncodeSettings(effort=effort, threads=threads, tile=tile)
+        goal, missed = _point(picture, asked.put_into(settings))
+        plain, _ = _point(picture, replace(settings, lmbda=goal.lmbda))
+        outcomes.append(Outcome(path.stem, asked, goal, plain, missed))
+    return outcomes
+
+
+def _point(picture: Picture, settings: EncodeSettings) -> tuple[Point, bool]:
+    started, worked, missed = time.monotonic(), time.process_time(), False
+    try:
+        encoded = encode(picture, settings)
+    except TargetMissedError as error:
+        nearest, missed = error.nearest, True
+        assert isinstance(nearest, Encoded)
+        encoded = nearest
+    spent = time.monotonic() - started, time.process_time() - worked
+    decoded = open_stream(encoded.data).picture(threads=settings.threads)
+    quality = psnr(comparable(picture), comparable(decoded))
+    size = len(encoded.data)
+    return Point(size, 8 * size / (picture.width * picture.height), quality, encoded.lmbda, *spent), missed
+
+
+def loss(point: Point, plain: list[Point]) -> float:
+    """How many dB `point` is below the plain points, by a line over log rate: between the two whose rates enclose its
+    own, else through the nearest and the nearest to that of at least 15 % more or less.
+
+    NaN where there are no two such points.
+    """
+    near = sorted(plain, key=lambda p: abs(math.log(p.bytes / point.bytes)))
+    other_side = [p for p in near if (p.bytes < point.bytes) != (near[0].bytes < point.bytes)]
+    apart = [p for p in near if abs(math.log(p.bytes / near[0].bytes)) >= math.log(1.15)]
+    if not (other_side or apart):
+        return math.nan
+    first, second = near[0], (other_side or apart)[0]
+    if first.bytes == second.bytes:
+        return first.psnr - point.psnr
+    slope = (second.psnr - first.psnr) / math.log(second.bytes / first.bytes)
+    return first.psnr + slope * math.log(point.bytes / first.bytes) - point.psnr
+
+
+COLUMNS = (
+    *("picture", "goal", "asked", "reached", "bytes", "bpp", "psnr", "lmbda", "seconds"),
+    *("plain_bytes", "plain_psnr", "plain_seconds", "ratio", "cpu_ratio", "loss"),
+)
+
+
+def report(outcomes: list[Outcome]) -> list[str]:
+    """A row for each outcome of one picture; the plain encodes of all of them make its curve."""
+    plain, rows = [outcome.plain for outcome in outcomes], []
+    for one in outcomes:
+        goal = one.goal
+        cells = [one.picture, one.asked.name, f"{one.asked.value:g}"]
+        cells += [f"{one.asked.reached(goal):.5g}" + ("!" if one.missed else ""), f"{goal.bytes}", f"{goal.bpp:.4f}"]
+        cells += [f"{goal.psnr:.3f}", f"{goal.lmbda:.5g}", f"{goal.seconds:.2f}"]
+        cells += [f"{one.plain.bytes}", f"{one.plain.psnr:.3f}", f"{one.plain.seconds:.2f}"]
+        cells += [f"{goal.seconds / one.plain.seconds:.3f}", f"{goal.cpu / one.plain.cpu:.3f}"]
+        cells.append(f"{loss(goal, plain):.3f}")
+        rows.append("\t".join(cells))
+    return rows
+
+
+def summary(outcomes: dict[str, list[Outcome]]) -> list[str]:
+    """Worst and middle of each kind of goal, as comment lines."""
+    lines = []
+    for name in dict.fromkeys(one.asked.name for ones in outcomes.values() for one in ones):
+        ones = [(one, loss(one.goal, [o.plain for o in all_])) for all_ in outcomes.values() for one in all_]
+        ones = [(one, lost) for one, lost in ones if one.asked.name == name]
+        if name == "psnr":
+            errors = [one.goal.psnr - one.asked.value for one, _ in ones]
+            kept = f"reached − asked from {min(errors):+.3f} to {max(errors):+.3f} dB"
+        else:
+            shares = [100 * one.asked.reached(one.goal) / one.asked.value for one, _ in ones]
+            kept = f"reached / asked from {min(shares):.2f} % to {max(shares):.2f} %"
+        ratio = [one.goal.seconds / one.plain.seconds for one, _ in ones]
+        cpu = [one.goal.cpu / one.plain.cpu for one, _ in ones]
+        losses = [lost for _, lost in ones if math.isfinite(lost)]
+        lost = f"loss median {median(losses):.3f}, most {max(losses):.3f} dB" if losses else "loss unknown"
+        took = f"time ratio median {median(ratio):.2f}, most {max(ratio):.2f}"
+        took += f", of processors {median(cpu):.2f} and {max(cpu):.2f}"
+        lines.append(f"# {name}: {kept}; {took}; {lost}")
+    return lines
+
+
+def asked_of(name: str, values: str) -> list[Asked]:
+    """Goals from comma-separated numbers. Raises UsageError for what is none."""
+    try:
+        return [Asked(name, float(value)) for value in values.split(",") if value]
+    except ValueError as error:
+        raise UsageError(f"--{name} {values}: numbers with commas between, as in 0.15,0.3") from error
+
+
+@click.command()
+@click.argument("pictures", nargs=-1, required=True, type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.option("--bpp", default="0.15,0.3,0.6", show_default=True, help="Rates to ask for.")
+@click.option("--psnr", "decibels", default="28,32,36", show_default=True, help="PSNRs to ask for.")
+@click.option("--effort", default=5, show_default=True, type=click.IntRange(1, 9))
+@click.option("--threads", default=2, show_default=True, type=click.IntRange(0))
+@click.option("--tile", type=int, help="Side of tiles, as in sgi encode.")
+def main(pictures: tuple[Path, ...], bpp: str, decibels: str, effort: int, threads: int, tile: int | None) -> None:
+    """Encode PICTURES towards rates and PSNRs and print tab-separated rows.
+
+    reached ends in ! where the encoder said that it missed. plain_…: of an encode at the λ that the other ended with;
+    ratio: of their seconds, cpu_ratio of those of processors, which other work changes less. loss: dB below the curve
+    of a picture's plain encodes at the same rate.
+    """
+    goals = [*asked_of("bpp", bpp), *asked_of("psnr", decibels)]
+    outcomes: dict[str, list[Outcome]] = {}
+    make_ready()  # the first encode shall not pay for what all need
+    click.echo("\t".join(COLUMNS))
+    for path in pictures:
+        outcomes[path.stem] = run(path, goals, effort, threads, tile)
+        click.echo("\n".join(report(outcomes[path.stem])))
+    click.echo("\n".join(summary(outcomes)))
+
+
+if __name__ == "__main__":
+    main()

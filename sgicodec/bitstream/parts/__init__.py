@@ -1,0 +1,1 @@
+"""The parts of a tile: base layer, positions, networks, attributes, mask."""

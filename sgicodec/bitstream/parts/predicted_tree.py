@@ -1,0 +1,77 @@
+"""The tree of seeds batch by batch, with what a prediction of its flags may see (docs/format.md, "Predicted flags").
+
+Roots are the children of nodes one level up that are all split, so that all nodes are coded alike. A level is coded in
+four batches, child number after child number. The walk (`native/bitstream/tree_walk.cpp`) is the same for writing,
+training and reading; only reading needs no Python in between.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec import _native
+from sgicodec._native import TreeBatch as Batch
+from sgicodec.bitstream.parts.seed_tree import Flags, TreeShape
+from sgicodec.errors import LimitError, UsageError
+from sgicodec.model.morton import Codes
+
+__all__ = ["LEVELS", "Batch", "Scenery", "input_counts", "limited", "native_scenery", "walk_tree"]
+
+Found = TypeVar("Found")
+
+LEVELS = range(6, 0, -1)
+"""Levels of the trees whose flags are predicted, roots first."""
+
+
+@dataclass(frozen=True)
+class Scenery:
+    """What a prediction sees besides the tree: base layer [C, rows, columns] in cells of `cell` pixels (0: none), and
+    the header's quality.
+    """
+
+    base: NDArray[np.int64]
+    cell: int
+    quality: int
+
+
+@cache
+def input_counts() -> tuple[int, ...]:
+    """Inputs by child number."""
+    return tuple(_native.tree_input_count(child) for child in range(4))
+
+
+def native_scenery(shape: TreeShape, scenery: Scenery) -> _native.TreeScenery:
+    """Both as native code takes them. Raises UsageError for other trees than those that are predicted, LimitError for
+    more roots than any tree may have.
+    """
+    if (shape.root_log, shape.min_log) != (LEVELS[0], LEVELS[-1]):
+        raise UsageError(f"positions: trees of levels {shape.min_log} to {shape.root_log} have no prediction")
+    shape.check_roots()
+    base = np.ascontiguousarray(scenery.base, np.int64)
+    return _native.TreeScenery(shape.width, shape.height, base, scenery.cell, scenery.quality)
+
+
+def limited(walk: Callable[[], Found]) -> Found:
+    """What a native walk finds. Raises LimitError where it finds too much."""
+    try:
+        return walk()
+    except OverflowError as error:
+        raise LimitError(f"positions: {error}") from error
+
+
+def walk_tree(
+    shape: TreeShape, scenery: Scenery, code: Callable[[Batch], tuple[Flags, Flags]], max_seeds: int
+) -> list[tuple[Codes, int]]:
+    """Goes through a tree; `code` says of each batch which nodes are split and which carry seeds. Returns the Morton
+    codes of the nodes that carry seeds, with their level.
+
+    Raises LimitError before anything of the size of more than `max_seeds` seeds is allocated.
+    """
+    native = native_scenery(shape, scenery)
+    return limited(lambda: _native.walk_tree(native, max_seeds, code))

@@ -1,0 +1,133 @@
+"""The chunks of an opened stream: those that describe it at once, those of its tiles on demand."""
+
+from __future__ import annotations
+
+from typing import BinaryIO
+
+from sgicodec.bitstream.container import SIGNATURE, Chunk, ChunkReader
+from sgicodec.bitstream.header import Header, decode_header
+from sgicodec.bitstream.index import TRAILER_BYTES, Place, decode_index, index_offset
+from sgicodec.bitstream.parts.tile_chunk import tile_number
+from sgicodec.errors import CorruptStreamError
+
+__all__ = ["CHUNKS", "OpenedChunks"]
+
+CHUNKS = "TXogicxs"
+"""Chunks that this version knows: tile, index, overview, place on earth, ICC profile, EXIF as `c`amera data, XMP, and
+what wrote the file.
+"""
+
+_NUMBER_BYTES = 9
+"""Of a varint."""
+
+
+class OpenedChunks:
+    """Reads all but the tiles. Those are found by the index of a source that can seek, else by reading on; one that
+    cannot seek is read to its end, its compressed tiles kept.
+
+    header, blobs (payloads by letter, without T, X and o), size of the file, chunk_bytes: that of every chunk by its
+    letter, frame included. Raises StreamError.
+    """
+
+    def __init__(self, source: bytes | BinaryIO) -> None:
+        self._reader = ChunkReader(source, CHUNKS)
+        self.blobs: dict[str, bytes] = {}
+        self.chunk_bytes: dict[str, int] = {"signature": len(SIGNATURE)}
+        self._places: dict[int, Place] = {}
+        self._payloads: dict[int, bytes] = {}
+        self._overview: Chunk | bytes | None = None
+        self.header = self._read()
+        self.size = self._reader.size or self._reader.end
+        tiles = self._places.keys() | self._payloads.keys()
+        if not tiles:
+            raise CorruptStreamError("there is no tile: nothing to draw")
+        if len(tiles) < self.header.grid.count:
+            lost = min(set(range(self.header.grid.count)) - tiles)
+            raise CorruptStreamError(
+                f"{len(tiles)} of {self.header.grid.count} tiles are there; tile {lost} is missing"
+            )
+
+    @property
+    def has_overview(self) -> bool:
+        """Whether there is one, sound or not."""
+        return self._overview is not None
+
+    def overview(self) -> bytes | None:
+        """The stream that shows the picture in small, if there is one. Raises CorruptStreamError."""
+        return self._overview.payload() if isinstance(self._overview, Chunk) else self._overview
+
+    def tile(self, number: int) -> bytes:
+        """The payload of a tile's chunk. Raises CorruptStreamError."""
+        if number in self._payloads:
+            return self._payloads[number]
+        place = self._places[number]
+        chunk = self._reader.chunk_at(place.offset)
+        if chunk.kind != "T" or chunk.length != place.length:
+            raise CorruptStreamError(f"index: {chunk} is not tile {number}; the file is damaged")
+        payload = chunk.payload()
+        if tile_number(self.header, payload) != number:
+            raise CorruptStreamError(f"index: {chunk} is another tile than {number}; the file is damaged")
+        return payload
+
+    def _read(self) -> Header:
+        header: Header | None = None
+        for chunk in self._reader:
+            if chunk.kind == "T" and header is not None:
+                if not self._places and self._read_index(header):
+                    return header
+                self._note(header, chunk)
+            elif chunk.kind == "X" and header is not None and header.tile:
+                chunk.payload()
+            elif self._is_late(chunk, header):
+                raise CorruptStreamError(f"{chunk}: there may be only one, before the tiles")
+            elif chunk.kind == "o":
+                self._overview = chunk if self._reader.size is not None else chunk.payload()
+            else:
+                self.blobs[chunk.kind] = chunk.payload()
+                header = decode_header(self.blobs["H"])
+            if chunk.kind not in "TX":
+                self._count(chunk)
+        if header is None:
+            raise CorruptStreamError("there is no header")
+        return header
+
+    def _is_late(self, chunk: Chunk, header: Header | None) -> bool:
+        """Whether it is a second one, or behind a tile of several."""
+        again = chunk.kind in self.blobs or chunk.kind == "X" or (chunk.kind == "o" and self.has_overview)
+        return again or bool(self._places or (header and header.tile and self._payloads))
+
+    def _count(self, chunk: Chunk) -> None:
+        self.chunk_bytes[chunk.kind] = self.chunk_bytes.get(chunk.kind, 0) + chunk.end - chunk.offset
+
+    def _note(self, header: Header, chunk: Chunk) -> None:
+        """Remembers a tile that was come across."""
+        lasting = header.tile and self._reader.size is not None
+        if lasting:
+            start = self._reader.peek(chunk.offset + len(chunk.head), min(_NUMBER_BYTES, chunk.length))
+        else:
+            start = chunk.payload()
+        number = tile_number(header, start)
+        if number in self._places or number in self._payloads:
+            raise CorruptStreamError(f"{chunk}: there may be only one tile {number}")
+        if lasting:
+            self._places[number] = Place(chunk.offset, chunk.length)
+        else:
+            self._payloads[number] = start
+        self._count(chunk)
+
+    def _read_index(self, header: Header) -> bool:
+        """Looks for an index at the end of the file; True if it tells where the tiles are."""
+        size = self._reader.size
+        if not header.tile or size is None:
+            return False
+        offset = index_offset(self._reader.peek(max(0, size - TRAILER_BYTES), TRAILER_BYTES))
+        if offset is None or not len(SIGNATURE) < offset < size:
+            return False
+        chunk = self._reader.chunk_at(offset)
+        if chunk.kind != "X" or chunk.end != size - 6:
+            return False
+        places = decode_index(chunk.payload(), header.grid.count)
+        self._places = dict(enumerate(places))
+        self.chunk_bytes["X"] = chunk.end - chunk.offset
+        self.chunk_bytes["T"] = offset - min(place.offset for place in places)
+        return True

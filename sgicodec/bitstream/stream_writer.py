@@ -1,0 +1,63 @@
+"""Chunks in their order: what every stream of this package is put together by."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterable
+from typing import Any, BinaryIO
+
+from sgicodec.bitstream.container import ChunkWriter
+from sgicodec.bitstream.header import Header, encode_header
+from sgicodec.bitstream.index import Place, encode_index
+from sgicodec.picture import Metadata
+
+__all__ = ["stream_length", "write_stream"]
+
+
+def write_stream(
+    file: BinaryIO,
+    header: Header,
+    software: bytes,
+    metadata: Metadata | None,
+    tiles: Iterable[bytes],
+    overview: bytes | None = None,
+) -> int:
+    """Writes a stream whose tiles have these payloads, in the order of their numbers; returns its length.
+
+    overview: a stream of its own. A stream of several tiles ends with an index.
+    """
+    writer = ChunkWriter(file)
+    writer.write("H", encode_header(header))
+    writer.write("s", software)
+    if metadata is not None:
+        for kind, blob in {"i": metadata.icc, "c": metadata.exif, "x": metadata.xmp, "g": metadata.geo}.items():
+            if blob:
+                writer.write(kind, blob)
+    if overview:
+        writer.write("o", overview)
+    places = []
+    for payload in tiles:
+        places.append(Place(writer.offset, len(payload)))
+        writer.write("T", payload)
+    if header.tile:
+        writer.write("X", encode_index(places, writer.offset))
+    writer.finish()
+    return writer.offset
+
+
+def stream_length(
+    header: Header,
+    software: bytes,
+    metadata: Metadata | None,
+    lengths: Iterable[int],
+    overview: bytes | None = None,
+) -> int:
+    """That of a stream whose tiles have payloads of these lengths."""
+    return write_stream(_Nowhere(), header, software, metadata, map(bytes, lengths), overview)
+
+
+class _Nowhere(io.BytesIO):
+    """Takes everything and keeps nothing."""
+
+    def write(self, data: Any, /) -> int:
+        return len(data)

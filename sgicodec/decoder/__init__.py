@@ -1,0 +1,1 @@
+"""Streams to pixels: any region at any scale. Needs numpy and the extension alone."""

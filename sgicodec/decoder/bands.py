@@ -1,0 +1,46 @@
+"""A view of a stream in bands of rows from the top down, for what need not fit into memory."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec.bitstream.header import Header
+from sgicodec.decoder.view import View
+from sgicodec.picture import Metadata, Picture
+
+__all__ = ["Bands"]
+
+BAND_SAMPLES = 1 << 25
+MIN_BAND_ROWS = 16
+"""A band has so many samples, but no fewer rows."""
+
+Draw = Callable[[NDArray[Any], int], None]
+"""Fills pixels [rows, columns, C] of the stream's sample type with what a view shows from a row on."""
+
+
+class Bands:
+    """width, height: of the view in output pixels; metadata: those of the view."""
+
+    def __init__(self, header: Header, view: View, metadata: Metadata, draw: Draw) -> None:
+        self._header, self._draw = header, draw
+        self.width, self.height = view.columns, view.rows
+        self.metadata = metadata
+
+    @property
+    def rows(self) -> int:
+        """Rows of a band; the last one may have fewer."""
+        samples = self.width * self._header.spec.channels
+        return min(self.height, max(MIN_BAND_ROWS, BAND_SAMPLES // samples))
+
+    def __iter__(self) -> Iterator[tuple[int, Picture]]:
+        """First row and picture of each band."""
+        header = self._header
+        for top in range(0, self.height, self.rows):
+            shape = (min(self.rows, self.height - top), self.width, header.spec.channels)
+            pixels = np.empty(shape, header.sample_type)
+            self._draw(pixels, top)
+            yield top, Picture(pixels, header.channels, header.sample_range, self.metadata)

@@ -1,0 +1,1 @@
+"""Pictures to streams: settings, plan, the passes over tiles, what each tile goes through."""

@@ -1,0 +1,84 @@
+"""Who takes part in the rounds of an encode: what is done to tiles, who does it, who keeps it, who is told."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol, TypeVar
+
+from sgicodec.encoder.plan import Plan
+from sgicodec.encoder.tile_work import EncodedTile, Start
+from sgicodec.picture import Picture
+
+__all__ = ["Finished", "Runner", "Store", "Task", "Version", "Watcher"]
+
+Result = TypeVar("Result")
+Made = TypeVar("Made", covariant=True)
+
+
+class Version(NamedTuple):
+    """A coding of a tile: its number, and the round that made it."""
+
+    tile: int
+    round: int = 0
+
+
+class Task(Protocol[Made]):
+    """What is done to a tile: pickled, and called where the pixels are."""
+
+    def __call__(self, number: int, window: Picture, start: Start, threads: int) -> Made:
+        """Made of tile `number`, whose pixels are `window`."""
+
+
+class Runner(Protocol):
+    """Who does it: yields results by tile in any order."""
+
+    def __call__(
+        self,
+        task: Task[Result],
+        numbers: Sequence[int],
+        start: Callable[[int], Start],
+        window: Picture | None = None,
+    ) -> Iterator[tuple[int, Result]]:
+        """window: the pixels, instead of those that a tile covers. Raises TileFailedError."""
+
+
+class Store(Protocol):
+    """Where codings are kept. tiles: all of them, with or without their payloads."""
+
+    tiles: dict[Version, EncodedTile]
+
+    def add(self, version: Version, tile: EncodedTile) -> None:
+        """Keeps a finished tile."""
+
+    def payload(self, version: Version) -> bytes:
+        """That of a kept tile."""
+
+    def kept(self, name: str, made: Callable[[], bytes]) -> bytes:
+        """The bytes that were kept under this name, else what is made now, which is kept."""
+
+    def remembered(self, name: str, found: Callable[[], float]) -> float:
+        """The number that was kept under this name, else what is found now, which is kept."""
+
+
+class Watcher(Protocol):
+    """Who is told how far it has come."""
+
+    def begin(self, name: str, numbers: Sequence[int], there: dict[int, EncodedTile]) -> None:
+        """A round over these tiles begins, some of which are there already."""
+
+    def done(self, number: int, tile: EncodedTile | None) -> None:
+        """One more is done; None if it was only looked at."""
+
+
+@dataclass(frozen=True)
+class Finished:
+    """Which coding of each tile the stream takes, the plan of its header, the λ of the last fits, and what was asked
+    for and not reached. overview: a stream of its own.
+    """
+
+    plan: Plan
+    chosen: list[Version]
+    lmbda: float
+    missed: str | None = None
+    overview: bytes | None = None

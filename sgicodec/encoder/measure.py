@@ -1,0 +1,22 @@
+"""How far a stream is from its source, band by band."""
+
+from __future__ import annotations
+
+from sgicodec.decoder.stream import Stream
+from sgicodec.image import Source
+from sgicodec.metrics.distortion import decibels, squared_error
+
+__all__ = ["measured_error", "measured_psnr"]
+
+
+def measured_error(stream: Stream, source: Source, threads: int = 0) -> float:
+    """Squared error over all samples of what the stream decodes to, in 0..1, but for colours where alpha is 0."""
+    return sum(
+        squared_error(source.read(0, top, band.width, band.height), band) for top, band in stream.bands(threads=threads)
+    )
+
+
+def measured_psnr(stream: Stream, source: Source, threads: int = 0) -> float:
+    """The same as PSNR in dB."""
+    header = stream.header
+    return decibels(measured_error(stream, source, threads), header.width * header.height * header.spec.channels)

@@ -1,0 +1,165 @@
+"""The small picture that a stream of many pixels carries, so that small views cost what they show."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec.decoder.nodata import store_nodata
+from sgicodec.decoder.view import overview_size
+from sgicodec.encoder.plan import Plan
+from sgicodec.encoder.settings import EncodeSettings
+from sgicodec.model.tile_grid import Rect
+from sgicodec.picture import Picture, alpha_index, from_unit, nodata_mask, to_unit
+
+__all__ = ["overview_picture", "overview_settings", "takes_overview"]
+
+F64 = NDArray[np.float64]
+
+_LEAST_PIXELS = 1 << 20
+"""Of a picture that has an overview where nothing else is asked for: smaller ones are drawn in no time."""
+
+_FINER = 2 ** (15 / 8)
+"""The picture's λ over that of its overview: 15 steps of quality, about 1 % of the stream (docs/large.md)."""
+
+_HURRIED_EFFORT = 1
+"""Of an overview under a time limit, of which it takes next to nothing."""
+
+_ROWS = 128
+"""Of a window that are averaged at a time."""
+
+
+def takes_overview(plan: Plan) -> bool:
+    """Whether the stream of this plan is to have an overview."""
+    header, settings = plan.header, plan.settings
+    if settings.profile == "paper" or header.grid.count == 1:
+        return False
+    return header.width * header.height >= _LEAST_PIXELS if settings.overview is None else settings.overview
+
+
+def overview_settings(plan: Plan, lmbda: float) -> EncodeSettings:
+    """Those of the overview of a stream whose tiles are fitted at λ."""
+    settings = replace(plan.settings, lmbda=lmbda / _FINER, psnr=None, size=None, bpp=None, metadata=False)
+    settings = replace(settings, tile=plan.header.tile, apron=plan.header.apron)
+    if settings.time_limit is not None:
+        settings = replace(settings, time_limit=None, effort=_HURRIED_EFFORT)
+    return settings
+
+
+def overview_picture(plan: Plan, read: Callable[[int, int, int, int], Picture]) -> Picture:
+    """The picture in small: the mean of all pixels that each of its own covers, colours weighed by alpha.
+
+    read: gives the picture of a window (x, y, width, height); it is asked for windows of a tile's size from the top
+    down. A pixel whose centre holds nothing holds nothing; where nodata is around, what was measured counts.
+    """
+    header, grid = plan.header, plan.header.grid
+    columns, rows = overview_size(header.width, header.height)
+    down, across = _Boxes(header.height, rows), _Boxes(header.width, columns)
+    pixels = np.empty((rows, columns, header.spec.channels), header.sample_type)
+    band = _Band(0, np.zeros((0, columns, header.spec.channels + 1)), np.zeros((0, columns), np.bool_))
+    for row in range(grid.down.count):
+        bottom = grid.down.edge(row + 1)
+        band = band.until(down.behind(bottom))
+        for column in range(grid.across.count):
+            core = grid.core(grid.number(column, row))
+            band.add(read(*core), core, down, across)
+        done = down.whole(bottom) - band.first
+        pixels[band.first : band.first + done] = _samples(plan, band.total[:done], band.nothing[:done])
+        band = _Band(band.first + done, band.total[done:], band.nothing[done:])
+    return Picture(pixels, header.channels, header.sample_range, plan.place_of_windows)
+
+
+class _Band(NamedTuple):
+    """Rows of the overview from `first` on that are not finished: sums of weighed samples, and of weights
+    [rows, columns, C + 1]; where the pixel at the centre holds nothing [rows, columns].
+    """
+
+    first: int
+    total: F64
+    nothing: NDArray[np.bool_]
+
+    def until(self, behind: int) -> _Band:
+        """The same with room for the rows before `behind`."""
+        more = behind - self.first - len(self.total)
+        total = np.concatenate([self.total, np.zeros((more, *self.total.shape[1:]))])
+        return _Band(self.first, total, np.concatenate([self.nothing, np.zeros((more, total.shape[1]), np.bool_)]))
+
+    def add(self, window: Picture, rect: Rect, down: _Boxes, across: _Boxes) -> None:
+        """Counts the pixels of a window."""
+        x, top, width, height = rect
+        for first in range(0, height, _ROWS):
+            weighed, empty = _weighed(replace(window, pixels=window.pixels[first : first + _ROWS]))
+            row, sums = down.sums(weighed, top + first)
+            column, sums = across.sums(sums.swapaxes(0, 1), x)
+            here = slice(row - self.first, row - self.first + sums.shape[1])
+            self.total[here, column : column + len(sums)] += sums.swapaxes(0, 1)
+            i, j = down.centres(top + first, len(empty)), across.centres(x, width)
+            self.nothing[np.ix_(i.box - self.first, j.box)] = empty[np.ix_(i.pixel, j.pixel)]
+
+
+def _samples(plan: Plan, total: F64, nothing: NDArray[np.bool_]) -> NDArray[Any]:
+    """Means of what was summed up, as samples of the picture's type."""
+    header, alpha = plan.header, alpha_index(plan.header.channels)
+    unit, weight = total[..., :-1], np.maximum(total[..., -1:], _TINY)
+    unit[..., :alpha] /= weight if alpha is None else np.maximum(unit[..., alpha:], _TINY)
+    if alpha is not None:
+        unit[..., alpha:] /= weight
+    pixels = from_unit(unit, header.channels, header.sample_type, header.sample_range).pixels
+    if header.masked == "nodata":
+        store_nodata(header, pixels[..., :alpha], nothing)
+    return pixels
+
+
+_TINY = 1e-12
+
+
+def _weighed(part: Picture) -> tuple[F64, NDArray[np.bool_]]:
+    """Samples in 0..1, colours times alpha, then 1 where something was measured [h, w, C + 1]; where nothing was."""
+    unit, alpha = to_unit(part).astype(np.float64), part.alpha
+    empty = nodata_mask(part)
+    if alpha is not None:
+        unit[..., :alpha] *= unit[..., alpha:]
+    unit[empty] = 0
+    return np.concatenate([unit, ~empty[..., None]], axis=-1), empty
+
+
+@dataclass(frozen=True)
+class _Boxes:
+    """`count` boxes of equal width that cover `length` pixels along an axis."""
+
+    length: int
+    count: int
+
+    def whole(self, stop: int) -> int:
+        """How many boxes end at pixel `stop` or before it."""
+        return stop * self.count // self.length
+
+    def behind(self, stop: int) -> int:
+        """How many boxes begin before pixel `stop`."""
+        return -(-stop * self.count // self.length)
+
+    def sums(self, values: F64, start: int) -> tuple[int, F64]:
+        """For pixels [n, …] from `start` on: the first box that they touch, and what each box has of them [boxes, …],
+        pixels that it covers in part counted by that part.
+        """
+        first, behind = self.whole(start), self.behind(start + len(values))
+        edges = np.clip(np.arange(first, behind + 1) * (self.length / self.count) - start, 0, len(values))
+        whole = np.minimum(edges.astype(np.int64), len(values) - 1)
+        below = np.concatenate([np.zeros_like(values[:1]), np.cumsum(values, axis=0)])
+        part = (edges - whole).reshape(-1, *(1,) * (values.ndim - 1))
+        return first, np.diff(below[whole] + part * values[whole], axis=0)
+
+    def centres(self, start: int, size: int) -> _Centres:
+        """The boxes whose centres lie in `size` pixels from `start` on, and which of these that is."""
+        pixel = np.floor((np.arange(self.count) + 0.5) * (self.length / self.count)).astype(np.int64) - start
+        box = np.flatnonzero((pixel >= 0) & (pixel < size))
+        return _Centres(box, pixel[box])
+
+
+class _Centres(NamedTuple):
+    box: NDArray[np.int64]
+    pixel: NDArray[np.int64]

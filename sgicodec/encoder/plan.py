@@ -1,0 +1,136 @@
+"""What the tiles of a stream have in common: header, settings, what the metadata chunks say."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sgicodec.bitstream.header import MAX_CHANNELS, MAX_SIDE, MAX_TILES, Header
+from sgicodec.bitstream.limits import check_model
+from sgicodec.bitstream.parts.prior import PRIORS
+from sgicodec.encoder.settings import EncodeSettings
+from sgicodec.errors import LimitError, PictureError, UsageError
+from sgicodec.fit.settings import quality_index
+from sgicodec.model.spec import ModelSpec, default_spec, paper_spec
+from sgicodec.model.tile_grid import TileGrid
+from sgicodec.picture import Metadata, Picture, alpha_index, full_range
+from sgicodec.version import __version__
+
+if TYPE_CHECKING:
+    from sgicodec.fit.settings import FitSettings
+
+__all__ = ["FAMILY", "Plan", "Shape", "fit_lmbda", "fit_settings", "stream_plan"]
+
+FAMILY = 1
+"""Frequency tables of the default profile: Laplace."""
+
+
+@dataclass(frozen=True)
+class Shape:
+    """What is known of a picture before its pixels are: as in `Picture`, `bands` their number."""
+
+    width: int
+    height: int
+    channels: str
+    bands: int
+    dtype: np.dtype[Any]
+    sample_range: tuple[float, float]
+    metadata: Metadata
+    nodata: float | None
+
+    @classmethod
+    def of(cls, picture: Picture) -> Shape:
+        """That of a picture in memory."""
+        bands, dtype = picture.pixels.shape[2], picture.pixels.dtype
+        shape = (picture.width, picture.height, picture.channels, bands, dtype)
+        return cls(*shape, picture.sample_range, picture.metadata, picture.nodata)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What the tiles of a stream have in common. settings: those of each tile; software: what chunk `s` says."""
+
+    header: Header
+    settings: EncodeSettings
+    software: bytes
+    metadata: Metadata | None
+    place_of_windows: Metadata
+    """What tells the nodata value of windows."""
+
+    def at(self, lmbda: float, quality: int) -> Plan:
+        """The same for tiles that are fitted at λ, whatever the goal, with this index of the base colour step."""
+        settings = replace(self.settings, lmbda=lmbda, psnr=None, size=None, bpp=None)
+        return replace(self, header=replace(self.header, quality=quality), settings=settings)
+
+
+def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
+    """The header and settings of a picture's tiles. Raises as `encode`."""
+    grid = settings.grid(shape.width, shape.height)
+    spec = _spec(settings, shape.bands)
+    _check(shape, spec, grid)
+    fit = fit_settings(settings)
+    header = Header(
+        *(shape.width, shape.height, shape.channels, str(shape.dtype), shape.sample_range, settings.profile, spec),
+        quality=quality_index(fit.lmbda),
+        family=0 if spec.layout == "uniform" else FAMILY,
+        tile=grid.tile,
+        apron=grid.apron,
+        masked="nodata" if shape.nodata is not None else "transparent" if alpha_index(shape.channels) else None,
+        nodata=shape.nodata or 0.0,
+    )
+    if grid.tile and settings.time_limit is not None and settings.asked():
+        raise UsageError("a time limit goes with a size, a rate or a PSNR in a single tile only; --tile 0 makes one")
+    metadata = shape.metadata if settings.metadata else None
+    return Plan(header, settings, _software(settings, fit), metadata, Metadata(geo=shape.metadata.geo))
+
+
+def fit_lmbda(settings: EncodeSettings) -> float:
+    """λ of a fit without a goal."""
+    return fit_settings(settings).lmbda
+
+
+def _check(shape: Shape, spec: ModelSpec, grid: TileGrid) -> None:
+    bands, sides = shape.bands, (shape.width, shape.height)
+    if bands > MAX_CHANNELS or max(sides) > MAX_SIDE:
+        size = f"{sides[0]}×{sides[1]} pixels of {bands} channels"
+        raise PictureError(f"{size}; a stream holds at most {MAX_CHANNELS} channels and {MAX_SIDE} pixels a side")
+    if grid.count > MAX_TILES:
+        raise UsageError(f"tile {grid.tile}: {grid.count} tiles; a stream holds at most {MAX_TILES}")
+    try:
+        check_model(spec, *grid.rect(0)[2:])
+    except LimitError as error:
+        raise PictureError(str(error)) from error
+    if shape.dtype.kind == "u" and shape.sample_range != full_range(shape.dtype):
+        raise UsageError("integer samples span their whole type; only floating-point pictures have another range")
+
+
+def _spec(settings: EncodeSettings, channels: int) -> ModelSpec:
+    if settings.profile == "paper":
+        return paper_spec(channels, settings.per_seed or 10, settings.features or 50)
+    prior = settings.prior if settings.prior is not None else max(PRIORS, default=0)
+    return default_spec(channels, settings.per_seed or 1, prior)
+
+
+def fit_settings(settings: EncodeSettings) -> FitSettings:
+    """How each tile is fitted."""
+    from sgicodec.fit.settings import EFFORTS, PAPER_STEPS, default_settings, lmbda_of_quality, paper_settings
+
+    if settings.profile == "paper":
+        lmbda = 0.001 if settings.lmbda is None else settings.lmbda
+        fit = paper_settings(lmbda, settings.levels or 3, settings.steps or PAPER_STEPS)
+        fit = replace(fit, seeds=settings.seeds)
+    else:
+        lmbda = lmbda_of_quality(settings.quality) if settings.lmbda is None else settings.lmbda
+        fit = default_settings(max(lmbda, 1e-9), settings.steps or EFFORTS[settings.effort])
+    return replace(fit, seed=settings.seed, threads=settings.threads)
+
+
+def _software(settings: EncodeSettings, fit: FitSettings) -> bytes:
+    """What chunk `s` says."""
+    by_scale = settings.profile == "default"
+    asked = settings.asked() or (f"q{settings.quality:g}" if by_scale and settings.lmbda is None else f"l{fit.lmbda:g}")
+    took = f"e{settings.effort}" if by_scale and settings.steps is None else f"n{fit.steps}"
+    took = took if settings.time_limit is None else f"t{settings.time_limit:g}"
+    return f"{__version__} {asked} {took}".encode()

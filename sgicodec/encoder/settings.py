@@ -1,0 +1,129 @@
+"""What an encode may be asked for."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from sgicodec.bitstream.header import MAX_APRON, MAX_SIDE, MIN_TILE
+from sgicodec.errors import UsageError
+from sgicodec.model.tile_grid import TileGrid
+from sgicodec.rate_control.target import Goal
+
+__all__ = ["APRON", "MOST_PIXELS_OF_ONE", "TILE", "EncodeSettings"]
+
+TILE, MOST_PIXELS_OF_ONE = 1024, 1 << 22
+"""Pixels of a tile's side, where nothing else is asked for, and those of the largest picture that is then one tile."""
+
+APRON = 8
+"""Pixels that a tile reaches over its neighbours, where nothing else is asked for."""
+
+
+@dataclass(frozen=True)
+class EncodeSettings:
+    """What an encode may be asked for; None means what the profile says.
+
+    quality: 1 to 100, or lmbda directly. effort: 1 to 9, optimisation steps of the default profile. seeds: their number
+    in the paper profile. per_seed: K. features: D (paper). levels: M (paper). steps: of the whole fit. prior: number
+    of the shipped context model, 0 for one that travels in the stream. refine: whether symbols are searched after the
+    fit, where that is known how. metadata: whether ICC, EXIF, XMP and the place on earth are kept. psnr in dB, size in
+    bytes or bpp in bits per pixel: what to end at, in the default profile. time_limit: seconds that the encode may
+    take, instead of a number of steps. tile: largest side of a tile in pixels, 0 for a single one, None for what suits
+    the picture; apron: pixels that a tile reaches over its neighbours. overview: whether a stream of several tiles
+    carries the picture in small, None for what suits its size.
+    """
+
+    quality: float = 50.0
+    lmbda: float | None = None
+    effort: int = 5
+    profile: Literal["default", "paper"] = "default"
+    seeds: int | None = None
+    per_seed: int | None = None
+    features: int | None = None
+    levels: int | None = None
+    steps: int | None = None
+    prior: int | None = None
+    refine: bool = True
+    seed: int = 0
+    threads: int = 0
+    metadata: bool = True
+    psnr: float | None = None
+    size: float | None = None
+    bpp: float | None = None
+    time_limit: float | None = None
+    tile: int | None = None
+    apron: int | None = None
+    overview: bool | None = None
+
+    def grid(self, width: int, height: int) -> TileGrid:
+        """The tiles of a picture."""
+        tile = self.tile
+        if tile is None:
+            tile = TILE if width * height > MOST_PIXELS_OF_ONE else 0
+        if not tile or max(width, height) <= tile:
+            return TileGrid(width, height, 0, 0)
+        return TileGrid(width, height, tile, min(APRON, tile // 4) if self.apron is None else self.apron)
+
+    def goal(self, pixels: int) -> Goal | None:
+        """What a picture of so many pixels is to end at, if anything."""
+        if self.psnr is not None:
+            return Goal(psnr=self.psnr)
+        if self.bpp is not None:
+            return Goal(bytes=self.bpp * pixels / 8)
+        return None if self.size is None else Goal(bytes=self.size)
+
+    def asked(self) -> str:
+        """The goal in a word, empty without one."""
+        goals = {"psnr": self.psnr, "bpp": self.bpp, "size": self.size}
+        return "".join(f"{name}{value:g}" for name, value in goals.items() if value is not None)
+
+    def __post_init__(self) -> None:
+        for sound, message in self._ranges():
+            if not sound:
+                raise UsageError(message)
+        self._check_choices()
+
+    def _ranges(self) -> list[tuple[bool, str]]:
+        """Whether each setting lies where it must, and what to say if not."""
+        return [
+            (1 <= self.quality <= 100, f"quality {self.quality:g}; it runs from 1 to 100"),
+            (
+                self.lmbda is None or 0 <= self.lmbda < math.inf,
+                f"lmbda {self.lmbda}; it must not be negative",
+            ),
+            (1 <= self.effort <= 9, f"effort {self.effort}; it runs from 1 to 9"),
+            (self.profile in ("default", "paper"), f"profile {self.profile}; there are default and paper"),
+            (self.per_seed is None or 1 <= self.per_seed <= 64, f"per-seed {self.per_seed}; 1 to 64"),
+            (self.features is None or 1 <= self.features <= 512, f"features {self.features}; 1 to 512"),
+            (self.seeds is None or self.seeds >= 1, f"seeds {self.seeds}; at least 1"),
+            (self.steps is None or self.steps >= 1, f"steps {self.steps}; at least 1"),
+            (self.levels is None or 1 <= self.levels <= 4, f"levels {self.levels}; 1 to 4"),
+            (self.psnr is None or 0 < self.psnr < math.inf, f"psnr {self.psnr}; it must be positive"),
+            (self.size is None or 1 <= self.size < math.inf, f"size {self.size}; at least 1 byte"),
+            (self.bpp is None or 0 < self.bpp < math.inf, f"bpp {self.bpp}; it must be positive"),
+            (self.time_limit is None or 0 < self.time_limit < math.inf, f"time limit {self.time_limit}; above 0 s"),
+            (self.threads >= 0, f"threads {self.threads}; 0 (all cores) or more"),
+            (
+                not self.tile or MIN_TILE <= self.tile <= MAX_SIDE,
+                f"tile {self.tile}; 0 (one tile) or {MIN_TILE} to {MAX_SIDE} pixels",
+            ),
+            (
+                self.apron is None or 0 <= self.apron <= min(MAX_APRON, (self.tile or 4 * MAX_APRON) // 4),
+                f"apron {self.apron}; at most a quarter of the tile, and {MAX_APRON} pixels",
+            ),
+        ]
+
+    def _check_choices(self) -> None:
+        """Raises UsageError for settings that exclude each other, or that the profile does not have."""
+        goals = [name for name in ("psnr", "size", "bpp") if getattr(self, name) is not None]
+        instead = [*goals, *(["lmbda"] if goals and self.lmbda is not None else [])]
+        instead = ["steps", "time_limit"] if self.steps is not None and self.time_limit is not None else instead
+        if len(instead) > 1:
+            raise UsageError(f"{instead[0]} and {instead[1]} exclude each other")
+        if goals and self.profile != "default":
+            raise UsageError(f"{goals[0]} is a setting of the default profile")
+        if self.profile == "default":
+            for name in ("seeds", "features", "levels"):
+                if getattr(self, name) is not None:
+                    raise UsageError(f"{name} is a setting of the paper profile; add --profile paper")

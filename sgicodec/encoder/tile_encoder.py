@@ -1,0 +1,254 @@
+"""One picture, or one tile, on its way to a stream: fit, search for symbols, chunks."""
+
+from __future__ import annotations
+
+import io
+import math
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec.bitstream.header import Header, Masked
+from sgicodec.bitstream.parts.prior import load_prior
+from sgicodec.bitstream.parts.tile import DECODER_SHIFT, TileModel, write_tile
+from sgicodec.bitstream.parts.tile_chunk import TileChunk, encode_tile_chunk
+from sgicodec.bitstream.stream_writer import write_stream
+from sgicodec.decoder.stream import open_stream
+from sgicodec.device import Processor
+from sgicodec.encoder.inpainting import fill
+from sgicodec.encoder.plan import Plan, fit_settings
+from sgicodec.fit.base_layer import base_layer
+from sgicodec.metrics.scores import psnr
+from sgicodec.model.layout import adaptive_layout, uniform_layout
+from sgicodec.picture import Picture, comparable, nodata_mask, to_unit
+from sgicodec.rate_control.lambda_controller import Steering
+from sgicodec.rate_control.step_search import coarser
+from sgicodec.rate_control.target import Measured
+from sgicodec.rdoq import Refiner, RefineSettings, can_refine
+
+if TYPE_CHECKING:
+    from sgicodec.fit.trainer import Fitted, Progress
+
+__all__ = ["Candidate", "Encoded", "Encoding", "empty_pixels", "keep_to_one_torch_thread", "make_ready", "written"]
+
+
+@dataclass(frozen=True)
+class Encoded:
+    """A finished stream. part_bytes: what each part of the tile costs; seeds, gaussians: how many there are."""
+
+    data: bytes
+    part_bytes: dict[str, float]
+    seeds: int
+    gaussians: int
+    lmbda: float
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """What a stream would hold, and the λ that it was made for."""
+
+    header: Header
+    model: TileModel
+    lmbda: float
+
+
+def empty_pixels(picture: Picture, masked: Masked | None) -> NDArray[np.bool_]:
+    """Which pixels [H, W] need not be coded."""
+    if masked == "transparent":
+        return np.asarray(picture.pixels[..., -1] == 0)
+    return nodata_mask(picture)
+
+
+class Encoding:
+    """The parts of an encode, for those who put them in order. `started`: a value of time.monotonic().
+
+    `fit` holds the settings of the next fit; `begin` sets its λ, which the base layer follows.
+    """
+
+    def __init__(self, picture: Picture, plan: Plan, started: float) -> None:
+        self.started, self.picture, self.plan, self.settings = started, picture, plan, plan.settings
+        self.spec = plan.header.spec
+        self.unit = np.ascontiguousarray(to_unit(picture).transpose(2, 0, 1))
+        self.empty: NDArray[np.bool_] | None = None
+        if plan.header.masked is not None:
+            empty = empty_pixels(picture, plan.header.masked)
+            self.empty = empty if empty.any() else None
+            if self.empty is not None:
+                self.unit = fill(self.unit, self.empty)
+        self.fit = fit_settings(self.settings)
+        self.begin(self.fit.lmbda)
+
+    def begin(self, lmbda: float) -> None:
+        """Makes ready for a fit at λ."""
+        self.fit = replace(self.fit, lmbda=lmbda)
+        self.base_step, self.base, self.target = base_layer(self.spec, self.unit, lmbda)
+
+    def run(self, on_progress: Callable[[Progress], bool] | None) -> Encoded:
+        """Fits at a constant λ and writes."""
+        if self.holds_nothing:
+            return self.nothing()
+        return self.encoded(self.searched(self.candidate(self.fitted(on_progress))))
+
+    @property
+    def holds_nothing(self) -> bool:
+        """Whether no pixel needs to be coded."""
+        return self.empty is not None and bool(self.empty.all())
+
+    def nothing(self) -> Encoded:
+        """The stream of a picture that holds nothing."""
+        return Encoded(self.assembled(self.plan.header, None)[0], {}, 0, 0, self.fit.lmbda)
+
+    def fitted(
+        self, on_progress: Callable[[Progress], bool] | None, steering: Steering | None = None, share: float = 1.0
+    ) -> Fitted:
+        """A fit, which `steering` may lead; of a time limit it takes about `share` less than is left."""
+        from sgicodec.fit.trainer import Trainer
+
+        spec, fit = self.spec, self.fit
+        _, height, width = self.target.shape
+        if spec.layout == "uniform":
+            count = fit.seeds or max(1, round(width * height / 400))
+            layout = uniform_layout(width, height, count, np.random.default_rng(fit.seed))
+        else:
+            layout = adaptive_layout(self.target, fit.split * fit.lmbda * fit.seed_bits)
+        networks = load_prior(spec) if spec.context.prior else None
+        with _one_torch_thread():
+            trainer = Trainer(
+                spec,
+                fit,
+                self.target,
+                layout,
+                self.plan.header.family,
+                networks,
+                steering=steering,
+                measure=lambda state: self.measured(self.candidate(state))[1],
+                seconds=self._seconds(share),
+            )
+            return trainer.run(on_progress)
+
+    def candidate(self, fitted: Fitted, shift: int = 0) -> Candidate:
+        """A fit in integers, all steps of its attributes coarser by `shift` units."""
+        model = TileModel(
+            fitted.layout,
+            fitted.plan,
+            self.base_step,
+            self.base,
+            {name: np.rint(w * 2.0**DECODER_SHIFT).astype(np.int64) for name, w in fitted.decoders.items()},
+            coarser(fitted.networks, shift) if shift else fitted.networks,
+            fitted.hash_bits,
+            fitted.attributes,
+        )
+        return Candidate(replace(self.plan.header, quality=fitted.quality), model, fitted.lmbda)
+
+    @property
+    def searches(self) -> bool:
+        """Whether symbols are searched after the fit."""
+        return self.settings.refine and can_refine(self.spec)
+
+    @property
+    def end(self) -> float:
+        """When the time limit is over, a value of time.monotonic()."""
+        limit = self.settings.time_limit
+        return math.inf if limit is None else self.started + limit
+
+    def refiner(self, candidate: Candidate) -> Refiner:
+        """The search from a candidate on."""
+        settings = RefineSettings.for_steps(self.fit.steps)
+        processor = Processor(self.fit.threads)
+        return Refiner(candidate.header, candidate.model, self.unit, candidate.lmbda, settings, processor)
+
+    def searched(self, candidate: Candidate) -> Candidate:
+        """The best that the search finds for the candidate's λ."""
+        if not self.searches:
+            return candidate
+        until = self.end - 0.5 * self._coding_seconds
+        return replace(candidate, model=self.refiner(candidate).at(candidate.lmbda, until=until).model)
+
+    def encoded(self, candidate: Candidate) -> Encoded:
+        """The stream."""
+        payload, parts = written(candidate)
+        data, chunk_bytes = self.assembled(candidate.header, payload)
+        if candidate.header.masked is not None:
+            parts["mask"] = chunk_bytes - len(payload)
+        seeds = len(candidate.model.layout)
+        return Encoded(data, parts, seeds, seeds * self.spec.per_seed, candidate.lmbda)
+
+    def measured(self, candidate: Candidate) -> tuple[Encoded, Measured]:
+        """The stream and what it is; of its PSNR, only if that is asked for."""
+        encoded, quality = self.encoded(candidate), math.inf
+        if self.settings.psnr is not None:
+            decoded = open_stream(encoded.data).picture(threads=self.settings.threads)
+            shown = np.array(True) if self.empty is None else ~self.empty[..., None]
+            quality = psnr(*(np.where(shown, comparable(p), 0) for p in (self.picture, decoded)))
+        return encoded, Measured(len(encoded.data), quality)
+
+    def blob_bytes(self) -> int:
+        """Bytes of the metadata that the stream keeps."""
+        metadata = self.picture.metadata
+        blobs = (metadata.icc, metadata.exif, metadata.xmp) if self.settings.metadata else ()
+        return sum(len(blob) for blob in blobs if blob)
+
+    def _seconds(self, share: float) -> float | None:
+        """What is left for the fit itself."""
+        if self.settings.time_limit is None:
+            return None
+        coding = self._coding_seconds
+        left: float = self.end - time.monotonic()
+        searching: float = _SEARCHING_SHARE * share * left if self.searches else 0.0
+        return max(0.5 * left, left - coding - searching, 1e-3)
+
+    @property
+    def _coding_seconds(self) -> float:
+        """Of two streams, generously."""
+        return float(_CODING_SECONDS * (0.2 + self.target[0].size / 1e6))
+
+    def assembled(self, header: Header, model: bytes | None) -> tuple[bytes, int]:
+        """The stream, and the bytes of its tile's payload."""
+        buffer, chunk = io.BytesIO(), encode_tile_chunk(header, TileChunk(0, self.empty, model))
+        write_stream(buffer, header, self.plan.software, self.plan.metadata, [chunk])
+        return buffer.getvalue(), len(chunk)
+
+
+_CODING_SECONDS = 1.2
+"""Of one stream of a megapixel, twice and generously."""
+_SEARCHING_SHARE = 0.12
+"""Of the time that is left for fit and search together."""
+
+
+def written(candidate: Candidate) -> tuple[bytes, dict[str, float]]:
+    """The payload of a model, and the bytes of each part."""
+    payload, walk = write_tile(candidate.header, candidate.model)
+    return payload, {name: bits / 8 for name, bits in walk.bits.items()}
+
+
+def make_ready() -> None:
+    """Loads what every fit needs, which takes a second or two: of a worker's life, not of its first tile's time."""
+    import sgicodec.fit.trainer  # noqa: F401
+
+
+def keep_to_one_torch_thread() -> None:
+    """For a process that fits several tiles at once in threads of its own: see `_one_torch_thread`."""
+    import torch
+
+    torch.set_num_threads(1)
+
+
+@contextmanager
+def _one_torch_thread() -> Iterator[None]:
+    """With more threads torch's sums, powers and scattered additions depend on their number, some even on chance.
+
+    The rasteriser, where the time goes, gives the same for any number.
+    """
+    import torch
+
+    threads = torch.get_num_threads()
+    torch.set_num_threads(1)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(threads)

@@ -1,0 +1,197 @@
+"""What is done to one tile of a stream of several: it is looked at, fitted, or searched again."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, NamedTuple
+
+from sgicodec.bitstream.parts.tile import read_tile
+from sgicodec.bitstream.parts.tile_chunk import TileChunk, decode_tile_chunk, encode_tile_chunk
+from sgicodec.decoder.stream import open_stream
+from sgicodec.device import Processor
+from sgicodec.encoder.plan import Plan
+from sgicodec.encoder.tile_encoder import Candidate, Encoding, written
+from sgicodec.metrics.distortion import squared_error
+from sgicodec.model.context import input_count
+from sgicodec.model.network import DIFFERENCE_SHIFT
+from sgicodec.model.spec import ModelSpec
+from sgicodec.picture import Picture
+from sgicodec.rate_control.rd_model import STREAM_BYTES, Foretold
+from sgicodec.rate_control.step_search import coarser
+from sgicodec.rate_control.tile_rd_model import GRID, Look
+from sgicodec.rdoq import Refiner, RefineSettings
+
+if TYPE_CHECKING:
+    from sgicodec.fit.trainer import Progress
+
+__all__ = ["EncodedTile", "FitTask", "LookTask", "SearchTask", "Start", "encode_tile"]
+
+
+@dataclass(frozen=True)
+class EncodedTile:
+    """A finished tile. payload: of its chunk; part_bytes, seeds as in `Encoded`; squared_error: of what is decoded, in
+    the tile's core, over `samples` of them in 0..1; seconds: that it took, `decoding` of them to decode it; length: of
+    the payload; lmbda: its λ; steps: of its fit.
+    """
+
+    payload: bytes
+    part_bytes: dict[str, float]
+    seeds: int
+    squared_error: float
+    samples: int
+    seconds: float
+    length: int
+    lmbda: float
+    decoding: float = 0.0
+    steps: int = 0
+
+
+class Start(NamedTuple):
+    """Where a search begins: the payload of a tile's chunk and the λ that it was made for. seconds: that the tile
+    may take, instead of a number of steps.
+    """
+
+    payload: bytes = b""
+    lmbda: float = 0.0
+    seconds: float | None = None
+
+    def later(self, seconds: float) -> Start:
+        """The same when so many seconds are gone."""
+        return self if self.seconds is None else self._replace(seconds=max(1e-3, self.seconds - seconds))
+
+
+@dataclass(frozen=True)
+class LookTask:
+    """Foretells what a tile will come to, without a fit."""
+
+    plan: Plan
+
+    def __call__(self, number: int, window: Picture, start: Start, threads: int) -> Look:
+        """A tile in which no pixel holds anything costs and errs nothing."""
+        tile = _encoding(window, self.plan, number, threads)
+        if tile.holds_nothing:
+            return Look((0.0,) * len(GRID), (0.0,) * len(GRID))
+        _, _, width, height = self.plan.header.grid.core(number)
+        samples = width * height * self.plan.header.spec.channels
+        foretold = Foretold(tile.target, tile.fit.split_price)
+        found = [foretold.at(lmbda) for lmbda in GRID]
+        fixed = _TILE_BYTES + _WEIGHT_BYTES * _weights(tile.spec)
+        sizes = tuple(max(size - STREAM_BYTES, 0.0) + fixed for size, _ in found)
+        return Look(sizes, tuple(samples * error for _, error in found))
+
+
+_TILE_BYTES, _WEIGHT_BYTES = 30.0, 1.2
+"""About what a tile takes without seeds; for each weight of an own network."""
+
+
+def _weights(spec: ModelSpec) -> int:
+    """How many weights an own network of the tile has."""
+    if spec.context.prior:
+        return 0
+    return spec.context.hidden * sum(input_count(spec, step) for step in range(len(spec.context.steps)))
+
+
+@dataclass(frozen=True)
+class FitTask:
+    """Fits a tile at the plan's λ."""
+
+    plan: Plan
+    on_progress: Callable[[Progress], bool] | None = None
+
+    def __call__(self, number: int, window: Picture, start: Start, threads: int) -> EncodedTile:
+        """Fits the pixels that the tile covers, apron included."""
+        return encode_tile(window, self.plan, number, threads, self.on_progress, start.seconds)
+
+
+@dataclass(frozen=True)
+class SearchTask:
+    """Searches the symbols of a finished tile again, for the plan's λ."""
+
+    plan: Plan
+
+    def __call__(self, number: int, window: Picture, start: Start, threads: int) -> EncodedTile:
+        """A model that cannot be searched has its steps moved as λ asks for."""
+        started, tile = time.monotonic(), _encoding(window, self.plan, number, threads)
+        payload = decode_tile_chunk(self.plan.header, start.payload).model
+        if payload is None:
+            return _finished(tile, self.plan, number, None, started)
+        header, lmbda = tile.plan.header, tile.fit.lmbda
+        model, _ = read_tile(header, payload, Processor(threads))
+        values = model.decoded_values
+        groups = {group.name: values[:, group.columns] for group in header.spec.groups}
+        model = replace(model, attributes=groups, decoded=None)
+        if not tile.searches:
+            shift = round(0.5 * math.log2(lmbda / start.lmbda) * 2**DIFFERENCE_SHIFT)
+            model = replace(model, networks=coarser(model.networks, shift))
+            return _finished(tile, self.plan, number, Candidate(header, model, lmbda), started)
+        settings = RefineSettings.for_steps(tile.fit.steps)
+        settings = replace(settings, coarser=0.0, sweeps=max(_LEAST_SWEEPS, settings.sweeps // _SWEEPS_SHARE))
+        refiner = Refiner(header, model, tile.unit, start.lmbda, settings, Processor(threads))
+        for _ in range(settings.sweeps):
+            model = refiner.sweep(lmbda).model
+        return _finished(tile, self.plan, number, Candidate(header, model, lmbda), started)
+
+
+_LEAST_SWEEPS, _SWEEPS_SHARE = 2, 3
+"""Sweeps of a search after a search: at least, and of those after a fit."""
+
+
+def encode_tile(
+    window: Picture,
+    plan: Plan,
+    number: int,
+    threads: int = 0,
+    on_progress: Callable[[Progress], bool] | None = None,
+    seconds: float | None = None,
+) -> EncodedTile:
+    """Fits tile `number` of a stream of several to its pixels, apron included; in about so many seconds, if given."""
+    started, tile = time.monotonic(), _encoding(window, plan, number, threads, seconds)
+    steps = 0
+
+    def watch(progress: Progress) -> bool:
+        nonlocal steps
+        steps = progress.step
+        return on_progress is None or on_progress(progress)
+
+    candidate = None if tile.holds_nothing else tile.searched(tile.candidate(tile.fitted(watch)))
+    return replace(_finished(tile, plan, number, candidate, started), steps=steps)
+
+
+def _encoding(window: Picture, plan: Plan, number: int, threads: int, seconds: float | None = None) -> Encoding:
+    started = time.monotonic()
+    header, settings = plan.header, replace(plan.settings, threads=threads, time_limit=seconds)
+    if settings.seeds is not None:
+        share = window.width * window.height / (header.width * header.height)
+        settings = replace(settings, seeds=max(1, round(settings.seeds * share)))
+    own = replace(plan, header=header.of_tile(number), settings=settings, metadata=None)
+    tile = Encoding(window, own, started)
+    tile.fit = replace(tile.fit, quality=header.quality)
+    return tile
+
+
+def _finished(tile: Encoding, plan: Plan, number: int, candidate: Candidate | None, started: float) -> EncodedTile:
+    """The tile's payload, measured on its own: where it fades into its neighbours, they make the error smaller."""
+    header, model, parts, seeds = plan.header, None, dict[str, float](), 0
+    if candidate is not None:
+        model, parts = written(candidate)
+        seeds = len(candidate.model.layout)
+    payload = encode_tile_chunk(header, TileChunk(number, tile.empty, model))
+    if header.masked is not None:
+        parts["mask"] = len(payload) - len(model or b"")
+    coded = time.monotonic()
+    with open_stream(tile.assembled(tile.plan.header, model)[0]) as stream:
+        decoded = stream.picture(threads=tile.settings.threads)
+    decoding = time.monotonic() - coded
+    own, shown = (_core(plan, number, picture) for picture in (tile.picture, decoded))
+    error, seconds = squared_error(own, shown), time.monotonic() - started
+    return EncodedTile(payload, parts, seeds, error, own.pixels.size, seconds, len(payload), tile.fit.lmbda, decoding)
+
+
+def _core(plan: Plan, number: int, window: Picture) -> Picture:
+    """What of a tile's pixels is in no other core."""
+    grid = plan.header.grid
+    (left, top, _, _), (x, y, width, height) = grid.rect(number), grid.core(number)
+    return replace(window, pixels=window.pixels[y - top : y - top + height, x - left : x - left + width])

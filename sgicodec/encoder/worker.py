@@ -1,0 +1,90 @@
+"""What a worker does with a tile: it is sent the pixels, or reads them itself."""
+
+from __future__ import annotations
+
+import atexit
+import threading
+import time
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any, Generic, NamedTuple, TypeVar
+
+from sgicodec.encoder.interfaces import Task
+from sgicodec.encoder.plan import Plan
+from sgicodec.encoder.tile_encoder import keep_to_one_torch_thread
+from sgicodec.encoder.tile_work import Start
+from sgicodec.errors import PictureError
+from sgicodec.image import Source, open_source
+from sgicodec.picture import Picture
+
+__all__ = ["Job", "ReadingTask", "TileTask"]
+
+Result = TypeVar("Result")
+
+
+class Job(NamedTuple):
+    """What a worker is sent: the pixels, or None where it reads them itself, and where a search begins."""
+
+    window: Picture | None
+    start: Start
+
+
+@dataclass(frozen=True)
+class TileTask(Generic[Result]):
+    """Does a task to the pixels that come with the tile's number."""
+
+    task: Task[Result]
+    threads: int
+
+    def __call__(self, number: int, job: Job) -> Result:
+        """What the task makes of the tile. Raises PictureError where no pixels came."""
+        if threading.current_thread() is not threading.main_thread():
+            keep_to_one_torch_thread()
+        if job.window is None:
+            raise PictureError("no pixels came")
+        return self.task(number, job.window, job.start, self.threads)
+
+
+@dataclass(frozen=True)
+class ReadingTask(Generic[Result]):
+    """Reads the tile's pixels from `place`, a path or a URL, which stays open between tiles."""
+
+    plan: Plan
+    place: str
+    task: Task[Result]
+    threads: int
+
+    def __call__(self, number: int, job: Job) -> Result:
+        """What the task makes of the tile. Raises PictureError for another picture than the plan's."""
+        header, asked = self.plan.header, time.monotonic()
+        with _reading:
+            source = _opened(self.place, header.sample_range if header.sample_type == "float32" else None)
+            found = source.width, source.height, source.channels, str(source.dtype)
+            if found != (header.width, header.height, header.channels, header.sample_type):
+                raise PictureError(f"{self.place}: this is another picture than the one being encoded")
+            window = source.read(*header.grid.rect(number))
+        window = replace(window, metadata=self.plan.place_of_windows)
+        job = Job(window, job.start.later(time.monotonic() - asked))
+        return TileTask(self.task, self.threads)(number, job)
+
+
+_reading = threading.Lock()
+
+
+@lru_cache(maxsize=1)
+def _opened(place: str, sample_range: tuple[float, float] | None) -> Source:
+    if "://" not in place:
+        return open_source(place, sample_range=sample_range)
+    try:
+        import fsspec
+    except ImportError as error:
+        raise PictureError(f"{place}: URLs need fsspec; install sgicodec[cluster]") from error
+    try:
+        with fsspec.open(place, "rb") as file:
+            content: Any = file
+            return open_source(content, sample_range=sample_range)
+    except OSError as error:
+        raise PictureError(f"{place}: {error}") from error
+
+
+atexit.register(_opened.cache_clear)

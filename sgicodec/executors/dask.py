@@ -1,0 +1,114 @@
+"""Tiles over the workers of a Dask distributed cluster. The only user of Dask."""
+
+from __future__ import annotations
+
+from collections import Counter, deque
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack, contextmanager
+from typing import Any, TypeVar
+
+from sgicodec.errors import TileFailedError, UsageError
+from sgicodec.executors.processes import Failure
+
+__all__ = ["Cluster", "open_cluster"]
+
+Job = TypeVar("Job")
+Result = TypeVar("Result")
+
+_TRIES = 2
+_AHEAD = 2
+"""Tiles that are on their way for each thread of the cluster: pixels that wait take memory."""
+
+
+class Cluster:
+    """An open cluster."""
+
+    def __init__(self, client: Any) -> None:
+        self._client = client
+
+    @property
+    def workers(self) -> int:
+        """How many tiles it takes at once."""
+        return max(1, int(sum(self._client.nthreads().values())))
+
+    def run(
+        self,
+        task: Callable[[int, Job], Result],
+        numbers: Iterable[int],
+        job_of: Callable[[int], Job],
+        make_ready: Callable[[], None] | None = None,
+    ) -> Iterator[tuple[int, Result]]:
+        """As `run_in_processes`. A tile whose worker died goes to another one. With `make_ready`, which all workers
+        call first, no tile is on its way before one of them can begin.
+        """
+        from distributed import as_completed
+
+        waiting, failures, tiles = deque(numbers), Counter[int](), dict[Any, int]()
+        done, ahead = as_completed(), self.workers
+        if make_ready is None:
+            ahead *= _AHEAD
+        else:
+            self._client.run(make_ready)
+
+        def submit() -> None:
+            number = waiting.popleft()
+            future = self._client.submit(_outcome, task, number, job_of(number), pure=False)
+            tiles[future] = number
+            done.add(future)
+
+        while waiting and len(tiles) < ahead:
+            submit()
+        for future in done:
+            number = tiles.pop(future)
+            outcome = future.result() if future.status == "finished" else _lost(future)
+            if isinstance(outcome, Failure):
+                failures[number] += 1
+                if outcome.final or failures[number] == _TRIES:
+                    raise TileFailedError(number, outcome.message)
+                waiting.appendleft(number)
+            else:
+                yield number, outcome
+            if waiting:
+                submit()
+
+
+def _outcome(task: Callable[[int, Job], Result], number: int, job: Job) -> Result | Failure:
+    try:
+        return task(number, job)
+    except Exception as error:
+        return Failure.of(error)
+
+
+def _lost(future: Any) -> Failure:
+    """What Dask says of a tile that took several workers with it."""
+    error = future.exception() if future.status == "error" else None
+    return Failure(f"the cluster gave it up ({error or future.status})", False)
+
+
+@contextmanager
+def open_cluster(address: str) -> Iterator[Cluster]:
+    """A cluster by the address of its scheduler, or "local:N": one of N processes on this machine.
+
+    Raises UsageError if Dask is not installed or the cluster does not answer.
+    """
+    try:
+        from distributed import Client, LocalCluster
+    except ImportError as error:
+        raise UsageError("--cluster needs Dask; install sgicodec[cluster]") from error
+    with ExitStack() as stack:
+        if address.startswith("local:"):
+            count = address.removeprefix("local:")
+            if not count.isdecimal() or not 1 <= int(count) <= 1024:
+                raise UsageError(f"cluster {address}: a number of processes must follow, as in local:4")
+            options = {"n_workers": int(count), "threads_per_worker": 1, "dashboard_address": None}
+            place: Any = stack.enter_context(LocalCluster(**options, memory_limit=0))
+        else:
+            place = address
+        try:
+            client = stack.enter_context(Client(place, timeout=_PATIENCE_SECONDS))
+        except (OSError, ValueError) as error:
+            raise UsageError(f"cluster {address}: {error or 'no scheduler answers there'}") from error
+        yield Cluster(client)
+
+
+_PATIENCE_SECONDS = 10

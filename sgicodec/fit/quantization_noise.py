@@ -1,0 +1,220 @@
+"""From the attributes that train to the attributes that will be decoded: means, steps, noise or rounding, and bits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from sgicodec.fit.context_training import ContextNet
+from sgicodec.fit.rate import bits_gaussian, bits_laplace
+from sgicodec.fit.settings import Rounding
+from sgicodec.model.context import (
+    INPUT_BITS,
+    LEVELS,
+    HashGrid,
+    level_inputs,
+    nearest_offset,
+    neighbour_inputs,
+    neighbour_table,
+    output_columns,
+    output_count,
+    own_inputs,
+)
+from sgicodec.model.layout import SeedLayout
+from sgicodec.model.neighbours import nearest_seeds
+from sgicodec.model.quantization import DEAD_ZONE, DEAD_ZONE_LIMIT, PER_OCTAVE, STEP_COUNT, STEP_ZERO
+from sgicodec.model.spec import ModelSpec
+from sgicodec.model.steps import AMPLITUDE_ZERO, GAMMA_BITS, REFINE_LIMIT, StepPlan, follows_amplitude
+
+__all__ = ["Sample", "Sampler"]
+
+_LEAST_STEP, _GREATEST_STEP = 2.0**-16, 2.0
+_COLOUR_INPUT = 16.0
+_MOST_REFINE = REFINE_LIMIT / PER_OCTAVE
+
+
+@dataclass
+class Sample:
+    """Attributes as they will be decoded [N, d_A], and the bits of each seed [N]."""
+
+    attributes: Tensor
+    bits: Tensor
+
+
+class Sampler:
+    """Holds the step sizes that train (`steps`: log2 of base steps, then γ) and the context inputs of a layout.
+
+    Neighbours enter with the values of the step before, refreshed every few steps: they move slowly, and all seeds
+    can then be evaluated at once although coding visits them pass by pass.
+    """
+
+    refresh = 8
+
+    def __init__(self, spec: ModelSpec, net: ContextNet, plan: StepPlan, family: int) -> None:
+        self.spec, self.net = spec, net
+        self.bits_of = bits_laplace if family else bits_gaussian
+        self.steps = _flat(spec, plan).requires_grad_()
+        self.columns: dict[str, Tensor | None] = {
+            g.name: _unless_identity(output_columns(spec, g.name), output_count(spec, g.name)) for g in spec.groups
+        }
+        self.products: list[Tensor] = []
+        self.age = 0
+
+    def _base(self) -> dict[str, Tensor]:
+        """log2 of the base steps of each group's outputs and cell sizes [U, LEVELS]."""
+        counts = [output_count(self.spec, group.name) for group in self.spec.groups]
+        rows = torch.split(self.steps[: sum(counts) * LEVELS].reshape(-1, LEVELS), counts)
+        return {group.name: part for group, part in zip(self.spec.groups, rows, strict=True)}
+
+    def _gamma(self) -> dict[str, Tensor]:
+        """γ of each group whose steps follow the amplitude."""
+        names = [group.name for group in self.spec.groups if follows_amplitude(self.spec, group.name)]
+        return dict(zip(names, self.steps[len(self.steps) - len(names) :], strict=True))
+
+    def plan(self) -> StepPlan:
+        """The steps in the stream's units."""
+        base = {
+            name: np.clip(np.rint(value.detach().numpy() * PER_OCTAVE) + STEP_ZERO, 0, STEP_COUNT - 1).astype(np.int64)
+            for name, value in self._base().items()
+        }
+        gamma = {
+            name: int(np.clip(np.rint(float(v.detach()) * 2**GAMMA_BITS), 0, 63)) for name, v in self._gamma().items()
+        }
+        return StepPlan(base, {name: gamma.get(name, 0) for name in base})
+
+    def load_plan(self, plan: StepPlan) -> None:
+        """Rounds the steps to those of the stream."""
+        with torch.no_grad():
+            self.steps.copy_(_flat(self.spec, plan))
+
+    def set_layout(self, layout: SeedLayout, quality: int, width: int, height: int) -> None:
+        """Prepares everything that depends on where the seeds are."""
+        context = self.spec.context
+        self.level = torch.from_numpy(np.clip(layout.log_size.astype(np.int64), 0, LEVELS - 1))
+        self.level_inputs = torch.from_numpy(level_inputs(layout, quality)).float()
+        self.log_size = torch.from_numpy(layout.log_size.astype(np.float32))
+        if context.neighbours:
+            table, present = neighbour_table(context, layout, nearest_seeds)
+            self.table, self.present = torch.from_numpy(table), torch.from_numpy(present).float()
+            self.offset = torch.from_numpy(nearest_offset(layout, table)).float()
+        if context.hash_resolutions:
+            self.grid = HashGrid.at(context, layout, width, height)
+            self.grid_weight = torch.from_numpy(self.grid.weight).float()
+        self.age = 0
+
+    def sample(self, values: dict[str, Tensor], rounding: Rounding, generator: torch.Generator) -> Sample:
+        """Draws (noise) or rounds the attributes `values` and counts their bits."""
+        if not self.age or (self.net.first_layer_is_fixed and not self.products):
+            with torch.no_grad():
+                self.common = self._common_inputs(values)
+                if self.net.first_layer_is_fixed:
+                    steps = range(len(self.spec.context.steps))
+                    self.products = [self.net.product(number, self.common) for number in steps]
+        self.age = (self.age + 1) % self.refresh
+        decoded: dict[str, Tensor] = {}
+        costs: dict[str, tuple[Tensor, Tensor, Tensor]] = {}
+        bases, gammas = self._base(), self._gamma()
+        for number, step in enumerate(self.spec.context.steps):
+            mean, scale, refine = self._predict(number, decoded)
+            start = 0
+            for position, name in enumerate(step):
+                base = bases[name]  # [U, LEVELS]
+                units = slice(start, start + base.shape[0])
+                start += base.shape[0]
+                log_base = base.T[self.level]  # [N, U]
+                if follows_amplitude(self.spec, name):
+                    loudness = self._amplitude(decoded["colour"].detach()) - AMPLITUDE_ZERO / PER_OCTAVE
+                    log_step = log_base - gammas[name] * loudness[:, None]
+                else:
+                    log_step = log_base
+                log_step = log_step + refine[:, position : position + 1].clamp(-_MOST_REFINE, _MOST_REFINE)
+                q = self._spread(name, torch.exp2(log_step).clamp(_LEAST_STEP, _GREATEST_STEP))
+                q_base = torch.exp2(log_base)
+                m = self._spread(name, mean[:, units] * q_base)
+                s = self._spread(name, torch.exp2(scale[:, units].clamp(-12, 12)) * q_base)
+                s = torch.maximum(s, q * 2.0**-4)
+                value = self._perturb(values[name], m, q, s, rounding, generator)
+                q_rate = q.detach() if rounding == "round" else q
+                costs[name] = (value - m, q_rate, s)
+                decoded[name] = value
+        bits = self.bits_of(*(torch.cat(parts, dim=1) for parts in zip(*costs.values(), strict=True))).sum(dim=1)
+        return Sample(torch.cat([decoded[group.name] for group in self.spec.groups], dim=1), bits)
+
+    def _spread(self, name: str, predicted: Tensor) -> Tensor:
+        """From MLP_p's outputs [N, U] to a group's attributes [N, size]."""
+        columns = self.columns[name]
+        return predicted if columns is None else predicted[:, columns]
+
+    @staticmethod
+    def _perturb(
+        value: Tensor, m: Tensor, q: Tensor, s: Tensor, rounding: Rounding, generator: torch.Generator
+    ) -> Tensor:
+        if rounding == "noise":
+            return value + q * (torch.rand(value.shape, generator=generator) - 0.5)
+        with torch.no_grad():
+            u = (value - m) / q
+            towards_zero = (DEAD_ZONE * q / s).clamp_max(DEAD_ZONE_LIMIT)
+            shift = m + q * u.sign() * (u.abs() + 0.5 - towards_zero).floor() - value
+        return value + shift
+
+    def summary(self, values: dict[str, Tensor]) -> Tensor:
+        """Summaries [N, SUMMARY] in input units."""
+        colour, shape = values["colour"], values["shape"]
+        one = float(1 << INPUT_BITS)
+        k, channels = self.spec.per_seed, self.spec.channels
+        mixed = colour.reshape(-1, k, channels).mean(1)
+        mixed = mixed[:, :3] if channels >= 3 else torch.cat([mixed[:, :1], torch.zeros(len(mixed), 2)], 1)
+        loudness = (self._amplitude(colour) + 6.0).clamp_min(-6.0)[:, None]
+        shapes = shape.reshape(-1, k, 3).mean(1)
+        return torch.cat([(mixed * (one * _COLOUR_INPUT)).clamp(-8192, 8192), loudness * one, shapes * one], 1)
+
+    @staticmethod
+    def _amplitude(colour: Tensor) -> Tensor:
+        return 0.5 * torch.log2((colour * colour).sum(1).clamp_min(2.0**-24))
+
+    def _common_inputs(self, values: dict[str, Tensor]) -> Tensor:
+        blocks = [self.level_inputs]
+        if self.spec.context.neighbours:
+            blocks.append(
+                neighbour_inputs(
+                    self.summary(values),
+                    self.table,
+                    self.present,
+                    (self.log_size, self.log_size),
+                    self.offset,
+                    torch.cat,
+                    lambda value, shift: value * 2.0**-shift,
+                )
+            )
+        return torch.cat(blocks, dim=1)
+
+    def _predict(self, number: int, decoded: dict[str, Tensor]) -> tuple[Tensor, Tensor, Tensor]:
+        """MLP_p at one coding step; what its first layer makes of the common inputs is kept if it does not train."""
+        blocks = []
+        if self.spec.context.hash_resolutions:
+            blocks.append(self.net.hash_features(self.grid, self.grid_weight))
+        if number:
+            known = {name: value.detach() for name, value in decoded.items()}
+            if "shape" not in known:
+                known["shape"] = torch.zeros(len(self.level), 3 * self.spec.per_seed)
+            blocks.append(own_inputs(self.summary(known), number, torch.cat))
+        if not self.net.first_layer_is_fixed:
+            return self.net.forward(number, torch.cat([self.common, *blocks], dim=1))
+        product = self.products[number]
+        if blocks:
+            product = product + self.net.product(number, torch.cat(blocks, dim=1), self.common.shape[1])
+        return self.net.predict(number, product)
+
+
+def _flat(spec: ModelSpec, plan: StepPlan) -> Tensor:
+    """log2 of all base steps by group, output and cell size, then γ of the groups that follow the amplitude."""
+    base = [(plan.base[group.name].reshape(-1) - STEP_ZERO) / PER_OCTAVE for group in spec.groups]
+    gamma = [plan.gamma[group.name] / 2.0**GAMMA_BITS for group in spec.groups if follows_amplitude(spec, group.name)]
+    return torch.tensor(np.concatenate([*base, np.array(gamma)]), dtype=torch.float32)
+
+
+def _unless_identity(columns: np.ndarray, outputs: int) -> Tensor | None:
+    return None if np.array_equal(columns, np.arange(outputs)) else torch.from_numpy(columns)

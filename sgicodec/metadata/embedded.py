@@ -1,0 +1,63 @@
+"""EXIF, XMP and `geo` inside picture files, kept byte for byte.
+
+OpenImageIO turns EXIF and XMP into attributes of its own and back, and on the way loses maker notes, many GPS fields
+and any XMP that it does not know; of GeoTIFF it knows nothing. A little container syntax keeps them whole.
+"""
+
+from __future__ import annotations
+
+import os
+import struct
+from pathlib import Path
+
+from sgicodec.errors import PictureError
+from sgicodec.metadata import exif, jpeg, png, tiff, webp
+from sgicodec.metadata.blobs import Metadata
+from sgicodec.metadata.filebytes import Bytes, FileBytes
+
+__all__ = ["copies", "embed", "extract"]
+
+_INSERT = {"jpeg": jpeg.insert, "webp": webp.insert}
+_REWRITTEN = ("jpeg",)
+"""Formats whose files are written anew even without metadata, to lose what OpenImageIO puts there unasked."""
+
+
+def extract(data: Bytes) -> Metadata:
+    """EXIF and XMP, both with the orientation set to 1, and `geo`, which still speaks of the stored pixels, in the
+    bytes of any picture file; each None where there is none.
+    """
+    place = None
+    if data[:3] == jpeg.SIGNATURE:
+        blob, xmp = jpeg.find(data)
+    elif data[:8] == png.SIGNATURE:
+        blob, xmp = png.find(data)
+    elif webp.is_webp(data):
+        blob, xmp = webp.find(data)
+    else:
+        blob, xmp, place = tiff.find(data)
+    return Metadata(exif=blob and exif.upright(blob), xmp=xmp and exif.upright_xmp(xmp), geo=place)
+
+
+def copies(holder: str) -> int:
+    """How many times a file in the format `holder` may stand on the disk while `embed` works on it."""
+    return 1 if holder == "tiff" or holder not in _INSERT else 2
+
+
+def embed(path: Path, holder: str, metadata: Metadata) -> None:
+    """Put EXIF, XMP and `geo` into the file that was just written at `path` in the format `holder`, as far as it has
+    a place for them and its writer, that of PNG, has not put them there.
+
+    Raises PictureError if they do not fit.
+    """
+    blob, xmp = metadata.exif, metadata.xmp
+    if holder == "tiff":
+        try:
+            tiff.insert(path, blob, xmp, metadata.geo)
+        except struct.error as error:
+            raise PictureError(f"tiff cannot hold its metadata: {error}") from error
+    elif holder in _REWRITTEN or (holder in _INSERT and (blob is not None or xmp is not None)):
+        whole = path.with_name("whole" + path.suffix)
+        with path.open("rb") as file, whole.open("wb") as out:
+            for piece in _INSERT[holder](FileBytes(file), blob, xmp):
+                out.write(piece)
+        os.replace(whole, path)

@@ -1,0 +1,83 @@
+"""Tags of TIFF that say where a picture lies and what its numbers mean: GeoTIFF (OGC 19-008r4), GDAL's own, resolution.
+
+They travel as one blob, a little-endian TIFF structure whose only directory holds them and nothing else
+(docs/pictures.md has its bytes). Nothing here interprets a coordinate system.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import struct
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from sgicodec.metadata import ifd
+
+__all__ = ["RESOLUTION", "TAGS", "load", "nodata", "pack", "resampled"]
+
+PIXEL_SCALE, TIEPOINTS, MATRIX, RPC = 33550, 33922, 34264, 50844
+KEYS, KEY_DOUBLES, KEY_TEXTS = 34735, 34736, 34737
+GDAL_METADATA, GDAL_NODATA = 42112, 42113
+
+RESOLUTION = frozenset({282, 283, 296})
+"""Pixels per unit in x and in y, and the unit: 1 none, 2 inch, 3 centimetre."""
+
+TAGS = RESOLUTION | {
+    *(PIXEL_SCALE, TIEPOINTS, MATRIX, RPC),
+    *(KEYS, KEY_DOUBLES, KEY_TEXTS),
+    *(GDAL_METADATA, GDAL_NODATA),
+}
+"""All that a blob may hold; others are left behind."""
+
+_ASCII = 2
+
+
+def pack(directory: ifd.Directory) -> bytes | None:
+    """The blob of those entries of a directory that belong in it, or None if there are none."""
+    entries: ifd.Directory = {tag: directory[tag] for tag in sorted(directory.keys() & TAGS)}
+    return b"II*\0\x08\0\0\0" + ifd.dump(entries, 8) if entries else None
+
+
+def load(blob: bytes | None) -> dict[int, ifd.Entry]:
+    """The entries of a blob; none if it is damaged or None."""
+    with contextlib.suppress(struct.error):
+        if blob is not None:
+            return {tag: item for tag, item in ifd.load(blob, TAGS).items() if isinstance(item, ifd.Entry)}
+    return {}
+
+
+def nodata(blob: bytes | None, dtype: np.dtype[Any]) -> float | None:
+    """The sample value that means "nothing was measured here", exactly as a sample of `dtype` would hold it.
+
+    None if there is none, or none that such a sample can have. It may be not-a-number or infinite.
+    """
+    entry = load(blob).get(GDAL_NODATA)
+    if entry is None:
+        return None
+    try:
+        value = float(entry.data.split(b"\0", 1)[0].decode("ascii"))
+    except ValueError:
+        return None
+    if dtype.kind == "u":
+        largest = int(np.iinfo(dtype).max)
+        return value if 0 <= value <= largest and value == int(value) else None
+    with np.errstate(over="ignore"):
+        return float(dtype.type(value))
+
+
+def resampled(blob: bytes | None, convert: Callable[[float], float | None]) -> bytes | None:
+    """The blob for a picture whose samples are now other numbers: `convert` gives the new nodata value, None for none.
+
+    GDAL's metadata is left behind: scales, offsets and statistics of samples are no longer true.
+    """
+    entries: ifd.Directory = dict(load(blob))
+    entries.pop(GDAL_METADATA, None)
+    entry = entries.pop(GDAL_NODATA, None)
+    if isinstance(entry, ifd.Entry):
+        old = nodata(blob, np.dtype(np.float64))
+        new = None if old is None else convert(old)
+        if new is not None:
+            entries[GDAL_NODATA] = ifd.Entry(_ASCII, f"{new:.17g}".encode("ascii") + b"\0")
+    return pack(entries)

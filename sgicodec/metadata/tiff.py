@@ -1,0 +1,74 @@
+"""EXIF, XMP and the tags of `geo` in the first directory of a TIFF file.
+
+JPEG, PNG and WebP carry EXIF as one blob, a small TIFF of its own. A TIFF file has the same tags scattered over its own
+directory, where they stand among those that describe the pixels.
+"""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+from sgicodec.metadata import geo, ifd
+from sgicodec.metadata.filebytes import Bytes, FileBytes
+
+__all__ = ["find", "insert"]
+
+_BYTE = 1
+_DATETIME, _XMP = 306, 700
+
+_DESCRIPTIVE = {269, 270, 271, 272, 305, _DATETIME, 315, 316, 18246, 33432, *range(40091, 40096)}
+"""Document name, description, make, model, software, date, artist, host, rating, copyright, Windows' tags."""
+
+_EXIF = _DESCRIPTIVE | geo.RESOLUTION | {ifd.EXIF_IFD, ifd.GPS_IFD}
+
+_NO_UNIT = ifd.Entry(3, b"\1\0")
+
+
+def find(data: Bytes) -> tuple[bytes | None, bytes | None, bytes | None]:
+    """EXIF blob, XMP packet and `geo` blob of a TIFF file.
+
+    A directory with nothing but a resolution is no EXIF; the resolution is then in `geo`.
+    """
+    try:
+        directory = ifd.load(data, _EXIF | geo.TAGS | {_XMP})
+    except struct.error:
+        return None, None, None
+    xmp = directory.pop(_XMP, None)
+    carried = {tag: item for tag, item in directory.items() if tag in _EXIF}
+    exif = b"II*\0\x08\0\0\0" + ifd.dump(carried, 8) if carried.keys() - geo.RESOLUTION else None
+    if exif is not None or _says_nothing(directory):
+        directory = {tag: item for tag, item in directory.items() if tag not in geo.RESOLUTION}
+    return exif, xmp.data if isinstance(xmp, ifd.Entry) else None, geo.pack(directory)
+
+
+def _says_nothing(directory: ifd.Directory) -> bool:
+    """Whether the resolution is the same in x and y and without a unit."""
+    across, down, unit = (directory.get(tag) for tag in sorted(geo.RESOLUTION))
+    return across == down and unit == _NO_UNIT
+
+
+def insert(path: Path, exif: bytes | None, xmp: bytes | None, place: bytes | None) -> None:
+    """Give the little-endian TIFF file at `path` the tags of an EXIF blob, an XMP packet and a `geo` blob.
+
+    A new first directory is appended and the header made to point at it. The time of writing, which a library
+    may have stamped, gives way to the blob's date or to none, so that equal pictures make equal files. Raises
+    struct.error for damaged EXIF, and if a classic TIFF has no room left.
+    """
+    with path.open("r+b") as file:
+        data = FileBytes(file)
+        spelling = ifd.layout(data)
+        directory = ifd.load(data)
+        end = len(data) + len(data) % 2
+        if spelling is None or spelling.order != "<":
+            raise struct.error("not a little-endian TIFF")
+        directory.pop(_DATETIME, None)
+        if exif is not None:
+            directory |= ifd.load(exif, _EXIF)
+        if xmp is not None:
+            directory[_XMP] = ifd.Entry(_BYTE, xmp)
+        directory |= geo.load(place)
+        file.seek(end)
+        file.write(ifd.dump(directory, end, big=spelling.big))
+        file.seek(spelling.first)
+        file.write(spelling.place.pack(end))

@@ -1,0 +1,63 @@
+"""The base layer after the fit: its Gaussians do not want the colours that the picture alone would."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec._native import search_base
+from sgicodec.bitstream.entropy.tables import frequency_tables
+from sgicodec.bitstream.parts.arrays import base_channels, base_references
+from sgicodec.bitstream.parts.tile import TileModel
+from sgicodec.model.base import base_step, cubic_weights
+from sgicodec.model.gaussians import colour_matrix
+from sgicodec.rdoq.objective import Scene
+
+__all__ = ["with_better_base"]
+
+_SWEEPS = 2
+
+F64 = NDArray[np.float64]
+
+
+def with_better_base(scene: Scene, model: TileModel, lmbda: float) -> TileModel:
+    """The model with its base layer moved to where squared error plus price is least, seeds staying as they are."""
+    spec, (_, height, width) = scene.header.spec, scene.picture.shape
+    if not model.base.size:
+        return model
+    _, rows, columns = model.base.shape
+    down = cubic_weights(np.arange(height) + 0.5, rows, spec.base_cell)
+    across = cubic_weights(np.arange(width) + 0.5, columns, spec.base_cell)
+    lines = scene.residual(model)[:, :, :width] @ across.astype(np.float32)
+    pull = np.ascontiguousarray(np.tensordot(np.array(colour_matrix(spec.channels)), down.T @ lines, axes=1))
+    base = _searched(model.base, base_step(model.base_step), lmbda, pull, down.T @ down, across.T @ across)
+    return replace(model, base=base, decoded=None)
+
+
+def _searched(
+    base: NDArray[np.int64], step: float, lmbda: float, pull: F64, down: F64, across: F64
+) -> NDArray[np.int64]:
+    tables, found = frequency_tables(), np.array(base, np.int64, order="C")
+    for _ in range(_SWEEPS):
+        channels = base_channels(found)
+        weights = np.zeros((len(found), len(found)), np.int32)
+        for number, channel in enumerate(channels):
+            weights[number, base_references(number)] = channel.weights
+        search_base(
+            found,
+            np.array([channel.predictor for channel in channels], np.int32),
+            weights,
+            np.array([channel.table for channel in channels], np.int32),
+            tables.support,
+            tables.start,
+            tables.symbol_bits,
+            np.ascontiguousarray(down),
+            np.ascontiguousarray(across),
+            pull,
+            step,
+            lmbda,
+            1,
+        )
+    return found

@@ -1,0 +1,109 @@
+"""What the search works on: a picture, and a model of it whose true error and bits are to fall."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec._native import WINDOW_PADDING
+from sgicodec.bitstream.header import Header
+from sgicodec.bitstream.parts.tile import TileModel, write_tile
+from sgicodec.device import Processor
+from sgicodec.model.base import base_colours, render_base
+from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
+from sgicodec.model.spec import ModelSpec
+from sgicodec.raster.cpu import NativeRasterizer
+
+__all__ = ["Cost", "Scene", "can_refine", "joined", "with_values"]
+
+F32 = NDArray[np.float32]
+F64 = NDArray[np.float64]
+
+
+def can_refine(spec: ModelSpec) -> bool:
+    """Whether the search knows this kind of model: one Gaussian per seed, drawn as its colour, shape and offset say and
+    coded in three steps from what neighbours say.
+    """
+    plain = spec.skip and spec.shape == "log" and not spec.hidden and not spec.seed_scales
+    single = spec.per_seed == 1 and spec.features == spec.channels + 3
+    context = spec.context
+    known = context.steps == (("colour",), ("shape",), ("offset",)) and not context.hash_resolutions
+    return plain and single and known
+
+
+@dataclass(frozen=True)
+class Cost:
+    """error: squared, samples in 0..1, summed over pixels and channels. bits: of the tile's payload."""
+
+    error: float
+    bits: float
+
+    def at(self, lmbda: float) -> float:
+        """J = D + λR."""
+        return self.error + lmbda * self.bits
+
+
+@dataclass(frozen=True)
+class Scene:
+    """picture [C, H, W]: samples in 0..1."""
+
+    header: Header
+    picture: F32
+    processor: Processor
+    _less_base: dict[bytes, F32] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    def target(self, model: TileModel) -> F32:
+        """The picture less a model's base layer [C, H, W]: what its seeds have to show."""
+        key = model.base_step.to_bytes(1, "little") + model.base.tobytes()
+        if key not in self._less_base:
+            self._less_base.clear()
+            self._less_base[key] = self.picture - self._base(model)
+        return self._less_base[key]
+
+    def _base(self, model: TileModel) -> F32:
+        _, height, width = self.picture.shape
+        if not model.base.size:
+            return np.zeros_like(self.picture)
+        colours = base_colours(model.base, model.base_step)
+        return render_base(colours, self.header.spec.base_cell, np.arange(width) + 0.5, np.arange(height) + 0.5)
+
+    def gaussians(self, model: TileModel) -> tuple[F32, F32, F32]:
+        """Means [N, 2], covariances [N, 3] and colours [N, C] of a model's attributes."""
+        spec, layout = self.header.spec, model.layout
+        opponent = np.array(colour_matrix(spec.channels), np.float32)
+        values = joined(model).astype(np.float32)
+        means, covariances, colours = (
+            np.ascontiguousarray(array, np.float32)
+            for array in gaussians_from_seeds(spec, values, layout.centre, layout.cell, {}, opponent, np)
+        )
+        return means, covariances, colours
+
+    def residual(self, model: TileModel) -> F32:
+        """Target less drawn [C, H, W + padding], the last columns zero, as native searches want it."""
+        _, height, width = self.picture.shape
+        raster = NativeRasterizer(self.processor.threads, self.processor.isa)
+        out = np.zeros((*self.picture.shape[:2], width + WINDOW_PADDING), np.float32)
+        np.subtract(self.target(model), raster.forward(*self.gaussians(model), width, height), out=out[:, :, :width])
+        return out
+
+    def cost(self, model: TileModel) -> Cost:
+        """What the stream costs and what it will show: coded in earnest, drawn from what was coded."""
+        coded = replace(model, decoded=None)
+        payload, _ = write_tile(self.header, coded)
+        error = self.residual(with_values(self.header.spec, coded, coded.decoded_values))
+        return Cost(float(np.sum(np.square(error, dtype=np.float64))), 8.0 * len(payload))
+
+
+def joined(model: TileModel) -> F64:
+    """A model's attributes [N, d_A] in coding order."""
+    if model.attributes is None:
+        raise ValueError("the model has no attributes: it was read, not fitted")
+    return np.concatenate(list(model.attributes.values()), axis=1)
+
+
+def with_values(spec: ModelSpec, model: TileModel, values: F64) -> TileModel:
+    """The model with attributes [N, d_A]."""
+    groups = {group.name: np.ascontiguousarray(values[:, group.columns]) for group in spec.groups}
+    return replace(model, attributes=groups, decoded=None)

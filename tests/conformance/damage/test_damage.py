@@ -1,0 +1,167 @@
+"""Streams that lost or changed bytes: each decodes to the same picture or says that it does not."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from surgery import HEADER_FIELDS, flipped, join, split, with_fields
+
+from sgicodec import SgiError, open_stream
+from sgicodec.bitstream.container import SIGNATURE
+from sgicodec.cli.main import cli
+from sgicodec.errors import CorruptStreamError, StreamError
+
+pytestmark = pytest.mark.filterwarnings("error")
+
+PICTURES = Path(__file__).parents[2] / "data" / "pictures"
+
+
+def outcome(data: bytes) -> np.ndarray | SgiError:
+    """The samples, or the error that was raised on the way to them."""
+    try:
+        with open_stream(data) as stream:
+            return stream.picture(threads=1).pixels
+    except SgiError as error:
+        return error
+
+
+def spread(count: int, tries: int) -> Iterable[int]:
+    """About `tries` of the numbers below `count`, the first and the last among them."""
+    return sorted({round(i * (count - 1) / (tries - 1)) for i in range(tries)})
+
+
+def test_sound_stream(coded: Any) -> None:
+    np.testing.assert_array_equal(outcome(coded.data), coded.pixels)
+    assert join(split(coded.data)) == coded.data
+
+
+def test_every_flipped_bit_is_found(coded: Any) -> None:
+    bits = 8 * len(coded.data)
+    for bit in spread(bits, min(bits, 12_000)):
+        assert isinstance(outcome(flipped(coded.data, bit)), StreamError), bit
+
+
+def test_every_cut_is_found(coded: Any) -> None:
+    for length in spread(len(coded.data), min(len(coded.data), 4000)):
+        assert isinstance(outcome(coded.data[:length]), CorruptStreamError), length
+
+
+def test_cuts_are_found_in_pipes_too(coded: Any) -> None:
+    class Pipe(io.BytesIO):
+        def seekable(self) -> bool:
+            return False
+
+    def read(data: bytes) -> np.ndarray:
+        with open_stream(Pipe(data)) as stream:
+            return stream.picture(threads=1).pixels
+
+    np.testing.assert_array_equal(read(coded.data), coded.pixels)
+    for length in spread(len(coded.data), 300):
+        with pytest.raises(CorruptStreamError):
+            read(coded.data[:length])
+
+
+def test_bytes_too_many_are_found(coded: Any) -> None:
+    for extra in (b"\0", b"E", coded.data):
+        assert isinstance(outcome(coded.data + extra), CorruptStreamError)
+
+
+def test_lost_repeated_and_swapped_chunks(coded: Any) -> None:
+    parts = split(coded.data)
+    assert [letter for letter, _ in parts] == ["H", "s", "x", "T", "E"]
+    for index, (letter, _) in enumerate(parts):
+        lost = outcome(join(parts[:index] + parts[index + 1 :]))
+        if letter in "sx":
+            np.testing.assert_array_equal(lost, coded.pixels)
+        else:
+            assert isinstance(lost, CorruptStreamError), letter
+        assert isinstance(outcome(join(parts[: index + 1] + parts[index:])), CorruptStreamError), letter
+    np.testing.assert_array_equal(outcome(join([parts[0], parts[3], parts[2], parts[1], parts[4]])), coded.pixels)
+    assert isinstance(outcome(join([parts[3], *parts[:3], parts[4]])), CorruptStreamError)
+
+
+def test_changed_payloads_with_fitting_checksums(coded: Any) -> None:
+    """The chunk's CRC is right, so that the tile's own check and the range coder must tell."""
+    parts = split(coded.data)
+    tile = parts[3][1]
+    found = 0
+    for bit in spread(8 * len(tile), 250):
+        result = outcome(join([*parts[:3], ("T", flipped(tile, bit)), parts[4]]))
+        found += isinstance(result, StreamError)
+        assert isinstance(result, StreamError) or np.array_equal(result, coded.pixels), bit
+    assert found > 200
+    for length in spread(len(tile), 120):
+        result = outcome(join([*parts[:3], ("T", tile[:length]), parts[4]]))
+        assert isinstance(result, StreamError) or (length == len(tile) and np.array_equal(result, coded.pixels))
+    for extra in (b"\0", bytes(range(1, 13)), tile):
+        assert isinstance(outcome(join([*parts[:3], ("T", tile + extra), parts[4]])), CorruptStreamError)
+
+
+def test_forged_headers_with_fitting_checksums(coded: Any) -> None:
+    """A header that says something else makes another picture or none, but no other trouble."""
+    parts = split(coded.data)
+    header = parts[0][1]
+    for bit in range(8 * len(header)):
+        _expect_picture_or_error(join([("H", flipped(header, bit)), *parts[1:]]))
+    for length in range(len(header)):
+        assert isinstance(outcome(join([("H", header[:length]), *parts[1:]])), StreamError)
+    assert isinstance(outcome(join([("H", header + b"\1"), *parts[1:]])), StreamError)
+
+
+@pytest.mark.parametrize("field", HEADER_FIELDS)
+def test_every_header_field_may_be_anything(coded: Any, field: str) -> None:
+    for value in (0, 1, 2, 3, 5, 64, 100, 255, 4096, 2**14, 2**20, 2**24, 2**31, 2**32 + 1, 2**63 - 1):
+        _expect_picture_or_error(with_fields(coded.data, **{field: value}))
+
+
+def _expect_picture_or_error(data: bytes) -> None:
+    with contextlib.suppress(StreamError), open_stream(data) as stream:
+        corner = (0, 0, min(stream.width, 32), min(stream.height, 32))
+        pixels = stream.picture(corner, threads=1).pixels
+        assert pixels.shape == (corner[3], corner[2], stream.header.spec.channels)
+
+
+FOREIGN = {
+    "empty": (b"", "empty"),
+    "signature": (SIGNATURE, "cut short"),
+    "text": (b"not a picture at all\n", "starts with"),
+    "zeros": (bytes(100), "starts with"),
+    "crlf": (SIGNATURE.replace(b"\r\n", b"\n") + bytes(50), "text mode"),
+    "silicon-graphics": ((PICTURES / "hopper.sgi").read_bytes(), "Silicon Graphics"),
+    "jpeg": ((PICTURES / "hopper_gray.jpg").read_bytes(), "JPEG"),
+    "png": ((PICTURES / "basn2c08.png").read_bytes(), "PNG"),
+}
+
+
+@pytest.mark.parametrize("name", FOREIGN)
+@pytest.mark.parametrize("command", ["decode", "info", "verify"])
+def test_foreign_files(name: str, command: str, tmp_path: Path) -> None:
+    content, complaint = FOREIGN[name]
+    source = tmp_path / "foreign.sgi"
+    source.write_bytes(content)
+    result = CliRunner().invoke(cli, [command, str(source)])
+    assert result.exit_code == 4
+    assert complaint in result.stderr
+    assert (result.stdout, result.stderr.count("\n")) == ("", 1)
+    assert list(tmp_path.iterdir()) == [source]
+
+
+@pytest.mark.parametrize("command", ["decode", "info", "verify"])
+def test_damage_at_the_command_line(coded: Any, command: str, tmp_path: Path) -> None:
+    parts = split(coded.data)
+    forged = join([*parts[:3], ("T", flipped(parts[3][1], 5)), parts[4]])
+    for number, content in enumerate((coded.data[:-1], flipped(coded.data, 400), forged)):
+        source = tmp_path / f"{number}.sgi"
+        source.write_bytes(content)
+        result = CliRunner().invoke(cli, [command, str(source)])
+        assert result.exit_code == 4
+        assert result.stderr.startswith(f"sgi: {source}: ")
+        assert result.stderr.count("\n") == 1
+    assert len(list(tmp_path.iterdir())) == 3

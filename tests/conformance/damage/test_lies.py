@@ -1,0 +1,214 @@
+"""Streams that claim more than they hold are refused before memory is taken for the claim."""
+
+from __future__ import annotations
+
+import io
+import json
+import struct
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from surgery import frame, join, split, with_fields, with_hash
+
+from sgicodec import open_stream
+from sgicodec.bitstream.container import SIGNATURE
+from sgicodec.bitstream.entropy.symbol_coder import SymbolWriter
+from sgicodec.bitstream.header import decode_header
+from sgicodec.bitstream.parts.arrays import code_base, code_weights
+from sgicodec.bitstream.parts.positions import code_positions
+from sgicodec.bitstream.parts.predicted_positions import code_predicted_positions
+from sgicodec.bitstream.parts.predicted_tree import Scenery
+from sgicodec.bitstream.parts.seed_tree import TreeShape
+from sgicodec.bitstream.parts.tile import read_tile
+from sgicodec.errors import CorruptStreamError, LimitError
+from sgicodec.model.base import base_shape
+from sgicodec.model.quantization import STEP_COUNT
+from sgicodec.model.steps import default_plan
+
+resource = pytest.importorskip("resource")
+
+MEMORY = 1 << 30
+"""Address space of the process that reads the lies: the libraries take a third of it."""
+
+READER = """
+import json, resource, sys
+from pathlib import Path
+from sgicodec.decoder.stream import open_stream
+from sgicodec.errors import SgiError
+resource.setrlimit(resource.RLIMIT_AS, ({memory}, {memory}))
+for path in sorted(Path({folder!r}).iterdir()):
+    try:
+        with open_stream(path) as stream:
+            stream.picture(threads=1)
+        print(json.dumps([path.name, "picture", ""]))
+    except SgiError as error:
+        print(json.dumps([path.name, type(error).__name__, str(error)]))
+"""
+
+
+def read_with_little_memory(folder: Path) -> dict[str, tuple[str, str]]:
+    """What became of each file in a process that cannot take more than MEMORY."""
+    code = READER.format(memory=MEMORY, folder=str(folder))
+    environment = {"OPENBLAS_NUM_THREADS": "1", "PYTHONWARNINGS": "error", "PYTHONPATH": ":".join(sys.path)}
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, env=environment)
+    assert (done.returncode, done.stderr) == (0, "")
+    return {name: (kind, message) for name, kind, message in map(json.loads, done.stdout.splitlines())}
+
+
+def test_headers_that_claim_too_much(coded: Any, tmp_path: Path) -> None:
+    most = {"width": 2**24, "height": 2**24}
+    lies = {
+        "pixels": most,
+        "everything": most | {"channels": 64, "layout": 0, "features": 2**13, "hidden": 2**12, "per_seed": 64},
+        "wide": {"width": 2**24, "base_cell": 1},
+        "base": {"width": 2**14, "height": 2**14, "base_cell": 1},
+        "networks": {"hidden": 4096, "features": 4096, "context_hidden": 4096},
+        "context": {"context_hidden": 4096, "features": 8192, "prior": 0},
+        "side": {"width": 2**24 + 1},
+        "huge": {"height": 2**63 - 1},
+        "channels": {"channels": 65, "layout": 0},
+        "levels": {"levels": 2**40},
+    }
+    for name, fields in lies.items():
+        (tmp_path / name).write_bytes(with_fields(coded.data, **fields))
+    (tmp_path / "hash").write_bytes(with_hash(coded.data, [2**14] * 32, 64, 20))
+    (tmp_path / "hash resolution").write_bytes(with_hash(coded.data, [2**14 + 1], 4, 13))
+    results = read_with_little_memory(tmp_path)
+    assert len(results) == len(lies) + 2
+    for name, (kind, message) in results.items():
+        assert kind == "LimitError", (name, kind, message)
+
+
+def test_headers_that_claim_as_much_as_is_allowed(coded: Any, tmp_path: Path) -> None:
+    """These pass the caps: the payload runs dry or says something else, and that must cost little memory too."""
+    for name, fields in {
+        "pixels": {"width": 2**15, "height": 2**15},
+        "row": {"width": 2**24, "height": 1},
+        "hidden": {"hidden": 1024, "features": 1024, "per_seed": 10},
+        "context": {"context_hidden": 4096, "prior": 0},
+        "gaussians": {"per_seed": 64, "features": 4288, "channels": 64, "layout": 0},
+    }.items():
+        (tmp_path / name).write_bytes(with_fields(coded.data, **fields))
+    (tmp_path / "hash").write_bytes(with_hash(coded.data, [2**14] * 4, 1, 20))
+    results = read_with_little_memory(tmp_path)
+    assert len(results) == 6
+    assert {kind for kind, _ in results.values()} <= {"CorruptStreamError", "LimitError", "UnsupportedStreamError"}
+
+
+def test_chunk_lengths(coded: Any, tmp_path: Path) -> None:
+    """No memory is taken for bytes that do not come."""
+    start = SIGNATURE + frame("H", split(coded.data)[0][1])
+    for length in (50, 2**20, 2**30, 2**30 + 1, 2**62, 2**63 - 1):
+        (tmp_path / str(length)).write_bytes(start + frame("T", bytes(20), length))
+    (tmp_path / "varint").write_bytes(start + b"T" + b"\xff" * 20)
+    (tmp_path / "padded").write_bytes(start + b"T\x80\x00" + bytes(30))
+    results = read_with_little_memory(tmp_path)
+    assert len(results) == 8
+    for name, (kind, message) in results.items():
+        assert kind == "CorruptStreamError", (name, kind, message)
+
+
+def test_chunks_that_are_really_too_long(coded: Any, tmp_path: Path) -> None:
+    path = tmp_path / "long.sgi"
+    start = SIGNATURE + frame("H", split(coded.data)[0][1])
+    with path.open("wb") as file:
+        file.write(start + frame("T", b"", 2**30 + 1)[:-4])
+        file.truncate(file.tell() + 2**30 + 100)  # a hole: takes no place on the disk
+    (kind, message) = read_with_little_memory(tmp_path)["long.sgi"]
+    assert kind == "LimitError", message
+
+
+@pytest.mark.parametrize("predicted", [False, True])
+def test_free_seeds_are_few(coded: Any, predicted: bool) -> None:
+    """A tree in which everything is split costs two dozen bytes, however many seeds it has; a predicted one has no flag
+    that costs nothing, but less than what its seeds take in memory.
+    """
+    adaptive = decode_header(split(coded.data)[0][1]).spec.layout == "adaptive"
+    if predicted and not adaptive:
+        return
+    least = int(adaptive)
+    side = 2**10 << least
+    fields = {"width": side, "height": side, "flags": lambda flags: flags & 127 | 128 * predicted}
+    header = decode_header(split(with_fields(coded.data, **fields))[0][1])
+    y, x = (axis.reshape(-1) << least for axis in np.mgrid[: 2**10, : 2**10])
+    seeds = np.stack([x, y], axis=1), np.full(x.size, least, np.int8)
+    walk = _up_to_positions(header)
+    shape = TreeShape(side, side, 6, least)
+    if predicted:
+        base = np.zeros((header.spec.channels, *base_shape(side, side, header.spec.base_cell)), np.int64)
+        code_predicted_positions(walk, shape, Scenery(base, header.spec.base_cell, header.quality), seeds, x.size)
+    else:
+        code_positions(walk, shape, seeds, x.size)
+    payload = walk.finish()
+    assert len(payload) < (x.size // 4 if predicted else 500)
+    with pytest.raises(LimitError, match="seeds"):
+        read_tile(header, payload)
+
+
+def test_seeds_on_a_grid_are_not_predicted(coded: Any) -> None:
+    header = split(with_fields(coded.data, seed_layout=1, flags=lambda flags: flags | 128))[0][1]
+    with pytest.raises(CorruptStreamError, match="grid"):
+        decode_header(header)
+
+
+def _up_to_positions(header: Any) -> SymbolWriter:
+    walk = SymbolWriter()
+    plan = default_plan(header.spec, header.quality)
+    for name, index in plan.base.items():
+        code_weights(walk, np.zeros_like(index), index.shape)
+        if header.spec.skip and name != "colour":
+            walk.code_int(0, 6)
+    if header.spec.base_cell:
+        walk.code_int(0, 8)
+        shape = (header.spec.channels, *base_shape(header.width, header.height, header.spec.base_cell))
+        code_base(walk, np.zeros(shape, np.int64), shape)
+    return walk
+
+
+def test_steps_outside_their_table(coded: Any) -> None:
+    header = decode_header(split(coded.data)[0][1])
+    first = next(iter(default_plan(header.spec, header.quality).base.values()))
+    for difference in (STEP_COUNT, -STEP_COUNT, 2**20):
+        walk = SymbolWriter()
+        code_weights(walk, np.full(first.shape, difference), first.shape)
+        with pytest.raises(CorruptStreamError, match="steps"):
+            read_tile(header, walk.finish())
+
+
+def test_base_step_outside_its_table(coded: Any) -> None:
+    header = decode_header(split(with_fields(coded.data, base_cell=32))[0][1])
+    walk = SymbolWriter()
+    for name, index in default_plan(header.spec, header.quality).base.items():
+        code_weights(walk, np.zeros_like(index), index.shape)
+        if header.spec.skip and name != "colour":
+            walk.code_int(0, 6)
+    walk.code_int(STEP_COUNT, 8)
+    with pytest.raises(CorruptStreamError, match="step"):
+        read_tile(header, walk.finish())
+
+
+@pytest.mark.parametrize("low_high", [(1.0, 1.0), (2.0, 1.0), (float("nan"), 1.0), (0.0, float("inf")), (-3e38, 3e38)])
+def test_sample_ranges_that_are_none(coded: Any, low_high: tuple[float, float]) -> None:
+    (_, header), *others = split(with_fields(coded.data, sample_type=2))
+    data = join([("H", header + struct.pack("<2f", *low_high)), *others])
+    with pytest.raises(CorruptStreamError, match="sample range"):
+        open_stream(data)
+    assert open_stream(join([("H", header + struct.pack("<2f", 0, 2)), *others])).picture(threads=1).pixels.max() <= 2
+
+
+def test_picture_too_large_for_one_call(coded: Any) -> None:
+    with open_stream(coded.data) as stream, pytest.raises(LimitError, match="too many"):
+        stream.picture(scale=1000.0)
+
+
+def test_what_wrote_a_stream_cannot_steer_the_terminal(coded: Any) -> None:
+    parts = [
+        ("s", b"\x1b]0;title\x07\n" + b"x" * 10_000) if kind == "s" else (kind, p) for kind, p in split(coded.data)
+    ]
+    with open_stream(io.BytesIO(join(parts))) as stream:
+        assert stream.software.isprintable()
+        assert len(stream.software) <= 200

@@ -1,0 +1,202 @@
+"""Equal input gives equal bytes, equal bytes give equal symbols, and every part of a picture is the same part."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import torch
+
+from sgicodec import EncodeSettings, Picture, Stream, encode, open_stream, read
+from sgicodec.bitstream.parts import tile
+from sgicodec.bitstream.parts.attributes import AttributeCoder
+from sgicodec.decoder import tile_renderer as drawn_tile
+from sgicodec.metrics.scores import psnr
+
+PICTURE = Path(__file__).parents[1] / "data" / "kodim23.png"
+
+SETTINGS = {
+    "default": EncodeSettings(steps=60),
+    "own-context": EncodeSettings(steps=25, prior=0, per_seed=2),
+    "paper": EncodeSettings(profile="paper", steps=20, seeds=3000, per_seed=2, features=8),
+}
+"""The last has enough seeds for torch to share the work of most operations among threads, if it may."""
+
+
+@pytest.fixture(scope="module")
+def picture() -> Picture:
+    """192×128 pixels of a photograph."""
+    whole = read(PICTURE)
+    return replace(whole, pixels=np.ascontiguousarray(whole.pixels[128:256, 100:292]))
+
+
+@pytest.fixture(scope="module", params=list(SETTINGS))
+def settings(request: pytest.FixtureRequest) -> EncodeSettings:
+    """One of SETTINGS."""
+    return SETTINGS[request.param]
+
+
+@pytest.fixture(scope="module")
+def data(picture: Picture, settings: EncodeSettings) -> bytes:
+    """The stream, made by one thread."""
+    return encode(picture, replace(settings, threads=1)).data
+
+
+@pytest.fixture
+def stream(data: bytes) -> Stream:
+    """The stream, opened."""
+    return open_stream(data)
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+def test_same_bytes_for_any_number_of_threads(
+    picture: Picture, settings: EncodeSettings, data: bytes, threads: int
+) -> None:
+    assert encode(picture, replace(settings, threads=threads)).data == data
+
+
+def test_a_fit_lets_torch_use_one_thread(picture: Picture) -> None:
+    """A few steps seldom show that sums were shared among threads; the whole of a fit does."""
+    before, seen = torch.get_num_threads(), set()
+
+    def on_progress(_: Any) -> bool:
+        seen.add(torch.get_num_threads())
+        return True
+
+    torch.set_num_threads(3)
+    try:
+        encode(picture, EncodeSettings(steps=3, threads=2), on_progress)
+        assert torch.get_num_threads() == 3
+    finally:
+        torch.set_num_threads(before)
+    assert seen == {1}
+
+
+def test_same_pixels_for_any_number_of_threads(stream: Stream) -> None:
+    for scale in (None, 0.5, 1.7):
+        one = stream.render(scale=scale, threads=1)
+        for threads in (2, 3, 0):
+            np.testing.assert_array_equal(stream.render(scale=scale, threads=threads), one)
+
+
+def test_same_symbols_for_any_threads_of_the_algebra_library(data: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "a.sgi"
+    path.write_bytes(data)
+    command = [sys.executable, "-m", "sgicodec", "info", str(path), "--json"]
+    checksums = set()
+    for threads in ("1", "2", "3"):
+        environment = os.environ | {"OPENBLAS_NUM_THREADS": threads, "OMP_NUM_THREADS": threads}
+        facts = json.loads(subprocess.run(command, capture_output=True, check=True, env=environment).stdout)
+        checksums.add(facts["symbol_crc"])
+    assert checksums == {f"{open_stream(data).symbol_crc:08x}"}
+
+
+def shuffled(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """a @ b with its sums in a random order."""
+    order = np.random.default_rng(a.size).permutation(a.shape[1])
+    return a[:, order] @ b[order]
+
+
+def in_parts(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """a @ b from partial sums, as a machine with wide registers or several threads adds them."""
+    lanes = [a[:, lane::8] @ b[lane::8] for lane in range(8)]
+    return (lanes[0] + lanes[4] + (lanes[2] + lanes[6])) + (lanes[1] + lanes[5] + (lanes[3] + lanes[7]))
+
+
+def one_by_one(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """a @ b term by term, last first."""
+    total = np.zeros((len(a), b.shape[1]))
+    for index in reversed(range(a.shape[1])):
+        total += a[:, index, None] * b[index]
+    return total
+
+
+@pytest.mark.parametrize("matmul", [shuffled, in_parts, one_by_one])
+def test_same_symbols_in_any_order_of_summation(
+    data: bytes, matmul: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    usual = open_stream(data)
+    expected = usual.model.decoded
+    calls = []
+
+    def counted(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        calls.append(a.shape)
+        return matmul(a, b)
+
+    monkeypatch.setattr(tile, "AttributeCoder", partial(AttributeCoder, matmul=counted))
+    unusual = open_stream(data)
+    np.testing.assert_array_equal(unusual.model.decoded, expected)
+    assert unusual.symbol_crc == usual.symbol_crc
+    assert calls
+
+
+def test_coding_again_what_was_read_gives_the_same_payload(stream: Stream) -> None:
+    model, spec = stream.model, stream.header.spec
+    values = model.decoded_values
+    again = replace(model, attributes={group.name: values[:, group.columns] for group in spec.groups}, decoded=None)
+    payload, walk = tile.write_tile(stream.header, again)
+    np.testing.assert_array_equal(again.decoded, model.decoded)
+    assert walk.crc == stream.symbol_crc
+    assert len(payload) == pytest.approx(sum(stream.part_bytes.values()), abs=8)
+    assert tile.read_tile(stream.header, payload)[1].crc == stream.symbol_crc
+
+
+REGIONS = [(0, 0, 192, 128), (0, 0, 1, 1), (191, 127, 1, 1), (5, 3, 16, 16), (16, 32, 64, 48), (77, 0, 33, 128)]
+
+
+@pytest.mark.parametrize("region", REGIONS)
+def test_a_region_is_the_crop_of_the_picture(stream: Stream, region: tuple[int, int, int, int]) -> None:
+    x, y, width, height = region
+    np.testing.assert_array_equal(stream.render(region), stream.render()[y : y + height, x : x + width])
+    np.testing.assert_array_equal(stream.picture(region).pixels, stream.picture().pixels[y : y + height, x : x + width])
+
+
+@pytest.mark.parametrize("scale", [None, 0.37, 2.0])
+def test_blocks_do_not_show(stream: Stream, scale: float | None, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole, pixels = stream.render(scale=scale), stream.picture(scale=scale).pixels
+    monkeypatch.setattr(drawn_tile, "BLOCK_SAMPLES", 2000)
+    monkeypatch.setattr(drawn_tile, "BLOCK_COLUMNS", 50)
+    np.testing.assert_array_equal(stream.render(scale=scale), whole)
+    np.testing.assert_array_equal(stream.picture(scale=scale).pixels, pixels)
+
+
+def test_enlarging_keeps_the_values_at_the_old_pixels(stream: Stream) -> None:
+    """At three times the size every third pixel centre is an old one; the tails that are cut off may differ."""
+    enlarged = stream.render(scale=3)
+    assert enlarged.shape == (384, 576, 3)
+    difference = np.abs(enlarged[1::3, 1::3] - stream.render())
+    assert difference.max() < 1 / 255
+    assert difference.mean() < 1e-4
+
+
+def test_enlarging_stays_near_the_old_pixels(stream: Stream) -> None:
+    """At four times the size the old centres lie between four new pixels."""
+    enlarged = stream.render(scale=4)
+    between = sum(enlarged[dy::4, dx::4] for dy in (1, 2) for dx in (1, 2)) / 4
+    assert psnr(between, stream.render()) > 38
+
+
+@pytest.mark.parametrize("factor", [2, 4, 8])
+def test_shrinking_is_near_the_area_mean(stream: Stream, factor: int) -> None:
+    whole = stream.render()
+    mean = whole.reshape(128 // factor, factor, 192 // factor, factor, 3).mean((1, 3))
+    assert psnr(stream.render(scale=1 / factor), mean) > 36
+
+
+def test_scaled_regions_agree_with_scaled_pictures(stream: Stream) -> None:
+    """Where the region starts on a whole output pixel, up to the rounding of its coordinates."""
+    for scale, step in ((2.0, 1), (0.5, 2), (0.25, 4)):
+        x, y, width, height = 8 * step, 4 * step, 10 * step, 7 * step
+        part = stream.render((x, y, width, height), scale=scale)
+        left, top = round(x * scale), round(y * scale)
+        crop = stream.render(scale=scale)[top : top + part.shape[0], left : left + part.shape[1]]
+        np.testing.assert_allclose(part, crop, atol=4e-4)

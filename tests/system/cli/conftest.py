@@ -1,0 +1,68 @@
+"""A small picture, its stream, and the command line as a user types it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+from sgicodec.cli.main import cli
+from sgicodec.image import write
+from sgicodec.picture import Picture
+
+
+def call(*arguments: object, stdin: bytes | None = None) -> Result:
+    return CliRunner().invoke(cli, [str(argument) for argument in arguments], input=stdin)
+
+
+@pytest.fixture(scope="session")
+def sgi() -> Callable[..., Result]:
+    """Runs `sgi ARGUMENTS…` in this process; `stdin` are bytes."""
+    return call
+
+
+def scene(width: int = 48, height: int = 32) -> np.ndarray:
+    """A smooth ramp with a dark disc and a bright stripe [height, width, 3], uint8."""
+    y, x = np.mgrid[:height, :width]
+    pixels = np.stack([60 + 3 * x, 200 - 4 * y, 80 + x + 2 * y], axis=2)
+    pixels[(x - 15) ** 2 + (y - 14) ** 2 < 64] = (30, 20, 60)
+    pixels[(x + y) // 6 == 9] = (240, 230, 90)
+    return pixels.clip(0, 255).astype(np.uint8)
+
+
+@pytest.fixture(scope="session")
+def pixels() -> np.ndarray:
+    """What scene.png holds."""
+    return scene()
+
+
+@pytest.fixture(scope="session")
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with scene.png, its stream scene.sgi, and float.tif with its stream float.sgi."""
+    folder = tmp_path_factory.mktemp("shared")
+    write(Picture(scene(), "rgb", (0.0, 255.0)), folder / "scene.png")
+    floats = scene().astype(np.float32) * 8 - 300
+    write(Picture(floats, "rgb", (float(floats.min()), float(floats.max()))), folder / "float.tif")
+    for name in ("scene.png", "float.tif"):
+        result = call("encode", folder / name, "--steps", 12, "-j", 1, "--quiet")
+        assert result.exit_code == 0, result.output
+    return folder
+
+
+@pytest.fixture
+def picture(shared: Path, tmp_path: Path) -> Path:
+    """scene.png in a folder of its own."""
+    copy = tmp_path / "scene.png"
+    copy.write_bytes((shared / "scene.png").read_bytes())
+    return copy
+
+
+@pytest.fixture
+def stream(shared: Path, tmp_path: Path) -> Path:
+    """scene.sgi in a folder of its own."""
+    copy = tmp_path / "scene.sgi"
+    copy.write_bytes((shared / "scene.sgi").read_bytes())
+    return copy

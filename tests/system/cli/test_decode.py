@@ -1,0 +1,209 @@
+"""`sgi decode` as a user types it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import Result
+
+from sgicodec.decoder.stream import open_stream
+from sgicodec.image import probe, read, write
+from sgicodec.picture import convert
+
+Run = Callable[..., Result]
+
+
+def test_out_is_a_png_beside_in(sgi: Run, stream: Path) -> None:
+    result = sgi("decode", stream)
+    assert (result.exit_code, result.output) == (0, "")
+    with open_stream(stream) as opened:
+        expected = opened.picture()
+    written = read(stream.with_suffix(".png"))
+    assert written.channels == "rgb"
+    np.testing.assert_array_equal(written.pixels, expected.pixels)
+
+
+def test_out_is_a_tiff_for_floats(sgi: Run, shared: Path, tmp_path: Path) -> None:
+    source = tmp_path / "f.sgi"
+    source.write_bytes((shared / "float.sgi").read_bytes())
+    assert sgi("decode", source).exit_code == 0
+    with open_stream(source) as opened:
+        np.testing.assert_array_equal(read(tmp_path / "f.tif").pixels, opened.picture().pixels)
+    assert sgi("decode", source, "--depth", 16).exit_code == 0
+    assert probe(tmp_path / "f.png").dtype == np.uint16
+
+
+def test_out_is_a_tiff_for_bands(sgi: Run, tmp_path: Path, pixels: np.ndarray) -> None:
+    from sgicodec.picture import Picture
+
+    bands = np.concatenate([pixels, pixels[..., :2]], axis=2)
+    write(Picture(bands, "multi", (0.0, 255.0)), tmp_path / "bands.tif")
+    assert sgi("encode", tmp_path / "bands.tif", "--steps", 2).exit_code == 0
+    (tmp_path / "bands.tif").unlink()
+    assert sgi("decode", tmp_path / "bands.sgi").exit_code == 0
+    assert read(tmp_path / "bands.tif").pixels.shape == (32, 48, 5)
+    assert sgi("decode", tmp_path / "bands.sgi", tmp_path / "bands.png").exit_code == 3
+
+
+@pytest.mark.parametrize(
+    ("options", "arguments"),
+    [
+        ("--region 3,5,20,11", {"region": (3, 5, 20, 11)}),
+        ("--scale 2", {"size": (96, 64)}),
+        ("--scale 1/4", {"size": (12, 8)}),
+        ("--size 30x10", {"size": (30, 10)}),
+        ("--size 24x", {"size": (24, 16)}),
+        ("--size x64", {"size": (96, 64)}),
+        ("--region 0,0,20,10 --size x5", {"region": (0, 0, 20, 10), "size": (10, 5)}),
+        ("--region 0,0,48,1 --size 4x", {"region": (0, 0, 48, 1), "size": (4, 1)}),
+        ("--region 8,8,16,16 --scale 1.5", {"region": (8, 8, 16, 16), "size": (24, 24)}),
+        ("-j 1", {}),
+        ("--threads 3", {}),
+    ],
+)
+def test_parts_and_scales(
+    sgi: Run, stream: Path, tmp_path: Path, options: str, arguments: dict[str, tuple[int, ...]]
+) -> None:
+    assert sgi("decode", stream, tmp_path / "out.png", *options.split()).exit_code == 0
+    with open_stream(stream) as opened:
+        np.testing.assert_array_equal(read(tmp_path / "out.png").pixels, opened.picture(**arguments).pixels)
+
+
+@pytest.mark.parametrize(("depth", "dtype"), [(8, np.uint8), (16, np.uint16), (32, np.float32)])
+def test_depth(sgi: Run, stream: Path, tmp_path: Path, depth: int, dtype: type) -> None:
+    assert sgi("decode", stream, tmp_path / "out.tif", "--depth", depth).exit_code == 0
+    with open_stream(stream) as opened:
+        expected = convert(opened.picture(), depth).pixels
+    written = read(tmp_path / "out.tif").pixels
+    assert written.dtype == dtype
+    np.testing.assert_array_equal(written, expected)
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "signature"),
+    [
+        ("out.jpg", [], b"\xff\xd8\xff"),
+        ("out.TIF", [], b"II*\0"),
+        ("out", ["--format", "ppm"], b"P6"),
+        ("out.dat", ["--format", "png"], b"\x89PNG"),
+        ("out.png", ["--format", "webp"], b"RIFF"),
+        ("out.sgi", ["--format", "sgi"], b"\x01\xda"),
+    ],
+)
+def test_format(sgi: Run, stream: Path, tmp_path: Path, name: str, options: list[str], signature: bytes) -> None:
+    target = tmp_path / "folder" / name
+    target.parent.mkdir()
+    assert sgi("decode", stream, target, *options).exit_code == 0
+    assert target.read_bytes().startswith(signature)
+
+
+def test_format_names_the_default_out(sgi: Run, stream: Path) -> None:
+    assert sgi("decode", stream, "--format", "jpeg").exit_code == 0
+    assert stream.with_suffix(".jpg").exists()
+
+
+@pytest.mark.parametrize(
+    ("target", "options", "complaint"),
+    [
+        ("out.xyz", "", "'xyz' is no picture format"),
+        ("out", "", "has no extension"),
+        ("out.png", "--format xyz", "'xyz' is no picture format"),
+        ("out.sgi", "", "add --format sgi"),
+        ("out.png", "--scale 0", "--scale"),
+        ("out.png", "--scale 2 --size 5x5", "exclude each other"),
+        ("out.png", "--size 0x5", "--size"),
+        ("out.png", "--region 40,0,20,20", "not inside the picture of 48×32"),
+        ("out.png", "--region 0,0,0,5", "not inside"),
+        ("out.png", "--region 1,2,3", "--region"),
+        ("out.png", "--scale " + "9" * 308, "scale"),
+        ("out.png", "--depth 12", "--depth"),
+        ("out.png", "-j -2", "--threads"),
+        ("nowhere/out.png", "", "does not exist"),
+        (".", "--format png", "is a folder"),
+    ],
+)
+def test_arguments_that_make_no_sense(
+    sgi: Run, stream: Path, tmp_path: Path, target: str, options: str, complaint: str
+) -> None:
+    result = sgi("decode", stream, tmp_path / target, *options.split())
+    assert result.exit_code == 2
+    assert complaint in result.stderr
+    assert result.stderr.startswith("sgi: ")
+    assert result.stderr.count("\n") == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["scene.sgi"]
+
+
+def test_what_a_format_cannot_hold(sgi: Run, stream: Path, tmp_path: Path) -> None:
+    result = sgi("decode", stream, tmp_path / "out.jpg", "--depth", 16)
+    assert result.exit_code == 3
+    assert "jpeg cannot hold 16 bits" in result.stderr
+    assert not (tmp_path / "out.jpg").exists()
+
+
+def test_too_many_pixels(sgi: Run, stream: Path, tmp_path: Path) -> None:
+    result = sgi("decode", stream, tmp_path / "out.png", "--scale", 99999)
+    assert result.exit_code == 4
+    assert "too many" in result.stderr
+
+
+def test_an_existing_output_stays_without_force(sgi: Run, stream: Path) -> None:
+    target = stream.with_suffix(".png")
+    target.write_bytes(b"old")
+    result = sgi("decode", stream)
+    assert result.exit_code == 6
+    assert result.stderr == f"sgi: {target} exists; give -f to overwrite it\n"
+    assert target.read_bytes() == b"old"
+    assert sgi("decode", stream, "-f").exit_code == 0
+    assert read(target).pixels.shape == (32, 48, 3)
+
+
+def test_the_input_is_never_the_output(sgi: Run, stream: Path) -> None:
+    before = stream.read_bytes()
+    result = sgi("decode", stream, stream, "-f", "--format", "sgi")
+    assert result.exit_code == 2
+    assert stream.read_bytes() == before
+
+
+def test_verbose_tells_what_was_written(sgi: Run, stream: Path) -> None:
+    result = sgi("decode", stream, "-v", "--scale", "1/2")
+    assert result.stderr == f"{stream.with_suffix('.png')}: 24×16, rgb\n"
+
+
+def _cut(data: bytes) -> bytes:
+    return data[:-9]
+
+
+def _flipped(data: bytes) -> bytes:
+    return data[:60] + bytes([data[60] ^ 4]) + data[61:]
+
+
+@pytest.mark.parametrize(
+    ("spoil", "complaint"),
+    [
+        (_cut, "cut short"),
+        (_flipped, ""),
+        (lambda data: b"", "empty"),
+        (lambda data: b"\x89PNG\r\n\x1a\n" + data, "this is a PNG file"),
+        (lambda data: data.replace(b"\r\n", b"\n", 1), "text mode"),
+    ],
+)
+@pytest.mark.parametrize("command", ["decode", "info", "verify"])
+def test_spoilt_streams(sgi: Run, stream: Path, command: str, spoil: Callable[[bytes], bytes], complaint: str) -> None:
+    stream.write_bytes(spoil(stream.read_bytes()))
+    result = sgi(command, stream)
+    assert result.exit_code == 4
+    assert result.stdout == ""
+    assert result.stderr.startswith(f"sgi: {stream}: ")
+    assert complaint in result.stderr
+    assert result.stderr.count("\n") == 1
+    assert list(stream.parent.iterdir()) == [stream]
+
+
+@pytest.mark.parametrize("command", ["decode", "info", "verify"])
+def test_streams_that_cannot_be_opened(sgi: Run, tmp_path: Path, command: str) -> None:
+    for path, complaint in ((tmp_path / "missing.sgi", "No such file or directory"), (tmp_path, "Is a directory")):
+        result = sgi(command, path)
+        assert (result.exit_code, result.stderr) == (4, f"sgi: {path}: {complaint}\n")

@@ -1,0 +1,373 @@
+"""`sgi encode` as a user types it."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import Result
+
+from sgicodec.decoder.stream import open_stream
+from sgicodec.encoder import pipeline as encoder
+from sgicodec.errors import SgiError
+from sgicodec.fit.settings import lmbda_of_quality
+from sgicodec.image import read, write
+from sgicodec.metrics import scores as metrics
+from sgicodec.metrics.scores import psnr
+from sgicodec.picture import Picture
+
+Run = Callable[..., Result]
+ODD = Path(__file__).parents[2] / "data" / "pictures"
+
+
+class Stopped(SgiError):
+    """Raised in place of a fit."""
+
+
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    """The settings that reach the encoder, which then does nothing."""
+    seen: dict[str, Any] = {}
+
+    def record(picture: Picture, settings: encoder.EncodeSettings, on_progress: object, started: float) -> None:
+        seen.update(asdict(settings))
+        raise Stopped("stopped")
+
+    monkeypatch.setattr(encoder, "encode", record)
+    return seen
+
+
+def test_out_is_beside_in_and_the_report_is_true(sgi: Run, picture: Path, pixels: np.ndarray) -> None:
+    result = sgi("encode", picture, "--steps", 5)
+    assert result.exit_code == 0, result.output
+    target = picture.with_suffix(".sgi")
+    size = target.stat().st_size
+    with open_stream(target) as stream:
+        expected = psnr(pixels, stream.picture().pixels)
+    assert result.stderr == ""
+    assert re.fullmatch(
+        rf"{re.escape(str(target))}: {size:,} bytes, {8 * size / (48 * 32):.3f} bpp, PSNR {expected:.2f} dB, "
+        r"\d+ Gaussians, \d+\.\d s, \d+ MiB\n",
+        result.stdout,
+    )
+
+
+def test_json(sgi: Run, picture: Path, tmp_path: Path, pixels: np.ndarray) -> None:
+    result = sgi("encode", picture, tmp_path / "out.sgi", "--steps", 5, "--json", "--quiet")
+    figures = json.loads(result.stdout)
+    size = (tmp_path / "out.sgi").stat().st_size
+    assert figures["bytes"] == size
+    assert figures["bpp"] == pytest.approx(8 * size / (48 * 32))
+    assert sum(figures["parts"].values()) == pytest.approx(size)
+    assert (figures["width"], figures["height"], figures["channels"], figures["sample_type"]) == (
+        48,
+        32,
+        "rgb",
+        "uint8",
+    )
+    assert figures["ended_early"] is False
+    assert figures["lmbda"] == pytest.approx(lmbda_of_quality(50))
+    assert 1 <= figures["seeds"] == figures["gaussians"]
+    assert figures["peak_mib"] > 10
+    assert figures["seconds"] > 0
+    with open_stream(tmp_path / "out.sgi") as stream:
+        assert figures["psnr"] == pytest.approx(psnr(pixels, stream.picture().pixels))
+
+
+def test_json_has_no_infinity(sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(metrics, "psnr", lambda *_: float("inf"))
+    assert json.loads(sgi("encode", picture, "--steps", 2, "--json").stdout)["psnr"] is None
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        ([], {"quality": 50.0, "lmbda": None, "effort": 5, "profile": "default", "seed": 0, "metadata": True}),
+        (["-q", "73.5"], {"quality": 73.5}),
+        (["--quality", "1"], {"quality": 1.0}),
+        (["--lmbda", "0.25"], {"lmbda": 0.25}),
+        (["-e", "9"], {"effort": 9}),
+        (["--psnr", "31.5"], {"psnr": 31.5, "size": None, "bpp": None}),
+        (["--bpp", "0.25"], {"bpp": 0.25, "psnr": None}),
+        (["--size", "1.5kB"], {"size": 1500.0}),
+        (["--time-limit", "2.5", "--bpp", "1"], {"time_limit": 2.5, "bpp": 1.0, "steps": None}),
+        (["--effort", "1", "--steps", "7"], {"effort": 1, "steps": 7}),
+        (["--per-seed", "4"], {"per_seed": 4}),
+        (
+            ["--profile", "paper", "--seeds", "9", "--per-seed", "3", "--features", "8", "--levels", "2"],
+            {"profile": "paper", "seeds": 9, "per_seed": 3, "features": 8, "levels": 2},
+        ),
+        (["--seed", "11"], {"seed": 11}),
+        (["-j", "3"], {"threads": 3}),
+        (["--threads", "2"], {"threads": 2}),
+        (["--no-metadata"], {"metadata": False}),
+    ],
+)
+def test_options_reach_the_encoder(
+    sgi: Run, picture: Path, asked: dict[str, Any], options: list[str], expected: dict[str, Any]
+) -> None:
+    result = sgi("encode", picture, *options)
+    assert result.stderr == "sgi: stopped\n"
+    assert {name: asked[name] for name in expected} == expected
+
+
+@pytest.mark.parametrize(
+    ("options", "complaint"),
+    [
+        ("-q 0", "1 to 100"),
+        ("-q 101", "1 to 100"),
+        ("-q nan", "1 to 100"),
+        ("-q 50 --lmbda 1", "exclude each other"),
+        ("-q 50 --psnr 30", "--quality and --psnr exclude each other"),
+        ("--lmbda 1 --bpp 1", "--lmbda and --bpp exclude each other"),
+        ("--bpp 1 --size 1kB", "--bpp and --size exclude each other"),
+        ("-e 5 --time-limit 1", "--effort and --time-limit exclude each other"),
+        ("--steps 5 --time-limit 1", "--steps and --time-limit exclude each other"),
+        ("--psnr 0", "positive"),
+        ("--psnr nan", "positive"),
+        ("--bpp -1", "positive"),
+        ("--size 0", "as in 20000, 200kB"),
+        ("--size many", "as in 20000, 200kB"),
+        ("--time-limit 0", "above 0 s"),
+        ("--profile paper --psnr 30", "default profile"),
+        ("--lmbda -1", "negative"),
+        ("-e 0", "1 to 9"),
+        ("-e 10", "1 to 9"),
+        ("-e 2.5", "not a valid integer"),
+        ("--profile best", "not one of"),
+        ("--profile paper -q 5", "give --lmbda"),
+        ("--profile paper -e 5", "give --steps"),
+        ("--seeds 5", "add --profile paper"),
+        ("--features 5", "add --profile paper"),
+        ("--levels 2", "add --profile paper"),
+        ("--profile paper --levels 5", "1 to 4"),
+        ("--profile paper --seeds 0", "at least 1"),
+        ("--per-seed 0", "1 to 64"),
+        ("--steps 0", "at least 1"),
+        ("--seed -1", "--seed"),
+        ("-j -1", "--threads"),
+        ("--float-range 1,0", "--float-range"),
+        ("--float-range 0,1", "only floating-point"),
+        ("--progress maybe", "not one of"),
+    ],
+)
+def test_settings_that_make_no_sense(sgi: Run, picture: Path, options: str, complaint: str) -> None:
+    result = sgi("encode", picture, *options.split())
+    assert result.exit_code == 2
+    assert complaint in result.stderr
+    assert result.stderr.startswith("sgi: ")
+    assert result.stderr.count("\n") == 1
+    assert not picture.with_suffix(".sgi").exists()
+
+
+@pytest.mark.parametrize("option", ["--size", "--bpp"])
+def test_a_size_that_is_reached(sgi: Run, picture: Path, option: str) -> None:
+    size = 1000
+    asked = size if option == "--size" else 8 * size / (48 * 32)
+    result = sgi("encode", picture, option, asked, "--steps", 40, "--json")
+    assert result.exit_code == 0, result.output
+    written = picture.with_suffix(".sgi").stat().st_size
+    assert json.loads(result.stdout)["bytes"] == written
+    assert 0.97 * size <= written <= size
+
+
+def test_a_size_that_is_missed(sgi: Run, picture: Path) -> None:
+    """Exit 5, the report as ever, one line of complaint, and the nearest stream, which decodes."""
+    target = picture.with_suffix(".sgi")
+    result = sgi("encode", picture, "--size", 20, "--steps", 5)
+    assert result.exit_code == 5
+    assert re.fullmatch(
+        rf"sgi: no stream of at most 20 bytes .*; it is written to {re.escape(str(target))}\n", result.stderr
+    )
+    assert f"{target.stat().st_size:,} bytes" in result.stdout
+    assert sgi("verify", target).exit_code == 0
+
+
+def test_ctrl_c_on_the_way_to_a_goal(sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first step is the last; what there is, is written, and the code says whether the goal was met."""
+    real = encoder.encode
+
+    def stopped(picture: Picture, settings: encoder.EncodeSettings, on_progress: Any, started: float) -> Any:
+        return real(picture, settings, lambda state: on_progress(state) and False, started)
+
+    monkeypatch.setattr(encoder, "encode", stopped)
+    for goal, value, code in (("--size", 5000, 0), ("--size", 30, 5), ("--psnr", 90, 5)):
+        result = sgi("encode", picture, "-f", goal, value, "--steps", 30, "--json")
+        assert result.exit_code == code, result.output
+        assert json.loads(result.stdout)["steps"] == 1
+        assert json.loads(result.stdout)["ended_early"] is True
+        assert sgi("verify", picture.with_suffix(".sgi")).exit_code == 0
+
+
+def test_time_limit(sgi: Run, picture: Path) -> None:
+    result = sgi("encode", picture, "--time-limit", 1, "--json")
+    assert result.exit_code == 0
+    assert json.loads(result.stdout)["ended_early"] is False
+    assert sgi("verify", picture.with_suffix(".sgi")).exit_code == 0
+
+
+def test_paper_profile(sgi: Run, picture: Path) -> None:
+    options = "--profile paper --seeds 12 --per-seed 3 --features 6 --levels 2 --steps 6"
+    assert sgi("encode", picture, *options.split()).exit_code == 0
+    facts = json.loads(sgi("info", picture.with_suffix(".sgi"), "--json").stdout)
+    assert (facts["profile"], facts["seeds"], facts["gaussians"]) == ("paper", 12, 36)
+    assert (facts["settings"]["per_seed"], facts["settings"]["features"]) == (3, 6)
+
+
+def test_an_existing_output_stays(sgi: Run, picture: Path, asked: dict[str, Any]) -> None:
+    target = picture.with_suffix(".sgi")
+    target.write_bytes(b"old")
+    result = sgi("encode", picture)
+    assert result.exit_code == 6
+    assert result.stderr == f"sgi: {target} exists; give -f to overwrite it\n"
+    assert target.read_bytes() == b"old"
+    assert asked == {}
+
+
+def test_force_overwrites(sgi: Run, picture: Path) -> None:
+    target = picture.with_suffix(".sgi")
+    target.write_bytes(b"old")
+    assert sgi("encode", picture, "-f", "--steps", 2).exit_code == 0
+    assert sgi("verify", target).exit_code == 0
+
+
+def test_failure_leaves_nothing(sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    real = encoder.encode
+
+    def damaged(*arguments: Any) -> encoder.Encoded:
+        whole = real(*arguments)
+        data = bytearray(whole.data)
+        data[len(data) // 2] ^= 1
+        return encoder.Encoded(bytes(data), whole.part_bytes, whole.seeds, whole.gaussians, whole.lmbda)
+
+    monkeypatch.setattr(encoder, "encode", damaged)
+    result = sgi("encode", picture, "--steps", 2)
+    assert result.exit_code == 4
+    assert "wrong CRC" in result.stderr
+    assert [path.name for path in picture.parent.iterdir()] == ["scene.png"]
+
+
+def test_no_verify_does_not_decode(sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from sgicodec.decoder import stream as decoder
+
+    monkeypatch.setattr(decoder, "open_stream", lambda *_: 1 / 0)
+    result = sgi("encode", picture, "--steps", 2, "--no-verify")
+    assert result.exit_code == 0
+    assert "PSNR" not in result.stdout
+    assert json.loads(sgi("encode", picture, "-f", "--steps", 2, "--no-verify", "--json").stdout)["psnr"] is None
+
+
+@pytest.mark.parametrize(
+    ("options", "lines"), [(["--quiet"], 0), ([], 1), (["-v"], 10), (["--quiet", "--progress", "on"], 0)]
+)
+def test_how_much_is_told(sgi: Run, picture: Path, options: list[str], lines: int) -> None:
+    result = sgi("encode", picture, "--steps", 2, *options)
+    assert result.stderr == ""
+    told = len(result.stdout.splitlines())
+    assert told == lines if lines < 2 else told >= lines
+
+
+@pytest.mark.parametrize(("mode", "drawn"), [("on", True), ("auto", False), ("off", False)])
+def test_progress(sgi: Run, picture: Path, mode: str, drawn: bool) -> None:
+    result = sgi("encode", picture, "--steps", 8, "--progress", mode)
+    assert result.exit_code == 0
+    text = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", result.stderr)
+    assert bool(re.search(r"8/8.* dB  ~\d+\.\d+ bpp", text)) is drawn
+    assert drawn or not result.stderr
+
+
+def test_metadata_is_kept_unless_told_otherwise(sgi: Run, tmp_path: Path) -> None:
+    icc = read(ODD / "icc_profile.png").metadata.icc
+    assert icc
+    for option, kept in (("--metadata", icc), ("--no-metadata", None)):
+        assert sgi("encode", ODD / "icc_profile.png", tmp_path / "out.sgi", "-f", "--steps", 2, option).exit_code == 0
+        assert sgi("decode", tmp_path / "out.sgi", tmp_path / "out.png", "-f").exit_code == 0
+        assert read(tmp_path / "out.png").metadata.icc == kept
+
+
+def test_float_range_clips(sgi: Run, shared: Path, tmp_path: Path) -> None:
+    target = tmp_path / "out.sgi"
+    assert sgi("encode", shared / "float.tif", target, "--steps", 2, "--float-range", "-100,500").exit_code == 0
+    with open_stream(target) as stream:
+        assert stream.header.sample_range == (-100.0, 500.0)
+        pixels = stream.picture().pixels
+    assert pixels.min() >= -100
+    assert pixels.max() <= 500
+
+
+@pytest.mark.parametrize("name", ["x.sgi", "x.SGI"])
+def test_a_silicon_graphics_picture_needs_an_out(sgi: Run, tmp_path: Path, name: str) -> None:
+    source = tmp_path / name
+    source.write_bytes((ODD / "hopper.sgi").read_bytes())
+    result = sgi("encode", source, "-f", "--steps", 2)
+    assert result.exit_code == 2
+    assert result.stderr == f"sgi: {source} already ends in .sgi; name OUT\n"
+    assert source.read_bytes() == (ODD / "hopper.sgi").read_bytes()
+    assert sgi("encode", source, tmp_path / "out.sgi", "--steps", 2).exit_code == 0
+
+
+def test_the_input_is_never_the_output(sgi: Run, picture: Path) -> None:
+    before = picture.read_bytes()
+    link = picture.with_name("link.png")
+    link.symlink_to(picture)
+    for target in (picture, link):
+        result = sgi("encode", picture, target, "-f")
+        assert result.exit_code == 2
+        assert "both input and output" in result.stderr
+    assert picture.read_bytes() == before
+
+
+@pytest.mark.parametrize("source", ["/", ".", ".."])
+def test_a_folder_is_no_picture(sgi: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, source: str) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = sgi("encode", source, "-f")
+    assert (result.exit_code, result.stderr) == (3, f"sgi: {source}: Is a directory\n")
+
+
+def test_an_empty_name_is_no_file(sgi: Run, picture: Path) -> None:
+    assert sgi("encode", "").exit_code == 3
+    assert sgi("encode", picture, "").exit_code == 2
+
+
+@pytest.mark.parametrize("target", ["nowhere/out.sgi", "."])
+def test_targets_that_cannot_be(sgi: Run, picture: Path, asked: dict[str, Any], target: str) -> None:
+    result = sgi("encode", picture, picture.parent / target)
+    assert result.exit_code == 2
+    assert "folder" in result.stderr
+    assert asked == {}
+
+
+def test_a_full_device(sgi: Run, picture: Path) -> None:
+    if not Path("/dev/full").exists():
+        pytest.skip("this system has no /dev/full")
+    result = sgi("encode", picture, "/dev/full", "--steps", 2)
+    assert result.exit_code == 4
+    assert result.stderr == "sgi: /dev/full: No space left on device\n"
+
+
+@pytest.mark.parametrize("name", ["truncated_jpeg.jpg", "xcsn0g01.png", "README.md", "missing.png", "."])
+def test_unreadable_pictures(sgi: Run, tmp_path: Path, name: str) -> None:
+    result = sgi("encode", ODD / name, tmp_path / "out.sgi")
+    assert result.exit_code == 3
+    assert result.stderr.startswith(f"sgi: {ODD / name}: ")
+    assert result.stderr.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_too_many_channels(sgi: Run, tmp_path: Path) -> None:
+    write(Picture(np.zeros((4, 4, 65), np.uint8), "multi", (0.0, 255.0)), tmp_path / "many.tif")
+    result = sgi("encode", tmp_path / "many.tif")
+    assert result.exit_code == 3
+    assert "at most 64 channels" in result.stderr
+
+
+def test_a_stream_is_no_picture(sgi: Run, stream: Path, tmp_path: Path) -> None:
+    result = sgi("encode", stream, tmp_path / "again.sgi")
+    assert result.exit_code == 3
+    assert "decode it first" in result.stderr

@@ -1,0 +1,257 @@
+"""Pictures of several tiles and many files on the command line."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import Result
+
+from sgicodec import open_stream
+from sgicodec.encoder import tile_work
+from sgicodec.image import read, write
+from sgicodec.picture import Metadata, Picture
+
+Run = Callable[..., Result]
+OPTIONS = ("--tile", 32, "--steps", 4, "-j", 1)
+
+
+@pytest.fixture
+def tiled(sgi: Run, picture: Path) -> Path:
+    """scene.png in four tiles."""
+    result = sgi("encode", picture, *OPTIONS, "--quiet")
+    assert result.exit_code == 0, result.output
+    return picture.with_suffix(".sgi")
+
+
+def test_report_and_info(sgi: Run, picture: Path, tmp_path: Path) -> None:
+    result = sgi("encode", picture, tmp_path / "a.sgi", *OPTIONS, "--json")
+    report, size = json.loads(result.stdout), (tmp_path / "a.sgi").stat().st_size
+    assert report["tiles"] == 2
+    assert report["bytes"] == size
+    assert sum(report["parts"].values()) == pytest.approx(size)
+    assert "2 tiles of 32×32 pixels, 1 worker, about" in result.stderr
+    facts = json.loads(sgi("info", tmp_path / "a.sgi", "--json").stdout)
+    assert facts["tiles"] == 2
+    assert facts["seeds"] == report["seeds"]
+    assert sum(facts["parts"].values()) == pytest.approx(size)
+    assert "2 (2×1) of up to 32 pixels" in sgi("info", tmp_path / "a.sgi").stdout
+    assert sgi("verify", tmp_path / "a.sgi").stdout.endswith(f"symbols {facts['symbol_crc']}\n")
+
+
+def test_an_overview_on_request(sgi: Run, picture: Path, tmp_path: Path) -> None:
+    plain, with_one = (tmp_path / name for name in ("plain.sgi", "with.sgi"))
+    assert sgi("encode", picture, plain, *OPTIONS).exit_code == 0
+    report = json.loads(sgi("encode", picture, with_one, *OPTIONS, "--overview", "--json").stdout)
+    assert sum(report["parts"].values()) == pytest.approx(with_one.stat().st_size)
+    facts = json.loads(sgi("info", with_one, "--json").stdout)
+    with open_stream(with_one) as stream:
+        assert facts["overview"] == [stream.overview.width, stream.overview.height]
+        assert stream.overview.width == round(stream.width / 16)
+    added = with_one.stat().st_size - plain.stat().st_size
+    assert added - 4 <= facts["parts"]["overview"] <= added  # what the index says of offsets may grow
+    assert "overview" in sgi("info", with_one).stdout
+    assert json.loads(sgi("info", plain, "--json").stdout)["overview"] is None
+    shown = tmp_path / "small.png"
+    assert sgi("decode", with_one, shown, "--scale", "1/16").exit_code == 0
+    exact = tmp_path / "exact.png"
+    assert sgi("decode", with_one, exact, "--scale", "1/16", "--exact").exit_code == 0
+    assert (read(shown).pixels != read(exact).pixels).any()
+
+
+def test_psnr_is_that_of_the_decoded_picture(sgi: Run, picture: Path, tmp_path: Path) -> None:
+    report = json.loads(sgi("encode", picture, tmp_path / "a.sgi", *OPTIONS, "--json").stdout)
+    error = read(picture).pixels.astype(float) - open_stream(tmp_path / "a.sgi").picture().pixels
+    assert report["psnr"] == pytest.approx(10 * np.log10(255**2 / np.mean(error**2)), abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    "options", [(), ("--region", "20,5,20,20"), ("--scale", "2"), ("--size", "20x"), ("--depth", "16")]
+)
+@pytest.mark.parametrize("extension", ["png", "tif"])
+def test_decode_writes_what_the_stream_shows(
+    sgi: Run, tiled: Path, tmp_path: Path, options: tuple[str, ...], extension: str
+) -> None:
+    out = tmp_path / f"out.{extension}"
+    assert sgi("decode", tiled, out, *options).exit_code == 0
+    with open_stream(tiled) as stream:
+        shown = {
+            "": lambda: stream.picture(),
+            "--region": lambda: stream.picture((20, 5, 20, 20)),
+            "--scale": lambda: stream.picture(scale=2),
+            "--size": lambda: stream.picture(size=(20, 13)),
+            "--depth": lambda: stream.picture(),
+        }[options[0] if options else ""]().pixels
+    expected = shown.astype(np.uint16) * 257 if "--depth" in options else shown
+    np.testing.assert_array_equal(read(out).pixels, expected)
+
+
+def test_standard_streams(sgi: Run, picture: Path, tiled: Path, tmp_path: Path) -> None:
+    encoded = sgi("encode", "-", "-", *OPTIONS, stdin=picture.read_bytes())
+    assert encoded.stdout_bytes == tiled.read_bytes()
+    decoded = sgi("decode", "-", "-", stdin=tiled.read_bytes())
+    (tmp_path / "out.png").write_bytes(decoded.stdout_bytes)
+    np.testing.assert_array_equal(read(tmp_path / "out.png").pixels, open_stream(tiled).picture().pixels)
+
+
+def test_interrupt_keeps_what_is_done(
+    sgi: Run, picture: Path, tiled: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fit, fitted = tile_work.encode_tile, []
+
+    def interrupted(window: object, plan: object, number: int, *others: object) -> object:
+        if number == 1 and fitted.count(1) == 0:
+            fitted.append(1)
+            raise KeyboardInterrupt
+        fitted.append(number)
+        return fit(window, plan, number, *others)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(tile_work, "encode_tile", interrupted)
+    out = tmp_path / "a.sgi"
+    stopped = sgi("encode", picture, out, *OPTIONS)
+    assert stopped.exit_code == 130
+    assert "1 of 2 tiles are in" in stopped.stderr
+    assert not out.exists()
+    assert (tmp_path / "a.sgi.part").exists()
+    assert sgi("encode", picture, out, *OPTIONS).exit_code == 6
+    assert sgi("encode", picture, out, *OPTIONS, "--resume", "-q", 51).exit_code == 2
+    resumed = sgi("encode", picture, out, *OPTIONS, "--resume")
+    assert resumed.exit_code == 0, resumed.output
+    assert fitted == [0, 1, 1]
+    assert out.read_bytes() == tiled.read_bytes()
+    assert not (tmp_path / "a.sgi.part").exists()
+
+
+def test_a_time_limit_over_tiles(sgi: Run, picture: Path, tmp_path: Path) -> None:
+    out = tmp_path / "a.sgi"
+    result = sgi("encode", picture, out, "--tile", 32, "-j", 1, "--time-limit", 3, "--json")
+    assert result.exit_code == 0, result.output
+    report = json.loads(result.stdout)
+    assert (report["tiles"], report["time_limit"]) == (2, 3.0)
+    assert report["steps"] > 3
+    assert sgi("verify", out).exit_code == 0
+
+
+@pytest.mark.parametrize("tile", [0, 32])
+def test_a_time_limit_that_cannot_be_kept_is_told(sgi: Run, picture: Path, tmp_path: Path, tile: int) -> None:
+    out = tmp_path / "a.sgi"
+    result = sgi("encode", picture, out, "--tile", tile, "-j", 1, "--time-limit", 0.001)
+    assert result.exit_code == 0, result.output
+    assert "s beyond the time limit)" in result.stdout
+    assert sgi("verify", out).exit_code == 0
+    assert "beyond" not in sgi("encode", picture, "-f", out, "--tile", tile, "-j", 1, "--steps", 2).stdout
+
+
+def test_a_time_limit_with_a_goal_is_for_one_tile(sgi: Run, picture: Path) -> None:
+    refused = sgi("encode", picture, "--tile", 32, "--time-limit", 3, "--size", 900)
+    assert refused.exit_code == 2
+    assert refused.stderr == (
+        "sgi: a time limit goes with a size, a rate or a PSNR in a single tile only; --tile 0 makes one\n"
+    )
+    assert not picture.with_suffix(".sgi.part").exists()
+
+
+def test_a_time_limit_goes_on_under_another(
+    sgi: Run, picture: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fit, fitted = tile_work.encode_tile, list[int]()
+
+    def interrupted(*given: object) -> object:
+        if given[2] == 1:
+            raise KeyboardInterrupt
+        return fit(*given)  # type: ignore[arg-type]
+
+    def counted(*given: object) -> object:
+        fitted.append(given[2])  # type: ignore[arg-type]
+        return fit(*given)  # type: ignore[arg-type]
+
+    out, options = tmp_path / "a.sgi", ("--tile", 32, "-j", 1)
+    monkeypatch.setattr(tile_work, "encode_tile", interrupted)
+    assert sgi("encode", picture, out, *options, "--time-limit", 0.5).exit_code == 130
+    monkeypatch.setattr(tile_work, "encode_tile", counted)
+    assert sgi("encode", picture, out, *options, "-e", 1, "--resume").exit_code == 2
+    resumed = sgi("encode", picture, out, *options, "--time-limit", 2, "--resume")
+    assert resumed.exit_code == 0, resumed.output
+    assert fitted == [1]
+
+
+def test_a_size_of_all_tiles(sgi: Run, picture: Path, tmp_path: Path) -> None:
+    out = tmp_path / "a.sgi"
+    result = sgi(
+        "encode", picture, out, *OPTIONS[:2], "--steps", 30, "-j", 1, "--size", 900, "--json", "--progress", "on"
+    )
+    assert result.exit_code == 0, result.output
+    assert 0.97 * 900 <= out.stat().st_size == json.loads(result.stdout)["bytes"] <= 900
+    assert "sample" in result.stderr or "search" in result.stderr
+
+
+@pytest.mark.parametrize(("goal", "value"), [("--size", 60), ("--psnr", 98)])
+def test_what_is_impossible_leaves_the_nearest(sgi: Run, picture: Path, tmp_path: Path, goal: str, value: int) -> None:
+    out = tmp_path / "a.sgi"
+    result = sgi("encode", picture, out, *OPTIONS, goal, value)
+    assert result.exit_code == 5
+    assert f"it is written to {out}" in result.stderr
+    assert sgi("verify", out).exit_code == 0
+    assert not (tmp_path / "a.sgi.part").exists()
+
+
+def test_max_memory(sgi: Run, picture: Path, tmp_path: Path) -> None:
+    refused = sgi("encode", picture, tmp_path / "a.sgi", *OPTIONS, "--max-memory", "100MiB")
+    assert refused.exit_code == 2
+    assert "--tile" in refused.stderr
+    one = sgi("encode", picture, tmp_path / "a.sgi", "--tile", 32, "--steps", 2, "-j", 2, "--max-memory", "700MiB")
+    assert "1 worker, about" in one.stderr
+
+
+def test_progress_is_drawn_on_demand(sgi: Run, picture: Path) -> None:
+    shown = sgi("encode", picture, *OPTIONS, "--progress", "on").stderr
+    assert "2/2" in shown
+    assert "MP/min" in shown
+
+
+def test_nodata_goes_from_file_to_file(sgi: Run, tmp_path: Path, pixels: np.ndarray) -> None:
+    blob = bytes.fromhex("49492a00 08000000 0100 81a40200 02000000 30000000 00000000")
+    holed = pixels.copy()
+    holed[:, :20] = 0
+    write(Picture(holed, "rgb", (0.0, 255.0), Metadata(geo=blob)), tmp_path / "in.tif")
+    for tile in (0, 32):
+        assert sgi("encode", tmp_path / "in.tif", "--tile", tile, "--steps", 4, "-f").exit_code == 0
+        assert sgi("decode", tmp_path / "in.sgi", tmp_path / "out.tif", "-f").exit_code == 0
+        decoded = read(tmp_path / "out.tif")
+        assert decoded.nodata == 0
+        np.testing.assert_array_equal((decoded.pixels == 0).all(axis=2), (holed == 0).all(axis=2))
+
+
+def test_batches(sgi: Run, picture: Path, tmp_path: Path) -> None:
+    (tmp_path / "bad.png").write_bytes(b"nothing")
+    second = tmp_path / "second.png"
+    second.write_bytes(picture.read_bytes())
+    out = tmp_path / "out" / "deep"
+    result = sgi("encode", picture, tmp_path / "bad.png", second, "--output-dir", out, "--steps", 2)
+    assert result.exit_code == 1
+    assert sorted(path.name for path in out.iterdir()) == ["scene.sgi", "second.sgi"]
+    assert "bad.png" in result.stderr
+    total = sum(path.stat().st_size for path in out.iterdir())
+    assert result.stdout.splitlines()[-1] == f"2 of 3 files encoded, {total:,} bytes"
+    (tmp_path / "bad.sgi").write_bytes(b"nothing")
+    back = sgi("decode", out / "scene.sgi", tmp_path / "bad.sgi", out / "second.sgi", "--output-dir", tmp_path / "back")
+    assert back.exit_code == 1
+    assert sorted(path.name for path in (tmp_path / "back").iterdir()) == ["scene.png", "second.png"]
+    assert sgi("decode", out / "scene.sgi", "--output-dir", tmp_path / "back").exit_code == 1
+    assert sgi("decode", out / "scene.sgi", "--output-dir", tmp_path / "back", "-f").exit_code == 0
+
+
+def test_batches_in_json(sgi: Run, picture: Path, tmp_path: Path) -> None:
+    lines = sgi("encode", picture, "--output-dir", tmp_path / "out", "--steps", 2, "--json").stdout.splitlines()
+    report, summary = map(json.loads, lines)
+    assert summary == {"files": 1, "encoded": 1, "failed": 0, "bytes": report["bytes"]}
+
+
+def test_names_that_make_no_sense(sgi: Run, picture: Path, tmp_path: Path) -> None:
+    assert sgi("encode", picture, picture, picture).exit_code == 2
+    assert sgi("encode", picture, picture, "--output-dir", tmp_path).exit_code == 2
+    assert sgi("encode", "-", "--output-dir", tmp_path).exit_code == 2
+    assert sgi("decode", picture, picture, picture).exit_code == 2

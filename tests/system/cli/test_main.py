@@ -1,0 +1,162 @@
+"""The group: help, exit codes, and what becomes of every kind of failure."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import Result
+
+from sgicodec import errors
+from sgicodec.cli.main import cli
+from sgicodec.decoder import stream as decoder
+from sgicodec.encoder import pipeline as encoder
+from sgicodec.fit.trainer import Progress
+from sgicodec.version import __version__
+
+Run = Callable[..., Result]
+
+
+def test_help_lists_commands_and_exit_codes(sgi: Run) -> None:
+    result = sgi("--help")
+    assert result.exit_code == 0
+    for name in ("encode", "decode", "info", "verify", "compare", "bench"):
+        assert f"\n  {name} " in result.stdout
+    codes = [line.split()[0] for line in result.stdout.split("Exit codes:\n")[1].splitlines()]
+    assert codes == ["0", "1", "2", "3", "4", "5", "6", "130", "141"]
+    assert sgi("-h").stdout == result.stdout
+
+
+@pytest.mark.parametrize("command", ["encode", "decode", "info", "verify", "compare", "bench"])
+def test_every_command_has_help_and_verbose(sgi: Run, command: str) -> None:
+    result = sgi(command, "-h")
+    assert result.exit_code == 0
+    assert "-v, --verbose" in result.stdout
+
+
+def test_version(sgi: Run) -> None:
+    assert sgi("--version").stdout == f"sgi {__version__}\n"
+
+
+def test_no_command_shows_help(sgi: Run) -> None:
+    result = sgi()
+    assert result.exit_code == 2
+    assert "Commands:" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "place"),
+    [
+        (["frobnicate"], "sgi"),
+        (["--frobnicate"], "sgi"),
+        (["decode"], "sgi decode"),
+        (["decode", "a", "b", "c"], "sgi decode"),
+        (["info", "a", "--frobnicate"], "sgi info"),
+    ],
+)
+def test_usage_errors_are_one_line(sgi: Run, arguments: list[str], place: str) -> None:
+    result = sgi(*arguments)
+    assert result.exit_code == 2
+    assert result.stderr.startswith("sgi: ")
+    assert result.stderr.endswith(f"; see {place} --help\n")
+    assert result.stderr.count("\n") == 1
+
+
+def test_exit_codes_of_all_errors() -> None:
+    codes = {name: getattr(errors, name).exit_code for name in errors.__all__}
+    assert codes == {
+        "SgiError": 1,
+        "UsageError": 2,
+        "PictureError": 3,
+        "StreamError": 4,
+        "CorruptStreamError": 4,
+        "LimitError": 4,
+        "UnsupportedStreamError": 4,
+        "TargetMissedError": 5,
+        "OutputExistsError": 6,
+        "TileFailedError": 1,
+        "BatchError": 1,
+        "EncodeInterruptedError": 130,
+    }
+
+
+def test_missed_target(sgi: Run, stream: Path, picture: Path, tmp_path: Path) -> None:
+    sgi("decode", stream, tmp_path / "out.png")
+    result = sgi("compare", picture, tmp_path / "out.png", "--fail-under", 99)
+    assert result.exit_code == 5
+    assert result.stderr.startswith("sgi: ")
+    assert sgi("compare", picture, picture, "--fail-under", 99).exit_code == 0
+
+
+@pytest.mark.parametrize("verbose", [False, True])
+@pytest.mark.parametrize("command", ["info", "compare"])
+def test_internal_error(sgi: Run, stream: Path, monkeypatch: pytest.MonkeyPatch, verbose: bool, command: str) -> None:
+    def fail(*_: Any) -> None:
+        raise KeyError("two\nlines")
+
+    monkeypatch.setattr(decoder, "open_stream", fail)
+    monkeypatch.setattr("sgicodec.image.read", fail)
+    arguments = [command, stream, stream] if command == "compare" else [command, stream]
+    result = sgi(*arguments, *(["-v"] if verbose else []))
+    assert result.exit_code == 1
+    assert ("Traceback" in result.stderr) is verbose
+    last = result.stderr.splitlines()[-1]
+    assert last == r"sgi: internal error, please report it; -v prints the trace: KeyError: 'two\nlines'"
+    assert verbose or result.stderr.count("\n") == 1
+
+
+def test_users_mistakes_have_no_trace_even_if_verbose(sgi: Run, tmp_path: Path) -> None:
+    assert sgi("info", tmp_path / "missing.sgi", "-v").stderr.count("\n") == 1
+
+
+def test_out_of_memory(sgi: Run, stream: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: Any, **__: Any) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr(decoder.Stream, "picture", fail)
+    result = sgi("decode", stream)
+    assert (result.exit_code, result.stderr) == (1, "sgi: there is not enough memory for this picture\n")
+
+
+def test_interrupt_leaves_nothing(sgi: Run, stream: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_: Any, **__: Any) -> None:
+        signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(decoder.Stream, "picture", interrupted)
+    result = sgi("decode", stream)
+    assert result.exit_code == 130
+    assert result.stderr.strip() == "sgi: interrupted"
+    assert list(stream.parent.iterdir()) == [stream]
+
+
+def test_first_interrupt_of_a_fit_ends_it_second_gives_up(
+    sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fit(picture: Any, settings: Any, on_progress: Callable[[Progress], bool], started: float) -> None:
+        state = Progress(step=3, steps=9, seeds=1, psnr=20.0, bits=0.0, seconds=0.1)
+        assert on_progress(state)
+        signal.raise_signal(signal.SIGINT)
+        assert not on_progress(state)
+        signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(encoder, "encode", fit)
+    result = sgi("encode", picture)
+    assert result.exit_code == 130
+    assert result.stderr.split("\n") == [
+        "sgi: interrupted at step 3 of 9; writing what is there",
+        "",
+        "sgi: interrupted",
+        "",
+    ]
+    assert list(picture.parent.iterdir()) == [picture]
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_group_is_named_sgi(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        cli(["--help"])
+    assert ended.value.code == 0
+    assert capsys.readouterr().out.startswith("Usage: sgi ")

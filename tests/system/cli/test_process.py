@@ -1,0 +1,145 @@
+"""What only a process of its own shows: signals, pipes, and what is imported."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sgicodec.decoder.stream import open_stream
+from sgicodec.image import read
+
+COMMAND = (sys.executable, "-m", "sgicodec")
+
+
+def start(*arguments: object, **options: int) -> subprocess.Popen[bytes]:
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | options
+    return subprocess.Popen([*COMMAND, *map(str, arguments)], **pipes)
+
+
+def imported_by(*arguments: object) -> set[str]:
+    """Modules that a command has imported when it ends."""
+    code = (
+        "import sys\n"
+        "from sgicodec.cli.main import main\n"
+        "try: main()\n"
+        "except SystemExit as end: status = end.code\n"
+        "print(status, *sys.modules, file=sys.stderr)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, *map(str, arguments)], capture_output=True, text=True, check=True
+    )
+    status, *modules = done.stderr.split()
+    assert status == "0", done.stderr
+    return {name for name in modules if "." not in name}
+
+
+def test_decoding_and_info_import_no_more_than_they_need(stream: Path, tmp_path: Path) -> None:
+    heavy = {"torch", "rich", "scipy", "PIL", "matplotlib", "imagecodecs"}
+    for arguments in (["info", stream], ["verify", stream], ["decode", stream, tmp_path / "out.png"]):
+        assert not imported_by(*arguments) & (heavy | {"OpenImageIO"})
+    modules = imported_by("decode", stream, tmp_path / "out.ppm")
+    assert not modules & heavy
+    assert {"numpy", "OpenImageIO", "constriction"} <= modules
+    assert not imported_by("--help") & (heavy | {"numpy", "OpenImageIO", "constriction"})
+
+
+def test_streams_of_both_commands(shared: Path, tmp_path: Path) -> None:
+    source = (shared / "scene.png").read_bytes()
+    encoded = start("encode", "-", "--steps", 2, "-j", 1)
+    data, report = encoded.communicate(source, timeout=120)
+    assert encoded.returncode == 0
+    assert report.decode().startswith(f"stdout: {len(data):,} bytes, ")
+    decoded = start("decode", "-", "-", "--format", "ppm", "--scale", "2")
+    ppm, complaints = decoded.communicate(data, timeout=60)
+    assert (decoded.returncode, complaints) == (0, b"")
+    (tmp_path / "out.ppm").write_bytes(ppm)
+    with open_stream(data) as stream:
+        np.testing.assert_array_equal(read(tmp_path / "out.ppm").pixels, stream.picture(scale=2).pixels)
+
+
+def test_json_and_stream_cannot_share_stdout(shared: Path) -> None:
+    process = start("encode", shared / "scene.png", "-", "--json")
+    output, complaint = process.communicate(timeout=60)
+    assert (process.returncode, output) == (2, b"")
+    assert b"--json" in complaint
+
+
+def test_a_terminal_gets_no_bytes_by_accident(stream: Path) -> None:
+    pty = pytest.importorskip("pty")
+    leader, follower = pty.openpty()
+    try:
+        process = start("decode", stream, "-", stdout=follower)
+        _, complaint = process.communicate(timeout=60)
+    finally:
+        os.close(leader)
+        os.close(follower)
+    assert process.returncode == 2
+    assert complaint.startswith(b"sgi: stdout is a terminal")
+
+
+@pytest.mark.parametrize("arguments", [["decode", "-", "--scale", "20", "--format", "ppm"], ["info"]])
+def test_reader_of_a_pipe_goes_away(stream: Path, arguments: list[str]) -> None:
+    command, *options = arguments
+    process = start(command, stream, *options)
+    assert process.stdout is not None
+    process.stdout.close()
+    assert process.stderr is not None
+    complaint = process.stderr.read()
+    assert (process.wait(60), complaint) == (141, b"")
+
+
+def test_any_locale_and_any_file_name(stream: Path) -> None:
+    odd = os.fsencode(stream.parent) + b"/\xff\xe4.sgi"
+    os.rename(stream, odd)
+    for arguments in ([b"info"], [b"verify"], [b"decode", b"-v", b"--format", b"ppm"]):
+        command, *options = arguments
+        environment = os.environ | {"PYTHONIOENCODING": "ascii"}
+        done = subprocess.run([*COMMAND, command, odd, *options], capture_output=True, env=environment)
+        assert (done.returncode, b"sgi:" in done.stderr) == (0, False), done.stderr
+    assert os.path.exists(odd[:-3] + b"ppm")
+
+
+def test_interrupt_before_the_fit_writes_nothing(tmp_path: Path) -> None:
+    process = start("encode", "-", tmp_path / "out.sgi")
+    assert process.stdin is not None
+    process.stdin.write(bytes(1 << 21))  # more than a pipe holds: once written, the command is reading
+    process.stdin.flush()
+    process.send_signal(signal.SIGINT)
+    _, complaint = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert complaint.split() == [b"sgi:", b"interrupted"]
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_interrupt_of_the_fit_still_writes_a_stream(picture: Path) -> None:
+    process = start("encode", picture, "--steps", 1_000_000, "--progress", "on", "-j", 1, "--json")
+    assert process.stderr is not None
+    seen = b""
+    while b" dB" not in seen:
+        block = os.read(process.stderr.fileno(), 4096)
+        assert block, seen
+        seen += block
+    process.send_signal(signal.SIGINT)
+    output, rest = process.communicate(timeout=120)
+    assert process.returncode == 0, rest
+    told = re.search(rb"sgi: interrupted at step (\d+) of \d+; writing what is there", rest)
+    assert told
+    figures = json.loads(output)
+    assert figures["ended_early"] is True
+    assert figures["steps"] == int(told[1]) < 1_000_000
+    assert sorted(path.name for path in picture.parent.iterdir()) == ["scene.png", "scene.sgi"]
+    assert subprocess.run([*COMMAND, "verify", str(picture.with_suffix(".sgi"))], capture_output=True).returncode == 0
+
+
+def test_same_stream_in_another_process(shared: Path) -> None:
+    process = start("encode", shared / "scene.png", "-", "--steps", 12, "-j", 1, "--quiet")
+    data, _ = process.communicate(timeout=120)
+    assert data == (shared / "scene.sgi").read_bytes()

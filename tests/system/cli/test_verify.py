@@ -1,0 +1,66 @@
+"""`sgi verify` as a user types it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import Result
+
+from sgicodec import EncodeSettings, Picture, encode
+from sgicodec.bitstream.container import SIGNATURE
+from sgicodec.cli import verify as module
+from sgicodec.decoder.stream import Stream, open_stream
+
+Run = Callable[..., Result]
+
+
+def test_sound(sgi: Run, stream: Path) -> None:
+    with open_stream(stream) as opened:
+        crc = opened.symbol_crc
+    result = sgi("verify", stream)
+    assert (result.exit_code, result.stdout) == (0, f"{stream}: ok, 48×32 pixels, symbols {crc:08x}\n")
+    assert sgi("verify", "-", "-j", 1, stdin=stream.read_bytes()).stdout.startswith("stdin: ok")
+
+
+def test_every_flipped_byte_is_found(sgi: Run, stream: Path) -> None:
+    whole = stream.read_bytes()
+    for at in range(0, len(whole), max(1, len(whole) // 60)):
+        stream.write_bytes(whole[:at] + bytes([whole[at] ^ 0x10]) + whole[at + 1 :])
+        result = sgi("verify", stream)
+        assert (result.exit_code, result.stdout) == (4, ""), at
+        assert result.stderr.count("\n") == 1
+
+
+def test_an_overview_is_verified(sgi: Run, tmp_path: Path) -> None:
+    out = tmp_path / "out.sgi"
+    settings = EncodeSettings(steps=1, tile=32, overview=True, threads=1)
+    out.write_bytes(encode(Picture(np.zeros((40, 70, 1), np.uint8), "gray", (0.0, 255.0)), settings).data)
+    assert sgi("verify", out).exit_code == 0
+    data = bytearray(out.read_bytes())
+    data[data.index(SIGNATURE, 1) + 30] ^= 1
+    out.write_bytes(data)
+    assert sgi("verify", out).exit_code == 4
+
+
+def test_all_rows_are_drawn_in_bands(sgi: Run, stream: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn = []
+    real = Stream.render
+
+    def render(self: Stream, region: tuple[int, int, int, int], threads: int) -> np.ndarray:
+        drawn.append(region)
+        return real(self, region, threads=threads)
+
+    monkeypatch.setattr(Stream, "render", render)
+    monkeypatch.setattr(module, "_BAND_SAMPLES", 48 * 3 * 10)
+    assert sgi("verify", stream).exit_code == 0
+    assert drawn == [(0, 0, 48, 10), (0, 10, 48, 10), (0, 20, 48, 10), (0, 30, 48, 2)]
+
+
+def test_samples_without_a_value(sgi: Run, stream: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Stream, "render", lambda *_, **__: np.array([[[0.5], [np.nan]]]))
+    result = sgi("verify", stream)
+    assert result.exit_code == 4
+    assert "without a value" in result.stderr

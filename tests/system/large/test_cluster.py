@@ -1,0 +1,155 @@
+"""Tiles over a Dask cluster: the same bytes, and workers that may die."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("distributed")
+
+from sgicodec import EncodeSettings, encode, open_stream, read
+from sgicodec.cli.main import cli
+from sgicodec.encoder.out_of_core import plan_of
+from sgicodec.encoder.tile_work import FitTask, Start
+from sgicodec.encoder.worker import Job, ReadingTask
+from sgicodec.errors import PictureError, TileFailedError, UsageError
+from sgicodec.executors.dask import open_cluster
+from sgicodec.image import open_source, write
+from sgicodec.metrics.scores import psnr
+from sgicodec.picture import Picture
+
+
+def dies_once(folder: Path, number: int, job: int) -> int:
+    mark = folder / "died"
+    if number == 1 and not mark.exists():
+        mark.touch()
+        os._exit(9)
+    return 10 * job
+
+
+def refuses(number: int, job: int) -> int:
+    raise PictureError("no such picture")
+
+
+def test_a_worker_that_dies_is_survived(tmp_path: Path) -> None:
+    with open_cluster("local:2") as cluster:
+        assert cluster.workers == 2
+        assert dict(cluster.run(partial(dies_once, tmp_path), range(5), lambda n: n)) == {n: 10 * n for n in range(5)}
+        assert (tmp_path / "died").exists()
+        with pytest.raises(TileFailedError, match="tile 3: no such picture"):
+            dict(cluster.run(refuses, [3], lambda number: number))
+
+
+def mark(folder: Path) -> None:
+    (folder / f"ready {os.getpid()}").touch()
+
+
+def test_where_time_counts_no_tile_waits_at_a_worker(tmp_path: Path) -> None:
+    """All workers are ready before the first job is made, and there are never more jobs than workers."""
+    made: list[int] = []
+    done: list[int] = []
+
+    def job_of(number: int) -> int:
+        assert len(list(tmp_path.iterdir())) == 2
+        made.append(number)
+        assert len(made) - len(done) <= 2
+        return number
+
+    with open_cluster("local:2") as cluster:
+        for number, _ in cluster.run(mul, range(7), job_of, partial(mark, tmp_path)):
+            done.append(number)
+    assert sorted(done) == list(range(7))
+
+
+def mul(number: int, job: int) -> int:
+    return 10 * job
+
+
+@pytest.mark.parametrize("options", [(), ("--send-pixels",)])
+def test_a_time_limit_on_a_cluster(photo: Path, tmp_path: Path, options: tuple[str, ...]) -> None:
+    from click.testing import CliRunner
+
+    out = tmp_path / "out.sgi"
+    arguments = ["encode", str(photo), str(out), "--tile", "64", "--time-limit", "1", "--cluster", "local:2", *options]
+    result = CliRunner().invoke(cli, arguments)
+    assert result.exit_code == 0, result.output
+    assert psnr(read(photo).pixels, open_stream(out).picture().pixels) > 15
+
+
+@pytest.mark.parametrize("options", [(), ("--send-pixels",)])
+def test_same_bytes_as_one_process(
+    photo: Path, settings: EncodeSettings, tmp_path: Path, options: tuple[str, ...]
+) -> None:
+    from click.testing import CliRunner
+
+    out = tmp_path / "out.sgi"
+    arguments = [
+        "encode",
+        str(photo),
+        str(out),
+        "--tile",
+        "64",
+        "--steps",
+        "8",
+        "--overview",
+        "--cluster",
+        "local:2",
+        *options,
+    ]
+    result = CliRunner().invoke(cli, arguments)
+    assert result.exit_code == 0, result.output
+    assert out.read_bytes() == encode(read(photo), settings).data
+
+
+def test_goals_on_a_cluster(photo: Path, settings: EncodeSettings, tmp_path: Path) -> None:
+    from click.testing import CliRunner
+
+    out = tmp_path / "out.sgi"
+    arguments = ["encode", str(photo), str(out), "--tile", "40", "--steps", "8", "--bpp", "0.9"]
+    result = CliRunner().invoke(cli, [*arguments, "--overview", "--cluster", "local:2"])
+    assert result.exit_code == 0, result.output
+    assert out.read_bytes() == encode(read(photo), replace(settings, tile=40, bpp=0.9)).data
+
+
+@pytest.mark.parametrize("address", ["local:0", "local:x", "tcp://127.0.0.1:1"])
+def test_addresses_without_a_cluster(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sgicodec.executors.dask._PATIENCE_SECONDS", 0.3)
+    with pytest.raises(UsageError, match="cluster"), open_cluster(address):
+        pass
+
+
+def test_workers_read_paths_and_urls(photo: Path, settings: EncodeSettings, tmp_path: Path) -> None:
+    with open_source(photo) as source:
+        plan = plan_of(source, settings)
+    job, work = Job(None, Start()), FitTask(plan)
+    by_path, by_url = (ReadingTask(plan, place, work, 1)(4, job) for place in (str(photo), photo.as_uri()))
+    assert by_path.payload == by_url.payload
+    other = tmp_path / "other.png"
+    write(Picture(np.zeros((9, 9, 3), np.uint8), "rgb", (0.0, 255.0)), other)
+    with pytest.raises(PictureError, match="another picture"):
+        ReadingTask(plan, str(other), work, 1)(0, job)
+    with pytest.raises(PictureError):
+        ReadingTask(plan, (tmp_path / "missing.png").as_uri(), work, 1)(0, job)
+
+
+def seconds_told(number: int, window: Picture, start: Start, threads: int) -> float | None:
+    return start.seconds
+
+
+def test_reading_is_part_of_a_tile_s_time(
+    photo: Path, settings: EncodeSettings, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with open_source(photo) as source:
+        plan = plan_of(source, settings)
+    work = ReadingTask(plan, str(photo), seconds_told, 1)
+    clock = iter([100.0, 103.0, 200.0, 290.0])
+    monkeypatch.setattr("sgicodec.encoder.worker.time.monotonic", lambda: next(clock))
+    assert work(0, Job(None, Start(seconds=10.0))) == pytest.approx(7.0)
+    assert 0 < (work(0, Job(None, Start(seconds=10.0))) or 0) < 0.01
+    monkeypatch.undo()
+    assert work(0, Job(None, Start())) is None

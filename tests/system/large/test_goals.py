@@ -1,0 +1,89 @@
+"""Goals for all tiles of a file: the same bytes by whoever, interrupted in whatever round."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from sgicodec import EncodeSettings, encode, open_stream, read
+from sgicodec.encoder.checkpoint import opened_journal
+from sgicodec.encoder.out_of_core import State, encode_source, plan_of, run_tiles
+from sgicodec.image import open_source
+from sgicodec.metrics.scores import psnr
+
+GOALS: tuple[dict[str, float], ...] = ({"bpp": 0.9}, {"psnr": 27.0})
+
+
+@pytest.fixture(params=GOALS, ids=["bpp", "psnr"], scope="module")
+def goal(request: pytest.FixtureRequest, settings: EncodeSettings) -> EncodeSettings:
+    return replace(settings, tile=40, **request.param)
+
+
+@pytest.fixture(scope="module")
+def expected(photo: Path, goal: EncodeSettings) -> bytes:
+    data = encode(read(photo), goal).data
+    if goal.bpp is not None:
+        assert 0.97 * goal.bpp <= 8 * len(data) / (150 * 100) <= goal.bpp
+    else:
+        assert psnr(read(photo).pixels, open_stream(data).picture().pixels) == pytest.approx(27.0, abs=0.1)
+    return data
+
+
+class Stopping:
+    """Remembers the rounds, and presses Ctrl-C after so many states."""
+
+    def __init__(self, after: int = -1) -> None:
+        self.left, self.rounds = after, list[str]()
+
+    def __call__(self, state: State) -> None:
+        if state.round not in self.rounds[-1:]:
+            self.rounds.append(state.round)
+        self.left -= 1
+        if self.left == 0:
+            raise KeyboardInterrupt
+
+
+def encoded(photo: Path, settings: EncodeSettings, folder: Path, workers: int, watch: Stopping) -> bytes:
+    out = folder / "out.sgi"
+    with open_source(photo) as source:
+        plan = plan_of(source, settings)
+        with opened_journal(folder / "out.part", bytes(32), True, False) as journal:
+            encode_source(source, plan, run_tiles(source, plan, workers, workers), journal, out, watch)
+    return out.read_bytes()
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_same_bytes_for_any_workers(
+    photo: Path, goal: EncodeSettings, expected: bytes, tmp_path: Path, workers: int
+) -> None:
+    watch = Stopping()
+    assert encoded(photo, goal, tmp_path, workers, watch) == expected
+    assert watch.rounds[:3] == ["look", "overview", "sample"]
+    assert watch.rounds[3] in ("tiles", "sample")
+    assert "search" in watch.rounds
+
+
+def states(photo: Path, goal: EncodeSettings, folder: Path) -> Iterator[int]:
+    """Numbers of states after each of which an encode is stopped."""
+    after = 7
+    while True:
+        try:
+            encoded(photo, goal, folder, 1, Stopping(after))
+        except KeyboardInterrupt:
+            yield after
+            after += 5
+        else:
+            return
+
+
+def test_going_on_in_any_round_gives_the_same_bytes(
+    photo: Path, goal: EncodeSettings, expected: bytes, tmp_path: Path
+) -> None:
+    """Stopped again and again, further on each time."""
+    stops = list(states(photo, goal, tmp_path))
+    assert len(stops) > 2
+    assert (tmp_path / "out.sgi").read_bytes() == expected
+    assert not (tmp_path / "out.part").exists()

@@ -1,0 +1,139 @@
+"""Pixels that hold nothing come back holding nothing, and cost little; places follow what is shown."""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sgicodec import EncodeSettings, Picture, encode, open_stream, read
+from sgicodec.errors import CorruptStreamError
+from sgicodec.metadata import geo, ifd
+from sgicodec.metadata.placement import view as geo_view
+from sgicodec.picture import Metadata, nodata_mask
+
+DATA = Path(__file__).parents[1] / "data"
+HEIGHT, WIDTH = 160, 200
+TILES = [0, 128]
+
+
+def blob(nodata: bytes) -> bytes:
+    """A place, and what stands for nothing."""
+    scale, tie = struct.pack("<3d", 10, 10, 0), struct.pack("<6d", 0, 0, 0, 5e5, 6e6, 0)
+    packed = geo.pack({33550: ifd.Entry(12, scale), 33922: ifd.Entry(12, tie), 42113: ifd.Entry(2, nodata + b"\0")})
+    assert packed
+    return packed
+
+
+@pytest.fixture(scope="module")
+def pixels() -> np.ndarray:
+    return read(DATA / "kodim23.png").pixels[100 : 100 + HEIGHT, 150 : 150 + WIDTH]
+
+
+@pytest.fixture(scope="module")
+def hole() -> np.ndarray:
+    """A corner, a disc and single pixels [H, W]."""
+    y, x = np.mgrid[:HEIGHT, :WIDTH]
+    hole = (x + 0.4 * y < 60) | ((x - 140) ** 2 + (y - 70) ** 2 < 400)
+    hole[100:150:10, 100:180:8] = True
+    return hole
+
+
+def settings(tile: int, **more: int) -> EncodeSettings:
+    return EncodeSettings(steps=30, tile=tile, threads=1, **more)
+
+
+def holed(pixels: np.ndarray, hole: np.ndarray, value: float, text: bytes) -> Picture:
+    pixels = pixels.copy()
+    pixels[hole] = value
+    sound = pixels[~hole]
+    full = (0.0, float(np.iinfo(pixels.dtype).max)) if pixels.dtype.kind == "u" else None
+    return Picture(pixels, "rgb", full or (float(sound.min()), float(sound.max())), Metadata(geo=blob(text)))
+
+
+@pytest.mark.parametrize("tile", TILES)
+@pytest.mark.parametrize(
+    ("dtype", "value", "text"),
+    [
+        ("uint8", 0, b"0"),
+        ("uint8", 255, b"255"),
+        ("uint16", 7, b"7"),
+        ("float32", -9999, b"-9999"),
+        ("float32", np.nan, b"nan"),
+    ],
+)
+def test_nodata_is_exact(
+    pixels: np.ndarray, hole: np.ndarray, tile: int, dtype: str, value: float, text: bytes
+) -> None:
+    picture = holed(pixels.astype(dtype), hole, value, text)
+    with open_stream(encode(picture, settings(tile)).data) as stream:
+        decoded = stream.picture()
+        assert stream.metadata == picture.metadata
+    np.testing.assert_array_equal(nodata_mask(decoded), nodata_mask(picture))
+    assert np.isfinite(decoded.pixels[~hole]).all()
+
+
+def test_dark_pixels_do_not_become_nodata(pixels: np.ndarray, hole: np.ndarray) -> None:
+    """Black next to nodata 0 is drawn as nearly black."""
+    dark = (pixels // 40).astype(np.uint8)
+    dark[~hole] = np.maximum(dark[~hole], 1)
+    decoded = open_stream(encode(holed(dark, hole, 0, b"0"), settings(0)).data).picture()
+    np.testing.assert_array_equal(nodata_mask(decoded), hole)
+
+
+def test_holes_cost_little(pixels: np.ndarray, hole: np.ndarray) -> None:
+    whole = Picture(np.ascontiguousarray(pixels), "rgb", (0.0, 255.0))
+    picture = holed(pixels, hole, 0, b"0")
+    plain = len(encode(replace(picture, metadata=Metadata()), settings(0)).data)
+    data = encode(picture, settings(0, metadata=False)).data
+    assert len(data) < 1.25 * len(encode(whole, settings(0)).data)
+    assert len(data) < 0.9 * plain
+    np.testing.assert_array_equal((open_stream(data).picture().pixels == 0).all(axis=2), hole)
+
+
+@pytest.mark.parametrize("tile", TILES)
+def test_transparent_pixels_stay_transparent(pixels: np.ndarray, hole: np.ndarray, tile: int) -> None:
+    hidden = np.random.default_rng(3).integers(0, 256, pixels.shape, np.uint8)
+    colours = np.where(hole[..., None], hidden, pixels)
+    alpha = np.where(hole, 0, 200).astype(np.uint8)
+    picture = Picture(np.dstack([colours, alpha]), "rgba", (0.0, 255.0))
+    data = encode(picture, settings(tile)).data
+    opaque = Picture(np.dstack([pixels, np.full_like(alpha, 200)]), "rgba", (0.0, 255.0))
+    assert len(data) < 1.5 * len(encode(opaque, settings(tile)).data)
+    decoded = open_stream(data).picture().pixels
+    assert not decoded[hole, 3].any()
+    assert decoded[~hole, 3].min() > 150
+
+
+@pytest.mark.parametrize("tile", TILES)
+def test_a_picture_of_nothing(tile: int) -> None:
+    nothing = Picture(np.zeros((HEIGHT, WIDTH, 3), np.uint8), "rgb", (0.0, 255.0), Metadata(geo=blob(b"0")))
+    data = encode(nothing, settings(tile)).data
+    assert len(data) < 400
+    assert not open_stream(data).picture().pixels.any()
+    assert open_stream(data).survey().seeds == 0
+
+
+@pytest.mark.parametrize("tile", TILES)
+@pytest.mark.parametrize("scale", [None, 0.25, 3.0])
+def test_places_and_holes_follow_the_view(pixels: np.ndarray, hole: np.ndarray, tile: int, scale: float | None) -> None:
+    picture = holed(pixels, hole, 0, b"0")
+    stream = open_stream(encode(picture, settings(tile)).data)
+    shown = stream.picture((40, 20, 120, 100), scale=scale)
+    step = scale or 1.0
+    assert shown.metadata.geo == geo_view(picture.metadata.geo, 40, 20, step, step)
+    rows = np.floor(20 + (np.arange(shown.height) + 0.5) / step).astype(int)
+    columns = np.floor(40 + (np.arange(shown.width) + 0.5) / step).astype(int)
+    np.testing.assert_array_equal(nodata_mask(shown), hole[rows[:, None], columns])
+
+
+def test_a_mask_that_lies_is_refused(pixels: np.ndarray, hole: np.ndarray) -> None:
+    data = bytearray(encode(holed(pixels, hole, 0, b"0"), settings(128)).data)
+    for at in range(len(data) - 200, 60, -97):
+        damaged = bytearray(data)
+        damaged[at] ^= 4
+        with pytest.raises(CorruptStreamError):
+            open_stream(bytes(damaged)).picture()

@@ -1,0 +1,268 @@
+"""Overviews: means of pixels on one side, small views that leave the tiles alone on the other."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sgicodec import Encoded, EncodeSettings, Picture, encode, open_stream, read
+from sgicodec.bitstream.container import SIGNATURE, ChunkReader, ChunkWriter
+from sgicodec.bitstream.stream_reader import CHUNKS
+from sgicodec.decoder.tile_renderer import DrawnTile
+from sgicodec.encoder.overview import overview_picture, takes_overview
+from sgicodec.encoder.plan import Shape, stream_plan
+from sgicodec.errors import CorruptStreamError, UsageError
+from sgicodec.metadata import geo, ifd
+from sgicodec.metrics.scores import psnr
+from sgicodec.picture import Metadata, nodata_mask
+
+DATA = Path(__file__).parents[1] / "data"
+SETTINGS = EncodeSettings(steps=60, tile=128, overview=True, threads=1)
+
+
+def small(picture: Picture, tile: int) -> Picture:
+    """The overview's picture, from windows of such tiles."""
+    plan = stream_plan(Shape.of(picture), replace(SETTINGS, tile=tile))
+
+    def window(x: int, y: int, width: int, height: int) -> Picture:
+        return replace(picture, pixels=picture.pixels[y : y + height, x : x + width])
+
+    return overview_picture(plan, window)
+
+
+def shares(pixels: int, boxes: int) -> np.ndarray:
+    """What part of each box [boxes, pixels] each pixel is, one by one."""
+    edge = [index * pixels / boxes for index in range(boxes + 1)]
+    parts = [[max(0.0, min(i + 1, edge[b + 1]) - max(i, edge[b])) for i in range(pixels)] for b in range(boxes)]
+    return np.array(parts) * boxes / pixels
+
+
+@pytest.fixture(scope="module")
+def photo() -> Picture:
+    """336×250 pixels."""
+    picture = read(DATA / "kodim23.png")
+    return replace(picture, pixels=np.ascontiguousarray(picture.pixels[:250, 64:400]))
+
+
+@pytest.fixture(scope="module")
+def coded(photo: Picture) -> Encoded:
+    """In 3×2 tiles, with an overview of 21×16 pixels."""
+    return encode(photo, SETTINGS)
+
+
+@pytest.mark.parametrize("tile", [64, 100, 300])
+def test_its_pixels_are_means(photo: Picture, tile: int) -> None:
+    """Those of 250 rows in 16 lie partly in two."""
+    found = small(photo, tile).pixels
+    expected = np.einsum("ij,jkc,lk->ilc", shares(250, 16), photo.pixels.astype(float), shares(336, 21))
+    assert found.shape == (16, 21, 3)
+    np.testing.assert_allclose(found, expected, atol=0.5 + 1e-4)
+
+
+def test_colours_count_by_their_alpha() -> None:
+    rng = np.random.default_rng(1)
+    pixels = rng.integers(0, 65536, (96, 160, 4)).astype(np.uint16)
+    pixels[:40, :50, 3] = 0
+    found = small(Picture(pixels, "rgba", (0.0, 65535.0)), 64).pixels
+    blocks = pixels.astype(float).reshape(6, 16, 10, 16, 4)
+    alpha = blocks[..., 3:].mean(axis=(1, 3))
+    colours = (blocks[..., :3] * blocks[..., 3:]).mean(axis=(1, 3)) / np.maximum(alpha, 1e-9)
+    np.testing.assert_allclose(found[..., 3:], alpha, atol=0.51)
+    assert (found[:2, :3, 3] == 0).all()
+    seen = found[..., 3] > 0
+    np.testing.assert_allclose(found[seen][:, :3], colours[seen], atol=0.51)
+
+
+def test_nodata_does_not_count() -> None:
+    """Nor does a pixel whose centre holds nothing hold anything; black beside it does not become nothing."""
+    packed = geo.pack({42113: ifd.Entry(2, b"0\0")})
+    rng = np.random.default_rng(2)
+    pixels = rng.integers(1, 256, (160, 144, 1)).astype(np.uint8)
+    pixels[:48, :60] = 0
+    pixels[64:80, 64:80] = 0
+    pixels[79, 64] = 200
+    picture = Picture(pixels, "gray", (0.0, 255.0), Metadata(geo=packed))
+    found = small(picture, 64)
+    blocks = pixels[..., 0].astype(float).reshape(10, 16, 9, 16)
+    measured = (blocks > 0).sum(axis=(1, 3))
+    means = blocks.sum(axis=(1, 3)) / np.maximum(measured, 1)
+    empty = (blocks == 0)[:, 8, :, 8]
+    np.testing.assert_array_equal(nodata_mask(found), empty)
+    np.testing.assert_allclose(found.pixels[..., 0][~empty], means[~empty], atol=0.51)
+
+
+def test_small_views_draw_it_and_no_tile(coded: Encoded, photo: Picture, monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[int] = []
+    init = DrawnTile.__init__
+
+    def counted(self: DrawnTile, *arguments: Any) -> None:
+        made.append(arguments[0].width)
+        init(self, *arguments)
+
+    monkeypatch.setattr(DrawnTile, "__init__", counted)
+    stream = open_stream(coded.data)
+    shown = stream.picture(scale=1 / 16)
+    assert made == [21]
+    np.testing.assert_array_equal(shown.pixels, stream.overview.picture().pixels)
+    assert psnr(shown.pixels, small(photo, 128).pixels) > 24
+    made.clear()
+    exact = open_stream(coded.data)
+    exact.exact = True
+    whole = exact.picture(scale=1 / 16).pixels
+    assert made == [336] * 6
+    assert psnr(shown.pixels, whole) > 24
+    made.clear()
+    assert stream.picture(size=(22, 16)).pixels.shape == (16, 22, 3)
+    assert made == [336] * 6
+
+
+def test_regions_at_small_scales_lie_where_they_should(coded: Encoded) -> None:
+    """Against all that the stream holds; the same a pixel of the overview aside is farther off."""
+    stream, exact = open_stream(coded.data), open_stream(coded.data)
+    exact.exact = True
+    region = (37, 21, 200, 180)
+    shown = stream.render(region, size=(12, 11))
+    all_of_it = exact.render(region, size=(12, 11))
+    aside = exact.render((53, 21, 200, 180), size=(12, 11))
+    assert np.square(shown - all_of_it).mean() < 0.3 * np.square(shown - aside).mean()
+
+
+@pytest.mark.parametrize("region", [None, (37, 21, 200, 180)])
+def test_bands_of_it_are_the_picture(
+    coded: Encoded, region: tuple[int, int, int, int] | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stream = open_stream(coded.data)
+    whole = stream.picture(region, scale=1 / 17).pixels
+    monkeypatch.setattr("sgicodec.decoder.bands.BAND_SAMPLES", 3)
+    monkeypatch.setattr("sgicodec.decoder.bands.LEAST_ROWS", 4, raising=False)
+    parts = [band.pixels for _, band in stream.bands(region, scale=1 / 17)]
+    np.testing.assert_array_equal(np.concatenate(parts), whole)
+
+
+def test_it_alone_is_read_for_them(coded: Encoded) -> None:
+    class Counting(io.BytesIO):
+        bytes_read = 0
+
+        def read(self, size: int | None = -1) -> bytes:
+            data = super().read(size)
+            self.bytes_read += len(data)
+            return data
+
+    source = Counting(coded.data)
+    stream = open_stream(source)
+    opening = source.bytes_read
+    assert opening < 400
+    stream.picture(scale=1 / 16)
+    assert source.bytes_read - opening < stream.chunk_bytes["o"] + 20
+
+
+def test_a_pipe_keeps_it(coded: Encoded) -> None:
+    class Pipe(io.BytesIO):
+        def seekable(self) -> bool:
+            return False
+
+    piped = open_stream(Pipe(coded.data)).picture(scale=1 / 20).pixels
+    np.testing.assert_array_equal(piped, open_stream(coded.data).picture(scale=1 / 20).pixels)
+
+
+def test_an_overview_of_several_tiles_has_its_own(photo: Picture) -> None:
+    """1,344×1,000 pixels: 84×62 in tiles of 32, and 5×4."""
+    large = replace(photo, pixels=photo.pixels.repeat(4, axis=0).repeat(4, axis=1))
+    plan = replace(SETTINGS, tile=32, steps=1, quality=5)
+    small_one = encode(small(large, 512), plan).data
+    inner = open_stream(small_one)
+    assert inner.grid.count == 6
+    assert (inner.overview.width, inner.overview.height) == (5, 4)
+    assert inner.overview.grid.count == 1
+    outer = open_stream(_chunks_with(encode(large, replace(plan, tile=512, refine=False)).data, [small_one]))
+    np.testing.assert_array_equal(outer.picture(size=(5, 4)).pixels, inner.overview.picture().pixels)
+
+
+def test_one_that_is_no_smaller_is_left_alone() -> None:
+    """Of a single pixel; a thousand overviews, each in another, would else be followed to the last."""
+    dot = encode(Picture(np.zeros((1, 1, 1), np.uint8), "gray", (0.0, 255.0)), EncodeSettings(steps=1, threads=1)).data
+    nested = dot
+    for _ in range(1200):
+        nested = _chunks_with(dot, [nested])
+    assert open_stream(nested).picture().pixels.shape == (1, 1, 1)
+
+
+def test_who_gets_one(photo: Picture) -> None:
+    def takes(width: int, height: int, **choices: Any) -> bool:
+        shape = replace(Shape.of(photo), width=width, height=height)
+        return takes_overview(stream_plan(shape, EncodeSettings(**choices)))
+
+    assert takes(3000, 3000)
+    assert not takes(3000, 3000, overview=False)
+    assert not takes(3000, 3000, tile=0)
+    assert not takes(3000, 3000, profile="paper")
+    assert not takes(1000, 1000, tile=512)
+    assert takes(1000, 1000, tile=512, overview=True)
+    with pytest.raises(UsageError, match="no overview"):
+        _ = open_stream(encode(photo, EncodeSettings(steps=1, tile=128)).data).overview
+
+
+def test_it_counts_in_a_goal(photo: Picture) -> None:
+    goal = replace(SETTINGS, steps=20, bpp=0.5)
+    encoded = encode(photo, goal)
+    assert encoded.part_bytes["overview"] == len(_overview(encoded.data)) > 50
+    assert 0.97 * 0.5 < 8 * len(encoded.data) / (336 * 250) <= 0.5
+
+
+def _overview(data: bytes) -> bytes:
+    return next(chunk.payload() for chunk in ChunkReader(data, CHUNKS) if chunk.kind == "o")
+
+
+def _chunks_with(data: bytes, overviews: list[bytes], behind: bool = False) -> bytes:
+    """The same stream with these instead of its own, before its tiles or behind them; without an index."""
+    file = io.BytesIO()
+    writer = ChunkWriter(file)
+    late = not behind
+    for chunk in ChunkReader(data, CHUNKS):
+        if chunk.kind == "T" and late:
+            late = False
+            for payload in overviews:
+                writer.write("o", payload)
+        if chunk.kind not in "oX":
+            writer.write(chunk.kind, chunk.payload())
+    for payload in overviews if behind else []:
+        writer.write("o", payload)
+    writer.finish()
+    return file.getvalue()
+
+
+def test_a_damaged_one_spoils_small_views_alone(coded: Encoded) -> None:
+    at = coded.data.index(SIGNATURE, 1) + 60
+    data = bytearray(coded.data)
+    data[at] ^= 4
+    stream = open_stream(bytes(data))
+    np.testing.assert_array_equal(stream.picture().pixels, open_stream(coded.data).picture().pixels)
+    with pytest.raises(CorruptStreamError, match="CRC"):
+        stream.picture(scale=1 / 16)
+    stream.exact = True
+    assert stream.picture(scale=1 / 16).pixels.shape == (16, 21, 3)
+
+
+def test_what_is_no_overview_of_this_picture_is_refused(coded: Encoded, photo: Picture) -> None:
+    gray = Picture(np.zeros((16, 21, 1), np.uint8), "gray", (0.0, 255.0))
+    deep = Picture(np.zeros((16, 21, 3), np.uint16), "rgb", (0.0, 65535.0))
+    one = EncodeSettings(steps=1, threads=1)
+    for wrong, complaint in (
+        (b"no stream", "overview: no stream"),
+        (encode(photo, one).data, "overview: it has 336×250 pixels, not 21×16"),
+        (encode(gray, one).data, "overview: its channels"),
+        (encode(deep, one).data, "overview: its samples"),
+    ):
+        stream = open_stream(_chunks_with(coded.data, [wrong]))
+        with pytest.raises(CorruptStreamError, match=complaint):
+            stream.picture(scale=1 / 16)
+    sound = _overview(coded.data)
+    with pytest.raises(CorruptStreamError, match="only one, before the tiles"):
+        open_stream(_chunks_with(coded.data, [sound, sound]))
+    with pytest.raises(CorruptStreamError, match="only one, before the tiles"):
+        open_stream(_chunks_with(coded.data, [sound], behind=True))

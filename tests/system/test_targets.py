@@ -1,0 +1,194 @@
+"""Encodes that end at a size, a PSNR or a time: a real crop in few steps, and pictures at the edge."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sgicodec import Encoded, EncodeSettings, Picture, encode, open_stream, read
+from sgicodec.errors import TargetMissedError, UsageError
+from sgicodec.fit.trainer import Progress
+from sgicodec.metrics.scores import psnr
+from sgicodec.picture import Metadata, comparable
+
+DATA = Path(__file__).parents[1] / "data"
+CROP = (slice(128, 320), slice(96, 352))
+
+
+@pytest.fixture(scope="module", params=["kodim23.png", "kodim13.png"])
+def crop(request: pytest.FixtureRequest) -> Picture:
+    picture = read(DATA / request.param)
+    return replace(picture, pixels=np.ascontiguousarray(picture.pixels[CROP]))
+
+
+def quality(picture: Picture, encoded: Encoded) -> float:
+    decoded = open_stream(encoded.data).picture()
+    assert decoded.pixels.shape == picture.pixels.shape
+    return psnr(comparable(picture), comparable(decoded))
+
+
+@pytest.mark.parametrize("bpp", [0.25, 0.9])
+def test_bits_per_pixel(crop: Picture, bpp: float) -> None:
+    encoded = encode(crop, EncodeSettings(bpp=bpp, steps=150, threads=2))
+    reached = 8 * len(encoded.data) / (crop.width * crop.height)
+    assert 0.97 * bpp <= reached <= bpp
+    assert quality(crop, encoded) > 20
+
+
+def test_size_and_metadata(crop: Picture) -> None:
+    """Metadata counts, and is known of from the start: the fit ends near the size, not by the last search alone."""
+    with_blob = replace(crop, metadata=Metadata(xmp=b"<x/>" * 1000))
+    encoded = encode(with_blob, EncodeSettings(size=7000, steps=150, threads=2))
+    assert 0.97 * 7000 <= len(encoded.data) <= 7000
+    lean = encode(with_blob, EncodeSettings(size=3000, metadata=False, steps=150, threads=2))
+    assert 0.97 * 3000 <= len(lean.data) <= 3000
+    assert abs(math.log2(encoded.lmbda / lean.lmbda)) < 1.3
+
+
+@pytest.mark.parametrize("above", [0.0, 3.0])
+def test_decibels(crop: Picture, above: float) -> None:
+    asked = quality(crop, encode(crop, EncodeSettings(steps=150, threads=2))) + above
+    encoded = encode(crop, EncodeSettings(psnr=asked, steps=150, threads=2))
+    assert quality(crop, encoded) == pytest.approx(asked, abs=0.1)
+
+
+def test_equal_settings_give_equal_streams(crop: Picture) -> None:
+    one, two = (encode(crop, EncodeSettings(bpp=0.4, steps=60, threads=threads)).data for threads in (1, 2))
+    assert one == two
+
+
+def test_an_impossible_size_gives_the_nearest_stream(crop: Picture) -> None:
+    with pytest.raises(TargetMissedError, match="at most 90 bytes") as caught:
+        encode(crop, EncodeSettings(size=90, steps=60, threads=2))
+    nearest = caught.value.nearest
+    assert f"the smallest has {len(nearest.data)}" in str(caught.value)
+    assert len(nearest.data) < 700
+    assert quality(crop, nearest) > 8
+
+
+def test_an_impossible_psnr_gives_the_nearest_stream(crop: Picture) -> None:
+    with pytest.raises(TargetMissedError, match="99 dB") as caught:
+        encode(crop, EncodeSettings(psnr=99, steps=40, threads=2))
+    assert quality(crop, caught.value.nearest) > 30
+
+
+@pytest.mark.parametrize("goal", [{}, {"bpp": 0.4}, {"psnr": 27.0}])
+def test_a_time_limit_gives_a_sound_stream(crop: Picture, goal: dict[str, float]) -> None:
+    states: list[Progress] = []
+
+    def on_progress(state: Progress) -> bool:
+        states.append(state)
+        return True
+
+    settings = replace(EncodeSettings(time_limit=2.0, threads=2), **goal)  # type: ignore[arg-type]
+    try:
+        encoded = encode(crop, settings, on_progress)
+    except TargetMissedError as missed:  # a busy machine
+        encoded = missed.nearest
+    assert quality(crop, encoded) > 15
+    assert states[-1].step == states[-1].steps == len(states)
+
+
+@pytest.mark.parametrize("step", [1, 20, 75])
+@pytest.mark.parametrize("goal", [{"bpp": 0.4}, {"psnr": 27.0}])
+def test_an_early_end_gives_a_stream(crop: Picture, goal: dict[str, float], step: int) -> None:
+    settings = replace(EncodeSettings(steps=80, threads=2), **goal)  # type: ignore[arg-type]
+    try:
+        encoded = encode(crop, settings, lambda progress: progress.step < step)
+    except TargetMissedError as missed:
+        encoded = missed.nearest
+    else:
+        if "bpp" in goal:
+            assert 8 * len(encoded.data) / (crop.width * crop.height) <= goal["bpp"]
+    assert quality(crop, encoded) > 8
+
+
+def test_an_own_network(crop: Picture) -> None:
+    encoded = encode(crop, EncodeSettings(size=14_000, prior=0, steps=100, threads=2))
+    assert 0.97 * 14_000 <= len(encoded.data) <= 14_000
+    assert quality(crop, encoded) > 20
+
+
+def drawn(height: int, width: int, channels: str, dtype: str, flat: bool) -> Picture:
+    """A ramp with noise, or one colour."""
+    count = {"gray": 1, "gray+alpha": 2, "rgb": 3, "rgba": 4}[channels]
+    y, x = np.mgrid[:height, :width]
+    unit = np.stack([(x + (band + 1) * y) / (width + (band + 1) * height) for band in range(count)], axis=2)
+    unit = 0.3 + 0 * unit if flat else 0.8 * unit + 0.2 * np.random.default_rng(1).random(unit.shape)
+    if dtype == "float32":
+        colours = count - (count in (2, 4))
+        unit[..., :colours] = unit[..., :colours] * 900 - 100
+        return Picture(unit.astype(np.float32), channels, (-100.0, 800.0))
+    top = float(np.iinfo(dtype).max)
+    return Picture(np.rint(unit * top).astype(dtype), channels, (0.0, top))
+
+
+PICTURES = {
+    "1×1": drawn(1, 1, "rgb", "uint8", True),
+    "16×16": drawn(16, 16, "rgb", "uint8", False),
+    "flat": drawn(40, 70, "rgb", "uint8", True),
+    "gray": drawn(48, 40, "gray", "uint8", False),
+    "alpha": drawn(40, 48, "rgba", "uint8", False),
+    "gray and alpha of 16 bits": drawn(40, 48, "gray+alpha", "uint16", False),
+    "floats": drawn(40, 48, "rgb", "float32", False),
+}
+
+
+@pytest.mark.parametrize("goal", [{"psnr": 26.0}, {"psnr": 45.0}, {"size": 500.0}, {"bpp": 0.01}])
+@pytest.mark.parametrize("picture", PICTURES.values(), ids=PICTURES)
+def test_pictures_at_the_edge(picture: Picture, goal: dict[str, float]) -> None:
+    """Whatever can be told of them, a stream comes out, and what was not reached is said."""
+    settings = replace(EncodeSettings(steps=30, threads=1), **goal)  # type: ignore[arg-type]
+    missed = False
+    try:
+        encoded = encode(picture, settings)
+    except TargetMissedError as error:
+        missed, encoded = True, error.nearest
+    reached = quality(picture, encoded)
+    limit = goal.get("size", goal.get("bpp", math.inf) * picture.width * picture.height / 8)
+    assert missed == (len(encoded.data) > limit or reached < goal.get("psnr", 0.0) - 0.1)
+
+
+def test_clipped_floats_are_measured_as_the_stream_spans_them() -> None:
+    picture = replace(drawn(40, 48, "gray", "float32", False), sample_range=(0.0, 500.0))
+    asked = quality(picture, encode(picture, EncodeSettings(quality=40, steps=60, threads=1)))
+    encoded = encode(picture, EncodeSettings(psnr=asked, steps=60, threads=1))
+    assert quality(picture, encoded) == pytest.approx(asked, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("choices", "complaint"),
+    [
+        ({"psnr": 0.0}, "psnr"),
+        ({"psnr": math.nan}, "psnr"),
+        ({"psnr": math.inf}, "psnr"),
+        ({"size": 0.5}, "size"),
+        ({"size": math.inf}, "size"),
+        ({"bpp": 0.0}, "bpp"),
+        ({"bpp": math.inf}, "bpp"),
+        ({"time_limit": 0.0}, "time limit"),
+        ({"time_limit": math.nan}, "time limit"),
+        ({"psnr": 30.0, "bpp": 1.0}, "psnr and bpp exclude"),
+        ({"size": 3000.0, "bpp": 1.0}, "size and bpp exclude"),
+        ({"size": 3000.0, "lmbda": 1.0}, "size and lmbda exclude"),
+        ({"steps": 3, "time_limit": 1.0}, "steps and time_limit exclude"),
+        ({"psnr": 30.0, "profile": "paper"}, "default profile"),
+    ],
+)
+def test_settings_that_make_no_sense(choices: dict[str, float], complaint: str) -> None:
+    with pytest.raises(UsageError, match=complaint):
+        EncodeSettings(**choices)  # type: ignore[arg-type]
+
+
+def test_the_stream_names_its_goal() -> None:
+    picture = PICTURES["gray"]
+    for settings, words in (
+        (EncodeSettings(size=5e3, effort=1), "size5000 e1"),
+        (EncodeSettings(psnr=20.5, steps=5), "psnr20.5 n5"),
+        (EncodeSettings(time_limit=0.5), "q50 t0.5"),
+    ):
+        assert open_stream(encode(picture, settings).data).software.endswith(words)

@@ -1,0 +1,280 @@
+"""Pictures in several tiles: no seams, parts that are parts of the whole, reads that are counted."""
+
+from __future__ import annotations
+
+import io
+import zlib
+from dataclasses import replace
+from pathlib import Path
+from threading import get_ident
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sgicodec import Encoded, EncodeSettings, Picture, encode, open_stream, read
+from sgicodec.bitstream.container import SIGNATURE
+from sgicodec.bitstream.varint import decode_varint
+from sgicodec.decoder.tile_renderer import DrawnTile
+from sgicodec.errors import CorruptStreamError, UsageError
+from sgicodec.metrics.scores import psnr
+
+DATA = Path(__file__).parents[1] / "data"
+SETTINGS = EncodeSettings(steps=60, tile=128, threads=1)
+NEAR = 8
+
+
+@pytest.fixture(scope="module", params=["kodim23.png", "kodim13.png"])
+def coded(request: pytest.FixtureRequest) -> tuple[Picture, Encoded]:
+    """336×256 pixels of a smooth picture and of texture, in 3×2 tiles."""
+    picture = read(DATA / request.param)
+    picture = replace(picture, pixels=np.ascontiguousarray(picture.pixels[:256, 64:400]))
+    return picture, encode(picture, SETTINGS)
+
+
+def near_borders(stream_width: int, stream_height: int, edges: tuple[list[int], list[int]]) -> np.ndarray:
+    mask = np.zeros((stream_height, stream_width), bool)
+    for x in edges[0]:
+        mask[:, x - NEAR : x + NEAR] = True
+    for y in edges[1]:
+        mask[y - NEAR : y + NEAR] = True
+    return mask
+
+
+def test_no_seam(coded: tuple[Picture, Encoded]) -> None:
+    """At most 10 % more error near a border than elsewhere, as it would be without borders there."""
+    picture, tiled = coded
+    one = encode(picture, replace(SETTINGS, tile=0))
+    near = near_borders(336, 256, ([112, 224], [128]))
+    ratios = []
+    for data in (tiled.data, one.data):
+        error = np.square(open_stream(data).picture().pixels.astype(float) - picture.pixels).mean(axis=2)
+        ratios.append(np.sqrt(error[near].mean() / error[~near].mean()))
+    assert ratios[0] <= 1.1 * max(1, ratios[1])
+    steps = np.abs(np.diff(open_stream(tiled.data).picture().pixels.astype(float), axis=1)).mean(axis=(0, 2))
+    plain = np.abs(np.diff(open_stream(one.data).picture().pixels.astype(float), axis=1)).mean(axis=(0, 2))
+    assert (steps[[111, 223]] < 1.15 * plain[[111, 223]] + 0.2).all()
+
+
+def test_tiles_cost_little(coded: tuple[Picture, Encoded]) -> None:
+    picture, tiled = coded
+    with open_stream(tiled.data) as stream:
+        assert stream.grid.count == 6
+        assert psnr(picture.pixels, stream.picture().pixels) > 22
+        survey = stream.survey()
+        assert survey.seeds == tiled.seeds
+        assert survey.part_bytes == pytest.approx(tiled.part_bytes)
+
+
+@pytest.mark.parametrize("region", [(0, 0, 336, 256), (100, 120, 40, 20), (224, 0, 1, 256), (119, 127, 2, 2)])
+def test_regions_are_parts_of_the_whole(coded: tuple[Picture, Encoded], region: tuple[int, int, int, int]) -> None:
+    stream = open_stream(coded[1].data)
+    whole, (x, y, width, height) = stream.picture().pixels, region
+    part = open_stream(coded[1].data).picture(region).pixels
+    np.testing.assert_array_equal(part, whole[y : y + height, x : x + width])
+
+
+@pytest.mark.parametrize("scale", [None, 0.5, 1 / 7, 2.0])
+def test_bands_are_the_picture(
+    coded: tuple[Picture, Encoded], scale: float | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sgicodec.decoder.bands.BAND_SAMPLES", 48 * 3 * 20)
+    stream = open_stream(coded[1].data)
+    bands = stream.bands(scale=scale)
+    parts = [band.pixels for _, band in bands]
+    assert len(parts) > 1
+    assert [top for top, _ in bands] == list(range(0, bands.height, bands.rows))
+    np.testing.assert_array_equal(np.concatenate(parts), stream.picture(scale=scale).pixels)
+
+
+def test_few_tiles_are_kept(coded: tuple[Picture, Encoded], monkeypatch: pytest.MonkeyPatch) -> None:
+    stream = open_stream(coded[1].data)
+    whole = stream.picture().pixels
+    monkeypatch.setattr("sgicodec.decoder.tile_cache.KEPT_BYTES", 0)
+    again = open_stream(coded[1].data)
+    np.testing.assert_array_equal(again.picture().pixels, whole)
+    assert len(again._tiles) <= 4
+
+
+def test_scaled_views_agree_with_averages(coded: tuple[Picture, Encoded]) -> None:
+    """A half-size view is the mean of 2×2 pixels, borders included, as well as it is elsewhere."""
+    stream = open_stream(coded[1].data)
+    whole, half = stream.render(), stream.render(scale=0.5)
+    means = whole.reshape(128, 2, 168, 2, 3).mean(axis=(1, 3))
+    error = np.abs(half - means).mean(axis=2)
+    near = near_borders(168, 128, ([56, 112], [64]))
+    assert error[near].mean() < 1.3 * error[~near].mean() + 1e-3
+
+
+def test_tiles_without_a_base_layer_are_drawn(coded: tuple[Picture, Encoded]) -> None:
+    picture = replace(coded[0], pixels=np.ascontiguousarray(coded[0].pixels[:, :160]))
+    stream = open_stream(encode(picture, replace(SETTINGS, steps=30, profile="paper")).data)
+    assert stream.header.spec.base_cell == 0
+    assert stream.render(scale=0.1).mean() == pytest.approx(stream.render().mean(), rel=0.1)
+
+
+@pytest.mark.parametrize("scale", [None, 1 / 5])
+def test_tiles_are_decoded_side_by_side(
+    coded: tuple[Picture, Encoded], scale: float | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    alone = open_stream(coded[1].data).picture(scale=scale, threads=1).pixels
+    used: set[int] = set()
+    init = DrawnTile.__init__
+
+    def noted(self: DrawnTile, *arguments: Any) -> None:
+        used.add(get_ident())
+        init(self, *arguments)
+
+    monkeypatch.setattr(DrawnTile, "__init__", noted)
+    np.testing.assert_array_equal(open_stream(coded[1].data).picture(scale=scale, threads=3).pixels, alone)
+    assert used
+    assert get_ident() not in used
+    used.clear()
+    open_stream(coded[1].data).picture(scale=scale, threads=1)
+    assert used == {get_ident()}
+
+
+def test_few_tiles_are_decoded_ahead(coded: tuple[Picture, Encoded], monkeypatch: pytest.MonkeyPatch) -> None:
+    """No more than there are threads, and one: the first of six tiles is not drawn before the last is begun."""
+    begun: list[int] = []
+    stream = open_stream(coded[1].data)
+    payload = stream._chunks.tile
+    monkeypatch.setattr(stream._chunks, "tile", lambda number: begun.append(number) or payload(number))
+    drawn_after: list[int] = []
+    draw = DrawnTile.draw
+
+    def noted(self: DrawnTile, *arguments: Any) -> None:
+        drawn_after.append(len(begun))
+        draw(self, *arguments)
+
+    monkeypatch.setattr(DrawnTile, "draw", noted)
+    stream.picture(threads=2)
+    assert begun == list(range(6))
+    assert drawn_after[0] == 4
+    assert drawn_after[-1] == 6
+
+
+class Counting(io.BytesIO):
+    """Remembers which bytes were read."""
+
+    def __init__(self, data: bytes) -> None:
+        super().__init__(data)
+        self.ranges: list[tuple[int, int]] = []
+
+    def read(self, size: int | None = -1) -> bytes:
+        start = self.tell()
+        data = super().read(size)
+        self.ranges.append((start, start + len(data)))
+        return data
+
+
+def _tile_chunks(data: bytes) -> dict[int, tuple[int, int]]:
+    """Where the payload of each tile's chunk begins and ends."""
+    found, at = {}, len(SIGNATURE)
+    while at < len(data):
+        length, start = decode_varint(data, at + 1)
+        if data[at : at + 1] == b"T":
+            found[decode_varint(data, start)[0]] = start, start + length
+        at = start + length + 4
+    return found
+
+
+def test_a_region_reads_its_tiles_alone(coded: tuple[Picture, Encoded]) -> None:
+    source = Counting(coded[1].data)
+    stream = open_stream(source)
+    opening = sum(end - begin for begin, end in source.ranges)
+    stream.picture((10, 10, 50, 50))
+    read_bytes = np.zeros(len(coded[1].data), bool)
+    for begin, end in source.ranges:
+        read_bytes[begin:end] = True
+    chunks = _tile_chunks(coded[1].data)
+    assert read_bytes[slice(*chunks[0])].all()
+    for number in range(1, 6):
+        assert not read_bytes[slice(*chunks[number])].any()
+    assert opening < 400
+
+
+def test_a_pipe_is_enough(coded: tuple[Picture, Encoded]) -> None:
+    class Pipe(io.RawIOBase):
+        def __init__(self, data: bytes) -> None:
+            self._data = io.BytesIO(data)
+
+        def read(self, size: int = -1) -> bytes:
+            return self._data.read(size)
+
+        def seekable(self) -> bool:
+            return False
+
+    piped = open_stream(Pipe(coded[1].data))  # type: ignore[arg-type]
+    np.testing.assert_array_equal(piped.picture().pixels, open_stream(coded[1].data).picture().pixels)
+
+
+def _without_index(data: bytes, order: list[int]) -> bytes:
+    """The same stream, its tiles in another order and no index."""
+    chunks = _tile_chunks(data)
+    heads = {number: data.rindex(b"T", 0, start) for number, (start, _) in chunks.items()}
+    first = min(heads.values())
+    pieces = [data[heads[number] : chunks[number][1] + 4] for number in order]
+    return data[:first] + b"".join(pieces) + bytes.fromhex("4500bfa9d7cc")
+
+
+def test_tiles_in_any_order_without_an_index(coded: tuple[Picture, Encoded]) -> None:
+    data = _without_index(coded[1].data, [3, 0, 5, 1, 4, 2])
+    np.testing.assert_array_equal(open_stream(data).picture().pixels, open_stream(coded[1].data).picture().pixels)
+
+
+@pytest.mark.parametrize(
+    ("order", "complaint"),
+    [([0, 1, 2, 3, 4], "tile 5 is missing"), ([0, 1, 2, 3, 4, 5, 2], "only one tile 2"), ([], "no tile")],
+)
+def test_tiles_that_are_not_all_there(coded: tuple[Picture, Encoded], order: list[int], complaint: str) -> None:
+    with pytest.raises(CorruptStreamError, match=complaint):
+        open_stream(_without_index(coded[1].data, order))
+
+
+def test_a_cut_file_is_refused(coded: tuple[Picture, Encoded]) -> None:
+    for end in (-1, -7, -40, -3000):
+        with pytest.raises(CorruptStreamError):
+            open_stream(coded[1].data[:end])
+
+
+def test_a_damaged_tile_is_named(coded: tuple[Picture, Encoded]) -> None:
+    data = bytearray(coded[1].data)
+    start, end = _tile_chunks(coded[1].data)[4]
+    data[(start + end) // 2] ^= 1
+    stream = open_stream(bytes(data))
+    stream.picture((0, 0, 40, 40))
+    with pytest.raises(CorruptStreamError, match="CRC"):
+        stream.picture()
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_a_tile_of_other_symbols_is_named(coded: tuple[Picture, Encoded], threads: int) -> None:
+    """Its chunk is sound, what it holds is not; whoever decodes it, the caller learns of it."""
+    data = bytearray(coded[1].data)
+    start, end = _tile_chunks(coded[1].data)[4]
+    data[(start + end) // 2] ^= 1
+    head = data.rindex(b"T", 0, start)
+    data[end : end + 4] = zlib.crc32(data[head:end]).to_bytes(4, "little")
+    with pytest.raises(CorruptStreamError, match="tile 4: "):
+        open_stream(bytes(data)).picture(threads=threads)
+
+
+def test_one_tile_pays_nothing(coded: tuple[Picture, Encoded]) -> None:
+    small = replace(coded[0], pixels=np.ascontiguousarray(coded[0].pixels[:96, :128]))
+    one = encode(small, replace(SETTINGS, tile=0, steps=10)).data
+    assert encode(small, replace(SETTINGS, tile=128, steps=10)).data == one
+    assert one.count(b"X") == 0 or open_stream(one).chunk_bytes.keys() == {"signature", "H", "s", "T"}
+
+
+@pytest.mark.parametrize("goal", [{"psnr": 30.0}, {"bpp": 0.5}, {"size": 5000.0}])
+def test_a_time_limit_with_a_goal_needs_a_single_tile(coded: tuple[Picture, Encoded], goal: dict[str, float]) -> None:
+    with pytest.raises(UsageError, match="single tile"):
+        encode(coded[0], EncodeSettings(time_limit=3, tile=128, **goal))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("width", "height", "tiles"), [(2048, 2048, 1), (4000, 1000, 1), (2049, 2048, 3 * 2), (12288, 12288, 144)]
+)
+def test_what_is_cut_unless_told(width: int, height: int, tiles: int) -> None:
+    assert EncodeSettings().grid(width, height).count == tiles

@@ -1,0 +1,77 @@
+"""The whole codec on two real pictures, through the API that the command line uses."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sgicodec import Encoded, EncodeSettings, Picture, encode, open_stream, read
+from sgicodec.metrics.scores import psnr
+from sgicodec.picture import Metadata
+
+DATA = Path(__file__).parents[1] / "data"
+CROP = (slice(128, 320), slice(96, 352))
+
+
+def crop(name: str) -> Picture:
+    picture = read(DATA / name)
+    metadata = Metadata(icc=None, exif=None, xmp=b"<x:xmpmeta xmlns:x='adobe:ns:meta/'/>")
+    return replace(picture, pixels=np.ascontiguousarray(picture.pixels[CROP]), metadata=metadata)
+
+
+@pytest.fixture(scope="module", params=["kodim23.png", "kodim13.png"])
+def coded(request: pytest.FixtureRequest) -> tuple[Picture, dict[int, Encoded]]:
+    picture = crop(request.param)
+    return picture, {q: encode(picture, EncodeSettings(quality=q, steps=250, threads=2)) for q in (30, 50, 70)}
+
+
+def test_quality_raises_both_rate_and_fidelity(coded: tuple[Picture, dict[int, Encoded]]) -> None:
+    picture, streams = coded
+    sizes = [len(stream.data) for stream in streams.values()]
+    scores = [psnr(picture.pixels, open_stream(stream.data).picture().pixels) for stream in streams.values()]
+    assert sizes == sorted(sizes)
+    assert scores == sorted(scores)
+    assert scores[-1] - scores[0] > 3
+
+
+def test_smaller_than_jpeg_at_the_same_fidelity(coded: tuple[Picture, dict[int, Encoded]]) -> None:
+    """A peer measured in the same run: JPEG at the quality that reaches the same PSNR is larger."""
+    image = pytest.importorskip("PIL.Image")
+    import io
+
+    picture, streams = coded
+    ours = streams[30]
+    score = psnr(picture.pixels, open_stream(ours.data).picture().pixels)
+    for quality in range(1, 96):
+        buffer = io.BytesIO()
+        image.fromarray(picture.pixels).save(buffer, "JPEG", quality=quality, optimize=True, progressive=True)
+        if psnr(picture.pixels, np.asarray(image.open(buffer))) >= score:
+            break
+    assert len(ours.data) < buffer.tell()
+
+
+def test_parts_sum_to_the_payload_and_agree_in_both_directions(coded: tuple[Picture, dict[int, Encoded]]) -> None:
+    _, streams = coded
+    for stream in streams.values():
+        opened = open_stream(stream.data)
+        assert opened.part_bytes == pytest.approx(stream.part_bytes)
+        total = sum(opened.part_bytes.values())
+        assert 0 <= opened.chunk_bytes["T"] - total < 16
+
+
+def test_layout_metadata_and_depth_return(coded: tuple[Picture, dict[int, Encoded]]) -> None:
+    picture, streams = coded
+    decoded = open_stream(streams[50].data).picture()
+    assert decoded.pixels.dtype == picture.pixels.dtype
+    assert decoded.channels == picture.channels
+    assert decoded.metadata == picture.metadata
+
+
+def test_early_end_gives_a_valid_stream() -> None:
+    picture = crop("kodim23.png")
+    stopped = encode(picture, EncodeSettings(steps=200, threads=1), lambda progress: progress.step < 60)
+    decoded = open_stream(stopped.data).picture()
+    assert psnr(picture.pixels, decoded.pixels) > 20

@@ -1,0 +1,106 @@
+"""The peers on a small picture: do they run as their settings say, and do their ladders rise?"""
+
+from __future__ import annotations
+
+import io
+import sys
+
+import numpy as np
+import pytest
+
+from sgicodec.bench.codec import Pixels8
+from sgicodec.bench.peers import PEERS, Avif, Jpeg, Jpeg2000, JpegXl, Peer, WebP, find_peers
+from sgicodec.errors import PictureError, UsageError
+from sgicodec.metrics import scores as metrics
+
+Image = pytest.importorskip("PIL.Image")
+pytest.importorskip("imagecodecs")
+
+ALL = [Jpeg(), Jpeg2000(), WebP(), JpegXl(), Avif()]
+NAMES = [peer.name for peer in ALL]
+
+
+def picture(height: int = 96, width: int = 128) -> Pixels8:
+    """Smooth colours, an edge and some grain."""
+    y, x = np.mgrid[:height, :width]
+    planes = [128 + 90 * np.sin(x / 17 + k) * np.cos(y / (11 + k)) + 40 * (x + 2 * y > 150) for k in range(3)]
+    grain = np.random.default_rng(1).normal(0, 4, (height, width, 1))
+    return np.clip(np.stack(planes, axis=2) + grain, 0, 255).astype(np.uint8)
+
+
+@pytest.mark.parametrize("peer", ALL, ids=NAMES)
+def test_ladder_rises_in_rate_and_quality(peer: Peer) -> None:
+    pixels = picture()
+    trips = [peer.round_trip(pixels, quality) for quality in peer.ladder]
+    assert all(trip.pixels.shape == pixels.shape and trip.pixels.dtype == np.uint8 for trip in trips)
+    sizes = [len(trip.data) for trip in trips]
+    assert 6 <= len(sizes) <= 8
+    assert sizes[-1] > 2 * sizes[0]
+    assert sorted(sizes) == sizes
+    first, last = (metrics.psnr(pixels, trip.pixels) for trip in (trips[0], trips[-1]))
+    assert last > first + 4
+    assert last > 30
+    assert all(trip.encode_seconds > 0 and trip.decode_seconds > 0 for trip in trips)
+
+
+@pytest.mark.parametrize("peer", ALL, ids=NAMES)
+def test_every_point_has_settings_of_its_own(peer: Peer) -> None:
+    lines = {peer.settings(quality) for quality in peer.ladder}
+    assert len(lines) == len(peer.ladder)
+    assert not any(set("\t\n") & set(line) for line in lines)
+    assert peer.version()
+
+
+def test_jpeg_is_progressive_and_subsampled() -> None:
+    from PIL import JpegImagePlugin
+
+    opened = Image.open(io.BytesIO(Jpeg().encode(picture(), 50)))
+    assert opened.info["progressive"]
+    assert JpegImagePlugin.get_sampling(opened) == 2
+
+
+def test_jpeg2000_meets_its_rate_with_a_bare_codestream() -> None:
+    pixels = picture()
+    data = Jpeg2000().encode(pixels, 0.5)
+    assert data.startswith(b"\xff\x4f\xff\x51")
+    assert 8 * len(data) / (96 * 128) == pytest.approx(0.5, rel=0.1)
+
+
+def test_avif_keeps_the_resolution_of_colour() -> None:
+    """A one-pixel pattern of equal luma would be averaged away by 4:2:0."""
+    pixels = np.full((64, 64, 3), 128, np.uint8)
+    pixels[:, ::2, 0], pixels[:, ::2, 1] = 228, 77
+    decoded = Avif().round_trip(pixels, 85).pixels.astype(int)
+    assert np.abs(decoded[:, ::2, 0] - decoded[:, 1::2, 0]).mean() > 60
+
+
+def test_threads_are_named_in_the_settings_that_use_them() -> None:
+    found, missing = find_peers(PEERS, threads=3)
+    assert not missing
+    assert {peer.name for peer in found if "threads=3" in peer.settings(1)} == {"jxl", "avif"}
+
+
+def test_a_picture_that_a_codec_refuses_is_the_picture_s_fault() -> None:
+    with pytest.raises(PictureError, match="webp cannot code a picture of 20000x1 pixels"):
+        WebP().round_trip(np.zeros((1, 20000, 3), np.uint8), 50)
+
+
+def test_missing_packages_are_named_with_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "imagecodecs", None)
+    found, missing = find_peers(["jpeg", "jxl"])
+    assert [peer.name for peer in found] == ["jpeg"]
+    assert missing == {"jxl": "jxl needs imagecodecs: pip install sgicodec[bench]"}
+    monkeypatch.setitem(sys.modules, "PIL", None)
+    assert find_peers(["webp"])[1] == {"webp": "webp needs pillow: pip install sgicodec[bench]"}
+
+
+def test_a_library_without_the_format_counts_as_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    from PIL import features
+
+    monkeypatch.setattr(features, "check", lambda feature: feature != "avif")
+    assert "avif needs a pillow that holds libavif" in find_peers(["avif"])[1]["avif"]
+
+
+def test_unknown_names_are_refused() -> None:
+    with pytest.raises(UsageError, match="no codec is called 'bpg'"):
+        find_peers(["bpg"])

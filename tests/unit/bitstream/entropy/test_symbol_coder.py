@@ -1,0 +1,304 @@
+"""The walk against a range decoder written from docs/format.md, which shares no code with the package."""
+
+import zlib
+
+import constriction
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from sgicodec.bitstream.entropy import symbol_models
+from sgicodec.bitstream.entropy.symbol_coder import SymbolReader, SymbolWriter
+from sgicodec.bitstream.entropy.tables import MAX_MAGNITUDE, TABLES, TOTAL, bernoulli_frequencies, frequency_tables
+from sgicodec.errors import CorruptStreamError, UsageError
+
+
+class ReferenceDecoder:
+    """The range decoder of docs/format.md, section "Range coder"."""
+
+    def __init__(self, payload: bytes) -> None:
+        self._payload = payload
+        self._next = 0
+        self._range = 2**64 - 1
+        self._offset = self._word() << 32 | self._word()
+
+    def decode(self, frequencies: list[int]) -> int:
+        scale = self._range >> 24
+        quantile = self._offset // scale
+        below, symbol = 0, 0
+        while below + frequencies[symbol] <= quantile:
+            below += frequencies[symbol]
+            symbol += 1
+        self._offset -= scale * below
+        self._range = scale * frequencies[symbol]
+        if self._range < 2**32:
+            self._range <<= 32
+            self._offset = self._offset << 32 | self._word()
+        return symbol
+
+    def _word(self) -> int:
+        word = self._payload[self._next : self._next + 4]
+        self._next += 4
+        return int.from_bytes(word + bytes(4 - len(word)), "big")
+
+
+def crc_of(symbols: NDArray[np.int_]) -> int:
+    return zlib.crc32(b"".join(int(n).to_bytes(4, "little", signed=True) for n in symbols))
+
+
+@pytest.mark.parametrize("table", range(TABLES))
+def test_constriction_reproduces_every_interval_of_every_table(table: int) -> None:
+    frequency = frequency_tables().frequencies(table)
+    below = np.cumsum(frequency) - frequency
+    model = symbol_models._zero_centred_model(table)
+    scale = (2**64 - 1) >> 24
+    for symbol in range(len(frequency)):
+        coder = constriction.stream.queue.RangeEncoder()
+        coder.encode(symbol, model)
+        assert coder.pos() == (0, (scale * int(below[symbol]), scale * int(frequency[symbol])))
+
+
+def test_the_reference_decoder_reads_zero_centred_symbols() -> None:
+    rng = np.random.default_rng(3)
+    tables = rng.integers(0, TABLES, 3000)
+    support = frequency_tables().support[tables]
+    symbols = np.clip(np.rint(rng.normal(0, support / 3)), -support, support).astype(int)  # no escapes
+    writer = SymbolWriter()
+    writer.code(symbols, tables)
+    decoder = ReferenceDecoder(writer.finish())
+    order = np.argsort(tables, kind="stable")
+    for table, symbol, s in zip(tables[order], symbols[order], support[order], strict=True):
+        assert decoder.decode(frequency_tables().frequencies(table).tolist()) - s == symbol
+    high, low = (decoder.decode([TOTAL >> 16] * 65536) for _ in range(2))
+    assert high << 16 | low == crc_of(symbols)
+
+
+def test_the_reference_decoder_reads_escapes() -> None:
+    writer = SymbolWriter()
+    writer.code([0, -9, 1, 5, 2], [0] * 5)  # table 0 covers −1 … 1
+    decoder = ReferenceDecoder(writer.finish())
+    frequencies = frequency_tables().frequencies(0).tolist()
+    assert [decoder.decode(frequencies) for _ in range(5)] == [1, 3, 2, 3, 3]
+    unary = [TOTAL >> e for e in range(1, 21)] + [TOTAL >> 20]
+    assert [decoder.decode(unary) for _ in range(3)] == [3, 2, 0]  # 9 − 2 = 7 = 8 − 1, 5 − 2 = 3 = 4 − 1, 0
+    assert decoder.decode([TOTAL >> 2] * 4) == 0  # mantissas by ascending exponent
+    assert decoder.decode([TOTAL >> 3] * 8) == 0
+    assert [decoder.decode([TOTAL >> 1] * 2) for _ in range(3)] == [1, 0, 0]
+
+
+symbols_and_tables = st.lists(
+    st.tuples(
+        st.one_of(st.integers(-4, 4), st.integers(-600, 600), st.integers(-MAX_MAGNITUDE, MAX_MAGNITUDE)),
+        st.integers(0, TABLES - 1),
+    ),
+    max_size=60,
+)
+
+
+@given(symbols_and_tables)
+def test_zero_centred_round_trip(pairs: list[tuple[int, int]]) -> None:
+    symbols, tables = [n for n, _ in pairs], [t for _, t in pairs]
+    writer = SymbolWriter()
+    assert writer.code(symbols, tables).tolist() == symbols
+    reader = SymbolReader(writer.finish())
+    assert reader.code(None, tables).tolist() == symbols
+    reader.finish()
+    assert (reader.crc, reader.count, reader.bits) == (writer.crc, writer.count, writer.bits)
+
+
+@given(st.lists(st.tuples(st.integers(0, 2), st.integers(0, 3)), max_size=60), st.data())
+def test_categorical_round_trip(pairs: list[tuple[int, int]], data: st.DataObject) -> None:
+    cuts = [sorted(data.draw(st.lists(st.integers(0, TOTAL), min_size=3, max_size=3))) for _ in range(3)]
+    frequencies = np.diff([[0, *row, TOTAL] for row in cuts], axis=1)  # zeros and 2**24 among them
+    pairs = [(c, s) for c, s in pairs if frequencies[c, s] > 0]
+    contexts, symbols = [c for c, _ in pairs], [s for _, s in pairs]
+    writer = SymbolWriter()
+    assert writer.code_categorical(symbols, frequencies, contexts).tolist() == symbols
+    reader = SymbolReader(writer.finish())
+    assert reader.code_categorical(None, frequencies, contexts).tolist() == symbols
+    reader.finish()
+
+
+@given(st.integers(0, 32).flatmap(lambda n: st.tuples(st.just(n), st.lists(st.integers(0, 2**n - 1)))))
+def test_raw_bits_round_trip(field: tuple[int, list[int]]) -> None:
+    n_bits, values = field
+    writer = SymbolWriter()
+    assert writer.code_bits(values, n_bits, len(values)).tolist() == values
+    assert writer.bits.get("rest", 0) == n_bits * len(values)
+    reader = SymbolReader(writer.finish())
+    assert reader.code_bits(None, n_bits, len(values)).tolist() == values
+    reader.finish()
+
+
+def test_bits_account_for_the_payload_part_by_part() -> None:
+    rng = np.random.default_rng(5)
+    tables = rng.integers(0, TABLES, 20000)
+    symbols = np.rint(rng.normal(0, 2.0 ** ((tables % 64 - 24) / 6))).astype(int)
+    writer = SymbolWriter()
+    with writer.part("first"):
+        writer.code(symbols, tables)
+        with writer.part("second"):
+            writer.code_categorical(symbols & 1, bernoulli_frequencies([128]), np.zeros(20000, int))
+        writer.code_int(5, 12)
+    payload = writer.finish()
+    assert set(writer.bits) == {"first", "second", "check"}
+    assert writer.bits["first"] == pytest.approx(frequency_tables().bits(symbols, tables).sum() + 12)
+    ones = int((symbols & 1).sum())
+    cost = -ones * np.log2(257 / 512) - (20000 - ones) * np.log2(255 / 512)
+    assert writer.bits["second"] == pytest.approx(cost)
+    assert -8 < len(payload) - sum(writer.bits.values()) / 8 < 8
+
+
+def test_shapes_are_kept() -> None:
+    writer = SymbolWriter()
+    tables = np.full((2, 3, 4), 30)
+    symbols = np.arange(24).reshape(2, 3, 4) - 12
+    writer.code(symbols, tables)
+    assert np.array_equal(SymbolReader(writer.finish()).code(None, tables), symbols)
+
+
+def golden_walk(walk: SymbolWriter | SymbolReader, given: bool) -> list[list[int]]:
+    values = [[0, -1, 700, 3, -70000], [2, 0, 2], [0xDEADBEEF, 7]] if given else [None] * 3
+    frequencies = np.array([[TOTAL // 2, TOTAL // 4, TOTAL // 4], [1, 0, TOTAL - 1]])
+    return [
+        walk.code(values[0], [24, 24, 24, 90, 127]).tolist(),
+        walk.code_categorical(values[1], frequencies, [1, 0, 1]).tolist(),
+        walk.code_bits(values[2], 32, 2).tolist(),
+    ]
+
+
+GOLDEN = "6d3b2d99a36ffcd61de72100916b1ab5d2451514c89c49fa8db2"
+
+
+def test_golden_payload_decodes_for_ever() -> None:
+    writer = SymbolWriter()
+    expected = golden_walk(writer, True)
+    assert writer.finish().hex() == GOLDEN
+    reader = SymbolReader(bytes.fromhex(GOLDEN))
+    assert golden_walk(reader, False) == expected
+    reader.finish()
+
+
+@pytest.fixture(scope="module")
+def payload() -> bytes:
+    writer = SymbolWriter()
+    writer.code(np.arange(-50, 50), np.full(100, 50))
+    return writer.finish()
+
+
+def read(payload: bytes) -> None:
+    reader = SymbolReader(payload)
+    reader.code(None, np.full(100, 50))
+    reader.finish()
+
+
+def test_an_untouched_payload_is_accepted(payload: bytes) -> None:
+    read(payload)
+
+
+def test_every_flipped_bit_but_the_last_few_shows(payload: bytes) -> None:
+    """The last bits of a payload only have to point into the last interval; all others carry symbols."""
+    for bit in range(8 * len(payload) - 32):
+        damaged = bytearray(payload)
+        damaged[bit // 8] ^= 0x80 >> bit % 8
+        with pytest.raises(CorruptStreamError):
+            read(bytes(damaged))
+
+
+def test_a_cut_payload_is_corrupt(payload: bytes) -> None:
+    for length in range(len(payload) - 4):
+        with pytest.raises(CorruptStreamError):
+            read(payload[:length])
+
+
+@pytest.mark.parametrize(("extra", "message"), [(b"\0", "zero bytes"), (b"\0" * 8 + b"x", "left over")])
+def test_bytes_behind_the_last_symbol_are_corrupt(payload: bytes, extra: bytes, message: str) -> None:
+    with pytest.raises(CorruptStreamError, match=message):
+        read(payload + extra)
+
+
+def test_an_impossible_payload_is_corrupt() -> None:
+    reader = SymbolReader(b"\xff" * 8)
+    with pytest.raises(CorruptStreamError, match="does not decode"):
+        reader.code(None, np.full(100, 50))
+
+
+def test_a_magnitude_above_the_cap_is_corrupt() -> None:
+    writer = SymbolWriter()
+    support = int(frequency_tables().support[100])
+    frequencies = frequency_tables().frequencies(100)[None, :]
+    writer.code_categorical([2 * support + 1], frequencies, [0])  # an escape …
+    writer.code_categorical([20], np.array([[TOTAL >> e for e in range(1, 21)] + [TOTAL >> 20]]), [0])
+    writer.code_bits([2**20 - 1], 20, 1)  # … of 2**21 − 2
+    writer.code_bits([0], 1, 1)
+    with pytest.raises(CorruptStreamError, match="exceeds"):
+        SymbolReader(writer.finish()).code(None, [100])
+
+
+@settings(max_examples=200)
+@given(st.binary(max_size=40))
+def test_any_bytes_decode_or_are_corrupt(data: bytes) -> None:
+    try:
+        reader = SymbolReader(data)
+        values = reader.code(None, np.arange(TABLES))
+        reader.finish()
+    except CorruptStreamError:
+        return
+    assert values.shape == (TABLES,)
+
+
+@pytest.mark.parametrize(
+    ("method", "arguments"),
+    [
+        ("code", ([MAX_MAGNITUDE + 1], [0])),
+        ("code", ([0], [TABLES])),
+        ("code", ([0], [-1])),
+        ("code", ([0], [1 << 16])),
+        ("code_categorical", ([0], np.array([[1, TOTAL - 1]]), [1])),
+        ("code", ([0, 0], [0])),
+        ("code", (None, [0])),
+        ("code_bits", ([4], 2, 1)),
+        ("code_bits", ([-1], 2, 1)),
+        ("code_bits", ([0], 33, 1)),
+        ("code_categorical", ([1], np.array([[TOTAL, 0]]), [0])),
+        ("code_categorical", ([1], np.array([[TOTAL, 1]]), [0])),
+        ("code_categorical", ([2], np.array([[TOTAL, 0]]), [0])),
+        ("code_categorical", ([-1], np.array([[1, TOTAL - 1]]), [0])),
+    ],
+)
+def test_a_writer_refuses_what_cannot_be_coded(method: str, arguments: tuple[object, ...]) -> None:
+    with pytest.raises(UsageError):
+        getattr(SymbolWriter(), method)(*arguments)
+
+
+class Panic(BaseException):
+    """Like constriction's PanicException, no Exception."""
+
+
+class Panicking:
+    """A coder that fails as Rust does."""
+
+    def encode(self, *_: object) -> None:
+        raise Panic("assertion failed:\n  range > 1")
+
+
+def test_panics_are_errors_of_one_line() -> None:
+    walk = SymbolWriter()
+    walk._coder = Panicking()
+    with pytest.raises(RuntimeError, match=r"^entropy: .* \(assertion failed: range > 1\)$"):
+        walk.code_bits([1, 2], 8, 2)
+
+
+@pytest.mark.parametrize("interruption", [KeyboardInterrupt, MemoryError])
+def test_what_is_not_the_coder_s_fault_passes(interruption: type[BaseException]) -> None:
+    walk = SymbolWriter()
+
+    class Interrupted:
+        def encode(self, *_: object) -> None:
+            raise interruption
+
+    walk._coder = Interrupted()
+    with pytest.raises(interruption):
+        walk.code_bits([1, 2], 8, 2)

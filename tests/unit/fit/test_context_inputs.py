@@ -1,0 +1,141 @@
+"""What MLP_p sees while it trains (floats) against what it sees while it codes (integers), on the same values."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import torch
+
+from sgicodec.bitstream.entropy.symbol_coder import SymbolWriter
+from sgicodec.bitstream.parts.attributes import AttributeCoder
+from sgicodec.fit.context_training import ContextNet
+from sgicodec.fit.quantization_noise import Sampler
+from sgicodec.model.context import LEVELS, SUMMARY, HashGrid, passes
+from sgicodec.model.layout import adaptive_layout, uniform_layout
+from sgicodec.model.network import IntNetwork, Prediction
+from sgicodec.model.quantization import FRACTION_BITS
+from sgicodec.model.spec import ModelSpec, default_spec, paper_spec
+from sgicodec.model.steps import StepPlan, default_plan
+
+SIZE = (160, 120)
+QUALITY, FAMILY = 62, 1
+
+SPECS = {
+    "default": default_spec(3, prior=0),
+    "K = 2": default_spec(3, per_seed=2, prior=0),
+    "gray": default_spec(1, prior=0),
+    "four channels": default_spec(4, prior=0),
+    "paper": paper_spec(3, per_seed=2, features=6),
+}
+every_spec = pytest.mark.parametrize("spec", SPECS.values(), ids=SPECS)
+
+
+class Fit:
+    """A layout, random values of a plausible size, and networks of random weights."""
+
+    def __init__(self, spec: ModelSpec) -> None:
+        width, height = SIZE
+        rng = np.random.default_rng(1)
+        detail = (rng.normal(size=(3, height, width)) * np.linspace(0, 1, width) ** 2).astype(np.float32)
+        if spec.layout == "adaptive":
+            self.layout = adaptive_layout(detail, 6.0)
+        else:
+            self.layout = uniform_layout(width, height, 500, rng)
+        sizes = {"colour": 0.2, "shape": 0.6, "offset": 0.4, "feature": 2.0, "scales": 2.0}
+        self.values = {g.name: rng.normal(size=(len(self.layout), g.size)) * sizes[g.name] for g in spec.groups}
+        self.hash_sizes: tuple[int, ...] = ()
+        if spec.context.hash_resolutions:
+            self.hash_sizes = HashGrid.at(spec.context, self.layout, width, height).sizes
+        self.net = ContextNet(spec, self.hash_sizes, torch.Generator().manual_seed(0))
+        self.spec = spec
+
+    def code(self, networks: tuple[Any, ...], plan: StepPlan) -> tuple[dict[str, torch.Tensor], SymbolWriter]:
+        """The values as they are decoded, and the walk that wrote them."""
+        walk = SymbolWriter()
+        coder = AttributeCoder(self.spec, self.layout, SIZE, plan, networks, self.net.signs(), QUALITY, FAMILY)
+        decoded = torch.from_numpy(np.ldexp(coder.code(walk, self.values).astype(np.float64), -FRACTION_BITS))
+        return {group.name: decoded[:, group.columns].float() for group in self.spec.groups}, walk
+
+    def sampler(self, net: ContextNet, plan: StepPlan) -> Sampler:
+        sampler = Sampler(self.spec, net, plan, FAMILY)
+        sampler.set_layout(self.layout, QUALITY, *SIZE)
+        return sampler
+
+
+class CodingRecorder:
+    """Stands for an `IntNetwork`: keeps its inputs and predicts nothing."""
+
+    def __init__(self, outputs: int, predicted: int) -> None:
+        self.outputs, self.predicted = outputs, predicted
+        self.inputs: list[np.ndarray] = []
+
+    def predict(self, inputs: np.ndarray, *rest: object) -> Prediction:
+        self.inputs.append(inputs)
+        blank = np.zeros((len(inputs), self.outputs), np.int64)
+        units = self.predicted
+        return Prediction(blank[:, :units], blank[:, units : 2 * units], blank[:, 2 * units :])
+
+
+class TrainingRecorder(ContextNet):
+    """A `ContextNet` that keeps its inputs and predicts nothing."""
+
+    def forward(self, step: int, inputs: torch.Tensor) -> tuple[torch.Tensor, ...]:
+        self.inputs: dict[int, torch.Tensor] = {**getattr(self, "inputs", {}), step: inputs}
+        return tuple(torch.zeros_like(part) for part in super().forward(step, inputs))
+
+
+def rounding_of(spec: ModelSpec, step: int) -> np.ndarray:
+    """How far an integer input may lie from the float, in units of 2^-6: one for every time it is rounded down.
+
+    The loudness is counted in sixths of an octave, 64 / 6 units.
+    """
+    summary = np.ones(SUMMARY)
+    summary[3] += 64 / 6
+    bounds = [np.ones(LEVELS + 1)]
+    if spec.context.neighbours:
+        bounds += [np.zeros(1), summary + 1, np.full(5, 2.0), np.zeros(1), summary, np.zeros(2)]
+    bounds += [np.ones(len(spec.context.hash_resolutions) * spec.context.hash_features)]
+    if step:
+        bounds += [np.ones(6), summary[3:4]]
+    if step >= 2:
+        bounds += [np.ones(5)]
+    return np.concatenate(bounds)
+
+
+@every_spec
+def test_both_sides_see_the_same(spec: ModelSpec) -> None:
+    fit = Fit(spec)
+    plan = default_plan(spec, QUALITY)
+    plan = StepPlan(plan.base, {name: 0 for name in plan.gamma})  # equal steps, so that rounding again changes nothing
+    coding = [
+        CodingRecorder(int(w2.shape[0]), (int(w2.shape[0]) - len(step)) // 2)
+        for (_, _, w2, _), step in zip(fit.net.layers, spec.context.steps, strict=True)
+    ]
+    decoded, _ = fit.code(tuple(coding), plan)
+    training = TrainingRecorder(spec, fit.hash_sizes, torch.Generator().manual_seed(0))
+    sample = fit.sampler(training, plan).sample(decoded, "round", torch.Generator())
+    joined = torch.cat([decoded[group.name] for group in spec.groups], dim=1)
+    torch.testing.assert_close(sample.attributes.detach(), joined, rtol=1e-5, atol=1e-5)
+
+    order = [members for members in passes(spec.context, fit.layout) if len(members)]
+    for step, recorder in enumerate(coding):
+        integers = np.empty((len(fit.layout), recorder.inputs[0].shape[1]))
+        for members, inputs in zip(order, recorder.inputs, strict=True):
+            integers[members] = inputs
+        floats = training.inputs[step].detach().numpy()
+        assert floats.shape == integers.shape
+        assert np.all(np.abs(floats - integers) <= rounding_of(spec, step) + 2e-2)
+        assert np.abs(integers).max() > 64  # there is something to see
+
+
+@every_spec
+def test_the_fit_counts_the_bits_that_are_written(spec: ModelSpec) -> None:
+    """With steps that follow the amplitude and real predictions; the escape and the tables' rounding make up 1 %."""
+    fit = Fit(spec)
+    plan = default_plan(spec, QUALITY)
+    networks: tuple[IntNetwork, ...] = fit.net.to_integers(8)
+    fit.net.load_integers(networks)
+    decoded, walk = fit.code(networks, plan)
+    sample = fit.sampler(fit.net, plan).sample(decoded, "round", torch.Generator())
+    written = sum(walk.bits[group.name] for group in spec.groups)
+    assert float(sample.bits.detach().sum()) == pytest.approx(written, rel=0.02)

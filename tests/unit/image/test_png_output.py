@@ -1,0 +1,142 @@
+"""PNG files against a reader written from the standard's pages: zlib, filters, nothing else."""
+
+from __future__ import annotations
+
+import io
+import struct
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sgicodec._native import png_filter
+from sgicodec.errors import UsageError
+from sgicodec.image import open_sink, png_output, write
+from sgicodec.picture import LAYOUTS, Metadata, Picture, full_range
+
+Noise = Callable[..., np.ndarray]
+
+
+def chunks_of(data: bytes) -> list[tuple[bytes, bytes]]:
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    found, at = [], 8
+    while at < len(data):
+        (length,) = struct.unpack(">I", data[at : at + 4])
+        kind, contents = data[at + 4 : at + 8], data[at + 8 : at + 8 + length]
+        assert struct.unpack(">I", data[at + 8 + length : at + 12 + length])[0] == zlib.crc32(kind + contents)
+        found.append((kind, contents))
+        at += 12 + length
+    return found
+
+
+def unfiltered(data: bytes, height: int, row_bytes: int, step: int) -> np.ndarray:
+    """PNG 3, 9.2, one byte after the other."""
+    rows = [[0] * row_bytes]
+    for y in range(height):
+        kind, *line = data[y * (row_bytes + 1) : (y + 1) * (row_bytes + 1)]
+        for i in range(row_bytes):
+            left, up, corner = (line[i - step], rows[-1][i], rows[-1][i - step]) if i >= step else (0, rows[-1][i], 0)
+            guess = left + up - corner
+            nearest = min((abs(guess - left), 0, left), (abs(guess - up), 1, up), (abs(guess - corner), 2, corner))[2]
+            line[i] = (line[i] + (0, left, up, (left + up) // 2, nearest)[kind]) % 256
+        rows.append(line)
+    return np.array(rows[1:], np.uint8)
+
+
+def pixels_of(data: bytes) -> np.ndarray:
+    found = chunks_of(data)
+    assert (found[0][0], found[-1]) == (b"IHDR", (b"IEND", b""))
+    width, height, depth, colour, *rest = struct.unpack(">IIBBBBB", found[0][1])
+    assert rest == [0, 0, 0]
+    step = {0: 1, 2: 3, 4: 2, 6: 4}[colour] * depth // 8
+    whole = zlib.decompress(b"".join(contents for kind, contents in found if kind == b"IDAT"))
+    rows = unfiltered(whole, height, width * step, step)
+    return rows.view(">u2" if depth == 16 else np.uint8).reshape(height, width, -1)
+
+
+def smooth(height: int, width: int, count: int) -> np.ndarray:
+    y, x, c = np.mgrid[:height, :width, :count]
+    return (128 + 90 * np.sin(x / 9 + c) * np.cos(y / 7)).astype(np.uint8)
+
+
+def written(pixels: np.ndarray, layout: str, **options: int) -> bytes:
+    file = io.BytesIO()
+    write(Picture(pixels, layout, full_range(pixels.dtype)), file, format="png", **options)
+    return file.getvalue()
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+@pytest.mark.parametrize("dtype", ["uint8", "uint16"])
+@pytest.mark.parametrize(("height", "width"), [(1, 1), (2, 3), (37, 20)])
+def test_another_reader_sees_the_samples(noise: Noise, layout: str, dtype: str, height: int, width: int) -> None:
+    pixels = noise(height, width, LAYOUTS[layout], dtype)
+    np.testing.assert_array_equal(pixels_of(written(pixels, layout)), pixels)
+
+
+@pytest.mark.parametrize("level", [0, 1, 6, 9])
+def test_every_level_is_exact_and_more_is_smaller(level: int) -> None:
+    pixels = smooth(60, 50, 3)
+    data = written(pixels, "rgb", png_level=level)
+    np.testing.assert_array_equal(pixels_of(data), pixels)
+    if level:
+        assert len(data) < len(written(pixels, "rgb", png_level=level // 6))
+
+
+def test_levels_beyond_nine_are_refused() -> None:
+    with pytest.raises(UsageError, match="PNG level of 10"):
+        written(smooth(4, 4, 3), "rgb", png_level=10)
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+@pytest.mark.parametrize("band", [1, 7, 30, 100])
+def test_same_bytes_however_rows_come(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, threads: int, band: int) -> None:
+    """In strips of eleven rows, the last one of one row."""
+    pixels = smooth(100, 30, 3)
+    monkeypatch.setattr(png_output, "_STRIP_BYTES", 11 * 90 + 5)
+    expected = written(pixels, "rgb", threads=1)
+    assert len([kind for kind, _ in chunks_of(expected) if kind == b"IDAT"]) == 10
+    np.testing.assert_array_equal(pixels_of(expected), pixels)
+    with open_sink(tmp_path / "x.png", 30, 100, "rgb", "uint8", threads=threads) as sink:
+        for y in range(0, 100, band):
+            rows = pixels[y : y + band].copy()
+            sink.write_rows(y, rows)
+            rows[:] = 0  # whoever wrote them may use their memory again
+    assert (tmp_path / "x.png").read_bytes() == expected
+
+
+def test_strips_know_what_came_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Three rows of noise that come back in every strip cost little but the first time."""
+    monkeypatch.setattr(png_output, "_STRIP_BYTES", 3 * 900)
+    three = np.random.default_rng(0).integers(0, 256, (3, 900, 1)).astype(np.uint8)
+    assert len(written(np.tile(three, (40, 1, 1)), "gray")) < 4 * len(written(three, "gray"))
+
+
+def test_metadata_stands_before_the_pixels() -> None:
+    icc, exif, xmp = bytes(range(200)), b"II*\0" + bytes(20), b"<x/>"
+    file = io.BytesIO()
+    write(Picture(smooth(3, 3, 3), "rgb", (0, 255), Metadata(icc, exif, xmp)), file, format="png")
+    found = chunks_of(file.getvalue())
+    assert [kind for kind, _ in found] == [b"IHDR", b"iCCP", b"eXIf", b"iTXt", b"IDAT", b"IEND"]
+    name, packed = found[1][1].split(b"\0\0", 1)
+    assert (name, zlib.decompress(packed)) == (b"ICC profile", icc)
+    assert (found[2][1], found[3][1]) == (exif, b"XML:com.adobe.xmp" + bytes(5) + xmp)
+
+
+def test_the_filter_with_the_smallest_differences_is_taken() -> None:
+    """On the first of every eight rows; the others follow it."""
+    ramp = np.arange(120, dtype=np.uint8)
+    across, down = np.tile(ramp, (8, 1)), np.tile(ramp[:8, None] * 3, (1, 120))
+    rows = np.concatenate([across, np.zeros((1, 120), np.uint8).repeat(8, 0), down + np.uint8(40)])
+    out = np.empty((24, 121), np.uint8)
+    png_filter(rows, np.zeros(120, np.uint8), 1, out)
+    assert out[::8, 0].tolist() == [1, 0, 1]  # from the left; nothing to do; from the left, as above is far away
+    assert np.all(out[:, 0].reshape(3, 8) == out[::8, :1])
+
+
+def test_rows_that_do_not_fit_are_refused() -> None:
+    rows, above = np.zeros((2, 6), np.uint8), np.zeros(6, np.uint8)
+    for wrong in ((rows, above[:5], 3, np.zeros((2, 7), np.uint8)), (rows, above, 3, np.zeros((2, 6), np.uint8))):
+        with pytest.raises(ValueError, match="rows must be"):
+            png_filter(*wrong)

@@ -1,0 +1,322 @@
+from __future__ import annotations
+
+import io
+import os
+import struct
+import subprocess
+import sys
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import OpenImageIO as oiio
+import pytest
+
+from sgicodec.errors import PictureError, UsageError
+from sgicodec.image import open_source, probe, read, write
+from sgicodec.metadata import geo, ifd
+from sgicodec.picture import Metadata, Picture, from_unit, to_unit
+
+Noise = Callable[..., np.ndarray]
+
+ODD = {
+    "16bit.cropped.tif": ((64, 64, 1), "uint16", "gray"),
+    "1_trns.png": ((64, 64, 2), "uint8", "gray+alpha"),
+    "basn0g01.png": ((32, 32, 1), "uint8", "gray"),
+    "basn0g16.png": ((32, 32, 1), "uint16", "gray"),
+    "basn2c08.png": ((32, 32, 3), "uint8", "rgb"),
+    "basn2c16.png": ((32, 32, 3), "uint16", "rgb"),
+    "basn3p02.png": ((32, 32, 3), "uint8", "rgb"),
+    "basn4a08.png": ((32, 32, 2), "uint8", "gray+alpha"),
+    "basn4a16.png": ((32, 32, 2), "uint16", "gray+alpha"),
+    "basn6a16.png": ((32, 32, 4), "uint16", "rgba"),
+    "exif_gps.jpg": ((8, 8, 3), "uint8", "rgb"),
+    "hopper.sgi": ((128, 128, 3), "uint8", "rgb"),
+    "hopper_1bit.pbm": ((128, 128, 1), "uint8", "gray"),
+    "hopper_gray.jpg": ((128, 128, 1), "uint8", "gray"),
+    "hopper_orientation_6.jpg": ((128, 128, 3), "uint8", "rgb"),
+    "icc_profile.png": ((57, 57, 4), "uint8", "rgba"),
+    "la.tga": ((64, 64, 2), "uint8", "gray+alpha"),
+    "pil_sample_cmyk.jpg": ((100, 100, 3), "uint8", "rgb"),
+    "rgb_trns.png": ((64, 64, 4), "uint8", "rgba"),
+    "s01n3p01.png": ((1, 1, 3), "uint8", "rgb"),
+    "s03n3p01.png": ((3, 3, 3), "uint8", "rgb"),
+    "tRNS_null_1x1.png": ((1, 1, 4), "uint8", "rgba"),
+    "tiff_16bit_RGBa.tiff": ((40, 100, 4), "uint16", "rgba"),
+    "xmp_padded.jpg": ((1, 1, 3), "uint8", "rgb"),
+}
+
+DAMAGED = {
+    "corrupt_rle.sgi": "Corrupt RLE",
+    "truncated_jpeg.jpg": "Premature end",
+    "xcsn0g01.png": "IDAT at byte 49 is damaged",
+    "xdtn0g01.png": "IDAT is missing",
+    "xhdn0g08.png": "IHDR at byte 8 is damaged",
+    "xlfn0g04.png": "Not a PNG",
+    "xs1n0g01.png": "Not a PNG",
+}
+
+
+@pytest.mark.parametrize("name", ODD)
+def test_odd_pictures(pictures: Path, name: str) -> None:
+    shape, dtype, channels = ODD[name]
+    picture = read(pictures / name)
+    assert (picture.pixels.shape, picture.pixels.dtype.name, picture.channels) == (shape, dtype, channels)
+    header = probe(pictures / name)
+    assert (header.height, header.width, header.count) == shape
+    assert (header.dtype, header.channels) == (picture.pixels.dtype, channels)
+
+
+@pytest.mark.parametrize(
+    ("name", "mode"),
+    [
+        ("1_trns.png", "LA"),
+        ("basn0g01.png", "L"),
+        ("basn2c08.png", "RGB"),
+        ("basn3p02.png", "RGB"),
+        ("basn4a08.png", "LA"),
+        ("hopper.sgi", "RGB"),
+        ("hopper_1bit.pbm", "L"),
+        ("hopper_gray.jpg", "L"),
+        ("icc_profile.png", "RGBA"),
+        ("la.tga", "LA"),
+        ("rgb_trns.png", "RGBA"),
+        ("s03n3p01.png", "RGB"),
+    ],
+)
+def test_pixels_are_what_another_reader_sees(pictures: Path, name: str, mode: str) -> None:
+    image = pytest.importorskip("PIL.Image")
+    with image.open(pictures / name) as other:
+        expected = np.asarray(other.convert(mode))
+    np.testing.assert_array_equal(read(pictures / name).pixels, expected.reshape(*expected.shape[:2], -1))
+
+
+def test_sixteen_bits_are_not_shortened(pictures: Path) -> None:
+    # The file is not compressed: its one strip is the samples.
+    data = (pictures / "16bit.cropped.tif").read_bytes()
+    samples = read(pictures / "16bit.cropped.tif").pixels.ravel()
+    assert samples.astype("<u2").tobytes() in data or samples.astype(">u2").tobytes() in data
+
+
+@pytest.mark.parametrize("name", DAMAGED)
+def test_damage_is_refused_in_one_line_that_names_the_file(
+    pictures: Path, name: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(PictureError) as caught:
+        read(pictures / name)
+    message = str(caught.value)
+    assert message.startswith(str(pictures / name))
+    assert DAMAGED[name] in message
+    assert "\n" not in message
+    assert capfd.readouterr().err == ""
+
+
+@pytest.mark.parametrize(
+    "name", ["basn2c16.png", "hopper.sgi", "hopper_gray.jpg", "hopper_1bit.pbm", "tiff_16bit_RGBa.tiff"]
+)
+@pytest.mark.parametrize("share", [0.1, 0.5, 0.9, 0.99])
+def test_files_cut_anywhere_are_refused(
+    pictures: Path, name: str, share: float, capfd: pytest.CaptureFixture[str]
+) -> None:
+    data = (pictures / name).read_bytes()
+    with pytest.raises(PictureError):
+        read(data[: int(share * len(data))])
+    assert capfd.readouterr().err == ""
+
+
+@pytest.mark.parametrize(
+    ("data", "reason"),
+    [
+        (b"", "empty"),
+        (b"not a picture at all\n" * 20, "no picture format"),
+        (b"\x89SGI\r\n\x1a\n" + bytes(40), "decode it first"),
+        (b"\x89PNG\r\n\x1a\n", "cut off in the PNG chunk header"),
+    ],
+)
+def test_what_is_no_picture(data: bytes, reason: str) -> None:
+    with pytest.raises(PictureError, match=f"the picture: .*{reason}"):
+        read(data)
+    with pytest.raises(PictureError, match=reason):
+        probe(io.BytesIO(data))
+
+
+def test_files_that_are_not_there(tmp_path: Path) -> None:
+    with pytest.raises(PictureError, match=r"gone\.png: No such file"):
+        read(tmp_path / "gone.png")
+    with pytest.raises(PictureError, match="Is a directory"):
+        read(tmp_path)
+    (tmp_path / "x.null").write_bytes(b"anything")
+    with pytest.raises(PictureError, match="null picture"):
+        read(tmp_path / "x.null")
+
+
+def test_more_samples_than_allowed(pictures: Path) -> None:
+    assert read(pictures / "basn2c08.png", max_samples=32 * 32 * 3).width == 32
+    with pytest.raises(PictureError, match=r"32 × 32 pixels of 3 channels .* 3071 samples"):
+        read(pictures / "basn2c08.png", max_samples=32 * 32 * 3 - 1)
+
+
+def test_a_huge_header_takes_no_memory() -> None:
+    with pytest.raises(PictureError, match=r"more than the cap|claims a \d+ MB image"):
+        read(_png(b"tEXt", b"a\0b", width=60000, height=60000))
+
+
+def test_paths_bytes_and_streams_give_the_same(pictures: Path, tmp_path: Path) -> None:
+    path = pictures / "la.tga"
+    expected = read(str(path)).pixels
+    stream = io.BytesIO(b"skipped" + path.read_bytes())
+    stream.seek(7)
+    strange = tmp_path / os.fsdecode(b"na\xefve?x=1.png")
+    strange.write_bytes(path.read_bytes())
+    for source in (path.read_bytes(), stream, strange):
+        np.testing.assert_array_equal(read(source).pixels, expected)
+
+
+def test_orientation_is_applied(pictures: Path) -> None:
+    path = pictures / "hopper_orientation_6.jpg"
+    stored = oiio.ImageInput.open(str(path)).read_image("uint8")
+    np.testing.assert_array_equal(read(path).pixels, np.rot90(stored, -1))
+
+
+def test_sideways_pictures_change_their_size(tmp_path: Path, noise: Noise) -> None:
+    stored = noise(3, 5, 3, "uint8")
+    spec = oiio.ImageSpec(5, 3, 3, "uint8")
+    spec.attribute("Orientation", 8)
+    image = oiio.ImageOutput.create("x.tif")
+    assert image.open(str(tmp_path / "x.tif"), spec)
+    assert image.write_image(stored)
+    image.close()
+    picture, header = read(tmp_path / "x.tif"), probe(tmp_path / "x.tif")
+    assert (header.width, header.height) == (3, 5) == (picture.width, picture.height)
+    np.testing.assert_array_equal(picture.pixels, np.rot90(stored))
+
+
+def test_associated_alpha_is_divided_out(pictures: Path) -> None:
+    path = pictures / "tiff_16bit_RGBa.tiff"
+    stored = oiio.ImageInput.open(str(path)).read_image("uint16").astype(np.float64)
+    pixels = read(path).pixels
+    np.testing.assert_array_equal(pixels[..., 3], stored[..., 3])
+    visible = stored[..., 3] > 0
+    expected = (stored[..., :3] * 65535 / np.maximum(stored[..., 3:], 1))[visible]
+    np.testing.assert_allclose(pixels[..., :3][visible], expected, atol=0.5)
+    np.testing.assert_array_equal(pixels[~visible], stored[~visible])
+
+
+def test_bands_without_a_meaning_stay_bands(noise: Noise) -> None:
+    for count in (2, 4, 5):
+        pixels = noise(6, 7, count, "uint16")
+        file = io.BytesIO()
+        write(Picture(pixels, "multi", (0.0, 65535.0)), file, format="tiff")
+        back = read(file.getvalue())
+        assert back.channels == "multi"
+        np.testing.assert_array_equal(back.pixels, pixels)
+
+
+def test_float_range_found_or_stated() -> None:
+    samples = np.array([[-2.0, 0.5], [6.0, 1.0]], "<f4")
+    data = b"Pf\n2 2\n-1\n" + samples[::-1].tobytes()
+    found = read(data)
+    assert found.pixels[..., 0].tolist() == samples.tolist()
+    assert found.sample_range == (-2.0, 6.0)
+    stated = read(data, sample_range=(0.0, 1.0))
+    assert stated.sample_range == (0.0, 1.0)
+    assert to_unit(stated)[..., 0].tolist() == [[0.0, 0.5], [1.0, 1.0]]
+    back = from_unit(to_unit(found), "gray", "float32", found.sample_range)
+    np.testing.assert_allclose(back.pixels, found.pixels, atol=1e-6)
+    with pytest.raises(UsageError, match="low before high"):
+        read(data, sample_range=(1.0, 0.0))
+
+
+def test_flat_floats_have_a_range() -> None:
+    assert read(b"Pf\n1 1\n-1\n" + struct.pack("<f", 5.0)).sample_range == (5.0, 10.0)
+
+
+@pytest.mark.parametrize("value", [float("inf"), float("-inf"), float("nan")])
+def test_samples_that_are_not_finite(value: float) -> None:
+    data = b"Pf\n2 1\n-1\n" + struct.pack("<ff", 0.0, value)
+    with pytest.raises(PictureError, match=r"not a number|infinite"):
+        read(data)
+    if np.isnan(value):
+        with pytest.raises(PictureError, match="not a number"):
+            read(data, sample_range=(0.0, 1.0))
+    else:
+        assert to_unit(read(data, sample_range=(0.0, 1.0))).ravel().tolist() == [0.0, float(value > 0)]
+
+
+@pytest.mark.parametrize("name", ["int16", "int8", "double", "half"])
+def test_other_sample_types_become_float(tmp_path: Path, name: str) -> None:
+    stored = np.array([[-3, 0], [5, 100]], {"double": "f8", "half": "f2"}.get(name, name))[..., None]
+    spec = oiio.ImageSpec(2, 2, 1, name)
+    spec.attribute("tiff:half", 1)
+    image = oiio.ImageOutput.create("x.tif")
+    assert image.open(str(tmp_path / "x.tif"), spec)
+    assert image.write_image(stored)
+    image.close()
+    picture = read(tmp_path / "x.tif")
+    assert picture.pixels.dtype == np.float32
+    assert picture.pixels.ravel().tolist() == [-3.0, 0.0, 5.0, 100.0]
+    assert picture.sample_range == (-3.0, 100.0)
+
+
+def test_one_row_of_doubles_is_refused(tmp_path: Path) -> None:
+    image = oiio.ImageOutput.create("x.tif")
+    assert image.open(str(tmp_path / "x.tif"), oiio.ImageSpec(2, 1, 1, "double"))
+    assert image.write_image(np.ones((1, 2, 1)))
+    image.close()
+    with pytest.raises(PictureError, match="64-bit"):
+        read(tmp_path / "x.tif")
+
+
+def test_cielab_is_refused() -> None:
+    image = pytest.importorskip("PIL.Image")
+    file = io.BytesIO()
+    image.new("LAB", (4, 4)).save(file, "TIFF")
+    with pytest.raises(PictureError, match="CIELAB"):
+        read(file.getvalue())
+
+
+def test_few_bits_fill_the_type() -> None:
+    ten_bits = b"P5 3 1 1023\n" + struct.pack(">HHH", 0, 512, 1023)
+    assert read(ten_bits).pixels.ravel().tolist() == pytest.approx([0, 512 / 1023 * 65535, 65535], abs=40)
+    one_bit = b"P4 8 1\n" + bytes([0b10100000])
+    assert read(one_bit).pixels.ravel().tolist() == [0, 255, 0, 255, 255, 255, 255, 255]
+
+
+def test_a_profile_for_other_channels_is_left_behind(pictures: Path) -> None:
+    profile = read(pictures / "icc_profile.png").metadata.icc
+    assert profile is not None
+    for space, kept in ((b"RGB ", True), (b"CMYK", False), (b"GRAY", False)):
+        packed = zlib.compress(profile[:16] + space + profile[20:])
+        assert (read(_png(b"iCCP", b"x\0\0" + packed)).metadata.icc is not None) == kept
+
+
+def _png(kind: bytes, contents: bytes, width: int = 1, height: int = 1) -> bytes:
+    """A PNG file of one RGB pixel, whatever its header says, by hand, with one chunk more."""
+
+    def chunk(kind: bytes, contents: bytes) -> bytes:
+        return struct.pack(">I", len(contents)) + kind + contents + struct.pack(">I", zlib.crc32(kind + contents))
+
+    header = chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0))
+    pixels = chunk(b"IDAT", zlib.compress(b"\0\1\2\3"))
+    return b"\x89PNG\r\n\x1a\n" + header + chunk(kind, contents) + pixels + chunk(b"IEND", b"")
+
+
+def test_importing_the_package_leaves_openimageio_alone() -> None:
+    code = "import sys, sgicodec.image; sys.exit('OpenImageIO' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+@pytest.mark.parametrize("nodata", [b"-9999", b"nan"])
+def test_samples_without_data_are_outside_the_range(tmp_path: Path, nodata: bytes) -> None:
+    pixels = np.array([[[float(nodata)], [2.0], [4.0]]], np.float32)
+    metadata = Metadata(geo=geo.pack({geo.GDAL_NODATA: ifd.Entry(2, nodata + b"\0")}))
+    write(Picture(pixels, "gray", (2.0, 4.0), metadata), tmp_path / "x.tif")
+    for picture in (read(tmp_path / "x.tif"), open_source(tmp_path / "x.tif").read(0, 0, 3, 1)):
+        np.testing.assert_array_equal(picture.pixels, pixels)
+        assert picture.sample_range == (2.0, 4.0)
+    pixels[0, 1] = np.nan
+    write(Picture(pixels, "gray", (2.0, 4.0), metadata), tmp_path / "x.tif")
+    if nodata == b"-9999":
+        with pytest.raises(PictureError, match="not a number"):
+            read(tmp_path / "x.tif")

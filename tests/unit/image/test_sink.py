@@ -1,0 +1,171 @@
+from __future__ import annotations
+
+import io
+import os
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from sgicodec.errors import PictureError, UsageError
+from sgicodec.image import open_sink, output, read, sink, write
+from sgicodec.image.formats import FORMATS
+from sgicodec.metadata import geo, ifd
+from sgicodec.picture import LAYOUTS, Metadata, Picture, full_range
+
+Noise = Callable[..., np.ndarray]
+
+GEO = geo.pack({geo.PIXEL_SCALE: ifd.Entry(12, np.array([2.0, 2.0, 0.0]).tobytes())})
+
+
+def _in_bands(picture: Picture, heights: list[int], format: str) -> bytes:
+    """The file of a picture whose rows come in bands of these heights, again and again."""
+    file = io.BytesIO()
+    bands = picture.pixels.shape[2] if picture.channels == "multi" else None
+    size, dtype = (picture.width, picture.height), picture.pixels.dtype
+    with open_sink(file, *size, picture.channels, dtype, picture.metadata, bands=bands, format=format) as sink:
+        y = 0
+        while y < picture.height:
+            band = picture.pixels[y : y + heights[0]]
+            sink.write_rows(y, band)
+            y += len(band)
+            heights = [*heights[1:], heights[0]]
+    return file.getvalue()
+
+
+@pytest.mark.parametrize("holder", FORMATS, ids=lambda holder: holder.name)
+@settings(max_examples=5, deadline=None)
+@given(heights=st.lists(st.integers(1, 30), min_size=1, max_size=4))
+def test_the_bands_of_rows_leave_no_trace(holder: output.Format, heights: list[int]) -> None:
+    layout = "rgb" if "rgba" not in holder.layouts else "rgba"
+    random = np.random.default_rng(3)
+    pixels = random.integers(1, 200, (41, 37, LAYOUTS[layout])).astype(holder.dtypes[-1])
+    picture = Picture(pixels, layout, full_range(pixels.dtype), Metadata(xmp=b"<x/>", geo=GEO))
+    file = io.BytesIO()
+    write(picture, file, format=holder.name)
+    assert _in_bands(picture, heights, holder.name) == file.getvalue()
+    if holder.name not in ("jpeg", "hdr", "webp", "openexr"):
+        np.testing.assert_array_equal(read(file.getvalue()).pixels, pixels)
+
+
+@settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(heights=st.lists(st.integers(1, 300), min_size=1, max_size=4), count=st.sampled_from([1, 3, 5]))
+def test_tiled_tiff(heights: list[int], count: int) -> None:
+    pixels = np.random.default_rng(1).integers(0, 65536, (530, 301, count), np.uint16)
+    channels = {1: "gray", 3: "rgb", 5: "multi"}[count]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(output, "_TILED_PIXELS", 1000)
+        data = _in_bands(Picture(pixels, channels, (0.0, 65535.0), Metadata(geo=GEO)), heights, "tiff")
+    back = read(data)
+    np.testing.assert_array_equal(back.pixels, pixels)
+    assert back.metadata.geo == GEO
+    directory = ifd.load(data)
+    assert [np.frombuffer(directory[tag].data, "<u2").tolist() for tag in (322, 323)] == [[256], [256]]
+    assert len(directory[324].data) == 4 * 3 * 2  # places of tiles, down and across
+
+
+def test_large_tiff_is_big(noise: Noise, monkeypatch: pytest.MonkeyPatch) -> None:
+    picture = Picture(noise(40, 30, 3, "uint8"), "rgb", (0.0, 255.0), Metadata(xmp=b"<x/>", geo=GEO))
+    for limit, signature in ((1 << 30, b"II*\0"), (100, b"II+\0")):
+        monkeypatch.setattr(output, "_CLASSIC_BYTES", limit)
+        data = _in_bands(picture, [7], "tiff")
+        assert data[:4] == signature
+        back = read(data)
+        np.testing.assert_array_equal(back.pixels, picture.pixels)
+        assert back.metadata == picture.metadata
+
+
+def test_an_exception_leaves_what_was_there(noise: Noise, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    pixels = noise(40, 30, 3, "uint8")
+    for holder in FORMATS:
+        if "uint8" not in holder.dtypes:
+            continue
+        target = tmp_path / f"x.{holder.extensions[0]}"
+        target.write_bytes(b"before")
+        with pytest.raises(UsageError, match="follow"), open_sink(target, 30, 40, "rgb", "uint8") as sink:
+            [sink.write_rows(0, pixels[:10]) for _ in "twice"]
+        assert target.read_bytes() == b"before"
+        target.unlink()
+        assert list(tmp_path.iterdir()) == []
+    assert capfd.readouterr().err == ""
+
+
+def test_rows_that_are_missing(noise: Noise, tmp_path: Path) -> None:
+    with (
+        pytest.raises(UsageError, match="only 10 of 40 rows"),
+        open_sink(tmp_path / "x.png", 30, 40, "rgb", "uint8") as sink,
+    ):
+        sink.write_rows(0, noise(10, 30, 3, "uint8"))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_rows_that_do_not_follow(noise: Noise, tmp_path: Path) -> None:
+    rows = noise(10, 30, 3, "uint8")
+    with open_sink(tmp_path / "x.png", 30, 15, "rgb", "uint8") as sink:
+        with pytest.raises(UsageError, match="rows 5 to 15 do not follow: 0 of 15"):
+            sink.write_rows(5, rows)
+        sink.write_rows(0, rows)
+        with pytest.raises(UsageError, match="rows 10 to 20 do not follow: 10 of 15"):
+            sink.write_rows(10, rows)
+        for wrong in (rows[:, 1:], rows[..., :2], rows.astype(np.uint16), rows[0]):
+            with pytest.raises(UsageError, match=r"rows must be uint8 \[n, 30, 3\]"):
+                sink.write_rows(10, wrong)
+        sink.write_rows(10, rows[:5])
+    np.testing.assert_array_equal(read(tmp_path / "x.png").pixels, np.concatenate([rows, rows[:5]]))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((10, 10, "cmyk", "uint8"), "channels must be one of gray"),
+        ((10, 10, "multi", "uint8"), "multi with a number of bands"),
+        ((0, 10, "gray", "uint8"), "cannot be of 0 × 10 pixels"),
+        ((10, 10, "gray", "int16"), "uint8, uint16 or float32, not int16"),
+    ],
+)
+def test_pictures_that_cannot_be(tmp_path: Path, arguments: tuple[int, int, str, str], message: str) -> None:
+    with pytest.raises(UsageError, match=message):
+        open_sink(tmp_path / "x.tif", *arguments)
+    with pytest.raises(UsageError, match="multi with a number"):
+        open_sink(tmp_path / "x.tif", 10, 10, "rgb", "uint8", bands=3)
+
+
+def test_what_a_format_cannot_hold_is_said_before(tmp_path: Path) -> None:
+    with pytest.raises(PictureError, match=r"x\.jpg: jpeg cannot hold 16 bits per sample, only 8 bits"):
+        open_sink(tmp_path / "x.jpg", 10, 10, "rgb", "uint16")
+    with pytest.raises(PictureError, match=r"x\.png: png cannot hold 7 bands"):
+        open_sink(tmp_path / "x.png", 10, 10, "multi", "uint8", bands=7)
+    with pytest.raises(PictureError, match=r"x\.webp: .*16384|x\.webp: .*16383"):
+        open_sink(tmp_path / "x.webp", 20000, 10, "rgb", "uint8")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("holder", FORMATS, ids=lambda holder: holder.name)
+def test_formats_written_from_memory_have_a_cap(holder: output.Format, tmp_path: Path) -> None:
+    target = tmp_path / f"x.{holder.extensions[0]}"
+    arguments = (target, 100, 100, "rgb", holder.dtypes[0])
+    if holder.in_library:
+        with pytest.raises(PictureError, match="written from memory, and 30000 samples are more than the cap of 29999"):
+            open_sink(*arguments, max_samples=29999)
+    else:
+        open_sink(*arguments, max_samples=29999).abort()
+    open_sink(*arguments, max_samples=30000).abort()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_full_disk_is_noticed_before(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    free = 30_000_000 + (1 << 20)
+    monkeypatch.setattr(sink.shutil, "disk_usage", lambda _: shutil._ntuple_diskusage(free, 0, free))
+    open_sink(tmp_path / "x.tif", 10_000, 1000, "rgb", "uint8").abort()
+    with pytest.raises(PictureError, match="free disk space"):  # its file is rewritten, and stands there twice
+        open_sink(tmp_path / "x.jpg", 10_000, 1000, "rgb", "uint8")
+
+
+def test_devices_are_written_through(noise: Noise) -> None:
+    with open_sink(os.devnull, 30, 20, "rgb", "uint8", format="png") as sink:
+        sink.write_rows(0, noise(20, 30, 3, "uint8"))
+    assert Path(os.devnull).is_char_device()

@@ -1,0 +1,334 @@
+from __future__ import annotations
+
+import io
+import itertools
+import struct
+import tempfile
+import tracemalloc
+import zlib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import OpenImageIO as oiio
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from sgicodec.errors import PictureError, UsageError
+from sgicodec.image import Source, access, open_sink, open_source, read, write
+from sgicodec.image.opened import Opened
+from sgicodec.metadata import ifd
+from sgicodec.picture import Metadata, Picture
+
+Save = Callable[..., Path]
+Noise = Callable[..., np.ndarray]
+Blob = Callable[..., bytes]
+
+WIDTH, HEIGHT = 71, 53
+STRIP_OFFSETS, TILE_OFFSETS = 273, 324
+
+STRIPS = {"compression": "zip", "tiff__RowsPerStrip": 8}
+KINDS: dict[str, tuple[str, str, int, dict[str, Any]]] = {
+    "tiles": ("tif", "uint8", 3, {"tile": (16, 32), "compression": "zip"}),
+    "tiles of planes": ("tif", "uint16", 3, {"tile": (32, 16), "compression": "zip", "planarconfig": "separate"}),
+    "tiles of alpha": ("tif", "uint8", 4, {"tile": (16, 16)}),
+    "tiles of integers": ("tif", "int16", 5, {"tile": (16, 16), "compression": "lzw"}),
+    "one tile": ("tif", "float32", 1, {"tile": (128, 128)}),
+    "strips": ("tif", "uint8", 3, STRIPS),
+    "strips of planes": ("tif", "uint16", 4, {"rows": 8}),
+    "one strip of planes": ("tif", "uint8", 3, {"rows": 53}),
+    "one strip": ("tif", "uint16", 1, {"compression": "lzw", "tiff__RowsPerStrip": 53}),
+    "plain strips": ("tif", "float32", 2, {"compression": "none"}),
+    "doubles": ("tif", "float64", 2, STRIPS),
+    "halves": ("tif", "float16", 3, {**STRIPS, "tiff__half": 1}),
+    "four bits": ("tif", "uint8", 1, {**STRIPS, "oiio__BitsPerSample": 4}),
+    "placed": ("tif", "uint8", 3, {**STRIPS, "at": (7, 9)}),
+    "placed tiles": ("tif", "uint8", 3, {"tile": (16, 16), "at": (16, 32)}),
+    "exr window": ("exr", "float16", 3, {"at": (-5, 3)}),
+    "png": ("png", "uint8", 3, {}),
+    "png with alpha": ("png", "uint16", 4, {}),
+    "jpeg": ("jpg", "uint8", 3, {}),
+    "progressive jpeg": ("jpg", "uint8", 3, {"jpeg__progressive": 1}),
+    "exr": ("exr", "float16", 4, {"compression": "zip"}),
+    "exr tiles": ("exr", "float32", 3, {"tile": (16, 16)}),
+    "bmp": ("bmp", "uint8", 3, {}),
+    "sgi": ("sgi", "uint16", 3, {"compression": "rle"}),
+    "targa": ("tga", "uint8", 4, {"compression": "rle"}),
+    "hdr": ("hdr", "float32", 3, {}),
+    "ppm": ("ppm", "uint8", 3, {}),
+    "pfm": ("pfm", "float32", 1, {}),
+    "webp": ("webp", "uint8", 4, {"compression": "lossless:50"}),
+    "jpeg 2000": ("jp2", "uint8", 3, {}),
+    "jpeg xl": ("jxl", "uint8", 3, {"compression": "jpegxl:100"}),
+    "gif": ("gif", "uint8", 3, {}),
+}
+
+ANY_WINDOWS = st.lists(
+    st.tuples(st.integers(0, WIDTH - 1), st.integers(0, HEIGHT - 1), st.integers(1, WIDTH), st.integers(1, HEIGHT)),
+    min_size=1,
+    max_size=6,
+)
+
+
+def save_planes(path: Path, pixels: np.ndarray, rows: int) -> Path:
+    """A TIFF of planes, one after the other in compressed strips of several rows, which OpenImageIO cannot write."""
+    height, width, count = pixels.shape
+    stored = pixels.astype(pixels.dtype.newbyteorder("<"))
+    strips = [
+        zlib.compress(stored[top : top + rows, :, plane].tobytes())
+        for plane, top in itertools.product(range(count), range(0, height, rows))
+    ]
+    places = itertools.accumulate(map(len, strips), initial=8)
+    numbers = {
+        256: [width],
+        257: [height],
+        258: [8 * pixels.itemsize] * count,
+        259: [8],
+        262: [1],
+        273: list(places)[:-1],
+        277: [count],
+        278: [rows],
+        279: [len(strip) for strip in strips],
+        284: [2],
+        338: [0] * (count - 1),
+    }
+    directory: ifd.Directory = {
+        tag: ifd.Entry(4, struct.pack(f"<{len(values)}I", *values)) for tag, values in numbers.items()
+    }
+    body = b"".join(strips)
+    body += bytes(len(body) % 2)
+    path.write_bytes(b"II*\0" + struct.pack("<I", 8 + len(body)) + body + ifd.dump(directory, 8 + len(body)))
+    return path
+
+
+@pytest.fixture(scope="module")
+def files(save: Save) -> Iterator[dict[str, Path]]:
+    """One file of each kind, of samples whose colours are not larger than their alpha."""
+    with tempfile.TemporaryDirectory() as folder:
+        made = {}
+        for name, (extension, dtype, count, hints) in KINDS.items():
+            largest = 200 if dtype == "uint8" else 100 if np.dtype(dtype).kind == "i" else 40000
+            pixels = np.random.default_rng(5).integers(0, largest, (HEIGHT, WIDTH, count)).astype(dtype)
+            pixels[..., -1] = np.maximum(pixels[..., -1], 1)
+            write_file = save_planes if "rows" in hints else save
+            made[name] = write_file(Path(folder) / f"{name}.{extension}", pixels, **hints)
+        yield made
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(windows=ANY_WINDOWS)
+def test_windows_are_parts_of_the_whole(
+    files: dict[str, Path], kind: str, windows: list[tuple[int, int, int, int]]
+) -> None:
+    whole = read(files[kind])
+    with open_source(files[kind]) as source:
+        assert (source.width, source.height, source.channels) == (whole.width, whole.height, whole.channels)
+        assert (source.dtype, source.sample_range) == (whole.pixels.dtype, whole.sample_range)
+        assert source.metadata == whole.metadata
+        for x, y, width, height in windows:
+            width, height = min(width, whole.width - x), min(height, whole.height - y)
+            part = source.read(x, y, width, height)
+            np.testing.assert_array_equal(part.pixels, whole.pixels[y : y + height, x : x + width])
+            assert (part.channels, part.sample_range) == (whole.channels, whole.sample_range)
+
+
+def test_kinds_are_what_their_names_say(files: dict[str, Path]) -> None:
+    ways = {"tiles": "Tiles", "exr tiles": "Tiles", "strips": "Rows", "png": "Rows", "doubles": "Whole"}
+    for name, way in ways.items():
+        with open_source(files[name]) as source:
+            assert type(source._access).__name__ == way
+
+
+@pytest.mark.parametrize("orientation", range(1, 9))
+@pytest.mark.parametrize("kind", ["tiles", "strips", "png"])
+def test_windows_of_turned_pictures(
+    tmp_path: Path, save: Save, noise: Noise, exif_blob: Blob, kind: str, orientation: int
+) -> None:
+    stored = noise(HEIGHT, WIDTH, 3, "uint8")
+    path = tmp_path / f"x.{KINDS[kind][0]}"
+    if kind == "png":
+        write(Picture(stored, "rgb", (0, 255), Metadata(exif=exif_blob(orientation))), path)
+    else:
+        save(path, stored, **KINDS[kind][3], Orientation=orientation)
+    turns = {1: 0, 2: 0, 3: 2, 4: 2, 5: 1, 6: -1, 7: -1, 8: 1}
+    upright = np.rot90(stored, turns[orientation])
+    if orientation in (2, 4):
+        upright = upright[:, ::-1]
+    elif orientation in (5, 7):
+        upright = upright[::-1]
+    with open_source(path) as source:
+        assert (source.height, source.width) == upright.shape[:2]
+        can_turn = kind == "tiles" or orientation < (3 if kind == "png" else 5)
+        assert isinstance(source._access, access.Whole) != can_turn
+        for x, y in itertools.product(range(0, source.width - 20, 13), range(0, source.height - 17, 11)):
+            np.testing.assert_array_equal(source.read(x, y, 20, 17).pixels, upright[y : y + 17, x : x + 20])
+
+
+def _raster(width: int, height: int, tile: int, apron: int) -> Iterator[tuple[int, int, int, int]]:
+    for y, x in itertools.product(range(0, height, tile), range(0, width, tile)):
+        left, top = max(x - apron, 0), max(y - apron, 0)
+        yield left, top, min(x + tile + apron, width) - left, min(y + tile + apron, height) - top
+
+
+@pytest.mark.parametrize("kind", ["strips", "strips of planes", "png", "jpeg", "exr"])
+def test_rows_are_decoded_once(files: dict[str, Path], kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[int] = []
+    samples = Opened.samples
+
+    def counted(self: Opened, method: Any, rows: int, *where: int) -> Any:
+        asked.append(rows)
+        return samples(self, method, rows, *where)
+
+    monkeypatch.setattr(access, "_CHUNK_SAMPLES", 900)
+    monkeypatch.setattr(Opened, "samples", counted)
+    monkeypatch.setattr(Opened, "reopen", lambda _: pytest.fail("went back to the first row"))
+    with open_source(files[kind], sample_range=(0.0, 1.0)) as source:
+        for window in _raster(WIDTH, HEIGHT, 16, 4):
+            source.read(*window)
+    assert sum(asked) == HEIGHT
+    assert max(asked) < HEIGHT / 2
+
+
+def test_only_the_tiles_of_a_window_are_decoded(files: dict[str, Path], monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[tuple[int, ...]] = []
+    samples = Opened.samples
+
+    def noted(self: Opened, method: Any, rows: int, *where: int) -> Any:
+        asked.append(where[:4])
+        return samples(self, method, rows, *where)
+
+    monkeypatch.setattr(Opened, "samples", noted)
+    with open_source(files["tiles"]) as source:
+        source.read(17, 30, 15, 4)
+    assert asked == [(16, 32, 0, 32), (16, 32, 32, 53)]
+
+
+@pytest.mark.parametrize("extension", ["png", "tif"])
+def test_memory_stays_below_what_is_promised(tmp_path: Path, noise: Noise, extension: str) -> None:
+    path = tmp_path / f"x.{extension}"
+    write(Picture(noise(3000, 1600, 3, "uint8"), "rgb", (0.0, 255.0)), path)
+    with open_source(path) as source:
+        assert type(source._access).__name__ == {"png": "Rows", "tif": "Tiles"}[extension]
+        tracemalloc.start()
+        try:
+            for window in _raster(1600, 3000, 400, 8):
+                source.read(*window)
+            peak = tracemalloc.get_traced_memory()[1]
+        finally:
+            tracemalloc.stop()
+        assert peak < source.memory(416, 416) < 3000 * 1600 * 3
+
+
+def test_the_cap_is_on_what_is_held(tmp_path: Path, save: Save, noise: Noise) -> None:
+    pixels = noise(2000, 1000, 3, "uint8")
+    tiles = save(tmp_path / "x.tif", pixels, tile=(64, 64))
+    turned = save(tmp_path / "y.tif", pixels, Orientation=6)
+    with pytest.raises(PictureError, match=r"x\.tif: .* more than the cap"):
+        read(tiles, max_samples=300_000)
+    with open_source(tiles, max_samples=300_000) as source:
+        np.testing.assert_array_equal(source.read(500, 700, 100, 100).pixels, pixels[700:800, 500:600])
+        with pytest.raises(PictureError, match=r"x\.tif: a window of 300 × 300 pixels .* more than the cap of 300000"):
+            source.read(0, 0, 300, 300)
+    with pytest.raises(PictureError, match=r"y\.tif: 1000 × 2000 pixels of 3 channels are more than the cap"):
+        open_source(turned, max_samples=300_000)
+
+
+def test_openimageios_own_limit_does_not_bind_tiff(tmp_path: Path, save: Save, noise: Noise) -> None:
+    pixels = noise(1000, 1200, 1, "uint8")
+    path = save(tmp_path / "x.tif", pixels, tile=(64, 64))
+    before = oiio.get_int_attribute("limits:imagesize_MB")
+    oiio.attribute("limits:imagesize_MB", 1)
+    try:
+        with pytest.raises(PictureError, match="exceeds"):
+            read(path)
+        with open_source(path) as source:
+            np.testing.assert_array_equal(source.read(1190, 990, 10, 10).pixels, pixels[990:, 1190:])
+        assert oiio.get_int_attribute("limits:imagesize_MB") == 1
+    finally:
+        oiio.attribute("limits:imagesize_MB", before)
+
+
+@pytest.mark.parametrize("kind", ["jpeg", "strips", "tiles"])
+def test_damage_is_found_in_its_window(
+    files: dict[str, Path], tmp_path: Path, kind: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    data = bytearray(files[kind].read_bytes())
+    path = tmp_path / files[kind].name
+    if kind == "jpeg":
+        del data[len(data) * 3 // 4 :]
+    else:  # the last tile or strip begins with what zlib never writes; damage further on may decode to something
+        places = ifd.load(bytes(data))[TILE_OFFSETS if kind == "tiles" else STRIP_OFFSETS].data
+        last = struct.unpack("<I", places[-4:])[0]
+        data[last : last + 2] = b"\xff\xff"
+    path.write_bytes(data)
+    with open_source(path) as source:
+        np.testing.assert_array_equal(source.read(0, 0, WIDTH, 8).pixels, read(files[kind]).pixels[:8])
+        for _ in "twice":
+            with pytest.raises(PictureError, match=path.name):
+                source.read(0, 8, WIDTH, HEIGHT - 8)
+        with pytest.raises(PictureError, match=path.name):
+            [source.read(0, y, WIDTH, 1) for y in range(8, HEIGHT)]
+        np.testing.assert_array_equal(source.read(0, 0, WIDTH, 8).pixels, read(files[kind]).pixels[:8])
+    assert capfd.readouterr().err == ""
+
+
+def test_the_range_of_floats_is_found_in_parts(tmp_path: Path, save: Save, monkeypatch: pytest.MonkeyPatch) -> None:
+    pixels = np.linspace(-3.0, 8.0, 60 * 70, dtype=np.float32).reshape(60, 70, 1)
+    monkeypatch.setattr("sgicodec.image.source._SCAN_SAMPLES", 500)
+    for tile in ((0, 0), (16, 16)):
+        path = save(tmp_path / "x.tif", pixels, tile=tile)
+        with open_source(path) as source:
+            assert source.sample_range == (-3.0, 8.0)
+        with open_source(path, sample_range=(0.0, 1.0)) as source:
+            assert source.read(0, 0, 1, 1).sample_range == (0.0, 1.0)
+    pixels[40, 40] = np.inf
+    save(tmp_path / "x.tif", pixels)
+    with open_source(tmp_path / "x.tif") as source, pytest.raises(PictureError, match=r"x\.tif: .*infinite"):
+        source.read(0, 0, 1, 1)
+
+
+def test_not_a_number_is_found_in_its_window(tmp_path: Path, save: Save) -> None:
+    pixels = np.zeros((60, 70, 1), np.float32)
+    pixels[40, 40] = np.nan
+    with open_source(save(tmp_path / "x.tif", pixels, tile=(16, 16)), sample_range=(0.0, 1.0)) as source:
+        assert source.read(0, 0, 40, 60).pixels.max() == 0.0
+        with pytest.raises(PictureError, match=r"x\.tif: .*not a number"):
+            source.read(30, 30, 20, 20)
+
+
+def test_paths_bytes_and_streams(files: dict[str, Path]) -> None:
+    data = files["tiles"].read_bytes()
+    expected = read(data).pixels[5:9, 7:17]
+    for origin in (files["tiles"], str(files["tiles"]), data, io.BytesIO(data)):
+        with open_source(origin) as source:
+            np.testing.assert_array_equal(source.read(7, 5, 10, 4).pixels, expected)
+
+
+@pytest.mark.parametrize("window", [(-1, 0, 5, 5), (0, 0, 0, 5), (0, 0, 5, 0), (70, 0, 2, 1), (0, 50, 1, 4)])
+def test_windows_outside(files: dict[str, Path], window: tuple[int, int, int, int]) -> None:
+    with open_source(files["tiles"]) as source, pytest.raises(UsageError, match="not inside the picture of 71×53"):
+        source.read(*window)
+
+
+def test_what_is_no_picture_is_refused_at_once(tmp_path: Path) -> None:
+    with pytest.raises(PictureError, match="the picture: the file is empty"):
+        open_source(b"")
+    with pytest.raises(PictureError, match=r"gone\.tif: No such file"):
+        open_source(tmp_path / "gone.tif")
+
+
+def test_from_a_source_to_a_sink(tmp_path: Path, noise: Noise) -> None:
+    picture = Picture(noise(90, 40, 4, "uint16"), "rgba", (0.0, 65535.0))
+    write(picture, tmp_path / "in.png")
+
+    def copy(source: Source) -> None:
+        with open_sink(tmp_path / "out.tif", source.width, source.height, source.channels, source.dtype) as sink:
+            for y in range(0, source.height, 32):
+                sink.write_rows(y, source.read(0, y, source.width, min(32, source.height - y)).pixels)
+
+    with open_source(tmp_path / "in.png") as source:
+        copy(source)
+    np.testing.assert_array_equal(read(tmp_path / "out.tif").pixels, picture.pixels)

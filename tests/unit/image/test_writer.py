@@ -1,0 +1,200 @@
+from __future__ import annotations
+
+import io
+import os
+import shutil
+import stat
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import OpenImageIO as oiio
+import pytest
+
+from sgicodec.errors import PictureError, UsageError
+from sgicodec.image import read, sink, write
+from sgicodec.image.formats import FORMATS, find
+from sgicodec.picture import LAYOUTS, Picture, full_range
+
+Noise = Callable[..., np.ndarray]
+
+EXACT = [
+    (holder.name, dtype, layout)
+    for holder in FORMATS
+    for dtype in holder.dtypes
+    for layout in holder.layouts
+    if layout != "multi"
+    and holder.name not in ("jpeg", "hdr")
+    and not (holder.associated and layout in ("gray+alpha", "rgba"))
+]
+
+
+def _picture(noise: Noise, dtype: str, layout: str, height: int = 40, width: int = 48) -> Picture:
+    return Picture(noise(height, width, LAYOUTS[layout], dtype), layout, full_range(dtype))
+
+
+@pytest.mark.parametrize(("format", "dtype", "layout"), EXACT)
+def test_lossless_formats_are_exact(noise: Noise, format: str, dtype: str, layout: str) -> None:
+    picture = _picture(noise, dtype, layout)
+    if format == "webp":
+        picture.pixels[..., 3:] |= 1  # WebP forgets colours under no alpha
+    file = io.BytesIO()
+    write(picture, file, format=format)
+    back = read(file.getvalue())
+    assert (back.channels, back.pixels.dtype) == (layout, picture.pixels.dtype)
+    np.testing.assert_array_equal(back.pixels, picture.pixels)
+
+
+@pytest.mark.parametrize("layout", ["gray+alpha", "rgba"])
+def test_exr_alpha_is_associated_in_the_file_only(noise: Noise, tmp_path: Path, layout: str) -> None:
+    picture = _picture(noise, "float32", layout)
+    picture.pixels[..., -1] = np.linspace(0.0, 1.0, 40 * 48).reshape(40, 48)
+    write(picture, tmp_path / "x.exr")
+    stored = oiio.ImageInput.open(str(tmp_path / "x.exr")).read_image("float")
+    np.testing.assert_allclose(stored[1:, :, 0], picture.pixels[1:, :, 0] * picture.pixels[1:, :, -1], rtol=1e-6)
+    np.testing.assert_allclose(read(tmp_path / "x.exr").pixels, picture.pixels, rtol=1e-6)
+
+
+def test_rgbe_is_close(noise: Noise, tmp_path: Path) -> None:
+    picture = _picture(noise, "float32", "rgb")
+    np.abs(picture.pixels, out=picture.pixels)
+    write(picture, tmp_path / "x.hdr")
+    np.testing.assert_allclose(read(tmp_path / "x.hdr").pixels, picture.pixels, atol=picture.pixels.max(-1).max() / 128)
+
+
+def test_jpeg_is_close(tmp_path: Path) -> None:
+    ramp = np.linspace(0, 255, 64 * 64 * 3).reshape(64, 64, 3).astype(np.uint8)
+    write(Picture(ramp, "rgb", (0.0, 255.0)), tmp_path / "x.jpg")
+    assert np.abs(read(tmp_path / "x.jpg").pixels.astype(int) - ramp).max() <= 3
+
+
+@pytest.mark.parametrize("format", [holder.name for holder in FORMATS])
+def test_equal_pictures_make_equal_bytes(noise: Noise, format: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    holder = find(format)
+    picture = _picture(noise, holder.dtypes[0], "rgb")
+    files = []
+    for zone in ("UTC", "Asia/Tokyo"):  # so that an hour of writing would show
+        monkeypatch.setenv("TZ", zone)
+        time.tzset()
+        file = io.BytesIO()
+        write(picture, file, format=format)
+        files.append(file.getvalue())
+    monkeypatch.undo()
+    time.tzset()
+    assert files[0] == files[1]
+
+
+@pytest.mark.parametrize(
+    ("format", "dtype", "layout", "message"),
+    [
+        ("jpeg", "uint16", "rgb", "jpeg cannot hold 16 bits per sample, only 8 bits"),
+        ("jpeg", "uint8", "rgba", "jpeg cannot hold rgba, only gray, rgb"),
+        ("png", "float32", "gray", "png cannot hold 32-bit float per sample, only 8 bits or 16 bits"),
+        ("pfm", "uint8", "rgb", "pfm cannot hold 8 bits per sample"),
+        ("ppm", "uint8", "rgba", "pnm cannot hold rgba"),
+        ("exr", "uint16", "rgb", "openexr cannot hold 16 bits"),
+        ("webp", "uint8", "gray", "webp cannot hold gray"),
+    ],
+)
+def test_nothing_is_dropped_silently(noise: Noise, format: str, dtype: str, layout: str, message: str) -> None:
+    with pytest.raises(PictureError, match=message):
+        write(_picture(noise, dtype, layout), io.BytesIO(), format=format)
+
+
+def test_bands_go_to_tiff_and_exr_only(noise: Noise) -> None:
+    bands = Picture(noise(8, 9, 12, "float32"), "multi", (0.0, 1.0))
+    with pytest.raises(PictureError, match="png cannot hold 12 bands"):
+        write(bands, io.BytesIO(), format="png")
+    for format in ("tiff", "exr"):
+        file = io.BytesIO()
+        write(bands, file, format=format)
+        np.testing.assert_array_equal(read(file.getvalue()).pixels, bands.pixels)
+
+
+def test_a_depth_that_is_asked_for(noise: Noise, tmp_path: Path) -> None:
+    picture = _picture(noise, "uint16", "rgb")
+    write(picture, tmp_path / "x.png", depth=8)
+    expected = np.rint(picture.pixels.astype(np.float64) * 255 / 65535)
+    assert np.abs(read(tmp_path / "x.png").pixels - expected).max() == 0
+    write(picture, tmp_path / "x.pfm", depth=32)
+    np.testing.assert_allclose(read(tmp_path / "x.pfm").pixels, picture.pixels / 65535, rtol=1e-6)
+    with pytest.raises(UsageError, match="8, 16 or 32"):
+        write(picture, tmp_path / "x.png", depth=10)
+
+
+def test_formats_go_by_extension_or_name(noise: Noise, tmp_path: Path) -> None:
+    picture = _picture(noise, "uint8", "rgb")
+    write(picture, tmp_path / "X.PNG")
+    assert (tmp_path / "X.PNG").read_bytes().startswith(b"\x89PNG")
+    write(picture, tmp_path / "noextension", format="tif")
+    assert (tmp_path / "noextension").read_bytes().startswith(b"II*\0")
+    write(picture, tmp_path / "x.rgb")
+    assert (tmp_path / "x.rgb").read_bytes().startswith(b"\x01\xda")
+    with pytest.raises(PictureError, match=r"x\.gif: '\.gif' is no picture format .*choose one of png, tif"):
+        write(picture, tmp_path / "x.gif")
+    with pytest.raises(PictureError, match="the picture: '' is no picture format"):
+        write(picture, io.BytesIO())
+
+
+def test_a_failure_leaves_what_was_there(noise: Noise, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    target = tmp_path / "x.png"
+    target.write_bytes(b"before")
+
+    def fail(*_: Any) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(sink.embedded, "embed", fail)
+    with pytest.raises(PictureError, match=r"x\.png: No space left"):
+        write(_picture(noise, "uint8", "rgb"), target)
+    assert [path.name for path in tmp_path.iterdir()] == ["x.png"]
+    assert target.read_bytes() == b"before"
+
+
+def test_a_complaint_of_the_encoder_is_a_failure(noise: Noise, tmp_path: Path) -> None:
+    with pytest.raises(PictureError, match=r"x\.jp2: .*resolutions"):
+        write(_picture(noise, "uint8", "rgb", 8, 8), tmp_path / "x.jp2")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_full_disk_is_noticed_before(noise: Noise, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    full = shutil.disk_usage(tmp_path)._replace(free=1000)
+    monkeypatch.setattr(sink.shutil, "disk_usage", lambda _: full)
+    with pytest.raises(PictureError, match="free disk space"):
+        write(_picture(noise, "uint8", "rgb"), tmp_path / "x.jpg")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_places_that_cannot_be_written(noise: Noise, tmp_path: Path) -> None:
+    with pytest.raises(PictureError, match=r"x\.png: No such file"):
+        write(_picture(noise, "uint8", "rgb"), tmp_path / "gone" / "x.png")
+
+
+def test_a_name_that_is_not_utf8_is_fine_but_not_its_folder(noise: Noise, tmp_path: Path) -> None:
+    picture = _picture(noise, "uint8", "gray")
+    strange = tmp_path / os.fsdecode(b"na\xefve.png")
+    write(picture, strange)
+    np.testing.assert_array_equal(read(strange).pixels, picture.pixels)
+    folder = tmp_path / os.fsdecode(b"d\xef")
+    folder.mkdir()
+    with pytest.raises(PictureError, match="not UTF-8"):
+        write(picture, folder / "x.png")
+    assert list(folder.iterdir()) == []
+
+
+def test_links_and_devices_are_written_through(noise: Noise, tmp_path: Path) -> None:
+    picture = _picture(noise, "uint8", "gray")
+    (tmp_path / "real.png").write_bytes(b"")
+    (tmp_path / "link.png").symlink_to(tmp_path / "real.png")
+    write(picture, tmp_path / "link.png")
+    assert (tmp_path / "link.png").is_symlink()
+    np.testing.assert_array_equal(read(tmp_path / "real.png").pixels, picture.pixels)
+    write(picture, os.devnull, format="png")
+    assert stat.S_ISCHR(os.stat(os.devnull).st_mode)
+
+
+def test_the_file_has_ordinary_rights(noise: Noise, tmp_path: Path) -> None:
+    (tmp_path / "plain").write_bytes(b"")
+    write(_picture(noise, "uint8", "gray"), tmp_path / "x.png")
+    assert (tmp_path / "x.png").stat().st_mode == (tmp_path / "plain").stat().st_mode

@@ -1,0 +1,149 @@
+from __future__ import annotations
+
+import io
+import struct
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sgicodec.errors import PictureError
+from sgicodec.image import read, write
+from sgicodec.metadata import ifd
+from sgicodec.metadata import jpeg as jpeg_file
+from sgicodec.metadata import png as png_file
+from sgicodec.metadata import webp as webp_file
+from sgicodec.picture import Metadata, Picture
+
+Blob = Callable[..., bytes]
+HOLDERS = ["jpeg", "png", "tiff", "webp"]
+XMP = b'<x:xmpmeta xmlns:x="adobe:ns:meta/"><odd:Thing xmlns:odd="urn:x">\xc3\xa4</odd:Thing></x:xmpmeta>'
+
+
+def _through(picture: Picture, format: str) -> bytes:
+    file = io.BytesIO()
+    write(picture, file, format=format)
+    return file.getvalue()
+
+
+def _flat(metadata: Metadata, count: int = 3) -> Picture:
+    pixels = np.full((9, 17, count), 100, np.uint8)
+    return Picture(pixels, {3: "rgb", 4: "rgba"}[count], (0.0, 255.0), metadata)
+
+
+@pytest.mark.parametrize("format", HOLDERS)
+def test_all_metadata_comes_back(pictures: Path, exif_blob: Blob, format: str) -> None:
+    icc = read(pictures / "icc_profile.png").metadata.icc
+    written = Metadata(icc, exif_blob(orientation=1), XMP)
+    back = read(_through(_flat(written), format)).metadata
+    assert (back.icc, back.xmp) == (icc, XMP)
+    assert back.exif is not None
+    assert written.exif is not None
+    expected = ifd.load(written.exif)
+    if format == "tiff":
+        expected.pop(274)
+    else:
+        assert back.exif == written.exif
+    assert ifd.load(back.exif) == expected
+
+
+@pytest.mark.parametrize("format", HOLDERS)
+def test_none_stays_none(format: str) -> None:
+    assert read(_through(_flat(Metadata()), format)).metadata == Metadata()
+
+
+@pytest.mark.parametrize("format", HOLDERS)
+@pytest.mark.parametrize("name", ["exif_gps.jpg", "pil_sample_cmyk.jpg"])
+def test_camera_exif_survives(pictures: Path, format: str, name: str) -> None:
+    source = read(pictures / name)
+    back = read(_through(source, format))
+    assert back.metadata.xmp == source.metadata.xmp
+    assert source.metadata.exif is not None
+    assert back.metadata.exif is not None
+    kept, expected = ifd.load(back.metadata.exif), ifd.load(source.metadata.exif)
+    assert kept.keys() >= expected.keys() & {271, 272, 305, 306, ifd.EXIF_IFD, ifd.GPS_IFD}
+    for tag in kept:
+        assert kept[tag] == expected[tag]
+
+
+@pytest.mark.parametrize("format", HOLDERS)
+def test_another_reader_finds_it(pictures: Path, exif_blob: Blob, format: str) -> None:
+    image = pytest.importorskip("PIL.Image")
+    icc = read(pictures / "icc_profile.png").metadata.icc
+    data = _through(_flat(Metadata(icc, exif_blob(orientation=1), XMP)), format)
+    with image.open(io.BytesIO(data)) as other:
+        assert other.info["icc_profile"] == icc
+        found = other.getexif()
+        assert found[271].rstrip("\0") == "Maker"
+        assert found.get(274, 1) == 1
+        assert found.get_ifd(34665)[42036].rstrip("\0") == "50m"
+        packet = other.info.get("xmp") or other.tag_v2[700]
+        assert packet == XMP
+
+
+@pytest.mark.parametrize("place", ["jpeg", "png", "webp", "png raw profile"])
+def test_an_orientation_is_applied_once(exif_blob: Blob, place: str) -> None:
+    ramp = np.arange(9 * 17, dtype=np.uint8).reshape(9, 17, 1).repeat(3, 2)
+    picture = Picture(ramp, "rgb", (0.0, 255.0))
+    turned = exif_blob(orientation=6)
+    if place == "png raw profile":
+        digits = (b"Exif\0\0" + turned).hex().encode()
+        text = b"Raw profile type exif\0\nexif\n      %d\n%s\n" % (len(turned) + 6, digits)
+        chunk = struct.pack(">I", len(text)) + b"tEXt" + text + struct.pack(">I", zlib.crc32(b"tEXt" + text))
+        plain = _through(picture, "png")
+        data = plain[:33] + chunk + plain[33:]
+    elif place == "png":
+        plain = _through(picture, "png")
+        data = plain[:33] + png_file.chunk(b"eXIf", turned) + plain[33:]
+    else:
+        insert = {"jpeg": jpeg_file, "webp": webp_file}[place].insert
+        data = b"".join(insert(_through(picture, place), turned, None))
+    once = read(data)
+    assert once.pixels.shape == (17, 9, 3)
+    assert (np.abs(once.pixels.astype(int) - np.rot90(ramp, -1)) <= 2).all()
+    for format in HOLDERS:
+        if format == "jpeg":
+            continue
+        twice = read(_through(once, format))
+        np.testing.assert_array_equal(twice.pixels, once.pixels)
+
+
+def test_webp_says_what_it_holds(exif_blob: Blob) -> None:
+    for count, alpha in ((3, 0), (4, 0x10)):
+        data = _through(_flat(Metadata(exif=exif_blob(1), xmp=XMP), count), "webp")
+        assert data[12:16] == b"VP8X"
+        width, height = (1 + int.from_bytes(data[at : at + 3], "little") for at in (24, 27))
+        assert (width, height) == (17, 9)
+        if alpha == 0:
+            assert data[20] == 0x08 | 0x04
+        assert int.from_bytes(data[4:8], "little") == len(data) - 8
+
+
+def test_png_keeps_nothing_unasked(pictures: Path) -> None:
+    data = _through(_flat(Metadata(icc=read(pictures / "icc_profile.png").metadata.icc)), "png")
+    kinds, at = [], 8
+    while at < len(data):
+        kinds.append(data[at + 4 : at + 8])
+        at += 12 + int.from_bytes(data[at : at + 4], "big")
+    assert kinds == [b"IHDR", b"iCCP", b"IDAT", b"IEND"]
+
+
+def test_compressed_png_text_and_its_limits() -> None:
+    def chunk(kind: bytes, contents: bytes) -> bytes:
+        return struct.pack(">I", len(contents)) + kind + contents + struct.pack(">I", zlib.crc32(kind + contents))
+
+    packed = chunk(b"iTXt", b"XML:com.adobe.xmp\0\1\0\0\0" + zlib.compress(XMP))
+    plain = _through(_flat(Metadata()), "png")
+    assert png_file.find(plain[:33] + packed + plain[33:]) == (None, XMP)
+    broken = chunk(b"zTXt", b"Raw profile type exif\0\0garbage")
+    assert png_file.find(plain[:33] + broken + plain[33:]) == (None, None)
+
+
+def test_more_than_a_jpeg_segment_holds(exif_blob: Blob) -> None:
+    most = exif_blob(1) + bytes(65527 - len(exif_blob(1)))
+    assert read(_through(_flat(Metadata(exif=most)), "jpeg")).metadata.exif == most
+    with pytest.raises(PictureError, match="jpeg cannot hold 65528 bytes of EXIF, only 65527"):
+        _through(_flat(Metadata(exif=most + b"\0")), "jpeg")
+    assert read(_through(_flat(Metadata(exif=most + b"\0")), "png")).metadata.exif == most + b"\0"

@@ -1,0 +1,203 @@
+from __future__ import annotations
+
+import io
+import struct
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sgicodec.image import open_source, probe, read, write
+from sgicodec.metadata import geo, ifd, placement, tiff
+from sgicodec.picture import Metadata, Picture, full_range
+
+Save = Callable[..., Path]
+
+DOUBLE, ASCII, SHORT, RATIONAL = 12, 2, 3, 5
+
+
+def doubles(*values: float) -> ifd.Entry:
+    return ifd.Entry(DOUBLE, struct.pack(f"<{len(values)}d", *values))
+
+
+def shorts(*values: int) -> ifd.Entry:
+    return ifd.Entry(SHORT, struct.pack(f"<{len(values)}H", *values))
+
+
+ALL: dict[int, ifd.Entry] = {
+    282: ifd.Entry(RATIONAL, struct.pack("<II", 20000, 1)),
+    283: ifd.Entry(RATIONAL, struct.pack("<II", 10000, 1)),
+    296: shorts(3),
+    33550: doubles(10.0, 10.0, 0.0),
+    33922: doubles(0.0, 0.0, 0.0, 5e5, 6e6, 0.0),
+    34735: shorts(1, 1, 0, 2, 1024, 0, 1, 1, 1025, 0, 1, 1),
+    34736: doubles(6378137.0, 298.25),
+    34737: ifd.Entry(ASCII, b"WGS 84|\0"),
+    42112: ifd.Entry(ASCII, b"<GDALMetadata/>\0"),
+    42113: ifd.Entry(ASCII, b"7\0"),
+    50844: doubles(*range(92)),
+}
+
+
+def _tagged(path: Path, tags: dict[int, ifd.Entry]) -> Path:
+    """Give a file that OpenImageIO wrote these tags."""
+    tiff.insert(path, None, None, None)
+    data = path.read_bytes()
+    at = len(data)
+    path.write_bytes(data[:4] + struct.pack("<I", at) + data[8:] + ifd.dump({**ifd.load(data), **tags}, at))
+    return path
+
+
+def _picture(blob: bytes | None, pixels: np.ndarray | None = None) -> Picture:
+    pixels = np.zeros((4, 6, 3), np.uint8) if pixels is None else pixels
+    return Picture(pixels, {1: "gray", 3: "rgb"}[pixels.shape[2]], full_range(pixels.dtype), Metadata(geo=blob))
+
+
+def test_the_blob_of_the_documentation() -> None:
+    blob = geo.pack(
+        {42113: ifd.Entry(ASCII, b"-9999\0"), 33550: doubles(10.0, 10.0, 0.0), 271: ifd.Entry(ASCII, b"x\0")}
+    )
+    rows = "0E 83 0C 00 03 00 00 00 26 00 00 00  81 A4 02 00 06 00 00 00 3E 00 00 00"
+    values = "0000000000002440 0000000000002440 0000000000000000  2D 39 39 39 39 00"
+    assert blob == bytes.fromhex(f"49 49 2A 00 08 00 00 00  02 00  {rows}  00 00 00 00  {values}")
+
+
+def test_tags_survive_a_tiff(tmp_path: Path, save: Save) -> None:
+    path = _tagged(save(tmp_path / "x.tif", np.zeros((4, 6, 3), np.uint8)), ALL)
+    with open_source(path) as source:
+        blob = source.metadata.geo
+    assert geo.load(blob) == ALL
+    file = io.BytesIO()
+    write(_picture(blob), file, format="tiff")
+    directory = ifd.load(file.getvalue())
+    assert {tag: directory[tag] for tag in ALL} == ALL
+    assert read(file.getvalue()).metadata == Metadata(geo=blob)
+
+
+@pytest.mark.parametrize(("order", "big"), [("<", False), (">", False), ("<", True), (">", True)])
+def test_every_spelling_of_tiff_gives_the_same_blob(order: str, big: bool) -> None:
+    head = {"<": b"II", ">": b"MM"}[order] + struct.pack(
+        order + ("HHHQ" if big else "HI"), *((43, 8, 0, 16) if big else (42, 8))
+    )
+    row = struct.Struct(order + ("HHQ" if big else "HHI"))
+    place = "Q" if big else "I"
+    behind = len(head) + 2 * (row.size + struct.calcsize(place)) + (16 if big else 6)
+    scale = struct.pack(order + "3d", 1.5, 2.5, 0.0)
+    count = struct.pack(order + ("Q" if big else "H"), 2)
+    rows = row.pack(33550, DOUBLE, 3) + struct.pack(order + place, behind)
+    rows += row.pack(42113, ASCII, 2) + b"7\0".ljust(struct.calcsize(place), b"\0")
+    data = head + count + rows + struct.pack(order + place, 0) + scale
+    assert tiff.find(data) == (None, None, geo.pack({33550: doubles(1.5, 2.5, 0.0), 42113: ALL[42113]}))
+
+
+def test_a_resolution_travels_once() -> None:
+    def blob_of(directory: ifd.Directory) -> tuple[bytes | None, bytes | None]:
+        exif, _, place = tiff.find(b"II*\0\x08\0\0\0" + ifd.dump(directory, 8))
+        return exif, place
+
+    resolution = {tag: ALL[tag] for tag in (282, 283, 296)}
+    assert blob_of(dict(resolution)) == (None, geo.pack(dict(resolution)))
+    exif, place = blob_of({**resolution, 271: ifd.Entry(ASCII, b"Maker\0")})
+    assert place is None
+    assert exif is not None
+    assert ifd.load(exif).keys() == {271, 282, 283, 296}
+    nothing: ifd.Directory = {282: ALL[282], 283: ALL[282], 296: shorts(1)}
+    assert blob_of(nothing) == (None, None)
+
+
+@pytest.mark.parametrize(
+    ("text", "dtype", "expected"),
+    [
+        (b"0\0", "uint8", 0.0),
+        (b"255", "uint8", 255.0),
+        (b"256\0", "uint8", None),
+        (b"-9999\0", "uint16", None),
+        (b"-9999\0", "float32", -9999.0),
+        (b"0.5\0", "uint8", None),
+        (b" 1e3 \0", "uint16", 1000.0),
+        (b"-3.4028234663852886e+38\0", "float32", float(np.finfo(np.float32).min)),
+        (b"0.1\0", "float32", float(np.float32(0.1))),
+        (b"1.7976931348623157e+308\0", "float32", np.inf),
+        (b"nan\0", "uint8", None),
+        (b"no number\0", "uint8", None),
+        (b"\xff\0", "uint8", None),
+        (b"7\0junk", "uint8", 7.0),
+    ],
+)
+def test_nodata(text: bytes, dtype: str, expected: float | None) -> None:
+    assert geo.nodata(geo.pack({42113: ifd.Entry(ASCII, text)}), np.dtype(dtype)) == expected
+
+
+def test_nodata_may_be_no_number() -> None:
+    found = geo.nodata(geo.pack({42113: ifd.Entry(ASCII, b"nan\0")}), np.dtype(np.float32))
+    assert found is not None
+    assert np.isnan(found)
+    assert geo.nodata(None, np.dtype(np.uint8)) is None
+
+
+@pytest.mark.parametrize(
+    ("bits", "dtype", "nodata"), [(4, "uint8", 9), (1, "uint8", 1), (10, "uint16", 511), (12, "uint16", 4000)]
+)
+def test_nodata_is_stretched_like_its_samples(tmp_path: Path, save: Save, bits: int, dtype: str, nodata: int) -> None:
+    most, largest = (1 << bits) - 1, int(np.iinfo(dtype).max)
+    pixels = np.full((8, 8, 1), (nodata * largest + most - 1) // most, dtype)
+    pixels[0] = 0
+    path = save(tmp_path / "x.tif", pixels, oiio__BitsPerSample=bits)
+    _tagged(path, {42113: ifd.Entry(ASCII, b"%d\0" % nodata), 33550: ALL[33550], 42112: ALL[42112]})
+    picture = read(path)
+    assert picture.nodata == picture.pixels[5, 5, 0]
+    assert picture.nodata is not None
+    assert picture.nodata == pytest.approx(nodata / most * largest, abs=1)
+    assert geo.load(picture.metadata.geo).keys() == {33550, 42113}
+
+
+def test_nodata_of_a_palette_means_nothing(tmp_path: Path) -> None:
+    image = pytest.importorskip("PIL.Image")
+    picture = image.new("P", (4, 4))
+    picture.putpalette(list(range(48)))
+    picture.save(tmp_path / "x.tif")
+    path = _tagged(tmp_path / "x.tif", {42113: ALL[42113], 33550: ALL[33550]})
+    assert read(path).channels == "rgb"
+    assert geo.load(read(path).metadata.geo).keys() == {33550}
+
+
+def test_the_blob_is_for_the_upright_picture(tmp_path: Path, save: Save) -> None:
+    path = _tagged(save(tmp_path / "x.tif", np.zeros((4, 6, 1), np.uint8), Orientation=6), ALL)
+    assert probe(path).width == 4
+    with open_source(path) as source:
+        found = source.metadata.geo
+    stored = {tag: item for tag, item in ALL.items()}
+    assert found == placement.oriented(geo.pack(dict(stored)), 6, 6, 4)
+    assert found != geo.pack(dict(stored))
+
+
+def test_new_numbers() -> None:
+    blob = geo.pack(dict(ALL))
+    assert geo.load(geo.resampled(blob, lambda value: value * 257)) == {
+        **{tag: item for tag, item in ALL.items() if tag != 42112},
+        42113: ifd.Entry(ASCII, b"1799\0"),
+    }
+    assert geo.load(geo.resampled(blob, lambda _: None)).keys() == ALL.keys() - {42112, 42113}
+    assert geo.resampled(None, lambda value: value) is None
+
+
+@given(st.binary(max_size=80))
+def test_foreign_blobs_do_no_harm(tail: bytes) -> None:
+    for blob in (tail, b"II*\0\x08\0\0\0" + tail, b"MM\0*\0\0\0\x08" + tail):
+        assert geo.load(blob).keys() <= geo.TAGS
+        geo.nodata(blob, np.dtype(np.uint8))
+        placement.view(blob, 1, 2, 3, 4)
+
+
+ANY_ENTRY = st.builds(ifd.Entry, st.sampled_from([1, 2, 3, 4, 5, 12]), st.binary(min_size=8, max_size=768))
+
+
+@given(st.dictionaries(st.sampled_from(sorted(geo.TAGS)), ANY_ENTRY), st.integers(1, 8))
+def test_tags_of_odd_types_and_sizes_do_no_harm(tags: dict[int, ifd.Entry], orientation: int) -> None:
+    whole = {tag: ifd.Entry(kind, data[: len(data) // 8 * 8]) for tag, (kind, data) in tags.items()}
+    with np.errstate(all="ignore"):
+        placement.oriented(geo.pack(dict(whole)), orientation, 5, 7)
+        placement.view(geo.pack(dict(whole)), 1, 2, 0.5, 3)

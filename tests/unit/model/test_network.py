@@ -1,0 +1,170 @@
+"""MLP_p on every instruction set against integers of any size."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scenes import ISAS
+
+from sgicodec.device import Processor
+from sgicodec.errors import CorruptStreamError
+from sgicodec.model.network import HIDDEN_LIMIT, INPUT_LIMIT, IntNetwork, Prediction
+
+INPUTS, HIDDEN, PREDICTED, GROUPS = 11, 7, 3, 2
+OUTPUTS = 2 * PREDICTED + GROUPS
+
+
+def network(seed: int, shift: int, size: int = 300) -> IntNetwork:
+    rng = np.random.default_rng(seed)
+    shapes = ((HIDDEN, INPUTS), (HIDDEN,), (OUTPUTS, HIDDEN), (OUTPUTS,))
+    w1, b1, w2, b2 = (rng.integers(-size, size + 1, shape) for shape in shapes)
+    return IntNetwork(w1, b1, w2, b2, shift, PREDICTED)
+
+
+def evaluate(net: IntNetwork, row: list[int]) -> list[int]:
+    """docs/format.md, "MLP_p", in Python's integers; >> rounds down."""
+    x = [min(max(v, -(2**13)), 2**13) for v in row]
+    hidden = [
+        min(max((sum(w * v for w, v in zip(weights, x, strict=True)) + 64 * bias) >> net.shift, 0), 2**15)
+        for weights, bias in zip(net.w1.tolist(), net.b1.tolist(), strict=True)
+    ]
+    y = [
+        sum(w * v for w, v in zip(weights, hidden, strict=True)) + 64 * bias
+        for weights, bias in zip(net.w2.tolist(), net.b2.tolist(), strict=True)
+    ]
+    means = [v >> (net.shift - 2) for v in y[:PREDICTED]]
+    return means + [(6 * v) >> (6 + net.shift) for v in y[PREDICTED:]]
+
+
+def joined(prediction: Prediction) -> list[list[int]]:
+    whole = np.concatenate([prediction.mean, prediction.scale, prediction.refine], axis=1)
+    assert whole.dtype == np.int64
+    return whole.tolist()
+
+
+every_isa = pytest.mark.parametrize("isa", ISAS)
+
+rows = st.lists(
+    st.lists(st.one_of(st.integers(-200, 200), st.integers(-(2**15), 2**15)), min_size=INPUTS, max_size=INPUTS),
+    min_size=1,
+    max_size=4,
+)
+
+
+@every_isa
+@given(rows, st.integers(0, 1000), st.integers(2, 20), st.sampled_from([3, 300, 2**20]))
+def test_predictions_are_those_of_integers(isa: str, inputs: list[list[int]], seed: int, shift: int, size: int) -> None:
+    net = network(seed, shift, size)
+    prediction = net.predict(np.array(inputs), processor=Processor(isa=isa))
+    assert joined(prediction) == [evaluate(net, row) for row in inputs]
+    assert (prediction.mean.shape[1], prediction.scale.shape[1], prediction.refine.shape[1]) == (3, 3, 2)
+    assert joined(net.predict(np.array(inputs), np.matmul)) == joined(prediction)
+
+
+@every_isa
+@pytest.mark.parametrize("threads", [1, 3])
+@pytest.mark.parametrize("shape", [(1, 1, 1), (44, 64, 5), (57, 100, 133), (30, 33, 32)])
+def test_any_shape_and_number_of_rows(isa: str, threads: int, shape: tuple[int, int, int]) -> None:
+    """Rows of 16 bits that are parts of wider ones, as coding has them; more of them than a thread takes at once."""
+    inputs, hidden, outputs = shape
+    rng = np.random.default_rng(outputs)
+    for size in (300, 2**18):
+        weights = (
+            rng.integers(-size, size + 1, part) for part in ((hidden, inputs), hidden, (outputs, hidden), outputs)
+        )
+        net = IntNetwork(*weights, 8, outputs // 2)
+        for count in (0, 1, 6, 1100):
+            x = rng.integers(-(2**15), 2**15, (count, inputs + 3)).astype(np.int16)[:, :inputs]
+            found = net.predict(x, processor=Processor(threads, isa))
+            assert joined(found) == joined(net.predict(x, np.matmul))
+
+
+@every_isa
+@pytest.mark.parametrize("layer", ["w1", "w2"])
+@pytest.mark.parametrize("beyond", [0, 1])
+def test_sums_at_the_end_of_32_bits(isa: str, layer: str, beyond: int) -> None:
+    """The largest weights whose sums have 32 bits, and one more."""
+    limit, width = (INPUT_LIMIT, INPUTS) if layer == "w1" else (HIDDEN_LIMIT, HIDDEN)
+    net = network(3, 2, 5)
+    weights = np.zeros_like(getattr(net, layer))
+    room = (2**31 - 1 - 64 * int(np.abs(net.b1 if layer == "w1" else net.b2).max())) // limit
+    per_weight = [room // width] * width
+    per_weight[0] += room - sum(per_weight) + beyond
+    weights[0], weights[1] = per_weight, [-weight for weight in per_weight]
+    if layer == "w2":
+        net = replace(net, w1=np.full_like(net.w1, 100))
+    net = replace(net, **{layer: weights})
+    inputs = [[2**13] * INPUTS, [-(2**13)] * INPUTS, [2**13 - 1] * INPUTS]
+    prediction = net.predict(np.array(inputs), processor=Processor(isa=isa))
+    assert joined(prediction) == [evaluate(net, row) for row in inputs]
+
+
+@every_isa
+@pytest.mark.parametrize("weight", [-(2**15) - 1, -(2**15), 2**15 - 1, 2**15])
+def test_weights_at_the_end_of_16_bits(isa: str, weight: int) -> None:
+    net = network(4, 5, 3)
+    w1, w2 = np.array(net.w1), np.array(net.w2)
+    w1[2, 3] = w2[1, 2] = weight
+    inputs = [[1000] * INPUTS, [-1000] * INPUTS]
+    for changed in (replace(net, w1=w1), replace(net, w2=w2)):
+        prediction = changed.predict(np.array(inputs), processor=Processor(isa=isa))
+        assert joined(prediction) == [evaluate(changed, row) for row in inputs]
+
+
+@given(rows, st.integers(0, 1000), st.permutations(range(INPUTS)), st.permutations(range(HIDDEN)))
+def test_no_order_of_summation_matters(inputs: list[list[int]], seed: int, first: list[int], second: list[int]) -> None:
+    net = network(seed, 8, 2**20)
+
+    def shuffled(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        order = first if a.shape[1] == INPUTS else second
+        total = np.zeros((len(a), b.shape[1]))
+        for i in order:
+            total += a[:, i : i + 1] * b[i]
+        return total
+
+    straight, other = net.predict(np.array(inputs), np.matmul), net.predict(np.array(inputs), shuffled)
+    for name in ("mean", "scale", "refine"):
+        np.testing.assert_array_equal(getattr(straight, name), getattr(other, name))
+
+
+def test_weights_that_float64_could_not_sum_are_refused() -> None:
+    net = network(0, 8)
+    room = 2**53 // INPUT_LIMIT
+    w1 = np.zeros_like(net.w1)
+    w1[2, :2] = [-(room // 2), room // 2 - 100]
+    replace(net, w1=w1)
+    w1[2, 1] += 100
+    with pytest.raises(CorruptStreamError, match="too large"):
+        replace(net, w1=w1)
+    w2 = np.zeros_like(net.w2)
+    w2[5, 0] = 2**53 // (6 * HIDDEN_LIMIT) - 100
+    replace(net, w2=w2)
+    w2[5, 0] += 101
+    with pytest.raises(CorruptStreamError, match="too large"):
+        replace(net, w2=w2)
+    for name, at, most in (("b1", 1, 2**53 // 64), ("b2", 3, 2**53 // (64 * 6))):
+        bias = np.zeros_like(getattr(net, name))
+        bias[at] = -most
+        with pytest.raises(CorruptStreamError, match="too large"):
+            replace(net, **{name: bias})
+
+
+@pytest.mark.parametrize("shift", [1, 21])
+def test_shifts_outside_the_format_are_refused(shift: int) -> None:
+    with pytest.raises(CorruptStreamError, match="context model"):
+        network(0, shift)
+
+
+@every_isa
+def test_the_bound_is_met_at_the_limits(isa: str) -> None:
+    """The largest weights that are let through, fed with the largest inputs, are still exact."""
+    net = network(1, 2)
+    w1 = np.full_like(net.w1, 2**53 // INPUT_LIMIT // INPUTS - 2**12)
+    w2 = np.full_like(net.w2, 2**53 // (6 * HIDDEN_LIMIT) // HIDDEN - 2**12)
+    w1[1::2], w2[1::2] = w1[1::2] - 1, -w2[1::2]
+    extreme = replace(net, w1=w1, w2=w2)
+    inputs = [[2**13] * INPUTS, [2**13 - 1] * INPUTS, [-(2**13)] * (INPUTS - 1) + [2**13]]
+    prediction = extreme.predict(np.array(inputs), processor=Processor(isa=isa))
+    assert joined(prediction) == [evaluate(extreme, row) for row in inputs]

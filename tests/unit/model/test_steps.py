@@ -1,0 +1,32 @@
+"""The default plan: within the table, and what it says of each profile."""
+
+import pytest
+
+from sgicodec.model.context import LEVELS, output_count
+from sgicodec.model.quantization import STEP_COUNT, STEP_ZERO
+from sgicodec.model.spec import ModelSpec, default_spec, paper_spec
+from sgicodec.model.steps import default_plan, follows_amplitude
+
+SPEC = default_spec(3, per_seed=2)
+
+
+@pytest.mark.parametrize("spec", [SPEC, default_spec(1), paper_spec(3)])
+@pytest.mark.parametrize("quality", [0, 60, STEP_COUNT - 1])
+def test_default_plan_fits_the_table(spec: ModelSpec, quality: int) -> None:
+    plan = default_plan(spec, quality)
+    for group in spec.groups:
+        base = plan.base[group.name]
+        assert base.shape == (output_count(spec, group.name), LEVELS)
+        assert base.min() >= 0
+        assert base.max() < STEP_COUNT
+        assert 0 <= plan.gamma[group.name] < 64
+        assert bool(plan.gamma[group.name]) == follows_amplitude(spec, group.name)
+
+
+def test_default_plan_by_profile() -> None:
+    plan = default_plan(SPEC, 60)
+    assert plan.base["colour"][0].tolist() == [78, 72, 66, 60, 54, 48, 42, 36]  # halves when cells double
+    assert plan.base["shape"][0, 3] == 86
+    paper = default_plan(paper_spec(3), 60)
+    assert set(paper.base["feature"].ravel().tolist()) == {STEP_ZERO}  # 1, and 2^(-14/6) = 0.2 for offsets
+    assert set(paper.base["offset"].ravel().tolist()) == {STEP_ZERO - 14}

@@ -1,0 +1,277 @@
+"""Every instruction set of the native back end against the float64 dense sum."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scenes import (
+    ISAS,
+    Scene,
+    covariances_of,
+    exact,
+    gradient_magnitude,
+    magnitude,
+    random_scene,
+    values_of,
+    whitened,
+)
+
+from sgicodec.raster.cpu import NativeRasterizer
+from sgicodec.raster.reference import rasterize_reference, rasterize_reference_backward
+
+FORWARD, BACKWARD = 4e-5, 8e-5  # rounding, relative to the sum of magnitudes
+WIDE = 6.0  # cutoff at which what is left out is below rounding: exp(−18) = 1.5e-8
+
+every_isa = pytest.mark.parametrize("isa", ISAS)
+
+
+def check(scene: Scene, width: int, height: int, origin: tuple[int, int], isa: str, seed: int = 0) -> None:
+    """Forward, backward and the fused pass of one scene."""
+    raster = NativeRasterizer(2, isa, WIDE)
+    image = raster.forward(*scene, width, height, origin)
+    channels = scene[2].shape[1]
+    assert (image.shape, image.dtype) == ((channels, height, width), np.float32)
+    error = np.abs(image - rasterize_reference(*exact(scene), width, height, origin))
+    assert np.all(error <= FORWARD * (magnitude(scene, width, height, origin) + 0.02))
+
+    grad = np.random.default_rng(seed).normal(size=image.shape).astype(np.float32)
+    gradients = raster.backward(*scene, grad, origin)
+    expected = rasterize_reference_backward(*exact(scene), grad.astype(np.float64), origin)
+    error = np.abs(whitened(scene, gradients) - whitened(scene, expected))
+    assert np.all(error <= BACKWARD * (gradient_magnitude(scene, grad, origin) + 0.1))
+
+
+def test_at_least_one_instruction_set_is_tested() -> None:
+    assert "portable" in ISAS
+    assert NativeRasterizer().isa == ISAS[0]  # auto takes the widest
+
+
+@every_isa
+@pytest.mark.parametrize("channels", [1, 2, 3, 4, 6])
+def test_any_number_of_channels(isa: str, channels: int) -> None:
+    rng = np.random.default_rng(channels)
+    check(random_scene(rng, 40, channels, 53, 37), 53, 37, (0, 0), isa)
+
+
+@every_isa
+@pytest.mark.parametrize("sigma", [0.3, 0.5, 1.0, 2.5, 7.0, 20.0])
+def test_elongated_at_any_angle(isa: str, sigma: float) -> None:
+    angle = np.linspace(0, np.pi, 24, endpoint=False)
+    rng = np.random.default_rng(int(10 * sigma))
+    means = rng.uniform(-5, 150, (24, 2)).astype(np.float32)
+    for ratio in (1.0, 4.0, 10.0):
+        shapes = covariances_of(np.full(24, sigma), np.full(24, ratio), angle).astype(np.float32)
+        check((means, shapes, rng.normal(size=(24, 3)).astype(np.float32)), 150, 70, (0, 0), isa)
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    st.integers(1, 60),
+    st.integers(1, 60),
+    st.tuples(st.integers(-100, 100), st.integers(-100, 100)),
+    st.integers(0, 12),
+    st.sampled_from([1, 2, 3, 4, 6]),
+    st.sampled_from(ISAS),
+    st.integers(0, 2**32 - 1),
+)
+def test_any_crop(
+    width: int, height: int, origin: tuple[int, int], count: int, channels: int, isa: str, seed: int
+) -> None:
+    means, covariances, colours = random_scene(np.random.default_rng(seed), count, channels, width, height, ratio=10.0)
+    check((means + np.float32(origin), covariances, colours), width, height, origin, isa, seed)
+
+
+@every_isa
+def test_nothing_to_draw(isa: str) -> None:
+    empty = random_scene(np.random.default_rng(0), 0, 3, 1, 1)
+    far = (np.full((1, 2), 1000, np.float32), np.array([[1, 0, 1]], np.float32), np.ones((1, 3), np.float32))
+    for scene in (empty, far):
+        raster = NativeRasterizer(1, isa)
+        assert not raster.forward(*scene, 20, 10).any()
+        assert raster.tile_pairs == 0
+        gradients = raster.backward(*scene, np.ones((3, 10, 20), np.float32))
+        assert [g.shape for g in gradients] == [array.shape for array in scene]
+        assert not any(g.any() for g in gradients)
+        assert raster.squared_error(*scene, np.ones((3, 10, 20), np.float32), 0.5)[0] == 300.0
+
+
+@every_isa
+@pytest.mark.parametrize("cutoff", [2.0, 3.5])
+def test_a_cutoff_leaves_out_no_more_than_the_tails(isa: str, cutoff: float) -> None:
+    scene = random_scene(np.random.default_rng(5), 40, 3, 64, 48, sigma=(0.5, 8.0), ratio=6.0, margin=10.0)
+    image = NativeRasterizer(1, isa, cutoff).forward(*scene, 64, 48)
+    values = values_of(scene, 64, 48)
+    tails = np.where(values < np.exp(-0.5 * cutoff**2) * (1 + 1e-4), values, 0)
+    bound = np.tensordot(np.abs(scene[2]).T, tails, axes=1)
+    error = np.abs(image - rasterize_reference(*exact(scene), 64, 48))
+    assert np.all(error <= bound + FORWARD * (magnitude(scene, 64, 48) + 0.02))
+    assert error.max() > 0.01 * bound.max()  # it does cut
+
+
+@every_isa
+def test_a_smaller_cutoff_visits_fewer_tiles(isa: str) -> None:
+    scene = random_scene(np.random.default_rng(5), 40, 1, 200, 200, sigma=(5.0, 9.0))
+    pairs = []
+    for cutoff in (2.0, 3.5, 6.0):
+        raster = NativeRasterizer(1, isa, cutoff)
+        raster.forward(*scene, 200, 200)
+        pairs.append(raster.tile_pairs)
+    assert pairs[0] < pairs[1] < pairs[2]
+
+
+@every_isa
+@pytest.mark.parametrize("channels", [1, 3, 6])
+def test_squared_error_is_forward_and_backward(isa: str, channels: int) -> None:
+    rng = np.random.default_rng(channels)
+    scene = random_scene(rng, 60, channels, 70, 45, sigma=(0.5, 6.0), ratio=4.0)
+    target = rng.normal(size=(channels, 45, 70)).astype(np.float32)
+    raster = NativeRasterizer(2, isa)
+    for origin in ((0, 0), (-7, 21)):
+        error = raster.forward(*scene, 70, 45, origin) - target
+        gradients = raster.backward(*scene, 2 * np.float32(0.25) * error, origin)
+        loss, fused = raster.squared_error(*scene, target, 0.25, origin)
+        assert loss == pytest.approx(0.25 * float(np.sum(error.astype(np.float64) ** 2)), rel=1e-6)
+        for one, two in zip(gradients, fused, strict=True):
+            np.testing.assert_array_equal(one, two)
+
+
+WHOLE = 120
+WHOLE_ORIGIN = (-40, -35)
+CROP_SCENE = random_scene(np.random.default_rng(11), 150, 3, 80, 80, sigma=(0.3, 12.0), ratio=8.0)
+
+
+@pytest.fixture(scope="module")
+def whole() -> dict[str, np.ndarray]:
+    return {isa: NativeRasterizer(1, isa).forward(*CROP_SCENE, WHOLE, WHOLE, WHOLE_ORIGIN) for isa in ISAS}
+
+
+@settings(deadline=None)
+@given(st.data())
+def test_a_crop_of_the_picture_is_the_picture_of_the_crop(whole: dict[str, np.ndarray], data: st.DataObject) -> None:
+    isa = data.draw(st.sampled_from(ISAS))
+    left, top = data.draw(st.integers(0, WHOLE - 1)), data.draw(st.integers(0, WHOLE - 1))
+    width, height = data.draw(st.integers(1, WHOLE - left)), data.draw(st.integers(1, WHOLE - top))
+    origin = (WHOLE_ORIGIN[0] + left, WHOLE_ORIGIN[1] + top)
+    crop = NativeRasterizer(1, isa).forward(*CROP_SCENE, width, height, origin)
+    np.testing.assert_array_equal(crop, whole[isa][:, top : top + height, left : left + width])
+
+
+@every_isa
+def test_the_number_of_threads_changes_no_byte(isa: str) -> None:
+    rng = np.random.default_rng(3)
+    scene = random_scene(rng, 10_000, 3, 230, 170, sigma=(0.4, 2.0), ratio=3.0, margin=5.0)
+    target = rng.normal(size=(3, 170, 230)).astype(np.float32)
+    results = []
+    for threads in (1, 2, 3, 0):
+        raster = NativeRasterizer(threads, isa)
+        image = raster.forward(*scene, 230, 170)
+        gradients = raster.backward(*scene, target)
+        loss, fused = raster.squared_error(*scene, target, 1.0)
+        results.append((loss, [array.tobytes() for array in (image, *gradients, *fused)]))
+    assert all(result == results[0] for result in results)
+
+
+def test_an_instance_may_change_its_size() -> None:
+    raster = NativeRasterizer(1)
+    rng = np.random.default_rng(4)
+    for count, side in ((50, 64), (3, 17), (200, 90), (0, 5)):
+        scene = random_scene(rng, count, 3, side, side, sigma=(1.0, 4.0))
+        image = raster.forward(*scene, side, side)
+        np.testing.assert_array_equal(image, NativeRasterizer(1).forward(*scene, side, side))
+
+
+BAD = [np.nan, np.inf, -np.inf, 3e38, -3e38, 1e-45, 0.0, -1.0]
+
+
+@every_isa
+def test_what_is_no_gaussian_does_no_harm(isa: str) -> None:
+    good = random_scene(np.random.default_rng(6), 5, 3, 40, 30, sigma=(1.0, 5.0))
+    bad_means = [(value, 10.0) for value in BAD[:3]] + [(10.0, value) for value in BAD[:3]]
+    bad_shapes = [(value, 0.0, 2.0) for value in BAD[:3] + BAD[-2:]] + [
+        (2.0, 0.0, value) for value in BAD[:3] + BAD[-2:]
+    ]
+    bad_shapes += [(2.0, value, 2.0) for value in BAD[:5]] + [(4.0, 2.0, 1.0), (1.0, 5.0, 1.0), (-1.0, 0.0, -1.0)]
+    count = len(bad_means) + len(bad_shapes)
+    means = np.array(bad_means + [(10.0, 10.0)] * len(bad_shapes), np.float32)
+    shapes = np.array([(2.0, 0.0, 2.0)] * len(bad_means) + bad_shapes, np.float32)
+    at = np.arange(5) * count // 5  # the good ones in between
+    mixed = (
+        np.insert(means, at, good[0], axis=0),
+        np.insert(shapes, at, good[1], axis=0),
+        np.insert(np.ones((count, 3), np.float32), at, good[2], axis=0),
+    )
+    kept = at + np.arange(5)
+    raster, alone = NativeRasterizer(1, isa), NativeRasterizer(1, isa)
+    np.testing.assert_array_equal(raster.forward(*mixed, 40, 30), alone.forward(*good, 40, 30))
+    grad = np.ones((3, 30, 40), np.float32)
+    for gradient, expected in zip(raster.backward(*mixed, grad), alone.backward(*good, grad), strict=True):
+        np.testing.assert_array_equal(gradient[kept], expected)
+        assert not np.delete(gradient, kept, axis=0).any()
+
+
+number = st.one_of(st.sampled_from(BAD), st.floats(width=32), st.floats(-50, 50, width=32))
+
+
+@settings(max_examples=200, deadline=None)
+@given(
+    st.lists(st.tuples(number, number, number, number, number), min_size=1, max_size=6),
+    st.sampled_from(ISAS),
+    st.sampled_from([(0, 0), (2**30 - 20, 1 - 2**30), (-7, 1000)]),
+)
+def test_any_numbers_end_in_finite_images_and_gradients(
+    rows: list[tuple[float, ...]], isa: str, origin: tuple[int, int]
+) -> None:
+    table = np.array(rows, np.float32)
+    colours = np.ones((len(rows), 1), np.float32)
+    means, covariances = np.ascontiguousarray(table[:, :2]), np.ascontiguousarray(table[:, 2:])
+    raster = NativeRasterizer(1, isa)
+    image = raster.forward(means, covariances, colours, 20, 20, origin)
+    assert np.all((image >= 0) & (image <= len(rows) + 1e-3))
+    for gradient in raster.backward(means, covariances, colours, np.ones((1, 20, 20), np.float32), origin):
+        assert np.isfinite(gradient).all()
+
+
+@every_isa
+def test_huge_gaussians_cover_everything(isa: str) -> None:
+    means = np.array([[0, 0], [1e9, -1e9], [-1e30, 1e30]], np.float32)
+    covariances = np.array([[1e30, 0, 1e30], [1e30, 1e29, 1e30], [1e38, 0, 1e38]], np.float32)
+    colours = np.array([[1.0], [0.5], [0.25]], np.float32)
+    image = NativeRasterizer(2, isa).forward(means, covariances, colours, 700, 500)
+    np.testing.assert_allclose(image, 1.5, rtol=1e-5)  # the third lies 1e11 deviations away
+
+
+@every_isa
+def test_memory_is_bounded(isa: str) -> None:
+    """Ten Gaussians, the last of which touch all of 4×3 tiles."""
+    means = np.full((10, 2), 8, np.float32)
+    covariances = np.array([[1, 0, 1]] * 7 + [[1e6, 0, 1e6]] * 3, np.float32)
+    scene = (means, covariances, np.ones((10, 1), np.float32))
+    raster = NativeRasterizer(2, isa, most_pairs=7 + 36)
+    raster.forward(*scene, 256, 96)
+    assert raster.tile_pairs == 7 + 36
+    with pytest.raises(OverflowError, match="smaller crops"):
+        NativeRasterizer(2, isa, most_pairs=7 + 35).forward(*scene, 256, 96)
+    with pytest.raises(OverflowError, match="smaller crops"):
+        raster.forward(*scene, 320, 96)
+    with pytest.raises(ValueError, match="forward"):
+        raster.backward(*scene, np.ones((1, 96, 320), np.float32))
+
+
+def test_wrong_arguments_are_refused() -> None:
+    means, covariances, colours = random_scene(np.random.default_rng(0), 4, 3, 8, 8)
+    raster = NativeRasterizer()
+    with pytest.raises(ValueError, match="covariances"):
+        raster.forward(means, covariances[:3].copy(), colours, 8, 8)
+    with pytest.raises(ValueError, match="instruction set"):
+        NativeRasterizer(isa="mmx")
+    raster.forward(means, covariances, colours, 8, 8)
+    grad = np.zeros((3, 8, 8), np.float32)
+    for arguments in (
+        (means[:2], covariances[:2], colours[:2], grad),
+        (means, covariances, colours, np.zeros((3, 8, 9), np.float32)),
+        (means, covariances, colours, grad, (0, 1)),
+    ):
+        with pytest.raises(ValueError, match="forward"):
+            raster.backward(*arguments)
+    with pytest.raises(ValueError, match="smaller"):
+        raster.forward(means, covariances, colours, 8, 8, (2**31 - 4, 0))

@@ -1,0 +1,113 @@
+"""The last search, on streams that are made up, and what a shift does to real networks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from sgicodec.bitstream.parts.prior import load_prior
+from sgicodec.model.network import DIFFERENCE_SHIFT
+from sgicodec.model.quantization import PER_OCTAVE
+from sgicodec.model.spec import default_spec
+from sgicodec.rate_control.step_search import coarser, trim
+from sgicodec.rate_control.target import Goal, Measured
+
+Made = Callable[[int], Measured]
+
+
+def streams(size: float, slope: float, bend: float, decibels: float = 30.0) -> tuple[Made, list[int]]:
+    """What streams measure, and of which shifts: log2 of the bytes falls by `slope` a shift, at first."""
+    made: list[int] = []
+
+    def finish(shift: int) -> Measured:
+        made.append(shift)
+        bent = shift - bend * shift * abs(shift) / 200
+        return Measured(max(1, round(size * 2.0 ** (-slope * bent))), decibels - 6 * slope * bent)
+
+    return finish, made
+
+
+@settings(deadline=None)
+@given(st.floats(2e3, 1e6), st.floats(0.004, 0.02), st.floats(-0.5, 0.5), st.floats(-0.35, 0.35))
+def test_finds_a_size_within_reach(size: float, slope: float, bend: float, off: float) -> None:
+    finish, made = streams(size, slope, bend)
+    assume(math.log2(finish(-90).bytes / size) > off > math.log2(finish(90).bytes / size))
+    made.clear()
+    goal = Goal(bytes=size * 2.0**off)
+    measured = finish(trim(goal, finish))
+    made.pop()
+    assert goal.bytes is not None
+    assert measured.bytes <= goal.bytes
+    assert measured.bytes >= 0.97 * goal.bytes - 1
+    assert len(made) <= 8
+
+
+@settings(deadline=None)
+@given(st.floats(0.004, 0.02), st.floats(-0.5, 0.5), st.floats(-2, 2))
+def test_finds_a_psnr_within_reach(slope: float, bend: float, off: float) -> None:
+    finish, made = streams(1e5, slope, bend)
+    assume(finish(-90).psnr - 30 > off > finish(90).psnr - 30)
+    made.clear()
+    measured = finish(trim(Goal(psnr=30 + off), finish))
+    made.pop()
+    assert measured.psnr == pytest.approx(30 + off, abs=0.1)
+    assert len(made) <= 8
+
+
+@settings(deadline=None)
+@given(st.lists(st.tuples(st.integers(1, 5000), st.floats(5, 60) | st.just(math.inf)), min_size=193, max_size=193))
+def test_any_streams_end_with_one_that_was_made(table: list[tuple[int, float]]) -> None:
+    """Sizes that neither fall nor rise: never one above the goal where one below was made, never more than eight."""
+    for goal in (Goal(bytes=700.0), Goal(psnr=33.0)):
+        seen: dict[int, Measured] = {}
+
+        def finish(shift: int, seen: dict[int, Measured] = seen) -> Measured:
+            assert shift not in seen
+            seen[shift] = Measured(*table[shift + 96])
+            return seen[shift]
+
+        measured = seen[trim(goal, finish)]
+        assert len(seen) <= 8
+        if goal.is_missed(measured):
+            assert all(goal.is_missed(other) for other in seen.values())
+
+
+def test_a_stream_that_fits_is_not_made_twice() -> None:
+    finish, made = streams(1000, 0.01, 0.0)
+    assert trim(Goal(bytes=1010.0), finish) == 0
+    assert made == [0]
+
+
+def test_what_cannot_be_reached_ends_with_the_nearest() -> None:
+    finish, made = streams(1e5, 0.01, 0.0)
+    assert trim(Goal(bytes=100.0), finish) == max(made) == 96
+    assert trim(Goal(psnr=80.0), finish) == min(made) == -96
+
+
+def test_a_picture_without_any_error() -> None:
+    """Infinite PSNR on one side of what was asked for, or on both."""
+
+    def finish(shift: int) -> Measured:
+        return Measured(100, math.inf if shift < 40 else 60 - shift / 10)
+
+    assert finish(trim(Goal(psnr=56.0), finish)).psnr >= 55.9
+    assert -96 <= trim(Goal(psnr=40.0), lambda _: Measured(100, math.inf)) <= 96
+
+
+@pytest.mark.parametrize("shift", [-96, -5, 32, 96])
+def test_coarser_moves_refinements_alone(shift: int) -> None:
+    networks = load_prior(default_spec(3))
+    rng = np.random.default_rng(2)
+    for plain, moved in zip(networks, coarser(networks, shift), strict=True):
+        inputs = rng.integers(-2000, 2000, (50, plain.w1.shape[1]))
+        before, after = plain.predict(inputs), moved.predict(inputs)
+        np.testing.assert_array_equal(before.mean, after.mean)
+        np.testing.assert_array_equal(before.scale, after.scale)
+        expected = before.refine + PER_OCTAVE * shift / 2.0**DIFFERENCE_SHIFT
+        assert np.abs(after.refine - expected).max() <= 1
+        assert moved.predicted == plain.predicted

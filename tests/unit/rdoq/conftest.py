@@ -1,0 +1,59 @@
+"""Models to refine: fitted to nothing, so that there is much to improve."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from sgicodec.bitstream.header import Header
+from sgicodec.bitstream.parts.prior import load_prior
+from sgicodec.bitstream.parts.tile import TileModel
+from sgicodec.device import Processor
+from sgicodec.model.base import base_shape
+from sgicodec.model.layout import adaptive_layout
+from sgicodec.model.spec import default_spec
+from sgicodec.model.steps import default_plan
+from sgicodec.rdoq import Scene
+
+QUALITY = 55
+LAYOUTS = {1: "gray", 3: "rgb", 4: "rgba"}
+
+Stage = Callable[..., tuple[Scene, TileModel]]
+
+
+def waves(channels: int, height: int, width: int) -> NDArray[np.float32]:
+    """A picture [C, H, W] of a few waves, around zero."""
+    rng = np.random.default_rng(channels)
+    y, x = np.mgrid[:height, :width]
+    picture = np.zeros((channels, height, width))
+    for _ in range(6):
+        across, down, phase = rng.uniform(-0.5, 0.5), rng.uniform(-0.5, 0.5), rng.uniform(0, 6)
+        picture += 0.06 * rng.normal(size=(channels, 1, 1)) * np.sin(across * x + down * y + phase)
+    return picture.astype(np.float32)
+
+
+@pytest.fixture
+def stage() -> Stage:
+    """Makes a picture and a model of seeds with random attributes."""
+
+    def make(
+        channels: int = 3, height: int = 70, width: int = 100, isa: str = "auto", threads: int = 2
+    ) -> tuple[Scene, TileModel]:
+        spec, rng = default_spec(channels), np.random.default_rng(7)
+        picture = waves(channels, height, width)
+        header = Header(
+            width, height, LAYOUTS[channels], "uint8", (0.0, 255.0), "default", spec, quality=QUALITY, family=1
+        )
+        layout = adaptive_layout(picture, 0.4)
+        n = len(layout)
+        attributes = {
+            "colour": rng.normal(0, 0.05, (n, channels)),
+            "shape": rng.normal([-0.6, 0, 0], 0.3, (n, 3)),
+            "offset": rng.normal(0, 0.2, (n, 2)),
+        }
+        base = np.zeros((channels, *base_shape(width, height, spec.base_cell)), np.int64)
+        model = TileModel(layout, default_plan(spec, QUALITY), 60, base, {}, load_prior(spec), [], attributes)
+        return Scene(header, picture, Processor(threads, isa)), model
+
+    return make

@@ -1,0 +1,69 @@
+"""What a model costs, against the stream as written and read."""
+
+import io
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sgicodec import open_stream
+from sgicodec.bitstream.container import ChunkWriter
+from sgicodec.bitstream.header import encode_header
+from sgicodec.bitstream.parts.tile import TileModel, write_tile
+from sgicodec.model.spec import ContextSpec, ModelSpec, default_spec, paper_spec
+from sgicodec.rdoq import Cost, Scene, can_refine
+
+Stage = Callable[..., tuple[Scene, TileModel]]
+
+
+def stream_of(scene: Scene, model: TileModel) -> tuple[bytes, int]:
+    """A whole stream, and the bytes of its tile."""
+    payload, _ = write_tile(scene.header, replace(model, decoded=None))
+    buffer = io.BytesIO()
+    writer = ChunkWriter(buffer)
+    writer.write("H", encode_header(scene.header))
+    writer.write("T", payload)
+    writer.finish()
+    return buffer.getvalue(), len(payload)
+
+
+@pytest.mark.parametrize("channels", [1, 3, 4])
+def test_cost_is_that_of_the_stream(stage: Stage, channels: int) -> None:
+    """For one base layer after another, so that none is taken for another."""
+    scene, model = stage(channels)
+    for seed in range(3):
+        base = np.random.default_rng(seed).integers(-9, 9, model.base.shape)
+        based = replace(model, base=base)
+        data, size = stream_of(scene, based)
+        error = open_stream(data).render().astype(np.float64) - scene.picture.transpose(1, 2, 0)
+        cost = scene.cost(based)
+        assert cost.bits == 8 * size
+        assert cost.error == pytest.approx(np.sum(error**2), rel=1e-4)
+
+
+def test_cost_adds_up() -> None:
+    assert Cost(2.0, 300.0).at(0.01) == pytest.approx(5.0)
+
+
+@pytest.mark.parametrize(
+    ("spec", "known"),
+    [
+        (default_spec(3), True),
+        (default_spec(1), True),
+        (default_spec(64, prior=0), True),
+        (default_spec(3, per_seed=2), False),
+        (default_spec(3, hidden=8), False),
+        (paper_spec(3), False),
+        (replace(default_spec(3), features=8), False),
+        (
+            replace(
+                default_spec(3),
+                context=ContextSpec(0, (("colour",), ("shape",), ("offset",)), 64, 6, hash_resolutions=(18,)),
+            ),
+            False,
+        ),
+    ],
+)
+def test_which_models_it_knows(spec: ModelSpec, known: bool) -> None:
+    assert can_refine(spec) == known

@@ -1,0 +1,127 @@
+"""Imports run downward (docs/architecture.md), no two files or rooms import each other, each library has one home."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from functools import cache
+from graphlib import TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+FLOORS = (
+    {"errors", "version", "_native"},
+    {"metadata", "device"},
+    {"picture"},
+    {"image", "raster", "model"},
+    {"metrics"},
+    {"rate_control", "bitstream"},
+    {"decoder", "fit", "rdoq", "executors"},
+    {"encoder"},
+    {"cli", "bench"},
+    {"benchmarks", "tools"},
+)
+"""Rooms from the ground up: each may import what lies below its floor, not what lies beside it."""
+
+HOMES = {
+    "constriction": ("sgicodec/bitstream/entropy/",),
+    "OpenImageIO": ("sgicodec/image/",),
+    "torch": ("sgicodec/fit/", "sgicodec/encoder/tile_encoder.py", "benchmarks/research.py", "tools/"),
+    "rich": ("sgicodec/cli/", "sgicodec/bench/", "benchmarks/"),
+    "click": ("sgicodec/cli/", "sgicodec/bench/", "benchmarks/", "tools/"),
+    "PIL": ("sgicodec/bench/", "benchmarks/"),
+    "imagecodecs": ("sgicodec/bench/", "benchmarks/"),
+    "matplotlib": ("sgicodec/bench/", "benchmarks/"),
+    "distributed": ("sgicodec/executors/dask.py",),
+    "fsspec": ("sgicodec/encoder/worker.py",),
+    "mpmath": ("tools/make_tables.py",),
+}
+
+SOURCES = sorted(
+    path.relative_to(ROOT).as_posix()
+    for folder in ("sgicodec", "benchmarks", "tools")
+    for path in ROOT.glob(f"{folder}/**/*.py")
+)
+
+
+def module_of(source: str) -> str:
+    return source.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
+
+
+MODULES = {module_of(source): source for source in SOURCES}
+
+
+def room_of(module: str) -> str:
+    """The second part of a name in the package, the first of one outside."""
+    first, _, rest = module.partition(".")
+    return rest.split(".")[0] if first == "sgicodec" else first
+
+
+@cache
+def imported(source: str) -> frozenset[str]:
+    """Full names of all modules that a file imports, at its top or later, for types or in earnest."""
+    return frozenset(_imported(source))
+
+
+def _imported(source: str) -> Iterator[str]:
+    for node in ast.walk(ast.parse((ROOT / source).read_text("utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.module is not None
+            assert node.level == 0, "names are written in full"
+            for alias in node.names:
+                name = f"{node.module}.{alias.name}"
+                yield name if name in MODULES or name == "sgicodec._native" else node.module
+
+
+@pytest.mark.parametrize("source", [source for source in SOURCES if source.count("/") > 1 or "sgicodec/" not in source])
+def test_imports_run_downward(source: str) -> None:
+    room = room_of(module_of(source))
+    floor = next(number for number, rooms in enumerate(FLOORS) if room in rooms)
+    below = set().union(*FLOORS[:floor]) | {room, ""}
+    used = {room_of(name) for name in imported(source) if name.split(".")[0] in ("sgicodec", "benchmarks", "tools")}
+    assert used <= below
+
+
+def test_no_file_imports_itself_in_a_circle() -> None:
+    facade = {"sgicodec", "sgicodec.image"}  # their names load on first use
+    graph = {m: imported(s) & MODULES.keys() - facade - {m} for m, s in MODULES.items() if m not in facade}
+    TopologicalSorter(graph).prepare()
+
+
+def test_nothing_lies_loose_in_the_package() -> None:
+    loose = {source.removeprefix("sgicodec/") for source in SOURCES if source.count("/") == 1 and "sgicodec/" in source}
+    assert loose == {"__init__.py", "__main__.py", "device.py", "errors.py", "picture.py", "version.py"}
+
+
+@pytest.mark.parametrize("library", HOMES)
+def test_every_library_has_its_home(library: str) -> None:
+    users = [source for source in SOURCES if library in {name.split(".")[0] for name in imported(source)}]
+    assert users
+    assert [source for source in users if not source.startswith(HOMES[library])] == []
+
+
+def test_nothing_else_is_imported() -> None:
+    names = {name.split(".")[0] for source in SOURCES for name in imported(source)}
+    assert names - set(sys.stdlib_module_names) == {"sgicodec", "benchmarks", "tools", "numpy", *HOMES}
+
+
+@pytest.mark.parametrize(
+    ("code", "absent"),
+    [
+        ("import sgicodec", {"numpy", "torch", "OpenImageIO", "constriction", "click", "rich"}),
+        ("import sgicodec; sgicodec.open_stream", {"torch", "OpenImageIO", "click", "rich"}),
+        ("import sgicodec; sgicodec.read", {"torch", "constriction", "click", "rich"}),
+        ("import sgicodec.encoder.pipeline", {"torch", "OpenImageIO", "click", "rich"}),
+    ],
+)
+def test_names_load_on_first_use(code: str, absent: set[str]) -> None:
+    command = [sys.executable, "-c", f"{code}; import sys; print(*sys.modules)"]
+    loaded = set(subprocess.run(command, capture_output=True, text=True, check=True).stdout.split())
+    assert not loaded & absent
