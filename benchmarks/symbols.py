@@ -19,7 +19,7 @@ from time import process_time
 
 from benchmarks.whole import Whole, measured
 from sgicodec import EncodeSettings, Picture, encode, open_stream, read
-from sgicodec.device import Processor
+from sgicodec.device import Device
 from sgicodec.metrics.scores import psnr
 from sgicodec.picture import to_unit
 from sgicodec.rdoq import Refiner, RefineSettings
@@ -56,7 +56,7 @@ def searched(
     model = replace(stream.model, attributes=groups, decoded=None)
     unit = to_unit(picture).transpose(2, 0, 1)
     started = process_time()
-    search = Refiner(stream.header, model, unit, lmbda, settings, Processor(threads))
+    search = Refiner(stream.header, model, unit, lmbda, settings, Device(threads))
     found = search.at(lmbda)
     seconds = process_time() - started
     return search.scene.cost(model).at(lmbda), found.cost.at(lmbda), seconds

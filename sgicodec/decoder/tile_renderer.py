@@ -15,7 +15,7 @@ from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.tile import DECODER_SHIFT, TileModel, read_tile
 from sgicodec.bitstream.parts.tile_chunk import decode_tile_chunk
 from sgicodec.decoder.view import View
-from sgicodec.device import Processor
+from sgicodec.device import Device
 from sgicodec.errors import LimitError
 from sgicodec.model.base import base_colours
 from sgicodec.model.base_view import base_view
@@ -76,7 +76,7 @@ class DrawnTile:
         self._whole: _Whole | None = None
         if chunk.model is None:
             return
-        self.model, walk = read_tile(own, chunk.model, Processor(threads, isa))
+        self.model, walk = read_tile(own, chunk.model, Device(threads, isa))
         self.bits, self.symbol_crc = walk.bits, walk.crc
         self.gaussians = _drawable(own, self.model)
         self._colours = base_colours(self.model.base, self.model.base_step)

@@ -19,7 +19,7 @@ from sgicodec.bitstream.parts.tile import DECODER_SHIFT, TileModel, write_tile
 from sgicodec.bitstream.parts.tile_chunk import TileChunk, encode_tile_chunk
 from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import open_stream
-from sgicodec.device import Processor
+from sgicodec.device import Device
 from sgicodec.encoder.inpainting import fill
 from sgicodec.encoder.plan import Plan, fit_settings
 from sgicodec.fit.base_layer import base_layer
@@ -159,8 +159,8 @@ class Encoding:
     def refiner(self, candidate: Candidate) -> Refiner:
         """The search from a candidate on."""
         settings = RefineSettings.for_steps(self.fit.steps)
-        processor = Processor(self.fit.threads)
-        return Refiner(candidate.header, candidate.model, self.unit, candidate.lmbda, settings, processor)
+        device = Device(self.fit.threads)
+        return Refiner(candidate.header, candidate.model, self.unit, candidate.lmbda, settings, device)
 
     def searched(self, candidate: Candidate) -> Candidate:
         """The best that the search finds for the candidate's λ."""

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from sgicodec.bitstream.parts.tile import read_tile
 from sgicodec.bitstream.parts.tile_chunk import TileChunk, decode_tile_chunk, encode_tile_chunk
 from sgicodec.decoder.stream import open_stream
-from sgicodec.device import Processor
+from sgicodec.device import Device
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tile_encoder import Candidate, Encoding, written
 from sgicodec.metrics.distortion import squared_error
@@ -119,7 +119,7 @@ class SearchTask:
         if payload is None:
             return _finished(tile, self.plan, number, None, started)
         header, lmbda = tile.plan.header, tile.fit.lmbda
-        model, _ = read_tile(header, payload, Processor(threads))
+        model, _ = read_tile(header, payload, Device(threads))
         values = model.decoded_values
         groups = {group.name: values[:, group.columns] for group in header.spec.groups}
         model = replace(model, attributes=groups, decoded=None)
@@ -129,7 +129,7 @@ class SearchTask:
             return _finished(tile, self.plan, number, Candidate(header, model, lmbda), started)
         settings = RefineSettings.for_steps(tile.fit.steps)
         settings = replace(settings, coarser=0.0, sweeps=max(_LEAST_SWEEPS, settings.sweeps // _SWEEPS_SHARE))
-        refiner = Refiner(header, model, tile.unit, start.lmbda, settings, Processor(threads))
+        refiner = Refiner(header, model, tile.unit, start.lmbda, settings, Device(threads))
         for _ in range(settings.sweeps):
             model = refiner.sweep(lmbda).model
         return _finished(tile, self.plan, number, Candidate(header, model, lmbda), started)

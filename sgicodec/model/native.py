@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec import _native
-from sgicodec.device import Processor
+from sgicodec.device import Device
 from sgicodec.model.context import SUMMARY, output_columns
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.network import Prediction
@@ -28,9 +28,9 @@ I64 = NDArray[np.int64]
 class SeedInputs:
     """What MLP_p sees of seeds before any of their own values: cell size, quality, and neighbours' summaries."""
 
-    def __init__(self, layout: SeedLayout, quality: int, processor: Processor) -> None:
+    def __init__(self, layout: SeedLayout, quality: int, device: Device) -> None:
         self._half_pixels, self._log_size = np.ascontiguousarray(layout.half_pixels), layout.log_size
-        self._quality, self._threads = quality, processor.threads
+        self._quality, self._threads = quality, device.threads
         self.summary: I16 = np.zeros((len(layout), SUMMARY), np.int16)
         """Summaries of the seeds decoded so far, zeros for others."""
 
@@ -51,22 +51,20 @@ class SeedInputs:
         )
 
 
-def summarise(spec: ModelSpec, decoded: I64, members: I64, processor: Processor) -> tuple[I16, I32]:
+def summarise(spec: ModelSpec, decoded: I64, members: I64, device: Device) -> tuple[I16, I32]:
     """Summaries [n, SUMMARY] in input units and amplitude indices [n] of the seeds `members` of decoded [N, d_A]."""
     summary = np.empty((len(members), SUMMARY), np.int16)
     amplitude = np.empty(len(members), np.int32)
     colour, shape = spec.group("colour").start, spec.group("shape").start
-    _native.summarise(
-        decoded, spec.per_seed, spec.channels, colour, shape, members, processor.threads, summary, amplitude
-    )
+    _native.summarise(decoded, spec.per_seed, spec.channels, colour, shape, members, device.threads, summary, amplitude)
     return summary, amplitude
 
 
-def write_own_inputs(summary: I16, step: int, first: int, out: I16, processor: Processor) -> None:
+def write_own_inputs(summary: I16, step: int, first: int, out: I16, device: Device) -> None:
     """Input 4 of the format of seeds with these summaries [n, SUMMARY] into the columns from `first` on of
     out [n, inputs], for the second step (1) or a later one.
     """
-    _native.own_inputs(summary, step, first, processor.threads, out)
+    _native.own_inputs(summary, step, first, device.threads, out)
 
 
 @dataclass(frozen=True)
@@ -77,9 +75,9 @@ class Quantisers:
     step: I64
     scale: I16
 
-    def decode(self, symbols: I32, members: I64, first: int, decoded: I64, processor: Processor) -> None:
+    def decode(self, symbols: I32, members: I64, first: int, decoded: I64, device: Device) -> None:
         """Writes m + q·n of symbols [n, size] to the columns from `first` on of rows `members` of decoded [N, d_A]."""
-        _native.dequantise(symbols, self.mean, self.step, members, first, processor.threads, decoded)
+        _native.dequantise(symbols, self.mean, self.step, members, first, device.threads, decoded)
 
 
 def quantisers(
@@ -89,7 +87,7 @@ def quantisers(
     prediction: Prediction,
     amplitude: I32 | None,
     log_size: NDArray[np.int8],
-    processor: Processor,
+    device: Device,
 ) -> Quantisers:
     """What MLP_p's prediction for a group means for n seeds in cells of `log_size` [n] (docs/format.md, "Passes").
 
@@ -107,7 +105,7 @@ def quantisers(
         prediction.scale,
         prediction.refine,
         log_size,
-        processor.threads,
+        device.threads,
         mean,
         step,
         scale,

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec._native import evaluate_network
-from sgicodec.device import ONE_THREAD, Processor
+from sgicodec.device import ONE_THREAD, Device
 from sgicodec.errors import CorruptStreamError
 from sgicodec.model.context import INPUT_BITS
 from sgicodec.model.quantization import PER_OCTAVE
@@ -98,21 +98,21 @@ class IntNetwork:
         self,
         inputs: NDArray[np.integer],
         matmul: Callable[[F64, F64], F64] | None = None,
-        processor: Processor = ONE_THREAD,
+        device: Device = ONE_THREAD,
     ) -> Prediction:
         """Evaluates inputs [n, inputs]. All sums are of integers that float64 holds, in native code or, for a test that
         adds in another order, by `matmul` in numpy.
         """
-        out = self._native(inputs, processor) if matmul is None else self._by_products(inputs, matmul)
+        out = self._native(inputs, device) if matmul is None else self._by_products(inputs, matmul)
         units = self.predicted
         return Prediction(mean=out[:, :units], scale=out[:, units : 2 * units], refine=out[:, 2 * units :])
 
-    def _native(self, inputs: NDArray[np.integer], processor: Processor) -> I64:
+    def _native(self, inputs: NDArray[np.integer], device: Device) -> I64:
         if inputs.dtype != np.int16:  # those are clipped as they are read
             inputs = np.clip(inputs, -INPUT_LIMIT, INPUT_LIMIT)
         x = inputs.astype(np.int16, copy=False)
         out = np.empty((len(inputs), len(self.w2)), np.int64)
-        evaluate_network(*self.arrays, self.shift, self.predicted, x, processor.threads, processor.isa, out)
+        evaluate_network(*self.arrays, self.shift, self.predicted, x, device.threads, device.isa, out)
         return out
 
     def _by_products(self, inputs: NDArray[np.integer], matmul: Callable[[F64, F64], F64]) -> I64:

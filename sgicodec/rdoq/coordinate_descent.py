@@ -55,9 +55,9 @@ def sweep(scene: Scene, model: TileModel, lmbda: float, settings: RefineSettings
 
     The result's attributes lie on the lattices on which they will be coded: rounding leaves them alone.
     """
-    header, layout, processor = scene.header, model.layout, scene.processor
+    header, layout, device = scene.header, model.layout, scene.device
     spec, count = header.spec, len(model.layout)
-    search, seeds = _search(scene, model), SeedInputs(layout, header.quality, processor)
+    search, seeds = _search(scene, model), SeedInputs(layout, header.quality, device)
     residual, values = scene.residual(model), joined(model)
     centre, cell = layout.centre, layout.cell
     decoded = np.zeros((count, spec.attributes), np.int64)
@@ -85,20 +85,20 @@ def sweep(scene: Scene, model: TileModel, lmbda: float, settings: RefineSettings
         )
         decoded[members] = values_found
         found.symbols[members], found.scale[members], found.change[members] = part.symbols, part.scale, part.change
-        seeds.summary[members] = summarise(spec, decoded, members, processor)[0]
+        seeds.summary[members] = summarise(spec, decoded, members, device)[0]
     return with_values(spec, model, np.ldexp(decoded.astype(np.float64), -FRACTION_BITS)), found
 
 
 def _search(scene: Scene, model: TileModel) -> SymbolSearch:
-    tables, spec, processor = frequency_tables(), scene.header.spec, scene.processor
+    tables, spec, device = frequency_tables(), scene.header.spec, scene.device
     search = SymbolSearch(
         tables.support,
         tables.start,
         tables.symbol_bits,
         SCALES * scene.header.family,
         np.array(colour_matrix(spec.channels), np.float32),
-        processor.threads,
-        processor.isa,
+        device.threads,
+        device.isa,
     )
     for number, (group, network) in enumerate(zip(spec.groups, model.networks, strict=True)):
         columns = output_columns(spec, group.name)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from sgicodec._native import WINDOW_PADDING
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.tile import TileModel, write_tile
-from sgicodec.device import Processor
+from sgicodec.device import Device
 from sgicodec.model.base import base_colours, render_base
 from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
 from sgicodec.model.spec import ModelSpec
@@ -51,7 +51,7 @@ class Scene:
 
     header: Header
     picture: F32
-    processor: Processor
+    device: Device
     _less_base: dict[bytes, F32] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def target(self, model: TileModel) -> F32:
@@ -83,7 +83,7 @@ class Scene:
     def residual(self, model: TileModel) -> F32:
         """Target less drawn [C, H, W + padding], the last columns zero, as native searches want it."""
         _, height, width = self.picture.shape
-        raster = NativeRasterizer(self.processor.threads, self.processor.isa)
+        raster = NativeRasterizer(self.device.threads, self.device.isa)
         out = np.zeros((*self.picture.shape[:2], width + WINDOW_PADDING), np.float32)
         np.subtract(self.target(model), raster.forward(*self.gaussians(model), width, height), out=out[:, :, :width])
         return out

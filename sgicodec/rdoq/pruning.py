@@ -32,8 +32,8 @@ def without_losers(scene: Scene, model: TileModel, worth: NDArray[np.float64]) -
         colours[order],
         worth[order].astype(np.float32),
         DEFAULT_CUTOFF,
-        scene.processor.threads,
-        scene.processor.isa,
+        scene.device.threads,
+        scene.device.isa,
         dropped,
     )
     keep = np.ones(len(order), bool)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.tile import TileModel
-from sgicodec.device import Processor
+from sgicodec.device import Device
 from sgicodec.rdoq.adaptation import fitted_scales, with_coarser_steps
 from sgicodec.rdoq.base_layer import with_better_base
 from sgicodec.rdoq.coordinate_descent import Symbols, sweep
@@ -44,9 +44,9 @@ class Refiner:
         picture: NDArray[np.float32],
         lmbda: float,
         settings: RefineSettings | None = None,
-        processor: Processor | None = None,
+        device: Device | None = None,
     ) -> None:
-        self.scene = Scene(header, np.ascontiguousarray(picture, np.float32), processor or Processor(threads=0))
+        self.scene = Scene(header, np.ascontiguousarray(picture, np.float32), device or Device())
         self.settings = settings or RefineSettings()
         self.fitted, self.fitted_lmbda = model, lmbda
         self._restart()

@@ -16,7 +16,7 @@ from sgicodec._native import AttributeModel, RangeDecoder
 from sgicodec.bitstream.entropy.symbol_coder import IntArray, SymbolReader, SymbolWalk
 from sgicodec.bitstream.entropy.symbol_models import zero_centred_tables
 from sgicodec.bitstream.entropy.tables import MAX_MAGNITUDE, SCALES
-from sgicodec.device import ONE_THREAD, Processor
+from sgicodec.device import ONE_THREAD, Device
 from sgicodec.model.ahead import ahead
 from sgicodec.model.context import (
     HashGrid,
@@ -66,7 +66,7 @@ class AttributeCoder:
     hash_tables: list[I64]
     quality: int
     family: int
-    processor: Processor = ONE_THREAD
+    device: Device = ONE_THREAD
     matmul: Any = None
 
     def code(self, walk: SymbolWalk, values: dict[str, NDArray[np.float64]] | None) -> I64:
@@ -77,13 +77,13 @@ class AttributeCoder:
         if values is None and isinstance(walk, SymbolReader) and self.matmul is None and not context.hash_resolutions:
             return self._read(walk)
         decoded = np.zeros((len(layout), self.spec.attributes), np.int64)
-        seeds = SeedInputs(layout, self.quality, self.processor)
+        seeds = SeedInputs(layout, self.quality, self.device)
         parts = nearest_by_pass(context, layout, nearest_seeds)
         widths = [input_count(self.spec, number) for number in range(len(context.steps))]
         if context.hash_resolutions:
             grid = HashGrid.at(context, layout, *self.size)
             signs = [2 * bits - 1 for bits in self.hash_tables]
-        for members, neighbours in parts if self.processor.threads == 1 else ahead(parts):
+        for members, neighbours in parts if self.device.threads == 1 else ahead(parts):
             if not len(members):
                 continue
             inputs = np.empty((len(members), max(widths)), np.int16)
@@ -93,7 +93,7 @@ class AttributeCoder:
                 inputs[:, widths[0] - hashed.shape[1] : widths[0]] = hashed
             self._code_pass(walk, members, inputs, widths, values, decoded)
             if context.neighbours:
-                seeds.summary[members] = summarise(self.spec, decoded, members, self.processor)[0]
+                seeds.summary[members] = summarise(self.spec, decoded, members, self.device)[0]
         return decoded
 
     def _read(self, walk: SymbolReader) -> I64:
@@ -107,7 +107,7 @@ class AttributeCoder:
 
         def read(decoder: RangeDecoder) -> tuple[int, IntArray, list[float]]:
             sizes = np.ascontiguousarray(layout.half_pixels), layout.log_size
-            threads = self.processor.threads
+            threads = self.device.threads
             known = decoder, zero_centred_tables(), *sizes, members, start, threads, decoded
             reading, symbols, bits, _ = read_attributes(model, *known)
             return reading, symbols, bits
@@ -121,7 +121,7 @@ class AttributeCoder:
         known = spec.attributes, spec.per_seed, spec.channels, colour, shape, self.quality, context.neighbours
         model = AttributeModel(*known, SCALES * self.family)
         for step, network in zip(context.steps, self.networks, strict=True):
-            model.add_step(*network.arrays, network.shift, network.predicted, self.processor.isa)
+            model.add_step(*network.arrays, network.shift, network.predicted, self.device.isa)
             units = 0
             for position, name in enumerate(step):
                 columns, count = output_columns(spec, name), output_count(spec, name)
@@ -151,9 +151,9 @@ class AttributeCoder:
         amplitude = None
         for number, step in enumerate(self.spec.context.steps):
             if number:
-                summary, amplitude = summarise(self.spec, decoded, members, self.processor)
-                write_own_inputs(summary, number, widths[0], inputs, self.processor)
-            prediction = self.networks[number].predict(inputs[:, : widths[number]], self.matmul, self.processor)
+                summary, amplitude = summarise(self.spec, decoded, members, self.device)
+                write_own_inputs(summary, number, widths[0], inputs, self.device)
+            prediction = self.networks[number].predict(inputs[:, : widths[number]], self.matmul, self.device)
             start = 0
             for position, name in enumerate(step):
                 units = slice(start, start + output_count(self.spec, name))
@@ -177,11 +177,11 @@ class AttributeCoder:
         decoded: I64,
     ) -> None:
         known = quantisers(
-            self.spec, self.plan, name, prediction, amplitude, self.layout.log_size[members], self.processor
+            self.spec, self.plan, name, prediction, amplitude, self.layout.log_size[members], self.device
         )
         symbols = None
         if values is not None:
             symbols = quantize(values, known.mean, known.step, known.scale)
             symbols = np.clip(symbols, -MAX_MAGNITUDE, MAX_MAGNITUDE)
         coded = walk.code(symbols, known.scale + np.int16(SCALES * self.family))
-        known.decode(coded, members, self.spec.group(name).start, decoded, self.processor)
+        known.decode(coded, members, self.spec.group(name).start, decoded, self.device)

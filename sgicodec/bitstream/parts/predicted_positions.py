@@ -29,7 +29,7 @@ from sgicodec.bitstream.parts.predicted_tree import (
 )
 from sgicodec.bitstream.parts.prior import parse_prior
 from sgicodec.bitstream.parts.seed_tree import Flags, Seeds, TreeShape, TreeTruth, seeds_of
-from sgicodec.device import ONE_THREAD, Processor
+from sgicodec.device import ONE_THREAD, Device
 from sgicodec.errors import UnsupportedStreamError, UsageError
 from sgicodec.model.morton import Codes
 from sgicodec.model.network import IntNetwork
@@ -56,7 +56,7 @@ def code_predicted_positions(
     scenery: Scenery,
     seeds: Seeds | None,
     max_seeds: int,
-    processor: Processor = ONE_THREAD,
+    device: Device = ONE_THREAD,
 ) -> Seeds:
     """Writes `seeds`, or reads them if None; returns them in `canonical_order` either way.
 
@@ -64,17 +64,17 @@ def code_predicted_positions(
     before anything of that size is allocated.
     """
     if seeds is None and isinstance(walk, SymbolReader):
-        return _read(walk, shape, scenery, max_seeds, processor)
+        return _read(walk, shape, scenery, max_seeds, device)
     if seeds is None:
         raise UsageError("positions: a writer needs seeds")
     truth = TreeTruth(shape, seeds, max_seeds)
-    networks = _native_networks(processor.isa)
+    networks = _native_networks(device.isa)
 
     def flags(given: Flags, rows: NDArray[np.int16]) -> Flags:
         return walk.code_categorical(given, _alphabets(), rows).astype(np.uint8)
 
     def code(batch: Batch) -> tuple[Flags, Flags]:
-        rows = batch.rows(networks[batch.child], _PER_ROW, _MOST, processor.threads)
+        rows = batch.rows(networks[batch.child], _PER_ROW, _MOST, device.threads)
         split = np.zeros(len(batch), np.uint8)
         if batch.level > LEVELS[-1]:
             split = flags(truth.split(batch.level, batch.codes), rows[:, 0])
@@ -83,15 +83,15 @@ def code_predicted_positions(
     return seeds_of(walk_tree(shape, scenery, code, max_seeds))
 
 
-def _read(walk: SymbolReader, shape: TreeShape, scenery: Scenery, max_seeds: int, processor: Processor) -> Seeds:
+def _read(walk: SymbolReader, shape: TreeShape, scenery: Scenery, max_seeds: int, device: Device) -> Seeds:
     """The whole tree in one native call, which lets other threads run."""
-    native, networks, alphabets = native_scenery(shape, scenery), _native_networks(processor.isa), _alphabets()
+    native, networks, alphabets = native_scenery(shape, scenery), _native_networks(device.isa), _alphabets()
     known = alphabets.models, alphabets.symbol, alphabets.bits
     found: list[tuple[Codes, int]] = []
 
     def read(decoder: RangeDecoder) -> tuple[int, IntArray, list[float]]:
         decodes, codes, symbols, bits = limited(
-            lambda: read_tree(decoder, native, max_seeds, networks, *known, _PER_ROW, _MOST, processor.threads)
+            lambda: read_tree(decoder, native, max_seeds, networks, *known, _PER_ROW, _MOST, device.threads)
         )
         found.extend(codes)
         return int(not decodes), symbols, [bits]

@@ -17,7 +17,7 @@ from sgicodec.bitstream.parts.predicted_positions import code_predicted_position
 from sgicodec.bitstream.parts.predicted_tree import Scenery
 from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.bitstream.parts.seed_tree import TreeShape
-from sgicodec.device import ONE_THREAD, Processor
+from sgicodec.device import ONE_THREAD, Device
 from sgicodec.errors import CorruptStreamError, LimitError
 from sgicodec.model.base import base_shape
 from sgicodec.model.context import output_count
@@ -80,14 +80,14 @@ def write_tile(header: Header, model: TileModel) -> tuple[bytes, SymbolWalk]:
     return payload, walk
 
 
-def read_tile(header: Header, payload: bytes, processor: Processor = ONE_THREAD) -> tuple[TileModel, SymbolReader]:
+def read_tile(header: Header, payload: bytes, device: Device = ONE_THREAD) -> tuple[TileModel, SymbolReader]:
     """The model of a payload. Raises CorruptStreamError where the decoded symbols are not those that were written and
     LimitError, before it takes memory, for a model beyond the caps of `limits`.
     """
     spec, size = header.spec, (header.width, header.height)
     check_model(spec, *size)
     walk = SymbolReader(payload)
-    model = _code(walk, header, None, max_seeds(spec, *size, len(payload)), processor)
+    model = _code(walk, header, None, max_seeds(spec, *size, len(payload)), device)
     walk.finish()
     return model, walk
 
@@ -97,7 +97,7 @@ def _code(
     header: Header,
     model: TileModel | None,
     most_seeds: int,
-    processor: Processor = ONE_THREAD,
+    device: Device = ONE_THREAD,
 ) -> TileModel:
     spec, size = header.spec, (header.width, header.height)
     with walk.part("steps"):
@@ -105,7 +105,7 @@ def _code(
     with walk.part("base"):
         base_step, base = _code_base_layer(walk, header, model)
     with walk.part("positions"):
-        layout = _code_layout(walk, header, base, None if model is None else model.layout, most_seeds, processor)
+        layout = _code_layout(walk, header, base, None if model is None else model.layout, most_seeds, device)
     with walk.part("decoders"):
         shapes = decoder_shapes(spec)
         decoders = {
@@ -116,7 +116,7 @@ def _code(
         hash_tables = _code_hash(walk, header, None if model is None else model.hash_tables)
     with walk.part("context model"):
         networks = code_networks(walk, spec, None if model is None else model.networks)
-    coder = AttributeCoder(spec, layout, size, plan, networks, hash_tables, header.quality, header.family, processor)
+    coder = AttributeCoder(spec, layout, size, plan, networks, hash_tables, header.quality, header.family, device)
     decoded = coder.code(walk, None if model is None else model.attributes)
     if model is not None:
         model.decoded = decoded
@@ -150,14 +150,14 @@ def _code_base_layer(walk: SymbolWalk, header: Header, model: TileModel | None) 
 
 
 def _code_layout(
-    walk: SymbolWalk, header: Header, base: I64, layout: SeedLayout | None, most: int, processor: Processor
+    walk: SymbolWalk, header: Header, base: I64, layout: SeedLayout | None, most: int, device: Device
 ) -> SeedLayout:
     least = 0 if header.spec.layout == "uniform" else 1
     tree = TreeShape(header.width, header.height, ROOT_LOG, least)
     seeds = None if layout is None else (layout.corner, layout.log_size)
     if header.spec.predicted_seeds:
         scenery = Scenery(base, header.spec.base_cell, header.quality)
-        return SeedLayout(*code_predicted_positions(walk, tree, scenery, seeds, most, processor))
+        return SeedLayout(*code_predicted_positions(walk, tree, scenery, seeds, most, device))
     return SeedLayout(*code_positions(walk, tree, seeds, most))
 
 

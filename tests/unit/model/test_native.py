@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sgicodec.device import ONE_THREAD, Processor
+from sgicodec.device import ONE_THREAD, Device
 from sgicodec.model.context import LEVELS, level_inputs, nearest_by_pass, output_columns, output_count
 from sgicodec.model.layout import SeedLayout, adaptive_layout
 from sgicodec.model.native import Quantisers, SeedInputs, quantisers, summarise, write_own_inputs
@@ -65,7 +65,7 @@ def test_summaries(spec: ModelSpec, threads: int) -> None:
     size = 2.0 ** rng.uniform(4, 34, (2500, 1))
     decoded = np.rint(rng.normal(size=(2500, spec.attributes)) * size).astype(np.int64)
     members = rng.permutation(2500)[:2100]
-    summary, amplitude = summarise(spec, decoded, members, Processor(threads))
+    summary, amplitude = summarise(spec, decoded, members, Device(threads))
     rows = decoded[members].tolist()
     assert summary.tolist() == [exact_summary(spec, row) for row in rows]
     assert amplitude.tolist() == [exact_amplitude(row[: spec.per_seed * spec.channels]) for row in rows]
@@ -127,7 +127,7 @@ def test_inputs_of_seeds(threads: int) -> None:
     """Of every pass, with seeds that have all neighbours, some and none; in rows wider than what is written."""
     context = default_spec(3).context
     for layout in (LAYOUT, LAYOUT.take(np.arange(9)), LAYOUT.take(np.arange(1))):
-        inputs = SeedInputs(layout, 90, Processor(threads))
+        inputs = SeedInputs(layout, 90, Device(threads))
         inputs.summary[:] = np.random.default_rng(5).integers(-(2**13), 2**13 + 1, inputs.summary.shape)
         expected_level = level_inputs(layout, 90).tolist()
         for members, neighbours in nearest_by_pass(context, layout, nearest_seeds):
@@ -138,7 +138,7 @@ def test_inputs_of_seeds(threads: int) -> None:
                 assert row == expected_level[seed] + beside + [77] * 4
     alone = np.empty((len(LAYOUT), LEVELS + 1), np.int16)
     everyone = np.arange(len(LAYOUT))
-    SeedInputs(LAYOUT, 200, Processor(threads)).write(everyone, np.empty((len(LAYOUT), 0), np.int32), alone)
+    SeedInputs(LAYOUT, 200, Device(threads)).write(everyone, np.empty((len(LAYOUT), 0), np.int32), alone)
     np.testing.assert_array_equal(alone, level_inputs(LAYOUT, 200))
 
 
@@ -147,13 +147,13 @@ def test_inputs_of_seeds(threads: int) -> None:
 def test_own_inputs(threads: int, step: int) -> None:
     summary = np.random.default_rng(2).integers(-(2**13), 2**13 + 1, (1300, 7)).astype(np.int16)
     out = np.full((1300, 50), 77, np.int16)
-    write_own_inputs(summary, step, 32, out, Processor(threads))
+    write_own_inputs(summary, step, 32, out, Device(threads))
     for row, (a, b, c, loudness, *shape) in zip(out.tolist(), summary.tolist(), strict=True):
         expected = [a, b, c, abs(a), abs(b), abs(c), loudness]
         expected += [*shape, abs(shape[1]), abs(shape[2])] if step == 2 else []
         assert row == [77] * 32 + expected + [77] * (18 - len(expected))
     with pytest.raises(ValueError, match="room"):
-        write_own_inputs(summary, step, 44, out, Processor(threads))
+        write_own_inputs(summary, step, 44, out, Device(threads))
 
 
 def exact_quantiser(
@@ -183,7 +183,7 @@ def test_quantisers(spec: ModelSpec, threads: int, group: str) -> None:
     whole = np.concatenate([rng.integers(0, 9, (n, 1)), mean, scale, refine], axis=1)  # as outputs of MLP_p lie
     parts = whole[:, 1 : 1 + units], whole[:, 1 + units : 1 + 2 * units], whole[:, 1 + 2 * units :]
     for known in (amplitude, None):
-        found = quantisers(spec, plan, group, Prediction(*parts), known, log_size, Processor(threads))
+        found = quantisers(spec, plan, group, Prediction(*parts), known, log_size, Device(threads))
         for j, unit in enumerate(output_columns(spec, group)):
             gamma = None if known is None else plan.gamma[group]
             rows = zip(amplitude, mean[:, unit], scale[:, unit], refine[:, 0], log_size, strict=True)
@@ -199,7 +199,7 @@ def test_values_from_symbols(threads: int) -> None:
     symbols = rng.integers(-(2**20), 2**20 + 1, (1100, 3)).astype(np.int32)
     members = rng.permutation(1300)[:1100]
     decoded = np.full((1300, 8), 5, np.int64)
-    Quantisers(mean, step, np.zeros((1100, 3), np.int16)).decode(symbols, members, 4, decoded, Processor(threads))
+    Quantisers(mean, step, np.zeros((1100, 3), np.int16)).decode(symbols, members, 4, decoded, Device(threads))
     expected = np.full((1300, 8), 5, np.int64)
     expected[members, 4:7] = mean + step * symbols
     np.testing.assert_array_equal(decoded, expected)

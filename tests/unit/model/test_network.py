@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scenes import ISAS
 
-from sgicodec.device import Processor
+from sgicodec.device import Device
 from sgicodec.errors import CorruptStreamError
 from sgicodec.model.network import HIDDEN_LIMIT, INPUT_LIMIT, IntNetwork, Prediction
 
@@ -57,7 +57,7 @@ rows = st.lists(
 @given(rows, st.integers(0, 1000), st.integers(2, 20), st.sampled_from([3, 300, 2**20]))
 def test_predictions_are_those_of_integers(isa: str, inputs: list[list[int]], seed: int, shift: int, size: int) -> None:
     net = network(seed, shift, size)
-    prediction = net.predict(np.array(inputs), processor=Processor(isa=isa))
+    prediction = net.predict(np.array(inputs), device=Device(isa=isa))
     assert joined(prediction) == [evaluate(net, row) for row in inputs]
     assert (prediction.mean.shape[1], prediction.scale.shape[1], prediction.refine.shape[1]) == (3, 3, 2)
     assert joined(net.predict(np.array(inputs), np.matmul)) == joined(prediction)
@@ -77,7 +77,7 @@ def test_any_shape_and_number_of_rows(isa: str, threads: int, shape: tuple[int, 
         net = IntNetwork(*weights, 8, outputs // 2)
         for count in (0, 1, 6, 1100):
             x = rng.integers(-(2**15), 2**15, (count, inputs + 3)).astype(np.int16)[:, :inputs]
-            found = net.predict(x, processor=Processor(threads, isa))
+            found = net.predict(x, device=Device(threads, isa))
             assert joined(found) == joined(net.predict(x, np.matmul))
 
 
@@ -97,7 +97,7 @@ def test_sums_at_the_end_of_32_bits(isa: str, layer: str, beyond: int) -> None:
         net = replace(net, w1=np.full_like(net.w1, 100))
     net = replace(net, **{layer: weights})
     inputs = [[2**13] * INPUTS, [-(2**13)] * INPUTS, [2**13 - 1] * INPUTS]
-    prediction = net.predict(np.array(inputs), processor=Processor(isa=isa))
+    prediction = net.predict(np.array(inputs), device=Device(isa=isa))
     assert joined(prediction) == [evaluate(net, row) for row in inputs]
 
 
@@ -109,7 +109,7 @@ def test_weights_at_the_end_of_16_bits(isa: str, weight: int) -> None:
     w1[2, 3] = w2[1, 2] = weight
     inputs = [[1000] * INPUTS, [-1000] * INPUTS]
     for changed in (replace(net, w1=w1), replace(net, w2=w2)):
-        prediction = changed.predict(np.array(inputs), processor=Processor(isa=isa))
+        prediction = changed.predict(np.array(inputs), device=Device(isa=isa))
         assert joined(prediction) == [evaluate(changed, row) for row in inputs]
 
 
@@ -166,5 +166,5 @@ def test_the_bound_is_met_at_the_limits(isa: str) -> None:
     w1[1::2], w2[1::2] = w1[1::2] - 1, -w2[1::2]
     extreme = replace(net, w1=w1, w2=w2)
     inputs = [[2**13] * INPUTS, [2**13 - 1] * INPUTS, [-(2**13)] * (INPUTS - 1) + [2**13]]
-    prediction = extreme.predict(np.array(inputs), processor=Processor(isa=isa))
+    prediction = extreme.predict(np.array(inputs), device=Device(isa=isa))
     assert joined(prediction) == [evaluate(extreme, row) for row in inputs]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.bitstream.parts.tile import TileModel
-from sgicodec.device import Processor
+from sgicodec.device import Device
 from sgicodec.model.base import base_shape
 from sgicodec.model.layout import adaptive_layout
 from sgicodec.model.spec import default_spec
@@ -54,6 +54,6 @@ def stage() -> Stage:
         }
         base = np.zeros((channels, *base_shape(width, height, spec.base_cell)), np.int64)
         model = TileModel(layout, default_plan(spec, QUALITY), 60, base, {}, load_prior(spec), [], attributes)
-        return Scene(header, picture, Processor(threads, isa)), model
+        return Scene(header, picture, Device(threads, isa)), model
 
     return make

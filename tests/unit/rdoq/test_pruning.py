@@ -43,7 +43,7 @@ def test_same_seeds_for_any_number_of_threads(stage: Stage, threads: int) -> Non
     worth = np.full(len(model.layout), 0.05)
     expected = joined(without_losers(scene, model, worth))
     assert 0 < len(expected) < len(worth)
-    other = replace(scene, processor=replace(scene.processor, threads=threads))
+    other = replace(scene, device=replace(scene.device, threads=threads))
     np.testing.assert_array_equal(joined(without_losers(other, model, worth)), expected)
 
 

@@ -19,7 +19,7 @@ PICTURE = Path(__file__).parents[2] / "data" / "kodim23.png"
 
 
 def refined(scene: Scene, model: TileModel, lmbda: float, settings: RefineSettings) -> Refined:
-    return Refiner(scene.header, model, scene.picture, lmbda, settings, scene.processor).at(lmbda)
+    return Refiner(scene.header, model, scene.picture, lmbda, settings, scene.device).at(lmbda)
 
 
 @pytest.mark.parametrize("lmbda", [1e-4, 1e-3, 1e-2])
@@ -32,7 +32,7 @@ def test_it_gains(stage: Stage, lmbda: float) -> None:
 
 def test_more_sweeps_never_cost(stage: Stage) -> None:
     scene, model = stage()
-    search = Refiner(scene.header, model, scene.picture, 1e-3, processor=scene.processor)
+    search = Refiner(scene.header, model, scene.picture, 1e-3, device=scene.device)
     costs = [search.at(1e-3, sweeps).cost.at(1e-3) for sweeps in range(5)]
     assert costs[0] == scene.cost(model).at(1e-3)
     assert costs == sorted(costs, reverse=True)
@@ -41,7 +41,7 @@ def test_more_sweeps_never_cost(stage: Stage) -> None:
 def test_it_stops_when_time_is_up(stage: Stage) -> None:
     """Before the second sweep: the outcome is that of one."""
     scene, model = stage()
-    search = Refiner(scene.header, model, scene.picture, 1e-3, processor=scene.processor)
+    search = Refiner(scene.header, model, scene.picture, 1e-3, device=scene.device)
     found, expected = search.at(1e-3, until=0.0), search.at(1e-3, sweeps=1)
     assert found.cost == expected.cost
     np.testing.assert_array_equal(joined(found.model), joined(expected.model))
@@ -64,7 +64,7 @@ def test_what_would_cost_is_not_taken(stage: Stage) -> None:
 def test_size_follows_the_price_of_bits(stage: Stage) -> None:
     scene, model = stage()
     fitted = refined(scene, model, 1e-4, RefineSettings(sweeps=4)).model
-    search = Refiner(scene.header, fitted, scene.picture, 1e-4, RefineSettings(coarser=0.0), scene.processor)
+    search = Refiner(scene.header, fitted, scene.picture, 1e-4, RefineSettings(coarser=0.0), scene.device)
     bits = [search.at(1e-4 * factor, sweeps=2).cost.bits for factor in (0.5, 1, 2, 4)]
     assert bits == sorted(bits, reverse=True)
     assert bits[-1] < 0.8 * bits[0]

@@ -17,7 +17,7 @@ from sgicodec.bitstream.parts.attributes import AttributeCoder
 from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.bitstream.parts.tile_chunk import decode_tile_chunk
 from sgicodec.decoder.stream import open_stream
-from sgicodec.device import ONE_THREAD, Processor
+from sgicodec.device import ONE_THREAD, Device
 from sgicodec.errors import StreamError
 from sgicodec.model.context import passes
 from sgicodec.model.layout import SeedLayout
@@ -43,10 +43,10 @@ def payload_of(name: str) -> tuple[Header, bytes]:
 
 
 @every_stream
-@pytest.mark.parametrize("processor", [ONE_THREAD, Processor(2), Processor(3, "portable")])
-def test_both_ways_of_reading_agree(name: str, processor: Processor, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("device", [ONE_THREAD, Device(2), Device(3, "portable")])
+def test_both_ways_of_reading_agree(name: str, device: Device, monkeypatch: pytest.MonkeyPatch) -> None:
     header, payload = payload_of(name)
-    model, walk = tile.read_tile(header, payload, processor)
+    model, walk = tile.read_tile(header, payload, device)
     with monkeypatch.context() as patch:
         patch.setattr(tile, "AttributeCoder", partial(AttributeCoder, matmul=np.matmul))
         other, steps = tile.read_tile(header, payload)
@@ -97,7 +97,7 @@ def test_passes_of_many_runs(spec: ModelSpec, threads: int) -> None:
     written = coder.code(writer, values)
     crc, bits = writer.crc, dict(writer.bits)
     reader = SymbolReader(writer.finish())
-    read = replace(coder, processor=Processor(threads)).code(reader, None)
+    read = replace(coder, device=Device(threads)).code(reader, None)
     np.testing.assert_array_equal(read, written)
     assert reader.crc == crc
     assert reader.bits == pytest.approx(bits)

@@ -14,7 +14,7 @@ from sgicodec.bitstream.entropy.tables import TOTAL
 from sgicodec.bitstream.parts.predicted_positions import ONES, code_predicted_positions
 from sgicodec.bitstream.parts.predicted_tree import Batch, Scenery, walk_tree
 from sgicodec.bitstream.parts.seed_tree import Seeds, TreeShape
-from sgicodec.device import Processor
+from sgicodec.device import Device
 from sgicodec.errors import CorruptStreamError, LimitError, UsageError
 
 Node = tuple[int, int, int]  # level, column, row
@@ -203,13 +203,13 @@ def test_the_reference_decoder_reads_the_same_tree(tree: tuple[TreeShape, Scener
 
 
 @settings(max_examples=80, deadline=None)
-@given(trees(), st.sampled_from([Processor(2), Processor(1, "portable")]))
-def test_round_trip_on_any_processor(tree: tuple[TreeShape, Scenery, list[Node]], processor: Processor) -> None:
+@given(trees(), st.sampled_from([Device(2), Device(1, "portable")]))
+def test_round_trip_on_any_processor(tree: tuple[TreeShape, Scenery, list[Node]], device: Device) -> None:
     shape, scenery, nodes = tree
     writer = SymbolWriter()
     written = code_predicted_positions(writer, shape, scenery, seeds_of(nodes), len(nodes))
     reader = SymbolReader(writer.finish())
-    read = code_predicted_positions(reader, shape, scenery, None, len(nodes), processor)
+    read = code_predicted_positions(reader, shape, scenery, None, len(nodes), device)
     reader.finish()
     assert nodes_of(read) == nodes_of(written)
     assert sorted(nodes_of(read)) == nodes

@@ -8,7 +8,7 @@ import subprocess
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-NATIVE = HERE.parent.parent / "native"
+NATIVE = HERE.parents[2] / "native"
 
 
 def test_a_loop_within_a_loop_ends(tmp_path: Path) -> None:
