@@ -14,16 +14,16 @@ from statistics import mean
 
 import numpy as np
 
-from sgicodec.bitstream.entropy.symbol_coder import SymbolReader, SymbolWalk, SymbolWriter
+from sgicodec.bitstream.entropy.symbol_coder import SymbolCoder, SymbolReader, SymbolWriter
 from sgicodec.bitstream.parts.positions import code_positions
 from sgicodec.bitstream.parts.predicted_positions import code_predicted_positions
-from sgicodec.bitstream.parts.predicted_tree import LEVELS, Scenery
+from sgicodec.bitstream.parts.predicted_tree import LEVELS, TreeContext
 from sgicodec.bitstream.parts.seed_tree import Seeds, TreeShape
 from sgicodec.decoder.stream import open_stream
 
 __all__ = ["Cost", "costs", "main"]
 
-Coder = Callable[[SymbolWalk, Seeds | None], Seeds]
+Coder = Callable[[SymbolCoder, Seeds | None], Seeds]
 
 
 @dataclass(frozen=True)
@@ -39,13 +39,13 @@ def costs(path: Path, repeat: int = 5) -> tuple[int, Cost, Cost]:
     with open_stream(path) as stream:
         header, model = stream.header, stream.model
     shape = TreeShape(header.width, header.height, LEVELS[0], LEVELS[-1])
-    scenery = Scenery(model.base, header.spec.base_cell, header.quality)
+    scenery = TreeContext(model.base, header.spec.base_cell, header.quality)
     seeds, most = (model.layout.corner, model.layout.log_size), len(model.layout)
 
-    def stated(walk: SymbolWalk, given: Seeds | None) -> Seeds:
+    def stated(walk: SymbolCoder, given: Seeds | None) -> Seeds:
         return code_positions(walk, shape, given, most)
 
-    def predicted(walk: SymbolWalk, given: Seeds | None) -> Seeds:
+    def predicted(walk: SymbolCoder, given: Seeds | None) -> Seeds:
         return code_predicted_positions(walk, shape, scenery, given, most)
 
     return most, _cost(stated, seeds, repeat), _cost(predicted, seeds, repeat)

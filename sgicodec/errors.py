@@ -78,7 +78,7 @@ class TileFailedError(SgiError):
 
 
 class BatchError(SgiError):
-    """Some of many files failed; each was told of (exit 1)."""
+    """Some of many files failed; each was reported (exit 1)."""
 
 
 class EncodeInterruptedError(SgiError):

@@ -18,8 +18,8 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from sgicodec.bitstream.parts.predicted_tree import LEVELS, Batch, Scenery, input_counts, walk_tree
-from sgicodec.bitstream.parts.seed_tree import Flags, Seeds, TreeShape, TreeTruth
+from sgicodec.bitstream.parts.predicted_tree import LEVELS, Batch, TreeContext, input_counts, walk_tree
+from sgicodec.bitstream.parts.seed_tree import Flags, GivenTree, Seeds, TreeShape
 from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.pipeline import encode
 from sgicodec.encoder.settings import EncodeSettings
@@ -42,13 +42,13 @@ class Tree:
     width: int
     height: int
     seeds: Seeds
-    scenery: Scenery
+    scenery: TreeContext
 
     @classmethod
     def of(cls, path: Path) -> Tree:
         with open_stream(path) as stream:
             header, model = stream.header, stream.model
-        scenery = Scenery(model.base, header.spec.base_cell, header.quality)
+        scenery = TreeContext(model.base, header.spec.base_cell, header.quality)
         return cls(header.width, header.height, (model.layout.corner, model.layout.log_size), scenery)
 
     def mirrored(self, across: bool, down: bool, transposed: bool) -> Tree:
@@ -61,7 +61,7 @@ class Tree:
         width, height = self.width, self.height
         if transposed:
             x, y, width, height, base = y, x, height, width, base.swapaxes(1, 2)
-        scenery = Scenery(np.ascontiguousarray(base), self.scenery.cell, self.scenery.quality)
+        scenery = TreeContext(np.ascontiguousarray(base), self.scenery.cell, self.scenery.quality)
         return Tree(width, height, (np.stack([x, y], axis=1), log_size), scenery)
 
     def variants(self, rng: np.random.Generator, most: int) -> list[Tree]:
@@ -88,7 +88,7 @@ def make_streams(pictures: list[Path], folder: Path, rounds: int, steps: int) ->
 def record(tree: Tree) -> list[tuple[Batch, Flags, Flags]]:
     """All batches of a tree with their flags."""
     shape = TreeShape(tree.width, tree.height, LEVELS[0], LEVELS[-1])
-    truth, batches = TreeTruth(shape, tree.seeds, len(tree.seeds[1])), []
+    truth, batches = GivenTree(shape, tree.seeds, len(tree.seeds[1])), []
 
     def code(batch: Batch) -> tuple[Flags, Flags]:
         flags = truth.split(batch.level, batch.codes), truth.seed(batch.level, batch.codes)

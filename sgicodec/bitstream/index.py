@@ -1,4 +1,4 @@
-"""Chunk X: where in the file each tile is, and itself, so that a reader finds it from the end."""
+"""Chunk X, the index: the place of each tile in the file. A reader finds it from the end."""
 
 from __future__ import annotations
 

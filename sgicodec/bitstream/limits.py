@@ -1,4 +1,4 @@
-"""What a tile may ask for, checked before memory or time is spent on it: a stream is hostile until shown otherwise.
+"""Limits of a tile, checked before memory or time is spent: a stream is hostile until shown otherwise.
 
 The range coder makes symbols that cost nothing, so the length of a payload bounds no count by itself, and a header of
 forty bytes can describe anything. The caps below hold what a sound stream needs many times over.
@@ -50,7 +50,7 @@ def check_model(spec: ModelSpec, width: int, height: int) -> None:
 
 
 def max_seeds(spec: ModelSpec, width: int, height: int, payload_bytes: int) -> int:
-    """The most seeds of a tile whose payload has so many bytes."""
+    """The most seeds that a tile may have, given the bytes of its payload."""
     values = (FREE_VALUES + VALUES_PER_BYTE * payload_bytes) // _values_per_seed(spec)
     return min(values, max(64, 2 * width * height))
 

@@ -1,4 +1,4 @@
-"""The chunks of an opened stream: those that describe it at once, those of its tiles on demand."""
+"""The chunks of an opened stream: header and metadata at once, tiles on demand."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from sgicodec.bitstream.index import TRAILER_BYTES, Place, decode_index, index_o
 from sgicodec.bitstream.parts.tile_chunk import tile_number
 from sgicodec.errors import CorruptStreamError
 
-__all__ = ["CHUNKS", "OpenedChunks"]
+__all__ = ["CHUNKS", "StreamReader"]
 
 CHUNKS = "TXogicxs"
 """Chunks that this version knows: tile, index, overview, place on earth, ICC profile, EXIF as `c`amera data, XMP, and
@@ -21,7 +21,7 @@ _NUMBER_BYTES = 9
 """Of a varint."""
 
 
-class OpenedChunks:
+class StreamReader:
     """Reads all but the tiles. Those are found by the index of a source that can seek, else by reading on; one that
     cannot seek is read to its end, its compressed tiles kept.
 
@@ -116,7 +116,7 @@ class OpenedChunks:
         self._count(chunk)
 
     def _read_index(self, header: Header) -> bool:
-        """Looks for an index at the end of the file; True if it tells where the tiles are."""
+        """Looks for an index at the end of the file; True if it gives the places of the tiles."""
         size = self._reader.size
         if not header.tile or size is None:
             return False

@@ -1,4 +1,4 @@
-"""Chunks in their order: what every stream of this package is put together by."""
+"""The stream writer: chunks in their order."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A view of a stream in bands of rows from the top down, for what need not fit into memory."""
+"""A view of a stream in bands of rows from the top down, for pictures larger than memory."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["Bands"]
 
 BAND_SAMPLES = 1 << 25
 MIN_BAND_ROWS = 16
-"""A band has so many samples, but no fewer rows."""
+"""A band has about BAND_SAMPLES samples, and at least MIN_BAND_ROWS rows."""
 
 Draw = Callable[[NDArray[Any], int], None]
 """Fills pixels [rows, columns, C] of the stream's sample type with what a view shows from a row on."""

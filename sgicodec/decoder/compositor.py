@@ -1,4 +1,4 @@
-"""From tiles to a view: each draws where it is alone, and fades into the next where they overlap."""
+"""The compositor: tiles become a view, with a cross-fade where they overlap."""
 
 from __future__ import annotations
 
@@ -9,22 +9,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.bitstream.header import Header
-from sgicodec.decoder.nodata import clear
-from sgicodec.decoder.tile_cache import KeptTiles
-from sgicodec.decoder.tile_renderer import DrawnTile
+from sgicodec.decoder.nodata import mark_nodata
+from sgicodec.decoder.tile_cache import TileCache
+from sgicodec.decoder.tile_renderer import TileRenderer
 from sgicodec.decoder.view import View
 from sgicodec.model.tile_grid import Segment
 from sgicodec.picture import alpha_index, full_range
 from sgicodec.raster import Mapping
 
-__all__ = ["draw_view", "sample_mapping"]
+__all__ = ["render_view", "sample_mapping"]
 
 F32 = NDArray[np.float32]
 
 
-def draw_view(
+def render_view(
     header: Header,
-    tiles: KeptTiles,
+    tiles: TileCache,
     view: View,
     out: NDArray[Any],
     mapping: Mapping | None,
@@ -44,7 +44,7 @@ def draw_view(
     meeting = [
         [grid.number(column, row) for row in _both(down) for column in _both(across)] for down, across in segments
     ]
-    with tiles.ahead(dict.fromkeys(chain.from_iterable(meeting)), view, threads):
+    with tiles.prefetch(dict.fromkeys(chain.from_iterable(meeting)), view, threads):
         for (down, across), numbers in zip(segments, meeting, strict=True):
             block = out[down.first : down.last, across.first : across.last]
             at = across.first, top + down.first
@@ -54,7 +54,7 @@ def draw_view(
             else:
                 _blend(here, (down, across), view, at, block, mapping, threads)
             if mapping is not None and header.masked is not None:
-                clear(header, here[0], view, at, block)
+                mark_nodata(header, here[0], view, at, block)
 
 
 def sample_mapping(header: Header) -> Mapping:
@@ -71,7 +71,7 @@ def _both(segment: Segment) -> tuple[int, ...]:
 
 
 def _blend(
-    tiles: list[DrawnTile],
+    tiles: list[TileRenderer],
     where: tuple[Segment, Segment],
     view: View,
     at: tuple[int, int],

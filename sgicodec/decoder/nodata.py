@@ -1,4 +1,4 @@
-"""Pixels that hold nothing: what the decoder stores in them, and in those that must not look like them."""
+"""Masked pixels: what the decoder stores in them, and in pixels that must not look like them."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.bitstream.header import Header
-from sgicodec.decoder.tile_renderer import DrawnTile
+from sgicodec.decoder.tile_renderer import TileRenderer
 from sgicodec.decoder.view import View
 from sgicodec.picture import alpha_index, equal_samples
 
-__all__ = ["clear", "store_nodata"]
+__all__ = ["mark_nodata", "store_nodata"]
 
 
-def clear(header: Header, tile: DrawnTile, view: View, at: tuple[int, int], block: NDArray[Any]) -> None:
+def mark_nodata(header: Header, tile: TileRenderer, view: View, at: tuple[int, int], block: NDArray[Any]) -> None:
     """Stores nothing in those pixels of block [h, w, C] whose centres the tile's mask says to hold nothing.
 
     block begins at output pixel `at` (x, y) of the view. Alpha becomes 0, or colours the nodata value; other

@@ -1,4 +1,4 @@
-"""From a stream to pixels: any region at any scale. Imports neither torch nor OpenImageIO."""
+"""The decoder: from a stream to pixels, any region at any scale. Imports neither torch nor OpenImageIO."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.tile import TileModel
-from sgicodec.bitstream.stream_reader import OpenedChunks
+from sgicodec.bitstream.stream_reader import StreamReader
 from sgicodec.decoder.bands import Bands
-from sgicodec.decoder.compositor import draw_view, sample_mapping
-from sgicodec.decoder.tile_cache import KeptTiles
-from sgicodec.decoder.tile_renderer import DrawnTile, joined_crc
+from sgicodec.decoder.compositor import render_view, sample_mapping
+from sgicodec.decoder.tile_cache import TileCache
+from sgicodec.decoder.tile_renderer import TileRenderer, joined_crc
 from sgicodec.decoder.view import MAX_OUTPUT_SAMPLES, Region, View, overview_size, overview_view, view_of
 from sgicodec.errors import CorruptStreamError, StreamError, UsageError
 from sgicodec.metadata.placement import view as geo_view
@@ -53,14 +53,14 @@ class Stream:
 
     def __init__(self, source: bytes | BinaryIO, owned: BinaryIO | None = None, isa: str = "auto") -> None:
         self._owned = owned
-        self._chunks = OpenedChunks(source)
+        self._chunks = StreamReader(source)
         self.header, self.size, blobs = self._chunks.header, self._chunks.size, self._chunks.blobs
         self.chunk_bytes = self._chunks.chunk_bytes
         self.metadata = Metadata(icc=blobs.get("i"), exif=blobs.get("c"), xmp=blobs.get("x"), geo=blobs.get("g"))
         self.software = _printable(blobs.get("s", b""))
         self.grid = self.header.grid
         self._isa = isa
-        self._tiles = KeptTiles(self._chunks, isa)
+        self._tiles = TileCache(self._chunks, isa)
         self._overview: Stream | None = None
         self._survey: Survey | None = None
 
@@ -171,7 +171,7 @@ class Stream:
         """Fills out [rows, columns, C] with samples of the view from its row `top` on."""
         small = overview_view(self.header, view) if self.has_overview and not self.exact else None
         if small is None:
-            draw_view(self.header, self._tiles, view, out, mapping, threads, top)
+            render_view(self.header, self._tiles, view, out, mapping, threads, top)
         else:
             self.overview._draw(small, out, mapping, threads, top)
 
@@ -197,7 +197,7 @@ class Stream:
         """What the chunk of a tile holds. Raises CorruptStreamError."""
         return self._chunks.tile(number)
 
-    def tile(self, number: int, threads: int = 0) -> DrawnTile:
+    def tile(self, number: int, threads: int = 0) -> TileRenderer:
         """A decoded tile. Raises CorruptStreamError or LimitError."""
         return self._tiles.tile(number, threads)
 

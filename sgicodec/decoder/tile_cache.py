@@ -1,4 +1,4 @@
-"""The tiles of a stream as they are needed: decoded once, several at a time, kept while there is room."""
+"""The tile cache: tiles of a stream are decoded once, several at a time, and kept while there is room."""
 
 from __future__ import annotations
 
@@ -8,96 +8,96 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from sgicodec._native import resolve_threads
-from sgicodec.bitstream.stream_reader import OpenedChunks
-from sgicodec.decoder.tile_renderer import DrawnTile
+from sgicodec.bitstream.stream_reader import StreamReader
+from sgicodec.decoder.tile_renderer import TileRenderer
 from sgicodec.decoder.view import View
 from sgicodec.errors import StreamError
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor, Future
 
-__all__ = ["KEPT_BYTES", "KeptTiles"]
+__all__ = ["CACHE_BYTES", "TileCache"]
 
-KEPT_BYTES = 1 << 28
-"""What decoded tiles may take before the one that was used least recently is let go."""
+CACHE_BYTES = 1 << 28
+"""What decoded tiles may take before the one that was used least recently is released."""
 
-_LEAST_KEPT = 4
+_LEAST_TILES = 4
 """Tiles that meet in a corner."""
 
 
-class KeptTiles:
+class TileCache:
     """isa: the instruction set to decode with. Not safe for use by two threads at once."""
 
-    def __init__(self, chunks: OpenedChunks, isa: str) -> None:
-        self._chunks, self._isa = chunks, isa
-        self._kept: OrderedDict[int, DrawnTile] = OrderedDict()
-        self._ahead: _Ahead | None = None
+    def __init__(self, chunks: StreamReader, isa: str) -> None:
+        self._stream, self._isa = chunks, isa
+        self._tiles: OrderedDict[int, TileRenderer] = OrderedDict()
+        self._prefetch: _Prefetch | None = None
 
     def __len__(self) -> int:
-        return len(self._kept)
+        return len(self._tiles)
 
-    def tile(self, number: int, threads: int) -> DrawnTile:
+    def tile(self, number: int, threads: int) -> TileRenderer:
         """A tile, without its model if there are several. Raises CorruptStreamError or LimitError."""
-        if number not in self._kept:
-            coming = None if self._ahead is None else self._ahead.take(number)
+        if number not in self._tiles:
+            coming = None if self._prefetch is None else self._prefetch.take(number)
             tile = self.decoded(number, threads) if coming is None else coming
-            if self._chunks.header.grid.count > 1:
-                tile.forget_model()
-            self._kept[number] = tile
-            while len(self._kept) > _LEAST_KEPT and sum(tile.memory for tile in self._kept.values()) > KEPT_BYTES:
-                self._kept.popitem(last=False)
-        self._kept.move_to_end(number)
-        return self._kept[number]
+            if self._stream.header.grid.count > 1:
+                tile.release_model()
+            self._tiles[number] = tile
+            while len(self._tiles) > _LEAST_TILES and sum(tile.memory for tile in self._tiles.values()) > CACHE_BYTES:
+                self._tiles.popitem(last=False)
+        self._tiles.move_to_end(number)
+        return self._tiles[number]
 
-    def decoded(self, number: int, threads: int) -> DrawnTile:
-        """The same with its model, and not kept."""
-        return self._decode(number, self._chunks.tile(number), threads)
+    def decoded(self, number: int, threads: int) -> TileRenderer:
+        """The same with its model, and not cached."""
+        return self._decode(number, self._stream.tile(number), threads)
 
     @contextmanager
-    def ahead(self, numbers: Iterable[int], view: View, threads: int) -> Iterator[None]:
-        """While the block asks for these tiles in this order, others work on the next of them, one thread a tile."""
-        wanted = [number for number in numbers if number not in self._kept]
+    def prefetch(self, numbers: Iterable[int], view: View, threads: int) -> Iterator[None]:
+        """While the block asks for these tiles in this order, a pool decodes the next of them, one thread a tile."""
+        wanted = [number for number in numbers if number not in self._tiles]
         threads = resolve_threads(threads)
         if threads == 1 or len(wanted) < 2:
             yield
             return
         from concurrent.futures import ThreadPoolExecutor  # takes long to load
 
-        def decode(number: int, payload: bytes) -> DrawnTile:
+        def decode(number: int, payload: bytes) -> TileRenderer:
             tile = self._decode(number, payload, max(1, threads // len(wanted)))
             tile.prepare(view)
             return tile
 
-        def start(number: int) -> Future[DrawnTile]:
-            return pool.submit(decode, number, self._chunks.tile(number))
+        def start(number: int) -> Future[TileRenderer]:
+            return pool.submit(decode, number, self._stream.tile(number))
 
         pool: Executor = ThreadPoolExecutor(min(threads, len(wanted)))
-        self._ahead = _Ahead(wanted, start, threads + 1)
+        self._prefetch = _Prefetch(wanted, start, threads + 1)
         try:
             yield
         finally:
-            self._ahead = None
+            self._prefetch = None
             pool.shutdown(cancel_futures=True)
 
-    def _decode(self, number: int, payload: bytes, threads: int) -> DrawnTile:
-        header = self._chunks.header
+    def _decode(self, number: int, payload: bytes, threads: int) -> TileRenderer:
+        header = self._stream.header
         try:
-            return DrawnTile(header, payload, threads, self._isa)
+            return TileRenderer(header, payload, threads, self._isa)
         except StreamError as error:
             if header.grid.count == 1:
                 raise
             raise type(error)(f"tile {number}: {error}") from error.__cause__
 
 
-class _Ahead:
-    """Tiles that are being decoded, at most `most` that nobody has taken."""
+class _Prefetch:
+    """Tiles that are being decoded, at most `most` of them not yet taken."""
 
-    def __init__(self, wanted: list[int], start: Callable[[int], Future[DrawnTile]], most: int) -> None:
+    def __init__(self, wanted: list[int], start: Callable[[int], Future[TileRenderer]], most: int) -> None:
         self._wanted, self._start, self._most = deque(wanted), start, most
-        self._coming: dict[int, Future[DrawnTile]] = {}
+        self._coming: dict[int, Future[TileRenderer]] = {}
         self._fill()
 
-    def take(self, number: int) -> DrawnTile | None:
+    def take(self, number: int) -> TileRenderer | None:
         """A tile once it is there; None for one that was not started, or was taken before."""
         found = self._coming.pop(number, None)
         self._fill()

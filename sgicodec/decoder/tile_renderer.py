@@ -1,4 +1,4 @@
-"""One tile's model as something that draws."""
+"""The tile renderer: one tile's decoded model, which renders any part of itself at any scale."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from sgicodec.model.base_view import base_view
 from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
 from sgicodec.raster import Background, Mapping, NativeRasterizer, scaled
 
-__all__ = ["BLOCK_COLUMNS", "BLOCK_SAMPLES", "DrawnTile", "joined_crc"]
+__all__ = ["BLOCK_COLUMNS", "BLOCK_SAMPLES", "TileRenderer", "joined_crc"]
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -55,7 +55,7 @@ class _Gaussians(NamedTuple):
     colours: F32
 
 
-class DrawnTile:
+class TileRenderer:
     """Decodes the payload of a chunk T. Raises CorruptStreamError or LimitError.
 
     x, y: where the tile begins in the picture. mask: [h, w] which of its pixels hold nothing, None if all hold
@@ -89,7 +89,7 @@ class DrawnTile:
         drawing += 0 if self._whole is None else self._whole.samples.nbytes
         return drawing + model + self._colours.nbytes + (0 if self.mask is None else self.mask.nbytes)
 
-    def forget_model(self) -> None:
+    def release_model(self) -> None:
         """Keeps only what draws."""
         self.model = None
 

@@ -1,4 +1,4 @@
-"""What a caller wants to see: a region of the picture at a scale, and what of a smaller picture that is."""
+"""A view: a region of the picture at a scale, and the part of the overview that shows the same."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def _near_one(scale: float) -> float:
 
 
 def _enlarges(count: int, scale: float) -> bool:
-    """Whether so many output pixels are more than those that they show, rounded up."""
+    """Whether `count` output pixels are more than the pixels that they show, rounded up."""
     return count > math.ceil(count / scale - _ROUNDING)
 
 

@@ -1,0 +1,1 @@
+"""What a stream means: the mathematics of the model, without I/O."""

@@ -1,4 +1,4 @@
-"""Working ahead of whoever needs the results."""
+"""An iterator that computes its next items in a thread of its own (prefetch)."""
 
 from __future__ import annotations
 

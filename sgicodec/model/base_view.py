@@ -1,4 +1,4 @@
-"""The base layer seen at any scale, pixel by pixel the same whichever part of the picture is drawn."""
+"""The base layer at any scale, pixel by pixel the same whichever part of the picture is rendered."""
 
 from __future__ import annotations
 

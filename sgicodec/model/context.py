@@ -1,4 +1,4 @@
-"""What MLP_p sees of a seed: the inputs of the context model, in the fixed point of both sides.
+"""The inputs of the context model MLP_p for each seed, in the fixed point of encoder and decoder.
 
 Inputs are integers in units of 2^-6 when coding and floats in the same units when training; the functions here take
 either, with `floor_shift(x, k)` standing for x >> k or x / 2^k. A seed's decoded values enter as a *summary*: three
@@ -37,7 +37,7 @@ __all__ = [
 
 INPUT_BITS = 6
 LEVELS = 8
-"""Cell sizes told apart: 2^0 to 2^7 pixels."""
+"""Number of cell sizes that the context model distinguishes: 2^0 to 2^7 pixels."""
 
 COARSEST = 5
 """log2 of the cells that are coded first; larger ones go with them."""

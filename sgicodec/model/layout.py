@@ -1,4 +1,4 @@
-"""Where seeds sit: leaves of an adaptive quadtree or a jittered grid, in Morton order."""
+"""Seed layouts: leaves of an adaptive quadtree, or a jittered grid, in Morton order."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def adaptive_layout(detail: F32, threshold: float, min_log: int = 1, root_log: i
     """Leaves of the quadtree that splits every cell whose squared deviation from its mean exceeds `threshold`.
 
     detail [C, H, W] is what seeds have to explain (the picture less its base layer); the deviation is summed over
-    pixels and channels, so a threshold of so many bits' worth of distortion makes the count follow from the rate.
+    pixels and channels, so a threshold of n bits' worth of distortion makes the count follow from the rate.
     """
     _, height, width = detail.shape
     corners, sizes = [], []

@@ -1,4 +1,4 @@
-"""What kind of model a stream holds: the settings that both sides must share, and the groups of seed attributes."""
+"""The model specification: what encoder and decoder must share, and the groups of seed attributes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a picture is cut into tiles, and which tiles an output pixel is made of."""
+"""The tile grid: how a picture is cut into tiles, and which tiles contribute to an output pixel."""
 
 from __future__ import annotations
 

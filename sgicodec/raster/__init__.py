@@ -1,4 +1,4 @@
-"""Gaussians to pixels: `rasterize` for numpy arrays, back ends for those who differentiate (docs/rasteriser.md)."""
+"""The rasteriser: `rasterize` for numpy arrays, and back ends with gradients (docs/rasteriser.md)."""
 
 from __future__ import annotations
 

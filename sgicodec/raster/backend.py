@@ -1,4 +1,4 @@
-"""What a back end of the rasteriser does. Everything that is special to a device stays behind it."""
+"""The protocol of a rasteriser's back end. Everything special to a device stays behind it."""
 
 from __future__ import annotations
 

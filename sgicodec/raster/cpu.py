@@ -1,4 +1,4 @@
-"""The CPU back end: numpy-facing wrapper of the C++ kernels, with their working memory kept between calls."""
+"""The CPU back end: a numpy interface to the C++ kernels, which keeps their working memory between calls."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The rasteriser as a float64 dense sum: slow, obvious, the yardstick of every back end."""
+"""The reference back end: a dense sum in float64, slow and simple, which tests compare every back end with."""
 
 from __future__ import annotations
 

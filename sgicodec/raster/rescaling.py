@@ -1,4 +1,4 @@
-"""Gaussians seen at another scale: in output pixels and, where these are larger, filtered so that nothing aliases."""
+"""Gaussians at another scale: in output pixels and, where these are larger, filtered so that nothing aliases."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def scaled(
     scale: tuple[float, float],
     start: tuple[float, float] = (0.0, 0.0),
 ) -> tuple[NDArray[Float], NDArray[Float], NDArray[Float]]:
-    """The Gaussians of a picture scaled by (sx, sy) whose point `start` comes to lie at (0, 0).
+    """The Gaussians of a picture scaled by (sx, sy) whose point `start` moves to (0, 0).
 
     means [N, 2], covariances [N, 3] (xx, xy, yy), colours [N, C] in and out, in pixels of the old and the new picture.
     An axis that shrinks is convolved with what its new pixels cover beyond the old ones, a variance of 1 − s² of

@@ -13,7 +13,7 @@ import pytest
 from sgicodec import Encoded, EncodeSettings, Picture, encode, open_stream, read
 from sgicodec.bitstream.container import SIGNATURE, ChunkReader, ChunkWriter
 from sgicodec.bitstream.stream_reader import CHUNKS
-from sgicodec.decoder.tile_renderer import DrawnTile
+from sgicodec.decoder.tile_renderer import TileRenderer
 from sgicodec.encoder.overview import overview_picture, takes_overview
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.errors import CorruptStreamError, UsageError
@@ -98,13 +98,13 @@ def test_nodata_does_not_count() -> None:
 
 def test_small_views_draw_it_and_no_tile(coded: Encoded, photo: Picture, monkeypatch: pytest.MonkeyPatch) -> None:
     made: list[int] = []
-    init = DrawnTile.__init__
+    init = TileRenderer.__init__
 
-    def counted(self: DrawnTile, *arguments: Any) -> None:
+    def counted(self: TileRenderer, *arguments: Any) -> None:
         made.append(arguments[0].width)
         init(self, *arguments)
 
-    monkeypatch.setattr(DrawnTile, "__init__", counted)
+    monkeypatch.setattr(TileRenderer, "__init__", counted)
     stream = open_stream(coded.data)
     shown = stream.picture(scale=1 / 16)
     assert made == [21]

@@ -15,7 +15,7 @@ import pytest
 from sgicodec import Encoded, EncodeSettings, Picture, encode, open_stream, read
 from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.bitstream.varint import decode_varint
-from sgicodec.decoder.tile_renderer import DrawnTile
+from sgicodec.decoder.tile_renderer import TileRenderer
 from sgicodec.errors import CorruptStreamError, UsageError
 from sgicodec.metrics.scores import psnr
 
@@ -90,7 +90,7 @@ def test_bands_are_the_picture(
 def test_few_tiles_are_kept(coded: tuple[Picture, Encoded], monkeypatch: pytest.MonkeyPatch) -> None:
     stream = open_stream(coded[1].data)
     whole = stream.picture().pixels
-    monkeypatch.setattr("sgicodec.decoder.tile_cache.KEPT_BYTES", 0)
+    monkeypatch.setattr("sgicodec.decoder.tile_cache.CACHE_BYTES", 0)
     again = open_stream(coded[1].data)
     np.testing.assert_array_equal(again.picture().pixels, whole)
     assert len(again._tiles) <= 4
@@ -119,13 +119,13 @@ def test_tiles_are_decoded_side_by_side(
 ) -> None:
     alone = open_stream(coded[1].data).picture(scale=scale, threads=1).pixels
     used: set[int] = set()
-    init = DrawnTile.__init__
+    init = TileRenderer.__init__
 
-    def noted(self: DrawnTile, *arguments: Any) -> None:
+    def noted(self: TileRenderer, *arguments: Any) -> None:
         used.add(get_ident())
         init(self, *arguments)
 
-    monkeypatch.setattr(DrawnTile, "__init__", noted)
+    monkeypatch.setattr(TileRenderer, "__init__", noted)
     np.testing.assert_array_equal(open_stream(coded[1].data).picture(scale=scale, threads=3).pixels, alone)
     assert used
     assert get_ident() not in used
@@ -141,13 +141,13 @@ def test_few_tiles_are_decoded_ahead(coded: tuple[Picture, Encoded], monkeypatch
     payload = stream._chunks.tile
     monkeypatch.setattr(stream._chunks, "tile", lambda number: begun.append(number) or payload(number))
     drawn_after: list[int] = []
-    draw = DrawnTile.draw
+    draw = TileRenderer.draw
 
-    def noted(self: DrawnTile, *arguments: Any) -> None:
+    def noted(self: TileRenderer, *arguments: Any) -> None:
         drawn_after.append(len(begun))
         draw(self, *arguments)
 
-    monkeypatch.setattr(DrawnTile, "draw", noted)
+    monkeypatch.setattr(TileRenderer, "draw", noted)
     stream.picture(threads=2)
     assert begun == list(range(6))
     assert drawn_after[0] == 4

@@ -1,14 +1,14 @@
-"""Entropy coding: one walk over the symbols of a tile that writes in one direction and reads in the other.
+"""Entropy coding: the symbol coder, which writes symbols in one direction and reads them in the other.
 
-A part of the format is coded by one function that calls the same methods on either walk: given values, a
+A part of the format is coded by one function that calls the same methods on either coder: given values, a
 `SymbolWriter` codes and returns them; given None, a `SymbolReader` decodes and returns them. Encoder and
 decoder can therefore not drift apart.
 
-    def code_sizes(walk, sizes, count):
-        return walk.code_bits(sizes, 4, count)
+    def code_sizes(coder, sizes, count):
+        return coder.code_bits(sizes, 4, count)
 
 All parts of a tile share one range coder (ending one costs about four bytes). What a part cost is known
-exactly from the frequencies, in both directions: `walk.bits`.
+exactly from the frequencies, in both directions: `coder.bits`.
 
 The coder is constriction's range coder (Bamler 2022; Pasco 1976) with 32-bit words, 64-bit state and 24-bit
 probabilities; docs/format.md specifies it to the bit. Constriction writes; native code reads, without Python's lock.
@@ -47,13 +47,13 @@ from sgicodec.bitstream.entropy.tables import (
 )
 from sgicodec.errors import CorruptStreamError, UsageError
 
-__all__ = ["IntArray", "SymbolReader", "SymbolWalk", "SymbolWriter", "require_sound"]
+__all__ = ["IntArray", "SymbolCoder", "SymbolReader", "SymbolWriter", "require_sound"]
 
 _UNIFORM_BITS = 16
 """Widest field that is coded in one piece; wider ones go in two."""
 
 
-class SymbolWalk(ABC):
+class SymbolCoder(ABC):
     """What writing and reading share. Values are None when reading; counts and shapes always come from the
     caller, which thereby bounds everything that is allocated.
     """
@@ -173,7 +173,7 @@ class SymbolWalk(ABC):
         return self._equally_likely(index, n_bits, count).astype(np.int64)
 
 
-class SymbolWriter(SymbolWalk):
+class SymbolWriter(SymbolCoder):
     """Writes a payload."""
 
     def __init__(self) -> None:
@@ -245,7 +245,7 @@ class SymbolWriter(SymbolWalk):
             raise _not_a_panic(error, RuntimeError, "these symbols cannot be coded") from error
 
 
-class SymbolReader(SymbolWalk):
+class SymbolReader(SymbolCoder):
     """Reads a payload. Values passed to it are ignored; pass None."""
 
     def __init__(self, payload: bytes) -> None:

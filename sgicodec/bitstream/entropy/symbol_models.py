@@ -1,4 +1,4 @@
-"""What symbols are coded with: the same frequencies for constriction, which writes, and for the native decoder."""
+"""Probability models of symbols: the same frequencies for constriction, which writes, and native code, which reads."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def escape_alphabet() -> Alphabets:
 
 @cache
 def uniform_model(n_bits: int) -> Any:
-    """Equally likely values of so many bits, for constriction."""
+    """Equally likely values of `n_bits` bits, for constriction."""
     return constriction.stream.model.Uniform(1 << n_bits)
 
 

@@ -1,4 +1,4 @@
-"""Integer frequency tables: what the range coder reads, the same on every machine for ever.
+"""Integer frequency tables of the range coder, always the same on every machine.
 
 A table gives every symbol an integer frequency of at least 1; the frequencies of a table sum to 2**PRECISION.
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sgicodec._native import add_predictions
-from sgicodec.bitstream.entropy.symbol_coder import IntArray, SymbolWalk
+from sgicodec.bitstream.entropy.symbol_coder import IntArray, SymbolCoder
 from sgicodec.bitstream.entropy.tables import (
     MAX_MAGNITUDE,
     TABLES,
@@ -30,14 +30,14 @@ _TABLE_BITS = (TABLES - 1).bit_length()
 Plane = NDArray[np.int64]
 
 
-def code_weights(walk: SymbolWalk, weights: ArrayLike | None, shape: tuple[int, ...]) -> IntArray:
+def code_weights(coder: SymbolCoder, weights: ArrayLike | None, shape: tuple[int, ...]) -> IntArray:
     """One tensor of integers under the one zero-centred table that suits it best."""
     values = None if weights is None else _shaped(weights, shape)
-    table = walk.code_int(None if values is None else frequency_tables().best(values), _TABLE_BITS)
-    return walk.code(values, np.full(shape, table, np.int16))
+    table = coder.code_int(None if values is None else frequency_tables().best(values), _TABLE_BITS)
+    return coder.code(values, np.full(shape, table, np.int16))
 
 
-def code_signs(walk: SymbolWalk, bits: ArrayLike | None, counts: Sequence[int]) -> IntArray:
+def code_signs(coder: SymbolCoder, bits: ArrayLike | None, counts: Sequence[int]) -> IntArray:
     """Σ counts values 0 or 1, level after level, each level with its own probability of a 1 in eight bits."""
     level = np.repeat(np.arange(len(counts)), counts)
     values = best = None
@@ -47,8 +47,8 @@ def code_signs(walk: SymbolWalk, bits: ArrayLike | None, counts: Sequence[int]) 
             raise UsageError("signs: values must be 0 or 1")
         occurrences = np.bincount(2 * level + values, minlength=2 * len(counts)).reshape(-1, 2)  # [L, 2]
         best = np.argmin(occurrences @ bits_of_frequencies(bernoulli_frequencies(np.arange(256))).T, axis=1)
-    codes = walk.code_bits(best, 8, len(counts))
-    return walk.code_categorical(values, bernoulli_frequencies(codes), level)
+    codes = coder.code_bits(best, 8, len(counts))
+    return coder.code_categorical(values, bernoulli_frequencies(codes), level)
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ def base_references(channel: int) -> list[int]:
     return [i for i in sorted({0, channel - 1}) if 0 <= i < channel]
 
 
-def code_base(walk: SymbolWalk, base: ArrayLike | None, shape: tuple[int, int, int]) -> IntArray:
+def code_base(coder: SymbolCoder, base: ArrayLike | None, shape: tuple[int, int, int]) -> IntArray:
     """Planes [C, h, w] of a smooth picture in integer steps; luma first.
 
     A value is predicted from its left, upper and upper left neighbours by one of PREDICTORS; the prediction
@@ -96,10 +96,10 @@ def code_base(walk: SymbolWalk, base: ArrayLike | None, shape: tuple[int, int, i
     for channel in range(shape[0]):
         references = [errors[i] for i in base_references(channel)]
         chosen = None if given is None else given[channel]
-        number = walk.code_int(None if chosen is None else chosen.predictor, 2)
-        codes = walk.code_bits(None if chosen is None else np.add(chosen.weights, 8), 4, len(references))
-        table = walk.code_int(None if chosen is None else chosen.table, _TABLE_BITS)
-        rest = walk.code(None if chosen is None else chosen.rest, np.full(shape[1:], table, np.int16)).astype(np.int64)
+        number = coder.code_int(None if chosen is None else chosen.predictor, 2)
+        codes = coder.code_bits(None if chosen is None else np.add(chosen.weights, 8), 4, len(references))
+        table = coder.code_int(None if chosen is None else chosen.table, _TABLE_BITS)
+        rest = coder.code(None if chosen is None else chosen.rest, np.full(shape[1:], table, np.int16)).astype(np.int64)
         errors.append(rest + _mixed(references, (codes - 8).tolist(), shape[1:]))
         decoded[channel] = _reconstruct(errors[-1], number) if planes is None else planes[channel]
     return decoded

@@ -1,6 +1,6 @@
 """Seed attributes: symbols under the distributions that MLP_p predicts, pass after pass, group after group.
 
-The same walk writes and reads. Everything from decoded symbols to the next distribution is integer arithmetic, so the
+The same coder writes and reads. Everything from decoded symbols to the next distribution is integer arithmetic, so the
 two directions agree on every machine (docs/format.md, "Context model").
 """
 
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec._native import AttributeModel, RangeDecoder
-from sgicodec.bitstream.entropy.symbol_coder import IntArray, SymbolReader, SymbolWalk
+from sgicodec.bitstream.entropy.symbol_coder import IntArray, SymbolCoder, SymbolReader
 from sgicodec.bitstream.entropy.symbol_models import zero_centred_tables
 from sgicodec.bitstream.entropy.tables import MAX_MAGNITUDE, SCALES
 from sgicodec.device import ONE_THREAD, Device
@@ -69,13 +69,13 @@ class AttributeCoder:
     device: Device = ONE_THREAD
     matmul: Any = None
 
-    def code(self, walk: SymbolWalk, values: dict[str, NDArray[np.float64]] | None) -> I64:
+    def code(self, coder: SymbolCoder, values: dict[str, NDArray[np.float64]] | None) -> I64:
         """Writes the float attributes `values` by group [N, size], or reads if None. Returns the decoded attributes
         [N, d_A] in units of 2^-24, in the layout's order.
         """
         context, layout = self.spec.context, self.layout
-        if values is None and isinstance(walk, SymbolReader) and self.matmul is None and not context.hash_resolutions:
-            return self._read(walk)
+        if values is None and isinstance(coder, SymbolReader) and self.matmul is None and not context.hash_resolutions:
+            return self._read(coder)
         decoded = np.zeros((len(layout), self.spec.attributes), np.int64)
         seeds = SeedInputs(layout, self.quality, self.device)
         parts = nearest_by_pass(context, layout, nearest_seeds)
@@ -91,12 +91,12 @@ class AttributeCoder:
             if context.hash_resolutions:
                 hashed = hash_inputs(grid, members, signs, grid.weight, np.concatenate, _shift)
                 inputs[:, widths[0] - hashed.shape[1] : widths[0]] = hashed
-            self._code_pass(walk, members, inputs, widths, values, decoded)
+            self._code_pass(coder, members, inputs, widths, values, decoded)
             if context.neighbours:
                 seeds.summary[members] = summarise(self.spec, decoded, members, self.device)[0]
         return decoded
 
-    def _read(self, walk: SymbolReader) -> I64:
+    def _read(self, coder: SymbolReader) -> I64:
         """All in one native call, which lets other threads run: the same functions in the same order."""
         spec, layout = self.spec, self.layout
         decoded = np.zeros((len(layout), spec.attributes), np.int64)
@@ -112,7 +112,7 @@ class AttributeCoder:
             reading, symbols, bits, _ = read_attributes(model, *known)
             return reading, symbols, bits
 
-        walk.read(read, [name for step in spec.context.steps for name in step])
+        coder.read(read, [name for step in spec.context.steps for name in step])
         return decoded
 
     def _native(self) -> AttributeModel:
@@ -140,7 +140,7 @@ class AttributeCoder:
 
     def _code_pass(
         self,
-        walk: SymbolWalk,
+        coder: SymbolCoder,
         members: I64,
         inputs: I16,
         widths: list[int],
@@ -163,12 +163,12 @@ class AttributeCoder:
                 )
                 known = amplitude if follows_amplitude(self.spec, name) else None
                 given = None if values is None else values[name][members]
-                with walk.part(name):
-                    self._code_group(walk, name, members, part, known, given, decoded)
+                with coder.part(name):
+                    self._code_group(coder, name, members, part, known, given, decoded)
 
     def _code_group(
         self,
-        walk: SymbolWalk,
+        coder: SymbolCoder,
         name: str,
         members: I64,
         prediction: Prediction,
@@ -183,5 +183,5 @@ class AttributeCoder:
         if values is not None:
             symbols = quantize(values, known.mean, known.step, known.scale)
             symbols = np.clip(symbols, -MAX_MAGNITUDE, MAX_MAGNITUDE)
-        coded = walk.code(symbols, known.scale + np.int16(SCALES * self.family))
+        coded = coder.code(symbols, known.scale + np.int16(SCALES * self.family))
         known.decode(coded, members, self.spec.group(name).start, decoded, self.device)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.bitstream.entropy.symbol_coder import SymbolReader, SymbolWalk, SymbolWriter
+from sgicodec.bitstream.entropy.symbol_coder import SymbolCoder, SymbolReader, SymbolWriter
 from sgicodec.bitstream.entropy.tables import TOTAL
 
 __all__ = ["read_mask", "write_mask"]
@@ -23,20 +23,20 @@ _CONTEXTS = 81
 
 def write_mask(mask: Mask) -> bytes:
     """The payload of a mask [h, w]."""
-    walk = SymbolWriter()
-    _code(walk, mask, mask.shape[1], mask.shape[0])
-    return walk.finish()
+    coder = SymbolWriter()
+    _code(coder, mask, mask.shape[1], mask.shape[0])
+    return coder.finish()
 
 
 def read_mask(payload: bytes, width: int, height: int) -> Mask:
     """The mask [height, width] of a payload. Raises CorruptStreamError."""
-    walk = SymbolReader(payload)
-    mask = _code(walk, None, width, height)
-    walk.finish()
+    coder = SymbolReader(payload)
+    mask = _code(coder, None, width, height)
+    coder.finish()
     return mask
 
 
-def _code(walk: SymbolWalk, mask: Mask | None, width: int, height: int) -> Mask:
+def _code(coder: SymbolCoder, mask: Mask | None, width: int, height: int) -> Mask:
     top = max(width - 1, height - 1, 1).bit_length()
     known = None if mask is None else _pyramid(mask, top)
     inner, bottom = np.zeros((_CONTEXTS, 3), np.int64), np.zeros((_CONTEXTS, 2), np.int64)
@@ -55,7 +55,7 @@ def _code(walk: SymbolWalk, mask: Mask | None, width: int, height: int) -> Mask:
                 continue
             contexts = _contexts(states, y, x)
             given = None if known is None else known[level][y, x]
-            coded = walk.code_categorical(given, _frequencies(counts), contexts)
+            coded = coder.code_categorical(given, _frequencies(counts), contexts)
             np.add.at(counts, (contexts, coded), 1)
             states[y, x] = coded
     return np.asarray(states == _SET)

@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.bitstream.entropy.alphabets import Alphabets
-from sgicodec.bitstream.entropy.symbol_coder import SymbolWalk
+from sgicodec.bitstream.entropy.symbol_coder import SymbolCoder
 from sgicodec.bitstream.entropy.tables import TOTAL, bits_of_frequencies
-from sgicodec.bitstream.parts.seed_tree import Flags, Seeds, TreeShape, TreeTruth, seeds_of
+from sgicodec.bitstream.parts.seed_tree import Flags, GivenTree, Seeds, TreeShape, seeds_of
 from sgicodec.errors import CorruptStreamError, LimitError, UsageError
 from sgicodec.model.morton import Codes, morton
 
@@ -43,7 +43,7 @@ _SEED_CONTEXTS = 4 * _SIBLINGS
 _DIRECTIONS = ((-1, 0), (1, 0), (0, -1), (0, 1))
 
 
-def code_positions(walk: SymbolWalk, shape: TreeShape, seeds: Seeds | None, max_seeds: int) -> Seeds:
+def code_positions(coder: SymbolCoder, shape: TreeShape, seeds: Seeds | None, max_seeds: int) -> Seeds:
     """Writes `seeds`, or reads them if None; returns them in `canonical_order` either way.
 
     Raises UsageError for seeds that are no nodes of the tree, CorruptStreamError for a tree with an empty
@@ -51,24 +51,24 @@ def code_positions(walk: SymbolWalk, shape: TreeShape, seeds: Seeds | None, max_
     allocated.
     """
     shape.check_roots()
-    truth = None if seeds is None else TreeTruth(shape, seeds, max_seeds)
+    given_tree = None if seeds is None else GivenTree(shape, seeds, max_seeds)
     detail = best = None
-    if truth is not None:
+    if given_tree is not None:
         counter = _FlagCounter(shape)
-        _traverse(shape, counter, truth, max_seeds)
+        _traverse(shape, counter, given_tree, max_seeds)
         detail, best = counter.best()
-    detail = walk.code_int(detail, 2)
-    found = _traverse(shape, _FlagCoder(walk, _merged_contexts(shape, detail), best), truth, max_seeds)
+    detail = coder.code_int(detail, 2)
+    found = _traverse(shape, _StatedFlagCoder(coder, _merged_contexts(shape, detail), best), given_tree, max_seeds)
     return seeds_of(found)
 
 
-class _Flagger(Protocol):
+class _FlagCoder(Protocol):
     def code(self, contexts: Contexts, flags: Flags | None) -> Flags:
         """Codes one flag per context."""
 
 
 class _FlagCounter:
-    """Counts zeros and ones per context: the first walk of the encoder, which codes nothing."""
+    """Counts zeros and ones per context: the first coder of the encoder, which codes nothing."""
 
     def __init__(self, shape: TreeShape) -> None:
         self._shape = shape
@@ -93,11 +93,11 @@ class _FlagCounter:
         return min(trials, key=lambda trial: trial[:2])[1:]
 
 
-class _FlagCoder:
+class _StatedFlagCoder:
     """Codes flags under the probability of their context, which is sent before the first flag it is for."""
 
-    def __init__(self, walk: SymbolWalk, merged: NDArray[np.int64], best: NDArray[np.int64] | None) -> None:
-        self._walk = walk
+    def __init__(self, coder: SymbolCoder, merged: NDArray[np.int64], best: NDArray[np.int64] | None) -> None:
+        self._coder = coder
         self._merged = merged
         self._best = best
         self._sent = np.full(merged.size, -1, np.int16)
@@ -107,8 +107,8 @@ class _FlagCoder:
         occurring = np.flatnonzero(np.bincount(merged, minlength=self._sent.size))
         fresh = occurring[self._sent[occurring] < 0]
         best = None if self._best is None else self._best[fresh]
-        self._sent[fresh] = self._walk.code_bits(best, 4, fresh.size)
-        return self._walk.code_categorical(flags, _FLAGS, self._sent[merged]).astype(np.uint8)
+        self._sent[fresh] = self._coder.code_bits(best, 4, fresh.size)
+        return self._coder.code_categorical(flags, _FLAGS, self._sent[merged]).astype(np.uint8)
 
 
 def _context_count(shape: TreeShape) -> int:
@@ -125,21 +125,23 @@ def _merged_contexts(shape: TreeShape, detail: int) -> NDArray[np.int64]:
     return np.where(context < _SEED_CONTEXTS, context, merged)
 
 
-def _traverse(shape: TreeShape, flagger: _Flagger, truth: TreeTruth | None, max_seeds: int) -> list[tuple[Codes, int]]:
+def _traverse(
+    shape: TreeShape, flag_coder: _FlagCoder, given_tree: GivenTree | None, max_seeds: int
+) -> list[tuple[Codes, int]]:
     """Codes the tree; returns the Morton codes of the nodes that carry seeds, with their level."""
     columns, rows = shape.root_grid
     y, x = np.divmod(np.arange(columns * rows), columns)
     order = np.argsort(morton(x, y), kind="stable")
     roots = morton(x, y)[order]
     unknown = np.zeros(roots.size, np.int16)
-    seed, split = _code_nodes(shape, flagger, truth, shape.root_log, roots, unknown, unknown)
+    seed, split = _code_nodes(shape, flag_coder, given_tree, shape.root_log, roots, unknown, unknown)
     parents = _Parents.of_roots(x[order], y[order], split)
     found = [(roots[seed == 1], shape.root_log)]
     for level in range(shape.root_log - 1, shape.min_log - 2, -1):
         if max(len(parents), sum(codes.size for codes, _ in found)) > max_seeds:
             raise LimitError(f"positions: more than {max_seeds} seeds at level {level + 1}")
         if level >= shape.min_log:
-            seeds, parents = _code_level(shape, flagger, truth, level, parents)
+            seeds, parents = _code_level(shape, flag_coder, given_tree, level, parents)
             found.append((seeds, level))
     return found
 
@@ -181,7 +183,7 @@ class _Parents:
 
 
 def _code_level(
-    shape: TreeShape, flagger: _Flagger, truth: TreeTruth | None, level: int, parents: _Parents
+    shape: TreeShape, flag_coder: _FlagCoder, given_tree: GivenTree | None, level: int, parents: _Parents
 ) -> tuple[Codes, _Parents]:
     """The children of `parents`: codes of those that carry seeds, and those that are split."""
     count = len(parents)
@@ -195,7 +197,7 @@ def _code_level(
         exists = slice(None) if inside.all() else np.flatnonzero(inside)
         score = _score(split, parents, child)[exists]
         siblings = (2 * empty + occupied)[exists].astype(np.int16)
-        here = _code_nodes(shape, flagger, truth, level, codes[exists] + child, score, siblings)
+        here = _code_nodes(shape, flag_coder, given_tree, level, codes[exists] + child, score, siblings)
         seed[exists, child], split[:count][exists, child] = here
         taken = here[0] | here[1]
         empty[exists] += taken ^ 1
@@ -223,8 +225,8 @@ def _score(split: Flags, parents: _Parents, child: int) -> NDArray[np.int16]:
 
 def _code_nodes(
     shape: TreeShape,
-    flagger: _Flagger,
-    truth: TreeTruth | None,
+    flag_coder: _FlagCoder,
+    given_tree: GivenTree | None,
     level: int,
     codes: Codes,
     score: NDArray[np.int16],
@@ -234,8 +236,8 @@ def _code_nodes(
     split = np.zeros(codes.size, np.uint8)
     if level > shape.min_log:
         first = _SEED_CONTEXTS + (level - shape.min_log) * _SPLIT_CONTEXTS
-        given = None if truth is None else truth.split(level, codes)
-        split = flagger.code(np.int16(first) + np.int16(_SIBLINGS) * score + siblings, given)
+        given = None if given_tree is None else given_tree.split(level, codes)
+        split = flag_coder.code(np.int16(first) + np.int16(_SIBLINGS) * score + siblings, given)
     kind = 2 * (level == shape.min_log) + split
-    given = None if truth is None else truth.seed(level, codes)
-    return flagger.code(np.int16(_SIBLINGS) * kind + siblings, given), split
+    given = None if given_tree is None else given_tree.seed(level, codes)
+    return flag_coder.code(np.int16(_SIBLINGS) * kind + siblings, given), split

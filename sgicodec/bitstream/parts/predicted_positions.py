@@ -16,19 +16,19 @@ from numpy.typing import NDArray
 
 from sgicodec._native import RangeDecoder, TreeNetwork, read_tree
 from sgicodec.bitstream.entropy.alphabets import Alphabets
-from sgicodec.bitstream.entropy.symbol_coder import IntArray, SymbolReader, SymbolWalk
+from sgicodec.bitstream.entropy.symbol_coder import IntArray, SymbolCoder, SymbolReader
 from sgicodec.bitstream.entropy.tables import TOTAL
 from sgicodec.bitstream.parts.predicted_tree import (
     LEVELS,
     Batch,
-    Scenery,
+    TreeContext,
     input_counts,
     limited,
-    native_scenery,
+    native_tree_context,
     walk_tree,
 )
 from sgicodec.bitstream.parts.prior import parse_prior
-from sgicodec.bitstream.parts.seed_tree import Flags, Seeds, TreeShape, TreeTruth, seeds_of
+from sgicodec.bitstream.parts.seed_tree import Flags, GivenTree, Seeds, TreeShape, seeds_of
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.errors import UnsupportedStreamError, UsageError
 from sgicodec.model.morton import Codes
@@ -51,9 +51,9 @@ _PER_ROW = 6
 
 
 def code_predicted_positions(
-    walk: SymbolWalk,
+    coder: SymbolCoder,
     shape: TreeShape,
-    scenery: Scenery,
+    tree_context: TreeContext,
     seeds: Seeds | None,
     max_seeds: int,
     device: Device = ONE_THREAD,
@@ -63,29 +63,29 @@ def code_predicted_positions(
     Raises UsageError for seeds that are no nodes of the tree, LimitError for a tree of more than `max_seeds` seeds,
     before anything of that size is allocated.
     """
-    if seeds is None and isinstance(walk, SymbolReader):
-        return _read(walk, shape, scenery, max_seeds, device)
+    if seeds is None and isinstance(coder, SymbolReader):
+        return _read(coder, shape, tree_context, max_seeds, device)
     if seeds is None:
         raise UsageError("positions: a writer needs seeds")
-    truth = TreeTruth(shape, seeds, max_seeds)
+    given_tree = GivenTree(shape, seeds, max_seeds)
     networks = _native_networks(device.isa)
 
     def flags(given: Flags, rows: NDArray[np.int16]) -> Flags:
-        return walk.code_categorical(given, _alphabets(), rows).astype(np.uint8)
+        return coder.code_categorical(given, _alphabets(), rows).astype(np.uint8)
 
     def code(batch: Batch) -> tuple[Flags, Flags]:
         rows = batch.rows(networks[batch.child], _PER_ROW, _MOST, device.threads)
         split = np.zeros(len(batch), np.uint8)
         if batch.level > LEVELS[-1]:
-            split = flags(truth.split(batch.level, batch.codes), rows[:, 0])
-        return split, flags(truth.seed(batch.level, batch.codes), batch.seed_rows(rows, split, _CERTAIN))
+            split = flags(given_tree.split(batch.level, batch.codes), rows[:, 0])
+        return split, flags(given_tree.seed(batch.level, batch.codes), batch.seed_rows(rows, split, _CERTAIN))
 
-    return seeds_of(walk_tree(shape, scenery, code, max_seeds))
+    return seeds_of(walk_tree(shape, tree_context, code, max_seeds))
 
 
-def _read(walk: SymbolReader, shape: TreeShape, scenery: Scenery, max_seeds: int, device: Device) -> Seeds:
+def _read(coder: SymbolReader, shape: TreeShape, tree_context: TreeContext, max_seeds: int, device: Device) -> Seeds:
     """The whole tree in one native call, which lets other threads run."""
-    native, networks, alphabets = native_scenery(shape, scenery), _native_networks(device.isa), _alphabets()
+    native, networks, alphabets = native_tree_context(shape, tree_context), _native_networks(device.isa), _alphabets()
     known = alphabets.models, alphabets.symbol, alphabets.bits
     found: list[tuple[Codes, int]] = []
 
@@ -96,7 +96,7 @@ def _read(walk: SymbolReader, shape: TreeShape, scenery: Scenery, max_seeds: int
         found.extend(codes)
         return int(not decodes), symbols, [bits]
 
-    walk.read(read, [walk.current])
+    coder.read(read, [coder.current])
     return seeds_of(found)
 
 

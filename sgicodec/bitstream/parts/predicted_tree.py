@@ -1,7 +1,9 @@
-"""The tree of seeds batch by batch, with what a prediction of its flags may see (docs/format.md, "Predicted flags").
+"""The quadtree of seeds in batches, and the inputs of the network that predicts its flags.
+
+docs/format.md, "Predicted flags", defines both.
 
 Roots are the children of nodes one level up that are all split, so that all nodes are coded alike. A level is coded in
-four batches, child number after child number. The walk (`native/bitstream/tree_walk.cpp`) is the same for writing,
+four batches, child number after child number. The traversal (`native/bitstream/tree_walk.cpp`) is the same for writing,
 training and reading; only reading needs no Python in between.
 """
 
@@ -21,7 +23,7 @@ from sgicodec.bitstream.parts.seed_tree import Flags, TreeShape
 from sgicodec.errors import LimitError, UsageError
 from sgicodec.model.morton import Codes
 
-__all__ = ["LEVELS", "Batch", "Scenery", "input_counts", "limited", "native_scenery", "walk_tree"]
+__all__ = ["LEVELS", "Batch", "TreeContext", "input_counts", "limited", "native_tree_context", "walk_tree"]
 
 Found = TypeVar("Found")
 
@@ -30,7 +32,7 @@ LEVELS = range(6, 0, -1)
 
 
 @dataclass(frozen=True)
-class Scenery:
+class TreeContext:
     """What a prediction sees besides the tree: base layer [C, rows, columns] in cells of `cell` pixels (0: none), and
     the header's quality.
     """
@@ -46,32 +48,32 @@ def input_counts() -> tuple[int, ...]:
     return tuple(_native.tree_input_count(child) for child in range(4))
 
 
-def native_scenery(shape: TreeShape, scenery: Scenery) -> _native.TreeScenery:
+def native_tree_context(shape: TreeShape, tree_context: TreeContext) -> _native.TreeScenery:
     """Both as native code takes them. Raises UsageError for other trees than those that are predicted, LimitError for
     more roots than any tree may have.
     """
     if (shape.root_log, shape.min_log) != (LEVELS[0], LEVELS[-1]):
         raise UsageError(f"positions: trees of levels {shape.min_log} to {shape.root_log} have no prediction")
     shape.check_roots()
-    base = np.ascontiguousarray(scenery.base, np.int64)
-    return _native.TreeScenery(shape.width, shape.height, base, scenery.cell, scenery.quality)
+    base = np.ascontiguousarray(tree_context.base, np.int64)
+    return _native.TreeScenery(shape.width, shape.height, base, tree_context.cell, tree_context.quality)
 
 
-def limited(walk: Callable[[], Found]) -> Found:
-    """What a native walk finds. Raises LimitError where it finds too much."""
+def limited(coder: Callable[[], Found]) -> Found:
+    """What a native coder finds. Raises LimitError where it finds too much."""
     try:
-        return walk()
+        return coder()
     except OverflowError as error:
         raise LimitError(f"positions: {error}") from error
 
 
 def walk_tree(
-    shape: TreeShape, scenery: Scenery, code: Callable[[Batch], tuple[Flags, Flags]], max_seeds: int
+    shape: TreeShape, tree_context: TreeContext, code: Callable[[Batch], tuple[Flags, Flags]], max_seeds: int
 ) -> list[tuple[Codes, int]]:
     """Goes through a tree; `code` says of each batch which nodes are split and which carry seeds. Returns the Morton
     codes of the nodes that carry seeds, with their level.
 
     Raises LimitError before anything of the size of more than `max_seeds` seeds is allocated.
     """
-    native = native_scenery(shape, scenery)
+    native = native_tree_context(shape, tree_context)
     return limited(lambda: _native.walk_tree(native, max_seeds, code))

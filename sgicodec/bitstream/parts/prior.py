@@ -1,4 +1,4 @@
-"""The priors that ship with the package: MLP_p trained over many pictures, so that a small file pays for no weights."""
+"""The shipped priors: MLP_p trained over many pictures, so that a small file pays for no weights."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ from sgicodec.bitstream.header import MAX_SIDE
 from sgicodec.errors import LimitError, UsageError
 from sgicodec.model.morton import Codes, morton, unmorton
 
-__all__ = ["MAX_ROOTS", "Flags", "Seeds", "TreeShape", "TreeTruth", "seeds_of"]
+__all__ = ["MAX_ROOTS", "Flags", "GivenTree", "Seeds", "TreeShape", "seeds_of"]
 
 Flags = NDArray[np.uint8]
 Seeds = tuple[NDArray[np.int32], NDArray[np.int8]]
@@ -67,7 +67,7 @@ def seeds_of(found: list[tuple[Codes, int]]) -> Seeds:
     return corner.astype(np.int32), (MAX_LOG - (keys & 31)).astype(np.int8)
 
 
-class TreeTruth:
+class GivenTree:
     """The tree of given seeds: which nodes of a level carry seeds, which are split."""
 
     def __init__(self, shape: TreeShape, seeds: Seeds, max_seeds: int) -> None:

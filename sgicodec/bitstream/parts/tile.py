@@ -7,14 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.bitstream.entropy.symbol_coder import SymbolReader, SymbolWalk, SymbolWriter
+from sgicodec.bitstream.entropy.symbol_coder import SymbolCoder, SymbolReader, SymbolWriter
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.limits import check_model, hash_counts, max_seeds, network_shapes
 from sgicodec.bitstream.parts.arrays import code_base, code_signs, code_weights
 from sgicodec.bitstream.parts.attributes import AttributeCoder
 from sgicodec.bitstream.parts.positions import code_positions
 from sgicodec.bitstream.parts.predicted_positions import code_predicted_positions
-from sgicodec.bitstream.parts.predicted_tree import Scenery
+from sgicodec.bitstream.parts.predicted_tree import TreeContext
 from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.bitstream.parts.seed_tree import TreeShape
 from sgicodec.device import ONE_THREAD, Device
@@ -62,22 +62,20 @@ class TileModel:
         return np.multiply(self.decoded, 2.0**-FRACTION_BITS, dtype=np.float64)
 
 
-def write_tile(header: Header, model: TileModel) -> tuple[bytes, SymbolWalk]:
-    """The payload of chunk T, and the walk with the bits of every part. Sets `model.decoded`.
+def write_tile(header: Header, model: TileModel) -> tuple[bytes, SymbolCoder]:
+    """The payload of chunk T, and the coder with the bits of every part. Sets `model.decoded`.
 
     Raises LimitError for a model that `read_tile` would refuse.
     """
     spec, size = header.spec, (header.width, header.height)
     check_model(spec, *size)
-    walk = SymbolWriter()
+    coder = SymbolWriter()
     seeds = len(model.layout)
-    _code(walk, header, model, seeds)
-    payload = walk.finish()  # ends with the CRC of all symbols
+    _code(coder, header, model, seeds)
+    payload = coder.finish()  # ends with the CRC of all symbols
     if seeds > max_seeds(spec, *size, len(payload)):
-        raise LimitError(
-            f"{seeds} seeds in a tile of {len(payload)} bytes; no decoder takes so many that say so little"
-        )
-    return payload, walk
+        raise LimitError(f"{seeds} seeds in a tile of {len(payload)} bytes; a decoder would refuse it")
+    return payload, coder
 
 
 def read_tile(header: Header, payload: bytes, device: Device = ONE_THREAD) -> tuple[TileModel, SymbolReader]:
@@ -86,100 +84,102 @@ def read_tile(header: Header, payload: bytes, device: Device = ONE_THREAD) -> tu
     """
     spec, size = header.spec, (header.width, header.height)
     check_model(spec, *size)
-    walk = SymbolReader(payload)
-    model = _code(walk, header, None, max_seeds(spec, *size, len(payload)), device)
-    walk.finish()
-    return model, walk
+    coder = SymbolReader(payload)
+    model = _code(coder, header, None, max_seeds(spec, *size, len(payload)), device)
+    coder.finish()
+    return model, coder
 
 
 def _code(
-    walk: SymbolWalk,
+    coder: SymbolCoder,
     header: Header,
     model: TileModel | None,
     most_seeds: int,
     device: Device = ONE_THREAD,
 ) -> TileModel:
     spec, size = header.spec, (header.width, header.height)
-    with walk.part("steps"):
-        plan = _code_plan(walk, spec, header.quality, None if model is None else model.plan)
-    with walk.part("base"):
-        base_step, base = _code_base_layer(walk, header, model)
-    with walk.part("positions"):
-        layout = _code_layout(walk, header, base, None if model is None else model.layout, most_seeds, device)
-    with walk.part("decoders"):
+    with coder.part("steps"):
+        plan = _code_plan(coder, spec, header.quality, None if model is None else model.plan)
+    with coder.part("base"):
+        base_step, base = _code_base_layer(coder, header, model)
+    with coder.part("positions"):
+        layout = _code_layout(coder, header, base, None if model is None else model.layout, most_seeds, device)
+    with coder.part("decoders"):
         shapes = decoder_shapes(spec)
         decoders = {
-            name: code_weights(walk, None if model is None else model.decoders[name], shape).astype(np.int64)
+            name: code_weights(coder, None if model is None else model.decoders[name], shape).astype(np.int64)
             for name, shape in shapes.items()
         }
-    with walk.part("hash grid"):
-        hash_tables = _code_hash(walk, header, None if model is None else model.hash_tables)
-    with walk.part("context model"):
-        networks = code_networks(walk, spec, None if model is None else model.networks)
-    coder = AttributeCoder(spec, layout, size, plan, networks, hash_tables, header.quality, header.family, device)
-    decoded = coder.code(walk, None if model is None else model.attributes)
+    with coder.part("hash grid"):
+        hash_tables = _code_hash(coder, header, None if model is None else model.hash_tables)
+    with coder.part("context model"):
+        networks = code_networks(coder, spec, None if model is None else model.networks)
+    attributes = AttributeCoder(spec, layout, size, plan, networks, hash_tables, header.quality, header.family, device)
+    decoded = attributes.code(coder, None if model is None else model.attributes)
     if model is not None:
         model.decoded = decoded
         return model
     return TileModel(layout, plan, base_step, base, decoders, networks, hash_tables, None, decoded)
 
 
-def _code_plan(walk: SymbolWalk, spec: ModelSpec, quality: int, plan: StepPlan | None) -> StepPlan:
+def _code_plan(coder: SymbolCoder, spec: ModelSpec, quality: int, plan: StepPlan | None) -> StepPlan:
     expected = default_plan(spec, quality)
     base, gamma = {}, {}
     for name, index in expected.base.items():
-        difference = code_weights(walk, None if plan is None else plan.base[name] - index, index.shape)
+        difference = code_weights(coder, None if plan is None else plan.base[name] - index, index.shape)
         base[name] = index + difference
         if base[name].min() < 0 or base[name].max() >= STEP_COUNT:
             raise CorruptStreamError("steps: an index is outside the table of steps")
         gamma[name] = 0
         if follows_amplitude(spec, name):
-            gamma[name] = walk.code_int(None if plan is None else plan.gamma[name], _GAMMA_BITS)
+            gamma[name] = coder.code_int(None if plan is None else plan.gamma[name], _GAMMA_BITS)
     return StepPlan(base, gamma)
 
 
-def _code_base_layer(walk: SymbolWalk, header: Header, model: TileModel | None) -> tuple[int, I64]:
+def _code_base_layer(coder: SymbolCoder, header: Header, model: TileModel | None) -> tuple[int, I64]:
     cell = header.spec.base_cell
     if not cell:
         return 0, np.zeros((header.spec.channels, 0, 0), np.int64)
     shape = (header.spec.channels, *base_shape(header.width, header.height, cell))
-    step = walk.code_int(None if model is None else model.base_step, _STEP_BITS)
+    step = coder.code_int(None if model is None else model.base_step, _STEP_BITS)
     if step >= STEP_COUNT:
         raise CorruptStreamError("base layer: a step outside the table of steps")
-    return step, code_base(walk, None if model is None else model.base, shape).astype(np.int64)
+    return step, code_base(coder, None if model is None else model.base, shape).astype(np.int64)
 
 
 def _code_layout(
-    walk: SymbolWalk, header: Header, base: I64, layout: SeedLayout | None, most: int, device: Device
+    coder: SymbolCoder, header: Header, base: I64, layout: SeedLayout | None, most: int, device: Device
 ) -> SeedLayout:
     least = 0 if header.spec.layout == "uniform" else 1
     tree = TreeShape(header.width, header.height, ROOT_LOG, least)
     seeds = None if layout is None else (layout.corner, layout.log_size)
     if header.spec.predicted_seeds:
-        scenery = Scenery(base, header.spec.base_cell, header.quality)
-        return SeedLayout(*code_predicted_positions(walk, tree, scenery, seeds, most, device))
-    return SeedLayout(*code_positions(walk, tree, seeds, most))
+        tree_context = TreeContext(base, header.spec.base_cell, header.quality)
+        return SeedLayout(*code_predicted_positions(coder, tree, tree_context, seeds, most, device))
+    return SeedLayout(*code_positions(coder, tree, seeds, most))
 
 
-def _code_hash(walk: SymbolWalk, header: Header, tables: list[I64] | None) -> list[I64]:
+def _code_hash(coder: SymbolCoder, header: Header, tables: list[I64] | None) -> list[I64]:
     counts = hash_counts(header.spec, header.width, header.height)
     if not counts:
         return []
     given = None if tables is None else np.concatenate([table.reshape(-1) for table in tables])
-    bits = code_signs(walk, given, counts).astype(np.int64)
+    bits = code_signs(coder, given, counts).astype(np.int64)
     return [part.reshape(-1, header.spec.context.hash_features) for part in np.split(bits, np.cumsum(counts)[:-1])]
 
 
-def code_networks(walk: SymbolWalk, spec: ModelSpec, networks: tuple[IntNetwork, ...] | None) -> tuple[IntNetwork, ...]:
+def code_networks(
+    coder: SymbolCoder, spec: ModelSpec, networks: tuple[IntNetwork, ...] | None
+) -> tuple[IntNetwork, ...]:
     if spec.context.prior:
-        return _code_differences(walk, load_prior(spec), networks)
+        return _code_differences(coder, load_prior(spec), networks)
     coded = []
     for number, step in enumerate(spec.context.steps):
         units = sum(output_count(spec, name) for name in step)
         given = None if networks is None else networks[number]
-        shift = walk.code_int(None if given is None else given.shift, _SHIFT_BITS)
+        shift = coder.code_int(None if given is None else given.shift, _SHIFT_BITS)
         weights = {
-            name: code_weights(walk, None if given is None else getattr(given, name), shape).astype(np.int64)
+            name: code_weights(coder, None if given is None else getattr(given, name), shape).astype(np.int64)
             for name, shape in network_shapes(spec, number).items()
         }
         coded.append(IntNetwork(**weights, shift=shift, predicted=units))
@@ -187,17 +187,17 @@ def code_networks(walk: SymbolWalk, spec: ModelSpec, networks: tuple[IntNetwork,
 
 
 def _code_differences(
-    walk: SymbolWalk, prior: tuple[IntNetwork, ...], networks: tuple[IntNetwork, ...] | None
+    coder: SymbolCoder, prior: tuple[IntNetwork, ...], networks: tuple[IntNetwork, ...] | None
 ) -> tuple[IntNetwork, ...]:
     """The prior, and what the picture changes in it: whether anything, then b1, W2 and b2 of every step."""
     given = None if networks is None else [_differences(p, n) for p, n in zip(prior, networks, strict=True)]
     changed = None if given is None else int(any(part.any() for step in given for part in step.values()))
-    if not walk.code_int(changed, 1):
+    if not coder.code_int(changed, 1):
         return prior
     coded = []
     for number, network in enumerate(prior):
         parts = (
-            code_weights(walk, None if given is None else given[number][name], getattr(network, name).shape).astype(
+            code_weights(coder, None if given is None else given[number][name], getattr(network, name).shape).astype(
                 np.int64
             )
             for name in ("b1", "w2", "b2")

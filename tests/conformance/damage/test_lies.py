@@ -21,7 +21,7 @@ from sgicodec.bitstream.header import decode_header
 from sgicodec.bitstream.parts.arrays import code_base, code_weights
 from sgicodec.bitstream.parts.positions import code_positions
 from sgicodec.bitstream.parts.predicted_positions import code_predicted_positions
-from sgicodec.bitstream.parts.predicted_tree import Scenery
+from sgicodec.bitstream.parts.predicted_tree import TreeContext
 from sgicodec.bitstream.parts.seed_tree import TreeShape
 from sgicodec.bitstream.parts.tile import read_tile
 from sgicodec.errors import CorruptStreamError, LimitError
@@ -140,7 +140,7 @@ def test_free_seeds_are_few(coded: Any, predicted: bool) -> None:
     shape = TreeShape(side, side, 6, least)
     if predicted:
         base = np.zeros((header.spec.channels, *base_shape(side, side, header.spec.base_cell)), np.int64)
-        code_predicted_positions(walk, shape, Scenery(base, header.spec.base_cell, header.quality), seeds, x.size)
+        code_predicted_positions(walk, shape, TreeContext(base, header.spec.base_cell, header.quality), seeds, x.size)
     else:
         code_positions(walk, shape, seeds, x.size)
     payload = walk.finish()

@@ -7,14 +7,14 @@ import pytest
 
 from sgicodec import open_stream
 from sgicodec.decoder.compositor import sample_mapping
-from sgicodec.decoder.tile_renderer import DrawnTile
+from sgicodec.decoder.tile_renderer import TileRenderer
 from sgicodec.decoder.view import View, view_of
 from sgicodec.raster import Mapping
 
 GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
 
 
-def parts(tile: DrawnTile, view: View, mapping: Mapping | None, dtype: type[np.generic], whole: bool) -> np.ndarray:
+def parts(tile: TileRenderer, view: View, mapping: Mapping | None, dtype: type[np.generic], whole: bool) -> np.ndarray:
     """The view in four uneven parts."""
     out: np.ndarray = np.zeros((view.rows, view.columns, tile.header.spec.channels), dtype)
     draw = tile.draw if whole else tile._draw

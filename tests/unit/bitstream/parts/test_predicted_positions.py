@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from sgicodec.bitstream.entropy.symbol_coder import SymbolReader, SymbolWriter
 from sgicodec.bitstream.entropy.tables import TOTAL
 from sgicodec.bitstream.parts.predicted_positions import ONES, code_predicted_positions
-from sgicodec.bitstream.parts.predicted_tree import Batch, Scenery, walk_tree
+from sgicodec.bitstream.parts.predicted_tree import Batch, TreeContext, walk_tree
 from sgicodec.bitstream.parts.seed_tree import Seeds, TreeShape
 from sgicodec.device import Device
 from sgicodec.errors import CorruptStreamError, LimitError, UsageError
@@ -30,7 +30,7 @@ def nodes_of(seeds: Seeds) -> list[Node]:
 
 
 @st.composite
-def trees(draw: st.DrawFn) -> tuple[TreeShape, Scenery, list[Node]]:
+def trees(draw: st.DrawFn) -> tuple[TreeShape, TreeContext, list[Node]]:
     """Seeds that crowd in places, over a base layer of any kind."""
     shape = TreeShape(draw(st.integers(1, 300)), draw(st.integers(1, 200)), 6, 1)
     count = draw(st.one_of(st.integers(0, 5), st.integers(0, 150)))
@@ -42,14 +42,14 @@ def trees(draw: st.DrawFn) -> tuple[TreeShape, Scenery, list[Node]]:
     across, down = (-(-side // cell) if cell else 0 for side in (shape.width, shape.height))
     spread = draw(st.sampled_from([0, 3, 100, 2**20]))
     base = rng.integers(-spread, spread + 1, (draw(st.integers(1, 4)), down, across))
-    scenery = Scenery(base, cell, draw(st.integers(0, 255)))
+    scenery = TreeContext(base, cell, draw(st.integers(0, 255)))
     return shape, scenery, sorted(set(zip(level.tolist(), x.tolist(), y.tolist(), strict=True)))
 
 
 class ReferenceDecoder:
     """docs/format.md, section "Predicted flags", one flag at a time over a dictionary of nodes."""
 
-    def __init__(self, shape: TreeShape, scenery: Scenery, payload: bytes) -> None:
+    def __init__(self, shape: TreeShape, scenery: TreeContext, payload: bytes) -> None:
         self.shape, self.scenery, self.walk = shape, scenery, SymbolReader(payload)
         self.split: dict[Node, int] = {}
         self.seed: dict[Node, int] = {}
@@ -191,7 +191,7 @@ class ReferenceDecoder:
 
 @settings(max_examples=40, deadline=None)
 @given(trees())
-def test_the_reference_decoder_reads_the_same_tree(tree: tuple[TreeShape, Scenery, list[Node]]) -> None:
+def test_the_reference_decoder_reads_the_same_tree(tree: tuple[TreeShape, TreeContext, list[Node]]) -> None:
     shape, scenery, nodes = tree
     writer = SymbolWriter()
     code_predicted_positions(writer, shape, scenery, seeds_of(nodes), len(nodes))
@@ -204,7 +204,7 @@ def test_the_reference_decoder_reads_the_same_tree(tree: tuple[TreeShape, Scener
 
 @settings(max_examples=80, deadline=None)
 @given(trees(), st.sampled_from([Device(2), Device(1, "portable")]))
-def test_round_trip_on_any_processor(tree: tuple[TreeShape, Scenery, list[Node]], device: Device) -> None:
+def test_round_trip_on_any_processor(tree: tuple[TreeShape, TreeContext, list[Node]], device: Device) -> None:
     shape, scenery, nodes = tree
     writer = SymbolWriter()
     written = code_predicted_positions(writer, shape, scenery, seeds_of(nodes), len(nodes))
@@ -221,7 +221,7 @@ def test_probabilities_follow_the_logistic_function() -> None:
     assert np.abs(np.array(ONES) - exact).max() <= 0.5
 
 
-NOWHERE = Scenery(np.zeros((1, 0, 0), np.int64), 0, 50)
+NOWHERE = TreeContext(np.zeros((1, 0, 0), np.int64), 0, 50)
 SHAPE = TreeShape(64, 64, 6, 1)
 
 
