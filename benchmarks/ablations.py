@@ -14,7 +14,7 @@ from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.pipeline import encode
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.image import read
-from sgicodec.metrics.scores import psnr
+from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Picture, comparable
 
 __all__ = ["Row", "centre", "main", "measured", "tables"]

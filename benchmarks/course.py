@@ -24,7 +24,7 @@ from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile_encoder import Encoding
 from sgicodec.image import read
-from sgicodec.metrics.scores import psnr
+from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import comparable
 from sgicodec.rate_control.convergence import DONE, LAMBDAS, POSITION_BITS, STEPS
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from sgicodec.decoder.stream import open_stream
 from sgicodec.image import read
-from sgicodec.metrics.scores import psnr
+from sgicodec.metrics.psnr import psnr
 
 __all__ = ["jpeg_of_size", "main"]
 

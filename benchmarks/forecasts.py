@@ -21,7 +21,7 @@ from sgicodec.fit.base_layer import base_layer
 from sgicodec.fit.settings import EFFORTS, default_settings, lmbda_of_quality
 from sgicodec.image import read
 from sgicodec.metrics.distortion import decibels
-from sgicodec.metrics.scores import psnr
+from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import comparable, to_unit
 from sgicodec.rate_control.rd_model import DEARER, STREAM_BYTES, Foretold
 

@@ -16,7 +16,7 @@ from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile_encoder import Encoded, make_ready
 from sgicodec.errors import TargetMissedError, UsageError
 from sgicodec.image import read
-from sgicodec.metrics.scores import psnr
+from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Picture, comparable
 
 __all__ = ["Asked", "Outcome", "Point", "asked_of", "loss", "main", "report", "run"]

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
-from sgicodec.bench.plots import require_matplotlib
+from sgicodec.bench.extra import require
 from sgicodec.bench.sgi import run_timed
 from sgicodec.decoder.stream import open_stream
 
@@ -245,7 +245,7 @@ def main(path: Path, out: Path, threads: int, effort: int, steps: int | None, mo
 
     Writes OUT/results/scaling.tsv and OUT/images/scaling.png.
     """
-    require_matplotlib()
+    require("the benchmark", "matplotlib")
     table, image = out / "results" / "scaling.tsv", out / "images" / "scaling.png"
     for file in (table, image):
         file.parent.mkdir(parents=True, exist_ok=True)

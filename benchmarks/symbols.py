@@ -20,7 +20,7 @@ from time import process_time
 from benchmarks.whole import Whole, measured
 from sgicodec import EncodeSettings, Picture, encode, open_stream, read
 from sgicodec.device import Device
-from sgicodec.metrics.scores import psnr
+from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import to_unit
 from sgicodec.rdoq import Refiner, RefineSettings
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from sgicodec.decoder.stream import Stream, open_stream
 from sgicodec.decoder.view import Region
-from sgicodec.metrics.scores import psnr
+from sgicodec.metrics.psnr import psnr
 
 __all__ = ["averaged", "main", "thumbnail"]
 

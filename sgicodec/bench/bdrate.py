@@ -1,7 +1,7 @@
 """Bjøntegaard deltas: the mean difference of two rate–distortion curves, in rate or in quality.
 
 Source: Bjøntegaard, "Calculation of average PSNR differences between RD-curves", VCEG-M33, 2001, with the
-piecewise cubic of later JVET practice in place of one cubic through all points, which may swing between them.
+piecewise cubic of later JVET practice (PCHIP) in place of one cubic through all points, which may swing between them.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from scipy.interpolate import PchipInterpolator
 
-from sgicodec.bench.pchip import Pchip
 from sgicodec.errors import UsageError
 
 __all__ = ["Curve", "Delta", "bd_quality", "bd_rate"]
@@ -53,7 +53,7 @@ class Curve:
         """Quality at a rate, interpolated over the logarithm of the rate; NaN outside of the curve."""
         if len(self.log_rates) < 2:
             return math.nan
-        return float(Pchip(self.log_rates, self.qualities)(math.log(rate)))
+        return float(PchipInterpolator(self.log_rates, self.qualities, extrapolate=False)(math.log(rate)))
 
 
 def bd_rate(anchor: Curve, test: Curve) -> Delta:
@@ -86,5 +86,5 @@ def _mean_difference(
     low, high = float(max(x0[0], x1[0])), float(min(x0[-1], x1[-1]))
     if not low < high:
         return Delta(math.nan, reason=f"the curves share no range of {what}")
-    difference = Pchip(x1, y1).integral(low, high) - Pchip(x0, y0).integral(low, high)
-    return Delta(difference / (high - low), low, high)
+    difference = PchipInterpolator(x1, y1).integrate(low, high) - PchipInterpolator(x0, y0).integrate(low, high)
+    return Delta(float(difference) / (high - low), low, high)

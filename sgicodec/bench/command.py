@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from sgicodec.bench.extra import require
 from sgicodec.bench.options import numbers
 from sgicodec.errors import OutputExistsError, SgiError, TargetMissedError, UsageError
 
@@ -50,14 +51,13 @@ def bench(
     that it already holds are not measured again. OUT/summary.json holds what follows from this run's points.
     A point that a codec fails on is reported, does not stop the run, and makes the command end with status 1.
     """
+    require("sgi bench", "scipy", *(["matplotlib"] if plots else []))
     from rich.console import Console
 
-    from sgicodec.bench.plots import require_matplotlib, write_plots
+    from sgicodec.bench.plots import write_plots
     from sgicodec.bench.run import find_pictures, run_bench
     from sgicodec.bench.tables import print_summary
 
-    if plots:
-        require_matplotlib()
     chosen = _choose_codecs(codecs, qualities, efforts, threads)
     summary = run_bench(find_pictures(places), chosen, out, report=lambda line: click.echo(line, err=True))
     text = json.dumps(summary.to_json(), indent=2)
@@ -84,28 +84,30 @@ def compare(
     a: Path, b: Path, map_path: Path | None, gain: float, force: bool, fail_under: float | None, as_json: bool
 ) -> None:
     """Print how far picture B is from picture A: PSNR, luma PSNR, SSIM and MS-SSIM."""
+    require("sgi compare", "scipy")
     from sgicodec import image
-    from sgicodec.metrics import scores as metrics
+    from sgicodec.metrics.psnr import largest_difference
+    from sgicodec.metrics.scores import error_map, scores
 
     if map_path is not None and map_path.exists() and not force:
         raise OutputExistsError(f"{map_path} exists; give -f to overwrite it")
     reference, other = image.read(a), image.read(b)
     first, second = (_scaled(picture.pixels, reference.sample_range) for picture in (reference, other))
-    scores = metrics.scores(first, second)
-    largest = metrics.largest_difference(reference.pixels, other.pixels)
+    found = scores(first, second)
+    largest = largest_difference(reference.pixels, other.pixels)
     if as_json:
-        figures = dataclasses.asdict(scores) | {"largest_difference": largest}
+        figures = dataclasses.asdict(found) | {"largest_difference": largest}
         click.echo(json.dumps({name: v if math.isfinite(v) else None for name, v in figures.items()}))
     else:
-        click.echo(f"PSNR                {scores.psnr:.3f} dB")
-        click.echo(f"luma PSNR           {scores.luma_psnr:.3f} dB")
-        click.echo(f"SSIM                {scores.ssim:.5f}")
-        click.echo(f"MS-SSIM             {scores.ms_ssim:.5f}")
+        click.echo(f"PSNR                {found.psnr:.3f} dB")
+        click.echo(f"luma PSNR           {found.luma_psnr:.3f} dB")
+        click.echo(f"SSIM                {found.ssim:.5f}")
+        click.echo(f"MS-SSIM             {found.ms_ssim:.5f}")
         click.echo(f"largest difference  {largest:g}")
     if map_path is not None:
-        _write_map(map_path, metrics.error_map(first, second, gain=gain))
-    if fail_under is not None and not scores.psnr >= fail_under:
-        raise TargetMissedError(f"{b} is at {scores.psnr:.3f} dB of {a}, below the {fail_under:g} dB asked for")
+        _write_map(map_path, error_map(first, second, gain=gain))
+    if fail_under is not None and not found.psnr >= fail_under:
+        raise TargetMissedError(f"{b} is at {found.psnr:.3f} dB of {a}, below the {fail_under:g} dB asked for")
 
 
 def _scaled(pixels: npt.NDArray[Any], sample_range: tuple[float, float]) -> npt.NDArray[Any]:

@@ -15,6 +15,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from sgicodec.bench.codec import Codec, Pixels8, RoundTrip, timed
+from sgicodec.bench.extra import INSTALL, require
 from sgicodec.errors import PictureError, UsageError
 
 __all__ = ["PEERS", "Avif", "Jpeg", "Jpeg2000", "JpegXl", "Peer", "WebP", "find_peers"]
@@ -111,7 +112,7 @@ class Avif(Peer):
         from PIL import _avif
 
         if not _avif.encoder_codec_available("aom"):
-            raise UsageError("avif needs a pillow that encodes with libaom: pip install sgicodec[bench]")
+            raise UsageError(f"avif needs a pillow that encodes with libaom: {INSTALL}")
         return f"{libavif}, {_avif.codec_versions()}"
 
     def settings(self, quality: float) -> str:
@@ -157,12 +158,11 @@ class JpegXl(Peer):
     threads: int = 1
 
     def version(self) -> str:
-        try:
-            import imagecodecs
-        except ImportError as error:
-            raise UsageError("jxl needs imagecodecs: pip install sgicodec[bench]") from error
+        require(self.name, "imagecodecs")
+        import imagecodecs
+
         if not imagecodecs.JPEGXL.available:
-            raise UsageError("jxl needs an imagecodecs that holds libjxl: pip install sgicodec[bench]")
+            raise UsageError(f"jxl needs an imagecodecs that holds libjxl: {INSTALL}")
         return str(imagecodecs.jpegxl_version())
 
     def settings(self, quality: float) -> str:
@@ -210,13 +210,12 @@ def find_peers(names: Iterable[str], threads: int = 1) -> tuple[list[Codec], dic
 
 
 def _pillow_version(name: str, feature: str, library: str) -> str:
-    try:
-        import PIL
-        from PIL import features
-    except ImportError as error:
-        raise UsageError(f"{name} needs pillow: pip install sgicodec[bench]") from error
+    require(name, "PIL")
+    import PIL
+    from PIL import features
+
     if not features.check(feature):
-        raise UsageError(f"{name} needs a pillow that holds {library}: pip install sgicodec[bench]")
+        raise UsageError(f"{name} needs a pillow that holds {library}: {INSTALL}")
     return f"{library} {features.version(feature)} in pillow {PIL.__version__}"
 
 

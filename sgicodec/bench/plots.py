@@ -11,26 +11,16 @@ import numpy as np
 
 from sgicodec.bench.rows import Row
 from sgicodec.bench.summary import MEASURES, Summary, curves, is_sgi, mean_at, picture_label
-from sgicodec.errors import UsageError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["require_matplotlib", "write_plots"]
-
-
-def require_matplotlib() -> None:
-    """Raise UsageError where matplotlib is missing: better before a long measurement than after it."""
-    try:
-        import matplotlib  # noqa: F401
-    except ImportError as error:
-        raise UsageError("plots need matplotlib: pip install sgicodec[bench]") from error
+__all__ = ["write_plots"]
 
 
 def write_plots(summary: Summary, out_dir: Path) -> list[Path]:
-    """Write the plots as PNG files and return their paths. Raises UsageError where matplotlib is missing."""
-    require_matplotlib()
+    """Write the plots as PNG files and return their paths."""
     paths = []
     for name, figure in _figures(summary):
         paths.append(out_dir / f"{name}.png")

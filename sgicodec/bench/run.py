@@ -15,7 +15,7 @@ from sgicodec.bench.codec import Codec, Pixels8
 from sgicodec.bench.rows import Key, Results, Row
 from sgicodec.bench.summary import Summary, summarise
 from sgicodec.errors import PictureError, SgiError, UsageError
-from sgicodec.metrics import scores as metrics
+from sgicodec.metrics.scores import scores
 
 __all__ = ["Sample", "find_pictures", "run_bench", "to_rgb"]
 
@@ -136,7 +136,7 @@ def _measure(sample: Sample, codec: Codec, quality: float, key: Key) -> Row:
     if trip.pixels.shape != sample.pixels.shape:
         raise PictureError(f"{codec.name} gave back an array of shape {trip.pixels.shape}")
     height, width = sample.pixels.shape[:2]
-    scores = metrics.scores(sample.pixels, trip.pixels)
+    found = scores(sample.pixels, trip.pixels)
     return Row(
         *key,
         width=width,
@@ -144,10 +144,10 @@ def _measure(sample: Sample, codec: Codec, quality: float, key: Key) -> Row:
         quality=quality,
         bytes=len(trip.data),
         bpp=8 * len(trip.data) / (width * height),
-        psnr=scores.psnr,
-        luma_psnr=scores.luma_psnr,
-        ssim=scores.ssim,
-        ms_ssim=scores.ms_ssim,
+        psnr=found.psnr,
+        luma_psnr=found.luma_psnr,
+        ssim=found.ssim,
+        ms_ssim=found.ms_ssim,
         encode_seconds=trip.encode_seconds,
         decode_seconds=trip.decode_seconds,
         memory_mib=trip.peak_mib,

@@ -10,14 +10,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError
 from importlib.metadata import version as distribution_version
-from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from sgicodec.bench.codec import Pixels8, RoundTrip
-from sgicodec.errors import SgiError, UsageError
+from sgicodec.bench.extra import require
+from sgicodec.errors import SgiError
 
 __all__ = ["DEFAULT_QUALITIES", "Run", "SgiCodec", "fingerprint", "run_timed"]
 
@@ -44,8 +44,7 @@ class SgiCodec:
 
     def version(self) -> str:
         """The distribution's version and a fingerprint of the code, so that no result outlives the code."""
-        if find_spec("PIL") is None:
-            raise UsageError("the benchmark needs pillow: pip install sgicodec[bench]")
+        require("the codec sgi in a benchmark", "PIL")
         try:
             number = distribution_version("sgicodec")
         except PackageNotFoundError:

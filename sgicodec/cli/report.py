@@ -133,7 +133,7 @@ def peak_mib() -> float | None:
 def _psnr(picture: Picture, data: bytes, threads: int) -> float:
     """Over all samples, but for colours where alpha is 0."""
     from sgicodec.decoder.stream import open_stream
-    from sgicodec.metrics.scores import psnr
+    from sgicodec.metrics.psnr import psnr
     from sgicodec.picture import comparable
 
     with open_stream(data) as stream:

@@ -23,7 +23,7 @@ from sgicodec.device import Device
 from sgicodec.encoder.inpainting import fill
 from sgicodec.encoder.plan import Plan, fit_settings
 from sgicodec.fit.base_layer import base_layer
-from sgicodec.metrics.scores import psnr
+from sgicodec.metrics.psnr import psnr
 from sgicodec.model.layout import adaptive_layout, uniform_layout
 from sgicodec.picture import Picture, comparable, nodata_mask, to_unit
 from sgicodec.rate_control.lambda_controller import Steering

@@ -20,7 +20,7 @@ from sgicodec import EncodeSettings, Picture, Stream, encode, open_stream, read
 from sgicodec.bitstream.parts import tile
 from sgicodec.bitstream.parts.attributes import AttributeCoder
 from sgicodec.decoder import tile_renderer as drawn_tile
-from sgicodec.metrics.scores import psnr
+from sgicodec.metrics.psnr import psnr
 
 PICTURE = Path(__file__).parents[1] / "data" / "kodim23.png"
 

@@ -18,7 +18,7 @@ from sgicodec.encoder.overview import overview_picture, takes_overview
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.errors import CorruptStreamError, UsageError
 from sgicodec.metadata import geo, ifd
-from sgicodec.metrics.scores import psnr
+from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Metadata, nodata_mask
 
 DATA = Path(__file__).parents[1] / "data"

@@ -12,7 +12,7 @@ import pytest
 from sgicodec import Encoded, EncodeSettings, Picture, encode, open_stream, read
 from sgicodec.errors import TargetMissedError, UsageError
 from sgicodec.fit.trainer import Progress
-from sgicodec.metrics.scores import psnr
+from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Metadata, comparable
 
 DATA = Path(__file__).parents[1] / "data"

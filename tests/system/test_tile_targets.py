@@ -10,7 +10,7 @@ import pytest
 
 from sgicodec import Encoded, EncodeSettings, Picture, encode, open_stream, read
 from sgicodec.errors import TargetMissedError
-from sgicodec.metrics.scores import psnr
+from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Metadata
 
 DATA = Path(__file__).parents[1] / "data"

@@ -17,7 +17,7 @@ from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.bitstream.varint import decode_varint
 from sgicodec.decoder.tile_renderer import TileRenderer
 from sgicodec.errors import CorruptStreamError, UsageError
-from sgicodec.metrics.scores import psnr
+from sgicodec.metrics.psnr import psnr
 
 DATA = Path(__file__).parents[1] / "data"
 SETTINGS = EncodeSettings(steps=60, tile=128, threads=1)

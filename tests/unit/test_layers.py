@@ -34,6 +34,7 @@ HOMES = {
     "torch": ("sgicodec/fit/", "sgicodec/encoder/tile_encoder.py", "benchmarks/research.py", "tools/"),
     "rich": ("sgicodec/cli/", "sgicodec/bench/", "benchmarks/"),
     "click": ("sgicodec/cli/", "sgicodec/bench/", "benchmarks/", "tools/"),
+    "scipy": ("sgicodec/metrics/similarity.py", "sgicodec/bench/bdrate.py"),
     "PIL": ("sgicodec/bench/", "benchmarks/"),
     "imagecodecs": ("sgicodec/bench/", "benchmarks/"),
     "matplotlib": ("sgicodec/bench/", "benchmarks/"),

@@ -18,8 +18,8 @@ from sgicodec.encoder import pipeline as encoder
 from sgicodec.errors import SgiError
 from sgicodec.fit.settings import lmbda_of_quality
 from sgicodec.image import read, write
-from sgicodec.metrics import scores as metrics
-from sgicodec.metrics.scores import psnr
+from sgicodec.metrics import psnr as psnr_module
+from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Picture
 
 Run = Callable[..., Result]
@@ -81,7 +81,7 @@ def test_json(sgi: Run, picture: Path, tmp_path: Path, pixels: np.ndarray) -> No
 
 
 def test_json_has_no_infinity(sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(metrics, "psnr", lambda *_: float("inf"))
+    monkeypatch.setattr(psnr_module, "psnr", lambda *_: float("inf"))
     assert json.loads(sgi("encode", picture, "--steps", 2, "--json").stdout)["psnr"] is None
 
 

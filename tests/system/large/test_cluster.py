@@ -20,7 +20,7 @@ from sgicodec.encoder.worker import Job, ReadingTask
 from sgicodec.errors import PictureError, TileFailedError, UsageError
 from sgicodec.executors.dask import open_cluster
 from sgicodec.image import open_source, write
-from sgicodec.metrics.scores import psnr
+from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Picture
 
 

@@ -19,7 +19,7 @@ from sgicodec.encoder.out_of_core import State, Totals, encode_source, plan_of, 
 from sgicodec.encoder.tile_work import EncodedTile, Start
 from sgicodec.errors import UsageError
 from sgicodec.image import open_source
-from sgicodec.metrics.scores import psnr
+from sgicodec.metrics.psnr import psnr
 
 
 @pytest.fixture(scope="module")

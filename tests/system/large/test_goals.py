@@ -12,7 +12,7 @@ from sgicodec import EncodeSettings, encode, open_stream, read
 from sgicodec.encoder.checkpoint import opened_journal
 from sgicodec.encoder.out_of_core import State, encode_source, plan_of, run_tiles
 from sgicodec.image import open_source
-from sgicodec.metrics.scores import psnr
+from sgicodec.metrics.psnr import psnr
 
 GOALS: tuple[dict[str, float], ...] = ({"bpp": 0.9}, {"psnr": 27.0})
 

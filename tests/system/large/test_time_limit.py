@@ -15,7 +15,7 @@ from sgicodec.encoder.checkpoint import Journal
 from sgicodec.encoder.out_of_core import State, Totals, encode_source, plan_of, run_tiles, time_shares
 from sgicodec.encoder.tile_weight import tile_weight
 from sgicodec.image import open_source, write
-from sgicodec.metrics.scores import psnr
+from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Metadata, Picture
 
 GEO_WITH_NODATA_0 = bytes.fromhex("49492a00 08000000 0100 81a40200 02000000 30000000 00000000")

@@ -84,20 +84,29 @@ def test_bench_leaves_out_aloud_what_is_missing(tmp_path: Path, monkeypatch: pyt
     monkeypatch.setattr(run, "run_bench", lambda pictures, codecs, out, report: seen.update(codecs=codecs) or 1 / 0)
     monkeypatch.setitem(sys.modules, "imagecodecs", None)
     result = call(bench, save(tmp_path / "p.png", picture()))
-    assert "left out: jxl needs imagecodecs: pip install sgicodec[bench]" in result.stderr
+    assert "left out: jxl needs imagecodecs: pip install 'sgicodec[bench]'" in result.stderr
     assert [codec.name for codec in seen["codecs"]] == ["sgi", "jpeg", "jpeg2000", "webp", "avif"]
     asked = call(bench, tmp_path / "p.png", "--codecs", "jpeg,jxl")
     assert isinstance(asked.exception, UsageError)
-    assert "pip install sgicodec[bench]" in str(asked.exception)
+    assert "pip install 'sgicodec[bench]'" in str(asked.exception)
 
 
 def test_bench_wants_matplotlib_before_it_measures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     source = save(tmp_path / "p.png", picture())
     result = call(bench, source, "--codecs", "jpeg", "--out", tmp_path / "out")
-    assert str(result.exception) == "plots need matplotlib: pip install sgicodec[bench]"
+    assert str(result.exception) == "sgi bench needs matplotlib: pip install 'sgicodec[bench]'"
     assert not (tmp_path / "out").exists()
     assert call(bench, source, "--codecs", "jpeg", "--out", tmp_path / "out", "--no-plots").exit_code == 0
+
+
+@pytest.mark.parametrize("command", [bench, compare])
+def test_a_missing_extra_is_named_in_one_line(command: object, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "scipy", None)
+    source = save(tmp_path / "p.png", picture())
+    error = call(command, source, source).exception
+    assert isinstance(error, UsageError)
+    assert str(error) == f"sgi {command.name} needs scipy: pip install 'sgicodec[bench]'"  # type: ignore[attr-defined]
 
 
 def test_bench_ends_with_an_error_if_a_point_failed(tmp_path: Path) -> None:

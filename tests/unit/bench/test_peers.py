@@ -11,7 +11,7 @@ import pytest
 from sgicodec.bench.codec import Pixels8
 from sgicodec.bench.peers import PEERS, Avif, Jpeg, Jpeg2000, JpegXl, Peer, WebP, find_peers
 from sgicodec.errors import PictureError, UsageError
-from sgicodec.metrics import scores as metrics
+from sgicodec.metrics.psnr import psnr
 
 Image = pytest.importorskip("PIL.Image")
 pytest.importorskip("imagecodecs")
@@ -37,7 +37,7 @@ def test_ladder_rises_in_rate_and_quality(peer: Peer) -> None:
     assert 6 <= len(sizes) <= 8
     assert sizes[-1] > 2 * sizes[0]
     assert sorted(sizes) == sizes
-    first, last = (metrics.psnr(pixels, trip.pixels) for trip in (trips[0], trips[-1]))
+    first, last = (psnr(pixels, trip.pixels) for trip in (trips[0], trips[-1]))
     assert last > first + 4
     assert last > 30
     assert all(trip.encode_seconds > 0 and trip.decode_seconds > 0 for trip in trips)
@@ -89,9 +89,9 @@ def test_missing_packages_are_named_with_the_extra(monkeypatch: pytest.MonkeyPat
     monkeypatch.setitem(sys.modules, "imagecodecs", None)
     found, missing = find_peers(["jpeg", "jxl"])
     assert [peer.name for peer in found] == ["jpeg"]
-    assert missing == {"jxl": "jxl needs imagecodecs: pip install sgicodec[bench]"}
+    assert missing == {"jxl": "jxl needs imagecodecs: pip install 'sgicodec[bench]'"}
     monkeypatch.setitem(sys.modules, "PIL", None)
-    assert find_peers(["webp"])[1] == {"webp": "webp needs pillow: pip install sgicodec[bench]"}
+    assert find_peers(["webp"])[1] == {"webp": "webp needs pillow: pip install 'sgicodec[bench]'"}
 
 
 def test_a_library_without_the_format_counts_as_missing(monkeypatch: pytest.MonkeyPatch) -> None:

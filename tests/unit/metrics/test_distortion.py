@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sgicodec.metrics.distortion import decibels, squared_error
-from sgicodec.metrics.scores import psnr
+from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Picture
 
 
