@@ -1,4 +1,4 @@
-"""What `Foretold` says of pictures before a fit, what came of it, and exponents for its products of powers
+"""What `RdModel` says of pictures before a fit, what came of it, and exponents for its products of powers
 (`python -m benchmarks.forecasts PICTURES…`).
 """
 
@@ -23,7 +23,7 @@ from sgicodec.image import read
 from sgicodec.metrics.distortion import decibels
 from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import comparable, to_unit
-from sgicodec.rate_control.rd_model import DEARER, STREAM_BYTES, Foretold
+from sgicodec.rate_control.rd_model import EMPTY_STREAM_BYTES, HIGHER_PRICE, RdModel
 
 __all__ = ["Outcome", "exponents", "main", "outcomes"]
 
@@ -50,12 +50,12 @@ def outcomes(path: Path, qualities: list[float], effort: int, threads: int) -> l
     unit = np.ascontiguousarray(to_unit(picture).transpose(2, 0, 1))
     for quality in qualities:
         lmbda = lmbda_of_quality(quality)
-        foretold = Foretold(base_layer(spec, unit, lmbda)[2], default_settings(lmbda, EFFORTS[effort]).split_price)
+        rd_model = RdModel(base_layer(spec, unit, lmbda)[2], default_settings(lmbda, EFFORTS[effort]).split_price)
         data = encode(picture, EncodeSettings(quality=quality, effort=effort, threads=threads)).data
         decoded = open_stream(data).picture(threads=threads)
         error = 10 ** (-0.1 * psnr(comparable(picture), comparable(decoded)))
-        seeds = lmbda, *foretold.seeds(lmbda), *foretold.seeds(lmbda, DEARER)
-        found.append(Outcome(path.stem, quality, len(data), error, foretold.at(lmbda), seeds, unit[0].size))
+        seeds = lmbda, *rd_model.seeds(lmbda), *rd_model.seeds(lmbda, HIGHER_PRICE)
+        found.append(Outcome(path.stem, quality, len(data), error, rd_model.predict(lmbda), seeds, unit[0].size))
     return found
 
 
@@ -63,7 +63,7 @@ def exponents(found: list[Outcome], of_error: bool) -> tuple[NDArray[np.float64]
     """A factor and the exponents of `seeds` that foretell the error, or the bytes for each pixel, by least squares of
     logarithms; and how far off these are, in octaves (standard deviation).
     """
-    wanted = [one.error if of_error else max(one.bytes - STREAM_BYTES, 1.0) / one.pixels for one in found]
+    wanted = [one.error if of_error else max(one.bytes - EMPTY_STREAM_BYTES, 1.0) / one.pixels for one in found]
     rows = np.array([[1.0, *np.log(one.seeds)] for one in found])
     solved, *_ = np.linalg.lstsq(rows, np.log(wanted), rcond=None)
     off = float(np.std(rows @ solved - np.log(wanted))) / math.log(2)

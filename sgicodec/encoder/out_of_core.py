@@ -15,7 +15,7 @@ from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.checkpoint import Journal
 from sgicodec.encoder.interfaces import Finished, Runner, Task
 from sgicodec.encoder.measure import measured_error
-from sgicodec.encoder.passes import Rounds
+from sgicodec.encoder.passes import TilePasses
 from sgicodec.encoder.pipeline import draw_small
 from sgicodec.encoder.plan import Plan, Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
@@ -204,7 +204,7 @@ def encode_source(
             return measured_error(stream, source, plan.settings.threads)
 
     small = draw_small(plan, source.read, runner)
-    found = Rounds(plan, runner, journal, _Telling(plan, on_state), error_of, shares, small).run()
+    found = TilePasses(plan, runner, journal, _Telling(plan, on_state), error_of, shares, small).run()
     if isinstance(target, Path):
         with whole_file(target) as file:
             size = _write(file, found, journal)

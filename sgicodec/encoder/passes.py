@@ -11,19 +11,19 @@ from typing import BinaryIO
 from sgicodec.bitstream.stream_writer import stream_length, write_stream
 from sgicodec.encoder.interfaces import Finished, Runner, Store, Task, Version, Watcher
 from sgicodec.encoder.plan import Plan, fit_lmbda
-from sgicodec.encoder.tile_work import EncodedTile, FitTask, LookTask, SearchTask, Start
+from sgicodec.encoder.tile_work import EncodedTile, FitTask, LookaheadTask, SearchTask, Start
 from sgicodec.encoder.time_budget import TimeShares
 from sgicodec.fit.settings import quality_index
 from sgicodec.metrics.distortion import decibels
 from sgicodec.rate_control.allocation import Option, choose
 from sgicodec.rate_control.secant import FIT, SEARCH, Correction
-from sgicodec.rate_control.target import LMBDA_RANGE, Goal, Measured
-from sgicodec.rate_control.tile_rd_model import Bound, Outlook, spread
+from sgicodec.rate_control.target import LMBDA_RANGE, Measured, RateTarget
+from sgicodec.rate_control.tile_rd_model import Bound, TileRdModel, spread
 
-__all__ = ["Rounds"]
+__all__ = ["TilePasses"]
 
 
-class Rounds:
+class TilePasses:
     """Encodes the tiles of a plan. What a round does follows from what earlier ones came to alone, so that workers,
     order and interruptions do not matter.
 
@@ -48,7 +48,7 @@ class Rounds:
         header = plan.header
         self.all = range(header.grid.count)
         self.samples = header.width * header.height * header.spec.channels
-        self.goal = plan.settings.goal(header.width * header.height)
+        self.goal = plan.settings.rate_target(header.width * header.height)
         self.fade = 1.0
         """The picture's squared error over that of the tiles' cores."""
 
@@ -118,25 +118,25 @@ class Rounds:
         return self.store.remembered(f"lmbda {number}", lambda: self.outlook.lmbda(aimed, tiles, done))
 
     @cached_property
-    def outlook(self) -> Outlook:
+    def outlook(self) -> TileRdModel:
         """From a look at every tile."""
         self.watcher.begin("look", self.all, {})
         looks = {}
-        for number, look in self.runner(LookTask(self.plan), self.all, lambda _: Start()):
+        for number, look in self.runner(LookaheadTask(self.plan), self.all, lambda _: Start()):
             looks[number] = look
             self.watcher.done(number, None)
-        return Outlook([looks[number] for number in self.all], self._bound().what)
+        return TileRdModel([looks[number] for number in self.all], self._bound().what)
 
     def _bound(self, lengths: Iterable[int] | None = None) -> Bound:
         """What the goal leaves to the tiles; `lengths`: of their payloads, where they are known."""
-        goal = self.goal or Goal()
+        goal = self.goal or RateTarget()
         if goal.psnr is not None:
             return Bound("error", self.samples * 10 ** (-0.1 * goal.psnr) / self.fade)
         size = goal.bytes or 0.0
         lengths = [min(_LONG, round(size / len(self.all)))] * len(self.all) if lengths is None else list(lengths)
         return Bound("bytes", max(1.0, size - (self._length(self.plan, lengths) - sum(lengths))))
 
-    def _settled(self, plan: Plan, base: dict[int, Version], index: int, goal: Goal) -> Finished:
+    def _settled(self, plan: Plan, base: dict[int, Version], index: int, goal: RateTarget) -> Finished:
         """Corrections of the fits until a choice of codings meets the goal."""
         versions = {number: [base[number]] for number in self.all}
         tried: list[tuple[float, float]] = []
@@ -159,7 +159,7 @@ class Rounds:
             for number in numbers:
                 versions[number].append(Version(number, index))
             index += 1
-        missed = goal.regret(measured) if goal.is_missed(measured) else None
+        missed = goal.miss_message(measured) if goal.is_missed(measured) else None
         return Finished(plan, chosen, self.store.tiles[base[self.all[-1]]].lmbda, missed, self.overview)
 
     def _corrected(
@@ -187,7 +187,9 @@ class Rounds:
         version = base[number]
         return Start(self.store.payload(version), self.store.tiles[version].lmbda)
 
-    def _choice(self, plan: Plan, versions: dict[int, list[Version]], goal: Goal) -> tuple[list[Version], Measured]:
+    def _choice(
+        self, plan: Plan, versions: dict[int, list[Version]], goal: RateTarget
+    ) -> tuple[list[Version], Measured]:
         """The best choice of codings, and what the stream is."""
         for _ in range(_MEASURES):
             chosen = self._best(versions)
@@ -256,7 +258,7 @@ _MOST_SAMPLES, _MANY = 8, 12
 _FAR, _SAMPLES, _FITS = 0.5, 4, 2
 """Octaves that the λ of fits of one stream may be apart; how often samples, and how often all tiles are fitted."""
 _CORRECTIONS, _MEASURES = 4, 2
-"""Rounds after the fits; measures of a PSNR in each."""
+"""Passes after the fits; measures of a PSNR in each."""
 
 
 def _is_far(one: float, other: float) -> bool:

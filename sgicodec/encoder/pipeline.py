@@ -14,14 +14,14 @@ from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.interfaces import Finished, Runner, Task, Version
 from sgicodec.encoder.overview import overview_picture, overview_settings, takes_overview
-from sgicodec.encoder.passes import Rounds
+from sgicodec.encoder.passes import TilePasses
 from sgicodec.encoder.plan import Plan, Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile_encoder import Encoded, Encoding, empty_pixels
 from sgicodec.encoder.tile_weight import tile_weight
 from sgicodec.encoder.tile_work import EncodedTile, FitTask, Start
 from sgicodec.encoder.time_budget import TimeShares
-from sgicodec.encoder.to_target import Aim
+from sgicodec.encoder.to_target import TargetEncoder
 from sgicodec.errors import TargetMissedError
 from sgicodec.metrics.distortion import squared_error
 from sgicodec.model.tile_grid import Rect
@@ -56,8 +56,8 @@ def encode(
     masked = plan.header.masked if empty_pixels(picture, plan.header.masked).any() else None
     plan = replace(plan, header=replace(plan.header, masked=masked))
     encoding = Encoding(picture, plan, started)
-    goal = settings.goal(picture.width * picture.height)
-    return encoding.run(on_progress) if goal is None else Aim(encoding, goal).run(on_progress)
+    goal = settings.rate_target(picture.width * picture.height)
+    return encoding.run(on_progress) if goal is None else TargetEncoder(encoding, goal).run(on_progress)
 
 
 def window_of(picture: Picture, rect: Rect) -> Picture:
@@ -102,7 +102,7 @@ def _encode_tiles(
         weigh = partial(_weight, picture, plan)
         shares = TimeShares(grid, started + limit, workers=1, decoders=0, weigh=weigh)
     small = draw_small(plan, lambda *window: window_of(picture, window), runner)
-    found = Rounds(plan, runner, kept, _Nobody(), error_of, shares, small).run()
+    found = TilePasses(plan, runner, kept, _Nobody(), error_of, shares, small).run()
     tiles = map(kept.payload, found.chosen)
     write_stream(buffer, found.plan.header, plan.software, plan.metadata, tiles, found.overview)
     encoded = _summary(buffer.getvalue(), found, [kept.tiles[version] for version in found.chosen])

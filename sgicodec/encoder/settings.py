@@ -9,7 +9,7 @@ from typing import Literal
 from sgicodec.bitstream.header import MAX_APRON, MAX_SIDE, MIN_TILE
 from sgicodec.errors import UsageError
 from sgicodec.model.tile_grid import TileGrid
-from sgicodec.rate_control.target import Goal
+from sgicodec.rate_control.target import RateTarget
 
 __all__ = ["APRON", "MOST_PIXELS_OF_ONE", "TILE", "EncodeSettings"]
 
@@ -65,13 +65,13 @@ class EncodeSettings:
             return TileGrid(width, height, 0, 0)
         return TileGrid(width, height, tile, min(APRON, tile // 4) if self.apron is None else self.apron)
 
-    def goal(self, pixels: int) -> Goal | None:
+    def rate_target(self, pixels: int) -> RateTarget | None:
         """What a picture of so many pixels is to end at, if anything."""
         if self.psnr is not None:
-            return Goal(psnr=self.psnr)
+            return RateTarget(psnr=self.psnr)
         if self.bpp is not None:
-            return Goal(bytes=self.bpp * pixels / 8)
-        return None if self.size is None else Goal(bytes=self.size)
+            return RateTarget(bytes=self.bpp * pixels / 8)
+        return None if self.size is None else RateTarget(bytes=self.size)
 
     def asked(self) -> str:
         """The goal in a word, empty without one."""

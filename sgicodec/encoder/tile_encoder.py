@@ -26,7 +26,7 @@ from sgicodec.fit.base_layer import base_layer
 from sgicodec.metrics.psnr import psnr
 from sgicodec.model.layout import adaptive_layout, uniform_layout
 from sgicodec.picture import Picture, comparable, nodata_mask, to_unit
-from sgicodec.rate_control.lambda_controller import Steering
+from sgicodec.rate_control.lambda_controller import LambdaController
 from sgicodec.rate_control.step_search import coarser
 from sgicodec.rate_control.target import Measured
 from sgicodec.rdoq import Refiner, RefineSettings, can_refine
@@ -104,9 +104,12 @@ class Encoding:
         return Encoded(self.assembled(self.plan.header, None)[0], {}, 0, 0, self.fit.lmbda)
 
     def fitted(
-        self, on_progress: Callable[[Progress], bool] | None, steering: Steering | None = None, share: float = 1.0
+        self,
+        on_progress: Callable[[Progress], bool] | None,
+        controller: LambdaController | None = None,
+        share: float = 1.0,
     ) -> Fitted:
-        """A fit, which `steering` may lead; of a time limit it takes about `share` less than is left."""
+        """A fit, which `controller` may lead; of a time limit it takes about `share` less than is left."""
         from sgicodec.fit.trainer import Trainer
 
         spec, fit = self.spec, self.fit
@@ -125,7 +128,7 @@ class Encoding:
                 layout,
                 self.plan.header.family,
                 networks,
-                steering=steering,
+                controller=controller,
                 measure=lambda state: self.measured(self.candidate(state))[1],
                 seconds=self._seconds(share),
             )

@@ -19,15 +19,15 @@ from sgicodec.model.context import input_count
 from sgicodec.model.network import DIFFERENCE_SHIFT
 from sgicodec.model.spec import ModelSpec
 from sgicodec.picture import Picture
-from sgicodec.rate_control.rd_model import STREAM_BYTES, Foretold
+from sgicodec.rate_control.rd_model import EMPTY_STREAM_BYTES, RdModel
 from sgicodec.rate_control.step_search import coarser
-from sgicodec.rate_control.tile_rd_model import GRID, Look
+from sgicodec.rate_control.tile_rd_model import LMBDA_GRID, RdTable
 from sgicodec.rdoq import Refiner, RefineSettings
 
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Progress
 
-__all__ = ["EncodedTile", "FitTask", "LookTask", "SearchTask", "Start", "encode_tile"]
+__all__ = ["EncodedTile", "FitTask", "LookaheadTask", "SearchTask", "Start", "encode_tile"]
 
 
 @dataclass(frozen=True)
@@ -64,23 +64,23 @@ class Start(NamedTuple):
 
 
 @dataclass(frozen=True)
-class LookTask:
+class LookaheadTask:
     """Foretells what a tile will come to, without a fit."""
 
     plan: Plan
 
-    def __call__(self, number: int, window: Picture, start: Start, threads: int) -> Look:
+    def __call__(self, number: int, window: Picture, start: Start, threads: int) -> RdTable:
         """A tile in which no pixel holds anything costs and errs nothing."""
         tile = _encoding(window, self.plan, number, threads)
         if tile.holds_nothing:
-            return Look((0.0,) * len(GRID), (0.0,) * len(GRID))
+            return RdTable((0.0,) * len(LMBDA_GRID), (0.0,) * len(LMBDA_GRID))
         _, _, width, height = self.plan.header.grid.core(number)
         samples = width * height * self.plan.header.spec.channels
-        foretold = Foretold(tile.target, tile.fit.split_price)
-        found = [foretold.at(lmbda) for lmbda in GRID]
+        rd_model = RdModel(tile.target, tile.fit.split_price)
+        found = [rd_model.predict(lmbda) for lmbda in LMBDA_GRID]
         fixed = _TILE_BYTES + _WEIGHT_BYTES * _weights(tile.spec)
-        sizes = tuple(max(size - STREAM_BYTES, 0.0) + fixed for size, _ in found)
-        return Look(sizes, tuple(samples * error for _, error in found))
+        sizes = tuple(max(size - EMPTY_STREAM_BYTES, 0.0) + fixed for size, _ in found)
+        return RdTable(sizes, tuple(samples * error for _, error in found))
 
 
 _TILE_BYTES, _WEIGHT_BYTES = 30.0, 1.2

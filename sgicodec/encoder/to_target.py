@@ -14,28 +14,28 @@ from sgicodec.fit.base_layer import base_layer
 from sgicodec.metrics.distortion import decibels
 from sgicodec.model.context import input_count
 from sgicodec.rate_control.convergence import searched
-from sgicodec.rate_control.lambda_controller import Steering
-from sgicodec.rate_control.rd_model import first_lmbda
+from sgicodec.rate_control.lambda_controller import LambdaController
+from sgicodec.rate_control.rd_model import initial_lmbda
 from sgicodec.rate_control.step_search import coarser, trim
-from sgicodec.rate_control.target import Goal, Measured
+from sgicodec.rate_control.target import Measured, RateTarget
 from sgicodec.rdoq import Cost
 
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Fitted, Progress
 
-__all__ = ["Aim"]
+__all__ = ["TargetEncoder"]
 
 Reached = tuple[Encoded, Measured]
 
 
-class Aim:
+class TargetEncoder:
     """Takes an encoding to a goal.
 
     λ moves while the fit runs, on what its state foretells; then from sweep to sweep of the search for symbols, on the
     stream that each would give. What is still too large or too bad has all its steps trimmed.
     """
 
-    def __init__(self, encoding: Encoding, goal: Goal) -> None:
+    def __init__(self, encoding: Encoding, goal: RateTarget) -> None:
         self.encoding, self.goal = encoding, goal
 
     def run(self, on_progress: Callable[[Progress], bool] | None) -> Encoded:
@@ -51,14 +51,14 @@ class Aim:
 
         encoding.begin(self._first_lmbda())
         encoded, measured = self._reached(self._fitted(watch))
-        little = goal.psnr is not None and goal.excess(measured) > -_LITTLE
+        little = goal.psnr is not None and goal.rate_error(measured) > -_LITTLE
         if goal.is_missed(measured) and little and not ended and encoding.settings.time_limit is None:
             # Seeds were dropped that were needed: once more, from where λ should have begun, and below.
             encoding.begin(0.5 * math.sqrt(encoding.fit.lmbda * encoded.lmbda))
             again = self._reached(self._fitted(watch, leaps=False))
             encoded, measured = max((encoded, measured), again, key=lambda one: one[1].psnr)
         if goal.is_missed(measured):
-            raise TargetMissedError(goal.regret(measured), encoded)
+            raise TargetMissedError(goal.miss_message(measured), encoded)
         return encoded
 
     def _first_lmbda(self) -> float:
@@ -66,27 +66,27 @@ class Aim:
         _, _, detail = base_layer(encoding.spec, encoding.unit, encoding.fit.lmbda)
         lmbda = encoding.fit.lmbda
         if self.goal.bytes is None:
-            return first_lmbda(self.goal, detail, encoding.fit.split_price, self._extra())
+            return initial_lmbda(self.goal, detail, encoding.fit.split_price, self._extra())
         for _ in range(3):  # what the search will leave of the bytes depends on λ, a little
-            lmbda = first_lmbda(self._fit_goal(lmbda), detail, encoding.fit.split_price, self._extra())
+            lmbda = initial_lmbda(self._fit_goal(lmbda), detail, encoding.fit.split_price, self._extra())
         return lmbda
 
-    def _fit_goal(self, lmbda: float) -> Goal:
+    def _fit_goal(self, lmbda: float) -> RateTarget:
         """Where a fit at about λ has to end so that the search for symbols ends at the goal."""
         if not self.encoding.searches:
             return self.goal
         share, decibels = searched(self.encoding.fit.steps, lmbda)
         if self.goal.bytes is not None:
-            return Goal(bytes=self.goal.bytes / share)
-        return Goal(psnr=(self.goal.psnr or 0.0) - _SURE * decibels)
+            return RateTarget(bytes=self.goal.bytes / share)
+        return RateTarget(psnr=(self.goal.psnr or 0.0) - _SURE * decibels)
 
     def _fitted(self, on_progress: Callable[[Progress], bool], leaps: bool = True) -> Fitted:
         encoding = self.encoding
         lmbda = encoding.fit.lmbda
         numbers = encoding.target.size / max(1, encoding.spec.base_cell**2)
         overhead = _OVERHEAD + _BASE_BYTES * numbers + self._extra()
-        steering = Steering(self._fit_goal(lmbda), lmbda, overhead, leaps)
-        return encoding.fitted(on_progress, steering, share=2.0)
+        controller = LambdaController(self._fit_goal(lmbda), lmbda, overhead, leaps)
+        return encoding.fitted(on_progress, controller, share=2.0)
 
     def _extra(self) -> float:
         """Bytes that most streams do not have: metadata and networks of their own."""
@@ -128,12 +128,12 @@ class Aim:
             if 2 * time.monotonic() - began > encoding.end:
                 break
             if number >= _UNSETTLED:
-                excess = goal.excess(measured)
+                excess = goal.rate_error(measured)
                 lmbda *= 2.0 ** max(-_MOST_MOVE, min(_MOST_MOVE, (_DOWN if excess < 0 else up) * excess))
                 up = _UP if excess < 0 else _MORE_UP * up
         met = [one for one in tries if goal.is_met(one[1])]
         sound = [one for one in tries if not goal.is_missed(one[1])]
-        candidate, _ = met[-1] if met else min(sound or tries, key=lambda one: abs(goal.excess(one[1])))
+        candidate, _ = met[-1] if met else min(sound or tries, key=lambda one: abs(goal.rate_error(one[1])))
         return candidate, encoding.measured(candidate)
 
 

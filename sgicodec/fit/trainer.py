@@ -27,7 +27,7 @@ from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import StepPlan, default_plan
 from sgicodec.raster.cpu import NativeRasterizer
-from sgicodec.rate_control.lambda_controller import Steering
+from sgicodec.rate_control.lambda_controller import LambdaController
 from sgicodec.rate_control.target import Measured
 
 __all__ = ["Fitted", "Progress", "Trainer"]
@@ -64,7 +64,7 @@ class Fitted:
 class Trainer:
     """One picture's fit. `target` [C, H, W] is the picture less its base layer, samples in 0..1.
 
-    `steering` moves λ towards a goal, with `measure` to tell what a model's stream would be; `seconds` replaces the
+    `controller` moves λ towards a goal, with `measure` to tell what a model's stream would be; `seconds` replaces the
     number of steps.
 
     MLP_p is one of three: `networks`, integers to which the fit adds a small difference; `net`, which somebody else
@@ -80,12 +80,12 @@ class Trainer:
         family: int,
         networks: tuple[IntNetwork, ...] | None = None,
         net: ContextNet | None = None,
-        steering: Steering | None = None,
+        controller: LambdaController | None = None,
         measure: Callable[[Fitted], Measured] | None = None,
         seconds: float | None = None,
     ) -> None:
         self.spec, self.settings = spec, settings
-        self.lmbda, self.steering, self.measure = settings.lmbda, steering, measure
+        self.lmbda, self.controller, self.measure = settings.lmbda, controller, measure
         self.pace = Pace(settings.phases, seconds)
         self.generator = torch.Generator().manual_seed(settings.seed)
         self.raster = NativeRasterizer(settings.threads)
@@ -120,7 +120,7 @@ class Trainer:
         for index, phase in enumerate(self.settings.phases):
             self._begin(phase)
             prunes, growths = evenly(phase.prune), evenly(phase.grow)
-            checks = list(self.steering.checks) if self.steering is not None and phase.rounding == "noise" else []
+            checks = list(self.controller.checks) if self.controller is not None and phase.rounding == "noise" else []
             for fraction in self.pace.within(index):
                 error, bits = self._step(phase)
                 psnr = -10 * math.log10(max(error / self.targets[phase.level].numel(), 1e-12))
@@ -130,15 +130,15 @@ class Trainer:
                 if passed(growths, fraction):
                     self._grow()
                 self.step += 1
-                if self.steering is not None and phase.rate:
-                    self._steer(self.steering, bits, psnr, passed(checks, fraction))
+                if self.controller is not None and phase.rate:
+                    self._update_lmbda(self.controller, bits, psnr, passed(checks, fraction))
                 yield Progress(self.step, self.pace.steps, len(self.seeds), psnr, bits, self.pace.elapsed)
 
-    def _steer(self, steering: Steering, bits: float, psnr: float, check: bool) -> None:
+    def _update_lmbda(self, controller: LambdaController, bits: float, psnr: float, check: bool) -> None:
         done, steps = self.pace.done, self.pace.steps
-        self.lmbda = steering.steer(done, steps, bits, len(self.seeds), psnr)
+        self.lmbda = controller.update(done, steps, bits, len(self.seeds), psnr)
         if check and self.measure is not None:
-            steering.correct(done, steps, self.measure(self.result()))
+            controller.correct(done, steps, self.measure(self.result()))
 
     def _begin(self, phase: Phase) -> None:
         """From the round phase on, everything but the seeds is what the stream will hold."""
@@ -213,17 +213,17 @@ class Trainer:
             speed = (1.0 if group.name in rates.constant else decay) * (slow if group.name in SLOWED else 1.0)
             group.factor = speed * self.live[group.name]
 
-    def _prune(self, foresee_from: float | None) -> None:
+    def _prune(self, first_psnr: float | None) -> None:
         """Drops seeds whose Gaussians hold less squared error than their bits cost; the first time, λ is foreseen from
         the PSNR so far.
         """
         energy = self.seeds.energy()
         price = self.settings.prune * self.settings.seed_bits
         floor = price * self.lmbda
-        if foresee_from is not None and self.steering is not None and self.seed_step is not None:
+        if first_psnr is not None and self.controller is not None and self.seed_step is not None:
             bits, steps = self.seed_step.bits(), self.pace.steps
-            floor = price * self.steering.foresee(energy.numpy(), bits, price, foresee_from, steps)
-            self.lmbda = self.steering.lmbda
+            floor = price * self.controller.update_before_pruning(energy.numpy(), bits, price, first_psnr, steps)
+            self.lmbda = self.controller.lmbda
         keep = energy > floor
         keep[energy.argmax()] = True  # a model without seeds has no gradients
         if not bool(keep.all()):

@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.rate_control.convergence import DONE, POSITION_BITS, course
-from sgicodec.rate_control.target import LMBDA_RANGE, Goal, Measured
+from sgicodec.rate_control.target import LMBDA_RANGE, Measured, RateTarget
 
-__all__ = ["Steering"]
+__all__ = ["LambdaController"]
 
 
-class Steering:
+class LambdaController:
     """λ as a function of how the fit goes: two leaps early on, then an integral controller, on the outcome that the
     state so far foretells.
 
@@ -21,21 +21,21 @@ class Steering:
     checks = (0.3, 0.6, 0.9)
     """Fractions of the noise phase after which a real stream corrects the forecast."""
 
-    def __init__(self, goal: Goal, lmbda: float, overhead: float, leaps: bool = True) -> None:
+    def __init__(self, goal: RateTarget, lmbda: float, overhead: float, leaps: bool = True) -> None:
         # A little better than asked: at the end, finer steps buy less than coarser ones cost.
-        self.goal = goal if goal.psnr is None else Goal(psnr=goal.psnr + _MARGIN)
+        self.goal = goal if goal.psnr is None else RateTarget(psnr=goal.psnr + _MARGIN)
         self.lmbda, self.overhead = lmbda, overhead
         self._excess: float | None = None
         self._correction = 0.0
         self._leaps, self._leapt = leaps, not leaps
 
-    def steer(self, done: float, steps: int, bits: float, seeds: int, psnr: float) -> float:
+    def update(self, done: float, steps: int, bits: float, seeds: int, psnr: float) -> float:
         """λ after a step of a fit of so many, from the fraction that lies behind, bits of the seeds' attributes, their
         number, and PSNR under noise.
         """
         if done < _LEAP or (self._leapt and done < _SETTLED):
             return self.lmbda
-        excess = self.goal.excess(self._forecast(done, steps, bits + POSITION_BITS * seeds, psnr))
+        excess = self.goal.rate_error(self._forecast(done, steps, bits + POSITION_BITS * seeds, psnr))
         self._excess = excess if self._excess is None else 0.8 * self._excess + 0.2 * excess
         if not self._leapt:
             self._leapt = True
@@ -54,9 +54,9 @@ class Steering:
         (end, _), (now, lift) = (course(at, steps, self.lmbda) for at in (1.0, done))
         size = max(measured.bytes - self.overhead, 1.0) * end / now + self.overhead
         # Until noise is better than what is decoded, both have the same PSNR.
-        self._correction = self.goal.excess(Measured(size, measured.psnr - min(0.0, lift))) - self._excess
+        self._correction = self.goal.rate_error(Measured(size, measured.psnr - min(0.0, lift))) - self._excess
 
-    def foresee(
+    def update_before_pruning(
         self, energy: NDArray[np.float32], bits: NDArray[np.float32], price: float, psnr: float, steps: int
     ) -> float:
         """Moves λ before seeds are dropped for the first time, by what would be left of a size or by the PSNR under
@@ -69,7 +69,7 @@ class Steering:
         kept = bits[energy > price * self.lmbda]
         (_, lift), (ratio, _) = (course(done, steps, self.lmbda) for done in DONE[:2])
         size = float(np.sum(kept + POSITION_BITS, dtype=np.float64)) / 8 / ratio + self.overhead
-        excess = self.goal.excess(Measured(size, psnr - lift))
+        excess = self.goal.rate_error(Measured(size, psnr - lift))
         if self.goal.bytes is not None:
             self._move(_SIZE_FORESIGHT * excess, 2.0)
             return self.lmbda

@@ -9,22 +9,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.model.layout import ROOT_LOG, cell_sums, leaf_sums
-from sgicodec.rate_control.target import LMBDA_RANGE, Goal, Measured
+from sgicodec.rate_control.target import LMBDA_RANGE, Measured, RateTarget
 
-__all__ = ["DEARER", "STREAM_BYTES", "Foretold", "bisected", "first_lmbda"]
+__all__ = ["EMPTY_STREAM_BYTES", "HIGHER_PRICE", "RdModel", "bisected", "initial_lmbda"]
 
 
-def first_lmbda(goal: Goal, detail: NDArray[np.float32], seed_price: float, extra: float = 0.0) -> float:
+def initial_lmbda(goal: RateTarget, detail: NDArray[np.float32], seed_price: float, extra: float = 0.0) -> float:
     """Where to begin: λ at which the seeds that a fit of `detail` [C, H, W] starts with foretell the goal. `extra`
     bytes come on top.
 
     The forecast knows what the search for symbols will gain.
     """
-    foretold = Foretold(detail, seed_price)
+    rd_model = RdModel(detail, seed_price)
 
     def must_rise(lmbda: float) -> bool:
-        size, error = foretold.at(lmbda)
-        return goal.excess(Measured(size + extra, -10 * math.log10(error))) > 0
+        size, error = rd_model.predict(lmbda)
+        return goal.rate_error(Measured(size + extra, -10 * math.log10(error))) > 0
 
     return bisected(must_rise, 8)
 
@@ -38,15 +38,15 @@ def bisected(must_rise: Callable[[float], bool], halvings: int) -> float:
     return float(2.0 ** (0.5 * (low + high)))
 
 
-DEARER = 4.0
+HIGHER_PRICE = 4.0
 """Price of a seed at which forecasts of error count seeds once more."""
 _FLAT = 1e-9
 """Squared deviation that stands for none."""
-STREAM_BYTES = 200.0
+EMPTY_STREAM_BYTES = 200.0
 """Of a stream without seeds, about."""
 
 
-class Foretold:
+class RdModel:
     """What a fit of `detail` [C, H, W], a picture less its base layer, will come to at any λ.
 
     Forecasts are products of powers of λ, of the number of seeds and of what deviates within their cells, fitted to
@@ -58,10 +58,10 @@ class Foretold:
         self.seed_price, self.channels, self.pixels = seed_price, len(detail), detail[0].size
         self._sums = cell_sums(detail, ROOT_LOG)
 
-    def at(self, lmbda: float) -> tuple[float, float]:
+    def predict(self, lmbda: float) -> tuple[float, float]:
         """Bytes of the stream and mean squared error of a sample in 0..1."""
-        (count, deviation), (fewer, larger) = self.seeds(lmbda), self.seeds(lmbda, DEARER)
-        size = STREAM_BYTES + self.pixels * 0.5 * lmbda**-0.33 * count**0.77 * deviation**0.36
+        (count, deviation), (fewer, larger) = self.seeds(lmbda), self.seeds(lmbda, HIGHER_PRICE)
+        size = EMPTY_STREAM_BYTES + self.pixels * 0.5 * lmbda**-0.33 * count**0.77 * deviation**0.36
         error = 2.8 * lmbda**0.918 * count**2.85 * fewer**-1.91 * deviation**2.43 * larger**-2.39
         return size, error / self.channels
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from sgicodec.model.network import DIFFERENCE_SHIFT, IntNetwork
-from sgicodec.rate_control.target import Goal, Measured
+from sgicodec.rate_control.target import Measured, RateTarget
 
 __all__ = ["MOST_SHIFT", "coarser", "trim"]
 
@@ -21,7 +21,7 @@ def coarser(networks: tuple[IntNetwork, ...], shift: int) -> tuple[IntNetwork, .
     return tuple(network.coarser(shift) for network in networks)
 
 
-def trim(goal: Goal, measure: Callable[[int], Measured]) -> int:
+def trim(goal: RateTarget, measure: Callable[[int], Measured]) -> int:
     """The shift whose stream comes nearest to the goal, of up to eight; `measure` makes a stream and measures it.
 
     Size and PSNR fall as the shift rises: a secant search. What misses the goal is taken only if all do.
@@ -32,7 +32,7 @@ def trim(goal: Goal, measure: Callable[[int], Measured]) -> int:
         tried[shift] = measure(shift)
         if goal.is_met(tried[shift]):
             return shift
-        excess = {at: goal.excess(measured) for at, measured in tried.items()}
+        excess = {at: goal.rate_error(measured) for at, measured in tried.items()}
         below = [at for at in excess if excess[at] > 0]  # too large or too good: must become coarser
         above = [at for at in excess if excess[at] <= 0]
         if below and above:
@@ -46,4 +46,4 @@ def trim(goal: Goal, measure: Callable[[int], Measured]) -> int:
             shift += round(max(-24.0, min(24.0, 1.2 * move))) or (1 if excess[shift] > 0 else -1)
             shift = max(-MOST_SHIFT, min(MOST_SHIFT, shift))
     sound = [at for at, measured in tried.items() if not goal.is_missed(measured)]
-    return min(sound or tried, key=lambda at: abs(goal.excess(tried[at])))
+    return min(sound or tried, key=lambda at: abs(goal.rate_error(tried[at])))

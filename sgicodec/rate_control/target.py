@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-__all__ = ["LMBDA_RANGE", "Goal", "Measured"]
+__all__ = ["LMBDA_RANGE", "Measured", "RateTarget"]
 
 
 @dataclass(frozen=True)
@@ -17,13 +17,13 @@ class Measured:
 
 
 @dataclass(frozen=True)
-class Goal:
+class RateTarget:
     """Where a fit is to end: at a size in bytes (never above it), or at a PSNR in dB."""
 
     bytes: float | None = None
     psnr: float | None = None
 
-    def excess(self, measured: Measured) -> float:
+    def rate_error(self, measured: Measured) -> float:
         """How many octaves λ should rise, as far as this can be told: positive where more is spent than was asked."""
         if self.bytes is not None:
             return math.log2(max(measured.bytes, 1.0) / (_AIM * self.bytes)) / _BYTES_PER_OCTAVE
@@ -41,7 +41,7 @@ class Goal:
             return measured.bytes > self.bytes
         return measured.psnr < (self.psnr or 0.0) - _TOLERANCE
 
-    def regret(self, measured: Measured) -> str:
+    def miss_message(self, measured: Measured) -> str:
         """What to say where the best that was found misses the goal."""
         if self.bytes is not None:
             return f"no stream of at most {self.bytes:.0f} bytes was found; the smallest has {measured.bytes:.0f}"

@@ -12,15 +12,15 @@ from numpy.typing import NDArray
 
 from sgicodec.rate_control.rd_model import bisected
 
-__all__ = ["GRID", "Bound", "Look", "Outlook", "spread"]
+__all__ = ["LMBDA_GRID", "Bound", "RdTable", "TileRdModel", "spread"]
 
-GRID = tuple(2.0**octave for octave in range(-20, 3))
+LMBDA_GRID = tuple(2.0**octave for octave in range(-20, 3))
 """λ at which tiles are looked at."""
 
 
 @dataclass(frozen=True)
-class Look:
-    """What a tile is foretold to come to at every λ of `GRID`: bytes, and squared error in its core."""
+class RdTable:
+    """What a tile is foretold to come to at every λ of `LMBDA_GRID`: bytes, and squared error in its core."""
 
     bytes: tuple[float, ...]
     errors: tuple[float, ...]
@@ -56,11 +56,11 @@ class Bound:
         return octaves if self.what == "bytes" else -octaves
 
 
-class Outlook:
+class TileRdModel:
     """Forecasts by the looks' tables, times the ratio of what was found to what was foretold of the tiles done."""
 
-    def __init__(self, looks: Sequence[Look], what: Literal["bytes", "error"]) -> None:
-        tables = np.array([look.bytes if what == "bytes" else look.errors for look in looks])  # [tiles, GRID]
+    def __init__(self, looks: Sequence[RdTable], what: Literal["bytes", "error"]) -> None:
+        tables = np.array([look.bytes if what == "bytes" else look.errors for look in looks])  # [tiles, LMBDA_GRID]
         self._logs = np.log(np.maximum(tables, 1e-12))
         self._ratios: dict[float, float] = {}
         """Logarithms, by that of λ."""
@@ -73,8 +73,8 @@ class Outlook:
         return math.exp(ratio) * self._looked(numbers, lmbda)
 
     def _looked(self, numbers: Collection[int], lmbda: float) -> NDArray[np.float64]:
-        at = np.clip(math.log2(lmbda), math.log2(GRID[0]), math.log2(GRID[-1])) - math.log2(GRID[0])
-        first = min(int(at), len(GRID) - 2)
+        at = np.clip(math.log2(lmbda), math.log2(LMBDA_GRID[0]), math.log2(LMBDA_GRID[-1])) - math.log2(LMBDA_GRID[0])
+        first = min(int(at), len(LMBDA_GRID) - 2)
         logs, part = self._logs[list(numbers)], at - first
         values: NDArray[np.float64] = np.exp((1 - part) * logs[:, first] + part * logs[:, first + 1])
         return values

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from sgicodec.fit.settings import default_settings
 from sgicodec.rate_control.convergence import DONE, POSITION_BITS, course
-from sgicodec.rate_control.lambda_controller import Steering
-from sgicodec.rate_control.rd_model import first_lmbda
-from sgicodec.rate_control.target import Goal, Measured
+from sgicodec.rate_control.lambda_controller import LambdaController
+from sgicodec.rate_control.rd_model import initial_lmbda
+from sgicodec.rate_control.target import Measured, RateTarget
 
 OVERHEAD = 700.0
 
@@ -48,37 +48,39 @@ class Plant:
         return Measured((self.outcome.bytes - OVERHEAD) * ratio / end + OVERHEAD, self.outcome.psnr + min(0.0, lift))
 
 
-def fitted(goal: Goal, lmbda: float, steps: int = 1000, off: float = 1.0, check: bool = False) -> tuple[Plant, float]:
-    plant, steering = Plant(steps, off), Steering(goal, lmbda, OVERHEAD)
+def fitted(
+    goal: RateTarget, lmbda: float, steps: int = 1000, off: float = 1.0, check: bool = False
+) -> tuple[Plant, float]:
+    plant, controller = Plant(steps, off), LambdaController(goal, lmbda, OVERHEAD)
     plant.octaves = math.log2(lmbda / 0.01)
-    checks = [0.15 + 0.82 * at for at in steering.checks]
+    checks = [0.15 + 0.82 * at for at in controller.checks]
     for step in range(round(0.2 * steps), steps):
         done = step / steps
         plant.follow(lmbda)
-        lmbda = steering.steer(done, steps, *plant.state(done))
+        lmbda = controller.update(done, steps, *plant.state(done))
         if check and checks and done >= checks[0]:
             checks.pop(0)
-            steering.correct(done, steps, plant.stream(done))
+            controller.correct(done, steps, plant.stream(done))
     return plant, lmbda
 
 
 @pytest.mark.parametrize("steps", [120, 350, 1000, 4000])
 @pytest.mark.parametrize("start", [0.002, 0.01, 0.05])
 def test_reaches_a_size(steps: int, start: float) -> None:
-    plant, _ = fitted(Goal(bytes=12_000), start, steps)
+    plant, _ = fitted(RateTarget(bytes=12_000), start, steps)
     assert plant.outcome.bytes == pytest.approx(0.99 * 12_000, rel=0.04)
 
 
 @pytest.mark.parametrize("steps", [120, 350, 1000, 4000])
 @pytest.mark.parametrize("start", [0.002, 0.01, 0.05])
 def test_reaches_a_psnr(steps: int, start: float) -> None:
-    plant, _ = fitted(Goal(psnr=31.0), start, steps)
+    plant, _ = fitted(RateTarget(psnr=31.0), start, steps)
     assert plant.outcome.psnr == pytest.approx(31.0, abs=0.25)
 
 
 @pytest.mark.parametrize("off", [0.8, 1.25])
 def test_real_streams_correct_a_wrong_forecast(off: float) -> None:
-    goal = Goal(bytes=12_000)
+    goal = RateTarget(bytes=12_000)
     blind, seeing = (fitted(goal, 0.01, off=off, check=check)[0].outcome.bytes for check in (False, True))
     assert abs(blind - 12_000) > 1_500
     assert seeing == pytest.approx(0.99 * 12_000, rel=0.04)
@@ -86,20 +88,20 @@ def test_real_streams_correct_a_wrong_forecast(off: float) -> None:
 
 def test_a_real_stream_is_taken_for_what_it_will_have_become() -> None:
     """A stream halfway that is exactly on course calls for no correction."""
-    plant, steering = Plant(1000), Steering(Goal(psnr=29.9), 0.01, OVERHEAD)
+    plant, controller = Plant(1000), LambdaController(RateTarget(psnr=29.9), 0.01, OVERHEAD)
     for step in range(250, 500):
-        assert steering.steer(step / 1000, 1000, *plant.state(step / 1000)) == pytest.approx(0.01, rel=0.02)
-    steering.correct(0.5, 1000, plant.stream(0.5))
-    assert steering._correction == pytest.approx(0.0, abs=0.02)
+        assert controller.update(step / 1000, 1000, *plant.state(step / 1000)) == pytest.approx(0.01, rel=0.02)
+    controller.correct(0.5, 1000, plant.stream(0.5))
+    assert controller._correction == pytest.approx(0.0, abs=0.02)
 
 
 def test_nothing_moves_before_the_leap_nor_at_the_end() -> None:
-    steering = Steering(Goal(bytes=100.0), 0.01, OVERHEAD)
-    assert steering.steer(0.28, 1000, 1e6, 1000, 30.0) == 0.01
-    leapt = steering.steer(0.3, 1000, 1e6, 1000, 30.0)
+    controller = LambdaController(RateTarget(bytes=100.0), 0.01, OVERHEAD)
+    assert controller.update(0.28, 1000, 1e6, 1000, 30.0) == 0.01
+    leapt = controller.update(0.3, 1000, 1e6, 1000, 30.0)
     assert leapt > 0.01
-    assert steering.steer(0.33, 1000, 1e6, 1000, 30.0) == leapt
-    assert steering.steer(1.0, 1000, 1e6, 1000, 30.0) == leapt
+    assert controller.update(0.33, 1000, 1e6, 1000, 30.0) == leapt
+    assert controller.update(1.0, 1000, 1e6, 1000, 30.0) == leapt
 
 
 @given(
@@ -113,11 +115,11 @@ def test_lmbda_stays_a_sound_number(
     size: float | None, decibels: float, states: list[tuple[float, int, float]], stream: float, quality: float
 ) -> None:
     """For any state, with a size or a PSNR, and streams without any error."""
-    goal = Goal(bytes=size) if size is not None else Goal(psnr=decibels)
-    steering = Steering(goal, 0.01, OVERHEAD)
+    goal = RateTarget(bytes=size) if size is not None else RateTarget(psnr=decibels)
+    controller = LambdaController(goal, 0.01, OVERHEAD)
     for at, state in enumerate(states):
-        lmbda = steering.steer(0.2 + 0.8 * at / len(states), 100, *state)
-        steering.correct(0.5, 100, Measured(stream, quality))
+        lmbda = controller.update(0.2 + 0.8 * at / len(states), 100, *state)
+        controller.correct(0.5, 100, Measured(stream, quality))
         assert 1e-6 <= lmbda <= 4.0
 
 
@@ -132,23 +134,24 @@ def test_foresees_a_size_from_what_would_be_left() -> None:
     kept = int(np.sum(energy > price * 0.01))
     size = kept * (25 + POSITION_BITS) / 8 / course(DONE[1], 1000, 0.01)[0] + OVERHEAD
     for factor, direction in ((0.5, 1), (0.99**-1, 0), (2.0, -1)):
-        steering = Steering(Goal(bytes=size * factor), 0.01, OVERHEAD)
-        moved = math.log2(steering.foresee(energy, bits, price, 30.0, 1000) / 0.01)
+        controller = LambdaController(RateTarget(bytes=size * factor), 0.01, OVERHEAD)
+        moved = math.log2(controller.update_before_pruning(energy, bits, price, 30.0, 1000) / 0.01)
         assert moved == pytest.approx(0.0, abs=0.01) if direction == 0 else 0.5 < moved * direction <= 2.0
 
 
 def test_foresees_a_psnr_from_that_under_noise() -> None:
     energy, bits = seeds(5000)
     better, worse = (
-        Steering(Goal(psnr=30.0), 0.01, OVERHEAD).foresee(energy, bits, 30.0, psnr, 1000) for psnr in (33.0, 24.0)
+        LambdaController(RateTarget(psnr=30.0), 0.01, OVERHEAD).update_before_pruning(energy, bits, 30.0, psnr, 1000)
+        for psnr in (33.0, 24.0)
     )
     assert worse < 0.01 < better
 
 
 def test_foresees_something_where_no_seed_is_worth_its_price() -> None:
     energy, bits = seeds(50)
-    steering = Steering(Goal(bytes=200.0), 4.0, OVERHEAD)
-    assert 1e-6 <= steering.foresee(energy * 0, bits, 30.0, 30.0, 1000) <= 4.0
+    controller = LambdaController(RateTarget(bytes=200.0), 4.0, OVERHEAD)
+    assert 1e-6 <= controller.update_before_pruning(energy * 0, bits, 30.0, 30.0, 1000) <= 4.0
 
 
 def detail(seed: int = 0, height: int = 128, width: int = 192) -> np.ndarray:
@@ -159,36 +162,42 @@ def detail(seed: int = 0, height: int = 128, width: int = 192) -> np.ndarray:
 
 def test_first_lmbda_falls_with_size_and_psnr() -> None:
     settings = default_settings(0.01, 1000)
-    sizes = [first_lmbda(Goal(bytes=size), detail(), settings.split_price) for size in (500, 1000, 2000, 4000, 8000)]
+    sizes = [
+        initial_lmbda(RateTarget(bytes=size), detail(), settings.split_price) for size in (500, 1000, 2000, 4000, 8000)
+    ]
     assert sizes == sorted(sizes, reverse=True)
     assert sizes[0] > 2 * sizes[-1]
-    scores = [first_lmbda(Goal(psnr=psnr), detail(), settings.split_price) for psnr in (20, 25, 30, 35)]
+    scores = [initial_lmbda(RateTarget(psnr=psnr), detail(), settings.split_price) for psnr in (20, 25, 30, 35)]
     assert scores == sorted(scores, reverse=True)
     assert scores[0] > 2 * scores[-1]
 
 
 def test_first_lmbda_knows_what_comes_on_top() -> None:
     settings = default_settings(0.01, 1000)
-    plain, loaded = (first_lmbda(Goal(bytes=4000), detail(), settings.split_price, extra) for extra in (0.0, 2000.0))
-    assert loaded == pytest.approx(first_lmbda(Goal(bytes=2000), detail(), settings.split_price), rel=0.2)
+    plain, loaded = (
+        initial_lmbda(RateTarget(bytes=4000), detail(), settings.split_price, extra) for extra in (0.0, 2000.0)
+    )
+    assert loaded == pytest.approx(initial_lmbda(RateTarget(bytes=2000), detail(), settings.split_price), rel=0.2)
     assert loaded > plain
 
 
-@pytest.mark.parametrize("goal", [Goal(bytes=1.0), Goal(bytes=1e9), Goal(psnr=5.0), Goal(psnr=150.0)])
+@pytest.mark.parametrize(
+    "goal", [RateTarget(bytes=1.0), RateTarget(bytes=1e9), RateTarget(psnr=5.0), RateTarget(psnr=150.0)]
+)
 @pytest.mark.parametrize("shape", [(1, 1, 1), (3, 16, 16), (2, 70, 5)])
-def test_first_lmbda_of_flat_and_tiny_pictures(goal: Goal, shape: tuple[int, int, int]) -> None:
+def test_first_lmbda_of_flat_and_tiny_pictures(goal: RateTarget, shape: tuple[int, int, int]) -> None:
     for picture in (np.zeros(shape, np.float32), detail()[: shape[0], : shape[1], : shape[2]]):
-        assert 1e-6 <= first_lmbda(goal, picture, default_settings(0.01, 100).split_price) <= 4.0
+        assert 1e-6 <= initial_lmbda(goal, picture, default_settings(0.01, 100).split_price) <= 4.0
 
 
 def test_goals_and_what_meets_them() -> None:
-    size = Goal(bytes=1000)
+    size = RateTarget(bytes=1000)
     assert [size.is_met(Measured(b, 0.0)) for b in (969, 970, 1000, 1001)] == [False, True, True, False]
     assert [size.is_missed(Measured(b, 0.0)) for b in (1, 1000, 1001)] == [False, False, True]
-    psnr = Goal(psnr=30.0)
+    psnr = RateTarget(psnr=30.0)
     assert [psnr.is_met(Measured(1, p)) for p in (29.89, 29.91, 30.09, 30.11)] == [False, True, True, False]
     assert [psnr.is_missed(Measured(1, p)) for p in (29.89, 29.91, 60.0, math.inf)] == [True, False, False, False]
-    assert size.excess(Measured(990, 0.0)) == pytest.approx(0.0)
-    assert size.excess(Measured(1200, 0.0)) > 0 > size.excess(Measured(800, 0.0))
-    assert psnr.excess(Measured(1, 30.0)) == 0.0
-    assert 0 < psnr.excess(Measured(1, math.inf)) < math.inf
+    assert size.rate_error(Measured(990, 0.0)) == pytest.approx(0.0)
+    assert size.rate_error(Measured(1200, 0.0)) > 0 > size.rate_error(Measured(800, 0.0))
+    assert psnr.rate_error(Measured(1, 30.0)) == 0.0
+    assert 0 < psnr.rate_error(Measured(1, math.inf)) < math.inf

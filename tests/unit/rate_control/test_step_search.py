@@ -15,7 +15,7 @@ from sgicodec.model.network import DIFFERENCE_SHIFT
 from sgicodec.model.quantization import PER_OCTAVE
 from sgicodec.model.spec import default_spec
 from sgicodec.rate_control.step_search import coarser, trim
-from sgicodec.rate_control.target import Goal, Measured
+from sgicodec.rate_control.target import Measured, RateTarget
 
 Made = Callable[[int], Measured]
 
@@ -38,7 +38,7 @@ def test_finds_a_size_within_reach(size: float, slope: float, bend: float, off: 
     finish, made = streams(size, slope, bend)
     assume(math.log2(finish(-90).bytes / size) > off > math.log2(finish(90).bytes / size))
     made.clear()
-    goal = Goal(bytes=size * 2.0**off)
+    goal = RateTarget(bytes=size * 2.0**off)
     measured = finish(trim(goal, finish))
     made.pop()
     assert goal.bytes is not None
@@ -53,7 +53,7 @@ def test_finds_a_psnr_within_reach(slope: float, bend: float, off: float) -> Non
     finish, made = streams(1e5, slope, bend)
     assume(finish(-90).psnr - 30 > off > finish(90).psnr - 30)
     made.clear()
-    measured = finish(trim(Goal(psnr=30 + off), finish))
+    measured = finish(trim(RateTarget(psnr=30 + off), finish))
     made.pop()
     assert measured.psnr == pytest.approx(30 + off, abs=0.1)
     assert len(made) <= 8
@@ -63,7 +63,7 @@ def test_finds_a_psnr_within_reach(slope: float, bend: float, off: float) -> Non
 @given(st.lists(st.tuples(st.integers(1, 5000), st.floats(5, 60) | st.just(math.inf)), min_size=193, max_size=193))
 def test_any_streams_end_with_one_that_was_made(table: list[tuple[int, float]]) -> None:
     """Sizes that neither fall nor rise: never one above the goal where one below was made, never more than eight."""
-    for goal in (Goal(bytes=700.0), Goal(psnr=33.0)):
+    for goal in (RateTarget(bytes=700.0), RateTarget(psnr=33.0)):
         seen: dict[int, Measured] = {}
 
         def finish(shift: int, seen: dict[int, Measured] = seen) -> Measured:
@@ -79,14 +79,14 @@ def test_any_streams_end_with_one_that_was_made(table: list[tuple[int, float]]) 
 
 def test_a_stream_that_fits_is_not_made_twice() -> None:
     finish, made = streams(1000, 0.01, 0.0)
-    assert trim(Goal(bytes=1010.0), finish) == 0
+    assert trim(RateTarget(bytes=1010.0), finish) == 0
     assert made == [0]
 
 
 def test_what_cannot_be_reached_ends_with_the_nearest() -> None:
     finish, made = streams(1e5, 0.01, 0.0)
-    assert trim(Goal(bytes=100.0), finish) == max(made) == 96
-    assert trim(Goal(psnr=80.0), finish) == min(made) == -96
+    assert trim(RateTarget(bytes=100.0), finish) == max(made) == 96
+    assert trim(RateTarget(psnr=80.0), finish) == min(made) == -96
 
 
 def test_a_picture_without_any_error() -> None:
@@ -95,8 +95,8 @@ def test_a_picture_without_any_error() -> None:
     def finish(shift: int) -> Measured:
         return Measured(100, math.inf if shift < 40 else 60 - shift / 10)
 
-    assert finish(trim(Goal(psnr=56.0), finish)).psnr >= 55.9
-    assert -96 <= trim(Goal(psnr=40.0), lambda _: Measured(100, math.inf)) <= 96
+    assert finish(trim(RateTarget(psnr=56.0), finish)).psnr >= 55.9
+    assert -96 <= trim(RateTarget(psnr=40.0), lambda _: Measured(100, math.inf)) <= 96
 
 
 @pytest.mark.parametrize("shift", [-96, -5, 32, 96])
