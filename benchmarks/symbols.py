@@ -1,10 +1,10 @@
-"""What the search for symbols after the fit gains, from real streams.
+"""What RDOQ after the fit gains, from real streams.
 
     python -m benchmarks.symbols --steps 600 PICTURES… --lmbda 0.02 0.006 0.002
-    python -m benchmarks.symbols --steps 600 --lmbda 0.006 --threads 2 PICTURES… deep=1 "sweeps=2;base=False"
+    python -m benchmarks.symbols --steps 600 --lmbda 0.006 --threads 2 PICTURES… deep=1 "passes=2;base=False"
 
 Each picture is encoded without the search and with it; J = D + λR has D from the decoded samples before rounding and R
-from the size of the file. Variants, lists of RefineSettings that differ from the defaults, search the stream that was
+from the size of the file. Variants, lists of RdoqSettings that differ from the defaults, search the stream that was
 written without: they are compared with each other and with the first row of theirs, which has the defaults. Seconds
 are of processors, all threads together.
 """
@@ -22,7 +22,7 @@ from sgicodec import EncodeSettings, Picture, encode, open_stream, read
 from sgicodec.device import Device
 from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import to_unit
-from sgicodec.rdoq import Refiner, RefineSettings
+from sgicodec.rdoq import Rdoq, RdoqSettings
 
 __all__ = ["Outcome", "searched", "timed"]
 
@@ -47,7 +47,7 @@ def timed(picture: Picture, settings: EncodeSettings) -> Outcome:
 
 
 def searched(
-    picture: Picture, data: bytes, lmbda: float, settings: RefineSettings, threads: int
+    picture: Picture, data: bytes, lmbda: float, settings: RdoqSettings, threads: int
 ) -> tuple[float, float, float]:
     """J of a stream's model before and after a search that starts at what is decoded, and the search's seconds."""
     stream = open_stream(data)
@@ -56,10 +56,10 @@ def searched(
     model = replace(stream.model, attributes=groups, decoded=None)
     unit = to_unit(picture).transpose(2, 0, 1)
     started = process_time()
-    search = Refiner(stream.header, model, unit, lmbda, settings, Device(threads))
+    search = Rdoq(stream.header, model, unit, lmbda, settings, Device(threads))
     found = search.at(lmbda)
     seconds = process_time() - started
-    return search.scene.cost(model).at(lmbda), found.cost.at(lmbda), seconds
+    return search.objective.cost(model).at(lmbda), found.cost.at(lmbda), seconds
 
 
 def main() -> None:
@@ -76,7 +76,7 @@ def main() -> None:
     for path in (Path(argument) for argument in options.arguments if Path(argument).is_file()):
         picture = read(path)
         for lmbda in options.lmbda:
-            settings = EncodeSettings(lmbda=lmbda, steps=options.steps, threads=options.threads, refine=False)
+            settings = EncodeSettings(lmbda=lmbda, steps=options.steps, threads=options.threads, rdoq=False)
             if variants:
                 _print_variants(picture, path.stem, settings, variants)
             else:
@@ -84,7 +84,7 @@ def main() -> None:
 
 
 def _print_gain(picture: Picture, name: str, settings: EncodeSettings) -> None:
-    plain, refined = timed(picture, settings), timed(picture, replace(settings, refine=True))
+    plain, refined = timed(picture, settings), timed(picture, replace(settings, rdoq=True))
     a, b = plain.whole, refined.whole
     print(
         f"{name}\t{settings.lmbda:g}\t{a.cost:.1f}\t{b.cost:.1f}\t{100 * (b.cost / a.cost - 1):+.2f} %"
@@ -100,7 +100,7 @@ def _print_variants(picture: Picture, name: str, settings: EncodeSettings, varia
     for variant in ["", *variants]:
         items = (item.split("=") for item in variant.split(";") if item)
         changes = {key.strip(): ast.literal_eval(value) for key, value in items}
-        before, after, seconds = searched(picture, data, lmbda, RefineSettings(**changes), settings.threads)
+        before, after, seconds = searched(picture, data, lmbda, RdoqSettings(**changes), settings.threads)
         change = 100 * (after / before - 1)
         print(f"{variant or 'defaults'}\t{name}\t{lmbda:g}\t{change:+.2f} %\t{seconds:.1f}", flush=True)
 

@@ -26,8 +26,8 @@ class EncodeSettings:
 
     quality: 1 to 100, or lmbda directly. effort: 1 to 9, optimisation steps of the default profile. seeds: their number
     in the paper profile. per_seed: K. features: D (paper). levels: M (paper). steps: of the whole fit. prior: number
-    of the shipped context model, 0 for one that travels in the stream. refine: whether symbols are searched after the
-    fit, where that is known how. metadata: whether ICC, EXIF, XMP and the place on earth are kept. psnr in dB, size in
+    of the shipped context model, 0 for one that travels in the stream. rdoq: whether RDOQ follows the
+    fit, where it knows the model. metadata: whether ICC, EXIF, XMP and the place on earth are kept. psnr in dB, size in
     bytes or bpp in bits per pixel: what to end at, in the default profile. time_limit: seconds that the encode may
     take, instead of a number of steps. tile: largest side of a tile in pixels, 0 for a single one, None for what suits
     the picture; apron: pixels that a tile reaches over its neighbours. overview: whether a stream of several tiles
@@ -44,7 +44,7 @@ class EncodeSettings:
     levels: int | None = None
     steps: int | None = None
     prior: int | None = None
-    refine: bool = True
+    rdoq: bool = True
     seed: int = 0
     threads: int = 0
     metadata: bool = True

@@ -1,4 +1,4 @@
-"""One picture, or one tile, on its way to a stream: fit, search for symbols, chunks."""
+"""One picture, or one tile, on its way to a stream: fit, RDOQ, chunks."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from sgicodec.picture import Picture, comparable, nodata_mask, to_unit
 from sgicodec.rate_control.lambda_controller import LambdaController
 from sgicodec.rate_control.step_search import coarser
 from sgicodec.rate_control.target import Measured
-from sgicodec.rdoq import Refiner, RefineSettings, can_refine
+from sgicodec.rdoq import Rdoq, RdoqSettings, can_optimise
 
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Fitted, Progress
@@ -151,7 +151,7 @@ class Encoding:
     @property
     def searches(self) -> bool:
         """Whether symbols are searched after the fit."""
-        return self.settings.refine and can_refine(self.spec)
+        return self.settings.rdoq and can_optimise(self.spec)
 
     @property
     def end(self) -> float:
@@ -159,18 +159,18 @@ class Encoding:
         limit = self.settings.time_limit
         return math.inf if limit is None else self.started + limit
 
-    def refiner(self, candidate: Candidate) -> Refiner:
-        """The search from a candidate on."""
-        settings = RefineSettings.for_steps(self.fit.steps)
+    def rdoq(self, candidate: Candidate) -> Rdoq:
+        """RDOQ from a candidate on."""
+        settings = RdoqSettings.for_steps(self.fit.steps)
         device = Device(self.fit.threads)
-        return Refiner(candidate.header, candidate.model, self.unit, candidate.lmbda, settings, device)
+        return Rdoq(candidate.header, candidate.model, self.unit, candidate.lmbda, settings, device)
 
     def searched(self, candidate: Candidate) -> Candidate:
         """The best that the search finds for the candidate's λ."""
         if not self.searches:
             return candidate
         until = self.end - 0.5 * self._coding_seconds
-        return replace(candidate, model=self.refiner(candidate).at(candidate.lmbda, until=until).model)
+        return replace(candidate, model=self.rdoq(candidate).at(candidate.lmbda, until=until).model)
 
     def encoded(self, candidate: Candidate) -> Encoded:
         """The stream."""

@@ -22,7 +22,7 @@ from sgicodec.picture import Picture
 from sgicodec.rate_control.rd_model import EMPTY_STREAM_BYTES, RdModel
 from sgicodec.rate_control.step_search import coarser
 from sgicodec.rate_control.tile_rd_model import LMBDA_GRID, RdTable
-from sgicodec.rdoq import Refiner, RefineSettings
+from sgicodec.rdoq import Rdoq, RdoqSettings
 
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Progress
@@ -127,16 +127,16 @@ class SearchTask:
             shift = round(0.5 * math.log2(lmbda / start.lmbda) * 2**DIFFERENCE_SHIFT)
             model = replace(model, networks=coarser(model.networks, shift))
             return _finished(tile, self.plan, number, Candidate(header, model, lmbda), started)
-        settings = RefineSettings.for_steps(tile.fit.steps)
-        settings = replace(settings, coarser=0.0, sweeps=max(_LEAST_SWEEPS, settings.sweeps // _SWEEPS_SHARE))
-        refiner = Refiner(header, model, tile.unit, start.lmbda, settings, Device(threads))
-        for _ in range(settings.sweeps):
-            model = refiner.sweep(lmbda).model
+        settings = RdoqSettings.for_steps(tile.fit.steps)
+        settings = replace(settings, coarser=0.0, passes=max(_LEAST_PASSES, settings.passes // _PASSES_SHARE))
+        rdoq = Rdoq(header, model, tile.unit, start.lmbda, settings, Device(threads))
+        for _ in range(settings.passes):
+            model = rdoq.descend(lmbda).model
         return _finished(tile, self.plan, number, Candidate(header, model, lmbda), started)
 
 
-_LEAST_SWEEPS, _SWEEPS_SHARE = 2, 3
-"""Sweeps of a search after a search: at least, and of those after a fit."""
+_LEAST_PASSES, _PASSES_SHARE = 2, 3
+"""Passes of a search after a search: at least, and of those after a fit."""
 
 
 def encode_tile(

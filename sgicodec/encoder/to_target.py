@@ -31,8 +31,8 @@ Reached = tuple[Encoded, Measured]
 class TargetEncoder:
     """Takes an encoding to a goal.
 
-    λ moves while the fit runs, on what its state foretells; then from sweep to sweep of the search for symbols, on the
-    stream that each would give. What is still too large or too bad has all its steps trimmed.
+    λ moves while the fit runs, on what its state foretells; then from pass to pass of RDOQ, on the stream that each
+    would give. What is still too large or too bad has all its steps trimmed.
     """
 
     def __init__(self, encoding: Encoding, goal: RateTarget) -> None:
@@ -72,7 +72,7 @@ class TargetEncoder:
         return lmbda
 
     def _fit_goal(self, lmbda: float) -> RateTarget:
-        """Where a fit at about λ has to end so that the search for symbols ends at the goal."""
+        """Where a fit at about λ has to end so that RDOQ ends at the goal."""
         if not self.encoding.searches:
             return self.goal
         share, decibels = searched(self.encoding.fit.steps, lmbda)
@@ -110,14 +110,14 @@ class TargetEncoder:
         return tried[trim(goal, measure)]
 
     def _searched(self, start: Candidate) -> tuple[Candidate, Reached]:
-        """Sweeps until the goal is met, but as often as without one; the last that met it, else the nearest."""
-        encoding, goal, refiner = self.encoding, self.goal, self.encoding.refiner(start)
+        """Passes until the goal is met, but as often as without one; the last that met it, else the nearest."""
+        encoding, goal, rdoq = self.encoding, self.goal, self.encoding.rdoq(start)
         gauge = _Gauge(encoding.unit.size)
         tries: list[tuple[Candidate, Measured]] = []
-        lmbda, least, up = start.lmbda, refiner.settings.sweeps, _UP
-        for number in range(least + _MORE_SWEEPS):
+        lmbda, least, up = start.lmbda, rdoq.settings.passes, _UP
+        for number in range(least + _MORE_PASSES):
             began = time.monotonic()
-            refined = refiner.sweep(lmbda)
+            refined = rdoq.descend(lmbda)
             candidate, measured = Candidate(start.header, refined.model, lmbda), gauge.told(refined.cost)
             if number == 0 or (number >= least - 1 and goal.is_met(measured)):
                 found = encoding.measured(candidate)
@@ -158,13 +158,13 @@ class _Gauge:
 _SURE = 0.5
 """Of what searches usually add to PSNR, what a fit counts on: they drop seeds that are too many, but add none."""
 _UNSETTLED = 1
-"""Sweeps whose outcome says little: scales are not fitted yet, and seeds that do not pay are still there."""
+"""Passes whose outcome says little: scales are not fitted yet, and seeds that do not pay are still there."""
 _UP, _MORE_UP, _DOWN, _MOST_MOVE = 1.0, 1.5, 2.5, 1.0
-"""By what multiple of what λ is off it moves between two sweeps: up, and how much further each time that it must rise
+"""By what multiple of what λ is off it moves between two passes: up, and how much further each time that it must rise
 again; down; and the most octaves. Seeds can be dropped but not added, so that a smaller λ does less than a larger one.
 """
-_MORE_SWEEPS = 5
-"""Sweeps beyond the usual."""
+_MORE_PASSES = 5
+"""Passes beyond the usual."""
 _OVERHEAD, _BASE_BYTES, _WEIGHT_BYTES = 250.0, 0.4, 1.2
 """About what a stream holds beside its seeds: header, steps and differences; for each number of the base layer; for
 each weight of an own network.

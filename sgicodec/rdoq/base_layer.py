@@ -13,24 +13,24 @@ from sgicodec.bitstream.parts.arrays import base_channels, base_references
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.model.base import base_step, cubic_weights
 from sgicodec.model.gaussians import colour_matrix
-from sgicodec.rdoq.objective import Scene
+from sgicodec.rdoq.objective import Objective
 
-__all__ = ["with_better_base"]
+__all__ = ["with_optimised_base"]
 
-_SWEEPS = 2
+_PASSES = 2
 
 F64 = NDArray[np.float64]
 
 
-def with_better_base(scene: Scene, model: TileModel, lmbda: float) -> TileModel:
+def with_optimised_base(objective: Objective, model: TileModel, lmbda: float) -> TileModel:
     """The model with its base layer moved to where squared error plus price is least, seeds staying as they are."""
-    spec, (_, height, width) = scene.header.spec, scene.picture.shape
+    spec, (_, height, width) = objective.header.spec, objective.picture.shape
     if not model.base.size:
         return model
     _, rows, columns = model.base.shape
     down = cubic_weights(np.arange(height) + 0.5, rows, spec.base_cell)
     across = cubic_weights(np.arange(width) + 0.5, columns, spec.base_cell)
-    lines = scene.residual(model)[:, :, :width] @ across.astype(np.float32)
+    lines = objective.residual(model)[:, :, :width] @ across.astype(np.float32)
     pull = np.ascontiguousarray(np.tensordot(np.array(colour_matrix(spec.channels)), down.T @ lines, axes=1))
     base = _searched(model.base, base_step(model.base_step), lmbda, pull, down.T @ down, across.T @ across)
     return replace(model, base=base, decoded=None)
@@ -40,7 +40,7 @@ def _searched(
     base: NDArray[np.int64], step: float, lmbda: float, pull: F64, down: F64, across: F64
 ) -> NDArray[np.int64]:
     tables, found = frequency_tables(), np.array(base, np.int64, order="C")
-    for _ in range(_SWEEPS):
+    for _ in range(_PASSES):
         channels = base_channels(found)
         weights = np.zeros((len(found), len(found)), np.int32)
         for number, channel in enumerate(channels):

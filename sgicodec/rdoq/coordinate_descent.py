@@ -1,4 +1,4 @@
-"""One sweep: every seed's symbols searched once, in the order in which they are coded."""
+"""One coordinate-descent pass: every seed's symbols searched once, in the order in which they are coded."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from sgicodec.model.native import SeedInputs, summarise
 from sgicodec.model.neighbours import nearest_seeds
 from sgicodec.model.quantization import FRACTION_BITS
 from sgicodec.raster.backend import DEFAULT_CUTOFF
-from sgicodec.rdoq.objective import Scene, joined, with_values
-from sgicodec.rdoq.settings import RefineSettings
+from sgicodec.rdoq.objective import Objective, joined, with_values
+from sgicodec.rdoq.settings import RdoqSettings
 
-__all__ = ["Symbols", "sweep"]
+__all__ = ["Symbols", "descend"]
 
 I16 = NDArray[np.int16]
 I32 = NDArray[np.int32]
@@ -28,7 +28,7 @@ F64 = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Symbols:
-    """What a sweep chose: symbols [N, d_A], scale indices of their tables [N, d_A] and, per seed [N], by how much it
+    """What a pass chose: symbols [N, d_A], scale indices of their tables [N, d_A] and, per seed [N], by how much it
     changed squared error plus price.
     """
 
@@ -50,15 +50,15 @@ class Symbols:
         return total
 
 
-def sweep(scene: Scene, model: TileModel, lmbda: float, settings: RefineSettings) -> tuple[TileModel, Symbols]:
+def descend(objective: Objective, model: TileModel, lmbda: float, settings: RdoqSettings) -> tuple[TileModel, Symbols]:
     """Searches the symbols of all seeds, pass by pass, each with the others as they are by then.
 
     The result's attributes lie on the lattices on which they will be coded: rounding leaves them alone.
     """
-    header, layout, device = scene.header, model.layout, scene.device
+    header, layout, device = objective.header, model.layout, objective.device
     spec, count = header.spec, len(model.layout)
-    search, seeds = _search(scene, model), SeedInputs(layout, header.quality, device)
-    residual, values = scene.residual(model), joined(model)
+    search, seeds = _search(objective, model), SeedInputs(layout, header.quality, device)
+    residual, values = objective.residual(model), joined(model)
     centre, cell = layout.centre, layout.cell
     decoded = np.zeros((count, spec.attributes), np.int64)
     found = Symbols.empty(count, spec.attributes, header.family)
@@ -89,13 +89,13 @@ def sweep(scene: Scene, model: TileModel, lmbda: float, settings: RefineSettings
     return with_values(spec, model, np.ldexp(decoded.astype(np.float64), -FRACTION_BITS)), found
 
 
-def _search(scene: Scene, model: TileModel) -> SymbolSearch:
-    tables, spec, device = frequency_tables(), scene.header.spec, scene.device
+def _search(objective: Objective, model: TileModel) -> SymbolSearch:
+    tables, spec, device = frequency_tables(), objective.header.spec, objective.device
     search = SymbolSearch(
         tables.support,
         tables.start,
         tables.symbol_bits,
-        SCALES * scene.header.family,
+        SCALES * objective.header.family,
         np.array(colour_matrix(spec.channels), np.float32),
         device.threads,
         device.isa,

@@ -1,4 +1,4 @@
-"""What the search works on: a picture, and a model of it whose true error and bits are to fall."""
+"""The objective of RDOQ: true error plus λ times bits of a model of a picture."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
 from sgicodec.model.spec import ModelSpec
 from sgicodec.raster.cpu import NativeRasterizer
 
-__all__ = ["Cost", "Scene", "can_refine", "joined", "with_values"]
+__all__ = ["Cost", "Objective", "can_optimise", "joined", "with_values"]
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 
 
-def can_refine(spec: ModelSpec) -> bool:
-    """Whether the search knows this kind of model: one Gaussian per seed, drawn as its colour, shape and offset say and
+def can_optimise(spec: ModelSpec) -> bool:
+    """Whether RDOQ knows this kind of model: one Gaussian per seed, drawn as its colour, shape and offset say and
     coded in three steps from what neighbours say.
     """
     plain = spec.skip and spec.shape == "log" and not spec.hidden and not spec.seed_scales
@@ -46,7 +46,7 @@ class Cost:
 
 
 @dataclass(frozen=True)
-class Scene:
+class Objective:
     """picture [C, H, W]: samples in 0..1."""
 
     header: Header
@@ -81,7 +81,7 @@ class Scene:
         return means, covariances, colours
 
     def residual(self, model: TileModel) -> F32:
-        """Target less drawn [C, H, W + padding], the last columns zero, as native searches want it."""
+        """Target less drawn [C, H, W + padding], the last columns zero, as the native code wants it."""
         _, height, width = self.picture.shape
         raster = NativeRasterizer(self.device.threads, self.device.isa)
         out = np.zeros((*self.picture.shape[:2], width + WINDOW_PADDING), np.float32)

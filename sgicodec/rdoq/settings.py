@@ -1,24 +1,24 @@
-"""Every number that steers the search for symbols."""
+"""Every number that steers RDOQ."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["RefineSettings"]
+__all__ = ["RdoqSettings"]
 
 
 @dataclass(frozen=True)
-class RefineSettings:
-    """How symbols are searched after a fit.
+class RdoqSettings:
+    """How RDOQ follows a fit.
 
-    sweeps: times that all seeds are gone through; the best outcome counts. deep: choices of a seed's colours that are
+    passes: times that all seeds are gone through; the best outcome counts. deep: choices of a seed's colours that are
     followed to its shape and offset. rounds: times that the symbols of a shape or an offset are gone through. coarser:
     octaves by which steps grow beforehand, since symbols that are searched want coarser steps than the noise that they
     were trained with. base: whether the base layer moves too. drop: a seed goes when that costs less squared error than
     this many times its price. position_bits: what a seed's place adds to its price.
     """
 
-    sweeps: int = 6
+    passes: int = 6
     deep: int = 3
     rounds: int = 3
     coarser: float = 0.3
@@ -27,6 +27,6 @@ class RefineSettings:
     position_bits: float = 3.0
 
     @classmethod
-    def for_steps(cls, steps: int) -> RefineSettings:
-        """As many sweeps as befit a fit of so many steps: where both gain about the same in a second."""
-        return cls(sweeps=min(64, max(2, round(steps / 100))))
+    def for_steps(cls, steps: int) -> RdoqSettings:
+        """As many passes as befit a fit of so many steps: where both gain about the same in a second."""
+        return cls(passes=min(64, max(2, round(steps / 100))))

@@ -179,7 +179,7 @@ def test_an_overview_of_several_tiles_has_its_own(photo: Picture) -> None:
     assert inner.grid.count == 6
     assert (inner.overview.width, inner.overview.height) == (5, 4)
     assert inner.overview.grid.count == 1
-    outer = open_stream(_chunks_with(encode(large, replace(plan, tile=512, refine=False)).data, [small_one]))
+    outer = open_stream(_chunks_with(encode(large, replace(plan, tile=512, rdoq=False)).data, [small_one]))
     np.testing.assert_array_equal(outer.picture(size=(5, 4)).pixels, inner.overview.picture().pixels)
 
 

@@ -1,4 +1,4 @@
-"""The gain of the search for symbols, on a real crop in a few steps."""
+"""The gain of RDOQ, on a real crop in a few steps."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from benchmarks.symbols import main, searched, timed
 from benchmarks.whole import measured
 from sgicodec import EncodeSettings, encode, read, write
 from sgicodec.picture import Picture
-from sgicodec.rdoq import RefineSettings
+from sgicodec.rdoq import RdoqSettings
 
 PHOTO = Path(__file__).parents[2] / "data" / "kodim23.png"
-SETTINGS = EncodeSettings(lmbda=0.01, steps=30, threads=1, refine=False)
+SETTINGS = EncodeSettings(lmbda=0.01, steps=30, threads=1, rdoq=False)
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +33,7 @@ def test_the_cost_is_of_the_decoded_picture_and_the_file(crop: Picture) -> None:
 
 def test_a_search_starts_at_what_the_stream_costs(crop: Picture) -> None:
     encoded = encode(crop, SETTINGS)
-    before, after, _ = searched(crop, encoded.data, 0.01, RefineSettings(), 1)
+    before, after, _ = searched(crop, encoded.data, 0.01, RdoqSettings(), 1)
     beside = (measured(crop, encoded).cost - before) / (0.01 * 8)
     assert 0 < beside < 120  # bytes of the header and the chunks
     assert after < before

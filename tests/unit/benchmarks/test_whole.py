@@ -44,8 +44,8 @@ def test_what_is_no_variant(crop: Picture, variant: str) -> None:
 def test_a_row_for_each_variant(crop: Picture, tmp_path: Path) -> None:
     path = tmp_path / "crop.png"
     write(crop, path)
-    arguments = [str(path), "--lmbda", "0.01", "--steps", "20", "--variant", "refine=False"]
+    arguments = [str(path), "--lmbda", "0.01", "--steps", "20", "--variant", "rdoq=False"]
     lines = CliRunner().invoke(main, arguments, catch_exceptions=False).output.splitlines()
-    assert [line.split("\t")[2] for line in lines[1:3]] == ["default", "refine=False"]
+    assert [line.split("\t")[2] for line in lines[1:3]] == ["default", "rdoq=False"]
     assert float(lines[2].split("\t")[8]) > float(lines[1].split("\t")[8])
-    assert lines[3].startswith("# refine=False at λ = 0.01: J +")
+    assert lines[3].startswith("# rdoq=False at λ = 0.01: J +")

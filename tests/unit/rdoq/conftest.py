@@ -14,12 +14,12 @@ from sgicodec.model.base import base_shape
 from sgicodec.model.layout import adaptive_layout
 from sgicodec.model.spec import default_spec
 from sgicodec.model.steps import default_plan
-from sgicodec.rdoq import Scene
+from sgicodec.rdoq import Objective
 
 QUALITY = 55
 LAYOUTS = {1: "gray", 3: "rgb", 4: "rgba"}
 
-Stage = Callable[..., tuple[Scene, TileModel]]
+Stage = Callable[..., tuple[Objective, TileModel]]
 
 
 def waves(channels: int, height: int, width: int) -> NDArray[np.float32]:
@@ -39,7 +39,7 @@ def stage() -> Stage:
 
     def make(
         channels: int = 3, height: int = 70, width: int = 100, isa: str = "auto", threads: int = 2
-    ) -> tuple[Scene, TileModel]:
+    ) -> tuple[Objective, TileModel]:
         spec, rng = default_spec(channels), np.random.default_rng(7)
         picture = waves(channels, height, width)
         header = Header(
@@ -54,6 +54,6 @@ def stage() -> Stage:
         }
         base = np.zeros((channels, *base_shape(width, height, spec.base_cell)), np.int64)
         model = TileModel(layout, default_plan(spec, QUALITY), 60, base, {}, load_prior(spec), [], attributes)
-        return Scene(header, picture, Device(threads, isa)), model
+        return Objective(header, picture, Device(threads, isa)), model
 
     return make

@@ -12,11 +12,11 @@ from sgicodec.bitstream.entropy.tables import frequency_tables
 from sgicodec.bitstream.parts.arrays import PREDICTORS, BaseChannel, base_channels, base_references
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.model.base import cubic_weights
-from sgicodec.rdoq import Scene
-from sgicodec.rdoq.base_layer import with_better_base
+from sgicodec.rdoq import Objective
+from sgicodec.rdoq.base_layer import with_optimised_base
 from sgicodec.rdoq.objective import joined
 
-Stage = Callable[..., tuple[Scene, TileModel]]
+Stage = Callable[..., tuple[Objective, TileModel]]
 I64 = NDArray[np.int64]
 
 CELL, STEP = 8, 0.02
@@ -87,9 +87,9 @@ def test_no_move_of_one_step_is_left_that_pays(count: int, predictor: int) -> No
 
 def test_the_stream_gains(stage: Stage) -> None:
     """From what is really coded and drawn; seeds stay as they are."""
-    scene, model = stage(height=150, width=200)
-    lifted = replace(scene, picture=scene.picture + np.linspace(0, 0.5, 200, dtype=np.float32))
-    changed = with_better_base(lifted, model, 1e-3)
+    objective, model = stage(height=150, width=200)
+    lifted = replace(objective, picture=objective.picture + np.linspace(0, 0.5, 200, dtype=np.float32))
+    changed = with_optimised_base(lifted, model, 1e-3)
     assert lifted.cost(changed).at(1e-3) < 0.9 * lifted.cost(model).at(1e-3)
     np.testing.assert_array_equal(joined(changed), joined(model))
     assert changed.base.any()
@@ -97,6 +97,6 @@ def test_the_stream_gains(stage: Stage) -> None:
 
 
 def test_without_a_base_layer_nothing_changes(stage: Stage) -> None:
-    scene, model = stage()
+    objective, model = stage()
     bare = replace(model, base=np.zeros((3, 0, 0), np.int64))
-    assert with_better_base(scene, bare, 1e-3) is bare
+    assert with_optimised_base(objective, bare, 1e-3) is bare

@@ -1,4 +1,4 @@
-"""Sweeps against the real coder, and what they say of the squared error against dense sums in float64."""
+"""Passes against the real coder, and what they say of the squared error against dense sums in float64."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -11,30 +11,30 @@ from scenes import ISAS
 from sgicodec.bitstream.parts.tile import TileModel, write_tile
 from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
 from sgicodec.raster.reference import rasterize_reference
-from sgicodec.rdoq import RefineSettings, Scene
-from sgicodec.rdoq import coordinate_descent as sweep_module
-from sgicodec.rdoq.coordinate_descent import sweep
+from sgicodec.rdoq import Objective, RdoqSettings
+from sgicodec.rdoq import coordinate_descent as descent
+from sgicodec.rdoq.coordinate_descent import descend
 from sgicodec.rdoq.objective import joined
 
-Stage = Callable[..., tuple[Scene, TileModel]]
+Stage = Callable[..., tuple[Objective, TileModel]]
 
-PLAIN = RefineSettings()
+PLAIN = RdoqSettings()
 
 
-def dense_residual(scene: Scene, model: TileModel) -> NDArray[np.float64]:
+def dense_residual(objective: Objective, model: TileModel) -> NDArray[np.float64]:
     """Picture less drawn [C, H, W], every Gaussian everywhere; the base layer is zero."""
-    _, height, width = scene.picture.shape
-    opponent = np.array(colour_matrix(scene.header.spec.channels))
+    _, height, width = objective.picture.shape
+    opponent = np.array(colour_matrix(objective.header.spec.channels))
     layout = model.layout
     centre, cell = layout.centre.astype(np.float64), layout.cell.astype(np.float64)
-    gaussians = gaussians_from_seeds(scene.header.spec, joined(model), centre, cell, {}, opponent, np)
-    return scene.picture - rasterize_reference(*gaussians, width, height)
+    gaussians = gaussians_from_seeds(objective.header.spec, joined(model), centre, cell, {}, opponent, np)
+    return objective.picture - rasterize_reference(*gaussians, width, height)
 
 
-def coded(scene: Scene, model: TileModel) -> tuple[NDArray[np.float64], dict[str, float]]:
+def coded(objective: Objective, model: TileModel) -> tuple[NDArray[np.float64], dict[str, float]]:
     """Attributes [N, d_A] as a stream would hold them, and the bits of its parts."""
     written = replace(model, decoded=None)
-    _, walk = write_tile(scene.header, written)
+    _, walk = write_tile(objective.header, written)
     return written.decoded_values, walk.bits
 
 
@@ -44,17 +44,17 @@ def test_promised_change_is_that_of_dense_sums(
     stage: Stage, monkeypatch: pytest.MonkeyPatch, isa: str, channels: int, width: int
 ) -> None:
     """A wide cutoff, so that what is left out is below rounding."""
-    monkeypatch.setattr(sweep_module, "DEFAULT_CUTOFF", 6.0)
+    monkeypatch.setattr(descent, "DEFAULT_CUTOFF", 6.0)
     monkeypatch.setattr("sgicodec.raster.cpu.DEFAULT_CUTOFF", 6.0)
-    scene, model = stage(channels, 61, width, isa)
-    before = dense_residual(scene, model)
+    objective, model = stage(channels, 61, width, isa)
+    before = dense_residual(objective, model)
     padded = np.zeros((channels, 61, width + 16), np.float32)
     padded[:, :, :width] = before
-    monkeypatch.setattr(Scene, "residual", lambda *_: padded)
+    monkeypatch.setattr(Objective, "residual", lambda *_: padded)
     lmbda = 1e-4
-    found, symbols = sweep(scene, model, lmbda, PLAIN)
-    after = dense_residual(scene, found)
-    bits = sum(coded(scene, found)[1][name] for name in ("colour", "shape", "offset"))
+    found, symbols = descend(objective, model, lmbda, PLAIN)
+    after = dense_residual(objective, found)
+    bits = sum(coded(objective, found)[1][name] for name in ("colour", "shape", "offset"))
     assert symbols.bits.sum() == pytest.approx(bits)
     expected = np.sum(after**2) - np.sum(before**2) + lmbda * bits
     assert expected < -1
@@ -64,35 +64,35 @@ def test_promised_change_is_that_of_dense_sums(
 
 
 @pytest.mark.parametrize("channels", [1, 3, 4])
-def test_what_a_sweep_finds_is_what_the_coder_codes(stage: Stage, channels: int) -> None:
-    scene, model = stage(channels)
+def test_what_a_pass_finds_is_what_the_coder_codes(stage: Stage, channels: int) -> None:
+    objective, model = stage(channels)
     for _ in range(2):
-        model, symbols = sweep(scene, model, 1e-3, RefineSettings())
-        decoded, bits = coded(scene, model)
+        model, symbols = descend(objective, model, 1e-3, RdoqSettings())
+        decoded, bits = coded(objective, model)
         np.testing.assert_array_equal(joined(model), decoded)
         assert symbols.bits.sum() == pytest.approx(sum(bits[name] for name in ("colour", "shape", "offset")))
 
 
 def test_same_result_for_any_number_of_threads(stage: Stage) -> None:
-    found = [joined(sweep(*stage(height=150, width=170, threads=threads), 1e-3, PLAIN)[0]) for threads in (1, 2, 3)]
+    found = [joined(descend(*stage(height=150, width=170, threads=threads), 1e-3, PLAIN)[0]) for threads in (1, 2, 3)]
     np.testing.assert_array_equal(found[0], found[1])
     np.testing.assert_array_equal(found[0], found[2])
 
 
 def test_dear_bits_are_spent_sparingly(stage: Stage) -> None:
-    scene, model = stage()
-    spent = [sweep(scene, model, lmbda, PLAIN)[1].bits.sum() for lmbda in (1e-5, 1e-2, 1.0)]
+    objective, model = stage()
+    spent = [descend(objective, model, lmbda, PLAIN)[1].bits.sum() for lmbda in (1e-5, 1e-2, 1.0)]
     assert spent[0] > 1.05 * spent[1] > 1.1 * spent[2]
 
 
 def test_seeds_outside_the_picture_do_no_harm(stage: Stage) -> None:
-    scene, model = stage()
+    objective, model = stage()
     assert model.attributes is not None
     attributes = {name: values.copy() for name, values in model.attributes.items()}
     attributes["offset"][::3] = 300.0
     attributes["shape"][::5] = [8.0, 0.0, 0.0]
     attributes["shape"][1::5] = [-9.0, 3.0, 0.0]
     moved = replace(model, attributes=attributes)
-    found, _ = sweep(scene, moved, 1e-3, PLAIN)
-    np.testing.assert_array_equal(joined(found), coded(scene, found)[0])
-    assert scene.cost(found).at(1e-3) < scene.cost(moved).at(1e-3)
+    found, _ = descend(objective, moved, 1e-3, PLAIN)
+    np.testing.assert_array_equal(joined(found), coded(objective, found)[0])
+    assert objective.cost(found).at(1e-3) < objective.cost(moved).at(1e-3)

@@ -12,17 +12,17 @@ from sgicodec.bitstream.container import ChunkWriter
 from sgicodec.bitstream.header import encode_header
 from sgicodec.bitstream.parts.tile import TileModel, write_tile
 from sgicodec.model.spec import ContextSpec, ModelSpec, default_spec, paper_spec
-from sgicodec.rdoq import Cost, Scene, can_refine
+from sgicodec.rdoq import Cost, Objective, can_optimise
 
-Stage = Callable[..., tuple[Scene, TileModel]]
+Stage = Callable[..., tuple[Objective, TileModel]]
 
 
-def stream_of(scene: Scene, model: TileModel) -> tuple[bytes, int]:
+def stream_of(objective: Objective, model: TileModel) -> tuple[bytes, int]:
     """A whole stream, and the bytes of its tile."""
-    payload, _ = write_tile(scene.header, replace(model, decoded=None))
+    payload, _ = write_tile(objective.header, replace(model, decoded=None))
     buffer = io.BytesIO()
     writer = ChunkWriter(buffer)
-    writer.write("H", encode_header(scene.header))
+    writer.write("H", encode_header(objective.header))
     writer.write("T", payload)
     writer.finish()
     return buffer.getvalue(), len(payload)
@@ -31,13 +31,13 @@ def stream_of(scene: Scene, model: TileModel) -> tuple[bytes, int]:
 @pytest.mark.parametrize("channels", [1, 3, 4])
 def test_cost_is_that_of_the_stream(stage: Stage, channels: int) -> None:
     """For one base layer after another, so that none is taken for another."""
-    scene, model = stage(channels)
+    objective, model = stage(channels)
     for seed in range(3):
         base = np.random.default_rng(seed).integers(-9, 9, model.base.shape)
         based = replace(model, base=base)
-        data, size = stream_of(scene, based)
-        error = open_stream(data).render().astype(np.float64) - scene.picture.transpose(1, 2, 0)
-        cost = scene.cost(based)
+        data, size = stream_of(objective, based)
+        error = open_stream(data).render().astype(np.float64) - objective.picture.transpose(1, 2, 0)
+        cost = objective.cost(based)
         assert cost.bits == 8 * size
         assert cost.error == pytest.approx(np.sum(error**2), rel=1e-4)
 
@@ -66,4 +66,4 @@ def test_cost_adds_up() -> None:
     ],
 )
 def test_which_models_it_knows(spec: ModelSpec, known: bool) -> None:
-    assert can_refine(spec) == known
+    assert can_optimise(spec) == known

@@ -10,62 +10,62 @@ import pytest
 from sgicodec import EncodeSettings, encode, open_stream, read
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.picture import to_unit
-from sgicodec.rdoq import Refined, Refiner, RefineSettings, Scene
+from sgicodec.rdoq import Objective, Rdoq, RdoqResult, RdoqSettings
 from sgicodec.rdoq.objective import joined
 
-Stage = Callable[..., tuple[Scene, TileModel]]
+Stage = Callable[..., tuple[Objective, TileModel]]
 
 PICTURE = Path(__file__).parents[2] / "data" / "kodim23.png"
 
 
-def refined(scene: Scene, model: TileModel, lmbda: float, settings: RefineSettings) -> Refined:
-    return Refiner(scene.header, model, scene.picture, lmbda, settings, scene.device).at(lmbda)
+def refined(objective: Objective, model: TileModel, lmbda: float, settings: RdoqSettings) -> RdoqResult:
+    return Rdoq(objective.header, model, objective.picture, lmbda, settings, objective.device).at(lmbda)
 
 
 @pytest.mark.parametrize("lmbda", [1e-4, 1e-3, 1e-2])
 def test_it_gains(stage: Stage, lmbda: float) -> None:
-    scene, model = stage()
-    found = refined(scene, model, lmbda, RefineSettings(sweeps=2))
-    assert found.cost == scene.cost(found.model)
-    assert found.cost.at(lmbda) < 0.9 * scene.cost(model).at(lmbda)
+    objective, model = stage()
+    found = refined(objective, model, lmbda, RdoqSettings(passes=2))
+    assert found.cost == objective.cost(found.model)
+    assert found.cost.at(lmbda) < 0.9 * objective.cost(model).at(lmbda)
 
 
-def test_more_sweeps_never_cost(stage: Stage) -> None:
-    scene, model = stage()
-    search = Refiner(scene.header, model, scene.picture, 1e-3, device=scene.device)
-    costs = [search.at(1e-3, sweeps).cost.at(1e-3) for sweeps in range(5)]
-    assert costs[0] == scene.cost(model).at(1e-3)
+def test_more_passes_never_cost(stage: Stage) -> None:
+    objective, model = stage()
+    search = Rdoq(objective.header, model, objective.picture, 1e-3, device=objective.device)
+    costs = [search.at(1e-3, passes).cost.at(1e-3) for passes in range(5)]
+    assert costs[0] == objective.cost(model).at(1e-3)
     assert costs == sorted(costs, reverse=True)
 
 
 def test_it_stops_when_time_is_up(stage: Stage) -> None:
-    """Before the second sweep: the outcome is that of one."""
-    scene, model = stage()
-    search = Refiner(scene.header, model, scene.picture, 1e-3, device=scene.device)
-    found, expected = search.at(1e-3, until=0.0), search.at(1e-3, sweeps=1)
+    """Before the second pass: the outcome is that of one."""
+    objective, model = stage()
+    search = Rdoq(objective.header, model, objective.picture, 1e-3, device=objective.device)
+    found, expected = search.at(1e-3, until=0.0), search.at(1e-3, passes=1)
     assert found.cost == expected.cost
     np.testing.assert_array_equal(joined(found.model), joined(expected.model))
 
 
 def test_longer_fits_are_searched_longer() -> None:
-    assert [RefineSettings.for_steps(steps).sweeps for steps in (50, 600, 1000, 8000)] == [2, 6, 10, 64]
+    assert [RdoqSettings.for_steps(steps).passes for steps in (50, 600, 1000, 8000)] == [2, 6, 10, 64]
 
 
 def test_what_would_cost_is_not_taken(stage: Stage) -> None:
     """Steps four octaves too coarse spoil any model."""
-    scene, model = stage()
-    good = refined(scene, model, 1e-5, RefineSettings(sweeps=3))
-    spoilt = RefineSettings(sweeps=1, coarser=4.0)
-    kept = refined(scene, good.model, 1e-5, spoilt)
+    objective, model = stage()
+    good = refined(objective, model, 1e-5, RdoqSettings(passes=3))
+    spoilt = RdoqSettings(passes=1, coarser=4.0)
+    kept = refined(objective, good.model, 1e-5, spoilt)
     assert kept.cost == good.cost
     np.testing.assert_array_equal(joined(kept.model), joined(good.model))
 
 
 def test_size_follows_the_price_of_bits(stage: Stage) -> None:
-    scene, model = stage()
-    fitted = refined(scene, model, 1e-4, RefineSettings(sweeps=4)).model
-    search = Refiner(scene.header, fitted, scene.picture, 1e-4, RefineSettings(coarser=0.0), scene.device)
-    bits = [search.at(1e-4 * factor, sweeps=2).cost.bits for factor in (0.5, 1, 2, 4)]
+    objective, model = stage()
+    fitted = refined(objective, model, 1e-4, RdoqSettings(passes=4)).model
+    search = Rdoq(objective.header, fitted, objective.picture, 1e-4, RdoqSettings(coarser=0.0), objective.device)
+    bits = [search.at(1e-4 * factor, passes=2).cost.bits for factor in (0.5, 1, 2, 4)]
     assert bits == sorted(bits, reverse=True)
     assert bits[-1] < 0.8 * bits[0]
 
@@ -73,8 +73,8 @@ def test_size_follows_the_price_of_bits(stage: Stage) -> None:
 def test_same_model_for_any_number_of_threads(stage: Stage) -> None:
     models = []
     for threads in (1, 2):
-        scene, model = stage(height=120, width=130, threads=threads)
-        models.append(refined(scene, model, 1e-3, RefineSettings(sweeps=3)).model)
+        objective, model = stage(height=120, width=130, threads=threads)
+        models.append(refined(objective, model, 1e-3, RdoqSettings(passes=3)).model)
     np.testing.assert_array_equal(joined(models[0]), joined(models[1]))
     np.testing.assert_array_equal(models[0].layout.corner, models[1].layout.corner)
 
@@ -86,7 +86,7 @@ def test_streams_cost_less() -> None:
     unit, lmbda = to_unit(picture), 0.004
     costs = []
     for searched in (False, True):
-        data = encode(picture, EncodeSettings(lmbda=lmbda, steps=150, threads=2, refine=searched)).data
+        data = encode(picture, EncodeSettings(lmbda=lmbda, steps=150, threads=2, rdoq=searched)).data
         error = np.sum((open_stream(data).render().astype(np.float64) - unit) ** 2)
         costs.append(error + lmbda * 8 * len(data))
     assert costs[1] < 0.98 * costs[0]
