@@ -64,6 +64,21 @@ class Rasterizer:
         grad_colours: F32,
         /,
     ) -> float: ...
+    def weighted_squared_error(
+        self,
+        means: F32,
+        covariances: F32,
+        colours: F32,
+        target: F32,
+        weights: F32,
+        x0: int,
+        y0: int,
+        cutoff: float,
+        grad_means: F32,
+        grad_covariances: F32,
+        grad_colours: F32,
+        /,
+    ) -> tuple[float, float]: ...
     @property
     def isa(self) -> str: ...
     @property

@@ -1,3 +1,4 @@
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 
 #include "bindings/arrays.hpp"
@@ -116,6 +117,19 @@ double squared_error(sgi::Rasterizer &self, F32In2 means, F32In2 covariances, F3
   return self.squared_error(g, v, cutoff, target.data(), weight, out);
 }
 
+std::pair<double, double> weighted_squared_error(sgi::Rasterizer &self, F32In2 means, F32In2 covariances,
+                                                 F32In2 colours, F32In3 target, F32In2 weights, int x0, int y0,
+                                                 float cutoff, F32Out2 grad_means, F32Out2 grad_covariances,
+                                                 F32Out2 grad_colours) {
+  const sgi::Gaussians g = gaussians(means, covariances, colours);
+  const sgi::View v = view(target, g, x0, y0);
+  require(has_shape(weights, target.shape(1), target.shape(2)), "weights must be [H, W]");
+  const sgi::Gradients out = gradients(g, grad_means, grad_covariances, grad_colours);
+  nb::gil_scoped_release release;
+  const sgi::SquaredErrors errors = self.weighted_squared_error(g, v, cutoff, target.data(), weights.data(), out);
+  return {errors.weighted, errors.plain};
+}
+
 }  // namespace
 
 void bind_raster(nb::module_ &m) {
@@ -129,6 +143,7 @@ void bind_raster(nb::module_ &m) {
       .def("draw", &draw)
       .def("backward", &backward)
       .def("squared_error", &squared_error)
+      .def("weighted_squared_error", &weighted_squared_error)
       .def_prop_ro("isa", [](const sgi::Rasterizer &self) { return std::string(sgi::name_of(self.isa())); })
       .def_prop_ro("pairs", &sgi::Rasterizer::pairs);
 }

@@ -90,13 +90,12 @@ void Rasterizer::backward(const Gaussians &g, const View &view, const float *gra
   reduce(g, out);
 }
 
-double Rasterizer::squared_error(const Gaussians &g, const View &view, float cutoff, const float *target, float weight,
-                                 const Gradients &out) {
+template <class Compare>
+void Rasterizer::differentiate(const Gaussians &g, const View &view, float cutoff, const float *target,
+                               const Gradients &out, Compare compare) {
   bin_gaussians(g.means, g.covariances, g.count, view, cutoff, threads_, bins_);
   float *partials = partials_for(pairs(), g.channels);
-  const int64_t tiles = int64_t(view.tiles_x()) * view.tiles_y();
-  tile_loss_.assign(tiles, 0.0);
-  parallel_for(tiles, threads_, [&](int64_t tile) {
+  parallel_for(int64_t(view.tiles_x()) * view.tiles_y(), threads_, [&](int64_t tile) {
     std::vector<float> buffer(g.channels * kTilePlane, 0.0f);
     const TileRect r = tile_rect(view, tile);
     const int64_t begin = bins_.tile_start[tile], n = bins_.tile_start[tile + 1] - begin;
@@ -106,13 +105,33 @@ double Rasterizer::squared_error(const Gaussians &g, const View &view, float cut
     });
     const int x0 = r.x + view.x0, y0 = r.y + view.y0;
     kernel_.forward(entries, n, bins_.splats.data(), g.colours, g.channels, x0, y0, buffer.data());
-    tile_loss_[tile] = kernel_.compare(buffer.data(), g.channels, r, target, view.width, view.height, weight);
+    compare(tile, buffer.data(), r);
     kernel_.backward(entries, n, bins_.splats.data(), g.colours, g.channels, x0, y0, buffer.data(), partials);
   });
   reduce(g, out);
-  double total = 0;
-  for (double loss : tile_loss_) total += loss;
-  return total * weight;
+}
+
+double Rasterizer::squared_error(const Gaussians &g, const View &view, float cutoff, const float *target, float weight,
+                                 const Gradients &out) {
+  std::vector<double> errors(int64_t(view.tiles_x()) * view.tiles_y());
+  differentiate(g, view, cutoff, target, out, [&](int64_t tile, float *drawn, const TileRect &r) {
+    errors[tile] = kernel_.compare(drawn, g.channels, r, target, view.width, view.height, weight);
+  });
+  return std::accumulate(errors.begin(), errors.end(), 0.0) * weight;
+}
+
+SquaredErrors Rasterizer::weighted_squared_error(const Gaussians &g, const View &view, float cutoff,
+                                                 const float *target, const float *weights, const Gradients &out) {
+  std::vector<SquaredErrors> errors(int64_t(view.tiles_x()) * view.tiles_y());
+  differentiate(g, view, cutoff, target, out, [&](int64_t tile, float *drawn, const TileRect &r) {
+    errors[tile] = kernel_.compare_weighted(drawn, g.channels, r, target, weights, view.width, view.height);
+  });
+  SquaredErrors total{};
+  for (const SquaredErrors &some : errors) {
+    total.weighted += some.weighted;
+    total.plain += some.plain;
+  }
+  return total;
 }
 
 // Sums the partials of every Gaussian in slot order and carries them through the inverse of the covariance.

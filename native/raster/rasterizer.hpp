@@ -40,11 +40,18 @@ class Rasterizer {
   // One pass over the tiles: draws, returns sum over pixels and channels of weight * (I - target)^2 and its gradients.
   double squared_error(const Gaussians &g, const View &view, float cutoff, const float *target, float weight,
                        const Gradients &out);
+  // The same with weights [height, width] of the pixels: the gradients are those of the weighted sum.
+  SquaredErrors weighted_squared_error(const Gaussians &g, const View &view, float cutoff, const float *target,
+                                       const float *weights, const Gradients &out);
 
   Isa isa() const { return isa_; }
   int64_t pairs() const;  // (tile, Gaussian) pairs of the last forward
 
  private:
+  // Draws tile by tile, lets `compare(tile number, drawn tile, rect)` turn it into dL/dI, and writes the gradients.
+  template <class Compare>
+  void differentiate(const Gaussians &g, const View &view, float cutoff, const float *target, const Gradients &out,
+                     Compare compare);
   void reduce(const Gaussians &g, const Gradients &out);
   float *partials_for(int64_t slots, int channels);
 
@@ -54,7 +61,6 @@ class Rasterizer {
   Bins bins_;
   std::unique_ptr<float[]> partials_;
   int64_t partials_size_ = 0;
-  std::vector<double> tile_loss_;
 };
 
 }  // namespace sgi

@@ -38,6 +38,11 @@ struct TileRect {
   int col0, col1, row0, row1;    // pixels of the tile inside the view
 };
 
+// Sums over pixels and channels of weight * (I - target)^2 and of (I - target)^2.
+struct SquaredErrors {
+  double weighted, plain;
+};
+
 // Pixels of a tile are [channels][kTileHeight][kTileStride], of which the first kTileWidth of a row count.
 struct TileKernel {
   // Adds the Gaussians of `entries` to a tile whose first pixel is (x0, y0).
@@ -47,6 +52,9 @@ struct TileKernel {
   // (I - target)^2. target [channels, height, width] of the view.
   double (*compare)(float *tile, int channels, const TileRect &rect, const float *target, int64_t width, int64_t height,
                     float weight);
+  // The same with the gradient 2 weights (I - target), weights [height, width] of the view; returns both sums.
+  SquaredErrors (*compare_weighted)(float *tile, int channels, const TileRect &rect, const float *target,
+                                    const float *weights, int64_t width, int64_t height);
   // Writes partials[slot][kMoments + channels] of every entry, from dL/dI = grad; beyond kTileWidth that must be 0.
   void (*backward)(const Entry *entries, int64_t n, const Splat *splats, const float *colours, int channels, int x0,
                    int y0, const float *grad, float *partials);

@@ -207,6 +207,12 @@ void backward(const Entry *entries, int64_t n, const Splat *splats, const float 
   }
 }
 
+// Clears what of a row of a tile lies outside the view; the part inside is [begin, end).
+inline void clear_outside(float *row, int begin, int end) {
+  for (int x = 0; x < begin; ++x) row[x] = 0.0f;
+  for (int x = end; x < kTileStride; ++x) row[x] = 0.0f;
+}
+
 double compare(float *tile, int channels, const TileRect &r, const float *target, int64_t width, int64_t height,
                float weight) {
   double total = 0;
@@ -216,8 +222,7 @@ double compare(float *tile, int channels, const TileRect &r, const float *target
       float *row = tile + c * kTilePlane + y * kTileStride;
       const bool inside = y >= r.row0 && y < r.row1;
       const int begin = inside ? r.col0 : kTileStride, end = inside ? r.col1 : kTileStride;
-      for (int x = 0; x < begin; ++x) row[x] = 0.0f;
-      for (int x = end; x < kTileStride; ++x) row[x] = 0.0f;
+      clear_outside(row, begin, end);
       if (!inside) continue;
       const float *wanted = target + (c * height + r.y + y) * width + r.x;
       int x = begin;
@@ -239,8 +244,41 @@ double compare(float *tile, int channels, const TileRect &r, const float *target
   return total;
 }
 
+SquaredErrors compare_weighted(float *tile, int channels, const TileRect &r, const float *target, const float *weights,
+                               int64_t width, int64_t height) {
+  SquaredErrors total{};
+  for (int c = 0; c < channels; ++c) {
+    vf weighted{}, plain{};
+    for (int y = 0; y < kTileHeight; ++y) {
+      float *row = tile + c * kTilePlane + y * kTileStride;
+      const bool inside = y >= r.row0 && y < r.row1;
+      clear_outside(row, inside ? r.col0 : kTileStride, inside ? r.col1 : kTileStride);
+      if (!inside) continue;
+      const float *wanted = target + (c * height + r.y + y) * width + r.x, *w = weights + (r.y + y) * width + r.x;
+      int x = r.col0;
+      for (; x + LANES <= r.col1; x += LANES) {
+        const vf error = load(row + x) - load(wanted + x), scaled = load(w + x) * error;
+        plain += error * error;
+        weighted += scaled * error;
+        store(row + x, 2.0f * scaled);
+      }
+      for (; x < r.col1; ++x) {
+        const float error = row[x] - wanted[x];
+        total.plain += error * error;
+        total.weighted += w[x] * error * error;
+        row[x] = 2.0f * w[x] * error;
+      }
+    }
+    for (int i = 0; i < LANES; ++i) {
+      total.plain += plain[i];
+      total.weighted += weighted[i];
+    }
+  }
+  return total;
+}
+
 }  // namespace
 
-const TileKernel TileKernel::SGI_ISA{sgi::forward, sgi::compare, sgi::backward};
+const TileKernel TileKernel::SGI_ISA{sgi::forward, sgi::compare, sgi::compare_weighted, sgi::backward};
 
 }  // namespace sgi

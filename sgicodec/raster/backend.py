@@ -49,3 +49,15 @@ class Backend(Protocol[Array]):
     ) -> tuple[float, tuple[Array, Array, Array]]:
         """weight · Σ (I − target)² and its gradients."""
         ...
+
+    def weighted_squared_error(
+        self,
+        means: Array,
+        covariances: Array,
+        colours: Array,
+        target: Array,
+        weights: Array,
+        origin: tuple[int, int] = (0, 0),
+    ) -> tuple[tuple[float, float], tuple[Array, Array, Array]]:
+        """Σ w (I − target)² with weights [H, W], Σ (I − target)², and the gradients of the former."""
+        ...

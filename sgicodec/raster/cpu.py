@@ -130,3 +130,19 @@ class NativeRasterizer:
         out = np.empty_like(means), np.empty_like(covariances), np.empty_like(colours)
         loss = self._raster.squared_error(means, covariances, colours, target, *origin, self.cutoff, weight, *out)
         return loss, out
+
+    def weighted_squared_error(
+        self,
+        means: F32,
+        covariances: F32,
+        colours: F32,
+        target: F32,
+        weights: F32,
+        origin: tuple[int, int] = (0, 0),
+    ) -> tuple[tuple[float, float], tuple[F32, F32, F32]]:
+        """Σ w (I − target)² with weights [H, W], Σ (I − target)², and the gradients of the former."""
+        out = np.empty_like(means), np.empty_like(covariances), np.empty_like(colours)
+        errors = self._raster.weighted_squared_error(
+            means, covariances, colours, target, weights, *origin, self.cutoff, *out
+        )
+        return errors, out

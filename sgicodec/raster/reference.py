@@ -40,6 +40,21 @@ class ReferenceRasterizer:
         grads = rasterize_reference_backward(means, covariances, colours, 2 * weight * error, origin)
         return weight * float(np.sum(error * error)), grads
 
+    def weighted_squared_error(
+        self,
+        means: F64,
+        covariances: F64,
+        colours: F64,
+        target: F64,
+        weights: F64,
+        origin: tuple[int, int] = (0, 0),
+    ) -> tuple[tuple[float, float], tuple[F64, F64, F64]]:
+        """Σ w (I − target)² with weights [H, W], Σ (I − target)², and the gradients of the former."""
+        _, height, width = target.shape
+        error = rasterize_reference(means, covariances, colours, width, height, origin) - target
+        grads = rasterize_reference_backward(means, covariances, colours, 2 * weights * error, origin)
+        return (float(np.sum(weights * error * error)), float(np.sum(error * error))), grads
+
 
 def rasterize_reference(
     means: F64, covariances: F64, colours: F64, width: int, height: int, origin: tuple[int, int] = (0, 0)

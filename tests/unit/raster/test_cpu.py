@@ -17,7 +17,7 @@ from scenes import (
 )
 
 from sgicodec.raster.cpu import NativeRasterizer
-from sgicodec.raster.reference import rasterize_reference, rasterize_reference_backward
+from sgicodec.raster.reference import ReferenceRasterizer, rasterize_reference, rasterize_reference_backward
 
 FORWARD, BACKWARD = 4e-5, 8e-5  # rounding, relative to the sum of magnitudes
 WIDE = 6.0  # cutoff at which what is left out is below rounding: exp(−18) = 1.5e-8
@@ -133,6 +133,36 @@ def test_squared_error_is_forward_and_backward(isa: str, channels: int) -> None:
         assert loss == pytest.approx(0.25 * float(np.sum(error.astype(np.float64) ** 2)), rel=1e-6)
         for one, two in zip(gradients, fused, strict=True):
             np.testing.assert_array_equal(one, two)
+
+
+@every_isa
+@pytest.mark.parametrize("channels", [1, 3, 6])
+def test_weighted_squared_error_is_that_of_the_reference(isa: str, channels: int) -> None:
+    """A wide cutoff, so that what is left out is below rounding."""
+    rng = np.random.default_rng(channels)
+    scene = random_scene(rng, 60, channels, 70, 45, sigma=(0.5, 6.0), ratio=4.0)
+    target = rng.normal(size=(channels, 45, 70)).astype(np.float32)
+    weights = rng.uniform(0.1, 3.0, (45, 70)).astype(np.float32)
+    for origin in ((0, 0), (-7, 21)):
+        found, gradients = NativeRasterizer(2, isa, 7.0).weighted_squared_error(*scene, target, weights, origin)
+        wide = [array.astype(np.float64) for array in (target, weights)]
+        expected, exact_gradients = ReferenceRasterizer().weighted_squared_error(*exact(scene), *wide, origin)
+        assert found == pytest.approx(expected, rel=1e-6)
+        for one, two in zip(gradients, exact_gradients, strict=True):
+            np.testing.assert_allclose(one, two, atol=2e-4 * np.abs(two).max())
+
+
+@every_isa
+def test_weights_of_one_are_plain_squared_error(isa: str) -> None:
+    rng = np.random.default_rng(2)
+    scene = random_scene(rng, 60, 3, 70, 45, sigma=(0.5, 6.0), ratio=4.0)
+    target, ones = rng.normal(size=(3, 45, 70)).astype(np.float32), np.ones((45, 70), np.float32)
+    raster = NativeRasterizer(2, isa)
+    (weighted, plain), gradients = raster.weighted_squared_error(*scene, target, ones)
+    loss, expected = raster.squared_error(*scene, target, 1.0)
+    assert weighted == plain == pytest.approx(loss, rel=1e-6)
+    for one, two in zip(gradients, expected, strict=True):
+        np.testing.assert_array_equal(one, two)
 
 
 WHOLE = 120

@@ -64,6 +64,25 @@ def test_squared_error_against_central_differences() -> None:
     assert (ahead - behind) / 2e-6 == pytest.approx(slope, rel=1e-6)
 
 
+def test_weighted_squared_error_against_central_differences() -> None:
+    rng = np.random.default_rng(8)
+    arrays = exact(random_scene(rng, 3, 2, 8, 6, sigma=(1.0, 3.0), margin=0.0))
+    target, weights = rng.normal(size=(2, 6, 8)), rng.uniform(0.1, 2.0, (6, 8))
+    raster = ReferenceRasterizer()
+    (weighted, plain), gradients = raster.weighted_squared_error(*arrays, target, weights)
+    squares = (raster.forward(*arrays, 8, 6) - target) ** 2
+    assert (weighted, plain) == pytest.approx((float(np.sum(weights * squares)), float(np.sum(squares))))
+    direction = [rng.normal(size=array.shape) for array in arrays]
+    ahead, behind = (
+        raster.weighted_squared_error(
+            *(a + sign * 1e-6 * d for a, d in zip(arrays, direction, strict=True)), target, weights
+        )[0][0]
+        for sign in (1, -1)
+    )
+    slope = sum(float(np.sum(g * d)) for g, d in zip(gradients, direction, strict=True))
+    assert (ahead - behind) / 2e-6 == pytest.approx(slope, rel=1e-6)
+
+
 def test_what_is_no_gaussian_is_left_out() -> None:
     means = np.array([[2.0, 2.0], [np.nan, 2.0], [2.0, 2.0], [2.0, 2.0]])
     covariances = np.array([[1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 2.0, 1.0], [np.inf, 0.0, 1.0]])

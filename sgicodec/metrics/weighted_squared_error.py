@@ -1,0 +1,63 @@
+"""Squared error that counts less where the picture is busy, where the eye hardly sees it (visual masking)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec.metrics.distortion import F32, Mask, QuadraticReference
+from sgicodec.metrics.psnr import luma
+
+__all__ = ["WeightedSquaredError"]
+
+F64 = NDArray[np.float64]
+
+
+class WeightedSquaredError:
+    """Σ w e², w = (σ² + 10⁻³)^−½ / 20, with σ² the variance of luma in the window of 11×11 pixels around a pixel.
+
+    Windows end where the picture or tile ends: a tile that overlaps its neighbours by 5 pixels or more has the weights
+    of the whole picture wherever it alone is shown. Empty pixels weigh as little as the busiest pixel could.
+    """
+
+    name = "weighted"
+
+    def reference(self, picture: F32, empty: Mask | None = None) -> QuadraticReference:
+        """See `Distortion.reference`."""
+        variance = _local_variance(luma(picture.transpose(1, 2, 0), peak=1.0) / 255.0)
+        if empty is not None:
+            variance[empty] = _MOST_VARIANCE
+        return QuadraticReference(np.asarray(_SCALE * (variance + _FLOOR) ** -0.5, np.float32))
+
+
+_RADIUS = 5
+"""Pixels from a window's centre to its border."""
+_FLOOR = 1e-3
+"""Variance below which pixels count as flat, samples²: a standard deviation of 8 levels of 255."""
+_MOST_VARIANCE = 0.25
+"""Of samples in 0..1: half of them 0, half 1."""
+_SCALE = 1 / 20
+"""Makes the mean weight about 1: without it, 21.2 over 49 photographs, from 11 (kodim08) to 32 (a flat sky)."""
+
+
+def _local_variance(plane: F64) -> F64:
+    mean = _window_means(plane)
+    return np.maximum(_window_means(plane * plane) - mean * mean, 0.0)
+
+
+def _window_means(plane: F64) -> F64:
+    for axis in (0, 1):
+        plane = _line_means(plane, axis)
+    return plane
+
+
+def _line_means(plane: F64, axis: int) -> F64:
+    """Means over the part of 2 · _RADIUS + 1 samples along an axis that lies in the plane."""
+    size = plane.shape[axis]
+    first = np.maximum(np.arange(size) - _RADIUS, 0)
+    last = np.minimum(np.arange(size) + _RADIUS + 1, size)
+    before = np.zeros_like(plane, shape=(*plane.shape[:axis], 1, *plane.shape[axis + 1 :]))
+    sums = np.concatenate([before, plane.cumsum(axis)], axis)
+    counts = (last - first).reshape((-1, 1) if axis == 0 else (1, -1))
+    means: F64 = (sums.take(last, axis) - sums.take(first, axis)) / counts
+    return means

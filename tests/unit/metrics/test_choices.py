@@ -1,0 +1,34 @@
+"""Every distortion keeps the contract of `Distortion` and `Reference`."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sgicodec.metrics.choices import DISTORTIONS
+
+
+@pytest.mark.parametrize("name", DISTORTIONS)
+@pytest.mark.parametrize("channels", [1, 3, 4])
+def test_the_gradient_is_that_of_central_differences(name: str, channels: int) -> None:
+    rng = np.random.default_rng(channels)
+    picture = rng.uniform(0, 1, (channels, 23, 31)).astype(np.float32)
+    reference = DISTORTIONS[name].reference(picture)
+    residual, drawn = (rng.normal(size=picture.shape).astype(np.float32) for _ in range(2))
+    ahead, behind = (reference.value(residual - np.float32(step) * drawn) for step in (1e-2, -1e-2))
+    slope = float(np.sum(reference.gradient(residual).astype(np.float64) * drawn))
+    assert (ahead - behind) / 2e-2 == pytest.approx(slope, rel=1e-4, abs=1e-2)
+
+
+@pytest.mark.parametrize("name", DISTORTIONS)
+def test_weights_are_those_of_the_value(name: str) -> None:
+    """A single wrong pixel costs its weight for each channel; no error costs nothing."""
+    rng = np.random.default_rng(0)
+    reference = DISTORTIONS[name].reference(rng.uniform(0, 1, (3, 20, 30)).astype(np.float32))
+    weights = np.ones((20, 30)) if reference.weights is None else reference.weights
+    assert weights.shape == (20, 30)
+    assert weights.min() > 0
+    residual = np.zeros((3, 20, 30), np.float32)
+    assert reference.value(residual) == 0
+    residual[:, 7, 9] = 0.5
+    assert reference.value(residual) == pytest.approx(0.75 * weights[7, 9])

@@ -1,0 +1,52 @@
+"""The weights of squared error against windows summed one by one, and that tiles agree on them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from sgicodec.metrics.weighted_squared_error import WeightedSquaredError
+
+F32 = NDArray[np.float32]
+
+
+def picture(channels: int, height: int = 40, width: int = 31) -> F32:
+    """Noise [C, H, W] that grows to the right."""
+    rng = np.random.default_rng(channels)
+    return (0.5 + np.linspace(0, 0.4, width) * rng.uniform(-1, 1, (channels, height, width))).astype(np.float32)
+
+
+def weights_of(samples: F32, empty: NDArray[np.bool_] | None = None) -> F32:
+    weights = WeightedSquaredError().reference(samples, empty).weights
+    assert weights is not None
+    return weights
+
+
+@pytest.mark.parametrize("channels", [1, 2, 3, 4, 6])
+def test_weights_are_those_of_the_windows(channels: int) -> None:
+    samples = picture(channels)
+    luma = samples[0].astype(np.float64) if channels < 3 else np.tensordot([0.299, 0.587, 0.114], samples[:3], axes=1)
+    weights = weights_of(samples)
+    assert weights.dtype == np.float32
+    for y in range(40):
+        for x in range(31):
+            window = luma[max(0, y - 5) : y + 6, max(0, x - 5) : x + 6]
+            assert weights[y, x] == pytest.approx((np.var(window) + 1e-3) ** -0.5 / 20, rel=1e-5)
+
+
+def test_flat_pixels_count_most_and_empty_ones_least() -> None:
+    flat, empty = np.full((3, 20, 20), 0.3, np.float32), np.zeros((20, 20), bool)
+    empty[3:5] = True
+    weights = weights_of(flat, empty)
+    np.testing.assert_allclose(weights[~empty], 1e-3**-0.5 / 20, rtol=1e-6)
+    np.testing.assert_allclose(weights[empty], 0.251**-0.5 / 20, rtol=1e-6)
+    loud = np.where(np.indices((20, 20)).sum(0) % 2, 1.0, 0.0).astype(np.float32)[None]
+    assert weights_of(loud).min() >= weights[empty].max() - 1e-6
+
+
+def test_a_tile_that_overlaps_its_neighbours_has_the_weights_of_the_picture() -> None:
+    samples = picture(3, 60, 70)
+    whole = weights_of(samples)
+    tile = weights_of(np.ascontiguousarray(samples[:, 12:48, 20:64]))
+    np.testing.assert_allclose(tile[5:-5, 5:-5], whole[17:43, 25:59], rtol=1e-5)
