@@ -60,7 +60,7 @@ format: setup
 	$(BIN)/ruff format .
 
 bench: setup
-	$(BIN)/python -m benchmarks.raster
+	$(BIN)/python -m benchmarks raster
 	$(BIN)/sgi bench $(PICTURES) --out $(OUT)
 
 clean:

@@ -1,1 +1,1 @@
-"""Everything that measures and is no part of the package: `python -m benchmarks.NAME --help` in the repository."""
+"""Programs that measure the package and are no part of it: `python -m benchmarks` in the repository lists them."""

@@ -1,4 +1,4 @@
-"""Cuts pictures for a benchmark out of larger ones: `python -m benchmarks.crops OUT_DIR PICTURES… --count 2`."""
+"""Cuts pictures for a benchmark out of larger ones."""
 
 from __future__ import annotations
 
@@ -39,7 +39,3 @@ def main(out: Path, pictures: tuple[Path, ...], width: int, height: int, count: 
     for path in pictures:
         for number, crop in enumerate(along_the_diagonal(read(path), width, height, count)):
             write(crop, out / f"{path.stem}-{number}.png")
-
-
-if __name__ == "__main__":
-    main()

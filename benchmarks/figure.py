@@ -1,17 +1,15 @@
-"""The README's picture: a detail of the original, of sgi, and of JPEG in as many bytes.
-
-python -m benchmarks.figure tests/data/kodim23.png demo-out/kodim23.sgi docs/images/before-after.png
-"""
+"""The README's picture: a detail of the original, of sgi, and of JPEG in as many bytes."""
 
 from __future__ import annotations
 
-import argparse
 import io
 from pathlib import Path
 
+import click
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec.bench.extra import require
 from sgicodec.decoder.stream import open_stream
 from sgicodec.image import read
 from sgicodec.metrics.psnr import psnr
@@ -35,20 +33,20 @@ def jpeg_of_size(pixels: Pixels, size: int) -> bytes:
     return best
 
 
-def main() -> None:
-    """The command line of this module."""
+@click.command()
+@click.argument("picture", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.argument("stream", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.argument("out", type=click.Path(dir_okay=False, path_type=Path))
+@click.option("--region", type=int, nargs=4, default=(60, 130, 280, 210), show_default=True, metavar="X Y W H")
+def main(picture: Path, stream: Path, out: Path, region: tuple[int, int, int, int]) -> None:
+    """Draw a detail of PICTURE, of STREAM and of a JPEG as large as STREAM side by side to OUT."""
+    require("the figure", "PIL")
     from PIL import Image, ImageDraw
 
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("picture", type=Path)
-    parser.add_argument("stream", type=Path)
-    parser.add_argument("out", type=Path)
-    parser.add_argument("--region", type=int, nargs=4, default=(60, 130, 280, 210), metavar=("X", "Y", "W", "H"))
-    arguments = parser.parse_args()
-    original = read(arguments.picture).pixels
-    size = arguments.stream.stat().st_size
-    with open_stream(arguments.stream) as stream:
-        ours = stream.picture().pixels
+    original = read(picture).pixels
+    size = stream.stat().st_size
+    with open_stream(stream) as opened:
+        ours = opened.picture().pixels
     data = jpeg_of_size(original, size)
     theirs = np.asarray(Image.open(io.BytesIO(data)))
     raw = original.size
@@ -57,17 +55,13 @@ def main() -> None:
         (ours, f"sgi, {size:,} bytes, {psnr(original, ours):.2f} dB"),
         (theirs, f"JPEG, {len(data):,} bytes, {psnr(original, theirs):.2f} dB"),
     ]
-    x, y, width, height = arguments.region
+    x, y, width, height = region
     sheet = Image.new("RGB", (3 * width + 16, height + 20), "white")
     draw = ImageDraw.Draw(sheet)
     for index, (pixels, label) in enumerate(panels):
         left = index * (width + 8)
         sheet.paste(Image.fromarray(pixels[y : y + height, x : x + width]), (left, 20))
         draw.text((left + 2, 4), label, fill="black")
-    arguments.out.parent.mkdir(parents=True, exist_ok=True)
-    sheet.save(arguments.out, optimize=True)
-    print("\n".join(label for _, label in panels))
-
-
-if __name__ == "__main__":
-    main()
+    out.parent.mkdir(parents=True, exist_ok=True)
+    sheet.save(out, optimize=True)
+    click.echo("\n".join(label for _, label in panels))

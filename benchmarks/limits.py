@@ -1,4 +1,4 @@
-"""How well time limits are kept and what they give (`python -m benchmarks.limits`)."""
+"""How well time limits are kept and what they give."""
 
 from __future__ import annotations
 
@@ -86,7 +86,3 @@ def main(pictures: tuple[Path, ...], limits: str, efforts: str, tile: int | None
             channels = source.header.count
         for options in asked:
             click.echo(measured(picture, [*options, *common], channels).line())
-
-
-if __name__ == "__main__":
-    main()

@@ -1,4 +1,4 @@
-"""Makes a large picture of real ones: `python -m benchmarks.mosaic OUT.tif PICTURES… [--side 12288] [--cell 2048]`.
+"""Makes a large picture of real ones.
 
 Cells are crops of the pictures, side by side; once all crops were used they come again mirrored or turned.
 """
@@ -56,7 +56,3 @@ def main(out: Path, pictures: tuple[Path, ...], side: int, cell: int) -> None:
     pixels = mosaic(cells, side)
     write(Picture(pixels, read_in[0].channels, (0.0, 255.0)), out)
     click.echo(f"{pixels.shape[1]}×{pixels.shape[0]} pixels of {len(cells)} crops")
-
-
-if __name__ == "__main__":
-    main()

@@ -1,4 +1,4 @@
-"""How fast the native rasteriser is, and how near to what the cores can do (`python -m benchmarks.raster`)."""
+"""How fast the native rasteriser is, and how near to what the cores can do."""
 
 from __future__ import annotations
 
@@ -169,7 +169,3 @@ def main(threads: int, isa: str, repeat: int) -> None:
     click.echo("| " + " | ".join(HEADINGS) + " |\n|" + "---:|" * len(HEADINGS))
     for scene, speed in lines:
         click.echo(report(scene, speed, peak))
-
-
-if __name__ == "__main__":
-    main()

@@ -9,16 +9,16 @@ weigh less than 2**-18, between 1 and 511.
 from __future__ import annotations
 
 import hashlib
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import click
 import mpmath  # type: ignore[import-untyped]
 import numpy as np
 
 from sgicodec.bitstream.entropy.tables import FAMILIES, SCALES, TOTAL
 
-__all__ = ["SURVIVAL", "make_tables"]
+__all__ = ["SURVIVAL", "main", "make_tables"]
 
 MAX_SUPPORT = 511
 TAIL = mpmath.mpf(2) ** -18
@@ -77,7 +77,14 @@ def make_tables(families: tuple[str, ...] = FAMILIES) -> bytes:
     return supports.tobytes() + np.concatenate([np.array(table, "<u4") for table in tables]).tobytes()
 
 
-if __name__ == "__main__":
+@click.command()
+@click.argument("out", type=click.Path(dir_okay=False, path_type=Path))
+def main(out: Path) -> None:
+    """Write the tables to OUT and print their SHA-256."""
     content = make_tables()
-    Path(sys.argv[1]).write_bytes(content)
-    print(f"{len(content)} bytes, SHA-256 {hashlib.sha256(content).hexdigest()}")
+    out.write_bytes(content)
+    click.echo(f"{len(content)} bytes, SHA-256 {hashlib.sha256(content).hexdigest()}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,1 +1,1 @@
-"""sgi and its peers on pictures of many megapixels: `python -m benchmarks.large PICTURE…`."""
+"""sgi and its peers on pictures of many megapixels."""

@@ -1,4 +1,4 @@
-"""sgi and its peers on pictures of many megapixels (`python -m benchmarks.large PICTURE… --out docs`)."""
+"""sgi and its peers on pictures of many megapixels."""
 
 from __future__ import annotations
 

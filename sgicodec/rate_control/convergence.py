@@ -1,4 +1,4 @@
-"""What the state of a fit foretells about its outcome: tables that `python -m benchmarks.course` prints."""
+"""What the state of a fit foretells about its outcome: tables that `python -m tools.convergence_table` prints."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ FLOORS = (
 HOMES = {
     "constriction": ("sgicodec/bitstream/entropy/",),
     "OpenImageIO": ("sgicodec/image/",),
-    "torch": ("sgicodec/fit/", "sgicodec/encoder/tile_encoder.py", "benchmarks/research.py", "tools/"),
+    "torch": ("sgicodec/fit/", "sgicodec/encoder/tile_encoder.py", "tools/"),
     "rich": ("sgicodec/cli/", "sgicodec/bench/", "benchmarks/"),
     "click": ("sgicodec/cli/", "sgicodec/bench/", "benchmarks/", "tools/"),
     "scipy": ("sgicodec/metrics/similarity.py", "sgicodec/bench/bdrate.py"),

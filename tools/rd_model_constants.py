@@ -1,5 +1,5 @@
 """What `RdModel` says of pictures before a fit, what came of it, and exponents for its products of powers
-(`python -m benchmarks.forecasts PICTURES…`).
+(`python -m tools.rd_model_constants PICTURES…`).
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from benchmarks.whole import main, whole
+from benchmarks.variants import main, whole
 from sgicodec import EncodeSettings, encode, open_stream, read, write
 from sgicodec.errors import UsageError
 from sgicodec.picture import Picture
@@ -33,9 +33,11 @@ def test_variants_reach_the_stream(crop: Picture) -> None:
         with open_stream(whole(crop, SETTINGS, variant).encoded.data) as stream:
             assert stream.header.spec.base_cell == base_cell
             assert stream.header.spec.context.prior == prior
+    split = whole(crop, SETTINGS, "fit.split=30.0").encoded
+    assert split.seeds < whole(crop, SETTINGS).encoded.seeds
 
 
-@pytest.mark.parametrize("variant", ["nonsense=3", "steps", "steps=a b"])
+@pytest.mark.parametrize("variant", ["nonsense=3", "steps", "steps=a b", "fit.nonsense=3"])
 def test_what_is_no_variant(crop: Picture, variant: str) -> None:
     with pytest.raises(UsageError, match="variant"):
         whole(crop, SETTINGS, variant)
@@ -47,5 +49,5 @@ def test_a_row_for_each_variant(crop: Picture, tmp_path: Path) -> None:
     arguments = [str(path), "--lmbda", "0.01", "--steps", "20", "--variant", "rdoq=False"]
     lines = CliRunner().invoke(main, arguments, catch_exceptions=False).output.splitlines()
     assert [line.split("\t")[2] for line in lines[1:3]] == ["default", "rdoq=False"]
-    assert float(lines[2].split("\t")[8]) > float(lines[1].split("\t")[8])
+    assert float(lines[2].split("\t")[9]) > float(lines[1].split("\t")[9])
     assert lines[3].startswith("# rdoq=False at λ = 0.01: J +")

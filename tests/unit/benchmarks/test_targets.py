@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from benchmarks import goals
-from benchmarks.goals import Asked, Outcome, Point, asked_of, loss, report, summary
+from benchmarks import targets
+from benchmarks.targets import Asked, Outcome, Point, asked_of, loss, report, summary
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.errors import UsageError
 
@@ -35,7 +35,7 @@ def test_rows_and_summary() -> None:
         Outcome("a", Asked("bpp", 2.0), point(1980, 32.0, 2.0, 2.5), point(2000, 33.0, 2.0), False),
         Outcome("a", Asked("psnr", 35.0), point(3000, 34.5, 3.0), point(3000, 35.0, 2.0), True),
     ]
-    rows = [dict(zip(goals.COLUMNS, row.split("\t"), strict=True)) for row in report(ones)]
+    rows = [dict(zip(targets.COLUMNS, row.split("\t"), strict=True)) for row in report(ones)]
     assert [row["reached"] for row in rows] == ["0.99", "1.98", "34.5!"]
     assert [row["ratio"] for row in rows] == ["1.200", "1.000", "1.500"]
     assert [row["cpu_ratio"] for row in rows] == ["1.000", "1.250", "1.000"]
@@ -62,10 +62,10 @@ def test_settings_and_what_is_reached(name: str) -> None:
 def test_a_run() -> None:
     """A size within reach, and one that no stream has."""
     arguments = [str(DATA / "hopper_gray.jpg"), "--bpp", "0.8,0.001", "--psnr", "25", "--effort", "1"]
-    result = CliRunner().invoke(goals.main, arguments)
+    result = CliRunner().invoke(targets.main, arguments)
     assert result.exit_code == 0, result.output
     table = [line.split("\t") for line in result.output.splitlines() if not line.startswith("#")]
-    assert table[0] == list(goals.COLUMNS)
+    assert table[0] == list(targets.COLUMNS)
     reached = [row[3] for row in table[1:]]
     assert 0.97 * 0.8 <= float(reached[0]) <= 0.8
     assert reached[1].endswith("!")

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.course import followed
 from sgicodec.rate_control.convergence import DONE
+from tools.convergence_table import followed
 
 PICTURE = Path(__file__).parents[2] / "data" / "pictures" / "hopper_gray.jpg"
 

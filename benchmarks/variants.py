@@ -1,18 +1,18 @@
-"""What a variant gains in whole streams, search included: J = D + λR from what is on disk and what is decoded.
+"""How a change of settings changes whole streams: J = D + λR from what is on disk and what is decoded.
 
-    python -m benchmarks.whole PICTURES… --lmbda 0.04 --lmbda 0.01 --variant prior=2 --variant base_cell=32
-
-A variant is one field of EncodeSettings, or base_cell, with another value. 1 % of J is about 2 % of rate; another seed
-of the random numbers alone moves J by about 0.5 %.
+A variant is one field of EncodeSettings, base_cell, or `fit.` and a field of FitSettings, with another value. 1 % of J
+is about 2 % of rate; another seed of the random numbers alone moves J by about 0.5 %.
 """
 
 from __future__ import annotations
 
 import ast
+import math
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
 from statistics import mean
+from typing import Any
 
 import click
 import numpy as np
@@ -30,29 +30,32 @@ __all__ = ["Whole", "main", "measured", "whole"]
 
 @dataclass(frozen=True)
 class Whole:
-    """cost: J; error: squared, samples in 0..1, summed over pixels and channels."""
+    """cost: J; error: squared, samples in 0..1, summed over pixels and channels; seconds: of the encode, if known."""
 
     cost: float
     error: float
     encoded: Encoded
+    seconds: float = math.nan
 
 
 def whole(picture: Picture, settings: EncodeSettings, variant: str = "") -> Whole:
     """Encodes and decodes a picture. Raises UsageError for a variant that is none."""
-    base_cell = None
-    if variant:
-        name, _, value = variant.partition("=")
-        try:
-            given = ast.literal_eval(value)
-            settings, base_cell = (
-                (settings, given) if name == "base_cell" else (replace(settings, **{name: given}), None)
-            )
-        except (ValueError, SyntaxError, TypeError) as cause:
-            raise UsageError(f"variant {variant}: a field of EncodeSettings or base_cell, and its value") from cause
-    plan = stream_plan(Shape.of(picture), settings)
-    if base_cell is not None:
-        plan = replace(plan, header=replace(plan.header, spec=replace(plan.header.spec, base_cell=base_cell)))
-    return measured(picture, Encoding(picture, plan, time.monotonic()).run(None), settings.threads)
+    name, _, text = variant.partition("=")
+    try:
+        value: Any = ast.literal_eval(text) if variant else None
+        if variant and name != "base_cell" and not name.startswith("fit."):
+            settings = replace(settings, **{name: value})
+        plan = stream_plan(Shape.of(picture), settings)
+        if name == "base_cell":
+            plan = replace(plan, header=replace(plan.header, spec=replace(plan.header.spec, base_cell=value)))
+        started, encoding = time.monotonic(), Encoding(picture, plan, time.monotonic())
+        if name.startswith("fit."):
+            encoding.fit = replace(encoding.fit, **{name.removeprefix("fit."): value})
+    except (ValueError, SyntaxError, TypeError) as cause:
+        message = "a field of EncodeSettings, base_cell, or fit. and a field of FitSettings, and its value"
+        raise UsageError(f"variant {variant}: {message}") from cause
+    encoded = encoding.run(None)
+    return replace(measured(picture, encoded, settings.threads), seconds=time.monotonic() - started)
 
 
 def measured(picture: Picture, encoded: Encoded, threads: int = 0) -> Whole:
@@ -65,7 +68,7 @@ def measured(picture: Picture, encoded: Encoded, threads: int = 0) -> Whole:
 @click.command()
 @click.argument("pictures", nargs=-1, required=True, type=click.Path(exists=True, dir_okay=False, path_type=Path))
 @click.option("--lmbda", "lambdas", multiple=True, default=(0.02, 0.004), show_default=True, type=float)
-@click.option("--variant", "variants", multiple=True, help="Such as prior=2 or base_cell=32.")
+@click.option("--variant", "variants", multiple=True, help="Such as prior=2, base_cell=32 or fit.split=2.5.")
 @click.option("--steps", default=400, show_default=True, type=click.IntRange(1))
 @click.option("--threads", default=2, show_default=True, type=click.IntRange(0))
 def main(
@@ -73,7 +76,7 @@ def main(
 ) -> None:
     """Encode PICTURES as they are by default and under each variant, and print how J changes."""
     changes: dict[tuple[str, float], list[float]] = {}
-    click.echo("picture\tλ\tvariant\tbytes\tPSNR\tseeds\tpositions\tbase\tJ\tchange")
+    click.echo("picture\tλ\tvariant\tbytes\tPSNR\tseeds\tpositions\tbase\tseconds\tJ\tchange")
     for path in pictures:
         picture = read(path)
         for lmbda in lambdas:
@@ -92,9 +95,11 @@ def _row(name: str, lmbda: float, variant: str, one: Whole, samples: int, change
     parts, size = one.encoded.part_bytes, len(one.encoded.data)
     quality = -10 * np.log10(max(one.error / samples, 1e-20))
     cells = [name, f"{lmbda:g}", variant or "default", f"{size}", f"{quality:.2f}", f"{one.encoded.seeds}"]
-    cells += [f"{parts['positions']:.0f}", f"{parts.get('base', 0.0):.0f}", f"{one.cost:.2f}", f"{100 * change:+.2f} %"]
+    cells += [
+        f"{parts['positions']:.0f}",
+        f"{parts.get('base', 0.0):.0f}",
+        f"{one.seconds:.1f}",
+        f"{one.cost:.2f}",
+        f"{100 * change:+.2f} %",
+    ]
     return "\t".join(cells)
-
-
-if __name__ == "__main__":
-    main()

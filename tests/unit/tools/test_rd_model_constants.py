@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from benchmarks.forecasts import Outcome, exponents, main
 from sgicodec.image import read, write
+from tools.rd_model_constants import Outcome, exponents, main
 
 PHOTO = Path(__file__).parents[2] / "data" / "kodim23.png"
 

@@ -1,4 +1,4 @@
-"""How near encodes come to a size or a PSNR, and what that costs (`python -m benchmarks.goals`)."""
+"""How near encodes come to a size or a PSNR, and what that costs."""
 
 from __future__ import annotations
 
@@ -185,7 +185,3 @@ def main(pictures: tuple[Path, ...], bpp: str, decibels: str, effort: int, threa
         outcomes[path.stem] = run(path, goals, effort, threads, tile)
         click.echo("\n".join(report(outcomes[path.stem])))
     click.echo("\n".join(summary(outcomes)))
-
-
-if __name__ == "__main__":
-    main()

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from click.testing import CliRunner
 
-from benchmarks.thumbnails import averaged, main
+from benchmarks.views import averaged, main
 from sgicodec import EncodeSettings, encode, read
 from sgicodec.image import write
 

@@ -1,6 +1,6 @@
-"""How the state of a fit at constant λ relates to its outcome: prints the tables of `fit/course.py`.
+"""How the state of a fit at constant λ relates to its outcome: prints the tables of `rate_control/convergence.py`.
 
-    python -m benchmarks.course PICTURES…
+    python -m tools.convergence_table PICTURES…
 
 For fractions of the fit, estimated bytes over the stream's bytes of seeds, and PSNR under noise less that of the
 decoded picture; what the search for symbols leaves of the bytes, and adds to PSNR: medians over the pictures, then

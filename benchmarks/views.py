@@ -1,4 +1,4 @@
-"""What small views cost, and how near they are to the whole model: python -m benchmarks.thumbnails --help"""
+"""What small views cost, and how near they are to the whole model"""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def main(paths: tuple[Path, ...], source: Path | None, shrinks: tuple[int, ...],
 
         pixels = read(source).pixels
     for path in paths:
-        click.echo(f"{path}\n\n| scale | drawn from | PSNR to all | PSNR to source | ms | of all |")
+        click.echo(f"{path}\n\n| scale | rendered from | PSNR to all | PSNR to source | ms | of all |")
         click.echo("|---|---|---:|---:|---:|---:|")
         for shrink in shrinks:
             mean = None if pixels is None else averaged(pixels, shrink)
@@ -76,7 +76,3 @@ def main(paths: tuple[Path, ...], source: Path | None, shrinks: tuple[int, ...],
                 share = f"{seconds / runs['all'][1]:.2f}"
                 click.echo(f"| 1/{shrink} | {name} | {near} | {true} | {1e3 * seconds:.0f} | {share} |")
         click.echo()
-
-
-if __name__ == "__main__":
-    main()

@@ -1,0 +1,60 @@
+"""The runner of all benchmarks: `python -m benchmarks` lists them, `python -m benchmarks NAME …` runs one."""
+
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+
+import click
+
+from sgicodec.errors import SgiError
+
+__all__ = ["BENCHMARKS", "main"]
+
+BENCHMARKS = {
+    "speed": ("benchmarks.speed", "Seconds to encode, decode and start, on pictures."),
+    "profile": ("benchmarks.profile", "Where the time of an encode or a decode goes, by module."),
+    "raster": ("benchmarks.raster", "The native rasteriser's passes, next to the peak of the cores."),
+    "views": ("benchmarks.views", "What small views cost, and how near they are to the whole model."),
+    "variants": ("benchmarks.variants", "How a change of settings changes J = D + λR of whole streams."),
+    "targets": ("benchmarks.targets", "How near encodes come to a size or a PSNR, and what that costs."),
+    "limits": ("benchmarks.limits", "How well time limits are kept, and what they give."),
+    "large": ("benchmarks.large.command", "sgi and its peers on pictures of many megapixels."),
+    "crops": ("benchmarks.crops", "Cut pictures for a benchmark out of larger ones."),
+    "mosaic": ("benchmarks.mosaic", "Make a large picture of real ones."),
+    "figure": ("benchmarks.figure", "Draw the README's picture: original, sgi, JPEG of equal size."),
+}
+"""Name on the command line → the module whose `main` is the command, and what it does."""
+
+
+class Runner(click.Group):
+    """Loads the module of the benchmark that is run, and no other."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """All names, in the order of the table."""
+        return list(BENCHMARKS)
+
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
+        """The benchmark called `name`."""
+        if name not in BENCHMARKS:
+            return None
+        command: click.Command = import_module(BENCHMARKS[name][0]).main
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """One line for each, without loading any."""
+        with formatter.section("Benchmarks"):
+            formatter.write_dl([(name, line) for name, (_, line) in BENCHMARKS.items()])
+
+
+@click.command(cls=Runner, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+def main() -> None:
+    """Measure sgicodec. `python -m benchmarks NAME --help` says what one takes."""
+
+
+if __name__ == "__main__":
+    try:
+        main(prog_name="python -m benchmarks")
+    except SgiError as error:
+        print(f"error: {error}", file=sys.stderr)
+        sys.exit(error.exit_code)
