@@ -16,6 +16,7 @@ import click
 
 import sgicodec
 from sgicodec import EncodeSettings, encode, open_stream, read
+from sgicodec.device import Device
 
 __all__ = ["OTHER", "by_module", "main", "profiled"]
 
@@ -54,10 +55,10 @@ def by_module(stats: pstats.Stats, repeat: int = 1) -> dict[str, float]:
 def main(path: Path, quality: float, steps: int, threads: int, repeat: int, functions: int) -> None:
     """Decode STREAM.sgi, or encode PICTURE, and print milliseconds by module."""
     if path.suffix == ".sgi":
-        stats = profiled(lambda: open_stream(path).picture(threads=threads), repeat)
+        stats = profiled(lambda: open_stream(path, Device(threads)).picture(), repeat)
     else:
-        picture, settings = read(path), EncodeSettings(quality=quality, steps=steps, threads=threads)
-        stats = profiled(lambda: encode(picture, settings), repeat)
+        picture, settings = read(path), EncodeSettings(quality=quality, steps=steps)
+        stats = profiled(lambda: encode(picture, settings, device=Device(threads)), repeat)
     modules = by_module(stats, repeat)
     total = sum(modules.values())
     click.echo(f"{1e3 * total:.1f} ms, mean of {repeat}\n\n| module | ms | share |\n|---|---:|---:|")

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec import _native
+from sgicodec.device import Device
 from sgicodec.model.morton import morton
 from sgicodec.raster import DEFAULT_CUTOFF, NativeRasterizer
 
@@ -100,7 +101,7 @@ def measure(scene: Scene, threads: int = 0, isa: str = "auto", repeat: int = 20)
     """Times the three passes in turn, `repeat` times, so that a busy machine slows them alike."""
     gaussians = scene.gaussians()
     target = np.random.default_rng(1).random((scene.channels, scene.height, scene.width), np.float32)
-    raster = NativeRasterizer(threads, isa)
+    raster = NativeRasterizer(Device(threads, isa))
     passes: list[Callable[[], object]] = [
         lambda: raster.forward(*gaussians, scene.width, scene.height),
         lambda: raster.backward(*gaussians, target),
@@ -155,7 +156,7 @@ HEADINGS = (
 def main(threads: int, isa: str, repeat: int) -> None:
     """Time the native rasteriser on 2040×1356 pixels of three channels."""
     try:
-        name = NativeRasterizer(threads, isa).isa
+        name = NativeRasterizer(Device(threads, isa)).isa
     except ValueError as error:
         raise click.UsageError(str(error)) from error
     count = _native.resolve_threads(threads)

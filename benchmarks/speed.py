@@ -15,6 +15,7 @@ import numpy as np
 
 from sgicodec import EncodeSettings, Picture, encode, open_stream, read
 from sgicodec.bench.sgi import run_timed
+from sgicodec.device import Device
 from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import comparable
 
@@ -23,11 +24,10 @@ __all__ = ["Speed", "fresh_decode", "main", "measure"]
 _FRESH = """
 import sys, time
 start = time.perf_counter()
-from sgicodec import open_stream
-open_stream
+from sgicodec import Device, open_stream
 loaded = time.perf_counter()
-with open_stream(sys.argv[1]) as stream:
-    stream.picture(threads=int(sys.argv[2]))
+with open_stream(sys.argv[1], Device(int(sys.argv[2]))) as stream:
+    stream.picture()
 print(loaded - start, time.perf_counter() - loaded)
 """
 
@@ -45,17 +45,17 @@ class Speed:
     psnr: float
 
 
-def measure(path: Path, settings: EncodeSettings, repeat: int) -> tuple[Speed, bytes]:
+def measure(path: Path, settings: EncodeSettings, device: Device, repeat: int) -> tuple[Speed, bytes]:
     """Encodes a picture once and decodes it `repeat` times, after once to find memory; the stream beside."""
     picture = read(path)
     started, worked = time.perf_counter(), time.process_time()
-    data = encode(picture, settings).data
+    data = encode(picture, settings, device=device).data
     encoded, cpu = time.perf_counter() - started, time.process_time() - worked
     seconds = []
     for _ in range(repeat + 1):
         started = time.perf_counter()
-        with open_stream(data) as stream:
-            decoded = stream.picture(threads=settings.threads)
+        with open_stream(data, device) as stream:
+            decoded = stream.picture()
         seconds.append(time.perf_counter() - started)
     quality = psnr(comparable(picture), comparable(decoded))
     return Speed(encoded, cpu, median(seconds[1:]), len(data), quality), data
@@ -87,12 +87,12 @@ def main(
 ) -> None:
     """Encode and decode PICTURES, and print seconds as Markdown rows."""
     tiny = Picture(np.zeros((16, 16, 1), np.uint8), "gray", (0.0, 255.0))
-    encode(tiny, EncodeSettings(steps=1, threads=threads))  # the first encode loads what all need
+    encode(tiny, EncodeSettings(steps=1))  # the first encode loads what all need
     click.echo("| picture | encode s | of processors | decode ms | import ms | first decode ms | sgi decode ms |")
     click.echo("|---|" + "---:|" * 6)
     for path in pictures:
-        settings = EncodeSettings(quality=quality, effort=effort, steps=steps, threads=threads)
-        speed, data = measure(path, settings, repeat)
+        settings = EncodeSettings(quality=quality, effort=effort, steps=steps)
+        speed, data = measure(path, settings, Device(threads), repeat)
         cold = fresh_decode(data, threads, fresh).values() if fresh else ()
         cells = [path.stem, f"{speed.encode:.2f}", f"{speed.encode_cpu:.2f}", f"{1e3 * speed.decode:.1f}"]
         click.echo("| " + " | ".join([*cells, *(f"{1e3 * seconds:.0f}" for seconds in cold)]) + " |")

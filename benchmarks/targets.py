@@ -11,6 +11,7 @@ from statistics import median
 import click
 
 from sgicodec.decoder.stream import open_stream
+from sgicodec.device import Device
 from sgicodec.encoder.pipeline import encode
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile_encoder import Encoded, make_ready
@@ -68,27 +69,27 @@ class Outcome:
     missed: bool
 
 
-def run(path: Path, goals: list[Asked], effort: int, threads: int, tile: int | None = None) -> list[Outcome]:
+def run(path: Path, goals: list[Asked], effort: int, device: Device, tile: int | None = None) -> list[Outcome]:
     """Both encodes of every goal on one picture, one after the other, so that a busy machine slows them alike."""
     picture, outcomes = read(path), []
     for asked in goals:
-        settings = EncodeSettings(effort=effort, threads=threads, tile=tile)
-        goal, missed = _point(picture, asked.put_into(settings))
-        plain, _ = _point(picture, replace(settings, lmbda=goal.lmbda))
+        settings = EncodeSettings(effort=effort, tile=tile)
+        goal, missed = _point(picture, asked.put_into(settings), device)
+        plain, _ = _point(picture, replace(settings, lmbda=goal.lmbda), device)
         outcomes.append(Outcome(path.stem, asked, goal, plain, missed))
     return outcomes
 
 
-def _point(picture: Picture, settings: EncodeSettings) -> tuple[Point, bool]:
+def _point(picture: Picture, settings: EncodeSettings, device: Device) -> tuple[Point, bool]:
     started, worked, missed = time.monotonic(), time.process_time(), False
     try:
-        encoded = encode(picture, settings)
+        encoded = encode(picture, settings, device=device)
     except TargetMissedError as error:
         nearest, missed = error.nearest, True
         assert isinstance(nearest, Encoded)
         encoded = nearest
     spent = time.monotonic() - started, time.process_time() - worked
-    decoded = open_stream(encoded.data).picture(threads=settings.threads)
+    decoded = open_stream(encoded.data, device).picture()
     quality = psnr(comparable(picture), comparable(decoded))
     size = len(encoded.data)
     return Point(size, 8 * size / (picture.width * picture.height), quality, encoded.lmbda, *spent), missed
@@ -182,6 +183,6 @@ def main(pictures: tuple[Path, ...], bpp: str, decibels: str, effort: int, threa
     make_ready()  # the first encode shall not pay for what all need
     click.echo("\t".join(COLUMNS))
     for path in pictures:
-        outcomes[path.stem] = run(path, goals, effort, threads, tile)
+        outcomes[path.stem] = run(path, goals, effort, Device(threads), tile)
         click.echo("\n".join(report(outcomes[path.stem])))
     click.echo("\n".join(summary(outcomes)))

@@ -18,6 +18,7 @@ import click
 import numpy as np
 
 from sgicodec.decoder.stream import open_stream
+from sgicodec.device import ALL_CORES, Device
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile_encoder import Encoded, Encoding
@@ -38,7 +39,7 @@ class Whole:
     seconds: float = math.nan
 
 
-def whole(picture: Picture, settings: EncodeSettings, variant: str = "") -> Whole:
+def whole(picture: Picture, settings: EncodeSettings, variant: str = "", device: Device = ALL_CORES) -> Whole:
     """Encodes and decodes a picture. Raises UsageError for a variant that is none."""
     name, _, text = variant.partition("=")
     try:
@@ -48,20 +49,20 @@ def whole(picture: Picture, settings: EncodeSettings, variant: str = "") -> Whol
         plan = stream_plan(Shape.of(picture), settings)
         if name == "base_cell":
             plan = replace(plan, header=replace(plan.header, spec=replace(plan.header.spec, base_cell=value)))
-        started, encoding = time.monotonic(), Encoding(picture, plan, time.monotonic())
+        started, encoding = time.monotonic(), Encoding(picture, plan, time.monotonic(), device)
         if name.startswith("fit."):
             encoding.fit = replace(encoding.fit, **{name.removeprefix("fit."): value})
     except (ValueError, SyntaxError, TypeError) as cause:
         message = "a field of EncodeSettings, base_cell, or fit. and a field of FitSettings, and its value"
         raise UsageError(f"variant {variant}: {message}") from cause
     encoded = encoding.run(None)
-    return replace(measured(picture, encoded, settings.threads), seconds=time.monotonic() - started)
+    return replace(measured(picture, encoded, device), seconds=time.monotonic() - started)
 
 
-def measured(picture: Picture, encoded: Encoded, threads: int = 0) -> Whole:
+def measured(picture: Picture, encoded: Encoded, device: Device = ALL_CORES) -> Whole:
     """What the stream of a picture costs: R is its size, D the error of what it decodes to, before rounding."""
-    with open_stream(encoded.data) as stream:
-        error = float(np.sum((stream.render(threads=threads).astype(np.float64) - to_unit(picture)) ** 2))
+    with open_stream(encoded.data, device) as stream:
+        error = float(np.sum((stream.render().astype(np.float64) - to_unit(picture)) ** 2))
     return Whole(error + encoded.lmbda * 8 * len(encoded.data), error, encoded)
 
 
@@ -75,15 +76,16 @@ def main(
     pictures: tuple[Path, ...], lambdas: tuple[float, ...], variants: tuple[str, ...], steps: int, threads: int
 ) -> None:
     """Encode PICTURES as they are by default and under each variant, and print how J changes."""
+    device = Device(threads)
     changes: dict[tuple[str, float], list[float]] = {}
     click.echo("picture\tλ\tvariant\tbytes\tPSNR\tseeds\tpositions\tbase\tseconds\tJ\tchange")
     for path in pictures:
         picture = read(path)
         for lmbda in lambdas:
-            settings = EncodeSettings(lmbda=lmbda, steps=steps, threads=threads)
-            plain = whole(picture, settings)
+            settings = EncodeSettings(lmbda=lmbda, steps=steps)
+            plain = whole(picture, settings, device=device)
             for variant in ("", *variants):
-                one = whole(picture, settings, variant) if variant else plain
+                one = whole(picture, settings, variant, device) if variant else plain
                 changes.setdefault((variant, lmbda), []).append(one.cost / plain.cost - 1)
                 click.echo(_row(path.stem, lmbda, variant, one, picture.pixels.size, changes[variant, lmbda][-1]))
     for (variant, lmbda), values in changes.items():

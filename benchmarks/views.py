@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from sgicodec.decoder.stream import Stream, open_stream
 from sgicodec.decoder.view import Region
+from sgicodec.device import Device
 from sgicodec.metrics.psnr import psnr
 
 __all__ = ["averaged", "main", "thumbnail"]
@@ -27,9 +28,9 @@ def thumbnail(path: Path, shrink: int, exact: bool, threads: int, repeat: int) -
     seconds = []
     for _ in range(repeat):
         start = time.perf_counter()
-        with open_stream(path) as stream:
+        with open_stream(path, Device(threads)) as stream:
             stream.exact = exact
-            samples = stream.render(*_whole(stream, shrink), threads=threads)
+            samples = stream.render(*_whole(stream, shrink))
         seconds.append(time.perf_counter() - start)
     return np.clip(samples, 0, 1), min(seconds)
 

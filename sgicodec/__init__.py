@@ -19,6 +19,7 @@ from sgicodec.version import __version__
 
 if TYPE_CHECKING:
     from sgicodec.decoder.stream import Stream, open_stream
+    from sgicodec.device import Device
     from sgicodec.encoder.pipeline import encode
     from sgicodec.encoder.settings import EncodeSettings
     from sgicodec.encoder.tile_encoder import Encoded
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from sgicodec.picture import Picture
 
 __all__ = [
+    "Device",
     "EncodeSettings",
     "Encoded",
     "Picture",
@@ -39,6 +41,7 @@ __all__ = [
 ]
 
 _HOMES = {
+    "Device": "device",
     "EncodeSettings": "encoder.settings",
     "Encoded": "encoder.tile_encoder",
     "Picture": "picture",

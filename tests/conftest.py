@@ -26,7 +26,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
 @pytest.fixture(scope="session")
 def settings() -> EncodeSettings:
     """Short fits of small tiles, and an overview."""
-    return EncodeSettings(steps=8, tile=64, overview=True, threads=1)
+    return EncodeSettings(steps=8, tile=64, overview=True)
 
 
 @pytest.fixture(scope="session")

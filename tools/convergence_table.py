@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.decoder.stream import open_stream
+from sgicodec.device import Device
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile_encoder import Encoding
@@ -46,7 +47,7 @@ class Followed:
     gain: float
 
 
-def followed(path: Path, lmbda: float, steps: int, threads: int) -> Followed:
+def followed(path: Path, lmbda: float, steps: int, device: Device) -> Followed:
     """Fits a picture and searches its symbols."""
     picture = read(path)
     states: list[Progress] = []
@@ -55,11 +56,11 @@ def followed(path: Path, lmbda: float, steps: int, threads: int) -> Followed:
         states.append(state)
         return True
 
-    settings = EncodeSettings(lmbda=lmbda, steps=steps, threads=threads)
-    encoding = Encoding(picture, stream_plan(Shape.of(picture), settings), time.monotonic())
+    settings = EncodeSettings(lmbda=lmbda, steps=steps)
+    encoding = Encoding(picture, stream_plan(Shape.of(picture), settings), time.monotonic(), device)
     candidate = encoding.candidate(encoding.fitted(on_progress))
     streams = [encoding.encoded(one) for one in (candidate, encoding.searched(candidate))]
-    quality = [psnr(comparable(picture), comparable(open_stream(one.data).picture(threads=threads))) for one in streams]
+    quality = [psnr(comparable(picture), comparable(open_stream(one.data, device).picture())) for one in streams]
     size = sum(streams[0].part_bytes[name] for name in ("positions", "colour", "shape", "offset"))
     at = [states[max(0, math.ceil(done * len(states)) - 1)] for done in DONE]
     ratio = np.array([(state.bits + POSITION_BITS * state.seeds) / 8 / size for state in at])
@@ -74,7 +75,7 @@ def main(pictures: tuple[Path, ...], threads: int) -> None:
     """Fit PICTURES at three λ and print the tables."""
     for steps in STEPS:
         for lmbda in LAMBDAS:
-            courses = [followed(path, lmbda, steps, threads) for path in pictures]
+            courses = [followed(path, lmbda, steps, Device(threads)) for path in pictures]
             for name in ("ratio", "lift", "share", "gain"):
                 values = np.stack([np.atleast_1d(getattr(course, name)) for course in courses])  # [pictures, ·]
                 middle = np.median(values, axis=0)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from sgicodec.bench.options import numbers
 from sgicodec.decoder.stream import open_stream
+from sgicodec.device import Device
 from sgicodec.encoder.pipeline import encode
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
@@ -51,8 +52,8 @@ def outcomes(path: Path, qualities: list[float], effort: int, threads: int) -> l
     for quality in qualities:
         lmbda = lmbda_of_quality(quality)
         rd_model = RdModel(base_layer(spec, unit, lmbda)[2], default_settings(lmbda, EFFORTS[effort]).split_price)
-        data = encode(picture, EncodeSettings(quality=quality, effort=effort, threads=threads)).data
-        decoded = open_stream(data).picture(threads=threads)
+        data = encode(picture, EncodeSettings(quality=quality, effort=effort), device=Device(threads)).data
+        decoded = open_stream(data, Device(threads)).picture()
         error = 10 ** (-0.1 * psnr(comparable(picture), comparable(decoded)))
         seeds = lmbda, *rd_model.seeds(lmbda), *rd_model.seeds(lmbda, HIGHER_PRICE)
         found.append(Outcome(path.stem, quality, len(data), error, rd_model.predict(lmbda), seeds, unit[0].size))

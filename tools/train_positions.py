@@ -81,7 +81,7 @@ def make_streams(pictures: list[Path], folder: Path, rounds: int, steps: int) ->
             quality = round(QUALITIES[0] + (QUALITIES[1] - QUALITIES[0]) * float(share), 1)
             path = folder / f"{picture.stem}_{quality:g}.sgi"
             if not path.exists():
-                path.write_bytes(encode(read(picture), EncodeSettings(quality=quality, steps=steps, threads=1)).data)
+                path.write_bytes(encode(read(picture), EncodeSettings(quality=quality, steps=steps)).data)
             yield path
 
 

@@ -23,7 +23,7 @@ from torch import Tensor
 from sgicodec.bitstream.parts.prior import parse_prior
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.decoder.stream import open_stream
-from sgicodec.device import ONE_THREAD
+from sgicodec.device import ONE_THREAD, Device
 from sgicodec.encoder.pipeline import encode
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.fit.rate import bits_laplace
@@ -148,7 +148,9 @@ def _make_streams(pictures: Path, streams: Path, rounds: int, steps: int, thread
             picture = read(path)
             pixels = picture.pixels[:: -1 if turn & 2 else 1, :: -1 if turn & 1 else 1]
             turned = np.ascontiguousarray(pixels.swapaxes(0, 1) if turn & 4 else pixels)
-            encoded = encode(replace(picture, pixels=turned), EncodeSettings(lmbda=lmbda, steps=steps, threads=threads))
+            encoded = encode(
+                replace(picture, pixels=turned), EncodeSettings(lmbda=lmbda, steps=steps), device=Device(threads)
+            )
             out.write_bytes(encoded.data)
             print(f"{out.name}  {len(encoded.data)} bytes  {encoded.seeds} seeds", flush=True)
 

@@ -12,6 +12,7 @@ from typing import Any
 from benchmarks.large.notes import Job, Notes, Trip, psnr_of
 from sgicodec.bench.sgi import Run, SgiCodec, run_timed
 from sgicodec.decoder.stream import Stream, open_stream
+from sgicodec.device import Device
 from sgicodec.model.tile_grid import Axis, Rect, TileGrid
 
 __all__ = ["OVERVIEW", "REGION", "Counting", "decode", "encode", "middle_region", "sgi_trip"]
@@ -128,6 +129,6 @@ def _view(stream: Path, job: Job, *view: str) -> Run:
 def _bytes_read(path: Path, job: Job, **view: Any) -> int:
     """Bytes of the stream that a view takes."""
     with Counting(path) as file:
-        for _ in Stream(file).bands(**view, threads=job.workers):
+        for _ in Stream(file, device=Device(job.workers)).bands(**view):
             pass
         return file.count

@@ -13,6 +13,7 @@ from sgicodec.cli.batch import named_targets, run_batch
 from sgicodec.cli.options import REGION, SCALE, SIZE, VERBOSE, force_option, threads_option
 from sgicodec.cli.paths import STANDARD, check_output, display, opened_stream, with_extension
 from sgicodec.cli.pictures import Output, write_bands, write_picture
+from sgicodec.device import Device
 from sgicodec.errors import PictureError, UsageError
 
 if TYPE_CHECKING:
@@ -95,14 +96,14 @@ def _extension_of(job: _Job, source: str) -> str:
 
 def _decode(job: _Job, source: str, target: str | None) -> int:
     """Decodes one stream; returns the bytes of the picture, 0 if it went to stdout."""
-    with opened_stream(source) as stream:
+    with opened_stream(source, Device(job.output.threads)) as stream:
         extension = _extension(stream.header, target, job.format_, job.output.bits)
         target = with_extension(source, extension) if target is None else target
         check_output(target, source, job.force)
         stream.exact = job.exact
         _, _, width, height = job.region or (0, 0, stream.width, stream.height)
         size = None if job.size is None else _whole(job.size, width, height)
-        view = job.region, job.scale, size, job.output.threads
+        view = job.region, job.scale, size
         shown: Bands | Picture
         if stream.grid.count > 1:
             shown = stream.bands(*view)

@@ -16,6 +16,7 @@ from sgicodec.cli.encode_one import encode_one
 from sgicodec.cli.options import BYTES, FLOAT_RANGE, VERBOSE, force_option, json_option, threads_option
 from sgicodec.cli.paths import STANDARD, check_output, display, with_extension
 from sgicodec.cli.progress import Mode
+from sgicodec.device import Device
 from sgicodec.errors import UsageError
 
 if TYPE_CHECKING:
@@ -70,6 +71,7 @@ def encode(
     cluster: str | None,
     source_at: str | None,
     send_pixels: bool,
+    threads: int,
     **choices: Any,
 ) -> None:
     """Encode picture IN into stream OUT, by default IN's name with .sgi; - stands for stdin or stdout.
@@ -81,6 +83,7 @@ def encode(
     Ctrl-C ends the fit early and writes what it has; a second Ctrl-C writes nothing. A picture of several tiles stops
     at once: OUT.part keeps the finished ones for --resume.
     """
+    device = Device(threads)
     settings = _settings(choices)
     if cluster is None and (source_at is not None or send_pixels):
         raise UsageError("--source-at and --send-pixels go with --cluster")
@@ -104,7 +107,7 @@ def encode(
             send_pixels,
             output_dir is not None,
         )
-        return Job(source, target, settings, *options, time.monotonic())
+        return Job(source, target, settings, *options, time.monotonic(), device)
 
     if output_dir is not None:
         targets = named_targets(paths, output_dir, lambda _: "sgi")

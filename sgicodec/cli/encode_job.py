@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from sgicodec.cli.progress import Mode
 
 if TYPE_CHECKING:
+    from sgicodec.device import Device
     from sgicodec.encoder.settings import EncodeSettings
 
 __all__ = ["Job"]
@@ -34,3 +35,4 @@ class Job:
     send_pixels: bool
     batch: bool
     started: float
+    device: Device

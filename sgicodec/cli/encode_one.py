@@ -15,7 +15,6 @@ from sgicodec.errors import StreamError, TargetMissedError
 
 if TYPE_CHECKING:
     from sgicodec.cli.encode_job import Job
-    from sgicodec.encoder.settings import EncodeSettings
     from sgicodec.encoder.tile_encoder import Encoded
     from sgicodec.fit.trainer import Progress
     from sgicodec.picture import Picture
@@ -34,8 +33,8 @@ def encode_one(job: Job, origin: Path | BinaryIO) -> int:
     picture = read(origin, sample_range=job.float_range)
     with EarlyEnd() as early:
         progress: Mode = "off" if job.quiet else job.progress
-        encoded, last, missed = _fit(picture, job.settings, job.started, progress, early, job.quiet)
-        report = Report.of(picture, encoded, job.settings, last, job.verify)
+        encoded, last, missed = _fit(picture, job, progress, early, job.quiet)
+        report = Report.of(picture, encoded, job.settings, last, job.verify, job.device)
         write_output(job.target, encoded.data, StreamError)
     if not job.quiet or job.as_json:
         print_report(report, job.source, job.target, time.monotonic() - job.started, job.as_json, job.verbose)
@@ -47,7 +46,7 @@ def encode_one(job: Job, origin: Path | BinaryIO) -> int:
 
 
 def _fit(
-    picture: Picture, settings: EncodeSettings, started: float, progress: Mode, early: EarlyEnd, quiet: bool
+    picture: Picture, job: Job, progress: Mode, early: EarlyEnd, quiet: bool
 ) -> tuple[Encoded, Progress, TargetMissedError | None]:
     """The stream, the state of its fit after the last step, and what was asked for and not reached."""
     from sgicodec.encoder.pipeline import encode as encode_picture
@@ -64,7 +63,7 @@ def _fit(
             return not early.asked
 
         try:
-            return encode_picture(picture, settings, on_progress, started), _last(states), None
+            return encode_picture(picture, job.settings, on_progress, job.started, job.device), _last(states), None
         except TargetMissedError as missed:
             return missed.nearest, _last(states), missed
 

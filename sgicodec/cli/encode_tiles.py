@@ -7,7 +7,6 @@ import sys
 import tempfile
 import time
 from contextlib import ExitStack
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -38,7 +37,7 @@ def encode_tiles(job: Job, source: Source) -> int:
     from sgicodec.encoder.checkpoint import fingerprint, opened_journal
     from sgicodec.encoder.out_of_core import plan_of
 
-    plan = plan_of(source, replace(job.settings, threads=0))
+    plan = plan_of(source, job.settings)
     with ExitStack() as stack:
         on_cluster = job.cluster is not None
         runner, workers = _cluster(job, source, plan, stack) if on_cluster else _runner(job, source, plan)
@@ -67,9 +66,10 @@ def _shares(job: Job, source: Source, plan: Plan, workers: int) -> TimeShares | 
 
     if job.settings.time_limit is None:
         return None
-    decoders = job.settings.threads or os.cpu_count() or 1
     verified = job.verify and job.target != STANDARD
-    return time_shares(source, plan, job.started + job.settings.time_limit, workers, decoders if verified else 0)
+    return time_shares(
+        source, plan, job.started + job.settings.time_limit, workers, job.device.cores if verified else 0
+    )
 
 
 def _runner(job: Job, source: Source, plan: Plan) -> tuple[Runner, int]:
@@ -79,13 +79,12 @@ def _runner(job: Job, source: Source, plan: Plan) -> tuple[Runner, int]:
 
     grid = plan.header.grid
     _, _, width, height = grid.rect(0)
-    threads = job.settings.threads or os.cpu_count() or 1
     found = estimate(plan, source.memory(width, height))
-    workers = fitting_workers(found, min(threads, grid.count), job.max_memory)
+    workers = fitting_workers(found, min(job.device.cores, grid.count), job.max_memory)
     if not job.quiet:
         text = f"{grid.count} tiles of {width}×{height} pixels, {workers} worker{'s' * (workers > 1)}"
         click.echo(f"{text}, about {found.total(workers) / MIB:,.0f} MiB of memory", err=True)
-    return run_tiles(source, plan, workers, threads), workers
+    return run_tiles(source, plan, workers, job.device), workers
 
 
 def _cluster(job: Job, source: Source, plan: Plan, stack: ExitStack) -> tuple[Runner, int]:
@@ -106,7 +105,9 @@ def _cluster(job: Job, source: Source, plan: Plan, stack: ExitStack) -> tuple[Ru
         worker = estimate(plan, source.memory(width, height)).worker / MIB
         text = f"{grid.count} tiles of {width}×{height} pixels, {cluster.workers} at once on the cluster"
         click.echo(f"{text}, each about {worker:,.0f} MiB of memory", err=True)
-    return run_on_cluster(source, plan, cluster, place, max(1, job.settings.threads)), cluster.workers
+    return run_on_cluster(
+        source, plan, cluster, place, job.device.with_threads(max(1, job.device.threads))
+    ), cluster.workers
 
 
 def _run(job: Job, source: Source, plan: Plan, runner: Runner, journal: Journal, shares: TimeShares | None) -> Totals:
@@ -115,7 +116,7 @@ def _run(job: Job, source: Source, plan: Plan, runner: Runner, journal: Journal,
     target = sys.stdout.buffer if job.target == STANDARD else Path(job.target)
     try:
         with tile_progress("off" if job.quiet else job.progress) as draw:
-            return encode_source(source, plan, runner, journal, target, draw, shares)
+            return encode_source(source, plan, runner, journal, target, draw, shares, job.device)
     except KeyboardInterrupt:
         if job.target == STANDARD:
             raise
@@ -128,5 +129,5 @@ def _psnr(job: Job, source: Source) -> float:
     from sgicodec.decoder.stream import open_stream
     from sgicodec.encoder.measure import measured_psnr
 
-    with open_stream(Path(job.target)) as stream:
-        return measured_psnr(stream, source, job.settings.threads)
+    with open_stream(Path(job.target), job.device) as stream:
+        return measured_psnr(stream, source)

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from sgicodec.device import ALL_CORES, Device
 from sgicodec.errors import OutputExistsError, SgiError, StreamError, UsageError
 from sgicodec.image.files import write_whole
 
@@ -31,12 +32,12 @@ def with_extension(path: str, extension: str) -> str:
 
 
 @contextlib.contextmanager
-def opened_stream(path: str) -> Iterator[Stream]:
+def opened_stream(path: str, device: Device = ALL_CORES) -> Iterator[Stream]:
     """The opened stream. StreamErrors in the block get the file's name; a file that cannot be opened raises one."""
     from sgicodec.decoder.stream import open_stream
 
     try:
-        with open_stream(sys.stdin.buffer if path == STANDARD else Path(path)) as stream:
+        with open_stream(sys.stdin.buffer if path == STANDARD else Path(path), device) as stream:
             yield stream
     except StreamError as error:
         raise type(error)(f"{display(path)}: {error}") from error.__cause__

@@ -14,6 +14,7 @@ from sgicodec.cli.parts import all_parts, print_parts
 from sgicodec.cli.paths import STANDARD, display
 
 if TYPE_CHECKING:
+    from sgicodec.device import Device
     from sgicodec.encoder.out_of_core import Totals
     from sgicodec.encoder.plan import Plan
     from sgicodec.encoder.settings import EncodeSettings
@@ -51,7 +52,9 @@ class Report:
     time_limit: float | None
 
     @classmethod
-    def of(cls, picture: Picture, encoded: Encoded, settings: EncodeSettings, last: Progress, verify: bool) -> Report:
+    def of(
+        cls, picture: Picture, encoded: Encoded, settings: EncodeSettings, last: Progress, verify: bool, device: Device
+    ) -> Report:
         """Measures `encoded`, with `verify` by decoding it; `last` is the fit's last state.
 
         Raises StreamError if it does not decode.
@@ -64,7 +67,7 @@ class Report:
             sample_type=picture.pixels.dtype.name,
             bytes=size,
             bpp=8 * size / (picture.width * picture.height),
-            psnr=_psnr(picture, encoded.data, settings.threads) if verify else None,
+            psnr=_psnr(picture, encoded.data, device) if verify else None,
             profile=settings.profile,
             lmbda=encoded.lmbda,
             seeds=encoded.seeds,
@@ -130,14 +133,14 @@ def peak_mib() -> float | None:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 2**20
 
 
-def _psnr(picture: Picture, data: bytes, threads: int) -> float:
+def _psnr(picture: Picture, data: bytes, device: Device) -> float:
     """Over all samples, but for colours where alpha is 0."""
     from sgicodec.decoder.stream import open_stream
     from sgicodec.metrics.psnr import psnr
     from sgicodec.picture import comparable
 
-    with open_stream(data) as stream:
-        original, decoded = comparable(picture), comparable(stream.picture(threads=threads))
+    with open_stream(data, device) as stream:
+        original, decoded = comparable(picture), comparable(stream.picture())
     if picture.alpha is not None:
         hidden = original[..., picture.alpha] == 0
         decoded[hidden, : picture.alpha] = original[hidden, : picture.alpha]

@@ -8,6 +8,7 @@ import click
 
 from sgicodec.cli.options import threads_option
 from sgicodec.cli.paths import display, opened_stream
+from sgicodec.device import Device
 from sgicodec.errors import CorruptStreamError
 
 if TYPE_CHECKING:
@@ -24,20 +25,20 @@ _BAND_SAMPLES = 1 << 24
 @threads_option
 def verify(source: str, threads: int) -> None:
     """Decode all of stream IN and say "ok", or what is wrong with it (exit code 4)."""
-    with opened_stream(source) as stream:
-        _draw(stream, threads)
+    with opened_stream(source, Device(threads)) as stream:
+        _draw(stream)
         shown = stream
         while shown.has_overview:
             shown = shown.overview
-            _draw(shown, threads)
+            _draw(shown)
         click.echo(f"{display(source)}: ok, {stream.width}×{stream.height} pixels, symbols {stream.symbol_crc:08x}")
 
 
-def _draw(stream: Stream, threads: int) -> None:
+def _draw(stream: Stream) -> None:
     import numpy as np
 
     rows = max(1, _BAND_SAMPLES // (stream.width * stream.header.spec.channels))
     for top in range(0, stream.height, rows):
-        band = stream.render((0, top, stream.width, min(rows, stream.height - top)), threads=threads)
+        band = stream.render((0, top, stream.width, min(rows, stream.height - top)))
         if not np.isfinite(band).all():
             raise CorruptStreamError(f"there are samples without a value in rows {top} to {top + len(band) - 1}")

@@ -13,6 +13,7 @@ from sgicodec.decoder.nodata import mark_nodata
 from sgicodec.decoder.tile_cache import TileCache
 from sgicodec.decoder.tile_renderer import TileRenderer
 from sgicodec.decoder.view import View
+from sgicodec.device import Device
 from sgicodec.model.tile_grid import Segment
 from sgicodec.picture import alpha_index, full_range
 from sgicodec.raster import Mapping
@@ -28,7 +29,7 @@ def render_view(
     view: View,
     out: NDArray[Any],
     mapping: Mapping | None,
-    threads: int,
+    device: Device,
     top: int = 0,
 ) -> None:
     """Fills out [rows, columns, C] with the view from its row `top` on.
@@ -44,15 +45,15 @@ def render_view(
     meeting = [
         [grid.number(column, row) for row in _both(down) for column in _both(across)] for down, across in segments
     ]
-    with tiles.prefetch(dict.fromkeys(chain.from_iterable(meeting)), view, threads):
+    with tiles.prefetch(dict.fromkeys(chain.from_iterable(meeting)), view):
         for (down, across), numbers in zip(segments, meeting, strict=True):
             block = out[down.first : down.last, across.first : across.last]
             at = across.first, top + down.first
-            here = [tiles.tile(number, threads) for number in numbers]
+            here = [tiles.tile(number) for number in numbers]
             if len(here) == 1:
-                here[0].draw(view, at, block, mapping, threads)
+                here[0].draw(view, at, block, mapping, device)
             else:
-                _blend(here, (down, across), view, at, block, mapping, threads)
+                _blend(here, (down, across), view, at, block, mapping, device)
             if mapping is not None and header.masked is not None:
                 mark_nodata(header, here[0], view, at, block)
 
@@ -77,7 +78,7 @@ def _blend(
     at: tuple[int, int],
     block: NDArray[Any],
     mapping: Mapping | None,
-    threads: int,
+    device: Device,
 ) -> None:
     """Draws what two or four tiles share: each fades into the next."""
     down, across = (_shares(segment) for segment in where)
@@ -85,7 +86,7 @@ def _blend(
     drawn = np.empty(block.shape, np.float32)
     weights = [(w_down, w_across) for w_down in down for w_across in across]
     for tile, (w_down, w_across) in zip(tiles, weights, strict=True):
-        tile.draw(view, at, drawn, None, threads)
+        tile.draw(view, at, drawn, None, device)
         total += drawn * (w_down[:, None, None] * w_across[None, :, None])
     block[...] = total if mapping is None else mapping.samples(total, block.dtype)
 

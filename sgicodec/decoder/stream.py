@@ -20,6 +20,7 @@ from sgicodec.decoder.compositor import render_view, sample_mapping
 from sgicodec.decoder.tile_cache import TileCache
 from sgicodec.decoder.tile_renderer import TileRenderer, joined_crc
 from sgicodec.decoder.view import MAX_OUTPUT_SAMPLES, Region, View, overview_size, overview_view, view_of
+from sgicodec.device import ALL_CORES, Device
 from sgicodec.errors import CorruptStreamError, StreamError, UsageError
 from sgicodec.metadata.placement import view as geo_view
 from sgicodec.picture import Metadata, Picture
@@ -51,7 +52,7 @@ class Stream:
 
     exact: bool = False
 
-    def __init__(self, source: bytes | BinaryIO, owned: BinaryIO | None = None, isa: str = "auto") -> None:
+    def __init__(self, source: bytes | BinaryIO, owned: BinaryIO | None = None, device: Device = ALL_CORES) -> None:
         self._owned = owned
         self._chunks = StreamReader(source)
         self.header, self.size, blobs = self._chunks.header, self._chunks.size, self._chunks.blobs
@@ -59,8 +60,8 @@ class Stream:
         self.metadata = Metadata(icc=blobs.get("i"), exif=blobs.get("c"), xmp=blobs.get("x"), geo=blobs.get("g"))
         self.software = _printable(blobs.get("s", b""))
         self.grid = self.header.grid
-        self._isa = isa
-        self._tiles = TileCache(self._chunks, isa)
+        self.device = device
+        self._tiles = TileCache(self._chunks, device)
         self._overview: Stream | None = None
         self._survey: Survey | None = None
 
@@ -88,7 +89,7 @@ class Stream:
         """The decoded model of a picture in one tile. Raises CorruptStreamError or LimitError."""
         if self.grid.count > 1:
             raise UsageError(f"there are {self.grid.count} models, one in each tile")
-        model = self.tile(0, 0).model
+        model = self.tile(0).model
         if model is None:
             raise UsageError("there is no model: no pixel holds anything")
         return model
@@ -103,14 +104,14 @@ class Stream:
         """Bytes of each part of the tiles, by information content."""
         return self.survey().part_bytes
 
-    def survey(self, threads: int = 0) -> Survey:
+    def survey(self) -> Survey:
         """Decodes all tiles, one at a time. Raises CorruptStreamError or LimitError."""
         if self._survey is None:
             parts: Counter[str] = Counter()
             crcs, seeds = [], 0
             for number in range(self.grid.count):
                 take = self._tiles.tile if self.grid.count == 1 else self._tiles.decoded
-                tile = take(number, threads)
+                tile = take(number)
                 parts.update({name: bits / 8 for name, bits in tile.bits.items()})
                 if self.header.masked is not None:
                     parts["mask"] += tile.mask_bytes
@@ -124,7 +125,6 @@ class Stream:
         region: Region | None = None,
         scale: float | None = None,
         size: tuple[int, int] | None = None,
-        threads: int = 0,
     ) -> F32:
         """Samples [h, w, C] of a region (x, y, width, height in the picture's pixels), nominally 0..1, not clipped.
 
@@ -133,7 +133,7 @@ class Stream:
         """
         view = view_of(self.header, region, scale, size)
         samples = np.empty((view.rows, view.columns, self.header.spec.channels), np.float32)
-        self._draw(view, samples, None, threads)
+        self._draw(view, samples, None)
         return samples
 
     def picture(
@@ -141,13 +141,12 @@ class Stream:
         region: Region | None = None,
         scale: float | None = None,
         size: tuple[int, int] | None = None,
-        threads: int = 0,
     ) -> Picture:
         """The same as a picture in the source's depth and layout, with its metadata."""
         header = self.header
         view = view_of(self.header, region, scale, size)
         pixels = np.empty((view.rows, view.columns, header.spec.channels), header.sample_type)
-        self._draw(view, pixels, sample_mapping(header), threads)
+        self._draw(view, pixels, sample_mapping(header))
         return Picture(pixels, header.channels, header.sample_range, self._placed(view))
 
     def bands(
@@ -155,25 +154,22 @@ class Stream:
         region: Region | None = None,
         scale: float | None = None,
         size: tuple[int, int] | None = None,
-        threads: int = 0,
     ) -> Bands:
         """The same picture in bands of rows from the top down, for what need not fit into memory."""
         view = view_of(self.header, region, scale, size, most=None)
         mapping = sample_mapping(self.header)
-        return Bands(
-            self.header, view, self._placed(view), lambda out, top: self._draw(view, out, mapping, threads, top)
-        )
+        return Bands(self.header, view, self._placed(view), lambda out, top: self._draw(view, out, mapping, top))
 
     def _placed(self, view: View) -> Metadata:
         return replace(self.metadata, geo=geo_view(self.metadata.geo, view.x, view.y, view.sx, view.sy))
 
-    def _draw(self, view: View, out: NDArray[Any], mapping: Mapping | None, threads: int, top: int = 0) -> None:
+    def _draw(self, view: View, out: NDArray[Any], mapping: Mapping | None, top: int = 0) -> None:
         """Fills out [rows, columns, C] with samples of the view from its row `top` on."""
         small = overview_view(self.header, view) if self.has_overview and not self.exact else None
         if small is None:
-            render_view(self.header, self._tiles, view, out, mapping, threads, top)
+            render_view(self.header, self._tiles, view, out, mapping, self.device, top)
         else:
-            self.overview._draw(small, out, mapping, threads, top)
+            self.overview._draw(small, out, mapping, top)
 
     @property
     def has_overview(self) -> bool:
@@ -188,7 +184,7 @@ class Stream:
             if payload is None:
                 raise UsageError("there is no overview")
             try:
-                self._overview = _checked_overview(Stream(payload, isa=self._isa), self.header)
+                self._overview = _checked_overview(Stream(payload, device=self.device), self.header)
             except StreamError as error:
                 raise type(error)(f"overview: {error}") from error.__cause__
         return self._overview
@@ -197,22 +193,21 @@ class Stream:
         """What the chunk of a tile holds. Raises CorruptStreamError."""
         return self._chunks.tile(number)
 
-    def tile(self, number: int, threads: int = 0) -> TileRenderer:
+    def tile(self, number: int) -> TileRenderer:
         """A decoded tile. Raises CorruptStreamError or LimitError."""
-        return self._tiles.tile(number, threads)
+        return self._tiles.tile(number)
 
 
-def open_stream(source: str | Path | bytes | BinaryIO, isa: str = "auto") -> Stream:
+def open_stream(source: str | Path | bytes | BinaryIO, device: Device = ALL_CORES) -> Stream:
     """Opens a stream from a path, bytes or a binary file object. Raises StreamError for what is none.
 
-    isa: the instruction set to decode with: auto, avx512, avx2 or portable; ValueError later where this machine lacks
-    it. Symbols are the same with all, pixels to less than a level of eight bits.
+    device: what decodes it; ValueError later for an instruction set that this machine lacks.
     """
     if isinstance(source, bytes) or not isinstance(source, str | Path):
-        return Stream(source, isa=isa)
+        return Stream(source, device=device)
     file = Path(source).open("rb")  # noqa: SIM115 (the stream closes it)
     try:
-        return Stream(file, file, isa)
+        return Stream(file, file, device)
     except BaseException:
         file.close()
         raise

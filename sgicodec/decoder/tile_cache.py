@@ -11,6 +11,7 @@ from sgicodec._native import resolve_threads
 from sgicodec.bitstream.stream_reader import StreamReader
 from sgicodec.decoder.tile_renderer import TileRenderer
 from sgicodec.decoder.view import View
+from sgicodec.device import Device
 from sgicodec.errors import StreamError
 
 if TYPE_CHECKING:
@@ -26,21 +27,21 @@ _LEAST_TILES = 4
 
 
 class TileCache:
-    """isa: the instruction set to decode with. Not safe for use by two threads at once."""
+    """What decodes them is `device`. Not safe for use by two threads at once."""
 
-    def __init__(self, chunks: StreamReader, isa: str) -> None:
-        self._stream, self._isa = chunks, isa
+    def __init__(self, chunks: StreamReader, device: Device) -> None:
+        self._stream, self._device = chunks, device
         self._tiles: OrderedDict[int, TileRenderer] = OrderedDict()
         self._prefetch: _Prefetch | None = None
 
     def __len__(self) -> int:
         return len(self._tiles)
 
-    def tile(self, number: int, threads: int) -> TileRenderer:
+    def tile(self, number: int) -> TileRenderer:
         """A tile, without its model if there are several. Raises CorruptStreamError or LimitError."""
         if number not in self._tiles:
             coming = None if self._prefetch is None else self._prefetch.take(number)
-            tile = self.decoded(number, threads) if coming is None else coming
+            tile = self.decoded(number) if coming is None else coming
             if self._stream.header.grid.count > 1:
                 tile.release_model()
             self._tiles[number] = tile
@@ -49,23 +50,25 @@ class TileCache:
         self._tiles.move_to_end(number)
         return self._tiles[number]
 
-    def decoded(self, number: int, threads: int) -> TileRenderer:
+    def decoded(self, number: int) -> TileRenderer:
         """The same with its model, and not cached."""
-        return self._decode(number, self._stream.tile(number), threads)
+        return self._decode(number, self._stream.tile(number), self._device)
 
     @contextmanager
-    def prefetch(self, numbers: Iterable[int], view: View, threads: int) -> Iterator[None]:
+    def prefetch(self, numbers: Iterable[int], view: View) -> Iterator[None]:
         """While the block asks for these tiles in this order, a pool decodes the next of them, one thread a tile."""
         wanted = [number for number in numbers if number not in self._tiles]
-        threads = resolve_threads(threads)
+        threads = resolve_threads(self._device.threads)
         if threads == 1 or len(wanted) < 2:
             yield
             return
         from concurrent.futures import ThreadPoolExecutor  # takes long to load
 
+        each = self._device.with_threads(max(1, threads // len(wanted)))
+
         def decode(number: int, payload: bytes) -> TileRenderer:
-            tile = self._decode(number, payload, max(1, threads // len(wanted)))
-            tile.prepare(view)
+            tile = self._decode(number, payload, each)
+            tile.prepare(view, self._device.with_threads(1))
             return tile
 
         def start(number: int) -> Future[TileRenderer]:
@@ -79,10 +82,10 @@ class TileCache:
             self._prefetch = None
             pool.shutdown(cancel_futures=True)
 
-    def _decode(self, number: int, payload: bytes, threads: int) -> TileRenderer:
+    def _decode(self, number: int, payload: bytes, device: Device) -> TileRenderer:
         header = self._stream.header
         try:
-            return TileRenderer(header, payload, threads, self._isa)
+            return TileRenderer(header, payload, device)
         except StreamError as error:
             if header.grid.count == 1:
                 raise

@@ -62,10 +62,10 @@ class TileRenderer:
     something; mask_bytes: what it and the tile's number take.
     """
 
-    def __init__(self, header: Header, payload: bytes, threads: int, isa: str) -> None:
+    def __init__(self, header: Header, payload: bytes, device: Device) -> None:
         chunk = decode_tile_chunk(header, payload)
         self.x, self.y, _, _ = header.grid.rect(chunk.number)
-        self.mask, self._isa = chunk.mask, isa
+        self.mask = chunk.mask
         self.mask_bytes = len(payload) - len(chunk.model or b"")
         self.header = own = header.of_tile(chunk.number)
         self.model: TileModel | None = None
@@ -76,7 +76,7 @@ class TileRenderer:
         self._whole: _Whole | None = None
         if chunk.model is None:
             return
-        self.model, walk = read_tile(own, chunk.model, Device(threads, isa))
+        self.model, walk = read_tile(own, chunk.model, device)
         self.bits, self.symbol_crc = walk.bits, walk.crc
         self.gaussians = _drawable(own, self.model)
         self._colours = base_colours(self.model.base, self.model.base_step)
@@ -93,14 +93,14 @@ class TileRenderer:
         """Keeps only what draws."""
         self.model = None
 
-    def prepare(self, view: View) -> None:
+    def prepare(self, view: View, device: Device) -> None:
         """Does what `draw` would have to do first."""
-        if self._drawn_whole(view, 1) is None:
+        if self._drawn_whole(view, device) is None:
             self._seen(view)
 
-    def draw(self, view: View, at: tuple[int, int], out: NDArray[Any], mapping: Mapping | None, threads: int) -> None:
+    def draw(self, view: View, at: tuple[int, int], out: NDArray[Any], mapping: Mapping | None, device: Device) -> None:
         """Fills out [h, w, C] with the samples of the view from its pixel `at` (x, y) on."""
-        whole = self._drawn_whole(view, threads)
+        whole = self._drawn_whole(view, device)
         if whole is not None:
             rows, columns, _ = out.shape
             left, top = at[0] - whole.left, at[1] - whole.top
@@ -109,9 +109,9 @@ class TileRenderer:
                 part = whole.samples[top : top + rows, left : left + columns]
                 out[...] = part if mapping is None else mapping.samples(part, out.dtype)
                 return
-        self._draw(view, at, out, mapping, threads)
+        self._draw(view, at, out, mapping, device)
 
-    def _drawn_whole(self, view: View, threads: int) -> _Whole | None:
+    def _drawn_whole(self, view: View, device: Device) -> _Whole | None:
         """What a reduced view shows of the tile, if that is little."""
         if max(view.sx, view.sy) >= 1:
             return None
@@ -122,16 +122,18 @@ class TileRenderer:
             if not 0 < prod(shape) <= _WHOLE_SAMPLES:
                 return None
             samples = np.empty(shape, np.float32)
-            self._draw(view, (left, top), samples, None, threads)
+            self._draw(view, (left, top), samples, None, device)
             self._whole = _Whole(view, left, top, samples)
         return self._whole
 
-    def _draw(self, view: View, at: tuple[int, int], out: NDArray[Any], mapping: Mapping | None, threads: int) -> None:
+    def _draw(
+        self, view: View, at: tuple[int, int], out: NDArray[Any], mapping: Mapping | None, device: Device
+    ) -> None:
         """Draws block by block."""
         spec, scale = self.header.spec, (view.sx, view.sy)
         start = view.x - self.x, view.y - self.y
         gaussians, origin = self._seen(view), (int(start[0]), int(start[1])) if _is_plain(view) else (0, 0)
-        raster = NativeRasterizer(threads, self._isa, most_pairs=_MOST_PAIRS)
+        raster = NativeRasterizer(device, most_pairs=_MOST_PAIRS)
         rows, columns, _ = out.shape
         width = min(columns, BLOCK_COLUMNS)
         height = max(1, BLOCK_SAMPLES // (width * spec.channels))
@@ -141,7 +143,7 @@ class TileRenderer:
             background = None
             if self._colours.size:
                 size = block.shape[1], block.shape[0]
-                background = Background(*base_view(self._colours, spec.base_cell, start, scale, first, size, threads))
+                background = Background(*base_view(self._colours, spec.base_cell, start, scale, first, size, device))
             try:
                 raster.draw(*gaussians, block, (origin[0] + first[0], origin[1] + first[1]), background, mapping)
             except OverflowError as error:

@@ -34,7 +34,7 @@ def fingerprint(plan: Plan, source: Path | None) -> bytes:
     software = plan.software.rpartition(b" ")[0] if limited else plan.software
     digest = hashlib.sha256(encode_header(plan.header) + software)
     blobs = asdict(plan.metadata) if plan.metadata else {}
-    settings = replace(plan.settings, threads=0, time_limit=1.0 if limited else None)
+    settings = replace(plan.settings, time_limit=1.0 if limited else None)
     digest.update(repr((settings, blobs)).encode())
     if source is not None:
         with source.open("rb") as file:

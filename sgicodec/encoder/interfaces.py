@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol, TypeVar
 
+from sgicodec.device import Device
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tile_work import EncodedTile, Start
 from sgicodec.picture import Picture
@@ -26,7 +27,7 @@ class Version(NamedTuple):
 class Task(Protocol[Made]):
     """What is done to a tile: pickled, and called where the pixels are."""
 
-    def __call__(self, number: int, window: Picture, start: Start, threads: int) -> Made:
+    def __call__(self, number: int, window: Picture, start: Start, device: Device) -> Made:
         """Made of tile `number`, whose pixels are `window`."""
 
 

@@ -9,14 +9,12 @@ from sgicodec.metrics.distortion import decibels, squared_error
 __all__ = ["measured_error", "measured_psnr"]
 
 
-def measured_error(stream: Stream, source: Source, threads: int = 0) -> float:
+def measured_error(stream: Stream, source: Source) -> float:
     """Squared error over all samples of what the stream decodes to, in 0..1, but for colours where alpha is 0."""
-    return sum(
-        squared_error(source.read(0, top, band.width, band.height), band) for top, band in stream.bands(threads=threads)
-    )
+    return sum(squared_error(source.read(0, top, band.width, band.height), band) for top, band in stream.bands())
 
 
-def measured_psnr(stream: Stream, source: Source, threads: int = 0) -> float:
+def measured_psnr(stream: Stream, source: Source) -> float:
     """The same as PSNR in dB."""
     header = stream.header
-    return decibels(measured_error(stream, source, threads), header.width * header.height * header.spec.channels)
+    return decibels(measured_error(stream, source), header.width * header.height * header.spec.channels)

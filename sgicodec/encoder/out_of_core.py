@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, BinaryIO, TypeVar
 
 from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import open_stream
+from sgicodec.device import ALL_CORES, ONE_THREAD, Device
 from sgicodec.encoder.checkpoint import Journal
 from sgicodec.encoder.interfaces import Finished, Runner, Task
 from sgicodec.encoder.measure import measured_error
@@ -109,9 +110,11 @@ def plan_of(source: Source, settings: EncodeSettings) -> Plan:
     return stream_plan(Shape(*shape, source.sample_range, source.metadata, source.nodata), settings)
 
 
-def run_on_cluster(source: Source, plan: Plan, cluster: Cluster, place: str | None, threads: int = 1) -> Runner:
-    """Tiles on a cluster, whose workers read the picture at `place`, or are sent their pixels if it is None. Each takes
-    so many threads.
+def run_on_cluster(
+    source: Source, plan: Plan, cluster: Cluster, place: str | None, device: Device = ONE_THREAD
+) -> Runner:
+    """Tiles on a cluster, whose workers read the picture at `place`, or are sent their pixels if it is None. What
+    computes in each is `device`.
     """
 
     def runner(
@@ -119,21 +122,21 @@ def run_on_cluster(source: Source, plan: Plan, cluster: Cluster, place: str | No
     ) -> Iterator[tuple[int, Result]]:
         ready = None if plan.settings.time_limit is None else make_ready
         if place is None or window is not None:
-            return cluster.run(TileTask(task, threads), numbers, _jobs(source, plan, start, window), ready)
-        work = ReadingTask(plan, place, task, threads)
+            return cluster.run(TileTask(task, device), numbers, _jobs(source, plan, start, window), ready)
+        work = ReadingTask(plan, place, task, device)
         return cluster.run(work, numbers, lambda number: Job(None, start(number)), ready)
 
     return runner
 
 
-def run_tiles(source: Source, plan: Plan, workers: int, threads: int) -> Runner:
-    """Tiles in this process, or in several that are sent their pixels; `threads` are shared among them."""
+def run_tiles(source: Source, plan: Plan, workers: int, device: Device) -> Runner:
+    """Tiles in this process, or in several that are sent their pixels; `device`'s threads are shared among them."""
 
     def runner(
         task: Task[Result], numbers: Sequence[int], start: Callable[[int], Start], window: Picture | None = None
     ) -> Iterator[tuple[int, Result]]:
         count, jobs = min(workers, len(numbers)), _jobs(source, plan, start, window)
-        work = TileTask(task, max(1, threads // max(1, count)))
+        work = TileTask(task, device.with_threads(max(1, device.cores // max(1, count))))
         if workers == 1:
             make_ready()
             return run_here(work, numbers, jobs)
@@ -192,6 +195,7 @@ def encode_source(
     target: Path | BinaryIO,
     on_state: Callable[[State], None] | None = None,
     shares: TimeShares | None = None,
+    device: Device = ALL_CORES,
 ) -> Totals:
     """Does what the journal lacks and writes the stream, the same whoever did it in whatever order unless `shares` tell
     each fit its time.
@@ -200,8 +204,8 @@ def encode_source(
     """
 
     def error_of(file: BinaryIO) -> float:
-        with open_stream(file) as stream:
-            return measured_error(stream, source, plan.settings.threads)
+        with open_stream(file, device) as stream:
+            return measured_error(stream, source)
 
     small = draw_small(plan, source.read, runner)
     found = TilePasses(plan, runner, journal, _Telling(plan, on_state), error_of, shares, small).run()

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, BinaryIO, TypeVar
 
 from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import open_stream
+from sgicodec.device import ALL_CORES, Device
 from sgicodec.encoder.interfaces import Finished, Runner, Task, Version
 from sgicodec.encoder.overview import overview_picture, overview_settings, takes_overview
 from sgicodec.encoder.passes import TilePasses
@@ -40,6 +41,7 @@ def encode(
     settings: EncodeSettings | None = None,
     on_progress: Callable[[Progress], bool] | None = None,
     started: float | None = None,
+    device: Device = ALL_CORES,
 ) -> Encoded:
     """Fits `picture` and writes the stream. `on_progress` is called after every step; what it returns says whether to
     go on (True) or to finish with what is there. Equal input, settings and version give equal bytes, unless time is
@@ -52,10 +54,10 @@ def encode(
     plan = stream_plan(Shape.of(picture), settings)
     started = time.monotonic() if started is None else started
     if plan.header.tile:
-        return _encode_tiles(picture, plan, on_progress, started)
+        return _encode_tiles(picture, plan, on_progress, started, device)
     masked = plan.header.masked if empty_pixels(picture, plan.header.masked).any() else None
     plan = replace(plan, header=replace(plan.header, masked=masked))
-    encoding = Encoding(picture, plan, started)
+    encoding = Encoding(picture, plan, started, device)
     goal = settings.rate_target(picture.width * picture.height)
     return encoding.run(on_progress) if goal is None else TargetEncoder(encoding, goal).run(on_progress)
 
@@ -67,10 +69,10 @@ def window_of(picture: Picture, rect: Rect) -> Picture:
 
 
 def _encode_tiles(
-    picture: Picture, plan: Plan, on_progress: Callable[[Progress], bool] | None, started: float
+    picture: Picture, plan: Plan, on_progress: Callable[[Progress], bool] | None, started: float, device: Device
 ) -> Encoded:
     """Raises as `encode`."""
-    grid, threads = plan.header.grid, plan.settings.threads
+    grid = plan.header.grid
     fits = 0
 
     def watched(task: FitTask) -> FitTask:
@@ -90,11 +92,11 @@ def _encode_tiles(
     ) -> Iterator[tuple[int, Result]]:
         for number in numbers:
             done: Task[Result] = watched(task) if isinstance(task, FitTask) else task  # type: ignore[assignment]
-            yield number, done(number, window or window_of(picture, grid.rect(number)), start(number), threads)
+            yield number, done(number, window or window_of(picture, grid.rect(number)), start(number), device)
 
     def error_of(file: BinaryIO) -> float:
-        with open_stream(file) as stream:
-            return squared_error(picture, stream.picture(threads=threads))
+        with open_stream(file, device) as stream:
+            return squared_error(picture, stream.picture())
 
     kept, buffer, limit = _Kept(), io.BytesIO(), plan.settings.time_limit
     shares = None
@@ -117,9 +119,9 @@ class _OverviewTask:
 
     settings: EncodeSettings
 
-    def __call__(self, number: int, window: Picture, start: Start, threads: int) -> bytes:
+    def __call__(self, number: int, window: Picture, start: Start, device: Device) -> bytes:
         """The stream of `window`."""
-        return encode(window, replace(self.settings, threads=threads)).data
+        return encode(window, self.settings, device=device).data
 
 
 def draw_small(

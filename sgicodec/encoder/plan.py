@@ -124,7 +124,7 @@ def fit_settings(settings: EncodeSettings) -> FitSettings:
     else:
         lmbda = lmbda_of_quality(settings.quality) if settings.lmbda is None else settings.lmbda
         fit = default_settings(max(lmbda, 1e-9), settings.steps or EFFORTS[settings.effort])
-    return replace(fit, seed=settings.seed, threads=settings.threads)
+    return replace(fit, seed=settings.seed)
 
 
 def _software(settings: EncodeSettings, fit: FitSettings) -> bytes:

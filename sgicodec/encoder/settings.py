@@ -46,7 +46,6 @@ class EncodeSettings:
     prior: int | None = None
     rdoq: bool = True
     seed: int = 0
-    threads: int = 0
     metadata: bool = True
     psnr: float | None = None
     size: float | None = None
@@ -103,7 +102,6 @@ class EncodeSettings:
             (self.size is None or 1 <= self.size < math.inf, f"size {self.size}; at least 1 byte"),
             (self.bpp is None or 0 < self.bpp < math.inf, f"bpp {self.bpp}; it must be positive"),
             (self.time_limit is None or 0 < self.time_limit < math.inf, f"time limit {self.time_limit}; above 0 s"),
-            (self.threads >= 0, f"threads {self.threads}; 0 (all cores) or more"),
             (
                 not self.tile or MIN_TILE <= self.tile <= MAX_SIDE,
                 f"tile {self.tile}; 0 (one tile) or {MIN_TILE} to {MAX_SIDE} pixels",

@@ -19,7 +19,7 @@ from sgicodec.bitstream.parts.tile import DECODER_SHIFT, TileModel, write_tile
 from sgicodec.bitstream.parts.tile_chunk import TileChunk, encode_tile_chunk
 from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import open_stream
-from sgicodec.device import Device
+from sgicodec.device import ALL_CORES, Device
 from sgicodec.encoder.inpainting import fill
 from sgicodec.encoder.plan import Plan, fit_settings
 from sgicodec.fit.base_layer import base_layer
@@ -70,8 +70,9 @@ class Encoding:
     `fit` holds the settings of the next fit; `begin` sets its λ, which the base layer follows.
     """
 
-    def __init__(self, picture: Picture, plan: Plan, started: float) -> None:
+    def __init__(self, picture: Picture, plan: Plan, started: float, device: Device = ALL_CORES) -> None:
         self.started, self.picture, self.plan, self.settings = started, picture, plan, plan.settings
+        self.device = device
         self.spec = plan.header.spec
         self.unit = np.ascontiguousarray(to_unit(picture).transpose(2, 0, 1))
         self.empty: NDArray[np.bool_] | None = None
@@ -112,7 +113,7 @@ class Encoding:
         """A fit, which `controller` may lead; of a time limit it takes about `share` less than is left."""
         from sgicodec.fit.trainer import Trainer
 
-        spec, fit = self.spec, self.fit
+        spec, fit = self.spec, replace(self.fit, threads=self.device.threads)
         _, height, width = self.target.shape
         if spec.layout == "uniform":
             count = fit.seeds or max(1, round(width * height / 400))
@@ -162,8 +163,7 @@ class Encoding:
     def rdoq(self, candidate: Candidate) -> Rdoq:
         """RDOQ from a candidate on."""
         settings = RdoqSettings.for_steps(self.fit.steps)
-        device = Device(self.fit.threads)
-        return Rdoq(candidate.header, candidate.model, self.unit, candidate.lmbda, settings, device)
+        return Rdoq(candidate.header, candidate.model, self.unit, candidate.lmbda, settings, self.device)
 
     def searched(self, candidate: Candidate) -> Candidate:
         """The best that the search finds for the candidate's λ."""
@@ -185,7 +185,7 @@ class Encoding:
         """The stream and what it is; of its PSNR, only if that is asked for."""
         encoded, quality = self.encoded(candidate), math.inf
         if self.settings.psnr is not None:
-            decoded = open_stream(encoded.data).picture(threads=self.settings.threads)
+            decoded = open_stream(encoded.data, self.device).picture()
             shown = np.array(True) if self.empty is None else ~self.empty[..., None]
             quality = psnr(*(np.where(shown, comparable(p), 0) for p in (self.picture, decoded)))
         return encoded, Measured(len(encoded.data), quality)

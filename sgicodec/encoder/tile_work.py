@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from sgicodec.bitstream.parts.tile import read_tile
 from sgicodec.bitstream.parts.tile_chunk import TileChunk, decode_tile_chunk, encode_tile_chunk
 from sgicodec.decoder.stream import open_stream
-from sgicodec.device import Device
+from sgicodec.device import ALL_CORES, Device
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tile_encoder import Candidate, Encoding, written
 from sgicodec.metrics.distortion import squared_error
@@ -69,9 +69,9 @@ class LookaheadTask:
 
     plan: Plan
 
-    def __call__(self, number: int, window: Picture, start: Start, threads: int) -> RdTable:
+    def __call__(self, number: int, window: Picture, start: Start, device: Device) -> RdTable:
         """A tile in which no pixel holds anything costs and errs nothing."""
-        tile = _encoding(window, self.plan, number, threads)
+        tile = _encoding(window, self.plan, number, device)
         if tile.holds_nothing:
             return RdTable((0.0,) * len(LMBDA_GRID), (0.0,) * len(LMBDA_GRID))
         _, _, width, height = self.plan.header.grid.core(number)
@@ -101,9 +101,9 @@ class FitTask:
     plan: Plan
     on_progress: Callable[[Progress], bool] | None = None
 
-    def __call__(self, number: int, window: Picture, start: Start, threads: int) -> EncodedTile:
+    def __call__(self, number: int, window: Picture, start: Start, device: Device) -> EncodedTile:
         """Fits the pixels that the tile covers, apron included."""
-        return encode_tile(window, self.plan, number, threads, self.on_progress, start.seconds)
+        return encode_tile(window, self.plan, number, device, self.on_progress, start.seconds)
 
 
 @dataclass(frozen=True)
@@ -112,14 +112,14 @@ class SearchTask:
 
     plan: Plan
 
-    def __call__(self, number: int, window: Picture, start: Start, threads: int) -> EncodedTile:
+    def __call__(self, number: int, window: Picture, start: Start, device: Device) -> EncodedTile:
         """A model that cannot be searched has its steps moved as λ asks for."""
-        started, tile = time.monotonic(), _encoding(window, self.plan, number, threads)
+        started, tile = time.monotonic(), _encoding(window, self.plan, number, device)
         payload = decode_tile_chunk(self.plan.header, start.payload).model
         if payload is None:
             return _finished(tile, self.plan, number, None, started)
         header, lmbda = tile.plan.header, tile.fit.lmbda
-        model, _ = read_tile(header, payload, Device(threads))
+        model, _ = read_tile(header, payload, device)
         values = model.decoded_values
         groups = {group.name: values[:, group.columns] for group in header.spec.groups}
         model = replace(model, attributes=groups, decoded=None)
@@ -129,7 +129,7 @@ class SearchTask:
             return _finished(tile, self.plan, number, Candidate(header, model, lmbda), started)
         settings = RdoqSettings.for_steps(tile.fit.steps)
         settings = replace(settings, coarser=0.0, passes=max(_LEAST_PASSES, settings.passes // _PASSES_SHARE))
-        rdoq = Rdoq(header, model, tile.unit, start.lmbda, settings, Device(threads))
+        rdoq = Rdoq(header, model, tile.unit, start.lmbda, settings, device)
         for _ in range(settings.passes):
             model = rdoq.descend(lmbda).model
         return _finished(tile, self.plan, number, Candidate(header, model, lmbda), started)
@@ -143,12 +143,12 @@ def encode_tile(
     window: Picture,
     plan: Plan,
     number: int,
-    threads: int = 0,
+    device: Device = ALL_CORES,
     on_progress: Callable[[Progress], bool] | None = None,
     seconds: float | None = None,
 ) -> EncodedTile:
     """Fits tile `number` of a stream of several to its pixels, apron included; in about so many seconds, if given."""
-    started, tile = time.monotonic(), _encoding(window, plan, number, threads, seconds)
+    started, tile = time.monotonic(), _encoding(window, plan, number, device, seconds)
     steps = 0
 
     def watch(progress: Progress) -> bool:
@@ -160,14 +160,14 @@ def encode_tile(
     return replace(_finished(tile, plan, number, candidate, started), steps=steps)
 
 
-def _encoding(window: Picture, plan: Plan, number: int, threads: int, seconds: float | None = None) -> Encoding:
+def _encoding(window: Picture, plan: Plan, number: int, device: Device, seconds: float | None = None) -> Encoding:
     started = time.monotonic()
-    header, settings = plan.header, replace(plan.settings, threads=threads, time_limit=seconds)
+    header, settings = plan.header, replace(plan.settings, time_limit=seconds)
     if settings.seeds is not None:
         share = window.width * window.height / (header.width * header.height)
         settings = replace(settings, seeds=max(1, round(settings.seeds * share)))
     own = replace(plan, header=header.of_tile(number), settings=settings, metadata=None)
-    tile = Encoding(window, own, started)
+    tile = Encoding(window, own, started, device)
     tile.fit = replace(tile.fit, quality=header.quality)
     return tile
 
@@ -182,8 +182,8 @@ def _finished(tile: Encoding, plan: Plan, number: int, candidate: Candidate | No
     if header.masked is not None:
         parts["mask"] = len(payload) - len(model or b"")
     coded = time.monotonic()
-    with open_stream(tile.assembled(tile.plan.header, model)[0]) as stream:
-        decoded = stream.picture(threads=tile.settings.threads)
+    with open_stream(tile.assembled(tile.plan.header, model)[0], tile.device) as stream:
+        decoded = stream.picture()
     decoding = time.monotonic() - coded
     own, shown = (_core(plan, number, picture) for picture in (tile.picture, decoded))
     error, seconds = squared_error(own, shown), time.monotonic() - started

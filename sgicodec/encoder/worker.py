@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, Generic, NamedTuple, TypeVar
 
+from sgicodec.device import Device
 from sgicodec.encoder.interfaces import Task
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tile_encoder import keep_to_one_torch_thread
@@ -34,7 +35,7 @@ class TileTask(Generic[Result]):
     """Does a task to the pixels that come with the tile's number."""
 
     task: Task[Result]
-    threads: int
+    device: Device
 
     def __call__(self, number: int, job: Job) -> Result:
         """What the task makes of the tile. Raises PictureError where no pixels came."""
@@ -42,7 +43,7 @@ class TileTask(Generic[Result]):
             keep_to_one_torch_thread()
         if job.window is None:
             raise PictureError("no pixels came")
-        return self.task(number, job.window, job.start, self.threads)
+        return self.task(number, job.window, job.start, self.device)
 
 
 @dataclass(frozen=True)
@@ -52,7 +53,7 @@ class ReadingTask(Generic[Result]):
     plan: Plan
     place: str
     task: Task[Result]
-    threads: int
+    device: Device
 
     def __call__(self, number: int, job: Job) -> Result:
         """What the task makes of the tile. Raises PictureError for another picture than the plan's."""
@@ -65,7 +66,7 @@ class ReadingTask(Generic[Result]):
             window = source.read(*header.grid.rect(number))
         window = replace(window, metadata=self.plan.place_of_windows)
         job = Job(window, job.start.later(time.monotonic() - asked))
-        return TileTask(self.task, self.threads)(number, job)
+        return TileTask(self.task, self.device)(number, job)
 
 
 _reading = threading.Lock()

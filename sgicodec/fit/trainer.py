@@ -11,6 +11,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from sgicodec.device import Device
 from sgicodec.fit.adam import Adam, Group
 from sgicodec.fit.context_training import ContextNet
 from sgicodec.fit.densification import worthwhile_cells
@@ -88,7 +89,7 @@ class Trainer:
         self.lmbda, self.controller, self.measure = settings.lmbda, controller, measure
         self.pace = Pace(settings.phases, seconds)
         self.generator = torch.Generator().manual_seed(settings.seed)
-        self.raster = NativeRasterizer(settings.threads)
+        self.raster = NativeRasterizer(Device(settings.threads))
         self.targets = pyramid(target, max(phase.level for phase in settings.phases) + 1)
         context = spec.context
         sizes = HashGrid.at(context, layout, target.shape[2], target.shape[1]).sizes if context.hash_resolutions else ()

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec._native import base_lines
+from sgicodec.device import ONE_THREAD, Device
 from sgicodec.model.base import cubic_weights
 
 __all__ = ["BaseView", "base_view"]
@@ -39,7 +40,7 @@ def base_view(
     scale: tuple[float, float],
     first: tuple[int, int],
     size: tuple[int, int],
-    threads: int = 1,
+    device: Device = ONE_THREAD,
 ) -> BaseView:
     """B in the block of `size` (w, h) pixels from pixel `first` (x, y) on of a picture drawn at `scale` from `start`.
 
@@ -49,7 +50,7 @@ def base_view(
     left, across = _footprints(start[0], scale[0], first[0], size[0], cell)
     top, down = _footprints(start[1], scale[1], first[1], size[1], cell)
     lines = np.empty((len(grid), int(top[-1] - top[0]) + down.shape[1], size[0]), np.float32)
-    base_lines(np.ascontiguousarray(grid), int(top[0]), left, across, threads, lines)
+    base_lines(np.ascontiguousarray(grid), int(top[0]), left, across, device.threads, lines)
     return BaseView(lines, (top - top[0]).astype(np.int32), down.astype(np.float32))
 
 

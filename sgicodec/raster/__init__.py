@@ -8,6 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from sgicodec.device import ALL_CORES, Device
 from sgicodec.errors import UsageError
 from sgicodec.raster.backend import DEFAULT_CUTOFF, Backend
 from sgicodec.raster.cpu import Background, Mapping, NativeRasterizer
@@ -39,15 +40,15 @@ def rasterize(
     scale: float = 1.0,
     cutoff: float = DEFAULT_CUTOFF,
     backend: Literal["native", "reference"] = "native",
-    threads: int = 0,
+    device: Device = ALL_CORES,
 ) -> NDArray[np.floating]:
     """Draws I(x) = Σ_i c_i exp(−½ (x − μ_i)ᵀ Σ_i⁻¹ (x − μ_i)) → image [C, height, width] (paper, equations 4 and 5).
 
     means [N, 2] and covariances [N, 3] (xx, xy, yy) are in pixels and pixels² of the picture at scale 1, colours
     [N, C]. The image is the crop whose first pixel is `origin` (x, y) of the picture scaled by `scale`; pixel (i, j)
     has its centre at (j + ½, i + ½). A scale below 1 filters, so that nothing aliases (`scaled`).
-    `native` computes in float32, leaves out what lies beyond `cutoff` standard deviations and uses `threads` (0: all
-    cores) with the same result for any number; `reference` sums everything in float64, slowly.
+    `native` computes in float32, leaves out what lies beyond `cutoff` standard deviations and runs on `device`, with
+    the same result for any number of threads; `reference` sums everything in float64, slowly.
     Gaussians that are not finite or not positive definite are left out. Raises UsageError for wrong shapes or numbers,
     OverflowError where `native` would need too much memory (`NativeRasterizer`).
     """
@@ -61,7 +62,7 @@ def rasterize(
     gaussians = _arrays(means, covariances, colours, np.float32 if backend == "native" else np.float64)
     if scale != 1:
         gaussians = scaled(*gaussians, (scale, scale))
-    raster: Backend[Any] = NativeRasterizer(threads, cutoff=cutoff) if backend == "native" else ReferenceRasterizer()
+    raster: Backend[Any] = NativeRasterizer(device, cutoff) if backend == "native" else ReferenceRasterizer()
     image: NDArray[np.floating] = raster.forward(*gaussians, width, height, origin)
     return image
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec import _native
+from sgicodec.device import ALL_CORES, Device
 from sgicodec.raster.backend import DEFAULT_CUTOFF
 
 __all__ = ["DEFAULT_CUTOFF", "Background", "Mapping", "NativeRasterizer"]
@@ -50,16 +51,16 @@ class NativeRasterizer:
     """Additive splatting on the CPU, a `Backend` of float32 numpy arrays. Same input, same bytes, whatever the number
     of threads.
 
-    `isa` is auto, avx512, avx2 or portable (ValueError where this processor lacks it); `threads` 0 takes every core;
-    `cutoff` is where a Gaussian ends, in standard deviations. A call that would list more than `most_pairs` (tile,
-    Gaussian) pairs, 12 bytes each, raises OverflowError: a hostile stream must not take all memory. An instance keeps
-    the tile lists of its last forward pass for the backward pass and is not safe for use by two threads at once.
+    Raises ValueError for an instruction set that this processor lacks. `cutoff` is where a Gaussian ends, in standard
+    deviations. A call that would list more than `most_pairs` (tile, Gaussian) pairs, 12 bytes each, raises
+    OverflowError: a hostile stream must not take all memory. An instance keeps the tile lists of its last forward pass
+    for the backward pass and is not safe for use by two threads at once.
     """
 
     def __init__(
-        self, threads: int = 0, isa: str = "auto", cutoff: float = DEFAULT_CUTOFF, most_pairs: int = MOST_PAIRS
+        self, device: Device = ALL_CORES, cutoff: float = DEFAULT_CUTOFF, most_pairs: int = MOST_PAIRS
     ) -> None:
-        self._raster = _native.Rasterizer(isa, threads, most_pairs)
+        self._raster = _native.Rasterizer(device.isa, device.threads, most_pairs)
         self.cutoff = cutoff
 
     @property

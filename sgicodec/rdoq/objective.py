@@ -83,7 +83,7 @@ class Objective:
     def residual(self, model: TileModel) -> F32:
         """Target less drawn [C, H, W + padding], the last columns zero, as the native code wants it."""
         _, height, width = self.picture.shape
-        raster = NativeRasterizer(self.device.threads, self.device.isa)
+        raster = NativeRasterizer(self.device)
         out = np.zeros((*self.picture.shape[:2], width + WINDOW_PADDING), np.float32)
         np.subtract(self.target(model), raster.forward(*self.gaussians(model), width, height), out=out[:, :, :width])
         return out

@@ -20,6 +20,7 @@ from sgicodec import EncodeSettings, Picture, Stream, encode, open_stream, read
 from sgicodec.bitstream.parts import tile
 from sgicodec.bitstream.parts.attributes import AttributeCoder
 from sgicodec.decoder import tile_renderer as drawn_tile
+from sgicodec.device import ONE_THREAD, Device
 from sgicodec.metrics.psnr import psnr
 
 PICTURE = Path(__file__).parents[1] / "data" / "kodim23.png"
@@ -48,7 +49,7 @@ def settings(request: pytest.FixtureRequest) -> EncodeSettings:
 @pytest.fixture(scope="module")
 def data(picture: Picture, settings: EncodeSettings) -> bytes:
     """The stream, made by one thread."""
-    return encode(picture, replace(settings, threads=1)).data
+    return encode(picture, settings, device=ONE_THREAD).data
 
 
 @pytest.fixture
@@ -61,7 +62,7 @@ def stream(data: bytes) -> Stream:
 def test_same_bytes_for_any_number_of_threads(
     picture: Picture, settings: EncodeSettings, data: bytes, threads: int
 ) -> None:
-    assert encode(picture, replace(settings, threads=threads)).data == data
+    assert encode(picture, settings, device=Device(threads)).data == data
 
 
 def test_a_fit_lets_torch_use_one_thread(picture: Picture) -> None:
@@ -74,18 +75,18 @@ def test_a_fit_lets_torch_use_one_thread(picture: Picture) -> None:
 
     torch.set_num_threads(3)
     try:
-        encode(picture, EncodeSettings(steps=3, threads=2), on_progress)
+        encode(picture, EncodeSettings(steps=3), on_progress)
         assert torch.get_num_threads() == 3
     finally:
         torch.set_num_threads(before)
     assert seen == {1}
 
 
-def test_same_pixels_for_any_number_of_threads(stream: Stream) -> None:
+def test_same_pixels_for_any_number_of_threads(data: bytes) -> None:
     for scale in (None, 0.5, 1.7):
-        one = stream.render(scale=scale, threads=1)
+        one = open_stream(data, ONE_THREAD).render(scale=scale)
         for threads in (2, 3, 0):
-            np.testing.assert_array_equal(stream.render(scale=scale, threads=threads), one)
+            np.testing.assert_array_equal(open_stream(data, Device(threads)).render(scale=scale), one)
 
 
 def test_same_symbols_for_any_threads_of_the_algebra_library(data: bytes, tmp_path: Path) -> None:

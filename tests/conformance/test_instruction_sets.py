@@ -10,6 +10,7 @@ import pytest
 from scenes import ISAS
 
 from sgicodec import open_stream
+from sgicodec.device import Device
 
 GOLDEN = sorted(path.stem for path in (Path(__file__).parents[1] / "conformance" / "golden").glob("*.sgi"))
 
@@ -21,12 +22,12 @@ def test_symbols_and_pixels(name: str) -> None:
     pixels, scaled = usual.picture().pixels, usual.render(scale=0.7)
     level = {"uint8": 1, "uint16": 257, "float32": 1 / 255 * np.ptp(usual.header.sample_range)}[str(pixels.dtype)]
     for isa in ISAS:
-        stream = open_stream(path, isa)
+        stream = open_stream(path, Device(isa=isa))
         assert np.abs(stream.picture().pixels.astype(float) - pixels).max() <= level
         assert np.abs(stream.render(scale=0.7) - scaled).max() < 1 / 255
         assert np.abs(stream.render(scale=1 / 16) - usual.render(scale=1 / 16)).max() < 1 / 255
         for number in range(stream.grid.count):
-            ours, theirs = (one._tiles.decoded(number, 1).model for one in (stream, usual))
+            ours, theirs = (one._tiles.decoded(number).model for one in (stream, usual))
             assert ours is not None
             assert theirs is not None
             np.testing.assert_array_equal(ours.decoded, theirs.decoded)
@@ -35,4 +36,4 @@ def test_symbols_and_pixels(name: str) -> None:
 
 def test_an_instruction_set_that_is_not_there() -> None:
     with pytest.raises(ValueError, match="unknown instruction set 'mmx'"):
-        open_stream(Path(__file__).parents[1] / "conformance" / "golden" / "rgb8.sgi", "mmx").picture()
+        open_stream(Path(__file__).parents[1] / "conformance" / "golden" / "rgb8.sgi", Device(isa="mmx")).picture()

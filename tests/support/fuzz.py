@@ -34,8 +34,8 @@ def sources() -> list[bytes]:
     crop = replace(whole, pixels=np.ascontiguousarray(whole.pixels[180:220, 100:164]))
     gray = replace(crop, pixels=crop.pixels[..., :1].copy(), channels="gray")
     floats = replace(crop, pixels=(crop.pixels / 50.0).astype(np.float32), sample_range=(-1.0, 6.0))
-    default = EncodeSettings(steps=15, threads=1)
-    paper = EncodeSettings(profile="paper", steps=15, seeds=20, per_seed=2, features=6, threads=1)
+    default = EncodeSettings(steps=15)
+    paper = EncodeSettings(profile="paper", steps=15, seeds=20, per_seed=2, features=6)
     jobs = [(crop, default), (crop, paper), (gray, replace(default, per_seed=2)), (floats, replace(default, prior=0))]
     return [encode(picture, settings).data for picture, settings in jobs]
 
@@ -107,8 +107,8 @@ def attempt(data: bytes) -> str:
     try:
         with open_stream(data) as stream:
             size = (min(stream.width, 256), min(stream.height, 256))
-            stream.picture((0, 0, *size), threads=1)
-            stream.picture((0, 0, *size), size=(50, 40), threads=1)
+            stream.picture((0, 0, *size))
+            stream.picture((0, 0, *size), size=(50, 40))
             return "picture"
     except SgiError as error:
         if "\n" in str(error):

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec.device import Device
 from sgicodec.raster.cpu import NativeRasterizer
 from sgicodec.raster.reference import rasterize_reference
 
@@ -13,7 +14,7 @@ Scene = tuple[F32, F32, F32]
 
 def available(isa: str) -> bool:
     try:
-        return NativeRasterizer(isa=isa).isa == isa
+        return NativeRasterizer(Device(isa=isa)).isa == isa
     except ValueError:
         return False
 

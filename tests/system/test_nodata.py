@@ -43,7 +43,7 @@ def hole() -> np.ndarray:
 
 
 def settings(tile: int, **more: int) -> EncodeSettings:
-    return EncodeSettings(steps=30, tile=tile, threads=1, **more)
+    return EncodeSettings(steps=30, tile=tile, **more)
 
 
 def holed(pixels: np.ndarray, hole: np.ndarray, value: float, text: bytes) -> Picture:

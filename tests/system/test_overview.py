@@ -22,7 +22,7 @@ from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Metadata, nodata_mask
 
 DATA = Path(__file__).parents[1] / "data"
-SETTINGS = EncodeSettings(steps=60, tile=128, overview=True, threads=1)
+SETTINGS = EncodeSettings(steps=60, tile=128, overview=True)
 
 
 def small(picture: Picture, tile: int) -> Picture:
@@ -185,7 +185,7 @@ def test_an_overview_of_several_tiles_has_its_own(photo: Picture) -> None:
 
 def test_one_that_is_no_smaller_is_left_alone() -> None:
     """Of a single pixel; a thousand overviews, each in another, would else be followed to the last."""
-    dot = encode(Picture(np.zeros((1, 1, 1), np.uint8), "gray", (0.0, 255.0)), EncodeSettings(steps=1, threads=1)).data
+    dot = encode(Picture(np.zeros((1, 1, 1), np.uint8), "gray", (0.0, 255.0)), EncodeSettings(steps=1)).data
     nested = dot
     for _ in range(1200):
         nested = _chunks_with(dot, [nested])
@@ -251,7 +251,7 @@ def test_a_damaged_one_spoils_small_views_alone(coded: Encoded) -> None:
 def test_what_is_no_overview_of_this_picture_is_refused(coded: Encoded, photo: Picture) -> None:
     gray = Picture(np.zeros((16, 21, 1), np.uint8), "gray", (0.0, 255.0))
     deep = Picture(np.zeros((16, 21, 3), np.uint16), "rgb", (0.0, 65535.0))
-    one = EncodeSettings(steps=1, threads=1)
+    one = EncodeSettings(steps=1)
     for wrong, complaint in (
         (b"no stream", "overview: no stream"),
         (encode(photo, one).data, "overview: it has 336×250 pixels, not 21×16"),

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from sgicodec import Encoded, EncodeSettings, Picture, encode, open_stream, read
+from sgicodec.device import Device
 from sgicodec.errors import TargetMissedError, UsageError
 from sgicodec.fit.trainer import Progress
 from sgicodec.metrics.psnr import psnr
@@ -33,7 +34,7 @@ def quality(picture: Picture, encoded: Encoded) -> float:
 
 @pytest.mark.parametrize("bpp", [0.25, 0.9])
 def test_bits_per_pixel(crop: Picture, bpp: float) -> None:
-    encoded = encode(crop, EncodeSettings(bpp=bpp, steps=150, threads=2))
+    encoded = encode(crop, EncodeSettings(bpp=bpp, steps=150))
     reached = 8 * len(encoded.data) / (crop.width * crop.height)
     assert 0.97 * bpp <= reached <= bpp
     assert quality(crop, encoded) > 20
@@ -42,28 +43,28 @@ def test_bits_per_pixel(crop: Picture, bpp: float) -> None:
 def test_size_and_metadata(crop: Picture) -> None:
     """Metadata counts, and is known of from the start: the fit ends near the size, not by the last search alone."""
     with_blob = replace(crop, metadata=Metadata(xmp=b"<x/>" * 1000))
-    encoded = encode(with_blob, EncodeSettings(size=7000, steps=150, threads=2))
+    encoded = encode(with_blob, EncodeSettings(size=7000, steps=150))
     assert 0.97 * 7000 <= len(encoded.data) <= 7000
-    lean = encode(with_blob, EncodeSettings(size=3000, metadata=False, steps=150, threads=2))
+    lean = encode(with_blob, EncodeSettings(size=3000, metadata=False, steps=150))
     assert 0.97 * 3000 <= len(lean.data) <= 3000
     assert abs(math.log2(encoded.lmbda / lean.lmbda)) < 1.3
 
 
 @pytest.mark.parametrize("above", [0.0, 3.0])
 def test_decibels(crop: Picture, above: float) -> None:
-    asked = quality(crop, encode(crop, EncodeSettings(steps=150, threads=2))) + above
-    encoded = encode(crop, EncodeSettings(psnr=asked, steps=150, threads=2))
+    asked = quality(crop, encode(crop, EncodeSettings(steps=150))) + above
+    encoded = encode(crop, EncodeSettings(psnr=asked, steps=150))
     assert quality(crop, encoded) == pytest.approx(asked, abs=0.1)
 
 
 def test_equal_settings_give_equal_streams(crop: Picture) -> None:
-    one, two = (encode(crop, EncodeSettings(bpp=0.4, steps=60, threads=threads)).data for threads in (1, 2))
+    one, two = (encode(crop, EncodeSettings(bpp=0.4, steps=60), device=Device(threads)).data for threads in (1, 2))
     assert one == two
 
 
 def test_an_impossible_size_gives_the_nearest_stream(crop: Picture) -> None:
     with pytest.raises(TargetMissedError, match="at most 90 bytes") as caught:
-        encode(crop, EncodeSettings(size=90, steps=60, threads=2))
+        encode(crop, EncodeSettings(size=90, steps=60))
     nearest = caught.value.nearest
     assert f"the smallest has {len(nearest.data)}" in str(caught.value)
     assert len(nearest.data) < 700
@@ -72,7 +73,7 @@ def test_an_impossible_size_gives_the_nearest_stream(crop: Picture) -> None:
 
 def test_an_impossible_psnr_gives_the_nearest_stream(crop: Picture) -> None:
     with pytest.raises(TargetMissedError, match="99 dB") as caught:
-        encode(crop, EncodeSettings(psnr=99, steps=40, threads=2))
+        encode(crop, EncodeSettings(psnr=99, steps=40))
     assert quality(crop, caught.value.nearest) > 30
 
 
@@ -84,7 +85,7 @@ def test_a_time_limit_gives_a_sound_stream(crop: Picture, goal: dict[str, float]
         states.append(state)
         return True
 
-    settings = replace(EncodeSettings(time_limit=2.0, threads=2), **goal)  # type: ignore[arg-type]
+    settings = replace(EncodeSettings(time_limit=2.0), **goal)  # type: ignore[arg-type]
     try:
         encoded = encode(crop, settings, on_progress)
     except TargetMissedError as missed:  # a busy machine
@@ -96,7 +97,7 @@ def test_a_time_limit_gives_a_sound_stream(crop: Picture, goal: dict[str, float]
 @pytest.mark.parametrize("step", [1, 20, 75])
 @pytest.mark.parametrize("goal", [{"bpp": 0.4}, {"psnr": 27.0}])
 def test_an_early_end_gives_a_stream(crop: Picture, goal: dict[str, float], step: int) -> None:
-    settings = replace(EncodeSettings(steps=80, threads=2), **goal)  # type: ignore[arg-type]
+    settings = replace(EncodeSettings(steps=80), **goal)  # type: ignore[arg-type]
     try:
         encoded = encode(crop, settings, lambda progress: progress.step < step)
     except TargetMissedError as missed:
@@ -108,7 +109,7 @@ def test_an_early_end_gives_a_stream(crop: Picture, goal: dict[str, float], step
 
 
 def test_an_own_network(crop: Picture) -> None:
-    encoded = encode(crop, EncodeSettings(size=14_000, prior=0, steps=100, threads=2))
+    encoded = encode(crop, EncodeSettings(size=14_000, prior=0, steps=100))
     assert 0.97 * 14_000 <= len(encoded.data) <= 14_000
     assert quality(crop, encoded) > 20
 
@@ -142,7 +143,7 @@ PICTURES = {
 @pytest.mark.parametrize("picture", PICTURES.values(), ids=PICTURES)
 def test_pictures_at_the_edge(picture: Picture, goal: dict[str, float]) -> None:
     """Whatever can be told of them, a stream comes out, and what was not reached is said."""
-    settings = replace(EncodeSettings(steps=30, threads=1), **goal)  # type: ignore[arg-type]
+    settings = replace(EncodeSettings(steps=30), **goal)  # type: ignore[arg-type]
     missed = False
     try:
         encoded = encode(picture, settings)
@@ -155,8 +156,8 @@ def test_pictures_at_the_edge(picture: Picture, goal: dict[str, float]) -> None:
 
 def test_clipped_floats_are_measured_as_the_stream_spans_them() -> None:
     picture = replace(drawn(40, 48, "gray", "float32", False), sample_range=(0.0, 500.0))
-    asked = quality(picture, encode(picture, EncodeSettings(quality=40, steps=60, threads=1)))
-    encoded = encode(picture, EncodeSettings(psnr=asked, steps=60, threads=1))
+    asked = quality(picture, encode(picture, EncodeSettings(quality=40, steps=60)))
+    encoded = encode(picture, EncodeSettings(psnr=asked, steps=60))
     assert quality(picture, encoded) == pytest.approx(asked, abs=0.1)
 
 

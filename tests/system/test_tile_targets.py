@@ -14,7 +14,7 @@ from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Metadata
 
 DATA = Path(__file__).parents[1] / "data"
-SETTINGS = EncodeSettings(steps=40, tile=96, threads=1)
+SETTINGS = EncodeSettings(steps=40, tile=96)
 GEO_WITH_NODATA_0 = bytes.fromhex("49492a00 08000000 0100 81a40200 02000000 30000000 00000000")
 
 

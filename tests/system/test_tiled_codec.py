@@ -16,11 +16,12 @@ from sgicodec import Encoded, EncodeSettings, Picture, encode, open_stream, read
 from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.bitstream.varint import decode_varint
 from sgicodec.decoder.tile_renderer import TileRenderer
+from sgicodec.device import ONE_THREAD, Device
 from sgicodec.errors import CorruptStreamError, UsageError
 from sgicodec.metrics.psnr import psnr
 
 DATA = Path(__file__).parents[1] / "data"
-SETTINGS = EncodeSettings(steps=60, tile=128, threads=1)
+SETTINGS = EncodeSettings(steps=60, tile=128)
 NEAR = 8
 
 
@@ -117,7 +118,7 @@ def test_tiles_without_a_base_layer_are_drawn(coded: tuple[Picture, Encoded]) ->
 def test_tiles_are_decoded_side_by_side(
     coded: tuple[Picture, Encoded], scale: float | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    alone = open_stream(coded[1].data).picture(scale=scale, threads=1).pixels
+    alone = open_stream(coded[1].data, ONE_THREAD).picture(scale=scale).pixels
     used: set[int] = set()
     init = TileRenderer.__init__
 
@@ -126,18 +127,18 @@ def test_tiles_are_decoded_side_by_side(
         init(self, *arguments)
 
     monkeypatch.setattr(TileRenderer, "__init__", noted)
-    np.testing.assert_array_equal(open_stream(coded[1].data).picture(scale=scale, threads=3).pixels, alone)
+    np.testing.assert_array_equal(open_stream(coded[1].data, Device(3)).picture(scale=scale).pixels, alone)
     assert used
     assert get_ident() not in used
     used.clear()
-    open_stream(coded[1].data).picture(scale=scale, threads=1)
+    open_stream(coded[1].data, ONE_THREAD).picture(scale=scale)
     assert used == {get_ident()}
 
 
 def test_few_tiles_are_decoded_ahead(coded: tuple[Picture, Encoded], monkeypatch: pytest.MonkeyPatch) -> None:
     """No more than there are threads, and one: the first of six tiles is not drawn before the last is begun."""
     begun: list[int] = []
-    stream = open_stream(coded[1].data)
+    stream = open_stream(coded[1].data, Device(2))
     payload = stream._chunks.tile
     monkeypatch.setattr(stream._chunks, "tile", lambda number: begun.append(number) or payload(number))
     drawn_after: list[int] = []
@@ -148,7 +149,7 @@ def test_few_tiles_are_decoded_ahead(coded: tuple[Picture, Encoded], monkeypatch
         draw(self, *arguments)
 
     monkeypatch.setattr(TileRenderer, "draw", noted)
-    stream.picture(threads=2)
+    stream.picture()
     assert begun == list(range(6))
     assert drawn_after[0] == 4
     assert drawn_after[-1] == 6
@@ -257,7 +258,7 @@ def test_a_tile_of_other_symbols_is_named(coded: tuple[Picture, Encoded], thread
     head = data.rindex(b"T", 0, start)
     data[end : end + 4] = zlib.crc32(data[head:end]).to_bytes(4, "little")
     with pytest.raises(CorruptStreamError, match="tile 4: "):
-        open_stream(bytes(data)).picture(threads=threads)
+        open_stream(bytes(data), Device(threads)).picture()
 
 
 def test_one_tile_pays_nothing(coded: tuple[Picture, Encoded]) -> None:

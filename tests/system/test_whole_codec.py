@@ -25,7 +25,7 @@ def crop(name: str) -> Picture:
 @pytest.fixture(scope="module", params=["kodim23.png", "kodim13.png"])
 def coded(request: pytest.FixtureRequest) -> tuple[Picture, dict[int, Encoded]]:
     picture = crop(request.param)
-    return picture, {q: encode(picture, EncodeSettings(quality=q, steps=250, threads=2)) for q in (30, 50, 70)}
+    return picture, {q: encode(picture, EncodeSettings(quality=q, steps=250)) for q in (30, 50, 70)}
 
 
 def test_quality_raises_both_rate_and_fidelity(coded: tuple[Picture, dict[int, Encoded]]) -> None:
@@ -72,6 +72,6 @@ def test_layout_metadata_and_depth_return(coded: tuple[Picture, dict[int, Encode
 
 def test_early_end_gives_a_valid_stream() -> None:
     picture = crop("kodim23.png")
-    stopped = encode(picture, EncodeSettings(steps=200, threads=1), lambda progress: progress.step < 60)
+    stopped = encode(picture, EncodeSettings(steps=200), lambda progress: progress.step < 60)
     decoded = open_stream(stopped.data).picture()
     assert psnr(picture.pixels, decoded.pixels) > 20

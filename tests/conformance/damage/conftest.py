@@ -14,8 +14,8 @@ from sgicodec.picture import Metadata
 DATA = Path(__file__).parents[2] / "data"
 
 SETTINGS = {
-    "default": EncodeSettings(steps=20, threads=1),
-    "paper": EncodeSettings(profile="paper", steps=20, seeds=40, per_seed=2, features=8, threads=1),
+    "default": EncodeSettings(steps=20),
+    "paper": EncodeSettings(profile="paper", steps=20, seeds=40, per_seed=2, features=8),
 }
 
 
@@ -35,4 +35,4 @@ def coded(request: pytest.FixtureRequest) -> Coded:
     picture = replace(picture, pixels=crop, metadata=Metadata(icc=None, exif=None, xmp=b"<x:xmpmeta/>"))
     data = encode(picture, SETTINGS[request.param]).data
     with open_stream(data) as stream:
-        return Coded(data, stream.picture(threads=1).pixels)
+        return Coded(data, stream.picture().pixels)

@@ -13,6 +13,6 @@ pytestmark = pytest.mark.filterwarnings("error")
 def test_any_numbers_draw_a_picture(seed: int) -> None:
     with open_stream(absurd_stream(np.random.default_rng(seed))) as stream:
         for size in (None, (33, 20), (300, 500)):
-            assert np.isfinite(stream.render(size=size, threads=1)).all()
+            assert np.isfinite(stream.render(size=size)).all()
             width, height = size or (stream.width, stream.height)
-            assert stream.picture(size=size, threads=1).pixels.shape == (height, width, stream.header.spec.channels)
+            assert stream.picture(size=size).pixels.shape == (height, width, stream.header.spec.channels)

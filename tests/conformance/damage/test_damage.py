@@ -27,7 +27,7 @@ def outcome(data: bytes) -> np.ndarray | SgiError:
     """The samples, or the error that was raised on the way to them."""
     try:
         with open_stream(data) as stream:
-            return stream.picture(threads=1).pixels
+            return stream.picture().pixels
     except SgiError as error:
         return error
 
@@ -60,7 +60,7 @@ def test_cuts_are_found_in_pipes_too(coded: Any) -> None:
 
     def read(data: bytes) -> np.ndarray:
         with open_stream(Pipe(data)) as stream:
-            return stream.picture(threads=1).pixels
+            return stream.picture().pixels
 
     np.testing.assert_array_equal(read(coded.data), coded.pixels)
     for length in spread(len(coded.data), 300):
@@ -124,7 +124,7 @@ def test_every_header_field_may_be_anything(coded: Any, field: str) -> None:
 def _expect_picture_or_error(data: bytes) -> None:
     with contextlib.suppress(StreamError), open_stream(data) as stream:
         corner = (0, 0, min(stream.width, 32), min(stream.height, 32))
-        pixels = stream.picture(corner, threads=1).pixels
+        pixels = stream.picture(corner).pixels
         assert pixels.shape == (corner[3], corner[2], stream.header.spec.channels)
 
 

@@ -43,7 +43,7 @@ resource.setrlimit(resource.RLIMIT_AS, ({memory}, {memory}))
 for path in sorted(Path({folder!r}).iterdir()):
     try:
         with open_stream(path) as stream:
-            stream.picture(threads=1)
+            stream.picture()
         print(json.dumps([path.name, "picture", ""]))
     except SgiError as error:
         print(json.dumps([path.name, type(error).__name__, str(error)]))
@@ -197,7 +197,7 @@ def test_sample_ranges_that_are_none(coded: Any, low_high: tuple[float, float]) 
     data = join([("H", header + struct.pack("<2f", *low_high)), *others])
     with pytest.raises(CorruptStreamError, match="sample range"):
         open_stream(data)
-    assert open_stream(join([("H", header + struct.pack("<2f", 0, 2)), *others])).picture(threads=1).pixels.max() <= 2
+    assert open_stream(join([("H", header + struct.pack("<2f", 0, 2)), *others])).picture().pixels.max() <= 2
 
 
 def test_picture_too_large_for_one_call(coded: Any) -> None:

@@ -23,13 +23,13 @@ def data() -> bytes:
     """96×64 pixels in two tiles."""
     picture = read(DATA / "kodim23.png")
     picture = replace(picture, pixels=np.ascontiguousarray(picture.pixels[180:244, 100:196]))
-    return encode(picture, EncodeSettings(steps=10, tile=64, threads=1)).data
+    return encode(picture, EncodeSettings(steps=10, tile=64)).data
 
 
 def test_every_flipped_byte_is_found(data: bytes) -> None:
     for bit in range(0, 8 * len(data), 61):
         with pytest.raises(StreamError):
-            open_stream(flipped(data, bit)).picture(threads=1)
+            open_stream(flipped(data, bit)).picture()
 
 
 def test_every_cut_is_found(data: bytes) -> None:
@@ -70,7 +70,7 @@ def test_an_index_that_lies_is_found(data: bytes) -> None:
     ]
     for places in lies:
         with pytest.raises(CorruptStreamError):
-            open_stream(_with_index(data, places)).picture(threads=1)
+            open_stream(_with_index(data, places)).picture()
 
 
 def test_chunks_behind_the_first_tile(data: bytes) -> None:

@@ -20,10 +20,10 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
     crop = replace(photo, pixels=np.ascontiguousarray(photo.pixels[CROP]))
     small = np.ascontiguousarray(crop.pixels[:64, :96])
     luma = small.astype(np.uint16) @ np.array([77, 150, 29], np.uint16)  # 16 bits
-    quick = EncodeSettings(quality=50, steps=150, threads=1, prior=1)
+    quick = EncodeSettings(quality=50, steps=150, prior=1)
     coarse_first = replace(quick, prior=2)  # made before places were predicted, which they are now
     predicted = replace(quick, prior=2)
-    paper = EncodeSettings(profile="paper", seeds=60, per_seed=3, features=12, steps=80, threads=1)
+    paper = EncodeSettings(profile="paper", seeds=60, per_seed=3, features=12, steps=80)
     alpha = np.concatenate([small, 255 - small[..., :1]], axis=2)
     return {
         "rgb8": (crop, quick),

@@ -14,6 +14,7 @@ import pytest
 from click.testing import Result
 
 from sgicodec.decoder.stream import open_stream
+from sgicodec.device import Device
 from sgicodec.encoder import pipeline as encoder
 from sgicodec.errors import SgiError
 from sgicodec.fit.settings import lmbda_of_quality
@@ -35,8 +36,10 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     """The settings that reach the encoder, which then does nothing."""
     seen: dict[str, Any] = {}
 
-    def record(picture: Picture, settings: encoder.EncodeSettings, on_progress: object, started: float) -> None:
-        seen.update(asdict(settings))
+    def record(
+        picture: Picture, settings: encoder.EncodeSettings, on_progress: object, started: float, device: Device
+    ) -> None:
+        seen.update(asdict(settings) | asdict(device))
         raise Stopped("stopped")
 
     monkeypatch.setattr(encoder, "encode", record)
@@ -193,8 +196,8 @@ def test_ctrl_c_on_the_way_to_a_goal(sgi: Run, picture: Path, monkeypatch: pytes
     """The first step is the last; what there is, is written, and the code says whether the goal was met."""
     real = encoder.encode
 
-    def stopped(picture: Picture, settings: encoder.EncodeSettings, on_progress: Any, started: float) -> Any:
-        return real(picture, settings, lambda state: on_progress(state) and False, started)
+    def stopped(picture: Picture, settings: encoder.EncodeSettings, on_progress: Any, *rest: Any) -> Any:
+        return real(picture, settings, lambda state: on_progress(state) and False, *rest)
 
     monkeypatch.setattr(encoder, "encode", stopped)
     for goal, value, code in (("--size", 5000, 0), ("--size", 30, 5), ("--psnr", 90, 5)):

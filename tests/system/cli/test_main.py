@@ -135,7 +135,7 @@ def test_interrupt_leaves_nothing(sgi: Run, stream: Path, monkeypatch: pytest.Mo
 def test_first_interrupt_of_a_fit_ends_it_second_gives_up(
     sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fit(picture: Any, settings: Any, on_progress: Callable[[Progress], bool], started: float) -> None:
+    def fit(picture: Any, settings: Any, on_progress: Callable[[Progress], bool], *_: Any) -> None:
         state = Progress(step=3, steps=9, seeds=1, psnr=20.0, bits=0.0, seconds=0.1)
         assert on_progress(state)
         signal.raise_signal(signal.SIGINT)

@@ -36,7 +36,7 @@ def test_every_flipped_byte_is_found(sgi: Run, stream: Path) -> None:
 
 def test_an_overview_is_verified(sgi: Run, tmp_path: Path) -> None:
     out = tmp_path / "out.sgi"
-    settings = EncodeSettings(steps=1, tile=32, overview=True, threads=1)
+    settings = EncodeSettings(steps=1, tile=32, overview=True)
     out.write_bytes(encode(Picture(np.zeros((40, 70, 1), np.uint8), "gray", (0.0, 255.0)), settings).data)
     assert sgi("verify", out).exit_code == 0
     data = bytearray(out.read_bytes())
@@ -49,9 +49,9 @@ def test_all_rows_are_drawn_in_bands(sgi: Run, stream: Path, monkeypatch: pytest
     drawn = []
     real = Stream.render
 
-    def render(self: Stream, region: tuple[int, int, int, int], threads: int) -> np.ndarray:
+    def render(self: Stream, region: tuple[int, int, int, int]) -> np.ndarray:
         drawn.append(region)
-        return real(self, region, threads=threads)
+        return real(self, region)
 
     monkeypatch.setattr(Stream, "render", render)
     monkeypatch.setattr(module, "_BAND_SAMPLES", 48 * 3 * 10)

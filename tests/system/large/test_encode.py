@@ -92,7 +92,7 @@ def test_state_adds_up() -> None:
 
 def test_measured_psnr_is_that_of_the_pictures(photo: Path, expected: bytes) -> None:
     with open_stream(expected) as stream, open_source(photo) as source:
-        found = measured_psnr(stream, source, threads=1)
+        found = measured_psnr(stream, source)
         assert found == pytest.approx(psnr(read(photo).pixels, stream.picture().pixels), abs=1e-6)
 
 

@@ -43,7 +43,7 @@ def limited(clock: Clock, path: Path, limit: float, journal: Journal, stop: int 
 
     target = io.BytesIO()
     with open_source(path) as source:
-        plan = plan_of(source, EncodeSettings(time_limit=limit, tile=64, threads=1))
+        plan = plan_of(source, EncodeSettings(time_limit=limit, tile=64))
         shares = time_shares(source, plan, clock.now + limit, workers=1, decoders=0)
         totals = encode_source(source, plan, run_tiles(source, plan, 1, 1), journal, target, watch, shares)
     return target.getvalue(), totals
@@ -129,14 +129,14 @@ def test_the_limit_counts_for_the_run(clock: Clock, photo: Path) -> None:
 
 def test_a_picture_in_memory(clock: Clock, photo: Path) -> None:
     picture, began = read(photo), clock.now
-    encoded = encode(picture, EncodeSettings(time_limit=12.0, tile=64, threads=1))
+    encoded = encode(picture, EncodeSettings(time_limit=12.0, tile=64))
     assert 9.0 < clock.now - began < 12.0
     assert psnr(picture.pixels, open_stream(encoded.data).picture().pixels) > 20
 
 
 def test_a_limit_that_has_begun(clock: Clock, photo: Path) -> None:
     picture = replace(read(photo))
-    encode(picture, EncodeSettings(time_limit=50.0, tile=64, threads=1), started=clock.now - 40)
+    encode(picture, EncodeSettings(time_limit=50.0, tile=64), started=clock.now - 40)
     began = clock.now
-    encode(picture, EncodeSettings(time_limit=50.0, tile=64, threads=1), started=clock.now - 40)
+    encode(picture, EncodeSettings(time_limit=50.0, tile=64), started=clock.now - 40)
     assert 7.0 < clock.now - began < 10.0

@@ -28,7 +28,7 @@ def test_a_row_for_each_limit_and_effort(tmp_path: Path) -> None:
     assert lines[0].split("\t") == list(COLUMNS)
     assert [row["asked"] for row in rows] == ["--time-limit 1", "--effort 1"]
     assert rows[1]["steps"] == "120"
-    encoded = encode(crop, EncodeSettings(effort=1, tile=64, threads=1))
+    encoded = encode(crop, EncodeSettings(effort=1, tile=64))
     error = np.square((crop.pixels - open_stream(encoded.data).picture().pixels.astype(float)) / 255).sum()
     cost = (error + encoded.lmbda * 8 * len(encoded.data)) / (64 * 96)
     assert float(rows[1]["cost"]) == pytest.approx(cost, abs=1e-6)

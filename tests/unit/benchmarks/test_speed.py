@@ -10,13 +10,14 @@ from benchmarks.profile import OTHER, by_module, profiled
 from benchmarks.profile import main as profile
 from benchmarks.speed import main, measure
 from sgicodec import EncodeSettings, open_stream
+from sgicodec.device import ONE_THREAD
 
 DATA = Path(__file__).parents[2] / "data" / "pictures"
 STREAM = Path(__file__).parents[2] / "conformance" / "golden" / "rgb8.sgi"
 
 
 def test_a_measured_stream_is_that_of_the_picture() -> None:
-    speed, data = measure(DATA / "hopper_gray.jpg", EncodeSettings(steps=5, threads=1), 2)
+    speed, data = measure(DATA / "hopper_gray.jpg", EncodeSettings(steps=5), ONE_THREAD, 2)
     assert speed.bytes == len(data)
     with open_stream(data) as stream:
         assert stream.picture().channels == "gray"
@@ -32,7 +33,7 @@ def test_rows_of_speed() -> None:
 
 
 def test_modules_of_a_decode() -> None:
-    stats = profiled(lambda: open_stream(STREAM).picture(threads=1), 2)
+    stats = profiled(lambda: open_stream(STREAM, ONE_THREAD).picture(), 2)
     modules = by_module(stats, 2)
     assert {"decoder/stream.py", "raster/cpu.py", OTHER} <= modules.keys()
     assert sum(modules.values()) * 2 <= stats.total_tt * 1.001  # type: ignore[attr-defined]

@@ -15,7 +15,7 @@ from sgicodec.errors import UsageError
 from sgicodec.picture import Picture
 
 PHOTO = Path(__file__).parents[2] / "data" / "kodim23.png"
-SETTINGS = EncodeSettings(lmbda=0.01, steps=30, threads=1)
+SETTINGS = EncodeSettings(lmbda=0.01, steps=30)
 
 
 @pytest.fixture(scope="module")

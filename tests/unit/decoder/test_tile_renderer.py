@@ -9,6 +9,7 @@ from sgicodec import open_stream
 from sgicodec.decoder.compositor import sample_mapping
 from sgicodec.decoder.tile_renderer import TileRenderer
 from sgicodec.decoder.view import View, view_of
+from sgicodec.device import ONE_THREAD
 from sgicodec.raster import Mapping
 
 GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
@@ -20,7 +21,7 @@ def parts(tile: TileRenderer, view: View, mapping: Mapping | None, dtype: type[n
     draw = tile.draw if whole else tile._draw
     for rows in (slice(0, 7), slice(7, None)):
         for columns in (slice(0, 11), slice(11, None)):
-            draw(view, (columns.start, rows.start), out[rows, columns], mapping, 1)
+            draw(view, (columns.start, rows.start), out[rows, columns], mapping, ONE_THREAD)
     return out
 
 

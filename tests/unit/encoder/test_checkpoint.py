@@ -134,7 +134,6 @@ def test_the_mark_tells_settings_and_sources_apart(photo: Path, settings: Encode
         fingerprint(plan_with(photo, replace(settings, tile=63)), photo),
     }
     assert len(marks) == 6
-    assert fingerprint(plan_with(photo, replace(settings, threads=3)), photo) == fingerprint(plan, photo)
 
 
 def test_another_time_limit_goes_on_where_one_was_the_limit(photo: Path, settings: EncodeSettings) -> None:

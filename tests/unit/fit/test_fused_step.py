@@ -8,6 +8,7 @@ import torch
 from torch import Tensor
 
 from sgicodec import _native
+from sgicodec.device import Device
 from sgicodec.fit.context_training import ContextNet
 from sgicodec.fit.fused_step import NoiseKey, SeedStep
 from sgicodec.fit.quantization_noise import Sampler
@@ -133,13 +134,13 @@ class Problem:
             torch.tensor(colour_matrix(self.spec.channels)),
             torch,
         )
-        error = squared_error(*gaussians, torch.from_numpy(self.reduced(level)), NativeRasterizer(1, isa))
+        error = squared_error(*gaussians, torch.from_numpy(self.reduced(level)), NativeRasterizer(Device(1, isa)))
         side = self.net.difference_bits() if rounding != "none" else torch.zeros(())
         (error + LMBDA * (bits.sum() + side)).backward()  # type: ignore[no-untyped-call]
         return float(error.detach()), float(bits.detach().sum()), {name: t.grad for name, t in self.leaves().items()}
 
     def native(self, isa: str = "auto", threads: int = 1) -> SeedStep:
-        step = SeedStep(self.spec, NativeRasterizer(threads, isa), threads)
+        step = SeedStep(self.spec, NativeRasterizer(Device(threads, isa)), threads)
         step.set_layout(self.layout, QUALITY)
         return step
 
@@ -225,7 +226,7 @@ def test_between_its_runs_the_network_said_constants(isa: str) -> None:
     centre, cell = torch.from_numpy(problem.layout.centre), torch.from_numpy(problem.layout.cell)
     opponent = torch.tensor(colour_matrix(3))
     gaussians = gaussians_from_seeds(problem.spec, torch.cat(drawn, dim=1), centre, cell, {}, opponent, torch)
-    error = squared_error(*gaussians, torch.from_numpy(problem.target), NativeRasterizer(1, isa))
+    error = squared_error(*gaussians, torch.from_numpy(problem.target), NativeRasterizer(Device(1, isa)))
     for value in problem.values.values():
         value.grad = None
     (error + LMBDA * costs).backward()  # type: ignore[no-untyped-call]

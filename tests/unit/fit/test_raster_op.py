@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import torch
 
+from sgicodec.device import Device
 from sgicodec.fit.raster_op import rasterize, squared_error
 from sgicodec.raster.cpu import NativeRasterizer
 from sgicodec.raster.reference import rasterize_reference, rasterize_reference_backward
@@ -27,7 +28,7 @@ def exact(tensors: list[torch.Tensor]) -> list[np.ndarray]:
 def test_rasterize(channels: int) -> None:
     tensors = gaussians(channels)
     weights = torch.randn(channels, HEIGHT, WIDTH, generator=torch.Generator().manual_seed(0))
-    image = rasterize(*tensors, (WIDTH, HEIGHT), NativeRasterizer(1, cutoff=6.0))
+    image = rasterize(*tensors, (WIDTH, HEIGHT), NativeRasterizer(Device(1), cutoff=6.0))
     expected = rasterize_reference(*exact(tensors), WIDTH, HEIGHT)
     np.testing.assert_allclose(image.detach().numpy(), expected, atol=1e-4)
     (weights * image).sum().backward()
@@ -40,10 +41,10 @@ def test_gradients_flow_from_views_and_expanded_gradients() -> None:
     """What autograd hands over need not be contiguous."""
     means, covariances, colours = gaussians(3)
     wide = torch.cat([means, means], dim=1).detach().requires_grad_()
-    image = rasterize(wide[:, :2], covariances, colours, (WIDTH, HEIGHT), NativeRasterizer(1))
+    image = rasterize(wide[:, :2], covariances, colours, (WIDTH, HEIGHT), NativeRasterizer(Device(1)))
     image.sum().backward()  # an expanded scalar
     expected = gaussians(3)
-    rasterize(*expected, (WIDTH, HEIGHT), NativeRasterizer(1)).backward(torch.ones(3, HEIGHT, WIDTH))
+    rasterize(*expected, (WIDTH, HEIGHT), NativeRasterizer(Device(1))).backward(torch.ones(3, HEIGHT, WIDTH))
     np.testing.assert_array_equal(wide.grad[:, :2].numpy(), expected[0].grad.numpy())
     assert not wide.grad[:, 2:].any()
 
@@ -52,7 +53,7 @@ def test_gradients_flow_from_views_and_expanded_gradients() -> None:
 def test_squared_error_is_that_of_the_image(channels: int) -> None:
     target = torch.rand(channels, HEIGHT, WIDTH, generator=torch.Generator().manual_seed(1))
     fused, composed = gaussians(channels), gaussians(channels)
-    raster = NativeRasterizer(1)
+    raster = NativeRasterizer(Device(1))
     loss = squared_error(*fused, target, raster)
     image = rasterize(*composed, (WIDTH, HEIGHT), raster)
     expected = ((image - target) ** 2).sum()
@@ -64,7 +65,7 @@ def test_squared_error_is_that_of_the_image(channels: int) -> None:
 
 
 def test_a_stale_forward_pass_is_refused() -> None:
-    raster = NativeRasterizer(1)
+    raster = NativeRasterizer(Device(1))
     image = rasterize(*gaussians(1), (WIDTH, HEIGHT), raster)
     rasterize(*gaussians(1), (WIDTH, HEIGHT + 1), raster)
     with pytest.raises(ValueError, match="forward"):

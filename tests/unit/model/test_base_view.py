@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from sgicodec.device import ONE_THREAD, Device
 from sgicodec.model.base import base_shape, render_base
 from sgicodec.model.base_view import base_view
 
@@ -24,9 +25,9 @@ def drawn(
     scale: tuple[float, float],
     start: tuple[int, int] = (0, 0),
     first: tuple[int, int] = (0, 0),
-    threads: int = 1,
+    device: Device = ONE_THREAD,
 ) -> np.ndarray:
-    view = base_view(grid, CELL, start, scale, first, size, threads)
+    view = base_view(grid, CELL, start, scale, first, size, device)
     image = np.zeros((2, size[1], size[0]))
     for tap in range(view.down.shape[1]):
         image += view.lines[:, view.top + tap] * view.down[:, tap, None]
@@ -66,5 +67,5 @@ def test_blocks_are_parts_of_the_whole(grid: np.ndarray, scale: float) -> None:
     size = (max(2, int(WIDTH * scale)), max(2, int(HEIGHT * scale)))
     whole = drawn(grid, size, (scale, scale), (3, 1))
     for left, top in ((0, 0), (1, 1), (size[0] // 2, size[1] // 3)):
-        block = drawn(grid, (size[0] - left, size[1] - top), (scale, scale), (3, 1), (left, top), threads=2)
+        block = drawn(grid, (size[0] - left, size[1] - top), (scale, scale), (3, 1), (left, top), device=Device(2))
         np.testing.assert_array_equal(block, whole[:, top:, left:])

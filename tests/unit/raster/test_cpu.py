@@ -16,6 +16,7 @@ from scenes import (
     whitened,
 )
 
+from sgicodec.device import Device
 from sgicodec.raster.cpu import NativeRasterizer
 from sgicodec.raster.reference import ReferenceRasterizer, rasterize_reference, rasterize_reference_backward
 
@@ -27,7 +28,7 @@ every_isa = pytest.mark.parametrize("isa", ISAS)
 
 def check(scene: Scene, width: int, height: int, origin: tuple[int, int], isa: str, seed: int = 0) -> None:
     """Forward, backward and the fused pass of one scene."""
-    raster = NativeRasterizer(2, isa, WIDE)
+    raster = NativeRasterizer(Device(2, isa), WIDE)
     image = raster.forward(*scene, width, height, origin)
     channels = scene[2].shape[1]
     assert (image.shape, image.dtype) == ((channels, height, width), np.float32)
@@ -86,7 +87,7 @@ def test_nothing_to_draw(isa: str) -> None:
     empty = random_scene(np.random.default_rng(0), 0, 3, 1, 1)
     far = (np.full((1, 2), 1000, np.float32), np.array([[1, 0, 1]], np.float32), np.ones((1, 3), np.float32))
     for scene in (empty, far):
-        raster = NativeRasterizer(1, isa)
+        raster = NativeRasterizer(Device(1, isa))
         assert not raster.forward(*scene, 20, 10).any()
         assert raster.tile_pairs == 0
         gradients = raster.backward(*scene, np.ones((3, 10, 20), np.float32))
@@ -99,7 +100,7 @@ def test_nothing_to_draw(isa: str) -> None:
 @pytest.mark.parametrize("cutoff", [2.0, 3.5])
 def test_a_cutoff_leaves_out_no_more_than_the_tails(isa: str, cutoff: float) -> None:
     scene = random_scene(np.random.default_rng(5), 40, 3, 64, 48, sigma=(0.5, 8.0), ratio=6.0, margin=10.0)
-    image = NativeRasterizer(1, isa, cutoff).forward(*scene, 64, 48)
+    image = NativeRasterizer(Device(1, isa), cutoff).forward(*scene, 64, 48)
     values = values_of(scene, 64, 48)
     tails = np.where(values < np.exp(-0.5 * cutoff**2) * (1 + 1e-4), values, 0)
     bound = np.tensordot(np.abs(scene[2]).T, tails, axes=1)
@@ -113,7 +114,7 @@ def test_a_smaller_cutoff_visits_fewer_tiles(isa: str) -> None:
     scene = random_scene(np.random.default_rng(5), 40, 1, 200, 200, sigma=(5.0, 9.0))
     pairs = []
     for cutoff in (2.0, 3.5, 6.0):
-        raster = NativeRasterizer(1, isa, cutoff)
+        raster = NativeRasterizer(Device(1, isa), cutoff)
         raster.forward(*scene, 200, 200)
         pairs.append(raster.tile_pairs)
     assert pairs[0] < pairs[1] < pairs[2]
@@ -125,7 +126,7 @@ def test_squared_error_is_forward_and_backward(isa: str, channels: int) -> None:
     rng = np.random.default_rng(channels)
     scene = random_scene(rng, 60, channels, 70, 45, sigma=(0.5, 6.0), ratio=4.0)
     target = rng.normal(size=(channels, 45, 70)).astype(np.float32)
-    raster = NativeRasterizer(2, isa)
+    raster = NativeRasterizer(Device(2, isa))
     for origin in ((0, 0), (-7, 21)):
         error = raster.forward(*scene, 70, 45, origin) - target
         gradients = raster.backward(*scene, 2 * np.float32(0.25) * error, origin)
@@ -157,7 +158,7 @@ def test_weights_of_one_are_plain_squared_error(isa: str) -> None:
     rng = np.random.default_rng(2)
     scene = random_scene(rng, 60, 3, 70, 45, sigma=(0.5, 6.0), ratio=4.0)
     target, ones = rng.normal(size=(3, 45, 70)).astype(np.float32), np.ones((45, 70), np.float32)
-    raster = NativeRasterizer(2, isa)
+    raster = NativeRasterizer(Device(2, isa))
     (weighted, plain), gradients = raster.weighted_squared_error(*scene, target, ones)
     loss, expected = raster.squared_error(*scene, target, 1.0)
     assert weighted == plain == pytest.approx(loss, rel=1e-6)
@@ -172,7 +173,7 @@ CROP_SCENE = random_scene(np.random.default_rng(11), 150, 3, 80, 80, sigma=(0.3,
 
 @pytest.fixture(scope="module")
 def whole() -> dict[str, np.ndarray]:
-    return {isa: NativeRasterizer(1, isa).forward(*CROP_SCENE, WHOLE, WHOLE, WHOLE_ORIGIN) for isa in ISAS}
+    return {isa: NativeRasterizer(Device(1, isa)).forward(*CROP_SCENE, WHOLE, WHOLE, WHOLE_ORIGIN) for isa in ISAS}
 
 
 @settings(deadline=None)
@@ -182,7 +183,7 @@ def test_a_crop_of_the_picture_is_the_picture_of_the_crop(whole: dict[str, np.nd
     left, top = data.draw(st.integers(0, WHOLE - 1)), data.draw(st.integers(0, WHOLE - 1))
     width, height = data.draw(st.integers(1, WHOLE - left)), data.draw(st.integers(1, WHOLE - top))
     origin = (WHOLE_ORIGIN[0] + left, WHOLE_ORIGIN[1] + top)
-    crop = NativeRasterizer(1, isa).forward(*CROP_SCENE, width, height, origin)
+    crop = NativeRasterizer(Device(1, isa)).forward(*CROP_SCENE, width, height, origin)
     np.testing.assert_array_equal(crop, whole[isa][:, top : top + height, left : left + width])
 
 
@@ -193,7 +194,7 @@ def test_the_number_of_threads_changes_no_byte(isa: str) -> None:
     target = rng.normal(size=(3, 170, 230)).astype(np.float32)
     results = []
     for threads in (1, 2, 3, 0):
-        raster = NativeRasterizer(threads, isa)
+        raster = NativeRasterizer(Device(threads, isa))
         image = raster.forward(*scene, 230, 170)
         gradients = raster.backward(*scene, target)
         loss, fused = raster.squared_error(*scene, target, 1.0)
@@ -202,12 +203,12 @@ def test_the_number_of_threads_changes_no_byte(isa: str) -> None:
 
 
 def test_an_instance_may_change_its_size() -> None:
-    raster = NativeRasterizer(1)
+    raster = NativeRasterizer(Device(1))
     rng = np.random.default_rng(4)
     for count, side in ((50, 64), (3, 17), (200, 90), (0, 5)):
         scene = random_scene(rng, count, 3, side, side, sigma=(1.0, 4.0))
         image = raster.forward(*scene, side, side)
-        np.testing.assert_array_equal(image, NativeRasterizer(1).forward(*scene, side, side))
+        np.testing.assert_array_equal(image, NativeRasterizer(Device(1)).forward(*scene, side, side))
 
 
 BAD = [np.nan, np.inf, -np.inf, 3e38, -3e38, 1e-45, 0.0, -1.0]
@@ -231,7 +232,7 @@ def test_what_is_no_gaussian_does_no_harm(isa: str) -> None:
         np.insert(np.ones((count, 3), np.float32), at, good[2], axis=0),
     )
     kept = at + np.arange(5)
-    raster, alone = NativeRasterizer(1, isa), NativeRasterizer(1, isa)
+    raster, alone = NativeRasterizer(Device(1, isa)), NativeRasterizer(Device(1, isa))
     np.testing.assert_array_equal(raster.forward(*mixed, 40, 30), alone.forward(*good, 40, 30))
     grad = np.ones((3, 30, 40), np.float32)
     for gradient, expected in zip(raster.backward(*mixed, grad), alone.backward(*good, grad), strict=True):
@@ -254,7 +255,7 @@ def test_any_numbers_end_in_finite_images_and_gradients(
     table = np.array(rows, np.float32)
     colours = np.ones((len(rows), 1), np.float32)
     means, covariances = np.ascontiguousarray(table[:, :2]), np.ascontiguousarray(table[:, 2:])
-    raster = NativeRasterizer(1, isa)
+    raster = NativeRasterizer(Device(1, isa))
     image = raster.forward(means, covariances, colours, 20, 20, origin)
     assert np.all((image >= 0) & (image <= len(rows) + 1e-3))
     for gradient in raster.backward(means, covariances, colours, np.ones((1, 20, 20), np.float32), origin):
@@ -266,7 +267,7 @@ def test_huge_gaussians_cover_everything(isa: str) -> None:
     means = np.array([[0, 0], [1e9, -1e9], [-1e30, 1e30]], np.float32)
     covariances = np.array([[1e30, 0, 1e30], [1e30, 1e29, 1e30], [1e38, 0, 1e38]], np.float32)
     colours = np.array([[1.0], [0.5], [0.25]], np.float32)
-    image = NativeRasterizer(2, isa).forward(means, covariances, colours, 700, 500)
+    image = NativeRasterizer(Device(2, isa)).forward(means, covariances, colours, 700, 500)
     np.testing.assert_allclose(image, 1.5, rtol=1e-5)  # the third lies 1e11 deviations away
 
 
@@ -276,11 +277,11 @@ def test_memory_is_bounded(isa: str) -> None:
     means = np.full((10, 2), 8, np.float32)
     covariances = np.array([[1, 0, 1]] * 7 + [[1e6, 0, 1e6]] * 3, np.float32)
     scene = (means, covariances, np.ones((10, 1), np.float32))
-    raster = NativeRasterizer(2, isa, most_pairs=7 + 36)
+    raster = NativeRasterizer(Device(2, isa), most_pairs=7 + 36)
     raster.forward(*scene, 256, 96)
     assert raster.tile_pairs == 7 + 36
     with pytest.raises(OverflowError, match="smaller crops"):
-        NativeRasterizer(2, isa, most_pairs=7 + 35).forward(*scene, 256, 96)
+        NativeRasterizer(Device(2, isa), most_pairs=7 + 35).forward(*scene, 256, 96)
     with pytest.raises(OverflowError, match="smaller crops"):
         raster.forward(*scene, 320, 96)
     with pytest.raises(ValueError, match="forward"):
@@ -293,7 +294,7 @@ def test_wrong_arguments_are_refused() -> None:
     with pytest.raises(ValueError, match="covariances"):
         raster.forward(means, covariances[:3].copy(), colours, 8, 8)
     with pytest.raises(ValueError, match="instruction set"):
-        NativeRasterizer(isa="mmx")
+        NativeRasterizer(Device(isa="mmx"))
     raster.forward(means, covariances, colours, 8, 8)
     grad = np.zeros((3, 8, 8), np.float32)
     for arguments in (

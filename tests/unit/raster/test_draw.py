@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scenes import ISAS, Scene, random_scene
 
+from sgicodec.device import Device
 from sgicodec.raster import Background, Mapping, NativeRasterizer
 
 WIDTH, HEIGHT = 75, 51
@@ -36,7 +37,7 @@ def image_of(raster: NativeRasterizer, scene: Scene, background: Background, ori
 @pytest.mark.parametrize("channels", [1, 2, 3, 4, 7])
 @pytest.mark.parametrize("origin", [(0, 0), (5, -3)])
 def test_values_as_they_are(isa: str, channels: int, origin: tuple[int, int]) -> None:
-    raster, scene, background = NativeRasterizer(2, isa), scene_of(channels), background_of(channels)
+    raster, scene, background = NativeRasterizer(Device(2, isa)), scene_of(channels), background_of(channels)
     out = np.empty((HEIGHT, WIDTH, channels), np.float32)
     raster.draw(*scene, out, origin, background)
     np.testing.assert_array_equal(out, image_of(raster, scene, background, origin))
@@ -48,7 +49,7 @@ def test_values_as_they_are(isa: str, channels: int, origin: tuple[int, int]) ->
 @pytest.mark.parametrize("channels", [1, 3, 4, 5])
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32])
 def test_mapped_samples(isa: str, channels: int, dtype: type[np.generic]) -> None:
-    raster, scene, background = NativeRasterizer(2, isa), scene_of(channels), background_of(channels)
+    raster, scene, background = NativeRasterizer(Device(2, isa)), scene_of(channels), background_of(channels)
     most = np.iinfo(dtype).max if np.issubdtype(dtype, np.integer) else 7.5
     low = np.linspace(0, 3, channels).astype(np.float32)
     mapping = Mapping(low, (np.float32(most) - low).astype(np.float32))
@@ -69,14 +70,14 @@ def test_ties_go_to_even_and_not_a_number_to_zero(isa: str) -> None:
     nobody = (np.zeros((0, 2), np.float32), np.zeros((0, 3), np.float32), np.zeros((0, 1), np.float32))
     out = np.empty((1, len(values), 1), np.uint8)
     mapping = Mapping(np.zeros(1, np.float32), np.full(1, 255, np.float32))
-    NativeRasterizer(1, isa).draw(*nobody, out, (0, 0), background, mapping)
+    NativeRasterizer(Device(1, isa)).draw(*nobody, out, (0, 0), background, mapping)
     exact = values[:4] * np.float32(255)
     assert exact.tolist() == [0.5, 1.5, 2.5, 253.5]
     assert out.ravel().tolist() == [0, 2, 2, 254, 0, 0, 255]
 
 
 def test_writes_into_a_part_of_a_picture() -> None:
-    raster, scene, background = NativeRasterizer(2), scene_of(3), background_of(3, 20, 11)
+    raster, scene, background = NativeRasterizer(Device(2)), scene_of(3), background_of(3, 20, 11)
     whole = np.full((HEIGHT, WIDTH, 3), 9, np.uint8)
     mapping = Mapping(np.zeros(3, np.float32), np.full(3, 255, np.float32))
     raster.draw(*scene, whole[7:18, 30:50], (0, 0), background, mapping)

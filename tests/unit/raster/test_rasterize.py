@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scenes import random_scene
 
+from sgicodec.device import ONE_THREAD, Device
 from sgicodec.errors import UsageError
 from sgicodec.raster import DEFAULT_CUTOFF, NativeRasterizer, rasterize
 
@@ -16,7 +17,7 @@ SCENE = random_scene(np.random.default_rng(0), 50, 3, 60, 40, sigma=(0.5, 6.0), 
 @pytest.mark.parametrize("origin", [(0, 0), (-5, 9)])
 def test_back_ends_agree(scale: float, origin: tuple[int, int]) -> None:
     native, reference = (
-        rasterize(*SCENE, 60, 40, origin=origin, scale=scale, cutoff=6.0, backend=backend, threads=1)
+        rasterize(*SCENE, 60, 40, origin=origin, scale=scale, cutoff=6.0, backend=backend, device=ONE_THREAD)
         for backend in ("native", "reference")
     )
     assert (native.dtype, reference.dtype) == (np.float32, np.float64)
@@ -33,7 +34,7 @@ def test_the_origin_is_in_pixels_of_the_scaled_picture() -> None:
 
 def test_defaults_and_plain_lists() -> None:
     image = rasterize(*(array.tolist() for array in SCENE), 60, 40)
-    np.testing.assert_array_equal(image, NativeRasterizer(1, cutoff=DEFAULT_CUTOFF).forward(*SCENE, 60, 40))
+    np.testing.assert_array_equal(image, NativeRasterizer(Device(1), cutoff=DEFAULT_CUTOFF).forward(*SCENE, 60, 40))
 
 
 @pytest.mark.parametrize("backend", ["native", "reference"])

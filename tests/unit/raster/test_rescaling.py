@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scenes import covariances_of, exact, random_scene
 
+from sgicodec.device import Device
 from sgicodec.raster.cpu import NativeRasterizer
 from sgicodec.raster.reference import rasterize_reference
 from sgicodec.raster.rescaling import scaled
@@ -12,7 +13,7 @@ SIDE = 192
 
 
 def draw(scene: tuple[np.ndarray, ...], side: int) -> np.ndarray:
-    return NativeRasterizer(2, cutoff=6.0).forward(*scene, side, side)
+    return NativeRasterizer(Device(2), cutoff=6.0).forward(*scene, side, side)
 
 
 def shrunk(image: np.ndarray, factor: int) -> np.ndarray:
@@ -90,7 +91,7 @@ def test_precision_and_hostile_numbers_pass_through() -> None:
     with np.errstate(all="raise"):
         view = scaled(means, bad, colours, (0.5, 0.5))
     assert [array.dtype for array in view] == [np.float32] * 3
-    image = NativeRasterizer(1).forward(*view, 8, 8)
+    image = NativeRasterizer(Device(1)).forward(*view, 8, 8)
     assert np.isfinite(image).all()
 
 

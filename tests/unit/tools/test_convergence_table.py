@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sgicodec.device import ONE_THREAD
 from sgicodec.rate_control.convergence import DONE
 from tools.convergence_table import followed
 
@@ -14,7 +15,7 @@ PICTURE = Path(__file__).parents[2] / "data" / "pictures" / "hopper_gray.jpg"
 
 
 def test_forecasts_come_nearer_to_the_outcome() -> None:
-    course = followed(PICTURE, 0.006, 60, 1)
+    course = followed(PICTURE, 0.006, 60, ONE_THREAD)
     ratio, lift = course.ratio, course.lift
     assert len(ratio) == len(lift) == len(DONE)
     assert ratio[0] > 1.2
