@@ -145,7 +145,7 @@ def test_weighted_squared_error_is_that_of_the_reference(isa: str, channels: int
     target = rng.normal(size=(channels, 45, 70)).astype(np.float32)
     weights = rng.uniform(0.1, 3.0, (45, 70)).astype(np.float32)
     for origin in ((0, 0), (-7, 21)):
-        found, gradients = NativeRasterizer(2, isa, 7.0).weighted_squared_error(*scene, target, weights, origin)
+        found, gradients = NativeRasterizer(Device(2, isa), 7.0).weighted_squared_error(*scene, target, weights, origin)
         wide = [array.astype(np.float64) for array in (target, weights)]
         expected, exact_gradients = ReferenceRasterizer().weighted_squared_error(*exact(scene), *wide, origin)
         assert found == pytest.approx(expected, rel=1e-6)
