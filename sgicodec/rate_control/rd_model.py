@@ -51,7 +51,7 @@ class RdModel:
 
     Forecasts are products of powers of λ, of the number of seeds and of what deviates within their cells, fitted to
     photographs; that of the error also sees both at four times the price of a seed: how quickly more seeds become
-    worth their bits tells fine texture from edges (docs/research.md, "Forecasts").
+    worth their bits tells fine texture from edges (docs/notes/2026-11-rd-model.md).
     """
 
     def __init__(self, detail: NDArray[np.float32], seed_price: float) -> None:
