@@ -13,41 +13,38 @@ F32 = NDArray[np.float32]
 Mask = NDArray[np.bool_]
 
 
-def worthwhile_cells(residual: F32, layout: SeedLayout, price: float, min_log: int = 1) -> tuple[SeedLayout, F32]:
+def worthwhile_cells(
+    residual: F32, layout: SeedLayout, price: float, min_log: int = 1, weights: F32 | None = None
+) -> tuple[SeedLayout, F32]:
     """New seeds for residual [C, H, W], and the residual's mean in each one's cell [n, C].
 
-    A Gaussian in a cell of n pixels with mean residual m can remove up to n·|m|² of squared error; it is worth that
-    less `price`. Among a cell and its descendants the better of "one here" and "the best below" is taken, as in
-    choosing a best basis, so that no two new seeds overlap. Cells that already hold a seed take no second one.
+    A Gaussian in a cell of n pixels with mean residual m can remove up to n·|m|² of squared error, or |Σ w r|² / Σ w
+    with weights [H, W]; its Lagrangian gain is that less `price`. Among a cell and its descendants the better of "one
+    here" and "the best below" is taken, as in choosing a best basis, so that no two new seeds overlap. Cells that
+    already hold a seed take no second one.
     """
     channels, height, width = residual.shape
-    sums, squares = cell_sums(residual, ROOT_LOG)
-    taken = _occupied(layout, {level: squares[level].shape for level in squares})
-    worth = {level: _worth(sums[level], level, price, taken[level]) for level in range(min_log, ROOT_LOG + 1)}
-    best, here = {min_log: np.maximum(worth[min_log], 0)}, {min_log: worth[min_log] > 0}
+    sums = cell_sums(residual, ROOT_LOG, weights)
+    taken = _occupied(layout, {level: squares.shape for level, squares in sums.squares.items()})
+    gain = {level: np.where(taken[level], 0.0, sums.held(level)) - price for level in range(min_log, ROOT_LOG + 1)}
+    best, here = {min_log: np.maximum(gain[min_log], 0)}, {min_log: gain[min_log] > 0}
     for level in range(min_log + 1, ROOT_LOG + 1):
         below = best[level - 1]
         below = below[::2, ::2] + below[1::2, ::2] + below[::2, 1::2] + below[1::2, 1::2]
-        here[level] = worth[level] > below
-        best[level] = np.maximum(worth[level], below)
+        here[level] = gain[level] > below
+        best[level] = np.maximum(gain[level], below)
     corners, sizes, means = [], [], []
     free: Mask = np.ones_like(here[ROOT_LOG])
     for level in range(ROOT_LOG, min_log - 1, -1):
         y, x = np.nonzero(free & here[level])
         corners.append(np.stack([x, y], axis=1).astype(np.int32) << level)
         sizes.append(np.full(len(x), level, np.int8))
-        means.append((sums[level][:, y, x] / 4.0**level).T.astype(np.float32))
+        means.append((sums.values[level] / sums.weights[level])[:, y, x].T.astype(np.float32))
         free = (free & ~here[level]).repeat(2, axis=0).repeat(2, axis=1)
     corner = np.concatenate(corners)
     inside = (corner[:, 0] < width) & (corner[:, 1] < height)
     chosen = SeedLayout(corner[inside], np.concatenate(sizes)[inside])
     return chosen, np.concatenate(means)[inside].reshape(-1, channels)
-
-
-def _worth(sums: NDArray[np.float64], level: int, price: float, taken: Mask) -> NDArray[np.float64]:
-    gain: NDArray[np.float64] = np.sum(sums**2, axis=0) / 4.0**level - price
-    gain[taken] = -price
-    return gain
 
 
 def _occupied(layout: SeedLayout, shapes: dict[int, tuple[int, ...]]) -> dict[int, Mask]:

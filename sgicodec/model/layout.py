@@ -17,7 +17,25 @@ ROOT_LOG = 6
 
 F32 = NDArray[np.float32]
 I32 = NDArray[np.int32]
-CellSums = tuple[dict[int, NDArray[np.float64]], dict[int, NDArray[np.float64]]]
+F64 = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class CellSums:
+    """Sums over the cells of every level, from pixels to roots; cells may reach beyond the picture, where all is zero.
+
+    values: Σ w d by channel [C, rows, columns]; squares: Σ w |d|² [rows, columns]; weights: Σ w, a number where every
+    weight is 1.
+    """
+
+    values: dict[int, F64]
+    squares: dict[int, F64]
+    weights: dict[int, F64] | dict[int, float]
+
+    def held(self, level: int) -> F64:
+        """|Σ w d|² / Σ w of each cell: the squared error that its weighted mean holds."""
+        held: F64 = np.sum(self.values[level] ** 2, axis=0) / self.weights[level]
+        return held
 
 
 @dataclass(frozen=True)
@@ -82,15 +100,18 @@ def uniform_layout(width: int, height: int, count: int, rng: np.random.Generator
     return layout.take(layout.order())
 
 
-def adaptive_layout(detail: F32, threshold: float, min_log: int = 1, root_log: int = ROOT_LOG) -> SeedLayout:
+def adaptive_layout(
+    detail: F32, threshold: float, min_log: int = 1, root_log: int = ROOT_LOG, weights: F32 | None = None
+) -> SeedLayout:
     """Leaves of the quadtree that splits every cell whose squared deviation from its mean exceeds `threshold`.
 
     detail [C, H, W] is what seeds have to explain (the picture less its base layer); the deviation is summed over
-    pixels and channels, so a threshold of n bits' worth of distortion makes the count follow from the rate.
+    channels and pixels, which count as `weights` [H, W] say, so a threshold of n bits' worth of distortion makes the
+    count follow from the rate.
     """
     _, height, width = detail.shape
     corners, sizes = [], []
-    for level, leaves, _ in _leaves(cell_sums(detail, root_log), threshold, min_log, root_log):
+    for level, leaves, _ in _leaves(cell_sums(detail, root_log, weights), threshold, min_log, root_log):
         y, x = np.nonzero(leaves)
         corner = np.stack([x, y], axis=1).astype(np.int32) << level
         inside = (corner[:, 0] < width) & (corner[:, 1] < height)
@@ -115,24 +136,36 @@ def _leaves(
     sums: CellSums, threshold: float, min_log: int, root_log: int
 ) -> Iterator[tuple[int, NDArray[np.bool_], NDArray[np.float64]]]:
     """Level by level from the roots, which of its cells are leaves, and the squared deviation of each cell."""
-    totals, squares = sums
-    alive = np.ones(squares[root_log].shape, bool)
+    alive = np.ones(sums.squares[root_log].shape, bool)
     for level in range(root_log, min_log - 1, -1):
-        deviation = squares[level] - np.sum(totals[level] ** 2, axis=0) / 4.0**level
+        deviation = sums.squares[level] - sums.held(level)
         split = alive & (deviation > threshold) if level > min_log else np.zeros_like(alive)
         yield level, alive & ~split, deviation
         alive = split.repeat(2, axis=0).repeat(2, axis=1)
 
 
-def cell_sums(detail: F32, root_log: int) -> CellSums:
-    """Sums and sums of squares of `detail` over the cells of every level, from pixels to roots."""
+def cell_sums(detail: F32, root_log: int, weights: F32 | None = None) -> CellSums:
+    """Sums of `detail` [C, H, W] over cells, pixels counting as `weights` [H, W] say, by default all as 1.
+
+    Beside the picture pixels count as those of its border do, as if it went on with zeros.
+    """
     channels, height, width = detail.shape
     side = 1 << root_log
-    padded = np.zeros((channels, -(-height // side) * side, -(-width // side) * side))
-    padded[:, :height, :width] = detail
-    sums, squares = {0: padded}, {0: np.sum(padded**2, axis=0)}
+    beyond = [(0, -height % side), (0, -width % side)]
+    values = np.zeros((channels, height + beyond[0][1], width + beyond[1][1]))
+    values[:, :height, :width] = detail
+    squares = np.sum(values**2, axis=0)
+    if weights is None:
+        counts = {level: 4.0**level for level in range(root_log + 1)}
+        return CellSums(_by_level(values, root_log), _by_level(squares, root_log), counts)
+    every = np.pad(weights.astype(np.float64), beyond, mode="edge")
+    return CellSums(*(_by_level(array, root_log) for array in (values * every, squares * every, every)))
+
+
+def _by_level(plane: F64, root_log: int) -> dict[int, F64]:
+    """Sums of planes [..., H, W] over the cells of every level."""
+    sums = {0: plane}
     for level in range(1, root_log + 1):
-        s, q = sums[level - 1], squares[level - 1]
-        sums[level] = s[:, ::2, ::2] + s[:, 1::2, ::2] + s[:, ::2, 1::2] + s[:, 1::2, 1::2]
-        squares[level] = q[::2, ::2] + q[1::2, ::2] + q[::2, 1::2] + q[1::2, 1::2]
-    return sums, squares
+        s = sums[level - 1]
+        sums[level] = s[..., ::2, ::2] + s[..., 1::2, ::2] + s[..., ::2, 1::2] + s[..., 1::2, 1::2]
+    return sums

@@ -95,13 +95,42 @@ def test_leaf_sums_count_cells_beside_the_picture() -> None:
 
 def test_cell_sums_are_sums_over_cells() -> None:
     detail = picture(1, 2, 19, 13)
-    sums, squares = cell_sums(detail, 4)
+    sums = cell_sums(detail, 4)
     for level in range(5):
         side = 1 << level
-        for row, column in np.ndindex(squares[level].shape):
+        for row, column in np.ndindex(sums.squares[level].shape):
             cell = detail[:, row * side : (row + 1) * side, column * side : (column + 1) * side].astype(np.float64)
-            np.testing.assert_allclose(sums[level][:, row, column], cell.sum(axis=(1, 2)), atol=1e-9)
-            np.testing.assert_allclose(squares[level][row, column], (cell**2).sum(), atol=1e-9)
+            np.testing.assert_allclose(sums.values[level][:, row, column], cell.sum(axis=(1, 2)), atol=1e-9)
+            np.testing.assert_allclose(sums.squares[level][row, column], (cell**2).sum(), atol=1e-9)
+
+
+def test_weighted_cell_sums_are_sums_over_cells() -> None:
+    """With the border's weights beside the picture; what deviates from the weighted mean is squares less held."""
+    detail = picture(1, 2, 19, 13).astype(np.float64)
+    weights = np.random.default_rng(3).uniform(0.2, 3, (13, 19))
+    sums = cell_sums(detail.astype(np.float32), 3, weights.astype(np.float32))
+    every, values = np.pad(weights, [(0, 3), (0, 5)], mode="edge"), np.pad(detail, [(0, 0), (0, 3), (0, 5)])
+    for level in range(4):
+        side = 1 << level
+        for row, column in np.ndindex(sums.squares[level].shape):
+            part = np.s_[row * side : (row + 1) * side, column * side : (column + 1) * side]
+            w, d = every[part], values[:, *part]
+            mean = (w * d).sum(axis=(1, 2)) / w.sum()
+            np.testing.assert_allclose(sums.values[level][:, row, column], mean * w.sum(), atol=1e-5)
+            deviation = (w * (d - mean[:, None, None]) ** 2).sum()
+            found = sums.squares[level][row, column] - sums.held(level)[row, column]
+            np.testing.assert_allclose(found, deviation, atol=1e-5)
+
+
+def test_weights_of_one_change_no_leaf_and_scaled_ones_go_with_the_threshold() -> None:
+    detail = picture(2, 3, 150, 90)
+    weights = np.random.default_rng(3).uniform(0.2, 3, (90, 150)).astype(np.float32)
+    plain, ones = (adaptive_layout(detail, 5.0, weights=w) for w in (None, np.ones((90, 150), np.float32)))
+    weighted, scaled = (adaptive_layout(detail, 5.0 * s, weights=weights * np.float32(s)) for s in (1, 8))
+    for one, other in ((plain, ones), (weighted, scaled)):
+        np.testing.assert_array_equal(one.corner, other.corner)
+        np.testing.assert_array_equal(one.log_size, other.log_size)
+    assert len(weighted) != len(plain)
 
 
 @settings(deadline=None)
