@@ -330,6 +330,7 @@ class SymbolSearch:
     def search(
         self,
         residual: F32,
+        weights: F32 | None,
         inputs: I16,
         values: F64,
         centre: F32,
@@ -356,21 +357,23 @@ def search_base(
     bits: F64,
     down: F64,
     across: F64,
+    gram: F64 | None,
     pull: F64,
     step: float,
     lmbda: float,
-    sweeps: int,
+    passes: int,
     /,
 ) -> int: ...
-def drop_gaussians(
+def prune_gaussians(
     residual: F32,
+    weights: F32 | None,
     means: F32,
     covariances: F32,
     colours: F32,
-    worth: F32,
+    price: F32,
     cutoff: float,
     threads: int,
     isa: str,
-    dropped: NDArray[np.bool_],
+    pruned: NDArray[np.bool_],
     /,
 ) -> None: ...

@@ -1,11 +1,13 @@
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
 #include <memory>
+#include <optional>
 
 #include "bindings/bindings.hpp"
 #include "bindings/checks.hpp"
 #include "rdoq/base_search.hpp"
-#include "rdoq/sweep.hpp"
+#include "rdoq/coordinate_descent.hpp"
 
 namespace nb = nanobind;
 using sgi::Array;
@@ -13,6 +15,9 @@ using sgi::has_shape;
 using sgi::require;
 
 namespace {
+
+// None where all are 1.
+using Weights = std::optional<Array<const float, 2>>;
 
 void require_tables(const Array<const int32_t, 1> &support, const Array<const int64_t, 1> &start,
                     const Array<const double, 1> &bits) {
@@ -24,12 +29,13 @@ void require_tables(const Array<const int32_t, 1> &support, const Array<const in
             "a table exceeds bits");
 }
 
-sgi::Residual residual_of(const Array<float, 3> &samples, size_t channels) {
+sgi::Residual residual_of(const Array<float, 3> &samples, const Weights &weights, size_t channels) {
   require(samples.shape(0) == channels && samples.shape(1) > 0 && samples.shape(2) > sgi::kWindowPadding &&
               samples.shape(1) < (1 << 30) && samples.shape(2) < (1 << 30),
           "residual must be [C, H, W + padding]");
-  const int row = int(samples.shape(2));
-  return {samples.data(), int(channels), int(samples.shape(1)), row - sgi::kWindowPadding, row};
+  require(!weights || has_shape(*weights, samples.shape(1), samples.shape(2)), "weights must be [H, W + padding]");
+  const int row = int(samples.shape(2)), width = row - sgi::kWindowPadding;
+  return {samples.data(), int(channels), int(samples.shape(1)), width, row, weights ? weights->data() : nullptr};
 }
 
 // Holds what a CodingModel points to.
@@ -66,26 +72,26 @@ class SymbolSearch {
     model_.inputs[group] = int(w1.shape(1));
   }
 
-  void search(Array<float, 3> residual, Array<const int16_t, 2> inputs, Array<const double, 2> values,
-              Array<const float, 2> centre, Array<const float, 1> cell, Array<const int8_t, 1> log_size,
+  void search(Array<float, 3> residual, Weights weights, Array<const int16_t, 2> inputs,
+              Array<const double, 2> values, Array<const float, 2> centre, Array<const float, 1> cell, Array<const int8_t, 1> log_size,
               Array<int64_t, 2> decoded, Array<int32_t, 2> symbols, Array<int16_t, 2> scale, Array<double, 1> change,
               float lmbda, float cutoff, int deep, int rounds) {
     for (const auto &network : networks_) require(network != nullptr, "set_group comes first, for all groups");
     require(model_.inputs[1] == model_.inputs[0] + 7 && model_.inputs[2] == model_.inputs[0] + 12,
             "the networks must see 0, 7 and 12 inputs of a seed's own");
     const size_t n = cell.shape(0), d = size_t(model_.attributes());
-    const sgi::Residual r = residual_of(residual, size_t(model_.channels));
+    const sgi::Residual r = residual_of(residual, weights, size_t(model_.channels));
     require(inputs.shape(0) == n && int(inputs.shape(1)) >= model_.inputs[0] && has_shape(centre, n, 2) &&
                 log_size.shape(0) == n,
             "inputs [n, I], centre [n, 2], cell [n], log_size [n]");
     require(has_shape(values, n, d) && has_shape(decoded, n, d) && has_shape(symbols, n, d) && has_shape(scale, n, d) &&
                 change.shape(0) == n,
             "values, decoded, symbols and scale [n, C + 5], change [n]");
-    const sgi::PassSeeds seeds{int64_t(n),    inputs.data(), int64_t(inputs.shape(1)), values.data(),
+    const sgi::SeedArrays seeds{int64_t(n),    inputs.data(), int64_t(inputs.shape(1)), values.data(),
                                centre.data(), cell.data(),   log_size.data()};
-    const sgi::PassSymbols out{decoded.data(), symbols.data(), scale.data(), change.data()};
+    const sgi::SymbolArrays out{decoded.data(), symbols.data(), scale.data(), change.data()};
     nb::gil_scoped_release release;
-    sgi::search_pass(model_, {lmbda, cutoff, deep, rounds}, r, seeds, out, threads_, isa_);
+    sgi::search_seeds(model_, {lmbda, cutoff, deep, rounds}, r, seeds, out, threads_, isa_);
   }
 
  private:
@@ -101,29 +107,34 @@ class SymbolSearch {
   sgi::Isa isa_;
 };
 
-void drop_gaussians(Array<float, 3> residual, Array<const float, 2> means, Array<const float, 2> covariances,
-                    Array<const float, 2> colours, Array<const float, 1> worth, float cutoff, int threads,
-                    const std::string &isa, Array<bool, 1> dropped) {
+void prune_gaussians(Array<float, 3> residual, Weights weights, Array<const float, 2> means,
+                     Array<const float, 2> covariances,
+                    Array<const float, 2> colours, Array<const float, 1> price, float cutoff, int threads,
+                    const std::string &isa, Array<bool, 1> pruned) {
   const size_t n = means.shape(0), channels = colours.shape(1);
-  const sgi::Residual r = residual_of(residual, channels);
-  require(means.shape(1) == 2 && has_shape(covariances, n, 3) && colours.shape(0) == n && worth.shape(0) == n &&
-              dropped.shape(0) == n,
-          "means [n, 2], covariances [n, 3], colours [n, C], worth [n], dropped [n]");
-  const sgi::Droppable gaussians{means.data(), covariances.data(), colours.data(), worth.data(), int64_t(n)};
+  const sgi::Residual r = residual_of(residual, weights, channels);
+  require(means.shape(1) == 2 && has_shape(covariances, n, 3) && colours.shape(0) == n && price.shape(0) == n &&
+              pruned.shape(0) == n,
+          "means [n, 2], covariances [n, 3], colours [n, C], price [n], pruned [n]");
+  const sgi::Prunable gaussians{means.data(), covariances.data(), colours.data(), price.data(), int64_t(n)};
   nb::gil_scoped_release release;
-  sgi::drop_gaussians(r, gaussians, cutoff, threads, sgi::choose_isa(isa), dropped.data());
+  sgi::prune_gaussians(r, gaussians, cutoff, threads, sgi::choose_isa(isa), pruned.data());
 }
 
 int64_t search_base(Array<int64_t, 3> planes, Array<const int32_t, 1> predictor, Array<const int32_t, 2> weights,
                     Array<const int32_t, 1> table, Array<const int32_t, 1> support, Array<const int64_t, 1> start,
                     Array<const double, 1> bits, Array<const double, 2> down, Array<const double, 2> across,
-                    Array<double, 3> pull, double step, double lmbda, int sweeps) {
+                    std::optional<Array<const double, 4>> gram, Array<double, 3> pull, double step, double lmbda,
+                    int passes) {
   const size_t channels = planes.shape(0), rows = planes.shape(1), columns = planes.shape(2);
   require(predictor.shape(0) == channels && has_shape(weights, channels, channels) && table.shape(0) == channels,
           "predictor [C], weights [C, C], table [C]");
   require(has_shape(down, rows, rows) && has_shape(across, columns, columns) && pull.shape(0) == channels &&
               pull.shape(1) == rows && pull.shape(2) == columns,
           "down [rows, rows], across [columns, columns], pull [C, rows, columns]");
+  constexpr size_t kSpan = 2 * sgi::kBaseReach + 1;
+  require(!gram || (has_shape(*gram, rows, columns) && gram->shape(2) == kSpan && gram->shape(3) == kSpan),
+          "gram must be [rows, columns, 7, 7]");
   require_tables(support, start, bits);
   for (size_t c = 0; c < channels; ++c)
     require(table.data()[c] >= 0 && size_t(table.data()[c]) < support.shape(0), "a table does not exist");
@@ -131,7 +142,7 @@ int64_t search_base(Array<int64_t, 3> planes, Array<const int32_t, 1> predictor,
   const sgi::BasePlanes base{planes.data(),    int64_t(channels), int64_t(rows), int64_t(columns),
                              predictor.data(), weights.data(),    table.data(),  tables};
   nb::gil_scoped_release release;
-  return sgi::search_base(base, {down.data(), across.data(), pull.data(), step}, lmbda, sweeps);
+  return sgi::search_base(base, {down.data(), across.data(), gram ? gram->data() : nullptr, pull.data(), step}, lmbda, passes);
 }
 
 }  // namespace
@@ -142,7 +153,7 @@ void bind_rdoq(nb::module_ &m) {
                     Array<const float, 2>, int, const std::string &>())
       .def("set_group", &SymbolSearch::set_group)
       .def("search", &SymbolSearch::search);
-  m.def("drop_gaussians", &drop_gaussians);
+  m.def("prune_gaussians", &prune_gaussians);
   m.def("search_base", &search_base);
   m.attr("WINDOW_PADDING") = sgi::kWindowPadding;
 }

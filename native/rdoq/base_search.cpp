@@ -9,7 +9,6 @@
 namespace sgi {
 namespace {
 
-constexpr int64_t kReach = 3;        // cells farther apart share no pixel
 constexpr double kMostSaved = 40.0;  // bits that a move could save, generously
 
 class BaseSearch {
@@ -23,7 +22,8 @@ class BaseSearch {
 
   bool move(int64_t c, int64_t y, int64_t x, double lmbda) {
     const double pull = f_.step * f_.pull[at(c, y, x)];
-    const double square = f_.step * f_.step * f_.down[y * p_.rows + y] * f_.across[x * p_.columns + x];
+    const double square = f_.gram ? f_.step * f_.step * *f_.own_gram(y, x, p_.columns)
+                                  : f_.step * f_.step * f_.down[y * p_.rows + y] * f_.across[x * p_.columns + x];
     int64_t best = 0;
     double least = -1e-9 * lmbda;
     for (const int64_t by : {int64_t(-1), int64_t(1), int64_t(std::llrint(pull / square))}) {
@@ -82,9 +82,11 @@ class BaseSearch {
   void take(int64_t c, int64_t y, int64_t x, int64_t by) {
     p_.values[at(c, y, x)] += by;
     for_each_affected(y, x, [&](int64_t v, int64_t u) { error_[at(c, v, u)] = error(c, v, u); });
-    for (int64_t v = std::max<int64_t>(0, y - kReach); v <= std::min(p_.rows - 1, y + kReach); ++v)
-      for (int64_t u = std::max<int64_t>(0, x - kReach); u <= std::min(p_.columns - 1, x + kReach); ++u)
-        f_.pull[at(c, v, u)] -= by * f_.step * f_.down[y * p_.rows + v] * f_.across[x * p_.columns + u];
+    for (int64_t v = std::max<int64_t>(0, y - kBaseReach); v <= std::min(p_.rows - 1, y + kBaseReach); ++v)
+      for (int64_t u = std::max<int64_t>(0, x - kBaseReach); u <= std::min(p_.columns - 1, x + kBaseReach); ++u)
+        f_.pull[at(c, v, u)] -=
+            f_.gram ? by * f_.step * f_.own_gram(y, x, p_.columns)[(v - y) * (2 * kBaseReach + 1) + u - x]
+                    : by * f_.step * f_.down[y * p_.rows + v] * f_.across[x * p_.columns + u];
   }
 
   const BasePlanes &p_;
@@ -94,10 +96,10 @@ class BaseSearch {
 
 }  // namespace
 
-int64_t search_base(const BasePlanes &planes, const BaseFootprint &footprint, double lmbda, int sweeps) {
+int64_t search_base(const BasePlanes &planes, const BaseFootprint &footprint, double lmbda, int passes) {
   BaseSearch search(planes, footprint);
   int64_t moves = 0;
-  for (int sweep = 0; sweep < sweeps; ++sweep)
+  for (int pass = 0; pass < passes; ++pass)
     for (int64_t c = 0; c < planes.channels; ++c)
       for (int64_t y = 0; y < planes.rows; ++y)
         for (int64_t x = 0; x < planes.columns; ++x) moves += search.move(c, y, x, lmbda);

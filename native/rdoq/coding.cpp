@@ -19,7 +19,7 @@ double BitTables::of(int64_t symbol, int scale) const {
   return bits[start[table] + 2 * support[table] + 1] + std::min(exponent + 1, 20) + exponent + 1;
 }
 
-int64_t Lattice::nearest(int j, double value) const {
+int64_t ReconstructionGrid::nearest(int j, double value) const {
   const double position = std::rint((value / kUnit - double(mean[j])) / double(step[j]));
   return static_cast<int64_t>(std::min(std::max(position, -kFarthest), kFarthest));
 }
@@ -43,7 +43,7 @@ void SeedContext::start(const int16_t *inputs, int8_t log_size) {
     std::copy_n(inputs, model_.inputs[kColour], rows_.data() + row * model_.inputs[kOffset]);
 }
 
-void SeedContext::tell(Group known, const Coded &coded, int row) {
+void SeedContext::update(Group known, const Coded &coded, int row) {
   const AttributesView view{coded.decoded, model_.attributes(), 1, model_.channels, 0, model_.channels};
   constexpr int64_t kOnly = 0;
   int16_t summary[kSummary];
@@ -52,7 +52,7 @@ void SeedContext::tell(Group known, const Coded &coded, int row) {
   own_inputs(summary, 1, known == kColour ? 1 : 2, model_.inputs[kColour], 1, rows_.data() + row * stride, stride);
 }
 
-void SeedContext::predict(Group group, int count, Lattice *lattices) {
+void SeedContext::predict(Group group, int count, ReconstructionGrid *grids) {
   const Network &network = *model_.networks[group];
   network.evaluate(rows_.data(), model_.inputs[kOffset], count, scratch_.data(), out_.data());
   const int outputs = network.outputs(), units = (outputs - 1) / 2;
@@ -60,23 +60,23 @@ void SeedContext::predict(Group group, int count, Lattice *lattices) {
   for (int row = 0; row < count; ++row) {
     const int64_t *out = out_.data() + int64_t(row) * outputs;
     if (group != kColour) plan.amplitude = amplitude_.data() + row;
-    quantisers(plan, {out, out + units, out + 2 * units, outputs}, &log_size_, 1, 1, lattices[row].mean,
-               lattices[row].step, lattices[row].scale);
+    quantisers(plan, {out, out + units, out + 2 * units, outputs}, &log_size_, 1, 1, grids[row].mean,
+               grids[row].step, grids[row].scale);
   }
 }
 
-double bits_of(const CodingModel &model, Group group, const Lattice &lattice, const int64_t *symbols) {
+double bits_of(const CodingModel &model, Group group, const ReconstructionGrid &grid, const int64_t *symbols) {
   double bits = 0;
-  for (int j = 0; j < model.plans[group].size; ++j) bits += model.tables.of(symbols[j], lattice.scale[j]);
+  for (int j = 0; j < model.plans[group].size; ++j) bits += model.tables.of(symbols[j], grid.scale[j]);
   return bits;
 }
 
-void settle(const CodingModel &model, Group group, const Lattice &lattice, const int64_t *symbols, Coded &coded) {
+void commit(const CodingModel &model, Group group, const ReconstructionGrid &grid, const int64_t *symbols, Coded &coded) {
   const int first = model.first_column(group);
   for (int j = 0; j < model.plans[group].size; ++j) {
     coded.symbols[first + j] = int32_t(symbols[j]);
-    coded.decoded[first + j] = lattice.mean[j] + lattice.step[j] * symbols[j];
-    coded.scale[first + j] = lattice.scale[j];
+    coded.decoded[first + j] = grid.mean[j] + grid.step[j] * symbols[j];
+    coded.scale[first + j] = grid.scale[j];
   }
 }
 

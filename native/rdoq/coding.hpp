@@ -1,5 +1,5 @@
 // What the stream says of one seed with one Gaussian (docs/format.md, "Passes"): where the symbols of its three groups
-// may lie and what each costs. Colours, then shape, then offset; each group's symbols move the lattices of the next.
+// may lie and what each costs. Colours, then shape, then offset; each group's symbols move the grids of the next.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -38,8 +38,8 @@ struct CodingModel {
   int first_column(Group group) const { return group == kColour ? 0 : group == kShape ? channels : channels + 3; }
 };
 
-// Where a group's attributes may lie: mean + step * symbol in units of 2^-24, coded with tables of these scale indices.
-struct Lattice {
+// The values that a group's attributes may have: mean + step * symbol in units of 2^-24, coded with tables of these scale indices.
+struct ReconstructionGrid {
   int64_t mean[kMostColours], step[kMostColours];
   int16_t scale[kMostColours];
 
@@ -48,7 +48,7 @@ struct Lattice {
   int64_t nearest(int j, double value) const;
 };
 
-// A seed's attributes on their lattices.
+// A seed's attributes as symbols and as decoded.
 struct Coded {
   int64_t decoded[kMostAttributes];
   int32_t symbols[kMostAttributes];
@@ -62,10 +62,10 @@ class SeedContext {
 
   // Begins a seed: inputs of the first network, log2 of the cell.
   void start(const int16_t *inputs, int8_t log_size);
-  // Tells the networks behind `known` what a version's groups up to it say.
-  void tell(Group known, const Coded &coded, int row);
-  // Lattices of rows 0 to count - 1; the earlier groups must have been told.
-  void predict(Group group, int count, Lattice *lattices);
+  // Updates the inputs of the networks behind `known` with a version's groups up to it.
+  void update(Group known, const Coded &coded, int row);
+  // Grids of rows 0 to count - 1, after an update with each earlier group.
+  void predict(Group group, int count, ReconstructionGrid *grids);
 
  private:
   const CodingModel &model_;
@@ -77,7 +77,7 @@ class SeedContext {
 };
 
 // The bits of `symbols` of a group, and the group with these symbols written into `coded`.
-double bits_of(const CodingModel &model, Group group, const Lattice &lattice, const int64_t *symbols);
-void settle(const CodingModel &model, Group group, const Lattice &lattice, const int64_t *symbols, Coded &coded);
+double bits_of(const CodingModel &model, Group group, const ReconstructionGrid &grid, const int64_t *symbols);
+void commit(const CodingModel &model, Group group, const ReconstructionGrid &grid, const int64_t *symbols, Coded &coded);
 
 }  // namespace sgi

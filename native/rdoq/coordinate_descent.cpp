@@ -1,4 +1,4 @@
-#include "rdoq/sweep.hpp"
+#include "rdoq/coordinate_descent.hpp"
 
 #include <algorithm>
 #include <memory>
@@ -34,21 +34,26 @@ void for_each_chunk(int64_t count, int threads, Body body) {
                [&](int64_t chunk) { body(chunk * kChunk, std::min(count, (chunk + 1) * kChunk)); });
 }
 
-// How leaving out a Gaussian of this colour would change the squared error; draws it into g.
+// How leaving out a Gaussian of this colour would change the squared error; draws it into the first of two planes.
 double loss_without(const WindowKernel &kernel, const Residual &residual, const Window &w, const Splat &splat,
                     const float *colour, float *g) {
   kernel.draw(splat, w, g);
-  const double square = kernel.inner({g, w.stride}, w, g);
+  const float *weighted = g;
+  if (residual.weights) {
+    kernel.weigh(residual.weights_in(w), w, g, g + w.size());
+    weighted = g + w.size();
+  }
+  const double square = kernel.inner({g, w.stride}, w, weighted);
   double change = 0;
   for (int c = 0; c < residual.channels; ++c)
-    change += colour[c] * (colour[c] * square + 2.0 * kernel.inner(residual.plane(c, w), w, g));
+    change += colour[c] * (colour[c] * square + 2.0 * kernel.inner(residual.plane(c, w), w, weighted));
   return change;
 }
 
 }  // namespace
 
-void search_pass(const CodingModel &model, const SearchSettings &settings, const Residual &residual,
-                 const PassSeeds &seeds, const PassSymbols &out, int threads, Isa isa) {
+void search_seeds(const CodingModel &model, const SearchSettings &settings, const Residual &residual,
+                 const SeedArrays &seeds, const SymbolArrays &out, int threads, Isa isa) {
   const WindowKernel &kernel = kernel_for<WindowKernel>(isa);
   const int d = model.attributes();
   const auto seed = [&](int64_t i) {
@@ -74,26 +79,26 @@ void search_pass(const CodingModel &model, const SearchSettings &settings, const
   });
 }
 
-void drop_gaussians(const Residual &residual, const Droppable &gaussians, float cutoff, int threads,
-                    Isa isa, bool *dropped) {
+void prune_gaussians(const Residual &residual, const Prunable &gaussians, float cutoff, int threads,
+                    Isa isa, bool *pruned) {
   const WindowKernel &kernel = kernel_for<WindowKernel>(isa);
   std::vector<Splat> splats(gaussians.count);
   std::vector<Window> windows(gaussians.count);
   for (int64_t i = 0; i < gaussians.count; ++i) {
     const bool drawn = prepare_splat(gaussians.means + 2 * i, gaussians.covariances + 3 * i, cutoff, splats[i]);
     windows[i] = drawn ? window_around(splats[i], 1, 0, residual) : Window{};
-    dropped[i] = windows[i].empty() && gaussians.worth[i] > 0;
+    pruned[i] = windows[i].empty() && gaussians.price[i] > 0;
   }
   std::vector<int32_t> order(gaussians.count);
   std::iota(order.begin(), order.end(), 0);
   for_each_window(windows, order, residual, threads, [&]() -> Worker {
     return [&, plane = std::make_shared<std::vector<float>>()](int64_t i) {
       const Window &w = windows[i];
-      plane->assign(w.size(), 0.0f);
+      plane->assign((residual.weights ? 2 : 1) * w.size(), 0.0f);
       float *g = plane->data();
       const float *colour = gaussians.colours + i * residual.channels;
-      dropped[i] = loss_without(kernel, residual, w, splats[i], colour, g) < gaussians.worth[i];
-      if (!dropped[i]) return;
+      pruned[i] = loss_without(kernel, residual, w, splats[i], colour, g) < gaussians.price[i];
+      if (!pruned[i]) return;
       for (int c = 0; c < residual.channels; ++c) kernel.subtract(residual.plane(c, w), w, -colour[c], g);
     };
   });

@@ -12,8 +12,8 @@ namespace {
 constexpr float kMinVariance = 0.05f, kLogLimit = 12.0f;  // model/gaussians.py
 constexpr double kMostGrowth = 0.7, kMostShift = 2.0;     // of a window: a logarithm, and cells
 
-void nearest(const CodingModel &model, Group group, const Lattice &lattice, const double *values, int64_t *symbols) {
-  for (int j = 0; j < model.plans[group].size; ++j) symbols[j] = lattice.nearest(j, values[j]);
+void nearest(const CodingModel &model, Group group, const ReconstructionGrid &grid, const double *values, int64_t *symbols) {
+  for (int j = 0; j < model.plans[group].size; ++j) symbols[j] = grid.nearest(j, values[j]);
 }
 
 }  // namespace
@@ -24,6 +24,7 @@ struct SeedSearch::Place {
   const Window &window;
   float colours[kMostColours];  // as drawn now
   float *g;                     // the Gaussian as drawn now
+  float *weighted;              // the same times the pixels' weights; g itself where all are 1
   float *mixed;                 // the residual with a candidate's colours in the old place, times these colours
   float *fresh;                 // the Gaussian that replaces it
 
@@ -69,7 +70,7 @@ Window SeedSearch::reserve(const Seed &seed, const Residual &residual) {
   context_.start(seed.inputs, seed.log_size);
   Coded &coded = candidates_[0];
   for (int j = 0; j < model_.attributes(); ++j) coded.decoded[j] = std::llrint(seed.values[j] / kUnit);
-  context_.tell(kShape, coded, 0);
+  context_.update(kShape, coded, 0);
   context_.predict(kShape, 1, shapes_.data());
   context_.predict(kOffset, 1, offsets_.data());
   const int64_t *shape = shapes_[0].step, *offset = offsets_[0].step;
@@ -82,35 +83,35 @@ Window SeedSearch::reserve(const Seed &seed, const Residual &residual) {
 void SeedSearch::try_colours(const Place &place) {
   const int channels = model_.channels, count = 1 + 2 * channels;
   const double *old = seed_->values;
-  Lattice lattice;
-  context_.predict(kColour, 1, &lattice);
+  ReconstructionGrid grid;
+  context_.predict(kColour, 1, &grid);
   float along[kMostColours];  // each channel of the residual times G
   for (int c = 0; c < channels; ++c)
-    along[c] = kernel_.inner(place.residual.plane(c, place.window), place.window, place.g);
-  const float square = kernel_.inner(place.working(place.g), place.window, place.g);
+    along[c] = kernel_.inner(place.residual.plane(c, place.window), place.window, place.weighted);
+  const float square = kernel_.inner(place.working(place.g), place.window, place.weighted);
   for (int k = 0; k < count; ++k) {
     int64_t symbols[kMostColours];
-    nearest(model_, kColour, lattice, old, symbols);
+    nearest(model_, kColour, grid, old, symbols);
     if (k) symbols[(k - 1) / 2] += k % 2 ? 1 : -1;
-    settle(model_, kColour, lattice, symbols, candidates_[k]);
+    commit(model_, kColour, grid, symbols, candidates_[k]);
     double moved[kMostColours];
     float delta[kMostColours];
-    for (int j = 0; j < channels; ++j) moved[j] = lattice.value(j, symbols[j]) - old[j];
+    for (int j = 0; j < channels; ++j) moved[j] = grid.value(j, symbols[j]) - old[j];
     colours_of(moved, delta);
-    cost_[k] = settings_.lmbda * bits_of(model_, kColour, lattice, symbols);
+    cost_[k] = settings_.lmbda * bits_of(model_, kColour, grid, symbols);
     for (int c = 0; c < channels; ++c) cost_[k] += double(delta[c]) * (double(delta[c]) * square - 2.0 * along[c]);
-    context_.tell(kColour, candidates_[k], k);
+    context_.update(kColour, candidates_[k], k);
   }
   guess_ = cost_;
   for (const Group group : {kShape, kOffset}) {
-    std::vector<Lattice> &lattices = group == kShape ? shapes_ : offsets_;
-    context_.predict(group, count, lattices.data());
+    std::vector<ReconstructionGrid> &grids = group == kShape ? shapes_ : offsets_;
+    context_.predict(group, count, grids.data());
     for (int k = 0; k < count; ++k) {
       int64_t symbols[3];
-      nearest(model_, group, lattices[k], old + model_.first_column(group), symbols);
-      guess_[k] += settings_.lmbda * bits_of(model_, group, lattices[k], symbols);
-      settle(model_, group, lattices[k], symbols, candidates_[k]);
-      if (group == kShape) context_.tell(kShape, candidates_[k], k);
+      nearest(model_, group, grids[k], old + model_.first_column(group), symbols);
+      guess_[k] += settings_.lmbda * bits_of(model_, group, grids[k], symbols);
+      commit(model_, group, grids[k], symbols, candidates_[k]);
+      if (group == kShape) context_.update(kShape, candidates_[k], k);
     }
   }
 }
@@ -132,22 +133,30 @@ float SeedSearch::mix(const Place &place, const Coded &coded) const {
   return power;
 }
 
+void SeedSearch::changes(const Place &place, const Splat *two, float power, float *out) const {
+  if (place.residual.weights)
+    kernel_.weighted_changes(two, place.window, place.residual.weights_in(place.window), power, place.mixed, place.g,
+                             out);
+  else
+    kernel_.changes(two, place.window, power, place.mixed, place.g, out);
+}
+
 // Starts at the symbols of a group that lie nearest to `values` (shape, then offset) and moves one at a time while
 // squared error plus price falls. Writes the group's part of `values` and `coded`; returns what place and bits cost.
-double SeedSearch::descend(Group group, const Lattice &lattice, const Place &place, float power, double *values,
+double SeedSearch::descend(Group group, const ReconstructionGrid &grid, const Place &place, float power, double *values,
                            Coded &coded) {
   const int size = model_.plans[group].size;
   double *own = values + model_.first_column(group) - model_.channels;
   int64_t symbols[3];
-  nearest(model_, group, lattice, own, symbols);
-  for (int j = 0; j < size; ++j) own[j] = lattice.value(j, symbols[j]);
+  nearest(model_, group, grid, own, symbols);
+  for (int j = 0; j < size; ++j) own[j] = grid.value(j, symbols[j]);
   Splat two[2];
   float change[2];
   double least = INFINITY;
   if (splat_of(values, two[0])) {
     two[1] = two[0];
-    kernel_.changes(two, place.window, power, place.mixed, place.g, change);
-    least = change[0] + settings_.lmbda * bits_of(model_, group, lattice, symbols);
+    changes(place, two, power, change);
+    least = change[0] + settings_.lmbda * bits_of(model_, group, grid, symbols);
   }
   int still = 0;  // attributes gone through since the last move
   for (int turn = 0; turn < settings_.rounds * size && still < size; ++turn, ++still) {
@@ -155,16 +164,16 @@ double SeedSearch::descend(Group group, const Lattice &lattice, const Place &pla
     const int64_t from = symbols[j];
     bool sound[2];
     for (int side = 0; side < 2; ++side) {
-      own[j] = lattice.value(j, from + (side ? -1 : 1));
+      own[j] = grid.value(j, from + (side ? -1 : 1));
       sound[side] = splat_of(values, two[side]) && holds(place.window, two[side], place.residual);
     }
     int64_t best = from;
     if (sound[0] || sound[1]) {
       if (!sound[0] || !sound[1]) two[!sound[1]] = two[!sound[0]];
-      kernel_.changes(two, place.window, power, place.mixed, place.g, change);
+      changes(place, two, power, change);
       for (int side = 0; side < 2; ++side) {
         symbols[j] = from + (side ? -1 : 1);
-        const double cost = change[side] + settings_.lmbda * bits_of(model_, group, lattice, symbols);
+        const double cost = change[side] + settings_.lmbda * bits_of(model_, group, grid, symbols);
         if (!sound[side] || !(cost < least)) continue;
         least = cost;
         best = symbols[j];
@@ -172,9 +181,9 @@ double SeedSearch::descend(Group group, const Lattice &lattice, const Place &pla
     }
     if (best != from) still = -1;
     symbols[j] = best;
-    own[j] = lattice.value(j, best);
+    own[j] = grid.value(j, best);
   }
-  settle(model_, group, lattice, symbols, coded);
+  commit(model_, group, grid, symbols, coded);
   return least;
 }
 
@@ -190,7 +199,7 @@ void SeedSearch::follow(const Place &place, const std::vector<int> &chosen) {
     int64_t symbols[3];
     std::copy_n(candidates_[k].symbols + model_.first_column(kShape), 3, symbols);
     cost_[k] += settings_.lmbda * bits_of(model_, kShape, shapes_[k], symbols);
-    context_.tell(kShape, candidates_[k], int(i));
+    context_.update(kShape, candidates_[k], int(i));
   }
   context_.predict(kOffset, int(chosen.size()), offsets_.data());
   for (size_t i = 0; i < chosen.size(); ++i) {
@@ -217,11 +226,13 @@ void SeedSearch::replace(const Place &place, const Coded &coded) const {
 double SeedSearch::search(const Seed &seed, const Window &window, const Residual &residual, Coded &best) {
   seed_ = &seed;
   context_.start(seed.inputs, seed.log_size);
-  planes_.assign(3 * window.size(), 0.0f);
+  const int64_t size = window.size();
+  planes_.assign((residual.weights ? 4 : 3) * size, 0.0f);
   float *planes = planes_.data();
-  Place place{residual, window, {}, planes, planes + window.size(), planes + 2 * window.size()};
+  Place place{residual, window, {}, planes, residual.weights ? planes + 3 * size : planes, planes + size, planes + 2 * size};
   Splat splat;
   if (splat_of(seed.values + model_.channels, splat)) kernel_.draw(splat, window, place.g);
+  if (residual.weights) kernel_.weigh(residual.weights_in(window), window, place.g, place.weighted);
   colours_of(seed.values, place.colours);
   try_colours(place);
   std::vector<int> order(candidates_.size());

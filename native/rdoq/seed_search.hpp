@@ -1,4 +1,4 @@
-// The symbols of one seed, chosen by squared error plus price.
+// The symbols of one seed, chosen by squared error, weighted where the residual has weights, plus price.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -41,7 +41,8 @@ class SeedSearch {
   void colours_of(const double *values, float *colours) const;
   void try_colours(const Place &place);
   float mix(const Place &place, const Coded &coded) const;
-  double descend(Group group, const Lattice &lattice, const Place &place, float power, double *values, Coded &coded);
+  void changes(const Place &place, const Splat *two, float power, float *out) const;
+  double descend(Group group, const ReconstructionGrid &grid, const Place &place, float power, double *values, Coded &coded);
   void follow(const Place &place, const std::vector<int> &chosen);
   void replace(const Place &place, const Coded &coded) const;
 
@@ -52,7 +53,7 @@ class SeedSearch {
   const Seed *seed_ = nullptr;
   // Of each candidate, that is each choice of colours:
   std::vector<Coded> candidates_;
-  std::vector<Lattice> shapes_, offsets_;
+  std::vector<ReconstructionGrid> shapes_, offsets_;
   std::vector<double> cost_;   // squared error and price so far
   std::vector<double> guess_;  // the same with the nearest shape and offset
   std::vector<float> planes_;

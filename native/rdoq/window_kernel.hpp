@@ -23,6 +23,12 @@ struct Plane {
   int64_t row;
 };
 
+// Weights of the squared error at each pixel, seen through a window.
+struct WeightPlane {
+  const float *first;
+  int64_t row;
+};
+
 struct WindowKernel {
   // out = G, zero beyond the window's width.
   void (*draw)(const Splat &, const Window &, float *out);
@@ -32,9 +38,14 @@ struct WindowKernel {
   float (*inner)(const Plane &, const Window &, const float *g);
   // samples -= factor * g; g is a working plane.
   void (*subtract)(const Plane &, const Window &, float factor, const float *g);
+  // out = weights * g; g and out are working planes.
+  void (*weigh)(const WeightPlane &, const Window &, const float *g, float *out);
   // For each of two Gaussians G the sum of e (power e - 2 mixed) with e = G - g: how the squared error changes when one
   // whose colour has the square `power` becomes G after being g, `mixed` being the residual times its colour.
   void (*changes)(const Splat *two, const Window &, float power, const float *mixed, const float *g, float *out);
+  // The same with every pixel's error times its weight.
+  void (*weighted_changes)(const Splat *two, const Window &, const WeightPlane &, float power, const float *mixed,
+                           const float *g, float *out);
   static const WindowKernel portable, avx2, avx512;
 };
 

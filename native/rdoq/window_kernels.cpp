@@ -76,8 +76,18 @@ void subtract(const Plane &p, const Window &w, float factor, const float *g) {
     }
 }
 
+void weigh(const WeightPlane &weights, const Window &w, const float *g, float *out) {
+  for (int row = 0; row < w.height; ++row)
+    for (int x = 0; x < w.width; x += LANES) {
+      const int64_t at = int64_t(row) * w.stride + x;
+      store(out + at, load(weights.first + row * weights.row + x) * load(g + at));
+    }
+}
+
 // Two at once hide each other's latency and share what is loaded.
-void changes(const Splat *two, const Window &w, float power, const float *mixed, const float *g, float *out) {
+template <bool kWeighted>
+inline __attribute__((always_inline)) void changes_of(const Splat *two, const Window &w, const WeightPlane &weights,
+                                                      float power, const float *mixed, const float *g, float *out) {
   const int span = least(two[0].span, two[1].span);
   vf total[2] = {};
   for (int x = 0; x < w.width; x += LANES) {
@@ -89,9 +99,15 @@ void changes(const Splat *two, const Window &w, float power, const float *mixed,
       for (const int stop = least(row + span, w.height); row < stop; ++row, a.next(), b.next()) {
         const int64_t at = int64_t(row) * w.stride + x;
         const vf old = load(g + at), twice = 2.0f * load(mixed + at);
-        const vf da = a.g - old, db = b.g - old;
-        sum[0] += da * (power * da - twice);
-        sum[1] += db * (power * db - twice);
+        vf da = a.g - old, db = b.g - old;
+        const vf slope_a = power * da - twice, slope_b = power * db - twice;
+        if constexpr (kWeighted) {
+          const vf weight = load(weights.first + row * weights.row + x);
+          da *= weight;
+          db *= weight;
+        }
+        sum[0] += da * slope_a;
+        sum[1] += db * slope_b;
       }
     }
     for (int i = 0; i < 2; ++i) total[i] += first_lanes(sum[i], w.width - x);
@@ -99,8 +115,18 @@ void changes(const Splat *two, const Window &w, float power, const float *mixed,
   for (int i = 0; i < 2; ++i) out[i] = sum_of(total[i]);
 }
 
+void changes(const Splat *two, const Window &w, float power, const float *mixed, const float *g, float *out) {
+  changes_of<false>(two, w, {}, power, mixed, g, out);
+}
+
+void weighted_changes(const Splat *two, const Window &w, const WeightPlane &weights, float power, const float *mixed,
+                      const float *g, float *out) {
+  changes_of<true>(two, w, weights, power, mixed, g, out);
+}
+
 }  // namespace
 
-const WindowKernel WindowKernel::SGI_ISA{sgi::draw, sgi::add_scaled, sgi::inner, sgi::subtract, sgi::changes};
+const WindowKernel WindowKernel::SGI_ISA{sgi::draw,  sgi::add_scaled, sgi::inner,           sgi::subtract,
+                                         sgi::weigh, sgi::changes,    sgi::weighted_changes};
 
 }  // namespace sgi

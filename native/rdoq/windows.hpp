@@ -14,10 +14,12 @@ struct Residual {
   float *samples;
   int channels, height, width;
   int64_t row;
+  const float *weights;  // [height, row] of the pixels' squared errors, zero in the padding; nullptr where all are 1
 
   Plane plane(int channel, const Window &w) const {
     return {samples + (int64_t(channel) * height + w.y) * row + w.x, row};
   }
+  WeightPlane weights_in(const Window &w) const { return {weights + int64_t(w.y) * row + w.x, row}; }
 };
 
 // The pixels whose centres lie within `reach` times a Gaussian's extents, moved by up to `shift` pixels.

@@ -145,13 +145,13 @@ class _Gauge:
 
     def told(self, cost: Cost) -> Measured:
         """The search counts neither the container nor the rounding of samples."""
-        return Measured(cost.bits / 8 + self._bytes, decibels(cost.error, self._samples) + self._decibels)
+        return Measured(cost.bits / 8 + self._bytes, decibels(cost.squared_error, self._samples) + self._decibels)
 
     def learn(self, cost: Cost, measured: Measured) -> Measured:
         """Takes in what the stream of this cost is, and returns it."""
         self._bytes = measured.bytes - cost.bits / 8
         if math.isfinite(measured.psnr):
-            self._decibels = measured.psnr - decibels(cost.error, self._samples)
+            self._decibels = measured.psnr - decibels(cost.squared_error, self._samples)
         return measured
 
 

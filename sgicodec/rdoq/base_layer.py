@@ -23,21 +23,23 @@ F64 = NDArray[np.float64]
 
 
 def with_optimised_base(objective: Objective, model: TileModel, lmbda: float) -> TileModel:
-    """The model with its base layer moved to where squared error plus price is least, seeds staying as they are."""
+    """The model with its base layer moved to where error plus λ times bits is least, seeds staying as they are."""
     spec, (_, height, width) = objective.header.spec, objective.picture.shape
     if not model.base.size:
         return model
     _, rows, columns = model.base.shape
     down = cubic_weights(np.arange(height) + 0.5, rows, spec.base_cell)
     across = cubic_weights(np.arange(width) + 0.5, columns, spec.base_cell)
-    lines = objective.residual(model)[:, :, :width] @ across.astype(np.float32)
+    residual, weights = objective.residual(model)[:, :, :width], objective.reference.weights
+    lines = (residual if weights is None else residual * weights) @ across.astype(np.float32)
     pull = np.ascontiguousarray(np.tensordot(np.array(colour_matrix(spec.channels)), down.T @ lines, axes=1))
-    base = _searched(model.base, base_step(model.base_step), lmbda, pull, down.T @ down, across.T @ across)
+    footprint = (down.T @ down, across.T @ across, objective.base_gram, pull)
+    base = _searched(model.base, base_step(model.base_step), lmbda, *footprint)
     return replace(model, base=base, decoded=None)
 
 
 def _searched(
-    base: NDArray[np.int64], step: float, lmbda: float, pull: F64, down: F64, across: F64
+    base: NDArray[np.int64], step: float, lmbda: float, down: F64, across: F64, gram: F64 | None, pull: F64
 ) -> NDArray[np.int64]:
     tables, found = frequency_tables(), np.array(base, np.int64, order="C")
     for _ in range(_PASSES):
@@ -55,6 +57,7 @@ def _searched(
             tables.symbol_bits,
             np.ascontiguousarray(down),
             np.ascontiguousarray(across),
+            gram,
             pull,
             step,
             lmbda,

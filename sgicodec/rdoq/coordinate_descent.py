@@ -53,7 +53,7 @@ class Symbols:
 def descend(objective: Objective, model: TileModel, lmbda: float, settings: RdoqSettings) -> tuple[TileModel, Symbols]:
     """Searches the symbols of all seeds, pass by pass, each with the others as they are by then.
 
-    The result's attributes lie on the lattices on which they will be coded: rounding leaves them alone.
+    The result's attributes lie on the grids on which they will be coded: rounding leaves them alone.
     """
     header, layout, device = objective.header, model.layout, objective.device
     spec, count = header.spec, len(model.layout)
@@ -69,6 +69,7 @@ def descend(objective: Objective, model: TileModel, lmbda: float, settings: Rdoq
         values_found = decoded[members]
         search.search(
             residual,
+            objective.weights,
             inputs,
             values[members],
             centre[members],

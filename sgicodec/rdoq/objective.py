@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +12,11 @@ from sgicodec._native import WINDOW_PADDING
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.tile import TileModel, write_tile
 from sgicodec.device import Device
+from sgicodec.metrics.distortion import QuadraticReference, Reference
 from sgicodec.model.base import base_colours, render_base
 from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
 from sgicodec.model.spec import ModelSpec
+from sgicodec.model.weighted_base import base_gram
 from sgicodec.raster.cpu import NativeRasterizer
 
 __all__ = ["Cost", "Objective", "can_optimise", "joined", "with_values"]
@@ -35,24 +38,40 @@ def can_optimise(spec: ModelSpec) -> bool:
 
 @dataclass(frozen=True)
 class Cost:
-    """error: squared, samples in 0..1, summed over pixels and channels. bits: of the tile's payload."""
+    """distortion: what λ trades against `bits` of the tile's payload. squared_error: what PSNR measures, samples in
+    0..1 summed over pixels and channels.
+    """
 
-    error: float
+    distortion: float
     bits: float
+    squared_error: float
 
     def at(self, lmbda: float) -> float:
         """J = D + λR."""
-        return self.error + lmbda * self.bits
+        return self.distortion + lmbda * self.bits
 
 
 @dataclass(frozen=True)
 class Objective:
-    """picture [C, H, W]: samples in 0..1."""
+    """picture [C, H, W]: samples in 0..1; reference: the same as a distortion sees it."""
 
     header: Header
     picture: F32
     device: Device
+    reference: Reference = field(default_factory=QuadraticReference)
     _less_base: dict[bytes, F32] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    @cached_property
+    def weights(self) -> F32 | None:
+        """Weights of the pixels' squared errors [H, W + padding], or None where all are 1."""
+        weights = self.reference.weights
+        return None if weights is None else np.pad(weights, [(0, 0), (0, WINDOW_PADDING)])
+
+    @cached_property
+    def base_gram(self) -> F64 | None:
+        """`model.weighted_base.base_gram` of the weights, or None where all are 1."""
+        weights = self.reference.weights
+        return None if weights is None else base_gram(weights, self.header.spec.base_cell)
 
     def target(self, model: TileModel) -> F32:
         """The picture less a model's base layer [C, H, W]: what its seeds have to show."""
@@ -92,8 +111,11 @@ class Objective:
         """What the stream costs and what it will show: coded in earnest, drawn from what was coded."""
         coded = replace(model, decoded=None)
         payload, _ = write_tile(self.header, coded)
-        error = self.residual(with_values(self.header.spec, coded, coded.decoded_values))
-        return Cost(float(np.sum(np.square(error, dtype=np.float64))), 8.0 * len(payload))
+        width = self.picture.shape[2]
+        residual = self.residual(with_values(self.header.spec, coded, coded.decoded_values))[:, :, :width]
+        distortion = self.reference.value(residual)
+        plain = distortion if self.reference.weights is None else QuadraticReference().value(residual)
+        return Cost(distortion, 8.0 * len(payload), plain)
 
 
 def joined(model: TileModel) -> F64:

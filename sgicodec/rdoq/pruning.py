@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec._native import drop_gaussians
+from sgicodec._native import prune_gaussians
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.raster.backend import DEFAULT_CUTOFF
 from sgicodec.rdoq.objective import Objective, joined, with_values
@@ -24,9 +24,10 @@ def without_pruned_seeds(objective: Objective, model: TileModel, price: NDArray[
     spread = np.sqrt(np.maximum(covariances[:, 0] * covariances[:, 2] - covariances[:, 1] ** 2, 0))
     energy = np.square(colours).sum(axis=1) * spread
     order = np.argsort(energy / np.maximum(price, 1e-30), kind="stable")
-    dropped = np.zeros(len(order), bool)
-    drop_gaussians(
+    pruned = np.zeros(len(order), bool)
+    prune_gaussians(
         objective.residual(model),
+        objective.weights,
         means[order],
         covariances[order],
         colours[order],
@@ -34,9 +35,9 @@ def without_pruned_seeds(objective: Objective, model: TileModel, price: NDArray[
         DEFAULT_CUTOFF,
         objective.device.threads,
         objective.device.isa,
-        dropped,
+        pruned,
     )
     keep = np.ones(len(order), bool)
-    keep[order] = ~dropped
+    keep[order] = ~pruned
     keep[order[-1]] |= not keep.any()
     return with_values(objective.header.spec, replace(model, layout=model.layout.take(keep)), joined(model)[keep])

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.device import Device
+from sgicodec.metrics.distortion import QuadraticReference, Reference
 from sgicodec.rdoq.adaptation import fitted_scales, with_coarser_steps
 from sgicodec.rdoq.base_layer import with_optimised_base
 from sgicodec.rdoq.coordinate_descent import Symbols, descend
@@ -45,8 +46,10 @@ class Rdoq:
         lmbda: float,
         settings: RdoqSettings | None = None,
         device: Device | None = None,
+        reference: Reference | None = None,
     ) -> None:
-        self.objective = Objective(header, np.ascontiguousarray(picture, np.float32), device or Device())
+        unit = np.ascontiguousarray(picture, np.float32)
+        self.objective = Objective(header, unit, device or Device(), reference or QuadraticReference())
         self.settings = settings or RdoqSettings()
         self.fitted, self.fitted_lmbda = model, lmbda
         self._restart()

@@ -10,6 +10,7 @@ from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.device import Device
+from sgicodec.metrics.distortion import QuadraticReference
 from sgicodec.model.base import base_shape
 from sgicodec.model.layout import adaptive_layout
 from sgicodec.model.spec import default_spec
@@ -38,7 +39,12 @@ def stage() -> Stage:
     """Makes a picture and a model of seeds with random attributes."""
 
     def make(
-        channels: int = 3, height: int = 70, width: int = 100, isa: str = "auto", threads: int = 2
+        channels: int = 3,
+        height: int = 70,
+        width: int = 100,
+        isa: str = "auto",
+        threads: int = 2,
+        weighted: bool = False,
     ) -> tuple[Objective, TileModel]:
         spec, rng = default_spec(channels), np.random.default_rng(7)
         picture = waves(channels, height, width)
@@ -54,6 +60,7 @@ def stage() -> Stage:
         }
         base = np.zeros((channels, *base_shape(width, height, spec.base_cell)), np.int64)
         model = TileModel(layout, default_plan(spec, QUALITY), 60, base, {}, load_prior(spec), [], attributes)
-        return Objective(header, picture, Device(threads, isa)), model
+        weights = np.asarray(rng.uniform(0.2, 3.0, (height, width)), np.float32) if weighted else None
+        return Objective(header, picture, Device(threads, isa), QuadraticReference(weights)), model
 
     return make

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scenes import ISAS
 
 from sgicodec.bitstream.parts.tile import TileModel, write_tile
+from sgicodec.metrics.distortion import QuadraticReference
 from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
 from sgicodec.raster.reference import rasterize_reference
 from sgicodec.rdoq import Objective, RdoqSettings
@@ -39,14 +40,16 @@ def coded(objective: Objective, model: TileModel) -> tuple[NDArray[np.float64], 
 
 
 @pytest.mark.parametrize("isa", ISAS)
-@pytest.mark.parametrize(("channels", "width"), [(1, 97), (3, 100), (4, 48)])
+@pytest.mark.parametrize(
+    ("channels", "width", "weighted"), [(1, 97, False), (3, 100, False), (4, 48, False), (1, 97, True), (3, 100, True)]
+)
 def test_promised_change_is_that_of_dense_sums(
-    stage: Stage, monkeypatch: pytest.MonkeyPatch, isa: str, channels: int, width: int
+    stage: Stage, monkeypatch: pytest.MonkeyPatch, isa: str, channels: int, width: int, weighted: bool
 ) -> None:
     """A wide cutoff, so that what is left out is below rounding."""
     monkeypatch.setattr(descent, "DEFAULT_CUTOFF", 6.0)
     monkeypatch.setattr("sgicodec.raster.cpu.DEFAULT_CUTOFF", 6.0)
-    objective, model = stage(channels, 61, width, isa)
+    objective, model = stage(channels, 61, width, isa, weighted=weighted)
     before = dense_residual(objective, model)
     padded = np.zeros((channels, 61, width + 16), np.float32)
     padded[:, :, :width] = before
@@ -56,7 +59,8 @@ def test_promised_change_is_that_of_dense_sums(
     after = dense_residual(objective, found)
     bits = sum(coded(objective, found)[1][name] for name in ("colour", "shape", "offset"))
     assert symbols.bits.sum() == pytest.approx(bits)
-    expected = np.sum(after**2) - np.sum(before**2) + lmbda * bits
+    value = objective.reference.value
+    expected = value(after) - value(before) + lmbda * bits  # type: ignore[arg-type]
     assert expected < -1
     assert symbols.change.sum() == pytest.approx(expected, abs=2e-4 * np.sum(before**2))
     np.testing.assert_allclose(padded[:, :, :width], after, atol=2e-4)
@@ -96,3 +100,22 @@ def test_seeds_outside_the_picture_do_no_harm(stage: Stage) -> None:
     found, _ = descend(objective, moved, 1e-3, PLAIN)
     np.testing.assert_array_equal(joined(found), coded(objective, found)[0])
     assert objective.cost(found).at(1e-3) < objective.cost(moved).at(1e-3)
+
+
+def test_weights_of_one_change_nothing(stage: Stage) -> None:
+    objective, model = stage()
+    plain, expected = descend(objective, model, 1e-3, PLAIN)
+    ones = QuadraticReference(np.ones(objective.picture.shape[1:], np.float32))
+    weighted, found = descend(replace(objective, reference=ones), model, 1e-3, PLAIN)
+    np.testing.assert_array_equal(joined(weighted), joined(plain))
+    np.testing.assert_allclose(found.change, expected.change, atol=1e-6)
+
+
+def test_scaled_weights_go_with_a_scaled_price(stage: Stage) -> None:
+    """By a power of two, so that nothing is rounded otherwise."""
+    objective, model = stage(weighted=True)
+    weights = objective.reference.weights
+    assert weights is not None
+    plain, _ = descend(objective, model, 1e-3, PLAIN)
+    scaled, _ = descend(replace(objective, reference=QuadraticReference(8 * weights)), model, 8e-3, PLAIN)
+    np.testing.assert_array_equal(joined(scaled), joined(plain))

@@ -28,10 +28,12 @@ def stream_of(objective: Objective, model: TileModel) -> tuple[bytes, int]:
     return buffer.getvalue(), len(payload)
 
 
-@pytest.mark.parametrize("channels", [1, 3, 4])
-def test_cost_is_that_of_the_stream(stage: Stage, channels: int) -> None:
+@pytest.mark.parametrize(("channels", "weighted"), [(1, False), (3, False), (3, True), (4, False)])
+def test_cost_is_that_of_the_stream(stage: Stage, channels: int, weighted: bool) -> None:
     """For one base layer after another, so that none is taken for another."""
-    objective, model = stage(channels)
+    objective, model = stage(channels, weighted=weighted)
+    weights = objective.reference.weights if weighted else np.ones(objective.picture.shape[1:])
+    assert weights is not None
     for seed in range(3):
         base = np.random.default_rng(seed).integers(-9, 9, model.base.shape)
         based = replace(model, base=base)
@@ -39,11 +41,12 @@ def test_cost_is_that_of_the_stream(stage: Stage, channels: int) -> None:
         error = open_stream(data).render().astype(np.float64) - objective.picture.transpose(1, 2, 0)
         cost = objective.cost(based)
         assert cost.bits == 8 * size
-        assert cost.error == pytest.approx(np.sum(error**2), rel=1e-4)
+        assert cost.squared_error == pytest.approx(np.sum(error**2), rel=1e-4)
+        assert cost.distortion == pytest.approx(np.sum(weights[..., None] * error**2), rel=1e-4)
 
 
 def test_cost_adds_up() -> None:
-    assert Cost(2.0, 300.0).at(0.01) == pytest.approx(5.0)
+    assert Cost(2.0, 300.0, 7.0).at(0.01) == pytest.approx(5.0)
 
 
 @pytest.mark.parametrize(

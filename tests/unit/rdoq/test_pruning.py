@@ -15,9 +15,10 @@ from sgicodec.rdoq.pruning import without_pruned_seeds
 Stage = Callable[..., tuple[Objective, TileModel]]
 
 
-def test_each_goes_that_costs_less_than_it_is_worth(stage: Stage) -> None:
+@pytest.mark.parametrize("weighted", [False, True])
+def test_each_goes_that_costs_less_than_its_price(stage: Stage, weighted: bool) -> None:
     """One after the other, the faintest for their price first."""
-    objective, model = stage(height=40, width=60)
+    objective, model = stage(height=40, width=60, weighted=weighted)
     rng = np.random.default_rng(3)
     price = rng.uniform(0, 0.3, len(model.layout))
     means, covariances, colours = (array.astype(np.float64) for array in objective.gaussians(model))
@@ -27,7 +28,7 @@ def test_each_goes_that_costs_less_than_it_is_worth(stage: Stage) -> None:
     keep = np.ones(len(means), bool)
     for i in np.argsort(energy / price, kind="stable"):
         without = residual + colours[i][:, None, None] * values[i]
-        change = np.sum(without**2) - np.sum(residual**2)
+        change = objective.reference.value(without) - objective.reference.value(residual)
         assert abs(change - price[i]) > 1e-4, "too close to tell: choose another seed for this test"
         if change < price[i]:
             keep[i], residual = False, without
