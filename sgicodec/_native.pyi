@@ -90,6 +90,20 @@ def resolve_threads(threads: int, /) -> int: ...
 
 MOST_NEIGHBOURS: int
 
+def adam_step(
+    value: F32,
+    gradient: F32,
+    mean: F32,
+    square: F32,
+    beta1: float,
+    beta2: float,
+    rate: float,
+    root_correction: float,
+    epsilon: float,
+    threads: int,
+    isa: str,
+) -> None: ...
+
 class SeedFit:
     def __init__(self, isa: str, threads: int, per_seed: int, hidden: int, opponent: F32) -> None: ...
     def set_layout(

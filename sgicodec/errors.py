@@ -5,6 +5,7 @@ Anything else that escapes is a defect of this package and ends the command with
 
 from __future__ import annotations
 
+from importlib.util import find_spec
 from typing import Any
 
 __all__ = [
@@ -12,6 +13,7 @@ __all__ = [
     "CorruptStreamError",
     "EncodeInterruptedError",
     "LimitError",
+    "MissingExtraError",
     "OutputExistsError",
     "PictureError",
     "SgiError",
@@ -20,6 +22,7 @@ __all__ = [
     "TileFailedError",
     "UnsupportedStreamError",
     "UsageError",
+    "require",
 ]
 
 
@@ -33,6 +36,20 @@ class UsageError(SgiError, ValueError):
     """A setting or argument that makes no sense (exit 2)."""
 
     exit_code = 2
+
+
+class MissingExtraError(UsageError):
+    """Something that takes a library of an optional extra, which is not installed (exit 2)."""
+
+
+def require(library: str, what: str, extra: str) -> None:
+    """Raises MissingExtraError if `what` cannot have its library, which comes with an extra."""
+    try:
+        found = find_spec(library) is not None
+    except ImportError:
+        found = False
+    if not found:
+        raise MissingExtraError(f"{what} needs {library}: pip install 'sgicodec[{extra}]'")
 
 
 class PictureError(SgiError):

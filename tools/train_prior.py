@@ -13,12 +13,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import torch
 
+from sgicodec.device import Device
 from sgicodec.encoder.plan import FAMILY
-from sgicodec.fit.adam import Adam, Group
+from sgicodec.fit.adam import Adam
 from sgicodec.fit.base_layer import base_layer
-from sgicodec.fit.context_training import ContextNet
+from sgicodec.fit.context_weights import ContextWeights
 from sgicodec.fit.settings import FitSettings, default_settings
 from sgicodec.fit.trainer import Trainer
 from sgicodec.image import read
@@ -33,39 +33,39 @@ LMBDA_RANGE = (3e-4, 6e-2)
 CROP = (320, 256)
 
 
-def train(paths: list[Path], net: ContextNet, settings: FitSettings, rate: float, seed: int) -> None:
-    """Fits a random crop of every picture, mirrored at random, at a random λ, all in step, and moves `net` on by their
-    mean gradient.
+def train(
+    paths: list[Path], context: ContextWeights, settings: FitSettings, rate: float, seed: int, device: Device
+) -> None:
+    """Fits a random crop of every picture, mirrored at random, at a random λ, all in step, and moves `context` on by
+    their mean gradient.
 
     Each fit weighs by its bits per seed: its loss is divided by λ and by the number of its seeds.
     """
     rng = np.random.default_rng(seed)
-    trainers = [_trainer(path, net, settings, rng, seed) for path in paths]
+    trainers = [_trainer(path, context, settings, rng, seed, device) for path in paths]
     fits = [trainer.iterate() for trainer in trainers]
-    parameters = net.parameters()
-    optimizer = Adam([Group("context", parameters, rate)], (0.9, 0.999), 1e-8)
+    adam = Adam((0.9, 0.999), 1e-8, device)
     for step in range(settings.steps):
-        optimizer.groups[0].factor = min(1.0, 2.0 * (1 - step / settings.steps)) + 0.002
-        total = [torch.zeros_like(p) for p in parameters]
+        factor = min(1.0, 2.0 * (1 - step / settings.steps)) + 0.002
+        total = {name: np.zeros_like(weights) for name, weights in context.trained().items()}
         seeds = bits = 0.0
         for trainer, fit in zip(trainers, fits, strict=True):
-            for p in parameters:
-                p.grad = None
             progress = next(fit)
-            weight = 1.0 / (trainer.settings.lmbda * progress.seeds * len(trainers))
-            for p, t in zip(parameters, total, strict=True):
-                if p.grad is not None:
-                    t += p.grad * weight
+            weight = np.float32(1.0 / (trainer.settings.lmbda * progress.seeds * len(trainers)))
+            for name, gradient in total.items():
+                if name in trainer.gradients:
+                    gradient += trainer.gradients[name] * weight
             seeds, bits = seeds + progress.seeds, bits + progress.bits
-        for p, t in zip(parameters, total, strict=True):
-            p.grad = t
         if bits:
-            optimizer.step()
+            for name, weights in context.trained().items():
+                adam.move(name, weights, total[name], rate * factor)
         if step % 25 == 0 or step == settings.steps - 1:
             print(f"step {step:4d}  {seeds:8.0f} seeds  {bits / seeds:.3f} bits per seed", flush=True)
 
 
-def _trainer(path: Path, net: ContextNet, settings: FitSettings, rng: np.random.Generator, seed: int) -> Trainer:
+def _trainer(
+    path: Path, context: ContextWeights, settings: FitSettings, rng: np.random.Generator, seed: int, device: Device
+) -> Trainer:
     lmbda = float(np.exp(rng.uniform(*np.log(LMBDA_RANGE))))
     unit = to_unit(read(path)).transpose(2, 0, 1)
     x, y = (int(rng.integers(0, max(1, n - c + 1))) for n, c in zip(unit.shape[:0:-1], CROP, strict=True))
@@ -73,9 +73,9 @@ def _trainer(path: Path, net: ContextNet, settings: FitSettings, rng: np.random.
     crop = crop[:, :: rng.choice((-1, 1)), :: rng.choice((-1, 1))]
     crop = np.ascontiguousarray(crop if rng.random() < 0.5 else crop.swapaxes(1, 2))
     fit = replace(settings, lmbda=lmbda, seed=seed)
-    _, _, target = base_layer(net.spec, crop, lmbda)
+    _, _, target = base_layer(context.spec, crop, lmbda)
     layout = adaptive_layout(target, fit.split * lmbda * fit.seed_bits)
-    return Trainer(net.spec, fit, target, layout, FAMILY, net=net)
+    return Trainer(context.spec, fit, target, layout, FAMILY, context=context, device=device)
 
 
 def main() -> None:
@@ -90,19 +90,18 @@ def main() -> None:
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--seed", type=int, default=0)
     arguments = parser.parse_args()
-    torch.set_num_threads(arguments.threads)
-    spec = default_spec(3, prior=0)
-    net = ContextNet(spec, (), torch.Generator().manual_seed(arguments.seed))
+    context = ContextWeights(default_spec(3, prior=0), (), np.random.default_rng(arguments.seed))
     if arguments.start:
         from sgicodec.bitstream.parts.prior import parse_prior
 
-        net.load_integers(parse_prior(arguments.start.read_bytes()), trainable=True)
+        context.load(parse_prior(arguments.start.read_bytes()), trains=True)
     settings = default_settings(1.0, arguments.steps)
-    settings = replace(settings, phases=settings.phases[:-1], threads=arguments.threads)
+    settings = replace(settings, phases=settings.phases[:-1])
     paths = sorted(arguments.pictures.glob("*.png"))
     for epoch in range(arguments.epochs):
-        train(paths, net, settings, arguments.rate * (1 - epoch / arguments.epochs), arguments.seed + epoch)
-        print("sha256", write_prior(net.to_integers(SHIFT), arguments.out), flush=True)
+        rate, seed = arguments.rate * (1 - epoch / arguments.epochs), arguments.seed + epoch
+        train(paths, context, settings, rate, seed, Device(arguments.threads))
+        print("sha256", write_prior(context.integers(SHIFT), arguments.out), flush=True)
 
 
 if __name__ == "__main__":

@@ -26,7 +26,7 @@ from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.encoder.pipeline import encode
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.fit.rate import bits_laplace
+from sgicodec.fit.autograd.rate import bits_laplace
 from sgicodec.image import read
 from sgicodec.model.context import INPUT_BITS, LEVELS, input_count, nearest_by_pass, output_columns
 from sgicodec.model.native import SeedInputs, quantisers, summarise, write_own_inputs

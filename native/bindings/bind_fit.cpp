@@ -4,6 +4,7 @@
 
 #include "bindings/arrays.hpp"
 #include "bindings/bindings.hpp"
+#include "fit/adam.hpp"
 #include "fit/seed_fit.hpp"
 
 namespace nb = nanobind;
@@ -80,9 +81,21 @@ void backward(sgi::SeedFit &self, In2 means, In2 covariances, In2 colours, float
   self.backward(g, sums.data());
 }
 
+void adam_step(Out1 value, In1 gradient, Out1 mean, Out1 square, double beta1, double beta2, double rate,
+               double root_correction, double epsilon, int threads, const std::string &isa) {
+  const size_t n = value.shape(0);
+  require(gradient.shape(0) == n && mean.shape(0) == n && square.shape(0) == n, "all arrays must be [n]");
+  const sgi::AdamStep step{beta1, beta2, rate, root_correction, epsilon};
+  const sgi::Isa chosen = sgi::choose_isa(isa);
+  nb::gil_scoped_release release;
+  sgi::adam_step(chosen, threads, step, gradient.data(), int64_t(n), value.data(), mean.data(), square.data());
+}
+
 }  // namespace
 
 void bind_fit(nb::module_ &m) {
+  m.def("adam_step", &adam_step, "value"_a, "gradient"_a, "mean"_a, "square"_a, "beta1"_a, "beta2"_a, "rate"_a,
+        "root_correction"_a, "epsilon"_a, "threads"_a, "isa"_a);
   m.attr("MOST_NEIGHBOURS") = sgi::kMostNeighbours;
   nb::class_<sgi::SeedFit>(m, "SeedFit")
       .def("__init__",

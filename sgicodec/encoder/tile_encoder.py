@@ -5,8 +5,7 @@ from __future__ import annotations
 import io
 import math
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -34,7 +33,7 @@ from sgicodec.rdoq import Rdoq, RdoqSettings, can_optimise
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Fitted, Progress
 
-__all__ = ["Candidate", "Encoded", "Encoding", "empty_pixels", "keep_to_one_torch_thread", "make_ready", "written"]
+__all__ = ["Candidate", "Encoded", "Encoding", "empty_pixels", "make_ready", "written"]
 
 
 @dataclass(frozen=True)
@@ -113,7 +112,7 @@ class Encoding:
         """A fit, which `controller` may lead; of a time limit it takes about `share` less than is left."""
         from sgicodec.fit.trainer import Trainer
 
-        spec, fit = self.spec, replace(self.fit, threads=self.device.threads)
+        spec, fit = self.spec, self.fit
         _, height, width = self.target.shape
         if spec.layout == "uniform":
             count = fit.seeds or max(1, round(width * height / 400))
@@ -121,19 +120,19 @@ class Encoding:
         else:
             layout = adaptive_layout(self.target, fit.split * fit.lmbda * fit.seed_bits)
         networks = load_prior(spec) if spec.context.prior else None
-        with _one_torch_thread():
-            trainer = Trainer(
-                spec,
-                fit,
-                self.target,
-                layout,
-                self.plan.header.family,
-                networks,
-                controller=controller,
-                measure=lambda state: self.measured(self.candidate(state))[1],
-                seconds=self._seconds(share),
-            )
-            return trainer.run(on_progress)
+        trainer = Trainer(
+            spec,
+            fit,
+            self.target,
+            layout,
+            self.plan.header.family,
+            networks,
+            controller=controller,
+            measure=lambda state: self.measured(self.candidate(state))[1],
+            seconds=self._seconds(share),
+            device=self.device,
+        )
+        return trainer.run(on_progress)
 
     def candidate(self, fitted: Fitted, shift: int = 0) -> Candidate:
         """A fit in integers, all steps of its attributes coarser by `shift` units."""
@@ -232,26 +231,3 @@ def written(candidate: Candidate) -> tuple[bytes, dict[str, float]]:
 def make_ready() -> None:
     """Loads what every fit needs, which takes a second or two: of a worker's life, not of its first tile's time."""
     import sgicodec.fit.trainer  # noqa: F401
-
-
-def keep_to_one_torch_thread() -> None:
-    """For a process that fits several tiles at once in threads of its own: see `_one_torch_thread`."""
-    import torch
-
-    torch.set_num_threads(1)
-
-
-@contextmanager
-def _one_torch_thread() -> Iterator[None]:
-    """With more threads torch's sums, powers and scattered additions depend on their number, some even on chance.
-
-    The rasteriser, where the time goes, gives the same for any number.
-    """
-    import torch
-
-    threads = torch.get_num_threads()
-    torch.set_num_threads(1)
-    try:
-        yield
-    finally:
-        torch.set_num_threads(threads)

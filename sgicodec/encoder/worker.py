@@ -12,7 +12,6 @@ from typing import Any, Generic, NamedTuple, TypeVar
 from sgicodec.device import Device
 from sgicodec.encoder.interfaces import Task
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.tile_encoder import keep_to_one_torch_thread
 from sgicodec.encoder.tile_work import Start
 from sgicodec.errors import PictureError
 from sgicodec.image import Source, open_source
@@ -39,8 +38,6 @@ class TileTask(Generic[Result]):
 
     def __call__(self, number: int, job: Job) -> Result:
         """What the task makes of the tile. Raises PictureError where no pixels came."""
-        if threading.current_thread() is not threading.main_thread():
-            keep_to_one_torch_thread()
         if job.window is None:
             raise PictureError("no pixels came")
         return self.task(number, job.window, job.start, self.device)

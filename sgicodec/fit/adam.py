@@ -1,81 +1,64 @@
-"""Adam (Kingma and Ba 2015) over named groups of tensors whose rows come and go."""
+"""Adam (Kingma and Ba 2015) on named arrays whose rows come and go."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import Any
 
-import torch
-from torch import Tensor
-from torch.optim.adam import adam
+import numpy as np
+from numpy.typing import NDArray
 
-__all__ = ["Adam", "Group"]
+from sgicodec import _native
+from sgicodec.device import ONE_THREAD, Device
+
+__all__ = ["Adam"]
+
+F32 = NDArray[np.float32]
 
 
 @dataclass
-class Group:
-    """Tensors that share a learning rate `base`; `factor` scales it from step to step."""
+class _Moments:
+    """mean, square: running averages of the gradient and of its square, shaped as the array; count: steps so far."""
 
-    name: str
-    tensors: list[Tensor]
-    base: float
-    factor: float = 1.0
-    means: list[Tensor] = field(default_factory=list)
-    squares: list[Tensor] = field(default_factory=list)
-    counts: list[Tensor] = field(default_factory=list)
-
-    def __post_init__(self) -> None:
-        self.means = [torch.zeros_like(tensor) for tensor in self.tensors]
-        self.squares = [torch.zeros_like(tensor) for tensor in self.tensors]
-        self.counts = [torch.zeros(()) for _ in self.tensors]
+    mean: F32
+    square: F32
+    count: int = 0
 
 
 class Adam:
-    """The arithmetic is torch's fused kernel. The class is ours because torch's own imports its compiler, which takes a
-    second, and because tensors here change their number of rows and keep their moments.
-    """
+    """Moves arrays in place and keeps the moments of each under its name. Same result for any number of threads."""
 
-    def __init__(self, groups: list[Group], betas: tuple[float, float], epsilon: float) -> None:
-        self.groups, self.betas, self.epsilon = groups, betas, epsilon
+    def __init__(self, betas: tuple[float, float], epsilon: float, device: Device = ONE_THREAD) -> None:
+        self.betas, self.epsilon, self.device = betas, epsilon, device
+        self._moments: dict[str, _Moments] = {}
 
-    def clear(self) -> None:
-        """Forgets all gradients."""
-        for group in self.groups:
-            for tensor in group.tensors:
-                tensor.grad = None
+    def move(self, name: str, values: F32, gradient: F32, rate: float) -> None:
+        """One step of the array `values` down its gradient, at this learning rate."""
+        if name not in self._moments:
+            self._moments[name] = _Moments(np.zeros_like(values), np.zeros_like(values))
+        moments, (beta1, beta2) = self._moments[name], self.betas
+        moments.count += 1
+        _native.adam_step(
+            values.reshape(-1),
+            gradient.reshape(-1),
+            moments.mean.reshape(-1),
+            moments.square.reshape(-1),
+            beta1,
+            beta2,
+            rate / (1.0 - beta1**moments.count),
+            (1.0 - beta2**moments.count) ** 0.5,
+            self.epsilon,
+            self.device.threads,
+            self.device.isa,
+        )
 
-    @torch.no_grad()
-    def step(self) -> None:
-        """Moves every tensor that has a gradient."""
-        for group in self.groups:
-            live = [i for i, tensor in enumerate(group.tensors) if tensor.grad is not None]
-            if not live:
-                continue
-            adam(
-                [group.tensors[i] for i in live],
-                [gradient for i in live if (gradient := group.tensors[i].grad) is not None],
-                [group.means[i] for i in live],
-                [group.squares[i] for i in live],
-                [],
-                [group.counts[i] for i in live],
-                foreach=False,
-                capturable=False,
-                differentiable=False,
-                fused=True,
-                has_complex=False,
-                amsgrad=False,
-                beta1=self.betas[0],
-                beta2=self.betas[1],
-                lr=group.base * group.factor,
-                weight_decay=0.0,
-                eps=self.epsilon,
-                maximize=False,
-            )
+    def keep(self, name: str, rows: NDArray[Any]) -> None:
+        """Drops the moments of all rows but these (a mask or indices)."""
+        if (moments := self._moments.get(name)) is not None:
+            moments.mean, moments.square = moments.mean[rows], moments.square[rows]
 
-    def replace(self, name: str, change: Callable[[Tensor], Tensor]) -> Tensor:
-        """Puts `change(tensor)` in the place of the one tensor of a group, and the same of its moments."""
-        group = next(group for group in self.groups if group.name == name)
-        new = change(group.tensors[0].detach()).clone().requires_grad_()
-        group.tensors[0] = new
-        group.means[0], group.squares[0] = change(group.means[0]), change(group.squares[0])
-        return new
+    def add(self, name: str, count: int) -> None:
+        """Appends the moments of new rows: zeros."""
+        if (moments := self._moments.get(name)) is not None:
+            fresh = np.zeros((count, *moments.mean.shape[1:]), np.float32)
+            moments.mean, moments.square = (np.concatenate([m, fresh]) for m in (moments.mean, moments.square))

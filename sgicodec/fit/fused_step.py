@@ -1,4 +1,4 @@
-"""A step of the default profile in native code: what `Sampler`, `gaussians_from_seeds` and autograd do elsewhere."""
+"""A step of the default profile in native code: loss and gradients without automatic differentiation."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from enum import Enum
 from typing import NamedTuple
 
 import numpy as np
-import torch
 from numpy.typing import NDArray
-from torch import Tensor
 
 from sgicodec import _native
-from sgicodec.fit.context_training import ContextNet
+from sgicodec.device import Device
+from sgicodec.fit.context_weights import ContextWeights
+from sgicodec.fit.parameters import Parameters, StepResult
 from sgicodec.fit.settings import Rounding
 from sgicodec.model.context import INPUT_BITS, LEVELS, level_inputs, nearest_offset, neighbour_table
 from sgicodec.model.gaussians import MIN_VARIANCE, colour_matrix
@@ -20,7 +20,7 @@ from sgicodec.model.neighbours import nearest_seeds
 from sgicodec.model.spec import ModelSpec
 from sgicodec.raster.cpu import NativeRasterizer
 
-__all__ = ["SeedStep"]
+__all__ = ["FusedStep", "NoiseKey"]
 
 F32 = NDArray[np.float32]
 
@@ -41,25 +41,30 @@ class NoiseKey(NamedTuple):
     key: int
     negative: bool
 
+    @classmethod
+    def of(cls, seed: int, number: int) -> NoiseKey:
+        """That of step `number`: steps go in pairs of opposite noise, whose errors of first order cancel."""
+        pair, second = divmod(number, 2)
+        return cls((seed * 0x9E3779B1 + pair * 0x85EBCA77) & 0xFFFFFFFF, bool(second))
 
-class SeedStep:
-    """Squared error plus λ times bits, those of MLP_p's difference included, and the gradients, for the models that
-    `can_run` names.
+
+class FusedStep:
+    """A `GradientStep` for squared error and Laplacian bits, for the models that `can_run` names.
 
     Noise is a hash of (its key, column, seed), so that a step does not depend on the number of threads. Inputs from
-    neighbours are found anew every `refresh` steps, as in `Sampler`. Under noise, where MLP_p is a prior's and only its
-    difference trains, it runs every `predict` steps: in between, what it said and the gradients that its difference and
-    the steps had then stand.
+    neighbours are found anew every `refresh` steps: they move slowly, and all seeds can then be evaluated at once
+    although coding visits them pass by pass. Under noise, where MLP_p is a prior's and only its difference trains, it
+    runs every `predict` steps: in between, its last outputs and the gradients of its difference and of the steps stand.
     """
 
     refresh, predict = 8, 4
 
-    def __init__(self, spec: ModelSpec, raster: NativeRasterizer, threads: int) -> None:
+    def __init__(self, spec: ModelSpec, seed: int, raster: NativeRasterizer, device: Device) -> None:
         opponent = np.array(colour_matrix(spec.channels), np.float32)
-        self.native = _native.SeedFit(raster.isa, threads, spec.per_seed, spec.context.hidden, opponent)
-        self.spec, self.raster = spec, raster
+        self.native = _native.SeedFit(device.isa, device.threads, spec.per_seed, spec.context.hidden, opponent)
+        self.spec, self.seed, self.raster = spec, seed, raster
         self.age = 0
-        self.standing: list[tuple[Tensor, Tensor | None]] = []
+        self.standing: dict[str, F32] = {}
 
     @staticmethod
     def can_run(spec: ModelSpec) -> bool:
@@ -86,78 +91,57 @@ class SeedStep:
         self.age = 0
 
     def run(
-        self,
-        values: dict[str, Tensor],
-        net: ContextNet,
-        steps: Tensor,
-        rounding: Rounding,
-        noise: NoiseKey,
-        target: F32,
-        scale: float,
-        lmbda: float,
-    ) -> tuple[float, float]:
-        """Squared error against target [C, H, W] and bits of the seeds; leaves gradients at all that takes part.
-
-        `scale` is the target's size as a fraction of the picture's; `steps` is laid out as `Sampler.steps`.
-        """
-        arrays = [values[name].detach().numpy() for name in _GROUPS]
-        first, rest = net.flat_first(), net.flat_rest()
-        gaussians = self._gaussian_arrays()
-        colour, shape, offset = arrays
-        reuse = self._reuse(rounding, net)
+        self, parameters: Parameters, rounding: Rounding, number: int, target: F32, scale: float, lmbda: float
+    ) -> StepResult:
+        """As `GradientStep.run`."""
+        colour, shape, offset = values = [parameters.seeds.values[name] for name in _GROUPS]
+        context, noise = parameters.context, NoiseKey.of(self.seed, number)
+        gaussians, reuse = self._gaussian_arrays(), self._reuse(rounding, context)
+        rest = context.effective_rest()  # the backward pass reads it again
         bits = self.native.forward(
             colour,
             shape,
             offset,
-            first.detach().numpy(),
-            rest.detach().numpy(),
-            steps.detach().numpy(),
+            context.first,
+            rest,
+            parameters.steps,
             _ROUNDINGS[rounding],
             noise.key,
             noise.negative,
             reuse.value,
-            not net.first_layer_is_fixed,
+            context.trains,
             *gaussians,
         )
         self.age = (self.age + 1) % self.refresh if rounding != "none" else 0
-        error, grads = self._draw(gaussians, target, scale)
-        for name, array in zip(_GROUPS, arrays, strict=True):
-            values[name].grad = torch.from_numpy(np.empty_like(array))
-        d_colour, d_shape, d_offset = (values[name].grad.numpy() for name in _GROUPS)  # type: ignore[union-attr]
+        error, slopes = self._draw(gaussians, target, scale)
+        d_colour, d_shape, d_offset = (np.empty_like(value) for value in values)
         sums = np.empty(self.native.sums, np.float32)
-        self.native.backward(*grads, lmbda, d_colour, d_shape, d_offset, sums)
+        self.native.backward(*slopes, lmbda, d_colour, d_shape, d_offset, sums)
+        gradients = {"colour": d_colour, "shape": d_shape, "offset": d_offset}
         if rounding != "none":
-            if reuse is Reuse.PREDICTIONS:
-                for tensor, gradient in self.standing:
-                    tensor.grad = gradient
-            else:
-                self._pass_on(torch.from_numpy(sums), steps, (rest, first))
-                self._price_difference(net, lmbda)
-                self.standing = [(t, t.grad) for t in (steps, net.difference) if t is not None]
-        return error, bits
+            if reuse is not Reuse.PREDICTIONS:
+                self.standing = self._shared_gradients(sums, len(parameters.steps), context, lmbda)
+            gradients |= self.standing
+        return StepResult(error, bits, gradients)
 
-    def _reuse(self, rounding: Rounding, net: ContextNet) -> Reuse:
+    def _reuse(self, rounding: Rounding, context: ContextWeights) -> Reuse:
         if self.age == 0 or rounding == "none":
             return Reuse.NOTHING
-        lazy = rounding == "noise" and net.difference is not None and self.age % self.predict
+        lazy = rounding == "noise" and context.difference is not None and self.age % self.predict
         return Reuse.PREDICTIONS if lazy else Reuse.INPUTS
 
     @staticmethod
-    def _price_difference(net: ContextNet, lmbda: float) -> None:
-        if net.difference is not None and lmbda:
-            (lmbda * net.difference_bits()).backward()  # type: ignore[no-untyped-call]
+    def _shared_gradients(sums: F32, steps: int, context: ContextWeights, lmbda: float) -> dict[str, F32]:
+        """Those of what all seeds share, from sums over seeds: of b1, W2 and b2, then steps, then W1 if it trains."""
+        at = len(context.rest)
+        rest, gradients = sums[:at], {"steps": sums[at : at + steps]}
+        if context.difference is not None:
+            gradients["context.difference"] = rest + context.difference_gradient(lmbda) if lmbda else rest
+        elif context.trains:
+            gradients |= {"context.first": sums[at + steps :], "context.rest": rest}
+        return gradients
 
-    @staticmethod
-    def _pass_on(gradient: Tensor, steps: Tensor, networks: tuple[Tensor, ...]) -> None:
-        """Hands the sums over seeds (of b1, W2 and b2, then steps, then W1 if it trains) to what they belong to."""
-        at = len(networks[0])
-        steps.grad = gradient[at : at + len(steps)]
-        parts = gradient[:at], gradient[at + len(steps) :]
-        trained = [(tensor, part) for tensor, part in zip(networks, parts, strict=True) if tensor.requires_grad]
-        if trained:
-            torch.autograd.backward([tensor for tensor, _ in trained], [part for _, part in trained])
-
-    def bits(self) -> F32:
+    def seed_bits(self) -> F32:
         """Bits of every seed in the last step [N]."""
         out = np.empty(self.count, np.float32)
         self.native.bits(out)

@@ -5,11 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import torch
 from numpy.typing import NDArray
-from torch import Tensor
 
-from sgicodec.model.gaussians import decoder_shapes
+from sgicodec.model.gaussians import colour_matrix, decoder_shapes
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ModelSpec
 
@@ -18,41 +16,39 @@ __all__ = ["cell_means", "fresh_decoders", "fresh_values"]
 F32 = NDArray[np.float32]
 
 
-def fresh_values(
-    spec: ModelSpec, mean: Tensor, opponent: Tensor, pixels: int, generator: torch.Generator
-) -> dict[str, Tensor]:
-    """Attributes by group [n, size] of seeds whose cells hold `mean` [n, C] of a picture of so many pixels.
+def fresh_values(spec: ModelSpec, mean: F32, pixels: int, rng: np.random.Generator) -> dict[str, F32]:
+    """Attributes by group [n, size] of seeds whose cells hold `mean` [n, C], in a picture of `pixels` pixels.
 
     With the skip a seed starts as a round Gaussian of half its cell and most of its cell's mean colour; without it, at
     f = 0 as published, with scales that cover the picture. K > 1 Gaussians start apart.
     """
     n = len(mean)
-    values = {group.name: torch.zeros(n, group.size) for group in spec.groups}
+    values = {group.name: np.zeros((n, group.size), np.float32) for group in spec.groups}
     if spec.skip:
-        values["colour"] = (0.7 * mean @ opponent.T).repeat(1, spec.per_seed) / spec.per_seed
+        opponent = np.array(colour_matrix(spec.channels), np.float32)
+        values["colour"][:] = np.tile(np.float32(0.7) * mean @ opponent.T, spec.per_seed) / np.float32(spec.per_seed)
         values["shape"][:, 0::3] = math.log(0.5)
     if spec.seed_scales:
-        values["scales"] += math.log(0.5 * math.sqrt(pixels / n))
+        values["scales"] += np.float32(math.log(0.5 * math.sqrt(pixels / n)))
     if spec.per_seed > 1:
-        spread = 0.35 if spec.skip else 0.7
-        values["offset"] += spread * torch.randn(values["offset"].shape, generator=generator)
+        spread = np.float32(0.35 if spec.skip else 0.7)
+        values["offset"] += spread * rng.standard_normal(values["offset"].shape, np.float32)
     return values
 
 
-def fresh_decoders(spec: ModelSpec, generator: torch.Generator) -> dict[str, Tensor]:
+def fresh_decoders(spec: ModelSpec, rng: np.random.Generator) -> dict[str, F32]:
     """Weights of MLP_c and MLP_Σ: Xavier-uniform, zero biases, and nearly nothing out of MLP_c (gain 0.01, as
     published) or, beside a skip, of either.
     """
     decoders = {}
     for name, shape in decoder_shapes(spec).items():
         if len(shape) == 1:
-            tensor = torch.zeros(shape)
-        else:
-            quiet = name.startswith("colour") or spec.skip
-            gain = 1.0 if name.endswith("w1") else 0.01 if quiet else 0.5
-            bound = gain * math.sqrt(6.0 / (shape[0] + shape[1]))
-            tensor = (torch.rand(shape, generator=generator) * 2 - 1) * bound
-        decoders[name] = tensor.requires_grad_()
+            decoders[name] = np.zeros(shape, np.float32)
+            continue
+        quiet = name.startswith("colour") or spec.skip
+        gain = 1.0 if name.endswith("w1") else 0.01 if quiet else 0.5
+        bound = np.float32(gain * math.sqrt(6.0 / (shape[0] + shape[1])))
+        decoders[name] = (rng.random(shape, np.float32) * 2 - 1) * bound
     return decoders
 
 

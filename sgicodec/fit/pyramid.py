@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-import torch
 from numpy.typing import NDArray
-from torch import Tensor
 
 __all__ = ["pyramid"]
 
 F32 = NDArray[np.float32]
 
 
-def pyramid(target: F32, levels: int) -> list[Tensor]:
+def pyramid(target: F32, levels: int) -> list[F32]:
     """[C, ⌈H / 2^l⌉, ⌈W / 2^l⌉] for l = 0 … levels − 1, filtered with (1, 3, 3, 1) / 8 along both axes.
 
     The even filter keeps pixel centres where halved coordinates put them, so a model at half scale needs no shift.
@@ -20,7 +18,7 @@ def pyramid(target: F32, levels: int) -> list[Tensor]:
     result = [target]
     for _ in range(levels - 1):
         result.append(_halved(_halved(result[-1], 1), 2))
-    return [torch.from_numpy(np.ascontiguousarray(image, dtype=np.float32)) for image in result]
+    return [np.ascontiguousarray(image, dtype=np.float32) for image in result]
 
 
 def _halved(image: F32, axis: int) -> F32:

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 
 from sgicodec.fit.settings import Phase
 
-__all__ = ["Pace", "evenly", "passed"]
+__all__ = ["Schedule", "evenly", "passed"]
 
 
-class Pace:
+class Schedule:
     """Shares a fit's steps, or `seconds` from its first step on, out to its phases in the proportion of their steps.
 
     `done` is the fraction of the whole fit that lies behind, without the step under way; `steps` is how many steps the

@@ -81,9 +81,8 @@ class FitSettings:
     exceeds `split` seeds' worth of rate. prune: a seed is dropped when its energy is below this many times the price
     of its bits (`seed_bits`). growth: a seed is added where the squared error that its cell's mean holds is above this
     many times that price. rate_sample: share of the seeds whose bits are counted each step. seeds: their number in the
-    uniform layout. seed: of every random number. threads: 0 for one per core. reference_steps: the number of steps that
-    the rates of `SLOWED` are meant for; more steps go with smaller ones. quality: index of the base colour step, where
-    it is not to follow λ.
+    uniform layout. seed: of every random number. reference_steps: the number of steps that the rates of `SLOWED` are
+    meant for; more steps go with smaller ones. quality: index of the base colour step, where it is not to follow λ.
     """
 
     lmbda: float
@@ -97,7 +96,6 @@ class FitSettings:
     rate_sample: float = 1.0
     seeds: int | None = None
     seed: int = 0
-    threads: int = 0
     reference_steps: int | None = None
     quality: int | None = None
 

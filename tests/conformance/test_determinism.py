@@ -22,6 +22,7 @@ from sgicodec.bitstream.parts.attributes import AttributeCoder
 from sgicodec.decoder import tile_renderer as drawn_tile
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.metrics.psnr import psnr
+from sgicodec.raster.cpu import NativeRasterizer
 
 PICTURE = Path(__file__).parents[1] / "data" / "kodim23.png"
 
@@ -65,17 +66,19 @@ def test_same_bytes_for_any_number_of_threads(
     assert encode(picture, settings, device=Device(threads)).data == data
 
 
-def test_a_fit_lets_torch_use_one_thread(picture: Picture) -> None:
+def test_a_fit_lets_torch_use_one_thread(picture: Picture, monkeypatch: pytest.MonkeyPatch) -> None:
     """A few steps seldom show that sums were shared among threads; the whole of a fit does."""
     before, seen = torch.get_num_threads(), set()
+    plain = NativeRasterizer.forward
 
-    def on_progress(_: Any) -> bool:
+    def drawn(self: NativeRasterizer, *arguments: Any) -> np.ndarray:
         seen.add(torch.get_num_threads())
-        return True
+        return plain(self, *arguments)
 
+    monkeypatch.setattr(NativeRasterizer, "forward", drawn)
     torch.set_num_threads(3)
     try:
-        encode(picture, EncodeSettings(steps=3), on_progress)
+        encode(picture, EncodeSettings(profile="paper", steps=3, seeds=50, per_seed=1, features=4))
         assert torch.get_num_threads() == 3
     finally:
         torch.set_num_threads(before)

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from sgicodec.bitstream.parts.prior import load_prior
-from sgicodec.fit.settings import FitSettings, default_settings
+from sgicodec.fit.fused_step import NoiseKey
+from sgicodec.fit.parameters import Parameters, StepResult
+from sgicodec.fit.settings import FitSettings, Rounding, default_settings
 from sgicodec.fit.trainer import Trainer
 from sgicodec.model.layout import adaptive_layout
 from sgicodec.model.spec import default_spec
@@ -20,18 +22,21 @@ def small_fit(settings: FitSettings) -> Trainer:
     return Trainer(spec, settings, target, adaptive_layout(target, 2.0), FAMILY, load_prior(spec))
 
 
-def test_every_second_step_mirrors_the_noise_before(monkeypatch: pytest.MonkeyPatch) -> None:
-    trainer = small_fit(default_settings(LMBDA, 12))
-    assert trainer.seed_step is not None
-    run, seen = trainer.seed_step.run, []
+def test_every_second_step_mirrors_the_noise_before() -> None:
+    keys = [NoiseKey.of(seed, number) for seed in (0, 7) for number in range(12)]
+    assert [key.negative for key in keys] == 12 * [False, True]
+    assert [key.key for key in keys[0::2]] == [key.key for key in keys[1::2]]
+    assert len({key.key for key in keys}) == 12
 
-    def spy(*arguments: Any) -> tuple[float, float]:
-        seen.append(arguments[4])
-        return run(*arguments)
 
-    monkeypatch.setattr(trainer.seed_step, "run", spy)
+def test_steps_are_numbered_from_the_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    trainer, seen = small_fit(default_settings(LMBDA, 12)), []
+    run = trainer.gradient_step.run
+
+    def spy(parameters: Parameters, rounding: Rounding, number: int, *rest: Any) -> StepResult:
+        seen.append(number)
+        return run(parameters, rounding, number, *rest)
+
+    monkeypatch.setattr(trainer.gradient_step, "run", spy)
     trainer.run()
-    keys = [noise.key for noise in seen]
-    assert [noise.negative for noise in seen] == 6 * [False, True]
-    assert keys[0::2] == keys[1::2]
-    assert len(set(keys)) == 6
+    assert seen == list(range(12))

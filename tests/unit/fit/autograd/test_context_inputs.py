@@ -8,8 +8,10 @@ import torch
 
 from sgicodec.bitstream.entropy.symbol_coder import SymbolWriter
 from sgicodec.bitstream.parts.attributes import AttributeCoder
-from sgicodec.fit.context_training import ContextNet
-from sgicodec.fit.quantization_noise import Sampler
+from sgicodec.fit.autograd.context_net import ContextNet
+from sgicodec.fit.autograd.quantization_proxy import QuantizationProxy, Sample
+from sgicodec.fit.context_weights import ContextWeights
+from sgicodec.fit.step_sizes import flat_steps
 from sgicodec.model.context import LEVELS, SUMMARY, HashGrid, passes
 from sgicodec.model.layout import adaptive_layout, uniform_layout
 from sgicodec.model.network import IntNetwork, Prediction
@@ -46,20 +48,22 @@ class Fit:
         self.hash_sizes: tuple[int, ...] = ()
         if spec.context.hash_resolutions:
             self.hash_sizes = HashGrid.at(spec.context, self.layout, width, height).sizes
-        self.net = ContextNet(spec, self.hash_sizes, torch.Generator().manual_seed(0))
+        self.weights = ContextWeights(spec, self.hash_sizes, np.random.default_rng(0))
         self.spec = spec
 
     def code(self, networks: tuple[Any, ...], plan: StepPlan) -> tuple[dict[str, torch.Tensor], SymbolWriter]:
         """The values as they are decoded, and the walk that wrote them."""
         walk = SymbolWriter()
-        coder = AttributeCoder(self.spec, self.layout, SIZE, plan, networks, self.net.signs(), QUALITY, FAMILY)
+        coder = AttributeCoder(self.spec, self.layout, SIZE, plan, networks, self.weights.signs(), QUALITY, FAMILY)
         decoded = torch.from_numpy(np.ldexp(coder.code(walk, self.values).astype(np.float64), -FRACTION_BITS))
         return {group.name: decoded[:, group.columns].float() for group in self.spec.groups}, walk
 
-    def sampler(self, net: ContextNet, plan: StepPlan) -> Sampler:
-        sampler = Sampler(self.spec, net, plan, FAMILY)
-        sampler.set_layout(self.layout, QUALITY, *SIZE)
-        return sampler
+    def sample(self, net: ContextNet, plan: StepPlan, values: dict[str, torch.Tensor]) -> Sample:
+        """The values rounded, and their bits."""
+        proxy = QuantizationProxy(self.spec, FAMILY)
+        proxy.set_layout(self.layout, QUALITY, *SIZE)
+        steps = torch.from_numpy(flat_steps(self.spec, plan))
+        return proxy.sample(values, net, steps, "round", torch.Generator())
 
 
 class CodingRecorder:
@@ -79,9 +83,9 @@ class CodingRecorder:
 class TrainingRecorder(ContextNet):
     """A `ContextNet` that keeps its inputs and predicts nothing."""
 
-    def forward(self, step: int, inputs: torch.Tensor) -> tuple[torch.Tensor, ...]:
-        self.inputs: dict[int, torch.Tensor] = {**getattr(self, "inputs", {}), step: inputs}
-        return tuple(torch.zeros_like(part) for part in super().forward(step, inputs))
+    def forward(self, stage: int, inputs: torch.Tensor) -> tuple[torch.Tensor, ...]:
+        self.inputs: dict[int, torch.Tensor] = {**getattr(self, "inputs", {}), stage: inputs}
+        return tuple(torch.zeros_like(part) for part in super().forward(stage, inputs))
 
 
 def rounding_of(spec: ModelSpec, step: int) -> np.ndarray:
@@ -108,12 +112,12 @@ def test_both_sides_see_the_same(spec: ModelSpec) -> None:
     plan = default_plan(spec, QUALITY)
     plan = StepPlan(plan.base, {name: 0 for name in plan.gamma})  # equal steps, so that rounding again changes nothing
     coding = [
-        CodingRecorder(int(w2.shape[0]), (int(w2.shape[0]) - len(step)) // 2)
-        for (_, _, w2, _), step in zip(fit.net.layers, spec.context.steps, strict=True)
+        CodingRecorder(len(network.w2), (len(network.w2) - len(step)) // 2)
+        for network, step in zip(fit.weights.integers(), spec.context.steps, strict=True)
     ]
     decoded, _ = fit.code(tuple(coding), plan)
-    training = TrainingRecorder(spec, fit.hash_sizes, torch.Generator().manual_seed(0))
-    sample = fit.sampler(training, plan).sample(decoded, "round", torch.Generator())
+    training = TrainingRecorder(fit.weights)
+    sample = fit.sample(training, plan, decoded)
     joined = torch.cat([decoded[group.name] for group in spec.groups], dim=1)
     torch.testing.assert_close(sample.attributes.detach(), joined, rtol=1e-5, atol=1e-5)
 
@@ -133,9 +137,9 @@ def test_the_fit_counts_the_bits_that_are_written(spec: ModelSpec) -> None:
     """With steps that follow the amplitude and real predictions; the escape and the tables' rounding make up 1 %."""
     fit = Fit(spec)
     plan = default_plan(spec, QUALITY)
-    networks: tuple[IntNetwork, ...] = fit.net.to_integers(8)
-    fit.net.load_integers(networks)
+    networks: tuple[IntNetwork, ...] = fit.weights.integers()
+    fit.weights.load(networks, trains=False)
     decoded, walk = fit.code(networks, plan)
-    sample = fit.sampler(fit.net, plan).sample(decoded, "round", torch.Generator())
+    sample = fit.sample(ContextNet(fit.weights), plan, decoded)
     written = sum(walk.bits[group.name] for group in spec.groups)
     assert float(sample.bits.detach().sum()) == pytest.approx(written, rel=0.02)

@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from sgicodec.device import Device
-from sgicodec.fit.raster_op import rasterize, squared_error
+from sgicodec.fit.autograd.raster_op import rasterize, squared_error
 from sgicodec.raster.cpu import NativeRasterizer
 from sgicodec.raster.reference import rasterize_reference, rasterize_reference_backward
 

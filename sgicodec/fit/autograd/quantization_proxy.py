@@ -1,4 +1,4 @@
-"""From the attributes that train to the attributes that will be decoded: means, steps, noise or rounding, and bits."""
+"""The quantisation proxy: noise or rounding on the attributes that train, and the bits that they will take."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from sgicodec.fit.context_training import ContextNet
-from sgicodec.fit.rate import bits_gaussian, bits_laplace
+from sgicodec.fit.autograd.context_net import ContextNet
+from sgicodec.fit.autograd.rate import bits_gaussian, bits_laplace
 from sgicodec.fit.settings import Rounding
+from sgicodec.fit.step_sizes import base_counts, gamma_names
 from sgicodec.model.context import (
     INPUT_BITS,
     LEVELS,
@@ -25,11 +26,11 @@ from sgicodec.model.context import (
 )
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.neighbours import nearest_seeds
-from sgicodec.model.quantization import DEAD_ZONE, DEAD_ZONE_LIMIT, PER_OCTAVE, STEP_COUNT, STEP_ZERO
+from sgicodec.model.quantization import DEAD_ZONE, DEAD_ZONE_LIMIT, PER_OCTAVE
 from sgicodec.model.spec import ModelSpec
-from sgicodec.model.steps import AMPLITUDE_ZERO, GAMMA_BITS, REFINE_LIMIT, StepPlan, follows_amplitude
+from sgicodec.model.steps import AMPLITUDE_ZERO, REFINE_LIMIT, follows_amplitude
 
-__all__ = ["Sample", "Sampler"]
+__all__ = ["QuantizationProxy", "Sample"]
 
 _LEAST_STEP, _GREATEST_STEP = 2.0**-16, 2.0
 _COLOUR_INPUT = 16.0
@@ -44,8 +45,8 @@ class Sample:
     bits: Tensor
 
 
-class Sampler:
-    """Holds the step sizes that train (`steps`: log2 of base steps, then γ) and the context inputs of a layout.
+class QuantizationProxy:
+    """Draws or rounds attributes as a stream will, with the context inputs of a layout.
 
     Neighbours enter with the values of the step before, refreshed every few steps: they move slowly, and all seeds
     can then be evaluated at once although coding visits them pass by pass.
@@ -53,42 +54,25 @@ class Sampler:
 
     refresh = 8
 
-    def __init__(self, spec: ModelSpec, net: ContextNet, plan: StepPlan, family: int) -> None:
-        self.spec, self.net = spec, net
+    def __init__(self, spec: ModelSpec, family: int) -> None:
+        self.spec = spec
         self.bits_of = bits_laplace if family else bits_gaussian
-        self.steps = _flat(spec, plan).requires_grad_()
         self.columns: dict[str, Tensor | None] = {
             g.name: _unless_identity(output_columns(spec, g.name), output_count(spec, g.name)) for g in spec.groups
         }
         self.products: list[Tensor] = []
         self.age = 0
 
-    def _base(self) -> dict[str, Tensor]:
+    def _base(self, steps: Tensor) -> dict[str, Tensor]:
         """log2 of the base steps of each group's outputs and cell sizes [U, LEVELS]."""
-        counts = [output_count(self.spec, group.name) for group in self.spec.groups]
-        rows = torch.split(self.steps[: sum(counts) * LEVELS].reshape(-1, LEVELS), counts)
-        return {group.name: part for group, part in zip(self.spec.groups, rows, strict=True)}
+        counts = base_counts(self.spec)
+        parts = torch.split(steps[: sum(counts)], counts)
+        return {group.name: part.reshape(-1, LEVELS) for group, part in zip(self.spec.groups, parts, strict=True)}
 
-    def _gamma(self) -> dict[str, Tensor]:
+    def _gamma(self, steps: Tensor) -> dict[str, Tensor]:
         """γ of each group whose steps follow the amplitude."""
-        names = [group.name for group in self.spec.groups if follows_amplitude(self.spec, group.name)]
-        return dict(zip(names, self.steps[len(self.steps) - len(names) :], strict=True))
-
-    def plan(self) -> StepPlan:
-        """The steps in the stream's units."""
-        base = {
-            name: np.clip(np.rint(value.detach().numpy() * PER_OCTAVE) + STEP_ZERO, 0, STEP_COUNT - 1).astype(np.int64)
-            for name, value in self._base().items()
-        }
-        gamma = {
-            name: int(np.clip(np.rint(float(v.detach()) * 2**GAMMA_BITS), 0, 63)) for name, v in self._gamma().items()
-        }
-        return StepPlan(base, {name: gamma.get(name, 0) for name in base})
-
-    def load_plan(self, plan: StepPlan) -> None:
-        """Rounds the steps to those of the stream."""
-        with torch.no_grad():
-            self.steps.copy_(_flat(self.spec, plan))
+        names = gamma_names(self.spec)
+        return dict(zip(names, steps[len(steps) - len(names) :], strict=True))
 
     def set_layout(self, layout: SeedLayout, quality: int, width: int, height: int) -> None:
         """Prepares everything that depends on where the seeds are."""
@@ -105,22 +89,24 @@ class Sampler:
             self.grid_weight = torch.from_numpy(self.grid.weight).float()
         self.age = 0
 
-    def sample(self, values: dict[str, Tensor], rounding: Rounding, generator: torch.Generator) -> Sample:
-        """Draws (noise) or rounds the attributes `values` and counts their bits."""
-        if not self.age or (self.net.first_layer_is_fixed and not self.products):
+    def sample(
+        self, values: dict[str, Tensor], net: ContextNet, steps: Tensor, rounding: Rounding, generator: torch.Generator
+    ) -> Sample:
+        """Draws (noise) or rounds the attributes `values` and counts their bits; steps as `step_sizes.flat_steps`."""
+        if not self.age or (not net.trains and not self.products):
             with torch.no_grad():
                 self.common = self._common_inputs(values)
-                if self.net.first_layer_is_fixed:
-                    steps = range(len(self.spec.context.steps))
-                    self.products = [self.net.product(number, self.common) for number in steps]
+                if not net.trains:
+                    stages = range(len(self.spec.context.steps))
+                    self.products = [net.product(number, self.common) for number in stages]
         self.age = (self.age + 1) % self.refresh
         decoded: dict[str, Tensor] = {}
         costs: dict[str, tuple[Tensor, Tensor, Tensor]] = {}
-        bases, gammas = self._base(), self._gamma()
-        for number, step in enumerate(self.spec.context.steps):
-            mean, scale, refine = self._predict(number, decoded)
+        bases, gammas = self._base(steps), self._gamma(steps)
+        for number, stage in enumerate(self.spec.context.steps):
+            mean, scale, refine = self._predict(net, number, decoded)
             start = 0
-            for position, name in enumerate(step):
+            for position, name in enumerate(stage):
                 base = bases[name]  # [U, LEVELS]
                 units = slice(start, start + base.shape[0])
                 start += base.shape[0]
@@ -191,29 +177,22 @@ class Sampler:
             )
         return torch.cat(blocks, dim=1)
 
-    def _predict(self, number: int, decoded: dict[str, Tensor]) -> tuple[Tensor, Tensor, Tensor]:
-        """MLP_p at one coding step; what its first layer makes of the common inputs is kept if it does not train."""
+    def _predict(self, net: ContextNet, number: int, decoded: dict[str, Tensor]) -> tuple[Tensor, Tensor, Tensor]:
+        """MLP_p at one coding stage; what its first layer makes of the common inputs is kept if it does not train."""
         blocks = []
         if self.spec.context.hash_resolutions:
-            blocks.append(self.net.hash_features(self.grid, self.grid_weight))
+            blocks.append(net.hash_features(self.grid, self.grid_weight))
         if number:
             known = {name: value.detach() for name, value in decoded.items()}
             if "shape" not in known:
                 known["shape"] = torch.zeros(len(self.level), 3 * self.spec.per_seed)
             blocks.append(own_inputs(self.summary(known), number, torch.cat))
-        if not self.net.first_layer_is_fixed:
-            return self.net.forward(number, torch.cat([self.common, *blocks], dim=1))
+        if net.trains:
+            return net.forward(number, torch.cat([self.common, *blocks], dim=1))
         product = self.products[number]
         if blocks:
-            product = product + self.net.product(number, torch.cat(blocks, dim=1), self.common.shape[1])
-        return self.net.predict(number, product)
-
-
-def _flat(spec: ModelSpec, plan: StepPlan) -> Tensor:
-    """log2 of all base steps by group, output and cell size, then γ of the groups that follow the amplitude."""
-    base = [(plan.base[group.name].reshape(-1) - STEP_ZERO) / PER_OCTAVE for group in spec.groups]
-    gamma = [plan.gamma[group.name] / 2.0**GAMMA_BITS for group in spec.groups if follows_amplitude(spec, group.name)]
-    return torch.tensor(np.concatenate([*base, np.array(gamma)]), dtype=torch.float32)
+            product = product + net.product(number, torch.cat(blocks, dim=1), self.common.shape[1])
+        return net.predict(number, product)
 
 
 def _unless_identity(columns: np.ndarray, outputs: int) -> Tensor | None:

@@ -1,0 +1,98 @@
+"""MLP_p and the hash grid in torch: what they predict from inputs, differentiable in their weights."""
+
+from __future__ import annotations
+
+import math
+from typing import cast
+
+import torch
+from torch import Tensor
+
+from sgicodec.fit.context_weights import ContextWeights, layer_shapes, shaped
+from sgicodec.model.context import INPUT_BITS, HashGrid, hash_inputs, output_count
+from sgicodec.model.network import DIFFERENCE_SHIFT, INPUT_LIMIT
+
+__all__ = ["ContextNet", "binarize"]
+
+
+class _Sign(torch.autograd.Function):
+    """±1 forward; backward the identity where |θ| ≤ 1 (straight-through estimation, Shin and Park 2023)."""
+
+    @staticmethod
+    def forward(ctx: object, theta: Tensor) -> Tensor:
+        ctx.save_for_backward(theta)  # type: ignore[attr-defined]
+        return torch.where(theta >= 0, 1.0, -1.0)
+
+    @staticmethod
+    def backward(ctx: object, *grads: Tensor) -> Tensor:
+        theta: Tensor = ctx.saved_tensors[0]  # type: ignore[attr-defined]
+        return grads[0] * (theta.abs() <= 1)
+
+
+def binarize(theta: Tensor) -> Tensor:
+    """Signs of θ with straight-through gradients."""
+    return cast(Tensor, _Sign.apply(theta))  # type: ignore[no-untyped-call]
+
+
+class ContextNet:
+    """The arrays of `weights` as tensors on the same memory. Those that train are `leaves`, by their names there."""
+
+    def __init__(self, weights: ContextWeights) -> None:
+        self.spec, self.trains = weights.spec, weights.trains
+        self.leaves = {name: torch.from_numpy(array).requires_grad_() for name, array in weights.trained().items()}
+        first = self.leaves.get("context.first", torch.from_numpy(weights.first))
+        rest = self.leaves.get("context.rest", torch.from_numpy(weights.rest))
+        self.tables = [
+            self.leaves.get(f"context.table{number}", torch.from_numpy(table))
+            for number, table in enumerate(weights.tables)
+        ]
+        self.difference = self.leaves.get("context.difference")
+        if self.difference is not None:
+            rest = rest + self.difference
+        shapes = layer_shapes(self.spec)
+        firsts: list[Tensor] = shaped([stage[0] for stage in shapes], first)
+        rests: list[Tensor] = shaped([shape for stage in shapes for shape in stage[1:]], rest)
+        self.layers = [[w1, *rests[3 * number : 3 * number + 3]] for number, w1 in enumerate(firsts)]
+        self._counts = [math.prod(shape) for stage in shapes for shape in stage[1:]]
+
+    def difference_bits(self) -> Tensor:
+        """About what the differences cost: each tensor under the Laplacian of its own mean magnitude."""
+        total = torch.zeros(())
+        if self.difference is None:
+            return total
+        for part in torch.split(self.difference.abs() * 2.0**DIFFERENCE_SHIFT, self._counts):
+            mean = part.detach().mean() + 0.05
+            total = total + (part / (mean * math.log(2.0))).sum() + len(part) * torch.log2(1.0 + 2.0 * mean)
+        return total
+
+    def product(self, stage: int, inputs: Tensor, start: int = 0) -> Tensor:
+        """W1 times inputs [n, k] in units of 2^-6 that stand at columns `start` … of all inputs [n, hidden]."""
+        x = inputs.clamp(-INPUT_LIMIT, INPUT_LIMIT) * 2.0**-INPUT_BITS
+        return x @ self.layers[stage][0][:, start : start + inputs.shape[1]].T
+
+    def forward(self, stage: int, inputs: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+        """Means in base steps [n, U], scales [n, U] and refinements [n, G] in octaves, from inputs in units of 2^-6."""
+        return self.predict(stage, self.product(stage, inputs))
+
+    def predict(self, stage: int, product: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+        """The same from W1 times all inputs."""
+        _, b1, w2, b2 = self.layers[stage]
+        out = torch.addmm(b2, torch.relu(product + b1), w2.T)
+        units = sum(output_count(self.spec, group) for group in self.spec.context.steps[stage])
+        return out[:, :units], out[:, units : 2 * units], out[:, 2 * units :]
+
+    def hash_features(self, grid: HashGrid, weight: Tensor) -> Tensor:
+        """H at every seed [N, L·F], in input units."""
+        signs = [binarize(table) for table in self.tables]
+        return cast(
+            Tensor,
+            hash_inputs(grid, slice(None), signs, weight, torch.cat, lambda value, shift: value * 2.0**-shift),
+        )
+
+    def hash_bits(self) -> Tensor:
+        """L_hash: the entropy of the grid's signs (paper, equation 12)."""
+        total = torch.zeros(())
+        for table in self.tables:
+            share = (binarize(table) * 0.5 + 0.5).mean().clamp(1e-6, 1 - 1e-6)
+            total = total - table.numel() * (share * share.log2() + (1 - share) * (1 - share).log2())
+        return total

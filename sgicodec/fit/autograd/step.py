@@ -1,0 +1,118 @@
+"""A step of any model by automatic differentiation in torch: the paper profile's, and what the fused step lacks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from sgicodec.fit.autograd.context_net import ContextNet
+from sgicodec.fit.autograd.quantization_proxy import QuantizationProxy, Sample
+from sgicodec.fit.autograd.raster_op import rasterize, squared_error
+from sgicodec.fit.parameters import Parameters, StepResult
+from sgicodec.fit.settings import FitSettings, Rounding
+from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
+from sgicodec.model.layout import SeedLayout
+from sgicodec.model.spec import ModelSpec
+from sgicodec.raster.cpu import NativeRasterizer
+
+__all__ = ["AutogradStep"]
+
+F32 = NDArray[np.float32]
+
+
+class AutogradStep:
+    """A `GradientStep` with squared or mean absolute error, for a picture of `size` (W, H)."""
+
+    def __init__(
+        self, spec: ModelSpec, settings: FitSettings, raster: NativeRasterizer, family: int, size: tuple[int, int]
+    ) -> None:
+        self.spec, self.settings, self.raster, self.size = spec, settings, raster, size
+        self.proxy = QuantizationProxy(spec, family)
+        self.generator = torch.Generator().manual_seed(settings.seed)
+        self._opponent = torch.tensor(colour_matrix(spec.channels))
+        self._seed_bits: F32 = np.zeros(0, np.float32)
+
+    def set_layout(self, layout: SeedLayout, quality: int) -> None:
+        """As `GradientStep.set_layout`."""
+        self.proxy.set_layout(layout, quality, *self.size)
+        self._centre, self._cell = torch.from_numpy(layout.centre), torch.from_numpy(layout.cell)
+
+    def run(
+        self, parameters: Parameters, rounding: Rounding, number: int, target: F32, scale: float, lmbda: float
+    ) -> StepResult:
+        """As `GradientStep.run`."""
+        with _one_thread():
+            return self._run(parameters, rounding, torch.from_numpy(target), scale, lmbda)
+
+    def seed_bits(self) -> F32:
+        """Bits of every seed in the last step [N]."""
+        return self._seed_bits
+
+    def _run(
+        self, parameters: Parameters, rounding: Rounding, target: Tensor, scale: float, lmbda: float
+    ) -> StepResult:
+        net = ContextNet(parameters.context)
+        own = {name: a for name, a in parameters.trained().items() if name not in net.leaves}
+        leaves = {name: torch.from_numpy(array).requires_grad_() for name, array in own.items()} | net.leaves
+        values = {group.name: leaves[group.name] for group in self.spec.groups}
+        if rounding == "none":
+            joined = torch.cat(list(values.values()), dim=1)
+            sample = Sample(joined, torch.zeros(len(joined)))
+        else:
+            sample = self.proxy.sample(values, net, leaves["steps"], rounding, self.generator)
+        decoders = {name: leaves[f"decoder_{name}"] for name in parameters.seeds.decoders}
+        gaussians = gaussians_from_seeds(
+            self.spec,
+            sample.attributes,
+            self._centre * scale,
+            self._cell * scale,
+            decoders,
+            self._opponent,
+            torch,
+        )
+        loss, error = self._loss(gaussians, target, sample, net, lmbda)
+        loss.backward()  # type: ignore[no-untyped-call]
+        self._seed_bits = sample.bits.detach().numpy()
+        gradients = {name: leaf.grad.contiguous().numpy() for name, leaf in leaves.items() if leaf.grad is not None}
+        return StepResult(error, float(sample.bits.detach().sum()), gradients)
+
+    def _loss(
+        self, gaussians: tuple[Tensor, Tensor, Tensor], target: Tensor, sample: Sample, net: ContextNet, lmbda: float
+    ) -> tuple[Tensor, float]:
+        """The loss, and the squared error."""
+        if self.settings.loss == "squared":
+            error = squared_error(*gaussians, target, self.raster)
+            squared, loss, price = float(error.detach()), error, lmbda
+        else:
+            image = rasterize(*gaussians, (target.shape[2], target.shape[1]), self.raster)
+            squared, loss = float(((image.detach() - target) ** 2).sum()), (image - target).abs().mean()
+            price = lmbda / (len(sample.bits) * self.spec.attributes)
+        if lmbda:
+            loss = loss + price * (self._sampled_bits(sample) + net.hash_bits() + net.difference_bits())
+        return loss, squared
+
+    def _sampled_bits(self, sample: Sample) -> Tensor:
+        share = self.settings.rate_sample
+        if share >= 1:
+            return sample.bits.sum()
+        chosen = torch.rand(len(sample.bits), generator=self.generator) < share
+        return sample.bits[chosen].sum() / share
+
+
+@contextmanager
+def _one_thread() -> Iterator[None]:
+    """With more threads torch's sums, powers and scattered additions depend on their number, some even on chance.
+
+    The rasteriser, where the time goes, gives the same for any number.
+    """
+    threads = torch.get_num_threads()
+    torch.set_num_threads(1)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(threads)

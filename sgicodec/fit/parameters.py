@@ -1,0 +1,72 @@
+"""Everything that trains in a fit, and what a step says of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec.fit.context_weights import ContextWeights
+from sgicodec.fit.seed_set import SeedSet
+from sgicodec.fit.settings import Rounding
+from sgicodec.model.layout import SeedLayout
+
+__all__ = ["GradientStep", "Parameters", "StepResult", "learning_rate_of"]
+
+F32 = NDArray[np.float32]
+
+
+@dataclass
+class Parameters:
+    """seeds: attributes and decoders; steps: as `step_sizes.flat_steps`; context: MLP_p and the hash grid, which train
+    along if `trains_context`.
+    """
+
+    seeds: SeedSet
+    steps: F32
+    context: ContextWeights
+    trains_context: bool = True
+
+    def trained(self) -> dict[str, F32]:
+        """The arrays that train, by name."""
+        decoders = {f"decoder_{name}": weights for name, weights in self.seeds.decoders.items()}
+        context = self.context.trained() if self.trains_context else {}
+        return {**self.seeds.values, **decoders, "steps": self.steps, **context}
+
+
+def learning_rate_of(name: str) -> str:
+    """The field of `LearningRates` that an array's name belongs to."""
+    return name.partition(".")[0]
+
+
+@dataclass(frozen=True)
+class StepResult:
+    """error: squared, samples in 0..1, summed over pixels and channels; bits: of all seeds' attributes; gradients: of
+    the arrays that take part, by their names in `Parameters.trained`.
+    """
+
+    error: float
+    bits: float
+    gradients: dict[str, F32]
+
+
+class GradientStep(Protocol):
+    """What computes the loss of a fit and its gradients."""
+
+    def set_layout(self, layout: SeedLayout, quality: int) -> None:
+        """Prepares everything that depends on where the seeds are."""
+        ...
+
+    def run(
+        self, parameters: Parameters, rounding: Rounding, number: int, target: F32, scale: float, lmbda: float
+    ) -> StepResult:
+        """Step `number` of a fit against target [C, H, W], whose size is `scale` times the picture's. λ 0: bits do not
+        count.
+        """
+        ...
+
+    def seed_bits(self) -> F32:
+        """Bits of every seed in the last step [N]."""
+        ...
