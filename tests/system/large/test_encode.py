@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from clock import Clock
 
 from sgicodec import EncodeSettings, Picture, encode, open_stream, read
 from sgicodec.encoder.checkpoint import Journal
@@ -80,14 +81,16 @@ def test_going_on_gives_the_same_bytes(photo: Path, settings: EncodeSettings, ex
     assert states[-1][1] == 150 * 50
 
 
-def test_state_adds_up() -> None:
-    state = State(tiles=4, all_pixels=4000)
+def test_state_adds_up(clock: Clock) -> None:
+    state = State(tiles=4, all_pixels=4000, started=clock.now)
     assert state.seconds_left == float("inf")
     state.add(EncodedTile(b"", {}, 1, 0.03, 300, 1.0, 125, 0.01), 1000, fresh=True)
     state.add(EncodedTile(b"", {}, 1, 0.03, 300, 1.0, 125, 0.01), 1000, fresh=False)
     assert (state.done, state.bpp) == (2, 1.0)
     assert state.psnr == pytest.approx(40.0)
-    assert state.seconds_left == pytest.approx(2000 / state.pixels_per_second, rel=0.5)
+    clock.now += 4.0
+    assert state.pixels_per_second == 1000 / 4.0
+    assert state.seconds_left == 2000 / 250.0
 
 
 def test_measured_psnr_is_that_of_the_pictures(photo: Path, expected: bytes) -> None:

@@ -7,8 +7,8 @@ from collections.abc import Callable
 
 import pytest
 from clock import Clock
-from hypothesis import HealthCheck, given
-from hypothesis import settings as examples
+from examples import examples
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from sgicodec.encoder.tile_work import EncodedTile
@@ -154,7 +154,7 @@ def test_only_what_is_expected_counts(clock: Clock, count: int) -> None:
     assert shares.begin(2) == pytest.approx(70 / count, rel=1e-3)
 
 
-@examples(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=examples(200), suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.integers(1, 40), st.integers(1, 9), st.randoms(use_true_random=False))
 def test_the_limit_holds_where_no_tile_takes_longer(clock: Clock, count: int, workers: int, random: object) -> None:
     clock.now = START

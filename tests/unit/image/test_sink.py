@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from examples import examples
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -38,7 +39,7 @@ def _in_bands(picture: Picture, heights: list[int], format: str) -> bytes:
 
 
 @pytest.mark.parametrize("holder", FORMATS, ids=lambda holder: holder.name)
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=examples(5))
 @given(heights=st.lists(st.integers(1, 30), min_size=1, max_size=4))
 def test_the_bands_of_rows_leave_no_trace(holder: output.Format, heights: list[int]) -> None:
     layout = "rgb" if "rgba" not in holder.layouts else "rgba"
@@ -52,7 +53,7 @@ def test_the_bands_of_rows_leave_no_trace(holder: output.Format, heights: list[i
         np.testing.assert_array_equal(read(file.getvalue()).pixels, pixels)
 
 
-@settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=examples(20), suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(heights=st.lists(st.integers(1, 300), min_size=1, max_size=4), count=st.sampled_from([1, 3, 5]))
 def test_tiled_tiff(heights: list[int], count: int) -> None:
     pixels = np.random.default_rng(1).integers(0, 65536, (530, 301, count), np.uint16)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import OpenImageIO as oiio
 import pytest
+from examples import examples
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -118,7 +119,7 @@ def files(save: Save) -> Iterator[dict[str, Path]]:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=examples(25), suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(windows=ANY_WINDOWS)
 def test_windows_are_parts_of_the_whole(
     files: dict[str, Path], kind: str, windows: list[tuple[int, int, int, int]]

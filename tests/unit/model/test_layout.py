@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from examples import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -35,7 +36,7 @@ def picture(seed: int, channels: int, width: int, height: int) -> np.ndarray:
     return (0.02 * np.arange(height)[:, None] + rough).astype(np.float32)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=examples(30))
 @given(
     st.integers(1, 150),
     st.integers(1, 150),
@@ -73,7 +74,6 @@ def test_leaves_are_those_below_the_threshold() -> None:
             assert deviation(*parent, k + 1) > threshold
 
 
-@settings(deadline=None)
 @given(st.integers(1, 3), st.integers(1, 3), st.floats(0, 30), st.integers(0, 3), st.integers(0, 100))
 def test_leaf_sums_are_those_of_the_leaves(rows: int, columns: int, threshold: float, min_log: int, seed: int) -> None:
     detail = picture(seed, 2, columns << ROOT_LOG, rows << ROOT_LOG)
@@ -133,7 +133,6 @@ def test_weights_of_one_change_no_leaf_and_scaled_ones_go_with_the_threshold() -
     assert len(weighted) != len(plain)
 
 
-@settings(deadline=None)
 @given(st.integers(1, 90), st.integers(1, 90), st.floats(0, 1.1), st.integers(0, 1000))
 def test_uniform_seeds_are_as_many_as_asked_for_and_inside(width: int, height: int, share: float, seed: int) -> None:
     count = max(1, round(share * width * height))

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from examples import examples
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
@@ -36,7 +37,7 @@ def nearest_points(points: np.ndarray, queries: np.ndarray, k: int) -> np.ndarra
     return nearest_seeds(np.concatenate([points, queries]), np.arange(n), n + np.arange(m), k)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300))
 @given(
     st.one_of(
         *(

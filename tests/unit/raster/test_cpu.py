@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from examples import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import (
@@ -65,7 +66,7 @@ def test_elongated_at_any_angle(isa: str, sigma: float) -> None:
         check((means, shapes, rng.normal(size=(24, 3)).astype(np.float32)), 150, 70, (0, 0), isa)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40))
 @given(
     st.integers(1, 60),
     st.integers(1, 60),
@@ -176,7 +177,6 @@ def whole() -> dict[str, np.ndarray]:
     return {isa: NativeRasterizer(Device(1, isa)).forward(*CROP_SCENE, WHOLE, WHOLE, WHOLE_ORIGIN) for isa in ISAS}
 
 
-@settings(deadline=None)
 @given(st.data())
 def test_a_crop_of_the_picture_is_the_picture_of_the_crop(whole: dict[str, np.ndarray], data: st.DataObject) -> None:
     isa = data.draw(st.sampled_from(ISAS))
@@ -243,7 +243,7 @@ def test_what_is_no_gaussian_does_no_harm(isa: str) -> None:
 number = st.one_of(st.sampled_from(BAD), st.floats(width=32), st.floats(-50, 50, width=32))
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(200))
 @given(
     st.lists(st.tuples(number, number, number, number, number), min_size=1, max_size=6),
     st.sampled_from(ISAS),

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from sgicodec.bitstream.parts.prior import load_prior
@@ -32,7 +32,6 @@ def streams(size: float, slope: float, bend: float, decibels: float = 30.0) -> t
     return finish, made
 
 
-@settings(deadline=None)
 @given(st.floats(2e3, 1e6), st.floats(0.004, 0.02), st.floats(-0.5, 0.5), st.floats(-0.35, 0.35))
 def test_finds_a_size_within_reach(size: float, slope: float, bend: float, off: float) -> None:
     finish, made = streams(size, slope, bend)
@@ -47,7 +46,6 @@ def test_finds_a_size_within_reach(size: float, slope: float, bend: float, off: 
     assert len(made) <= 8
 
 
-@settings(deadline=None)
 @given(st.floats(0.004, 0.02), st.floats(-0.5, 0.5), st.floats(-2, 2))
 def test_finds_a_psnr_within_reach(slope: float, bend: float, off: float) -> None:
     finish, made = streams(1e5, slope, bend)
@@ -59,7 +57,6 @@ def test_finds_a_psnr_within_reach(slope: float, bend: float, off: float) -> Non
     assert len(made) <= 8
 
 
-@settings(deadline=None)
 @given(st.lists(st.tuples(st.integers(1, 5000), st.floats(5, 60) | st.just(math.inf)), min_size=193, max_size=193))
 def test_any_streams_end_with_one_that_was_made(table: list[tuple[int, float]]) -> None:
     """Sizes that neither fall nor rise: never one above the goal where one below was made, never more than eight."""

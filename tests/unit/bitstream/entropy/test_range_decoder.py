@@ -5,6 +5,7 @@ from __future__ import annotations
 import constriction
 import numpy as np
 import pytest
+from examples import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -39,13 +40,13 @@ def decoded_by_constriction(payload: bytes, tables: list[int]) -> list[int] | No
     return [*found, int(decoder.maybe_exhausted())]
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300))
 @given(st.binary(max_size=200), st.lists(st.integers(0, TABLES - 1), min_size=1, max_size=6))
 def test_any_bytes_mean_the_same(payload: bytes, tables: list[int]) -> None:
     assert decoded(payload, tables) == decoded_by_constriction(payload, tables)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100))
 @given(st.integers(1, 16), st.lists(st.integers(0, (1 << 16) - 1), max_size=60))
 def test_equally_likely_values(bits: int, values: list[int]) -> None:
     values = [value >> 16 - bits for value in values]

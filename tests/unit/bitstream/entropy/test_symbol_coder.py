@@ -5,6 +5,7 @@ import zlib
 import constriction
 import numpy as np
 import pytest
+from examples import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
@@ -237,7 +238,7 @@ def test_a_magnitude_above_the_cap_is_corrupt() -> None:
         SymbolReader(writer.finish()).code(None, [100])
 
 
-@settings(max_examples=200)
+@settings(max_examples=examples(200))
 @given(st.binary(max_size=40))
 def test_any_bytes_decode_or_are_corrupt(data: bytes) -> None:
     try:

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
@@ -53,7 +53,6 @@ def test_signs_cost_their_entropy_level_by_level() -> None:
     assert entropy + 24 <= writer.bits["rest"] < entropy + 24 + 4
 
 
-@settings(deadline=None)
 @given(planes)
 def test_base_round_trip(base: np.ndarray) -> None:
     writer = SymbolWriter()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from examples import examples
 from hypothesis import given, settings
 from hypothesis.extra.numpy import array_shapes, arrays
 
@@ -11,7 +12,7 @@ from sgicodec.bitstream.parts.mask import read_mask, write_mask
 from sgicodec.errors import CorruptStreamError
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=examples(60))
 @given(arrays(np.bool_, array_shapes(min_dims=2, max_dims=2, min_side=1, max_side=40)))
 def test_any_mask_comes_back(mask: np.ndarray) -> None:
     height, width = mask.shape

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from examples import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -51,7 +52,7 @@ def walk_order(nodes: list[Node]) -> list[Node]:
     return sorted(nodes, key=path)
 
 
-@settings(max_examples=150)
+@settings(max_examples=examples(150))
 @given(trees())
 def test_round_trip_in_canonical_order(tree: tuple[TreeShape, list[Node]]) -> None:
     shape, nodes = tree
@@ -129,7 +130,7 @@ class ReferenceDecoder:
         return walk_order([node for node, seed in self.seed.items() if seed])
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40))
 @given(trees())
 def test_the_reference_decoder_reads_the_same_tree(tree: tuple[TreeShape, list[Node]]) -> None:
     shape, nodes = tree
@@ -233,7 +234,7 @@ def test_a_split_node_without_seeds_below_is_corrupt() -> None:
         code_positions(SymbolReader(writer.finish()), TreeShape(8, 8, 3, 0), None, 10)
 
 
-@settings(max_examples=150)
+@settings(max_examples=examples(150))
 @given(st.binary(max_size=60))
 def test_any_bytes_decode_or_are_corrupt(data: bytes) -> None:
     try:

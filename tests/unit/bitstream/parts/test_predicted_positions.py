@@ -6,6 +6,7 @@ from importlib.resources import files
 
 import numpy as np
 import pytest
+from examples import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -189,7 +190,7 @@ class ReferenceDecoder:
         return sorted((n for n, seed in self.seed.items() if seed), key=path)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40))
 @given(trees())
 def test_the_reference_decoder_reads_the_same_tree(tree: tuple[TreeShape, TreeContext, list[Node]]) -> None:
     shape, scenery, nodes = tree
@@ -202,7 +203,7 @@ def test_the_reference_decoder_reads_the_same_tree(tree: tuple[TreeShape, TreeCo
     assert sorted(found) == nodes
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=examples(80))
 @given(trees(), st.sampled_from([Device(2), Device(1, "portable")]))
 def test_round_trip_on_any_processor(tree: tuple[TreeShape, TreeContext, list[Node]], device: Device) -> None:
     shape, scenery, nodes = tree
@@ -262,7 +263,7 @@ def test_more_seeds_than_allowed_are_refused() -> None:
         code_predicted_positions(SymbolWriter(), TreeShape(1 << 20, 1 << 20, 6, 1), NOWHERE, seeds_of([]), 0)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100))
 @given(st.binary(max_size=60))
 def test_any_bytes_decode_or_are_corrupt(data: bytes) -> None:
     try:
