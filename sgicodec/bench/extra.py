@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from importlib.util import find_spec
 
-from sgicodec.errors import UsageError
+from sgicodec.errors import MissingExtraError
 
 __all__ = ["INSTALL", "require"]
 
@@ -15,6 +15,6 @@ INSTALL = "pip install 'sgicodec[bench]'"
 
 
 def require(user: str, *modules: str) -> None:
-    """Raise UsageError if one of the modules cannot be imported: better before a long measurement than after it."""
+    """Raise MissingExtraError, before a long measurement begins, if one of the modules cannot be imported."""
     if missing := [_PACKAGES.get(name, name) for name in modules if find_spec(name) is None]:
-        raise UsageError(f"{user} needs {', '.join(missing)}: {INSTALL}")
+        raise MissingExtraError(f"{user} needs {', '.join(missing)}: {INSTALL}")

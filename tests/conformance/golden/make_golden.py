@@ -1,4 +1,4 @@
-"""Makes golden streams for a new format version: `python tests/golden/make_golden.py`. Refuses to overwrite any."""
+"""Makes the golden streams that do not exist yet: `python tests/conformance/golden/make_golden.py`."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ CROP = (slice(160, 288), slice(80, 272))
 
 def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
     """What each stream holds: the profiles, the channel layouts and the sample types of the format."""
-    photo = read(HERE.parent / "data" / "kodim23.png")
+    photo = read(HERE.parents[1] / "data" / "kodim23.png")
     crop = replace(photo, pixels=np.ascontiguousarray(photo.pixels[CROP]))
     small = np.ascontiguousarray(crop.pixels[:64, :96])
     luma = small.astype(np.uint16) @ np.array([77, 150, 29], np.uint16)  # 16 bits

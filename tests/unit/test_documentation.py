@@ -1,0 +1,99 @@
+"""The documentation: links lead somewhere, named programs exist, lines are short, terms are today's."""
+
+from __future__ import annotations
+
+import ast
+import re
+import tomllib
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+from benchmarks.__main__ import BENCHMARKS
+
+ROOT = Path(__file__).parents[2]
+PAGES = sorted(
+    [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md"), *ROOT.glob("*/README.md"), *ROOT.glob("benchmarks/*/README.md")]
+)
+LOGS = ROOT / "docs" / "notes"
+TODAY = [page for page in PAGES if LOGS not in page.parents]
+MOST = 120
+
+FORMER_TERMS = (
+    *("outlook", "foretell", "foretold", "journal", "apron of", "round roles", "steering", "dearest", "thrifty"),
+    *("search for symbols", "sweeps", "trim.py", "encoder.py", "aim.py", "large/encode", "python -m benchmarks."),
+)
+
+
+def name_of(page: Path) -> str:
+    return page.relative_to(ROOT).as_posix()
+
+
+def anchors(text: str) -> set[str]:
+    """As GitHub makes them of headings, and those that are written out."""
+    headings = re.findall(r"^#+ (.*)$", text, re.MULTILINE)
+    plain = (re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings)
+    return {*plain, *re.findall(r'<a name="([^"]+)">', text)}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_links_lead_somewhere(page: Path) -> None:
+    text = page.read_text("utf-8")
+    for target in re.findall(r"\]\(([^)\s]+)\)", text):
+        if "://" in target:
+            continue
+        place, _, anchor = target.partition("#")
+        found = page.parent / place if place else page
+        assert found.exists(), target
+        if anchor:
+            assert anchor in anchors(found.read_text("utf-8")), target
+
+
+@pytest.mark.parametrize("page", TODAY, ids=name_of)
+def test_named_programs_exist(page: Path) -> None:
+    for module, name in re.findall(r"python -m ([\w.]+)(?: +(\w+))?", page.read_text("utf-8")):
+        assert module in ("venv", "pip", "pytest", "mypy", "ruff") or find_spec(module), module
+        assert module != "benchmarks" or name in (*BENCHMARKS, "NAME", "", None), name
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_lines_are_short(page: Path) -> None:
+    long = [
+        f"{number}: {line}"
+        for number, line in enumerate(page.read_text("utf-8").splitlines(), 1)
+        if len(line) > MOST and not line.startswith(("|", "    ")) and " " in line
+    ]
+    assert long == []
+
+
+def test_the_architecture_has_the_floors_of_the_layers_test() -> None:
+    text = (ROOT / "docs" / "architecture.md").read_text("utf-8")
+    block = re.search(r"\n\n((?:    [\w, ]+\n)+)\n", text.split("## What imports what")[1])
+    assert block
+    documented = [set(line.strip().split(", ")) for line in block[1].splitlines()]
+    source = ast.parse((ROOT / "tests" / "unit" / "test_layers.py").read_text("utf-8"))
+    values = {ast.unparse(node.targets[0]): node.value for node in source.body if isinstance(node, ast.Assign)}
+    assert documented == [set(floor) for floor in reversed(ast.literal_eval(values["FLOORS"]))]
+
+
+def test_the_architecture_names_every_room() -> None:
+    text_of_tree = (ROOT / "docs" / "architecture.md").read_text("utf-8").split("## What imports what")[0]
+    rooms = {path.name for path in (ROOT / "sgicodec").iterdir() if path.is_dir() and (path / "__init__.py").exists()}
+    assert [room for room in sorted(rooms) if f"{room}/ " not in text_of_tree] == []
+
+
+def test_every_dependency_has_its_reason() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    extras = project["optional-dependencies"]
+    needed = [*project["dependencies"], *(package for packages in extras.values() for package in packages)]
+    text = (ROOT / "docs" / "dependencies.md").read_text("utf-8")
+    names = {re.split(r"[\[<>=~ ]", package)[0] for package in needed} - {"sgicodec"}
+    assert sorted(name for name in names if not re.search(rf"\b{name}\b", text)) == []
+    assert sorted(extra for extra in extras if f"| `{extra}` |" not in text) == []
+
+
+@pytest.mark.parametrize("page", [page for page in TODAY if page.name != "CHANGELOG.md"], ids=name_of)
+def test_terms_are_of_today(page: Path) -> None:
+    text = page.read_text("utf-8").lower()
+    assert [term for term in FORMER_TERMS if term in text] == []
