@@ -8,36 +8,54 @@ OUT ?= bench-out
 VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
-STAMP := $(VENV)/.stamp
+# Two levels of set-up: what a user has, with `sgi compare` and `sgi bench`; and what tests and lint need besides.
+USER_STAMP := $(VENV)/.user
+DEV_STAMP := $(VENV)/.dev
+# What is compiled and what is installed: Python files are used in place.
+INPUTS := pyproject.toml constraints.txt CMakeLists.txt $(shell find native -type f)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test bench lint format clean
+.PHONY: help setup setup-dev demo test test-all bench lint format clean
 
 help:
-	@echo "make demo    encode and decode a bundled photograph and measure the difference"
-	@echo "make test    run the tests"
-	@echo "make bench   measure against JPEG, WebP, JPEG XL and AVIF: make bench PICTURES=DIR OUT=DIR"
-	@echo "make lint    ruff and mypy;  make format  ruff's formatter;  make clean  remove what was built"
+	@echo "make demo       encode and decode a bundled photograph and measure the difference"
+	@echo "make test       run the tests, but for the slow ones, in five minutes on two processors"
+	@echo "make test-all   run all tests, with all examples; ARGS='-k nodata' chooses, for both"
+	@echo "make lint       check with ruff and mypy"
+	@echo "make format     let ruff format"
+	@echo "make bench      measure against JPEG, WebP, JPEG XL and AVIF: make bench PICTURES=DIR OUT=DIR"
+	@echo "make setup      install into $(VENV) what demo and bench need; make setup-dev: what tests and lint need"
+	@echo "make clean      remove what was built"
 
-setup: $(STAMP)
+setup: $(USER_STAMP)
 
-# Depends on what is compiled and on what is installed: Python files are used in place.
-$(STAMP): pyproject.toml constraints.txt CMakeLists.txt $(wildcard native/*/*)
+setup-dev: $(DEV_STAMP)
+
+$(USER_STAMP): $(INPUTS)
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
 	  { echo "sgicodec needs Python 3.11 or newer: make PYTHON=/path/to/python3"; exit 1; }
 	@for compiler in $${CXX:-c++ g++ clang++}; do command -v $$compiler >/dev/null && exit 0; done; \
 	  echo "sgicodec needs a C++ compiler: install g++ or clang++ (Debian: apt-get install g++), or name one in CXX"; \
 	  exit 1
-	@echo "Setting up $(VENV); the first time takes minutes, for torch is large."
+	@echo "Setting up $(VENV); the first time takes minutes."
 	@$(PYTHON) -m venv $(VENV)
 	@$(PIP) install -c constraints.txt scikit-build-core
 	@# the build back end knows whether this machine's cmake and ninja will do
 	@$(PIP) install -c constraints.txt nanobind $$($(BIN)/python -c \
 	  'from scikit_build_core.build import get_requires_for_build_editable as missing; print(*missing())')
-	@$(PIP) install -c constraints.txt --no-build-isolation -e '.[test,lint,bench]' >$(VENV)/build.log 2>&1 || \
-	  { grep -m 1 'sgicodec needs' $(VENV)/build.log || tail -n 20 $(VENV)/build.log; \
-	    echo "The set-up failed; all of it is told in $(VENV)/build.log"; exit 1; }
+	@$(call install,bench)
 	@touch $@
+
+# Builds on the one above: what is compiled stays, the extras are added. torch is large.
+$(DEV_STAMP): $(USER_STAMP)
+	@echo "Adding what tests and lint need to $(VENV)."
+	@$(call install,bench$(comma)cluster$(comma)lint$(comma)paper$(comma)test)
+	@touch $@
+
+comma := ,
+install = $(PIP) install -c constraints.txt --no-build-isolation -e '.[$(1)]' >$(VENV)/build.log 2>&1 || \
+  { grep -m 1 'sgicodec needs' $(VENV)/build.log || tail -n 20 $(VENV)/build.log; \
+    echo "The set-up failed; its whole output is in $(VENV)/build.log"; exit 1; }
 
 demo: setup
 	@mkdir -p demo-out
@@ -47,15 +65,21 @@ demo: setup
 	$(BIN)/sgi decode demo-out/kodim23.sgi demo-out/eye-4x.png --region 96,176,160,120 --scale 4 -f
 	$(BIN)/sgi compare $(PICTURE) demo-out/kodim23.png
 
-test: setup
-	$(BIN)/python -m pytest
+# As many workers as there are processors; each takes tests from the others when its own are done.
+PYTEST := $(BIN)/python -m pytest --numprocesses auto --dist worksteal
 
-lint: setup
+test: setup-dev
+	$(PYTEST) -m 'not slow' --hypothesis-profile fast $(ARGS)
+
+test-all: setup-dev
+	$(PYTEST) --hypothesis-profile full $(ARGS)
+
+lint: setup-dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-format: setup
+format: setup-dev
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 

@@ -1,7 +1,11 @@
-"""Makes the golden streams that do not exist yet: `python tests/conformance/golden/make_golden.py`."""
+"""Makes the golden streams that do not exist yet: `python tests/conformance/golden/make_golden.py`.
+
+Overwrites none, and makes none anew that is lost.
+"""
 
 from __future__ import annotations
 
+import hashlib
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -53,11 +57,14 @@ def main() -> None:
         path = HERE / f"{name}.sgi"
         if path.exists():
             continue
+        if name in manifest:
+            raise SystemExit(f"{path} is lost: take it from the history, for a new one would prove nothing")
         path.write_bytes(encode(picture, settings).data)
         reference = "png" if picture.channels != "multi" and picture.pixels.dtype != np.float32 else "tif"
         with open_stream(path) as stream:
             write(stream.picture(), HERE / f"{name}.{reference}")
             manifest[name] = {
+                "sha256": hashlib.sha256(path.read_bytes()).hexdigest(),
                 "picture": [stream.width, stream.height, stream.header.channels],
                 "sample_type": stream.header.sample_type,
                 "seeds": stream.survey().seeds,
