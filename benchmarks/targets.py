@@ -12,9 +12,10 @@ import click
 
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
+from sgicodec.encoder.encoded import Encoded
 from sgicodec.encoder.pipeline import encode
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.encoder.tile_encoder import Encoded, make_ready
+from sgicodec.encoder.tile_encoder import make_ready
 from sgicodec.errors import TargetMissedError, UsageError
 from sgicodec.image import read
 from sgicodec.metrics.psnr import psnr

@@ -19,9 +19,10 @@ import numpy as np
 
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ALL_CORES, Device
+from sgicodec.encoder.encoded import Encoded
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.encoder.tile_encoder import Encoded, Encoding
+from sgicodec.encoder.tile_encoder import Encoding
 from sgicodec.errors import UsageError
 from sgicodec.image import read
 from sgicodec.picture import Picture, to_unit

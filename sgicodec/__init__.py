@@ -20,9 +20,9 @@ from sgicodec.version import __version__
 if TYPE_CHECKING:
     from sgicodec.decoder.stream import Stream, open_stream
     from sgicodec.device import Device
+    from sgicodec.encoder.encoded import Encoded
     from sgicodec.encoder.pipeline import encode
     from sgicodec.encoder.settings import EncodeSettings
-    from sgicodec.encoder.tile_encoder import Encoded
     from sgicodec.image import read, write
     from sgicodec.picture import Picture
 
@@ -43,7 +43,7 @@ __all__ = [
 _HOMES = {
     "Device": "device",
     "EncodeSettings": "encoder.settings",
-    "Encoded": "encoder.tile_encoder",
+    "Encoded": "encoder.encoded",
     "Picture": "picture",
     "Stream": "decoder.stream",
     "encode": "encoder.pipeline",

@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-import io
-import sys
 import time
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from sgicodec.cli.batch import named_targets, run_batch
-from sgicodec.cli.encode_job import Job
-from sgicodec.cli.encode_one import encode_one
 from sgicodec.cli.options import BYTES, FLOAT_RANGE, VERBOSE, force_option, json_option, threads_option
-from sgicodec.cli.paths import STANDARD, check_output, display, with_extension
+from sgicodec.cli.paths import display, with_extension
 from sgicodec.cli.progress import Mode
 from sgicodec.device import Device
 from sgicodec.errors import UsageError
@@ -91,47 +86,20 @@ def encode(
         raise UsageError("--source-at and --send-pixels exclude each other")
     verbose = bool(click.get_current_context().meta.get(VERBOSE))
 
-    def job(source: str, target: str) -> Job:
-        options = (
-            float_range,
-            verify,
-            progress,
-            force,
-            as_json,
-            quiet,
-            verbose,
-            resume,
-            max_memory,
-            cluster,
-            source_at,
-            send_pixels,
-            output_dir is not None,
-        )
-        return Job(source, target, settings, *options, time.monotonic(), device)
+    def run(source: str, target: str) -> int:
+        started = time.monotonic()
+        from sgicodec.cli.encode_file import Job, encode_file
+
+        options = (float_range, verify, progress, force, as_json, quiet, verbose, resume, max_memory)
+        where = (cluster, source_at, send_pixels)
+        return encode_file(Job(source, target, settings, device, started, *options, *where, output_dir is not None))
 
     if output_dir is not None:
-        targets = named_targets(paths, output_dir, lambda _: "sgi")
-        run_batch("encoded", targets, lambda source, target: _encode(job(source, target)), as_json, quiet)
+        run_batch("encoded", named_targets(paths, output_dir, lambda _: "sgi"), run, as_json, quiet)
         return
     if len(paths) > 2:
         raise click.UsageError(f"{len(paths)} names; give IN and OUT, or --output-dir for many pictures")
-    _encode(job(paths[0], paths[1] if len(paths) == 2 else _default_target(paths[0])))
-
-
-def _encode(job: Job) -> int:
-    """Encodes one picture in whatever way suits its size; returns the bytes of the stream."""
-    from sgicodec.image import open_source
-
-    if job.as_json and job.target == STANDARD:
-        raise UsageError("stdout cannot take both the stream and --json; name OUT")
-    check_output(job.target, job.source, job.force)
-    origin = sys.stdin.buffer.read() if job.source == STANDARD else Path(job.source)
-    with open_source(origin, sample_range=job.float_range) as source:
-        if job.settings.grid(source.width, source.height).count > 1:
-            from sgicodec.cli.encode_tiles import encode_tiles
-
-            return encode_tiles(job, source)
-    return encode_one(job, io.BytesIO(origin) if isinstance(origin, bytes) else origin)
+    run(paths[0], paths[1] if len(paths) == 2 else _default_target(paths[0]))
 
 
 def _default_target(source: str) -> str:

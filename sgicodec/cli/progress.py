@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from sgicodec.encoder.out_of_core import State
+    from sgicodec.encoder.listener import PassState
     from sgicodec.fit.trainer import Progress
 
 __all__ = ["Mode", "fit_progress", "tile_progress"]
@@ -43,8 +43,8 @@ def fit_progress(mode: Mode, pixels: int) -> Iterator[Callable[[Progress], None]
 
 
 @contextlib.contextmanager
-def tile_progress(mode: Mode) -> Iterator[Callable[[State], None]]:
-    """The same for a round over tiles: how many are done, pace, bits per pixel and PSNR so far, time left."""
+def tile_progress(mode: Mode) -> Iterator[Callable[[PassState], None]]:
+    """The same for a pass over tiles: how many are done, speed, bits per pixel and PSNR so far, time left."""
     if not _is_drawn(mode):
         yield lambda state: None
         return
@@ -55,13 +55,13 @@ def tile_progress(mode: Mode) -> Iterator[Callable[[State], None]]:
     with Bar(*columns, console=_console(mode), refresh_per_second=4) as bar:
         task = bar.add_task("tiles", total=None, state="")
 
-        def draw(state: State) -> None:
-            bar.update(task, description=state.round, completed=state.done, total=state.tiles, state=_told(state))
+        def draw(state: PassState) -> None:
+            bar.update(task, description=state.name, completed=state.done, total=state.tiles, state=_text(state))
 
         yield draw
 
 
-def _told(state: State) -> str:
+def _text(state: PassState) -> str:
     parts = []
     if state.fresh:
         parts.append(f"{60e-6 * state.pixels_per_second:.2f} MP/min")

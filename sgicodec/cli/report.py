@@ -14,13 +14,8 @@ from sgicodec.cli.parts import all_parts, print_parts
 from sgicodec.cli.paths import STANDARD, display
 
 if TYPE_CHECKING:
-    from sgicodec.device import Device
-    from sgicodec.encoder.out_of_core import Totals
+    from sgicodec.encoder.encoded import Encoded
     from sgicodec.encoder.plan import Plan
-    from sgicodec.encoder.settings import EncodeSettings
-    from sgicodec.encoder.tile_encoder import Encoded
-    from sgicodec.fit.trainer import Progress
-    from sgicodec.picture import Picture
 
 __all__ = ["Report", "peak_mib", "print_report"]
 
@@ -52,52 +47,24 @@ class Report:
     time_limit: float | None
 
     @classmethod
-    def of(
-        cls, picture: Picture, encoded: Encoded, settings: EncodeSettings, last: Progress, verify: bool, device: Device
-    ) -> Report:
-        """Measures `encoded`, with `verify` by decoding it; `last` is the fit's last state.
-
-        Raises StreamError if it does not decode.
-        """
-        size = len(encoded.data)
-        return cls(
-            width=picture.width,
-            height=picture.height,
-            channels=picture.channels,
-            sample_type=picture.pixels.dtype.name,
-            bytes=size,
-            bpp=8 * size / (picture.width * picture.height),
-            psnr=_psnr(picture, encoded.data, device) if verify else None,
-            profile=settings.profile,
-            lmbda=encoded.lmbda,
-            seeds=encoded.seeds,
-            gaussians=encoded.gaussians,
-            steps=last.step,
-            ended_early=last.step < last.steps,
-            parts=all_parts(encoded.part_bytes, {}, size),
-            tiles=1,
-            time_limit=settings.time_limit,
-        )
-
-    @classmethod
-    def of_tiles(cls, plan: Plan, totals: Totals, psnr: float | None) -> Report:
-        """Of a stream in several tiles that is written already."""
+    def of(cls, plan: Plan, encoded: Encoded) -> Report:
+        """Of a finished encode."""
         header = plan.header
         return cls(
             width=header.width,
             height=header.height,
             channels=header.channels,
             sample_type=header.sample_type,
-            bytes=totals.bytes,
-            bpp=8 * totals.bytes / (header.width * header.height),
-            psnr=psnr,
+            bytes=encoded.size,
+            bpp=8 * encoded.size / (header.width * header.height),
+            psnr=encoded.psnr,
             profile=header.profile,
-            lmbda=totals.lmbda,
-            seeds=totals.seeds,
-            gaussians=totals.gaussians,
-            steps=totals.steps,
-            ended_early=False,
-            parts=all_parts(totals.part_bytes, {}, totals.bytes),
+            lmbda=encoded.lmbda,
+            seeds=encoded.seeds,
+            gaussians=encoded.gaussians,
+            steps=encoded.steps,
+            ended_early=encoded.ended_early,
+            parts=all_parts(encoded.part_bytes, {}, encoded.size),
             tiles=header.grid.count,
             time_limit=plan.settings.time_limit,
         )
@@ -131,17 +98,3 @@ def peak_mib() -> float | None:
         return None
     unit = 1 if sys.platform == "darwin" else 1024  # bytes there, KiB elsewhere
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 2**20
-
-
-def _psnr(picture: Picture, data: bytes, device: Device) -> float:
-    """Over all samples, but for colours where alpha is 0."""
-    from sgicodec.decoder.stream import open_stream
-    from sgicodec.metrics.psnr import psnr
-    from sgicodec.picture import comparable
-
-    with open_stream(data, device) as stream:
-        original, decoded = comparable(picture), comparable(stream.picture())
-    if picture.alpha is not None:
-        hidden = original[..., picture.alpha] == 0
-        decoded[hidden, : picture.alpha] = original[hidden, : picture.alpha]
-    return psnr(original, decoded)

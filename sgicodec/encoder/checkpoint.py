@@ -1,156 +1,128 @@
-"""What a long encode has done so far, safe on disk: finished tiles, in the order in which they came, and what was
-decided on them.
-"""
+"""The checkpoint of a long encode: an SQLite file of finished tiles and of what was decided on them."""
 
 from __future__ import annotations
 
 import hashlib
 import json
-import os
+import sqlite3
 import zlib
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, TypeVar
 
 from sgicodec.bitstream.header import encode_header
 from sgicodec.encoder.interfaces import Version
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tile_work import EncodedTile
-from sgicodec.errors import OutputExistsError, UsageError
+from sgicodec.errors import OutputExistsError, StreamError, UsageError
 
-__all__ = ["Journal", "fingerprint", "opened_journal"]
+__all__ = ["Checkpoint", "fingerprint"]
 
-_SIGNATURE = b"\x89SGI-part 2\n"
-_BLOCK = 1 << 20
+Value = TypeVar("Value", bytes, float)
+
+_TABLES = """
+PRAGMA locking_mode = EXCLUSIVE;
+PRAGMA synchronous = EXTRA;
+BEGIN EXCLUSIVE;
+CREATE TABLE IF NOT EXISTS encode (fingerprint BLOB);
+CREATE TABLE IF NOT EXISTS tiles (tile INTEGER, pass INTEGER, facts TEXT, payload BLOB, crc INTEGER,
+    PRIMARY KEY (tile, pass));
+CREATE TABLE IF NOT EXISTS cached (name TEXT PRIMARY KEY, value);
+COMMIT;
+"""
+"""A statement is on the disk when it returns, and a second encode cannot open the file."""
 
 
-def fingerprint(plan: Plan, source: Path | None) -> bytes:
-    """32 bytes that change with the settings, this program's version, or any byte of the source. Of a time limit only
-    whether there is one counts: the next run may have more time, or less.
+def fingerprint(plan: Plan, picture: bytes) -> bytes:
+    """32 bytes that change with the settings, this program's version, or the digest of the picture. Of a time limit
+    only whether there is one counts: the next run may have more time, or less.
     """
     limited = plan.settings.time_limit is not None
     software = plan.software.rpartition(b" ")[0] if limited else plan.software
-    digest = hashlib.sha256(encode_header(plan.header) + software)
-    blobs = asdict(plan.metadata) if plan.metadata else {}
     settings = replace(plan.settings, time_limit=1.0 if limited else None)
-    digest.update(repr((settings, blobs)).encode())
-    if source is not None:
-        with source.open("rb") as file:
-            while block := file.read(_BLOCK):
-                digest.update(block)
-    return digest.digest()
+    blobs = asdict(plan.metadata) if plan.metadata else {}
+    return hashlib.sha256(encode_header(plan.header) + software + repr((settings, blobs)).encode() + picture).digest()
 
 
-class Journal:
-    """An open journal: signature, fingerprint, then records of a length, a CRC-32, a line of JSON and a payload.
+class Checkpoint:
+    """A `Store` in the file at `path`: gone after a success, there to resume from after an exception or a kill.
 
-    A record that a kill cut short is dropped when the journal is opened again, with all behind it.
+    resume: whether to go on with a file that is there; force: whether to start over instead. tiles: those that are
+    finished, without their payloads. is_open: whether the encode came as far as to open it.
     """
 
-    def __init__(self, file: BinaryIO, mark: bytes) -> None:
-        self._file = file
-        self._places: dict[Version, tuple[int, int]] = {}
-        self._numbers: dict[str, float] = {}
-        self._blobs: dict[str, bytes] = {}
+    def __init__(self, path: Path, resume: bool = False, force: bool = False) -> None:
+        self.path, self._resume, self._force = path, resume, force
         self.tiles: dict[Version, EncodedTile] = {}
-        """Finished tiles, without their payloads."""
-        head = _SIGNATURE + mark
-        found = file.read(len(head))
-        if found.startswith(_SIGNATURE) and len(found) == len(head) and found != head:
-            raise UsageError("the source, the settings or the program changed since; -f starts over")
-        if found == head:
-            self._load()
-        else:
-            file.seek(0)
-            file.truncate()
-            self._write(head)
+        self._values: dict[str, bytes | float] = {}
+        self.is_open = False
+
+    @contextmanager
+    def opened(self, fingerprint: Callable[[], bytes]) -> Iterator[Checkpoint]:
+        """As in `Store`. Raises OutputExistsError for a file that nobody asked to go on with, UsageError for that of
+        another encode or a damaged one, StreamError where it cannot be written.
+        """
+        if self.path.exists() and not self._resume:
+            if not self._force:
+                text = "holds an encode that was interrupted; --resume goes on, -f starts over"
+                raise OutputExistsError(f"{self.path} {text}")
+            self._remove()
+        try:
+            with closing(sqlite3.connect(self.path, timeout=0, isolation_level=None)) as self._database:
+                self._load(fingerprint())
+                self.is_open = True
+                yield self
+        except sqlite3.OperationalError as error:
+            raise StreamError(f"{self.path}: {error}") from error
+        except sqlite3.DatabaseError as error:
+            raise UsageError(f"{self.path}: this is no sound checkpoint ({error}); -f starts over") from error
+        self._remove()
 
     def add(self, version: Version, tile: EncodedTile) -> None:
         """Writes a finished tile and waits until it is on the disk."""
-        facts = {name: value for name, value in asdict(tile).items() if name != "payload"}
-        offset = self._record(facts | version._asdict(), tile.payload)
-        self._note(version, tile, offset, len(tile.payload))
-
-    def kept(self, name: str, made: Callable[[], bytes]) -> bytes:
-        """The bytes that were kept under this name, else what is made now, which is kept."""
-        if name not in self._blobs:
-            blob = made()
-            self._record({"blob": name}, blob)
-            self._blobs[name] = blob
-        return self._blobs[name]
-
-    def remembered(self, name: str, found: Callable[[], float]) -> float:
-        """The number that was kept under this name, else what is found now, which is kept."""
-        if name not in self._numbers:
-            value = found()
-            self._record({"name": name, "value": value}, b"")
-            self._numbers[name] = value
-        return self._numbers[name]
-
-    def payload(self, version: Version) -> bytes:
-        """That of a finished tile."""
-        offset, length = self._places[version]
-        end = self._file.tell()
-        self._file.seek(offset)
-        payload = self._file.read(length)
-        self._file.seek(end)
-        return payload
-
-    def _record(self, facts: dict[str, Any], payload: bytes) -> int:
-        """Writes a record; returns where its payload is."""
-        line = json.dumps(facts).encode() + b"\n"
-        body = line + payload
-        sizes = len(line).to_bytes(4, "little") + len(body).to_bytes(8, "little")
-        start = self._file.tell()
-        self._write(sizes + zlib.crc32(body).to_bytes(4, "little") + body)
-        return start + 16 + len(line)
-
-    def _write(self, data: bytes) -> None:
-        self._file.write(data)
-        self._file.flush()
-        os.fsync(self._file.fileno())
-
-    def _note(self, version: Version, tile: EncodedTile, offset: int, length: int) -> None:
-        self._places[version] = offset, length
+        facts = json.dumps({name: value for name, value in asdict(tile).items() if name != "payload"})
+        row = (*version, facts, tile.payload, _crc(facts, tile.payload))
+        self._database.execute("INSERT OR REPLACE INTO tiles VALUES (?, ?, ?, ?, ?)", row)
         self.tiles[version] = replace(tile, payload=b"")
 
-    def _load(self) -> None:
-        while True:
-            start = self._file.tell()
-            sizes = self._file.read(16)
-            line_bytes, body_bytes = int.from_bytes(sizes[:4], "little"), int.from_bytes(sizes[4:12], "little")
-            left = os.fstat(self._file.fileno()).st_size - start - 16
-            body = self._file.read(body_bytes) if len(sizes) == 16 and body_bytes <= left else b""
-            if not body or zlib.crc32(body).to_bytes(4, "little") != sizes[12:]:
-                break
-            facts = json.loads(body[:line_bytes])
-            if "name" in facts:
-                self._numbers[facts["name"]] = facts["value"]
-                continue
-            if "blob" in facts:
-                self._blobs[facts["blob"]] = body[line_bytes:]
-                continue
-            version, payload = Version(facts.pop("tile"), facts.pop("round")), body[line_bytes:]
-            self._note(version, EncodedTile(payload, **facts), start + 16 + line_bytes, len(payload))
-        self._file.seek(start)
-        self._file.truncate()
+    def payload(self, version: Version) -> bytes:
+        """As in `Store`."""
+        query = "SELECT payload FROM tiles WHERE tile = ? AND pass = ?"
+        payload: bytes = self._database.execute(query, version).fetchone()[0]
+        return payload
+
+    def cached(self, name: str, make: Callable[[], Value]) -> Value:
+        """As in `Store`."""
+        if name not in self._values:
+            value = make()
+            self._database.execute("INSERT INTO cached VALUES (?, ?)", (name, value))
+            self._values[name] = value
+        return self._values[name]  # type: ignore[return-value]
+
+    def _load(self, mark: bytes) -> None:
+        self._database.executescript(_TABLES)
+        found = self._database.execute("SELECT fingerprint FROM encode").fetchone()
+        if found is None:
+            self._database.execute("INSERT INTO encode VALUES (?)", (mark,))
+        elif found[0] != mark:
+            raise UsageError(f"{self.path}: the source, the settings or the program changed since; -f starts over")
+        self._values = dict(self._database.execute("SELECT name, value FROM cached"))
+        self.tiles = dict(self._rows())
+
+    def _rows(self) -> Iterator[tuple[Version, EncodedTile]]:
+        """The finished tiles, but for those that the disk changed."""
+        for tile, number, facts, payload, crc in self._database.execute("SELECT * FROM tiles ORDER BY rowid"):
+            if _crc(facts, payload) == crc:
+                known: dict[str, Any] = json.loads(facts)
+                yield Version(tile, number), EncodedTile(b"", **known)
+
+    def _remove(self) -> None:
+        """With what SQLite left beside it when it was killed."""
+        self.path.unlink(missing_ok=True)
+        self.path.with_name(f"{self.path.name}-journal").unlink(missing_ok=True)
 
 
-@contextmanager
-def opened_journal(path: Path, mark: bytes, resume: bool, force: bool) -> Iterator[Journal]:
-    """The journal at `path`: gone after a success, there for --resume after an exception.
-
-    Raises OutputExistsError for one that nobody asked to go on with, UsageError for that of another encode.
-    """
-    there = path.exists()
-    if there and not (resume or force):
-        raise OutputExistsError(f"{path} holds an encode that was interrupted; --resume goes on, -f starts over")
-    with path.open("r+b" if there and resume else "w+b") as file:
-        try:
-            journal = Journal(file, mark)
-        except UsageError as error:
-            raise UsageError(f"{path}: {error}") from None
-        yield journal
-    path.unlink()
+def _crc(facts: str, payload: bytes) -> int:
+    return zlib.crc32(facts.encode() + payload)

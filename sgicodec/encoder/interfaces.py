@@ -1,8 +1,9 @@
-"""Who takes part in the rounds of an encode: what is done to tiles, who does it, who keeps it, who is told."""
+"""The interfaces of the passes of an encode: tasks, runners, stores and watchers."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol, TypeVar
 
@@ -15,10 +16,11 @@ __all__ = ["Finished", "Runner", "Store", "Task", "Version", "Watcher"]
 
 Result = TypeVar("Result")
 Made = TypeVar("Made", covariant=True)
+Value = TypeVar("Value", bytes, float)
 
 
 class Version(NamedTuple):
-    """A coding of a tile: its number, and the round that made it."""
+    """A coding of a tile: its number, and the pass that made it."""
 
     tile: int
     round: int = 0
@@ -49,27 +51,27 @@ class Store(Protocol):
 
     tiles: dict[Version, EncodedTile]
 
+    def opened(self, fingerprint: Callable[[], bytes]) -> AbstractContextManager[object]:
+        """The time of one encode, which `fingerprint` tells from others."""
+
     def add(self, version: Version, tile: EncodedTile) -> None:
         """Keeps a finished tile."""
 
     def payload(self, version: Version) -> bytes:
         """That of a kept tile."""
 
-    def kept(self, name: str, made: Callable[[], bytes]) -> bytes:
-        """The bytes that were kept under this name, else what is made now, which is kept."""
-
-    def remembered(self, name: str, found: Callable[[], float]) -> float:
-        """The number that was kept under this name, else what is found now, which is kept."""
+    def cached(self, name: str, make: Callable[[], Value]) -> Value:
+        """The value under a name, else what is made now, which is kept."""
 
 
 class Watcher(Protocol):
     """Who is told how far it has come."""
 
     def begin(self, name: str, numbers: Sequence[int], there: dict[int, EncodedTile]) -> None:
-        """A round over these tiles begins, some of which are there already."""
+        """A pass over these tiles begins, some of which are there already."""
 
     def done(self, number: int, tile: EncodedTile | None) -> None:
-        """One more is done; None if it was only looked at."""
+        """One more is done; None if it was only analysed."""
 
 
 @dataclass(frozen=True)

@@ -1,16 +1,13 @@
-"""What an encode of several tiles takes at its peak, and how many workers fit (docs/large.md, "Memory")."""
+"""The memory that an encode of several tiles takes at its peak (docs/large.md, "Memory")."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from sgicodec.encoder.plan import Plan, fit_lmbda
-from sgicodec.errors import UsageError
+from sgicodec.executors.executor import MIB, Memory
 
-__all__ = ["Estimate", "estimate", "fitting_workers"]
-
-MIB = 1 << 20
+__all__ = ["estimate"]
 
 MAIN = 150 * MIB
 """The process that reads and writes: Python, numpy, OpenImageIO."""
@@ -24,19 +21,7 @@ MOST_SEEDS, USUAL_SEEDS, USUAL_LMBDA = 0.25, 0.1, 0.5 * 2 ** (-49 / 8)
 """Seeds for each pixel: cells have four pixels at least; dense texture starts with a tenth at quality 50."""
 
 
-@dataclass(frozen=True)
-class Estimate:
-    """Bytes at the peak: of the process that reads and writes, and of each worker."""
-
-    main: int
-    worker: int
-
-    def total(self, workers: int) -> int:
-        """Of all processes together. A single worker is the main process itself."""
-        return self.main + workers * self.worker
-
-
-def estimate(plan: Plan, reading: int) -> Estimate:
+def estimate(plan: Plan, reading: int) -> Memory:
     """For dense texture; `reading` is what the source holds while its windows are read."""
     header = plan.header
     _, _, width, height = header.grid.rect(0)
@@ -46,15 +31,4 @@ def estimate(plan: Plan, reading: int) -> Estimate:
         share = min(MOST_SEEDS, USUAL_SEEDS * math.sqrt(USUAL_LMBDA / max(fit_lmbda(plan.settings), 1e-9)))
     window = pixels * channels * {"uint8": 1, "uint16": 2, "float32": 4}[header.sample_type]
     each_pixel = PIXEL_BYTES + CHANNEL_BYTES * channels + SEED_BYTES * share
-    return Estimate(MAIN + reading + 2 * window, WORKER + window + round(pixels * each_pixel))
-
-
-def fitting_workers(found: Estimate, most: int, limit: float | None) -> int:
-    """The largest number of workers, at most `most`, that stay within `limit` bytes. Raises UsageError if none do."""
-    if limit is None:
-        return most
-    for workers in range(most, 0, -1):
-        if found.total(workers) <= limit:
-            return workers
-    needed = math.ceil(found.total(1) / MIB)
-    raise UsageError(f"one worker takes about {needed} MiB, more than --max-memory; a smaller --tile takes less")
+    return Memory(MAIN + reading + 2 * window, WORKER + window + round(pixels * each_pixel))

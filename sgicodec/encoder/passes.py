@@ -12,7 +12,7 @@ from sgicodec.bitstream.stream_writer import stream_length, write_stream
 from sgicodec.encoder.interfaces import Finished, Runner, Store, Task, Version, Watcher
 from sgicodec.encoder.plan import Plan, fit_lmbda
 from sgicodec.encoder.tile_work import EncodedTile, FitTask, LookaheadTask, SearchTask, Start
-from sgicodec.encoder.time_budget import TimeShares
+from sgicodec.encoder.time_budget import TimeBudget
 from sgicodec.fit.settings import quality_index
 from sgicodec.metrics.distortion import decibels
 from sgicodec.rate_control.allocation import Option, choose
@@ -39,7 +39,7 @@ class TilePasses:
         store: Store,
         watcher: Watcher,
         error_of: Callable[[BinaryIO], float],
-        shares: TimeShares | None = None,
+        shares: TimeBudget | None = None,
         draw_small: Callable[[float], bytes] | None = None,
     ) -> None:
         self.plan, self.runner, self.store, self.watcher, self.error_of = plan, runner, store, watcher, error_of
@@ -78,7 +78,7 @@ class TilePasses:
             self.watcher.begin("overview", [], {})
             return draw(lmbda)
 
-        self.overview = self.store.kept("overview", made)
+        self.overview = self.store.cached("overview", made)
 
     def _fitted(self, plan: Plan, lmbda: float, index: int, may_stop: bool) -> tuple[dict[int, Version], int, float]:
         """Fits of all tiles, some first, which tell the λ of the others; stops where λ turns out to be far off.
@@ -115,7 +115,7 @@ class TilePasses:
         """λ that takes these tiles to the goal, kept under a number."""
         bound = self._bound()
         aimed = Bound(bound.what, _AIM[bound.what] * bound.value)
-        return self.store.remembered(f"lmbda {number}", lambda: self.outlook.lmbda(aimed, tiles, done))
+        return self.store.cached(f"lmbda {number}", lambda: self.outlook.lmbda(aimed, tiles, done))
 
     @cached_property
     def outlook(self) -> TileRdModel:

@@ -1,116 +1,206 @@
-"""From a picture to a stream, in one tile or in several."""
+"""From a picture to a stream: in memory or opened, in one tile or in several, one pipeline."""
 
 from __future__ import annotations
 
 import io
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
-from typing import TYPE_CHECKING, BinaryIO, TypeVar
+from pathlib import Path
+from typing import TYPE_CHECKING, BinaryIO
 
 from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ALL_CORES, Device
-from sgicodec.encoder.interfaces import Finished, Runner, Task, Version
+from sgicodec.encoder.checkpoint import fingerprint
+from sgicodec.encoder.encoded import Encoded
+from sgicodec.encoder.interfaces import Finished, Runner, Store
+from sgicodec.encoder.listener import NullListener, PassReporter
+from sgicodec.encoder.measure import measured_error, measured_psnr
+from sgicodec.encoder.memory import estimate
 from sgicodec.encoder.overview import overview_picture, overview_settings, takes_overview
 from sgicodec.encoder.passes import TilePasses
-from sgicodec.encoder.plan import Plan, Shape, stream_plan
+from sgicodec.encoder.plan import Plan, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.encoder.tile_encoder import Encoded, Encoding, empty_pixels
+from sgicodec.encoder.store import MemoryStore
+from sgicodec.encoder.tile_encoder import Encoding, empty_pixels
 from sgicodec.encoder.tile_weight import tile_weight
-from sgicodec.encoder.tile_work import EncodedTile, FitTask, Start
-from sgicodec.encoder.time_budget import TimeShares
+from sgicodec.encoder.tile_work import Start
+from sgicodec.encoder.time_budget import TimeBudget
 from sgicodec.encoder.to_target import TargetEncoder
+from sgicodec.encoder.windows import Windows, tile_window, windows_of
+from sgicodec.encoder.worker import TileRunner
 from sgicodec.errors import TargetMissedError
-from sgicodec.metrics.distortion import squared_error
-from sgicodec.model.tile_grid import Rect
+from sgicodec.executors.executor import Executor, Memory
+from sgicodec.executors.serial import SerialExecutor
+from sgicodec.image.files import whole_file
 from sgicodec.picture import Picture
 
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Progress
+    from sgicodec.image import Source
 
-__all__ = ["draw_small", "encode", "window_of"]
-
-Result = TypeVar("Result")
+__all__ = ["encode"]
 
 
 def encode(
-    picture: Picture,
+    picture: Picture | Source,
     settings: EncodeSettings | None = None,
-    on_progress: Callable[[Progress], bool] | None = None,
-    started: float | None = None,
+    *,
+    output: str | Path | BinaryIO | None = None,
+    executor: Executor | None = None,
+    store: Store | None = None,
+    progress: NullListener | None = None,
     device: Device = ALL_CORES,
+    verify: bool = False,
+    started: float | None = None,
 ) -> Encoded:
-    """Fits `picture` and writes the stream. `on_progress` is called after every step; what it returns says whether to
-    go on (True) or to finish with what is there. Equal input, settings and version give equal bytes, unless time is
-    the limit: it runs from `started` on, a value of time.monotonic(), or from this call.
+    """Encodes a picture that is in memory, or one that `open_source` opened and that need not fit into it.
 
-    Raises TargetMissedError, with the nearest stream, for a size or quality that cannot be reached, PictureError for
-    what no stream can hold, UsageError for a range of samples that integers do not have.
+    A picture in one tile is fitted whole, by this process. Of several tiles, as many are in memory as `executor` works
+    on at once (by default one, in this process), and `store` keeps the finished ones (in memory; a `Checkpoint`
+    survives a kill). `progress` is told how far it has come. `device` is what computes.
+
+    The stream is written to `output`, a path or a file object, else it is the result's `data`. `verify` decodes it and
+    measures its PSNR, unless it went to a file object. Equal input, settings and version give equal bytes, whatever
+    executes, unless time is the limit: that runs from `started` on, a value of time.monotonic(), or from this call.
+
+    Raises TargetMissedError, with the nearest stream, for a size or quality that cannot be reached; PictureError for
+    what cannot be read or no stream can hold; UsageError for a range of samples that integers do not have;
+    TileFailedError, after which the store has what was finished.
     """
-    settings = settings or EncodeSettings()
-    plan = stream_plan(Shape.of(picture), settings)
     started = time.monotonic() if started is None else started
-    if plan.header.tile:
-        return _encode_tiles(picture, plan, on_progress, started, device)
+    windows = windows_of(picture)
+    plan = stream_plan(windows.shape, settings or EncodeSettings())
+    where = Path(output) if isinstance(output, str) else output
+    job = _Job(windows, plan, where, progress or NullListener(), device, verify, started)
+    encoded, missed = _encode_tiles(job, executor, store) if plan.header.tile else _encode_whole(job)
+    if missed is not None:
+        raise TargetMissedError(missed, encoded)
+    return encoded
+
+
+@dataclass(frozen=True)
+class _Job:
+    """What `encode` was asked for."""
+
+    windows: Windows
+    plan: Plan
+    output: Path | BinaryIO | None
+    listener: NullListener
+    device: Device
+    verify: bool
+    started: float
+
+    @property
+    def verifies(self) -> bool:
+        """Whether the stream is decoded, which must be readable then."""
+        return self.verify and (self.output is None or isinstance(self.output, Path))
+
+    def psnr(self, stream: bytes | Path) -> float:
+        """Of a finished stream, in dB. Raises StreamError if it does not decode."""
+        with open_stream(stream, self.device) as opened:
+            return measured_psnr(opened, self.windows)
+
+    def write(self, to: Callable[[BinaryIO], int]) -> tuple[bytes, int]:
+        """Has a stream written to the output, a path's whole or not at all; returns its data if there is none, and its
+        length.
+        """
+        if isinstance(self.output, Path):
+            with whole_file(self.output) as file:
+                return b"", to(file)
+        if self.output is not None:
+            size = to(self.output)
+            self.output.flush()
+            return b"", size
+        buffer = io.BytesIO()
+        size = to(buffer)
+        return buffer.getvalue(), size
+
+
+def _encode_whole(job: _Job) -> tuple[Encoded, str | None]:
+    """The stream of a picture in one tile, and how it misses what was asked for, if it does."""
+    shape, plan, missed = job.windows.shape, job.plan, None
+    picture = job.windows.read(0, 0, shape.width, shape.height)
     masked = plan.header.masked if empty_pixels(picture, plan.header.masked).any() else None
     plan = replace(plan, header=replace(plan.header, masked=masked))
-    encoding = Encoding(picture, plan, started, device)
-    goal = settings.rate_target(picture.width * picture.height)
-    return encoding.run(on_progress) if goal is None else TargetEncoder(encoding, goal).run(on_progress)
+    steps, ended = 0, False
+
+    def watch(progress: Progress) -> bool:
+        nonlocal steps, ended
+        steps, ended = progress.step, progress.step < progress.steps
+        return job.listener.step(progress)
+
+    job.listener.planned(plan, 1, Memory(0, 0))
+    encoding = Encoding(picture, plan, job.started, job.device)
+    goal = plan.settings.rate_target(picture.width * picture.height)
+    try:
+        encoded = encoding.run(watch) if goal is None else TargetEncoder(encoding, goal).run(watch)
+    except TargetMissedError as error:
+        missed, encoded = str(error), error.nearest
+    psnr = job.psnr(encoded.data) if job.verify else None
+    if job.output is not None:
+        job.write(lambda file: file.write(encoded.data))
+    return replace(encoded, steps=steps, ended_early=ended, psnr=psnr), missed
 
 
-def window_of(picture: Picture, rect: Rect) -> Picture:
-    """The part of a picture in memory that a tile covers."""
-    x, y, width, height = rect
-    return replace(picture, pixels=picture.pixels[y : y + height, x : x + width])
-
-
-def _encode_tiles(
-    picture: Picture, plan: Plan, on_progress: Callable[[Progress], bool] | None, started: float, device: Device
-) -> Encoded:
-    """Raises as `encode`."""
-    grid = plan.header.grid
-    fits = 0
-
-    def watched(task: FitTask) -> FitTask:
-        nonlocal fits
-        before, fits = fits, fits + 1
-
-        def watch(progress: Progress) -> bool:
-            if on_progress is None:
-                return True
-            total = max(grid.count, before + 1) * progress.steps
-            return on_progress(replace(progress, step=before * progress.steps + progress.step, steps=total))
-
-        return replace(task, on_progress=watch)
-
-    def runner(
-        task: Task[Result], numbers: Sequence[int], start: Callable[[int], Start], window: Picture | None = None
-    ) -> Iterator[tuple[int, Result]]:
-        for number in numbers:
-            done: Task[Result] = watched(task) if isinstance(task, FitTask) else task  # type: ignore[assignment]
-            yield number, done(number, window or window_of(picture, grid.rect(number)), start(number), device)
+def _encode_tiles(job: _Job, executor: Executor | None, store: Store | None) -> tuple[Encoded, str | None]:
+    """The same of a picture in several tiles. Does what the store lacks."""
+    plan, grid = job.plan, job.plan.header.grid
+    memory = estimate(plan, job.windows.memory(*grid.rect(0)[2:]))
+    executor = (executor or SerialExecutor()).within(memory, grid.count)
+    job.listener.planned(plan, executor.workers, memory)
+    runner = TileRunner(job.windows, plan, executor, job.device)
 
     def error_of(file: BinaryIO) -> float:
-        with open_stream(file, device) as stream:
-            return squared_error(picture, stream.picture())
+        with open_stream(file, job.device) as stream:
+            return measured_error(stream, job.windows)
 
-    kept, buffer, limit = _Kept(), io.BytesIO(), plan.settings.time_limit
-    shares = None
-    if limit is not None:
-        weigh = partial(_weight, picture, plan)
-        shares = TimeShares(grid, started + limit, workers=1, decoders=0, weigh=weigh)
-    small = draw_small(plan, lambda *window: window_of(picture, window), runner)
-    found = TilePasses(plan, runner, kept, _Nobody(), error_of, shares, small).run()
-    tiles = map(kept.payload, found.chosen)
-    write_stream(buffer, found.plan.header, plan.software, plan.metadata, tiles, found.overview)
-    encoded = _summary(buffer.getvalue(), found, [kept.tiles[version] for version in found.chosen])
-    if found.missed is not None:
-        raise TargetMissedError(found.missed, encoded)
-    return encoded
+    tiles = store or MemoryStore()
+    with tiles.opened(lambda: fingerprint(plan, job.windows.digest())):
+        reporter, budget = PassReporter(plan, job.listener), _time_budget(job, executor.workers)
+        overview = _overview_maker(plan, job.windows, runner)
+        found = TilePasses(plan, runner, tiles, reporter, error_of, budget, overview).run()
+        data, size = job.write(lambda file: _write(file, found, tiles))
+    encoded = _summary(data, size, found, tiles)
+    if job.verifies:
+        encoded = replace(encoded, psnr=job.psnr(job.output if isinstance(job.output, Path) else data))
+    return encoded, found.missed
+
+
+def _time_budget(job: _Job, workers: int) -> TimeBudget | None:
+    """The time of each tile, where that is the limit."""
+    limit, plan = job.plan.settings.time_limit, job.plan
+    if limit is None:
+        return None
+    decoders = job.device.cores if job.verifies else 0
+
+    def weigh(number: int) -> float:
+        return tile_weight(tile_window(job.windows, plan, number), plan)
+
+    return TimeBudget(plan.header.grid, job.started + limit, workers, decoders, weigh)
+
+
+def _write(file: BinaryIO, found: Finished, store: Store) -> int:
+    plan = found.plan
+    tiles = map(store.payload, found.chosen)
+    return write_stream(file, plan.header, plan.software, plan.metadata, tiles, found.overview)
+
+
+def _summary(data: bytes, size: int, found: Finished, store: Store) -> Encoded:
+    """The figures of a stream from those of its tiles."""
+    tiles = [store.tiles[version] for version in found.chosen]
+    parts: Counter[str] = Counter()
+    for tile in tiles:
+        parts.update(tile.part_bytes)
+    if found.overview:
+        parts["overview"] = len(found.overview)
+    seeds = sum(tile.seeds for tile in tiles)
+    steps = [tile.steps for tile in tiles if tile.steps]
+    mean = round(sum(steps) / max(1, len(steps)))
+    gaussians = seeds * found.plan.header.spec.per_seed
+    return Encoded(data, dict(parts), seeds, gaussians, found.lmbda, mean, written=size)
 
 
 @dataclass(frozen=True)
@@ -124,63 +214,11 @@ class _OverviewTask:
         return encode(window, self.settings, device=device).data
 
 
-def draw_small(
-    plan: Plan, read: Callable[[int, int, int, int], Picture], runner: Runner
-) -> Callable[[float], bytes] | None:
-    """What makes the overview of a stream whose tiles are fitted at a λ, if it is to have one. read: as in
-    `overview_picture`.
-    """
+def _overview_maker(plan: Plan, windows: Windows, runner: Runner) -> Callable[[float], bytes] | None:
+    """What makes the overview of a stream whose tiles are fitted at a λ, if it is to have one."""
 
-    def drawn(lmbda: float) -> bytes:
+    def made(lmbda: float) -> bytes:
         task = _OverviewTask(overview_settings(plan, lmbda))
-        return dict(runner(task, [0], lambda _: Start(), overview_picture(plan, read)))[0]
+        return dict(runner(task, [0], lambda _: Start(), overview_picture(plan, windows.read)))[0]
 
-    return drawn if takes_overview(plan) else None
-
-
-def _weight(picture: Picture, plan: Plan, number: int) -> float:
-    return tile_weight(window_of(picture, plan.header.grid.rect(number)), plan)
-
-
-class _Kept:
-    """Tiles in memory."""
-
-    def __init__(self) -> None:
-        self.tiles: dict[Version, EncodedTile] = {}
-        self._numbers: dict[str, float] = {}
-        self._blobs: dict[str, bytes] = {}
-
-    def add(self, version: Version, tile: EncodedTile) -> None:
-        self.tiles[version] = tile
-
-    def payload(self, version: Version) -> bytes:
-        return self.tiles[version].payload
-
-    def kept(self, name: str, made: Callable[[], bytes]) -> bytes:
-        if name not in self._blobs:
-            self._blobs[name] = made()
-        return self._blobs[name]
-
-    def remembered(self, name: str, found: Callable[[], float]) -> float:
-        if name not in self._numbers:
-            self._numbers[name] = found()
-        return self._numbers[name]
-
-
-class _Nobody:
-    """Is told in vain."""
-
-    def begin(self, name: str, numbers: Sequence[int], there: dict[int, EncodedTile]) -> None: ...
-
-    def done(self, number: int, tile: EncodedTile | None) -> None: ...
-
-
-def _summary(data: bytes, found: Finished, tiles: list[EncodedTile]) -> Encoded:
-    """The figures of a stream from those of its tiles."""
-    parts: Counter[str] = Counter()
-    for tile in tiles:
-        parts.update(tile.part_bytes)
-    if found.overview:
-        parts["overview"] = len(found.overview)
-    seeds = sum(tile.seeds for tile in tiles)
-    return Encoded(data, dict(parts), seeds, seeds * found.plan.header.spec.per_seed, found.lmbda)
+    return made if takes_overview(plan) else None

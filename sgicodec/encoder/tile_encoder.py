@@ -19,6 +19,7 @@ from sgicodec.bitstream.parts.tile_chunk import TileChunk, encode_tile_chunk
 from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ALL_CORES, Device
+from sgicodec.encoder.encoded import Encoded
 from sgicodec.encoder.inpainting import fill
 from sgicodec.encoder.plan import Plan, fit_settings
 from sgicodec.fit.base_layer import base_layer
@@ -33,18 +34,7 @@ from sgicodec.rdoq import Rdoq, RdoqSettings, can_optimise
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Fitted, Progress
 
-__all__ = ["Candidate", "Encoded", "Encoding", "empty_pixels", "make_ready", "written"]
-
-
-@dataclass(frozen=True)
-class Encoded:
-    """A finished stream. part_bytes: what each part of the tile costs; seeds, gaussians: how many there are."""
-
-    data: bytes
-    part_bytes: dict[str, float]
-    seeds: int
-    gaussians: int
-    lmbda: float
+__all__ = ["Candidate", "Encoding", "empty_pixels", "make_ready", "written"]
 
 
 @dataclass(frozen=True)

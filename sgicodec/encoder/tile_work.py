@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -99,11 +98,10 @@ class FitTask:
     """Fits a tile at the plan's λ."""
 
     plan: Plan
-    on_progress: Callable[[Progress], bool] | None = None
 
     def __call__(self, number: int, window: Picture, start: Start, device: Device) -> EncodedTile:
         """Fits the pixels that the tile covers, apron included."""
-        return encode_tile(window, self.plan, number, device, self.on_progress, start.seconds)
+        return encode_tile(window, self.plan, number, device, start.seconds)
 
 
 @dataclass(frozen=True)
@@ -144,7 +142,6 @@ def encode_tile(
     plan: Plan,
     number: int,
     device: Device = ALL_CORES,
-    on_progress: Callable[[Progress], bool] | None = None,
     seconds: float | None = None,
 ) -> EncodedTile:
     """Fits tile `number` of a stream of several to its pixels, apron included; in about so many seconds, if given."""
@@ -154,7 +151,7 @@ def encode_tile(
     def watch(progress: Progress) -> bool:
         nonlocal steps
         steps = progress.step
-        return on_progress is None or on_progress(progress)
+        return True
 
     candidate = None if tile.holds_nothing else tile.searched(tile.candidate(tile.fitted(watch)))
     return replace(_finished(tile, plan, number, candidate, started), steps=steps)

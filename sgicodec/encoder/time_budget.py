@@ -11,7 +11,7 @@ from typing import NamedTuple
 from sgicodec.encoder.tile_work import EncodedTile
 from sgicodec.model.tile_grid import TileGrid
 
-__all__ = ["TimeShares"]
+__all__ = ["TimeBudget"]
 
 
 class _Begun(NamedTuple):
@@ -22,7 +22,7 @@ class _Begun(NamedTuple):
     told: float
 
 
-class TimeShares:
+class TimeBudget:
     """Shares the time until `end`, a value of time.monotonic(), out to tiles in proportion to their weights.
 
     workers: how many tiles are done at once. decoders: how many threads decode the stream at the end, 0 if nobody does.

@@ -8,7 +8,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from sgicodec.encoder.tile_encoder import Candidate, Encoded, Encoding
+from sgicodec.encoder.encoded import Encoded
+from sgicodec.encoder.tile_encoder import Candidate, Encoding
 from sgicodec.errors import TargetMissedError
 from sgicodec.fit.base_layer import base_layer
 from sgicodec.metrics.distortion import decibels

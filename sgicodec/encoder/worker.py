@@ -1,10 +1,11 @@
-"""What a worker does with a tile: it is sent the pixels, or reads them itself."""
+"""The tiles of a picture on an executor: a worker is sent the pixels, or reads them itself."""
 
 from __future__ import annotations
 
 import atexit
 import threading
 import time
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, Generic, NamedTuple, TypeVar
@@ -12,12 +13,15 @@ from typing import Any, Generic, NamedTuple, TypeVar
 from sgicodec.device import Device
 from sgicodec.encoder.interfaces import Task
 from sgicodec.encoder.plan import Plan
+from sgicodec.encoder.tile_encoder import make_ready
 from sgicodec.encoder.tile_work import Start
+from sgicodec.encoder.windows import Windows, tile_window
 from sgicodec.errors import PictureError
+from sgicodec.executors.executor import Executor
 from sgicodec.image import Source, open_source
 from sgicodec.picture import Picture
 
-__all__ = ["Job", "ReadingTask", "TileTask"]
+__all__ = ["Job", "ReadingTask", "TileRunner", "TileTask"]
 
 Result = TypeVar("Result")
 
@@ -27,6 +31,33 @@ class Job(NamedTuple):
 
     window: Picture | None
     start: Start
+
+
+class TileRunner:
+    """The `Runner` that has an executor do the tasks, with the threads of `device`."""
+
+    def __init__(self, windows: Windows, plan: Plan, executor: Executor, device: Device) -> None:
+        self._windows, self._plan, self._executor, self._device = windows, plan, executor, device
+
+    def __call__(
+        self,
+        task: Task[Result],
+        numbers: Sequence[int],
+        start: Callable[[int], Start],
+        window: Picture | None = None,
+    ) -> Iterator[tuple[int, Result]]:
+        """As in `Runner`. Where time is the limit, a tile's begins when its worker is ready."""
+        executor, plan = self._executor, self._plan
+        device = executor.device(self._device, len(numbers))
+        ready = None if plan.settings.time_limit is None else make_ready
+        if executor.place is not None and window is None:
+            reading = ReadingTask(plan, executor.place, task, device)
+            return executor.run(reading, numbers, lambda number: Job(None, start(number)), ready)
+
+        def job(number: int) -> Job:
+            return Job(window or tile_window(self._windows, plan, number), start(number))
+
+        return executor.run(TileTask(task, device), numbers, job, ready)
 
 
 @dataclass(frozen=True)

@@ -7,29 +7,37 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from typing import Any, TypeVar
 
+from sgicodec.device import Device
 from sgicodec.errors import TileFailedError, UsageError
-from sgicodec.executors.processes import Failure
+from sgicodec.executors.executor import TRIES, Failure, Memory
 
 __all__ = ["Cluster", "open_cluster"]
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
 
-_TRIES = 2
 _AHEAD = 2
 """Tiles that are on their way for each thread of the cluster: pixels that wait take memory."""
 
 
 class Cluster:
-    """An open cluster."""
+    """An `Executor` on an open cluster. place: path or URL where its workers read the picture; None to send pixels."""
 
-    def __init__(self, client: Any) -> None:
-        self._client = client
+    def __init__(self, client: Any, place: str | None) -> None:
+        self._client, self.place = client, place
 
     @property
     def workers(self) -> int:
         """How many tiles it takes at once."""
         return max(1, int(sum(self._client.nthreads().values())))
+
+    def within(self, memory: Memory, jobs: int) -> Cluster:
+        """As it is: what its workers have is the cluster's to say."""
+        return self
+
+    def device(self, whole: Device, jobs: int) -> Device:
+        """As many threads for each job as were asked for, one where none were: a worker runs several jobs at once."""
+        return whole.with_threads(max(1, whole.threads))
 
     def run(
         self,
@@ -38,8 +46,8 @@ class Cluster:
         job_of: Callable[[int], Job],
         make_ready: Callable[[], None] | None = None,
     ) -> Iterator[tuple[int, Result]]:
-        """As `run_in_processes`. A tile whose worker died goes to another one. With `make_ready`, which all workers
-        call first, no tile is on its way before one of them can begin.
+        """As in `Executor`. A tile whose worker died goes to another one. Without `make_ready` some jobs are on their
+        way before a worker can begin.
         """
         from distributed import as_completed
 
@@ -63,7 +71,7 @@ class Cluster:
             outcome = future.result() if future.status == "finished" else _lost(future)
             if isinstance(outcome, Failure):
                 failures[number] += 1
-                if outcome.final or failures[number] == _TRIES:
+                if outcome.final or failures[number] == TRIES:
                     raise TileFailedError(number, outcome.message)
                 waiting.appendleft(number)
             else:
@@ -86,8 +94,9 @@ def _lost(future: Any) -> Failure:
 
 
 @contextmanager
-def open_cluster(address: str) -> Iterator[Cluster]:
-    """A cluster by the address of its scheduler, or "local:N": one of N processes on this machine.
+def open_cluster(address: str, place: str | None = None) -> Iterator[Cluster]:
+    """A cluster by the address of its scheduler, or "local:N": one of N processes on this machine. place: as in
+    `Cluster`.
 
     Raises UsageError if Dask is not installed or the cluster does not answer.
     """
@@ -101,14 +110,14 @@ def open_cluster(address: str) -> Iterator[Cluster]:
             if not count.isdecimal() or not 1 <= int(count) <= 1024:
                 raise UsageError(f"cluster {address}: a number of processes must follow, as in local:4")
             options = {"n_workers": int(count), "threads_per_worker": 1, "dashboard_address": None}
-            place: Any = stack.enter_context(LocalCluster(**options, memory_limit=0))
+            scheduler: Any = stack.enter_context(LocalCluster(**options, memory_limit=0))
         else:
-            place = address
+            scheduler = address
         try:
-            client = stack.enter_context(Client(place, timeout=_PATIENCE_SECONDS))
+            client = stack.enter_context(Client(scheduler, timeout=_PATIENCE_SECONDS))
         except (OSError, ValueError) as error:
             raise UsageError(f"cluster {address}: {error or 'no scheduler answers there'}") from error
-        yield Cluster(client)
+        yield Cluster(client, place)
 
 
 _PATIENCE_SECONDS = 10

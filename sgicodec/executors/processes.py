@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import signal
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator
@@ -12,48 +13,52 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import Any, Generic, TypeVar
 
-from sgicodec.errors import SgiError, TileFailedError
+from sgicodec.device import Device
+from sgicodec.errors import TileFailedError
+from sgicodec.executors.executor import TRIES, Executor, Failure, Memory
+from sgicodec.executors.serial import SerialExecutor
 
-__all__ = ["Failure", "run_here", "run_in_processes"]
+__all__ = ["ProcessExecutor"]
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
 
-_TRIES = 2
 
+class ProcessExecutor:
+    """An `Executor` with worker processes of this machine, started for each run.
 
-@dataclass(frozen=True)
-class Failure:
-    """What became of a job that raised. final: another try would end the same way."""
+    workers: at most; 0 for one per core. max_memory: bytes that all processes together may take at their peak.
+    """
 
-    message: str
-    final: bool
+    place = None
 
-    @classmethod
-    def of(cls, error: Exception) -> Failure:
-        """An error of the input's is final; others may be the machine's."""
-        return cls(str(error) or type(error).__name__, isinstance(error, SgiError))
+    def __init__(self, workers: int = 0, max_memory: float | None = None) -> None:
+        self.workers, self._max_memory = workers or os.cpu_count() or 1, max_memory
 
+    def within(self, memory: Memory, jobs: int) -> Executor:
+        """As in `Executor`; a single worker is this process."""
+        count = memory.workers_within(self._max_memory, min(self.workers, jobs))
+        return SerialExecutor() if count == 1 else ProcessExecutor(count, self._max_memory)
 
-def run_here(
-    task: Callable[[int, Job], Result], numbers: Iterable[int], job_of: Callable[[int], Job]
-) -> Iterator[tuple[int, Result]]:
-    """Tile after tile in this process. Raises TileFailedError."""
-    for number in numbers:
-        for attempt in range(_TRIES):
-            try:
-                result = task(number, job_of(number))
-            except Exception as error:
-                failure = Failure.of(error)
-                if failure.final or attempt == _TRIES - 1:
-                    raise TileFailedError(number, failure.message) from error
-            else:
-                yield number, result
-                break
+    def device(self, whole: Device, jobs: int) -> Device:
+        """The threads are shared among the workers."""
+        return whole.with_threads(max(1, whole.cores // max(1, min(self.workers, jobs))))
+
+    def run(
+        self,
+        task: Callable[[int, Job], Result],
+        numbers: Iterable[int],
+        job_of: Callable[[int], Job],
+        make_ready: Callable[[], None] | None = None,
+    ) -> Iterator[tuple[int, Result]]:
+        """As in `Executor`. `task`, jobs and results are pickled."""
+        numbers = list(numbers)
+        with _pool(task, min(self.workers, len(numbers)), make_ready) as pool:
+            yield from pool.run(numbers, job_of)
 
 
 class _Ready:
-    """What a process says when it can begin."""
+    """The message of a process that can begin."""
 
 
 @dataclass
@@ -100,7 +105,7 @@ class _Pool(Generic[Job, Result]):
                     yield number, outcome
                     continue
                 failures[number] += 1
-                if outcome.final or failures[number] == _TRIES:
+                if outcome.final or failures[number] == TRIES:
                     raise TileFailedError(number, outcome.message)
                 waiting.appendleft(number)
 
@@ -140,22 +145,6 @@ def _pool(
         yield pool
     finally:
         pool.stop()
-
-
-def run_in_processes(
-    task: Callable[[int, Job], Result],
-    numbers: Iterable[int],
-    job_of: Callable[[int], Job],
-    count: int,
-    make_ready: Callable[[], None] | None = None,
-) -> Iterator[tuple[int, Result]]:
-    """Results of task(number, job_of(number)) as they come, from `count` processes; `job_of` runs in this one, at the
-    moment when one of them can begin: before its first job it calls `make_ready`.
-
-    `task` and jobs are pickled. Raises TileFailedError for a tile that failed twice, or once for what is the input's.
-    """
-    with _pool(task, count, make_ready) as pool:
-        yield from pool.run(numbers, job_of)
 
 
 def _work(pipe: Connection, task: Callable[[int, Any], Any], make_ready: Callable[[], None] | None) -> None:

@@ -33,7 +33,7 @@ class Source:
     """An open picture: what it is at once, its pixels window by window. A context manager; not for several threads.
 
     The pixels are those that `read` gives, bit for bit. What is damaged, or not a number, is found in the window that
-    it is in.
+    it is in. path: of the file, or of a copy that lasts as long as this is open.
     """
 
     def __init__(
@@ -41,8 +41,8 @@ class Source:
     ) -> None:
         self._origin, self._max_samples, self._range = origin, max_samples, sample_range
         with naming(origin), ExitStack() as stack:
-            path = stack.enter_context(on_disk(origin))
-            self._opened: Opened = open_picture(path, any_size=True)
+            self.path = stack.enter_context(on_disk(origin))
+            self._opened: Opened = open_picture(self.path, any_size=True)
             stack.callback(lambda: self._opened.image.close())
             self._access: Access = access(self._opened)
             if self._opened.kind in _IN_LIBRARY or isinstance(self._access, Whole):

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from clock import Clock
+from listeners import Steps
 
 from sgicodec import Encoded, EncodeSettings, Picture, encode, open_stream, read
 from sgicodec.device import Device
@@ -90,7 +91,7 @@ def test_a_time_limit_gives_a_sound_stream(crop: Picture, goal: dict[str, float]
 
     settings = replace(EncodeSettings(time_limit=4.0), **goal)  # type: ignore[arg-type]
     try:
-        encoded = encode(crop, settings, on_progress)
+        encoded = encode(crop, settings, progress=Steps(on_progress))
     except TargetMissedError as missed:  # there are few steps
         encoded = missed.nearest
     assert quality(crop, encoded) > 15
@@ -102,7 +103,7 @@ def test_a_time_limit_gives_a_sound_stream(crop: Picture, goal: dict[str, float]
 def test_an_early_end_gives_a_stream(crop: Picture, goal: dict[str, float], step: int) -> None:
     settings = replace(EncodeSettings(steps=80), **goal)  # type: ignore[arg-type]
     try:
-        encoded = encode(crop, settings, lambda progress: progress.step < step)
+        encoded = encode(crop, settings, progress=Steps(lambda progress: progress.step < step))
     except TargetMissedError as missed:
         encoded = missed.nearest
     else:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from listeners import Steps
 
 from sgicodec import Encoded, EncodeSettings, Picture, encode, open_stream, read
 from sgicodec.metrics.psnr import psnr
@@ -72,6 +73,6 @@ def test_layout_metadata_and_depth_return(coded: tuple[Picture, dict[int, Encode
 
 def test_early_end_gives_a_valid_stream() -> None:
     picture = crop("kodim23.png")
-    stopped = encode(picture, EncodeSettings(steps=200), lambda progress: progress.step < 60)
+    stopped = encode(picture, EncodeSettings(steps=200), progress=Steps(lambda progress: progress.step < 60))
     decoded = open_stream(stopped.data).picture()
     assert psnr(picture.pixels, decoded.pixels) > 20

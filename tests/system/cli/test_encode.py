@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,13 +13,15 @@ import numpy as np
 import pytest
 from click.testing import Result
 
+from sgicodec.cli.encode_listener import EncodeListener
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
 from sgicodec.encoder import pipeline as encoder
+from sgicodec.encoder.encoded import Encoded
+from sgicodec.encoder.tile_encoder import Encoding
 from sgicodec.errors import SgiError
 from sgicodec.fit.settings import lmbda_of_quality
 from sgicodec.image import read, write
-from sgicodec.metrics import psnr as psnr_module
 from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Picture
 
@@ -36,9 +38,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     """The settings that reach the encoder, which then does nothing."""
     seen: dict[str, Any] = {}
 
-    def record(
-        picture: Picture, settings: encoder.EncodeSettings, on_progress: object, started: float, device: Device
-    ) -> None:
+    def record(source: object, settings: encoder.EncodeSettings, *, device: Device, **_: object) -> None:
         seen.update(asdict(settings) | asdict(device))
         raise Stopped("stopped")
 
@@ -84,7 +84,7 @@ def test_json(sgi: Run, picture: Path, tmp_path: Path, pixels: np.ndarray) -> No
 
 
 def test_json_has_no_infinity(sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(psnr_module, "psnr", lambda *_: float("inf"))
+    monkeypatch.setattr(encoder, "measured_psnr", lambda *_: float("inf"))
     assert json.loads(sgi("encode", picture, "--steps", 2, "--json").stdout)["psnr"] is None
 
 
@@ -194,12 +194,8 @@ def test_a_size_that_is_missed(sgi: Run, picture: Path) -> None:
 
 def test_ctrl_c_on_the_way_to_a_goal(sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The first step is the last; what there is, is written, and the code says whether the goal was met."""
-    real = encoder.encode
-
-    def stopped(picture: Picture, settings: encoder.EncodeSettings, on_progress: Any, *rest: Any) -> Any:
-        return real(picture, settings, lambda state: on_progress(state) and False, *rest)
-
-    monkeypatch.setattr(encoder, "encode", stopped)
+    real = EncodeListener.step
+    monkeypatch.setattr(EncodeListener, "step", lambda *given: real(*given) and False)
     for goal, value, code in (("--size", 5000, 0), ("--size", 30, 5), ("--psnr", 90, 5)):
         result = sgi("encode", picture, "-f", goal, value, "--steps", 30, "--json")
         assert result.exit_code == code, result.output
@@ -241,15 +237,15 @@ def test_force_overwrites(sgi: Run, picture: Path) -> None:
 
 
 def test_failure_leaves_nothing(sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    real = encoder.encode
+    real = Encoding.encoded
 
-    def damaged(*arguments: Any) -> encoder.Encoded:
+    def damaged(*arguments: Any) -> Encoded:
         whole = real(*arguments)
         data = bytearray(whole.data)
         data[len(data) // 2] ^= 1
-        return encoder.Encoded(bytes(data), whole.part_bytes, whole.seeds, whole.gaussians, whole.lmbda)
+        return replace(whole, data=bytes(data))
 
-    monkeypatch.setattr(encoder, "encode", damaged)
+    monkeypatch.setattr(Encoding, "encoded", damaged)
     result = sgi("encode", picture, "--steps", 2)
     assert result.exit_code == 4
     assert "wrong CRC" in result.stderr
@@ -257,9 +253,7 @@ def test_failure_leaves_nothing(sgi: Run, picture: Path, monkeypatch: pytest.Mon
 
 
 def test_no_verify_does_not_decode(sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from sgicodec.decoder import stream as decoder
-
-    monkeypatch.setattr(decoder, "open_stream", lambda *_: 1 / 0)
+    monkeypatch.setattr(encoder, "open_stream", lambda *_: 1 / 0)
     result = sgi("encode", picture, "--steps", 2, "--no-verify")
     assert result.exit_code == 0
     assert "PSNR" not in result.stdout

@@ -14,6 +14,7 @@ from sgicodec import errors
 from sgicodec.cli.main import cli
 from sgicodec.decoder import stream as decoder
 from sgicodec.encoder import pipeline as encoder
+from sgicodec.encoder.listener import NullListener
 from sgicodec.fit.trainer import Progress
 from sgicodec.version import __version__
 
@@ -66,10 +67,12 @@ def test_usage_errors_are_one_line(sgi: Run, arguments: list[str], place: str) -
 
 
 def test_exit_codes_of_all_errors() -> None:
-    codes = {name: getattr(errors, name).exit_code for name in errors.__all__}
+    found = {name: getattr(errors, name) for name in errors.__all__}
+    codes = {name: error.exit_code for name, error in found.items() if isinstance(error, type)}
     assert codes == {
         "SgiError": 1,
         "UsageError": 2,
+        "MissingExtraError": 2,
         "PictureError": 3,
         "StreamError": 4,
         "CorruptStreamError": 4,
@@ -135,11 +138,11 @@ def test_interrupt_leaves_nothing(sgi: Run, stream: Path, monkeypatch: pytest.Mo
 def test_first_interrupt_of_a_fit_ends_it_second_gives_up(
     sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fit(picture: Any, settings: Any, on_progress: Callable[[Progress], bool], *_: Any) -> None:
+    def fit(*_: Any, progress: NullListener, **__: Any) -> None:
         state = Progress(step=3, steps=9, seeds=1, psnr=20.0, bits=0.0, seconds=0.1)
-        assert on_progress(state)
+        assert progress.step(state)
         signal.raise_signal(signal.SIGINT)
-        assert not on_progress(state)
+        assert not progress.step(state)
         signal.raise_signal(signal.SIGINT)
 
     monkeypatch.setattr(encoder, "encode", fit)

@@ -14,8 +14,10 @@ pytest.importorskip("distributed")
 
 from sgicodec import EncodeSettings, encode, open_stream, read
 from sgicodec.cli.main import cli
-from sgicodec.encoder.out_of_core import plan_of
+from sgicodec.device import ONE_THREAD, Device
+from sgicodec.encoder.plan import Plan, stream_plan
 from sgicodec.encoder.tile_work import FitTask, Start
+from sgicodec.encoder.windows import windows_of
 from sgicodec.encoder.worker import Job, ReadingTask
 from sgicodec.errors import PictureError, TileFailedError, UsageError
 from sgicodec.executors.dask import open_cluster
@@ -123,30 +125,33 @@ def test_addresses_without_a_cluster(address: str, monkeypatch: pytest.MonkeyPat
         pass
 
 
-def test_workers_read_paths_and_urls(photo: Path, settings: EncodeSettings, tmp_path: Path) -> None:
+def plan_of(photo: Path, settings: EncodeSettings) -> Plan:
     with open_source(photo) as source:
-        plan = plan_of(source, settings)
+        return stream_plan(windows_of(source).shape, settings)
+
+
+def test_workers_read_paths_and_urls(photo: Path, settings: EncodeSettings, tmp_path: Path) -> None:
+    plan = plan_of(photo, settings)
     job, work = Job(None, Start()), FitTask(plan)
-    by_path, by_url = (ReadingTask(plan, place, work, 1)(4, job) for place in (str(photo), photo.as_uri()))
+    by_path, by_url = (ReadingTask(plan, place, work, ONE_THREAD)(4, job) for place in (str(photo), photo.as_uri()))
     assert by_path.payload == by_url.payload
     other = tmp_path / "other.png"
     write(Picture(np.zeros((9, 9, 3), np.uint8), "rgb", (0.0, 255.0)), other)
     with pytest.raises(PictureError, match="another picture"):
-        ReadingTask(plan, str(other), work, 1)(0, job)
+        ReadingTask(plan, str(other), work, ONE_THREAD)(0, job)
     with pytest.raises(PictureError):
-        ReadingTask(plan, (tmp_path / "missing.png").as_uri(), work, 1)(0, job)
+        ReadingTask(plan, (tmp_path / "missing.png").as_uri(), work, ONE_THREAD)(0, job)
 
 
-def seconds_told(number: int, window: Picture, start: Start, threads: int) -> float | None:
+def seconds_assigned(number: int, window: Picture, start: Start, device: Device) -> float | None:
     return start.seconds
 
 
 def test_reading_is_part_of_a_tile_s_time(
     photo: Path, settings: EncodeSettings, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    with open_source(photo) as source:
-        plan = plan_of(source, settings)
-    work = ReadingTask(plan, str(photo), seconds_told, 1)
+    plan = plan_of(photo, settings)
+    work = ReadingTask(plan, str(photo), seconds_assigned, ONE_THREAD)
     clock = iter([100.0, 103.0, 200.0, 290.0])
     monkeypatch.setattr("sgicodec.encoder.worker.time.monotonic", lambda: next(clock))
     assert work(0, Job(None, Start(seconds=10.0))) == pytest.approx(7.0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,14 +11,18 @@ from typing import Any
 import pytest
 from clock import Clock
 
-from sgicodec import EncodeSettings, Picture, encode, open_stream, read
-from sgicodec.encoder.checkpoint import Journal
-from sgicodec.encoder.interfaces import Task
+from sgicodec import EncodeSettings, encode, open_stream, read
+from sgicodec.encoder.listener import NullListener, PassState
 from sgicodec.encoder.measure import measured_psnr
-from sgicodec.encoder.memory import MIB, Estimate, estimate, fitting_workers
-from sgicodec.encoder.out_of_core import State, Totals, encode_source, plan_of, run_tiles
-from sgicodec.encoder.tile_work import EncodedTile, Start
+from sgicodec.encoder.memory import estimate
+from sgicodec.encoder.plan import stream_plan
+from sgicodec.encoder.store import MemoryStore
+from sgicodec.encoder.tile_work import EncodedTile
+from sgicodec.encoder.windows import windows_of
 from sgicodec.errors import UsageError
+from sgicodec.executors.executor import MIB, Executor, Memory
+from sgicodec.executors.processes import ProcessExecutor
+from sgicodec.executors.serial import SerialExecutor
 from sgicodec.image import open_source
 from sgicodec.metrics.psnr import psnr
 
@@ -29,60 +33,76 @@ def expected(photo: Path, settings: EncodeSettings) -> bytes:
     return encode(read(photo), settings).data
 
 
-def encoded(photo: Path, settings: EncodeSettings, workers: int, backwards: bool = False) -> tuple[bytes, Totals]:
+class Backwards(SerialExecutor):
+    """Takes the tiles in the opposite order."""
+
+    def run(self, task: Any, numbers: Iterable[int], job_of: Any, make_ready: Any = None) -> Iterator[tuple[int, Any]]:
+        return super().run(task, sorted(numbers, reverse=True), job_of, make_ready)
+
+
+@pytest.mark.parametrize("executor", [SerialExecutor(), Backwards(), ProcessExecutor(2)], ids=type)
+def test_same_bytes_for_any_executor(
+    photo: Path, settings: EncodeSettings, expected: bytes, executor: Executor
+) -> None:
     target = io.BytesIO()
     with open_source(photo) as source:
-        plan = plan_of(source, settings)
-        runner = run_tiles(source, plan, workers, workers)
-        if backwards:
-            forwards = runner
-
-            def runner(
-                task: Task[Any], numbers: Sequence[int], start: Callable[[int], Start], window: Picture | None = None
-            ) -> Iterator[tuple[int, Any]]:
-                return forwards(task, sorted(numbers, reverse=True), start, window)
-
-        totals = encode_source(source, plan, runner, Journal(io.BytesIO(), bytes(32)), target)
-    return target.getvalue(), totals
+        found = encode(source, settings, output=target, executor=executor)
+    assert target.getvalue() == expected
+    assert (found.size, found.data) == (len(expected), b"")
 
 
-@pytest.fixture(autouse=True)
-def _no_sync(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Journals in memory have nothing to sync."""
-    monkeypatch.setattr(Journal, "_write", lambda self, data: self._file.write(data))
+def test_a_path_and_a_result_hold_the_same(
+    photo: Path, settings: EncodeSettings, expected: bytes, tmp_path: Path
+) -> None:
+    out = tmp_path / "out.sgi"
+    with open_source(photo) as source:
+        written = encode(source, settings, output=out, verify=True)
+        returned = encode(source, settings, verify=True)
+    assert out.read_bytes() == returned.data == expected
+    assert written.size == returned.size
+    assert written.psnr == returned.psnr
+    assert written.psnr == pytest.approx(psnr(read(photo).pixels, open_stream(out).picture().pixels), abs=1e-6)
 
 
-def test_same_bytes_for_any_workers_and_order(photo: Path, settings: EncodeSettings, expected: bytes) -> None:
-    one, totals = encoded(photo, settings, 1)
-    assert one == expected
-    assert totals.bytes == len(expected)
-    assert encoded(photo, settings, 1, backwards=True)[0] == expected
-    assert encoded(photo, settings, 2)[0] == expected
+@pytest.mark.parametrize("output", [False, True])
+def test_a_source_in_one_tile(photo: Path, settings: EncodeSettings, output: bool) -> None:
+    """The same stream as of the picture in memory."""
+    whole, target = replace(settings, tile=0), io.BytesIO()
+    with open_source(photo) as source:
+        found = encode(source, whole, output=target if output else None)
+    expected = encode(read(photo), whole)
+    assert found == expected
+    assert target.getvalue() == (expected.data if output else b"")
+
+
+class Watch(NullListener):
+    """Remembers tiles and fresh pixels, and presses Ctrl-C after so many tiles."""
+
+    def __init__(self, stop: int | None = None) -> None:
+        self.stop, self.states = stop, list[tuple[int, int]]()
+
+    def tile(self, state: PassState) -> None:
+        self.states.append((state.done, state.fresh))
+        if state.done == self.stop:
+            raise KeyboardInterrupt
 
 
 def test_going_on_gives_the_same_bytes(photo: Path, settings: EncodeSettings, expected: bytes) -> None:
-    states: list[tuple[int, int]] = []
+    store, target, watch = MemoryStore(), io.BytesIO(), Watch()
     with open_source(photo) as source:
-        plan = plan_of(source, settings)
-        runner, journal, target = run_tiles(source, plan, 1, 1), Journal(io.BytesIO(), bytes(32)), io.BytesIO()
-
-        def stop(state: State) -> None:
-            if state.done == 3:
-                raise KeyboardInterrupt
-
         with pytest.raises(KeyboardInterrupt):
-            encode_source(source, plan, runner, journal, target, stop)
-        assert sorted(journal.tiles) == [(0, 0), (1, 0), (2, 0)]
+            encode(source, settings, output=target, store=store, progress=Watch(stop=3))
+        assert sorted(store.tiles) == [(0, 0), (1, 0), (2, 0)]
         assert not target.getvalue()
-        encode_source(source, plan, runner, journal, target, lambda state: states.append((state.done, state.fresh)))
+        encode(source, settings, output=target, store=store, progress=watch)
     assert target.getvalue() == expected
-    assert [done for done, _ in states] == [3, 4, 5, 6]
-    assert states[0][1] == 0
-    assert states[-1][1] == 150 * 50
+    assert [done for done, _ in watch.states] == [3, 4, 5, 6]
+    assert watch.states[0][1] == 0
+    assert watch.states[-1][1] == 150 * 50
 
 
 def test_state_adds_up(clock: Clock) -> None:
-    state = State(tiles=4, all_pixels=4000, started=clock.now)
+    state = PassState(tiles=4, all_pixels=4000, started=clock.now)
     assert state.seconds_left == float("inf")
     state.add(EncodedTile(b"", {}, 1, 0.03, 300, 1.0, 125, 0.01), 1000, fresh=True)
     state.add(EncodedTile(b"", {}, 1, 0.03, 300, 1.0, 125, 0.01), 1000, fresh=False)
@@ -95,21 +115,24 @@ def test_state_adds_up(clock: Clock) -> None:
 
 def test_measured_psnr_is_that_of_the_pictures(photo: Path, expected: bytes) -> None:
     with open_stream(expected) as stream, open_source(photo) as source:
-        found = measured_psnr(stream, source)
+        found = measured_psnr(stream, windows_of(source))
         assert found == pytest.approx(psnr(read(photo).pixels, stream.picture().pixels), abs=1e-6)
 
 
 def test_workers_that_fit() -> None:
-    found = Estimate(main=100 * MIB, worker=400 * MIB)
-    assert fitting_workers(found, 8, None) == 8
-    assert fitting_workers(found, 8, 1000 * MIB) == 2
+    found = Memory(main=100 * MIB, worker=400 * MIB)
+    assert found.workers_within(None, 8) == 8
+    assert found.workers_within(1000 * MIB, 8) == 2
+    assert ProcessExecutor(8, 1000 * MIB).within(found, 5).workers == 2
+    assert ProcessExecutor(8).within(found, 5).workers == 5
+    assert isinstance(ProcessExecutor(8).within(found, 1), SerialExecutor)
     with pytest.raises(UsageError, match="about 500 MiB"):
-        fitting_workers(found, 8, 499 * MIB)
+        ProcessExecutor(8, 499 * MIB).within(found, 5)
 
 
 def test_the_estimate_depends_on_the_tile_not_on_the_picture(photo: Path, settings: EncodeSettings) -> None:
     with open_source(photo) as source:
-        plan = plan_of(source, settings)
+        plan = stream_plan(windows_of(source).shape, settings)
     wide = replace(plan, header=replace(plan.header, width=75 * 1000, height=50 * 1000, tile=75))
     near = replace(plan, header=replace(plan.header, width=75 * 10, height=75 * 10, tile=75))
     assert estimate(wide, 0).total(2) == pytest.approx(estimate(near, 0).total(2), rel=0.01)

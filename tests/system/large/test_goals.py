@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 
 from sgicodec import EncodeSettings, encode, open_stream, read
-from sgicodec.encoder.checkpoint import opened_journal
-from sgicodec.encoder.out_of_core import State, encode_source, plan_of, run_tiles
+from sgicodec.encoder.checkpoint import Checkpoint
+from sgicodec.encoder.listener import NullListener, PassState
+from sgicodec.executors.processes import ProcessExecutor
 from sgicodec.image import open_source
 from sgicodec.metrics.psnr import psnr
 
@@ -32,26 +33,25 @@ def expected(photo: Path, goal: EncodeSettings) -> bytes:
     return data
 
 
-class Stopping:
-    """Remembers the rounds, and presses Ctrl-C after so many states."""
+class Stopping(NullListener):
+    """Remembers the passes, and presses Ctrl-C after so many states."""
 
     def __init__(self, after: int = -1) -> None:
-        self.left, self.rounds = after, list[str]()
+        self.left, self.passes = after, list[str]()
 
-    def __call__(self, state: State) -> None:
-        if state.round not in self.rounds[-1:]:
-            self.rounds.append(state.round)
+    def tile(self, state: PassState) -> None:
+        if state.name not in self.passes[-1:]:
+            self.passes.append(state.name)
         self.left -= 1
         if self.left == 0:
             raise KeyboardInterrupt
 
 
 def encoded(photo: Path, settings: EncodeSettings, folder: Path, workers: int, watch: Stopping) -> bytes:
-    out = folder / "out.sgi"
+    out, checkpoint = folder / "out.sgi", Checkpoint(folder / "out.part", resume=True)
     with open_source(photo) as source:
-        plan = plan_of(source, settings)
-        with opened_journal(folder / "out.part", bytes(32), True, False) as journal:
-            encode_source(source, plan, run_tiles(source, plan, workers, workers), journal, out, watch)
+        executor = ProcessExecutor(workers)
+        encode(source, settings, output=out, executor=executor, store=checkpoint, progress=watch)
     return out.read_bytes()
 
 
@@ -61,9 +61,9 @@ def test_same_bytes_for_any_workers(
 ) -> None:
     watch = Stopping()
     assert encoded(photo, goal, tmp_path, workers, watch) == expected
-    assert watch.rounds[:3] == ["look", "overview", "sample"]
-    assert watch.rounds[3] in ("tiles", "sample")
-    assert "search" in watch.rounds
+    assert watch.passes[:3] == ["look", "overview", "sample"]
+    assert watch.passes[3] in ("tiles", "sample")
+    assert "search" in watch.passes
 
 
 def states(photo: Path, goal: EncodeSettings, folder: Path) -> Iterator[int]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,10 +9,12 @@ import numpy as np
 import pytest
 from clock import Clock
 
-from sgicodec import EncodeSettings, encode, open_stream, read
-from sgicodec.encoder.checkpoint import Journal
-from sgicodec.encoder.out_of_core import State, Totals, encode_source, plan_of, run_tiles, time_shares
+from sgicodec import Encoded, EncodeSettings, encode, open_stream, read
+from sgicodec.encoder.listener import NullListener, PassState
+from sgicodec.encoder.plan import stream_plan
+from sgicodec.encoder.store import MemoryStore
 from sgicodec.encoder.tile_weight import tile_weight
+from sgicodec.encoder.windows import windows_of
 from sgicodec.image import open_source, write
 from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Metadata, Picture
@@ -28,51 +29,43 @@ def clock(clock: Clock) -> Clock:
     return clock
 
 
-@pytest.fixture(autouse=True)
-def _no_sync(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Journals in memory have nothing to sync."""
-    monkeypatch.setattr(Journal, "_write", lambda self, data: self._file.write(data))
+class Stop(NullListener):
+    """Presses Ctrl-C after so many tiles."""
 
+    def __init__(self, after: int | None) -> None:
+        self.after = after
 
-def limited(clock: Clock, path: Path, limit: float, journal: Journal, stop: int | None = None) -> tuple[bytes, Totals]:
-    """An encode of tiles of 64 pixels in this process, interrupted after `stop` tiles."""
-
-    def watch(state: State) -> None:
-        if state.done == stop:
+    def tile(self, state: PassState) -> None:
+        if state.done == self.after:
             raise KeyboardInterrupt
 
-    target = io.BytesIO()
+
+def limited(path: Path, limit: float, store: MemoryStore, stop: int | None = None) -> Encoded:
+    """An encode of tiles of 64 pixels in this process, interrupted after `stop` tiles."""
     with open_source(path) as source:
-        plan = plan_of(source, EncodeSettings(time_limit=limit, tile=64))
-        shares = time_shares(source, plan, clock.now + limit, workers=1, decoders=0)
-        totals = encode_source(source, plan, run_tiles(source, plan, 1, 1), journal, target, watch, shares)
-    return target.getvalue(), totals
+        return encode(source, EncodeSettings(time_limit=limit, tile=64), store=store, progress=Stop(stop))
 
 
-def fresh() -> Journal:
-    return Journal(io.BytesIO(), bytes(32))
-
-
-def steps(journal: Journal) -> list[int]:
-    return [tile.steps for _, tile in sorted(journal.tiles.items())]
+def steps(store: MemoryStore) -> list[int]:
+    return [tile.steps for _, tile in sorted(store.tiles.items())]
 
 
 def test_every_tile_has_its_part_and_the_limit_holds(clock: Clock, photo: Path) -> None:
     """By this clock all steps take the same, so that time by weight is steps by weight."""
-    journal, began = fresh(), clock.now
-    data, totals = limited(clock, photo, 20.0, journal)
+    store, began = MemoryStore(), clock.now
+    found = limited(photo, 20.0, store)
     assert 17.0 < clock.now - began < 20.0
-    counts = steps(journal)
+    counts = steps(store)
     with open_source(photo) as source:
-        plan = plan_of(source, EncodeSettings(tile=64))
+        plan = stream_plan(windows_of(source).shape, EncodeSettings(tile=64))
         weights = [tile_weight(source.read(*plan.header.grid.rect(number)), plan) for number in range(6)]
     assert max(weights) > 1.5 * min(weights)
     each = np.divide(counts, weights)
     assert max(each) < 1.6 * min(each)
     assert min(counts) > 15
-    assert totals.steps == round(np.mean(counts))
-    assert {tile.lmbda for tile in journal.tiles.values()} == {totals.lmbda}
-    with open_stream(data) as stream:
+    assert found.steps == round(np.mean(counts))
+    assert {tile.lmbda for tile in store.tiles.values()} == {found.lmbda}
+    with open_stream(found.data) as stream:
         assert stream.software.endswith(" q50 t20")
         assert psnr(read(photo).pixels, stream.picture().pixels) > 22
 
@@ -80,20 +73,20 @@ def test_every_tile_has_its_part_and_the_limit_holds(clock: Clock, photo: Path) 
 def test_more_time_gives_more_steps_and_a_better_file(clock: Clock, photo: Path) -> None:
     pixels, costs, counts = read(photo).pixels, [], []
     for limit in (6.0, 24.0):
-        journal = fresh()
-        data, totals = limited(clock, photo, limit, journal)
-        error = np.square((pixels - open_stream(data).picture().pixels.astype(float)) / 255).sum()
-        costs.append(error + 8 * totals.lmbda * len(data))
-        counts.append(totals.steps)
+        store = MemoryStore()
+        found = limited(photo, limit, store)
+        error = np.square((pixels - open_stream(found.data).picture().pixels.astype(float)) / 255).sum()
+        costs.append(error + 8 * found.lmbda * len(found.data))
+        counts.append(found.steps)
     assert counts[1] > 2.5 * counts[0]
     assert costs[1] < costs[0]
 
 
 def test_next_to_no_time_gives_a_sound_stream(clock: Clock, photo: Path) -> None:
-    journal = fresh()
-    data, _ = limited(clock, photo, 0.01, journal)
-    assert max(steps(journal)) < 12
-    assert psnr(read(photo).pixels, open_stream(data).picture().pixels) > 12
+    store = MemoryStore()
+    found = limited(photo, 0.01, store)
+    assert max(steps(store)) < 12
+    assert psnr(read(photo).pixels, open_stream(found.data).picture().pixels) > 12
 
 
 def test_blank_tiles_hand_their_time_on(clock: Clock, photo: Path, tmp_path: Path) -> None:
@@ -102,29 +95,31 @@ def test_blank_tiles_hand_their_time_on(clock: Clock, photo: Path, tmp_path: Pat
         pixels[:, :blank] = 0
         path = tmp_path / f"{blank}.tif"
         write(Picture(pixels, "rgb", (0.0, 255.0), Metadata(geo=GEO_WITH_NODATA_0)), path)
-        journal = fresh()
-        data, totals = limited(clock, path, 12.0, journal)
-        counts.append(steps(journal))
-        np.testing.assert_array_equal((open_stream(data).picture().pixels == 0).all(axis=2), (pixels == 0).all(axis=2))
+        store = MemoryStore()
+        found = limited(path, 12.0, store)
+        counts.append(steps(store))
+        np.testing.assert_array_equal(
+            (open_stream(found.data).picture().pixels == 0).all(axis=2), (pixels == 0).all(axis=2)
+        )
     assert [count > 0 for count in counts[1]] == [False, False, True] * 2
     assert counts[1][5] > 2 * counts[0][5]
-    assert totals.steps == round(np.mean([counts[1][2], counts[1][5]]))
+    assert found.steps == round(np.mean([counts[1][2], counts[1][5]]))
 
 
 def test_the_limit_counts_for_the_run(clock: Clock, photo: Path) -> None:
     """What was finished stays as it is; what is left has all of the new time."""
-    journal = fresh()
+    store = MemoryStore()
     with pytest.raises(KeyboardInterrupt):
-        limited(clock, photo, 12.0, journal, stop=4)
-    before = dict(journal.tiles)
+        limited(photo, 12.0, store, stop=4)
+    before = dict(store.tiles)
     clock.now += 1000.0
     began = clock.now
-    data, _ = limited(clock, photo, 12.0, journal)
+    found = limited(photo, 12.0, store)
     assert clock.now - began < 12.0
-    assert {version: journal.tiles[version] for version in before} == before
-    counts = steps(journal)
+    assert {version: store.tiles[version] for version in before} == before
+    counts = steps(store)
     assert min(counts[4:]) > 2 * max(counts[:4])
-    assert psnr(read(photo).pixels, open_stream(data).picture().pixels) > 20
+    assert psnr(read(photo).pixels, open_stream(found.data).picture().pixels) > 20
 
 
 def test_a_picture_in_memory(clock: Clock, photo: Path) -> None:

@@ -9,7 +9,9 @@ from pathlib import Path
 import pytest
 
 from sgicodec.errors import PictureError, TileFailedError
-from sgicodec.executors.processes import run_here, run_in_processes
+from sgicodec.executors.executor import Executor
+from sgicodec.executors.processes import ProcessExecutor
+from sgicodec.executors.serial import SerialExecutor
 
 
 def square(number: int, job: int) -> int:
@@ -46,34 +48,33 @@ def refuses(folder: Path, number: int, job: int) -> int:
 
 
 def test_all_results_come_in_some_order() -> None:
-    found = dict(run_in_processes(square, range(7), lambda number: number + 10, 2))
+    found = dict(ProcessExecutor(2).run(square, range(7), lambda number: number + 10))
     assert found == {number: (number + 10) ** 2 for number in range(7)}
-    assert dict(run_here(square, range(3), lambda number: number)) == {0: 0, 1: 1, 2: 4}
+    assert dict(SerialExecutor().run(square, range(3), lambda number: number)) == {0: 0, 1: 1, 2: 4}
 
 
 def test_a_process_that_dies_is_survived(tmp_path: Path) -> None:
     task = partial(dies_once, tmp_path)
-    assert dict(run_in_processes(task, range(5), lambda number: -number, 2)) == {n: -n for n in range(5)}
+    assert dict(ProcessExecutor(2).run(task, range(5), lambda number: -number)) == {n: -n for n in range(5)}
     assert (tmp_path / "died").exists()
 
 
 def test_a_tile_that_fails_twice_is_named() -> None:
     with pytest.raises(TileFailedError, match="tile 1: its process ended with status 7") as caught:
-        list(run_in_processes(always_dies, range(3), lambda number: number, 2))
+        list(ProcessExecutor(2).run(always_dies, range(3), lambda number: number))
     assert caught.value.tile == 1
 
 
-@pytest.mark.parametrize("processes", [0, 2])
-def test_an_error_gets_a_second_try(tmp_path: Path, processes: int) -> None:
+@pytest.mark.parametrize("executor", [SerialExecutor(), ProcessExecutor(2)], ids=["serial", "processes"])
+def test_an_error_gets_a_second_try(tmp_path: Path, executor: Executor) -> None:
     task = partial(fails_once, tmp_path)
-    run = partial(run_in_processes, count=processes) if processes else run_here
-    assert dict(run(task, range(4), lambda number: number)) == {n: n for n in range(4)}
+    assert dict(executor.run(task, range(4), lambda number: number)) == {n: n for n in range(4)}
     assert (tmp_path / "failed").exists()
 
 
 def test_the_input_is_to_blame_at_once(tmp_path: Path) -> None:
     with pytest.raises(TileFailedError, match="tile 0: no such picture"):
-        list(run_here(partial(refuses, tmp_path), range(2), lambda number: number))
+        list(SerialExecutor().run(partial(refuses, tmp_path), range(2), lambda number: number))
     assert (tmp_path / "tries").read_text() == "x"
 
 
@@ -93,7 +94,7 @@ def test_jobs_are_made_when_a_process_can_begin(tmp_path: Path) -> None:
         ready.append(len(list(tmp_path.iterdir())))
         return number
 
-    found = dict(run_in_processes(pid, range(6), job_of, 2, partial(mark, tmp_path)))
+    found = dict(ProcessExecutor(2).run(pid, range(6), job_of, partial(mark, tmp_path)))
     assert len(found) == 6
     assert {f"ready {process}" for process in found.values()} <= {path.name for path in tmp_path.iterdir()}
     assert ready[0] >= 1
@@ -106,7 +107,7 @@ def cannot_begin() -> None:
 
 def test_a_process_that_cannot_begin_fails_its_tile() -> None:
     with pytest.raises(TileFailedError, match=r"tile \d: its process ended with status 5"):
-        list(run_in_processes(square, range(3), lambda number: number, 2, cannot_begin))
+        list(ProcessExecutor(2).run(square, range(3), lambda number: number, cannot_begin))
 
 
 def test_what_the_reader_raises_comes_through() -> None:
@@ -114,4 +115,4 @@ def test_what_the_reader_raises_comes_through() -> None:
         raise PictureError("the file ends")
 
     with pytest.raises(PictureError, match="the file ends"):
-        list(run_in_processes(square, range(2), unreadable, 1))
+        list(ProcessExecutor(1).run(square, range(2), unreadable))

@@ -1,0 +1,135 @@
+"""One picture of `sgi encode`: opened, encoded by one call of the library, reported."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+import time
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, BinaryIO
+
+from sgicodec.cli.encode_listener import EncodeListener
+from sgicodec.cli.paths import STANDARD, check_output, display
+from sgicodec.cli.progress import Mode
+from sgicodec.cli.report import Report, print_report
+from sgicodec.encoder.checkpoint import Checkpoint
+from sgicodec.errors import EncodeInterruptedError, StreamError, TargetMissedError, UsageError
+from sgicodec.executors.dask import open_cluster
+from sgicodec.executors.processes import ProcessExecutor
+from sgicodec.image import open_source
+
+if TYPE_CHECKING:
+    from sgicodec.device import Device
+    from sgicodec.encoder.encoded import Encoded
+    from sgicodec.encoder.settings import EncodeSettings
+    from sgicodec.executors.executor import Executor
+    from sgicodec.image import Source
+
+__all__ = ["Job", "encode_file"]
+
+
+@dataclass(frozen=True)
+class Job:
+    """What the options say of one picture. target: a path, or - for stdout; started: a value of time.monotonic()."""
+
+    source: str
+    target: str
+    settings: EncodeSettings
+    device: Device
+    started: float
+    float_range: tuple[float, float] | None
+    verify: bool
+    progress: Mode
+    force: bool
+    as_json: bool
+    quiet: bool
+    verbose: bool
+    resume: bool
+    max_memory: float | None
+    cluster: str | None
+    source_at: str | None
+    send_pixels: bool
+    batch: bool
+
+
+def encode_file(job: Job) -> int:
+    """Encodes one picture and prints the report; returns the stream's bytes.
+
+    Raises TargetMissedError, after all of that, for a goal that was missed.
+    """
+    if job.as_json and job.target == STANDARD:
+        raise UsageError("stdout cannot take both the stream and --json; name OUT")
+    check_output(job.target, job.source, job.force)
+    origin = sys.stdin.buffer.read() if job.source == STANDARD else Path(job.source)
+    missed = None
+    with ExitStack() as stack:
+        source = stack.enter_context(open_source(origin, sample_range=job.float_range))
+        executor = _executor(job, source, stack)
+        checkpoint = Checkpoint(_part(job, stack), job.resume, job.force)
+        listener = EncodeListener("off" if job.quiet else job.progress, job.quiet, job.cluster is not None)
+        try:
+            with listener:
+                encoded = _encode(job, source, executor, checkpoint, listener)
+        except TargetMissedError as error:
+            missed, encoded = str(error), error.nearest
+        except KeyboardInterrupt:
+            if not checkpoint.is_open or job.target == STANDARD:
+                raise
+            done = len({version.tile for version in checkpoint.tiles})
+            text = f"{done} of {listener.tiles} tiles are in {display(job.target)}.part"
+            raise EncodeInterruptedError(f"interrupted; {text}, --resume goes on") from None
+    if not job.quiet or job.as_json:
+        report = Report.of(listener.plan, encoded)
+        print_report(report, job.source, job.target, time.monotonic() - job.started, job.as_json, job.verbose)
+    if missed is not None:
+        raise TargetMissedError(f"{missed}; it is written to {display(job.target, 'stdout')}")
+    if listener.ended_early and job.batch:
+        raise KeyboardInterrupt
+    return encoded.size
+
+
+def _encode(
+    job: Job, source: Source, executor: Executor | None, checkpoint: Checkpoint, listener: EncodeListener
+) -> Encoded:
+    from sgicodec.encoder.pipeline import encode
+
+    output: Path | BinaryIO = sys.stdout.buffer if job.target == STANDARD else Path(job.target)
+    try:
+        return encode(
+            source,
+            job.settings,
+            output=output,
+            executor=executor,
+            store=checkpoint,
+            progress=listener,
+            device=job.device,
+            verify=job.verify,
+            started=job.started,
+        )
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        raise StreamError(f"{display(job.target, 'stdout')}: {error.strerror or error}") from error
+
+
+def _executor(job: Job, source: Source, stack: ExitStack) -> Executor | None:
+    """What works on the tiles, if there are several; a cluster is open while `stack` is."""
+    if job.settings.grid(source.width, source.height).count == 1:
+        return None
+    if job.cluster is None:
+        return ProcessExecutor(job.device.cores, job.max_memory)
+    if job.send_pixels or job.source_at is not None:
+        return stack.enter_context(open_cluster(job.cluster, job.source_at))
+    if job.source == STANDARD:
+        raise UsageError("a cluster cannot read stdin; add --send-pixels")
+    return stack.enter_context(open_cluster(job.cluster, str(Path(job.source).resolve())))
+
+
+def _part(job: Job, stack: ExitStack) -> Path:
+    """Where finished tiles are kept: beside OUT, or for a moment where there is none."""
+    if job.target != STANDARD:
+        return Path(os.path.realpath(job.target) + ".part")
+    return Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="sgicodec-"))) / "part"

@@ -1,0 +1,81 @@
+"""What the command line does while an encode runs: bars, a line on workers and memory, Ctrl-C."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import ExitStack
+from types import TracebackType
+from typing import TYPE_CHECKING
+
+import click
+
+from sgicodec.cli.interrupt import EarlyEnd
+from sgicodec.cli.progress import Mode, fit_progress, tile_progress
+from sgicodec.encoder.listener import NullListener, PassState
+from sgicodec.executors.executor import MIB, Memory
+
+if TYPE_CHECKING:
+    from sgicodec.encoder.plan import Plan
+    from sgicodec.fit.trainer import Progress
+
+__all__ = ["EncodeListener"]
+
+
+class EncodeListener(NullListener):
+    """A context manager around an encode. plan: known once it has begun."""
+
+    plan: Plan
+
+    def __init__(self, mode: Mode, quiet: bool, on_cluster: bool) -> None:
+        self._mode, self._quiet, self._on_cluster = mode, quiet, on_cluster
+        self._stack, self._early = ExitStack(), EarlyEnd()
+        self._draw_fit: Callable[[Progress], None] = lambda _: None
+        self._draw_tiles: Callable[[PassState], None] = lambda _: None
+
+    def __enter__(self) -> EncodeListener:
+        self._stack.enter_context(self._early)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._stack.close()
+
+    @property
+    def tiles(self) -> int:
+        """How many tiles the picture has."""
+        return self.plan.header.grid.count
+
+    @property
+    def ended_early(self) -> bool:
+        """Whether Ctrl-C ended the fit."""
+        return self._early.asked
+
+    def planned(self, plan: Plan, workers: int, memory: Memory) -> None:
+        """Says what the encode will take, and begins a bar."""
+        self.plan, header = plan, plan.header
+        if not header.tile:
+            self._draw_fit = self._stack.enter_context(fit_progress(self._mode, header.width * header.height))
+            return
+        if not self._quiet:
+            _, _, width, height = header.grid.rect(0)
+            text = f"{header.grid.count} tiles of {width}×{height} pixels, "
+            if self._on_cluster:
+                text += f"{workers} at once on the cluster, each about {memory.worker / MIB:,.0f} MiB of memory"
+            else:
+                text += f"{workers} worker{'s' * (workers > 1)}, about {memory.total(workers) / MIB:,.0f} MiB of memory"
+            click.echo(text, err=True)
+        self._draw_tiles = self._stack.enter_context(tile_progress(self._mode))
+
+    def step(self, progress: Progress) -> bool:
+        """From the first step on, Ctrl-C ends the fit."""
+        self._early.arm()
+        self._draw_fit(progress)
+        if self._early.asked and not self._quiet:
+            text = f"sgi: interrupted at step {progress.step} of {progress.steps}; writing what is there"
+            click.echo(text, err=True)
+        return not self._early.asked
+
+    def tile(self, state: PassState) -> None:
+        """Draws the bar."""
+        self._draw_tiles(state)

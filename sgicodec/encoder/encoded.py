@@ -1,0 +1,34 @@
+"""What an encode gives: a finished stream and its figures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["Encoded"]
+
+
+@dataclass(frozen=True)
+class Encoded:
+    """A finished stream and its figures.
+
+    data: the stream; empty if its tiles went straight to an output. part_bytes: what each part of the tiles costs.
+    seeds, gaussians: how many there are. steps: of the fit, the mean over the tiles that had one. ended_early: whether
+    the caller ended the fit. psnr: dB over all samples of what was decoded, but for colours where alpha is 0; None if
+    it was not measured.
+    """
+
+    data: bytes
+    part_bytes: dict[str, float]
+    seeds: int
+    gaussians: int
+    lmbda: float
+    steps: int = 0
+    ended_early: bool = False
+    psnr: float | None = None
+    written: int = 0
+    """Bytes of a stream whose data are not here."""
+
+    @property
+    def size(self) -> int:
+        """Bytes of the stream."""
+        return len(self.data) or self.written

@@ -1,0 +1,79 @@
+"""A picture read window by window, whether it is in memory or in a file."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+from sgicodec.encoder.plan import Plan, Shape
+from sgicodec.picture import Picture
+
+if TYPE_CHECKING:
+    from sgicodec.image import Source
+
+__all__ = ["Windows", "tile_window", "windows_of"]
+
+_BLOCK = 1 << 20
+
+
+class Windows(Protocol):
+    """What an encode asks of a picture. Windows are asked for in rows, from the top down."""
+
+    @property
+    def shape(self) -> Shape:
+        """What it is."""
+
+    def read(self, x: int, y: int, width: int, height: int) -> Picture:
+        """The pixels of a window whose first pixel is (x, y). Raises PictureError."""
+
+    def memory(self, width: int, height: int) -> int:
+        """Bytes that reading windows of this size takes at most."""
+
+    def digest(self) -> bytes:
+        """32 bytes that change with any pixel."""
+
+
+def windows_of(picture: Picture | Source) -> Windows:
+    """The windows of a picture in memory, or of an opened one."""
+    return _PictureWindows(picture) if isinstance(picture, Picture) else _SourceWindows(picture)
+
+
+def tile_window(windows: Windows, plan: Plan, number: int) -> Picture:
+    """What a tile covers, with no more metadata than a fit needs."""
+    return replace(windows.read(*plan.header.grid.rect(number)), metadata=plan.place_of_windows)
+
+
+class _PictureWindows:
+    def __init__(self, picture: Picture) -> None:
+        self._picture, self.shape = picture, Shape.of(picture)
+
+    def read(self, x: int, y: int, width: int, height: int) -> Picture:
+        return replace(self._picture, pixels=self._picture.pixels[y : y + height, x : x + width])
+
+    def memory(self, width: int, height: int) -> int:
+        return 0
+
+    def digest(self) -> bytes:
+        found = hashlib.sha256()
+        for row in self._picture.pixels:
+            found.update(row.tobytes())
+        return found.digest()
+
+
+class _SourceWindows:
+    """The samples of floats are read once more, for their range."""
+
+    def __init__(self, source: Source) -> None:
+        self._source, header = source, source.header
+        shape = source.width, source.height, source.channels, header.count, source.dtype
+        self.shape = Shape(*shape, source.sample_range, source.metadata, source.nodata)
+        self.read, self.memory = source.read, source.memory
+
+    def digest(self) -> bytes:
+        found = hashlib.sha256()
+        with Path(self._source.path).open("rb") as file:
+            while block := file.read(_BLOCK):
+                found.update(block)
+        return found.digest()

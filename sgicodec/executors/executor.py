@@ -1,0 +1,90 @@
+"""What an executor of tiles does, and what becomes of jobs that fail."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from typing import Protocol, TypeVar
+
+from sgicodec.device import Device
+from sgicodec.errors import SgiError, UsageError
+
+__all__ = ["MIB", "TRIES", "Executor", "Failure", "Memory"]
+
+Job = TypeVar("Job")
+Result = TypeVar("Result")
+
+MIB = 1 << 20
+
+TRIES = 2
+"""How often a job is tried that fails for a reason which may be the machine's."""
+
+
+@dataclass(frozen=True)
+class Memory:
+    """Bytes at the peak: of the process that reads and writes, and of each worker."""
+
+    main: int
+    worker: int
+
+    def total(self, workers: int) -> int:
+        """Of all processes together. A single worker is the main process itself."""
+        return self.main + workers * self.worker
+
+    def workers_within(self, limit: float | None, most: int) -> int:
+        """The largest number of workers, at most `most`, that stay within `limit` bytes. Raises UsageError if none
+        do.
+        """
+        if limit is None:
+            return most
+        for workers in range(most, 0, -1):
+            if self.total(workers) <= limit:
+                return workers
+        needed = math.ceil(self.total(1) / MIB)
+        raise UsageError(f"one worker takes about {needed} MiB, more than --max-memory; a smaller --tile takes less")
+
+
+class Executor(Protocol):
+    """Runs a task on the tiles of a picture."""
+
+    @property
+    def workers(self) -> int:
+        """How many jobs run at once."""
+
+    @property
+    def place(self) -> str | None:
+        """Path or URL at which workers read the picture themselves; None if they are sent their pixels."""
+
+    def within(self, memory: Memory, jobs: int) -> Executor:
+        """The same for n jobs: with no more workers than there are jobs, or than its memory limit allows."""
+
+    def device(self, whole: Device, jobs: int) -> Device:
+        """What computes each of n jobs, if `whole` computes all of them."""
+
+    def run(
+        self,
+        task: Callable[[int, Job], Result],
+        numbers: Iterable[int],
+        job_of: Callable[[int], Job],
+        make_ready: Callable[[], None] | None = None,
+    ) -> Iterator[tuple[int, Result]]:
+        """Results of task(number, job_of(number)) as they come, in any order.
+
+        `job_of` runs in this process, at the moment when a worker can begin, so that few jobs are in memory at once;
+        with `make_ready`, which each worker calls first, never before the worker is ready. Raises TileFailedError for
+        a job that failed twice, or once for what is the input's.
+        """
+
+
+@dataclass(frozen=True)
+class Failure:
+    """What became of a job that raised. final: another try would end the same way."""
+
+    message: str
+    final: bool
+
+    @classmethod
+    def of(cls, error: Exception) -> Failure:
+        """An error of the input's is final; others may be the machine's."""
+        return cls(str(error) or type(error).__name__, isinstance(error, SgiError))

@@ -1,0 +1,52 @@
+"""Tiles one after the other in this process."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from typing import TypeVar
+
+from sgicodec.device import Device
+from sgicodec.errors import TileFailedError
+from sgicodec.executors.executor import TRIES, Failure, Memory
+
+__all__ = ["SerialExecutor"]
+
+Job = TypeVar("Job")
+Result = TypeVar("Result")
+
+
+class SerialExecutor:
+    """An `Executor` with this process as its only worker."""
+
+    workers = 1
+    place = None
+
+    def within(self, memory: Memory, jobs: int) -> SerialExecutor:
+        """As in `Executor`."""
+        return self
+
+    def device(self, whole: Device, jobs: int) -> Device:
+        """All of it."""
+        return whole
+
+    def run(
+        self,
+        task: Callable[[int, Job], Result],
+        numbers: Iterable[int],
+        job_of: Callable[[int], Job],
+        make_ready: Callable[[], None] | None = None,
+    ) -> Iterator[tuple[int, Result]]:
+        """As in `Executor`."""
+        if make_ready is not None:
+            make_ready()
+        for number in numbers:
+            for attempt in range(TRIES):
+                try:
+                    result = task(number, job_of(number))
+                except Exception as error:
+                    failure = Failure.of(error)
+                    if failure.final or attempt == TRIES - 1:
+                        raise TileFailedError(number, failure.message) from error
+                else:
+                    yield number, result
+                    break
