@@ -21,18 +21,18 @@ from sgicodec.image import read
 from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Picture, comparable
 
-__all__ = ["Asked", "Outcome", "Point", "asked_of", "loss", "main", "report", "run"]
+__all__ = ["Outcome", "Point", "Target", "loss", "main", "report", "run", "targets_of"]
 
 
 @dataclass(frozen=True)
-class Asked:
-    """A goal: `name` is bpp, size or psnr, as in EncodeSettings."""
+class Target:
+    """A target: `name` is bpp, size or psnr, as in EncodeSettings."""
 
     name: str
     value: float
 
     def put_into(self, settings: EncodeSettings) -> EncodeSettings:
-        """The settings with this goal."""
+        """The settings with this target."""
         return replace(
             settings,
             bpp=self.value if self.name == "bpp" else None,
@@ -41,7 +41,7 @@ class Asked:
         )
 
     def reached(self, point: Point) -> float:
-        """What a point has of what was asked for."""
+        """What a point reaches, in the unit of the target."""
         return {"bpp": point.bpp, "size": float(point.bytes), "psnr": point.psnr}[self.name]
 
 
@@ -61,23 +61,23 @@ class Point:
 
 @dataclass(frozen=True)
 class Outcome:
-    """A goal's encode beside a plain one at the λ that it ended with."""
+    """An encode towards a target, and a plain one at the λ that it ended with."""
 
     picture: str
-    asked: Asked
-    goal: Point
+    target: Target
+    found: Point
     plain: Point
     missed: bool
 
 
-def run(path: Path, goals: list[Asked], effort: int, device: Device, tile: int | None = None) -> list[Outcome]:
-    """Both encodes of every goal on one picture, one after the other, so that a busy machine slows them alike."""
+def run(path: Path, targets: list[Target], effort: int, device: Device, tile: int | None = None) -> list[Outcome]:
+    """Both encodes of every target on one picture, in turn: a busy machine slows them alike."""
     picture, outcomes = read(path), []
-    for asked in goals:
+    for target in targets:
         settings = EncodeSettings(effort=effort, tile=tile)
-        goal, missed = _point(picture, asked.put_into(settings), device)
-        plain, _ = _point(picture, replace(settings, lmbda=goal.lmbda), device)
-        outcomes.append(Outcome(path.stem, asked, goal, plain, missed))
+        found, missed = _point(picture, target.put_into(settings), device)
+        plain, _ = _point(picture, replace(settings, lmbda=found.lmbda), device)
+        outcomes.append(Outcome(path.stem, target, found, plain, missed))
     return outcomes
 
 
@@ -115,7 +115,7 @@ def loss(point: Point, plain: list[Point]) -> float:
 
 
 COLUMNS = (
-    *("picture", "goal", "asked", "reached", "bytes", "bpp", "psnr", "lmbda", "seconds"),
+    *("picture", "kind", "target", "reached", "bytes", "bpp", "psnr", "lmbda", "seconds"),
     *("plain_bytes", "plain_psnr", "plain_seconds", "ratio", "cpu_ratio", "loss"),
 )
 
@@ -124,31 +124,35 @@ def report(outcomes: list[Outcome]) -> list[str]:
     """A row for each outcome of one picture; the plain encodes of all of them make its curve."""
     plain, rows = [outcome.plain for outcome in outcomes], []
     for one in outcomes:
-        goal = one.goal
-        cells = [one.picture, one.asked.name, f"{one.asked.value:g}"]
-        cells += [f"{one.asked.reached(goal):.5g}" + ("!" if one.missed else ""), f"{goal.bytes}", f"{goal.bpp:.4f}"]
-        cells += [f"{goal.psnr:.3f}", f"{goal.lmbda:.5g}", f"{goal.seconds:.2f}"]
+        found = one.found
+        cells = [one.picture, one.target.name, f"{one.target.value:g}"]
+        cells += [
+            f"{one.target.reached(found):.5g}" + ("!" if one.missed else ""),
+            f"{found.bytes}",
+            f"{found.bpp:.4f}",
+        ]
+        cells += [f"{found.psnr:.3f}", f"{found.lmbda:.5g}", f"{found.seconds:.2f}"]
         cells += [f"{one.plain.bytes}", f"{one.plain.psnr:.3f}", f"{one.plain.seconds:.2f}"]
-        cells += [f"{goal.seconds / one.plain.seconds:.3f}", f"{goal.cpu / one.plain.cpu:.3f}"]
-        cells.append(f"{loss(goal, plain):.3f}")
+        cells += [f"{found.seconds / one.plain.seconds:.3f}", f"{found.cpu / one.plain.cpu:.3f}"]
+        cells.append(f"{loss(found, plain):.3f}")
         rows.append("\t".join(cells))
     return rows
 
 
 def summary(outcomes: dict[str, list[Outcome]]) -> list[str]:
-    """Worst and middle of each kind of goal, as comment lines."""
+    """Worst and median of each kind of target, as comment lines."""
     lines = []
-    for name in dict.fromkeys(one.asked.name for ones in outcomes.values() for one in ones):
-        ones = [(one, loss(one.goal, [o.plain for o in all_])) for all_ in outcomes.values() for one in all_]
-        ones = [(one, lost) for one, lost in ones if one.asked.name == name]
+    for name in dict.fromkeys(one.target.name for ones in outcomes.values() for one in ones):
+        ones = [(one, loss(one.found, [o.plain for o in all_])) for all_ in outcomes.values() for one in all_]
+        ones = [(one, lost) for one, lost in ones if one.target.name == name]
         if name == "psnr":
-            errors = [one.goal.psnr - one.asked.value for one, _ in ones]
-            kept = f"reached − asked from {min(errors):+.3f} to {max(errors):+.3f} dB"
+            errors = [one.found.psnr - one.target.value for one, _ in ones]
+            kept = f"reached − target from {min(errors):+.3f} to {max(errors):+.3f} dB"
         else:
-            shares = [100 * one.asked.reached(one.goal) / one.asked.value for one, _ in ones]
-            kept = f"reached / asked from {min(shares):.2f} % to {max(shares):.2f} %"
-        ratio = [one.goal.seconds / one.plain.seconds for one, _ in ones]
-        cpu = [one.goal.cpu / one.plain.cpu for one, _ in ones]
+            shares = [100 * one.target.reached(one.found) / one.target.value for one, _ in ones]
+            kept = f"reached / target from {min(shares):.2f} % to {max(shares):.2f} %"
+        ratio = [one.found.seconds / one.plain.seconds for one, _ in ones]
+        cpu = [one.found.cpu / one.plain.cpu for one, _ in ones]
         losses = [lost for _, lost in ones if math.isfinite(lost)]
         lost = f"loss median {median(losses):.3f}, most {max(losses):.3f} dB" if losses else "loss unknown"
         took = f"time ratio median {median(ratio):.2f}, most {max(ratio):.2f}"
@@ -157,18 +161,18 @@ def summary(outcomes: dict[str, list[Outcome]]) -> list[str]:
     return lines
 
 
-def asked_of(name: str, values: str) -> list[Asked]:
-    """Goals from comma-separated numbers. Raises UsageError for what is none."""
+def targets_of(name: str, values: str) -> list[Target]:
+    """Targets from comma-separated numbers. Raises UsageError for what is none."""
     try:
-        return [Asked(name, float(value)) for value in values.split(",") if value]
+        return [Target(name, float(value)) for value in values.split(",") if value]
     except ValueError as error:
         raise UsageError(f"--{name} {values}: numbers with commas between, as in 0.15,0.3") from error
 
 
 @click.command()
 @click.argument("pictures", nargs=-1, required=True, type=click.Path(exists=True, dir_okay=False, path_type=Path))
-@click.option("--bpp", default="0.15,0.3,0.6", show_default=True, help="Rates to ask for.")
-@click.option("--psnr", "decibels", default="28,32,36", show_default=True, help="PSNRs to ask for.")
+@click.option("--bpp", default="0.15,0.3,0.6", show_default=True, help="Target rates.")
+@click.option("--psnr", "decibels", default="28,32,36", show_default=True, help="Target PSNRs.")
 @click.option("--effort", default=5, show_default=True, type=click.IntRange(1, 9))
 @click.option("--threads", default=2, show_default=True, type=click.IntRange(0))
 @click.option("--tile", type=int, help="Side of tiles, as in sgi encode.")
@@ -179,11 +183,11 @@ def main(pictures: tuple[Path, ...], bpp: str, decibels: str, effort: int, threa
     ratio: of their seconds, cpu_ratio of those of processors, which other work changes less. loss: dB below the curve
     of a picture's plain encodes at the same rate.
     """
-    goals = [*asked_of("bpp", bpp), *asked_of("psnr", decibels)]
+    targets = [*targets_of("bpp", bpp), *targets_of("psnr", decibels)]
     outcomes: dict[str, list[Outcome]] = {}
     make_ready()  # the first encode shall not pay for what all need
     click.echo("\t".join(COLUMNS))
     for path in pictures:
-        outcomes[path.stem] = run(path, goals, effort, Device(threads), tile)
+        outcomes[path.stem] = run(path, targets, effort, Device(threads), tile)
         click.echo("\n".join(report(outcomes[path.stem])))
     click.echo("\n".join(summary(outcomes)))

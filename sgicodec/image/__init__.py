@@ -10,7 +10,7 @@ Pictures that need not fit into memory come and go in parts, and may be larger t
     with open_source("in.tif") as source, open_sink("out.tif", source.width, 512, "rgb", "uint8") as sink:
         sink.write_rows(0, source.read(0, 1000, source.width, 512).pixels)
 
-What happens to each kind of input is told in docs/pictures.md. Names load on first use; OpenImageIO does with the first
+docs/pictures.md says what happens to each kind of input. Names load on first use; OpenImageIO does with the first
 file that needs it.
 """
 

@@ -88,7 +88,7 @@ def _suffix(head: bytes) -> str:
 
 
 def is_utf8(path: str | Path) -> bool:
-    """Whether OpenImageIO can be told this path."""
+    """Whether OpenImageIO takes this path."""
     try:
         os.fspath(path).encode("utf-8")
     except UnicodeEncodeError:

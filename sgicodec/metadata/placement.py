@@ -44,7 +44,7 @@ def oriented(blob: bytes | None, orientation: int, width: int, height: int) -> b
 
 
 def view(blob: bytes | None, x: float, y: float, scale_x: float = 1.0, scale_y: float = 1.0) -> bytes | None:
-    """The blob for the region whose corner is (x, y), drawn with scale_x × scale_y pixels for each of the picture's."""
+    """The blob for the region whose corner is (x, y), in scale_x × scale_y pixels for each of the picture's."""
     return _moved(blob, np.array([[scale_x, 0.0, -x * scale_x], [0.0, scale_y, -y * scale_y], [0.0, 0.0, 1.0]]))
 
 

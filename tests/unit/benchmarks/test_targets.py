@@ -1,4 +1,4 @@
-"""Figures of the goals benchmark, by hand and from one real run in a few steps."""
+"""Figures of the targets benchmark, by hand and from one real run in a few steps."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from benchmarks import targets
-from benchmarks.targets import Asked, Outcome, Point, asked_of, loss, report, summary
+from benchmarks.targets import Outcome, Point, Target, loss, report, summary, targets_of
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.errors import UsageError
 
@@ -31,32 +31,32 @@ def test_loss_is_measured_along_the_nearest_plain_points() -> None:
 
 def test_rows_and_summary() -> None:
     ones = [
-        Outcome("a", Asked("bpp", 1.0), point(990, 30.0, 2.4), point(1000, 30.0, 2.0), False),
-        Outcome("a", Asked("bpp", 2.0), point(1980, 32.0, 2.0, 2.5), point(2000, 33.0, 2.0), False),
-        Outcome("a", Asked("psnr", 35.0), point(3000, 34.5, 3.0), point(3000, 35.0, 2.0), True),
+        Outcome("a", Target("bpp", 1.0), point(990, 30.0, 2.4), point(1000, 30.0, 2.0), False),
+        Outcome("a", Target("bpp", 2.0), point(1980, 32.0, 2.0, 2.5), point(2000, 33.0, 2.0), False),
+        Outcome("a", Target("psnr", 35.0), point(3000, 34.5, 3.0), point(3000, 35.0, 2.0), True),
     ]
     rows = [dict(zip(targets.COLUMNS, row.split("\t"), strict=True)) for row in report(ones)]
     assert [row["reached"] for row in rows] == ["0.99", "1.98", "34.5!"]
     assert [row["ratio"] for row in rows] == ["1.200", "1.000", "1.500"]
     assert [row["cpu_ratio"] for row in rows] == ["1.000", "1.250", "1.000"]
     lines = summary({"a": ones})
-    assert lines[0].startswith("# bpp: reached / asked from 99.00 % to 99.00 %; time ratio median 1.10, most 1.20, of")
-    assert lines[1].startswith("# psnr: reached − asked from -0.500 to -0.500 dB; time ratio median 1.50")
+    assert lines[0].startswith("# bpp: reached / target from 99.00 % to 99.00 %; time ratio median 1.10, most 1.20, of")
+    assert lines[1].startswith("# psnr: reached − target from -0.500 to -0.500 dB; time ratio median 1.50")
 
 
 def test_goals_from_text() -> None:
-    assert asked_of("bpp", "0.15,0.3") == [Asked("bpp", 0.15), Asked("bpp", 0.3)]
-    assert asked_of("psnr", "") == []
+    assert targets_of("bpp", "0.15,0.3") == [Target("bpp", 0.15), Target("bpp", 0.3)]
+    assert targets_of("psnr", "") == []
     with pytest.raises(UsageError, match="--psnr 30;31"):
-        asked_of("psnr", "30;31")
+        targets_of("psnr", "30;31")
 
 
 @pytest.mark.parametrize("name", ["bpp", "size", "psnr"])
 def test_settings_and_what_is_reached(name: str) -> None:
-    asked = Asked(name, 20.0)
-    settings = asked.put_into(EncodeSettings(effort=2))
-    assert (settings.effort, settings.asked()) == (2, f"{name}20")
-    assert asked.reached(Point(8000, 0.5, 31.0, 0.1, 1.0, 1.5)) == {"bpp": 0.5, "size": 8000.0, "psnr": 31.0}[name]
+    target = Target(name, 20.0)
+    settings = target.put_into(EncodeSettings(effort=2))
+    assert (settings.effort, getattr(settings, name)) == (2, 20.0)
+    assert target.reached(Point(8000, 0.5, 31.0, 0.1, 1.0, 1.5)) == {"bpp": 0.5, "size": 8000.0, "psnr": 31.0}[name]
 
 
 def test_a_run() -> None:
