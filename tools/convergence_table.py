@@ -1,10 +1,10 @@
-"""How the state of a fit at constant λ relates to its outcome: prints the tables of `rate_control/convergence.py`.
+"""Measures the convergence table of rate control: how the state of a fit at constant λ relates to its outcome.
 
     python -m tools.convergence_table PICTURES…
 
 For fractions of the fit, estimated bytes over the stream's bytes of seeds, and PSNR under noise less that of the
-decoded picture; what the search for symbols leaves of the bytes, and adds to PSNR: medians over the pictures, then
-how far pictures are off on average.
+decoded picture; the part of the bytes that RDOQ leaves, and the dB that it adds to the PSNR: medians over the
+pictures, then the mean deviation of pictures from them.
 """
 
 from __future__ import annotations
@@ -27,7 +27,8 @@ from sgicodec.encoder.tile_encoder import Encoding
 from sgicodec.image import read
 from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import comparable
-from sgicodec.rate_control.convergence import DONE, LAMBDAS, POSITION_BITS, STEPS
+from sgicodec.rate_control.convergence import DONE, LMBDAS, STEPS
+from sgicodec.rate_control.side_information import SEED_POSITION_BITS
 
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Progress
@@ -37,18 +38,18 @@ __all__ = ["followed", "main"]
 
 @dataclass(frozen=True)
 class Followed:
-    """ratio, lift [DONE]: of bytes, and difference of PSNR, to what came without a search; share, gain: what the search
-    left of the bytes, and added to PSNR.
+    """ratio, offset [DONE]: of bytes, and of PSNR, to the outcome without RDOQ; share, gain: the part of the bytes that
+    RDOQ left, and the dB that it added to the PSNR.
     """
 
     ratio: NDArray[np.float64]
-    lift: NDArray[np.float64]
+    offset: NDArray[np.float64]
     share: float
     gain: float
 
 
 def followed(path: Path, lmbda: float, steps: int, device: Device) -> Followed:
-    """Fits a picture and searches its symbols."""
+    """Fits a picture, RDOQ included."""
     picture = read(path)
     states: list[Progress] = []
 
@@ -63,9 +64,9 @@ def followed(path: Path, lmbda: float, steps: int, device: Device) -> Followed:
     quality = [psnr(comparable(picture), comparable(open_stream(one.data, device).picture())) for one in streams]
     size = sum(streams[0].part_bytes[name] for name in ("positions", "colour", "shape", "offset"))
     at = [states[max(0, math.ceil(done * len(states)) - 1)] for done in DONE]
-    ratio = np.array([(state.bits + POSITION_BITS * state.seeds) / 8 / size for state in at])
-    lift = np.array([state.psnr for state in at]) - quality[0]
-    return Followed(ratio, lift, len(streams[1].data) / len(streams[0].data), quality[1] - quality[0])
+    ratio = np.array([(state.bits + SEED_POSITION_BITS * state.seeds) / 8 / size for state in at])
+    offset = np.array([state.psnr for state in at]) - quality[0]
+    return Followed(ratio, offset, len(streams[1].data) / len(streams[0].data), quality[1] - quality[0])
 
 
 @click.command()
@@ -74,10 +75,10 @@ def followed(path: Path, lmbda: float, steps: int, device: Device) -> Followed:
 def main(pictures: tuple[Path, ...], threads: int) -> None:
     """Fit PICTURES at three λ and print the tables."""
     for steps in STEPS:
-        for lmbda in LAMBDAS:
-            courses = [followed(path, lmbda, steps, Device(threads)) for path in pictures]
-            for name in ("ratio", "lift", "share", "gain"):
-                values = np.stack([np.atleast_1d(getattr(course, name)) for course in courses])  # [pictures, ·]
+        for lmbda in LMBDAS:
+            fits = [followed(path, lmbda, steps, Device(threads)) for path in pictures]
+            for name in ("ratio", "offset", "share", "gain"):
+                values = np.stack([np.atleast_1d(getattr(fit, name)) for fit in fits])  # [pictures, ·]
                 middle = np.median(values, axis=0)
                 off = np.abs(values - middle).mean(axis=0)
                 for what, row in ((name, middle), (f"{name} off by", off)):

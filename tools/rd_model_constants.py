@@ -1,4 +1,4 @@
-"""What `RdModel` says of pictures before a fit, what came of it, and exponents for its products of powers
+"""Compares the R-D model with encodes, and solves for the exponents of its products of powers
 (`python -m tools.rd_model_constants PICTURES…`).
 """
 
@@ -23,35 +23,39 @@ from sgicodec.fit.settings import EFFORTS, default_settings, lmbda_of_quality
 from sgicodec.image import read
 from sgicodec.metrics.distortion import decibels
 from sgicodec.metrics.psnr import psnr
+from sgicodec.model.layout import ROOT_LOG, cell_sums
 from sgicodec.picture import comparable, to_unit
-from sgicodec.rate_control.rd_model import EMPTY_STREAM_BYTES, HIGHER_PRICE, RdModel
+from sgicodec.rate_control.rd_model import HIGHER_PRICE, RdModel
+from sgicodec.rate_control.side_information import EMPTY_STREAM_BYTES
 
 __all__ = ["Outcome", "exponents", "main", "outcomes"]
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """bytes of the stream and squared error of a sample; both foretold; seeds: λ, their number for each pixel and what
-    deviates within their cells, the same at four times the price; pixels of the picture.
+    """bytes of the stream and squared error of a sample; both predicted; seeds: λ, their number for each pixel and the
+    deviation within their cells, the same at four times the price; pixels of the picture.
     """
 
     picture: str
     quality: float
     bytes: int
     error: float
-    foretold: tuple[float, float]
+    predicted: tuple[float, float]
     seeds: tuple[float, float, float, float, float]
     pixels: int
 
 
 def outcomes(path: Path, qualities: list[float], effort: int, threads: int) -> list[Outcome]:
-    """Foretells and encodes a picture at each quality."""
+    """Predicts and encodes a picture at each quality."""
     picture, found = read(path), []
     spec = stream_plan(Shape.of(picture), EncodeSettings()).header.spec
     unit = np.ascontiguousarray(to_unit(picture).transpose(2, 0, 1))
     for quality in qualities:
         lmbda = lmbda_of_quality(quality)
-        rd_model = RdModel(base_layer(spec, unit, lmbda)[2], default_settings(lmbda, EFFORTS[effort]).split_price)
+        sums = cell_sums(base_layer(spec, unit, lmbda)[2], ROOT_LOG)
+        price = default_settings(lmbda, EFFORTS[effort]).split_price
+        rd_model = RdModel(sums, len(unit), unit[0].size, price)
         data = encode(picture, EncodeSettings(quality=quality, effort=effort), device=Device(threads)).data
         decoded = open_stream(data, Device(threads)).picture()
         error = 10 ** (-0.1 * psnr(comparable(picture), comparable(decoded)))
@@ -61,7 +65,7 @@ def outcomes(path: Path, qualities: list[float], effort: int, threads: int) -> l
 
 
 def exponents(found: list[Outcome], of_error: bool) -> tuple[NDArray[np.float64], float]:
-    """A factor and the exponents of `seeds` that foretell the error, or the bytes for each pixel, by least squares of
+    """A factor and the exponents of `seeds` that predict the error, or the bytes for each pixel, by least squares of
     logarithms; and how far off these are, in octaves (standard deviation).
     """
     wanted = [one.error if of_error else max(one.bytes - EMPTY_STREAM_BYTES, 1.0) / one.pixels for one in found]
@@ -77,7 +81,7 @@ def exponents(found: list[Outcome], of_error: bool) -> tuple[NDArray[np.float64]
 @click.option("--effort", default=3, show_default=True, type=click.IntRange(1, 9))
 @click.option("--threads", default=2, show_default=True, type=click.IntRange(0))
 def main(pictures: tuple[Path, ...], qualities: str, effort: int, threads: int) -> None:
-    """Print bytes and PSNR of PICTURES and how many octaves of bytes and of squared error each was off its forecast."""
+    """Print bytes and PSNR of PICTURES and by how many octaves of bytes and squared error the model was off."""
     asked, found = numbers(qualities, "--qualities"), list[Outcome]()
     click.echo("picture\tquality\tbytes\tPSNR\tbytes off\terror off")
     for path in pictures:
@@ -95,8 +99,8 @@ def main(pictures: tuple[Path, ...], qualities: str, effort: int, threads: int) 
 
 
 def _off(one: Outcome) -> tuple[float, float]:
-    """log2 of what came over what was foretold."""
-    return math.log2(one.bytes / one.foretold[0]), math.log2(one.error / one.foretold[1])
+    """log2 of what came over what was predicted."""
+    return math.log2(one.bytes / one.predicted[0]), math.log2(one.error / one.predicted[1])
 
 
 if __name__ == "__main__":

@@ -1,12 +1,12 @@
-"""Tiles in rounds: fits of some, then of the others, then searches, until a goal for all of them together is met."""
+"""Passes over the tiles of a picture: fits of some, then of the others, then corrections, until the target is met."""
 
 from __future__ import annotations
 
 import math
 import tempfile
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property, partial
-from typing import BinaryIO
+from typing import BinaryIO, Literal
 
 from sgicodec.bitstream.stream_writer import stream_length, write_stream
 from sgicodec.encoder.interfaces import Finished, Runner, Store, Task, Version, Watcher
@@ -15,19 +15,25 @@ from sgicodec.encoder.tile_work import EncodedTile, FitTask, LookaheadTask, Sear
 from sgicodec.encoder.time_budget import TimeBudget
 from sgicodec.fit.settings import quality_index
 from sgicodec.metrics.distortion import decibels
-from sgicodec.rate_control.allocation import Option, choose
-from sgicodec.rate_control.secant import FIT, SEARCH, Correction
-from sgicodec.rate_control.target import LMBDA_RANGE, Measured, RateTarget
-from sgicodec.rate_control.tile_rd_model import Bound, TileRdModel, spread
+from sgicodec.rate_control.allocation import allocate
+from sgicodec.rate_control.secant import REFIT, SEARCH, Correction
+from sgicodec.rate_control.target import LMBDA_MIN, Measured, RateTarget
+from sgicodec.rate_control.tile_passes import MAX_FITS, MAX_SAMPLES, is_far, kept_near, tiles_of_pass
+from sgicodec.rate_control.tile_rd_model import Bound, TileRdModel
 
 __all__ = ["TilePasses"]
 
+MAX_CORRECTIONS, MAX_MEASURES = 4, 2
+"""Passes after the fits; measurements of a PSNR in each."""
+UNKNOWN_PAYLOAD_BYTES = 1 << 20
+"""Of a payload that is not known yet, where there is room for any: what its frame takes hardly depends on it."""
+
 
 class TilePasses:
-    """Encodes the tiles of a plan. What a round does follows from what earlier ones came to alone, so that workers,
-    order and interruptions do not matter.
+    """Encodes the tiles of a plan. A pass follows from the results of earlier passes alone, so that workers, order and
+    interruptions do not matter.
 
-    error_of: squared error of a stream over the whole picture, samples in 0..1. shares: who tells each fit its seconds,
+    error_of: squared error of a stream over the whole picture, samples in 0..1. shares: assigns each fit its seconds,
     where time is the limit. draw_small: makes the overview of a stream whose tiles are fitted at this λ, if it is to
     have one.
     """
@@ -48,25 +54,26 @@ class TilePasses:
         header = plan.header
         self.all = range(header.grid.count)
         self.samples = header.width * header.height * header.spec.channels
-        self.goal = plan.settings.rate_target(header.width * header.height)
-        self.fade = 1.0
-        """The picture's squared error over that of the tiles' cores."""
+        self.target = plan.settings.rate_target(header.width * header.height)
+        self.error_ratio = 1.0
+        """The picture's squared error over that of the tiles' cores: cross-fades make it smaller."""
 
     def run(self) -> Finished:
-        """All rounds. Raises TileFailedError; the store then has what was finished."""
-        if self.goal is None:
+        """All passes. Raises TileFailedError; the store then has what was finished."""
+        target = self.target
+        if target is None:
             lmbda = fit_lmbda(self.plan.settings)
             self._make_overview(lmbda)
-            self._round("tiles", 0, FitTask(self.plan), self.all, self._first)
+            self._pass("tiles", 0, FitTask(self.plan), self.all, self._first)
             return Finished(self.plan, [Version(number) for number in self.all], lmbda, overview=self.overview)
-        lmbda, index, samples, fits = self._lmbda(0, self.all, 0.0), 0, 1, 0
+        lmbda, index, samples, fits = self._lmbda(target, 0, self.all, 0.0), 0, 1, 0
         self._make_overview(lmbda)
         while True:
             plan = self.plan.at(lmbda, quality_index(lmbda))
-            base, index, wanted = self._fitted(plan, lmbda, index, samples < _SAMPLES)
+            base, index, wanted = self._fitted(target, plan, lmbda, index, samples < MAX_SAMPLES)
             samples, fits = samples + 1, fits + (len(base) == len(self.all))
-            if fits == _FITS or (fits and not _is_far(wanted, lmbda)):
-                return self._settled(plan, base, index, self.goal)
+            if fits == MAX_FITS or (fits and not is_far(wanted, lmbda)):
+                return self._corrected(target, plan, base, index)
             lmbda = wanted
 
     def _make_overview(self, lmbda: float) -> None:
@@ -80,104 +87,97 @@ class TilePasses:
 
         self.overview = self.store.cached("overview", made)
 
-    def _fitted(self, plan: Plan, lmbda: float, index: int, may_stop: bool) -> tuple[dict[int, Version], int, float]:
-        """Fits of all tiles, some first, which tell the λ of the others; stops where λ turns out to be far off.
+    def _fitted(
+        self, target: RateTarget, plan: Plan, lmbda: float, index: int, may_stop: bool
+    ) -> tuple[dict[int, Version], int, float]:
+        """Fits of all tiles, some first, whose results move the λ of the others; stops where λ turns out to be far off.
 
-        Returns the codings, the number of the next round, and the λ that all would want.
+        Returns the codings, the number of the next pass, and the λ that all tiles would want.
         """
         chosen: dict[int, Version] = {}
         at = wanted = lmbda
         while len(chosen) < len(self.all):
-            numbers = self._stage(lmbda, chosen)
-            self._round("sample" if not chosen else "tiles", index, FitTask(plan.at(at, plan.header.quality)), numbers)
+            numbers = tiles_of_pass(self.rd_model.predict(self.all, lmbda), chosen)
+            self._pass("sample" if not chosen else "tiles", index, FitTask(plan.at(at, plan.header.quality)), numbers)
             chosen |= {number: Version(number, index) for number in numbers}
             index += 1
             tiles = {number: self.store.tiles[version] for number, version in chosen.items()}
-            bound = self._bound()
-            self.outlook.learn(bound, tiles, lmbda)
-            wanted = self._lmbda(2 * index - 1, self.all, 0.0)
-            if may_stop and _is_far(wanted, lmbda):
+            bound = self._bound(target)
+            self.rd_model.learn(bound, tiles, lmbda)
+            wanted = self._lmbda(target, 2 * index - 1, self.all, 0.0)
+            if may_stop and is_far(wanted, lmbda):
                 break
             rest = [number for number in self.all if number not in chosen]
             if rest:
-                at = self._lmbda(2 * index, rest, sum(map(bound.of, tiles.values())))
-                at = min(max(at, lmbda / 2**_FAR), lmbda * 2**_FAR)
+                at = kept_near(self._lmbda(target, 2 * index, rest, sum(map(bound.of, tiles.values()))), lmbda)
         return chosen, index, wanted
 
-    def _stage(self, lmbda: float, chosen: dict[int, Version]) -> list[int]:
-        """The tiles to fit next."""
-        rest = [number for number in self.all if number not in chosen]
-        if not chosen:
-            return spread(self.outlook.foretold(self.all, lmbda), min(_MOST_SAMPLES, max(2, len(rest) // 4)))
-        return rest[::2] if len(chosen) <= _MOST_SAMPLES and len(self.all) >= _MANY else rest
-
-    def _lmbda(self, number: int, tiles: Sequence[int], done: float) -> float:
-        """λ that takes these tiles to the goal, kept under a number."""
-        bound = self._bound()
-        aimed = Bound(bound.what, _AIM[bound.what] * bound.value)
-        return self.store.cached(f"lmbda {number}", lambda: self.outlook.lmbda(aimed, tiles, done))
+    def _lmbda(self, target: RateTarget, number: int, tiles: Sequence[int], done: float) -> float:
+        """λ that takes these tiles to the target, kept under a number."""
+        aim = self._bound(target).aim
+        return self.store.cached(f"lmbda {number}", lambda: self.rd_model.lmbda(aim, tiles, done))
 
     @cached_property
-    def outlook(self) -> TileRdModel:
-        """From a look at every tile."""
+    def rd_model(self) -> TileRdModel:
+        """From a lookahead at every tile."""
         self.watcher.begin("look", self.all, {})
-        looks = {}
-        for number, look in self.runner(LookaheadTask(self.plan), self.all, lambda _: Start()):
-            looks[number] = look
+        tables = {}
+        for number, table in self.runner(LookaheadTask(self.plan), self.all, lambda _: Start()):
+            tables[number] = table
             self.watcher.done(number, None)
-        return TileRdModel([looks[number] for number in self.all], self._bound().what)
+        what: Literal["bytes", "error"] = "bytes" if self.plan.settings.psnr is None else "error"
+        return TileRdModel([tables[number] for number in self.all], what)
 
-    def _bound(self, lengths: Iterable[int] | None = None) -> Bound:
-        """What the goal leaves to the tiles; `lengths`: of their payloads, where they are known."""
-        goal = self.goal or RateTarget()
-        if goal.psnr is not None:
-            return Bound("error", self.samples * 10 ** (-0.1 * goal.psnr) / self.fade)
-        size = goal.bytes or 0.0
-        lengths = [min(_LONG, round(size / len(self.all)))] * len(self.all) if lengths is None else list(lengths)
-        return Bound("bytes", max(1.0, size - (self._length(self.plan, lengths) - sum(lengths))))
+    def _bound(self, target: RateTarget, lengths: Sequence[int] | None = None) -> Bound:
+        """What the target leaves to the tiles; `lengths`: of their payloads, where they are known."""
+        side_bytes = 0
+        if target.bytes is not None:
+            if lengths is None:
+                lengths = [min(UNKNOWN_PAYLOAD_BYTES, round(target.bytes / len(self.all)))] * len(self.all)
+            side_bytes = self._length(self.plan, lengths) - sum(lengths)
+        return Bound.of_target(target, side_bytes, self.samples, self.error_ratio)
 
-    def _settled(self, plan: Plan, base: dict[int, Version], index: int, goal: RateTarget) -> Finished:
-        """Corrections of the fits until a choice of codings meets the goal."""
+    def _corrected(self, target: RateTarget, plan: Plan, base: dict[int, Version], index: int) -> Finished:
+        """Corrections of the fits until an allocation of codings meets the target."""
         versions = {number: [base[number]] for number in self.all}
         tried: list[tuple[float, float]] = []
-        for count in range(_CORRECTIONS + 1):
-            chosen, measured = self._choice(plan, versions, goal)
-            bound = self._bound()
-            fits = {number: bound.of(self.store.tiles[base[number]]) for number in self.all}
-            need = bound.need(sum(fits.values()))
-            kind = SEARCH if need > 0 else FIT
-            if goal.is_met(measured) or count == _CORRECTIONS:
+        for count in range(MAX_CORRECTIONS + 1):
+            chosen, measured = self._allocation(target, plan, versions)
+            if target.is_met(measured) or count == MAX_CORRECTIONS:
                 break
-            left = bound.need(sum(bound.of(self.store.tiles[version]) for version in chosen))
+            bound = self._bound(target)
+            fits = {number: bound.of(self.store.tiles[base[number]]) for number in self.all}
+            kind = SEARCH if bound.error(sum(fits.values())) > 0 else REFIT
+            left = bound.error(sum(bound.of(self.store.tiles[version]) for version in chosen))
             fresh = [number for number in self.all if len(versions[number]) == 1]
             octaves, numbers = kind.next(left, fits, fresh, tried)
-            if not self._corrected(kind, plan, base, octaves, numbers, index):
+            if not self._correct(kind, plan, base, octaves, numbers, index):
                 break
             found = sum(bound.of(self.store.tiles[Version(number, index)]) for number in numbers)
             others = sum(fits.values()) / max(sum(fits[number] for number in numbers), 1e-9)
-            tried.append((octaves, bound.need(found * others)))
+            tried.append((octaves, bound.error(found * others)))
             for number in numbers:
                 versions[number].append(Version(number, index))
             index += 1
-        missed = goal.miss_message(measured) if goal.is_missed(measured) else None
+        missed = target.miss_message(measured) if target.is_missed(measured) else None
         return Finished(plan, chosen, self.store.tiles[base[self.all[-1]]].lmbda, missed, self.overview)
 
-    def _corrected(
+    def _correct(
         self, kind: Correction, plan: Plan, base: dict[int, Version], octaves: float, numbers: list[int], index: int
     ) -> bool:
-        """A round that moves the λ of some tiles by so many octaves, a part for each λ that there is among the fits;
-        False where λ cannot move.
+        """A pass that moves the λ of some tiles by so many octaves, one part for each λ of the fits; False where λ
+        cannot move.
         """
         by_lmbda: dict[float, list[int]] = {}
         for number in numbers:
             by_lmbda.setdefault(self.store.tiles[base[number]].lmbda, []).append(number)
         for lmbda, some in by_lmbda.items():
             moved = lmbda * 2.0**octaves
-            if moved < 0.999 * LMBDA_RANGE[0]:
+            if moved < 0.999 * LMBDA_MIN:
                 return False
             at = plan.at(moved, plan.header.quality)
             task: FitTask | SearchTask = SearchTask(at) if kind is SEARCH else FitTask(at)
-            self._round(kind.name, index, task, some, partial(self._start, base))
+            self._pass(kind.name, index, task, some, partial(self._start, base))
         return bool(numbers)
 
     def _first(self, number: int) -> Start:
@@ -187,45 +187,37 @@ class TilePasses:
         version = base[number]
         return Start(self.store.payload(version), self.store.tiles[version].lmbda)
 
-    def _choice(
-        self, plan: Plan, versions: dict[int, list[Version]], goal: RateTarget
+    def _allocation(
+        self, target: RateTarget, plan: Plan, versions: dict[int, list[Version]]
     ) -> tuple[list[Version], Measured]:
-        """The best choice of codings, and what the stream is."""
-        for _ in range(_MEASURES):
-            chosen = self._best(versions)
+        """The best allocation of codings, and what its stream is."""
+        for _ in range(MAX_MEASURES):
+            chosen = self._allocated(target, versions)
             tiles = [self.store.tiles[version] for version in chosen]
             length = self._length(plan, [tile.length for tile in tiles])
-            if goal.psnr is None:
+            if target.psnr is None:
                 return chosen, Measured(length, math.inf)
             with tempfile.TemporaryFile() as file:
                 write_stream(file, plan.header, plan.software, plan.metadata, map(self.store.payload, chosen))
                 file.seek(0)
                 error = self.error_of(file)
-            self.fade = error / max(sum(tile.squared_error for tile in tiles), 1e-12) or 1.0
+            self.error_ratio = error / max(sum(tile.squared_error for tile in tiles), 1e-12) or 1.0
             measured = Measured(length, decibels(error, self.samples))
-            if goal.is_met(measured) or all(len(some) == 1 for some in versions.values()):
+            if target.is_met(measured) or all(len(some) == 1 for some in versions.values()):
                 break
         return chosen, measured
 
-    def _best(self, versions: dict[int, list[Version]]) -> list[Version]:
-        def option(version: Version) -> Option:
-            tile = self.store.tiles[version]
-            size, error = float(tile.length), tile.squared_error
-            return Option(size, error) if self._what == "bytes" else Option(error, size)
-
-        options = [[option(version) for version in versions[number]] for number in self.all]
+    def _allocated(self, target: RateTarget, versions: dict[int, list[Version]]) -> list[Version]:
         lengths = [max(self.store.tiles[version].length for version in versions[number]) for number in self.all]
-        chosen = choose(options, _ROOM[self._what] * self._bound(lengths).value)
+        bound = self._bound(target, lengths)
+        options = [[bound.option(self.store.tiles[version]) for version in versions[number]] for number in self.all]
+        chosen = allocate(options, bound.limit)
         return [versions[number][index] for number, index in zip(self.all, chosen, strict=True)]
-
-    @property
-    def _what(self) -> str:
-        return "bytes" if self.goal is not None and self.goal.psnr is None else "error"
 
     def _length(self, plan: Plan, lengths: Sequence[int]) -> int:
         return stream_length(plan.header, plan.software, plan.metadata, lengths, self.overview)
 
-    def _round(
+    def _pass(
         self,
         name: str,
         index: int,
@@ -245,21 +237,3 @@ class TilePasses:
                     self.shares.done(number, tile)
                 self.store.add(Version(number, index), tile)
                 self.watcher.done(number, tile)
-
-
-_AIM = {"bytes": 0.985, "error": 0.995}
-"""Where fits are to end, as a part of what all tiles together may have."""
-_ROOM = {"bytes": 1.0, "error": 10**0.003}
-"""What of the bound a choice may take: a PSNR may be 0.03 dB below, so that both sides of it have room."""
-_LONG = 1 << 20
-"""Bytes of a payload, where it is not known and there is room for any: what its frame takes hardly depends on it."""
-_MOST_SAMPLES, _MANY = 8, 12
-"""Tiles that are fitted first, and number of tiles from which on a half of the others comes before the rest."""
-_FAR, _SAMPLES, _FITS = 0.5, 4, 2
-"""Octaves that the λ of fits of one stream may be apart; how often samples, and how often all tiles are fitted."""
-_CORRECTIONS, _MEASURES = 4, 2
-"""Passes after the fits; measures of a PSNR in each."""
-
-
-def _is_far(one: float, other: float) -> bool:
-    return abs(math.log2(one / other)) > _FAR

@@ -134,9 +134,9 @@ def _encode_whole(job: _Job) -> tuple[Encoded, str | None]:
 
     job.listener.planned(plan, 1, Memory(0, 0))
     encoding = Encoding(picture, plan, job.started, job.device)
-    goal = plan.settings.rate_target(picture.width * picture.height)
+    target = plan.settings.rate_target(picture.width * picture.height)
     try:
-        encoded = encoding.run(watch) if goal is None else TargetEncoder(encoding, goal).run(watch)
+        encoded = encoding.run(watch) if target is None else TargetEncoder(encoding, target).run(watch)
     except TargetMissedError as error:
         missed, encoded = str(error), error.nearest
     psnr = job.psnr(encoded.data) if job.verify else None

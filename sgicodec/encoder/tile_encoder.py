@@ -24,10 +24,11 @@ from sgicodec.encoder.inpainting import fill
 from sgicodec.encoder.plan import Plan, fit_settings
 from sgicodec.fit.base_layer import base_layer
 from sgicodec.metrics.psnr import psnr
-from sgicodec.model.layout import adaptive_layout, uniform_layout
+from sgicodec.model.context import input_count
+from sgicodec.model.layout import ROOT_LOG, adaptive_layout, cell_sums, uniform_layout
 from sgicodec.picture import Picture, comparable, nodata_mask, to_unit
 from sgicodec.rate_control.lambda_controller import LambdaController
-from sgicodec.rate_control.step_search import coarser
+from sgicodec.rate_control.rd_model import RdModel
 from sgicodec.rate_control.target import Measured
 from sgicodec.rdoq import Rdoq, RdoqSettings, can_optimise
 
@@ -124,15 +125,15 @@ class Encoding:
         )
         return trainer.run(on_progress)
 
-    def candidate(self, fitted: Fitted, shift: int = 0) -> Candidate:
-        """A fit in integers, all steps of its attributes coarser by `shift` units."""
+    def candidate(self, fitted: Fitted) -> Candidate:
+        """A fit in integers."""
         model = TileModel(
             fitted.layout,
             fitted.plan,
             self.base_step,
             self.base,
             {name: np.rint(w * 2.0**DECODER_SHIFT).astype(np.int64) for name, w in fitted.decoders.items()},
-            coarser(fitted.networks, shift) if shift else fitted.networks,
+            fitted.networks,
             fitted.hash_bits,
             fitted.attributes,
         )
@@ -178,6 +179,19 @@ class Encoding:
             shown = np.array(True) if self.empty is None else ~self.empty[..., None]
             quality = psnr(*(np.where(shown, comparable(p), 0) for p in (self.picture, decoded)))
         return encoded, Measured(len(encoded.data), quality)
+
+    def rd_model(self) -> RdModel:
+        """Predicts what fits come to."""
+        sums = cell_sums(self.target, ROOT_LOG)
+        return RdModel(sums, len(self.target), self.target[0].size, self.fit.split_price)
+
+    @property
+    def network_weights(self) -> int:
+        """Number of weights of a network that travels in the stream."""
+        spec = self.spec
+        if spec.context.prior:
+            return 0
+        return spec.context.hidden * sum(input_count(spec, step) for step in range(len(spec.context.steps)))
 
     def blob_bytes(self) -> int:
         """Bytes of the metadata that the stream keeps."""

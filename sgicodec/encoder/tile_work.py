@@ -14,14 +14,11 @@ from sgicodec.device import ALL_CORES, Device
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tile_encoder import Candidate, Encoding, written
 from sgicodec.metrics.distortion import squared_error
-from sgicodec.model.context import input_count
-from sgicodec.model.network import DIFFERENCE_SHIFT
-from sgicodec.model.spec import ModelSpec
 from sgicodec.picture import Picture
-from sgicodec.rate_control.rd_model import EMPTY_STREAM_BYTES, RdModel
-from sgicodec.rate_control.step_search import coarser
+from sgicodec.rate_control.side_information import EMPTY_STREAM_BYTES, tile_side_bytes
 from sgicodec.rate_control.tile_rd_model import LMBDA_GRID, RdTable
 from sgicodec.rdoq import Rdoq, RdoqSettings
+from sgicodec.rdoq.adaptation import with_coarser_steps
 
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Progress
@@ -64,33 +61,21 @@ class Start(NamedTuple):
 
 @dataclass(frozen=True)
 class LookaheadTask:
-    """Foretells what a tile will come to, without a fit."""
+    """Predicts bytes and error of a tile, without a fit."""
 
     plan: Plan
 
     def __call__(self, number: int, window: Picture, start: Start, device: Device) -> RdTable:
-        """A tile in which no pixel holds anything costs and errs nothing."""
+        """A tile without valid pixels has neither bytes nor error."""
         tile = _encoding(window, self.plan, number, device)
         if tile.holds_nothing:
             return RdTable((0.0,) * len(LMBDA_GRID), (0.0,) * len(LMBDA_GRID))
         _, _, width, height = self.plan.header.grid.core(number)
         samples = width * height * self.plan.header.spec.channels
-        rd_model = RdModel(tile.target, tile.fit.split_price)
+        rd_model, side = tile.rd_model(), tile_side_bytes(tile.network_weights)
         found = [rd_model.predict(lmbda) for lmbda in LMBDA_GRID]
-        fixed = _TILE_BYTES + _WEIGHT_BYTES * _weights(tile.spec)
-        sizes = tuple(max(size - EMPTY_STREAM_BYTES, 0.0) + fixed for size, _ in found)
+        sizes = tuple(max(size - EMPTY_STREAM_BYTES, 0.0) + side for size, _ in found)
         return RdTable(sizes, tuple(samples * error for _, error in found))
-
-
-_TILE_BYTES, _WEIGHT_BYTES = 30.0, 1.2
-"""About what a tile takes without seeds; for each weight of an own network."""
-
-
-def _weights(spec: ModelSpec) -> int:
-    """How many weights an own network of the tile has."""
-    if spec.context.prior:
-        return 0
-    return spec.context.hidden * sum(input_count(spec, step) for step in range(len(spec.context.steps)))
 
 
 @dataclass(frozen=True)
@@ -122,8 +107,8 @@ class SearchTask:
         groups = {group.name: values[:, group.columns] for group in header.spec.groups}
         model = replace(model, attributes=groups, decoded=None)
         if not tile.searches:
-            shift = round(0.5 * math.log2(lmbda / start.lmbda) * 2**DIFFERENCE_SHIFT)
-            model = replace(model, networks=coarser(model.networks, shift))
+            octaves = 0.5 * math.log2(lmbda / start.lmbda)
+            model = replace(model, networks=with_coarser_steps(model.networks, octaves))
             return _finished(tile, self.plan, number, Candidate(header, model, lmbda), started)
         settings = RdoqSettings.for_steps(tile.fit.steps)
         settings = replace(settings, coarser=0.0, passes=max(_LEAST_PASSES, settings.passes // _PASSES_SHARE))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from sgicodec.model.morton import canonical_order
 
-__all__ = ["ROOT_LOG", "SeedLayout", "adaptive_layout", "cell_sums", "leaf_sums", "uniform_layout"]
+__all__ = ["ROOT_LOG", "CellSums", "SeedLayout", "adaptive_layout", "cell_sums", "leaf_sums", "uniform_layout"]
 
 ROOT_LOG = 6
 """log2 of the side in pixels of the quadtree's root cells."""

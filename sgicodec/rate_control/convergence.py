@@ -1,4 +1,4 @@
-"""What the state of a fit foretells about its outcome: tables that `python -m tools.convergence_table` prints."""
+"""Convergence table: predicts the outcome of a fit from its state (`python -m tools.convergence_table` measures it)."""
 
 from __future__ import annotations
 
@@ -7,17 +7,15 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["DONE", "LAMBDAS", "POSITION_BITS", "STEPS", "course", "searched"]
+__all__ = ["DONE", "LMBDAS", "STEPS", "expected", "rdoq_gain"]
 
 DONE = (0.26, 0.28, 0.33, 0.36, 0.4, 0.46, 0.49, 0.55, 0.63, 0.66, 0.72, 0.76, 0.83, 0.87, 1.0)
-"""Fractions of a fit; seeds are dropped for the first time between the first two."""
-LAMBDAS = (0.0012, 0.006, 0.03)
+"""Fractions of a fit; the first pruning of seeds lies between the first two."""
+LMBDAS = (0.0012, 0.006, 0.03)
 STEPS = (120, 350, 1000)
-POSITION_BITS = 4.0
-"""Of a seed, about."""
 
-# [STEPS, LAMBDAS, DONE]: estimated bytes of the seeds over the stream's
-_RATIO = np.array(
+# [STEPS, LMBDAS, DONE]: estimated bytes of the seeds over the stream's
+_BYTES_RATIO = np.array(
     [
         [
             [1.89, 1.35, 1.67, 1.73, 1.39, 1.28, 1.31, 1.18, 1.08, 1.18, 1.20, 1.12, 1.15, 1.08, 1.05],
@@ -36,8 +34,8 @@ _RATIO = np.array(
         ],
     ]
 )
-# the same for PSNR under noise less the decoded picture's, dB
-_LIFT = np.array(
+# [STEPS, LMBDAS, DONE]: PSNR under noise less the decoded picture's, dB
+_PSNR_OFFSET_DB = np.array(
     [
         [
             [-5.86, -5.19, -5.46, -4.40, -3.76, -3.02, -2.04, -2.75, -1.65, -2.21, -0.69, -0.69, -0.56, -0.06, 0.16],
@@ -56,25 +54,24 @@ _LIFT = np.array(
         ],
     ]
 )
-# [STEPS, LAMBDAS]: what the search for symbols leaves of a stream's bytes, and adds to its PSNR, dB
-_SHARE = np.array([[0.930, 0.939, 0.952], [0.943, 0.946, 0.949], [0.924, 0.936, 0.935]])
-_GAIN = np.array([[0.674, 0.416, 0.270], [0.584, 0.446, 0.252], [0.812, 0.530, 0.360]])
+# [STEPS, LMBDAS]: the part of a stream's bytes that RDOQ leaves, and the dB that it adds to the PSNR
+_RDOQ_SHARE = np.array([[0.930, 0.939, 0.952], [0.943, 0.946, 0.949], [0.924, 0.936, 0.935]])
+_RDOQ_GAIN_DB = np.array([[0.674, 0.416, 0.270], [0.584, 0.446, 0.252], [0.812, 0.530, 0.360]])
 
 
-def course(done: float, steps: int, lmbda: float) -> tuple[float, float]:
-    """Ratio of bytes and difference of PSNR to expect when a fraction of so many steps at λ lies behind."""
-    by_steps, by_lmbda = _weights(steps, STEPS), _weights(lmbda, LAMBDAS)
-    both = np.outer(by_steps, by_lmbda)
-    ratio, lift = (np.interp(done, DONE, np.tensordot(both, table, 2)) for table in (_RATIO, _LIFT))
-    return float(ratio), float(lift)
+def expected(done: float, steps: int, lmbda: float) -> tuple[float, float]:
+    """Ratio of bytes and offset of PSNR in dB, state over outcome, when a fraction of so many steps at λ is done."""
+    both = np.outer(_weights(steps, STEPS), _weights(lmbda, LMBDAS))
+    ratio, offset = (np.interp(done, DONE, np.tensordot(both, table, 2)) for table in (_BYTES_RATIO, _PSNR_OFFSET_DB))
+    return float(ratio), float(offset)
 
 
-def searched(steps: int, lmbda: float) -> tuple[float, float]:
-    """What a search for symbols leaves of the bytes after a fit of so many steps at λ, and adds to PSNR in dB."""
-    both = np.outer(_weights(steps, STEPS), _weights(lmbda, LAMBDAS))
-    return float(np.sum(both * _SHARE)), float(np.sum(both * _GAIN))
+def rdoq_gain(steps: int, lmbda: float) -> tuple[float, float]:
+    """Part of the bytes that RDOQ leaves after a fit of so many steps at λ, and the dB that it adds to the PSNR."""
+    both = np.outer(_weights(steps, STEPS), _weights(lmbda, LMBDAS))
+    return float(np.sum(both * _RDOQ_SHARE)), float(np.sum(both * _RDOQ_GAIN_DB))
 
 
 def _weights(value: float, at: tuple[float, ...]) -> NDArray[np.float64]:
-    """Of each entry, for linear interpolation over logarithms; what is beyond the ends is as at the ends."""
+    """Of each entry, for linear interpolation over logarithms; beyond the ends the value at the end holds."""
     return np.array([np.interp(math.log(value), np.log(at), row) for row in np.eye(len(at))])

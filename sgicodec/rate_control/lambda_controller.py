@@ -1,95 +1,100 @@
-"""Ends a fit at a size or a quality: moves λ while it runs."""
+"""λ controller: moves λ during a fit, so that the fit ends at a size or a PSNR."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.rate_control.convergence import DONE, POSITION_BITS, course
-from sgicodec.rate_control.target import LMBDA_RANGE, Measured, RateTarget
+from sgicodec.rate_control.convergence import DONE, expected
+from sgicodec.rate_control.side_information import SEED_POSITION_BITS
+from sgicodec.rate_control.target import LMBDA_MAX, LMBDA_MIN, Measured, RateTarget
 
 __all__ = ["LambdaController"]
 
+PSNR_MARGIN_DB = 0.1
+"""How far above its PSNR a fit ends: afterwards finer steps buy less than coarser ones cost."""
+JUMP_AT, INTEGRAL_FROM = 0.29, 0.35
+"""Fractions of a fit: the first pruning is done; what followed it has settled."""
+FADE = 0.4
+"""Last fraction of a fit over which the gain falls to zero, since λ then hardly changes the outcome."""
+INTEGRAL_GAIN_MAX, INTEGRAL_GAIN_STEPS = 0.08, 24.0
+"""Part of the rate error by which λ moves in a step: at most, and times the number of steps."""
+NEW_ERROR_WEIGHT = 0.2
+"""Weight of a step in the moving average of the rate error."""
+SIZE_GAIN_BEFORE_PRUNING, PSNR_GAIN_BEFORE_PRUNING, JUMP_GAIN = 0.4, 0.6, 0.8
+"""Parts of the rate error by which λ moves at once, before and after the first pruning."""
+PSNR_PRUNING_FRACTION = 0.75
+"""Part of λ at which the first pruning drops seeds for a PSNR: texture never regains what is dropped too early."""
+JUMP_MAX_OCTAVES, STEP_MAX_OCTAVES = 2.0, 0.5
+
 
 class LambdaController:
-    """λ as a function of how the fit goes: two leaps early on, then an integral controller, on the outcome that the
-    state so far foretells.
+    """λ as a function of the state of a fit: a move before the first pruning, an initial jump after it, then an
+    integral controller on the rate error of the predicted outcome.
 
-    `overhead` is what the stream holds beside seeds, in bytes. `leaps` is False where λ is known to be nearly right.
+    `overhead`: bytes of the stream beside its seeds. `jumps` is False where λ is known to be nearly right.
     """
 
     checks = (0.3, 0.6, 0.9)
-    """Fractions of the noise phase after which a real stream corrects the forecast."""
+    """Fractions of the noise phase after which a real stream corrects the prediction."""
 
-    def __init__(self, goal: RateTarget, lmbda: float, overhead: float, leaps: bool = True) -> None:
-        # A little better than asked: at the end, finer steps buy less than coarser ones cost.
-        self.goal = goal if goal.psnr is None else RateTarget(psnr=goal.psnr + _MARGIN)
+    def __init__(self, target: RateTarget, lmbda: float, overhead: float, jumps: bool = True) -> None:
+        self.target = target if target.psnr is None else RateTarget(psnr=target.psnr + PSNR_MARGIN_DB)
         self.lmbda, self.overhead = lmbda, overhead
-        self._excess: float | None = None
+        self._error: float | None = None
         self._correction = 0.0
-        self._leaps, self._leapt = leaps, not leaps
+        self._jumps, self._jumped = jumps, not jumps
 
     def update(self, done: float, steps: int, bits: float, seeds: int, psnr: float) -> float:
-        """λ after a step of a fit of so many, from the fraction that lies behind, bits of the seeds' attributes, their
+        """λ after a step of a fit of so many, from the fraction that is done, bits of the seeds' attributes, their
         number, and PSNR under noise.
         """
-        if done < _LEAP or (self._leapt and done < _SETTLED):
+        if done < JUMP_AT or (self._jumped and done < INTEGRAL_FROM):
             return self.lmbda
-        excess = self.goal.rate_error(self._forecast(done, steps, bits + POSITION_BITS * seeds, psnr))
-        self._excess = excess if self._excess is None else 0.8 * self._excess + 0.2 * excess
-        if not self._leapt:
-            self._leapt = True
-            self._move(_LEAP_GAIN * self._excess, 2.0)
-            self._excess = None
+        error = self.target.rate_error(self._predicted(done, steps, bits + SEED_POSITION_BITS * seeds, psnr))
+        self._error = error if self._error is None else (1 - NEW_ERROR_WEIGHT) * self._error + NEW_ERROR_WEIGHT * error
+        if not self._jumped:
+            self._jumped = True
+            self._move(JUMP_GAIN * self._error, JUMP_MAX_OCTAVES)
+            self._error = None
         else:
-            late = min(1.0, (1.0 - done) / _FADE)  # λ then hardly changes the outcome
-            gain = late * min(_MOST_GAIN, _GAIN_STEPS / steps)
-            self._move(gain * (self._excess + self._correction), 0.5)
+            gain = min(1.0, (1.0 - done) / FADE) * min(INTEGRAL_GAIN_MAX, INTEGRAL_GAIN_STEPS / steps)
+            self._move(gain * (self._error + self._correction), STEP_MAX_OCTAVES)
         return self.lmbda
 
     def correct(self, done: float, steps: int, measured: Measured) -> None:
-        """Takes in what a real stream of this moment is."""
-        if self._excess is None:
+        """Learns from the measured stream of this moment."""
+        if self._error is None:
             return
-        (end, _), (now, lift) = (course(at, steps, self.lmbda) for at in (1.0, done))
+        (end, _), (now, offset) = (expected(at, steps, self.lmbda) for at in (1.0, done))
         size = max(measured.bytes - self.overhead, 1.0) * end / now + self.overhead
-        # Until noise is better than what is decoded, both have the same PSNR.
-        self._correction = self.goal.rate_error(Measured(size, measured.psnr - min(0.0, lift))) - self._excess
+        # While noise is worse than what is decoded, the fit still gains what it lacks.
+        self._correction = self.target.rate_error(Measured(size, measured.psnr - min(0.0, offset))) - self._error
 
     def update_before_pruning(
         self, energy: NDArray[np.float32], bits: NDArray[np.float32], price: float, psnr: float, steps: int
     ) -> float:
-        """Moves λ before seeds are dropped for the first time, by what would be left of a size or by the PSNR under
-        noise, and returns the λ to drop them at.
+        """Moves λ before the first pruning, by the size that would remain or by the PSNR under noise, and returns the
+        λ to prune at.
 
         energy, bits [N] of every seed; a seed is dropped whose energy is below price · λ.
         """
-        if not self._leaps:
+        if not self._jumps:
             return self.lmbda
         kept = bits[energy > price * self.lmbda]
-        (_, lift), (ratio, _) = (course(done, steps, self.lmbda) for done in DONE[:2])
-        size = float(np.sum(kept + POSITION_BITS, dtype=np.float64)) / 8 / ratio + self.overhead
-        excess = self.goal.rate_error(Measured(size, psnr - lift))
-        if self.goal.bytes is not None:
-            self._move(_SIZE_FORESIGHT * excess, 2.0)
+        (_, offset), (ratio, _) = (expected(done, steps, self.lmbda) for done in DONE[:2])
+        size = float(np.sum(kept + SEED_POSITION_BITS, dtype=np.float64)) / 8 / ratio + self.overhead
+        error = self.target.rate_error(Measured(size, psnr - offset))
+        if self.target.bytes is not None:
+            self._move(SIZE_GAIN_BEFORE_PRUNING * error, JUMP_MAX_OCTAVES)
             return self.lmbda
-        self._move(_PSNR_FORESIGHT * excess, 2.0)
-        return 0.75 * self.lmbda  # texture never regains what is dropped too soon, and the next time is near
+        self._move(PSNR_GAIN_BEFORE_PRUNING * error, JUMP_MAX_OCTAVES)
+        return PSNR_PRUNING_FRACTION * self.lmbda
 
-    def _forecast(self, done: float, steps: int, bits: float, psnr: float) -> Measured:
-        ratio, lift = course(done, steps, self.lmbda)
-        return Measured(bits / 8 / ratio + self.overhead, psnr - lift)
+    def _predicted(self, done: float, steps: int, bits: float, psnr: float) -> Measured:
+        ratio, offset = expected(done, steps, self.lmbda)
+        return Measured(bits / 8 / ratio + self.overhead, psnr - offset)
 
     def _move(self, octaves: float, most: float) -> None:
         moved = self.lmbda * 2.0 ** max(-most, min(most, octaves))
-        self.lmbda = max(LMBDA_RANGE[0], min(LMBDA_RANGE[1], moved))
-
-
-_LEAP, _SETTLED, _FADE = 0.29, 0.35, 0.4
-"""Fractions of a fit: seeds were dropped once, what followed has settled; from 1 − 0.4 on, λ moves less."""
-_MOST_GAIN, _GAIN_STEPS = 0.08, 24.0
-"""Part of the excess that λ makes up in a step from then on, at most and in a fit of one step."""
-_SIZE_FORESIGHT, _PSNR_FORESIGHT, _LEAP_GAIN = 0.4, 0.6, 0.8
-"""Parts of the excess that λ makes up at once, before and after seeds are dropped for the first time."""
-_MARGIN = 0.1
-"""dB that a fit ends above the PSNR that was asked for."""
+        self.lmbda = max(LMBDA_MIN, min(LMBDA_MAX, moved))

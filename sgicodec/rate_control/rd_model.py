@@ -1,62 +1,35 @@
-"""What a fit will come to at any λ, from the picture alone."""
+"""R-D model of a picture: predicts the size and the error of a fit at any λ from the statistics of its cells."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
 
-import numpy as np
-from numpy.typing import NDArray
+from sgicodec.model.layout import CellSums, leaf_sums
+from sgicodec.rate_control.side_information import EMPTY_STREAM_BYTES
+from sgicodec.rate_control.target import LMBDA_MAX, LMBDA_MIN, Measured, RateTarget
 
-from sgicodec.model.layout import ROOT_LOG, cell_sums, leaf_sums
-from sgicodec.rate_control.target import LMBDA_RANGE, Measured, RateTarget
-
-__all__ = ["EMPTY_STREAM_BYTES", "HIGHER_PRICE", "RdModel", "bisected", "initial_lmbda"]
-
-
-def initial_lmbda(goal: RateTarget, detail: NDArray[np.float32], seed_price: float, extra: float = 0.0) -> float:
-    """Where to begin: λ at which the seeds that a fit of `detail` [C, H, W] starts with foretell the goal. `extra`
-    bytes come on top.
-
-    The forecast knows what the search for symbols will gain.
-    """
-    rd_model = RdModel(detail, seed_price)
-
-    def must_rise(lmbda: float) -> bool:
-        size, error = rd_model.predict(lmbda)
-        return goal.rate_error(Measured(size + extra, -10 * math.log10(error))) > 0
-
-    return bisected(must_rise, 8)
-
-
-def bisected(must_rise: Callable[[float], bool], halvings: int) -> float:
-    """λ in LMBDA_RANGE below which `must_rise` holds, by halving octaves so many times."""
-    low, high = (math.log2(limit) for limit in LMBDA_RANGE)
-    for _ in range(halvings):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if must_rise(2.0**middle) else (low, middle)
-    return float(2.0 ** (0.5 * (low + high)))
-
+__all__ = ["HIGHER_PRICE", "RdModel", "bisected_lmbda", "initial_lmbda"]
 
 HIGHER_PRICE = 4.0
-"""Price of a seed at which forecasts of error count seeds once more."""
-_FLAT = 1e-9
-"""Squared deviation that stands for none."""
-EMPTY_STREAM_BYTES = 200.0
-"""Of a stream without seeds, about."""
+"""Factor on the price of a seed at which the prediction of the error counts seeds once more."""
+MIN_DEVIATION = 1e-9
+"""Squared deviation of a pixel that stands for none."""
+INITIAL_LMBDA_HALVINGS = 8
 
 
 class RdModel:
-    """What a fit of `detail` [C, H, W], a picture less its base layer, will come to at any λ.
+    """Predicts bytes and error of a fit of a picture less its base layer.
 
-    Forecasts are products of powers of λ, of the number of seeds and of what deviates within their cells, fitted to
-    photographs; that of the error also sees both at four times the price of a seed: how quickly more seeds become
-    worth their bits tells fine texture from edges (docs/notes/2026-11-rd-model.md).
+    sums: statistics of the picture's cells (`cell_sums`). seed_price: squared deviation that splits a cell, for each
+    unit of λ. The predictions are products of powers of λ, of the number of seeds and of the deviation within their
+    cells, fitted to photographs. That of the error also sees both at four times the price of a seed: how fast more
+    seeds become worth their bits tells fine texture from edges (docs/notes/2026-11-rd-model.md).
     """
 
-    def __init__(self, detail: NDArray[np.float32], seed_price: float) -> None:
-        self.seed_price, self.channels, self.pixels = seed_price, len(detail), detail[0].size
-        self._sums = cell_sums(detail, ROOT_LOG)
+    def __init__(self, sums: CellSums, channels: int, pixels: int, seed_price: float) -> None:
+        self.channels, self.pixels, self.seed_price = channels, pixels, seed_price
+        self._sums = sums
 
     def predict(self, lmbda: float) -> tuple[float, float]:
         """Bytes of the stream and mean squared error of a sample in 0..1."""
@@ -66,6 +39,27 @@ class RdModel:
         return size, error / self.channels
 
     def seeds(self, lmbda: float, price: float = 1.0) -> tuple[float, float]:
-        """For each pixel, their number and what deviates within their cells, where one costs `price` times as much."""
+        """Number of seeds and squared deviation within their cells, per pixel, with seeds at `price` times their
+        price.
+        """
         count, deviation = leaf_sums(self._sums, price * self.seed_price * lmbda)
-        return count / self.pixels, max(deviation / self.pixels, _FLAT)
+        return count / self.pixels, max(deviation / self.pixels, MIN_DEVIATION)
+
+
+def initial_lmbda(target: RateTarget, rd_model: RdModel, extra: float = 0.0) -> float:
+    """λ at which the R-D model predicts the target, `extra` bytes beside its prediction included."""
+
+    def must_rise(lmbda: float) -> bool:
+        size, error = rd_model.predict(lmbda)
+        return target.rate_error(Measured(size + extra, -10 * math.log10(error))) > 0
+
+    return bisected_lmbda(must_rise, INITIAL_LMBDA_HALVINGS)
+
+
+def bisected_lmbda(must_rise: Callable[[float], bool], halvings: int) -> float:
+    """λ between LMBDA_MIN and LMBDA_MAX below which `must_rise` holds, by so many halvings of its octaves."""
+    low, high = math.log2(LMBDA_MIN), math.log2(LMBDA_MAX)
+    for _ in range(halvings):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if must_rise(2.0**middle) else (low, middle)
+    return float(2.0 ** (0.5 * (low + high)))

@@ -1,49 +1,51 @@
-"""The last step towards a size or a quality: all steps a little coarser or finer, measured on real streams."""
+"""Step-size search: makes all steps a little coarser or finer until a measured stream meets the target."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-from sgicodec.model.network import DIFFERENCE_SHIFT, IntNetwork
+from sgicodec.model.network import DIFFERENCE_SHIFT
 from sgicodec.rate_control.target import Measured, RateTarget
 
-__all__ = ["MOST_SHIFT", "coarser", "trim"]
+__all__ = ["SHIFT_MAX", "step_shift"]
 
-_MOST_TRIES = 8
-MOST_SHIFT = 3 << DIFFERENCE_SHIFT
+MAX_STREAMS = 8
+SHIFT_MAX = 3 << DIFFERENCE_SHIFT
 """Of all steps, either way: three octaves."""
-_FIRST_SLOPE = -0.01
-"""log2 of the bytes for each unit of the shift, where nothing is known yet."""
+FIRST_SLOPE = -0.01
+"""Octaves of λ by which a unit of the shift changes the rate error, before it is measured."""
+FIRST_MOVE_MAX = 24.0
+"""Units of the shift in one move while the target lies beyond all streams."""
+OVERSHOOT = 1.2
 
 
-def coarser(networks: tuple[IntNetwork, ...], shift: int) -> tuple[IntNetwork, ...]:
-    """The networks with every refinement r of the steps raised by shift · 2^-DIFFERENCE_SHIFT octaves."""
-    return tuple(network.coarser(shift) for network in networks)
+def step_shift(target: RateTarget, measure: Callable[[int], Measured]) -> int:
+    """The shift of the step sizes, in units of 2^-DIFFERENCE_SHIFT octaves, whose stream comes nearest to the target,
+    of up to eight; `measure` makes a stream and measures it.
 
-
-def trim(goal: RateTarget, measure: Callable[[int], Measured]) -> int:
-    """The shift whose stream comes nearest to the goal, of up to eight; `measure` makes a stream and measures it.
-
-    Size and PSNR fall as the shift rises: a secant search. What misses the goal is taken only if all do.
+    A secant search: size and PSNR fall as the shift rises. A stream that misses the target is taken only if all do.
     """
     tried: dict[int, Measured] = {}
-    shift, slope = 0, _FIRST_SLOPE
-    while shift not in tried and len(tried) < _MOST_TRIES:
+    shift = 0
+    while shift not in tried and len(tried) < MAX_STREAMS:
         tried[shift] = measure(shift)
-        if goal.is_met(tried[shift]):
+        if target.is_met(tried[shift]):
             return shift
-        excess = {at: goal.rate_error(measured) for at, measured in tried.items()}
-        below = [at for at in excess if excess[at] > 0]  # too large or too good: must become coarser
-        above = [at for at in excess if excess[at] <= 0]
-        if below and above:
-            low, high = max(below), min(above)
-            part = excess[low] / (excess[low] - excess[high])
-            shift = min(max(round(low + part * (high - low)), low + 1), high - 1)
-        else:
-            if len(excess) > 1:
-                slope = (excess[max(excess)] - excess[min(excess)]) / (max(excess) - min(excess)) or _FIRST_SLOPE
-            move = -excess[shift] / min(slope, 0.3 * _FIRST_SLOPE)
-            shift += round(max(-24.0, min(24.0, 1.2 * move))) or (1 if excess[shift] > 0 else -1)
-            shift = max(-MOST_SHIFT, min(MOST_SHIFT, shift))
-    sound = [at for at, measured in tried.items() if not goal.is_missed(measured)]
-    return min(sound or tried, key=lambda at: abs(goal.rate_error(tried[at])))
+        shift = _next_shift({at: target.rate_error(measured) for at, measured in tried.items()}, shift)
+    return list(tried)[target.nearest(list(tried.values()))]
+
+
+def _next_shift(errors: dict[int, float], shift: int) -> int:
+    """From the rate errors of the shifts that were tried, the last of them `shift`."""
+    too_fine = [at for at in errors if errors[at] > 0]
+    too_coarse = [at for at in errors if errors[at] <= 0]
+    if too_fine and too_coarse:
+        low, high = max(too_fine), min(too_coarse)
+        part = errors[low] / (errors[low] - errors[high])
+        return min(max(round(low + part * (high - low)), low + 1), high - 1)
+    slope = FIRST_SLOPE
+    if len(errors) > 1:
+        slope = (errors[max(errors)] - errors[min(errors)]) / (max(errors) - min(errors)) or FIRST_SLOPE
+    move = -OVERSHOOT * errors[shift] / min(slope, 0.3 * FIRST_SLOPE)
+    moved = round(max(-FIRST_MOVE_MAX, min(FIRST_MOVE_MAX, move))) or (1 if errors[shift] > 0 else -1)
+    return max(-SHIFT_MAX, min(SHIFT_MAX, shift + moved))

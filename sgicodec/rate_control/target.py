@@ -1,16 +1,31 @@
-"""What an encode is to end at, a size or a PSNR, and how far what was measured is from it."""
+"""The rate target of an encode, a size or a PSNR, and how far a measured stream is from it."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-__all__ = ["LMBDA_RANGE", "Measured", "RateTarget"]
+__all__ = ["LMBDA_MAX", "LMBDA_MIN", "Measured", "RateTarget"]
+
+LMBDA_MIN, LMBDA_MAX = 1e-6, 4.0
+"""Range of λ in which rate control searches."""
+SIZE_MIN_FRACTION = 0.97
+"""Least part of the size that was asked for."""
+SIZE_AIM_FRACTION = 0.99
+"""Part of the size at which the rate error is zero: in the upper half of what is allowed."""
+PSNR_TOLERANCE_DB = 0.1
+"""How far a PSNR may lie from the one that was asked for."""
+SIZE_OCTAVES_PER_LMBDA_OCTAVE = 0.65
+"""log2 of the bytes that an octave of λ takes or gives, on photographs between 0.1 and 1 bpp."""
+PSNR_DB_PER_LMBDA_OCTAVE = 1.5
+PSNR_MAX_DB = 200.0
+"""Stands for the infinite PSNR of a picture without error."""
 
 
 @dataclass(frozen=True)
 class Measured:
-    """What a stream would be: bytes on disk and PSNR in dB of the decoded samples."""
+    """Bytes of a stream on disk and PSNR in dB of its decoded samples."""
 
     bytes: float
     psnr: float
@@ -18,41 +33,37 @@ class Measured:
 
 @dataclass(frozen=True)
 class RateTarget:
-    """Where a fit is to end: at a size in bytes (never above it), or at a PSNR in dB."""
+    """A size in bytes that the stream must not exceed, or a PSNR in dB that it must have."""
 
     bytes: float | None = None
     psnr: float | None = None
 
     def rate_error(self, measured: Measured) -> float:
-        """How many octaves λ should rise, as far as this can be told: positive where more is spent than was asked."""
+        """Estimate of the octaves by which λ should rise: positive where the stream spends more than was asked for."""
         if self.bytes is not None:
-            return math.log2(max(measured.bytes, 1.0) / (_AIM * self.bytes)) / _BYTES_PER_OCTAVE
-        return (min(measured.psnr, _PERFECT) - (self.psnr or 0.0)) / _DECIBELS_PER_OCTAVE
+            octaves = math.log2(max(measured.bytes, 1.0) / (SIZE_AIM_FRACTION * self.bytes))
+            return octaves / SIZE_OCTAVES_PER_LMBDA_OCTAVE
+        return (min(measured.psnr, PSNR_MAX_DB) - (self.psnr or 0.0)) / PSNR_DB_PER_LMBDA_OCTAVE
 
     def is_met(self, measured: Measured) -> bool:
-        """Size: at most the goal, and within 3 % of it. PSNR: within 0.1 dB."""
+        """Size: at most the target, and within 3 % of it. PSNR: within 0.1 dB."""
         if self.bytes is not None:
-            return _FULL * self.bytes <= measured.bytes <= self.bytes
-        return abs(measured.psnr - (self.psnr or 0.0)) <= _TOLERANCE
+            return SIZE_MIN_FRACTION * self.bytes <= measured.bytes <= self.bytes
+        return abs(measured.psnr - (self.psnr or 0.0)) <= PSNR_TOLERANCE_DB
 
     def is_missed(self, measured: Measured) -> bool:
-        """Larger than was allowed, or worse than was asked."""
+        """Whether the stream is larger than was allowed, or worse than was asked for."""
         if self.bytes is not None:
             return measured.bytes > self.bytes
-        return measured.psnr < (self.psnr or 0.0) - _TOLERANCE
+        return measured.psnr < (self.psnr or 0.0) - PSNR_TOLERANCE_DB
+
+    def nearest(self, streams: Sequence[Measured]) -> int:
+        """Index of the stream with the least rate error, among those that do not miss the target if there are any."""
+        sound = [index for index, measured in enumerate(streams) if not self.is_missed(measured)]
+        return min(sound or range(len(streams)), key=lambda index: abs(self.rate_error(streams[index])))
 
     def miss_message(self, measured: Measured) -> str:
-        """What to say where the best that was found misses the goal."""
+        """What to report where the best stream misses the target."""
         if self.bytes is not None:
             return f"no stream of at most {self.bytes:.0f} bytes was found; the smallest has {measured.bytes:.0f}"
         return f"no stream of {self.psnr:g} dB was found; the best reaches {measured.psnr:.2f} dB"
-
-
-_AIM, _FULL, _TOLERANCE = 0.99, 0.97, 0.1
-_BYTES_PER_OCTAVE = 0.65
-"""log2 of the bytes that an octave of λ takes or gives, on photographs between 0.1 and 1 bpp."""
-_DECIBELS_PER_OCTAVE = 1.5
-_PERFECT = 200.0
-"""dB that stand for no error at all."""
-LMBDA_RANGE = 1e-6, 4.0
-"""Where goals are looked for."""

@@ -79,8 +79,8 @@ def test_an_impossible_psnr_gives_the_nearest_stream(crop: Picture) -> None:
     assert quality(crop, caught.value.nearest) > 30
 
 
-@pytest.mark.parametrize("goal", [{}, {"bpp": 0.4}, {"psnr": 27.0}])
-def test_a_time_limit_gives_a_sound_stream(crop: Picture, goal: dict[str, float], clock: Clock) -> None:
+@pytest.mark.parametrize("target", [{}, {"bpp": 0.4}, {"psnr": 27.0}])
+def test_a_time_limit_gives_a_sound_stream(crop: Picture, target: dict[str, float], clock: Clock) -> None:
     """By a clock that moves on whenever somebody looks at it."""
     clock.tick = 0.02
     states: list[Progress] = []
@@ -89,7 +89,7 @@ def test_a_time_limit_gives_a_sound_stream(crop: Picture, goal: dict[str, float]
         states.append(state)
         return True
 
-    settings = replace(EncodeSettings(time_limit=4.0), **goal)  # type: ignore[arg-type]
+    settings = replace(EncodeSettings(time_limit=4.0), **target)  # type: ignore[arg-type]
     try:
         encoded = encode(crop, settings, progress=Steps(on_progress))
     except TargetMissedError as missed:  # there are few steps
@@ -99,16 +99,16 @@ def test_a_time_limit_gives_a_sound_stream(crop: Picture, goal: dict[str, float]
 
 
 @pytest.mark.parametrize("step", [1, 20, 75])
-@pytest.mark.parametrize("goal", [{"bpp": 0.4}, {"psnr": 27.0}])
-def test_an_early_end_gives_a_stream(crop: Picture, goal: dict[str, float], step: int) -> None:
-    settings = replace(EncodeSettings(steps=80), **goal)  # type: ignore[arg-type]
+@pytest.mark.parametrize("target", [{"bpp": 0.4}, {"psnr": 27.0}])
+def test_an_early_end_gives_a_stream(crop: Picture, target: dict[str, float], step: int) -> None:
+    settings = replace(EncodeSettings(steps=80), **target)  # type: ignore[arg-type]
     try:
         encoded = encode(crop, settings, progress=Steps(lambda progress: progress.step < step))
     except TargetMissedError as missed:
         encoded = missed.nearest
     else:
-        if "bpp" in goal:
-            assert 8 * len(encoded.data) / (crop.width * crop.height) <= goal["bpp"]
+        if "bpp" in target:
+            assert 8 * len(encoded.data) / (crop.width * crop.height) <= target["bpp"]
     assert quality(crop, encoded) > 8
 
 
@@ -143,19 +143,19 @@ PICTURES = {
 }
 
 
-@pytest.mark.parametrize("goal", [{"psnr": 26.0}, {"psnr": 45.0}, {"size": 500.0}, {"bpp": 0.01}])
+@pytest.mark.parametrize("target", [{"psnr": 26.0}, {"psnr": 45.0}, {"size": 500.0}, {"bpp": 0.01}])
 @pytest.mark.parametrize("picture", PICTURES.values(), ids=PICTURES)
-def test_pictures_at_the_edge(picture: Picture, goal: dict[str, float]) -> None:
+def test_pictures_at_the_edge(picture: Picture, target: dict[str, float]) -> None:
     """Whatever can be told of them, a stream comes out, and what was not reached is said."""
-    settings = replace(EncodeSettings(steps=30), **goal)  # type: ignore[arg-type]
+    settings = replace(EncodeSettings(steps=30), **target)  # type: ignore[arg-type]
     missed = False
     try:
         encoded = encode(picture, settings)
     except TargetMissedError as error:
         missed, encoded = True, error.nearest
     reached = quality(picture, encoded)
-    limit = goal.get("size", goal.get("bpp", math.inf) * picture.width * picture.height / 8)
-    assert missed == (len(encoded.data) > limit or reached < goal.get("psnr", 0.0) - 0.1)
+    limit = target.get("size", target.get("bpp", math.inf) * picture.width * picture.height / 8)
+    assert missed == (len(encoded.data) > limit or reached < target.get("psnr", 0.0) - 0.1)
 
 
 def test_clipped_floats_are_measured_as_the_stream_spans_them() -> None:
@@ -189,7 +189,7 @@ def test_settings_that_make_no_sense(choices: dict[str, float], complaint: str) 
         EncodeSettings(**choices)  # type: ignore[arg-type]
 
 
-def test_the_stream_names_its_goal() -> None:
+def test_the_stream_names_its_target() -> None:
     picture = PICTURES["gray"]
     for settings, words in (
         (EncodeSettings(size=5e3, effort=1), "size5000 e1"),

@@ -83,26 +83,26 @@ def test_a_size_beyond_all_need_is_met(photo: Picture) -> None:
     assert len(encode(photo, replace(SETTINGS, size=1e13, steps=4)).data) < 1e6
 
 
-@pytest.mark.parametrize("goal", [{"bpp": 0.5}, {"psnr": 26.0}])
+@pytest.mark.parametrize("target", [{"bpp": 0.5}, {"psnr": 26.0}])
 @pytest.mark.parametrize("whole_tiles", [False, True])
-def test_pixels_that_hold_nothing(goal: dict[str, float], whole_tiles: bool) -> None:
+def test_pixels_that_hold_nothing(target: dict[str, float], whole_tiles: bool) -> None:
     pixels = np.maximum(crop("kodim23.png", 96, 128, 200, 192).pixels, 1)
     pixels[:, : 100 if whole_tiles else 30] = 0
     picture = Picture(pixels, "rgb", (0.0, 255.0), Metadata(geo=GEO_WITH_NODATA_0))
     assert picture.nodata == 0
-    encoded = encode(picture, replace(SETTINGS, **goal))  # type: ignore[arg-type]
+    encoded = encode(picture, replace(SETTINGS, **target))  # type: ignore[arg-type]
     decoded = open_stream(encoded.data).picture().pixels
     np.testing.assert_array_equal((decoded == 0).all(axis=2), (pixels == 0).all(axis=2))
-    if "bpp" in goal:
+    if "bpp" in target:
         assert 0.97 * 0.5 <= 8 * len(encoded.data) / (200 * 192) <= 0.5
     else:
         assert psnr(pixels, decoded) == pytest.approx(26.0, abs=0.1)
 
 
-@pytest.mark.parametrize("goal", [{"bpp": 0.5}, {"psnr": 26.0}])
-def test_a_picture_that_holds_nothing(goal: dict[str, float]) -> None:
+@pytest.mark.parametrize("target", [{"bpp": 0.5}, {"psnr": 26.0}])
+def test_a_picture_that_holds_nothing(target: dict[str, float]) -> None:
     picture = Picture(np.zeros((100, 200, 3), np.uint8), "rgb", (0.0, 255.0), Metadata(geo=GEO_WITH_NODATA_0))
-    encoded = encode(picture, replace(SETTINGS, **goal))  # type: ignore[arg-type]
+    encoded = encode(picture, replace(SETTINGS, **target))  # type: ignore[arg-type]
     assert not open_stream(encoded.data).picture().pixels.any()
     assert len(encoded.data) < 400
 
@@ -116,6 +116,6 @@ def test_models_that_are_searched_otherwise_or_not_at_all(choices: dict[str, int
     assert quality(picture, encoded) > 20
 
 
-def test_the_stream_names_its_goal(photo: Picture) -> None:
+def test_the_stream_names_its_target(photo: Picture) -> None:
     encoded = encode(photo, replace(SETTINGS, steps=10, bpp=0.5))
     assert open_stream(encoded.data).software.endswith("bpp0.5 n10")

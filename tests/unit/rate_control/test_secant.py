@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from sgicodec.rate_control.secant import FIT, SEARCH
+from sgicodec.rate_control.secant import REFIT, SEARCH
 
 EVEN = dict.fromkeys(range(40), 10.0)
 
@@ -16,7 +16,7 @@ def test_little_is_asked_of_few_tiles() -> None:
     assert octaves == 0.35
     assert len(numbers) == math.ceil(40 * 1.3 * 0.01 / 0.2 / 0.35)
     assert len(set(numbers)) == len(numbers)
-    octaves, numbers = FIT.next(-0.05, EVEN, list(EVEN), [])
+    octaves, numbers = REFIT.next(-0.05, EVEN, list(EVEN), [])
     assert octaves == -0.5
     assert len(numbers) == math.ceil(40 * 1.1 * 0.05 / 0.6 / 0.5)
 
@@ -24,7 +24,7 @@ def test_little_is_asked_of_few_tiles() -> None:
 def test_much_is_asked_of_all() -> None:
     assert SEARCH.next(0.1, EVEN, list(EVEN), []) == (pytest.approx(1.3 * 0.1 / 0.2), list(EVEN))
     assert SEARCH.next(9.0, EVEN, list(EVEN), []) == (4.0, list(EVEN))
-    assert FIT.next(-9.0, EVEN, list(EVEN), [])[0] == -2.0
+    assert REFIT.next(-9.0, EVEN, list(EVEN), [])[0] == -2.0
 
 
 def test_tiles_that_were_not_corrected_come_first() -> None:

@@ -1,4 +1,4 @@
-"""The last search, on streams that are made up, and what a shift does to real networks."""
+"""Step-size search on made-up streams, and what a shift does to real networks."""
 
 from __future__ import annotations
 
@@ -14,8 +14,9 @@ from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.model.network import DIFFERENCE_SHIFT
 from sgicodec.model.quantization import PER_OCTAVE
 from sgicodec.model.spec import default_spec
-from sgicodec.rate_control.step_search import coarser, trim
+from sgicodec.rate_control.step_search import step_shift
 from sgicodec.rate_control.target import Measured, RateTarget
+from sgicodec.rdoq.adaptation import with_coarser_steps
 
 Made = Callable[[int], Measured]
 
@@ -37,12 +38,12 @@ def test_finds_a_size_within_reach(size: float, slope: float, bend: float, off: 
     finish, made = streams(size, slope, bend)
     assume(math.log2(finish(-90).bytes / size) > off > math.log2(finish(90).bytes / size))
     made.clear()
-    goal = RateTarget(bytes=size * 2.0**off)
-    measured = finish(trim(goal, finish))
+    target = RateTarget(bytes=size * 2.0**off)
+    measured = finish(step_shift(target, finish))
     made.pop()
-    assert goal.bytes is not None
-    assert measured.bytes <= goal.bytes
-    assert measured.bytes >= 0.97 * goal.bytes - 1
+    assert target.bytes is not None
+    assert measured.bytes <= target.bytes
+    assert measured.bytes >= 0.97 * target.bytes - 1
     assert len(made) <= 8
 
 
@@ -51,7 +52,7 @@ def test_finds_a_psnr_within_reach(slope: float, bend: float, off: float) -> Non
     finish, made = streams(1e5, slope, bend)
     assume(finish(-90).psnr - 30 > off > finish(90).psnr - 30)
     made.clear()
-    measured = finish(trim(RateTarget(psnr=30 + off), finish))
+    measured = finish(step_shift(RateTarget(psnr=30 + off), finish))
     made.pop()
     assert measured.psnr == pytest.approx(30 + off, abs=0.1)
     assert len(made) <= 8
@@ -59,8 +60,8 @@ def test_finds_a_psnr_within_reach(slope: float, bend: float, off: float) -> Non
 
 @given(st.lists(st.tuples(st.integers(1, 5000), st.floats(5, 60) | st.just(math.inf)), min_size=193, max_size=193))
 def test_any_streams_end_with_one_that_was_made(table: list[tuple[int, float]]) -> None:
-    """Sizes that neither fall nor rise: never one above the goal where one below was made, never more than eight."""
-    for goal in (RateTarget(bytes=700.0), RateTarget(psnr=33.0)):
+    """Sizes that neither fall nor rise: never one above the target where one below was made, never more than eight."""
+    for target in (RateTarget(bytes=700.0), RateTarget(psnr=33.0)):
         seen: dict[int, Measured] = {}
 
         def finish(shift: int, seen: dict[int, Measured] = seen) -> Measured:
@@ -68,22 +69,22 @@ def test_any_streams_end_with_one_that_was_made(table: list[tuple[int, float]]) 
             seen[shift] = Measured(*table[shift + 96])
             return seen[shift]
 
-        measured = seen[trim(goal, finish)]
+        measured = seen[step_shift(target, finish)]
         assert len(seen) <= 8
-        if goal.is_missed(measured):
-            assert all(goal.is_missed(other) for other in seen.values())
+        if target.is_missed(measured):
+            assert all(target.is_missed(other) for other in seen.values())
 
 
 def test_a_stream_that_fits_is_not_made_twice() -> None:
     finish, made = streams(1000, 0.01, 0.0)
-    assert trim(RateTarget(bytes=1010.0), finish) == 0
+    assert step_shift(RateTarget(bytes=1010.0), finish) == 0
     assert made == [0]
 
 
 def test_what_cannot_be_reached_ends_with_the_nearest() -> None:
     finish, made = streams(1e5, 0.01, 0.0)
-    assert trim(RateTarget(bytes=100.0), finish) == max(made) == 96
-    assert trim(RateTarget(psnr=80.0), finish) == min(made) == -96
+    assert step_shift(RateTarget(bytes=100.0), finish) == max(made) == 96
+    assert step_shift(RateTarget(psnr=80.0), finish) == min(made) == -96
 
 
 def test_a_picture_without_any_error() -> None:
@@ -92,15 +93,15 @@ def test_a_picture_without_any_error() -> None:
     def finish(shift: int) -> Measured:
         return Measured(100, math.inf if shift < 40 else 60 - shift / 10)
 
-    assert finish(trim(RateTarget(psnr=56.0), finish)).psnr >= 55.9
-    assert -96 <= trim(RateTarget(psnr=40.0), lambda _: Measured(100, math.inf)) <= 96
+    assert finish(step_shift(RateTarget(psnr=56.0), finish)).psnr >= 55.9
+    assert -96 <= step_shift(RateTarget(psnr=40.0), lambda _: Measured(100, math.inf)) <= 96
 
 
 @pytest.mark.parametrize("shift", [-96, -5, 32, 96])
 def test_coarser_moves_refinements_alone(shift: int) -> None:
     networks = load_prior(default_spec(3))
     rng = np.random.default_rng(2)
-    for plain, moved in zip(networks, coarser(networks, shift), strict=True):
+    for plain, moved in zip(networks, with_coarser_steps(networks, shift / 2**DIFFERENCE_SHIFT), strict=True):
         inputs = rng.integers(-2000, 2000, (50, plain.w1.shape[1]))
         before, after = plain.predict(inputs), moved.predict(inputs)
         np.testing.assert_array_equal(before.mean, after.mean)
