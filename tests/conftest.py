@@ -45,7 +45,7 @@ def _interruptible() -> Iterator[None]:
 def _no_process_left(_interruptible: None) -> Iterator[None]:
     """Ends the processes that a test started and left behind, and fails it."""
     yield
-    assert end_children() == []
+    assert end_children() == {}
 
 
 @pytest.fixture

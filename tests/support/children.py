@@ -7,30 +7,36 @@ import signal
 from contextlib import suppress
 from pathlib import Path
 
-HELPERS = (b"multiprocessing.resource_tracker", b"multiprocessing.forkserver", b"loky.backend.resource_tracker")
+HANGS = 600
+"""Seconds after which a process counts as one that hangs: far more than any takes on the busiest machine."""
+
+HELPERS = ("multiprocessing.resource_tracker", "multiprocessing.forkserver", "loky.backend.resource_tracker")
 """What multiprocessing starts once and ends with this process."""
 
 
-def children() -> dict[int, bytes]:
-    """Command lines by process id; nothing on systems without /proc."""
+def children() -> dict[int, str]:
+    """Command lines by process id, empty where a process is about to start; nothing on systems without /proc."""
     found = {}
     for path in Path("/proc/self/task").glob("*/children"):
         with suppress(OSError):
             for pid in path.read_text().split():
-                found[int(pid)] = Path(f"/proc/{pid}/cmdline").read_bytes().replace(b"\0", b" ")
+                if not ended(pid):
+                    command = Path(f"/proc/{pid}/cmdline").read_bytes()
+                    found[int(pid)] = command.replace(b"\0", b" ").decode(errors="replace")
     return found
 
 
-def end_children() -> list[bytes]:
-    """Kills all children but multiprocessing's helpers, waits for their end and names those that still ran."""
-    ended = []
-    for pid, command in children().items():
-        if any(helper in command for helper in HELPERS):
-            continue
+def ended(pid: str) -> bool:
+    """Whether a process has ended and nobody has asked how."""
+    return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] == "Z"
+
+
+def end_children() -> dict[int, str]:
+    """Kills all children but multiprocessing's helpers, waits for their end and returns those that still ran."""
+    found = {pid: command for pid, command in children().items() if not any(helper in command for helper in HELPERS)}
+    for pid in found:
         with suppress(OSError):
             os.kill(pid, signal.SIGKILL)
         with suppress(OSError):
             os.waitpid(pid, 0)
-        if command:  # none: a child that had ended, and that nobody had waited for
-            ended.append(command)
-    return ended
+    return found

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from children import HANGS
 from surgery import frame, join, split, with_fields, with_hash
 
 from sgicodec import open_stream
@@ -54,7 +55,7 @@ def read_with_little_memory(folder: Path) -> dict[str, tuple[str, str]]:
     """What became of each file in a process that cannot take more than MEMORY."""
     code = READER.format(memory=MEMORY, folder=str(folder))
     environment = {"OPENBLAS_NUM_THREADS": "1", "PYTHONWARNINGS": "error", "PYTHONPATH": ":".join(sys.path)}
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, env=environment)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=HANGS, env=environment)
     assert (done.returncode, done.stderr) == (0, "")
     return {name: (kind, message) for name, kind, message in map(json.loads, done.stdout.splitlines())}
 

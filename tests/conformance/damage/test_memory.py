@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import pytest
+from children import HANGS
 
 pytest.importorskip("resource")
 
@@ -33,6 +34,6 @@ print(raster.forward(means[:9], shapes[:9], colours[:9], 1600, 800).max().round(
 def test_memory_runs_out(threads: int) -> None:
     code = HUNGRY.format(threads=threads)
     environment = {"OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": ":".join(sys.path)}
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, env=environment)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=HANGS, env=environment)
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout == "too little memory\n9.0\n"

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from children import HANGS
 
 from sgicodec.decoder.stream import open_stream
 from sgicodec.image import read
@@ -54,11 +55,11 @@ def test_decoding_and_info_import_no_more_than_they_need(stream: Path, tmp_path:
 def test_streams_of_both_commands(shared: Path, tmp_path: Path) -> None:
     source = (shared / "scene.png").read_bytes()
     encoded = start("encode", "-", "--steps", 2, "-j", 1)
-    data, report = encoded.communicate(source, timeout=120)
+    data, report = encoded.communicate(source, timeout=HANGS)
     assert encoded.returncode == 0
     assert report.decode().startswith(f"stdout: {len(data):,} bytes, ")
     decoded = start("decode", "-", "-", "--format", "ppm", "--scale", "2")
-    ppm, complaints = decoded.communicate(data, timeout=60)
+    ppm, complaints = decoded.communicate(data, timeout=HANGS)
     assert (decoded.returncode, complaints) == (0, b"")
     (tmp_path / "out.ppm").write_bytes(ppm)
     with open_stream(data) as stream:
@@ -67,7 +68,7 @@ def test_streams_of_both_commands(shared: Path, tmp_path: Path) -> None:
 
 def test_json_and_stream_cannot_share_stdout(shared: Path) -> None:
     process = start("encode", shared / "scene.png", "-", "--json")
-    output, complaint = process.communicate(timeout=60)
+    output, complaint = process.communicate(timeout=HANGS)
     assert (process.returncode, output) == (2, b"")
     assert b"--json" in complaint
 
@@ -77,7 +78,7 @@ def test_a_terminal_gets_no_bytes_by_accident(stream: Path) -> None:
     leader, follower = pty.openpty()
     try:
         process = start("decode", stream, "-", stdout=follower)
-        _, complaint = process.communicate(timeout=60)
+        _, complaint = process.communicate(timeout=HANGS)
     finally:
         os.close(leader)
         os.close(follower)
@@ -93,7 +94,7 @@ def test_reader_of_a_pipe_goes_away(stream: Path, arguments: list[str]) -> None:
     process.stdout.close()
     assert process.stderr is not None
     complaint = process.stderr.read()
-    assert (process.wait(60), complaint) == (141, b"")
+    assert (process.wait(HANGS), complaint) == (141, b"")
 
 
 def test_any_locale_and_any_file_name(stream: Path) -> None:
@@ -113,7 +114,7 @@ def test_interrupt_before_the_fit_writes_nothing(tmp_path: Path) -> None:
     process.stdin.write(bytes(1 << 21))  # more than a pipe holds: once written, the command is reading
     process.stdin.flush()
     process.send_signal(signal.SIGINT)
-    _, complaint = process.communicate(timeout=60)
+    _, complaint = process.communicate(timeout=HANGS)
     assert process.returncode == 130
     assert complaint.split() == [b"sgi:", b"interrupted"]
     assert list(tmp_path.iterdir()) == []
@@ -128,7 +129,7 @@ def test_interrupt_of_the_fit_still_writes_a_stream(picture: Path) -> None:
         assert block, seen
         seen += block
     process.send_signal(signal.SIGINT)
-    output, rest = process.communicate(timeout=120)
+    output, rest = process.communicate(timeout=HANGS)
     assert process.returncode == 0, rest
     told = re.search(rb"sgi: interrupted at step (\d+) of \d+; writing what is there", rest)
     assert told
@@ -141,5 +142,5 @@ def test_interrupt_of_the_fit_still_writes_a_stream(picture: Path) -> None:
 
 def test_same_stream_in_another_process(shared: Path) -> None:
     process = start("encode", shared / "scene.png", "-", "--steps", 12, "-j", 1, "--quiet")
-    data, _ = process.communicate(timeout=120)
+    data, _ = process.communicate(timeout=HANGS)
     assert data == (shared / "scene.sgi").read_bytes()
