@@ -1,6 +1,23 @@
-"""`python -m sgicodec` is `sgi`."""
+"""Entry point of `sgi` and `python -m sgicodec`."""
 
-from sgicodec.cli.main import main
+import sys
+
+from sgicodec.errors import MissingExtraError, require
+
+__all__ = ["main"]
+
+
+def main() -> None:
+    """Runs the command line; in one line it says if the library that parses it is missing."""
+    try:
+        require("click", "the command line")
+    except MissingExtraError as error:
+        print(f"sgi: {error}", file=sys.stderr)
+        sys.exit(error.exit_code)
+    from sgicodec.cli.main import main as run
+
+    run()
+
 
 if __name__ == "__main__":
     main()

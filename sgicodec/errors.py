@@ -42,14 +42,15 @@ class MissingExtraError(UsageError):
     """Something that takes a library of an optional extra, which is not installed (exit 2)."""
 
 
-def require(library: str, what: str, extra: str) -> None:
-    """Raises MissingExtraError if `what` cannot have its library, which comes with an extra."""
+def require(library: str, what: str, extra: str | None = None) -> None:
+    """Raises MissingExtraError if `what` cannot have its library, which comes with an extra or with the package."""
     try:
         found = find_spec(library) is not None
-    except ImportError:
+    except (ImportError, ValueError):  # blocked: its place in sys.modules is None
         found = False
     if not found:
-        raise MissingExtraError(f"{what} needs {library}: pip install 'sgicodec[{extra}]'")
+        package = f"'sgicodec[{extra}]'" if extra else library
+        raise MissingExtraError(f"{what} needs {library}: pip install {package}")
 
 
 class PictureError(SgiError):

@@ -7,6 +7,8 @@ import sys
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Literal
 
+from sgicodec.errors import require
+
 if TYPE_CHECKING:
     from rich.console import Console
 
@@ -74,7 +76,10 @@ def _text(state: PassState) -> str:
 
 
 def _is_drawn(mode: Mode) -> bool:
-    return mode == "on" or (mode == "auto" and sys.stderr.isatty())
+    drawn = mode == "on" or (mode == "auto" and sys.stderr.isatty())
+    if drawn:
+        require("rich", "a progress bar")
+    return drawn
 
 
 def _console(mode: Mode) -> Console:

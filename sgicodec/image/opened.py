@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from sgicodec.errors import PictureError
+from sgicodec.errors import PictureError, require
 from sgicodec.image.alpha import unassociate
 from sgicodec.image.header import Probe, has_own_numbers, header, is_associated, number_as_read, orientation
 from sgicodec.image.origin import first_line
@@ -104,6 +104,7 @@ def open_picture(path: Path, *, any_size: bool = False) -> Opened:
 
     Raises PictureError for what cannot be read faithfully.
     """
+    require("OpenImageIO", "reading pictures")
     found, is_tiff = _examine(path)
     with _no_size_limit() if any_size and is_tiff else nullcontext():
         image = _open(path)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from sgicodec.errors import PictureError
+from sgicodec.errors import PictureError, require
 from sgicodec.image.alpha import associate
 from sgicodec.image.formats import Format
 from sgicodec.image.header import Probe
@@ -47,6 +47,7 @@ class Output:
     """
 
     def __init__(self, path: Path, holder: Format, header: Probe, icc: bytes | None) -> None:
+        require("OpenImageIO", "writing pictures")
         import OpenImageIO as oiio
 
         self._header = header

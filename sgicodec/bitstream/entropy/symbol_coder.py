@@ -23,7 +23,6 @@ from contextlib import contextmanager
 from itertools import pairwise
 from typing import Any
 
-import constriction
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -34,6 +33,7 @@ from sgicodec.bitstream.entropy.symbol_models import (
     ZERO_CENTRED,
     CategoricalModels,
     SymbolModels,
+    constriction,
     escape_alphabet,
     uniform_model,
     zero_centred_tables,
@@ -178,7 +178,7 @@ class SymbolWriter(SymbolCoder):
 
     def __init__(self) -> None:
         super().__init__()
-        self._coder = constriction.stream.queue.RangeEncoder()
+        self._coder = constriction().stream.queue.RangeEncoder()
 
     def finish(self) -> bytes:
         """Appends the CRC of all symbols and returns the payload: words with the most significant byte first,

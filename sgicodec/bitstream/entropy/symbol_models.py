@@ -4,24 +4,35 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache, cached_property, lru_cache
+from types import ModuleType
 from typing import Any, Protocol
 
-import constriction
 import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec import _native
 from sgicodec.bitstream.entropy.alphabets import Alphabets
 from sgicodec.bitstream.entropy.tables import MAX_MAGNITUDE, escape_frequencies, frequency_tables
+from sgicodec.errors import require
 
 __all__ = [
     "ZERO_CENTRED",
     "CategoricalModels",
     "SymbolModels",
+    "constriction",
     "escape_alphabet",
     "uniform_model",
     "zero_centred_tables",
 ]
+
+
+@cache
+def constriction() -> ModuleType:
+    """The library that writes; reading is native. Raises MissingExtraError where it is not installed."""
+    require("constriction", "encoding")
+    import constriction
+
+    return constriction  # type: ignore[no-any-return]
 
 
 class SymbolModels(Protocol):
@@ -68,7 +79,7 @@ def _categorical(frequencies: NDArray[np.int64]) -> Any:
     Categorical(perfect=False) gives every symbol 1 and shares out what is left in proportion: given f − 1 it
     has a factor of exactly 1, and all its sums are integers below 2**53.
     """
-    return constriction.stream.model.Categorical((frequencies - 1).astype(np.float64), perfect=False)
+    return constriction().stream.model.Categorical((frequencies - 1).astype(np.float64), perfect=False)
 
 
 @lru_cache(maxsize=1 << 10)
@@ -91,7 +102,7 @@ def escape_alphabet() -> Alphabets:
 @cache
 def uniform_model(n_bits: int) -> Any:
     """Equally likely values of `n_bits` bits, for constriction."""
-    return constriction.stream.model.Uniform(1 << n_bits)
+    return constriction().stream.model.Uniform(1 << n_bits)
 
 
 @cache

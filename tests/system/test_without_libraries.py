@@ -1,0 +1,69 @@
+"""What works with numpy and the extension alone, and what is said where another library is missing."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from sgicodec import open_stream
+
+GOLDEN = Path(__file__).parents[1] / "conformance" / "golden"
+PICTURE = Path(__file__).parents[1] / "data" / "pictures" / "hopper_gray.jpg"
+
+WITHOUT = """
+import sys
+class Missing:
+    def find_spec(self, name, path=None, target=None):
+        if name.split(".")[0] in {missing!r}:
+            raise ModuleNotFoundError(f"No module named {{name!r}}", name=name)
+sys.meta_path.insert(0, Missing())
+{code}
+"""
+ALL = ("constriction", "OpenImageIO", "click", "rich", "torch")
+
+
+def run(code: str, missing: tuple[str, ...], *arguments: object) -> subprocess.CompletedProcess[str]:
+    """Python code in a process of its own that cannot import some libraries."""
+    command = [sys.executable, "-c", WITHOUT.format(missing=missing, code=code), *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize("path", sorted(GOLDEN.glob("*.sgi")), ids=lambda path: path.stem)
+def test_every_stream_decodes_with_numpy_alone(path: Path) -> None:
+    code = "from sgicodec import open_stream; print(f'{open_stream(sys.argv[1]).symbol_crc:08x}')"
+    code += "; open_stream(sys.argv[1]).picture(size=(9, 7))"
+    done = run(code, ALL, path)
+    assert done.stderr == ""
+    with open_stream(path) as stream:
+        assert done.stdout == f"{stream.symbol_crc:08x}\n"
+
+
+SGI = "from sgicodec.__main__ import main; main()"
+
+
+@pytest.mark.parametrize(
+    ("missing", "arguments", "complaint"),
+    [
+        ("constriction", ("encode", PICTURE, "OUT.sgi", "--steps", 1), "encoding needs constriction"),
+        ("OpenImageIO", ("encode", PICTURE, "OUT.sgi", "--steps", 1), "reading pictures needs OpenImageIO"),
+        ("OpenImageIO", ("decode", GOLDEN / "rgb8.sgi", "OUT.tif"), "writing pictures needs OpenImageIO"),
+        ("rich", ("encode", PICTURE, "OUT.sgi", "--steps", 1, "--progress", "on"), "a progress bar needs rich"),
+        ("click", ("info", GOLDEN / "rgb8.sgi"), "the command line needs click"),
+    ],
+)
+def test_a_missing_library_is_named(
+    tmp_path: Path, missing: str, arguments: tuple[object, ...], complaint: str
+) -> None:
+    given = [tmp_path / str(one) if str(one).startswith("OUT") else one for one in arguments]
+    done = run(SGI, (missing,), *given)
+    assert (done.returncode, done.stderr) == (2, f"sgi: {complaint}: pip install {missing}\n")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_streams_are_looked_at_without_the_libraries_of_encodes() -> None:
+    done = run(SGI, ("constriction", "OpenImageIO", "rich", "torch"), "verify", GOLDEN / "rgb8.sgi")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "ok" in done.stdout
