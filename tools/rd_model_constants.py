@@ -19,12 +19,12 @@ from sgicodec.encoder.pipeline import encode
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.fit.base_layer import base_layer
-from sgicodec.fit.settings import EFFORTS, default_settings, lmbda_of_quality
 from sgicodec.image import read
 from sgicodec.metrics.distortion import decibels
 from sgicodec.metrics.psnr import psnr
 from sgicodec.model.layout import ROOT_LOG, cell_sums
 from sgicodec.picture import comparable, to_unit
+from sgicodec.profiles.default import EFFORTS, default_settings, lmbda_of_quality
 from sgicodec.rate_control.rd_model import HIGHER_PRICE, RdModel
 from sgicodec.rate_control.side_information import EMPTY_STREAM_BYTES
 

@@ -15,16 +15,15 @@ from pathlib import Path
 import numpy as np
 
 from sgicodec.device import Device
-from sgicodec.encoder.plan import FAMILY
 from sgicodec.fit.adam import Adam
 from sgicodec.fit.base_layer import base_layer
 from sgicodec.fit.context_weights import ContextWeights
-from sgicodec.fit.settings import FitSettings, default_settings
 from sgicodec.fit.trainer import Trainer
 from sgicodec.image import read
 from sgicodec.model.layout import adaptive_layout
-from sgicodec.model.spec import default_spec
 from sgicodec.picture import to_unit
+from sgicodec.profiles.default import DEFAULT, default_settings, default_spec
+from sgicodec.profiles.fit_settings import FitSettings
 from tools.prior_file import SHIFT, write_prior
 
 __all__ = ["train"]
@@ -75,7 +74,7 @@ def _trainer(
     fit = replace(settings, lmbda=lmbda, seed=seed)
     _, _, target = base_layer(context.spec, crop, lmbda)
     layout = adaptive_layout(target, fit.split * lmbda * fit.seed_bits)
-    return Trainer(context.spec, fit, target, layout, FAMILY, context=context, device=device)
+    return Trainer(context.spec, fit, target, layout, DEFAULT.family, context=context, device=device)
 
 
 def main() -> None:

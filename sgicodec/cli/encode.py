@@ -111,14 +111,16 @@ def _default_target(source: str) -> str:
 def _settings(choices: dict[str, Any]) -> EncodeSettings:
     """The settings that were chosen. Raises UsageError for choices that exclude each other or make no sense."""
     from sgicodec.encoder.settings import EncodeSettings
+    from sgicodec.profiles import PROFILES
 
     chosen = {name: value for name, value in choices.items() if value is not None}
     for names in (("quality", "lmbda", "psnr", "bpp", "size"), ("effort", "time_limit"), ("steps", "time_limit")):
         given = [f"--{name.replace('_', '-')}" for name in names if name in chosen]
         if len(given) > 1:
             raise UsageError(f"{given[0]} and {given[1]} exclude each other")
-    if chosen["profile"] == "paper":
-        for name, instead in (("quality", "lmbda"), ("effort", "steps")):
+    for other in PROFILES.values():
+        for name, instead in other.scales.items() if other.name != chosen["profile"] else ():
             if name in chosen:
-                raise UsageError(f"--{name} is a scale of the default profile; give --{instead} to the paper profile")
+                profiles = f"{other.name} profile; give --{instead} to the {chosen['profile']} profile"
+                raise UsageError(f"--{name} is a scale of the {profiles}")
     return EncodeSettings(**chosen)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sgicodec.cli.options import json_option
-from sgicodec.cli.parts import all_parts, paper_parts, print_parts
+from sgicodec.cli.parts import all_parts, print_parts
 from sgicodec.cli.paths import display, opened_stream
 
 if TYPE_CHECKING:
@@ -26,18 +26,21 @@ _DEPTHS = {"uint8": "8 bits", "uint16": "16 bits", "float32": "32-bit float"}
 @json_option
 def info(source: str, as_json: bool) -> None:
     """Print what stream IN holds and how many bytes each part takes; - stands for stdin."""
+    from sgicodec.profiles import PROFILES
+
     with opened_stream(source) as stream:
         facts = _facts(stream)
         parts = all_parts(stream.part_bytes, stream.chunk_bytes, stream.size)
+    profile = PROFILES[facts["profile"]]
     if as_json:
-        table = {"paper_parts": paper_parts(parts)} if facts["profile"] == "paper" else {}
+        table = {f"{profile.name}_parts": profile.shown_parts(parts)} if profile.parts else {}
         click.echo(json.dumps({"input": display(source)} | facts | {"parts": parts} | table, ensure_ascii=False))
         return
     click.echo(f"{display(source)}")
     for name, text in _lines(stream, facts).items():
         click.echo(f"  {name:<10}{text}")
     click.echo()
-    print_parts(paper_parts(parts) if facts["profile"] == "paper" else parts)
+    print_parts(profile.shown_parts(parts))
 
 
 def _facts(stream: Stream) -> dict[str, Any]:

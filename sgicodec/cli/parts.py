@@ -6,19 +6,9 @@ from collections.abc import Mapping
 
 import click
 
-__all__ = ["all_parts", "paper_parts", "print_parts"]
+__all__ = ["all_parts", "print_parts"]
 
 _METADATA = {"i": "ICC profile", "c": "EXIF", "x": "XMP", "g": "place", "o": "overview"}
-
-_PAPER = {
-    "x_a": ("positions",),
-    "f_a": ("feature",),
-    "{s_o, s_a}": ("scales",),
-    "δ": ("offset",),
-    "H": ("hash grid",),
-    "MLPs": ("decoders", "context model"),
-}
-"""Columns of the paper's table of storage sizes, and the parts that each of them counts."""
 
 
 def all_parts(tile: Mapping[str, float], chunks: Mapping[str, int], size: int) -> dict[str, float]:
@@ -29,13 +19,6 @@ def all_parts(tile: Mapping[str, float], chunks: Mapping[str, int], size: int) -
     model = {name: part for name, part in tile.items() if name != "check"}
     metadata = {name: float(chunks[kind]) for kind, name in _METADATA.items() if kind in chunks}
     return model | {"container": size - sum(model.values()) - sum(metadata.values())} | metadata
-
-
-def paper_parts(parts: Mapping[str, float]) -> dict[str, float]:
-    """The parts under the names of the paper's table; those that it does not have keep their own."""
-    table = {name: sum(parts.get(part, 0.0) for part in members) for name, members in _PAPER.items()}
-    known = {part for members in _PAPER.values() for part in members}
-    return table | {name: size for name, size in parts.items() if name not in known}
 
 
 def print_parts(parts: Mapping[str, float], err: bool = False) -> None:

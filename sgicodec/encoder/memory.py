@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from sgicodec.encoder.plan import Plan, fit_lmbda
+from sgicodec.encoder.plan import Plan
 from sgicodec.executors.executor import MIB, Memory
 
 __all__ = ["estimate"]
@@ -28,7 +28,8 @@ def estimate(plan: Plan, reading: int) -> Memory:
     pixels, channels = (width + 2 * header.apron) * (height + 2 * header.apron), header.spec.channels
     share = MOST_SEEDS  # where λ follows from a goal
     if not plan.settings.asked():
-        share = min(MOST_SEEDS, USUAL_SEEDS * math.sqrt(USUAL_LMBDA / max(fit_lmbda(plan.settings), 1e-9)))
+        lmbda = max(plan.settings.fit_settings().lmbda, 1e-9)
+        share = min(MOST_SEEDS, USUAL_SEEDS * math.sqrt(USUAL_LMBDA / lmbda))
     window = pixels * channels * {"uint8": 1, "uint16": 2, "float32": 4}[header.sample_type]
     each_pixel = PIXEL_BYTES + CHANNEL_BYTES * channels + SEED_BYTES * share
     return Memory(MAIN + reading + 2 * window, WORKER + window + round(pixels * each_pixel))

@@ -10,11 +10,11 @@ from typing import BinaryIO, Literal
 
 from sgicodec.bitstream.stream_writer import stream_length, write_stream
 from sgicodec.encoder.interfaces import Finished, Runner, Store, Task, Version, Watcher
-from sgicodec.encoder.plan import Plan, fit_lmbda
+from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tile_work import EncodedTile, FitTask, LookaheadTask, SearchTask, Start
 from sgicodec.encoder.time_budget import TimeBudget
-from sgicodec.fit.settings import quality_index
 from sgicodec.metrics.distortion import decibels
+from sgicodec.model.steps import quality_index
 from sgicodec.rate_control.allocation import allocate
 from sgicodec.rate_control.secant import REFIT, SEARCH, Correction
 from sgicodec.rate_control.target import LMBDA_MIN, Measured, RateTarget
@@ -62,7 +62,7 @@ class TilePasses:
         """All passes. Raises TileFailedError; the store then has what was finished."""
         target = self.target
         if target is None:
-            lmbda = fit_lmbda(self.plan.settings)
+            lmbda = self.plan.settings.fit_settings().lmbda
             self._make_overview(lmbda)
             self._pass("tiles", 0, FitTask(self.plan), self.all, self._first)
             return Finished(self.plan, [Version(number) for number in self.all], lmbda, overview=self.overview)

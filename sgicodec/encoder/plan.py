@@ -3,28 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from sgicodec.bitstream.header import MAX_CHANNELS, MAX_SIDE, MAX_TILES, Header
 from sgicodec.bitstream.limits import check_model
-from sgicodec.bitstream.parts.prior import PRIORS
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.errors import LimitError, PictureError, UsageError
-from sgicodec.fit.settings import quality_index
-from sgicodec.model.spec import ModelSpec, default_spec, paper_spec
+from sgicodec.model.spec import ModelSpec
+from sgicodec.model.steps import quality_index
 from sgicodec.model.tile_grid import TileGrid
 from sgicodec.picture import Metadata, Picture, alpha_index, full_range
+from sgicodec.profiles.fit_settings import FitSettings
 from sgicodec.version import __version__
 
-if TYPE_CHECKING:
-    from sgicodec.fit.settings import FitSettings
-
-__all__ = ["FAMILY", "Plan", "Shape", "fit_lmbda", "fit_settings", "stream_plan"]
-
-FAMILY = 1
-"""Frequency tables of the default profile: Laplace."""
+__all__ = ["Plan", "Shape", "stream_plan"]
 
 
 @dataclass(frozen=True)
@@ -68,13 +62,15 @@ class Plan:
 def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
     """The header and settings of a picture's tiles. Raises as `encode`."""
     grid = settings.grid(shape.width, shape.height)
-    spec = _spec(settings, shape.bands)
+    profile = settings.chosen_profile
+    profile.check_installed()
+    spec = profile.spec(settings, shape.bands)
     _check(shape, spec, grid)
-    fit = fit_settings(settings)
+    fit = settings.fit_settings()
     header = Header(
         *(shape.width, shape.height, shape.channels, str(shape.dtype), shape.sample_range, settings.profile, spec),
         quality=quality_index(fit.lmbda),
-        family=0 if spec.layout == "uniform" else FAMILY,
+        family=profile.family,
         tile=grid.tile,
         apron=grid.apron,
         masked="nodata" if shape.nodata is not None else "transparent" if alpha_index(shape.channels) else None,
@@ -84,11 +80,6 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
         raise UsageError("a time limit goes with a size, a rate or a PSNR in a single tile only; --tile 0 makes one")
     metadata = shape.metadata if settings.metadata else None
     return Plan(header, settings, _software(settings, fit), metadata, Metadata(geo=shape.metadata.geo))
-
-
-def fit_lmbda(settings: EncodeSettings) -> float:
-    """λ of a fit without a goal."""
-    return fit_settings(settings).lmbda
 
 
 def _check(shape: Shape, spec: ModelSpec, grid: TileGrid) -> None:
@@ -106,31 +97,12 @@ def _check(shape: Shape, spec: ModelSpec, grid: TileGrid) -> None:
         raise UsageError("integer samples span their whole type; only floating-point pictures have another range")
 
 
-def _spec(settings: EncodeSettings, channels: int) -> ModelSpec:
-    if settings.profile == "paper":
-        return paper_spec(channels, settings.per_seed or 10, settings.features or 50)
-    prior = settings.prior if settings.prior is not None else max(PRIORS, default=0)
-    return default_spec(channels, settings.per_seed or 1, prior)
-
-
-def fit_settings(settings: EncodeSettings) -> FitSettings:
-    """How each tile is fitted."""
-    from sgicodec.fit.settings import EFFORTS, PAPER_STEPS, default_settings, lmbda_of_quality, paper_settings
-
-    if settings.profile == "paper":
-        lmbda = 0.001 if settings.lmbda is None else settings.lmbda
-        fit = paper_settings(lmbda, settings.levels or 3, settings.steps or PAPER_STEPS)
-        fit = replace(fit, seeds=settings.seeds)
-    else:
-        lmbda = lmbda_of_quality(settings.quality) if settings.lmbda is None else settings.lmbda
-        fit = default_settings(max(lmbda, 1e-9), settings.steps or EFFORTS[settings.effort])
-    return replace(fit, seed=settings.seed)
-
-
 def _software(settings: EncodeSettings, fit: FitSettings) -> bytes:
     """What chunk `s` says."""
-    by_scale = settings.profile == "default"
-    asked = settings.asked() or (f"q{settings.quality:g}" if by_scale and settings.lmbda is None else f"l{fit.lmbda:g}")
-    took = f"e{settings.effort}" if by_scale and settings.steps is None else f"n{fit.steps}"
+    scales = settings.chosen_profile.scales
+    asked = settings.asked() or (
+        f"q{settings.quality:g}" if "quality" in scales and settings.lmbda is None else f"l{fit.lmbda:g}"
+    )
+    took = f"e{settings.effort}" if "effort" in scales and settings.steps is None else f"n{fit.steps}"
     took = took if settings.time_limit is None else f"t{settings.time_limit:g}"
     return f"{__version__} {asked} {took}".encode()

@@ -9,6 +9,8 @@ from typing import Literal
 from sgicodec.bitstream.header import MAX_APRON, MAX_SIDE, MIN_TILE
 from sgicodec.errors import UsageError
 from sgicodec.model.tile_grid import TileGrid
+from sgicodec.profiles import PROFILES, Profile
+from sgicodec.profiles.fit_settings import FitSettings
 from sgicodec.rate_control.target import RateTarget
 
 __all__ = ["APRON", "MOST_PIXELS_OF_ONE", "TILE", "EncodeSettings"]
@@ -55,6 +57,15 @@ class EncodeSettings:
     apron: int | None = None
     overview: bool | None = None
 
+    @property
+    def chosen_profile(self) -> Profile:
+        """What differs from profile to profile."""
+        return PROFILES[self.profile]
+
+    def fit_settings(self) -> FitSettings:
+        """How each tile is fitted."""
+        return self.chosen_profile.fit_settings(self)
+
     def grid(self, width: int, height: int) -> TileGrid:
         """The tiles of a picture."""
         tile = self.tile
@@ -92,7 +103,7 @@ class EncodeSettings:
                 f"lmbda {self.lmbda}; it must not be negative",
             ),
             (1 <= self.effort <= 9, f"effort {self.effort}; it runs from 1 to 9"),
-            (self.profile in ("default", "paper"), f"profile {self.profile}; there are default and paper"),
+            (self.profile in PROFILES, f"profile {self.profile}; there are {' and '.join(PROFILES)}"),
             (self.per_seed is None or 1 <= self.per_seed <= 64, f"per-seed {self.per_seed}; 1 to 64"),
             (self.features is None or 1 <= self.features <= 512, f"features {self.features}; 1 to 512"),
             (self.seeds is None or self.seeds >= 1, f"seeds {self.seeds}; at least 1"),
@@ -119,9 +130,9 @@ class EncodeSettings:
         instead = ["steps", "time_limit"] if self.steps is not None and self.time_limit is not None else instead
         if len(instead) > 1:
             raise UsageError(f"{instead[0]} and {instead[1]} exclude each other")
-        if goals and self.profile != "default":
+        if goals and not self.chosen_profile.has_targets:
             raise UsageError(f"{goals[0]} is a setting of the default profile")
-        if self.profile == "default":
-            for name in ("seeds", "features", "levels"):
+        for other in PROFILES.values():
+            for name in other.own_choices if other.name != self.profile else ():
                 if getattr(self, name) is not None:
-                    raise UsageError(f"{name} is a setting of the paper profile; add --profile paper")
+                    raise UsageError(f"{name} is a setting of the {other.name} profile; add --profile {other.name}")

@@ -21,7 +21,7 @@ from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.encoder.encoded import Encoded
 from sgicodec.encoder.inpainting import fill
-from sgicodec.encoder.plan import Plan, fit_settings
+from sgicodec.encoder.plan import Plan
 from sgicodec.fit.base_layer import base_layer
 from sgicodec.metrics.psnr import psnr
 from sgicodec.model.context import input_count
@@ -71,7 +71,7 @@ class Encoding:
             self.empty = empty if empty.any() else None
             if self.empty is not None:
                 self.unit = fill(self.unit, self.empty)
-        self.fit = fit_settings(self.settings)
+        self.fit = self.settings.fit_settings()
         self.begin(self.fit.lmbda)
 
     def begin(self, lmbda: float) -> None:

@@ -12,12 +12,12 @@ from sgicodec import _native
 from sgicodec.device import Device
 from sgicodec.fit.context_weights import ContextWeights
 from sgicodec.fit.parameters import Parameters, StepResult
-from sgicodec.fit.settings import Rounding
 from sgicodec.model.context import INPUT_BITS, LEVELS, level_inputs, nearest_offset, neighbour_table
 from sgicodec.model.gaussians import MIN_VARIANCE, colour_matrix
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.neighbours import nearest_seeds
 from sgicodec.model.spec import ModelSpec
+from sgicodec.profiles.fit_settings import Rounding
 from sgicodec.raster.cpu import NativeRasterizer
 
 __all__ = ["FusedStep", "NoiseKey"]

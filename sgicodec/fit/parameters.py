@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from sgicodec.fit.context_weights import ContextWeights
 from sgicodec.fit.seed_set import SeedSet
-from sgicodec.fit.settings import Rounding
 from sgicodec.model.layout import SeedLayout
+from sgicodec.profiles.fit_settings import Rounding
 
 __all__ = ["GradientStep", "Parameters", "StepResult", "learning_rate_of"]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 
-from sgicodec.fit.settings import Phase
+from sgicodec.profiles.fit_settings import Phase
 
 __all__ = ["Schedule", "evenly", "passed"]
 

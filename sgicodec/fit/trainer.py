@@ -19,13 +19,13 @@ from sgicodec.fit.parameters import GradientStep, Parameters, learning_rate_of
 from sgicodec.fit.pyramid import pyramid
 from sgicodec.fit.schedule import Schedule, evenly, passed
 from sgicodec.fit.seed_set import SeedSet
-from sgicodec.fit.settings import SLOWED, FitSettings, Phase, quality_index
 from sgicodec.fit.step_sizes import flat_steps, rounded_plan
 from sgicodec.model.context import HashGrid
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import ModelSpec
-from sgicodec.model.steps import StepPlan, default_plan
+from sgicodec.model.steps import StepPlan, default_plan, quality_index
+from sgicodec.profiles.fit_settings import SLOWED, FitSettings, Phase
 from sgicodec.raster.cpu import NativeRasterizer
 from sgicodec.rate_control.lambda_controller import LambdaController
 from sgicodec.rate_control.target import Measured
@@ -201,7 +201,7 @@ class Trainer:
     def _gradient_step(self, family: int, device: Device) -> GradientStep:
         if family and self.settings.loss == "squared" and FusedStep.can_run(self.spec):
             return FusedStep(self.spec, self.settings.seed, self.raster, device)
-        require("torch", "the paper profile", "paper")
+        require("torch", "a fit by automatic differentiation", "paper")
         from sgicodec.fit.autograd.step import AutogradStep
 
         _, height, width = self.targets[0].shape

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal
 
-__all__ = ["ContextSpec", "Group", "ModelSpec", "default_spec", "paper_spec"]
+__all__ = ["ContextSpec", "Group", "ModelSpec"]
 
 Layout = Literal["adaptive", "uniform"]
 Shape = Literal["log", "rotation"]
@@ -91,45 +91,3 @@ class ModelSpec:
     def attributes(self) -> int:
         """d_A: attributes per seed."""
         return sum(group.size for group in self.groups)
-
-
-def default_spec(channels: int, per_seed: int = 1, prior: int = 3, hidden: int = 0) -> ModelSpec:
-    """The `default` profile: adaptive seeds, log-covariances, a base layer, context from decoded neighbours.
-
-    Prior 1 was trained for passes that do not go by size, and its streams state the probabilities of seeds' places.
-    """
-    steps = (("colour",), ("shape",), ("offset",))
-    return ModelSpec(
-        channels=channels,
-        layout="adaptive",
-        shape="log",
-        per_seed=per_seed,
-        features=per_seed * (channels + 3),
-        hidden=hidden,
-        skip=True,
-        seed_scales=False,
-        base_cell=64,
-        context=ContextSpec(prior=prior, steps=steps, hidden=64, neighbours=6, coarse_first=prior != 1),
-        predicted_seeds=prior != 1,
-    )
-
-
-def paper_spec(channels: int, per_seed: int = 10, features: int = 50) -> ModelSpec:
-    """The `paper` profile: uniform seeds, rotations, plain MLPs, a binary hash grid of 12 levels as context."""
-    return ModelSpec(
-        channels=channels,
-        layout="uniform",
-        shape="rotation",
-        per_seed=per_seed,
-        features=features,
-        hidden=features,
-        skip=False,
-        seed_scales=True,
-        base_cell=0,
-        context=ContextSpec(
-            prior=0,
-            steps=(("feature", "scales", "offset"),),
-            hidden=2 * features,
-            hash_resolutions=(18, 24, 33, 44, 59, 80, 108, 148, 201, 275, 376, 514),
-        ),
-    )

@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.model.context import LEVELS, output_count
-from sgicodec.model.quantization import STEP_COUNT, STEP_ZERO
+from sgicodec.model.quantization import STEP_COUNT, STEP_ZERO, step_index
 from sgicodec.model.spec import ModelSpec
 
-__all__ = ["AMPLITUDE_ZERO", "GAMMA_BITS", "REFINE_LIMIT", "StepPlan", "default_plan", "follows_amplitude"]
+__all__ = [
+    "AMPLITUDE_ZERO",
+    "GAMMA_BITS",
+    "REFINE_LIMIT",
+    "StepPlan",
+    "default_plan",
+    "follows_amplitude",
+    "quality_index",
+]
 
 I64 = NDArray[np.int64]
 
@@ -58,3 +67,10 @@ def default_plan(spec: ModelSpec, quality: int) -> StepPlan:
         base[group.name] = np.broadcast_to(np.clip(index, 0, STEP_COUNT - 1), shape).astype(np.int64)
     gamma = {group.name: 16 if follows_amplitude(spec, group.name) else 0 for group in spec.groups}
     return StepPlan(base, gamma)
+
+
+def quality_index(lmbda: float) -> int:
+    """Index of the colour step that rate theory gives cells of 8 pixels: q² = 6 λ / (E ln 2), with E the squared error
+    of a unit of colour in a Gaussian of about half the cell's size.
+    """
+    return int(step_index(math.sqrt(6 * max(lmbda, 1e-12) / (math.log(2) * math.pi * 0.3 * 64))))

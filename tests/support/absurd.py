@@ -17,8 +17,10 @@ from sgicodec.model.gaussians import decoder_shapes
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.network import IntNetwork
 from sgicodec.model.quantization import STEP_COUNT
-from sgicodec.model.spec import ModelSpec, default_spec, paper_spec
+from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import StepPlan, default_plan, follows_amplitude
+from sgicodec.profiles.default import default_spec
+from sgicodec.profiles.paper import paper_spec
 
 __all__ = ["absurd_stream"]
 

@@ -21,6 +21,7 @@ FLOORS = (
     {"image", "raster", "model"},
     {"metrics"},
     {"rate_control", "bitstream"},
+    {"profiles"},
     {"decoder", "fit", "rdoq", "executors"},
     {"encoder"},
     {"cli", "bench"},

@@ -10,7 +10,6 @@ from torch import Tensor
 
 from sgicodec.fit.autograd.context_net import ContextNet
 from sgicodec.fit.autograd.rate import bits_gaussian, bits_laplace
-from sgicodec.fit.settings import Rounding
 from sgicodec.fit.step_sizes import base_counts, gamma_names
 from sgicodec.model.context import (
     INPUT_BITS,
@@ -29,6 +28,7 @@ from sgicodec.model.neighbours import nearest_seeds
 from sgicodec.model.quantization import DEAD_ZONE, DEAD_ZONE_LIMIT, PER_OCTAVE
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import AMPLITUDE_ZERO, REFINE_LIMIT, follows_amplitude
+from sgicodec.profiles.fit_settings import Rounding
 
 __all__ = ["QuantizationProxy", "Sample"]
 

@@ -14,10 +14,10 @@ from sgicodec.fit.autograd.context_net import ContextNet
 from sgicodec.fit.autograd.quantization_proxy import QuantizationProxy, Sample
 from sgicodec.fit.autograd.raster_op import rasterize, squared_error
 from sgicodec.fit.parameters import Parameters, StepResult
-from sgicodec.fit.settings import FitSettings, Rounding
 from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ModelSpec
+from sgicodec.profiles.fit_settings import FitSettings, Rounding
 from sgicodec.raster.cpu import NativeRasterizer
 
 __all__ = ["AutogradStep"]

@@ -12,8 +12,8 @@ import pytest
 from click.testing import Result
 
 from sgicodec.cli.main import cli
-from sgicodec.fit.settings import EFFORTS
 from sgicodec.image.formats import FORMATS
+from sgicodec.profiles.default import EFFORTS
 
 Run = Callable[..., Result]
 TEXT = (Path(__file__).parents[3] / "docs" / "cli.md").read_text("utf-8")

@@ -20,10 +20,10 @@ from sgicodec.encoder import pipeline as encoder
 from sgicodec.encoder.encoded import Encoded
 from sgicodec.encoder.tile_encoder import Encoding
 from sgicodec.errors import SgiError
-from sgicodec.fit.settings import lmbda_of_quality
 from sgicodec.image import read, write
 from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Picture
+from sgicodec.profiles.default import lmbda_of_quality
 
 Run = Callable[..., Result]
 ODD = Path(__file__).parents[2] / "data" / "pictures"

@@ -10,8 +10,9 @@ from pathlib import Path
 import pytest
 from click.testing import Result
 
-from sgicodec.cli.parts import all_parts, paper_parts
+from sgicodec.cli.parts import all_parts
 from sgicodec.decoder.stream import open_stream
+from sgicodec.profiles import PAPER
 from sgicodec.version import __version__
 
 Run = Callable[..., Result]
@@ -85,7 +86,7 @@ def test_paper_profile_has_the_papers_table(sgi: Run, picture: Path) -> None:
 def test_parts_sum_to_the_size() -> None:
     parts = all_parts({"positions": 10.25, "check": 4.0}, {"signature": 8, "H": 30, "T": 20, "x": 55}, 130)
     assert parts == {"positions": 10.25, "container": 130 - 10.25 - 55, "XMP": 55.0}
-    assert paper_parts({"positions": 1.0, "decoders": 2.0, "context model": 4.0, "container": 8.0}) == {
+    assert PAPER.shown_parts({"positions": 1.0, "decoders": 2.0, "context model": 4.0, "container": 8.0}) == {
         "x_a": 1.0,
         "f_a": 0.0,
         "{s_o, s_a}": 0.0,

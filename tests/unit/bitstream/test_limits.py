@@ -11,7 +11,9 @@ from sgicodec.bitstream.header import LAYOUT_NAMES, SAMPLE_TYPES, Header, decode
 from sgicodec.bitstream.limits import check_model, max_seeds
 from sgicodec.errors import LimitError
 from sgicodec.image import MAX_SAMPLES
-from sgicodec.model.spec import ModelSpec, default_spec, paper_spec
+from sgicodec.model.spec import ModelSpec
+from sgicodec.profiles.default import default_spec
+from sgicodec.profiles.paper import paper_spec
 
 SPECS = {
     "default": default_spec(3),

@@ -7,7 +7,7 @@ import pytest
 from sgicodec.bitstream.header import Header
 from sgicodec.decoder.view import Region, View, overview_size, overview_view, view_of
 from sgicodec.errors import LimitError, UsageError
-from sgicodec.model.spec import default_spec
+from sgicodec.profiles.default import default_spec
 
 TILED = Header(4096, 3000, "rgb", "uint8", (0, 255), "default", default_spec(3), 40, 0, tile=1024, apron=8)
 

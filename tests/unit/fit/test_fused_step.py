@@ -17,12 +17,14 @@ from sgicodec.fit.context_weights import ContextWeights, layer_shapes, shaped
 from sgicodec.fit.fused_step import FusedStep, NoiseKey
 from sgicodec.fit.parameters import Parameters, StepResult
 from sgicodec.fit.seed_set import SeedSet
-from sgicodec.fit.settings import Rounding
 from sgicodec.fit.step_sizes import flat_steps
 from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
 from sgicodec.model.layout import adaptive_layout
-from sgicodec.model.spec import ModelSpec, default_spec, paper_spec
+from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import default_plan
+from sgicodec.profiles.default import default_spec
+from sgicodec.profiles.fit_settings import Rounding
+from sgicodec.profiles.paper import paper_spec
 from sgicodec.raster.cpu import NativeRasterizer
 
 WIDTH, HEIGHT = 160, 120

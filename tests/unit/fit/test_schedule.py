@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sgicodec.fit.schedule import Schedule, evenly, passed
-from sgicodec.fit.settings import Phase
+from sgicodec.profiles.fit_settings import Phase
 
 PHASES = (Phase(3), Phase(15), Phase(2))
 

@@ -9,7 +9,9 @@ from sgicodec.device import ONE_THREAD
 from sgicodec.fit.adam import Adam
 from sgicodec.fit.seed_set import SeedSet
 from sgicodec.model.layout import SeedLayout
-from sgicodec.model.spec import ModelSpec, default_spec, paper_spec
+from sgicodec.model.spec import ModelSpec
+from sgicodec.profiles.default import default_spec
+from sgicodec.profiles.paper import paper_spec
 
 LAYOUT = SeedLayout(np.array([[0, 0], [8, 0], [0, 8], [8, 8]], np.int32), np.array([3, 3, 3, 2], np.int8))
 MORE = SeedLayout(np.array([[12, 8], [12, 12]], np.int32), np.array([2, 1], np.int8))

@@ -8,10 +8,10 @@ import pytest
 from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.fit.fused_step import NoiseKey
 from sgicodec.fit.parameters import Parameters, StepResult
-from sgicodec.fit.settings import FitSettings, Rounding, default_settings
 from sgicodec.fit.trainer import Trainer
 from sgicodec.model.layout import adaptive_layout
-from sgicodec.model.spec import default_spec
+from sgicodec.profiles.default import default_settings, default_spec
+from sgicodec.profiles.fit_settings import FitSettings, Rounding
 
 LMBDA, FAMILY = 0.01, 1
 

@@ -23,7 +23,9 @@ from sgicodec.model.context import (
 )
 from sgicodec.model.layout import SeedLayout, adaptive_layout, uniform_layout
 from sgicodec.model.neighbours import nearest_seeds
-from sgicodec.model.spec import ContextSpec, ModelSpec, default_spec, paper_spec
+from sgicodec.model.spec import ContextSpec, ModelSpec
+from sgicodec.profiles.default import default_spec
+from sgicodec.profiles.paper import paper_spec
 
 WIDTH, HEIGHT = 150, 90
 DETAIL = np.random.default_rng(0).normal(size=(3, HEIGHT, WIDTH)).astype(np.float32)

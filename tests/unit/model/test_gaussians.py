@@ -11,7 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sgicodec.model.gaussians import MIN_VARIANCE, colour_matrix, decoder_shapes, gaussians_from_seeds
-from sgicodec.model.spec import ModelSpec, default_spec, paper_spec
+from sgicodec.model.spec import ModelSpec
+from sgicodec.profiles.default import default_spec
+from sgicodec.profiles.paper import paper_spec
 
 SPECS = {
     "default": default_spec(3),

@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 
 from sgicodec.model.context import passes
 from sgicodec.model.layout import ROOT_LOG, SeedLayout, adaptive_layout, cell_sums, leaf_sums, uniform_layout
-from sgicodec.model.spec import default_spec, paper_spec
+from sgicodec.profiles.default import default_spec
+from sgicodec.profiles.paper import paper_spec
 
 
 def path_of(x: int, y: int, log_size: int) -> tuple[list[int], int]:

@@ -17,8 +17,10 @@ from sgicodec.model.native import Quantisers, SeedInputs, quantisers, summarise,
 from sgicodec.model.neighbours import nearest_seeds
 from sgicodec.model.network import Prediction
 from sgicodec.model.quantization import STEP_COUNT, step_fixed
-from sgicodec.model.spec import ModelSpec, default_spec, paper_spec
+from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import StepPlan, default_plan
+from sgicodec.profiles.default import default_spec
+from sgicodec.profiles.paper import paper_spec
 
 ONE = 1 << 24
 SPECS = [default_spec(3), default_spec(1, per_seed=3), default_spec(5, per_seed=2), default_spec(4, per_seed=4)]

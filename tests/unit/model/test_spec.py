@@ -1,6 +1,8 @@
 import pytest
 
-from sgicodec.model.spec import ModelSpec, default_spec, paper_spec
+from sgicodec.model.spec import ModelSpec
+from sgicodec.profiles.default import default_spec
+from sgicodec.profiles.paper import paper_spec
 
 
 @pytest.mark.parametrize(("per_seed", "features"), [(10, 50), (1, 8), (4, 20)])

@@ -4,8 +4,10 @@ import pytest
 
 from sgicodec.model.context import LEVELS, output_count
 from sgicodec.model.quantization import STEP_COUNT, STEP_ZERO
-from sgicodec.model.spec import ModelSpec, default_spec, paper_spec
+from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import default_plan, follows_amplitude
+from sgicodec.profiles.default import default_spec
+from sgicodec.profiles.paper import paper_spec
 
 SPEC = default_spec(3, per_seed=2)
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sgicodec.fit.settings import default_settings
 from sgicodec.model.layout import ROOT_LOG, cell_sums
+from sgicodec.profiles.default import default_settings
 from sgicodec.rate_control.rd_model import RdModel, initial_lmbda
 from sgicodec.rate_control.side_information import EMPTY_STREAM_BYTES
 from sgicodec.rate_control.target import RateTarget

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.model.network import DIFFERENCE_SHIFT
 from sgicodec.model.quantization import PER_OCTAVE
-from sgicodec.model.spec import default_spec
+from sgicodec.profiles.default import default_spec
 from sgicodec.rate_control.step_search import step_shift
 from sgicodec.rate_control.target import Measured, RateTarget
 from sgicodec.rdoq.adaptation import with_coarser_steps

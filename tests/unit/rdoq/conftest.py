@@ -13,8 +13,8 @@ from sgicodec.device import Device
 from sgicodec.metrics.distortion import QuadraticReference
 from sgicodec.model.base import base_shape
 from sgicodec.model.layout import adaptive_layout
-from sgicodec.model.spec import default_spec
 from sgicodec.model.steps import default_plan
+from sgicodec.profiles.default import default_spec
 from sgicodec.rdoq import Objective
 
 QUALITY = 55

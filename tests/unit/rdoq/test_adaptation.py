@@ -6,7 +6,7 @@ import pytest
 from sgicodec.bitstream.entropy.tables import SCALES, frequency_tables
 from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.model.context import input_count
-from sgicodec.model.spec import default_spec
+from sgicodec.profiles.default import default_spec
 from sgicodec.rdoq.adaptation import fitted_scales, with_coarser_steps
 from sgicodec.rdoq.coordinate_descent import Symbols
 

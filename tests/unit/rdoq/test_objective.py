@@ -11,7 +11,9 @@ from sgicodec import open_stream
 from sgicodec.bitstream.container import ChunkWriter
 from sgicodec.bitstream.header import encode_header
 from sgicodec.bitstream.parts.tile import TileModel, write_tile
-from sgicodec.model.spec import ContextSpec, ModelSpec, default_spec, paper_spec
+from sgicodec.model.spec import ContextSpec, ModelSpec
+from sgicodec.profiles.default import default_spec
+from sgicodec.profiles.paper import paper_spec
 from sgicodec.rdoq import Cost, Objective, can_optimise
 
 Stage = Callable[..., tuple[Objective, TileModel]]

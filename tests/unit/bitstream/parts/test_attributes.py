@@ -21,8 +21,9 @@ from sgicodec.device import ONE_THREAD, Device
 from sgicodec.errors import StreamError
 from sgicodec.model.context import passes
 from sgicodec.model.layout import SeedLayout
-from sgicodec.model.spec import ModelSpec, default_spec
+from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import default_plan
+from sgicodec.profiles.default import default_spec
 
 GOLDEN = Path(__file__).parents[3] / "conformance" / "golden"
 STREAMS = [

@@ -16,8 +16,10 @@ from sgicodec.model.context import LEVELS, SUMMARY, HashGrid, passes
 from sgicodec.model.layout import adaptive_layout, uniform_layout
 from sgicodec.model.network import IntNetwork, Prediction
 from sgicodec.model.quantization import FRACTION_BITS
-from sgicodec.model.spec import ModelSpec, default_spec, paper_spec
+from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import StepPlan, default_plan
+from sgicodec.profiles.default import default_spec
+from sgicodec.profiles.paper import paper_spec
 
 SIZE = (160, 120)
 QUALITY, FAMILY = 62, 1

@@ -1,27 +1,11 @@
-"""Every number that steers a fit, in one place: profiles, phases, learning rates, efforts."""
+"""How a model is fitted: phases, learning rates, prices. Each profile has its own values."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from typing import Literal
 
-from sgicodec.errors import UsageError
-from sgicodec.model.quantization import step_index
-
-__all__ = [
-    "EFFORTS",
-    "PAPER_STEPS",
-    "SLOWED",
-    "FitSettings",
-    "LearningRates",
-    "Phase",
-    "Rounding",
-    "default_settings",
-    "lmbda_of_quality",
-    "paper_settings",
-    "quality_index",
-]
+__all__ = ["SLOWED", "FitSettings", "LearningRates", "Phase", "Rounding"]
 
 Rounding = Literal["none", "noise", "round"]
 
@@ -119,76 +103,3 @@ class FitSettings:
 
 SLOWED = ("colour", "shape", "offset", "steps")
 """Learning rates that follow the number of steps."""
-
-
-def default_settings(lmbda: float, steps: int) -> FitSettings:
-    """The `default` profile in `steps` steps."""
-    return FitSettings(lmbda=lmbda, phases=default_phases(steps), reference_steps=800)
-
-
-def default_phases(steps: int) -> tuple[Phase, ...]:
-    """A free fit at half size, noise and rate while seeds come and go, and briefly what will really be decoded.
-
-    The last phase is short because straight-through gradients lead away from the optimum that noise found.
-    """
-    free, rounded = max(1, round(0.15 * steps)), max(1, round(0.03 * steps))
-    noisy = max(1, steps - free - rounded)
-    return (
-        Phase(free, level=1),
-        Phase(noisy, rounding="noise", rate=True, learn_steps=True, prune=6, grow=4),
-        Phase(rounded, rounding="round", rate=True),
-    )
-
-
-def paper_settings(lmbda: float, levels: int, steps: int) -> FitSettings:
-    """The `paper` profile: L1, the published learning rates and schedule for M = `levels`."""
-    rates = LearningRates(
-        offset=0.01,
-        feature=0.0075,
-        scales=0.007,
-        decoder_colour=0.008,
-        decoder_shape=0.004,
-        context=0.005,
-        steps=0.0,
-        betas=(0.9, 0.999),
-        final=0.01,
-        hold=0.0,
-        decay="exponential",
-        constant=("feature", "scales", "decoder_shape"),
-    )
-    return FitSettings(
-        lmbda=lmbda, phases=paper_phases(levels, steps), rates=rates, loss="absolute", rate_sample=0.05, prune=0.0
-    )
-
-
-def paper_phases(levels: int, steps: int) -> tuple[Phase, ...]:
-    """The published schedule for M pyramid levels: noise from step 300 of each level, the rate in the last fifth."""
-    parts = {1: (1.0,), 2: (0.6, 0.4), 3: (0.2, 0.4, 0.4), 4: (0.1, 0.2, 0.3, 0.4)}
-    if levels not in parts:
-        raise UsageError(f"levels: {levels}; the paper's schedule knows 1 to 4")
-    phases: list[Phase] = []
-    for index, part in enumerate(parts[levels]):
-        level, count = levels - 1 - index, round(part * steps)
-        free = min(count, max(1, round(300 / PAPER_STEPS * steps)))
-        last = round(0.2 * steps) if level == 0 else 0
-        phases += [Phase(free, level), Phase(count - free - last, level, "noise")]
-        phases += [Phase(last, level, "noise", rate=True, learn_steps=True)] if last else []
-    return tuple(phase for phase in phases if phase.steps > 0)
-
-
-PAPER_STEPS = 15_000
-
-EFFORTS: dict[int, int] = {1: 120, 2: 200, 3: 350, 4: 600, 5: 1000, 6: 1600, 7: 2500, 8: 4000, 9: 8000}
-"""Optimisation steps of the default profile for each effort."""
-
-
-def lmbda_of_quality(quality: float) -> float:
-    """λ of the default profile for a quality of 1 to 100: 16 steps of quality halve it twice."""
-    return float(0.5 * 2.0 ** (-(quality - 1) / 8.0))
-
-
-def quality_index(lmbda: float) -> int:
-    """Index of the colour step that rate theory gives cells of 8 pixels: q² = 6 λ / (E ln 2), with E the squared error
-    of a unit of colour in a Gaussian of about half the cell's size.
-    """
-    return int(step_index(math.sqrt(6 * max(lmbda, 1e-12) / (math.log(2) * math.pi * 0.3 * 64))))

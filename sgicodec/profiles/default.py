@@ -1,0 +1,79 @@
+"""The default profile: adaptive seeds with a shipped context model, for the best quality at a size."""
+
+from __future__ import annotations
+
+from sgicodec.bitstream.parts.prior import PRIORS
+from sgicodec.model.spec import ContextSpec, ModelSpec
+from sgicodec.profiles.fit_settings import FitSettings, Phase
+from sgicodec.profiles.profile import Choices, Profile
+
+__all__ = ["DEFAULT", "EFFORTS", "default_settings", "default_spec", "lmbda_of_quality"]
+
+EFFORTS: dict[int, int] = {1: 120, 2: 200, 3: 350, 4: 600, 5: 1000, 6: 1600, 7: 2500, 8: 4000, 9: 8000}
+"""Optimisation steps of the default profile for each effort."""
+
+
+def default_spec(channels: int, per_seed: int = 1, prior: int = 3, hidden: int = 0) -> ModelSpec:
+    """The `default` profile: adaptive seeds, log-covariances, a base layer, context from decoded neighbours.
+
+    Prior 1 was trained for passes that do not go by size, and its streams state the probabilities of seeds' places.
+    """
+    steps = (("colour",), ("shape",), ("offset",))
+    return ModelSpec(
+        channels=channels,
+        layout="adaptive",
+        shape="log",
+        per_seed=per_seed,
+        features=per_seed * (channels + 3),
+        hidden=hidden,
+        skip=True,
+        seed_scales=False,
+        base_cell=64,
+        context=ContextSpec(prior=prior, steps=steps, hidden=64, neighbours=6, coarse_first=prior != 1),
+        predicted_seeds=prior != 1,
+    )
+
+
+def default_settings(lmbda: float, steps: int) -> FitSettings:
+    """The `default` profile in `steps` steps."""
+    return FitSettings(lmbda=lmbda, phases=default_phases(steps), reference_steps=800)
+
+
+def default_phases(steps: int) -> tuple[Phase, ...]:
+    """A free fit at half size, noise and rate while seeds come and go, and briefly what will really be decoded.
+
+    The last phase is short because straight-through gradients lead away from the optimum that noise found.
+    """
+    free, rounded = max(1, round(0.15 * steps)), max(1, round(0.03 * steps))
+    noisy = max(1, steps - free - rounded)
+    return (
+        Phase(free, level=1),
+        Phase(noisy, rounding="noise", rate=True, learn_steps=True, prune=6, grow=4),
+        Phase(rounded, rounding="round", rate=True),
+    )
+
+
+def lmbda_of_quality(quality: float) -> float:
+    """λ of the default profile for a quality of 1 to 100: 16 steps of quality halve it twice."""
+    return float(0.5 * 2.0 ** (-(quality - 1) / 8.0))
+
+
+def _spec(choices: Choices, channels: int) -> ModelSpec:
+    prior = max(PRIORS, default=0) if choices.prior is None else choices.prior
+    return default_spec(channels, choices.per_seed or 1, prior)
+
+
+def _fit_settings(choices: Choices) -> FitSettings:
+    lmbda = lmbda_of_quality(choices.quality) if choices.lmbda is None else choices.lmbda
+    return default_settings(max(lmbda, 1e-9), choices.steps or EFFORTS[choices.effort])
+
+
+DEFAULT = Profile(
+    name="default",
+    family=1,
+    spec=_spec,
+    settings=_fit_settings,
+    scales={"quality": "lmbda", "effort": "steps"},
+    has_targets=True,
+    has_overviews=True,
+)

@@ -1,0 +1,100 @@
+"""The paper profile: what the paper describes, for research. It is fitted by automatic differentiation in torch."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from sgicodec.errors import UsageError
+from sgicodec.model.spec import ContextSpec, ModelSpec
+from sgicodec.profiles.fit_settings import FitSettings, LearningRates, Phase
+from sgicodec.profiles.profile import Choices, Profile
+
+__all__ = ["PAPER", "paper_settings", "paper_spec"]
+
+PAPER_STEPS = 15_000
+"""Of the published schedule."""
+
+
+def paper_spec(channels: int, per_seed: int = 10, features: int = 50) -> ModelSpec:
+    """The `paper` profile: uniform seeds, rotations, plain MLPs, a binary hash grid of 12 levels as context."""
+    return ModelSpec(
+        channels=channels,
+        layout="uniform",
+        shape="rotation",
+        per_seed=per_seed,
+        features=features,
+        hidden=features,
+        skip=False,
+        seed_scales=True,
+        base_cell=0,
+        context=ContextSpec(
+            prior=0,
+            steps=(("feature", "scales", "offset"),),
+            hidden=2 * features,
+            hash_resolutions=(18, 24, 33, 44, 59, 80, 108, 148, 201, 275, 376, 514),
+        ),
+    )
+
+
+def paper_settings(lmbda: float, levels: int, steps: int) -> FitSettings:
+    """The `paper` profile: L1, the published learning rates and schedule for M = `levels`."""
+    rates = LearningRates(
+        offset=0.01,
+        feature=0.0075,
+        scales=0.007,
+        decoder_colour=0.008,
+        decoder_shape=0.004,
+        context=0.005,
+        steps=0.0,
+        betas=(0.9, 0.999),
+        final=0.01,
+        hold=0.0,
+        decay="exponential",
+        constant=("feature", "scales", "decoder_shape"),
+    )
+    return FitSettings(
+        lmbda=lmbda, phases=paper_phases(levels, steps), rates=rates, loss="absolute", rate_sample=0.05, prune=0.0
+    )
+
+
+def paper_phases(levels: int, steps: int) -> tuple[Phase, ...]:
+    """The published schedule for M pyramid levels: noise from step 300 of each level, the rate in the last fifth."""
+    parts = {1: (1.0,), 2: (0.6, 0.4), 3: (0.2, 0.4, 0.4), 4: (0.1, 0.2, 0.3, 0.4)}
+    if levels not in parts:
+        raise UsageError(f"levels: {levels}; the paper's schedule knows 1 to 4")
+    phases: list[Phase] = []
+    for index, part in enumerate(parts[levels]):
+        level, count = levels - 1 - index, round(part * steps)
+        free = min(count, max(1, round(300 / PAPER_STEPS * steps)))
+        last = round(0.2 * steps) if level == 0 else 0
+        phases += [Phase(free, level), Phase(count - free - last, level, "noise")]
+        phases += [Phase(last, level, "noise", rate=True, learn_steps=True)] if last else []
+    return tuple(phase for phase in phases if phase.steps > 0)
+
+
+def _spec(choices: Choices, channels: int) -> ModelSpec:
+    return paper_spec(channels, choices.per_seed or 10, choices.features or 50)
+
+
+def _fit_settings(choices: Choices) -> FitSettings:
+    lmbda = 0.001 if choices.lmbda is None else choices.lmbda
+    fit = paper_settings(lmbda, choices.levels or 3, choices.steps or PAPER_STEPS)
+    return replace(fit, seeds=choices.seeds)
+
+
+PAPER = Profile(
+    name="paper",
+    family=0,
+    spec=_spec,
+    settings=_fit_settings,
+    own_choices=("seeds", "features", "levels"),
+    needs="torch",
+    parts={
+        "x_a": ("positions",),
+        "f_a": ("feature",),
+        "{s_o, s_a}": ("scales",),
+        "δ": ("offset",),
+        "H": ("hash grid",),
+        "MLPs": ("decoders", "context model"),
+    },
+)

@@ -1,0 +1,76 @@
+"""What differs from profile to profile, as data and factories."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Protocol
+
+from sgicodec.errors import require
+from sgicodec.model.spec import ModelSpec
+from sgicodec.profiles.fit_settings import FitSettings
+
+__all__ = ["Choices", "Profile"]
+
+
+class Choices(Protocol):
+    """What a profile reads of the settings of an encode (`encoder.settings.EncodeSettings`); None: as it sees fit."""
+
+    @property
+    def quality(self) -> float: ...
+    @property
+    def lmbda(self) -> float | None: ...
+    @property
+    def effort(self) -> int: ...
+    @property
+    def steps(self) -> int | None: ...
+    @property
+    def per_seed(self) -> int | None: ...
+    @property
+    def prior(self) -> int | None: ...
+    @property
+    def seeds(self) -> int | None: ...
+    @property
+    def features(self) -> int | None: ...
+    @property
+    def levels(self) -> int | None: ...
+    @property
+    def seed(self) -> int: ...
+
+
+@dataclass(frozen=True)
+class Profile:
+    """One way to make a stream.
+
+    family: of frequency tables, 0 for Gaussian, 1 for Laplace. spec: the model for a number of channels. settings: how
+    a tile is fitted. own_choices: settings that no other profile has. scales: settings on a scale of this profile
+    alone, and which takes their place elsewhere. has_targets: whether a size or a PSNR can be asked for. has_overviews:
+    whether a stream of several tiles may carry the picture in small. needs: a library that comes with the extra of the
+    profile's name. parts: names under which parts of a stream are shown together.
+    """
+
+    name: str
+    family: int
+    spec: Callable[[Choices, int], ModelSpec]
+    settings: Callable[[Choices], FitSettings]
+    own_choices: tuple[str, ...] = ()
+    scales: Mapping[str, str] = field(default_factory=dict)
+    has_targets: bool = False
+    has_overviews: bool = False
+    needs: str | None = None
+    parts: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    def fit_settings(self, choices: Choices) -> FitSettings:
+        """How a tile is fitted, with the seed of random numbers."""
+        return replace(self.settings(choices), seed=choices.seed)
+
+    def check_installed(self) -> None:
+        """Raises MissingExtraError if the library that an encode needs is not there."""
+        if self.needs:
+            require(self.needs, f"the {self.name} profile", self.name)
+
+    def shown_parts(self, parts: Mapping[str, float]) -> dict[str, float]:
+        """Bytes of the parts of a stream under this profile's names; parts without one keep their own."""
+        table = {name: sum(parts.get(part, 0.0) for part in members) for name, members in self.parts.items()}
+        known = {part for members in self.parts.values() for part in members}
+        return table | {name: size for name, size in parts.items() if name not in known}

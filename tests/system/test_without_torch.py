@@ -1,0 +1,75 @@
+"""What happens where torch is not installed: the default profile encodes, the paper profile says what to install."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sgicodec import Picture, open_stream, write
+
+NOWHERE = """
+import sys
+class Nowhere:
+    def find_spec(self, name, path=None, target=None):
+        if name.split(".")[0] == "torch":
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+sys.meta_path.insert(0, Nowhere())
+"""
+BLOCKED = "import sys; sys.modules['torch'] = None"
+
+
+@pytest.fixture(scope="module")
+def picture(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("pictures") / "noise.png"
+    write(Picture(np.random.default_rng(1).integers(0, 256, (48, 64, 3), np.uint8), "rgb", (0, 255)), path)
+    return path
+
+
+def run(code: str, *arguments: object) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", code, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def sgi(blocker: str, *arguments: object) -> subprocess.CompletedProcess[str]:
+    """`sgi` with these arguments, where torch cannot be imported."""
+    return run(f"{blocker}\nfrom sgicodec.cli.main import main\nmain()", *arguments)
+
+
+@pytest.mark.parametrize("blocker", [NOWHERE, BLOCKED], ids=["nowhere", "blocked"])
+def test_the_paper_profile_says_what_to_install(blocker: str, picture: Path, tmp_path: Path) -> None:
+    target = tmp_path / "out.sgi"
+    done = sgi(blocker, "encode", picture, target, "--profile", "paper", "--steps", 2)
+    assert done.stderr == "sgi: the paper profile needs torch: pip install 'sgicodec[paper]'\n"
+    assert done.returncode == 2
+    assert not target.exists()
+
+
+@pytest.mark.parametrize("options", ["--steps 20", "--steps 20 --tile 32 --bpp 4"])
+def test_the_default_profile_encodes(options: str, picture: Path, tmp_path: Path) -> None:
+    target = tmp_path / "out.sgi"
+    done = sgi(NOWHERE, "encode", picture, target, *options.split())
+    assert done.returncode == 0, done.stderr
+    assert sgi(NOWHERE, "verify", target).returncode == 0
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [{"per_seed": 2}, {"prior": 0}, {"prior": 0, "per_seed": 3, "time_limit": 1.0, "steps": None}, {"bpp": 3.0}],
+    ids=["K = 2", "own network", "own network, K = 3, by the clock", "towards a size"],
+)
+def test_every_kind_of_default_model_is_fitted(settings: dict[str, object], picture: Path, tmp_path: Path) -> None:
+    target = tmp_path / "out.sgi"
+    code = f"""{NOWHERE}
+from pathlib import Path
+from sgicodec import EncodeSettings, encode, read
+encoded = encode(read(sys.argv[1]), EncodeSettings(**{ {"steps": 20} | settings!r}))
+Path(sys.argv[2]).write_bytes(encoded.data)
+"""
+    done = run(code, picture, target)
+    assert done.returncode == 0, done.stderr
+    with open_stream(target) as stream:
+        assert stream.picture().pixels.shape == (48, 64, 3)

@@ -1,0 +1,54 @@
+"""What each profile makes of the settings of an encode."""
+
+import pytest
+
+from sgicodec import EncodeSettings
+from sgicodec.errors import UsageError
+from sgicodec.profiles import PROFILES
+from sgicodec.profiles.default import EFFORTS, default_settings
+from sgicodec.profiles.fit_settings import LearningRates
+from sgicodec.profiles.paper import paper_settings
+
+
+def test_rates_hold_and_then_fall_to_what_is_to_be_left() -> None:
+    straight = LearningRates(hold=0.4, final=0.01, decay="linear")
+    assert [straight.left(done) for done in (0.0, 0.4, 0.7, 1.0)] == pytest.approx([1.0, 1.0, 0.505, 0.01])
+    bent = LearningRates(hold=0.5, final=0.01, decay="exponential")
+    assert [bent.left(done) for done in (0.0, 0.5, 0.75, 1.0)] == pytest.approx([1.0, 1.0, 0.1, 0.01])
+
+
+def test_short_fits_have_greater_rates() -> None:
+    assert default_settings(0.01, 1000).slowing(3200) == pytest.approx(0.5)
+    assert default_settings(0.01, 1000).slowing(800) == pytest.approx(1.0)
+    assert default_settings(0.01, 1000).slowing(50) == pytest.approx(2.0)
+    assert paper_settings(0.01, 2, 1000).slowing(50) == 1.0
+
+
+def test_scales_of_the_default_profile() -> None:
+    """16 steps of quality divide λ by four; an effort is a number of steps; λ and steps take their place."""
+    coarse, fine = (EncodeSettings(quality=quality, effort=2, seed=7).fit_settings() for quality in (40, 56))
+    assert coarse.lmbda == pytest.approx(4 * fine.lmbda)
+    assert (coarse.steps, coarse.seed) == (EFFORTS[2], 7)
+    direct = EncodeSettings(lmbda=0.25, steps=77).fit_settings()
+    assert (direct.lmbda, direct.steps) == (0.25, 77)
+
+
+def test_own_choices_of_the_paper_profile() -> None:
+    settings = EncodeSettings(profile="paper", seeds=9, per_seed=3, features=8, levels=2, steps=100)
+    spec, fit = settings.chosen_profile.spec(settings, 4), settings.fit_settings()
+    assert (spec.channels, spec.per_seed, spec.features, spec.layout) == (4, 3, 8, "uniform")
+    assert (fit.seeds, fit.steps, fit.loss, max(phase.level for phase in fit.phases)) == (9, 100, "absolute", 1)
+
+
+@pytest.mark.parametrize("name", PROFILES["paper"].own_choices)
+def test_own_choices_are_of_no_other_profile(name: str) -> None:
+    with pytest.raises(UsageError, match=f"{name} is a setting of the paper profile"):
+        EncodeSettings(**{name: 2})
+
+
+def test_parts_under_the_names_of_a_profile() -> None:
+    parts = {"positions": 3.0, "decoders": 1.0, "context model": 2.0, "container": 5.0}
+    assert PROFILES["default"].shown_parts(parts) == parts
+    shown = PROFILES["paper"].shown_parts(parts)
+    assert sum(shown.values()) == sum(parts.values())
+    assert (shown["x_a"], shown["MLPs"], shown["container"]) == (3.0, 3.0, 5.0)
