@@ -53,8 +53,8 @@ class Checkpoint:
     finished, without their payloads. is_open: whether the encode came as far as to open it.
     """
 
-    def __init__(self, path: Path, resume: bool = False, force: bool = False) -> None:
-        self.path, self._resume, self._force = path, resume, force
+    def __init__(self, path: str | Path, resume: bool = False, force: bool = False) -> None:
+        self.path, self._resume, self._force = Path(path), resume, force
         self.tiles: dict[Version, EncodedTile] = {}
         self._values: dict[str, bytes | float] = {}
         self.is_open = False

@@ -5,11 +5,13 @@ from __future__ import annotations
 import ast
 import re
 import tomllib
+from dataclasses import fields
 from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 
+import sgicodec
 from benchmarks.__main__ import BENCHMARKS
 
 ROOT = Path(__file__).parents[2]
@@ -97,3 +99,11 @@ def test_every_dependency_has_its_reason() -> None:
 def test_terms_are_of_today(page: Path) -> None:
     text = page.read_text("utf-8").lower()
     assert [term for term in FORMER_TERMS if term in text] == []
+
+
+def test_the_api_page_has_every_public_name() -> None:
+    text = (ROOT / "docs" / "api.md").read_text("utf-8")
+    assert [name for name in sgicodec.__all__ if not re.search(rf"\*\*`{name}\b", text)] == []
+    table = text.split("## Settings")[1].split("\n## ")[0]
+    documented = set(re.findall(r"`(\w+)`", " ".join(re.findall(r"^\| (`.*?) \|", table, re.MULTILINE))))
+    assert documented == {field.name for field in fields(sgicodec.EncodeSettings)}
