@@ -72,6 +72,7 @@ def test_an_impossible_size_gives_the_smallest_stream(photo: Picture) -> None:
     assert quality(photo, nearest) > 8
 
 
+@pytest.mark.slow
 def test_an_impossible_psnr_gives_the_best_stream(photo: Picture) -> None:
     with pytest.raises(TargetMissedError, match="99 dB") as caught:
         encode(photo, replace(SETTINGS, psnr=99.0, steps=20))
@@ -79,6 +80,7 @@ def test_an_impossible_psnr_gives_the_best_stream(photo: Picture) -> None:
     assert quality(photo, caught.value.nearest) > 27
 
 
+@pytest.mark.slow
 def test_a_size_beyond_all_need_is_met(photo: Picture) -> None:
     assert len(encode(photo, replace(SETTINGS, size=1e13, steps=4)).data) < 1e6
 

@@ -72,7 +72,7 @@ def mul(number: int, job: int) -> int:
     return 10 * job
 
 
-@pytest.mark.parametrize("options", [(), ("--send-pixels",)])
+@pytest.mark.parametrize("options", [(), pytest.param(("--send-pixels",), marks=pytest.mark.slow)])
 def test_a_time_limit_on_a_cluster(photo: Path, tmp_path: Path, options: tuple[str, ...]) -> None:
     from click.testing import CliRunner
 
@@ -83,7 +83,7 @@ def test_a_time_limit_on_a_cluster(photo: Path, tmp_path: Path, options: tuple[s
     assert psnr(read(photo).pixels, open_stream(out).picture().pixels) > 15
 
 
-@pytest.mark.parametrize("options", [(), ("--send-pixels",)])
+@pytest.mark.parametrize("options", [pytest.param((), marks=pytest.mark.slow), ("--send-pixels",)])
 def test_same_bytes_as_one_process(
     photo: Path, settings: EncodeSettings, tmp_path: Path, options: tuple[str, ...]
 ) -> None:
