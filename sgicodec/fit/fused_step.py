@@ -18,7 +18,7 @@ from sgicodec.model.layout import SeedLayout
 from sgicodec.model.neighbours import nearest_seeds
 from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.fit_settings import Rounding
-from sgicodec.raster.cpu import NativeRasterizer
+from sgicodec.raster.backend import Backend
 
 __all__ = ["FusedStep", "NoiseKey"]
 
@@ -59,7 +59,7 @@ class FusedStep:
 
     refresh, predict = 8, 4
 
-    def __init__(self, spec: ModelSpec, seed: int, raster: NativeRasterizer, device: Device) -> None:
+    def __init__(self, spec: ModelSpec, seed: int, raster: Backend[F32], device: Device) -> None:
         opponent = np.array(colour_matrix(spec.channels), np.float32)
         self.native = _native.SeedFit(device.isa, device.threads, spec.per_seed, spec.context.hidden, opponent)
         self.spec, self.seed, self.raster = spec, seed, raster

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.errors import UsageError
-from sgicodec.raster.backend import DEFAULT_CUTOFF, Backend
-from sgicodec.raster.cpu import Background, Mapping, NativeRasterizer
+from sgicodec.raster.backend import DEFAULT_CUTOFF, Backend, Background, Mapping
+from sgicodec.raster.cpu import NativeRasterizer
 from sgicodec.raster.reference import ReferenceRasterizer
 from sgicodec.raster.rescaling import scaled
 

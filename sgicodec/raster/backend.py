@@ -2,14 +2,49 @@
 
 from __future__ import annotations
 
-from typing import Protocol, TypeVar
+from typing import Any, NamedTuple, Protocol, TypeVar
 
-__all__ = ["DEFAULT_CUTOFF", "Backend"]
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["DEFAULT_CUTOFF", "Backend", "Background", "Mapping"]
+
+F32 = NDArray[np.float32]
 
 DEFAULT_CUTOFF = 3.5
 """Standard deviations after which a Gaussian is not drawn: exp(−3.5²/2) = 0.0022 of its amplitude."""
 
 Array = TypeVar("Array")
+
+
+class Background(NamedTuple):
+    """What is behind the Gaussians: row i is the sum over t of down[i, t] · lines[:, top[i] + t].
+
+    lines [C, L, width], top [height], down [height, T].
+    """
+
+    lines: F32
+    top: NDArray[np.int32]
+    down: F32
+
+    @property
+    def image(self) -> F32:
+        """The same as an image [C, height, width]."""
+        taps = range(self.down.shape[1])
+        rows = (self.lines[:, self.top + tap] * self.down[:, tap, None] for tap in taps)
+        return sum(rows, np.zeros((len(self.lines), len(self.top), self.lines.shape[2]), np.float32))
+
+
+class Mapping(NamedTuple):
+    """The sample low + span · v that stands for a value v, by channel [C]."""
+
+    low: F32
+    span: F32
+
+    def samples(self, values: F32, dtype: np.dtype[Any]) -> NDArray[Any]:
+        """Those of values [h, w, C], clipped to 0 … 1: what `Backend.draw` writes."""
+        samples = self.low + self.span * np.clip(values, 0, 1)
+        return samples.astype(dtype) if dtype.kind == "f" else np.rint(samples).astype(dtype)
 
 
 class Backend(Protocol[Array]):
@@ -30,6 +65,21 @@ class Backend(Protocol[Array]):
         origin: tuple[int, int] = (0, 0),
     ) -> Array:
         """The image."""
+        ...
+
+    def draw(
+        self,
+        means: Array,
+        covariances: Array,
+        colours: Array,
+        out: NDArray[Any],
+        origin: tuple[int, int] = (0, 0),
+        background: Background | None = None,
+        mapping: Mapping | None = None,
+    ) -> None:
+        """Draws onto `background` and stores samples in out [height, width, C], uint8, uint16 or float32: with a
+        `mapping` those that it maps to, without one the values as they are, in float32.
+        """
         ...
 
     def backward(

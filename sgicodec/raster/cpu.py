@@ -2,45 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec import _native
 from sgicodec.device import ALL_CORES, Device
-from sgicodec.raster.backend import DEFAULT_CUTOFF
+from sgicodec.raster.backend import DEFAULT_CUTOFF, Background, Mapping
 
-__all__ = ["DEFAULT_CUTOFF", "Background", "Mapping", "NativeRasterizer"]
+__all__ = ["NativeRasterizer"]
 
 F32 = NDArray[np.float32]
 
 
-class Background(NamedTuple):
-    """What is behind the Gaussians: row i is the sum over t of down[i, t] · lines[:, top[i] + t].
-
-    lines [C, L, width], top [height], down [height, T].
-    """
-
-    lines: F32
-    top: NDArray[np.int32]
-    down: F32
-
-
 def _nothing_behind(channels: int) -> Background:
     return Background(np.zeros((channels, 0, 0), np.float32), np.zeros(0, np.int32), np.zeros((0, 0), np.float32))
-
-
-class Mapping(NamedTuple):
-    """The sample low + span · v that stands for a value v, by channel [C]."""
-
-    low: F32
-    span: F32
-
-    def samples(self, values: F32, dtype: np.dtype[Any]) -> NDArray[Any]:
-        """Those of values [h, w, C], clipped to 0 … 1: what `NativeRasterizer.draw` would write."""
-        samples = self.low + self.span * np.clip(values, 0, 1)
-        return samples.astype(dtype) if dtype.kind == "f" else np.rint(samples).astype(dtype)
 
 
 MOST_PAIRS = 1 << 28

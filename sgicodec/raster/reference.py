@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
+
+from sgicodec.raster.backend import Background, Mapping
 
 __all__ = ["ReferenceRasterizer", "rasterize_reference", "rasterize_reference_backward"]
 
@@ -18,6 +22,24 @@ class ReferenceRasterizer:
     ) -> F64:
         """See `rasterize_reference`."""
         return rasterize_reference(means, covariances, colours, width, height, origin)
+
+    def draw(
+        self,
+        means: F64,
+        covariances: F64,
+        colours: F64,
+        out: NDArray[Any],
+        origin: tuple[int, int] = (0, 0),
+        background: Background | None = None,
+        mapping: Mapping | None = None,
+    ) -> None:
+        """As in `Backend`."""
+        height, width, _ = out.shape
+        image = rasterize_reference(means, covariances, colours, width, height, origin)
+        if background is not None:
+            image = image + background.image
+        values = image.transpose(1, 2, 0)
+        out[...] = values if mapping is None else mapping.samples(values.astype(np.float32), out.dtype)
 
     def backward(
         self, means: F64, covariances: F64, colours: F64, grad: F64, origin: tuple[int, int] = (0, 0)

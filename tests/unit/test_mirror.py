@@ -37,7 +37,6 @@ TESTED_ELSEWHERE = {
     "metadata/*": "unit/metadata/test_embedded.py",
     "metrics/*": "unit/metrics/test_distortion.py",
     "profiles/*": "unit/profiles/test_profiles.py",
-    "raster/backend": "unit/raster/test_rasterize.py",
     "rate_control/*": "system/test_targets.py",
     "rdoq/settings": "unit/rdoq/test_rdoq.py",
     "tools/*": "unit/tools/test_programs.py",

@@ -9,7 +9,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from sgicodec.raster.cpu import NativeRasterizer
+from sgicodec.raster.backend import Backend
 
 __all__ = ["rasterize", "squared_error"]
 
@@ -24,7 +24,7 @@ class _Rasterize(torch.autograd.Function):
         covariances: Tensor,
         colours: Tensor,
         size: tuple[int, int],
-        raster: NativeRasterizer,
+        raster: Backend[F32],
     ) -> Tensor:
         arrays = _arrays(means, covariances, colours)
         ctx.arrays, ctx.raster = arrays, raster
@@ -44,7 +44,7 @@ class _SquaredError(torch.autograd.Function):
         covariances: Tensor,
         colours: Tensor,
         target: Tensor,
-        raster: NativeRasterizer,
+        raster: Backend[F32],
     ) -> Tensor:
         loss, ctx.grads = raster.squared_error(*_arrays(means, covariances, colours), target.numpy(), 1.0)
         return torch.tensor(loss)
@@ -55,7 +55,7 @@ class _SquaredError(torch.autograd.Function):
 
 
 def rasterize(
-    means: Tensor, covariances: Tensor, colours: Tensor, size: tuple[int, int], raster: NativeRasterizer
+    means: Tensor, covariances: Tensor, colours: Tensor, size: tuple[int, int], raster: Backend[F32]
 ) -> Tensor:
     """Image [C, H, W] of size (W, H), differentiable in means [N, 2], covariances [N, 3] and colours [N, C].
 
@@ -64,9 +64,7 @@ def rasterize(
     return cast(Tensor, _Rasterize.apply(means, covariances, colours, size, raster))  # type: ignore[no-untyped-call]
 
 
-def squared_error(
-    means: Tensor, covariances: Tensor, colours: Tensor, target: Tensor, raster: NativeRasterizer
-) -> Tensor:
+def squared_error(means: Tensor, covariances: Tensor, colours: Tensor, target: Tensor, raster: Backend[F32]) -> Tensor:
     """Σ (I − target)² over target [C, H, W] in one pass over the tiles, differentiable in the Gaussians."""
     return cast(Tensor, _SquaredError.apply(means, covariances, colours, target, raster))  # type: ignore[no-untyped-call]
 

@@ -18,7 +18,7 @@ from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.fit_settings import FitSettings, Rounding
-from sgicodec.raster.cpu import NativeRasterizer
+from sgicodec.raster.backend import Backend
 
 __all__ = ["AutogradStep"]
 
@@ -29,7 +29,7 @@ class AutogradStep:
     """A `GradientStep` with squared or mean absolute error, for a picture of `size` (W, H)."""
 
     def __init__(
-        self, spec: ModelSpec, settings: FitSettings, raster: NativeRasterizer, family: int, size: tuple[int, int]
+        self, spec: ModelSpec, settings: FitSettings, raster: Backend[F32], family: int, size: tuple[int, int]
     ) -> None:
         self.spec, self.settings, self.raster, self.size = spec, settings, raster, size
         self.proxy = QuantizationProxy(spec, family)
