@@ -119,7 +119,6 @@ class Encoding:
             self.plan.header.family,
             networks,
             controller=controller,
-            measure=lambda state: self.measured(self.candidate(state))[1],
             seconds=self._seconds(share),
             device=self.device,
         )

@@ -64,22 +64,17 @@ class TargetEncoder:
         return encoded
 
     def _initial_lmbda(self) -> float:
-        lmbda, rd_model = self.encoding.fit.lmbda, self.encoding.rd_model()
-        if self.target.bytes is None:
-            return initial_lmbda(self.target, rd_model, self._extra())
-        for _ in range(3):  # the part of the bytes that RDOQ leaves depends a little on λ
-            lmbda = initial_lmbda(self._fit_target(lmbda), rd_model, self._extra())
-        return lmbda
+        target = self._fit_target if self.target.psnr is None else self.target
+        return initial_lmbda(target, self.encoding.rd_model(), self._extra())
 
-    def _fit_target(self, lmbda: float) -> RateTarget:
-        encoding = self.encoding
-        return fit_target(self.target, encoding.fit.steps, lmbda) if encoding.searches else self.target
+    @property
+    def _fit_target(self) -> RateTarget:
+        return fit_target(self.target) if self.encoding.searches else self.target
 
     def _fitted(self, on_progress: Callable[[Progress], bool], jumps: bool = True) -> Fitted:
         encoding = self.encoding
-        lmbda = encoding.fit.lmbda
         overhead = side_bytes(encoding.target.size / max(1, encoding.spec.base_cell**2), self._extra())
-        controller = LambdaController(self._fit_target(lmbda), lmbda, overhead, jumps)
+        controller = LambdaController(self._fit_target, encoding.fit.lmbda, overhead, jumps)
         return encoding.fitted(on_progress, controller, share=2.0)
 
     def _extra(self) -> float:

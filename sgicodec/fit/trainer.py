@@ -28,7 +28,6 @@ from sgicodec.model.steps import StepPlan, default_plan, quality_index
 from sgicodec.profiles.fit_settings import SLOWED, FitSettings, Phase
 from sgicodec.raster.cpu import NativeRasterizer
 from sgicodec.rate_control.lambda_controller import LambdaController
-from sgicodec.rate_control.target import Measured
 
 __all__ = ["Fitted", "Progress", "Trainer"]
 
@@ -64,8 +63,7 @@ class Fitted:
 class Trainer:
     """One picture's fit. `target` [C, H, W] is the picture less its base layer, samples in 0..1.
 
-    `controller` moves λ towards a goal, with `measure` to tell what a model's stream would be; `seconds` replaces the
-    number of steps.
+    `controller` moves λ towards a rate target; `seconds` replaces the number of steps.
 
     MLP_p is one of three: `networks`, integers to which the fit adds a small difference; `context`, weights that the
     caller trains with the gradients that each step leaves in `gradients`; or, without either, a new one that turns into
@@ -84,12 +82,11 @@ class Trainer:
         networks: tuple[IntNetwork, ...] | None = None,
         context: ContextWeights | None = None,
         controller: LambdaController | None = None,
-        measure: Callable[[Fitted], Measured] | None = None,
         seconds: float | None = None,
         device: Device = ALL_CORES,
     ) -> None:
         self.spec, self.settings = spec, settings
-        self.lmbda, self.controller, self.measure = settings.lmbda, controller, measure
+        self.lmbda, self.controller = settings.lmbda, controller
         self.schedule = Schedule(settings.phases, seconds)
         self.raster = NativeRasterizer(device)
         self.targets = pyramid(target, max(phase.level for phase in settings.phases) + 1)
@@ -120,7 +117,6 @@ class Trainer:
             if phase.rounding == "round":
                 self._fix_what_is_shared()
             prunes, growths = evenly(phase.prune), evenly(phase.grow)
-            checks = list(self.controller.checks) if self.controller is not None and phase.rounding == "noise" else []
             for fraction in self.schedule.within(index):
                 error, bits = self._step(phase)
                 psnr = -10 * math.log10(max(error / self.targets[phase.level].size, 1e-12))
@@ -131,14 +127,9 @@ class Trainer:
                     self._grow()
                 self.step += 1
                 if self.controller is not None and phase.rate:
-                    self._update_lmbda(self.controller, bits, psnr, passed(checks, fraction))
+                    done, steps = self.schedule.done, self.schedule.steps
+                    self.lmbda = self.controller.update(done, steps, bits, len(self.seeds), psnr)
                 yield Progress(self.step, self.schedule.steps, len(self.seeds), psnr, bits, self.schedule.elapsed)
-
-    def _update_lmbda(self, controller: LambdaController, bits: float, psnr: float, check: bool) -> None:
-        done, steps = self.schedule.done, self.schedule.steps
-        self.lmbda = controller.update(done, steps, bits, len(self.seeds), psnr)
-        if check and self.measure is not None:
-            controller.correct(done, steps, self.measure(self.result()))
 
     def _fix_what_is_shared(self) -> None:
         """From the round phase on, everything but the seeds is what the stream will hold."""

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["DONE", "LMBDAS", "STEPS", "expected", "rdoq_gain"]
+__all__ = ["DONE", "LMBDAS", "STEPS", "expected"]
 
 DONE = (0.26, 0.28, 0.33, 0.36, 0.4, 0.46, 0.49, 0.55, 0.63, 0.66, 0.72, 0.76, 0.83, 0.87, 1.0)
 """Fractions of a fit; the first pruning of seeds lies between the first two."""
@@ -54,9 +54,6 @@ _PSNR_OFFSET_DB = np.array(
         ],
     ]
 )
-# [STEPS, LMBDAS]: the part of a stream's bytes that RDOQ leaves, and the dB that it adds to the PSNR
-_RDOQ_SHARE = np.array([[0.930, 0.939, 0.952], [0.943, 0.946, 0.949], [0.924, 0.936, 0.935]])
-_RDOQ_GAIN_DB = np.array([[0.674, 0.416, 0.270], [0.584, 0.446, 0.252], [0.812, 0.530, 0.360]])
 
 
 def expected(done: float, steps: int, lmbda: float) -> tuple[float, float]:
@@ -64,12 +61,6 @@ def expected(done: float, steps: int, lmbda: float) -> tuple[float, float]:
     both = np.outer(_weights(steps, STEPS), _weights(lmbda, LMBDAS))
     ratio, offset = (np.interp(done, DONE, np.tensordot(both, table, 2)) for table in (_BYTES_RATIO, _PSNR_OFFSET_DB))
     return float(ratio), float(offset)
-
-
-def rdoq_gain(steps: int, lmbda: float) -> tuple[float, float]:
-    """Part of the bytes that RDOQ leaves after a fit of so many steps at λ, and the dB that it adds to the PSNR."""
-    both = np.outer(_weights(steps, STEPS), _weights(lmbda, LMBDAS))
-    return float(np.sum(both * _RDOQ_SHARE)), float(np.sum(both * _RDOQ_GAIN_DB))
 
 
 def _weights(value: float, at: tuple[float, ...]) -> NDArray[np.float64]:

@@ -19,8 +19,6 @@ FADE = 0.4
 """Last fraction of a fit over which the gain falls to zero, since λ then hardly changes the outcome."""
 INTEGRAL_GAIN_MAX, INTEGRAL_GAIN_STEPS = 0.08, 24.0
 """Part of the rate error by which λ moves in a step: at most, and times the number of steps."""
-NEW_ERROR_WEIGHT = 0.2
-"""Weight of a step in the moving average of the rate error."""
 SIZE_GAIN_BEFORE_PRUNING, PSNR_GAIN_BEFORE_PRUNING, JUMP_GAIN = 0.4, 0.6, 0.8
 """Parts of the rate error by which λ moves at once, before and after the first pruning."""
 PSNR_PRUNING_FRACTION = 0.75
@@ -35,14 +33,9 @@ class LambdaController:
     `overhead`: bytes of the stream beside its seeds. `jumps` is False where λ is known to be nearly right.
     """
 
-    checks = (0.3, 0.6, 0.9)
-    """Fractions of the noise phase after which a real stream corrects the prediction."""
-
     def __init__(self, target: RateTarget, lmbda: float, overhead: float, jumps: bool = True) -> None:
         self.target = target if target.psnr is None else RateTarget(psnr=target.psnr + PSNR_MARGIN_DB)
         self.lmbda, self.overhead = lmbda, overhead
-        self._error: float | None = None
-        self._correction = 0.0
         self._jumps, self._jumped = jumps, not jumps
 
     def update(self, done: float, steps: int, bits: float, seeds: int, psnr: float) -> float:
@@ -51,25 +44,16 @@ class LambdaController:
         """
         if done < JUMP_AT or (self._jumped and done < INTEGRAL_FROM):
             return self.lmbda
-        error = self.target.rate_error(self._predicted(done, steps, bits + SEED_POSITION_BITS * seeds, psnr))
-        self._error = error if self._error is None else (1 - NEW_ERROR_WEIGHT) * self._error + NEW_ERROR_WEIGHT * error
+        ratio, offset = expected(done, steps, self.lmbda)
+        size = (bits + SEED_POSITION_BITS * seeds) / 8 / ratio + self.overhead
+        error = self.target.rate_error(Measured(size, psnr - offset))
         if not self._jumped:
             self._jumped = True
-            self._move(JUMP_GAIN * self._error, JUMP_MAX_OCTAVES)
-            self._error = None
+            self._move(JUMP_GAIN * error, JUMP_MAX_OCTAVES)
         else:
             gain = min(1.0, (1.0 - done) / FADE) * min(INTEGRAL_GAIN_MAX, INTEGRAL_GAIN_STEPS / steps)
-            self._move(gain * (self._error + self._correction), STEP_MAX_OCTAVES)
+            self._move(gain * error, STEP_MAX_OCTAVES)
         return self.lmbda
-
-    def correct(self, done: float, steps: int, measured: Measured) -> None:
-        """Learns from the measured stream of this moment."""
-        if self._error is None:
-            return
-        (end, _), (now, offset) = (expected(at, steps, self.lmbda) for at in (1.0, done))
-        size = max(measured.bytes - self.overhead, 1.0) * end / now + self.overhead
-        # While noise is worse than what is decoded, the fit still gains what it lacks.
-        self._correction = self.target.rate_error(Measured(size, measured.psnr - min(0.0, offset))) - self._error
 
     def update_before_pruning(
         self, energy: NDArray[np.float32], bits: NDArray[np.float32], price: float, psnr: float, steps: int
@@ -90,10 +74,6 @@ class LambdaController:
             return self.lmbda
         self._move(PSNR_GAIN_BEFORE_PRUNING * error, JUMP_MAX_OCTAVES)
         return PSNR_PRUNING_FRACTION * self.lmbda
-
-    def _predicted(self, done: float, steps: int, bits: float, psnr: float) -> Measured:
-        ratio, offset = expected(done, steps, self.lmbda)
-        return Measured(bits / 8 / ratio + self.overhead, psnr - offset)
 
     def _move(self, octaves: float, most: float) -> None:
         moved = self.lmbda * 2.0 ** max(-most, min(most, octaves))

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 
-from sgicodec.rate_control.convergence import rdoq_gain
 from sgicodec.rate_control.target import Measured, RateTarget
 
 __all__ = ["MAX_EXTRA_PASSES", "RdoqController", "StreamEstimate", "fit_target"]
 
-TRUSTED_GAIN = 0.5
-"""Part of the PSNR that RDOQ usually adds on which a fit relies: RDOQ drops superfluous seeds, but adds none."""
+RDOQ_BYTES_FRACTION, RDOQ_GAIN_DB = 0.943, 0.45
+"""Part of the bytes of a fit that RDOQ leaves, and what it adds to the PSNR. Medians over photographs, at three numbers
+of steps and three λ, are 0.92 to 0.95 and 0.25 to 0.81 dB; one number of each does as well.
+"""
+TRUSTED_GAIN_FRACTION = 0.5
+"""Part of the gain on which a fit relies: RDOQ drops superfluous seeds, but adds none."""
 MAX_EXTRA_PASSES = 5
 """Passes beyond those of an encode without a target."""
 RISE_GAIN, RISE_GROWTH, FALL_GAIN = 1.0, 1.5, 2.5
@@ -20,12 +23,11 @@ again; down. Passes drop seeds and add none, so that a smaller λ does less than
 MOVE_MAX_OCTAVES = 1.0
 
 
-def fit_target(target: RateTarget, steps: int, lmbda: float) -> RateTarget:
-    """Where a fit at about λ has to end so that RDOQ ends at the target."""
-    share, decibels = rdoq_gain(steps, lmbda)
+def fit_target(target: RateTarget) -> RateTarget:
+    """Where a fit has to end so that RDOQ ends at the target."""
     if target.bytes is not None:
-        return RateTarget(bytes=target.bytes / share)
-    return RateTarget(psnr=(target.psnr or 0.0) - TRUSTED_GAIN * decibels)
+        return RateTarget(bytes=target.bytes / RDOQ_BYTES_FRACTION)
+    return RateTarget(psnr=(target.psnr or 0.0) - TRUSTED_GAIN_FRACTION * RDOQ_GAIN_DB)
 
 
 class RdoqController:

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sgicodec.rate_control.convergence import DONE, LMBDAS, STEPS, expected, rdoq_gain
+from sgicodec.rate_control.convergence import DONE, LMBDAS, STEPS, expected
 
 
 @given(st.floats(0, 1), st.integers(1, 10**5), st.floats(1e-9, 10))
@@ -40,10 +40,3 @@ def test_between_entries(part: int) -> None:
     assert halfway[1] == pytest.approx((halfway[0] + halfway[2]) / 2)
     assert expected(0.3, 10, 9.0) == expected(0.3, STEPS[0], LMBDAS[-1])
     assert expected(0.3, 9999, 1e-5) == expected(0.3, STEPS[-1], LMBDAS[0])
-
-
-@pytest.mark.parametrize("steps", STEPS)
-def test_a_search_gains_and_gains_most_where_bits_are_cheap(steps: int) -> None:
-    shares, decibels = zip(*(rdoq_gain(steps, lmbda) for lmbda in LMBDAS), strict=True)
-    assert all(0.9 < share < 1.0 for share in shares)
-    assert 0.1 < decibels[2] < decibels[1] < decibels[0] < 1.0
