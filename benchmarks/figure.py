@@ -9,8 +9,8 @@ import click
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.bench.extra import require
 from sgicodec.decoder.stream import open_stream
+from sgicodec.errors import require
 from sgicodec.image import read
 from sgicodec.metrics.psnr import psnr
 
@@ -40,7 +40,7 @@ def jpeg_of_size(pixels: Pixels, size: int) -> bytes:
 @click.option("--region", type=int, nargs=4, default=(60, 130, 280, 210), show_default=True, metavar="X Y W H")
 def main(picture: Path, stream: Path, out: Path, region: tuple[int, int, int, int]) -> None:
     """Draw a detail of PICTURE, of STREAM and of a JPEG as large as STREAM side by side to OUT."""
-    require("the figure", "PIL")
+    require("PIL", "the figure", "bench")
     from PIL import Image, ImageDraw
 
     original = read(picture).pixels

@@ -50,7 +50,11 @@ def require(library: str, what: str, extra: str | None = None) -> None:
         found = False
     if not found:
         package = f"'sgicodec[{extra}]'" if extra else library
-        raise MissingExtraError(f"{what} needs {library}: pip install {package}")
+        raise MissingExtraError(f"{what} needs {_PACKAGES.get(library, library)}: pip install {package}")
+
+
+_PACKAGES = {"PIL": "pillow", "distributed": "Dask"}
+"""What libraries are called where it is not the name of their module."""
 
 
 class PictureError(SgiError):

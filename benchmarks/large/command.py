@@ -13,9 +13,8 @@ from benchmarks.large.peers import LARGE_PEERS, LargePeer
 from benchmarks.large.rows import LargeRow, report, write_rows
 from benchmarks.large.runs import FAILED, check_picture, rows_of
 from benchmarks.large.scaling import SizePoint, measure_size, write_size_plot, write_sizes
-from sgicodec.bench.extra import require
 from sgicodec.bench.options import numbers
-from sgicodec.errors import SgiError, UsageError
+from sgicodec.errors import SgiError, UsageError, require
 from sgicodec.image import probe
 
 __all__ = ["main"]
@@ -97,7 +96,7 @@ def main(
     OUT/images/large-time.png and large-memory.png. What is measured is noted in the folder --streams at once: a run
     that was stopped goes on where it was.
     """
-    require("the benchmark", "matplotlib")
+    require("matplotlib", "the benchmark", "bench")
     codecs = _peers(peers, workers)
     _check(pictures, codecs)
     for folder in (streams, out / "results", out / "images"):

@@ -1,6 +1,6 @@
 """Rate, distortion and time of sgi against other codecs, on the same pictures with the same measures.
 
-The modules from the bottom up: `extra` (which libraries are there), `bdrate` (curves), `codec` (what a codec must
+The modules from the bottom up: `bdrate` (curves), `codec` (what a codec must
 offer), `peers` and `sgi` (the codecs), `rows` (results on disk), `run` (the measurement), `summary`, `tables` and
 `plots` (what follows from the rows), `command` (the command line). scipy, pillow, imagecodecs and matplotlib come with
 the extra `sgicodec[bench]`.

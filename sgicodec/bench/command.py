@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sgicodec.bench.extra import require
 from sgicodec.bench.options import numbers
-from sgicodec.errors import OutputExistsError, SgiError, TargetMissedError, UsageError
+from sgicodec.errors import OutputExistsError, SgiError, TargetMissedError, UsageError, require
 
 if TYPE_CHECKING:
     import numpy as np
@@ -51,7 +50,8 @@ def bench(
     that it already holds are not measured again. OUT/summary.json holds what follows from this run's points.
     A point that a codec fails on is reported, does not stop the run, and makes the command end with status 1.
     """
-    require("sgi bench", "scipy", *(["matplotlib"] if plots else []))
+    for library in ("scipy", "matplotlib") if plots else ("scipy",):
+        require(library, "sgi bench", "bench")
     from rich.console import Console
 
     from sgicodec.bench.plots import write_plots
@@ -84,7 +84,7 @@ def compare(
     a: Path, b: Path, map_path: Path | None, gain: float, force: bool, fail_under: float | None, as_json: bool
 ) -> None:
     """Print how far picture B is from picture A: PSNR, luma PSNR, SSIM and MS-SSIM."""
-    require("sgi compare", "scipy")
+    require("scipy", "sgi compare", "bench")
     from sgicodec import image
     from sgicodec.metrics.psnr import largest_difference
     from sgicodec.metrics.scores import error_map, scores

@@ -15,8 +15,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from sgicodec.bench.codec import Codec, Pixels8, RoundTrip, timed
-from sgicodec.bench.extra import INSTALL, require
-from sgicodec.errors import PictureError, UsageError
+from sgicodec.errors import PictureError, UsageError, require
 
 __all__ = ["PEERS", "Avif", "Jpeg", "Jpeg2000", "JpegXl", "Peer", "WebP", "find_peers"]
 
@@ -112,7 +111,7 @@ class Avif(Peer):
         from PIL import _avif
 
         if not _avif.encoder_codec_available("aom"):
-            raise UsageError(f"avif needs a pillow that encodes with libaom: {INSTALL}")
+            raise UsageError("avif needs a pillow that encodes with libaom: pip install 'sgicodec[bench]'")
         return f"{libavif}, {_avif.codec_versions()}"
 
     def settings(self, quality: float) -> str:
@@ -158,11 +157,11 @@ class JpegXl(Peer):
     threads: int = 1
 
     def version(self) -> str:
-        require(self.name, "imagecodecs")
+        require("imagecodecs", self.name, "bench")
         import imagecodecs
 
         if not imagecodecs.JPEGXL.available:
-            raise UsageError(f"jxl needs an imagecodecs that holds libjxl: {INSTALL}")
+            raise UsageError("jxl needs an imagecodecs that holds libjxl: pip install 'sgicodec[bench]'")
         return str(imagecodecs.jpegxl_version())
 
     def settings(self, quality: float) -> str:
@@ -210,12 +209,12 @@ def find_peers(names: Iterable[str], threads: int = 1) -> tuple[list[Codec], dic
 
 
 def _pillow_version(name: str, feature: str, library: str) -> str:
-    require(name, "PIL")
+    require("PIL", name, "bench")
     import PIL
     from PIL import features
 
     if not features.check(feature):
-        raise UsageError(f"{name} needs a pillow that holds {library}: {INSTALL}")
+        raise UsageError(f"{name} needs a pillow that holds {library}: pip install 'sgicodec[bench]'")
     return f"{library} {features.version(feature)} in pillow {PIL.__version__}"
 
 

@@ -16,8 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sgicodec.bench.codec import Pixels8, RoundTrip
-from sgicodec.bench.extra import require
-from sgicodec.errors import SgiError
+from sgicodec.errors import SgiError, require
 
 __all__ = ["DEFAULT_QUALITIES", "Run", "SgiCodec", "fingerprint", "run_timed"]
 
@@ -44,7 +43,7 @@ class SgiCodec:
 
     def version(self) -> str:
         """The distribution's version and a fingerprint of the code, so that no result outlives the code."""
-        require("the codec sgi in a benchmark", "PIL")
+        require("PIL", "the codec sgi in a benchmark", "bench")
         try:
             number = distribution_version("sgicodec")
         except PackageNotFoundError:

@@ -107,7 +107,7 @@ def _opened(place: str, sample_range: tuple[float, float] | None) -> Source:
     try:
         import fsspec
     except ImportError as error:
-        raise PictureError(f"{place}: URLs need fsspec; install sgicodec[cluster]") from error
+        raise PictureError(f"{place}: URLs need fsspec: pip install 'sgicodec[cluster]'") from error
     try:
         with fsspec.open(place, "rb") as file:
             content: Any = file

@@ -8,7 +8,7 @@ from contextlib import ExitStack, contextmanager
 from typing import Any, TypeVar
 
 from sgicodec.device import Device
-from sgicodec.errors import TileFailedError, UsageError
+from sgicodec.errors import TileFailedError, UsageError, require
 from sgicodec.executors.executor import TRIES, Failure, Memory
 
 __all__ = ["Cluster", "open_cluster"]
@@ -100,10 +100,9 @@ def open_cluster(address: str, place: str | None = None) -> Iterator[Cluster]:
 
     Raises UsageError if Dask is not installed or the cluster does not answer.
     """
-    try:
-        from distributed import Client, LocalCluster
-    except ImportError as error:
-        raise UsageError("--cluster needs Dask; install sgicodec[cluster]") from error
+    require("distributed", "a cluster", "cluster")
+    from distributed import Client, LocalCluster
+
     with ExitStack() as stack:
         if address.startswith("local:"):
             count = address.removeprefix("local:")

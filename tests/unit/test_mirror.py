@@ -11,7 +11,6 @@ TESTS = Path(__file__).parents[1]
 ROOT = TESTS.parent
 
 TESTED_ELSEWHERE = {
-    "bench/extra": "unit/bench/test_command.py",
     "bench/launch": "unit/bench/test_peak.py",
     "bench/options": "unit/bench/test_command.py",
     "bench/plots": "unit/bench/test_summary.py",
