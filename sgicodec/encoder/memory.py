@@ -12,7 +12,7 @@ __all__ = ["estimate"]
 MAIN = 150 * MIB
 """The process that reads and writes: Python, numpy, OpenImageIO."""
 WORKER = 330 * MIB
-"""A process that fits: Python, torch, and what a fit takes of any size."""
+"""A process that fits: Python, numpy, for the paper profile torch, and what a fit takes of any size."""
 PIXEL_BYTES, CHANNEL_BYTES = 52, 16
 """Of images in a fit for each pixel, and for each of its channels."""
 SEED_BYTES = 1400

@@ -232,5 +232,5 @@ def written(candidate: Candidate) -> tuple[bytes, dict[str, float]]:
 
 
 def make_ready() -> None:
-    """Loads what every fit needs, which takes a second or two: of a worker's life, not of its first tile's time."""
+    """Loads what every fit needs, so that no tile's time pays for it."""
     import sgicodec.fit.trainer  # noqa: F401
