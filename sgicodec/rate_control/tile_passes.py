@@ -23,10 +23,11 @@ MAX_SAMPLES, MAX_FITS = 4, 2
 def tiles_of_pass(predicted: NDArray[np.float64], done: Collection[int]) -> list[int]:
     """The tiles to fit next. predicted [tiles]: what the R-D model predicts of each."""
     count = len(predicted)
-    rest = [number for number in range(count) if number not in done]
+    samples = min(MAX_SAMPLE_TILES, max(2, count // 4))
     if not done:
-        return spread_over(predicted, min(MAX_SAMPLE_TILES, max(2, count // 4)))
-    return rest[::2] if len(done) <= MAX_SAMPLE_TILES and count >= MIN_TILES_FOR_HALVES else rest
+        return spread_over(predicted, samples)
+    rest = [number for number in range(count) if number not in done]
+    return rest[::2] if len(done) <= samples and count >= MIN_TILES_FOR_HALVES else rest
 
 
 def is_far(one: float, other: float) -> bool:

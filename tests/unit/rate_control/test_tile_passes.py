@@ -28,12 +28,13 @@ def test_passes_come_to_every_tile_once(count: int) -> None:
         done += numbers
         passes += 1
     assert sorted(done) == list(range(count))
-    assert passes <= 4
+    assert passes <= 3
     assert len(tiles_of_pass(np.ones(count), [])) <= max(2, min(8, count // 4))
 
 
 def test_half_of_the_others_come_first_from_twelve_tiles_on() -> None:
     assert tiles_of_pass(np.ones(12), [0, 1, 2]) == [3, 5, 7, 9, 11]
+    assert tiles_of_pass(np.ones(12), [0, 1, 2, 3, 5, 7, 9, 11]) == [4, 6, 8, 10]
     assert tiles_of_pass(np.ones(11), [0, 1]) == [2, 3, 4, 5, 6, 7, 8, 9, 10]
 
 
