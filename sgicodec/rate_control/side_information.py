@@ -11,8 +11,8 @@ __all__ = [
 ]
 
 SEED_POSITION_BITS = 4.0
-"""Of the position of a seed: 2.6 to 4.5 in three Kodak streams. The convergence table was measured with this value; RDOQ
-prunes with a price of 3 (rdoq/settings.py), with which it was tuned.
+"""Of the position of a seed: 2.6 to 4.5 in three Kodak streams. The convergence table was measured with this value;
+RDOQ prunes with a price of 3 (rdoq/settings.py), with which it was tuned.
 """
 EMPTY_STREAM_BYTES = 200.0
 """Of a stream without seeds, base layer included."""
