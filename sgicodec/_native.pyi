@@ -202,9 +202,6 @@ class RangeDecoder:
     def decode(self, models: SymbolModels, start: I64, out: I32, /) -> bool: ...
     def decode_uniform(self, bits: int, out: I32, /) -> bool: ...
     def maybe_exhausted(self) -> bool: ...
-    @property
-    def seconds(self) -> float:
-        """That `decode` took so far."""
 
 def group_by_key(keys: I16, order: I32, start: I64, /) -> None: ...
 def ungroup_symbols(
@@ -313,10 +310,8 @@ class AttributeModel:
         threads: int,
         decoded: I64,
         /,
-    ) -> tuple[int, I32, list[float], tuple[float, ...]]:
-        """As of `read_zero_centred`, all symbols in coding order, information content by group; seconds of the search
-        for neighbours as far as waited for, of the context model, of the symbols.
-        """
+    ) -> tuple[int, I32, list[float]]:
+        """As of `read_zero_centred`, all symbols in coding order, information content by group."""
 
 def base_lines(grid: F64, first: int, left: I64, across: F64, threads: int, lines: F32, /) -> None: ...
 def png_filter(rows: U8, above: U8, step: int, out: U8, /) -> None: ...

@@ -111,8 +111,7 @@ void bind_bitstream(nb::module_ &m) {
            })
       .def("decode", &decode_symbols)
       .def("decode_uniform", &decode_uniform)
-      .def("maybe_exhausted", &sgi::RangeDecoder::maybe_exhausted)
-      .def_prop_ro("seconds", &sgi::RangeDecoder::seconds);
+      .def("maybe_exhausted", &sgi::RangeDecoder::maybe_exhausted);
   m.def("group_by_key", &group_by_key);
   m.def("ungroup_symbols", &ungroup_symbols);
   m.def("ungroup_categorical", &ungroup_categorical);

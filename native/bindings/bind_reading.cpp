@@ -142,10 +142,8 @@ class AttributeModel {
     }
     nb::list bits;
     for (const double part : found.bits) bits.append(part);
-    const sgi::AttributeSeconds &took = found.seconds;
     const size_t n = found.symbols.size();
-    return nb::make_tuple(int(reading), as_array<int32_t>(std::move(found.symbols), std::array{n}), bits,
-                          nb::make_tuple(took.neighbours, took.model, took.symbols));
+    return nb::make_tuple(int(reading), as_array<int32_t>(std::move(found.symbols), std::array{n}), bits);
   }
 
  private:

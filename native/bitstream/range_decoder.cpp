@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "bitstream/stopwatch.hpp"
 
 namespace sgi {
 
@@ -67,7 +66,6 @@ inline void RangeDecoder::take(uint64_t scale, uint32_t before, uint32_t frequen
 }
 
 bool RangeDecoder::decode(const SymbolModels &models, const int64_t *start, int64_t keys, int32_t *out) {
-  Stopwatch watch(seconds_);
   for (int64_t k = 0; k < keys; ++k) {
     const uint32_t *sums = models.sums_.data() + models.first_[k];
     if (models.first_[k + 1] - models.first_[k] == 2) {  // one symbol, which codes nothing

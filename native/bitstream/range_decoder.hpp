@@ -49,15 +49,11 @@ class RangeDecoder {
   // Whether an encoder may have ended here: nothing is left over.
   bool maybe_exhausted() const;
 
-  // That `decode` took so far.
-  double seconds() const { return seconds_; }
-
  private:
   uint64_t next_word();
   bool quantile(uint64_t &scale, uint32_t &found) const;
   void take(uint64_t scale, uint32_t before, uint32_t frequency);
 
-  double seconds_ = 0;
   std::vector<uint8_t> payload_;
   int64_t at_ = 0;
   uint64_t range_ = ~uint64_t(0), offset_ = 0;

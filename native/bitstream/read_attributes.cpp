@@ -8,7 +8,6 @@
 
 #include "model/neighbours.hpp"
 #include "base/thread_pool.hpp"
-#include "bitstream/stopwatch.hpp"
 
 namespace sgi {
 namespace {
@@ -81,12 +80,7 @@ class AttributeReader {
   Reading read_all() {
     NeighboursByPass neighbours(seeds_, model_.ranks, threads_ != 1 && model_.ranks);
     for (const std::vector<int64_t> &members : seeds_.passes) {
-      std::vector<int32_t> table;
-      {
-        Stopwatch watch(read_.seconds.neighbours);
-        table = neighbours.next();
-      }
-      const Reading reading = read_pass(members, table);
+      const Reading reading = read_pass(members, neighbours.next());
       if (reading != Reading::kSound) return reading;
     }
     return Reading::kSound;
@@ -109,7 +103,6 @@ class AttributeReader {
   // symbols happens in one run: its numbers stay in the cache, and threads are woken once.
   template <class Body>
   void for_runs(size_t n, Body body) {
-    Stopwatch watch(read_.seconds.model);
     constexpr size_t kRun = 512;
     parallel_for(int64_t((n + kRun - 1) / kRun), threads_, [&](int64_t run) {
       const size_t begin = size_t(run) * kRun;
@@ -204,7 +197,6 @@ class AttributeReader {
 
   Reading read_step(size_t s, size_t n, size_t &number) {
     const AttributeStep &step = model_.steps[s];
-    Stopwatch watch(read_.seconds.symbols);
     for (size_t g = 0; g < step.groups.size(); ++g) {
       const size_t count = n * size_t(step.groups[g].size()), first = read_.symbols.size();
       read_.symbols.resize(first + count);  // within what was reserved: pointers stay good

@@ -45,15 +45,9 @@ struct TileSeeds {
   std::vector<std::vector<int64_t>> passes;
 };
 
-// Seconds that parts of the reading took.
-struct AttributeSeconds {
-  double neighbours = 0, model = 0, symbols = 0;  // `model`: inputs, MLP_p, steps and values
-};
-
 struct AttributesRead {
   std::vector<int32_t> symbols;  // all in coding order
   std::vector<double> bits;      // information content of every group
-  AttributeSeconds seconds;
 };
 
 // Writes decoded [N, attributes], units of 2^-24, but for seeds of no pass. With two threads or more the neighbours of a

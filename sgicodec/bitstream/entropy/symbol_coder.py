@@ -254,11 +254,6 @@ class SymbolReader(SymbolCoder):
             raise CorruptStreamError("entropy: the payload is padded with zero bytes; it was not written by an encoder")
         self._coder = _native.RangeDecoder(payload)
 
-    @property
-    def seconds(self) -> float:
-        """That the range decoder took so far for symbols that are not equally likely."""
-        return self._coder.seconds
-
     def read(self, part: Callable[[_native.RangeDecoder], tuple[int, IntArray, list[float]]], names: list[str]) -> None:
         """Lets a native function read by itself: it returns whether that is sound (`require_sound`), all symbols in
         coding order, and the information content of each of the parts `names`.

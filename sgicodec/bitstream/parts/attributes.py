@@ -42,11 +42,6 @@ I32 = NDArray[np.int32]
 I64 = NDArray[np.int64]
 
 
-def read_attributes(model: AttributeModel, *known: Any) -> tuple[int, IntArray, list[float], tuple[float, ...]]:
-    """AttributeModel.read: a function of this module, so that a benchmark can look at what it returns."""
-    return model.read(*known)
-
-
 def _shift(value: Any, bits: int) -> Any:
     return value >> bits
 
@@ -108,9 +103,7 @@ class AttributeCoder:
         def read(decoder: RangeDecoder) -> tuple[int, IntArray, list[float]]:
             sizes = np.ascontiguousarray(layout.half_pixels), layout.log_size
             threads = self.device.threads
-            known = decoder, zero_centred_tables(), *sizes, members, start, threads, decoded
-            reading, symbols, bits, _ = read_attributes(model, *known)
-            return reading, symbols, bits
+            return model.read(decoder, zero_centred_tables(), *sizes, members, start, threads, decoded)
 
         coder.read(read, [name for step in spec.context.steps for name in step])
         return decoded
