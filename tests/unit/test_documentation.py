@@ -107,3 +107,16 @@ def test_the_api_page_has_every_public_name() -> None:
     table = text.split("## Settings")[1].split("\n## ")[0]
     documented = set(re.findall(r"`(\w+)`", " ".join(re.findall(r"^\| (`.*?) \|", table, re.MULTILINE))))
     assert documented == {field.name for field in fields(sgicodec.EncodeSettings)}
+
+
+@pytest.mark.parametrize("page", TODAY, ids=name_of)
+def test_named_files_exist(page: Path) -> None:
+    folders = "sgicodec|native|tests|docs|benchmarks|tools|cuda"
+    named = re.findall(rf"`((?:{folders})/[\w./-]*)`", page.read_text("utf-8"))
+    made_by_tests = {"docs/results/large.tsv"}
+    assert [path for path in named if not (ROOT / path).exists() and path not in made_by_tests] == []
+
+
+def test_the_index_of_the_logs_is_complete() -> None:
+    index = (LOGS / "README.md").read_text("utf-8")
+    assert [log.name for log in LOGS.glob("2*.md") if f"]({log.name})" not in index] == []
