@@ -1,17 +1,17 @@
-"""Pixels that hold nothing get colours that cost nothing: a smooth continuation of those around them."""
+"""Inpainting: pixels that hold nothing get a smooth continuation of the colours around them, which costs few bits."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["fill"]
+__all__ = ["inpaint"]
 
 F32 = NDArray[np.float32]
 Mask = NDArray[np.bool_]
 
 
-def fill(image: F32, empty: Mask) -> F32:
+def inpaint(image: F32, empty: Mask) -> F32:
     """image [C, H, W] with the pixels of `empty` [H, W] continued from the others (push and pull, Gortler 1996).
 
     Without any other pixel it is zero.

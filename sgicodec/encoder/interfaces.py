@@ -65,7 +65,7 @@ class Store(Protocol):
 
 
 class Watcher(Protocol):
-    """Who is told how far it has come."""
+    """What watches the passes."""
 
     def begin(self, name: str, numbers: Sequence[int], there: dict[int, EncodedTile]) -> None:
         """A pass over these tiles begins, some of which are there already."""

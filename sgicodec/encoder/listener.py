@@ -1,4 +1,4 @@
-"""Who is told how far an encode has come."""
+"""Listeners: what is reported while an encode runs."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class PassState:
 
 
 class NullListener:
-    """Ignores all that it is told. A listener overrides what it wants to know."""
+    """A listener that ignores all reports. Others override what they want to know."""
 
     def planned(self, plan: Plan, workers: int, memory: Memory) -> None:
         """The encode begins: n tiles at a time, in this much memory."""

@@ -60,7 +60,7 @@ def encode(
 
     A picture in one tile is fitted whole, by this process. Of several tiles, as many are in memory as `executor` works
     on at once (by default one, in this process), and `store` keeps the finished ones (in memory; a `Checkpoint`
-    survives a kill). `progress` is told how far it has come. `device` is what computes.
+    survives a kill). `progress` gets reports. `device` is what computes.
 
     The stream is written to `output`, a path or a file object, else it is the result's `data`. `verify` decodes it and
     measures its PSNR, unless it went to a file object. Equal input, settings and version give equal bytes, whatever

@@ -20,7 +20,7 @@ from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.encoder.encoded import Encoded
-from sgicodec.encoder.inpainting import fill
+from sgicodec.encoder.inpainting import inpaint
 from sgicodec.encoder.plan import Plan
 from sgicodec.fit.base_layer import base_layer
 from sgicodec.metrics.psnr import psnr
@@ -70,7 +70,7 @@ class Encoding:
             empty = empty_pixels(picture, plan.header.masked)
             self.empty = empty if empty.any() else None
             if self.empty is not None:
-                self.unit = fill(self.unit, self.empty)
+                self.unit = inpaint(self.unit, self.empty)
         self.fit = self.settings.fit_settings()
         self.begin(self.fit.lmbda)
 

@@ -1,4 +1,4 @@
-"""What a step of a tile's fit will cost next to other tiles', from a quick look at some of its pixels."""
+"""The weight of a tile in the time budget: the estimated cost of a step of its fit, from some of its pixels."""
 
 from __future__ import annotations
 

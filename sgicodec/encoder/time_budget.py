@@ -1,4 +1,4 @@
-"""What of a time limit each tile gets: its part of what is left when its work begins."""
+"""The time budget of an encode in several tiles: each gets a share of what is left when its work begins."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ __all__ = ["TimeBudget"]
 
 
 class _Begun(NamedTuple):
-    """A tile under way: values of time.monotonic(), and the seconds that it was told."""
+    """A tile under way: values of time.monotonic(), and the seconds assigned to it."""
 
     at: float
     until: float
-    told: float
+    assigned: float
 
 
 class TimeBudget:
@@ -28,8 +28,8 @@ class TimeBudget:
     workers: how many tiles are done at once. decoders: how many threads decode the stream at the end, 0 if nobody does.
     weigh: what a step of a tile's fit costs, in any unit; without it all pixels weigh the same.
     What is left of all workers' time goes to the tiles that have not begun: what one tile leaves or takes beyond its
-    share, the others gain or lose. Tiles are told less than their share by what most of the last ones took beyond what
-    they were told, begin to end as seen from here; more if they took less.
+    share, the others gain or lose. A tile is assigned less than its share by the median overrun of the last tiles, more
+    if they took less than was assigned to them.
     """
 
     def __init__(
@@ -40,7 +40,7 @@ class TimeBudget:
         self._weights: dict[int, float] = {}
         self._waiting: set[int] = set()
         self._begun: dict[int, _Begun] = {}
-        self._late = deque([0.0], maxlen=_LAST)  # seconds for each unit of weight
+        self._overruns = deque([0.0], maxlen=_LAST)  # seconds for each unit of weight
         self._decoding = self._decoded = 0.0  # seconds, weight
 
     def expect(self, numbers: Iterable[int]) -> None:
@@ -58,18 +58,18 @@ class TimeBudget:
         share = max(0.0, self._workers * left - taken) * weight / sum(self._weights[other] for other in self._waiting)
         alike = sum(self._weights[other] >= _ALIKE * weight for other in self._waiting)
         turns = -(-alike // self._workers)
-        share = min(share, left if turns == 1 else left * (1 - _KEPT / turns))
-        told = min(max(share - median(self._late) * weight, _LEAST_PART * share), left)
-        told = max(told, _LEAST)
+        share = min(share, left if turns == 1 else left * (1 - _RESERVED / turns))
+        assigned = min(max(share - median(self._overruns) * weight, _LEAST_PART * share), left)
+        assigned = max(assigned, _LEAST)
         self._waiting.remove(number)
-        self._begun[number] = _Begun(now, now + share, told)
-        return told
+        self._begun[number] = _Begun(now, now + share, assigned)
+        return assigned
 
     def done(self, number: int, tile: EncodedTile) -> None:
-        """A tile that `begin` was told of is finished. One that holds nothing teaches nothing."""
+        """A tile that has begun is finished. One that holds nothing does not count."""
         begun, weight = self._begun.pop(number), self._weights[number]
         if tile.seeds:
-            self._late.append((time.monotonic() - begun.at - begun.told) / weight)
+            self._overruns.append((time.monotonic() - begun.at - begun.assigned) / weight)
             self._decoding += tile.decoding
             self._decoded += weight
 
@@ -90,18 +90,18 @@ class TimeBudget:
         return float(width * height)
 
 
-_KEPT, _ALIKE = 0.5, 0.5
-"""Of an even part of the time, what a tile leaves at least to each turn of the workers that comes after it; from what
-part of its weight on other tiles count for a turn.
+_RESERVED, _ALIKE = 0.5, 0.5
+"""Part of an even share of the time that a tile leaves at least to each later turn of the workers; part of its weight
+from which on other tiles count for a turn.
 """
 _LEAST, _LEAST_PART = 1e-3, 0.5
-"""What a tile is told at least: seconds, and of its share. A fit of hardly any steps leaves so many seeds that
+"""What is assigned to a tile at least: seconds, and of its share. A fit of hardly any steps leaves so many seeds that
 searching and coding them takes longer than more steps would have.
 """
 _LAST = 5
-"""Tiles that teach how late tiles are; before the first, none is."""
+"""Tiles whose overruns count; before the first is done, the median is 0."""
 _WRITING, _WRITING_PIXEL = 0.5, 5e-9
 _DECODING_PIXEL, _COMPARING_PIXEL = 3e-7, 1e-7
-"""Seconds: of any stream, and for each pixel; a decode's by one thread, as long as no tile has told."""
+"""Seconds: of any stream, and for each pixel; a decode's by one thread, as long as no tile has been decoded."""
 _MOST_DECODERS = 2
 """Threads that help a decode."""

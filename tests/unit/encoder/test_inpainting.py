@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sgicodec.encoder.inpainting import fill
+from sgicodec.encoder.inpainting import inpaint
 
 
 def test_other_pixels_stay() -> None:
     rng = np.random.default_rng(1)
     image = rng.random((3, 37, 50), np.float32)
     empty = rng.random((37, 50)) < 0.6
-    filled = fill(image, empty)
+    filled = inpaint(image, empty)
     np.testing.assert_array_equal(filled[:, ~empty], image[:, ~empty])
 
 
@@ -21,7 +21,7 @@ def test_a_flat_picture_stays_flat(shape: tuple[int, int]) -> None:
     empty = np.random.default_rng(2).random(shape) < 0.8
     empty[0, 0] = False
     image = np.where(empty, np.float32(9), np.float32(0.25))[None]
-    np.testing.assert_allclose(fill(image, empty), 0.25, atol=1e-6)
+    np.testing.assert_allclose(inpaint(image, empty), 0.25, atol=1e-6)
 
 
 def test_no_values_beyond_those_around() -> None:
@@ -29,11 +29,11 @@ def test_no_values_beyond_those_around() -> None:
     image[:, :, 32:] = 1
     empty = np.zeros((64, 64), bool)
     empty[10:50, 20:44] = True
-    filled = fill(image, empty)[0]
+    filled = inpaint(image, empty)[0]
     assert filled.min() >= 0
     assert filled.max() <= 1 + 1e-6
     assert np.abs(np.diff(filled[30])).max() < 0.3  # no step where there was one before
 
 
 def test_nothing_anywhere_is_zero() -> None:
-    assert not fill(np.ones((2, 5, 6), np.float32), np.ones((5, 6), bool)).any()
+    assert not inpaint(np.ones((2, 5, 6), np.float32), np.ones((5, 6), bool)).any()
