@@ -31,6 +31,13 @@ __all__ = ["encode"]
 @click.option("--profile", type=click.Choice(["default", "paper"]), default="default", show_default=True)
 @click.option("--seeds", type=int, metavar="N", help="Number of seeds; paper profile.")
 @click.option("--per-seed", type=int, metavar="K", help="Gaussians of each seed.")
+@click.option(
+    "--distortion",
+    type=click.Choice(["squared", "weighted"]),
+    default="squared",
+    show_default=True,
+    help="What is minimised: squared error, or the same with less weight where the picture is busy.",
+)
 @click.option("--features", type=int, metavar="D", help="Size of a seed's feature; paper profile.")
 @click.option("--levels", type=int, metavar="M", help="Levels of the pyramid; paper profile.")
 @click.option("--steps", type=int, metavar="N", help="Optimisation steps, instead of what -e says.")

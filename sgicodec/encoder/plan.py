@@ -105,4 +105,5 @@ def _software(settings: EncodeSettings, fit: FitSettings) -> bytes:
     )
     took = f"e{settings.effort}" if "effort" in scales and settings.steps is None else f"n{fit.steps}"
     took = took if settings.time_limit is None else f"t{settings.time_limit:g}"
+    took += "" if settings.distortion == "squared" else f" {settings.distortion}"
     return f"{__version__} {asked} {took}".encode()

@@ -8,6 +8,7 @@ from typing import Literal
 
 from sgicodec.bitstream.header import MAX_APRON, MAX_SIDE, MIN_TILE
 from sgicodec.errors import UsageError
+from sgicodec.metrics.choices import DISTORTIONS
 from sgicodec.model.tile_grid import TileGrid
 from sgicodec.profiles import PROFILES, Profile
 from sgicodec.profiles.fit_settings import FitSettings
@@ -27,13 +28,14 @@ class EncodeSettings:
     """What an encode may be asked for; None means what the profile says.
 
     quality: 1 to 100, or lmbda directly. effort: 1 to 9, optimisation steps of the default profile. seeds: their number
-    in the paper profile. per_seed: K. features: D (paper). levels: M (paper). steps: of the whole fit. prior: number
-    of the shipped context model, 0 for one that travels in the stream. rdoq: whether RDOQ follows the
-    fit, where it knows the model. metadata: whether ICC, EXIF, XMP and the place on earth are kept. psnr in dB, size in
-    bytes or bpp in bits per pixel: what to end at, in the default profile. time_limit: seconds that the encode may
-    take, instead of a number of steps. tile: largest side of a tile in pixels, 0 for a single one, None for what suits
-    the picture; apron: pixels that a tile reaches over its neighbours. overview: whether a stream of several tiles
-    carries the picture in small, None for what suits its size.
+    in the paper profile. per_seed: K. features: D (paper). levels: M (paper). steps: of the whole fit. prior: number of
+    the shipped context model, 0 for one that travels in the stream. rdoq: whether RDOQ follows the fit, where it knows
+    the model. distortion: what is minimised besides bits, a name in `metrics.choices`; PSNR and its targets stay plain.
+    metadata: whether ICC, EXIF, XMP and the place on earth are kept. psnr in dB, size in bytes or bpp in bits per
+    pixel: what to end at, in the default profile. time_limit: seconds that the encode may take, instead of a number of
+    steps. tile: largest side of a tile in pixels, 0 for a single one, None for what suits the picture; apron: pixels
+    that a tile reaches over its neighbours. overview: whether a stream of several tiles carries the picture in small,
+    None for what suits its size.
     """
 
     quality: float = 50.0
@@ -47,6 +49,7 @@ class EncodeSettings:
     steps: int | None = None
     prior: int | None = None
     rdoq: bool = True
+    distortion: str = "squared"
     seed: int = 0
     metadata: bool = True
     psnr: float | None = None
@@ -104,6 +107,10 @@ class EncodeSettings:
             ),
             (1 <= self.effort <= 9, f"effort {self.effort}; it runs from 1 to 9"),
             (self.profile in PROFILES, f"profile {self.profile}; there are {' and '.join(PROFILES)}"),
+            (
+                self.distortion in DISTORTIONS,
+                f"distortion {self.distortion}; there are {' and '.join(DISTORTIONS)}",
+            ),
             (self.per_seed is None or 1 <= self.per_seed <= 64, f"per-seed {self.per_seed}; 1 to 64"),
             (self.features is None or 1 <= self.features <= 512, f"features {self.features}; 1 to 512"),
             (self.seeds is None or self.seeds >= 1, f"seeds {self.seeds}; at least 1"),
@@ -130,6 +137,8 @@ class EncodeSettings:
         instead = ["steps", "time_limit"] if self.steps is not None and self.time_limit is not None else instead
         if len(instead) > 1:
             raise UsageError(f"{instead[0]} and {instead[1]} exclude each other")
+        if self.distortion != "squared" and not self.chosen_profile.has_distortions:
+            raise UsageError(f"the {self.profile} profile has a loss of its own; distortion is one of the default's")
         if goals and not self.chosen_profile.has_targets:
             raise UsageError(f"{goals[0]} is a setting of the default profile")
         for other in PROFILES.values():

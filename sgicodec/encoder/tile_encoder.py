@@ -23,9 +23,11 @@ from sgicodec.encoder.encoded import Encoded
 from sgicodec.encoder.inpainting import inpaint
 from sgicodec.encoder.plan import Plan
 from sgicodec.fit.base_layer import base_layer
+from sgicodec.metrics.choices import DISTORTIONS
+from sgicodec.metrics.distortion import mean_weight
 from sgicodec.metrics.psnr import psnr
 from sgicodec.model.context import input_count
-from sgicodec.model.layout import ROOT_LOG, adaptive_layout, cell_sums, uniform_layout
+from sgicodec.model.layout import ROOT_LOG, SeedLayout, adaptive_layout, cell_sums, uniform_layout
 from sgicodec.picture import Picture, comparable, nodata_mask, to_unit
 from sgicodec.rate_control.lambda_controller import LambdaController
 from sgicodec.rate_control.rd_model import RdModel
@@ -71,13 +73,14 @@ class Encoding:
             self.empty = empty if empty.any() else None
             if self.empty is not None:
                 self.unit = inpaint(self.unit, self.empty)
+        self.reference = DISTORTIONS[self.settings.distortion].reference(self.unit, self.empty)
         self.fit = self.settings.fit_settings()
         self.begin(self.fit.lmbda)
 
     def begin(self, lmbda: float) -> None:
         """Makes ready for a fit at λ."""
         self.fit = replace(self.fit, lmbda=lmbda)
-        self.base_step, self.base, self.target = base_layer(self.spec, self.unit, lmbda)
+        self.base_step, self.base, self.target = base_layer(self.spec, self.unit, lmbda, self.reference.weights)
 
     def run(self, on_progress: Callable[[Progress], bool] | None) -> Encoded:
         """Fits at a constant λ and writes."""
@@ -109,7 +112,7 @@ class Encoding:
             count = fit.seeds or max(1, round(width * height / 400))
             layout = uniform_layout(width, height, count, np.random.default_rng(fit.seed))
         else:
-            layout = adaptive_layout(self.target, fit.split * fit.lmbda * fit.seed_bits)
+            layout = self.first_layout()
         networks = load_prior(spec) if spec.context.prior else None
         trainer = Trainer(
             spec,
@@ -121,8 +124,13 @@ class Encoding:
             controller=controller,
             seconds=self._seconds(share),
             device=self.device,
+            weights=self.reference.weights,
         )
         return trainer.run(on_progress)
+
+    def first_layout(self) -> SeedLayout:
+        """Where the seeds of a fit by the default profile begin."""
+        return adaptive_layout(self.target, self.fit.split_price * self.fit.lmbda, weights=self.reference.weights)
 
     def candidate(self, fitted: Fitted) -> Candidate:
         """A fit in integers."""
@@ -152,7 +160,9 @@ class Encoding:
     def rdoq(self, candidate: Candidate) -> Rdoq:
         """RDOQ from a candidate on."""
         settings = RdoqSettings.for_steps(self.fit.steps)
-        return Rdoq(candidate.header, candidate.model, self.unit, candidate.lmbda, settings, self.device)
+        return Rdoq(
+            candidate.header, candidate.model, self.unit, candidate.lmbda, settings, self.device, self.reference
+        )
 
     def searched(self, candidate: Candidate) -> Candidate:
         """The best that the search finds for the candidate's λ."""
@@ -181,8 +191,8 @@ class Encoding:
 
     def rd_model(self) -> RdModel:
         """Predicts what fits come to."""
-        sums = cell_sums(self.target, ROOT_LOG)
-        return RdModel(sums, len(self.target), self.target[0].size, self.fit.split_price)
+        sums, weight = cell_sums(self.target, ROOT_LOG), mean_weight(self.reference, self.target)
+        return RdModel(sums, len(self.target), self.target[0].size, self.fit.split_price, weight)
 
     @property
     def network_weights(self) -> int:

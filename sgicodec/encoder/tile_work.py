@@ -112,7 +112,7 @@ class SearchTask:
             return _finished(tile, self.plan, number, Candidate(header, model, lmbda), started)
         settings = RdoqSettings.for_steps(tile.fit.steps)
         settings = replace(settings, coarser=0.0, passes=max(_LEAST_PASSES, settings.passes // _PASSES_SHARE))
-        rdoq = Rdoq(header, model, tile.unit, start.lmbda, settings, device)
+        rdoq = Rdoq(header, model, tile.unit, start.lmbda, settings, device, tile.reference)
         for _ in range(settings.passes):
             model = rdoq.descend(lmbda).model
         return _finished(tile, self.plan, number, Candidate(header, model, lmbda), started)

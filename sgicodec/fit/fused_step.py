@@ -12,6 +12,7 @@ from sgicodec import _native
 from sgicodec.device import Device
 from sgicodec.fit.context_weights import ContextWeights
 from sgicodec.fit.parameters import Parameters, StepResult
+from sgicodec.fit.pyramid import Level
 from sgicodec.model.context import INPUT_BITS, LEVELS, level_inputs, nearest_offset, neighbour_table
 from sgicodec.model.gaussians import MIN_VARIANCE, colour_matrix
 from sgicodec.model.layout import SeedLayout
@@ -90,9 +91,7 @@ class FusedStep:
         self.count = len(layout)
         self.age = 0
 
-    def run(
-        self, parameters: Parameters, rounding: Rounding, number: int, target: F32, scale: float, lmbda: float
-    ) -> StepResult:
+    def run(self, parameters: Parameters, rounding: Rounding, number: int, level: Level, lmbda: float) -> StepResult:
         """As `GradientStep.run`."""
         colour, shape, offset = values = [parameters.seeds.values[name] for name in _GROUPS]
         context, noise = parameters.context, NoiseKey.of(self.seed, number)
@@ -113,7 +112,7 @@ class FusedStep:
             *gaussians,
         )
         self.age = (self.age + 1) % self.refresh if rounding != "none" else 0
-        error, slopes = self._draw(gaussians, target, scale)
+        error, slopes = self._draw(gaussians, level)
         d_colour, d_shape, d_offset = (np.empty_like(value) for value in values)
         sums = np.empty(self.native.sums, np.float32)
         self.native.backward(*slopes, lmbda, d_colour, d_shape, d_offset, sums)
@@ -151,14 +150,20 @@ class FusedStep:
         n = self.count * self.spec.per_seed
         return np.empty((n, 2), np.float32), np.empty((n, 3), np.float32), np.empty((n, self.spec.channels), np.float32)
 
-    def _draw(self, gaussians: tuple[F32, F32, F32], target: F32, scale: float) -> tuple[float, tuple[F32, F32, F32]]:
-        """Squared error and its gradients in the Gaussians at full size, of a picture reduced by `scale`."""
-        means, covariances, colours = gaussians
+    def _draw(self, gaussians: tuple[F32, F32, F32], level: Level) -> tuple[float, tuple[F32, F32, F32]]:
+        """Squared error without weights, and the gradients of that with weights in the Gaussians at full size."""
+        (means, covariances, colours), scale = gaussians, level.scale
         if scale != 1.0:
             # Only the cells shrink with a level; MIN_VARIANCE stays a matter of the pixels that are drawn.
             less = np.float32(scale * scale)
             means, covariances = means * np.float32(scale), covariances * less + _FLOOR * (1 - less)
-        error, (d_means, d_covariances, d_colours) = self.raster.squared_error(means, covariances, colours, target, 1.0)
+        error, (d_means, d_covariances, d_colours) = self._squared_error((means, covariances, colours), level)
         if scale != 1.0:
             d_means, d_covariances = d_means * np.float32(scale), d_covariances * np.float32(scale * scale)
         return error, (d_means, d_covariances, d_colours)
+
+    def _squared_error(self, gaussians: tuple[F32, F32, F32], level: Level) -> tuple[float, tuple[F32, F32, F32]]:
+        if level.weights is None:
+            return self.raster.squared_error(*gaussians, level.samples, 1.0)
+        (_, error), gradients = self.raster.weighted_squared_error(*gaussians, level.samples, level.weights)
+        return error, gradients

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.fit.context_weights import ContextWeights
+from sgicodec.fit.pyramid import Level
 from sgicodec.fit.seed_set import SeedSet
 from sgicodec.model.layout import SeedLayout
 from sgicodec.profiles.fit_settings import Rounding
@@ -43,8 +44,9 @@ def learning_rate_of(name: str) -> str:
 
 @dataclass(frozen=True)
 class StepResult:
-    """error: squared, samples in 0..1, summed over pixels and channels; bits: of all seeds' attributes; gradients: of
-    the arrays that take part, by their names in `Parameters.trained`.
+    """error: squared, without weights, samples in 0..1, summed over pixels and channels; bits: of all seeds'
+    attributes; gradients: of the loss, which has weights, in the arrays that take part, by their names in
+    `Parameters.trained`.
     """
 
     error: float
@@ -59,12 +61,8 @@ class GradientStep(Protocol):
         """Prepares everything that depends on where the seeds are."""
         ...
 
-    def run(
-        self, parameters: Parameters, rounding: Rounding, number: int, target: F32, scale: float, lmbda: float
-    ) -> StepResult:
-        """Step `number` of a fit against target [C, H, W], whose size is `scale` times the picture's. λ 0: bits do not
-        count.
-        """
+    def run(self, parameters: Parameters, rounding: Rounding, number: int, level: Level, lmbda: float) -> StepResult:
+        """Step `number` of a fit against a level of the pyramid. λ 0: bits do not count."""
         ...
 
     def seed_bits(self) -> F32:

@@ -2,12 +2,30 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["pyramid"]
+__all__ = ["Level", "levels_of", "pyramid"]
 
 F32 = NDArray[np.float32]
+
+
+class Level(NamedTuple):
+    """What a step is fitted to: samples [C, H, W], the picture's size times `scale`, and the weights of their squared
+    errors [H, W], None where all are 1.
+    """
+
+    samples: F32
+    scale: float = 1.0
+    weights: F32 | None = None
+
+
+def levels_of(target: F32, weights: F32 | None, count: int) -> list[Level]:
+    """The pyramid of a picture and its weights."""
+    maps = [None] * count if weights is None else [plane[0] for plane in pyramid(weights[None], count)]
+    return [Level(image, 0.5**level, maps[level]) for level, image in enumerate(pyramid(target, count))]
 
 
 def pyramid(target: F32, levels: int) -> list[F32]:

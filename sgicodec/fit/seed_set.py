@@ -47,14 +47,16 @@ class SeedSet:
         )
         return means, covariances, colours
 
-    def energy(self) -> F32:
-        """Squared samples that the Gaussians of each seed would draw alone, over the plane [N]."""
+    def energy(self, weights: F32 | None = None) -> F32:
+        """Squared samples that the Gaussians of each seed would draw alone, over the plane [N], times the mean of
+        weights [H, W] in the seed's cell.
+        """
         _, covariances, colours = self.gaussians()
         determinant = covariances[:, 0] * covariances[:, 2] - covariances[:, 1] ** 2
         spread = np.sqrt(np.maximum(determinant, np.float32(1e-9)))
         energy = math.pi * spread * (colours**2).sum(axis=1)  # of c·G
         total: F32 = energy.reshape(len(self), -1).sum(axis=1)
-        return total
+        return total if weights is None else total * cell_means(weights[None], self.layout)[:, 0]
 
     def keep(self, kept: NDArray[np.bool_], adam: Adam) -> None:
         """Drops all seeds but those where `kept` [N] holds, and what `adam` knows of them."""

@@ -16,7 +16,7 @@ from sgicodec.fit.context_weights import ContextWeights
 from sgicodec.fit.densification import worthwhile_cells
 from sgicodec.fit.fused_step import FusedStep
 from sgicodec.fit.parameters import GradientStep, Parameters, learning_rate_of
-from sgicodec.fit.pyramid import pyramid
+from sgicodec.fit.pyramid import levels_of
 from sgicodec.fit.schedule import Schedule, evenly, passed
 from sgicodec.fit.seed_set import SeedSet
 from sgicodec.fit.step_sizes import flat_steps, rounded_plan
@@ -61,7 +61,8 @@ class Fitted:
 
 
 class Trainer:
-    """One picture's fit. `target` [C, H, W] is the picture less its base layer, samples in 0..1.
+    """One picture's fit. `target` [C, H, W] is the picture less its base layer, samples in 0..1, and `weights` [H, W]
+    what their squared errors count, by default all the same.
 
     `controller` moves λ towards a rate target; `seconds` replaces the number of steps.
 
@@ -84,12 +85,13 @@ class Trainer:
         controller: LambdaController | None = None,
         seconds: float | None = None,
         device: Device = ALL_CORES,
+        weights: F32 | None = None,
     ) -> None:
-        self.spec, self.settings = spec, settings
+        self.spec, self.settings, self.weights = spec, settings, weights
         self.lmbda, self.controller = settings.lmbda, controller
         self.schedule = Schedule(settings.phases, seconds)
         self.raster = NativeRasterizer(device)
-        self.targets = pyramid(target, max(phase.level for phase in settings.phases) + 1)
+        self.levels = levels_of(target, weights, max(phase.level for phase in settings.phases) + 1)
         self.quality = self._quality()
         rng = np.random.default_rng(settings.seed)
         self.seeds = SeedSet(spec, layout, target, rng)
@@ -119,7 +121,7 @@ class Trainer:
             prunes, growths = evenly(phase.prune), evenly(phase.grow)
             for fraction in self.schedule.within(index):
                 error, bits = self._step(phase)
-                psnr = -10 * math.log10(max(error / self.targets[phase.level].size, 1e-12))
+                psnr = -10 * math.log10(max(error / self.levels[phase.level].samples.size, 1e-12))
                 untouched = len(prunes) == phase.prune
                 if passed(prunes, fraction):
                     self._prune(psnr if untouched else None)
@@ -138,9 +140,8 @@ class Trainer:
 
     def _step(self, phase: Phase) -> tuple[float, float]:
         """Squared error and bits of a step, after which everything that trains has moved."""
-        scale, lmbda = 0.5**phase.level, self.lmbda if phase.rate else 0.0
-        target = self.targets[phase.level]
-        found = self.gradient_step.run(self.parameters, phase.rounding, self.step, target, scale, lmbda)
+        lmbda = self.lmbda if phase.rate else 0.0
+        found = self.gradient_step.run(self.parameters, phase.rounding, self.step, self.levels[phase.level], lmbda)
         self.gradients = found.gradients
         for name, array in self.parameters.trained().items():
             if name in found.gradients:
@@ -158,7 +159,7 @@ class Trainer:
         """Drops seeds whose Gaussians hold less squared error than their bits cost; the first time, λ is foreseen from
         the PSNR so far.
         """
-        energy = self.seeds.energy()
+        energy = self.seeds.energy(self.weights)
         price = self.settings.prune * self.settings.seed_bits
         floor = price * self.lmbda
         if first_psnr is not None and self.controller is not None:
@@ -173,10 +174,10 @@ class Trainer:
 
     def _grow(self) -> None:
         """Adds seeds where the residual of the exact values is worth more than their bits."""
-        target = self.targets[0]
+        target = self.levels[0].samples
         residual = target - self.raster.forward(*self.seeds.gaussians(), target.shape[2], target.shape[1])
         price = self.lmbda * self.settings.seed_bits * self.settings.growth
-        added, means = worthwhile_cells(residual, self.seeds.layout, price)
+        added, means = worthwhile_cells(residual, self.seeds.layout, price, weights=self.weights)
         if len(added):
             self.seeds.add(added, means, self.adam)
             self._set_layout()
@@ -195,12 +196,12 @@ class Trainer:
         require("torch", "a fit by automatic differentiation", "paper")
         from sgicodec.fit.autograd.step import AutogradStep
 
-        _, height, width = self.targets[0].shape
+        _, height, width = self.levels[0].samples.shape
         return AutogradStep(self.spec, self.settings, self.raster, family, (width, height))
 
     def _hash_sizes(self) -> tuple[int, ...]:
         """Entries of the hash grid's tables."""
-        _, height, width = self.targets[0].shape
+        _, height, width = self.levels[0].samples.shape
         context = self.spec.context
         return HashGrid.at(context, self.seeds.layout, width, height).sizes if context.hash_resolutions else ()
 

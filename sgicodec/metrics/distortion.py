@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from sgicodec.picture import Picture, to_unit
 
-__all__ = ["Distortion", "QuadraticReference", "Reference", "decibels", "squared_error"]
+__all__ = ["Distortion", "QuadraticReference", "Reference", "decibels", "mean_weight", "squared_error"]
 
 F32 = NDArray[np.float32]
 Mask = NDArray[np.bool_]
@@ -78,6 +78,12 @@ class QuadraticReference:
         """−2 w e for the residual e."""
         gradient = np.float32(-2) * residual
         return gradient if self.weights is None else gradient * self.weights
+
+
+def mean_weight(reference: Reference, residual: F32) -> float:
+    """Distortion of a residual [C, H, W] over its squared error: what an error counts where this picture has detail."""
+    plain = 0.0 if reference.weights is None else QuadraticReference().value(residual)
+    return reference.value(residual) / plain if plain > 0 else 1.0
 
 
 def squared_error(original: Picture, decoded: Picture, weights: F32 | None = None) -> float:

@@ -22,17 +22,19 @@ class RdModel:
     """Predicts bytes and error of a fit of a picture less its base layer.
 
     sums: statistics of the picture's cells (`cell_sums`). seed_price: squared deviation that splits a cell, for each
-    unit of λ. The predictions are products of powers of λ, of the number of seeds and of the deviation within their
+    unit of λ. weight: what the distortion is of squared error on this picture: a fit at λ comes to what one for squared
+    error comes to at λ / weight. The predictions are products of powers of λ, of the number of seeds and of the deviation within their
     cells, fitted to photographs. That of the error also sees both at four times the price of a seed: how fast more
     seeds become worth their bits tells fine texture from edges (docs/notes/2026-11-rd-model.md).
     """
 
-    def __init__(self, sums: CellSums, channels: int, pixels: int, seed_price: float) -> None:
-        self.channels, self.pixels, self.seed_price = channels, pixels, seed_price
+    def __init__(self, sums: CellSums, channels: int, pixels: int, seed_price: float, weight: float = 1.0) -> None:
+        self.channels, self.pixels, self.seed_price, self.weight = channels, pixels, seed_price, weight
         self._sums = sums
 
     def predict(self, lmbda: float) -> tuple[float, float]:
         """Bytes of the stream and mean squared error of a sample in 0..1."""
+        lmbda /= self.weight
         (count, deviation), (fewer, larger) = self.seeds(lmbda), self.seeds(lmbda, HIGHER_PRICE)
         size = EMPTY_STREAM_BYTES + self.pixels * 0.5 * lmbda**-0.33 * count**0.77 * deviation**0.36
         error = 2.8 * lmbda**0.918 * count**2.85 * fewer**-1.91 * deviation**2.43 * larger**-2.39

@@ -14,6 +14,7 @@ from sgicodec.fit.autograd.context_net import ContextNet
 from sgicodec.fit.autograd.quantization_proxy import QuantizationProxy, Sample
 from sgicodec.fit.autograd.raster_op import rasterize, squared_error
 from sgicodec.fit.parameters import Parameters, StepResult
+from sgicodec.fit.pyramid import Level
 from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ModelSpec
@@ -42,20 +43,16 @@ class AutogradStep:
         self.proxy.set_layout(layout, quality, *self.size)
         self._centre, self._cell = torch.from_numpy(layout.centre), torch.from_numpy(layout.cell)
 
-    def run(
-        self, parameters: Parameters, rounding: Rounding, number: int, target: F32, scale: float, lmbda: float
-    ) -> StepResult:
+    def run(self, parameters: Parameters, rounding: Rounding, number: int, level: Level, lmbda: float) -> StepResult:
         """As `GradientStep.run`."""
         with _one_thread():
-            return self._run(parameters, rounding, torch.from_numpy(target), scale, lmbda)
+            return self._run(parameters, rounding, level, lmbda)
 
     def seed_bits(self) -> F32:
         """Bits of every seed in the last step [N]."""
         return self._seed_bits
 
-    def _run(
-        self, parameters: Parameters, rounding: Rounding, target: Tensor, scale: float, lmbda: float
-    ) -> StepResult:
+    def _run(self, parameters: Parameters, rounding: Rounding, level: Level, lmbda: float) -> StepResult:
         net = ContextNet(parameters.context)
         own = {name: a for name, a in parameters.trained().items() if name not in net.leaves}
         leaves = {name: torch.from_numpy(array).requires_grad_() for name, array in own.items()} | net.leaves
@@ -69,29 +66,33 @@ class AutogradStep:
         gaussians = gaussians_from_seeds(
             self.spec,
             sample.attributes,
-            self._centre * scale,
-            self._cell * scale,
+            self._centre * level.scale,
+            self._cell * level.scale,
             decoders,
             self._opponent,
             torch,
         )
-        loss, error = self._loss(gaussians, target, sample, net, lmbda)
+        loss, error = self._loss(gaussians, level, sample, net, lmbda)
         loss.backward()  # type: ignore[no-untyped-call]
         self._seed_bits = sample.bits.detach().numpy()
         gradients = {name: leaf.grad.contiguous().numpy() for name, leaf in leaves.items() if leaf.grad is not None}
         return StepResult(error, float(sample.bits.detach().sum()), gradients)
 
     def _loss(
-        self, gaussians: tuple[Tensor, Tensor, Tensor], target: Tensor, sample: Sample, net: ContextNet, lmbda: float
+        self, gaussians: tuple[Tensor, Tensor, Tensor], level: Level, sample: Sample, net: ContextNet, lmbda: float
     ) -> tuple[Tensor, float]:
-        """The loss, and the squared error."""
-        if self.settings.loss == "squared":
+        """The loss, and the squared error without weights."""
+        target, weights = torch.from_numpy(level.samples), level.weights
+        if self.settings.loss == "squared" and weights is None:
             error = squared_error(*gaussians, target, self.raster)
             squared, loss, price = float(error.detach()), error, lmbda
         else:
             image = rasterize(*gaussians, (target.shape[2], target.shape[1]), self.raster)
-            squared, loss = float(((image.detach() - target) ** 2).sum()), (image - target).abs().mean()
-            price = lmbda / (len(sample.bits) * self.spec.attributes)
+            squared = float(((image.detach() - target) ** 2).sum())
+            if weights is None:
+                loss, price = (image - target).abs().mean(), lmbda / (len(sample.bits) * self.spec.attributes)
+            else:
+                loss, price = (torch.from_numpy(weights) * (image - target) ** 2).sum(), lmbda
         if lmbda:
             loss = loss + price * (self._sampled_bits(sample) + net.hash_bits() + net.difference_bits())
         return loss, squared

@@ -13,9 +13,11 @@ from sgicodec.fit.autograd.context_net import ContextNet
 from sgicodec.fit.autograd.quantization_proxy import QuantizationProxy
 from sgicodec.fit.autograd.raster_op import squared_error
 from sgicodec.fit.autograd.rate import bits_laplace
+from sgicodec.fit.autograd.step import AutogradStep
 from sgicodec.fit.context_weights import ContextWeights, layer_shapes, shaped
 from sgicodec.fit.fused_step import FusedStep, NoiseKey
 from sgicodec.fit.parameters import Parameters, StepResult
+from sgicodec.fit.pyramid import Level
 from sgicodec.fit.seed_set import SeedSet
 from sgicodec.fit.step_sizes import flat_steps
 from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
@@ -23,7 +25,7 @@ from sgicodec.model.layout import adaptive_layout
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import default_plan
 from sgicodec.profiles.default import default_spec
-from sgicodec.profiles.fit_settings import Rounding
+from sgicodec.profiles.fit_settings import FitSettings, Phase, Rounding
 from sgicodec.profiles.paper import paper_spec
 from sgicodec.raster.cpu import NativeRasterizer
 
@@ -151,7 +153,7 @@ class Problem:
     ) -> StepResult:
         step = step or self.fused(isa, threads)
         lmbda = LMBDA if rounding != "none" else 0.0
-        return step.run(self.parameters, rounding, number, self.reduced(level), 0.5**level, lmbda)
+        return step.run(self.parameters, rounding, number, Level(self.reduced(level), 0.5**level), lmbda)
 
     def reduced(self, level: int) -> np.ndarray:
         return np.ascontiguousarray(self.target[:, :: 2**level, :: 2**level])
@@ -247,3 +249,36 @@ def test_what_it_can_run() -> None:
     assert FusedStep.can_run(SPECS["default"])
     assert not FusedStep.can_run(paper_spec(3))
     assert not FusedStep.can_run(default_spec(3, hidden=16))
+
+
+@pytest.mark.parametrize("isa", available_isas())
+@pytest.mark.parametrize("level", [0, 1])
+def test_weights_are_those_of_automatic_differentiation(level: int, isa: str) -> None:
+    """Gradients are of the weighted error, the error is plain. Without noise, so that both draw the same."""
+    problem, rng = Problem(SPECS["default"]), np.random.default_rng(9)
+    samples = problem.reduced(level)
+    reduced = Level(samples, 0.5**level, rng.uniform(0.2, 3.0, samples.shape[1:]).astype(np.float32))
+    raster = NativeRasterizer(Device(1, isa))
+    reference = AutogradStep(problem.spec, FitSettings(LMBDA, (Phase(1),)), raster, FAMILY, (WIDTH, HEIGHT))
+    reference.set_layout(problem.layout, QUALITY)
+    found = problem.fused(isa).run(problem.parameters, "none", 0, reduced, 0.0)
+    expected = reference.run(problem.parameters, "none", 0, reduced, 0.0)
+    plain = problem.fused_step("none", level, isa)
+    assert found.error == pytest.approx(expected.error, rel=2e-5)
+    assert found.error == pytest.approx(plain.error, rel=1e-6)
+    for name in ("colour", "shape", "offset"):
+        got, want, unweighted = (step.gradients[name] for step in (found, expected, plain))
+        assert float(np.linalg.norm(got - want) / np.linalg.norm(want)) < 1e-3, name
+        assert float(np.linalg.norm(got - unweighted) / np.linalg.norm(want)) > 0.1, name
+
+
+def test_weights_of_one_give_the_same_step() -> None:
+    problem = Problem(SPECS["default"])
+    samples = problem.reduced(0)
+    ones = Level(samples, 1.0, np.ones(samples.shape[1:], np.float32))
+    found, expected = (
+        problem.fused().run(problem.parameters, "noise", 0, level, LMBDA) for level in (ones, Level(samples))
+    )
+    assert found.error == pytest.approx(expected.error, rel=1e-6)
+    for name, gradient in expected.gradients.items():
+        np.testing.assert_array_equal(found.gradients[name], gradient)

@@ -50,6 +50,15 @@ def test_energy_is_the_sum_of_squares_of_what_each_gaussian_draws(spec: ModelSpe
 
 
 @specs
+def test_energy_takes_the_weight_of_the_cell(spec: ModelSpec) -> None:
+    seeds, _ = seed_set(spec)
+    weights = np.random.default_rng(1).uniform(0.1, 3.0, (16, 16)).astype(np.float32)
+    cells = (np.s_[:8, :8], np.s_[:8, 8:], np.s_[8:, :8], np.s_[8:12, 8:12])
+    means = [weights[cell].mean() for cell in cells]
+    np.testing.assert_allclose(seeds.energy(weights), seeds.energy() * np.array(means, np.float32), rtol=1e-5)
+
+
+@specs
 def test_rows_stay_with_their_seeds(spec: ModelSpec) -> None:
     """A step without gradient moves old rows by their moments, which must have come along, and new ones not at all."""
     seeds, adam = seed_set(spec)

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.fit.fused_step import NoiseKey
@@ -16,10 +17,12 @@ from sgicodec.profiles.fit_settings import FitSettings, Rounding
 LMBDA, FAMILY = 0.01, 1
 
 
-def small_fit(settings: FitSettings) -> Trainer:
+def small_fit(settings: FitSettings, weights: NDArray[np.float32] | None = None, side: int = 1) -> Trainer:
+    """Of random squares of this side."""
     spec = default_spec(3, prior=1)
-    target = np.random.default_rng(5).normal(size=(3, 48, 64)).astype(np.float32) * 0.1
-    return Trainer(spec, settings, target, adaptive_layout(target, 2.0), FAMILY, load_prior(spec))
+    squares = np.random.default_rng(5).normal(size=(3, 48 // side, 64 // side)).astype(np.float32)
+    target = 0.1 * squares.repeat(side, axis=1).repeat(side, axis=2)
+    return Trainer(spec, settings, target, adaptive_layout(target, 2.0), FAMILY, load_prior(spec), weights=weights)
 
 
 def test_every_second_step_mirrors_the_noise_before() -> None:
@@ -40,3 +43,28 @@ def test_steps_are_numbered_from_the_first(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(trainer.gradient_step, "run", spy)
     trainer.run()
     assert seen == list(range(12))
+
+
+def test_weights_of_one_change_nothing() -> None:
+    """Through pruning and densification, which an effort of 60 steps has."""
+    settings = default_settings(LMBDA, 60)
+    plain, weighted = (small_fit(settings, weights).run() for weights in (None, np.ones((48, 64), np.float32)))
+    np.testing.assert_array_equal(weighted.layout.corner, plain.layout.corner)
+    for name, values in plain.attributes.items():
+        np.testing.assert_array_equal(weighted.attributes[name], values)
+
+
+def test_weights_move_seeds_to_where_errors_count() -> None:
+    """The right half counts sixteen times as much: it keeps more seeds and less error."""
+    weights = np.ones((48, 64), np.float32)
+    weights[:, 32:] = 16.0
+    errors, shares = [], []
+    for some in (None, weights):
+        trainer = small_fit(default_settings(0.01, 120), some, side=8)
+        trainer.run()
+        drawn = trainer.raster.forward(*trainer.seeds.gaussians(), 64, 48)
+        squares = (trainer.levels[0].samples - drawn)[:, :, 32:] ** 2
+        errors.append(float(squares.sum()))
+        shares.append(float(np.mean(trainer.seeds.layout.corner[:, 0] >= 32)))
+    assert errors[1] < 0.7 * errors[0]
+    assert shares[1] > shares[0] + 0.1

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from sgicodec.metrics.distortion import decibels, squared_error
+from sgicodec.metrics.distortion import QuadraticReference, decibels, mean_weight, squared_error
 from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Picture
 
@@ -35,3 +35,13 @@ def test_weights_are_of_pixels_in_all_channels() -> None:
     weights = random.uniform(0, 2, (150, 40)).astype(np.float32)
     expected = np.sum(weights[..., None].astype(np.float64) * (a.pixels / 255.0 - b.pixels / 255.0) ** 2)
     assert squared_error(a, b, weights) == pytest.approx(expected, rel=1e-6)
+
+
+def test_mean_weight_is_that_of_the_detail() -> None:
+    detail = np.zeros((2, 4, 6), np.float32)
+    weights = np.full((4, 6), 9.0, np.float32)
+    detail[:, 1, 2], weights[1, 2] = 0.5, 0.25
+    detail[:, 3, 3], weights[3, 3] = -0.5, 0.75
+    assert mean_weight(QuadraticReference(weights), detail) == pytest.approx(0.5)
+    assert mean_weight(QuadraticReference(weights), np.zeros_like(detail)) == 1
+    assert mean_weight(QuadraticReference(), detail) == 1
