@@ -17,6 +17,7 @@ BENCHMARKS = {
     "raster": ("benchmarks.raster", "The native rasteriser's passes, next to the peak of the cores."),
     "views": ("benchmarks.views", "What small views cost, and how near they are to the whole model."),
     "variants": ("benchmarks.variants", "How a change of settings changes J = D + λR of whole streams."),
+    "distortion": ("benchmarks.distortion", "What a distortion gains, and through which stage."),
     "targets": ("benchmarks.targets", "How near encodes come to a size or a PSNR, and what that costs."),
     "limits": ("benchmarks.limits", "How well time limits are kept, and what they give."),
     "large": ("benchmarks.large.command", "sgi and its peers on pictures of many megapixels."),

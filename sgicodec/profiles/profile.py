@@ -44,9 +44,10 @@ class Profile:
 
     family: of frequency tables, 0 for Gaussian, 1 for Laplace. spec: the model for a number of channels. settings: how
     a tile is fitted. own_choices: settings that no other profile has. scales: settings on a scale of this profile
-    alone, and which takes their place elsewhere. has_targets: whether a size or a PSNR can be asked for. has_distortions:
-    whether it minimises what `metrics.choices` offers. has_overviews: whether a stream of several tiles may carry the picture in small. needs: a library that comes with the extra of the
-    profile's name. parts: names under which parts of a stream are shown together.
+    alone, and which takes their place elsewhere. has_targets: whether a size or a PSNR can be asked for.
+    has_distortions: whether it minimises what `metrics.choices` offers. has_overviews: whether a stream of several
+    tiles may carry the picture in small. needs: a library that comes with the extra of the profile's name. parts: names
+    under which parts of a stream are shown together.
     """
 
     name: str

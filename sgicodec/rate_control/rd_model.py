@@ -23,9 +23,9 @@ class RdModel:
 
     sums: statistics of the picture's cells (`cell_sums`). seed_price: squared deviation that splits a cell, for each
     unit of λ. weight: what the distortion is of squared error on this picture: a fit at λ comes to what one for squared
-    error comes to at λ / weight. The predictions are products of powers of λ, of the number of seeds and of the deviation within their
-    cells, fitted to photographs. That of the error also sees both at four times the price of a seed: how fast more
-    seeds become worth their bits tells fine texture from edges (docs/notes/2026-11-rd-model.md).
+    error comes to at λ / weight. The predictions are products of powers of λ, of the number of seeds and of the
+    deviation within their cells, fitted to photographs. That of the error also sees both at four times the price of a
+    seed: how fast more seeds become worth their bits tells fine texture from edges (docs/notes/2026-11-rd-model.md).
     """
 
     def __init__(self, sums: CellSums, channels: int, pixels: int, seed_price: float, weight: float = 1.0) -> None:

@@ -36,6 +36,7 @@ HOMES = {
     "rich": ("sgicodec/cli/", "sgicodec/bench/", "benchmarks/"),
     "click": ("sgicodec/cli/", "sgicodec/bench/", "benchmarks/", "tools/"),
     "scipy": ("sgicodec/metrics/similarity.py", "sgicodec/bench/bdrate.py"),
+    "ssimulacra2": ("benchmarks/distortion.py",),
     "PIL": ("sgicodec/bench/", "benchmarks/"),
     "imagecodecs": ("sgicodec/bench/", "benchmarks/"),
     "matplotlib": ("sgicodec/bench/", "benchmarks/"),
