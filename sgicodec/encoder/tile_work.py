@@ -29,14 +29,15 @@ __all__ = ["EncodedTile", "FitTask", "LookaheadTask", "SearchTask", "Start", "en
 @dataclass(frozen=True)
 class EncodedTile:
     """A finished tile. payload: of its chunk; part_bytes, seeds as in `Encoded`; squared_error: of what is decoded, in
-    the tile's core, over `samples` of them in 0..1; seconds: that it took, `decoding` of them to decode it; length: of
-    the payload; lmbda: its λ; steps: of its fit.
+    the tile's core, over `samples` of them in 0..1; distortion: what λ trades for bytes, of the same; seconds: that it
+    took, `decoding` of them to decode it; length: of the payload; lmbda: its λ; steps: of its fit.
     """
 
     payload: bytes
     part_bytes: dict[str, float]
     seeds: int
     squared_error: float
+    distortion: float
     samples: int
     seconds: float
     length: int
@@ -167,13 +168,18 @@ def _finished(tile: Encoding, plan: Plan, number: int, candidate: Candidate | No
     with open_stream(tile.assembled(tile.plan.header, model)[0], tile.device) as stream:
         decoded = stream.picture()
     decoding = time.monotonic() - coded
-    own, shown = (_core(plan, number, picture) for picture in (tile.picture, decoded))
-    error, seconds = squared_error(own, shown), time.monotonic() - started
-    return EncodedTile(payload, parts, seeds, error, own.pixels.size, seconds, len(payload), tile.fit.lmbda, decoding)
+    core, weights = _core(plan, number), tile.reference.weights
+    own, shown = (replace(picture, pixels=picture.pixels[core]) for picture in (tile.picture, decoded))
+    error = squared_error(own, shown)
+    distortion = error if weights is None else squared_error(own, shown, weights[core])
+    size, seconds = len(payload), time.monotonic() - started
+    return EncodedTile(
+        payload, parts, seeds, error, distortion, own.pixels.size, seconds, size, tile.fit.lmbda, decoding
+    )
 
 
-def _core(plan: Plan, number: int, window: Picture) -> Picture:
-    """What of a tile's pixels is in no other core."""
+def _core(plan: Plan, number: int) -> tuple[slice, slice]:
+    """Rows and columns of a tile's pixels that are in no other core."""
     grid = plan.header.grid
     (left, top, _, _), (x, y, width, height) = grid.rect(number), grid.core(number)
-    return replace(window, pixels=window.pixels[y - top : y - top + height, x - left : x - left + width])
+    return slice(y - top, y - top + height), slice(x - left, x - left + width)

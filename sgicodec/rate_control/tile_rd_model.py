@@ -34,13 +34,16 @@ class RdTable:
 
 
 class CodedTile(Protocol):
-    """A finished tile: bytes of its payload, squared error in its core, and its λ."""
+    """A finished tile: bytes of its payload, squared error and distortion in its core, and its λ."""
 
     @property
     def length(self) -> int: ...
 
     @property
     def squared_error(self) -> float: ...
+
+    @property
+    def distortion(self) -> float: ...
 
     @property
     def lmbda(self) -> float: ...
@@ -78,8 +81,8 @@ class Bound:
 
     def option(self, tile: CodedTile) -> Option:
         """A coding of a tile for the allocation within this bound."""
-        size, error = float(tile.length), tile.squared_error
-        return Option(size, error) if self.what == "bytes" else Option(error, size)
+        size = float(tile.length)
+        return Option(size, tile.distortion) if self.what == "bytes" else Option(tile.squared_error, size)
 
     def error(self, total: float) -> float:
         """Octaves by which a total is off, positive where λ has to rise."""

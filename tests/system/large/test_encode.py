@@ -104,8 +104,8 @@ def test_going_on_gives_the_same_bytes(photo: Path, settings: EncodeSettings, ex
 def test_state_adds_up(clock: Clock) -> None:
     state = PassState(tiles=4, all_pixels=4000, started=clock.now)
     assert state.seconds_left == float("inf")
-    state.add(EncodedTile(b"", {}, 1, 0.03, 300, 1.0, 125, 0.01), 1000, fresh=True)
-    state.add(EncodedTile(b"", {}, 1, 0.03, 300, 1.0, 125, 0.01), 1000, fresh=False)
+    state.add(EncodedTile(b"", {}, 1, 0.03, 0.02, 300, 1.0, 125, 0.01), 1000, fresh=True)
+    state.add(EncodedTile(b"", {}, 1, 0.03, 0.02, 300, 1.0, 125, 0.01), 1000, fresh=False)
     assert (state.done, state.bpp) == (2, 1.0)
     assert state.psnr == pytest.approx(40.0)
     clock.now += 4.0

@@ -19,7 +19,7 @@ START = 1000.0
 
 
 def tile(seeds: int = 9, decoding: float = 0.0) -> EncodedTile:
-    return EncodedTile(b"", {}, seeds, 0.0, 1, 1.0, 0, 0.01, decoding)
+    return EncodedTile(b"", {}, seeds, 0.0, 0.0, 1, 1.0, 0, 0.01, decoding)
 
 
 def row(count: int) -> TileGrid:

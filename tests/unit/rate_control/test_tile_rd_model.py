@@ -14,7 +14,7 @@ TABLES = [RdTable(tuple(c * g**-0.5 for g in LMBDA_GRID), tuple(c * g for g in L
 
 
 def tile(length: int, error: float, lmbda: float) -> EncodedTile:
-    return EncodedTile(b"", {}, 1, error, 300, 1.0, length, lmbda)
+    return EncodedTile(b"", {}, 1, error, 0.5 * error, 300, 1.0, length, lmbda)
 
 
 def test_the_bound_is_met_at_lmbda() -> None:
@@ -66,5 +66,5 @@ def test_a_target_leaves_a_bound_to_the_tiles() -> None:
 def test_options_and_parts_of_a_tile() -> None:
     coded = tile(40, 3.0, 0.01)
     assert (Bound("bytes", 1.0).of(coded), Bound("error", 1.0).of(coded)) == (40, 3.0)
-    assert Bound("bytes", 1.0).option(coded) == Option(40, 3.0)
+    assert Bound("bytes", 1.0).option(coded) == Option(40, 1.5)
     assert Bound("error", 1.0).option(coded) == Option(3.0, 40)
