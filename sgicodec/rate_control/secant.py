@@ -15,6 +15,8 @@ __all__ = ["REFIT", "SEARCH", "Correction"]
 MIN_TILES = 4
 MIN_STEP_OCTAVES = 1e-3
 """λ that differ by less say nothing of the slope."""
+MIN_FIRST_STEP = 0.2
+"""Part of `least` by which λ of all tiles moves at least, as long as nothing was tried."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +45,10 @@ class Correction:
         if len(tried) > 1 and abs(last - tried[-2][0]) > MIN_STEP_OCTAVES:
             slope = min(max((tried[-2][1] - tried[-1][1]) / (last - tried[-2][0]), 0.3 * slope), 3 * slope)
         wanted = self.direction * (last + (tried[-1][1] if tried else left) / slope)
-        return self.direction * min(max(wanted, 0.2 * self.least), self.most), list(shares)
+        lowest = (
+            -self.least if tried else MIN_FIRST_STEP * self.least
+        )  # all tiles may overshoot: then back, past the fits
+        return self.direction * min(max(wanted, lowest), self.most), list(shares)
 
     def _of_fresh(self, left: float, shares: dict[int, float], fresh: Sequence[int]) -> tuple[float, list[int]]:
         part = sum(shares[number] for number in fresh) / max(sum(shares.values()), 1e-9)

@@ -42,3 +42,11 @@ def test_a_straight_response_is_found(slope: float) -> None:
         octaves, _ = SEARCH.next(need, EVEN, list(EVEN) if not tried else [], tried)
         tried.append((octaves, need - slope * octaves))
     assert tried[-1][1] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_correction_that_gains_too_much_goes_back_past_the_fits() -> None:
+    """RDOQ of every tile alone saves more than is needed: λ must fall below that of the fits."""
+    saved, need = 0.12, 0.01
+    octaves, numbers = SEARCH.next(need, EVEN, [], [(0.35, need - saved - 0.2 * 0.35)])
+    assert -0.35 <= octaves < 0
+    assert numbers == list(EVEN)
