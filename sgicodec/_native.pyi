@@ -14,6 +14,36 @@ I64 = NDArray[np.int64]
 F64 = NDArray[np.float64]
 U8 = NDArray[np.uint8]
 
+FRACTION_BITS: int
+INPUT_BITS: int
+MEAN_BITS: int
+GAMMA_BITS: int
+PER_OCTAVE: int
+STEP_ZERO: int
+STEP_COUNT: int
+SCALE_ZERO: int
+SCALE_COUNT: int
+REFINE_LIMIT: int
+AMPLITUDE_ZERO: int
+OCTAVE_LIMIT: int
+LEVELS: int
+SUMMARY: int
+LEVEL_INPUTS: int
+NEIGHBOUR_INPUTS: int
+COLOUR_GAIN_BITS: int
+LOUDNESS_ZERO: int
+OFFSET_LIMIT: int
+INPUT_LIMIT: int
+HIDDEN_LIMIT: int
+WINDOW_PADDING: int
+DEAD_ZONE: float
+DEAD_ZONE_LIMIT: float
+MIN_VARIANCE: float
+SHAPE_LIMIT: float
+LEAST_MASS: float
+NEIGHBOUR_WEIGHTS: tuple[int, ...]
+OWN_INPUTS: tuple[int, ...]
+
 class Rasterizer:
     def __init__(self, isa: str, threads: int, most_pairs: int) -> None: ...
     def forward(
@@ -87,9 +117,6 @@ class Rasterizer:
 def nearest_among(points: I32, among: I64, members: I64, out: I32, threads: int, /) -> None: ...
 def fma_peak(threads: int, isa: str, /) -> float: ...
 def resolve_threads(threads: int, /) -> int: ...
-
-MOST_NEIGHBOURS: int
-
 def adam_step(
     value: F32,
     gradient: F32,
@@ -106,9 +133,7 @@ def adam_step(
 
 class SeedFit:
     def __init__(self, isa: str, threads: int, per_seed: int, hidden: int, opponent: F32) -> None: ...
-    def set_layout(
-        self, centre: F32, cell: F32, log_size: F32, level: I32, neighbour: I32, offset: F32, level_inputs: F32
-    ) -> None: ...
+    def set_layout(self, half_pixels: I32, log_size: I8, neighbour: I32, quality: int, /) -> None: ...
     def forward(
         self,
         colour: F32,
@@ -141,6 +166,19 @@ class SeedFit:
     @property
     def sums(self) -> int: ...
 
+def seed_gaussians(
+    values: F64,
+    half_pixels: I32,
+    log_size: I8,
+    per_seed: int,
+    opponent: F32,
+    threads: int,
+    isa: str,
+    means: F32,
+    covariances: F32,
+    colours: F32,
+    /,
+) -> None: ...
 def evaluate_network(
     w1: I64,
     b1: I64,
@@ -315,8 +353,6 @@ class AttributeModel:
 
 def base_lines(grid: F64, first: int, left: I64, across: F64, threads: int, lines: F32, /) -> None: ...
 def png_filter(rows: U8, above: U8, step: int, out: U8, /) -> None: ...
-
-WINDOW_PADDING: int
 
 class SymbolSearch:
     def __init__(

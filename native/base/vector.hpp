@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <cstring>
 
+#include "base/scalar.hpp"
+
 namespace sgi {
 namespace {
 
@@ -38,6 +40,45 @@ inline vf exp2v(vf x) {
   p = p * f + 1.0f;
   const vi bits = (vi)p + ((vi)t << 23);
   return (vf)(bits & live);
+}
+
+inline vf select(vi mask, vf yes, vf no) { return (vf)(((vi)yes & mask) | ((vi)no & ~mask)); }
+inline vf maxv(vf a, vf b) { return a > b ? a : b; }
+inline vf minv(vf a, vf b) { return a < b ? a : b; }
+inline vf clampv(vf x, float limit) { return maxv(minv(x, vf{} + limit), vf{} - limit); }
+inline vf absv(vf x) { return (vf)((vi)x & 0x7fffffff); }
+inline vf signv(vf x) { return select(x > 0.0f, vf{} + 1.0f, select(x < 0.0f, vf{} - 1.0f, vf{})); }
+
+// floor for 0 <= x < 2^22; larger values stay as they are.
+inline vf floorv(vf x) {
+  const vf magic = vf{} + 8388608.0f;
+  const vf near = (x + magic) - magic;
+  const vf down = near - select(near > x, vf{} + 1.0f, vf{});
+  return select(x < 4194304.0f, down, x);
+}
+
+// log2 of a normal positive number, to about 1e-7.
+inline vf log2v(vf x) {
+  const vi bits = (vi)x;
+  vi exponent = (bits >> 23) - 127;
+  vf m = (vf)((bits & 0x7fffff) | 0x3f800000);
+  const vi big = m > 1.41421356f;
+  m = select(big, m * 0.5f, m);
+  exponent -= big;  // a mask is -1
+  const vf t = (m - 1.0f) / (m + 1.0f), tt = t * t;
+  vf p = vf{} + 0.41219859f;  // 2 / (7 ln 2)
+  p = p * tt + 0.57707802f;
+  p = p * tt + 0.96179669f;
+  p = p * tt + 2.88539008f;
+  return p * t + __builtin_convertvector(exponent, vf);
+}
+
+// Square root. A loop of its own is what compilers make one instruction of.
+inline vf rootv(vf x) {
+  float lanes[LANES];
+  store(lanes, x);
+  for (float &lane : lanes) lane = __builtin_sqrtf(lane);
+  return load(lanes);
 }
 
 }  // namespace

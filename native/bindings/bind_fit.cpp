@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "bindings/arrays.hpp"
 #include "bindings/bindings.hpp"
+#include "bindings/checks.hpp"
 #include "fit/adam.hpp"
 #include "fit/seed_fit.hpp"
 
@@ -19,28 +19,21 @@ using In1 = Array<const float, 1>;
 using In2 = Array<const float, 2>;
 using Out1 = Array<float, 1>;
 using Out2 = Array<float, 2>;
-using Ints1 = Array<const int32_t, 1>;
-using Ints2 = Array<const int32_t, 2>;
 
 template <class A>
 void require_rows(const A &array, int64_t rows, int64_t columns, const char *what) {
   require(has_shape(array, size_t(rows), size_t(columns)), what);
 }
 
-void set_layout(sgi::SeedFit &self, In2 centre, In1 cell, In1 log_size, Ints1 level, Ints2 neighbour, In2 offset,
-                In2 level_inputs) {
-  const int64_t n = int64_t(cell.shape(0)), k = int64_t(neighbour.shape(1));
-  require_rows(centre, n, 2, "centre must be [N, 2]");
-  require_rows(offset, n, 2, "offset must be [N, 2]");
-  require_rows(level_inputs, n, sgi::kLevels + 1, "level_inputs must be [N, 9]");
-  require(int64_t(log_size.shape(0)) == n && int64_t(level.shape(0)) == n, "log_size and level must be [N]");
+void set_layout(sgi::SeedFit &self, Array<const int32_t, 2> half_pixels, Array<const int8_t, 1> log_size,
+                Array<const int32_t, 2> neighbour, int quality) {
+  const int64_t n = int64_t(log_size.shape(0)), k = int64_t(neighbour.shape(1));
+  require_rows(half_pixels, n, 2, "half_pixels must be [N, 2]");
   require_rows(neighbour, n, k, "neighbour must be [N, k]");
   require(k <= sgi::kMostNeighbours, "there are more neighbours than weights for them");
-  for (int64_t i = 0; i < n; ++i)
-    require(level.data()[i] >= 0 && level.data()[i] < sgi::kLevels, "a level is outside 0..7");
+  sgi::require_cells(log_size);
   for (int64_t i = 0; i < n * k; ++i) require(neighbour.data()[i] < n, "a neighbour is no seed");
-  self.set_layout({centre.data(), cell.data(), log_size.data(), level.data(), neighbour.data(), offset.data(),
-                   level_inputs.data(), n, int(k)});
+  self.set_layout({half_pixels.data(), log_size.data()}, n, neighbour.data(), int(k), quality);
 }
 
 double forward(sgi::SeedFit &self, In2 colour, In2 shape, In2 offset, In1 first, In1 rest, In1 steps, int rounding,
@@ -96,7 +89,6 @@ void adam_step(Out1 value, In1 gradient, Out1 mean, Out1 square, double beta1, d
 void bind_fit(nb::module_ &m) {
   m.def("adam_step", &adam_step, "value"_a, "gradient"_a, "mean"_a, "square"_a, "beta1"_a, "beta2"_a, "rate"_a,
         "root_correction"_a, "epsilon"_a, "threads"_a, "isa"_a);
-  m.attr("MOST_NEIGHBOURS") = sgi::kMostNeighbours;
   nb::class_<sgi::SeedFit>(m, "SeedFit")
       .def("__init__",
            [](sgi::SeedFit *self, const std::string &isa, int threads, int per_seed, int hidden, In2 opponent) {

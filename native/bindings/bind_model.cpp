@@ -7,6 +7,7 @@
 #include "bindings/checks.hpp"
 #include "model/base_lines.hpp"
 #include "model/neighbours.hpp"
+#include "model/seed_gaussians.hpp"
 
 namespace nb = nanobind;
 using sgi::Array;
@@ -41,7 +42,7 @@ void seed_inputs(Array<const int32_t, 2> half_pixels, Array<const int8_t, 1> log
                  int quality, int threads, Array<int16_t, 2> out) {
   const size_t count = log_size.shape(0), ranks = neighbours.shape(1);
   require(has_shape(half_pixels, count, 2) && has_shape(summary, count, sgi::kSummary) &&
-              neighbours.shape(0) == members.shape(0) && ranks <= sgi::kMostRanks,
+              neighbours.shape(0) == members.shape(0) && ranks <= sgi::kMostNeighbours,
           "half_pixels [N, 2], log_size [N], neighbours [n, at most 6], summary [N, 7]");
   require(out.shape(0) == members.shape(0) &&
               out.shape(1) >= size_t(sgi::kLevelInputs + (ranks ? sgi::kNeighbourInputs : 0)),
@@ -71,7 +72,8 @@ void summarise(Array<const int64_t, 2> attributes, int per_seed, int channels, i
 void own_inputs(Array<const int16_t, 2> summary, int step, int64_t first, int threads, Array<int16_t, 2> out) {
   const size_t n = summary.shape(0);
   require(summary.shape(1) == sgi::kSummary && out.shape(0) == n, "summary [n, 7], out [n, inputs]");
-  require(step >= 1 && first >= 0 && first + (step >= 2 ? 12 : 7) <= int64_t(out.shape(1)), "out must have room");
+  require(step >= 0 && first >= 0 && first + sgi::own_input_count(step) <= int64_t(out.shape(1)),
+          "out must have room");
   nb::gil_scoped_release release;
   sgi::own_inputs(summary.data(), int64_t(n), step, first, threads, out.data(), int64_t(out.shape(1)));
 }
@@ -134,11 +136,28 @@ void nearest_among(Array<const int32_t, 2> points, Array<const int64_t, 1> among
                      int(out.shape(1)), threads, out.data());
 }
 
+void seed_gaussians(Array<const double, 2> values, Array<const int32_t, 2> half_pixels, Array<const int8_t, 1> log_size,
+                    int per_seed, Array<const float, 2> opponent, int threads, const std::string &isa,
+                    Array<float, 2> means, Array<float, 2> covariances, Array<float, 2> colours) {
+  const size_t n = log_size.shape(0), channels = opponent.shape(0), all = n * size_t(per_seed);
+  require(per_seed >= 1 && channels >= 1 && opponent.shape(1) == channels, "opponent must be [C, C]");
+  const sgi::SeedModel model{per_seed, int(channels), opponent.data()};
+  require(has_shape(values, n, size_t(model.attributes())) && has_shape(half_pixels, n, 2),
+          "values must be [N, K (C + 5)], half_pixels [N, 2]");
+  require(has_shape(means, all, 2) && has_shape(covariances, all, 3) && has_shape(colours, all, channels),
+          "means [N K, 2], covariances [N K, 3], colours [N K, C]");
+  sgi::require_cells(log_size);
+  nb::gil_scoped_release release;
+  sgi::seed_gaussians(model, {half_pixels.data(), log_size.data()}, int64_t(n), values.data(), threads,
+                      sgi::choose_isa(isa), {means.data(), covariances.data(), colours.data()});
+}
+
 }  // namespace
 
 void bind_model(nb::module_ &m) {
   m.def("base_lines", &base_lines);
   m.def("nearest_among", &nearest_among);
+  m.def("seed_gaussians", &seed_gaussians);
   m.def("evaluate_network", &evaluate_network);
   m.def("seed_inputs", &seed_inputs);
   m.def("summarise", &summarise);

@@ -44,11 +44,10 @@ class SymbolSearch {
   SymbolSearch(Array<const int32_t, 1> support, Array<const int64_t, 1> start, Array<const double, 1> bits, int first,
                Array<const float, 2> opponent, int threads, const std::string &isa)
       : support_(support), start_(start), bits_(bits), opponent_(opponent), threads_(threads), isa_(sgi::choose_isa(isa)) {
-    constexpr size_t kScales = 64;
     const size_t channels = opponent.shape(0), tables = support.shape(0);
     require(opponent.shape(1) == channels && channels >= 1 && channels <= sgi::kMostColours,
             "opponent must be [C, C], C at most 64");
-    require(first >= 0 && size_t(first) + kScales <= tables, "there must be a table for every scale");
+    require(first >= 0 && size_t(first) + sgi::kScaleCount <= tables, "there must be a table for every scale");
     require_tables(support, start, bits);
     model_.channels = int(channels);
     model_.tables = {support_.data(), start_.data(), bits_.data(), first};
@@ -58,7 +57,7 @@ class SymbolSearch {
   void set_group(int group, Array<const int64_t, 2> w1, Array<const int64_t, 1> b1, Array<const int64_t, 2> w2,
                  Array<const int64_t, 1> b2, int shift, int predicted, Array<const int64_t, 2> base,
                  Array<const int64_t, 1> columns, int64_t gamma) {
-    require(group >= 0 && group < sgi::kGroupCount, "there are three groups");
+    require(group >= 0 && group < sgi::kGroups, "there are three groups");
     const sgi::NetworkWeights weights = sgi::network_weights(w1, b1, w2, b2, shift, predicted);
     const size_t size = group == sgi::kColour ? size_t(model_.channels) : group == sgi::kShape ? 3 : 2;
     require(predicted > 0 && weights.outputs == 2 * predicted + 1 && columns.shape(0) == size,
@@ -77,8 +76,9 @@ class SymbolSearch {
               Array<int64_t, 2> decoded, Array<int32_t, 2> symbols, Array<int16_t, 2> scale, Array<double, 1> change,
               float lmbda, float cutoff, int deep, int rounds) {
     for (const auto &network : networks_) require(network != nullptr, "set_group comes first, for all groups");
-    require(model_.inputs[1] == model_.inputs[0] + 7 && model_.inputs[2] == model_.inputs[0] + 12,
-            "the networks must see 0, 7 and 12 inputs of a seed's own");
+    for (int group = 0; group < sgi::kGroups; ++group)
+      require(model_.inputs[group] == model_.inputs[0] + sgi::own_input_count(group),
+              "the networks must see 0, 7 and 12 inputs of a seed's own");
     const size_t n = cell.shape(0), d = size_t(model_.attributes());
     const sgi::Residual r = residual_of(residual, weights, size_t(model_.channels));
     require(inputs.shape(0) == n && int(inputs.shape(1)) >= model_.inputs[0] && has_shape(centre, n, 2) &&
@@ -99,9 +99,9 @@ class SymbolSearch {
   Array<const int64_t, 1> start_;
   Array<const double, 1> bits_;
   Array<const float, 2> opponent_;
-  Array<const int64_t, 2> base_[sgi::kGroupCount];
-  Array<const int64_t, 1> columns_[sgi::kGroupCount];
-  std::unique_ptr<sgi::Network> networks_[sgi::kGroupCount];
+  Array<const int64_t, 2> base_[sgi::kGroups];
+  Array<const int64_t, 1> columns_[sgi::kGroups];
+  std::unique_ptr<sgi::Network> networks_[sgi::kGroups];
   sgi::CodingModel model_{};
   int threads_;
   sgi::Isa isa_;
@@ -155,5 +155,4 @@ void bind_rdoq(nb::module_ &m) {
       .def("search", &SymbolSearch::search);
   m.def("prune_gaussians", &prune_gaussians);
   m.def("search_base", &search_base);
-  m.attr("WINDOW_PADDING") = sgi::kWindowPadding;
 }

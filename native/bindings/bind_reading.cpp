@@ -74,7 +74,7 @@ class AttributeModel {
     require(per_seed >= 1 && channels >= 1 && colour >= 0 && shape >= 0 &&
                 colour + int64_t(per_seed) * channels <= attributes && shape + 3 * int64_t(per_seed) <= attributes,
             "the groups do not fit the attributes");
-    require(ranks >= 0 && ranks <= sgi::kMostRanks && first_table >= 0 && first_table < 1 << 14,
+    require(ranks >= 0 && ranks <= sgi::kMostNeighbours && first_table >= 0 && first_table < 1 << 14,
             "at most 6 neighbours; tables from 0");
     model_.attributes = attributes, model_.per_seed = per_seed, model_.channels = channels, model_.colour = colour;
     model_.shape = shape, model_.quality = quality, model_.ranks = ranks, model_.first_table = int16_t(first_table);
@@ -89,7 +89,7 @@ class AttributeModel {
     const auto inputs = int64_t(w1.shape(1));
     const int64_t seed = sgi::kLevelInputs + (model_.ranks ? sgi::kNeighbourInputs : 0);
     const size_t number = model_.steps.size();
-    require(number ? inputs >= model_.steps[0].inputs + (number >= 2 ? 12 : 7) : inputs >= seed, "inputs have no room");
+    require(number ? inputs >= model_.steps[0].inputs + sgi::own_input_count(int(number)) : inputs >= seed, "inputs have no room");
     model_.steps.push_back({std::make_unique<sgi::Network>(weights, sgi::choose_isa(isa)), int(inputs), predicted, {}});
   }
 
@@ -124,7 +124,7 @@ class AttributeModel {
     const size_t count = log_size.size();
     require(has_shape(half_pixels, count, 2) && has_shape(decoded, count, size_t(model_.attributes)),
             "half_pixels [N, 2], log_size [N], decoded [N, attributes]");
-    require(model_.first_table + 64 <= tables.models().models->size(), "a family of 64 tables");
+    require(model_.first_table + sgi::kScaleCount <= tables.models().models->size(), "a family of 64 tables");
     sgi::TileSeeds seeds{{half_pixels.data(), log_size.data()}, int64_t(count), {}};
     require(start.size() >= 1 && start.data()[0] == 0 && start.data()[start.size() - 1] == int64_t(members.size()),
             "start [passes + 1] must divide members");

@@ -6,6 +6,12 @@
 
 namespace sgi {
 
+// log2 of the sides of cells, as shifts of whole pixels.
+inline void require_cells(const Array<const int8_t, 1> &log_size) {
+  for (size_t i = 0; i < log_size.size(); ++i)
+    require(log_size.data()[i] >= 0 && log_size.data()[i] < 24, "log_size must be 0..23");
+}
+
 // A view of w1 [hidden, inputs], b1 [hidden], w2 [outputs, hidden], b2 [outputs].
 inline NetworkWeights network_weights(const Array<const int64_t, 2> &w1, const Array<const int64_t, 1> &b1,
                                       const Array<const int64_t, 2> &w2, const Array<const int64_t, 1> &b2, int shift,

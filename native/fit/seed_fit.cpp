@@ -7,11 +7,6 @@ namespace {
 
 constexpr int64_t kRun = 1024;  // seeds; a multiple of every kernel's lanes
 
-template <class T>
-void assign(std::vector<T> &to, const T *from, int64_t n) {
-  to.assign(from, from + n);
-}
-
 }  // namespace
 
 SeedFit::SeedFit(Isa isa, int threads, int per_seed, int channels, int hidden, const float *opponent)
@@ -22,17 +17,10 @@ SeedFit::SeedFit(Isa isa, int threads, int per_seed, int channels, int hidden, c
   state_.opponent = opponent_.data();
 }
 
-void SeedFit::set_layout(const SeedLayoutArrays &layout) {
-  const int64_t n = layout.count;
-  state_.count = n;
-  state_.neighbours = layout.neighbours;
-  assign(centre_, layout.centre, 2 * n);
-  assign(cell_, layout.cell, n);
-  assign(log_size_, layout.log_size, n);
-  assign(level_, layout.level, n);
-  assign(neighbour_, layout.neighbour, n * layout.neighbours);
-  assign(offset_, layout.offset, 2 * n);
-  assign(level_inputs_, layout.level_inputs, n * (kLevels + 1));
+void SeedFit::set_layout(const SeedsView &seeds, int64_t n, const int32_t *neighbour, int neighbours, int quality) {
+  half_pixels_.assign(seeds.half_pixels, seeds.half_pixels + 2 * n);
+  log_size_.assign(seeds.log_size, seeds.log_size + n);
+  neighbour_.assign(neighbour, neighbour + n * neighbours);
   const int64_t padded = (n + lanes_ - 1) / lanes_ * lanes_;
   summary_.resize(n * kSummary);
   inputs_.resize(padded * kCommonInputs);
@@ -40,13 +28,11 @@ void SeedFit::set_layout(const SeedLayoutArrays &layout) {
   kept_.resize(padded * 3 * kUnits);
   decoded_.resize(padded * state_.attributes());
   bits_.resize(n);
-  state_.centre = centre_.data();
-  state_.cell = cell_.data();
-  state_.log_size = log_size_.data();
-  state_.level = level_.data();
+  state_.count = n;
+  state_.neighbours = neighbours;
+  state_.quality = quality;
+  state_.seeds = {half_pixels_.data(), log_size_.data()};
   state_.neighbour = neighbour_.data();
-  state_.offset = offset_.data();
-  state_.level_inputs = level_inputs_.data();
   state_.summary = summary_.data();
   state_.inputs = inputs_.data();
   state_.product = product_.data();

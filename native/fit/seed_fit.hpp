@@ -9,14 +9,6 @@
 
 namespace sgi {
 
-struct SeedLayoutArrays {
-  const float *centre, *cell, *log_size;  // [N, 2], [N] pixels, [N]
-  const int32_t *level, *neighbour;       // [N], [N, k]
-  const float *offset, *level_inputs;     // [N, 2], [N, 9]
-  int64_t count;
-  int neighbours;
-};
-
 // What a step's arithmetic depends on beside the values.
 struct SeedParameters {
   const float *first, *rest, *steps;  // W1 of all groups; b1, W2, b2 of all groups; base steps, then γ
@@ -34,7 +26,8 @@ class SeedFit {
  public:
   SeedFit(Isa isa, int threads, int per_seed, int channels, int hidden, const float *opponent);
 
-  void set_layout(const SeedLayoutArrays &layout);
+  // n seeds and the nearest of each [n, neighbours], negative for none.
+  void set_layout(const SeedsView &seeds, int64_t n, const int32_t *neighbour, int neighbours, int quality);
   // Bits of all seeds; 0 without rounding.
   double forward(const std::array<const float *, kGroups> &values, const SeedParameters &parameters, Rounding rounding,
                  NoiseKey key, Reuse reuse, bool trains_first, const SeedGaussians &out);
@@ -57,8 +50,9 @@ class SeedFit {
   const SeedKernel &kernel_;
   int lanes_, threads_;
   SeedState state_{};
-  std::vector<float> opponent_, centre_, cell_, log_size_, offset_, level_inputs_;
-  std::vector<int32_t> level_, neighbour_;
+  std::vector<float> opponent_;
+  std::vector<int32_t> half_pixels_, neighbour_;
+  std::vector<int8_t> log_size_;
   std::vector<float> summary_, inputs_, product_, kept_, decoded_, bits_, partials_;
 };
 

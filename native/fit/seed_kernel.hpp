@@ -1,44 +1,35 @@
 // One step of the default profile's fit on a run of seeds: from attributes to Gaussians and bits, and back to gradients.
 // A lane holds a seed.
 //
-// The reference is written in torch: fit/sampler.py, fit/rate.py and model/gaussians.py. MLP_p sees nothing that it
+// Its arithmetic is that of native/model; the reference in torch is fit/sampler.py, fit/rate.py and model/gaussians.py. MLP_p sees nothing that it
 // passes gradients to, so that no gradient crosses from one coding step to another.
 #pragma once
 #include <cstdint>
 
 #include "base/isa.hpp"
+#include "model/context_inputs.hpp"
 
 namespace sgi {
 
-constexpr int kGroups = 3;        // colour, shape, offset: one coding step each
-constexpr int kUnits = 8;         // distinct predictions: three colours, three shape numbers, two offsets
-constexpr int kLevels = 8;        // cell sizes told apart
-constexpr int kSummary = 7;       // what a seed tells of itself: see model/context.py
-constexpr int kCommonInputs = 32; // cell size and quality, then what the neighbours say
-constexpr int kOwnInputs[kGroups] = {0, 7, 12};
+constexpr int kUnits = 8;   // distinct predictions: three colours, three shape numbers, two offsets
 constexpr int kGroupUnits[kGroups] = {3, 3, 2};
 constexpr int kFirstUnit[kGroups] = {0, 3, 6};
-constexpr int kGammas = 2;        // shape and offset follow the amplitude
-constexpr int kMostNeighbours = 6;
+constexpr int kGammas = 2;  // shape and offset follow the amplitude
 constexpr int kBatch = 8;         // blocks of LANES seeds that go back through MLP_p together
 
 constexpr int outputs_of(int group) { return 2 * kGroupUnits[group] + 1; }
-constexpr int inputs_of(int group) { return kCommonInputs + kOwnInputs[group]; }
+constexpr int inputs_of(int group) { return kCommonInputs + own_input_count(group); }
 
 enum class Rounding : int { kNone, kNoise, kRound };
 
 // What a step reads. Arrays of blocks hold LANES seeds side by side, [block][row][LANES].
-struct SeedState {
+struct SeedState : SeedModel {
   int64_t count;                    // N
-  int per_seed, channels, hidden;   // K, C, width of MLP_p
+  int hidden;                       // width of MLP_p
   int neighbours;                   // columns of `neighbour`
-  const float *centre, *cell;       // [N, 2], [N] pixels
-  const float *log_size;            // [N] log2 of the cell
-  const int32_t *level;             // [N]
+  int quality;
+  SeedsView seeds;
   const int32_t *neighbour;         // [N, neighbours] seeds, -1 for none
-  const float *offset;              // [N, 2] to the nearest neighbour
-  const float *level_inputs;        // [N, 9]
-  const float *opponent;            // [C, C]
   const float *value[kGroups];      // [N, K C], [N, 3 K], [N, 2 K] attributes
   const float *first[kGroups];      // W1 [hidden, inputs]
   const float *rest[kGroups];       // b1 [hidden], W2 [outputs, hidden], b2 [outputs]
@@ -55,9 +46,6 @@ struct SeedState {
   bool trains_first;
   bool predicts;                    // MLP_p runs; otherwise what it said last stands for a constant
 
-  SGI_INLINE int attributes() const { return per_seed * (channels + 5); }
-  SGI_INLINE int group_size(int g) const { return per_seed * (g == 0 ? channels : g == 1 ? 3 : 2); }
-  SGI_INLINE int group_start(int g) const { return per_seed * (g == 0 ? 0 : g == 1 ? channels : channels + 3); }
   SGI_INLINE int rest_size(int g) const { return hidden * (1 + outputs_of(g)) + outputs_of(g); }
   SGI_INLINE int first_size(int g) const { return hidden * inputs_of(g); }
   // Sums over seeds, in this order: `rest` of every group, base, gamma and, where it trains, `first` of every group.
@@ -66,10 +54,6 @@ struct SeedState {
     for (int g = 0; g < kGroups; ++g) total += rest_size(g) + (trains_first ? first_size(g) : 0);
     return total;
   }
-};
-
-struct SeedGaussians {
-  float *means, *covariances, *colours;  // [N K, 2], [N K, 3], [N K, C]
 };
 
 struct SeedGradients {

@@ -1,7 +1,9 @@
 // The step, forward and backward.
-#include "fit/seed_gaussians.hpp"
+#include "fit/noise.hpp"
+#include "fit/seed_gradients.hpp"
 #include "fit/seed_inputs.hpp"
 #include "fit/seed_prediction.hpp"
+#include "model/laplace.hpp"
 
 namespace sgi {
 namespace {
@@ -10,14 +12,14 @@ double forward(const SeedState &s, int64_t begin, int64_t end, const SeedGaussia
   const Scratch scratch(s, memory);
   double bits = 0;
   for (int64_t at = begin; at < end; at += LANES) {
-    const Block block(s, at);
+    const Block block(at, s.count);
     float *decoded = s.decoded + block.number() * s.attributes() * LANES;
     vf sum{}, loudness{};
     for (int g = 0; g < kGroups; ++g) {
       const int size = s.group_size(g), start = s.group_start(g);
       Units u;
       if (s.predicts) {
-        vf own[kMostOwn], outputs[kMostOutputs];
+        vf own[kMostOwnInputs], outputs[kMostOutputs];
         own_inputs(s, decoded, g, loudness, own);
         evaluate(s, block, g, own, scratch.hidden, outputs);
         u = units_of(s, block, g, outputs, loudness);
@@ -39,7 +41,7 @@ double forward(const SeedState &s, int64_t begin, int64_t end, const SeedGaussia
     block.scatter(sum, s.bits, 1, 0);
     sum *= block.live;
     for (int i = 0; i < LANES; ++i) bits += sum[i];
-    write_gaussians(s, block, decoded, out);
+    write_gaussians(s, s.seeds, block, [&](int column) { return load(decoded + column * LANES); }, out);
   }
   return bits;
 }
@@ -72,11 +74,13 @@ struct Sums {
   }
 };
 
+constexpr float kLn2 = 0.69314718056f;
+
 // What a batch of blocks keeps between its way down to MLP_p's outputs and its way back through it.
 struct Batch {
   int64_t first;  // number of its first block
   int blocks;
-  vf own[kBatch][kMostOwn], up[kBatch][kMostOutputs];
+  vf own[kBatch][kMostOwnInputs], up[kBatch][kMostOutputs];
 };
 
 // Back through MLP_p from the gradients `up` of its outputs. A batch at a time, so that sums stay in registers.
@@ -124,7 +128,7 @@ inline void descend_group(const SeedState &s, const Block &block, int group, con
     const int i = unit_of(s, group, j);
     const Unit &unit = u.unit[i];
     const vf above = load(grad + (start + j) * LANES) * block.live;
-    const Bits b = laplace_bits(load(decoded + (start + j) * LANES) - unit.mean, unit.step, unit.scale);
+    const Bits<vf> b = laplace_bits(load(decoded + (start + j) * LANES) - unit.mean, unit.step, unit.scale);
     const vf price = g.lmbda * block.live, slope = price * b.deviation;
     block.scatter(above + slope, g.value[group], size, j);
     mean[i] -= slope;
@@ -139,13 +143,13 @@ inline void descend_group(const SeedState &s, const Block &block, int group, con
     const vf log_step = select(unit.step_is_free, step[i] * unit.step * kLn2, vf{});
     const vf log_base = log_step + mean[i] * unit.mean * kLn2 + raw;
     for (int l = 0; l < LANES; ++l)
-      sums.add_to_lane(sums.base + (kFirstUnit[group] + i) * kLevels + s.level[block.seed[l]], l, log_base[l]);
+      sums.add_to_lane(sums.base + (kFirstUnit[group] + i) * kLevels + level_of(s.seeds.log_size[block.row[l]]), l, log_base[l]);
     refine += log_step;
     gamma -= log_step * u.loudness;
     up[i] = mean[i] * unit.base_step;
     up[count + i] = select(unit.output_is_free, raw, vf{});
   }
-  up[2 * count] = select(absv(u.refine) < kRefineLimit, refine, vf{});
+  up[2 * count] = select(absv(u.refine) < octaves(kRefineLimit), refine, vf{});
   if (group) sums.add(sums.gamma + group - 1, gamma);
 }
 
@@ -172,7 +176,7 @@ void backward_group(const SeedState &s, Batch &batch, const Scratch &scratch, co
                     const Sums &sums) {
   const int rows = s.attributes();
   for (int b = 0; b < batch.blocks; ++b) {
-    const Block block(s, (batch.first + b) * LANES);
+    const Block block((batch.first + b) * LANES, s.count);
     const float *decoded = s.decoded + block.number() * rows * LANES;
     const float *grad = scratch.attributes + b * rows * LANES;
     if (!s.predicts) {
@@ -198,7 +202,7 @@ void backward(const SeedState &s, int64_t begin, int64_t end, const SeedGradient
     batch.first = at / LANES;
     batch.blocks = left < kBatch ? int(left) : kBatch;
     for (int b = 0; b < batch.blocks; ++b) {
-      const Block block(s, at + b * LANES);
+      const Block block(at + b * LANES, s.count);
       const int rows = s.attributes();
       read_gradients(s, block, s.decoded + block.number() * rows * LANES, g, scratch.attributes + b * rows * LANES);
     }

@@ -1,9 +1,13 @@
 // What MLP_p says of a block of seeds, and what that means in means, steps and scales.
 #pragma once
 #include "fit/seed_block.hpp"
+#include "model/steps.hpp"
 
 namespace sgi {
 namespace {
+
+constexpr float kLeastStep = 0x1p-16f, kGreatestStep = 2.0f, kLeastScale = 0x1p-4f;  // in steps
+static_assert(octaves(-kStepZero) == -16 && octaves(kStepCount - 1 - kStepZero) == 1 && octaves(-kScaleZero) == -4);
 
 // MLP_p at one coding step: hidden values into `scratch`, outputs (means, scales, refinement) into `out`.
 template <int OWN, int OUTPUTS>
@@ -26,9 +30,9 @@ inline void evaluate_step(const SeedState &s, const Block &block, int group, con
 
 inline void evaluate(const SeedState &s, const Block &block, int group, const vf *own, float *hidden, vf *out) {
   switch (group) {
-    case 0: return evaluate_step<kOwnInputs[0], outputs_of(0)>(s, block, 0, own, hidden, out);
-    case 1: return evaluate_step<kOwnInputs[1], outputs_of(1)>(s, block, 1, own, hidden, out);
-    default: return evaluate_step<kOwnInputs[2], outputs_of(2)>(s, block, 2, own, hidden, out);
+    case 0: return evaluate_step<own_input_count(0), outputs_of(0)>(s, block, 0, own, hidden, out);
+    case 1: return evaluate_step<own_input_count(1), outputs_of(1)>(s, block, 1, own, hidden, out);
+    default: return evaluate_step<own_input_count(2), outputs_of(2)>(s, block, 2, own, hidden, out);
   }
 }
 
@@ -48,19 +52,19 @@ inline Units units_of(const SeedState &s, const Block &block, int group, const v
   const int count = kGroupUnits[group];
   Units u;
   u.refine = out[2 * count];
-  u.loudness = group ? loudness - kAmplitudeZero : vf{};
+  u.loudness = group ? loudness - octaves(kAmplitudeZero) : vf{};
   const float gamma = group ? s.gamma[group - 1] : 0.0f;
   for (int i = 0; i < count; ++i) {
     Unit &v = u.unit[i];
     vf log_base;
-    for (int l = 0; l < LANES; ++l) log_base[l] = s.base[(kFirstUnit[group] + i) * kLevels + s.level[block.seed[l]]];
+    for (int l = 0; l < LANES; ++l) log_base[l] = s.base[(kFirstUnit[group] + i) * kLevels + level_of(s.seeds.log_size[block.row[l]])];
     v.base_step = exp2v(log_base);
-    const vf step = exp2v(log_base - gamma * u.loudness + clampv(u.refine, kRefineLimit));
+    const vf step = exp2v(refined_step(log_base, fall_with(gamma, u.loudness), u.refine));
     v.step_is_free = (step > kLeastStep) & (step < kGreatestStep);
     v.step = minv(maxv(step, vf{} + kLeastStep), vf{} + kGreatestStep);
     v.mean = out[i] * v.base_step;
-    v.output_is_free = absv(out[count + i]) < kScaleLimit;
-    v.raw_scale = exp2v(clampv(out[count + i], kScaleLimit)) * v.base_step;
+    v.output_is_free = absv(out[count + i]) < float(kOctaveLimit);
+    v.raw_scale = exp2v(clampv(out[count + i], kOctaveLimit)) * v.base_step;
     v.scale_is_free = v.raw_scale >= v.step * kLeastScale;
     v.scale = maxv(v.raw_scale, v.step * kLeastScale);
   }
@@ -90,7 +94,7 @@ inline void load_units(const float *from, int group, Units &u) {
 
 inline vf rounded(vf value, const Unit &u) {
   const vf position = (value - u.mean) / u.step;
-  const vf lean = minv(kDeadZone * u.step / u.scale, vf{} + kDeadZoneLimit);
+  const vf lean = minv(float(kDeadZone) * u.step / u.scale, vf{} + float(kDeadZoneLimit));
   return u.mean + u.step * signv(position) * floorv(maxv(absv(position) + 0.5f - lean, vf{}));
 }
 

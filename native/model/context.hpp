@@ -3,19 +3,9 @@
 #pragma once
 #include <cstdint>
 
+#include "model/context_inputs.hpp"
+
 namespace sgi {
-
-constexpr int kLevels = 8;       // cell sizes told apart
-constexpr int kSummary = 7;      // three colours, the loudness, three shape numbers
-constexpr int kMostRanks = 6;    // neighbours that have a weight
-constexpr int kLevelInputs = kLevels + 1;
-constexpr int kNeighbourInputs = 1 + kSummary + 5 + 1 + kSummary + 2;
-constexpr int kStepCount = 103;
-
-struct SeedsView {
-  const int32_t *half_pixels;  // [N, 2] centres
-  const int8_t *log_size;      // [N]
-};
 
 // Nearest seeds of earlier passes [n, ranks], -1 where there is none.
 struct Neighbours {
@@ -39,8 +29,8 @@ struct AttributesView {
 void summarise(const AttributesView &attributes, const int64_t *members, int64_t n, int threads, int16_t *summary,
                int32_t *amplitude);
 
-// Input 4 of seeds with these summaries [n, 7]: the columns from `first` on of out [n, stride]; `step` is 1 for those that
-// know their colours, 2 for those that know their shape too.
+// Input 4 of seeds with these summaries [n, 7], for a coding step: the columns from `first` on of out
+// [n, stride].
 void own_inputs(const int16_t *summary, int64_t n, int step, int64_t first, int threads, int16_t *out, int64_t stride);
 
 struct GroupPlan {
@@ -65,8 +55,5 @@ void quantisers(const GroupPlan &plan, const PredictionView &prediction, const i
 // [N, width].
 void dequantise(const int32_t *symbols, const int64_t *mean, const int64_t *step, const int64_t *members, int64_t n,
                 int64_t size, int64_t first, int threads, int64_t *decoded, int64_t width);
-
-// The step of an index, units of 2^-24.
-int64_t step_of(int64_t index);
 
 }  // namespace sgi

@@ -7,11 +7,9 @@
 #include <memory>
 
 #include "base/isa.hpp"
+#include "model/constants.hpp"
 
 namespace sgi {
-
-constexpr int kInputBits = 6, kMeanBits = 8, kPerOctave = 6;
-constexpr int kInputLimit = 1 << 13, kHiddenLimit = 1 << 15;
 
 struct NetworkWeights {
   const int64_t *w1;  // [hidden, inputs]

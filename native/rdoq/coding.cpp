@@ -49,7 +49,7 @@ void SeedContext::update(Group known, const Coded &coded, int row) {
   int16_t summary[kSummary];
   summarise(view, &kOnly, 1, 1, summary, amplitude_.data() + row);
   const int64_t stride = model_.inputs[kOffset];
-  own_inputs(summary, 1, known == kColour ? 1 : 2, model_.inputs[kColour], 1, rows_.data() + row * stride, stride);
+  own_inputs(summary, 1, known + 1, model_.inputs[kColour], 1, rows_.data() + row * stride, stride);
 }
 
 void SeedContext::predict(Group group, int count, ReconstructionGrid *grids) {

@@ -9,12 +9,10 @@
 
 namespace sgi {
 
-enum Group { kColour, kShape, kOffset, kGroupCount };
-
 constexpr int kMostColours = 64;
 constexpr int kPlaceAttributes = 5;  // three of the shape, two of the offset
 constexpr int kMostAttributes = kMostColours + kPlaceAttributes;
-constexpr double kUnit = 0x1p-24;    // of decoded values
+constexpr double kUnit = 1.0 / (1 << kFractionBits);  // of decoded values
 
 // Zero-centred frequency tables as bitstream/tables.py holds them.
 struct BitTables {
@@ -28,9 +26,9 @@ struct BitTables {
 
 struct CodingModel {
   int channels;
-  const Network *networks[kGroupCount];
-  GroupPlan plans[kGroupCount];  // without amplitudes
-  int inputs[kGroupCount];       // that each network sees
+  const Network *networks[kGroups];
+  GroupPlan plans[kGroups];  // without amplitudes
+  int inputs[kGroups];       // that each network sees
   BitTables tables;
   const float *opponent;         // [C, C]: colour = values * opponent
 

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <numeric>
 
+#include "model/gaussians.hpp"
 #include "raster/binning.hpp"
 
 namespace sgi {
 namespace {
 
-constexpr float kMinVariance = 0.05f, kLogLimit = 12.0f;  // model/gaussians.py
 constexpr double kMostGrowth = 0.7, kMostShift = 2.0;     // of a window: a logarithm, and cells
 
 void nearest(const CodingModel &model, Group group, const ReconstructionGrid &grid, const double *values, int64_t *symbols) {
@@ -41,26 +41,19 @@ SeedSearch::SeedSearch(const CodingModel &model, const SearchSettings &settings,
   guess_.resize(candidates);
 }
 
-// As model/gaussians.py; values: shape (a, b, c), then offset. False for what is not drawn.
+// values: shape (a, b, c), then offset. False for what is not drawn.
 bool SeedSearch::splat_of(const double *values, Splat &splat) const {
-  const float a = std::clamp(float(values[0]), -kLogLimit, kLogLimit), b = float(values[1]), c = float(values[2]);
-  const float length = std::sqrt(b * b + c * c + 1e-12f), rho = std::min(length, kLogLimit), shrink = rho / length;
-  const float grow = std::exp(2 * (a + rho)), fall = std::exp(2 * (a - rho));
-  const float mean = 0.5f * (grow + fall), half = 0.5f * (grow - fall) / rho * shrink;
-  const float area = seed_->cell * seed_->cell;
-  const float covariance[3] = {area * (mean + half * b) + kMinVariance, area * half * c,
-                               area * (mean - half * b) + kMinVariance};
-  const float centre[2] = {seed_->centre[0] + seed_->cell * float(values[3]),
-                           seed_->centre[1] + seed_->cell * float(values[4])};
+  const float cell = seed_->cell;
+  const Covariance<float> c({float(values[0]), float(values[1]), float(values[2])}, cell * cell);
+  const float covariance[3] = {c.xx(), c.xy(), c.yy()};
+  const float centre[2] = {seed_->centre[0] + cell * float(values[3]), seed_->centre[1] + cell * float(values[4])};
   return prepare_splat(centre, covariance, settings_.cutoff, splat);
 }
 
 void SeedSearch::colours_of(const double *values, float *colours) const {
-  const int channels = model_.channels;
-  for (int c = 0; c < channels; ++c) {
-    colours[c] = 0;
-    for (int j = 0; j < channels; ++j) colours[c] += float(values[j]) * model_.opponent[j * channels + c];
-  }
+  const auto opponent = [&](int j) { return float(values[j]); };
+  for (int c = 0; c < model_.channels; ++c)
+    colours[c] = mixed_colour<float>(model_.opponent, model_.channels, c, opponent);
 }
 
 Window SeedSearch::reserve(const Seed &seed, const Residual &residual) {

@@ -19,7 +19,7 @@ from sgicodec.device import Device
 from sgicodec.errors import LimitError
 from sgicodec.model.base import base_colours
 from sgicodec.model.base_view import base_view
-from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
+from sgicodec.model.gaussians import model_gaussians
 from sgicodec.raster import Background, Mapping, NativeRasterizer, scaled
 
 __all__ = ["BLOCK_COLUMNS", "BLOCK_SAMPLES", "TileRenderer", "joined_crc"]
@@ -78,7 +78,7 @@ class TileRenderer:
             return
         self.model, walk = read_tile(own, chunk.model, device)
         self.bits, self.symbol_crc = walk.bits, walk.crc
-        self.gaussians = _drawable(own, self.model)
+        self.gaussians = _drawable(own, self.model, device)
         self._colours = base_colours(self.model.base, self.model.base_step)
 
     @property
@@ -173,19 +173,10 @@ def _nothing(header: Header) -> _Gaussians:
     return _Gaussians(*(np.zeros((0, size), np.float32) for size in (2, 3, header.spec.channels)))
 
 
-def _drawable(header: Header, model: TileModel) -> _Gaussians:
+def _drawable(header: Header, model: TileModel, device: Device) -> _Gaussians:
     spec = header.spec
     decoders = {name: np.ldexp(weights.astype(np.float32), -DECODER_SHIFT) for name, weights in model.decoders.items()}
-    arrays = gaussians_from_seeds(
-        spec,
-        model.decoded_values.astype(np.float32),
-        model.layout.centre,
-        model.layout.cell,
-        decoders,
-        np.array(colour_matrix(spec.channels), np.float32),
-        np,
-    )
-    return _Gaussians(*(np.ascontiguousarray(a, dtype=np.float32) for a in arrays))
+    return _Gaussians(*model_gaussians(spec, model.decoded_values, model.layout, decoders, device))
 
 
 def joined_crc(crcs: list[int]) -> int:

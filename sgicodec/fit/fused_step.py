@@ -13,7 +13,7 @@ from sgicodec.device import Device
 from sgicodec.fit.context_weights import ContextWeights
 from sgicodec.fit.parameters import Parameters, StepResult
 from sgicodec.fit.pyramid import Level
-from sgicodec.model.context import INPUT_BITS, LEVELS, level_inputs, nearest_offset, neighbour_table
+from sgicodec.model.context import neighbour_table
 from sgicodec.model.gaussians import MIN_VARIANCE, colour_matrix
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.neighbours import nearest_seeds
@@ -71,23 +71,14 @@ class FusedStep:
     def can_run(spec: ModelSpec) -> bool:
         """Whether the native code has this model: the default profile's, with any K, C and width of MLP_p."""
         context = spec.context
-        plain = spec.skip and not spec.hidden and not spec.seed_scales and spec.shape == "log"
         grouped = context.steps == tuple((name,) for name in _GROUPS) and not context.hash_resolutions
-        return plain and grouped and 0 < context.neighbours <= _native.MOST_NEIGHBOURS
+        return spec.plain and grouped and 0 < context.neighbours <= len(_native.NEIGHBOUR_WEIGHTS)
 
     def set_layout(self, layout: SeedLayout, quality: int) -> None:
         """Prepares everything that depends on where the seeds are."""
         table, present = neighbour_table(self.spec.context, layout, nearest_seeds)
-        one = np.float32(2.0**-INPUT_BITS)
-        self.native.set_layout(
-            np.ascontiguousarray(layout.centre, np.float32),
-            np.ascontiguousarray(layout.cell, np.float32),
-            layout.log_size.astype(np.float32),
-            np.clip(layout.log_size, 0, LEVELS - 1).astype(np.int32),
-            np.where(present, table, -1).astype(np.int32),
-            nearest_offset(layout, table).astype(np.float32) * one,
-            level_inputs(layout, quality).astype(np.float32) * one,
-        )
+        neighbour = np.where(present, table, -1).astype(np.int32)
+        self.native.set_layout(layout.half_pixels, layout.log_size, neighbour, quality)
         self.count = len(layout)
         self.age = 0
 

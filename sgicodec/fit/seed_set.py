@@ -7,9 +7,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec.device import Device
 from sgicodec.fit.adam import Adam
 from sgicodec.fit.initialization import cell_means, fresh_decoders, fresh_values
-from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
+from sgicodec.model.gaussians import model_gaussians
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ModelSpec
 
@@ -24,8 +25,10 @@ class SeedSet:
     layout: where the seeds are now; values: their attributes by group [N, size]; decoders: weights of MLP_c and MLP_Σ.
     """
 
-    def __init__(self, spec: ModelSpec, layout: SeedLayout, target: F32, rng: np.random.Generator) -> None:
-        self.spec, self.layout = spec, layout
+    def __init__(
+        self, spec: ModelSpec, layout: SeedLayout, target: F32, rng: np.random.Generator, device: Device
+    ) -> None:
+        self.spec, self.layout, self._device = spec, layout, device
         self._rng, self._pixels = rng, target.shape[1] * target.shape[2]
         self.values = self._fresh(cell_means(target, layout))
         self.decoders = fresh_decoders(spec, rng)
@@ -39,13 +42,7 @@ class SeedSet:
 
     def gaussians(self) -> tuple[F32, F32, F32]:
         """Means [N·K, 2], covariances [N·K, 3] and colours [N·K, C] of the exact values."""
-        opponent = np.array(colour_matrix(self.spec.channels), np.float32)
-        centre, cell = self.layout.centre, self.layout.cell
-        means, covariances, colours = (
-            np.ascontiguousarray(array, np.float32)
-            for array in gaussians_from_seeds(self.spec, self.attributes(), centre, cell, self.decoders, opponent, np)
-        )
-        return means, covariances, colours
+        return model_gaussians(self.spec, self.attributes(), self.layout, self.decoders, self._device)
 
     def energy(self, weights: F32 | None = None) -> F32:
         """Squared samples that the Gaussians of each seed would draw alone, over the plane [N], times the mean of

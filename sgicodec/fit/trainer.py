@@ -94,7 +94,7 @@ class Trainer:
         self.levels = levels_of(target, weights, max(phase.level for phase in settings.phases) + 1)
         self.quality = self._quality()
         rng = np.random.default_rng(settings.seed)
-        self.seeds = SeedSet(spec, layout, target, rng)
+        self.seeds = SeedSet(spec, layout, target, rng, device)
         self.context = context or ContextWeights(spec, self._hash_sizes(), rng)
         if networks is not None:
             self.context.adapt(networks)

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec._native import INPUT_BITS, LEVELS, NEIGHBOUR_INPUTS, NEIGHBOUR_WEIGHTS, OFFSET_LIMIT, OWN_INPUTS, SUMMARY
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ContextSpec, ModelSpec
 
@@ -35,20 +36,8 @@ __all__ = [
     "passes",
 ]
 
-INPUT_BITS = 6
-LEVELS = 8
-"""Number of cell sizes that the context model distinguishes: 2^0 to 2^7 pixels."""
-
 COARSEST = 5
 """log2 of the cells that are coded first; larger ones go with them."""
-
-SUMMARY = 7
-"""Columns of a summary: colours (Y, Co, Cg), log2 of the amplitude, shape (a, b, c)."""
-
-NEIGHBOUR_WEIGHTS = (4, 3, 3, 2, 2, 2)
-"""Sixteenths, nearest first."""
-
-_NEIGHBOUR_INPUTS = 1 + SUMMARY + 5 + 1 + SUMMARY + 2
 
 I32 = NDArray[np.int32]
 I64 = NDArray[np.int64]
@@ -103,7 +92,7 @@ def level_inputs(layout: SeedLayout, quality: int) -> I64:
 def neighbour_inputs(
     summary: Any, table: Any, present: Any, log_size: Any, offset: Any, stack: Any, floor_shift: Any
 ) -> Any:
-    """Inputs of n seeds from their neighbours [n, _NEIGHBOUR_INPUTS].
+    """Inputs of n seeds from their neighbours [n, NEIGHBOUR_INPUTS].
 
     summary [N, SUMMARY] of decoded seeds; table, present [n, k]; log_size: cell sizes [N] and those of the n seeds as
     a pair; offset [n, 2] from each seed to its nearest neighbour in its own cells, input units.
@@ -142,11 +131,11 @@ def own_inputs(summary: Any, step: int, stack: Any) -> Any:
 
 
 def nearest_offset(layout: SeedLayout, table: I64) -> I64:
-    """From each seed to its nearest neighbour, in its own cells, input units, at most 8 cells [N, 2]."""
+    """From each seed to its nearest neighbour, in its own cells, input units, at most OFFSET_LIMIT cells [N, 2]."""
     points = layout.half_pixels.astype(np.int64)
     difference = points[table[:, 0]] - points
     scaled = (difference << INPUT_BITS) >> (layout.log_size.astype(np.int64) + 1)[:, None]
-    clipped: I64 = np.clip(scaled, -8 << INPUT_BITS, 8 << INPUT_BITS)
+    clipped: I64 = np.clip(scaled, -OFFSET_LIMIT << INPUT_BITS, OFFSET_LIMIT << INPUT_BITS)
     return clipped
 
 
@@ -155,10 +144,8 @@ def input_count(spec: ModelSpec, step: int) -> int:
     context = spec.context
     count = LEVELS + 1 + len(context.hash_resolutions) * context.hash_features
     if context.neighbours:
-        count += _NEIGHBOUR_INPUTS
-    if len(context.steps) > 1 and step:
-        count += 7 if step == 1 else 12
-    return count
+        count += NEIGHBOUR_INPUTS
+    return count + OWN_INPUTS[min(step, len(OWN_INPUTS) - 1)]
 
 
 def output_columns(spec: ModelSpec, group: str) -> NDArray[np.int64]:

@@ -1,19 +1,22 @@
-"""From seeds to Gaussians, written once for numpy and torch (both speak enough of the array API)."""
+"""From seeds to Gaussians: in native code where seeds hold them, and as a reference for numpy and torch alike."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec._native import MIN_VARIANCE, SHAPE_LIMIT, seed_gaussians
+from sgicodec.device import Device
+from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ModelSpec
 
-__all__ = ["MIN_VARIANCE", "colour_matrix", "decoder_shapes", "gaussians_from_seeds"]
+__all__ = ["MIN_VARIANCE", "colour_matrix", "decoder_shapes", "gaussians_from_seeds", "model_gaussians"]
 
-MIN_VARIANCE = 0.05
-"""Pixels² added to every variance: a Gaussian thinner than the pixel grid can neither be seen nor fitted."""
-
-LOG_LIMIT = 12.0
-"""Bound on the exponents of e^x, so that a hostile stream cannot reach infinity."""
+F32 = NDArray[np.float32]
+F64 = NDArray[np.float64]
 
 
 def decoder_shapes(spec: ModelSpec) -> dict[str, tuple[int, ...]]:
@@ -41,6 +44,22 @@ def colour_matrix(channels: int) -> list[list[float]]:
         matrix[1][:3] = [root2, 0.0, -root2]
         matrix[2][:3] = [-root6, 2 * root6, -root6]
     return matrix
+
+
+def model_gaussians(
+    spec: ModelSpec, values: F32 | F64, layout: SeedLayout, decoders: Mapping[str, F32], device: Device
+) -> tuple[F32, F32, F32]:
+    """All N·K Gaussians of seeds with attributes `values` [N, d_A], as of `gaussians_from_seeds`, to be drawn."""
+    opponent = np.array(colour_matrix(spec.channels), np.float32)
+    if not spec.plain:
+        arrays = values.astype(np.float32), layout.centre, layout.cell, decoders, opponent
+        means, covariances, colours = map(np.ascontiguousarray, gaussians_from_seeds(spec, *arrays, np))
+        return means, covariances, colours
+    count = len(layout) * spec.per_seed
+    means, covariances, colours = (np.empty((count, size), np.float32) for size in (2, 3, spec.channels))
+    places = np.ascontiguousarray(values, np.float64), layout.half_pixels, layout.log_size
+    seed_gaussians(*places, spec.per_seed, opponent, device.threads, device.isa, means, covariances, colours)
+    return means, covariances, colours
 
 
 def gaussians_from_seeds(
@@ -72,7 +91,7 @@ def gaussians_from_seeds(
     offsets = attributes[:, spec.group("offset").columns].reshape(n, k, 2)
     scales = xp.ones_like(attributes[:, :4])
     if spec.seed_scales:
-        scales = xp.exp(xp.clip(attributes[:, spec.group("scales").columns], -LOG_LIMIT, LOG_LIMIT))
+        scales = xp.exp(xp.clip(attributes[:, spec.group("scales").columns], -SHAPE_LIMIT, SHAPE_LIMIT))
     means = centres[:, None, :] + cell[:, None, None] * offsets * scales[:, None, :2]
     build = _log_covariance if spec.shape == "log" else _rotated_covariance
     xx, xy, yy = build(shapes, scales[:, None, 2:], cell[:, None], xp)
@@ -90,10 +109,10 @@ def _decode(features: Any, decoders: Mapping[str, Any], net: str, xp: Any) -> An
 
 def _log_covariance(shapes: Any, scales: Any, cell: Any, xp: Any) -> tuple[Any, Any, Any]:
     """Σ = h² exp(2M), M = [[a+b, c], [c, a−b]] in closed form: no angle wraps, no axes swap, zero is round."""
-    a = xp.clip(shapes[..., 0], -LOG_LIMIT, LOG_LIMIT)
+    a = xp.clip(shapes[..., 0], -SHAPE_LIMIT, SHAPE_LIMIT)
     b, c = shapes[..., 1], shapes[..., 2]
     rho = xp.sqrt(b * b + c * c + 1e-12)
-    shrink = xp.clip(rho, 0.0, LOG_LIMIT) / rho
+    shrink = xp.clip(rho, 0.0, SHAPE_LIMIT) / rho
     rho = rho * shrink
     grow, fall = xp.exp(2 * (a + rho)), xp.exp(2 * (a - rho))
     mean, half = 0.5 * (grow + fall), 0.5 * (grow - fall) / rho * shrink
@@ -103,7 +122,7 @@ def _log_covariance(shapes: Any, scales: Any, cell: Any, xp: Any) -> tuple[Any, 
 
 def _rotated_covariance(shapes: Any, scales: Any, cell: Any, xp: Any) -> tuple[Any, Any, Any]:
     """Σ = R S Sᵀ Rᵀ with s = h · s_a · sigmoid(s_base) and a rotation θ (paper, equations 2 and 3)."""
-    deviation = cell[..., None] * scales / (1.0 + xp.exp(-xp.clip(shapes[..., :2], -LOG_LIMIT, LOG_LIMIT)))
+    deviation = cell[..., None] * scales / (1.0 + xp.exp(-xp.clip(shapes[..., :2], -SHAPE_LIMIT, SHAPE_LIMIT)))
     cos, sin = xp.cos(shapes[..., 2]), xp.sin(shapes[..., 2])
     first, second = deviation[..., 0] ** 2, deviation[..., 1] ** 2
     xx = cos * cos * first + sin * sin * second

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec._native import evaluate_network
+from sgicodec._native import HIDDEN_LIMIT, INPUT_LIMIT, MEAN_BITS, evaluate_network
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.errors import CorruptStreamError
 from sgicodec.model.context import INPUT_BITS
@@ -19,9 +19,6 @@ __all__ = ["DIFFERENCE_SHIFT", "INPUT_LIMIT", "MEAN_BITS", "IntNetwork", "Predic
 I64 = NDArray[np.int64]
 F64 = NDArray[np.float64]
 
-INPUT_LIMIT = 1 << 13
-HIDDEN_LIMIT = 1 << 15
-MEAN_BITS = 8
 DIFFERENCE_SHIFT = 5
 """What a picture changes in a shipped network comes in multiples of 2^-5."""
 EXACT = float(1 << 53)

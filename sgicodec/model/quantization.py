@@ -2,12 +2,23 @@
 
 Every value that a later probability depends on is an integer in units of 2^-24 (`FRACTION_BITS`), every step one of
 `STEP_COUNT` integers a sixth of an octave apart, every scale an index a sixth of an octave apart: no float decides.
+Steps go from 2^-16 to 2: a coarser one says no more, and noise of its size would throw a Gaussian off the picture.
 """
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+
+from sgicodec._native import (
+    DEAD_ZONE,
+    DEAD_ZONE_LIMIT,
+    FRACTION_BITS,
+    PER_OCTAVE,
+    SCALE_ZERO,
+    STEP_COUNT,
+    STEP_ZERO,
+)
 
 __all__ = [
     "DEAD_ZONE",
@@ -24,15 +35,6 @@ __all__ = [
 
 I64 = NDArray[np.int64]
 F64 = NDArray[np.float64]
-
-FRACTION_BITS = 24
-PER_OCTAVE = 6
-STEP_ZERO = 96
-"""Index of the step 1: q = 2^((index − 96) / 6)."""
-STEP_COUNT = 103
-"""Steps from 2^-16 to 2: a coarser one says no more, and noise of its size would throw a Gaussian off the picture."""
-SCALE_ZERO = 24
-"""Index of the table with σ = 1 step: σ = 2^((index − 24) / 6) steps, 64 of them."""
 
 # 2^(k/6) in units of 2^-40, rounded to nearest; octaves are shifts of these.
 _SIXTHS = np.array([1099511627776, 1234160073853, 1385297844439, 1554944255988, 1745365914583, 1959106999532], np.int64)
@@ -53,12 +55,6 @@ def step_index(step: F64 | float) -> I64:
     index = np.rint(np.log2(np.asarray(step, np.float64)) * PER_OCTAVE) + STEP_ZERO
     clipped: I64 = np.clip(index, 0, STEP_COUNT - 1).astype(np.int64)
     return clipped
-
-
-DEAD_ZONE = 0.118
-"""How far decisions move towards zero for a scale of one step: the next symbol costs √2 q / (σ ln 2) more bits, and at
-the step that rate theory picks a bit is worth ln 2 / 12 of a squared step."""
-DEAD_ZONE_LIMIT = 0.3
 
 
 def quantize(values: F64, mean: I64, step: I64, scale: NDArray[np.integer]) -> I64:

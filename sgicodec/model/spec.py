@@ -83,6 +83,12 @@ class ModelSpec:
         starts = [sum(size for _, size in sizes[:i]) for i in range(len(sizes))]
         return tuple(Group(name, start, size) for start, (name, size) in zip(starts, sizes, strict=True))
 
+    @property
+    def plain(self) -> bool:
+        """Whether seeds hold their Gaussians as they are: colours, log-covariances, offsets; no decoders, no scales."""
+        held = self.features == self.per_seed * (self.channels + 3)
+        return self.skip and held and self.shape == "log" and not self.hidden and not self.seed_scales
+
     def group(self, name: str) -> Group:
         """The group called `name`."""
         return next(group for group in self.groups if group.name == name)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec._native import AMPLITUDE_ZERO, GAMMA_BITS, REFINE_LIMIT
 from sgicodec.model.context import LEVELS, output_count
 from sgicodec.model.quantization import STEP_COUNT, STEP_ZERO, step_index
 from sgicodec.model.spec import ModelSpec
@@ -23,12 +24,6 @@ __all__ = [
 ]
 
 I64 = NDArray[np.int64]
-
-AMPLITUDE_ZERO = -20
-"""Amplitude index (sixths of an octave) at which a step is its base step: 2^(-20/6) = 0.1."""
-GAMMA_BITS = 4
-REFINE_LIMIT = 24
-"""Bound on the refinement r in sixths of an octave, either way."""
 
 # Steps relative to the colour step of the same cell, sixths of an octave, at amplitude 2^(-20/6).
 _SHAPE_OVER_COLOUR = 26

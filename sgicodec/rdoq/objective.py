@@ -14,7 +14,7 @@ from sgicodec.bitstream.parts.tile import TileModel, write_tile
 from sgicodec.device import Device
 from sgicodec.metrics.distortion import QuadraticReference, Reference
 from sgicodec.model.base import base_colours, render_base
-from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
+from sgicodec.model.gaussians import model_gaussians
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.weighted_base import base_gram
 from sgicodec.raster.cpu import NativeRasterizer
@@ -29,11 +29,9 @@ def can_optimise(spec: ModelSpec) -> bool:
     """Whether RDOQ knows this kind of model: one Gaussian per seed, drawn as its colour, shape and offset say and
     coded in three steps from what neighbours say.
     """
-    plain = spec.skip and spec.shape == "log" and not spec.hidden and not spec.seed_scales
-    single = spec.per_seed == 1 and spec.features == spec.channels + 3
     context = spec.context
     known = context.steps == (("colour",), ("shape",), ("offset",)) and not context.hash_resolutions
-    return plain and single and known
+    return spec.plain and spec.per_seed == 1 and known
 
 
 @dataclass(frozen=True)
@@ -90,14 +88,7 @@ class Objective:
 
     def gaussians(self, model: TileModel) -> tuple[F32, F32, F32]:
         """Means [N, 2], covariances [N, 3] and colours [N, C] of a model's attributes."""
-        spec, layout = self.header.spec, model.layout
-        opponent = np.array(colour_matrix(spec.channels), np.float32)
-        values = joined(model).astype(np.float32)
-        means, covariances, colours = (
-            np.ascontiguousarray(array, np.float32)
-            for array in gaussians_from_seeds(spec, values, layout.centre, layout.cell, {}, opponent, np)
-        )
-        return means, covariances, colours
+        return model_gaussians(self.header.spec, joined(model), model.layout, {}, self.device)
 
     def residual(self, model: TileModel) -> F32:
         """Target less drawn [C, H, W + padding], the last columns zero, as the native code wants it."""

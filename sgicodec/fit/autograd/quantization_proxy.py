@@ -8,6 +8,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from sgicodec._native import COLOUR_GAIN_BITS, INPUT_LIMIT, LOUDNESS_ZERO, OCTAVE_LIMIT
 from sgicodec.fit.autograd.context_net import ContextNet
 from sgicodec.fit.autograd.rate import bits_gaussian, bits_laplace
 from sgicodec.fit.step_sizes import base_counts, gamma_names
@@ -25,15 +26,23 @@ from sgicodec.model.context import (
 )
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.neighbours import nearest_seeds
-from sgicodec.model.quantization import DEAD_ZONE, DEAD_ZONE_LIMIT, PER_OCTAVE
+from sgicodec.model.quantization import (
+    DEAD_ZONE,
+    DEAD_ZONE_LIMIT,
+    FRACTION_BITS,
+    PER_OCTAVE,
+    SCALE_ZERO,
+    STEP_COUNT,
+    STEP_ZERO,
+)
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import AMPLITUDE_ZERO, REFINE_LIMIT, follows_amplitude
 from sgicodec.profiles.fit_settings import Rounding
 
 __all__ = ["QuantizationProxy", "Sample"]
 
-_LEAST_STEP, _GREATEST_STEP = 2.0**-16, 2.0
-_COLOUR_INPUT = 16.0
+_LEAST_STEP, _GREATEST_STEP = (2.0 ** ((index - STEP_ZERO) / PER_OCTAVE) for index in (0, STEP_COUNT - 1))
+_LEAST_SCALE = 2.0 ** (-SCALE_ZERO / PER_OCTAVE)
 _MOST_REFINE = REFINE_LIMIT / PER_OCTAVE
 
 
@@ -120,8 +129,8 @@ class QuantizationProxy:
                 q = self._spread(name, torch.exp2(log_step).clamp(_LEAST_STEP, _GREATEST_STEP))
                 q_base = torch.exp2(log_base)
                 m = self._spread(name, mean[:, units] * q_base)
-                s = self._spread(name, torch.exp2(scale[:, units].clamp(-12, 12)) * q_base)
-                s = torch.maximum(s, q * 2.0**-4)
+                s = self._spread(name, torch.exp2(scale[:, units].clamp(-OCTAVE_LIMIT, OCTAVE_LIMIT)) * q_base)
+                s = torch.maximum(s, q * _LEAST_SCALE)
                 value = self._perturb(values[name], m, q, s, rounding, generator)
                 q_rate = q.detach() if rounding == "round" else q
                 costs[name] = (value - m, q_rate, s)
@@ -153,13 +162,15 @@ class QuantizationProxy:
         k, channels = self.spec.per_seed, self.spec.channels
         mixed = colour.reshape(-1, k, channels).mean(1)
         mixed = mixed[:, :3] if channels >= 3 else torch.cat([mixed[:, :1], torch.zeros(len(mixed), 2)], 1)
-        loudness = (self._amplitude(colour) + 6.0).clamp_min(-6.0)[:, None]
+        loudness = (self._amplitude(colour) + LOUDNESS_ZERO)[:, None]
         shapes = shape.reshape(-1, k, 3).mean(1)
-        return torch.cat([(mixed * (one * _COLOUR_INPUT)).clamp(-8192, 8192), loudness * one, shapes * one], 1)
+        return torch.cat(
+            [(mixed * (one * 2**COLOUR_GAIN_BITS)).clamp(-INPUT_LIMIT, INPUT_LIMIT), loudness * one, shapes * one], 1
+        )
 
     @staticmethod
     def _amplitude(colour: Tensor) -> Tensor:
-        return 0.5 * torch.log2((colour * colour).sum(1).clamp_min(2.0**-24))
+        return 0.5 * torch.log2((colour * colour).sum(1).clamp_min(2.0**-FRACTION_BITS))
 
     def _common_inputs(self, values: dict[str, Tensor]) -> Tensor:
         blocks = [self.level_inputs]

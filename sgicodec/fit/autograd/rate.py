@@ -8,17 +8,16 @@ from typing import Any, cast
 import torch
 from torch import Tensor
 
-__all__ = ["bits_gaussian", "bits_laplace"]
+from sgicodec._native import LEAST_MASS
 
-_FLOOR = 2.0**-20
-"""Least probability of a value: what the escape symbol guarantees."""
+__all__ = ["bits_gaussian", "bits_laplace"]
 
 
 def bits_gaussian(deviation: Tensor, step: Tensor, scale: Tensor) -> Tensor:
     """−log2 of the Gaussian's mass in [d − q/2, d + q/2] (paper, equation 10); all tensors alike in shape."""
     upper = torch.special.ndtr((deviation + 0.5 * step) / scale)
     lower = torch.special.ndtr((deviation - 0.5 * step) / scale)
-    return -torch.log2((upper - lower).clamp_min(_FLOOR))
+    return -torch.log2((upper - lower).clamp_min(LEAST_MASS))
 
 
 class _LaplaceBits(torch.autograd.Function):
@@ -32,13 +31,13 @@ class _LaplaceBits(torch.autograd.Function):
         near = 0.5 * torch.exp(-rate * inside.abs())  # mass between the mean and the nearer edge, from its tail
         far = 0.5 * torch.exp(-rate * beyond)
         mass = torch.where(inside > 0, 1.0 - near, near) - far
-        slope = torch.where(mass > _FLOOR, -1.0 / (math.log(2.0) * mass), 0.0) * rate  # d bits / d mass, times rate
+        slope = torch.where(mass > LEAST_MASS, -1.0 / (math.log(2.0) * mass), 0.0) * rate  # d bits / d mass, times rate
         ctx.save_for_backward(
             slope * (far - near) * deviation.sign(),
             0.5 * slope * (near + far),
             -slope * (inside * near + beyond * far) / scale,
         )
-        return -torch.log2(mass.clamp_min(_FLOOR))
+        return -torch.log2(mass.clamp_min(LEAST_MASS))
 
     @staticmethod
     def backward(ctx: Any, *grads: Tensor) -> tuple[Tensor, ...]:

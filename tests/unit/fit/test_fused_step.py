@@ -8,7 +8,7 @@ import torch
 from torch import Tensor
 
 from sgicodec import _native
-from sgicodec.device import Device
+from sgicodec.device import ONE_THREAD, Device
 from sgicodec.fit.autograd.context_net import ContextNet
 from sgicodec.fit.autograd.quantization_proxy import QuantizationProxy
 from sgicodec.fit.autograd.raster_op import squared_error
@@ -91,7 +91,7 @@ class Problem:
         detail = (rng.normal(size=(3, HEIGHT, WIDTH)) * np.linspace(0, 1, WIDTH) ** 2).astype(np.float32)
         self.spec, self.layout = spec, adaptive_layout(detail, 6.0)
         self.target = rng.normal(size=(spec.channels, HEIGHT, WIDTH)).astype(np.float32) * 0.2
-        seeds = SeedSet(spec, self.layout, self.target, rng)
+        seeds = SeedSet(spec, self.layout, self.target, rng, ONE_THREAD)
         sizes = {"colour": 0.2, "shape": 0.6, "offset": 0.4}
         for name, value in seeds.values.items():
             value[:] = rng.normal(size=value.shape) * sizes[name]

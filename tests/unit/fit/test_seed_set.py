@@ -26,7 +26,7 @@ def moved(seeds: SeedSet, adam: Adam, gradients: dict[str, np.ndarray]) -> None:
 
 def seed_set(spec: ModelSpec) -> tuple[SeedSet, Adam]:
     """Four seeds, moved apart by a step."""
-    seeds = SeedSet(spec, LAYOUT, TARGET, np.random.default_rng(2))
+    seeds = SeedSet(spec, LAYOUT, TARGET, np.random.default_rng(2), ONE_THREAD)
     adam, rng = Adam((0.9, 0.99), 1e-12, ONE_THREAD), np.random.default_rng(3)
     moved(seeds, adam, {name: rng.normal(size=v.shape).astype(np.float32) for name, v in seeds.values.items()})
     return seeds, adam

@@ -1,0 +1,42 @@
+// The Gaussians of seeds that hold them as they are: colours, log-covariances and offsets, without decoders.
+#pragma once
+#include <cstdint>
+
+#include "base/isa.hpp"
+#include "model/constants.hpp"
+
+namespace sgi {
+
+struct SeedsView {
+  const int32_t *half_pixels;  // [N, 2] centres
+  const int8_t *log_size;      // [N] log2 of the cell's side
+};
+
+// What a seed's d_A attributes are: K colours, K shapes, K offsets.
+struct SeedModel {
+  int per_seed, channels;  // K, C
+  const float *opponent;   // [C, C]: colour = values * opponent
+
+  SGI_INLINE int attributes() const { return per_seed * (channels + 5); }
+  SGI_INLINE int group_size(int g) const { return per_seed * (g == kColour ? channels : g == kShape ? 3 : 2); }
+  SGI_INLINE int group_start(int g) const {
+    return per_seed * (g == kColour ? 0 : g == kShape ? channels : channels + 3);
+  }
+};
+
+struct SeedGaussians {
+  float *means, *covariances, *colours;  // [N K, 2] pixels, [N K, 3] (xx, xy, yy) pixels², [N K, C]
+};
+
+struct GaussianKernel {
+  // Of the seeds [begin, end) of `count`; values [N, d_A].
+  void (*evaluate)(const SeedModel &model, const SeedsView &seeds, int64_t count, const double *values, int64_t begin,
+                   int64_t end, const SeedGaussians &out);
+  static const GaussianKernel portable, avx2, avx512;
+};
+
+// Of all `count` seeds.
+void seed_gaussians(const SeedModel &model, const SeedsView &seeds, int64_t count, const double *values, int threads,
+                    Isa isa, const SeedGaussians &out);
+
+}  // namespace sgi
