@@ -52,7 +52,7 @@ def write_crop(picture: Path, side: int, out: Path) -> None:
 
 
 def measure_size(picture: Path, megapixels: float, effort: int, job: Job) -> SizePoint | None:
-    """The square of so many megapixels, as far as the notes in the job's folder do not have it already; None if the
+    """The square of this many megapixels, as far as the notes in the job's folder do not have it already; None if the
     picture is too small. Raises SgiError if a command fails.
     """
     side = round(math.sqrt(megapixels * 1e6))

@@ -24,7 +24,7 @@ inline NetworkWeights network_weights(const Array<const int64_t, 2> &w1, const A
           int(hidden), int(outputs), predicted, shift};
 }
 
-// base [size, kLevels]: steps of a group; columns [size]: of so many predictions.
+// base [size, kLevels]: steps of a group; columns [size]: indices of predictions.
 inline void require_plan(const Array<const int64_t, 2> &base, const Array<const int64_t, 1> &columns, int64_t gamma,
                          size_t predictions) {
   require(has_shape(base, columns.shape(0), kLevels) && gamma >= 0 && gamma < 64,

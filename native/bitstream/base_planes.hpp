@@ -4,7 +4,7 @@
 
 namespace sgi {
 
-// What predictor 0..3 says of element (x, y) of a plane of so many columns, from those to the left, above, and above to the
+// The prediction 0..3 of element (x, y) of a plane of `columns` columns, from those to the left, above, and above to the
 // left; at an edge the one that is there stands for all.
 int64_t base_prediction(const int64_t *plane, int64_t columns, int64_t x, int64_t y, int predictor);
 

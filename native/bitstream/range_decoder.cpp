@@ -37,7 +37,7 @@ SymbolModels::SymbolModels(const int64_t *frequency, const int64_t *start, int64
 }
 
 RangeDecoder::RangeDecoder(const uint8_t *payload, int64_t bytes) : payload_(payload, payload + bytes) {
-  payload_.resize((bytes + 3) / 4 * 4);  // zeros for ever
+  payload_.resize((bytes + 3) / 4 * 4);  // zeros without end
   offset_ = next_word() << 32;
   offset_ |= next_word();
 }

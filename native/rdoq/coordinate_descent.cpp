@@ -13,7 +13,7 @@ namespace {
 
 constexpr Window kCorner{0, 0, 1, 1, kWindowPadding};  // stands for no pixels at all
 
-// 0 to count - 1 by reversed bits: neighbours come to lie far apart, so that threads need not wait for each other.
+// 0 to count - 1 by reversed bits: neighbours are then far apart, so that threads need not wait for each other.
 std::vector<int32_t> scattered(int64_t count) {
   std::vector<int32_t> order;
   order.reserve(count);

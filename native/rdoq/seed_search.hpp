@@ -28,7 +28,7 @@ class SeedSearch {
  public:
   SeedSearch(const CodingModel &model, const SearchSettings &settings, const WindowKernel &kernel);
 
-  // Pixels that a seed may come to cover: a search changes no others.
+  // Pixels that a seed may cover after a change: a search changes no others.
   Window reserve(const Seed &seed, const Residual &residual);
 
   // Finds the symbols of least change in squared error plus price within reach of the present values, and takes what

@@ -74,7 +74,7 @@ void for_each_window(const std::vector<Window> &windows, const std::vector<int32
   std::vector<std::atomic<bool>> done(count);
   std::atomic<int64_t> next{0};
   std::atomic<bool> failed{false};
-  // Turns are taken in order, so the first that is not done waits for none and no thread waits for ever.
+  // Turns are taken in order, so the first that is not done waits for none and no thread waits without end.
   const auto take_turns = [&](const Worker &work) {
     for (int64_t turn; (turn = next.fetch_add(1)) < count;) {
       for (int64_t k = turns.first[turn]; k < turns.first[turn + 1]; ++k)

@@ -84,7 +84,7 @@ class Summary:
 
 
 def picture_label(row: Row) -> str:
-    """Names a picture in tables; the CRC tells two of one file name apart."""
+    """Names a picture in tables; the CRC distinguishes two of one file name."""
     return f"{row.picture} {row.crc}"
 
 

@@ -163,7 +163,7 @@ class ChunkReader:
         return self._read_head(offset)
 
     def peek(self, offset: int, count: int) -> bytes:
-        """Up to `count` bytes from `offset` on of a source that can seek; nobody has checked them."""
+        """Up to `count` bytes from `offset` on of a source that can seek; they are not checked."""
         self._file.seek(self._start + offset)
         return self._file.read(count)
 

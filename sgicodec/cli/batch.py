@@ -1,4 +1,4 @@
-"""Many files by one command: each in its turn, one summary, and an exit code that tells whether all went well."""
+"""Many files by one command: each in its turn, one summary, and an exit code for all."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def named_targets(sources: tuple[str, ...], folder: str, extension_of: Callable[
 def run_batch(
     done: str, pairs: list[tuple[str, str]], work: Callable[[str, str], int], as_json: bool = False, quiet: bool = False
 ) -> None:
-    """Calls work(source, target), which returns bytes, for all pairs; tells of failures as they come, then sums up.
+    """Calls work(source, target), which returns bytes, for all pairs; reports failures as they occur, then sums up.
 
     Raises BatchError if some failed. Ctrl-C ends the batch.
     """

@@ -80,7 +80,7 @@ class Cli(click.Group):
         try:
             return super().invoke(ctx)
         except BrokenPipeError:
-            _forget_stdout()
+            _drop_stdout()
             ctx.exit(_BROKEN_PIPE)
         except (SgiError, click.ClickException, click.Abort, click.exceptions.Exit):
             raise
@@ -98,7 +98,7 @@ def _complain(message: str, status: int) -> int:
     return status
 
 
-def _forget_stdout() -> None:
+def _drop_stdout() -> None:
     """Keeps the interpreter from complaining about what is still to be flushed when it ends."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 

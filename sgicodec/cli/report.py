@@ -1,4 +1,4 @@
-"""What `sgi encode` tells about the stream that it wrote."""
+"""The report of `sgi encode` about the stream that it wrote."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ def mark_nodata(header: Header, tile: TileRenderer, view: View, at: tuple[int, i
     """Stores nothing in those pixels of block [h, w, C] whose centres the tile's mask says to hold nothing.
 
     block begins at output pixel `at` (x, y) of the view. Alpha becomes 0, or colours the nodata value; other
-    pixels that came to have that value go one step aside.
+    pixels that have that value by chance go one step aside.
     """
     empty = np.zeros(block.shape[:2], np.bool_)
     if tile.mask is not None:

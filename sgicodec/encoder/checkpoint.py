@@ -61,7 +61,7 @@ class Checkpoint:
 
     @contextmanager
     def opened(self, fingerprint: Callable[[], bytes]) -> Iterator[Checkpoint]:
-        """As in `Store`. Raises OutputExistsError for a file that nobody asked to go on with, UsageError for that of
+        """As in `Store`. Raises OutputExistsError for a file that is not to be resumed, UsageError for that of
         another encode or a damaged one, StreamError where it cannot be written.
         """
         if self.path.exists() and not self._resume:

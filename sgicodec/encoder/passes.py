@@ -165,7 +165,7 @@ class TilePasses:
     def _correct(
         self, kind: Correction, plan: Plan, base: dict[int, Version], octaves: float, numbers: list[int], index: int
     ) -> bool:
-        """A pass that moves the λ of some tiles by so many octaves, one part for each λ of the fits; False where λ
+        """A pass that moves the λ of some tiles by `octaves`, one part for each λ of the fits; False where λ
         cannot move.
         """
         by_lmbda: dict[float, list[int]] = {}

@@ -51,7 +51,7 @@ class Plan:
     software: bytes
     metadata: Metadata | None
     place_of_windows: Metadata
-    """What tells the nodata value of windows."""
+    """The metadata that give windows their nodata value."""
 
     def at(self, lmbda: float, quality: int) -> Plan:
         """The same for tiles that are fitted at λ, whatever the goal, with this index of the base colour step."""

@@ -79,7 +79,7 @@ class EncodeSettings:
         return TileGrid(width, height, tile, min(APRON, tile // 4) if self.apron is None else self.apron)
 
     def rate_target(self, pixels: int) -> RateTarget | None:
-        """What a picture of so many pixels is to end at, if anything."""
+        """The rate target of a picture of `pixels` pixels, if there is one."""
         if self.psnr is not None:
             return RateTarget(psnr=self.psnr)
         if self.bpp is not None:

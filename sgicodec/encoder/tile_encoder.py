@@ -190,7 +190,7 @@ class Encoding:
         return encoded, Measured(len(encoded.data), quality)
 
     def rd_model(self) -> RdModel:
-        """Predicts what fits come to."""
+        """The R-D model that predicts the outcome of fits."""
         sums, weight = cell_sums(self.target, ROOT_LOG), mean_weight(self.reference, self.target)
         return RdModel(sums, len(self.target), self.target[0].size, self.fit.split_price, weight)
 

@@ -56,7 +56,7 @@ class Start(NamedTuple):
     seconds: float | None = None
 
     def later(self, seconds: float) -> Start:
-        """The same when so many seconds are gone."""
+        """The same after `seconds` have passed."""
         return self if self.seconds is None else self._replace(seconds=max(1e-3, self.seconds - seconds))
 
 
@@ -130,7 +130,7 @@ def encode_tile(
     device: Device = ALL_CORES,
     seconds: float | None = None,
 ) -> EncodedTile:
-    """Fits tile `number` of a stream of several to its pixels, apron included; in about so many seconds, if given."""
+    """Fits tile `number` of a stream of several to its pixels, apron included; in about `seconds`, if given."""
     started, tile = time.monotonic(), _encoding(window, plan, number, device, seconds)
     steps = 0
 

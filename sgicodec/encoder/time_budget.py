@@ -25,7 +25,7 @@ class _Begun(NamedTuple):
 class TimeBudget:
     """Shares the time until `end`, a value of time.monotonic(), out to tiles in proportion to their weights.
 
-    workers: how many tiles are done at once. decoders: how many threads decode the stream at the end, 0 if nobody does.
+    workers: how many tiles are done at once. decoders: how many threads decode the stream at the end, 0 if none does.
     weigh: what a step of a tile's fit costs, in any unit; without it all pixels weigh the same.
     What is left of all workers' time goes to the tiles that have not begun: what one tile leaves or takes beyond its
     share, the others gain or lose. A tile is assigned less than its share by the median overrun of the last tiles, more
@@ -95,7 +95,7 @@ _RESERVED, _ALIKE = 0.5, 0.5
 from which on other tiles count for a turn.
 """
 _LEAST, _LEAST_PART = 1e-3, 0.5
-"""What is assigned to a tile at least: seconds, and of its share. A fit of hardly any steps leaves so many seeds that
+"""What is assigned to a tile at least: seconds, and of its share. A fit of very few steps leaves so many seeds that
 searching and coding them takes longer than more steps would have.
 """
 _LAST = 5

@@ -112,7 +112,7 @@ class _Pool(Generic[Job, Result]):
     def _send(self, worker: _Worker, job_of: Callable[[int], Job]) -> None:
         number = worker.tile or 0
         job = job_of(number)
-        with contextlib.suppress(OSError):  # it died while it was idle: the pipe tells so to whoever waits
+        with contextlib.suppress(OSError):  # it died while it was idle: the pipe reports it to the waiting reader
             worker.pipe.send((number, job))
 
     def _outcome(self, worker: _Worker) -> tuple[int, Result | Failure | _Ready]:

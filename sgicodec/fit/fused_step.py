@@ -53,7 +53,7 @@ class FusedStep:
     """A `GradientStep` for squared error and Laplacian bits, for the models that `can_run` names.
 
     Noise is a hash of (its key, column, seed), so that a step does not depend on the number of threads. Inputs from
-    neighbours are found anew every `refresh` steps: they move slowly, and all seeds can then be evaluated at once
+    neighbours are found again every `refresh` steps: they move slowly, and all seeds can then be evaluated at once
     although coding visits them pass by pass. Under noise, where MLP_p is a prior's and only its difference trains, it
     runs every `predict` steps: in between, its last outputs and the gradients of its difference and of the steps stand.
     """

@@ -64,7 +64,7 @@ class Opened:
         return geo.nodata(self.metadata.geo, self.header.dtype)
 
     def reopen(self) -> None:
-        """Close the file and open it anew: OpenImageIO then stands at the first row again."""
+        """Close the file and open it again: OpenImageIO then stands at the first row again."""
         self.image.close()
         self.image = _open(self.path)
 
@@ -109,13 +109,13 @@ def open_picture(path: Path, *, any_size: bool = False) -> Opened:
     with _no_size_limit() if any_size and is_tiff else nullcontext():
         image = _open(path)
     spec, kind = image.spec(), image.format_name()
-    told = header(spec, kind)
+    probe = header(spec, kind)
     place = found.geo
     if not has_own_numbers(spec):
         place = geo.resampled(place, lambda value: number_as_read(value, spec))
     place = placement.oriented(place, orientation(spec, kind), spec.width, spec.height)
-    metadata = replace(found, icc=_icc(spec, told.channels), geo=place)
-    return Opened(path, image, spec, kind, told, metadata)
+    metadata = replace(found, icc=_icc(spec, probe.channels), geo=place)
+    return Opened(path, image, spec, kind, probe, metadata)
 
 
 def _examine(path: Path) -> tuple[Metadata, bool]:

@@ -19,7 +19,7 @@ __all__ = ["copies", "embed", "extract"]
 
 _INSERT = {"jpeg": jpeg.insert, "webp": webp.insert}
 _REWRITTEN = ("jpeg",)
-"""Formats whose files are written anew even without metadata, to lose what OpenImageIO puts there unasked."""
+"""Formats whose files are rewritten even without metadata, to lose what OpenImageIO puts there unasked."""
 
 
 def extract(data: Bytes) -> Metadata:

@@ -2,7 +2,7 @@
 
 A distortion turns a picture into a `Reference`. Every stage that decides asks that reference and nothing else:
 
-- `weights` tells what one squared error costs at each pixel: it splits quadtree cells, prunes and adds seeds, is fused
+- `weights` is what one squared error costs at each pixel: it splits quadtree cells, prunes and adds seeds, is fused
   into the fit's native step and into RDOQ, and fits the base layer;
 - `value` is what λ trades against bits, and what RDOQ judges whole models by;
 - `gradient` is the derivative of `value`, the reference for every native gradient.
@@ -13,7 +13,7 @@ Weights have a mean of about 1 over photographs, so that λ and quality keep the
 one error costs the same in every tile of a picture.
 
 Masks: a pixel that holds nothing (`empty`) is filled with smooth colours before an encode, which must count as little
-as the distortion allows; in reports, colours that nobody sees (alpha 0) count nothing. PSNR is always plain.
+as the distortion allows; in reports, unseen colours (alpha 0) count nothing. PSNR is always plain.
 """
 
 from __future__ import annotations

@@ -94,7 +94,7 @@ class FitSettings:
         return self.split * self.seed_bits
 
     def slowing(self, steps: int) -> float:
-        """Factor of the learning rates in `SLOWED` for a fit of so many steps."""
+        """Factor of the learning rates in `SLOWED` for a fit of `steps` steps."""
         if self.reference_steps is None:
             return 1.0
         ratio = self.reference_steps / steps

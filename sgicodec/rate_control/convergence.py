@@ -57,7 +57,7 @@ _PSNR_OFFSET_DB = np.array(
 
 
 def expected(done: float, steps: int, lmbda: float) -> tuple[float, float]:
-    """Ratio of bytes and offset of PSNR in dB, state over outcome, when a fraction of so many steps at λ is done."""
+    """Ratio of bytes and offset of PSNR in dB, state over outcome, after a fraction `done` of `steps` steps at λ."""
     both = np.outer(_weights(steps, STEPS), _weights(lmbda, LMBDAS))
     ratio, offset = (np.interp(done, DONE, np.tensordot(both, table, 2)) for table in (_BYTES_RATIO, _PSNR_OFFSET_DB))
     return float(ratio), float(offset)

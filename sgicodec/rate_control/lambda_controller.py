@@ -39,7 +39,7 @@ class LambdaController:
         self._jumps, self._jumped = jumps, not jumps
 
     def update(self, done: float, steps: int, bits: float, seeds: int, psnr: float) -> float:
-        """λ after a step of a fit of so many, from the fraction that is done, bits of the seeds' attributes, their
+        """λ after a step of a fit of `steps`, from the fraction that is done, bits of the seeds' attributes, their
         number, and PSNR under noise.
         """
         if done < JUMP_AT or (self._jumped and done < INTEGRAL_FROM):

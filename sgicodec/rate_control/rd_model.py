@@ -22,8 +22,8 @@ class RdModel:
     """Predicts bytes and error of a fit of a picture less its base layer.
 
     sums: statistics of the picture's cells (`cell_sums`). seed_price: squared deviation that splits a cell, for each
-    unit of λ. weight: what the distortion is of squared error on this picture: a fit at λ comes to what one for squared
-    error comes to at λ / weight. The predictions are products of powers of λ, of the number of seeds and of the
+    unit of λ. weight: what the distortion is of squared error on this picture: a fit at λ ends where one for squared
+    error ends at λ / weight. The predictions are products of powers of λ, of the number of seeds and of the
     deviation within their cells, fitted to photographs. That of the error also sees both at four times the price of a
     seed: how fast more seeds become worth their bits tells fine texture from edges (docs/notes/2026-11-rd-model.md).
     """
@@ -59,7 +59,7 @@ def initial_lmbda(target: RateTarget, rd_model: RdModel, extra: float = 0.0) -> 
 
 
 def bisected_lmbda(must_rise: Callable[[float], bool], halvings: int) -> float:
-    """λ between LMBDA_MIN and LMBDA_MAX below which `must_rise` holds, by so many halvings of its octaves."""
+    """λ between LMBDA_MIN and LMBDA_MAX below which `must_rise` holds, by halving its octaves repeatedly."""
     low, high = math.log2(LMBDA_MIN), math.log2(LMBDA_MAX)
     for _ in range(halvings):
         middle = 0.5 * (low + high)

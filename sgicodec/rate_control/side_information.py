@@ -29,7 +29,7 @@ NETWORK_WEIGHT_BYTES = 1.2
 
 
 def network_bytes(weights: int) -> float:
-    """Bytes of a context network of so many weights that the stream carries."""
+    """Bytes of a context network of `weights` weights that the stream carries."""
     return NETWORK_WEIGHT_BYTES * weights
 
 
@@ -39,5 +39,5 @@ def side_bytes(base_numbers: float, extra: float) -> float:
 
 
 def tile_side_bytes(weights: int) -> float:
-    """Bytes of a tile of several without seeds, with a network of so many weights."""
+    """Bytes of a tile of several without seeds, with a network of `weights` weights."""
     return TILE_BYTES + network_bytes(weights)

@@ -19,7 +19,7 @@ _REACH = 8
 
 
 def with_coarser_steps(networks: tuple[IntNetwork, ...], octaves: float) -> tuple[IntNetwork, ...]:
-    """Networks whose refinement r is larger by so many octaves, rounded to the stream's units: all steps grow."""
+    """Networks whose refinement r is larger by `octaves`, rounded to the stream's units: all steps grow."""
     return tuple(network.coarser(round(octaves * 2**DIFFERENCE_SHIFT)) for network in networks)
 
 

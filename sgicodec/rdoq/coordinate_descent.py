@@ -39,7 +39,7 @@ class Symbols:
 
     @classmethod
     def empty(cls, count: int, width: int, family: int) -> Symbols:
-        """Room for so many seeds and attributes."""
+        """Room for `count` seeds and their attributes."""
         shape = (count, width)
         return cls(np.zeros(shape, np.int32), np.zeros(shape, np.int16), np.zeros(count), family)
 

@@ -77,7 +77,7 @@ class Rdoq:
         return RdoqResult(model, objective.cost(model))
 
     def at(self, lmbda: float, passes: int | None = None, until: float = math.inf) -> RdoqResult:
-        """The best model that so many passes from the start find for λ; none that costs more than what there was.
+        """The best model that `passes` passes from the start find for λ; none that costs more than what there was.
 
         Ends early where another pass would not be done by `until`, a value of time.monotonic().
         """

@@ -28,5 +28,5 @@ class RdoqSettings:
 
     @classmethod
     def for_steps(cls, steps: int) -> RdoqSettings:
-        """As many passes as befit a fit of so many steps: where both gain about the same in a second."""
+        """Settings whose number of passes suits a fit of `steps` steps: both then gain about the same in a second."""
         return cls(passes=min(64, max(2, round(steps / 100))))
