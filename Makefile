@@ -15,13 +15,14 @@ DEV_STAMP := $(VENV)/.dev
 INPUTS := pyproject.toml constraints.txt CMakeLists.txt $(shell find native -type f)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup setup-dev demo test test-all bench lint format clean
+.PHONY: help setup setup-dev demo test test-all bench lint format stubs clean
 
 help:
 	@echo "make demo       encode and decode a bundled photograph and measure the difference"
 	@echo "make test       run the tests, but for the slow ones, in five minutes on two processors"
 	@echo "make test-all   run all tests, with all examples; ARGS='-k nodata' chooses, for both"
 	@echo "make lint       check with ruff and mypy"
+	@echo "make stubs      write sgicodec/_native.pyi, the types of the extension, anew"
 	@echo "make format     let ruff format"
 	@echo "make bench      measure against JPEG, WebP, JPEG XL and AVIF: make bench PICTURES=DIR OUT=DIR"
 	@echo "make setup      install into $(VENV) what demo and bench need; make setup-dev: what tests and lint need"
@@ -78,6 +79,9 @@ lint: setup-dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+stubs: setup-dev
+	$(BIN)/python -m nanobind.stubgen -q --exclude-values -m sgicodec._native -o sgicodec/_native.pyi
 
 format: setup-dev
 	$(BIN)/ruff check --fix .

@@ -1,424 +1,227 @@
-"""The compiled extension (native/bindings/module.cpp). Arrays are C-contiguous and on the CPU."""
-
 from collections.abc import Callable
-from typing import Any
+from typing import Annotated
 
-import numpy as np
+import numpy
 from numpy.typing import NDArray
 
-F32 = NDArray[np.float32]
-I8 = NDArray[np.int8]
-I16 = NDArray[np.int16]
-I32 = NDArray[np.int32]
-I64 = NDArray[np.int64]
-F64 = NDArray[np.float64]
-U8 = NDArray[np.uint8]
 
-FRACTION_BITS: int
-INPUT_BITS: int
-MEAN_BITS: int
-GAMMA_BITS: int
-PER_OCTAVE: int
-STEP_ZERO: int
-STEP_COUNT: int
-SCALE_ZERO: int
-SCALE_COUNT: int
-REFINE_LIMIT: int
-AMPLITUDE_ZERO: int
-OCTAVE_LIMIT: int
-LEVELS: int
-SUMMARY: int
-LEVEL_INPUTS: int
-NEIGHBOUR_INPUTS: int
-COLOUR_GAIN_BITS: int
-LOUDNESS_ZERO: int
-OFFSET_LIMIT: int
-INPUT_LIMIT: int
-HIDDEN_LIMIT: int
-WINDOW_PADDING: int
-DEAD_ZONE: float
-DEAD_ZONE_LIMIT: float
-MIN_VARIANCE: float
-SHAPE_LIMIT: float
-LEAST_MASS: float
-NEIGHBOUR_WEIGHTS: tuple[int, ...]
-OWN_INPUTS: tuple[int, ...]
+def resolve_threads(threads: int) -> int: ...
 
-class Rasterizer:
-    def __init__(self, isa: str, threads: int, most_pairs: int) -> None: ...
-    def forward(
-        self, means: F32, covariances: F32, colours: F32, image: F32, x0: int, y0: int, cutoff: float, /
-    ) -> None: ...
-    def draw(
-        self,
-        means: F32,
-        covariances: F32,
-        colours: F32,
-        out: NDArray[Any],
-        x0: int,
-        y0: int,
-        cutoff: float,
-        lines: F32,
-        top: I32,
-        down: F32,
-        low: F32,
-        span: F32,
-        clip: bool,
-        /,
-    ) -> None: ...
-    def backward(
-        self,
-        means: F32,
-        covariances: F32,
-        colours: F32,
-        grad: F32,
-        x0: int,
-        y0: int,
-        grad_means: F32,
-        grad_covariances: F32,
-        grad_colours: F32,
-        /,
-    ) -> None: ...
-    def squared_error(
-        self,
-        means: F32,
-        covariances: F32,
-        colours: F32,
-        target: F32,
-        x0: int,
-        y0: int,
-        cutoff: float,
-        weight: float,
-        grad_means: F32,
-        grad_covariances: F32,
-        grad_colours: F32,
-        /,
-    ) -> float: ...
-    def weighted_squared_error(
-        self,
-        means: F32,
-        covariances: F32,
-        colours: F32,
-        target: F32,
-        weights: F32,
-        x0: int,
-        y0: int,
-        cutoff: float,
-        grad_means: F32,
-        grad_covariances: F32,
-        grad_colours: F32,
-        /,
-    ) -> tuple[float, float]: ...
-    @property
-    def isa(self) -> str: ...
-    @property
-    def pairs(self) -> int: ...
+def fma_peak(threads: int, isa: str) -> float: ...
 
-def nearest_among(points: I32, among: I64, members: I64, out: I32, threads: int, /) -> None: ...
-def fma_peak(threads: int, isa: str, /) -> float: ...
-def resolve_threads(threads: int, /) -> int: ...
-def adam_step(
-    value: F32,
-    gradient: F32,
-    mean: F32,
-    square: F32,
-    beta1: float,
-    beta2: float,
-    rate: float,
-    root_correction: float,
-    epsilon: float,
-    threads: int,
-    isa: str,
-) -> None: ...
+class SymbolModels:
+    def __init__(self, frequency: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], start: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> None: ...
+
+class RangeDecoder:
+    def __init__(self, payload: bytes) -> None: ...
+
+    def decode(self, models: SymbolModels, start: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], out: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu')]) -> bool: ...
+
+    def decode_uniform(self, bits: int, out: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu')]) -> bool: ...
+
+    def maybe_exhausted(self) -> bool: ...
+
+def group_by_key(keys: Annotated[NDArray[numpy.int16], dict(shape=(None,), order='C', device='cpu', writable=False)], order: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu')], start: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu')]) -> None: ...
+
+def ungroup_symbols(indices: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], order: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], tables: Annotated[NDArray[numpy.int16], dict(shape=(None,), order='C', device='cpu', writable=False)], support: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], start: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], bits: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], symbols: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu')]) -> tuple[float, int]: ...
+
+def ungroup_categorical(indices: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], order: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], keys: Annotated[NDArray[numpy.int16], dict(shape=(None,), order='C', device='cpu', writable=False)], alphabets: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], bits: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], symbols: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu')]) -> float: ...
+
+def add_predictions(plane: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu')], predictor: int, most: int) -> bool: ...
+
+FRACTION_BITS: int = ...
+
+INPUT_BITS: int = ...
+
+MEAN_BITS: int = ...
+
+GAMMA_BITS: int = ...
+
+PER_OCTAVE: int = ...
+
+STEP_ZERO: int = ...
+
+STEP_COUNT: int = ...
+
+SCALE_ZERO: int = ...
+
+SCALE_COUNT: int = ...
+
+REFINE_LIMIT: int = ...
+
+AMPLITUDE_ZERO: int = ...
+
+OCTAVE_LIMIT: int = ...
+
+LEVELS: int = ...
+
+SUMMARY: int = ...
+
+MOST_NEIGHBOURS: int = ...
+
+LEVEL_INPUTS: int = ...
+
+NEIGHBOUR_INPUTS: int = ...
+
+COLOUR_GAIN_BITS: int = ...
+
+LOUDNESS_ZERO: int = ...
+
+OFFSET_LIMIT: int = ...
+
+INPUT_LIMIT: int = ...
+
+HIDDEN_LIMIT: int = ...
+
+WINDOW_PADDING: int = ...
+
+DEAD_ZONE: float = ...
+
+DEAD_ZONE_LIMIT: float = ...
+
+MIN_VARIANCE: float = ...
+
+SHAPE_LIMIT: float = ...
+
+LEAST_MASS: float = ...
+
+def neighbour_weight(rank: int) -> int:
+    """Sixteenths that a seed's neighbour of this rank counts, nearest first."""
+
+def own_input_count(step: int) -> int:
+    """Inputs that a seed's own earlier groups add at a coding step."""
+
+def adam_step(value: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu')], gradient: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], mean: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu')], square: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu')], beta1: float, beta2: float, rate: float, root_correction: float, epsilon: float, threads: int, isa: str) -> None: ...
 
 class SeedFit:
-    def __init__(self, isa: str, threads: int, per_seed: int, hidden: int, opponent: F32) -> None: ...
-    def set_layout(self, half_pixels: I32, log_size: I8, neighbour: I32, quality: int, /) -> None: ...
-    def forward(
-        self,
-        colour: F32,
-        shape: F32,
-        offset: F32,
-        first: F32,
-        rest: F32,
-        steps: F32,
-        rounding: int,
-        key: int,
-        negative: bool,
-        reuse: int,
-        trains_first: bool,
-        means: F32,
-        covariances: F32,
-        colours: F32,
-    ) -> float: ...
-    def backward(
-        self,
-        means: F32,
-        covariances: F32,
-        colours: F32,
-        lmbda: float,
-        colour: F32,
-        shape: F32,
-        offset: F32,
-        sums: F32,
-    ) -> None: ...
-    def bits(self, out: F32, /) -> None: ...
+    def __init__(self, isa: str, threads: int, per_seed: int, hidden: int, opponent: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)]) -> None: ...
+
+    def set_layout(self, half_pixels: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], log_size: Annotated[NDArray[numpy.int8], dict(shape=(None,), order='C', device='cpu', writable=False)], neighbour: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], quality: int) -> None: ...
+
+    def forward(self, colour: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], shape: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], offset: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], first: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], rest: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], steps: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], rounding: int, key: int, negative: bool, reuse: int, trains_first: bool, means: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu')], covariances: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu')], colours: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu')]) -> float: ...
+
+    def backward(self, means: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], covariances: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], colours: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], lmbda: float, colour: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu')], shape: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu')], offset: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu')], sums: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu')]) -> None: ...
+
+    def bits(self, out: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu')]) -> None: ...
+
     @property
     def sums(self) -> int: ...
 
-def seed_gaussians(
-    values: F64,
-    half_pixels: I32,
-    log_size: I8,
-    per_seed: int,
-    opponent: F32,
-    threads: int,
-    isa: str,
-    means: F32,
-    covariances: F32,
-    colours: F32,
-    /,
-) -> None: ...
-def evaluate_network(
-    w1: I64,
-    b1: I64,
-    w2: I64,
-    b2: I64,
-    shift: int,
-    predicted: int,
-    inputs: I16,
-    threads: int,
-    isa: str,
-    out: I64,
-    /,
-) -> None: ...
-def seed_inputs(
-    half_pixels: I32,
-    log_size: I8,
-    neighbours: I32,
-    summary: I16,
-    members: I64,
-    quality: int,
-    threads: int,
-    out: I16,
-    /,
-) -> None: ...
-def summarise(
-    attributes: I64,
-    per_seed: int,
-    channels: int,
-    colour: int,
-    shape: int,
-    members: I64,
-    threads: int,
-    summary: I16,
-    amplitude: I32,
-    /,
-) -> None: ...
-def own_inputs(summary: I16, step: int, first: int, threads: int, out: I16, /) -> None: ...
-def quantisers(
-    base: I64,
-    columns: I64,
-    gamma: int,
-    amplitude: I32 | None,
-    mean: I64,
-    scale: I64,
-    refine: I64,
-    log_size: I8,
-    threads: int,
-    out_mean: I64,
-    out_step: I64,
-    out_scale: I16,
-    /,
-) -> None: ...
+def png_filter(rows: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu', writable=False)], above: Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)], step: int, out: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu')]) -> None: ...
 
-class SymbolModels:
-    def __init__(self, frequency: I64, start: I64, /) -> None: ...
+def base_lines(grid: Annotated[NDArray[numpy.float64], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], first: int, left: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], across: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], threads: int, lines: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu')]) -> None: ...
 
-class RangeDecoder:
-    def __init__(self, payload: bytes, /) -> None: ...
-    def decode(self, models: SymbolModels, start: I64, out: I32, /) -> bool: ...
-    def decode_uniform(self, bits: int, out: I32, /) -> bool: ...
-    def maybe_exhausted(self) -> bool: ...
+def nearest_among(points: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], among: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], members: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], out: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu')], threads: int) -> None: ...
 
-def group_by_key(keys: I16, order: I32, start: I64, /) -> None: ...
-def ungroup_symbols(
-    indices: I32, order: I32, tables: I16, support: I32, start: I64, bits: F64, symbols: I32, /
-) -> tuple[float, int]: ...
-def ungroup_categorical(indices: I32, order: I32, keys: I16, alphabets: I32, bits: F64, symbols: I32, /) -> float: ...
-def dequantise(symbols: I32, mean: I64, step: I64, members: I64, first: int, threads: int, decoded: I64, /) -> None: ...
-def add_predictions(plane: I64, predictor: int, most: int, /) -> bool: ...
-def tree_input_count(child: int, /) -> int: ...
+def seed_gaussians(values: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], half_pixels: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], log_size: Annotated[NDArray[numpy.int8], dict(shape=(None,), order='C', device='cpu', writable=False)], per_seed: int, opponent: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], threads: int, isa: str, means: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu')], covariances: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu')], colours: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu')]) -> None: ...
+
+def evaluate_network(w1: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], b1: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], w2: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], b2: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], shift: int, predicted: int, inputs: Annotated[NDArray[numpy.int16], dict(shape=(None, None), device='cpu', writable=False)], threads: int, isa: str, out: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu')]) -> None: ...
+
+def seed_inputs(half_pixels: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], log_size: Annotated[NDArray[numpy.int8], dict(shape=(None,), order='C', device='cpu', writable=False)], neighbours: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], summary: Annotated[NDArray[numpy.int16], dict(shape=(None, None), order='C', device='cpu', writable=False)], members: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], quality: int, threads: int, out: Annotated[NDArray[numpy.int16], dict(shape=(None, None), order='C', device='cpu')]) -> None: ...
+
+def summarise(attributes: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], per_seed: int, channels: int, colour: int, shape: int, members: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], threads: int, summary: Annotated[NDArray[numpy.int16], dict(shape=(None, None), order='C', device='cpu')], amplitude: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu')]) -> None: ...
+
+def own_inputs(summary: Annotated[NDArray[numpy.int16], dict(shape=(None, None), order='C', device='cpu', writable=False)], step: int, first: int, threads: int, out: Annotated[NDArray[numpy.int16], dict(shape=(None, None), order='C', device='cpu')]) -> None: ...
+
+def quantisers(base: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], columns: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], gamma: int, amplitude: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)] | None, mean: Annotated[NDArray[numpy.int64], dict(shape=(None, None), device='cpu', writable=False)], scale: Annotated[NDArray[numpy.int64], dict(shape=(None, None), device='cpu', writable=False)], refine: Annotated[NDArray[numpy.int64], dict(shape=(None, None), device='cpu', writable=False)], log_size: Annotated[NDArray[numpy.int8], dict(shape=(None,), order='C', device='cpu', writable=False)], threads: int, out_mean: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu')], out_step: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu')], out_scale: Annotated[NDArray[numpy.int16], dict(shape=(None, None), order='C', device='cpu')]) -> None: ...
+
+def dequantise(symbols: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], mean: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], step: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], members: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], first: int, threads: int, decoded: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu')]) -> None: ...
+
+class Rasterizer:
+    def __init__(self, isa: str, threads: int, most_pairs: int) -> None: ...
+
+    def forward(self, means: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], covariances: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], colours: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], image: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu')], x0: int, y0: int, cutoff: float) -> None: ...
+
+    def draw(self, means: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], covariances: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], colours: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], out: Annotated[NDArray, dict(shape=(None, None, None), device='cpu')], x0: int, y0: int, cutoff: float, lines: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], top: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], down: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], low: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], span: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], clip: bool) -> None: ...
+
+    def backward(self, means: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], covariances: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], colours: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], grad: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], x0: int, y0: int, grad_means: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu')], grad_covariances: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu')], grad_colours: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu')]) -> None: ...
+
+    def squared_error(self, means: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], covariances: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], colours: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], target: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], x0: int, y0: int, cutoff: float, weight: float, grad_means: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu')], grad_covariances: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu')], grad_colours: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu')]) -> float: ...
+
+    def weighted_squared_error(self, means: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], covariances: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], colours: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], target: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], weights: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], x0: int, y0: int, cutoff: float, grad_means: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu')], grad_covariances: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu')], grad_colours: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu')]) -> tuple[float, float]: ...
+
+    @property
+    def isa(self) -> str: ...
+
+    @property
+    def pairs(self) -> int: ...
+
+class SymbolSearch:
+    def __init__(self, support: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], start: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], bits: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], first: int, opponent: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], threads: int, isa: str) -> None: ...
+
+    def set_group(self, group: int, w1: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], b1: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], w2: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], b2: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], shift: int, predicted: int, base: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], columns: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], gamma: int) -> None: ...
+
+    def search(self, residual: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu')], weights: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)] | None, inputs: Annotated[NDArray[numpy.int16], dict(shape=(None, None), order='C', device='cpu', writable=False)], values: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], centre: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], cell: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], log_size: Annotated[NDArray[numpy.int8], dict(shape=(None,), order='C', device='cpu', writable=False)], decoded: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu')], symbols: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu')], scale: Annotated[NDArray[numpy.int16], dict(shape=(None, None), order='C', device='cpu')], change: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu')], lmbda: float, cutoff: float, deep: int, rounds: int) -> None: ...
+
+def prune_gaussians(residual: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu')], weights: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)] | None, means: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], covariances: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], colours: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)], price: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], cutoff: float, threads: int, isa: str, pruned: Annotated[NDArray[numpy.bool_], dict(shape=(None,), order='C', device='cpu')]) -> None: ...
+
+def search_base(planes: Annotated[NDArray[numpy.int64], dict(shape=(None, None, None), order='C', device='cpu')], predictor: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], weights: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], table: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], support: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], start: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], bits: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], down: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], across: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], gram: Annotated[NDArray[numpy.float64], dict(shape=(None, None, None, None), order='C', device='cpu', writable=False)] | None, pull: Annotated[NDArray[numpy.float64], dict(shape=(None, None, None), order='C', device='cpu')], step: float, lmbda: float, passes: int) -> int: ...
+
+class ZeroCentredTables:
+    def __init__(self, models: SymbolModels, support: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], start: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], bits: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], exponents: SymbolModels, most: int) -> None: ...
+
+def read_zero_centred(decoder: RangeDecoder, tables: ZeroCentredTables, keys: Annotated[NDArray[numpy.int16], dict(shape=(None,), order='C', device='cpu', writable=False)], symbols: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu')]) -> tuple[int, float]:
+    """
+    0, or 1 where the payload does not decode, 2 where a symbol is too large; information content.
+    """
+
+class AttributeModel:
+    def __init__(self, attributes: int, per_seed: int, channels: int, colour: int, shape: int, quality: int, neighbours: int, first_table: int) -> None: ...
+
+    def add_step(self, w1: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], b1: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], w2: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], b2: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], shift: int, predicted: int, isa: str) -> None: ...
+
+    def add_group(self, base: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], columns: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], gamma: int, follows_amplitude: bool, prediction: int, units: int, refinement: int, first: int) -> None: ...
+
+    def read(self, decoder: RangeDecoder, tables: ZeroCentredTables, half_pixels: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], log_size: Annotated[NDArray[numpy.int8], dict(shape=(None,), order='C', device='cpu', writable=False)], members: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], start: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], threads: int, decoded: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu')]) -> tuple[int, Annotated[NDArray[numpy.int32], dict(shape=(None,))], list[float]]:
+        """
+        As of `read_zero_centred`, all symbols in coding order, information content by group.
+        """
+
+def tree_input_count(child: int) -> int: ...
 
 class TreeNetwork:
-    def __init__(self, w1: I64, b1: I64, w2: I64, b2: I64, shift: int, child: int, isa: str, /) -> None: ...
+    def __init__(self, w1: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], b1: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], w2: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], b2: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], shift: int, child: int, isa: str) -> None: ...
 
 class TreeScenery:
-    def __init__(self, width: int, height: int, base: I64, cell: int, quality: int, /) -> None: ...
+    def __init__(self, width: int, height: int, base: Annotated[NDArray[numpy.int64], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], cell: int, quality: int) -> None: ...
 
 class TreeBatch:
     """Nodes of one level and child number that are coded together."""
 
     @property
     def level(self) -> int: ...
-    @property
-    def child(self) -> int: ...
-    def __len__(self) -> int: ...
-    @property
-    def needed(self) -> NDArray[np.bool_]:
-        """Which [n] must not be empty, being the last of their parent's children where the others are."""
 
     @property
-    def codes(self) -> I64:
+    def child(self) -> int: ...
+
+    def __len__(self) -> int: ...
+
+    @property
+    def needed(self) -> Annotated[NDArray[numpy.bool_], dict(shape=(None,))]:
+        """
+        Which [n] must not be empty, being the last of their parent's children where the others are.
+        """
+
+    @property
+    def codes(self) -> Annotated[NDArray[numpy.int64], dict(shape=(None,))]:
         """Morton codes [n] at their level."""
 
     @property
-    def inputs(self) -> I16:
+    def inputs(self) -> Annotated[NDArray[numpy.int16], dict(shape=(None, None))]:
         """What a prediction sees [n, inputs], in 1/64."""
 
-    def rows(self, network: TreeNetwork, shift: int, most: int, threads: int, /) -> I16:
-        """What the network of this child number says [n, 3]: log-odds in units of 2^(shift − 8), clipped to ±most and
+    def rows(self, network: TreeNetwork, shift: int, most: int, threads: int) -> Annotated[NDArray[numpy.int16], dict(shape=(None, None))]:
+        """
+        What the network of this child number says [n, 3]: log-odds in units of 2^(shift - 8), clipped to ±most and
         moved by `most`.
         """
 
-    def seed_rows(self, rows: I16, split: U8, certain: int, /) -> I16:
+    def seed_rows(self, rows: Annotated[NDArray[numpy.int16], dict(shape=(None, None), order='C', device='cpu', writable=False)], split: Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)], certain: int) -> Annotated[NDArray[numpy.int16], dict(shape=(None,))]:
         """The row of every seed flag [n]: `certain` where it is needed."""
 
-def walk_tree(
-    scenery: TreeScenery, max_seeds: int, code: Callable[[TreeBatch], tuple[U8, U8]], /
-) -> list[tuple[I64, int]]: ...
-def read_tree(
-    decoder: RangeDecoder,
-    scenery: TreeScenery,
-    max_seeds: int,
-    networks: tuple[TreeNetwork, ...],
-    models: SymbolModels,
-    symbol: I32,
-    bits: F64,
-    shift: int,
-    most: int,
-    threads: int,
-    /,
-) -> tuple[bool, list[tuple[I64, int]], I32, float]:
-    """Whether they decode, codes as of `walk_tree`, all flags in coding order and their information content."""
+def walk_tree(scenery: TreeScenery, max_seeds: int, code: Callable[[TreeBatch], tuple[Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)], Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)]]]) -> list[tuple[Annotated[NDArray[numpy.int64], dict(shape=(None,))], int]]: ...
 
-class ZeroCentredTables:
-    def __init__(
-        self, models: SymbolModels, support: I32, start: I64, bits: F64, exponents: SymbolModels, most: int, /
-    ) -> None: ...
-
-def read_zero_centred(
-    decoder: RangeDecoder, tables: ZeroCentredTables, keys: I16, symbols: I32, /
-) -> tuple[int, float]:
-    """0, or 1 where the payload does not decode, 2 where a symbol is too large; information content."""
-
-class AttributeModel:
-    def __init__(
-        self,
-        attributes: int,
-        per_seed: int,
-        channels: int,
-        colour: int,
-        shape: int,
-        quality: int,
-        neighbours: int,
-        first_table: int,
-        /,
-    ) -> None: ...
-    def add_step(self, w1: I64, b1: I64, w2: I64, b2: I64, shift: int, predicted: int, isa: str, /) -> None: ...
-    def add_group(
-        self,
-        base: I64,
-        columns: I64,
-        gamma: int,
-        follows_amplitude: bool,
-        prediction: int,
-        units: int,
-        refinement: int,
-        first: int,
-    ) -> None: ...
-    def read(
-        self,
-        decoder: RangeDecoder,
-        tables: ZeroCentredTables,
-        half_pixels: I32,
-        log_size: I8,
-        members: I64,
-        start: I64,
-        threads: int,
-        decoded: I64,
-        /,
-    ) -> tuple[int, I32, list[float]]:
-        """As of `read_zero_centred`, all symbols in coding order, information content by group."""
-
-def base_lines(grid: F64, first: int, left: I64, across: F64, threads: int, lines: F32, /) -> None: ...
-def png_filter(rows: U8, above: U8, step: int, out: U8, /) -> None: ...
-
-class SymbolSearch:
-    def __init__(
-        self, support: I32, start: I64, bits: F64, first: int, opponent: F32, threads: int, isa: str, /
-    ) -> None: ...
-    def set_group(
-        self,
-        group: int,
-        w1: I64,
-        b1: I64,
-        w2: I64,
-        b2: I64,
-        shift: int,
-        predicted: int,
-        base: I64,
-        columns: I64,
-        gamma: int,
-        /,
-    ) -> None: ...
-    def search(
-        self,
-        residual: F32,
-        weights: F32 | None,
-        inputs: I16,
-        values: F64,
-        centre: F32,
-        cell: F32,
-        log_size: I8,
-        decoded: I64,
-        symbols: I32,
-        scale: I16,
-        change: F64,
-        lmbda: float,
-        cutoff: float,
-        deep: int,
-        rounds: int,
-        /,
-    ) -> None: ...
-
-def search_base(
-    planes: I64,
-    predictor: I32,
-    weights: I32,
-    table: I32,
-    support: I32,
-    start: I64,
-    bits: F64,
-    down: F64,
-    across: F64,
-    gram: F64 | None,
-    pull: F64,
-    step: float,
-    lmbda: float,
-    passes: int,
-    /,
-) -> int: ...
-def prune_gaussians(
-    residual: F32,
-    weights: F32 | None,
-    means: F32,
-    covariances: F32,
-    colours: F32,
-    price: F32,
-    cutoff: float,
-    threads: int,
-    isa: str,
-    pruned: NDArray[np.bool_],
-    /,
-) -> None: ...
+def read_tree(decoder: RangeDecoder, scenery: TreeScenery, max_seeds: int, networks: tuple[TreeNetwork, ...], models: SymbolModels, symbol: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], bits: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], shift: int, most: int, threads: int) -> tuple[bool, list[tuple[Annotated[NDArray[numpy.int64], dict(shape=(None,))], int]], Annotated[NDArray[numpy.int32], dict(shape=(None,))], float]:
+    """
+    Whether they decode, codes as of `walk_tree`, all flags in coding order and their information content.
+    """

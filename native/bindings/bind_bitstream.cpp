@@ -7,6 +7,7 @@
 #include "bitstream/range_decoder.hpp"
 
 namespace nb = nanobind;
+using namespace nb::literals;
 using sgi::Array;
 using sgi::require;
 
@@ -103,17 +104,20 @@ bool add_predictions(Array<int64_t, 2> plane, int predictor, int64_t most) {
 }  // namespace
 
 void bind_bitstream(nb::module_ &m) {
-  nb::class_<sgi::SymbolModels>(m, "SymbolModels").def("__init__", &make_models);
+  nb::class_<sgi::SymbolModels>(m, "SymbolModels").def("__init__", &make_models, "frequency"_a, "start"_a);
   nb::class_<sgi::RangeDecoder>(m, "RangeDecoder")
       .def("__init__",
            [](sgi::RangeDecoder *self, nb::bytes payload) {
              new (self) sgi::RangeDecoder(static_cast<const uint8_t *>(payload.data()), int64_t(payload.size()));
-           })
-      .def("decode", &decode_symbols)
-      .def("decode_uniform", &decode_uniform)
+           },
+           "payload"_a)
+      .def("decode", &decode_symbols, "models"_a, "start"_a, "out"_a)
+      .def("decode_uniform", &decode_uniform, "bits"_a, "out"_a)
       .def("maybe_exhausted", &sgi::RangeDecoder::maybe_exhausted);
-  m.def("group_by_key", &group_by_key);
-  m.def("ungroup_symbols", &ungroup_symbols);
-  m.def("ungroup_categorical", &ungroup_categorical);
-  m.def("add_predictions", &add_predictions);
+  m.def("group_by_key", &group_by_key, "keys"_a, "order"_a, "start"_a);
+  m.def("ungroup_symbols", &ungroup_symbols, "indices"_a, "order"_a, "tables"_a, "support"_a, "start"_a, "bits"_a,
+        "symbols"_a);
+  m.def("ungroup_categorical", &ungroup_categorical, "indices"_a, "order"_a, "keys"_a, "alphabets"_a, "bits"_a,
+        "symbols"_a);
+  m.def("add_predictions", &add_predictions, "plane"_a, "predictor"_a, "most"_a);
 }

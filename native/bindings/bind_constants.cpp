@@ -1,10 +1,12 @@
-#include <array>
+#include <utility>
 
+#include "bindings/arrays.hpp"
 #include "bindings/bindings.hpp"
 #include "model/constants.hpp"
 #include "rdoq/window_kernel.hpp"
 
 namespace nb = nanobind;
+using namespace nb::literals;
 
 void bind_constants(nb::module_ &m) {
   for (const auto &[name, value] : {
@@ -15,6 +17,7 @@ void bind_constants(nb::module_ &m) {
            {"SCALE_COUNT", sgi::kScaleCount},              {"REFINE_LIMIT", sgi::kRefineLimit},
            {"AMPLITUDE_ZERO", sgi::kAmplitudeZero},        {"OCTAVE_LIMIT", sgi::kOctaveLimit},
            {"LEVELS", sgi::kLevels},                       {"SUMMARY", sgi::kSummary},
+           {"MOST_NEIGHBOURS", sgi::kMostNeighbours},
            {"LEVEL_INPUTS", sgi::kLevelInputs},            {"NEIGHBOUR_INPUTS", sgi::kNeighbourInputs},
            {"COLOUR_GAIN_BITS", sgi::kColourGainBits},     {"LOUDNESS_ZERO", sgi::kLoudnessZero},
            {"OFFSET_LIMIT", sgi::kOffsetLimit},            {"INPUT_LIMIT", sgi::kInputLimit},
@@ -27,9 +30,13 @@ void bind_constants(nb::module_ &m) {
                                     {"SHAPE_LIMIT", sgi::kShapeLimit},
                                     {"LEAST_MASS", sgi::kLeastMass}})
     m.attr(name) = value;
-  nb::list weights, own;
-  for (const int weight : sgi::kNeighbourWeights) weights.append(weight);
-  for (int step = 0; step < sgi::kGroups; ++step) own.append(sgi::own_input_count(step));
-  m.attr("NEIGHBOUR_WEIGHTS") = nb::tuple(weights);
-  m.attr("OWN_INPUTS") = nb::tuple(own);
+  m.def(
+      "neighbour_weight",
+      [](int rank) {
+        sgi::require(rank >= 0 && rank < sgi::kMostNeighbours, "there are six ranks");
+        return sgi::kNeighbourWeights[rank];
+      },
+      "rank"_a, "Sixteenths that a seed's neighbour of this rank counts, nearest first.");
+  m.def("own_input_count", &sgi::own_input_count, "step"_a,
+        "Inputs that a seed's own earlier groups add at a coding step.");
 }

@@ -96,13 +96,16 @@ void bind_fit(nb::module_ &m) {
              new (self) sgi::SeedFit(sgi::choose_isa(isa), threads, per_seed, int(opponent.shape(0)), hidden, opponent.data());
            },
            "isa"_a, "threads"_a, "per_seed"_a, "hidden"_a, "opponent"_a)
-      .def("set_layout", &set_layout)
-      .def("forward", &forward)
-      .def("backward", &backward)
+      .def("set_layout", &set_layout, "half_pixels"_a, "log_size"_a, "neighbour"_a, "quality"_a)
+      .def("forward", &forward, "colour"_a, "shape"_a, "offset"_a, "first"_a, "rest"_a, "steps"_a, "rounding"_a,
+           "key"_a, "negative"_a, "reuse"_a, "trains_first"_a, "means"_a, "covariances"_a, "colours"_a)
+      .def("backward", &backward, "means"_a, "covariances"_a, "colours"_a, "lmbda"_a, "colour"_a, "shape"_a,
+           "offset"_a, "sums"_a)
       .def("bits",
            [](const sgi::SeedFit &self, Out1 out) {
              require(out.shape(0) == self.bits().size(), "bits must be [N]");
              std::copy(self.bits().begin(), self.bits().end(), out.data());
-           })
+           },
+           "out"_a)
       .def_prop_ro("sums", &sgi::SeedFit::sums);
 }

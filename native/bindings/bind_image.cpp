@@ -3,6 +3,7 @@
 #include "image/png_filter.hpp"
 
 namespace nb = nanobind;
+using namespace nb::literals;
 using sgi::Array;
 using sgi::has_shape;
 using sgi::require;
@@ -19,4 +20,4 @@ void png_filter(Array<const uint8_t, 2> rows, Array<const uint8_t, 1> above, int
 
 }  // namespace
 
-void bind_image(nb::module_ &m) { m.def("png_filter", &png_filter); }
+void bind_image(nb::module_ &m) { m.def("png_filter", &png_filter, "rows"_a, "above"_a, "step"_a, "out"_a); }

@@ -10,6 +10,7 @@
 #include "model/seed_gaussians.hpp"
 
 namespace nb = nanobind;
+using namespace nb::literals;
 using sgi::Array;
 using sgi::has_shape;
 using sgi::require;
@@ -155,13 +156,18 @@ void seed_gaussians(Array<const double, 2> values, Array<const int32_t, 2> half_
 }  // namespace
 
 void bind_model(nb::module_ &m) {
-  m.def("base_lines", &base_lines);
-  m.def("nearest_among", &nearest_among);
-  m.def("seed_gaussians", &seed_gaussians);
-  m.def("evaluate_network", &evaluate_network);
-  m.def("seed_inputs", &seed_inputs);
-  m.def("summarise", &summarise);
-  m.def("own_inputs", &own_inputs);
-  m.def("quantisers", &quantisers);
-  m.def("dequantise", &dequantise);
+  m.def("base_lines", &base_lines, "grid"_a, "first"_a, "left"_a, "across"_a, "threads"_a, "lines"_a);
+  m.def("nearest_among", &nearest_among, "points"_a, "among"_a, "members"_a, "out"_a, "threads"_a);
+  m.def("seed_gaussians", &seed_gaussians, "values"_a, "half_pixels"_a, "log_size"_a, "per_seed"_a, "opponent"_a,
+        "threads"_a, "isa"_a, "means"_a, "covariances"_a, "colours"_a);
+  m.def("evaluate_network", &evaluate_network, "w1"_a, "b1"_a, "w2"_a, "b2"_a, "shift"_a, "predicted"_a, "inputs"_a,
+        "threads"_a, "isa"_a, "out"_a);
+  m.def("seed_inputs", &seed_inputs, "half_pixels"_a, "log_size"_a, "neighbours"_a, "summary"_a, "members"_a,
+        "quality"_a, "threads"_a, "out"_a);
+  m.def("summarise", &summarise, "attributes"_a, "per_seed"_a, "channels"_a, "colour"_a, "shape"_a, "members"_a,
+        "threads"_a, "summary"_a, "amplitude"_a);
+  m.def("own_inputs", &own_inputs, "summary"_a, "step"_a, "first"_a, "threads"_a, "out"_a);
+  m.def("quantisers", &quantisers, "base"_a, "columns"_a, "gamma"_a, "amplitude"_a, "mean"_a, "scale"_a, "refine"_a,
+        "log_size"_a, "threads"_a, "out_mean"_a, "out_step"_a, "out_scale"_a);
+  m.def("dequantise", &dequantise, "symbols"_a, "mean"_a, "step"_a, "members"_a, "first"_a, "threads"_a, "decoded"_a);
 }

@@ -139,11 +139,15 @@ void bind_raster(nb::module_ &m) {
              new (self) sgi::Rasterizer(sgi::choose_isa(isa), threads, most_pairs);
            },
            "isa"_a, "threads"_a, "most_pairs"_a)
-      .def("forward", &forward)
-      .def("draw", &draw)
-      .def("backward", &backward)
-      .def("squared_error", &squared_error)
-      .def("weighted_squared_error", &weighted_squared_error)
+      .def("forward", &forward, "means"_a, "covariances"_a, "colours"_a, "image"_a, "x0"_a, "y0"_a, "cutoff"_a)
+      .def("draw", &draw, "means"_a, "covariances"_a, "colours"_a, "out"_a, "x0"_a, "y0"_a, "cutoff"_a, "lines"_a,
+           "top"_a, "down"_a, "low"_a, "span"_a, "clip"_a)
+      .def("backward", &backward, "means"_a, "covariances"_a, "colours"_a, "grad"_a, "x0"_a, "y0"_a, "grad_means"_a,
+           "grad_covariances"_a, "grad_colours"_a)
+      .def("squared_error", &squared_error, "means"_a, "covariances"_a, "colours"_a, "target"_a, "x0"_a, "y0"_a,
+           "cutoff"_a, "weight"_a, "grad_means"_a, "grad_covariances"_a, "grad_colours"_a)
+      .def("weighted_squared_error", &weighted_squared_error, "means"_a, "covariances"_a, "colours"_a, "target"_a,
+           "weights"_a, "x0"_a, "y0"_a, "cutoff"_a, "grad_means"_a, "grad_covariances"_a, "grad_colours"_a)
       .def_prop_ro("isa", [](const sgi::Rasterizer &self) { return std::string(sgi::name_of(self.isa())); })
       .def_prop_ro("pairs", &sgi::Rasterizer::pairs);
 }

@@ -10,6 +10,7 @@
 #include "rdoq/coordinate_descent.hpp"
 
 namespace nb = nanobind;
+using namespace nb::literals;
 using sgi::Array;
 using sgi::has_shape;
 using sgi::require;
@@ -150,9 +151,15 @@ int64_t search_base(Array<int64_t, 3> planes, Array<const int32_t, 1> predictor,
 void bind_rdoq(nb::module_ &m) {
   nb::class_<SymbolSearch>(m, "SymbolSearch")
       .def(nb::init<Array<const int32_t, 1>, Array<const int64_t, 1>, Array<const double, 1>, int,
-                    Array<const float, 2>, int, const std::string &>())
-      .def("set_group", &SymbolSearch::set_group)
-      .def("search", &SymbolSearch::search);
-  m.def("prune_gaussians", &prune_gaussians);
-  m.def("search_base", &search_base);
+                    Array<const float, 2>, int, const std::string &>(),
+           "support"_a, "start"_a, "bits"_a, "first"_a, "opponent"_a, "threads"_a, "isa"_a)
+      .def("set_group", &SymbolSearch::set_group, "group"_a, "w1"_a, "b1"_a, "w2"_a, "b2"_a, "shift"_a, "predicted"_a,
+           "base"_a, "columns"_a, "gamma"_a)
+      .def("search", &SymbolSearch::search, "residual"_a, "weights"_a, "inputs"_a, "values"_a, "centre"_a, "cell"_a,
+           "log_size"_a, "decoded"_a, "symbols"_a, "scale"_a, "change"_a, "lmbda"_a, "cutoff"_a, "deep"_a,
+           "rounds"_a);
+  m.def("prune_gaussians", &prune_gaussians, "residual"_a, "weights"_a, "means"_a, "covariances"_a, "colours"_a,
+        "price"_a, "cutoff"_a, "threads"_a, "isa"_a, "pruned"_a);
+  m.def("search_base", &search_base, "planes"_a, "predictor"_a, "weights"_a, "table"_a, "support"_a, "start"_a,
+        "bits"_a, "down"_a, "across"_a, "gram"_a, "pull"_a, "step"_a, "lmbda"_a, "passes"_a);
 }

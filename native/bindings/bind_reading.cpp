@@ -1,5 +1,6 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
 
 #include <utility>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "bitstream/read_attributes.hpp"
 
 namespace nb = nanobind;
+using namespace nb::literals;
 using sgi::Array;
 using sgi::as_array;
 using sgi::has_shape;
@@ -118,9 +120,9 @@ class AttributeModel {
   }
 
   // passes: members [sum n] of all passes one after the other, each ascending, and where each begins [passes + 1].
-  nb::tuple read(sgi::RangeDecoder &decoder, const ZeroCentredTables &tables,
-                 Array<const int32_t, 2> half_pixels, Array<const int8_t, 1> log_size, Array<const int64_t, 1> members,
-                 Array<const int64_t, 1> start, int threads, Array<int64_t, 2> decoded) const {
+  auto read(sgi::RangeDecoder &decoder, const ZeroCentredTables &tables, Array<const int32_t, 2> half_pixels,
+            Array<const int8_t, 1> log_size, Array<const int64_t, 1> members, Array<const int64_t, 1> start, int threads,
+            Array<int64_t, 2> decoded) const {
     const size_t count = log_size.size();
     require(has_shape(half_pixels, count, 2) && has_shape(decoded, count, size_t(model_.attributes)),
             "half_pixels [N, 2], log_size [N], decoded [N, attributes]");
@@ -140,10 +142,8 @@ class AttributeModel {
       nb::gil_scoped_release release;
       reading = sgi::read_attributes(decoder, model_, tables.models(), seeds, threads, decoded.data(), found);
     }
-    nb::list bits;
-    for (const double part : found.bits) bits.append(part);
     const size_t n = found.symbols.size();
-    return nb::make_tuple(int(reading), as_array<int32_t>(std::move(found.symbols), std::array{n}), bits);
+    return std::tuple(int(reading), as_array<int32_t>(std::move(found.symbols), std::array{n}), found.bits);
   }
 
  private:
@@ -157,13 +157,18 @@ void bind_reading(nb::module_ &m) {
   nb::class_<ZeroCentredTables>(m, "ZeroCentredTables")
       .def(nb::init<const sgi::SymbolModels &, Array<const int32_t, 1>, Numbers, Array<const double, 1>,
                     const sgi::SymbolModels &, int>(),
-           nb::keep_alive<1, 2>(), nb::keep_alive<1, 6>());
-  m.def("read_zero_centred", &read_zero_centred);
+           nb::keep_alive<1, 2>(), nb::keep_alive<1, 6>(), "models"_a, "support"_a, "start"_a, "bits"_a, "exponents"_a,
+           "most"_a);
+  m.def("read_zero_centred", &read_zero_centred, "decoder"_a, "tables"_a, "keys"_a, "symbols"_a,
+        "0, or 1 where the payload does not decode, 2 where a symbol is too large; information content.");
   nb::class_<AttributeModel>(m, "AttributeModel")
-      .def(nb::init<int64_t, int, int, int, int, int, int, int>())
-      .def("add_step", &AttributeModel::add_step)
-      .def("add_group", &AttributeModel::add_group, nb::arg("base"), nb::arg("columns"), nb::arg("gamma"),
-           nb::arg("follows_amplitude"), nb::arg("prediction"), nb::arg("units"), nb::arg("refinement"),
-           nb::arg("first"))
-      .def("read", &AttributeModel::read);
+      .def(nb::init<int64_t, int, int, int, int, int, int, int>(), "attributes"_a, "per_seed"_a, "channels"_a,
+           "colour"_a,
+           "shape"_a, "quality"_a, "neighbours"_a, "first_table"_a)
+      .def("add_step", &AttributeModel::add_step, "w1"_a, "b1"_a, "w2"_a, "b2"_a, "shift"_a, "predicted"_a, "isa"_a)
+      .def("add_group", &AttributeModel::add_group, "base"_a, "columns"_a, "gamma"_a, "follows_amplitude"_a,
+           "prediction"_a, "units"_a, "refinement"_a, "first"_a)
+      .def("read", &AttributeModel::read, "decoder"_a, "tables"_a, "half_pixels"_a, "log_size"_a, "members"_a,
+           "start"_a, "threads"_a, "decoded"_a,
+           "As of `read_zero_centred`, all symbols in coding order, information content by group.");
 }

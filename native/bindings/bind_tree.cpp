@@ -1,6 +1,8 @@
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
 
 #include <memory>
 
@@ -10,6 +12,7 @@
 #include "bitstream/tree_walk.hpp"
 
 namespace nb = nanobind;
+using namespace nb::literals;
 using sgi::Array;
 using sgi::as_array;
 using sgi::has_shape;
@@ -55,7 +58,9 @@ void make_scenery(sgi::TreeScenery *self, int64_t width, int64_t height, Array<c
   new (self) sgi::TreeScenery(width, height, base.data(), channels, rows, columns, cell, quality);
 }
 
-nb::ndarray<nb::numpy, int64_t, nb::ndim<1>> codes(const TreeBatch &batch) {
+using Codes = nb::ndarray<nb::numpy, int64_t, nb::ndim<1>>;
+
+Codes codes(const TreeBatch &batch) {
   std::vector<int64_t> codes;
   for (const int32_t parent : batch.members) codes.push_back(batch.of->code(parent, batch.child));
   const size_t n = codes.size();
@@ -85,17 +90,20 @@ auto seed_rows(const TreeBatch &batch, Array<const int16_t, 2> rows, Array<const
   return as_array<int16_t>(std::move(out), std::array{n});
 }
 
-nb::list as_list(std::vector<sgi::LevelSeeds> found) {
-  nb::list out;
-  for (auto &[level, codes] : found) {
+using Found = std::vector<std::pair<Codes, int>>;  // Morton codes of the seeds of each level
+
+Found as_found(std::vector<sgi::LevelSeeds> seeds) {
+  Found out;
+  for (auto &[level, codes] : seeds) {
     const size_t n = codes.size();
-    out.append(nb::make_tuple(as_array<int64_t>(std::move(codes), std::array{n}), level));
+    out.emplace_back(as_array<int64_t>(std::move(codes), std::array{n}), level);
   }
   return out;
 }
 
-nb::list walk_tree(Scenery scenery, int64_t most, const nb::callable &code) {
-  using Flags = Array<const uint8_t, 1>;
+using Flags = Array<const uint8_t, 1>;
+
+Found walk_tree(Scenery scenery, int64_t most, const nb::typed<nb::callable, std::pair<Flags, Flags>(TreeBatch)> &code) {
   std::vector<sgi::LevelSeeds> found;
   const auto ask = [&](const TreeBatch &batch, uint8_t *split, uint8_t *seed) {
     const auto flags = nb::cast<std::pair<Flags, Flags>>(code(TreeBatch(batch)));
@@ -109,7 +117,7 @@ nb::list walk_tree(Scenery scenery, int64_t most, const nb::callable &code) {
     return true;
   };
   sgi::walk_tree(scenery, most, ask, found);
-  return as_list(std::move(found));
+  return as_found(std::move(found));
 }
 
 // How flags are read: networks of all child numbers; the alphabets of the rows that they choose and of `certain`.
@@ -138,9 +146,9 @@ struct TreeReader {
   }
 };
 
-nb::tuple read_tree(sgi::RangeDecoder &decoder, Scenery scenery, int64_t max_seeds, const nb::tuple &networks,
-                     const sgi::SymbolModels &models, Array<const int32_t, 2> symbol, Array<const double, 2> bits_of,
-                     int shift, int most, int threads) {
+auto read_tree(sgi::RangeDecoder &decoder, Scenery scenery, int64_t max_seeds,
+               const nb::typed<nb::tuple, TreeNetwork, nb::ellipsis> &networks, const sgi::SymbolModels &models,
+               Array<const int32_t, 2> symbol, Array<const double, 2> bits_of, int shift, int most, int threads) {
   require(networks.size() == 4, "networks of 4 child numbers");
   require(shift >= 1 && shift <= 20 && most >= 0 && models.size() == 2 * most + 2,
           "shift 1..20, models of 2 most + 2 rows");
@@ -164,19 +172,21 @@ nb::tuple read_tree(sgi::RangeDecoder &decoder, Scenery scenery, int64_t max_see
                              found);
   }
   const size_t n = symbols.size();
-  return nb::make_tuple(decodes, as_list(std::move(found)), as_array<int32_t>(std::move(symbols), std::array{n}), bits);
+  return std::tuple(decodes, as_found(std::move(found)), as_array<int32_t>(std::move(symbols), std::array{n}), bits);
 }
 
 }  // namespace
 
 void bind_tree(nb::module_ &m) {
-  m.def("tree_input_count", &sgi::tree_input_count);
+  m.def("tree_input_count", &sgi::tree_input_count, "child"_a);
   using Weights = Array<const int64_t, 2>;
   using Biases = Array<const int64_t, 1>;
   nb::class_<TreeNetwork>(m, "TreeNetwork")
-      .def(nb::init<Weights, Biases, Weights, Biases, int, int, const std::string &>());
-  nb::class_<sgi::TreeScenery>(m, "TreeScenery").def("__init__", &make_scenery);
-  nb::class_<TreeBatch>(m, "TreeBatch")
+      .def(nb::init<Weights, Biases, Weights, Biases, int, int, const std::string &>(), "w1"_a, "b1"_a, "w2"_a, "b2"_a,
+           "shift"_a, "child"_a, "isa"_a);
+  nb::class_<sgi::TreeScenery>(m, "TreeScenery").def("__init__", &make_scenery, "width"_a, "height"_a, "base"_a,
+                                                     "cell"_a, "quality"_a);
+  nb::class_<TreeBatch>(m, "TreeBatch", "Nodes of one level and child number that are coded together.")
       .def_prop_ro("level", [](const TreeBatch &batch) { return batch.of->level(); })
       .def_ro("child", &TreeBatch::child)
       .def("__len__", &TreeBatch::size)
@@ -184,11 +194,17 @@ void bind_tree(nb::module_ &m) {
                    [](const TreeBatch &batch) {
                      return as_array<uint8_t, bool>(batch.needed, std::array{batch.needed.size()});
                    },
-                   nb::rv_policy::move)
-      .def_prop_ro("codes", &codes, nb::rv_policy::move)
-      .def_prop_ro("inputs", &inputs, nb::rv_policy::move)
-      .def("rows", &rows)
-      .def("seed_rows", &seed_rows);
-  m.def("walk_tree", &walk_tree);
-  m.def("read_tree", &read_tree);
+                   nb::rv_policy::move,
+                   "Which [n] must not be empty, being the last of their parent's children where the others are.")
+      .def_prop_ro("codes", &codes, nb::rv_policy::move, "Morton codes [n] at their level.")
+      .def_prop_ro("inputs", &inputs, nb::rv_policy::move, "What a prediction sees [n, inputs], in 1/64.")
+      .def("rows", &rows, "network"_a, "shift"_a, "most"_a, "threads"_a,
+           "What the network of this child number says [n, 3]: log-odds in units of 2^(shift - 8), clipped to ±most and\n"
+           "moved by `most`.")
+      .def("seed_rows", &seed_rows, "rows"_a, "split"_a, "certain"_a,
+           "The row of every seed flag [n]: `certain` where it is needed.");
+  m.def("walk_tree", &walk_tree, "scenery"_a, "max_seeds"_a, "code"_a);
+  m.def("read_tree", &read_tree, "decoder"_a, "scenery"_a, "max_seeds"_a, "networks"_a, "models"_a, "symbol"_a,
+        "bits"_a, "shift"_a, "most"_a, "threads"_a,
+        "Whether they decode, codes as of `walk_tree`, all flags in coding order and their information content.");
 }

@@ -14,7 +14,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec._native import INPUT_BITS, LEVELS, NEIGHBOUR_INPUTS, NEIGHBOUR_WEIGHTS, OFFSET_LIMIT, OWN_INPUTS, SUMMARY
+from sgicodec._native import (
+    INPUT_BITS,
+    LEVELS,
+    NEIGHBOUR_INPUTS,
+    OFFSET_LIMIT,
+    SUMMARY,
+    neighbour_weight,
+    own_input_count,
+)
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ContextSpec, ModelSpec
 
@@ -106,7 +114,7 @@ def neighbour_inputs(
     for rank in range(table.shape[1]):
         rows = summary[table[:, rank]]
         seen = present[:, rank : rank + 1]
-        weight = NEIGHBOUR_WEIGHTS[rank]
+        weight = neighbour_weight(rank)
         weighted = weighted + rows * (seen * weight)
         weighted_abs = weighted_abs + abs(rows[:, [0, 1, 2, 5, 6]]) * (seen * weight)
         level = level + (all_sizes[table[:, rank]] - own_size)[:, None] * (seen * (weight * one))
@@ -145,7 +153,7 @@ def input_count(spec: ModelSpec, step: int) -> int:
     count = LEVELS + 1 + len(context.hash_resolutions) * context.hash_features
     if context.neighbours:
         count += NEIGHBOUR_INPUTS
-    return count + OWN_INPUTS[min(step, len(OWN_INPUTS) - 1)]
+    return count + own_input_count(step)
 
 
 def output_columns(spec: ModelSpec, group: str) -> NDArray[np.int64]:

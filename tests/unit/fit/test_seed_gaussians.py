@@ -76,7 +76,8 @@ def native(isa: str, s: Seeds) -> tuple[tuple[F32, F32, F32], tuple[F32, F32, F3
     """Means, covariances and colours; gradients of colour, shape and offset. No network runs."""
     step = _native.SeedFit(isa, 1, 1, HIDDEN, np.array(colour_matrix(3), np.float32))
     step.set_layout(s.half_pixels, s.log_size, np.full((COUNT, 1), -1, np.int32), 0)
-    inputs = [_native.LEVEL_INPUTS + _native.NEIGHBOUR_INPUTS + own for own in _native.OWN_INPUTS]
+    common = _native.LEVEL_INPUTS + _native.NEIGHBOUR_INPUTS
+    inputs = [common + _native.own_input_count(step) for step in range(3)]
     outputs = [2 * predicted + 1 for predicted in (3, 3, 2)]
     first = np.zeros(HIDDEN * sum(inputs), np.float32)
     rest = np.zeros(sum(HIDDEN * (1 + count) + count for count in outputs), np.float32)

@@ -5,9 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
+from sgicodec._native import neighbour_weight
 from sgicodec.model.context import (
     INPUT_BITS,
-    NEIGHBOUR_WEIGHTS,
     SUMMARY,
     HashGrid,
     hash_inputs,
@@ -128,7 +128,7 @@ def test_neighbour_inputs_by_the_format() -> None:
     found = neighbour_inputs(summary, table, present, (sizes, sizes), offset, np.concatenate, shift)
     centre = LAYOUT.half_pixels.astype(int).tolist()
     for seed in range(len(LAYOUT)):
-        ranks = [(NEIGHBOUR_WEIGHTS[r], int(table[seed, r])) for r in range(DEFAULT.neighbours) if present[seed, r]]
+        ranks = [(neighbour_weight(r), int(table[seed, r])) for r in range(DEFAULT.neighbours) if present[seed, r]]
         k = int(sizes[seed])
         expected = [sum(64 * w for w, _ in ranks) >> 4]
         expected += [sum(w * int(summary[i, j]) for w, i in ranks) >> 4 for j in range(SUMMARY)]
