@@ -11,6 +11,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 # Two levels of set-up: what a user has, with `sgi compare` and `sgi bench`; and what tests and lint need besides.
 USER_STAMP := $(VENV)/.user
 DEV_STAMP := $(VENV)/.dev
+CXX_FILES := $(shell find native tests -name '*.?pp')
 # What is compiled and what is installed: Python files are used in place.
 INPUTS := pyproject.toml constraints.txt CMakeLists.txt $(shell find native -type f)
 
@@ -21,7 +22,7 @@ help:
 	@echo "make demo       encode and decode a bundled photograph and measure the difference"
 	@echo "make test       run the tests, but for the slow ones, in five minutes on two processors"
 	@echo "make test-all   run all tests, with all examples; ARGS='-k nodata' chooses, for both"
-	@echo "make lint       check with ruff and mypy"
+	@echo "make lint       check with ruff, mypy and clang-format"
 	@echo "make stubs      write sgicodec/_native.pyi, the types of the extension, anew"
 	@echo "make format     let ruff format"
 	@echo "make bench      measure against JPEG, WebP, JPEG XL and AVIF: make bench PICTURES=DIR OUT=DIR"
@@ -79,6 +80,7 @@ lint: setup-dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	$(BIN)/clang-format --dry-run -Werror $(CXX_FILES)
 
 stubs: setup-dev
 	$(BIN)/python -m nanobind.stubgen -q --exclude-values -m sgicodec._native -o sgicodec/_native.pyi
@@ -86,6 +88,7 @@ stubs: setup-dev
 format: setup-dev
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
+	$(BIN)/clang-format -i $(CXX_FILES)
 
 bench: setup
 	$(BIN)/python -m benchmarks raster

@@ -212,8 +212,8 @@ class TreeBatch:
 
     def rows(self, network: TreeNetwork, shift: int, most: int, threads: int) -> Annotated[NDArray[numpy.int16], dict(shape=(None, None))]:
         """
-        What the network of this child number says [n, 3]: log-odds in units of 2^(shift - 8), clipped to ±most and
-        moved by `most`.
+        What the network of this child number says [n, 3]: log-odds in units of 2^(shift - 8), clipped to ±most
+        and moved by `most`.
         """
 
     def seed_rows(self, rows: Annotated[NDArray[numpy.int16], dict(shape=(None, None), order='C', device='cpu', writable=False)], split: Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)], certain: int) -> Annotated[NDArray[numpy.int16], dict(shape=(None,))]:

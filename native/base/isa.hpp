@@ -1,13 +1,14 @@
 // Instruction sets: which one to run, and the functions compiled for it.
 //
-// CMake compiles every *_kernels.cpp once per set, with SGI_ISA (its name below) and LANES (floats in a vector) defined.
-// Such a file defines the table of its functions, `const TileKernel TileKernel::SGI_ISA{...}`, and keeps all else in an
-// unnamed namespace. It uses no templates of the standard library: the linker might take an instantiation that another
-// processor cannot run.
+// CMake compiles every *_kernels.cpp once per set, with SGI_ISA (its name below) and LANES (floats in a vector)
+// defined. Such a file defines the table of its functions, `const TileKernel TileKernel::SGI_ISA{...}`, and keeps all
+// else in an unnamed namespace. It uses no templates of the standard library: the linker might take an instantiation
+// that another processor cannot run.
 #pragma once
 #include <string>
 
-// For small functions of headers that units of different instruction sets share: a copy of one must never serve another.
+// For small functions of headers that units of different instruction sets share: a copy of one must never serve
+// another.
 #define SGI_INLINE __attribute__((always_inline)) inline
 
 namespace sgi {

@@ -1,4 +1,5 @@
-// Functions of numbers under the names that vector.hpp gives them for vectors: what is written once for both takes either.
+// Functions of numbers under the names that vector.hpp gives them for vectors: what is written once for both takes
+// either.
 #pragma once
 #include <cmath>
 #include <cstdint>

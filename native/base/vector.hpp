@@ -24,8 +24,8 @@ inline vf iota() {
   return v;
 }
 
-// 2^x to 2.3e-7 of itself for x <= 126, exact for whole numbers; 0 below -126. The polynomial has the least greatest error
-// of its degree, 7e-8; the rest is rounding.
+// 2^x to 2.3e-7 of itself for x <= 126, exact for whole numbers; 0 below -126. The polynomial has the least greatest
+// error of its degree, 7e-8; the rest is rounding.
 inline vf exp2v(vf x) {
   const vf lo = vf{} - 126.0f, hi = vf{} + 126.0f;
   const vi live = x >= lo;

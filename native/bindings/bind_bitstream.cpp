@@ -106,11 +106,12 @@ bool add_predictions(Array<int64_t, 2> plane, int predictor, int64_t most) {
 void bind_bitstream(nb::module_ &m) {
   nb::class_<sgi::SymbolModels>(m, "SymbolModels").def("__init__", &make_models, "frequency"_a, "start"_a);
   nb::class_<sgi::RangeDecoder>(m, "RangeDecoder")
-      .def("__init__",
-           [](sgi::RangeDecoder *self, nb::bytes payload) {
-             new (self) sgi::RangeDecoder(static_cast<const uint8_t *>(payload.data()), int64_t(payload.size()));
-           },
-           "payload"_a)
+      .def(
+          "__init__",
+          [](sgi::RangeDecoder *self, nb::bytes payload) {
+            new (self) sgi::RangeDecoder(static_cast<const uint8_t *>(payload.data()), int64_t(payload.size()));
+          },
+          "payload"_a)
       .def("decode", &decode_symbols, "models"_a, "start"_a, "out"_a)
       .def("decode_uniform", &decode_uniform, "bits"_a, "out"_a)
       .def("maybe_exhausted", &sgi::RangeDecoder::maybe_exhausted);

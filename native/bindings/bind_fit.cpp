@@ -68,8 +68,8 @@ void backward(sgi::SeedFit &self, In2 means, In2 covariances, In2 colours, float
   require_rows(shape, s.count, s.group_size(1), "shape must be [N, 3 K]");
   require_rows(offset, s.count, s.group_size(2), "offset must be [N, 2 K]");
   require(int64_t(sums.shape(0)) == self.sums(), "sums has another length");
-  const sgi::SeedGradients g{means.data(), covariances.data(), colours.data(), lmbda,
-                             {colour.data(), shape.data(), offset.data()}};
+  const sgi::SeedGradients g{
+      means.data(), covariances.data(), colours.data(), lmbda, {colour.data(), shape.data(), offset.data()}};
   nb::gil_scoped_release release;
   self.backward(g, sums.data());
 }
@@ -90,22 +90,25 @@ void bind_fit(nb::module_ &m) {
   m.def("adam_step", &adam_step, "value"_a, "gradient"_a, "mean"_a, "square"_a, "beta1"_a, "beta2"_a, "rate"_a,
         "root_correction"_a, "epsilon"_a, "threads"_a, "isa"_a);
   nb::class_<sgi::SeedFit>(m, "SeedFit")
-      .def("__init__",
-           [](sgi::SeedFit *self, const std::string &isa, int threads, int per_seed, int hidden, In2 opponent) {
-             require(per_seed >= 1 && hidden >= 1 && opponent.shape(0) == opponent.shape(1), "opponent must be [C, C]");
-             new (self) sgi::SeedFit(sgi::choose_isa(isa), threads, per_seed, int(opponent.shape(0)), hidden, opponent.data());
-           },
-           "isa"_a, "threads"_a, "per_seed"_a, "hidden"_a, "opponent"_a)
+      .def(
+          "__init__",
+          [](sgi::SeedFit *self, const std::string &isa, int threads, int per_seed, int hidden, In2 opponent) {
+            require(per_seed >= 1 && hidden >= 1 && opponent.shape(0) == opponent.shape(1), "opponent must be [C, C]");
+            new (self)
+                sgi::SeedFit(sgi::choose_isa(isa), threads, per_seed, int(opponent.shape(0)), hidden, opponent.data());
+          },
+          "isa"_a, "threads"_a, "per_seed"_a, "hidden"_a, "opponent"_a)
       .def("set_layout", &set_layout, "half_pixels"_a, "log_size"_a, "neighbour"_a, "quality"_a)
       .def("forward", &forward, "colour"_a, "shape"_a, "offset"_a, "first"_a, "rest"_a, "steps"_a, "rounding"_a,
            "key"_a, "negative"_a, "reuse"_a, "trains_first"_a, "means"_a, "covariances"_a, "colours"_a)
-      .def("backward", &backward, "means"_a, "covariances"_a, "colours"_a, "lmbda"_a, "colour"_a, "shape"_a,
-           "offset"_a, "sums"_a)
-      .def("bits",
-           [](const sgi::SeedFit &self, Out1 out) {
-             require(out.shape(0) == self.bits().size(), "bits must be [N]");
-             std::copy(self.bits().begin(), self.bits().end(), out.data());
-           },
-           "out"_a)
+      .def("backward", &backward, "means"_a, "covariances"_a, "colours"_a, "lmbda"_a, "colour"_a, "shape"_a, "offset"_a,
+           "sums"_a)
+      .def(
+          "bits",
+          [](const sgi::SeedFit &self, Out1 out) {
+            require(out.shape(0) == self.bits().size(), "bits must be [N]");
+            std::copy(self.bits().begin(), self.bits().end(), out.data());
+          },
+          "out"_a)
       .def_prop_ro("sums", &sgi::SeedFit::sums);
 }

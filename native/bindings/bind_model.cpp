@@ -73,8 +73,7 @@ void summarise(Array<const int64_t, 2> attributes, int per_seed, int channels, i
 void own_inputs(Array<const int16_t, 2> summary, int step, int64_t first, int threads, Array<int16_t, 2> out) {
   const size_t n = summary.shape(0);
   require(summary.shape(1) == sgi::kSummary && out.shape(0) == n, "summary [n, 7], out [n, inputs]");
-  require(step >= 0 && first >= 0 && first + sgi::own_input_count(step) <= int64_t(out.shape(1)),
-          "out must have room");
+  require(step >= 0 && first >= 0 && first + sgi::own_input_count(step) <= int64_t(out.shape(1)), "out must have room");
   nb::gil_scoped_release release;
   sgi::own_inputs(summary.data(), int64_t(n), step, first, threads, out.data(), int64_t(out.shape(1)));
 }
@@ -96,8 +95,8 @@ void quantisers(Array<const int64_t, 2> base, Array<const int64_t, 1> columns, i
   const sgi::GroupPlan plan{base.data(), columns.data(), amplitude ? amplitude->data() : nullptr, gamma, int(size)};
   const sgi::PredictionView prediction{mean.data(), scale.data(), refine.data(), mean.stride(0)};
   nb::gil_scoped_release release;
-  sgi::quantisers(plan, prediction, log_size.data(), int64_t(n), threads, out_mean.data(),
-                  out_step.data(), out_scale.data());
+  sgi::quantisers(plan, prediction, log_size.data(), int64_t(n), threads, out_mean.data(), out_step.data(),
+                  out_scale.data());
 }
 
 void dequantise(Array<const int32_t, 2> symbols, Array<const int64_t, 2> mean, Array<const int64_t, 2> step,

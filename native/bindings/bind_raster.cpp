@@ -134,11 +134,12 @@ std::pair<double, double> weighted_squared_error(sgi::Rasterizer &self, F32In2 m
 
 void bind_raster(nb::module_ &m) {
   nb::class_<sgi::Rasterizer>(m, "Rasterizer")
-      .def("__init__",
-           [](sgi::Rasterizer *self, const std::string &isa, int threads, int64_t most_pairs) {
-             new (self) sgi::Rasterizer(sgi::choose_isa(isa), threads, most_pairs);
-           },
-           "isa"_a, "threads"_a, "most_pairs"_a)
+      .def(
+          "__init__",
+          [](sgi::Rasterizer *self, const std::string &isa, int threads, int64_t most_pairs) {
+            new (self) sgi::Rasterizer(sgi::choose_isa(isa), threads, most_pairs);
+          },
+          "isa"_a, "threads"_a, "most_pairs"_a)
       .def("forward", &forward, "means"_a, "covariances"_a, "colours"_a, "image"_a, "x0"_a, "y0"_a, "cutoff"_a)
       .def("draw", &draw, "means"_a, "covariances"_a, "colours"_a, "out"_a, "x0"_a, "y0"_a, "cutoff"_a, "lines"_a,
            "top"_a, "down"_a, "low"_a, "span"_a, "clip"_a)

@@ -44,7 +44,8 @@ class SymbolSearch {
  public:
   SymbolSearch(Array<const int32_t, 1> support, Array<const int64_t, 1> start, Array<const double, 1> bits, int first,
                Array<const float, 2> opponent, int threads, const std::string &isa)
-      : support_(support), start_(start), bits_(bits), opponent_(opponent), threads_(threads), isa_(sgi::choose_isa(isa)) {
+      : support_(support), start_(start), bits_(bits), opponent_(opponent), threads_(threads),
+        isa_(sgi::choose_isa(isa)) {
     const size_t channels = opponent.shape(0), tables = support.shape(0);
     require(opponent.shape(1) == channels && channels >= 1 && channels <= sgi::kMostColours,
             "opponent must be [C, C], C at most 64");
@@ -72,8 +73,8 @@ class SymbolSearch {
     model_.inputs[group] = int(w1.shape(1));
   }
 
-  void search(Array<float, 3> residual, Weights weights, Array<const int16_t, 2> inputs,
-              Array<const double, 2> values, Array<const float, 2> centre, Array<const float, 1> cell, Array<const int8_t, 1> log_size,
+  void search(Array<float, 3> residual, Weights weights, Array<const int16_t, 2> inputs, Array<const double, 2> values,
+              Array<const float, 2> centre, Array<const float, 1> cell, Array<const int8_t, 1> log_size,
               Array<int64_t, 2> decoded, Array<int32_t, 2> symbols, Array<int16_t, 2> scale, Array<double, 1> change,
               float lmbda, float cutoff, int deep, int rounds) {
     for (const auto &network : networks_) require(network != nullptr, "set_group comes first, for all groups");
@@ -89,7 +90,7 @@ class SymbolSearch {
                 change.shape(0) == n,
             "values, decoded, symbols and scale [n, C + 5], change [n]");
     const sgi::SeedArrays seeds{int64_t(n),    inputs.data(), int64_t(inputs.shape(1)), values.data(),
-                               centre.data(), cell.data(),   log_size.data()};
+                                centre.data(), cell.data(),   log_size.data()};
     const sgi::SymbolArrays out{decoded.data(), symbols.data(), scale.data(), change.data()};
     nb::gil_scoped_release release;
     sgi::search_seeds(model_, {lmbda, cutoff, deep, rounds}, r, seeds, out, threads_, isa_);
@@ -109,9 +110,8 @@ class SymbolSearch {
 };
 
 void prune_gaussians(Array<float, 3> residual, Weights weights, Array<const float, 2> means,
-                     Array<const float, 2> covariances,
-                    Array<const float, 2> colours, Array<const float, 1> price, float cutoff, int threads,
-                    const std::string &isa, Array<bool, 1> pruned) {
+                     Array<const float, 2> covariances, Array<const float, 2> colours, Array<const float, 1> price,
+                     float cutoff, int threads, const std::string &isa, Array<bool, 1> pruned) {
   const size_t n = means.shape(0), channels = colours.shape(1);
   const sgi::Residual r = residual_of(residual, weights, channels);
   require(means.shape(1) == 2 && has_shape(covariances, n, 3) && colours.shape(0) == n && price.shape(0) == n &&
@@ -143,7 +143,8 @@ int64_t search_base(Array<int64_t, 3> planes, Array<const int32_t, 1> predictor,
   const sgi::BasePlanes base{planes.data(),    int64_t(channels), int64_t(rows), int64_t(columns),
                              predictor.data(), weights.data(),    table.data(),  tables};
   nb::gil_scoped_release release;
-  return sgi::search_base(base, {down.data(), across.data(), gram ? gram->data() : nullptr, pull.data(), step}, lmbda, passes);
+  return sgi::search_base(base, {down.data(), across.data(), gram ? gram->data() : nullptr, pull.data(), step}, lmbda,
+                          passes);
 }
 
 }  // namespace
@@ -156,8 +157,7 @@ void bind_rdoq(nb::module_ &m) {
       .def("set_group", &SymbolSearch::set_group, "group"_a, "w1"_a, "b1"_a, "w2"_a, "b2"_a, "shift"_a, "predicted"_a,
            "base"_a, "columns"_a, "gamma"_a)
       .def("search", &SymbolSearch::search, "residual"_a, "weights"_a, "inputs"_a, "values"_a, "centre"_a, "cell"_a,
-           "log_size"_a, "decoded"_a, "symbols"_a, "scale"_a, "change"_a, "lmbda"_a, "cutoff"_a, "deep"_a,
-           "rounds"_a);
+           "log_size"_a, "decoded"_a, "symbols"_a, "scale"_a, "change"_a, "lmbda"_a, "cutoff"_a, "deep"_a, "rounds"_a);
   m.def("prune_gaussians", &prune_gaussians, "residual"_a, "weights"_a, "means"_a, "covariances"_a, "colours"_a,
         "price"_a, "cutoff"_a, "threads"_a, "isa"_a, "pruned"_a);
   m.def("search_base", &search_base, "planes"_a, "predictor"_a, "weights"_a, "table"_a, "support"_a, "start"_a,

@@ -28,9 +28,7 @@ class ZeroCentredTables {
  public:
   ZeroCentredTables(const sgi::SymbolModels &models, Array<const int32_t, 1> support, Array<const int64_t, 1> start,
                     Array<const double, 1> bits, const sgi::SymbolModels &exponents, int most)
-      : support_(copied(support)),
-        start_(copied(start)),
-        bits_(copied(bits)),
+      : support_(copied(support)), start_(copied(start)), bits_(copied(bits)),
         models_{&models, {support_.data(), start_.data(), bits_.data()}, &exponents, most} {
     const auto count = size_t(models.size());
     require(support.size() == count && start.size() == count, "support and start [tables]");
@@ -63,8 +61,8 @@ std::tuple<int, double> read_zero_centred(sgi::RangeDecoder &decoder, const Zero
   require_keys(keys, symbols.size(), tables.models().models->size());
   double bits = 0;
   nb::gil_scoped_release release;
-  const sgi::Reading reading = sgi::read_zero_centred(decoder, tables.models(), keys.data(), int64_t(keys.size()),
-                                                      symbols.data(), bits);
+  const sgi::Reading reading =
+      sgi::read_zero_centred(decoder, tables.models(), keys.data(), int64_t(keys.size()), symbols.data(), bits);
   return {int(reading), bits};
 }
 
@@ -91,7 +89,8 @@ class AttributeModel {
     const auto inputs = int64_t(w1.shape(1));
     const int64_t seed = sgi::kLevelInputs + (model_.ranks ? sgi::kNeighbourInputs : 0);
     const size_t number = model_.steps.size();
-    require(number ? inputs >= model_.steps[0].inputs + sgi::own_input_count(int(number)) : inputs >= seed, "inputs have no room");
+    require(number ? inputs >= model_.steps[0].inputs + sgi::own_input_count(int(number)) : inputs >= seed,
+            "inputs have no room");
     model_.steps.push_back({std::make_unique<sgi::Network>(weights, sgi::choose_isa(isa)), int(inputs), predicted, {}});
   }
 
@@ -121,8 +120,8 @@ class AttributeModel {
 
   // passes: members [sum n] of all passes one after the other, each ascending, and where each begins [passes + 1].
   auto read(sgi::RangeDecoder &decoder, const ZeroCentredTables &tables, Array<const int32_t, 2> half_pixels,
-            Array<const int8_t, 1> log_size, Array<const int64_t, 1> members, Array<const int64_t, 1> start, int threads,
-            Array<int64_t, 2> decoded) const {
+            Array<const int8_t, 1> log_size, Array<const int64_t, 1> members, Array<const int64_t, 1> start,
+            int threads, Array<int64_t, 2> decoded) const {
     const size_t count = log_size.size();
     require(has_shape(half_pixels, count, 2) && has_shape(decoded, count, size_t(model_.attributes)),
             "half_pixels [N, 2], log_size [N], decoded [N, attributes]");
@@ -163,8 +162,7 @@ void bind_reading(nb::module_ &m) {
         "0, or 1 where the payload does not decode, 2 where a symbol is too large; information content.");
   nb::class_<AttributeModel>(m, "AttributeModel")
       .def(nb::init<int64_t, int, int, int, int, int, int, int>(), "attributes"_a, "per_seed"_a, "channels"_a,
-           "colour"_a,
-           "shape"_a, "quality"_a, "neighbours"_a, "first_table"_a)
+           "colour"_a, "shape"_a, "quality"_a, "neighbours"_a, "first_table"_a)
       .def("add_step", &AttributeModel::add_step, "w1"_a, "b1"_a, "w2"_a, "b2"_a, "shift"_a, "predicted"_a, "isa"_a)
       .def("add_group", &AttributeModel::add_group, "base"_a, "columns"_a, "gamma"_a, "follows_amplitude"_a,
            "prediction"_a, "units"_a, "refinement"_a, "first"_a)

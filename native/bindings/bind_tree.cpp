@@ -40,7 +40,8 @@ class TreeNetwork {
   static sgi::NetworkWeights weights(const Array<const int64_t, 2> &w1, const Array<const int64_t, 1> &b1,
                                      const Array<const int64_t, 2> &w2, const Array<const int64_t, 1> &b2, int shift,
                                      int child) {
-    require(child >= 0 && child < 4 && w1.shape(1) == size_t(sgi::tree_input_count(child)), "w1 must be [hidden, inputs]");
+    require(child >= 0 && child < 4 && w1.shape(1) == size_t(sgi::tree_input_count(child)),
+            "w1 must be [hidden, inputs]");
     require(w2.shape(0) == kOutputs, "weights must be those of 3 outputs");
     return sgi::network_weights(w1, b1, w2, b2, shift, kOutputs);
   }
@@ -53,7 +54,8 @@ class TreeNetwork {
 
 void make_scenery(sgi::TreeScenery *self, int64_t width, int64_t height, Array<const int64_t, 3> base, int64_t cell,
                   int quality) {
-  require(width >= 1 && height >= 1 && width <= 1 << 24 && height <= 1 << 24 && cell >= 0, "sides 1..2**24, cell from 0");
+  require(width >= 1 && height >= 1 && width <= 1 << 24 && height <= 1 << 24 && cell >= 0,
+          "sides 1..2**24, cell from 0");
   const auto channels = int64_t(base.shape(0)), rows = int64_t(base.shape(1)), columns = int64_t(base.shape(2));
   new (self) sgi::TreeScenery(width, height, base.data(), channels, rows, columns, cell, quality);
 }
@@ -103,7 +105,8 @@ Found as_found(std::vector<sgi::LevelSeeds> seeds) {
 
 using Flags = Array<const uint8_t, 1>;
 
-Found walk_tree(Scenery scenery, int64_t most, const nb::typed<nb::callable, std::pair<Flags, Flags>(TreeBatch)> &code) {
+Found walk_tree(Scenery scenery, int64_t most,
+                const nb::typed<nb::callable, std::pair<Flags, Flags>(TreeBatch)> &code) {
   std::vector<sgi::LevelSeeds> found;
   const auto ask = [&](const TreeBatch &batch, uint8_t *split, uint8_t *seed) {
     const auto flags = nb::cast<std::pair<Flags, Flags>>(code(TreeBatch(batch)));
@@ -155,7 +158,8 @@ auto read_tree(sgi::RangeDecoder &decoder, Scenery scenery, int64_t max_seeds,
   for (int64_t row = 0; row < models.size(); ++row) require(models.symbols(row) <= 2, "models of at most 2 symbols");
   require(has_shape(symbol, size_t(models.size()), 2) && has_shape(bits_of, size_t(models.size()), 2),
           "symbol and bits [rows, 2]");
-  for (size_t i = 0; i < symbol.size(); ++i) require(symbol.data()[i] >= 0 && symbol.data()[i] <= 1, "flags are 0 or 1");
+  for (size_t i = 0; i < symbol.size(); ++i)
+    require(symbol.data()[i] >= 0 && symbol.data()[i] <= 1, "flags are 0 or 1");
   const TreeNetwork *of[4];
   for (size_t child = 0; child < 4; ++child) of[child] = nb::cast<const TreeNetwork *>(networks[child]);
   const TreeReader reader{of, {&models, symbol.data(), bits_of.data(), 2}, shift, most, threads};
@@ -165,11 +169,12 @@ auto read_tree(sgi::RangeDecoder &decoder, Scenery scenery, int64_t max_seeds,
   bool decodes;
   {
     nb::gil_scoped_release release;
-    decodes = sgi::walk_tree(scenery, max_seeds,
-                             [&](const TreeBatch &batch, uint8_t *split, uint8_t *seed) {
-                               return reader.read(decoder, batch, split, seed, symbols, bits);
-                             },
-                             found);
+    decodes = sgi::walk_tree(
+        scenery, max_seeds,
+        [&](const TreeBatch &batch, uint8_t *split, uint8_t *seed) {
+          return reader.read(decoder, batch, split, seed, symbols, bits);
+        },
+        found);
   }
   const size_t n = symbols.size();
   return std::tuple(decodes, as_found(std::move(found)), as_array<int32_t>(std::move(symbols), std::array{n}), bits);
@@ -184,23 +189,22 @@ void bind_tree(nb::module_ &m) {
   nb::class_<TreeNetwork>(m, "TreeNetwork")
       .def(nb::init<Weights, Biases, Weights, Biases, int, int, const std::string &>(), "w1"_a, "b1"_a, "w2"_a, "b2"_a,
            "shift"_a, "child"_a, "isa"_a);
-  nb::class_<sgi::TreeScenery>(m, "TreeScenery").def("__init__", &make_scenery, "width"_a, "height"_a, "base"_a,
-                                                     "cell"_a, "quality"_a);
+  nb::class_<sgi::TreeScenery>(m, "TreeScenery")
+      .def("__init__", &make_scenery, "width"_a, "height"_a, "base"_a, "cell"_a, "quality"_a);
   nb::class_<TreeBatch>(m, "TreeBatch", "Nodes of one level and child number that are coded together.")
       .def_prop_ro("level", [](const TreeBatch &batch) { return batch.of->level(); })
       .def_ro("child", &TreeBatch::child)
       .def("__len__", &TreeBatch::size)
-      .def_prop_ro("needed",
-                   [](const TreeBatch &batch) {
-                     return as_array<uint8_t, bool>(batch.needed, std::array{batch.needed.size()});
-                   },
-                   nb::rv_policy::move,
-                   "Which [n] must not be empty, being the last of their parent's children where the others are.")
+      .def_prop_ro(
+          "needed",
+          [](const TreeBatch &batch) { return as_array<uint8_t, bool>(batch.needed, std::array{batch.needed.size()}); },
+          nb::rv_policy::move,
+          "Which [n] must not be empty, being the last of their parent's children where the others are.")
       .def_prop_ro("codes", &codes, nb::rv_policy::move, "Morton codes [n] at their level.")
       .def_prop_ro("inputs", &inputs, nb::rv_policy::move, "What a prediction sees [n, inputs], in 1/64.")
       .def("rows", &rows, "network"_a, "shift"_a, "most"_a, "threads"_a,
-           "What the network of this child number says [n, 3]: log-odds in units of 2^(shift - 8), clipped to ±most and\n"
-           "moved by `most`.")
+           "What the network of this child number says [n, 3]: log-odds in units of 2^(shift - 8), clipped to ±most\n"
+           "and moved by `most`.")
       .def("seed_rows", &seed_rows, "rows"_a, "split"_a, "certain"_a,
            "The row of every seed flag [n]: `certain` where it is needed.");
   m.def("walk_tree", &walk_tree, "scenery"_a, "max_seeds"_a, "code"_a);

@@ -20,8 +20,7 @@ inline NetworkWeights network_weights(const Array<const int64_t, 2> &w1, const A
   require(b1.shape(0) == hidden && w2.shape(1) == hidden && b2.shape(0) == outputs, "weights do not fit each other");
   require(shift >= 2 && shift <= 20, "shift must be 2..20");
   require(predicted >= 0 && size_t(predicted) <= outputs, "there are fewer outputs than predictions");
-  return {w1.data(),   b1.data(),    w2.data(), b2.data(), int(w1.shape(1)),
-          int(hidden), int(outputs), predicted, shift};
+  return {w1.data(), b1.data(), w2.data(), b2.data(), int(w1.shape(1)), int(hidden), int(outputs), predicted, shift};
 }
 
 // base [size, kLevels]: steps of a group; columns [size]: indices of predictions.

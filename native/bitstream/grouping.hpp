@@ -4,7 +4,8 @@
 
 namespace sgi {
 
-// order [n]: positions of the keys, ascending and stable; start [count + 1]: where each key's begin. Keys are 0..count-1.
+// order [n]: positions of the keys, ascending and stable; start [count + 1]: where each key's begin. Keys are
+// 0..count-1.
 void group_by_key(const int16_t *keys, int64_t n, int count, int32_t *order, int64_t *start);
 
 // The zero-centred tables side by side: table t has 2 support[t] + 2 indices from start[t] on, the last one an escape.
@@ -15,7 +16,7 @@ struct SymbolTables {
 };
 
 struct Symbols {
-  double bits;      // information content, without what follows escapes
+  double bits;  // information content, without what follows escapes
   int64_t escapes;
 };
 

@@ -1,14 +1,14 @@
-// All attributes of a tile's seeds, pass after pass (docs/format.md, "Passes"), from symbols to values: what writing does
-// step by step in Python, with the same functions.
+// All attributes of a tile's seeds, pass after pass (docs/format.md, "Passes"), from symbols to values: what writing
+// does step by step in Python, with the same functions.
 #pragma once
 #include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
+#include "bitstream/read_symbols.hpp"
 #include "model/context.hpp"
 #include "model/network.hpp"
-#include "bitstream/read_symbols.hpp"
 
 namespace sgi {
 
@@ -50,8 +50,8 @@ struct AttributesRead {
   std::vector<double> bits;      // information content of every group
 };
 
-// Writes decoded [N, attributes], units of 2^-24, but for seeds of no pass. With two threads or more the neighbours of a
-// pass are searched while the one before is read.
+// Writes decoded [N, attributes], units of 2^-24, but for seeds of no pass. With two threads or more the neighbours of
+// a pass are searched while the one before is read.
 Reading read_attributes(RangeDecoder &decoder, const AttributeModel &model, const ZeroCentred &tables,
                         const TileSeeds &seeds, int threads, int64_t *decoded, AttributesRead &read);
 

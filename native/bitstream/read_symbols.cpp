@@ -33,8 +33,8 @@ bool read_uniform(RangeDecoder &decoder, int bits, std::vector<int32_t> &values)
   return true;
 }
 
-// Replaces the symbols at `where`, each one beyond its table's support: exponents, then mantissas by ascending exponent,
-// then signs.
+// Replaces the symbols at `where`, each one beyond its table's support: exponents, then mantissas by ascending
+// exponent, then signs.
 Reading read_escaped(RangeDecoder &decoder, const ZeroCentred &models, const int16_t *keys,
                      const std::vector<int32_t> &where, int32_t *symbols, double &bits) {
   const auto exponents = int(models.exponents->symbols(0));
@@ -60,8 +60,8 @@ Reading read_escaped(RangeDecoder &decoder, const ZeroCentred &models, const int
 
 }  // namespace
 
-bool read_categorical(RangeDecoder &decoder, const Alphabets &alphabets, const int16_t *keys, int64_t n, int32_t *symbols,
-                      double &bits) {
+bool read_categorical(RangeDecoder &decoder, const Alphabets &alphabets, const int16_t *keys, int64_t n,
+                      int32_t *symbols, double &bits) {
   Grouped grouped;
   if (!grouped.read(decoder, *alphabets.models, keys, n)) return false;
   bits += ungroup_categorical(grouped.indices.data(), grouped.order.data(), keys, n, alphabets.symbol, alphabets.bits,

@@ -17,8 +17,8 @@ struct Alphabets {
 
 // The n symbols under the alphabets `keys` [n]; adds their information content to `bits`. False where the payload does
 // not decode.
-bool read_categorical(RangeDecoder &decoder, const Alphabets &alphabets, const int16_t *keys, int64_t n, int32_t *symbols,
-                      double &bits);
+bool read_categorical(RangeDecoder &decoder, const Alphabets &alphabets, const int16_t *keys, int64_t n,
+                      int32_t *symbols, double &bits);
 
 // Zero-centred tables, and what reads the exponents behind an escape.
 struct ZeroCentred {

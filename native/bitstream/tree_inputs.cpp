@@ -11,7 +11,8 @@ namespace sgi {
 namespace {
 
 constexpr int kRank[4] = {0, 2, 3, 1};  // where each child number stands in kChildren
-static_assert(kRank[kChildren[0]] == 0 && kRank[kChildren[1]] == 1 && kRank[kChildren[2]] == 2 && kRank[kChildren[3]] == 3);
+static_assert(kRank[kChildren[0]] == 0 && kRank[kChildren[1]] == 1 && kRank[kChildren[2]] == 2 &&
+              kRank[kChildren[3]] == 3);
 constexpr int kOne = 64, kCounts = 4;  // inputs are in 1/64, counts in quarters
 
 int half_down(int v) { return (v + 4) / 2 - 2; }
@@ -73,7 +74,8 @@ void base_detail(const int64_t *base, int64_t channels, int64_t rows, int64_t co
         slope[c > 0] += std::abs(e - w) + std::abs(s - n);
         bend[c > 0] += std::abs(w + e + n + s - 4 * v);
         int64_t differs = 0;
-        for (const int64_t other : {w, e, n, s, plane[up + left], plane[up + right], plane[down + left], plane[down + right]})
+        for (const int64_t other :
+             {w, e, n, s, plane[up + left], plane[up + right], plane[down + left], plane[down + right]})
           differs = std::max(differs, std::abs(other - v));
         most += differs;
       }
@@ -113,8 +115,8 @@ void end_batch(const int32_t *members, int64_t n, int child, const uint8_t *spli
   }
 }
 
-void tree_inputs(const SplitNodes &parents, const Slots &slots, const BaseDetail &detail, const int16_t *head, int level,
-                 int child, const int32_t *members, int64_t n, int16_t *out) {
+void tree_inputs(const SplitNodes &parents, const Slots &slots, const BaseDetail &detail, const int16_t *head,
+                 int level, int child, const int32_t *members, int64_t n, int16_t *out) {
   const std::vector<Place> known = known_beside(child);
   for (int64_t i = 0; i < n; ++i) {
     const int64_t p = members[i];

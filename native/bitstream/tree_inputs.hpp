@@ -1,5 +1,5 @@
-// What predicts a seed's place (docs/format.md, "Predicted flags"): inputs of a batch of nodes, and from a level's split
-// nodes to those of the next.
+// What predicts a seed's place (docs/format.md, "Predicted flags"): inputs of a batch of nodes, and from a level's
+// split nodes to those of the next.
 #pragma once
 #include <cstdint>
 
@@ -10,20 +10,20 @@ namespace sgi {
 // Neighbours of a node: (-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1).
 constexpr int kSides = 8;
 constexpr int kSideX[kSides] = {-1, 0, 1, -1, 1, -1, 0, 1}, kSideY[kSides] = {-1, -1, -1, 0, 0, 1, 1, 1};
-// A level is coded child number after child number, in this order: diagonal ones first, so that the other two have known
-// neighbours on all four sides.
+// A level is coded child number after child number, in this order: diagonal ones first, so that the other two have
+// known neighbours on all four sides.
 constexpr int kChildren[4] = {0, 3, 1, 2};
 constexpr int kAbove = 1 + 3 * kSides + 6;  // what a split node adds to the inputs of its children, see SplitNodes
-constexpr int kDetail = 5;               // numbers that the base layer adds
-constexpr int kHead = 11;                // level (6), quality, rates (4)
+constexpr int kDetail = 5;                  // numbers that the base layer adds
+constexpr int kHead = 11;                   // level (6), quality, rates (4)
 constexpr int kFixedInputs = kHead + kDetail + kAbove;
 
 // The split nodes of one level in Morton order. above: 64 times the own seed and split, seed, exists of each neighbour;
 // then of the parent and of its parent 64 times its seed and 16 times the splits and seeds in 3 x 3 nodes around it.
 struct SplitNodes {
-  const int32_t *x, *y;     // [P]
-  const int32_t *neighbour; // [P, kSides] indices among them, P for none
-  const int16_t *above;     // [P, kAbove]
+  const int32_t *x, *y;      // [P]
+  const int32_t *neighbour;  // [P, kSides] indices among them, P for none
+  const int16_t *above;      // [P, kAbove]
   int64_t count;
 };
 
@@ -36,8 +36,8 @@ struct Slots {
 // Inputs that child number `child` has: kFixedInputs and two for each of the nodes around it that are coded before.
 int tree_input_count(int child);
 
-// How much the base layer [C, rows, columns] varies at each of its cells, in sixteenths of an octave: out [rows, columns,
-// kDetail].
+// How much the base layer [C, rows, columns] varies at each of its cells, in sixteenths of an octave: out [rows,
+// columns, kDetail].
 void base_detail(const int64_t *base, int64_t channels, int64_t rows, int64_t columns, int16_t *out);
 
 struct BaseDetail {
@@ -58,8 +58,8 @@ void end_batch(const int32_t *members, int64_t n, int child, const uint8_t *spli
                int16_t *flags, uint8_t *occupied);
 
 // Rows of inputs for child number `child`, a node of `level`, of each of n parents; head [kHead].
-void tree_inputs(const SplitNodes &parents, const Slots &slots, const BaseDetail &detail, const int16_t *head, int level,
-                 int child, const int32_t *members, int64_t n, int16_t *out);
+void tree_inputs(const SplitNodes &parents, const Slots &slots, const BaseDetail &detail, const int16_t *head,
+                 int level, int child, const int32_t *members, int64_t n, int16_t *out);
 
 // What a network whose outputs are log-odds in 1/256 says of them: rows [n, outputs], the odds in units of 2^`shift`,
 // clipped to +-most and moved by most.

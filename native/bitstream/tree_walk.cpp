@@ -21,8 +21,8 @@ uint64_t spread(uint64_t v) {  // moves the bits of a 32-bit integer to the even
 
 int64_t morton(int32_t x, int32_t y) { return int64_t(spread(uint32_t(x)) | spread(uint32_t(y)) << 1); }
 
-// Which share of flags was 1 so far, of split flags and of seed flags of nodes that are not split: on the level before and
-// on this one.
+// Which share of flags was 1 so far, of split flags and of seed flags of nodes that are not split: on the level before
+// and on this one.
 class Rates {
  public:
   void next_level() {
@@ -140,16 +140,18 @@ std::vector<int64_t> TreeLevel::seeds() const {
 }
 
 void TreeBatch::inputs(int16_t *out) const {
-  tree_inputs(of->nodes(), of->slots(), scenery->detail(), head.data(), of->level(), child, members.data(), size(), out);
+  tree_inputs(of->nodes(), of->slots(), scenery->detail(), head.data(), of->level(), child, members.data(), size(),
+              out);
 }
 
 void TreeBatch::rows(const Network &network, int shift, int most, int threads, int16_t *out) const {
-  tree_rows(network, of->nodes(), of->slots(), scenery->detail(), head.data(), of->level(), child, members.data(), size(),
-            shift, most, threads, out);
+  tree_rows(network, of->nodes(), of->slots(), scenery->detail(), head.data(), of->level(), child, members.data(),
+            size(), shift, most, threads, out);
 }
 
 void TreeBatch::seed_rows(const int16_t *rows, const uint8_t *split, int16_t certain, int16_t *out) const {
-  for (size_t i = 0; i < members.size(); ++i) out[i] = split[i] ? rows[3 * i + 2] : needed[i] ? certain : rows[3 * i + 1];
+  for (size_t i = 0; i < members.size(); ++i)
+    out[i] = split[i] ? rows[3 * i + 2] : needed[i] ? certain : rows[3 * i + 1];
 }
 
 bool walk_tree(std::shared_ptr<const TreeScenery> scenery, int64_t most, const CodeBatch &code,

@@ -10,7 +10,8 @@ constexpr int64_t kRun = 1024;  // seeds; a multiple of every kernel's lanes
 }  // namespace
 
 SeedFit::SeedFit(Isa isa, int threads, int per_seed, int channels, int hidden, const float *opponent)
-    : kernel_(kernel_for<SeedKernel>(isa)), lanes_(lanes_of(isa)), threads_(threads), opponent_(opponent, opponent + channels * channels) {
+    : kernel_(kernel_for<SeedKernel>(isa)), lanes_(lanes_of(isa)), threads_(threads),
+      opponent_(opponent, opponent + channels * channels) {
   state_.per_seed = per_seed;
   state_.channels = channels;
   state_.hidden = hidden;
@@ -83,8 +84,7 @@ double SeedFit::forward(const std::array<const float *, kGroups> &values, const 
   s.trains_first = trains_first;
   s.predicts = rounding != Rounding::kNone && reuse != Reuse::kPredictions;
   const bool refresh = s.predicts && reuse == Reuse::kNothing;
-  if (refresh)
-    over_runs([&](int64_t, int64_t begin, int64_t end, float *m) { kernel_.summarize(s, begin, end, m); });
+  if (refresh) over_runs([&](int64_t, int64_t begin, int64_t end, float *m) { kernel_.summarize(s, begin, end, m); });
   std::vector<double> bits((s.count + kRun - 1) / kRun);
   over_runs([&](int64_t run, int64_t begin, int64_t end, float *m) {
     if (refresh) kernel_.gather(s, begin, end, m);

@@ -1,6 +1,6 @@
-// The default profile's step without the picture: attributes → Gaussians and bits, gradients of the Gaussians → gradients
-// of everything that trains. Runs of a fixed number of seeds are shared out to threads and their sums added in order, so
-// that results do not depend on the number of threads.
+// The default profile's step without the picture: attributes → Gaussians and bits, gradients of the Gaussians →
+// gradients of everything that trains. Runs of a fixed number of seeds are shared out to threads and their sums added
+// in order, so that results do not depend on the number of threads.
 #pragma once
 #include <array>
 #include <vector>

@@ -1,4 +1,5 @@
-// What MLP_p sees of all seeds before it runs: summaries, inputs from neighbours, and their products with its first layer.
+// What MLP_p sees of all seeds before it runs: summaries, inputs from neighbours, and their products with its first
+// layer.
 #pragma once
 #include "fit/seed_block.hpp"
 

@@ -1,8 +1,8 @@
-// One step of the default profile's fit on a run of seeds: from attributes to Gaussians and bits, and back to gradients.
-// A lane holds a seed.
+// One step of the default profile's fit on a run of seeds: from attributes to Gaussians and bits, and back to
+// gradients. A lane holds a seed.
 //
-// Its arithmetic is that of native/model; the reference in torch is fit/sampler.py, fit/rate.py and model/gaussians.py. MLP_p sees nothing that it
-// passes gradients to, so that no gradient crosses from one coding step to another.
+// Its arithmetic is that of native/model; the reference, with torch, is sgicodec/fit/autograd. MLP_p sees nothing that
+// it passes gradients to, so that no gradient crosses from one coding step to another.
 #pragma once
 #include <cstdint>
 
@@ -11,11 +11,11 @@
 
 namespace sgi {
 
-constexpr int kUnits = 8;   // distinct predictions: three colours, three shape numbers, two offsets
+constexpr int kUnits = 8;  // distinct predictions: three colours, three shape numbers, two offsets
 constexpr int kGroupUnits[kGroups] = {3, 3, 2};
 constexpr int kFirstUnit[kGroups] = {0, 3, 6};
 constexpr int kGammas = 2;  // shape and offset follow the amplitude
-constexpr int kBatch = 8;         // blocks of LANES seeds that go back through MLP_p together
+constexpr int kBatch = 8;   // blocks of LANES seeds that go back through MLP_p together
 
 constexpr int outputs_of(int group) { return 2 * kGroupUnits[group] + 1; }
 constexpr int inputs_of(int group) { return kCommonInputs + own_input_count(group); }
@@ -24,27 +24,27 @@ enum class Rounding : int { kNone, kNoise, kRound };
 
 // What a step reads. Arrays of blocks hold LANES seeds side by side, [block][row][LANES].
 struct SeedState : SeedModel {
-  int64_t count;                    // N
-  int hidden;                       // width of MLP_p
-  int neighbours;                   // columns of `neighbour`
+  int64_t count;   // N
+  int hidden;      // width of MLP_p
+  int neighbours;  // columns of `neighbour`
   int quality;
   SeedsView seeds;
-  const int32_t *neighbour;         // [N, neighbours] seeds, -1 for none
-  const float *value[kGroups];      // [N, K C], [N, 3 K], [N, 2 K] attributes
-  const float *first[kGroups];      // W1 [hidden, inputs]
-  const float *rest[kGroups];       // b1 [hidden], W2 [outputs, hidden], b2 [outputs]
-  const float *base;                // [kUnits, kLevels] log2 of the base steps
-  const float *gamma;               // [kGammas]
-  float *summary;                   // [N, kSummary]
-  float *inputs;                    // [block][kCommonInputs][LANES]
-  float *product;                   // [block][kGroups][hidden][LANES]: W1 times the common inputs
-  float *kept;                      // [block][kUnits][mean, step, scale][LANES] of the last whole step
-  float *decoded;                   // [block][d_A][LANES]
-  float *bits;                      // [N]
+  const int32_t *neighbour;     // [N, neighbours] seeds, -1 for none
+  const float *value[kGroups];  // [N, K C], [N, 3 K], [N, 2 K] attributes
+  const float *first[kGroups];  // W1 [hidden, inputs]
+  const float *rest[kGroups];   // b1 [hidden], W2 [outputs, hidden], b2 [outputs]
+  const float *base;            // [kUnits, kLevels] log2 of the base steps
+  const float *gamma;           // [kGammas]
+  float *summary;               // [N, kSummary]
+  float *inputs;                // [block][kCommonInputs][LANES]
+  float *product;               // [block][kGroups][hidden][LANES]: W1 times the common inputs
+  float *kept;                  // [block][kUnits][mean, step, scale][LANES] of the last whole step
+  float *decoded;               // [block][d_A][LANES]
+  float *bits;                  // [N]
   Rounding rounding;
-  uint32_t key, mirror;             // of the noise; mirror is 0, or all ones for its negative
+  uint32_t key, mirror;  // of the noise; mirror is 0, or all ones for its negative
   bool trains_first;
-  bool predicts;                    // MLP_p runs; otherwise what it said last stands for a constant
+  bool predicts;  // MLP_p runs; otherwise what it said last stands for a constant
 
   SGI_INLINE int rest_size(int g) const { return hidden * (1 + outputs_of(g)) + outputs_of(g); }
   SGI_INLINE int first_size(int g) const { return hidden * inputs_of(g); }

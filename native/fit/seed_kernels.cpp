@@ -31,7 +31,8 @@ double forward(const SeedState &s, int64_t begin, int64_t end, const SeedGaussia
         vf value = block.gather(s.value[g], size, j);
         if (s.rounding != Rounding::kNone) {
           const Unit &unit = u.unit[unit_of(s, g, j)];
-          value = s.rounding == Rounding::kNoise ? value + unit.step * noise(s.key, s.mirror, start + j, at) : rounded(value, unit);
+          value = s.rounding == Rounding::kNoise ? value + unit.step * noise(s.key, s.mirror, start + j, at)
+                                                 : rounded(value, unit);
           sum += laplace_bits(value - unit.mean, unit.step, unit.scale).bits;
         }
         store(decoded + (start + j) * LANES, value);
@@ -133,7 +134,8 @@ inline void descend_group(const SeedState &s, const Block &block, int group, con
     block.scatter(above + slope, g.value[group], size, j);
     mean[i] -= slope;
     scale[i] += price * b.scale;
-    if (s.rounding == Rounding::kNoise) step[i] += price * b.step + (above + slope) * noise(s.key, s.mirror, start + j, block.first);
+    if (s.rounding == Rounding::kNoise)
+      step[i] += price * b.step + (above + slope) * noise(s.key, s.mirror, start + j, block.first);
   }
   vf refine{}, gamma{};
   for (int i = 0; i < count; ++i) {
@@ -143,7 +145,8 @@ inline void descend_group(const SeedState &s, const Block &block, int group, con
     const vf log_step = select(unit.step_is_free, step[i] * unit.step * kLn2, vf{});
     const vf log_base = log_step + mean[i] * unit.mean * kLn2 + raw;
     for (int l = 0; l < LANES; ++l)
-      sums.add_to_lane(sums.base + (kFirstUnit[group] + i) * kLevels + level_of(s.seeds.log_size[block.row[l]]), l, log_base[l]);
+      sums.add_to_lane(sums.base + (kFirstUnit[group] + i) * kLevels + level_of(s.seeds.log_size[block.row[l]]), l,
+                       log_base[l]);
     refine += log_step;
     gamma -= log_step * u.loudness;
     up[i] = mean[i] * unit.base_step;

@@ -21,7 +21,8 @@ struct Average {
 };
 struct Paeth {
   static int of(int left, int up, int corner) {
-    const int by_left = std::abs(up - corner), by_up = std::abs(left - corner), by_corner = std::abs(left + up - 2 * corner);
+    const int by_left = std::abs(up - corner), by_up = std::abs(left - corner),
+              by_corner = std::abs(left + up - 2 * corner);
     const int other = by_up <= by_corner ? up : corner;
     return by_left <= by_up && by_left <= by_corner ? left : other;
   }

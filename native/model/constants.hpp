@@ -1,5 +1,5 @@
-// Numbers of the format and of the arithmetic around it (docs/format.md, "Context model" and "Drawing"), stated here alone:
-// Python reads them from the extension.
+// Numbers of the format and of the arithmetic around it (docs/format.md, "Context model" and "Drawing"), stated here
+// alone: Python reads them from the extension.
 #pragma once
 
 namespace sgi {
@@ -9,7 +9,7 @@ constexpr int kFractionBits = 24;  // values of attributes, means and steps
 constexpr int kInputBits = 6;      // inputs of MLP_p
 constexpr int kMeanBits = 8;       // predicted means, in base steps
 constexpr int kGammaBits = 4;
-constexpr int kPerOctave = 6;      // logarithms count sixths of an octave
+constexpr int kPerOctave = 6;  // logarithms count sixths of an octave
 
 // Steps q = 2^((index - kStepZero) / 6), and scales of 2^((index - kScaleZero) / 6) steps.
 constexpr int kStepZero = 96, kStepCount = 103;
@@ -18,15 +18,15 @@ constexpr int kRefineLimit = 24;     // sixths of an octave either way
 constexpr int kAmplitudeZero = -20;  // amplitude index at which a step is its base step: 2^(-20/6) = 0.1
 constexpr int kOctaveLimit = 12;     // of a scale that is predicted in octaves, either way; in the fit alone
 
-// How far decisions move towards zero for a scale of one step, and at most: the next symbol costs sqrt(2) q / (sigma ln 2)
-// more bits, and at the step that rate theory picks a bit is worth ln 2 / 12 of a squared step.
+// How far decisions move towards zero for a scale of one step, and at most: the next symbol costs sqrt(2) q / (sigma ln
+// 2) more bits, and at the step that rate theory picks a bit is worth ln 2 / 12 of a squared step.
 constexpr double kDeadZone = 0.118, kDeadZoneLimit = 0.3;
 
 constexpr double kLeastMass = 0x1p-20;  // probability of a value: what the escape symbol guarantees
 
 // What MLP_p sees of a seed.
-constexpr int kLevels = 8;       // cell sizes told apart: 2^0 to 2^7 pixels
-constexpr int kSummary = 7;      // three colours, the loudness, three shape numbers
+constexpr int kLevels = 8;   // cell sizes told apart: 2^0 to 2^7 pixels
+constexpr int kSummary = 7;  // three colours, the loudness, three shape numbers
 constexpr int kMostNeighbours = 6;
 constexpr int kNeighbourWeights[kMostNeighbours] = {4, 3, 3, 2, 2, 2};  // sixteenths, nearest first
 constexpr int kLevelInputs = kLevels + 1;                               // and the quality
@@ -39,8 +39,9 @@ constexpr int kOffsetLimit = 8;     // cells
 constexpr int kInputLimit = 1 << 13, kHiddenLimit = 1 << 15;  // of MLP_p, in units of 2^-6
 
 // What a seed draws.
-constexpr double kMinVariance = 0.05;  // pixels² added to every variance: what is thinner can neither be seen nor fitted
-constexpr double kShapeLimit = 12;     // of exponents, so that a hostile stream cannot reach infinity
+constexpr double kMinVariance =
+    0.05;                           // pixels² added to every variance: what is thinner can neither be seen nor fitted
+constexpr double kShapeLimit = 12;  // of exponents, so that a hostile stream cannot reach infinity
 
 enum Group { kColour, kShape, kOffset, kGroups };
 

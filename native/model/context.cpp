@@ -83,12 +83,11 @@ void summarise(const AttributesView &a, const int64_t *members, int64_t n, int t
 }
 
 void own_inputs(const int16_t *summary, int64_t n, int step, int64_t first, int threads, int16_t *out, int64_t stride) {
-  for_each_seed(n, threads,
-                [&](int64_t i) { own_inputs_of(summary + i * kSummary, step, out + i * stride + first); });
+  for_each_seed(n, threads, [&](int64_t i) { own_inputs_of(summary + i * kSummary, step, out + i * stride + first); });
 }
 
-void quantisers(const GroupPlan &plan, const PredictionView &prediction, const int8_t *log_size, int64_t n,
-                int threads, int64_t *mean, int64_t *step, int16_t *scale) {
+void quantisers(const GroupPlan &plan, const PredictionView &prediction, const int8_t *log_size, int64_t n, int threads,
+                int64_t *mean, int64_t *step, int16_t *scale) {
   for_each_seed(n, threads, [&](int64_t i) {
     const int level = level_of(log_size[i]);
     const int64_t refine = prediction.refine[i * prediction.stride];

@@ -22,7 +22,7 @@ struct AttributesView {
   const int64_t *values;  // [N, width] decoded
   int64_t width;
   int per_seed, channels;
-  int colour, shape;      // columns where these groups start
+  int colour, shape;  // columns where these groups start
 };
 
 // Summaries [n, 7] and amplitude indices [n] of the seeds `members`.
@@ -34,8 +34,8 @@ void summarise(const AttributesView &attributes, const int64_t *members, int64_t
 void own_inputs(const int16_t *summary, int64_t n, int step, int64_t first, int threads, int16_t *out, int64_t stride);
 
 struct GroupPlan {
-  const int64_t *base;     // [size, kLevels] base step index of each attribute
-  const int64_t *columns;  // [size] which prediction belongs to each attribute
+  const int64_t *base;       // [size, kLevels] base step index of each attribute
+  const int64_t *columns;    // [size] which prediction belongs to each attribute
   const int32_t *amplitude;  // [n], or null where the steps do not follow it
   int64_t gamma;
   int size;
@@ -48,8 +48,8 @@ struct PredictionView {
 
 // Mean and step (units of 2^-24) and scale index of every attribute of a group [n, size], of n seeds in cells of
 // log_size [n].
-void quantisers(const GroupPlan &plan, const PredictionView &prediction, const int8_t *log_size, int64_t n,
-                int threads, int64_t *mean, int64_t *step, int16_t *scale);
+void quantisers(const GroupPlan &plan, const PredictionView &prediction, const int8_t *log_size, int64_t n, int threads,
+                int64_t *mean, int64_t *step, int16_t *scale);
 
 // Writes mean + step * symbol of a group [n, size] to the columns from `first` on of the rows `members` of decoded
 // [N, width].

@@ -90,11 +90,11 @@ inline void level_inputs_of(int log_size, int quality, Out *out) {
   out[kLevels] = Out(from_units<T>((quality << kInputBits) / 12));
 }
 
-// What neighbours say: kNeighbourInputs numbers. `ranked` [ranks]: nearest first, negative from where there are no more;
-// summary [N, kSummary] of decoded seeds.
+// What neighbours say: kNeighbourInputs numbers. `ranked` [ranks]: nearest first, negative from where there are no
+// more; summary [N, kSummary] of decoded seeds.
 template <class T, class Out>
-inline void neighbour_inputs_of(const SeedsView &seeds, const int32_t *ranked, int ranks, const Out *summary, int64_t seed,
-                                Out *out) {
+inline void neighbour_inputs_of(const SeedsView &seeds, const int32_t *ranked, int ranks, const Out *summary,
+                                int64_t seed, Out *out) {
   constexpr int kSigned[5] = {0, 1, 2, 5, 6};
   const int own_log = seeds.log_size[seed];
   int count = 0, level = 0;

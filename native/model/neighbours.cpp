@@ -50,8 +50,8 @@ class Best {
   // error: what a coordinate may lose as a float.
   Best(int k, const int32_t *points, float error) : points_(points), error_(error), keys_(size_t(k), kNone) {}
 
-  // Starts another query. What the last one found bounds what this one can find: queries come in an order that goes from
-  // neighbour to neighbour.
+  // Starts another query. What the last one found bounds what this one can find: queries come in an order that goes
+  // from neighbour to neighbour.
   void start(const int32_t *query) {
     query_ = query;
     Key bound = keys_.back() == kNone ? kNone : 0;
@@ -96,8 +96,8 @@ class Best {
   std::vector<Key> keys_;  // ascending; at first bounds that no point has
 };
 
-// Boxes around runs of points, and around runs of boxes up to one node for all. Points in Morton order, as seeds are, make
-// small boxes however they are scattered; any other order is only slower.
+// Boxes around runs of points, and around runs of boxes up to one node for all. Points in Morton order, as seeds are,
+// make small boxes however they are scattered; any other order is only slower.
 class Tree {
  public:
   Tree(const int32_t *points, int64_t n) : leaves_(size_t((n + kLanes - 1) / kLanes)) {
@@ -177,8 +177,10 @@ class Tree {
     for (size_t i = 0; i < count; ++i) {
       const size_t lane = order[i] & (kLanes - 1);
       if (distance[lane] > best.limit()) continue;
-      if (level) visit(level - 1, number * kLanes + lane, x, y, best);
-      else look(number * kLanes + lane, x, y, best);
+      if (level)
+        visit(level - 1, number * kLanes + lane, x, y, best);
+      else
+        look(number * kLanes + lane, x, y, best);
     }
   }
 

@@ -115,8 +115,8 @@ void Network::evaluate(const int16_t *rows, int64_t stride, int64_t n, double *s
     packed_->kernel.wide(packed_->wide, rows, stride, n, scratch, out);
 }
 
-void evaluate_network(const NetworkWeights &w, const int16_t *rows, int64_t stride, int64_t n, int threads,
-                      Isa isa, int64_t *out) {
+void evaluate_network(const NetworkWeights &w, const int16_t *rows, int64_t stride, int64_t n, int threads, Isa isa,
+                      int64_t *out) {
   const Network network(w, isa);
   constexpr int64_t kChunk = 512;
   parallel_for((n + kChunk - 1) / kChunk, threads, [&](int64_t chunk) {

@@ -1,7 +1,7 @@
 // MLP_p in integers (docs/format.md, "MLP_p"): y = W2 clip((W1 x + 64 b1) >> shift) + 64 b2.
 //
-// Sums run as float64 products of integers; the caller bounds the weights so that every partial sum stays below 2^53 and
-// is exact in any order, on any instruction set, with or without fused multiply-adds.
+// Sums run as float64 products of integers; the caller bounds the weights so that every partial sum stays below 2^53
+// and is exact in any order, on any instruction set, with or without fused multiply-adds.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -17,7 +17,7 @@ struct NetworkWeights {
   const int64_t *w2;  // [outputs, hidden]
   const int64_t *b2;  // [outputs]
   int inputs, hidden, outputs;
-  int predicted;      // U: outputs are U means, U scales, and refinements
+  int predicted;  // U: outputs are U means, U scales, and refinements
   int shift;
 };
 

@@ -20,8 +20,8 @@ struct WideNetwork {
   int wide_hidden, wide_outputs;
 };
 
-// The same with two consecutive inputs of each unit in one 32-bit number, the first one in its lower half. Hidden values
-// are kept less kHiddenMiddle, so that they have 16 bits; b2 makes up for it.
+// The same with two consecutive inputs of each unit in one 32-bit number, the first one in its lower half. Hidden
+// values are kept less kHiddenMiddle, so that they have 16 bits; b2 makes up for it.
 struct NarrowNetwork {
   const int32_t *w1;  // [ceil(inputs / 2), wide_hidden]
   const int32_t *b1;  // [wide_hidden]
@@ -35,7 +35,9 @@ constexpr int kHiddenMiddle = 1 << 14;
 
 namespace {
 
-inline int as_input(int value) { return value < -kInputLimit ? -kInputLimit : value > kInputLimit ? kInputLimit : value; }
+inline int as_input(int value) {
+  return value < -kInputLimit ? -kInputLimit : value > kInputLimit ? kInputLimit : value;
+}
 
 // A sum as what it means: a mean, or a scale or refinement.
 inline int64_t as_output(int64_t sum, bool mean, int shift) {

@@ -64,8 +64,7 @@ inline void read_inputs(const NarrowNetwork &net, const int16_t *rows, int64_t s
   }
 }
 
-void evaluate(const NarrowNetwork &net, const int16_t *rows, int64_t stride, int64_t n, double *scratch,
-              int64_t *out) {
+void evaluate(const NarrowNetwork &net, const int16_t *rows, int64_t stride, int64_t n, double *scratch, int64_t *out) {
   const int pairs = (net.inputs + 1) / 2, hidden_pairs = net.wide_hidden / 2;
   int32_t *x = reinterpret_cast<int32_t *>(scratch), *hidden = x + kRows * pairs, *y = hidden + kRows * hidden_pairs;
   for (int64_t first = 0; first < n; first += kRows) {
@@ -76,8 +75,7 @@ void evaluate(const NarrowNetwork &net, const int16_t *rows, int64_t stride, int
       layer(x, pairs, pairs, net.w1 + at, net.wide_hidden, net.b1 + at, sum);
       for (int r = 0; r < kRows; ++r)
         for (int b = 0; b < 2; ++b) {
-          const vs kept =
-              __builtin_convertvector(clipped(sum[r][b] >> net.shift, 0, kHiddenLimit) - kHiddenMiddle, vs);
+          const vs kept = __builtin_convertvector(clipped(sum[r][b] >> net.shift, 0, kHiddenLimit) - kHiddenMiddle, vs);
           __builtin_memcpy(reinterpret_cast<int16_t *>(hidden + r * hidden_pairs) + at + b * LANES, &kept, sizeof kept);
         }
     }
@@ -141,7 +139,8 @@ void evaluate(const WideNetwork &net, const int16_t *rows, int64_t stride, int64
   for (int64_t first = 0; first < n; first += kRows) {
     const int count = n - first < kRows ? int(n - first) : kRows;
     for (int r = 0; r < kRows; ++r)
-      for (int i = 0; i < net.inputs; ++i) x[i * kRows + r] = as_input(rows[(first + (r < count ? r : 0)) * stride + i]);
+      for (int i = 0; i < net.inputs; ++i)
+        x[i * kRows + r] = as_input(rows[(first + (r < count ? r : 0)) * stride + i]);
     for (int at = 0; at < net.wide_hidden; at += kBlock * kLanes) {
       Sums sum;
       layer(x, net.inputs, net.w1 + at, net.wide_hidden, net.b1 + at, sum);
@@ -149,7 +148,8 @@ void evaluate(const WideNetwork &net, const int16_t *rows, int64_t stride, int64
         for (vd &v : row) v = clipped(v * unit, 0.0, double(kHiddenLimit));
       transpose(sum, hidden + at * kRows);
     }
-    for (int i = 0; i < net.wide_hidden * kRows; ++i) hidden[i] = double(int32_t(hidden[i]));  // rounds down: none is < 0
+    for (int i = 0; i < net.wide_hidden * kRows; ++i)
+      hidden[i] = double(int32_t(hidden[i]));  // rounds down: none is < 0
     for (int at = 0; at < net.wide_outputs; at += kBlock * kLanes) {
       Sums sum;
       layer(hidden, net.wide_hidden, net.w2 + at, net.wide_outputs, net.b2 + at, sum);

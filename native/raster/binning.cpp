@@ -16,10 +16,10 @@ constexpr float kLog2E = 1.44269504f;
 
 // The ellipse of all points within the cutoff, relative to the centre.
 struct Ellipse {
-  float ry;           // half height
-  float lean;         // dx of the axis of widths per dy
-  float half_width;   // half width at the centre row
-  float top_dy;       // dy at which the right end is reached
+  float ry;          // half height
+  float lean;        // dx of the axis of widths per dy
+  float half_width;  // half width at the centre row
+  float top_dy;      // dy at which the right end is reached
 
   // Right and left end of the part with dy in [lo, hi].
   void extent(float lo, float hi, float &left, float &right) const {
@@ -28,7 +28,9 @@ struct Ellipse {
   }
 
  private:
-  float clamp(float dy, float lo, float hi) const { return std::min(std::max(dy, std::max(lo, -ry)), std::min(hi, ry)); }
+  float clamp(float dy, float lo, float hi) const {
+    return std::min(std::max(dy, std::max(lo, -ry)), std::min(hi, ry));
+  }
   float edge(float dy, float side) const {
     const float u = dy / ry;
     return lean * dy + side * half_width * std::sqrt(std::max(0.0f, 1.0f - u * u));
@@ -85,7 +87,8 @@ void for_each_tile(const Splat &s, const Ellipse &e, const View &view, Visit vis
   }
 }
 
-// Prepares every Gaussian and lists the tiles that each chunk of them touches; slot_start counts from the chunk's first.
+// Prepares every Gaussian and lists the tiles that each chunk of them touches; slot_start counts from the chunk's
+// first.
 void find_tiles(const float *means, const float *covariances, int64_t n, const View &view, float cutoff, int threads,
                 Bins &bins) {
   const int64_t chunks = (n + kChunk - 1) / kChunk;

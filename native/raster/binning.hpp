@@ -15,21 +15,19 @@ struct View {
   int tile_y0() const { return floor_div(y0, kTileHeight); }
   int tiles_x() const { return floor_div(x0 + width - 1, kTileWidth) - tile_x0() + 1; }
   int tiles_y() const { return floor_div(y0 + height - 1, kTileHeight) - tile_y0() + 1; }
-  bool operator==(const View &o) const {
-    return x0 == o.x0 && y0 == o.y0 && width == o.width && height == o.height;
-  }
+  bool operator==(const View &o) const { return x0 == o.x0 && y0 == o.y0 && width == o.width && height == o.height; }
   static int floor_div(int v, int by) { return v >= 0 ? v / by : -((-v + by - 1) / by); }
 };
 
 struct Bins {
-  int64_t most_pairs;                 // (tile, Gaussian) pairs that one call may list
-  int64_t count = -1;                 // N, -1 before the first call and after one that threw
+  int64_t most_pairs;  // (tile, Gaussian) pairs that one call may list
+  int64_t count = -1;  // N, -1 before the first call and after one that threw
   View view;
-  std::vector<Splat> splats;          // [N]
-  std::vector<int64_t> slot_start;    // [N + 1] first slot of every Gaussian
+  std::vector<Splat> splats;                       // [N]
+  std::vector<int64_t> slot_start;                 // [N + 1] first slot of every Gaussian
   std::vector<std::vector<uint32_t>> chunk_tiles;  // tiles of the slots of each run of Gaussians, in slot order
-  std::vector<int64_t> tile_start;    // [tiles + 1] first entry of every tile
-  std::vector<Entry> entries;         // [slots] ordered by tile, then by Gaussian
+  std::vector<int64_t> tile_start;                 // [tiles + 1] first entry of every tile
+  std::vector<Entry> entries;                      // [slots] ordered by tile, then by Gaussian
   std::vector<int64_t> scratch;
 };
 

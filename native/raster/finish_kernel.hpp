@@ -14,7 +14,7 @@ struct Background {
   int64_t count, width;
   const int32_t *top;  // [height]
   const float *down;   // [height, taps]
-  int taps;           // 0 for no background
+  int taps;            // 0 for no background
 };
 
 enum class SampleType { u8, u16, f32 };

@@ -54,9 +54,10 @@ void Rasterizer::forward(const Gaussians &g, const View &view, float cutoff, flo
     const TileRect r = tile_rect(view, tile);
     const int64_t begin = bins_.tile_start[tile];
     kernel_.forward(bins_.entries.data() + begin, bins_.tile_start[tile + 1] - begin, bins_.splats.data(), g.colours,
-                     g.channels, r.x + view.x0, r.y + view.y0, buffer.data());
-    for_each_row(view, r, g.channels,
-                 [&](int64_t to, int from, int n) { std::memcpy(image + to, buffer.data() + from, n * sizeof(float)); });
+                    g.channels, r.x + view.x0, r.y + view.y0, buffer.data());
+    for_each_row(view, r, g.channels, [&](int64_t to, int from, int n) {
+      std::memcpy(image + to, buffer.data() + from, n * sizeof(float));
+    });
   });
 }
 
@@ -69,7 +70,7 @@ void Rasterizer::draw(const Gaussians &g, const View &view, float cutoff, const 
     const TileRect r = tile_rect(view, tile);
     const int64_t begin = bins_.tile_start[tile];
     kernel_.forward(bins_.entries.data() + begin, bins_.tile_start[tile + 1] - begin, bins_.splats.data(), g.colours,
-                     g.channels, r.x + view.x0, r.y + view.y0, buffer.data());
+                    g.channels, r.x + view.x0, r.y + view.y0, buffer.data());
     finish(buffer.data(), g.channels, r, background, samples);
   });
 }
@@ -85,7 +86,7 @@ void Rasterizer::backward(const Gaussians &g, const View &view, const float *gra
     for_each_row(view, r, g.channels,
                  [&](int64_t from, int to, int n) { std::memcpy(buffer.data() + to, grad + from, n * sizeof(float)); });
     kernel_.backward(bins_.entries.data() + begin, bins_.tile_start[tile + 1] - begin, bins_.splats.data(), g.colours,
-                      g.channels, r.x + view.x0, r.y + view.y0, buffer.data(), partials);
+                     g.channels, r.x + view.x0, r.y + view.y0, buffer.data(), partials);
   });
   reduce(g, out);
 }

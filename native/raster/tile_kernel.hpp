@@ -6,20 +6,20 @@
 
 namespace sgi {
 
-constexpr int kTileWidth = 64, kTileHeight = 32;   // pixels
-constexpr int kTileStride = kTileWidth + 16;       // a vector may begin at any column
+constexpr int kTileWidth = 64, kTileHeight = 32;  // pixels
+constexpr int kTileStride = kTileWidth + 16;      // a vector may begin at any column
 constexpr int kTilePlane = kTileHeight * kTileStride;
 
 // A Gaussian ready to be drawn: log2 G(d) = a dx^2 + b dx dy + c dy^2.
 struct Splat {
-  float x, y;     // centre, pixels
-  float a, b, c;  // log2 units per pixel^2
-  float k;        // 2^(2c): second ratio of consecutive rows
-  float rx, ry;   // half extents: what lies farther away contributes nothing
+  float x, y;         // centre, pixels
+  float a, b, c;      // log2 units per pixel^2
+  float k;            // 2^(2c): second ratio of consecutive rows
+  float rx, ry;       // half extents: what lies farther away contributes nothing
   float lean;         // dy of the axis of heights per dx
   float half_height;  // half height at the centre column
   float low_dx;       // dx at which the lower end is reached
-  int32_t span;   // rows that the recurrence may run before it must start afresh, at least 1
+  int32_t span;       // rows that the recurrence may run before it must start afresh, at least 1
 };
 
 // One (tile, Gaussian) pair; `slot` is where its partial gradient goes.
@@ -34,8 +34,8 @@ constexpr int kMoments = 6;
 
 // The part of a tile that lies in the view, in view coordinates.
 struct TileRect {
-  int x, y;                      // first pixel of the tile, view coordinates (may be negative)
-  int col0, col1, row0, row1;    // pixels of the tile inside the view
+  int x, y;                    // first pixel of the tile, view coordinates (may be negative)
+  int col0, col1, row0, row1;  // pixels of the tile inside the view
 };
 
 // Sums over pixels and channels of weight * (I - target)^2 and of (I - target)^2.

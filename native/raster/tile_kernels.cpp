@@ -5,8 +5,8 @@
 // `Splat::span` bounds the rows between fresh starts so that a start value never underflows where it later matters.
 #include <utility>
 
-#include "raster/tile_kernel.hpp"
 #include "base/vector.hpp"
+#include "raster/tile_kernel.hpp"
 
 namespace sgi {
 namespace {
@@ -185,10 +185,22 @@ void forward(const Entry *entries, int64_t n, const Splat *splats, const float *
     float *out = tile + c * kTilePlane;
     const float *from = colours + c;
     switch (left) {
-      case 1: forward_group<1>(entries, n, splats, from, channels, x0, y0, out); c += 1; break;
-      case 2: forward_group<2>(entries, n, splats, from, channels, x0, y0, out); c += 2; break;
-      case 3: forward_group<3>(entries, n, splats, from, channels, x0, y0, out); c += 3; break;
-      default: forward_group<4>(entries, n, splats, from, channels, x0, y0, out); c += 4; break;
+      case 1:
+        forward_group<1>(entries, n, splats, from, channels, x0, y0, out);
+        c += 1;
+        break;
+      case 2:
+        forward_group<2>(entries, n, splats, from, channels, x0, y0, out);
+        c += 2;
+        break;
+      case 3:
+        forward_group<3>(entries, n, splats, from, channels, x0, y0, out);
+        c += 3;
+        break;
+      default:
+        forward_group<4>(entries, n, splats, from, channels, x0, y0, out);
+        c += 4;
+        break;
     }
   }
 }
@@ -199,10 +211,22 @@ void backward(const Entry *entries, int64_t n, const Splat *splats, const float 
     const int left = channels - c;
     const float *from = grad + c * kTilePlane;
     switch (left) {
-      case 1: backward_group<1>(entries, n, splats, colours, channels, c, x0, y0, from, partials); c += 1; break;
-      case 2: backward_group<2>(entries, n, splats, colours, channels, c, x0, y0, from, partials); c += 2; break;
-      case 3: backward_group<3>(entries, n, splats, colours, channels, c, x0, y0, from, partials); c += 3; break;
-      default: backward_group<4>(entries, n, splats, colours, channels, c, x0, y0, from, partials); c += 4; break;
+      case 1:
+        backward_group<1>(entries, n, splats, colours, channels, c, x0, y0, from, partials);
+        c += 1;
+        break;
+      case 2:
+        backward_group<2>(entries, n, splats, colours, channels, c, x0, y0, from, partials);
+        c += 2;
+        break;
+      case 3:
+        backward_group<3>(entries, n, splats, colours, channels, c, x0, y0, from, partials);
+        c += 3;
+        break;
+      default:
+        backward_group<4>(entries, n, splats, colours, channels, c, x0, y0, from, partials);
+        c += 4;
+        break;
     }
   }
 }

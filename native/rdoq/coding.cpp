@@ -60,8 +60,8 @@ void SeedContext::predict(Group group, int count, ReconstructionGrid *grids) {
   for (int row = 0; row < count; ++row) {
     const int64_t *out = out_.data() + int64_t(row) * outputs;
     if (group != kColour) plan.amplitude = amplitude_.data() + row;
-    quantisers(plan, {out, out + units, out + 2 * units, outputs}, &log_size_, 1, 1, grids[row].mean,
-               grids[row].step, grids[row].scale);
+    quantisers(plan, {out, out + units, out + 2 * units, outputs}, &log_size_, 1, 1, grids[row].mean, grids[row].step,
+               grids[row].scale);
   }
 }
 
@@ -71,7 +71,8 @@ double bits_of(const CodingModel &model, Group group, const ReconstructionGrid &
   return bits;
 }
 
-void commit(const CodingModel &model, Group group, const ReconstructionGrid &grid, const int64_t *symbols, Coded &coded) {
+void commit(const CodingModel &model, Group group, const ReconstructionGrid &grid, const int64_t *symbols,
+            Coded &coded) {
   const int first = model.first_column(group);
   for (int j = 0; j < model.plans[group].size; ++j) {
     coded.symbols[first + j] = int32_t(symbols[j]);

@@ -14,7 +14,7 @@ constexpr int kPlaceAttributes = 5;  // three of the shape, two of the offset
 constexpr int kMostAttributes = kMostColours + kPlaceAttributes;
 constexpr double kUnit = 1.0 / (1 << kFractionBits);  // of decoded values
 
-// Zero-centred frequency tables as bitstream/tables.py holds them.
+// Zero-centred frequency tables as sgicodec/bitstream/entropy/tables.py holds them.
 struct BitTables {
   const int32_t *support;  // [tables] S
   const int64_t *start;    // [tables] where a table begins in `bits`
@@ -30,13 +30,14 @@ struct CodingModel {
   GroupPlan plans[kGroups];  // without amplitudes
   int inputs[kGroups];       // that each network sees
   BitTables tables;
-  const float *opponent;         // [C, C]: colour = values * opponent
+  const float *opponent;  // [C, C]: colour = values * opponent
 
   int attributes() const { return channels + kPlaceAttributes; }
   int first_column(Group group) const { return group == kColour ? 0 : group == kShape ? channels : channels + 3; }
 };
 
-// The values that a group's attributes may have: mean + step * symbol in units of 2^-24, coded with tables of these scale indices.
+// The values that a group's attributes may have: mean + step * symbol in units of 2^-24, coded with tables of these
+// scale indices.
 struct ReconstructionGrid {
   int64_t mean[kMostColours], step[kMostColours];
   int16_t scale[kMostColours];
@@ -76,6 +77,7 @@ class SeedContext {
 
 // The bits of `symbols` of a group, and the group with these symbols written into `coded`.
 double bits_of(const CodingModel &model, Group group, const ReconstructionGrid &grid, const int64_t *symbols);
-void commit(const CodingModel &model, Group group, const ReconstructionGrid &grid, const int64_t *symbols, Coded &coded);
+void commit(const CodingModel &model, Group group, const ReconstructionGrid &grid, const int64_t *symbols,
+            Coded &coded);
 
 }  // namespace sgi

@@ -5,8 +5,8 @@
 #include <numeric>
 #include <vector>
 
-#include "raster/binning.hpp"
 #include "base/thread_pool.hpp"
+#include "raster/binning.hpp"
 
 namespace sgi {
 namespace {
@@ -53,7 +53,7 @@ double loss_without(const WindowKernel &kernel, const Residual &residual, const 
 }  // namespace
 
 void search_seeds(const CodingModel &model, const SearchSettings &settings, const Residual &residual,
-                 const SeedArrays &seeds, const SymbolArrays &out, int threads, Isa isa) {
+                  const SeedArrays &seeds, const SymbolArrays &out, int threads, Isa isa) {
   const WindowKernel &kernel = kernel_for<WindowKernel>(isa);
   const int d = model.attributes();
   const auto seed = [&](int64_t i) {
@@ -79,8 +79,8 @@ void search_seeds(const CodingModel &model, const SearchSettings &settings, cons
   });
 }
 
-void prune_gaussians(const Residual &residual, const Prunable &gaussians, float cutoff, int threads,
-                    Isa isa, bool *pruned) {
+void prune_gaussians(const Residual &residual, const Prunable &gaussians, float cutoff, int threads, Isa isa,
+                     bool *pruned) {
   const WindowKernel &kernel = kernel_for<WindowKernel>(isa);
   std::vector<Splat> splats(gaussians.count);
   std::vector<Window> windows(gaussians.count);

@@ -10,7 +10,7 @@ namespace sgi {
 // n seeds of one coding group, d = C + 5 attributes each.
 struct SeedArrays {
   int64_t count;
-  const int16_t *inputs;   // [n, stride] of the first network
+  const int16_t *inputs;  // [n, stride] of the first network
   int64_t stride;
   const double *values;    // [n, d] as drawn now
   const float *centre;     // [n, 2] pixels
@@ -27,7 +27,7 @@ struct SymbolArrays {
 
 // Searches every seed, one after the other in an order of its own; no result depends on the threads.
 void search_seeds(const CodingModel &model, const SearchSettings &settings, const Residual &residual,
-                 const SeedArrays &seeds, const SymbolArrays &out, int threads, Isa isa);
+                  const SeedArrays &seeds, const SymbolArrays &out, int threads, Isa isa);
 
 // n Gaussians that may be left out.
 struct Prunable {
@@ -40,7 +40,7 @@ struct Prunable {
 
 // Leaves out, one after the other, what costs less squared error than its price, and takes it out of the picture before
 // the next is looked at. Sets pruned [n].
-void prune_gaussians(const Residual &residual, const Prunable &gaussians, float cutoff, int threads,
-                    Isa isa, bool *pruned);
+void prune_gaussians(const Residual &residual, const Prunable &gaussians, float cutoff, int threads, Isa isa,
+                     bool *pruned);
 
 }  // namespace sgi

@@ -10,9 +10,10 @@
 namespace sgi {
 namespace {
 
-constexpr double kMostGrowth = 0.7, kMostShift = 2.0;     // of a window: a logarithm, and cells
+constexpr double kMostGrowth = 0.7, kMostShift = 2.0;  // of a window: a logarithm, and cells
 
-void nearest(const CodingModel &model, Group group, const ReconstructionGrid &grid, const double *values, int64_t *symbols) {
+void nearest(const CodingModel &model, Group group, const ReconstructionGrid &grid, const double *values,
+             int64_t *symbols) {
   for (int j = 0; j < model.plans[group].size; ++j) symbols[j] = grid.nearest(j, values[j]);
 }
 
@@ -222,7 +223,8 @@ double SeedSearch::search(const Seed &seed, const Window &window, const Residual
   const int64_t size = window.size();
   planes_.assign((residual.weights ? 4 : 3) * size, 0.0f);
   float *planes = planes_.data();
-  Place place{residual, window, {}, planes, residual.weights ? planes + 3 * size : planes, planes + size, planes + 2 * size};
+  Place place{residual,      window,           {}, planes, residual.weights ? planes + 3 * size : planes,
+              planes + size, planes + 2 * size};
   Splat splat;
   if (splat_of(seed.values + model_.channels, splat)) kernel_.draw(splat, window, place.g);
   if (residual.weights) kernel_.weigh(residual.weights_in(window), window, place.g, place.weighted);

@@ -42,7 +42,8 @@ class SeedSearch {
   void try_colours(const Place &place);
   float mix(const Place &place, const Coded &coded) const;
   void changes(const Place &place, const Splat *two, float power, float *out) const;
-  double descend(Group group, const ReconstructionGrid &grid, const Place &place, float power, double *values, Coded &coded);
+  double descend(Group group, const ReconstructionGrid &grid, const Place &place, float power, double *values,
+                 Coded &coded);
   void follow(const Place &place, const std::vector<int> &chosen);
   void replace(const Place &place, const Coded &coded) const;
 

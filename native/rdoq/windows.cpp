@@ -63,8 +63,8 @@ Window window_around(const Splat &s, float reach, float shift, const Residual &r
 
 bool holds(const Window &w, const Splat &s, const Residual &r) {
   const Window own = window_around(s, 1, 0, r);
-  return own.empty() || (own.x >= w.x && own.y >= w.y && own.x + own.width <= w.x + w.width &&
-                         own.y + own.height <= w.y + w.height);
+  return own.empty() ||
+         (own.x >= w.x && own.y >= w.y && own.x + own.width <= w.x + w.width && own.y + own.height <= w.y + w.height);
 }
 
 void for_each_window(const std::vector<Window> &windows, const std::vector<int32_t> &order, const Residual &residual,

@@ -30,8 +30,8 @@ bool holds(const Window &w, const Splat &splat, const Residual &residual);
 
 using Worker = std::function<void(int64_t)>;
 
-// Calls a worker with every i of `order` whose window is not empty, with the result of one after the other: what touches is
-// never worked on side by side, and always in this order. `make` gives each of several threads a worker.
+// Calls a worker with every i of `order` whose window is not empty, with the result of one after the other: what
+// touches is never worked on side by side, and always in this order. `make` gives each of several threads a worker.
 void for_each_window(const std::vector<Window> &windows, const std::vector<int32_t> &order, const Residual &residual,
                      int threads, const std::function<Worker()> &make);
 
