@@ -52,6 +52,8 @@ OF_NO_MODULE = {
     "includes": "the folders of native/",
     "layers": "all modules",
     "mirror": "this file",
+    "native/seed_gaussians": "native code",
+    "native/stubs": "the types of native code",
     "native/thread_pool": "native code",
     "profiles/profiles": "the package",
     "raster/draw": "native code",
