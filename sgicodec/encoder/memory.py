@@ -11,8 +11,10 @@ __all__ = ["estimate"]
 
 MAIN = 150 * MIB
 """The process that reads and writes: Python, numpy, OpenImageIO."""
-WORKER = 330 * MIB
-"""A process that fits: Python, numpy, for the paper profile torch, and what a fit takes of any size."""
+WORKER = 110 * MIB
+"""A process that fits: Python, numpy, and what a fit takes of any size."""
+LIBRARY = 220 * MIB
+"""The library that a profile needs besides, torch."""
 PIXEL_BYTES, CHANNEL_BYTES = 52, 16
 """Of images in a fit for each pixel, and for each of its channels."""
 SEED_BYTES = 1400
@@ -32,4 +34,5 @@ def estimate(plan: Plan, reading: int) -> Memory:
         share = min(MOST_SEEDS, USUAL_SEEDS * math.sqrt(USUAL_LMBDA / lmbda))
     window = pixels * channels * {"uint8": 1, "uint16": 2, "float32": 4}[header.sample_type]
     each_pixel = PIXEL_BYTES + CHANNEL_BYTES * channels + SEED_BYTES * share
-    return Memory(MAIN + reading + 2 * window, WORKER + window + round(pixels * each_pixel))
+    fixed = WORKER + (LIBRARY if plan.settings.chosen_profile.needs else 0)
+    return Memory(MAIN + reading + 2 * window, fixed + window + round(pixels * each_pixel))

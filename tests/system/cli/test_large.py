@@ -202,7 +202,7 @@ def test_max_memory(sgi: Run, picture: Path, tmp_path: Path) -> None:
     refused = sgi("encode", picture, tmp_path / "a.sgi", *OPTIONS, "--max-memory", "100MiB")
     assert refused.exit_code == 2
     assert "--tile" in refused.stderr
-    one = sgi("encode", picture, tmp_path / "a.sgi", "--tile", 32, "--steps", 2, "-j", 2, "--max-memory", "700MiB")
+    one = sgi("encode", picture, tmp_path / "a.sgi", "--tile", 32, "--steps", 2, "-j", 2, "--max-memory", "300MiB")
     assert "1 worker, about" in one.stderr
 
 
