@@ -33,7 +33,7 @@ hypothesis_settings.load_profile("full")
 
 @pytest.fixture(autouse=True)
 def _interruptible() -> Iterator[None]:
-    """SIGINT raises KeyboardInterrupt, whatever whoever started pytest did with it; processes inherit that."""
+    """SIGINT raises KeyboardInterrupt, even if pytest was started with it ignored; processes inherit that."""
     handler = signal.signal(signal.SIGINT, signal.default_int_handler)
     blocked = signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     yield

@@ -18,7 +18,7 @@ __all__ = ["Job", "Notes", "Trip", "psnr_of"]
 
 @dataclass(frozen=True)
 class Job:
-    """The folder for streams and notes, the number of workers or threads, and what sgi encode is told beside."""
+    """The folder for streams and notes, the number of workers or threads, and further options of sgi encode."""
 
     folder: Path
     workers: int

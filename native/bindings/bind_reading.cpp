@@ -66,7 +66,7 @@ std::tuple<int, double> read_zero_centred(sgi::RangeDecoder &decoder, const Zero
   return {int(reading), bits};
 }
 
-// What `AttributeModel` is told piece by piece; everything is checked here.
+// The model of attributes, built piece by piece; everything is checked here.
 class AttributeModel {
  public:
   AttributeModel(int64_t attributes, int per_seed, int channels, int colour, int shape, int quality, int ranks,

@@ -76,8 +76,8 @@ class TileRenderer:
         self._whole: _Whole | None = None
         if chunk.model is None:
             return
-        self.model, walk = read_tile(own, chunk.model, device)
-        self.bits, self.symbol_crc = walk.bits, walk.crc
+        self.model, coder = read_tile(own, chunk.model, device)
+        self.bits, self.symbol_crc = coder.bits, coder.crc
         self.gaussians = _drawable(own, self.model, device)
         self._colours = base_colours(self.model.base, self.model.base_step)
 

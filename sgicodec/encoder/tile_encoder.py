@@ -237,8 +237,8 @@ _SEARCHING_SHARE = 0.12
 
 def written(candidate: Candidate) -> tuple[bytes, dict[str, float]]:
     """The payload of a model, and the bytes of each part."""
-    payload, walk = write_tile(candidate.header, candidate.model)
-    return payload, {name: bits / 8 for name, bits in walk.bits.items()}
+    payload, coder = write_tile(candidate.header, candidate.model)
+    return payload, {name: bits / 8 for name, bits in coder.bits.items()}
 
 
 def make_ready() -> None:

@@ -27,7 +27,7 @@ def children() -> dict[int, str]:
 
 
 def ended(pid: str) -> bool:
-    """Whether a process has ended and nobody has asked how."""
+    """Whether a process has ended and its status was not read yet."""
     return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] == "Z"
 
 

@@ -17,7 +17,7 @@ def test_a_child_is_seen_named_and_ended() -> None:
         assert child.pid in children()
         assert list(end_children()) == [child.pid]
         assert child.pid not in children()
-    assert child.returncode in (0, -signal.SIGKILL)  # 0: nobody is left to tell it of
+    assert child.returncode in (0, -signal.SIGKILL)  # 0: its status was read already
 
 
 def test_a_test_can_be_interrupted() -> None:

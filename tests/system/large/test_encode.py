@@ -1,4 +1,4 @@
-"""Encodes from a file: the same bytes by whoever, in whatever order, interrupted or not."""
+"""Encodes from a file: the same bytes with any workers, in any order, interrupted or not."""
 
 from __future__ import annotations
 

@@ -6,25 +6,16 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 from examples import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from noisy import noisy_pair
 
 from sgicodec.errors import UsageError
 from sgicodec.metrics.psnr import largest_difference, luma_psnr, psnr
 from sgicodec.metrics.scores import Scores, error_map, scores
 from sgicodec.metrics.similarity import ms_ssim, ssim
-
-
-def noisy_pair(height: int, width: int, channels: int = 3, seed: int = 0) -> tuple[npt.NDArray, npt.NDArray]:
-    rng = np.random.default_rng(seed)
-    y, x = np.mgrid[:height, :width]
-    base = 128 + 70 * np.sin(x / 7)[..., None] * np.cos(y / 5)[..., None] * np.linspace(0.5, 1, channels)
-    a = np.clip(base, 0, 255).astype(np.uint8)
-    b = np.clip(base * 0.9 + rng.normal(0, 12, base.shape), 0, 255).astype(np.uint8)
-    return a, b
 
 
 def test_equal_pictures_are_perfect() -> None:
