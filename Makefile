@@ -51,7 +51,7 @@ $(USER_STAMP): $(INPUTS)
 # Builds on the one above: what is compiled stays, the extras are added. torch is large.
 $(DEV_STAMP): $(USER_STAMP)
 	@echo "Adding what tests and lint need to $(VENV)."
-	@$(call install,bench$(comma)cluster$(comma)lint$(comma)paper$(comma)test)
+	@$(call install,bench$(comma)cluster$(comma)lint$(comma)paper$(comma)peers$(comma)test)
 	@touch $@
 
 comma := ,

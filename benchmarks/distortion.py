@@ -6,17 +6,17 @@ SSIMULACRA 2. Differences are against squared error in every stage, at equal byt
 
 from __future__ import annotations
 
-import tempfile
+import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib.util import find_spec
 from pathlib import Path
 
 import click
 import numpy as np
 
 from sgicodec.bench.bdrate import Curve, bd_quality
+from sgicodec.bench.run import to_rgb
 from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
@@ -27,11 +27,12 @@ from sgicodec.encoder.tile_encoder import Encoding
 from sgicodec.fit.base_layer import base_layer
 from sgicodec.fit.pyramid import levels_of
 from sgicodec.fit.trainer import Trainer
-from sgicodec.image import read, write
+from sgicodec.image import read
 from sgicodec.metrics.choices import DISTORTIONS
 from sgicodec.metrics.distortion import QuadraticReference, decibels, squared_error
+from sgicodec.metrics.perceptual import perceived
 from sgicodec.model.layout import adaptive_layout
-from sgicodec.picture import Picture, to_unit
+from sgicodec.picture import Picture, convert, to_unit
 
 __all__ = ["STAGES", "Outcome", "encoded_without", "main", "outcome"]
 
@@ -72,19 +73,8 @@ def outcome(picture: Picture, encoded: Encoded, distortion: str, device: Device)
     samples = picture.pixels.size
     errors = (squared_error(picture, decoded, weights) for weights in (reference.weights, None))
     weighted, plain = (decibels(error, samples) for error in errors)
-    return Outcome(len(encoded.data), weighted, plain, _ssimulacra2(picture, decoded))
-
-
-def _ssimulacra2(original: Picture, decoded: Picture) -> float:
-    if find_spec("ssimulacra2") is None:
-        return float("nan")
-    from ssimulacra2 import compute_ssimulacra2
-
-    with tempfile.TemporaryDirectory() as folder:
-        paths = [str(Path(folder) / name) for name in ("original.png", "decoded.png")]
-        for picture, path in zip((original, decoded), paths, strict=True):
-            write(picture, path)
-        return float(compute_ssimulacra2(*paths))
+    seen = perceived(*(to_rgb(convert(shown, 8).pixels) for shown in (picture, decoded))).ssimulacra2
+    return Outcome(len(encoded.data), weighted, plain, math.nan if seen is None else seen)
 
 
 @click.command()

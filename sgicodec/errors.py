@@ -53,7 +53,7 @@ def require(library: str, what: str, extra: str | None = None) -> None:
         raise MissingExtraError(f"{what} needs {_PACKAGES.get(library, library)}: pip install {package}")
 
 
-_PACKAGES = {"PIL": "pillow", "distributed": "Dask"}
+_PACKAGES = {"PIL": "pillow", "distributed": "Dask", "imageio_ffmpeg": "imageio-ffmpeg"}
 """What libraries are called where it is not the name of their module."""
 
 

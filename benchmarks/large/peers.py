@@ -16,7 +16,8 @@ import numpy as np
 
 from benchmarks.large.jpeg_tiff import TILE, write_jpeg_tiff
 from sgicodec.bench.codec import Pixels8
-from sgicodec.bench.peers import Avif, Jpeg, JpegXl, Peer
+from sgicodec.bench.peer import Peer
+from sgicodec.bench.peers import Avif, Jpeg, JpegXl
 from sgicodec.image import Source, open_source
 from sgicodec.model.tile_grid import Rect
 

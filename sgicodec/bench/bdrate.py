@@ -56,12 +56,13 @@ class Curve:
         return float(PchipInterpolator(self.log_rates, self.qualities, extrapolate=False)(math.log(rate)))
 
 
-def bd_rate(anchor: Curve, test: Curve) -> Delta:
+def bd_rate(anchor: Curve, test: Curve, within: tuple[float, float] = (-math.inf, math.inf)) -> Delta:
     """Mean difference in rate of `test` against `anchor` at equal quality, in percent; negative is smaller.
 
-    The mean of the difference of log-rates over the common range of qualities (`low..high` of the result).
+    The mean of the difference of log-rates over the common range of qualities (`low..high` of the result), as far as
+    it lies `within` a range.
     """
-    delta = _mean_difference(anchor.qualities, anchor.log_rates, test.qualities, test.log_rates, "quality")
+    delta = _mean_difference(anchor.qualities, anchor.log_rates, test.qualities, test.log_rates, "quality", within)
     return Delta(100.0 * math.expm1(delta.value), delta.low, delta.high, delta.reason)
 
 
@@ -80,10 +81,11 @@ def _mean_difference(
     x1: npt.NDArray[np.float64],
     y1: npt.NDArray[np.float64],
     what: str,
+    within: tuple[float, float] = (-math.inf, math.inf),
 ) -> Delta:
     if min(len(x0), len(x1)) < 2:
         return Delta(math.nan, reason="a curve has fewer than two usable points")
-    low, high = float(max(x0[0], x1[0])), float(min(x0[-1], x1[-1]))
+    low, high = float(max(x0[0], x1[0], within[0])), float(min(x0[-1], x1[-1], within[1]))
     if not low < high:
         return Delta(math.nan, reason=f"the curves share no range of {what}")
     difference = PchipInterpolator(x1, y1).integrate(low, high) - PchipInterpolator(x0, y0).integrate(low, high)

@@ -5,12 +5,13 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from sgicodec.bench.options import numbers
+from sgicodec.bench.options import numbers, variant
 from sgicodec.errors import OutputExistsError, SgiError, TargetMissedError, UsageError, require
 
 if TYPE_CHECKING:
@@ -21,7 +22,8 @@ if TYPE_CHECKING:
 
 __all__ = ["bench", "compare"]
 
-_CODECS = ("sgi", "jpeg", "jpeg2000", "webp", "jxl", "avif")
+_PEERS = ("jpeg", "jpegli", "jpeg2000", "webp", "jxl", "avif-iq", "avif", "avif-s2", "vvenc")
+_CODECS = ("sgi", *_PEERS, "coolchic5")
 _FILE = click.Path(path_type=Path)
 
 
@@ -30,8 +32,10 @@ _FILE = click.Path(path_type=Path)
 @click.option("--codecs", help=f"Some of {','.join(_CODECS)}.  [default: all that are installed]")
 @click.option("--qualities", default="20,35,50,65,80", show_default=True, help="Points of sgi.")
 @click.option("--efforts", default="", help="Efforts of sgi, one curve each.  [default: sgi's own]")
+@click.option("--sgi", "variants", multiple=True, metavar="NAME=OPTIONS", help="A curve with options of sgi encode.")
 @click.option("--threads", default=1, show_default=True, type=click.IntRange(1), help="Threads of each codec.")
 @click.option("--out", default="bench-out", show_default=True, type=_FILE, help="Folder for the results.")
+@click.option("--cache", "cache_folder", type=_FILE, help="Folder that keeps what peers code for other runs.")
 @click.option("--plots/--no-plots", default=True, show_default=True, help="Draw the curves as PNG files.")
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON instead of tables.")
 def bench(
@@ -39,8 +43,10 @@ def bench(
     codecs: str | None,
     qualities: str,
     efforts: str,
+    variants: tuple[str, ...],
     threads: int,
     out: Path,
+    cache_folder: Path | None,
     plots: bool,
     as_json: bool,
 ) -> None:
@@ -54,12 +60,24 @@ def bench(
         require(library, "sgi bench", "bench")
     from rich.console import Console
 
+    from sgicodec.bench.cache import PeerCache
     from sgicodec.bench.plots import write_plots
+    from sgicodec.bench.published import PUBLISHED
     from sgicodec.bench.run import find_pictures, run_bench
     from sgicodec.bench.tables import print_summary
 
-    chosen = _choose_codecs(codecs, qualities, efforts, threads)
-    summary = run_bench(find_pictures(places), chosen, out, report=lambda line: click.echo(line, err=True))
+    wanted = _wanted(codecs)
+    chosen = _choose_codecs(wanted, codecs is not None, threads)
+    if "sgi" in wanted:
+        chosen = [*_sgi_curves(qualities, efforts, variants, threads), *chosen]
+    summary = run_bench(
+        find_pictures(places),
+        chosen,
+        out,
+        published=[curves for name, curves in PUBLISHED.items() if name in wanted],
+        cache=None if cache_folder is None else PeerCache(cache_folder),
+        report=lambda line: click.echo(line, err=True),
+    )
     text = json.dumps(summary.to_json(), indent=2)
     (out / "summary.json").write_text(text + "\n", "utf-8")
     if plots:
@@ -83,9 +101,14 @@ def bench(
 def compare(
     a: Path, b: Path, map_path: Path | None, gain: float, force: bool, fail_under: float | None, as_json: bool
 ) -> None:
-    """Print how far picture B is from picture A: PSNR, luma PSNR, SSIM and MS-SSIM."""
+    """Print how far picture B is from picture A: PSNR, luma PSNR, SSIM and MS-SSIM.
+
+    SSIMULACRA 2 and Butteraugli follow where they are installed, of the pictures as 8-bit RGB.
+    """
     require("scipy", "sgi compare", "bench")
     from sgicodec import image
+    from sgicodec.bench.run import to_rgb
+    from sgicodec.metrics.perceptual import perceived
     from sgicodec.metrics.psnr import largest_difference
     from sgicodec.metrics.scores import error_map, scores
 
@@ -94,15 +117,21 @@ def compare(
     reference, other = image.read(a), image.read(b)
     first, second = (_scaled(picture.pixels, reference.sample_range) for picture in (reference, other))
     found = scores(first, second)
+    seen = perceived(to_rgb(_eight_bits(first)), to_rgb(_eight_bits(second)))
     largest = largest_difference(reference.pixels, other.pixels)
     if as_json:
-        figures = dataclasses.asdict(found) | {"largest_difference": largest}
-        click.echo(json.dumps({name: v if math.isfinite(v) else None for name, v in figures.items()}))
+        figures = dataclasses.asdict(found) | dataclasses.asdict(seen) | {"largest_difference": largest}
+        finite = {name: v if v is not None and math.isfinite(v) else None for name, v in figures.items()}
+        click.echo(json.dumps(finite))
     else:
         click.echo(f"PSNR                {found.psnr:.3f} dB")
         click.echo(f"luma PSNR           {found.luma_psnr:.3f} dB")
         click.echo(f"SSIM                {found.ssim:.5f}")
         click.echo(f"MS-SSIM             {found.ms_ssim:.5f}")
+        if seen.ssimulacra2 is not None:
+            click.echo(f"SSIMULACRA 2        {seen.ssimulacra2:.2f}")
+        if seen.butteraugli is not None:
+            click.echo(f"Butteraugli 3-norm  {seen.butteraugli:.3f}")
         click.echo(f"largest difference  {largest:g}")
     if map_path is not None:
         _write_map(map_path, error_map(first, second, gain=gain))
@@ -116,6 +145,14 @@ def _scaled(pixels: npt.NDArray[Any], sample_range: tuple[float, float]) -> npt.
     return (pixels - low) / (high - low) if pixels.dtype.kind == "f" else pixels
 
 
+def _eight_bits(pixels: npt.NDArray[Any]) -> npt.NDArray[np.uint8]:
+    """Integer samples, or floating-point ones where the range is 0..1, as 8 bits."""
+    import numpy as np
+
+    peak = 1.0 if pixels.dtype.kind == "f" else float(np.iinfo(pixels.dtype).max)
+    return np.clip(np.rint(pixels * (255.0 / peak)), 0, 255).astype(np.uint8)
+
+
 def _write_map(path: Path, pixels: npt.NDArray[np.uint8]) -> None:
     from sgicodec import image
     from sgicodec.picture import Picture
@@ -125,22 +162,34 @@ def _write_map(path: Path, pixels: npt.NDArray[np.uint8]) -> None:
     image.write(Picture(shown, layout, (0.0, 255.0)), path)
 
 
-def _choose_codecs(names: str | None, qualities: str, efforts: str, threads: int) -> list[Codec]:
-    """Sgi at each effort, then the peers, which may be missing only where none is asked for by name."""
-    from sgicodec.bench.peers import PEERS, find_peers
-    from sgicodec.bench.sgi import SgiCodec
-
+def _wanted(names: str | None) -> Sequence[str]:
     wanted = _CODECS if names is None else [name.strip() for name in names.split(",")]
     if unknown := [name for name in wanted if name not in _CODECS]:
         raise UsageError(f"no codec is called {unknown[0]!r}; there are {', '.join(_CODECS)}")
+    return wanted
+
+
+def _choose_codecs(wanted: Sequence[str], by_name: bool, threads: int) -> list[Codec]:
+    """The peers, which may be missing only where none is asked for by name."""
+    from sgicodec.bench.peers import PEERS, find_peers
+
     peers, missing = find_peers([name for name in PEERS if name in wanted], threads)
-    if missing and names is not None:
+    if missing and by_name:
         raise UsageError("; ".join(missing.values()))
     for reason in missing.values():
         click.echo(f"left out: {reason}", err=True)
-    if "sgi" not in wanted:
-        return peers
+    return peers
+
+
+def _sgi_curves(qualities: str, efforts: str, variants: tuple[str, ...], threads: int) -> list[Codec]:
+    """Sgi at each effort with each variant's options."""
+    from sgicodec.bench.sgi import SgiCodec
+
     ladder = tuple(sorted(numbers(qualities, "--qualities")))
     levels: list[int | None] = [int(level) for level in numbers(efforts, "--efforts")]
-    curves = [SgiCodec(ladder, level, threads) for level in levels or [None]]
-    return [*curves, *peers]
+    options = [variant(text, "--sgi") for text in variants] or [("", ())]
+    return [
+        SgiCodec(ladder, level, threads, label=label, options=given)
+        for label, given in options
+        for level in levels or [None]
+    ]

@@ -1,52 +1,24 @@
-"""The codecs that sgi is measured against, each at its strongest reasonable setting for PSNR.
+"""The codecs that sgi is measured against: as people use them, and at their strongest reasonable setting for PSNR.
 
-JPEG, WebP, AVIF and JPEG 2000 come with pillow, JPEG XL with imagecodecs; both belong to the extra `bench`.
-The ladders span about 0.1 to 1.2 bits per pixel on photographs of the size of the Kodak set.
+JPEG, WebP, AVIF and JPEG 2000 come with pillow, JPEG XL with imagecodecs: the extra `bench`. jpegli and VVenC are in
+`optional_peers`. The ladders span about 0.1 to 2.5 bits per pixel on photographs of the size of the Kodak set, and
+SSIMULACRA 2 from 20 to 85 where the codec can.
 """
 
 from __future__ import annotations
 
-import io
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 
-from sgicodec.bench.codec import Codec, Pixels8, RoundTrip, timed
-from sgicodec.errors import PictureError, UsageError, require
+from sgicodec.bench.codec import Codec, Pixels8
+from sgicodec.bench.optional_peers import Jpegli, VVenC
+from sgicodec.bench.peer import Peer, pillow_decode, pillow_encode, pillow_version
+from sgicodec.errors import UsageError, require
 
-__all__ = ["PEERS", "Avif", "Jpeg", "Jpeg2000", "JpegXl", "Peer", "WebP", "find_peers"]
-
-
-class Peer(ABC):
-    """A codec that runs in this process, on arrays."""
-
-    name: ClassVar[str]
-    ladder: tuple[float, ...]
-
-    @abstractmethod
-    def version(self) -> str: ...
-
-    @abstractmethod
-    def settings(self, quality: float) -> str: ...
-
-    @abstractmethod
-    def encode(self, pixels: Pixels8, quality: float) -> bytes: ...
-
-    @abstractmethod
-    def decode(self, data: bytes) -> Pixels8: ...
-
-    def round_trip(self, pixels: Pixels8, quality: float) -> RoundTrip:
-        """Encode and decode in memory. Raises PictureError if the codec refuses the picture."""
-        try:
-            data, encode_seconds = timed(lambda: self.encode(pixels, quality))
-            decoded, decode_seconds = timed(lambda: self.decode(data))
-        except (OSError, ValueError, RuntimeError) as error:
-            size = f"{pixels.shape[1]}x{pixels.shape[0]}"
-            raise PictureError(f"{self.name} cannot code a picture of {size} pixels: {error}") from error
-        return RoundTrip(data, decoded, encode_seconds, decode_seconds)
+__all__ = ["PEERS", "Avif", "AvifIq", "AvifSlow", "Jpeg", "Jpeg2000", "JpegXl", "WebP", "find_peers"]
 
 
 @dataclass(frozen=True)
@@ -54,20 +26,20 @@ class Jpeg(Peer):
     """Baseline JPEG's progressive form by libjpeg-turbo: 4:2:0, optimised Huffman tables."""
 
     name: ClassVar[str] = "jpeg"
-    ladder: tuple[float, ...] = (4, 7, 11, 18, 30, 48, 70, 88)
+    ladder: tuple[float, ...] = (4, 7, 11, 18, 30, 48, 70, 85, 93)
 
     def version(self) -> str:
-        return _pillow_version(self.name, "libjpeg_turbo", "libjpeg-turbo")
+        return pillow_version(self.name, "libjpeg_turbo", "libjpeg-turbo")
 
     def settings(self, quality: float) -> str:
         return f"quality={round(quality)} 4:2:0 optimise progressive"
 
     def encode(self, pixels: Pixels8, quality: float) -> bytes:
         options = {"subsampling": "4:2:0", "optimize": True, "progressive": True}
-        return _pillow_encode(pixels, "JPEG", quality=round(quality), **options)
+        return pillow_encode(pixels, "JPEG", quality=round(quality), **options)
 
     def decode(self, data: bytes) -> Pixels8:
-        return _pillow_decode(data)
+        return pillow_decode(data)
 
 
 @dataclass(frozen=True)
@@ -75,24 +47,24 @@ class WebP(Peer):
     """Lossy WebP by libwebp at its slowest method; the format is 4:2:0 only."""
 
     name: ClassVar[str] = "webp"
-    ladder: tuple[float, ...] = (0, 4, 12, 25, 45, 68, 82, 92)
+    ladder: tuple[float, ...] = (0, 4, 12, 25, 45, 68, 82, 91, 96)
 
     def version(self) -> str:
-        return _pillow_version(self.name, "webp", "libwebp")
+        return pillow_version(self.name, "webp", "libwebp")
 
     def settings(self, quality: float) -> str:
         return f"quality={round(quality)} method=6"
 
     def encode(self, pixels: Pixels8, quality: float) -> bytes:
-        return _pillow_encode(pixels, "WEBP", quality=round(quality), method=6)
+        return pillow_encode(pixels, "WEBP", quality=round(quality), method=6)
 
     def decode(self, data: bytes) -> Pixels8:
-        return _pillow_decode(data)
+        return pillow_decode(data)
 
 
 @dataclass(frozen=True)
 class Avif(Peer):
-    """AVIF by libaom at speed 6, 4:4:4.
+    """AVIF by libaom at speed 6, 4:4:4, as avifenc codes a PNG.
 
     One tile, or with `tiled` as many as libavif finds right for the size.
 
@@ -102,12 +74,14 @@ class Avif(Peer):
     """
 
     name: ClassVar[str] = "avif"
-    ladder: tuple[float, ...] = (2, 8, 16, 26, 38, 52, 68, 85)
+    speed: ClassVar[int] = 6
+    tune: ClassVar[str] = "psnr"
+    ladder: tuple[float, ...] = (2, 8, 16, 26, 38, 52, 66, 79, 90)
     threads: int = 1
     tiled: bool = False
 
     def version(self) -> str:
-        libavif = _pillow_version(self.name, "avif", "libavif")
+        libavif = pillow_version(self.name, "avif", "libavif")
         from PIL import _avif
 
         if not _avif.encoder_codec_available("aom"):
@@ -116,15 +90,33 @@ class Avif(Peer):
 
     def settings(self, quality: float) -> str:
         tiles = "auto" if self.tiled else "1"
-        return f"quality={round(quality)} 4:4:4 aom speed=6 tune=psnr tiles={tiles} threads={self.threads}"
+        chosen = f"speed={self.speed} tune={self.tune} tiles={tiles}"
+        return f"quality={round(quality)} 4:4:4 aom {chosen} threads={self.threads}"
 
     def encode(self, pixels: Pixels8, quality: float) -> bytes:
-        options: dict[str, Any] = {"subsampling": "4:4:4", "codec": "aom", "speed": 6, "autotiling": self.tiled}
-        options |= {"advanced": {"tune": "psnr"}, "max_threads": self.threads}
-        return _pillow_encode(pixels, "AVIF", quality=round(quality), **options)
+        options: dict[str, Any] = {"subsampling": "4:4:4", "codec": "aom", "speed": self.speed}
+        options |= {"autotiling": self.tiled, "advanced": {"tune": self.tune}, "max_threads": self.threads}
+        return pillow_encode(pixels, "AVIF", quality=round(quality), **options)
 
     def decode(self, data: bytes) -> Pixels8:
-        return _pillow_decode(data)
+        return pillow_decode(data)
+
+
+@dataclass(frozen=True)
+class AvifSlow(Avif):
+    """AVIF as above at speed 2: what it can do for PSNR when time counts little."""
+
+    name: ClassVar[str] = "avif-s2"
+    speed: ClassVar[int] = 2
+
+
+@dataclass(frozen=True)
+class AvifIq(Avif):
+    """AVIF as libavif ships it: speed 6, tuned for its image-quality model, which is its default with libaom."""
+
+    name: ClassVar[str] = "avif-iq"
+    tune: ClassVar[str] = "iq"
+    ladder: tuple[float, ...] = (2, 10, 20, 32, 45, 58, 70, 82, 92)
 
 
 @dataclass(frozen=True)
@@ -132,20 +124,20 @@ class Jpeg2000(Peer):
     """JPEG 2000 by OpenJPEG: a bare codestream, 9/7 wavelet. Its quality is the target rate in bpp."""
 
     name: ClassVar[str] = "jpeg2000"
-    ladder: tuple[float, ...] = (0.1, 0.15, 0.22, 0.33, 0.5, 0.7, 0.95, 1.3)
+    ladder: tuple[float, ...] = (0.1, 0.15, 0.22, 0.33, 0.5, 0.8, 1.3, 2.5)
 
     def version(self) -> str:
-        return _pillow_version(self.name, "jpg_2000", "openjpeg")
+        return pillow_version(self.name, "jpg_2000", "openjpeg")
 
     def settings(self, quality: float) -> str:
         return f"bpp={quality:g} irreversible colour-transform"
 
     def encode(self, pixels: Pixels8, quality: float) -> bytes:
         options = {"irreversible": True, "mct": 1, "no_jp2": True}
-        return _pillow_encode(pixels, "JPEG2000", quality_mode="rates", quality_layers=[24 / quality], **options)
+        return pillow_encode(pixels, "JPEG2000", quality_mode="rates", quality_layers=[24 / quality], **options)
 
     def decode(self, data: bytes) -> Pixels8:
-        return _pillow_decode(data)
+        return pillow_decode(data)
 
 
 @dataclass(frozen=True)
@@ -153,7 +145,7 @@ class JpegXl(Peer):
     """JPEG XL by libjxl at effort 7. Its quality is the Butteraugli distance: less is better."""
 
     name: ClassVar[str] = "jxl"
-    ladder: tuple[float, ...] = (25, 15, 9, 6, 4, 2.5, 1.6, 1.0)
+    ladder: tuple[float, ...] = (25, 15, 9, 6, 4, 2.5, 1.6, 1.0, 0.6)
     threads: int = 1
 
     def version(self) -> str:
@@ -178,13 +170,17 @@ class JpegXl(Peer):
         return np.asarray(imagecodecs.jpegxl_decode(data, numthreads=self.threads), np.uint8)
 
 
-# In the order of their age, which is also the order of tables.
+# In the order of the formats' age, which is also the order of tables.
 PEERS: dict[str, Callable[[int], Codec]] = {
     "jpeg": lambda threads: Jpeg(),
+    "jpegli": lambda threads: Jpegli(),
     "jpeg2000": lambda threads: Jpeg2000(),
     "webp": lambda threads: WebP(),
     "jxl": lambda threads: JpegXl(threads=threads),
+    "avif-iq": lambda threads: AvifIq(threads=threads),
     "avif": lambda threads: Avif(threads=threads),
+    "avif-s2": lambda threads: AvifSlow(threads=threads),
+    "vvenc": lambda threads: VVenC(threads=threads),
 }
 
 
@@ -206,31 +202,3 @@ def find_peers(names: Iterable[str], threads: int = 1) -> tuple[list[Codec], dic
         else:
             found.append(peer)
     return found, missing
-
-
-def _pillow_version(name: str, feature: str, library: str) -> str:
-    require("PIL", name, "bench")
-    import PIL
-    from PIL import features
-
-    if not features.check(feature):
-        raise UsageError(f"{name} needs a pillow that holds {library}: pip install 'sgicodec[bench]'")
-    return f"{library} {features.version(feature)} in pillow {PIL.__version__}"
-
-
-def _pillow_encode(pixels: Pixels8, container: str, **options: Any) -> bytes:
-    from PIL import Image
-
-    buffer = io.BytesIO()
-    Image.fromarray(pixels).save(buffer, container, **options)
-    return buffer.getvalue()
-
-
-def _pillow_decode(data: bytes) -> Pixels8:
-    from PIL import Image
-
-    try:
-        with Image.open(io.BytesIO(data)) as picture:
-            return np.asarray(picture.convert("RGB"))
-    except Image.DecompressionBombError as error:
-        raise ValueError(f"pillow refuses to open it: {error}") from error

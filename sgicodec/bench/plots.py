@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from sgicodec.bench.measures import MEASURES
 from sgicodec.bench.rows import Row
-from sgicodec.bench.summary import MEASURES, Summary, curves, is_sgi, mean_at, picture_label
+from sgicodec.bench.summary import AT_RATES, Summary, curves, is_sgi, mean_at, picture_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -58,31 +59,40 @@ def _style(summary: Summary, codec: str) -> dict[str, Any]:
 
 
 def _picture_figure(summary: Summary, label: str) -> Figure:
-    figure = _figure(13)
-    psnr, similarity = figure.subplots(1, 2)
+    measures = [name for name in ("psnr", "ms_ssim", "ssimulacra2", "butteraugli") if _is_known(summary, name)]
+    figure = _figure(6.5 * len(measures))
+    panels = dict(zip(measures, figure.subplots(1, len(measures), squeeze=False)[0], strict=True))
     for codec in summary.codecs:
         own = [row for row in summary.rows if row.codec == codec and picture_label(row) == label]
         own.sort(key=lambda row: row.bpp)
         rates = [row.bpp for row in own]
-        psnr.plot(rates, [row.psnr for row in own], **_style(summary, codec))
-        similarity.plot(rates, [MEASURES["ms_ssim"](row) for row in own], **_style(summary, codec))
-    _label(psnr, label, "PSNR (dB)")
-    _label(similarity, label, "MS-SSIM (dB)")
+        for name, axes in panels.items():
+            axes.plot(rates, [MEASURES[name].quality(row) for row in own], **_style(summary, codec))
+    for name, axes in panels.items():
+        _label(axes, label, MEASURES[name].axis)
     return figure
 
 
 def _mean_figure(summary: Summary) -> Figure:
     """Means at equal rates, over the range that every picture's curve covers."""
-    figure = _figure(7)
-    axes = figure.subplots()
+    measures = [name for name in AT_RATES if _is_known(summary, name)]
+    figure = _figure(7 * len(measures))
+    panels = dict(zip(measures, figure.subplots(1, len(measures), squeeze=False)[0], strict=True))
     rates = np.geomspace(0.02, 8, 241)
-    for codec in summary.codecs:
-        own = curves(summary.rows, codec)
-        means = [mean_at(own, float(rate)) for rate in rates]
-        values = [value if count == len(summary.pictures) else math.nan for value, count in means]
-        axes.plot(rates, values, **_style(summary, codec) | {"marker": ""})
-    _label(axes, f"mean of {len(summary.pictures)} pictures at equal rate", "PSNR (dB)")
+    for name, axes in panels.items():
+        for codec in summary.codecs:
+            own = curves(summary.rows, codec, name)
+            means = [mean_at(own, float(rate)) for rate in rates]
+            values = [value if count == len(summary.pictures) else math.nan for value, count in means]
+            axes.plot(rates, values, **_style(summary, codec) | {"marker": ""})
+        _label(axes, f"mean of {len(summary.pictures)} pictures at equal rate", MEASURES[name].axis)
     return figure
+
+
+def _is_known(summary: Summary, measure: str) -> bool:
+    """Whether any point has the measure; PSNR is always drawn."""
+    quality = MEASURES[measure].quality
+    return measure == "psnr" or not all(math.isnan(quality(row)) for row in summary.rows)
 
 
 def _time_figure(summary: Summary) -> Figure:

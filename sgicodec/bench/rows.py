@@ -20,7 +20,8 @@ class Row:
     """One measured point. `codec` to `crc` are its key: equal keys are the same measurement.
 
     `crc` is the CRC-32 of the 8-bit RGB samples that were coded, in hexadecimal; `memory_mib` the peak
-    memory of the codec's process in MiB where the codec has one.
+    memory of the codec's process in MiB where the codec has one. `ssimulacra2` and `butteraugli` are None where they
+    could not be taken, and in files of versions before they were.
     """
 
     codec: str
@@ -40,6 +41,8 @@ class Row:
     encode_seconds: float
     decode_seconds: float
     memory_mib: float | None
+    ssimulacra2: float | None = None
+    butteraugli: float | None = None
 
     @property
     def key(self) -> Key:
@@ -51,17 +54,19 @@ class Row:
         return "\t".join("" if value is None else str(value) for value in values)
 
     @classmethod
-    def from_line(cls, line: str) -> Row:
-        """The inverse of `to_line`. Raises ValueError if it is not one."""
-        texts = line.split("\t")
-        if len(texts) != len(_COLUMNS):
-            raise ValueError(f"{len(texts)} values instead of {len(_COLUMNS)}")
-        typed = zip(_TYPES.items(), texts, strict=True)
+    def from_line(cls, line: str, columns: int | None = None) -> Row:
+        """The inverse of `to_line`, of the first `columns` of them. Raises ValueError if it is not one."""
+        texts, known = line.split("\t"), list(_TYPES.items())[:columns]
+        if len(texts) != len(known):
+            raise ValueError(f"{len(texts)} values instead of {len(known)}")
+        typed = zip(known, texts, strict=True)
         return cls(**{name: _parse(text, kind) for (name, kind), text in typed})
 
 
 _COLUMNS = [field.name for field in dataclasses.fields(Row)]
 _TYPES = {name: typing.get_type_hints(Row)[name] for name in _COLUMNS}
+_OLD_COLUMNS = _COLUMNS.index("ssimulacra2")
+_HEADER = "\t".join(_COLUMNS) + "\n"
 
 
 def _parse(text: str, kind: typing.Any) -> typing.Any:
@@ -73,21 +78,25 @@ def _parse(text: str, kind: typing.Any) -> typing.Any:
 class Results:
     """The rows of one file, which grows by `append` and is read again when a run resumes.
 
-    A last line without its end, left by a run that was cut short, is dropped from the file. Raises
-    UsageError for a file that holds anything else than such rows.
+    A file without the later columns is read as it is, and gets them when a row is added. A last line without its end,
+    left by a run that was cut short, is dropped from the file. Raises UsageError for a file that holds anything else
+    than such rows.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
         self.rows: dict[Key, Row] = {}
-        header = "\t".join(_COLUMNS) + "\n"
         text = path.read_text("utf-8", "replace") if path.exists() else ""
+        old = "\t".join(_COLUMNS[:_OLD_COLUMNS]) + "\n"
+        self._widen = text.startswith(old)
+        columns = _OLD_COLUMNS if self._widen else len(_COLUMNS)
+        header = old if self._widen else _HEADER
         if not text.startswith(header) and not header.startswith(text):
             raise UsageError(f"{path} has other columns than this version writes; give another folder")
         complete = text[: text.rfind("\n") + 1] or header
         for number, line in enumerate(complete.split("\n")[1:-1], 2):
             try:
-                row = Row.from_line(line)
+                row = Row.from_line(line, columns)
             except ValueError as error:
                 raise UsageError(f"{path}, line {number} is no result: {error}; remove that line") from error
             self.rows[row.key] = row
@@ -96,6 +105,10 @@ class Results:
 
     def append(self, row: Row) -> None:
         """Add a row here and at the end of the file."""
+        if self._widen:
+            lines = (known.to_line() + "\n" for known in self.rows.values())
+            self.path.write_text(_HEADER + "".join(lines), "utf-8")
+            self._widen = False
         with self.path.open("a", encoding="utf-8") as file:
             file.write(row.to_line() + "\n")
         self.rows[row.key] = row

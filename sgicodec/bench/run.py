@@ -11,10 +11,14 @@ from pathlib import Path
 
 import numpy as np
 
+from sgicodec.bench.cache import PeerCache
 from sgicodec.bench.codec import Codec, Pixels8
+from sgicodec.bench.peer import Peer
+from sgicodec.bench.published import PublishedCurves
 from sgicodec.bench.rows import Key, Results, Row
 from sgicodec.bench.summary import Summary, summarise
 from sgicodec.errors import PictureError, SgiError, UsageError
+from sgicodec.metrics.perceptual import SMALLEST, Perceived, perceived
 from sgicodec.metrics.scores import scores
 
 __all__ = ["Sample", "find_pictures", "run_bench", "to_rgb"]
@@ -77,10 +81,14 @@ def run_bench(
     codecs: Sequence[Codec],
     out_dir: Path,
     *,
+    published: Sequence[PublishedCurves] = (),
+    cache: PeerCache | None = None,
     report: Callable[[str], None] = lambda line: None,
 ) -> Summary:
     """Measure what `out_dir/results.tsv` does not hold yet; return what follows from this run's points.
 
+    Points of peers that `cache` holds are taken from there, and the others kept in it. `published` curves are added
+    to the summary where they have the picture.
     A point that a codec fails on is reported and listed in the summary; the run goes on. `report` gets one
     line for each picture and each failure. Raises UsageError for an unusable results file or a missing
     codec, and PictureError for an unreadable picture.
@@ -96,21 +104,32 @@ def run_bench(
         sample = _load(path)
         start, resumed = time.perf_counter(), len(results.rows)
         points = list(_points(sample, codecs, versions))
-        missing = [point for point in points if point[0] not in results.rows]
+        missing = [point for point in points if not _is_complete(results.rows.get(point[0]))]
         for key, codec, quality in missing:
             try:
-                results.append(_measure(sample, codec, quality, key))
+                results.append(_measured(sample, codec, quality, key, cache))
             except SgiError as error:
                 failures.append(f"{sample.name}, {codec.name}, {codec.settings(quality)}: {error}")
                 report(failures[-1])
         chosen += [results.rows[key] for key, _, _ in points if key in results.rows]
         height, width = sample.pixels.shape[:2]
+        for curves in published:
+            chosen += curves.rows(sample.name, sample.crc, width, height)
         measured = len(results.rows) - resumed
         report(
             f"{number}/{len(pictures)} {sample.name} {width}x{height}: {measured} points measured, "
             f"{len(points) - len(missing)} already there, {time.perf_counter() - start:.1f} s"
         )
-    return summarise(chosen, [codec.name for codec in codecs], failures)
+    known = {row.codec for row in chosen}
+    names = [codec.name for codec in codecs] + [curves.name for curves in published if curves.name in known]
+    return summarise(chosen, names, failures)
+
+
+def _is_complete(row: Row | None) -> bool:
+    """Whether a row is there and has all that this machine can measure."""
+    if row is None or min(row.width, row.height) < SMALLEST:
+        return row is not None
+    return all(getattr(row, name) is not None for name in Perceived.available())
 
 
 def _load(path: Path) -> Sample:
@@ -131,12 +150,23 @@ def _points(sample: Sample, codecs: Sequence[Codec], versions: dict[str, str]) -
             yield key, codec, quality
 
 
+def _measured(sample: Sample, codec: Codec, quality: float, key: Key, cache: PeerCache | None) -> Row:
+    """The row of a point, from the cache if it holds it."""
+    if cache is None or not isinstance(codec, Peer):
+        return _measure(sample, codec, quality, key)
+    row = cache.row(key)
+    if row is None or not _is_complete(row):
+        row = _measure(sample, codec, quality, key)
+        cache.keep(row)
+    return row
+
+
 def _measure(sample: Sample, codec: Codec, quality: float, key: Key) -> Row:
     trip = codec.round_trip(sample.pixels, quality)
     if trip.pixels.shape != sample.pixels.shape:
         raise PictureError(f"{codec.name} gave back an array of shape {trip.pixels.shape}")
     height, width = sample.pixels.shape[:2]
-    found = scores(sample.pixels, trip.pixels)
+    found, seen = scores(sample.pixels, trip.pixels), perceived(sample.pixels, trip.pixels)
     return Row(
         *key,
         width=width,
@@ -151,4 +181,6 @@ def _measure(sample: Sample, codec: Codec, quality: float, key: Key) -> Row:
         encode_seconds=trip.encode_seconds,
         decode_seconds=trip.decode_seconds,
         memory_mib=trip.peak_mib,
+        ssimulacra2=seen.ssimulacra2,
+        butteraugli=seen.butteraugli,
     )

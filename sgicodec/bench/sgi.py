@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -30,16 +31,19 @@ _INERT_SUFFIXES = {".pyc", ".cpp", ".hpp", ".cu", ".cuh"}
 
 @dataclass(frozen=True)
 class SgiCodec:
-    """`sgi encode` at a ladder of qualities and one effort (None for the command's default)."""
+    """`sgi encode` at a ladder of qualities and one effort (None for the command's default), with further options."""
 
     ladder: tuple[float, ...] = DEFAULT_QUALITIES
     effort: int | None = None
     threads: int = 1
     command: tuple[str, ...] = (sys.executable, "-m", "sgicodec")
+    label: str = ""
+    options: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
-        return "sgi" if self.effort is None else f"sgi-e{self.effort}"
+        parts = ["sgi", self.label, "" if self.effort is None else f"e{self.effort}"]
+        return "-".join(part for part in parts if part)
 
     def version(self) -> str:
         """The distribution's version and a fingerprint of the code, so that no result outlives the code."""
@@ -52,18 +56,27 @@ class SgiCodec:
 
     def settings(self, quality: float) -> str:
         effort = "default" if self.effort is None else self.effort
-        return f"quality={quality:g} effort={effort} threads={self.threads}"
+        further = f" {shlex.join(self.options)}" if self.options else ""
+        return f"quality={quality:g} effort={effort} threads={self.threads}{further}"
 
     def round_trip(self, pixels: Pixels8, quality: float) -> RoundTrip:
         """Write a PNG, encode and decode by command, read the PNG. Raises SgiError if a command fails."""
+        return self._trip(pixels, ("-q", f"{quality:g}"))
+
+    def of_size(self, pixels: Pixels8, size: int) -> RoundTrip:
+        """The same towards a size in bytes, which the stream does not exceed. Raises SgiError if a command fails."""
+        return self._trip(pixels, ("--size", str(size)))
+
+    def _trip(self, pixels: Pixels8, target: tuple[str, str]) -> RoundTrip:
         from PIL import Image
 
         with tempfile.TemporaryDirectory(prefix="sgi-bench-") as folder:
             source, stream, result = (Path(folder, name) for name in ("in.png", "out.sgi", "rec.png"))
             Image.fromarray(pixels).save(source, compress_level=1)
-            options = ["-q", f"{quality:g}", "-f", "--quiet", "--no-verify", "--threads", str(self.threads)]
+            options = [*target, "-f", "--quiet", "--no-verify", "--threads", str(self.threads)]
             if self.effort is not None:
                 options += ["-e", str(self.effort)]
+            options += self.options
             encoded = run_timed([*self.command, "encode", str(source), str(stream), *options])
             decoded_by = run_timed([*self.command, "decode", str(stream), str(result), "-f"])
             with Image.open(result) as picture:

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from sgicodec.bench.bdrate import Curve, Delta, bd_quality, bd_rate
+from sgicodec.bench.measures import MEASURES
 from sgicodec.bench.rows import Row
 
 __all__ = [
-    "MEASURES",
+    "AT_RATES",
     "RATES",
     "Comparison",
     "Summary",
@@ -25,17 +26,12 @@ __all__ = [
 
 RATES = (0.15, 0.2, 0.3, 0.5, 0.75, 1.0)  # bits per pixel
 
-# What BD-rates are taken over. MS-SSIM in decibels, because its differences near 1 are what counts.
-MEASURES: dict[str, Callable[[Row], float]] = {
-    "psnr": lambda row: row.psnr,
-    "luma_psnr": lambda row: row.luma_psnr,
-    "ms_ssim": lambda row: -10 * math.log10(1 - row.ms_ssim) if row.ms_ssim < 1 else math.inf,
-}
+AT_RATES = ("psnr", "ssimulacra2", "butteraugli")  # measures whose means at these rates are told
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """The BD-rate in percent (and the delta in dB) of codec `test` against `anchor`, by one measure."""
+    """The BD-rate in percent (and the delta in quality) of codec `test` against `anchor`, by one measure."""
 
     test: str
     anchor: str
@@ -58,13 +54,13 @@ class Comparison:
 class Summary:
     """A run's rows and what was made of them.
 
-    `means[codec][bpp]` holds the mean PSNR in dB and the number of pictures whose curve reaches that rate.
+    `means[measure][codec][bpp]` holds the mean quality and the number of pictures whose curve reaches that rate.
     """
 
     rows: list[Row]
     codecs: list[str]
     pictures: list[str]
-    means: dict[str, dict[float, tuple[float, int]]]
+    means: dict[str, dict[str, dict[float, tuple[float, int]]]]
     comparisons: list[Comparison]
     failures: list[str]
 
@@ -73,10 +69,7 @@ class Summary:
         return {
             "pictures": self.pictures,
             "codecs": {name: sorted({row.version for row in self.rows if row.codec == name}) for name in self.codecs},
-            "mean_psnr_at_bpp": {
-                name: {f"{rate:g}": {"psnr": _plain(value), "pictures": count} for rate, (value, count) in at.items()}
-                for name, at in self.means.items()
-            },
+            **{f"mean_{measure}_at_bpp": _means_json(measure, means) for measure, means in self.means.items()},
             "times": {name: times(self.rows, name) for name in self.codecs},
             "comparisons": [_comparison_json(comparison) for comparison in self.comparisons],
             "failures": self.failures,
@@ -94,8 +87,8 @@ def curves(rows: Sequence[Row], codec: str, measure: str = "psnr") -> dict[str, 
     for row in rows:
         if row.codec == codec:
             by_picture.setdefault(picture_label(row), []).append(row)
-    value = MEASURES[measure]
-    return {name: Curve([r.bpp for r in own], [value(r) for r in own]) for name, own in by_picture.items()}
+    quality = MEASURES[measure].quality
+    return {name: Curve([r.bpp for r in own], [quality(r) for r in own]) for name, own in by_picture.items()}
 
 
 def mean_at(own: dict[str, Curve], bpp: float) -> tuple[float, int]:
@@ -120,10 +113,26 @@ def summarise(rows: Sequence[Row], codecs: Sequence[str], failures: Sequence[str
     peers = [name for name in codecs if not is_sgi(name)]
     pairs = [(test, anchor) for test in codecs if is_sgi(test) for anchor in peers]
     pairs += [(test, peers[0]) for test in peers[1:]]
-    means = {name: {rate: mean_at(curves(rows, name), rate) for rate in RATES} for name in codecs}
-    comparisons = [_compare(rows, test, anchor, measure) for test, anchor in pairs for measure in MEASURES]
+    taken = {name: _taken(rows, name) for name in codecs}
+    means = {
+        measure: {name: {rate: mean_at(curves(rows, name, measure), rate) for rate in RATES} for name in known}
+        for measure in AT_RATES
+        if (known := [name for name in codecs if measure in taken[name]])
+    }
+    comparisons = [
+        _compare(rows, test, anchor, measure)
+        for test, anchor in pairs
+        for measure in MEASURES
+        if measure in taken[test] and measure in taken[anchor]
+    ]
     pictures = list(dict.fromkeys(picture_label(row) for row in rows))
     return Summary(list(rows), list(codecs), pictures, means, comparisons, list(failures))
+
+
+def _taken(rows: Sequence[Row], codec: str) -> set[str]:
+    """The measures that some row of a codec holds. PSNR counts always, so that a codec that failed shows its gap."""
+    own = [row for row in rows if row.codec == codec]
+    return {"psnr"} | {n for n, measure in MEASURES.items() if not all(math.isnan(measure.quality(r)) for r in own)}
 
 
 def _compare(rows: Sequence[Row], test: str, anchor: str, measure: str) -> Comparison:
@@ -133,7 +142,7 @@ def _compare(rows: Sequence[Row], test: str, anchor: str, measure: str) -> Compa
         test,
         anchor,
         measure,
-        {name: bd_rate(anchors[name], tests[name]) for name in common},
+        {name: bd_rate(anchors[name], tests[name], MEASURES[measure].within) for name in common},
         {name: bd_quality(anchors[name], tests[name]) for name in common},
     )
 
@@ -150,6 +159,14 @@ def _mean(values: Sequence[float]) -> float:
 
 def _plain(value: float) -> float | None:
     return value if math.isfinite(value) else None
+
+
+def _means_json(measure: str, means: dict[str, dict[float, tuple[float, int]]]) -> dict[str, Any]:
+    shown = MEASURES[measure].shown
+    return {
+        name: {f"{rate:g}": {measure: _plain(shown(value)), "pictures": count} for rate, (value, count) in at.items()}
+        for name, at in means.items()
+    }
 
 
 def _comparison_json(comparison: Comparison) -> dict[str, Any]:

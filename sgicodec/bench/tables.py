@@ -8,7 +8,8 @@ from itertools import groupby
 from rich.console import Console
 from rich.table import Table
 
-from sgicodec.bench.summary import RATES, Comparison, Summary, is_sgi
+from sgicodec.bench.measures import MEASURES
+from sgicodec.bench.summary import AT_RATES, RATES, Comparison, Summary, is_sgi
 
 __all__ = ["print_summary"]
 
@@ -16,7 +17,9 @@ __all__ = ["print_summary"]
 def print_summary(summary: Summary, console: Console) -> None:
     """Print quality at equal rates, the BD-rates and the times."""
     count = len(summary.pictures)
-    _print(console, f"PSNR in dB at equal rate, mean of {count} (– where not all reach it)", _rate_table(summary))
+    for measure, means in summary.means.items():
+        title = f"{MEASURES[measure].title} at equal rate, mean of {count} (– where not all reach it)"
+        _print(console, title, _rate_table(measure, means, count))
     for title, own in groupby(summary.comparisons, _title):
         _print(console, title, _delta_table(list(own)))
     _print(console, "Times, mean of all points", _time_table(summary))
@@ -28,13 +31,13 @@ def _print(console: Console, title: str, table: Table) -> None:
     console.print(table)
 
 
-def _rate_table(summary: Summary) -> Table:
-    count = len(summary.pictures)
+def _rate_table(measure: str, means: dict[str, dict[float, tuple[float, int]]], count: int) -> Table:
+    shown, form = MEASURES[measure].shown, ".1f" if measure == "ssimulacra2" else ".2f"
     table = Table("codec")
     for rate in RATES:
         table.add_column(f"{rate:g} bpp", justify="right")
-    for name, means in summary.means.items():
-        cells = (_cell(value if reached == count else math.nan, ".2f") for value, reached in means.values())
+    for name, at in means.items():
+        cells = (_cell(shown(value) if reached == count else math.nan, form) for value, reached in at.values())
         table.add_row(name, *cells)
     return table
 
@@ -46,20 +49,24 @@ def _title(comparison: Comparison) -> str:
 
 
 def _delta_table(comparisons: list[Comparison]) -> Table:
-    """A column for each other codec: the pictures' BD-rates by PSNR, then the means by each measure."""
+    """A column for each other codec: the means by each measure, below the BD-rates of pictures by those `AT_RATES`."""
     table = Table("picture")
-    by_psnr = [comparison for comparison in comparisons if comparison.measure == "psnr"]
-    for comparison in by_psnr:
-        other = comparison.anchor if is_sgi(comparison.test) else comparison.test
+    others = list(dict.fromkeys(map(_other, comparisons)))
+    for other in others:
         table.add_column(other, justify="right")
-    for picture in dict.fromkeys(name for comparison in by_psnr for name in comparison.rates):
-        deltas = (comparison.rates.get(picture) for comparison in by_psnr)
-        table.add_row(picture, *(_cell(delta.value if delta else math.nan, "+.1f") for delta in deltas))
-    table.add_section()
     for measure in dict.fromkeys(comparison.measure for comparison in comparisons):
-        means = (_mean_cell(comparison) for comparison in comparisons if comparison.measure == measure)
-        table.add_row(f"mean, {measure}", *means)
+        own = {_other(comparison): comparison for comparison in comparisons if comparison.measure == measure}
+        pictures = dict.fromkeys(name for comparison in own.values() for name in comparison.rates)
+        for picture in pictures if measure in AT_RATES else ():
+            deltas = (own[other].rates.get(picture) if other in own else None for other in others)
+            table.add_row(picture, *(_cell(delta.value if delta else math.nan, "+.1f") for delta in deltas))
+        means = (_mean_cell(own[other]) if other in own else "–" for other in others)
+        table.add_row(f"mean, {measure}", *means, end_section=True)
     return table
+
+
+def _other(comparison: Comparison) -> str:
+    return comparison.anchor if is_sgi(comparison.test) else comparison.test
 
 
 def _mean_cell(comparison: Comparison) -> str:

@@ -13,6 +13,8 @@ ROOT = TESTS.parent
 TESTED_ELSEWHERE = {
     "bench/launch": "unit/bench/test_peak.py",
     "bench/options": "unit/bench/test_command.py",
+    "bench/optional_peers": "unit/bench/test_peers.py",
+    "bench/peer": "unit/bench/test_peers.py",
     "bench/plots": "unit/bench/test_summary.py",
     "bench/tables": "unit/bench/test_summary.py",
     "benchmarks/figure": "unit/benchmarks/test_runner.py",

@@ -40,6 +40,15 @@ def test_partial_overlap_counts_only_the_common_range() -> None:
     assert delta.value == pytest.approx(100 * (math.exp(28 / 8 - 1 - 28 / 10) - 1))
 
 
+def test_a_range_of_qualities_leaves_out_the_rest() -> None:
+    anchor = Curve([math.exp(q / 10) for q in (20, 25, 30)], [20, 25, 30])
+    test = Curve([math.exp(q / 8 - 1) for q in (20, 25, 30)], [20, 25, 30])
+    delta = bd_rate(anchor, test, within=(22, 24))
+    assert (delta.low, delta.high) == (22, 24)
+    assert delta.value == pytest.approx(100 * (math.exp(23 / 8 - 1 - 23 / 10) - 1))
+    assert bd_rate(anchor, test, within=(31, 40)).reason == "the curves share no range of quality"
+
+
 def test_cubic_curves_against_a_dense_mean() -> None:
     def log_rate(q: np.ndarray, shift: float) -> np.ndarray:
         return -6 + 0.12 * q + 0.00002 * (q - 20) ** 3 + shift * np.sin(q / 6)

@@ -6,6 +6,7 @@ import json
 import math
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from click.testing import CliRunner, Result
 
 from sgicodec.bench.command import bench, compare
 from sgicodec.errors import OutputExistsError, SgiError, TargetMissedError, UsageError
+from sgicodec.metrics.perceptual import Perceived
 
 Image = pytest.importorskip("PIL.Image")
 
@@ -32,12 +34,26 @@ def call(command: object, *arguments: object) -> Result:
     return CliRunner().invoke(command, [str(argument) for argument in arguments], help_option_names=names)
 
 
+def intercepted(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    """What the measurement would be called with."""
+    from sgicodec.bench import run
+
+    seen: dict[str, Any] = {}
+
+    def run_bench(pictures: object, codecs: object, out: object, **others: object) -> None:
+        seen.update(codecs=codecs, **others)
+        raise SgiError("no more than this")
+
+    monkeypatch.setattr(run, "run_bench", run_bench)
+    return seen
+
+
 def test_bench_prints_tables_and_leaves_results(tmp_path: Path) -> None:
     source = save(tmp_path / "p.png", picture())
     result = call(bench, source, "--codecs", "webp,jpeg", "--out", tmp_path / "out")
     assert result.exit_code == 0, result.exception
     assert "BD-rate in % against jpeg of" in result.stdout
-    assert "1/1 p.png 56x40: 16 points measured, 0 already there" in result.stderr
+    assert "1/1 p.png 56x40: 18 points measured, 0 already there" in result.stderr
     names = {path.name.split("-")[0] for path in (tmp_path / "out").iterdir()}
     assert names == {"results.tsv", "summary.json", "rd", "time.png"}
 
@@ -46,7 +62,7 @@ def test_bench_resumes_and_prints_json(tmp_path: Path) -> None:
     source = save(tmp_path / "p.png", picture())
     arguments = (source, "--codecs", "jpeg", "--out", tmp_path / "out", "--no-plots", "--json")
     first, second = call(bench, *arguments), call(bench, *arguments)
-    assert "0 points measured, 8 already there" in second.stderr
+    assert "0 points measured, 9 already there" in second.stderr
     assert json.loads(first.stdout) == json.loads(second.stdout)
     assert json.loads(first.stdout) == json.loads((tmp_path / "out" / "summary.json").read_text())
     assert list(json.loads(first.stdout)["codecs"]) == ["jpeg"]
@@ -56,7 +72,9 @@ def test_bench_runs_sgi_at_each_effort_and_quality(tmp_path: Path, monkeypatch: 
     from sgicodec.bench import run
 
     seen = {}
-    monkeypatch.setattr(run, "run_bench", lambda pictures, codecs, out, report: seen.update(codecs=codecs) or 1 / 0)
+    monkeypatch.setattr(
+        run, "run_bench", lambda pictures, codecs, out, **others: seen.update(codecs=codecs, **others) or 1 / 0
+    )
     save(tmp_path / "p.png", picture())
     call(
         bench,
@@ -77,15 +95,43 @@ def test_bench_runs_sgi_at_each_effort_and_quality(tmp_path: Path, monkeypatch: 
     assert [(codec.name, codec.ladder) for codec in seen["codecs"]] == [("sgi", (20, 35, 50, 65, 80))]
 
 
+def test_bench_runs_variants_of_sgi_and_keeps_peers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from sgicodec.bench import run
+
+    seen = {}
+    monkeypatch.setattr(
+        run, "run_bench", lambda pictures, codecs, out, **others: seen.update(codecs=codecs, **others) or 1 / 0
+    )
+    save(tmp_path / "p.png", picture())
+    variants = ("--sgi", "fine=--tile 64 -e 7", "--sgi", "plain=")
+    call(bench, tmp_path, "--codecs", "sgi,jpeg", *variants, "--cache", tmp_path / "cache")
+    assert [codec.name for codec in seen["codecs"]] == ["sgi-fine", "sgi-plain", "jpeg"]
+    assert [codec.options for codec in seen["codecs"][:2]] == [("--tile", "64", "-e", "7"), ()]
+    assert (tmp_path / "cache").is_dir()
+    assert seen["published"] == []
+
+
 def test_bench_leaves_out_aloud_what_is_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from sgicodec.bench import run
 
     seen = {}
-    monkeypatch.setattr(run, "run_bench", lambda pictures, codecs, out, report: seen.update(codecs=codecs) or 1 / 0)
+    monkeypatch.setattr(
+        run, "run_bench", lambda pictures, codecs, out, **others: seen.update(codecs=codecs, **others) or 1 / 0
+    )
     monkeypatch.setitem(sys.modules, "imagecodecs", None)
     result = call(bench, save(tmp_path / "p.png", picture()))
     assert "left out: jxl needs imagecodecs: pip install 'sgicodec[bench]'" in result.stderr
-    assert [codec.name for codec in seen["codecs"]] == ["sgi", "jpeg", "jpeg2000", "webp", "avif"]
+    present = [codec.name for codec in seen["codecs"]]
+    assert [n for n in present if n not in ("jpegli", "vvenc")] == [
+        "sgi",
+        "jpeg",
+        "jpeg2000",
+        "webp",
+        "avif-iq",
+        "avif",
+        "avif-s2",
+    ]
+    assert [curves.name for curves in seen["published"]] == ["coolchic5"]
     asked = call(bench, tmp_path / "p.png", "--codecs", "jpeg,jxl")
     assert isinstance(asked.exception, UsageError)
     assert "pip install 'sgicodec[bench]'" in str(asked.exception)
@@ -113,8 +159,8 @@ def test_bench_ends_with_an_error_if_a_point_failed(tmp_path: Path) -> None:
     wide = save(tmp_path / "wide.png", np.zeros((1, 17000, 3), np.uint8))
     result = call(bench, wide, "--codecs", "jpeg,webp", "--out", tmp_path / "out", "--no-plots", "--json")
     assert isinstance(result.exception, SgiError)
-    assert "8 points failed, the first of them: wide.png, webp, quality=0" in str(result.exception)
-    assert len(json.loads(result.stdout)["failures"]) == 8
+    assert "9 points failed, the first of them: wide.png, webp, quality=0" in str(result.exception)
+    assert len(json.loads(result.stdout)["failures"]) == 9
 
 
 @pytest.mark.parametrize(
@@ -123,6 +169,8 @@ def test_bench_ends_with_an_error_if_a_point_failed(tmp_path: Path) -> None:
         (["--codecs", "jpeg,bpg"], "no codec is called 'bpg'"),
         (["--qualities", "20,high"], "--qualities takes numbers"),
         (["--efforts", "max"], "--efforts takes numbers"),
+        (["--sgi", "--tile 64"], "--sgi takes NAME=OPTIONS"),
+        (["--sgi", "fine='"], "--sgi: No closing quotation"),
     ],
 )
 def test_bench_refuses_what_makes_no_sense(tmp_path: Path, arguments: list[str], complaint: str) -> None:
@@ -138,10 +186,11 @@ def test_compare_prints_the_figures(tmp_path: Path) -> None:
     b = save(tmp_path / "b.png", picture() + np.uint8(5))
     lines = call(compare, a, b).stdout.splitlines()
     expected = f"{20 * math.log10(255 / 5):.3f} dB"
-    assert [line.split(maxsplit=1)[0] for line in lines] == ["PSNR", "luma", "SSIM", "MS-SSIM", "largest"]
+    scores = [{"ssimulacra2": "SSIMULACRA", "butteraugli": "Butteraugli"}[name] for name in Perceived.available()]
+    assert [line.split(maxsplit=1)[0] for line in lines] == ["PSNR", "luma", "SSIM", "MS-SSIM", *scores, "largest"]
     assert lines[0].endswith(expected)
     assert lines[1].endswith(expected)
-    assert lines[4] == "largest difference  5"
+    assert lines[-1] == "largest difference  5"
 
 
 def test_compare_as_json(tmp_path: Path) -> None:
@@ -150,7 +199,11 @@ def test_compare_as_json(tmp_path: Path) -> None:
     assert figures["psnr"] is None
     assert figures["ssim"] == pytest.approx(1)
     assert figures["largest_difference"] == 0
-    assert set(figures) == {"psnr", "luma_psnr", "ssim", "ms_ssim", "largest_difference"}
+    scores = {"ssimulacra2": 100, "butteraugli": 0}
+    assert {name: figures[name] for name in scores} == {
+        n: scores[n] if n in Perceived.available() else None for n in scores
+    }
+    assert set(figures) == {"psnr", "luma_psnr", "ssim", "ms_ssim", *scores, "largest_difference"}
 
 
 def test_compare_draws_the_error(tmp_path: Path) -> None:

@@ -9,14 +9,17 @@ import numpy as np
 import pytest
 
 from sgicodec.bench.codec import Pixels8
-from sgicodec.bench.peers import PEERS, Avif, Jpeg, Jpeg2000, JpegXl, Peer, WebP, find_peers
+from sgicodec.bench.optional_peers import Jpegli, VVenC
+from sgicodec.bench.peer import Peer
+from sgicodec.bench.peers import PEERS, Avif, AvifIq, AvifSlow, Jpeg, Jpeg2000, JpegXl, WebP, find_peers
 from sgicodec.errors import PictureError, UsageError
 from sgicodec.metrics.psnr import psnr
 
 Image = pytest.importorskip("PIL.Image")
 pytest.importorskip("imagecodecs")
 
-ALL = [Jpeg(), Jpeg2000(), WebP(), JpegXl(), Avif()]
+OPTIONAL = [peer for peer in (Jpegli(), VVenC()) if not find_peers([peer.name])[1]]
+ALL = [Jpeg(), Jpeg2000(), WebP(), JpegXl(), Avif(), AvifIq(), AvifSlow(), *OPTIONAL]
 NAMES = [peer.name for peer in ALL]
 
 
@@ -34,7 +37,7 @@ def test_ladder_rises_in_rate_and_quality(peer: Peer) -> None:
     trips = [peer.round_trip(pixels, quality) for quality in peer.ladder]
     assert all(trip.pixels.shape == pixels.shape and trip.pixels.dtype == np.uint8 for trip in trips)
     sizes = [len(trip.data) for trip in trips]
-    assert 6 <= len(sizes) <= 8
+    assert 6 <= len(sizes) <= 9
     assert sizes[-1] > 2 * sizes[0]
     assert sorted(sizes) == sizes
     first, last = (psnr(pixels, trip.pixels) for trip in (trips[0], trips[-1]))
@@ -76,8 +79,35 @@ def test_avif_keeps_the_resolution_of_colour() -> None:
 
 def test_threads_are_named_in_the_settings_that_use_them() -> None:
     found, missing = find_peers(PEERS, threads=3)
-    assert not missing
-    assert {peer.name for peer in found if "threads=3" in peer.settings(1)} == {"jxl", "avif"}
+    assert set(missing) <= {"jpegli", "vvenc"}
+    having = {"jxl", "avif", "avif-iq", "avif-s2", "vvenc"} - set(missing)
+    assert {peer.name for peer in found if "threads=3" in peer.settings(1)} == having
+
+
+def test_avif_iq_is_what_libavif_does_by_itself() -> None:
+    buffer = io.BytesIO()
+    options = {"quality": 45, "subsampling": "4:4:4", "speed": 6, "codec": "aom"}
+    Image.fromarray(picture()).save(buffer, "AVIF", **options)
+    assert AvifIq().encode(picture(), 45) == buffer.getvalue()
+
+
+@pytest.mark.parametrize(("name", "library"), [("jpegli", "pyjpegli"), ("vvenc", "imageio_ffmpeg")])
+def test_optional_peers_name_their_extra(monkeypatch: pytest.MonkeyPatch, name: str, library: str) -> None:
+    monkeypatch.setitem(sys.modules, library, None)
+    package = library.replace("_", "-")
+    assert find_peers([name]) == ([], {name: f"{name} needs {package}: pip install 'sgicodec[peers]'"})
+
+
+def test_an_ffmpeg_without_vvc_counts_as_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("imageio_ffmpeg")
+    monkeypatch.setattr("sgicodec.bench.optional_peers._encoders", lambda: " V....D libaom-av1")
+    assert "vvenc needs an ffmpeg that holds libvvenc" in find_peers(["vvenc"])[1]["vvenc"]
+
+
+def test_what_ffmpeg_refuses_is_told() -> None:
+    pytest.importorskip("imageio_ffmpeg")
+    with pytest.raises(RuntimeError, match="ffmpeg: "):
+        VVenC().decode(b"no stream")
 
 
 def test_a_picture_that_a_codec_refuses_is_the_picture_s_fault() -> None:

@@ -95,3 +95,35 @@ def test_a_damaged_line_is_named(tmp_path: Path) -> None:
         path.write_text(path.read_text().splitlines(keepends=True)[0] + damage)
         with pytest.raises(UsageError, match="line 2 is no result"):
             Results(path)
+
+
+OLD_COLUMNS = 17  # before SSIMULACRA 2 and Butteraugli
+
+
+def old_file(path: Path) -> Path:
+    path.write_text("\t".join(vars(ROW))[: -len("\tssimulacra2\tbutteraugli")] + "\n" + ROW.to_line()[:-2] + "\n")
+    return path
+
+
+def test_files_without_perceptual_scores_are_read_and_left_alone(tmp_path: Path) -> None:
+    path = old_file(tmp_path / "results.tsv")
+    before = path.read_bytes()
+    assert before.count(b"\t") == 2 * (OLD_COLUMNS - 1)
+    assert list(Results(path).rows.values()) == [ROW]
+    assert (ROW.ssimulacra2, ROW.butteraugli) == (None, None)
+    assert path.read_bytes() == before
+
+
+def test_such_a_file_gets_the_columns_with_the_next_row(tmp_path: Path) -> None:
+    path = old_file(tmp_path / "results.tsv")
+    other = dataclasses.replace(ROW, settings="quality=60", ssimulacra2=-7.5, butteraugli=1.25)
+    results = Results(path)
+    results.append(other)
+    results.append(dataclasses.replace(other, settings="quality=70"))
+    assert list(Results(path).rows.values()) == list(results.rows.values())
+    assert [line.split("\t")[-2:] for line in path.read_text().splitlines()] == [
+        ["ssimulacra2", "butteraugli"],
+        ["", ""],
+        ["-7.5", "1.25"],
+        ["-7.5", "1.25"],
+    ]

@@ -9,10 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sgicodec.bench import run
+from sgicodec.bench.cache import PeerCache
 from sgicodec.bench.codec import Pixels8, RoundTrip
+from sgicodec.bench.peers import Jpeg
+from sgicodec.bench.published import PUBLISHED
 from sgicodec.bench.rows import Results
 from sgicodec.bench.run import find_pictures, run_bench, to_rgb
 from sgicodec.errors import PictureError, SgiError, UsageError
+from sgicodec.metrics.perceptual import Perceived
 
 Image = pytest.importorskip("PIL.Image")
 
@@ -144,3 +149,50 @@ def test_16_bits_are_rounded_to_8(tmp_path: Path) -> None:
 
     run_bench([tmp_path / "deep.png"], [Witness(ladder=(1,))], tmp_path)
     assert seen == [[0, 0, 1, 255]]
+
+
+def test_rows_hold_the_perceptual_scores_of_this_machine(pictures: list[Path], tmp_path: Path) -> None:
+    rows = run_bench(pictures, [Shifter()], tmp_path).rows
+    known = {name for name in ("ssimulacra2", "butteraugli") if all(getattr(row, name) is not None for row in rows)}
+    assert known == set(Perceived.available())
+
+
+def test_points_are_measured_again_for_a_score_that_they_lack(
+    pictures: list[Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(run, "perceived", lambda a, b: Perceived(None, None))
+    monkeypatch.setattr(Perceived, "available", lambda: ())
+    assert [row.ssimulacra2 for row in run_bench(pictures, [Shifter()], tmp_path).rows] == [None] * 4
+    monkeypatch.setattr(run, "perceived", lambda a, b: Perceived(50.0, None))
+    monkeypatch.setattr(Perceived, "available", lambda: ("ssimulacra2",))
+    codec = Shifter()
+    assert [row.ssimulacra2 for row in run_bench(pictures, [codec], tmp_path).rows] == [50.0] * 4
+    assert len(codec.coded) == 4
+    again = Shifter()
+    run_bench(pictures, [again], tmp_path)
+    assert again.coded == []
+
+
+def test_peers_are_coded_once_for_all_folders(
+    pictures: list[Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cache, jpeg, shifter = tmp_path / "cache", Jpeg(ladder=(30, 60)), Shifter()
+    first = run_bench(pictures, [shifter, jpeg], tmp_path / "one", cache=PeerCache(cache))
+    monkeypatch.setattr(Jpeg, "encode", lambda self, pixels, quality: 1 / 0)
+    second = run_bench(pictures, [shifter, jpeg], tmp_path / "two", cache=PeerCache(cache))
+    assert second.rows == first.rows
+    assert len(shifter.coded) == 8  # sgi and other codecs of one's own are coded again
+    assert Results(tmp_path / "two" / "results.tsv").rows == Results(tmp_path / "one" / "results.tsv").rows
+    assert {row.codec for row in Results(cache / "results.tsv").rows.values()} == {"jpeg"}
+
+
+def test_published_curves_stand_beside_the_measured_ones(tmp_path: Path) -> None:
+    kodak = Path(__file__).parents[2] / "data" / "kodim23.png"
+    Image.fromarray(np.zeros((20, 30, 3), np.uint8)).save(tmp_path / "other.png")
+    published = list(PUBLISHED.values())
+    summary = run_bench([kodak], [Jpeg(ladder=(30, 90))], tmp_path / "out", published=published)
+    assert summary.codecs == ["jpeg", "coolchic5"]
+    ((delta,),) = (c.rates.values() for c in summary.comparisons if c.test == "coolchic5")
+    assert -90 < delta.value < -40
+    assert {row.codec for row in Results(tmp_path / "out" / "results.tsv").rows.values()} == {"jpeg"}
+    assert run_bench([tmp_path / "other.png"], [Shifter()], tmp_path / "out", published=published).codecs == ["shifter"]

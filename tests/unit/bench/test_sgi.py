@@ -97,3 +97,19 @@ def test_fingerprint_follows_the_code_that_codes(tmp_path: Path) -> None:
 def test_version_names_the_fingerprint() -> None:
     package = Path(sys.modules["sgicodec.bench.sgi"].__file__).parent.parent
     assert SgiCodec().version().endswith("+" + fingerprint(package))
+
+
+def test_variants_have_names_settings_and_options(tmp_path: Path) -> None:
+    codec = SgiCodec(command=stand_in(tmp_path), label="fine", options=("--tile", "64"))
+    codec.round_trip(picture(), 50)
+    encode = json.loads((tmp_path / "fake.log").read_text().splitlines()[0])
+    assert encode[-2:] == ["--tile", "64"]
+    assert (codec.name, SgiCodec(effort=7, label="fine").name) == ("sgi-fine", "sgi-fine-e7")
+    assert codec.settings(50) == SgiCodec().settings(50) + " --tile 64"
+
+
+def test_a_size_is_a_target_of_the_command(tmp_path: Path) -> None:
+    SgiCodec(command=stand_in(tmp_path)).of_size(picture(), 1234)
+    encode = json.loads((tmp_path / "fake.log").read_text().splitlines()[0])
+    assert encode[3:5] == ["--size", "1234"]
+    assert "-q" not in encode

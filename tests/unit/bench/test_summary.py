@@ -6,6 +6,7 @@ import io
 import json
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -82,14 +83,14 @@ def test_every_measure_is_compared_on_its_own_scale(summary: Summary) -> None:
 
 def test_means_are_taken_at_equal_rates(summary: Summary) -> None:
     for bpp in RATES:
-        mean, count = summary.means["jpeg"][bpp]
+        mean, count = summary.means["psnr"]["jpeg"][bpp]
         assert count == 2
         assert mean == pytest.approx((steep(bpp) + flat(bpp)) / 2)
 
 
 def test_means_say_how_many_pictures_reach_the_rate() -> None:
     points = rows("jpeg", "a.png", steep) + rows("jpeg", "b.png", flat, 3.0)
-    means = summarise(points, ["jpeg"]).means["jpeg"]
+    means = summarise(points, ["jpeg"]).means["psnr"]["jpeg"]
     assert means[0.15] == (pytest.approx(steep(0.15)), 1)
     assert means[0.5][1] == 2
 
@@ -164,3 +165,58 @@ def test_a_codec_without_points_is_no_obstacle(tmp_path: Path) -> None:
     summary = summarise(rows("jpeg", "a.png", steep), ["sgi", "jpeg"], ["sgi failed"])
     assert len(write_plots(summary, tmp_path)) == 3
     assert cells(printed(summary), "sgi") == [["–"] * len(RATES), ["–"] * 3]
+
+
+@pytest.fixture
+def seen() -> Summary:
+    """Scores of 10 to 90 over bpp for jpeg, at 80 % of the rate for sgi; a published curve with PSNR alone."""
+
+    def scored(codec: str, factor: float) -> list[Row]:
+        curve = {bpp: 90 - 20 * step for step, bpp in enumerate(reversed(BPPS))}
+        return [
+            row(codec, "a.png", factor * bpp, steep(bpp), ssimulacra2=score, butteraugli=2 / bpp)
+            for bpp, score in curve.items()
+        ]
+
+    bare = {"ms_ssim": math.nan, "luma_psnr": math.nan, "encode_seconds": math.nan, "decode_seconds": math.nan}
+    published = [replace(point, **bare) for point in rows("coolchic5", "a.png", steep, 0.5)]
+    return summarise(scored("sgi", 0.8) + scored("jpeg", 1) + published, ["sgi", "jpeg", "coolchic5"])
+
+
+def test_perceptual_scores_are_compared(seen: Summary) -> None:
+    jpeg = {c.measure: c.rates["a.png 00000000"] for c in seen.comparisons if (c.test, c.anchor) == ("sgi", "jpeg")}
+    assert [jpeg[name].value for name in ("psnr", "ssimulacra2", "butteraugli")] == pytest.approx([-20] * 3)
+    assert (jpeg["ssimulacra2"].low, jpeg["ssimulacra2"].high) == (20, 85)
+    tree = json.loads(json.dumps(seen.to_json(), allow_nan=False))
+    assert tree["mean_ssimulacra2_at_bpp"]["jpeg"]["0.2"] == {"ssimulacra2": pytest.approx(30), "pictures": 1}
+    assert tree["mean_butteraugli_at_bpp"]["jpeg"]["0.5"] == {"butteraugli": pytest.approx(4), "pictures": 1}
+
+
+def test_a_published_curve_is_compared_by_what_it_has(seen: Summary) -> None:
+    measures = [c.measure for c in seen.comparisons if "coolchic5" in (c.test, c.anchor)]
+    assert measures == ["psnr"] * 2
+    assert list(seen.means["psnr"]) == ["sgi", "jpeg", "coolchic5"]
+    assert list(seen.means["ssimulacra2"]) == ["sgi", "jpeg"]
+
+
+def test_tables_show_perceptual_scores(seen: Summary) -> None:
+    lines = printed(seen)
+    assert cells(lines, "a.png 00000000") == [["-20.0", "+60.0"], ["-20.0", "–"], ["-20.0", "–"], ["-50.0"]]
+    assert cells(lines, "mean, ssimulacra2") == [["-20.0", "–"]]
+    psnr_at, score_at, distance_at, times = cells(lines, "jpeg")
+    assert (psnr_at[1], score_at[1], distance_at[3]) == (f"{steep(0.2):.2f}", "30.0", "4.00")
+    assert times == ["2.000", "0.500", "–"]
+    assert cells(lines, "coolchic5")[-1] == ["–", "–", "–"]
+
+
+def test_plots_have_a_panel_for_each_measure(seen: Summary, summary: Summary, tmp_path: Path) -> None:
+    Image = pytest.importorskip("PIL.Image")
+    pytest.importorskip("matplotlib")
+    from sgicodec.bench.plots import write_plots
+
+    widths = {}
+    for name, drawn in (("plain", summary), ("seen", seen)):
+        (tmp_path / name).mkdir()
+        write_plots(drawn, tmp_path / name)
+        widths[name] = [Image.open(tmp_path / name / f"{n}.png").width for n in ("rd-mean", "rd-a-00000000")]
+    assert widths["seen"] == [3 * widths["plain"][0], 2 * widths["plain"][1]]
