@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import subprocess
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import ClassVar
@@ -21,6 +22,7 @@ class Jpegli(Peer):
     """JPEG by Google's jpegli, as the package pyjpegli offers it: 4:2:0, its own tables, float decoding."""
 
     name: ClassVar[str] = "jpegli"
+    scale: ClassVar[Sequence[float]] = range(1, 101)
     ladder: tuple[float, ...] = (1, 5, 10, 18, 30, 45, 62, 78, 90)
 
     def version(self) -> str:
@@ -58,6 +60,7 @@ class VVenC(Peer):
     """
 
     name: ClassVar[str] = "vvenc"
+    scale: ClassVar[Sequence[float]] = range(63, -1, -1)
     ladder: tuple[float, ...] = (51, 46, 41, 36, 31, 27, 22)
     threads: int = 1
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -15,9 +16,10 @@ __all__ = ["Peer", "pillow_decode", "pillow_encode", "pillow_version"]
 
 
 class Peer(ABC):
-    """A codec that runs in this process, on arrays."""
+    """A codec that runs in this process, on arrays. `scale` holds its qualities by rising rate, for searches."""
 
     name: ClassVar[str]
+    scale: ClassVar[Sequence[float]]
     ladder: tuple[float, ...]
 
     @abstractmethod

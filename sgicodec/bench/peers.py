@@ -7,7 +7,7 @@ SSIMULACRA 2 from 20 to 85 where the codec can.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -26,6 +26,7 @@ class Jpeg(Peer):
     """Baseline JPEG's progressive form by libjpeg-turbo: 4:2:0, optimised Huffman tables."""
 
     name: ClassVar[str] = "jpeg"
+    scale: ClassVar[Sequence[float]] = range(1, 96)
     ladder: tuple[float, ...] = (4, 7, 11, 18, 30, 48, 70, 85, 93)
 
     def version(self) -> str:
@@ -47,6 +48,7 @@ class WebP(Peer):
     """Lossy WebP by libwebp at its slowest method; the format is 4:2:0 only."""
 
     name: ClassVar[str] = "webp"
+    scale: ClassVar[Sequence[float]] = range(101)
     ladder: tuple[float, ...] = (0, 4, 12, 25, 45, 68, 82, 91, 96)
 
     def version(self) -> str:
@@ -74,6 +76,7 @@ class Avif(Peer):
     """
 
     name: ClassVar[str] = "avif"
+    scale: ClassVar[Sequence[float]] = range(100)
     speed: ClassVar[int] = 6
     tune: ClassVar[str] = "psnr"
     ladder: tuple[float, ...] = (2, 8, 16, 26, 38, 52, 66, 79, 90)
@@ -124,6 +127,7 @@ class Jpeg2000(Peer):
     """JPEG 2000 by OpenJPEG: a bare codestream, 9/7 wavelet. Its quality is the target rate in bpp."""
 
     name: ClassVar[str] = "jpeg2000"
+    scale: ClassVar[Sequence[float]] = tuple(0.02 * 1.01**step for step in range(600))
     ladder: tuple[float, ...] = (0.1, 0.15, 0.22, 0.33, 0.5, 0.8, 1.3, 2.5)
 
     def version(self) -> str:
@@ -145,6 +149,7 @@ class JpegXl(Peer):
     """JPEG XL by libjxl at effort 7. Its quality is the Butteraugli distance: less is better."""
 
     name: ClassVar[str] = "jxl"
+    scale: ClassVar[Sequence[float]] = tuple(round(25 / 1.01**step, 3) for step in range(550))
     ladder: tuple[float, ...] = (25, 15, 9, 6, 4, 2.5, 1.6, 1.0, 0.6)
     threads: int = 1
 

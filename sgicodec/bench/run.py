@@ -21,7 +21,7 @@ from sgicodec.errors import PictureError, SgiError, UsageError
 from sgicodec.metrics.perceptual import SMALLEST, Perceived, perceived
 from sgicodec.metrics.scores import scores
 
-__all__ = ["Sample", "find_pictures", "run_bench", "to_rgb"]
+__all__ = ["Sample", "find_pictures", "load_sample", "run_bench", "to_rgb"]
 
 _SUFFIXES = {
     ".png",
@@ -101,7 +101,7 @@ def run_bench(
     chosen: list[Row] = []
     failures: list[str] = []
     for number, path in enumerate(pictures, 1):
-        sample = _load(path)
+        sample = load_sample(path)
         start, resumed = time.perf_counter(), len(results.rows)
         points = list(_points(sample, codecs, versions))
         missing = [point for point in points if not _is_complete(results.rows.get(point[0]))]
@@ -132,7 +132,8 @@ def _is_complete(row: Row | None) -> bool:
     return all(getattr(row, name) is not None for name in Perceived.available())
 
 
-def _load(path: Path) -> Sample:
+def load_sample(path: Path) -> Sample:
+    """The picture in a file. Raises PictureError if it cannot be read."""
     from sgicodec import image
     from sgicodec.picture import convert
 

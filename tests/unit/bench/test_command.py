@@ -111,6 +111,26 @@ def test_bench_runs_variants_of_sgi_and_keeps_peers(tmp_path: Path, monkeypatch:
     assert seen["published"] == []
 
 
+def test_bench_draws_sheets_with_or_without_curves(tmp_path: Path) -> None:
+    source = save(tmp_path / "p.png", picture())
+    options = (
+        "--codecs",
+        "webp,jpeg",
+        "--out",
+        tmp_path / "out",
+        "--sheets",
+        tmp_path / "sheets",
+        "--sheet-rates",
+        "4,6",
+    )
+    result = call(bench, source, *options, "--no-curves")
+    assert result.exit_code == 0, result.exception
+    assert [path.name[-8:] for path in sorted((tmp_path / "sheets").iterdir())] == ["4bpp.png", "6bpp.png"]
+    assert not (tmp_path / "out").exists()
+    assert result.stdout == ""
+    assert "BD-rate" in call(bench, source, *options, "--no-plots").stdout
+
+
 def test_bench_leaves_out_aloud_what_is_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from sgicodec.bench import run
 
@@ -169,6 +189,7 @@ def test_bench_ends_with_an_error_if_a_point_failed(tmp_path: Path) -> None:
         (["--codecs", "jpeg,bpg"], "no codec is called 'bpg'"),
         (["--qualities", "20,high"], "--qualities takes numbers"),
         (["--efforts", "max"], "--efforts takes numbers"),
+        (["--sheets", "s", "--sheet-rates", "low"], "--sheet-rates takes numbers"),
         (["--sgi", "--tile 64"], "--sgi takes NAME=OPTIONS"),
         (["--sgi", "fine='"], "--sgi: No closing quotation"),
     ],
