@@ -18,6 +18,7 @@ BENCHMARKS = {
     "views": ("benchmarks.views", "What small views cost, and how near they are to the whole model."),
     "variants": ("benchmarks.variants", "How a change of settings changes J = D + λR of whole streams."),
     "distortion": ("benchmarks.distortion", "What a distortion gains, and through which stage."),
+    "scores": ("benchmarks.scores", "SSIMULACRA 2 of JPEG and JPEG XL, next to published scores."),
     "targets": ("benchmarks.targets", "How near encodes come to a size or a PSNR, and what that costs."),
     "limits": ("benchmarks.limits", "How well time limits are kept, and what they give."),
     "large": ("benchmarks.large.command", "sgi and its peers on pictures of many megapixels."),

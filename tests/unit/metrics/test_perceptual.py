@@ -1,4 +1,7 @@
-"""Perceptual scores against their published scale, and what happens without the programs that compute them."""
+"""Perceptual scores, and what happens without the programs that compute them.
+
+tests/unit/benchmarks/test_scores.py holds SSIMULACRA 2 against its published scale.
+"""
 
 from __future__ import annotations
 
@@ -30,19 +33,12 @@ def by_jpeg(pixels: np.ndarray, quality: int) -> np.ndarray:
 
 
 @needs_ssimulacra2
-@pytest.mark.parametrize(("quality", "published"), [(14, 10), (20, 30), (35, 50), (70, 70)])
-def test_jpeg_scores_as_the_authors_of_ssimulacra2_say(quality: int, published: float) -> None:
-    """Their description names the quality of libjpeg-turbo, 4:2:0, that typically gives a score.
-
-    The mean of two very unlike photographs is at most 10 from it; their own spread is as large.
-    """
-    found = [ssimulacra2(pixels, by_jpeg(pixels, quality)) for pixels in (photo("kodim13"), photo("kodim23"))]
-    assert np.mean(found) == pytest.approx(published, abs=10)
-
-
-@needs_ssimulacra2
-def test_ssimulacra2_of_equal_pictures_is_100() -> None:
-    assert ssimulacra2(photo("kodim23"), photo("kodim23")) == 100
+def test_ssimulacra2_is_100_for_equal_pictures_and_less_for_others() -> None:
+    pixels = photo("kodim23")
+    near, far = (ssimulacra2(pixels, by_jpeg(pixels, quality)) for quality in (90, 30))
+    assert ssimulacra2(pixels, pixels) == 100
+    assert 80 < near < 95
+    assert 30 < far < 60
 
 
 @needs_butteraugli
