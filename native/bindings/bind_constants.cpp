@@ -33,11 +33,13 @@ void bind_constants(nb::module_ &m) {
            {"INPUT_LIMIT", sgi::kInputLimit},
            {"HIDDEN_LIMIT", sgi::kHiddenLimit},
            {"WINDOW_PADDING", sgi::kWindowPadding},
+           {"TEXTURE_OVERLAP", sgi::kTextureOverlap},
        })
     m.attr(name) = value;
   for (const auto &[name, value] : {std::pair{"DEAD_ZONE", sgi::kDeadZone},
                                     {"DEAD_ZONE_LIMIT", sgi::kDeadZoneLimit},
                                     {"MIN_VARIANCE", sgi::kMinVariance},
+                                    {"PIXEL_VARIANCE", sgi::kPixelVariance},
                                     {"SHAPE_LIMIT", sgi::kShapeLimit},
                                     {"LEAST_MASS", sgi::kLeastMass}})
     m.attr(name) = value;

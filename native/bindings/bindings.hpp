@@ -11,4 +11,5 @@ void bind_model(nanobind::module_ &m);
 void bind_raster(nanobind::module_ &m);
 void bind_rdoq(nanobind::module_ &m);
 void bind_reading(nanobind::module_ &m);
+void bind_texture(nanobind::module_ &m);
 void bind_tree(nanobind::module_ &m);

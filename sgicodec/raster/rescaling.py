@@ -7,14 +7,11 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["PIXEL_VARIANCE", "scaled"]
+from sgicodec._native import PIXEL_VARIANCE
+
+__all__ = ["scaled"]
 
 Float = TypeVar("Float", np.float32, np.float64)
-
-PIXEL_VARIANCE = 0.1
-"""Variance, output pixels², of the Gaussian that stands for a pixel's area when a picture is made much smaller. A
-square has 1/12; its spectrum up to the Nyquist frequency is best met by a little more.
-"""
 
 
 def scaled(

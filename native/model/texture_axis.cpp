@@ -1,0 +1,127 @@
+#include "model/texture_axis.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/constants.hpp"
+
+namespace sgi {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kReach = 3.5;  // deviations of a pixel's footprint that count
+constexpr int kSide = 1 << kTextureRoot;
+
+// s(t): the rising edge of a window.
+double edge(double t, bool hard) {
+  if (hard) return t < 0 ? 0.0 : 1.0;
+  if (t >= kTextureOverlap) return 1.0;
+  return t <= -kTextureOverlap ? 0.0 : std::sin(kPi / 4 * (1 + t / kTextureOverlap));
+}
+
+// Deviation, pixels of the tile, of the Gaussian that stands for what an output pixel covers beyond a pixel.
+double deviation(double scale) { return std::sqrt(kPixelVariance * std::max(0.0, 1 - scale * scale)) / scale; }
+
+}  // namespace
+
+TextureAxis::TextureAxis(const OutputAxis &output, int64_t length, bool along_pixels, const CellPlaces &places)
+    : output_(output),
+      end_(double((length + kSide - 1) / kSide * kSide)),
+      along_pixels_(along_pixels),
+      shared_(output.scale == 1 && output.start == std::floor(output.start)),
+      sigma_(deviation(output.scale)),
+      step_(sigma_ > 0 ? std::min(1.0, sigma_) : 1.0),
+      nodes_(std::ceil(kReach * sigma_ / step_)),
+      reach_(kTextureOverlap + nodes_ * step_) {
+  for (int64_t i = 0; i < output.count; ++i) totals_.push_back(total(centre(i)));
+  const double begin = centre(0) - reach_, end = centre(output.count - 1) + reach_;
+  for (int log_size = kTextureLeast; log_size <= kTextureRoot; ++log_size) {
+    const double most = std::ldexp(end_, -log_size) - 1;
+    const int64_t low = int64_t(std::clamp(std::floor(std::ldexp(begin, -log_size)), 0.0, most + 1));
+    const int64_t high = int64_t(std::clamp(std::floor(std::ldexp(end, -log_size)), -1.0, most));
+    cells_[log_size - kTextureLeast] = {low, std::vector<CellAxis>(std::max<int64_t>(0, high - low + 1))};
+  }
+  for (int64_t i = 0; i < places.count; ++i) {
+    const int log_size = places.log_size[i];
+    Cells &all = cells_[log_size - kTextureLeast];
+    const int64_t index = (places.corner[2 * i] >> log_size) - all.first;
+    if (index < 0 || index >= int64_t(all.axes.size()) || all.axes[index].stride) continue;
+    all.axes[index] = cell_axis(index + all.first, log_size);
+  }
+}
+
+CellAxis TextureAxis::cell_axis(int64_t index, int log_size) {
+  const int side = 1 << log_size;
+  const Edges edges{double(index * side), side, index == 0, double((index + 1) * side) == end_};
+  const double spread = reach_ - kTextureOverlap;
+  const auto pixel = [&](double x) { return (x - output_.start) * output_.scale - 0.5 - double(output_.first); };
+  const double low = std::ceil(pixel(edges.begin - (edges.hard_low ? spread : reach_)));
+  const double high = std::floor(pixel(edges.begin + side + (edges.hard_high ? spread : reach_))) + 1;
+  const double first = std::clamp(low, 0.0, double(output_.count));
+  const int64_t count = std::max<int64_t>(0, int64_t(std::clamp(high, 0.0, double(output_.count)) - first));
+  CellAxis axis{int64_t(first), count, int64_t(values_.size()), side};
+  if (count == 0) return axis;
+  if (!shared_) {
+    axis.stride = write_table(edges, axis.first, count);
+    return axis;
+  }
+  const int64_t whole = int64_t(high - low);
+  Shared &table = tables_[log_size - kTextureLeast][edges.hard_low + 2 * edges.hard_high];
+  if (table.at < 0) table = {int64_t(values_.size()), write_table(edges, int64_t(low), whole)};
+  axis.stride = table.stride;
+  axis.at = table.at + (axis.first - int64_t(low)) * (along_pixels_ ? 1 : side);
+  return axis;
+}
+
+double TextureAxis::centre(int64_t pixel) const {
+  return output_.start + (double(output_.first + pixel) + 0.5) / output_.scale;
+}
+
+// What a pixel sees of a place `offset` from its centre, not normalised.
+double TextureAxis::weight(double offset) const {
+  return sigma_ > 0 ? std::exp(-0.5 * (offset / sigma_) * (offset / sigma_)) : 1.0;
+}
+
+// The first and last of the places, `step_` apart around a pixel's centre, between `low` and `high`.
+std::pair<double, double> TextureAxis::seen(double middle, double low, double high) const {
+  return {std::max(-nodes_, std::ceil((low - middle) / step_)), std::min(nodes_, std::floor((high - middle) / step_))};
+}
+
+// The weights of all places inside the grid.
+double TextureAxis::total(double middle) const {
+  const auto [first, last] = seen(middle, 0, end_);
+  double sum = 0;
+  for (double i = first; i <= last; ++i) sum += weight(i * step_);
+  return sum;
+}
+
+// cos((k + 1/2) a) obeys c(k + 1) = 2 cos(a) c(k) - c(k - 1).
+int64_t TextureAxis::write_table(const Edges &edges, int64_t first, int64_t count) {
+  const int side = edges.side;
+  const double low = edges.begin - (edges.hard_low ? 0 : kTextureOverlap);
+  const double high = edges.begin + side + (edges.hard_high ? 0 : kTextureOverlap);
+  const int64_t at = int64_t(values_.size()), stride = along_pixels_ ? count + kTexturePadding : side;
+  values_.resize(at + (along_pixels_ ? side : count) * stride);
+  for (int64_t i = 0; i < count; ++i) {
+    const double middle = centre(first + i);
+    double sums[kSide] = {};
+    const auto [from, to] = seen(middle, low, high);
+    for (double node = from; node <= to; ++node) {
+      const double t = middle + node * step_ - edges.begin, angle = kPi * t / side, twice = 2 * std::cos(angle);
+      const double window = edge(t, edges.hard_low) * edge(side - t, edges.hard_high) * weight(node * step_);
+      double now = std::cos(0.5 * angle) * window, before = now;
+      for (int k = 0; k < side; ++k) {
+        sums[k] += now;
+        const double next = twice * now - before;
+        before = now;
+        now = next;
+      }
+    }
+    const double gain = from <= to ? std::sqrt(2.0 / side) / (shared_ ? 1.0 : totals_[first + i]) : 0.0;
+    for (int k = 0; k < side; ++k)
+      values_[at + (along_pixels_ ? k * stride + i : i * stride + k)] = float(sums[k] * gain);
+  }
+  return stride;
+}
+
+}  // namespace sgi

@@ -1,0 +1,83 @@
+"""The texture layer: windowed cosines in the cells of a quadtree, a continuous function beside base and Gaussians."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec._native import TEXTURE_OVERLAP, draw_texture
+from sgicodec.device import ONE_THREAD, Device
+from sgicodec.model.gaussians import colour_matrix
+
+__all__ = ["LEAST_LOG", "ROOT_LOG", "TextureLayer", "texture_atoms"]
+
+F32 = NDArray[np.float32]
+F64 = NDArray[np.float64]
+
+ROOT_LOG, LEAST_LOG = 5, 3
+"""log2 of the sides of the largest and the smallest cells."""
+
+
+@dataclass(frozen=True)
+class TextureLayer:
+    """The cells of a tile that hold texture, in Z-order of the quadtree, root after root.
+
+    size: width and height of the tile. corner [N, 2] pixels, log_size [N] of the side n; amplitudes: [C, n, n] of each
+    cell (vertical frequency, then horizontal), in opponent colours, one cell after the other.
+    """
+
+    size: tuple[int, int]
+    channels: int
+    corner: NDArray[np.int32]
+    log_size: NDArray[np.uint8]
+    amplitudes: F32
+
+    @property
+    def count(self) -> int:
+        """How many cells hold texture."""
+        return len(self.log_size)
+
+    @property
+    def memory(self) -> int:
+        """Bytes that it holds."""
+        return self.corner.nbytes + self.log_size.nbytes + self.amplitudes.nbytes
+
+    def draw(
+        self,
+        start: tuple[float, float] = (0.0, 0.0),
+        scale: tuple[float, float] = (1.0, 1.0),
+        first: tuple[int, int] = (0, 0),
+        size: tuple[int, int] | None = None,
+        device: Device = ONE_THREAD,
+        opponent: bool = False,
+    ) -> F32:
+        """Planes [C, h, w] of the block of `size` (w, h) pixels from pixel `first` (x, y) on of the tile drawn at
+        `scale` from `start`, as `base_view` takes them. In the picture's colours, or as they are with `opponent`.
+        """
+        width, height = self.size if size is None else size
+        planes = np.empty((self.channels, height, width), np.float32)
+        mixes = self.channels >= 3 and not opponent
+        mix = np.array(colour_matrix(3), np.float32) if mixes else None
+        cells = self.corner, self.log_size, self.amplitudes, self.size
+        draw_texture(*cells, start, scale, first, mix, device.threads, device.isa, planes)
+        return planes
+
+
+def texture_atoms(t: F64, log_size: int, hard: tuple[bool, bool] = (False, False)) -> F64:
+    """φ_k [len(t), n] of a cell of side n = 2^log_size at places t, in pixels from where it begins.
+
+    hard: whether the cell begins, and ends, at a border of the root grid, where its window ends abruptly.
+    """
+    side = 1 << log_size
+    omega = np.pi * (np.arange(side) + 0.5) / side
+    window = _edge(t, hard[0]) * _edge(side - t, hard[1])
+    atoms: F64 = window[:, None] * np.cos(omega * t[:, None]) * np.sqrt(2 / side)
+    return atoms
+
+
+def _edge(t: F64, hard: bool) -> F64:
+    if hard:
+        return (t >= 0).astype(np.float64)
+    return np.sin(np.pi / 4 * (1 + np.clip(t / TEXTURE_OVERLAP, -1, 1)))

@@ -1,0 +1,197 @@
+"""The texture layer against dense sums in float64."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scenes import ISAS
+
+from sgicodec.device import Device
+from sgicodec.model.gaussians import colour_matrix
+from sgicodec.model.texture import LEAST_LOG, ROOT_LOG, TextureLayer, texture_atoms
+
+WIDTH, HEIGHT = 150, 70
+
+
+def random_cells(width: int, height: int, seed: int, share: float) -> tuple[np.ndarray, np.ndarray]:
+    """Corners and sizes of a random quadtree, `share` of whose leaves hold texture."""
+    rng = np.random.default_rng(seed)
+    cells: list[tuple[int, int, int]] = []
+
+    def add(x: int, y: int, log_size: int) -> None:
+        if x >= width or y >= height:
+            return
+        if log_size > LEAST_LOG and rng.random() < 0.6:
+            half = 1 << (log_size - 1)
+            for dy in (0, half):
+                for dx in (0, half):
+                    add(x + dx, y + dy, log_size - 1)
+        elif rng.random() < share:
+            cells.append((x, y, log_size))
+
+    for y in range(0, height, 32):
+        for x in range(0, width, 32):
+            add(x, y, ROOT_LOG)
+    found = np.array(cells)
+    return found[:, :2].astype(np.int32), found[:, 2].astype(np.uint8)
+
+
+def random_layer(
+    channels: int = 3, width: int = WIDTH, height: int = HEIGHT, seed: int = 0, share: float = 0.8
+) -> TextureLayer:
+    """Some cells are full of amplitudes; most have a few, in low frequencies."""
+    rng = np.random.default_rng(seed + 1)
+    corner, log_size = random_cells(width, height, seed, share)
+    amplitudes = []
+    for log in log_size.tolist():
+        cell = rng.normal(size=(channels, 1 << log, 1 << log)) * 0.1
+        if rng.random() < 0.8:
+            down, across = rng.integers(0, 7, 2)
+            cell[:, down:] = cell[:, :, across:] = 0
+        amplitudes.append(cell.astype(np.float32).ravel())
+    return TextureLayer((width, height), channels, corner, log_size, np.concatenate(amplitudes))
+
+
+def axis_atoms(length: int, corner: int, log_size: int, places: np.ndarray) -> np.ndarray:
+    side = 1 << log_size
+    return texture_atoms(places - corner, log_size, (corner == 0, corner + side == -(-length // 32) * 32))
+
+
+def dense(layer: TextureLayer, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """The layer [C, h, w] at places x [w], y [h], in opponent colours."""
+    total, at = np.zeros((layer.channels, len(y), len(x))), 0
+    for (left, top), log in zip(layer.corner.tolist(), layer.log_size.tolist(), strict=True):
+        side = 1 << log
+        amplitudes = layer.amplitudes[at : at + layer.channels * side * side].reshape(-1, side, side)
+        across, down = axis_atoms(layer.size[0], left, log, x), axis_atoms(layer.size[1], top, log, y)
+        total += down @ amplitudes.astype(np.float64) @ across.T
+        at += amplitudes.size
+    assert at == len(layer.amplitudes)
+    return total
+
+
+def centres(count: int, start: float = 0.0, scale: float = 1.0, first: int = 0) -> np.ndarray:
+    return start + (first + np.arange(count) + 0.5) / scale
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_the_atoms_of_a_quadtree_are_orthonormal(seed: int) -> None:
+    width, height = 80, 50  # 3 × 2 roots, on every pixel of them
+    corner, log_size = random_cells(width, height, seed, 1.0)
+    assert set(log_size) == {3, 4, 5}
+    atoms = []
+    for (x, y), log in zip(corner.tolist(), log_size.tolist(), strict=True):
+        down, across = axis_atoms(height, y, log, centres(64)), axis_atoms(width, x, log, centres(96))
+        atoms.append(np.einsum("yv,xu->vuyx", down, across).reshape(-1, 64 * 96))
+    all_atoms = np.concatenate(atoms)
+    np.testing.assert_allclose(all_atoms @ all_atoms.T, np.eye(len(all_atoms)), atol=1e-12)
+
+
+def test_the_atoms_are_the_formula() -> None:
+    """Term by term, at places on and between pixel centres."""
+    t = np.array([-4.0, -3.9, 0.0, 2.2, 4.0, 9.5, 12.0, 17.0, 19.9, 20.0, 25.0])
+    for k in (0, 5, 15):
+        rise = np.where(t <= -4, 0, np.where(t < 4, np.sin(np.pi / 4 * (1 + t / 4)), 1))
+        fall = np.where(16 - t <= -4, 0, np.where(16 - t < 4, np.sin(np.pi / 4 * (1 + (16 - t) / 4)), 1))
+        expected = np.sqrt(2 / 16) * rise * fall * np.cos(np.pi * (k + 0.5) * t / 16)
+        np.testing.assert_allclose(texture_atoms(t, 4)[:, k], expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("isa", ISAS)
+@pytest.mark.parametrize("channels", [1, 3, 5])
+@pytest.mark.parametrize(
+    ("start", "scale", "first", "size"),
+    [
+        ((0.0, 0.0), (1.0, 1.0), (0, 0), (WIDTH, HEIGHT)),
+        ((7.0, 3.0), (1.0, 1.0), (-5, 30), (190, 31)),
+        ((0.25, 0.0), (1.0, 2.5), (0, 1), (WIDTH, 99)),
+        ((33.5, 20.0), (17.0, 1.3), (40, 0), (301, 50)),
+    ],
+)
+def test_pixels_are_the_dense_sum(
+    isa: str,
+    channels: int,
+    start: tuple[float, float],
+    scale: tuple[float, float],
+    first: tuple[int, int],
+    size: tuple[int, int],
+) -> None:
+    layer = random_layer(channels)
+    x, y = (centres(size[axis], start[axis], scale[axis], first[axis]) for axis in (0, 1))
+    drawn = layer.draw(start, scale, first, size, Device(2, isa), opponent=True)
+    expected = dense(layer, x, y)
+    np.testing.assert_allclose(drawn, expected, atol=1e-6)
+    mixed = np.tensordot(np.array(colour_matrix(channels)).T, expected, axes=1)
+    np.testing.assert_allclose(layer.draw(start, scale, first, size, Device(2, isa)), mixed, atol=1e-6)
+
+
+@pytest.mark.parametrize("scale", [(0.7, 0.5), (0.99, 0.2), (0.05, 1.0)])
+def test_smaller_pictures_are_convolved_as_gaussians_are(scale: tuple[float, float]) -> None:
+    """Against sums over places a sixteenth of a pixel apart, weighted as what a pixel covers beyond one."""
+    layer = random_layer(1, 320, 160)
+    size = int(320 * scale[0]), int(160 * scale[1])
+    fine = (np.arange(320 * 16) + 0.5) / 16, (np.arange(160 * 16) + 0.5) / 16
+    image = dense(layer, *fine)[0]
+    for axis in (1, 0):
+        sigma = np.sqrt(0.1 * (1 - scale[axis] ** 2)) / scale[axis]
+        far = centres(size[axis], 0, scale[axis])[:, None] - fine[axis]
+        weights = np.exp(-0.5 * (far / sigma) ** 2) if sigma > 0 else (np.abs(far) < 1 / 16).astype(np.float64)
+        weights /= weights.sum(axis=1, keepdims=True)
+        image = image @ weights.T if axis == 0 else weights @ image
+    drawn = layer.draw(scale=scale, size=size)[0]
+    error = np.abs(drawn - image) / np.std(image)
+    assert np.sqrt(np.mean(error**2)) < 0.03  # more at the borders
+    assert error[2:-2, 2:-2].max() < 0.05
+
+
+@pytest.mark.parametrize("scale", [1.0, 0.4, 3.3, 0.03])
+@pytest.mark.parametrize("isa", ISAS)
+def test_regions_and_threads_change_no_bit(scale: float, isa: str) -> None:
+    layer = random_layer(3, 400, 210, seed=3)
+    size = max(3, int(400 * scale)), max(3, int(210 * scale))
+    whole = layer.draw((3.0, 1.0), (scale, scale), (0, 0), size, Device(1, isa))
+    for left, top, right, bottom in ((0, 0, *size), (1, 1, *size), (size[0] // 3, size[1] // 2, size[0] - 1, size[1])):
+        part = right - left, bottom - top
+        block = layer.draw((3.0, 1.0), (scale, scale), (left, top), part, Device(3, isa))
+        np.testing.assert_array_equal(block, whole[:, top:bottom, left:right])
+    if scale == 1:
+        np.testing.assert_array_equal(layer.draw(first=(3, 1), size=size, device=Device(2, isa)), whole)
+
+
+def test_between_pixels_it_is_continuous() -> None:
+    """Steps between neighbours vanish as these come closer, also where cells begin and end."""
+    layer = random_layer(1, 64, 64, share=1.0)
+    steps = [np.abs(np.diff(layer.draw(scale=(s, 1.0), size=(64 * s, 64)))).max() for s in (4, 8, 16, 32)]
+    assert all(after < 0.6 * before for before, after in pairwise(steps))
+
+
+def test_there_may_be_no_cells() -> None:
+    nothing = TextureLayer((40, 30), 3, np.zeros((0, 2), np.int32), np.zeros(0, np.uint8), np.zeros(0, np.float32))
+    assert nothing.count == nothing.memory == 0
+    np.testing.assert_array_equal(nothing.draw(), np.zeros((3, 30, 40)))
+
+
+@pytest.mark.parametrize(
+    ("corner", "log_size", "values"),
+    [((0, 0), 2, 16), ((0, 0), 6, 4096), ((4, 0), 3, 64), ((0, -8), 3, 64), ((64, 0), 3, 64), ((0, 0), 3, 63)],
+)
+def test_other_cells_are_refused(corner: tuple[int, int], log_size: int, values: int) -> None:
+    layer = TextureLayer(
+        (64, 64), 1, np.array([corner], np.int32), np.array([log_size], np.uint8), np.zeros(values, np.float32)
+    )
+    with pytest.raises(ValueError, match=r"corner|log_size|amplitudes"):
+        layer.draw()
+
+
+def test_a_pixel_of_a_wide_picture_takes_no_time() -> None:
+    """Of the places that it covers, cells look at their own."""
+    corner, log_size = np.array([[1 << 20, 8]], np.int32), np.array([3], np.uint8)
+    layer = TextureLayer((1 << 21, 32), 1, corner, log_size, np.ones(64, np.float32))
+    whole = float(np.sum(texture_atoms(centres(16, -4.0), 3).sum(axis=1)))
+    drawn = layer.draw(scale=(2.0**-21, 1.0), size=(1, 32))[0, :, 0]
+    sigma = np.sqrt(0.1) * 2**21
+    weight = 1 / (sigma * np.sqrt(2 * np.pi))
+    assert whole * weight > 1e-7
+    np.testing.assert_allclose(drawn, texture_atoms(centres(32, -8.0), 3).sum(axis=1) * whole * weight, rtol=0.2)
