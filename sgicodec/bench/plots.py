@@ -11,7 +11,7 @@ import numpy as np
 
 from sgicodec.bench.measures import MEASURES
 from sgicodec.bench.rows import Row
-from sgicodec.bench.summary import AT_RATES, Summary, curves, is_sgi, mean_at, picture_label
+from sgicodec.bench.summary import Summary, curves, is_sgi, mean_at, picture_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,12 +37,12 @@ def _figures(summary: Summary) -> Iterator[tuple[str, Figure]]:
         yield f"rd-{Path(name).stem}-{crc}", _picture_figure(summary, label)
 
 
-def _figure(width: float) -> Figure:
+def _figure(width: float, height: float = 5) -> Figure:
     """A figure outside of pyplot: no window system, nothing to close."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(width, 5), layout="constrained")
+    figure = Figure(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(figure)
     return figure
 
@@ -60,14 +60,19 @@ def _style(summary: Summary, codec: str) -> dict[str, Any]:
 
 def _picture_figure(summary: Summary, label: str) -> Figure:
     measures = [name for name in ("psnr", "ms_ssim", "ssimulacra2", "butteraugli") if _is_known(summary, name)]
-    figure = _figure(6.5 * len(measures))
-    panels = dict(zip(measures, figure.subplots(1, len(measures), squeeze=False)[0], strict=True))
+    lines = -(-len(measures) // 2)
+    figure = _figure(13, 5 * lines)
+    panels = dict(zip(measures, figure.subplots(lines, 2).flat, strict=False))
+    for unused in figure.axes[len(measures) :]:
+        unused.remove()
     for codec in summary.codecs:
         own = [row for row in summary.rows if row.codec == codec and picture_label(row) == label]
         own.sort(key=lambda row: row.bpp)
         rates = [row.bpp for row in own]
         for name, axes in panels.items():
-            axes.plot(rates, [MEASURES[name].quality(row) for row in own], **_style(summary, codec))
+            values = [MEASURES[name].quality(row) for row in own]
+            if not all(map(math.isnan, values)):
+                axes.plot(rates, values, **_style(summary, codec))
     for name, axes in panels.items():
         _label(axes, label, MEASURES[name].axis)
     return figure
@@ -75,12 +80,11 @@ def _picture_figure(summary: Summary, label: str) -> Figure:
 
 def _mean_figure(summary: Summary) -> Figure:
     """Means at equal rates, over the range that every picture's curve covers."""
-    measures = [name for name in AT_RATES if _is_known(summary, name)]
-    figure = _figure(7 * len(measures))
-    panels = dict(zip(measures, figure.subplots(1, len(measures), squeeze=False)[0], strict=True))
+    figure = _figure(7 * len(summary.means))
+    panels = dict(zip(summary.means, figure.subplots(1, len(summary.means), squeeze=False)[0], strict=True))
     rates = np.geomspace(0.02, 8, 241)
     for name, axes in panels.items():
-        for codec in summary.codecs:
+        for codec in summary.means[name]:
             own = curves(summary.rows, codec, name)
             means = [mean_at(own, float(rate)) for rate in rates]
             values = [value if count == len(summary.pictures) else math.nan for value, count in means]
@@ -90,7 +94,7 @@ def _mean_figure(summary: Summary) -> Figure:
 
 
 def _is_known(summary: Summary, measure: str) -> bool:
-    """Whether any point has the measure; PSNR is always drawn."""
+    """Whether any point has the measure; PSNR counts as known."""
     quality = MEASURES[measure].quality
     return measure == "psnr" or not all(math.isnan(quality(row)) for row in summary.rows)
 
@@ -106,7 +110,8 @@ def _time_figure(summary: Summary) -> Figure:
                 rungs.setdefault(row.settings, []).append(row)
         for field, axes in panels.items():
             points = sorted((_mean(own, "bpp"), _mean_per_megapixel(own, field)) for own in rungs.values())
-            axes.plot([x for x, _ in points], [y for _, y in points], **_style(summary, codec))
+            if not all(math.isnan(seconds) for _, seconds in points):
+                axes.plot([x for x, _ in points], [y for _, y in points], **_style(summary, codec))
     for field, axes in panels.items():
         axes.set_yscale("log")
         _label(axes, field.split("_")[0], "seconds per megapixel")

@@ -102,20 +102,26 @@ def run_bench(
     failures: list[str] = []
     for number, path in enumerate(pictures, 1):
         sample = load_sample(path)
-        start, resumed = time.perf_counter(), len(results.rows)
+        start, measured = time.perf_counter(), 0
         points = list(_points(sample, codecs, versions))
+        if cache is not None:
+            _recall(points, results, cache)
         missing = [point for point in points if not _is_complete(results.rows.get(point[0]))]
         for key, codec, quality in missing:
             try:
-                results.append(_measured(sample, codec, quality, key, cache))
+                row = _measure(sample, codec, quality, key)
             except SgiError as error:
                 failures.append(f"{sample.name}, {codec.name}, {codec.settings(quality)}: {error}")
                 report(failures[-1])
+                continue
+            measured += 1
+            results.append(row)
+            if cache is not None and isinstance(codec, Peer):
+                cache.keep(row)
         chosen += [results.rows[key] for key, _, _ in points if key in results.rows]
         height, width = sample.pixels.shape[:2]
         for curves in published:
             chosen += curves.rows(sample.name, sample.crc, width, height)
-        measured = len(results.rows) - resumed
         report(
             f"{number}/{len(pictures)} {sample.name} {width}x{height}: {measured} points measured, "
             f"{len(points) - len(missing)} already there, {time.perf_counter() - start:.1f} s"
@@ -151,15 +157,13 @@ def _points(sample: Sample, codecs: Sequence[Codec], versions: dict[str, str]) -
             yield key, codec, quality
 
 
-def _measured(sample: Sample, codec: Codec, quality: float, key: Key, cache: PeerCache | None) -> Row:
-    """The row of a point, from the cache if it holds it."""
-    if cache is None or not isinstance(codec, Peer):
-        return _measure(sample, codec, quality, key)
-    row = cache.row(key)
-    if row is None or not _is_complete(row):
-        row = _measure(sample, codec, quality, key)
-        cache.keep(row)
-    return row
+def _recall(points: Sequence[tuple[Key, Codec, float]], results: Results, cache: PeerCache) -> None:
+    """Adds to the results what the cache holds of points of peers."""
+    for key, codec, _ in points:
+        if isinstance(codec, Peer) and not _is_complete(results.rows.get(key)):
+            row = cache.row(key)
+            if row is not None and _is_complete(row):
+                results.append(row)
 
 
 def _measure(sample: Sample, codec: Codec, quality: float, key: Key) -> Row:

@@ -46,7 +46,7 @@ class Comparison:
 
     @property
     def mean_quality(self) -> float:
-        """Mean of the pictures' deltas in dB, over those that have one."""
+        """Mean of the pictures' deltas in quality, over those that have one."""
         return _mean([delta.value for delta in self.qualities.values()])
 
 
@@ -173,8 +173,8 @@ def _comparison_json(comparison: Comparison) -> dict[str, Any]:
     pictures = {
         name: {
             "bd_rate_percent": _plain(rate.value),
-            "bd_quality_db": _plain(comparison.qualities[name].value),
-            "quality_range_db": [_plain(rate.low), _plain(rate.high)],
+            "bd_quality": _plain(comparison.qualities[name].value),
+            "quality_range": [_plain(rate.low), _plain(rate.high)],
             "reason": rate.reason,
         }
         for name, rate in comparison.rates.items()
@@ -184,6 +184,6 @@ def _comparison_json(comparison: Comparison) -> dict[str, Any]:
         "anchor": comparison.anchor,
         "measure": comparison.measure,
         "mean_bd_rate_percent": _plain(comparison.mean_rate),
-        "mean_bd_quality_db": _plain(comparison.mean_quality),
+        "mean_bd_quality": _plain(comparison.mean_quality),
         "pictures": pictures,
     }

@@ -57,11 +57,13 @@ def _delta_table(comparisons: list[Comparison]) -> Table:
     for measure in dict.fromkeys(comparison.measure for comparison in comparisons):
         own = {_other(comparison): comparison for comparison in comparisons if comparison.measure == measure}
         pictures = dict.fromkeys(name for comparison in own.values() for name in comparison.rates)
+        if measure in AT_RATES:
+            table.add_section()
         for picture in pictures if measure in AT_RATES else ():
             deltas = (own[other].rates.get(picture) if other in own else None for other in others)
             table.add_row(picture, *(_cell(delta.value if delta else math.nan, "+.1f") for delta in deltas))
         means = (_mean_cell(own[other]) if other in own else "–" for other in others)
-        table.add_row(f"mean, {measure}", *means, end_section=True)
+        table.add_row(f"mean, {measure}", *means)
     return table
 
 

@@ -179,7 +179,9 @@ def test_peers_are_coded_once_for_all_folders(
     cache, jpeg, shifter = tmp_path / "cache", Jpeg(ladder=(30, 60)), Shifter()
     first = run_bench(pictures, [shifter, jpeg], tmp_path / "one", cache=PeerCache(cache))
     monkeypatch.setattr(Jpeg, "encode", lambda self, pixels, quality: 1 / 0)
-    second = run_bench(pictures, [shifter, jpeg], tmp_path / "two", cache=PeerCache(cache))
+    lines: list[str] = []
+    second = run_bench(pictures, [shifter, jpeg], tmp_path / "two", cache=PeerCache(cache), report=lines.append)
+    assert all("2 points measured, 2 already there" in line for line in lines)
     assert second.rows == first.rows
     assert len(shifter.coded) == 8  # sgi and other codecs of one's own are coded again
     assert Results(tmp_path / "two" / "results.tsv").rows == Results(tmp_path / "one" / "results.tsv").rows

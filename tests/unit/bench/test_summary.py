@@ -214,9 +214,10 @@ def test_plots_have_a_panel_for_each_measure(seen: Summary, summary: Summary, tm
     pytest.importorskip("matplotlib")
     from sgicodec.bench.plots import write_plots
 
-    widths = {}
+    sizes = {}
     for name, drawn in (("plain", summary), ("seen", seen)):
         (tmp_path / name).mkdir()
         write_plots(drawn, tmp_path / name)
-        widths[name] = [Image.open(tmp_path / name / f"{n}.png").width for n in ("rd-mean", "rd-a-00000000")]
-    assert widths["seen"] == [3 * widths["plain"][0], 2 * widths["plain"][1]]
+        sizes[name] = [Image.open(tmp_path / name / f"{n}.png").size for n in ("rd-mean", "rd-a-00000000")]
+    (mean_width, mean_height), (width, height) = sizes["plain"]
+    assert sizes["seen"] == [(3 * mean_width, mean_height), (width, 2 * height)]
