@@ -1,5 +1,8 @@
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
+
+#include <optional>
 
 #include "bindings/arrays.hpp"
 #include "bindings/bindings.hpp"
@@ -69,15 +72,31 @@ sgi::Samples samples(const Pixels &out, const F32In1 &low, const F32In1 &span, b
   return {out.data(), out.stride(0), kind, low.data(), span.data(), clip};
 }
 
-sgi::Background background(const F32In3 &lines, const I32In1 &top, const F32In2 &down, const Pixels &out) {
-  if (lines.size() == 0) return {};
-  const size_t taps = down.shape(1), height = out.shape(0);
+sgi::Background background(const F32In3 &lines, const I32In1 &top, const F32In2 &down,
+                           const std::optional<F32In3> &planes, const Pixels &out) {
+  const size_t height = out.shape(0);
+  sgi::Background behind{};
+  if (planes) {
+    require(planes->shape(0) == out.shape(2) && planes->shape(1) == height && planes->shape(2) == out.shape(1),
+            "planes must be [C, height, width]");
+    behind.planes = planes->data();
+    behind.height = int64_t(height);
+    behind.plane_width = int64_t(out.shape(1));
+  }
+  if (lines.size() == 0) return behind;
+  const size_t taps = down.shape(1);
   require(lines.shape(0) == out.shape(2) && lines.shape(2) == out.shape(1) && top.shape(0) == height &&
               down.shape(0) == height,
           "background must be lines [C, count, width], top [height], down [height, taps]");
   for (size_t y = 0; y < height; ++y)
     require(top.data()[y] >= 0 && size_t(top.data()[y]) + taps <= lines.shape(1), "top must be lines");
-  return {lines.data(), int64_t(lines.shape(1)), int64_t(lines.shape(2)), top.data(), down.data(), int(taps)};
+  behind.lines = lines.data();
+  behind.count = int64_t(lines.shape(1));
+  behind.width = int64_t(lines.shape(2));
+  behind.top = top.data();
+  behind.down = down.data();
+  behind.taps = int(taps);
+  return behind;
 }
 
 void forward(sgi::Rasterizer &self, F32In2 means, F32In2 covariances, F32In2 colours, F32Out3 image, int x0, int y0,
@@ -89,11 +108,12 @@ void forward(sgi::Rasterizer &self, F32In2 means, F32In2 covariances, F32In2 col
 }
 
 void draw(sgi::Rasterizer &self, F32In2 means, F32In2 covariances, F32In2 colours, Pixels out, int x0, int y0,
-          float cutoff, F32In3 lines, I32In1 top, F32In2 down, F32In1 low, F32In1 span, bool clip) {
+          float cutoff, F32In3 lines, I32In1 top, F32In2 down, std::optional<F32In3> planes, F32In1 low, F32In1 span,
+          bool clip) {
   const sgi::Gaussians g = gaussians(means, covariances, colours);
   const sgi::View v = view_of(size_t(g.channels), out.shape(2), out.shape(0), out.shape(1), x0, y0);
   const sgi::Samples to = samples(out, low, span, clip);
-  const sgi::Background behind = background(lines, top, down, out);
+  const sgi::Background behind = background(lines, top, down, planes, out);
   nb::gil_scoped_release release;
   self.draw(g, v, cutoff, behind, to);
 }
@@ -142,7 +162,7 @@ void bind_raster(nb::module_ &m) {
           "isa"_a, "threads"_a, "most_pairs"_a)
       .def("forward", &forward, "means"_a, "covariances"_a, "colours"_a, "image"_a, "x0"_a, "y0"_a, "cutoff"_a)
       .def("draw", &draw, "means"_a, "covariances"_a, "colours"_a, "out"_a, "x0"_a, "y0"_a, "cutoff"_a, "lines"_a,
-           "top"_a, "down"_a, "low"_a, "span"_a, "clip"_a)
+           "top"_a, "down"_a, "planes"_a.none(), "low"_a, "span"_a, "clip"_a)
       .def("backward", &backward, "means"_a, "covariances"_a, "colours"_a, "grad"_a, "x0"_a, "y0"_a, "grad_means"_a,
            "grad_covariances"_a, "grad_colours"_a)
       .def("squared_error", &squared_error, "means"_a, "covariances"_a, "colours"_a, "target"_a, "x0"_a, "y0"_a,

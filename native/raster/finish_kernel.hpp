@@ -8,13 +8,15 @@ namespace sgi {
 
 constexpr int kMostChannels = 64;
 
-// What lies behind the Gaussians: row y is the sum over t < taps of down[y][t] * lines[c][top[y] + t].
+// What lies behind the Gaussians: row y is the sum over t < taps of down[y][t] * lines[c][top[y] + t], and of `planes`.
 struct Background {
   const float *lines;  // [C, count, width]
   int64_t count, width;
   const int32_t *top;  // [height]
   const float *down;   // [height, taps]
-  int taps;            // 0 for no background
+  int taps;            // 0 for no lines
+  const float *planes;  // [C, height, plane_width], null for none
+  int64_t height, plane_width;
 };
 
 enum class SampleType { u8, u16, f32 };

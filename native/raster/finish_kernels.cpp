@@ -103,10 +103,12 @@ template <class T>
 inline void finish_row(const float *from, int channel, int64_t row, int left, const Background &b, const Samples &s,
                        T *to) {
   const float *line = b.taps ? b.lines + (channel * b.count + b.top[row]) * b.width : nullptr;
+  const float *plane = b.planes ? b.planes + (channel * b.height + row) * b.plane_width : nullptr;
   for (int at = 0; at < kStrip; at += LANES) {
     Row values = load(from + at);
     for (int t = 0; t < b.taps; ++t)
       values += load_part(line + t * b.width, b.width, left + at) * b.down[row * b.taps + t];
+    if (plane) values += load_part(plane, b.plane_width, left + at);
     if (s.clip) values = clipped(values, 1.0f) * s.span[channel] + s.low[channel];
     convert(values, to + at);
   }

@@ -20,9 +20,10 @@ from sgicodec.errors import LimitError
 from sgicodec.model.base import base_colours
 from sgicodec.model.base_view import base_view
 from sgicodec.model.gaussians import model_gaussians
-from sgicodec.raster import Background, Mapping, NativeRasterizer, scaled
+from sgicodec.model.texture import TextureLayer
+from sgicodec.raster import Background, Mapping, NativeRasterizer, nothing_behind, scaled
 
-__all__ = ["BLOCK_COLUMNS", "BLOCK_SAMPLES", "TileRenderer", "joined_crc"]
+__all__ = ["BLOCK_COLUMNS", "BLOCK_SAMPLES", "TEXTURED_SAMPLES", "TileRenderer", "joined_crc"]
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -30,6 +31,9 @@ F64 = NDArray[np.float64]
 BLOCK_SAMPLES = 1 << 27
 BLOCK_COLUMNS = 1 << 16
 """A picture is drawn in blocks of no more samples and columns, each of which looks at all Gaussians."""
+
+TEXTURED_SAMPLES = 1 << 23
+"""And where there is texture in blocks of fewer: it is drawn to floats first."""
 
 _MOST_PAIRS = 1 << 24
 """Most (tile, Gaussian) pairs of a block; a sound one has a tenth at most."""
@@ -72,6 +76,7 @@ class TileRenderer:
         self.bits: Lookup[str, float] = {}
         self.symbol_crc = 0
         self.gaussians, self._colours = _nothing(own), np.zeros((own.spec.channels, 0, 0))
+        self._texture: TextureLayer | None = None
         self._scaled: tuple[View, _Gaussians] | None = None
         self._whole: _Whole | None = None
         if chunk.model is None:
@@ -80,6 +85,7 @@ class TileRenderer:
         self.bits, self.symbol_crc = coder.bits, coder.crc
         self.gaussians = _drawable(own, self.model, device)
         self._colours = base_colours(self.model.base, self.model.base_step)
+        self._texture = self.model.texture
 
     @property
     def memory(self) -> int:
@@ -87,6 +93,7 @@ class TileRenderer:
         drawing = (2 if self._scaled else 1) * sum(array.nbytes for array in self.gaussians)
         model = 16 * len(self.gaussians.means) * self.header.spec.attributes if self.model else 0
         drawing += 0 if self._whole is None else self._whole.samples.nbytes
+        drawing += 0 if self._texture is None else self._texture.memory
         return drawing + model + self._colours.nbytes + (0 if self.mask is None else self.mask.nbytes)
 
     def release_model(self) -> None:
@@ -136,18 +143,31 @@ class TileRenderer:
         raster = NativeRasterizer(device, most_pairs=_MOST_PAIRS)
         rows, columns, _ = out.shape
         width = min(columns, BLOCK_COLUMNS)
-        height = max(1, BLOCK_SAMPLES // (width * spec.channels))
+        most = BLOCK_SAMPLES if self._texture is None else TEXTURED_SAMPLES
+        height = max(1, most // (width * spec.channels))
         for top, left in product(range(0, rows, height), range(0, columns, width)):
             block = out[top : top + height, left : left + width]
             first = at[0] + left, at[1] + top
-            background = None
-            if self._colours.size:
-                size = block.shape[1], block.shape[0]
-                background = Background(*base_view(self._colours, spec.base_cell, start, scale, first, size, device))
+            background = self._background(start, scale, first, (block.shape[1], block.shape[0]), device)
             try:
                 raster.draw(*gaussians, block, (origin[0] + first[0], origin[1] + first[1]), background, mapping)
             except OverflowError as error:
                 raise LimitError("the Gaussians cover too much of the picture; decode smaller regions") from error
+
+    def _background(
+        self,
+        start: tuple[float, float],
+        scale: tuple[float, float],
+        first: tuple[int, int],
+        size: tuple[int, int],
+        device: Device,
+    ) -> Background | None:
+        """Base layer and texture of a block, whichever there is; parameters as of `base_view`."""
+        channels, cell = self.header.spec.channels, self.header.spec.base_cell
+        texture = None if self._texture is None else self._texture.draw(start, scale, first, size, device)
+        if self._colours.size:
+            return Background(*base_view(self._colours, cell, start, scale, first, size, device), texture)
+        return None if texture is None else nothing_behind(channels, texture)
 
     def _seen(self, view: View) -> _Gaussians:
         if _is_plain(view):

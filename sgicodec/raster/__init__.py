@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.errors import UsageError
-from sgicodec.raster.backend import DEFAULT_CUTOFF, Backend, Background, Mapping
+from sgicodec.raster.backend import DEFAULT_CUTOFF, Backend, Background, Mapping, nothing_behind
 from sgicodec.raster.cpu import NativeRasterizer
 from sgicodec.raster.reference import ReferenceRasterizer
 from sgicodec.raster.rescaling import scaled
@@ -22,6 +22,7 @@ __all__ = [
     "Mapping",
     "NativeRasterizer",
     "ReferenceRasterizer",
+    "nothing_behind",
     "rasterize",
     "scaled",
 ]

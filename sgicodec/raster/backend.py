@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["DEFAULT_CUTOFF", "Backend", "Background", "Mapping"]
+__all__ = ["DEFAULT_CUTOFF", "Backend", "Background", "Mapping", "nothing_behind"]
 
 F32 = NDArray[np.float32]
 
@@ -18,21 +18,31 @@ Array = TypeVar("Array")
 
 
 class Background(NamedTuple):
-    """What is behind the Gaussians: row i is the sum over t of down[i, t] · lines[:, top[i] + t].
+    """What is behind the Gaussians: row i is the sum over t of down[i, t] · lines[:, top[i] + t], and of `planes`.
 
-    lines [C, L, width], top [height], down [height, T].
+    lines [C, L, width], top [height], down [height, T], empty for no lines; planes [C, height, width] or None.
     """
 
     lines: F32
     top: NDArray[np.int32]
     down: F32
+    planes: F32 | None = None
 
     @property
     def image(self) -> F32:
         """The same as an image [C, height, width]."""
         taps = range(self.down.shape[1])
         rows = (self.lines[:, self.top + tap] * self.down[:, tap, None] for tap in taps)
-        return sum(rows, np.zeros((len(self.lines), len(self.top), self.lines.shape[2]), np.float32))
+        behind = sum(rows, np.zeros((len(self.lines), len(self.top), self.lines.shape[2]), np.float32))
+        if self.planes is None:
+            return behind
+        return behind + self.planes if self.lines.size else self.planes
+
+
+def nothing_behind(channels: int, planes: F32 | None = None) -> Background:
+    """A background without lines."""
+    lines = np.zeros((channels, 0, 0), np.float32), np.zeros(0, np.int32), np.zeros((0, 0), np.float32)
+    return Background(*lines, planes)
 
 
 class Mapping(NamedTuple):

@@ -9,15 +9,11 @@ from numpy.typing import NDArray
 
 from sgicodec import _native
 from sgicodec.device import ALL_CORES, Device
-from sgicodec.raster.backend import DEFAULT_CUTOFF, Background, Mapping
+from sgicodec.raster.backend import DEFAULT_CUTOFF, Background, Mapping, nothing_behind
 
 __all__ = ["NativeRasterizer"]
 
 F32 = NDArray[np.float32]
-
-
-def _nothing_behind(channels: int) -> Background:
-    return Background(np.zeros((channels, 0, 0), np.float32), np.zeros(0, np.int32), np.zeros((0, 0), np.float32))
 
 
 MOST_PAIRS = 1 << 28
@@ -83,9 +79,11 @@ class NativeRasterizer:
         channels = colours.shape[1]
         nothing = np.zeros(channels, np.float32)
         low, span = mapping or (nothing, nothing)
-        lines, top, down = background or _nothing_behind(channels)
+        lines, top, down, planes = background or nothing_behind(channels)
         clip = mapping is not None
-        self._raster.draw(means, covariances, colours, out, *origin, self.cutoff, lines, top, down, low, span, clip)
+        self._raster.draw(
+            *(means, covariances, colours, out, *origin, self.cutoff), *(lines, top, down, planes), *(low, span, clip)
+        )
 
     def backward(
         self, means: F32, covariances: F32, colours: F32, grad: F32, origin: tuple[int, int] = (0, 0)

@@ -27,6 +27,7 @@ from sgicodec.model.network import DIFFERENCE_SHIFT, IntNetwork
 from sgicodec.model.quantization import FRACTION_BITS, STEP_COUNT
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import StepPlan, default_plan, follows_amplitude
+from sgicodec.model.texture import TextureLayer
 
 __all__ = ["DECODER_SHIFT", "TileModel", "code_networks", "read_tile", "write_tile"]
 
@@ -41,7 +42,7 @@ _SHIFT_BITS, _GAMMA_BITS, _STEP_BITS = 5, 6, 8
 @dataclass
 class TileModel:
     """A model as the stream holds it. attributes: float by group [N, size] on the way in; decoded: [N, d_A] in units of
-    2^-24 on the way out. base: integer grid [C, rows, columns] in steps of index `base_step`.
+    2^-24 on the way out. base: integer grid [C, rows, columns] in steps of index `base_step`. texture: None for none.
     """
 
     layout: SeedLayout
@@ -53,6 +54,7 @@ class TileModel:
     hash_tables: list[I64]
     attributes: dict[str, F64] | None = None
     decoded: I64 | None = None
+    texture: TextureLayer | None = None
 
     @property
     def decoded_values(self) -> F64:

@@ -4,8 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from textures import random_layer
 
 from sgicodec import open_stream
+from sgicodec.decoder import tile_renderer
 from sgicodec.decoder.compositor import sample_mapping
 from sgicodec.decoder.tile_renderer import TileRenderer
 from sgicodec.decoder.view import View, view_of
@@ -44,6 +46,26 @@ def test_whole_or_in_parts(name: str, scale: float, inset: int) -> None:
     np.testing.assert_array_equal(
         parts(tile, view, None, np.float32, whole=True), parts(tile, view, None, np.float32, whole=False)
     )
+
+
+@pytest.mark.parametrize("name", ["rgb8", "gray16"])
+@pytest.mark.parametrize("scale", [None, 0.4, 1.7])
+def test_texture_is_added(name: str, scale: float | None, monkeypatch: pytest.MonkeyPatch) -> None:
+    with open_stream(GOLDEN / f"{name}.sgi") as stream:
+        tile, header = stream.tile(0), stream.header
+        view = view_of(header, None, scale, None)
+    layer = random_layer(header.spec.channels, header.width, header.height)
+    size = view.columns, view.rows
+    planes = layer.draw(scale=(view.sx, view.sy), size=size)
+    expected = parts(tile, view, None, np.float32, whole=False) + planes.transpose(1, 2, 0)
+    memory = tile.memory
+    tile._texture = layer
+    assert tile.memory == memory + layer.memory
+    drawn = parts(tile, view, None, np.float32, whole=False)
+    assert planes.std() > 0.02
+    np.testing.assert_allclose(drawn, expected, atol=1e-6)
+    monkeypatch.setattr(tile_renderer, "TEXTURED_SAMPLES", 2000)
+    np.testing.assert_array_equal(parts(tile, view, None, np.float32, whole=False), drawn)
 
 
 def test_full_size_is_drawn_as_it_is_asked_for() -> None:

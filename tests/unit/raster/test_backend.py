@@ -34,7 +34,9 @@ def test_back_ends_draw_alike(dtype: type[np.generic], mapped: bool) -> None:
     rng = np.random.default_rng(3)
     scene = random_scene(rng, 20, 3, 30, 20)
     lines = rng.uniform(0, 0.5, (3, 5, 30)).astype(np.float32)
-    background = Background(lines, rng.integers(0, 4, 20).astype(np.int32), rng.random((20, 2)).astype(np.float32))
+    planes = rng.uniform(-0.2, 0.2, (3, 20, 30)).astype(np.float32)
+    down = rng.random((20, 2)).astype(np.float32)
+    background = Background(lines, rng.integers(0, 4, 20).astype(np.int32), down, planes)
     mapping = Mapping(np.zeros(3, np.float32), np.full(3, 255, np.float32)) if mapped else None
     images = []
     for backend, kind in ((NativeRasterizer(cutoff=7.0), np.float32), (ReferenceRasterizer(), np.float64)):

@@ -5,7 +5,7 @@ import pytest
 from scenes import ISAS, Scene, random_scene
 
 from sgicodec.device import Device
-from sgicodec.raster import Background, Mapping, NativeRasterizer
+from sgicodec.raster import Background, Mapping, NativeRasterizer, nothing_behind
 
 WIDTH, HEIGHT = 75, 51
 
@@ -16,11 +16,13 @@ def scene_of(channels: int) -> Scene:
     return random_scene(np.random.default_rng(channels), 60, channels, WIDTH, HEIGHT)
 
 
-def background_of(channels: int, width: int = WIDTH, height: int = HEIGHT) -> Background:
+def background_of(
+    channels: int, width: int = WIDTH, height: int = HEIGHT, planes: np.ndarray | None = None
+) -> Background:
     rng = np.random.default_rng(1)
     lines = rng.uniform(0, 0.5, (channels, 9, width)).astype(np.float32)
     return Background(
-        lines, np.sort(rng.integers(0, 6, height)).astype(np.int32), rng.random((height, 3)).astype(np.float32)
+        lines, np.sort(rng.integers(0, 6, height)).astype(np.int32), rng.random((height, 3)).astype(np.float32), planes
     )
 
 
@@ -30,6 +32,8 @@ def image_of(raster: NativeRasterizer, scene: Scene, background: Background, ori
     image = raster.forward(*scene, width, height, origin)
     for tap in range(background.down.shape[1]):
         image += background.lines[:, background.top + tap] * background.down[:, tap, None]
+    if background.planes is not None:
+        image += background.planes
     return image.transpose(1, 2, 0)
 
 
@@ -76,6 +80,22 @@ def test_ties_go_to_even_and_not_a_number_to_zero(isa: str) -> None:
     assert out.ravel().tolist() == [0, 2, 2, 254, 0, 0, 255]
 
 
+@every_isa
+@pytest.mark.parametrize("channels", [1, 3])
+@pytest.mark.parametrize("has_lines", [True, False])
+def test_planes_are_added_behind(isa: str, channels: int, has_lines: bool) -> None:
+    raster, scene = NativeRasterizer(Device(2, isa)), scene_of(channels)
+    planes = np.random.default_rng(5).normal(size=(channels, HEIGHT, WIDTH)).astype(np.float32)
+    background = background_of(channels, planes=planes) if has_lines else nothing_behind(channels, planes)
+    out = np.empty((HEIGHT, WIDTH, channels), np.float32)
+    raster.draw(*scene, out, (5, -3), background)
+    if has_lines:
+        expected = image_of(raster, scene, background, (5, -3))
+    else:
+        expected = (raster.forward(*scene, WIDTH, HEIGHT, (5, -3)) + planes).transpose(1, 2, 0)
+    np.testing.assert_array_equal(out, expected)
+
+
 def test_writes_into_a_part_of_a_picture() -> None:
     raster, scene, background = NativeRasterizer(Device(2)), scene_of(3), background_of(3, 20, 11)
     whole = np.full((HEIGHT, WIDTH, 3), 9, np.uint8)
@@ -88,7 +108,7 @@ def test_writes_into_a_part_of_a_picture() -> None:
     assert np.all(whole == 9)
 
 
-@pytest.mark.parametrize("wrong", ["dtype", "columns", "top", "taps", "low", "unmapped"])
+@pytest.mark.parametrize("wrong", ["dtype", "columns", "top", "taps", "low", "unmapped", "planes"])
 def test_refuses_what_does_not_fit(wrong: str) -> None:
     scene, background = scene_of(3), background_of(3)
     out = np.empty((HEIGHT, WIDTH, 3), np.float64 if wrong == "dtype" else np.uint8)
@@ -100,5 +120,7 @@ def test_refuses_what_does_not_fit(wrong: str) -> None:
         background = background._replace(top=background.top + np.int32(6))
     elif wrong == "taps":
         background = background._replace(down=background.down[1:].copy())
+    elif wrong == "planes":
+        background = background._replace(planes=np.zeros((3, HEIGHT, WIDTH - 1), np.float32))
     with pytest.raises(ValueError, match="must be"):
         NativeRasterizer().draw(*scene, out, (0, 0), background, mapping)
