@@ -15,6 +15,7 @@ BENCHMARKS = {
     "speed": ("benchmarks.speed", "Seconds to encode, decode and start, on pictures."),
     "profile": ("benchmarks.profile", "Where the time of an encode or a decode goes, by module."),
     "raster": ("benchmarks.raster", "The native rasteriser's passes, next to the peak of the cores."),
+    "texture": ("benchmarks.texture", "The drawing of texture layers."),
     "views": ("benchmarks.views", "What small views cost, and how near they are to the whole model."),
     "variants": ("benchmarks.variants", "How a change of settings changes J = D + λR of whole streams."),
     "distortion": ("benchmarks.distortion", "What a distortion gains, and through which stage."),
