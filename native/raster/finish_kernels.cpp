@@ -99,34 +99,40 @@ inline void write_row(const T *planes, int channels, int first, int last, T *to)
 }
 
 // A row of one channel: `row` counts in the view, `from` holds the tile's values.
-template <class T>
+template <bool PLANES, class T>
 inline void finish_row(const float *from, int channel, int64_t row, int left, const Background &b, const Samples &s,
                        T *to) {
   const float *line = b.taps ? b.lines + (channel * b.count + b.top[row]) * b.width : nullptr;
-  const float *plane = b.planes ? b.planes + (channel * b.height + row) * b.plane_width : nullptr;
+  const float *plane = PLANES ? b.planes + (channel * b.height + row) * b.plane_width : nullptr;
   for (int at = 0; at < kStrip; at += LANES) {
     Row values = load(from + at);
     for (int t = 0; t < b.taps; ++t)
       values += load_part(line + t * b.width, b.width, left + at) * b.down[row * b.taps + t];
-    if (plane) values += load_part(plane, b.plane_width, left + at);
+    if (PLANES) values += load_part(plane, b.plane_width, left + at);
     if (s.clip) values = clipped(values, 1.0f) * s.span[channel] + s.low[channel];
     convert(values, to + at);
   }
 }
 
-template <class T>
-void finish_as(const float *tile, int channels, const TileRect &r, const Background &b, const Samples &s) {
+template <bool PLANES, class T>
+void finish_planes_as(const float *tile, int channels, const TileRect &r, const Background &b, const Samples &s) {
   T planes[kMostChannels * kStrip];
   for (int y = r.row0; y < r.row1; ++y) {
     const int64_t row = int64_t(r.y) + y;
     for (int strip = r.col0 / kStrip * kStrip; strip < r.col1; strip += kStrip) {
       for (int c = 0; c < channels; ++c)
-        finish_row(tile + c * kTilePlane + y * kTileStride + strip, c, row, r.x + strip, b, s, planes + c * kStrip);
+        finish_row<PLANES>(tile + c * kTilePlane + y * kTileStride + strip, c, row, r.x + strip, b, s,
+                           planes + c * kStrip);
       const int first = strip < r.col0 ? r.col0 - strip : 0, last = r.col1 - strip < kStrip ? r.col1 - strip : kStrip;
       T *to = static_cast<T *>(s.first) + row * s.row_stride + int64_t(r.x + strip + first) * channels;
       write_row(planes, channels, first, last, to);
     }
   }
+}
+
+template <class T>
+void finish_as(const float *tile, int channels, const TileRect &r, const Background &b, const Samples &s) {
+  b.planes ? finish_planes_as<true, T>(tile, channels, r, b, s) : finish_planes_as<false, T>(tile, channels, r, b, s);
 }
 
 void finish(const float *tile, int channels, const TileRect &rect, const Background &background,
