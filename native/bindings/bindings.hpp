@@ -12,4 +12,5 @@ void bind_raster(nanobind::module_ &m);
 void bind_rdoq(nanobind::module_ &m);
 void bind_reading(nanobind::module_ &m);
 void bind_texture(nanobind::module_ &m);
+void bind_texture_coding(nanobind::module_ &m);
 void bind_tree(nanobind::module_ &m);

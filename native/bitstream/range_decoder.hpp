@@ -46,6 +46,20 @@ class RangeDecoder {
   // Equally likely values of 1 to 16 bits.
   bool decode_uniform(int bits, int64_t count, int32_t *out);
 
+  // A bit that is 1 with a probability of one / 2^16, 0 < one < 2^16. False where the payload does not decode.
+  bool decode_bit(uint32_t one, int &bit) {
+    const uint64_t scale = range_ >> 24, zero = uint64_t((1 << 16) - one) << 8, split = scale * zero;
+    bit = offset_ >= split;
+    if (bit) offset_ -= split;
+    range_ = bit ? scale * (uint64_t(one) << 8) : split;
+    if (offset_ >= range_) return false;
+    if (range_ >> 32 == 0) {
+      range_ <<= 32;
+      offset_ = offset_ << 32 | next_word();
+    }
+    return true;
+  }
+
   // Whether an encoder may have ended here: nothing is left over.
   bool maybe_exhausted() const;
 

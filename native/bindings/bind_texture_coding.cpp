@@ -1,0 +1,180 @@
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/tuple.h>
+
+#include <array>
+#include <algorithm>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "bindings/arrays.hpp"
+#include "bindings/bindings.hpp"
+#include "bitstream/texture_cells.hpp"
+#include "bitstream/texture_stream.hpp"
+#include "rdoq/texture_search.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using sgi::Array;
+using sgi::as_array;
+using sgi::BitModels;
+using sgi::has_shape;
+using sgi::require;
+using sgi::TextureField;
+
+namespace {
+
+using Size = std::pair<int64_t, int64_t>;
+using LogSizes = Array<const uint8_t, 2>;
+using Contrasts = Array<const int8_t, 2>;
+using SymbolPlanes = Array<const int16_t, 3>;
+
+void require_size(Size size, size_t channels) {
+  require(size.first > 0 && size.second > 0 && size.first < (1 << 30) && size.second < (1 << 30), "a tile has pixels");
+  require(channels >= 1 && channels <= 64, "1 to 64 channels");
+}
+
+// A leaf fills its place in the quadtree.
+void require_tree(const TextureField &field) {
+  for (int64_t y = 0; y < field.height; y += sgi::kUnit)
+    for (int64_t x = 0; x < field.width; x += sgi::kUnit) {
+      const int log = field.log_size[field.unit(x, y)];
+      require(log == 0 || (log >= sgi::kTextureLeast && log <= sgi::kTextureRoot), "log_size must be 0, 3, 4 or 5");
+      if (!log) continue;
+      const int64_t side = int64_t(1) << log, left = x & ~(side - 1), top = y & ~(side - 1);
+      require(field.log_size[field.unit(left, top)] == log && (x == left || field.log_size[field.unit(x - 8, y)] == log) &&
+                  (y == top || field.log_size[field.unit(x, y - 8)] == log),
+              "cells must fill their places");
+    }
+}
+
+TextureField field_of(const LogSizes &log_size, const Contrasts &contrast, const SymbolPlanes &symbols) {
+  const int64_t down = int64_t(contrast.shape(0)), across = int64_t(contrast.shape(1));
+  require(has_shape(log_size, size_t(down * 4), size_t(across * 4)) && symbols.shape(1) == size_t(down * 32) &&
+              symbols.shape(2) == size_t(across * 32) && symbols.shape(0) >= 1 && symbols.shape(0) <= 64,
+          "contrast [h, w] of roots, log_size [4 h, 4 w], symbols [C, 32 h, 32 w]");
+  TextureField field(across, down, int(symbols.shape(0)));
+  std::copy_n(log_size.data(), log_size.size(), field.log_size.begin());
+  std::copy_n(contrast.data(), contrast.size(), field.contrast.begin());
+  std::copy_n(symbols.data(), symbols.size(), field.symbols.begin());
+  require_tree(field);
+  for (const int8_t index : field.contrast)
+    require(std::abs(int(index)) <= sgi::kContrastLimit, "contrasts must be -15..15");
+  return field;
+}
+
+void require_field(const TextureField &field, Size size) {
+  require(field.width == sgi::texture_roots(size.first) * 32 && field.height == sgi::texture_roots(size.second) * 32,
+          "the layer must have the roots of the tile");
+}
+
+auto arrays_of(TextureField field) {
+  const auto down = size_t(field.height), across = size_t(field.width);
+  return std::tuple(as_array<uint8_t>(std::move(field.log_size), std::array{down / 8, across / 8}),
+                    as_array<int8_t>(std::move(field.contrast), std::array{down / 32, across / 32}),
+                    as_array<int16_t>(std::move(field.symbols), std::array{size_t(field.channels), down, across}));
+}
+
+auto numbers(std::vector<int32_t> values) {
+  const std::array shape{values.size()};
+  return as_array<int32_t>(std::move(values), shape);
+}
+
+sgi::TextureSteps steps_of(const Array<const float, 1> &steps, std::pair<float, float> slope) {
+  for (size_t i = 0; i < steps.size(); ++i) require(steps.data()[i] > 0, "steps must be positive");
+  require(slope.first >= 0 && slope.second >= 0, "slopes must not be negative");
+  return {{steps.data(), steps.data() + steps.size()}, {slope.first, slope.second}};
+}
+
+class TextureModels {
+ public:
+  TextureModels() : models_(sgi::fresh_texture_models()) {}
+  explicit TextureModels(nb::bytes state) : TextureModels() {
+    require(models_.set_state(reinterpret_cast<const uint8_t *>(state.data()), int64_t(state.size())),
+            "these are not texture models");
+  }
+
+  nb::bytes state() const {
+    const std::vector<uint8_t> bytes = models_.state();
+    return nb::bytes(reinterpret_cast<const char *>(bytes.data()), bytes.size());
+  }
+
+  void settle(int most) { models_.settle(most); }
+
+  void learn(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, Size size, bool has_contrast) {
+    const TextureField field = field_of(log_size, contrast, symbols);
+    require_field(field, size);
+    sgi::write_texture(models_, field, size.first, size.second, has_contrast);
+  }
+
+  auto write(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, Size size, bool has_contrast) const {
+    const TextureField field = field_of(log_size, contrast, symbols);
+    require_field(field, size);
+    BitModels models = models_;
+    sgi::TextureBits written = sgi::write_texture(models, field, size.first, size.second, has_contrast);
+    const double content = written.bits.account.total();
+    return std::tuple(numbers(std::move(written.bits.bits)), numbers(std::move(written.bits.ones)),
+                      numbers(std::move(written.symbols)), content);
+  }
+
+  auto read(sgi::RangeDecoder &decoder, Size size, int channels, bool has_contrast) const {
+    require_size(size, size_t(channels));
+    sgi::TextureRead read = [&] {
+      nb::gil_scoped_release release;
+      return sgi::read_texture(models_, decoder, size.first, size.second, channels, has_contrast);
+    }();
+    return std::tuple(read.sound, arrays_of(std::move(read.field)), numbers(std::move(read.symbols)), read.content);
+  }
+
+  auto search(Array<const float, 3> planes, Size size, Contrasts contrast, Array<const float, 1> steps,
+              std::pair<float, float> slope, float lmbda, int least_log, bool has_contrast, int threads) const {
+    require_size(size, planes.shape(0));
+    const auto across = size_t(sgi::texture_roots(size.first)), down = size_t(sgi::texture_roots(size.second));
+    require(planes.shape(1) == down * 32 && planes.shape(2) == across * 32 && has_shape(contrast, down, across) &&
+                steps.size() == planes.shape(0),
+            "planes [C, 32 h, 32 w], contrast [h, w], steps [C]");
+    require(least_log >= sgi::kTextureLeast && least_log <= sgi::kTextureRoot && lmbda >= 0, "least_log 3, 4 or 5");
+    const sgi::TextureSteps all = steps_of(steps, slope);
+    sgi::TextureFound found = [&] {
+      nb::gil_scoped_release release;
+      return sgi::search_texture(models_, planes.data(), size.first, size.second, contrast.data(), all,
+                                 {lmbda, least_log, has_contrast, threads});
+    }();
+    return std::tuple(arrays_of(std::move(found.field)), found.bits, found.count, found.excess);
+  }
+
+ private:
+  BitModels models_;
+};
+
+auto texture_cells(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, Array<const float, 1> steps,
+                   std::pair<float, float> slope, std::array<float, 3> excess) {
+  require(steps.size() == symbols.shape(0), "steps [C]");
+  sgi::TextureCells cells =
+      sgi::texture_cells(field_of(log_size, contrast, symbols), steps_of(steps, slope), excess.data());
+  const size_t count = cells.log_size.size(), values = cells.amplitudes.size();
+  return std::tuple(as_array<int32_t>(std::move(cells.corner), std::array{count, size_t(2)}),
+                    as_array<uint8_t>(std::move(cells.log_size), std::array{count}),
+                    as_array<float>(std::move(cells.amplitudes), std::array{values}));
+}
+
+}  // namespace
+
+void bind_texture_coding(nb::module_ &m) {
+  nb::class_<TextureModels>(m, "TextureModels")
+      .def(nb::init<>())
+      .def(nb::init<nb::bytes>(), "state"_a)
+      .def("state", &TextureModels::state)
+      .def("settle", &TextureModels::settle, "most"_a)
+      .def("learn", &TextureModels::learn, "log_size"_a, "contrast"_a, "symbols"_a, "size"_a, "has_contrast"_a)
+      .def("write", &TextureModels::write, "log_size"_a, "contrast"_a, "symbols"_a, "size"_a, "has_contrast"_a,
+           "Bits, their P(1) in 2^-16, all symbols in coding order, information content.")
+      .def("read", &TextureModels::read, "decoder"_a, "size"_a, "channels"_a, "has_contrast"_a,
+           "Whether it is sound; log_size, contrast and symbols; all symbols in coding order; information content.")
+      .def("search", &TextureModels::search, "planes"_a, "size"_a, "contrast"_a, "steps"_a, "slope"_a, "lmbda"_a,
+           "least_log"_a, "has_contrast"_a, "threads"_a,
+           "log_size, contrast and symbols; bits; by magnitude 1, 2 and more the symbols and the sum of their excess.");
+  m.def("texture_cells", &texture_cells, "log_size"_a, "contrast"_a, "symbols"_a, "steps"_a, "slope"_a, "excess"_a,
+        "Corners, log2 of sides, amplitudes.");
+}

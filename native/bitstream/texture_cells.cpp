@@ -1,0 +1,57 @@
+#include "bitstream/texture_cells.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace sgi {
+
+namespace {
+
+class Collection {
+ public:
+  Collection(const TextureField &field, const TextureSteps &steps, const float *excess)
+      : field_(field), steps_(steps), excess_(excess) {}
+
+  void node(const TextureCell &cell) {
+    const int log = field_.log_size[field_.unit(cell.x, cell.y)];
+    if (log == cell.log) return leaf(cell);
+    if (cell.log == kTextureLeast) return;
+    for (int number = 0; number < 4; ++number) node(cell.child(number));
+  }
+
+  TextureCells found;
+
+ private:
+  void leaf(const TextureCell &cell) {
+    found.corner.insert(found.corner.end(), {int32_t(cell.x), int32_t(cell.y)});
+    found.log_size.push_back(uint8_t(cell.log));
+    for (int channel = 0; channel < field_.channels; ++channel) amplitudes(cell, channel);
+  }
+
+  void amplitudes(const TextureCell &cell, int channel) {
+    const float step = steps_.of(channel, field_.contrast[field_.root(cell.x, cell.y)]);
+    const float *growth = steps_.growth(channel, cell.log);
+    const int16_t *symbols = field_.at(channel, cell);
+    for (int v = 0; v < cell.side(); ++v)
+      for (int u = 0; u < cell.side(); ++u) {
+        const int symbol = symbols[v * field_.width + u];
+        const float magnitude = symbol ? float(std::abs(symbol)) + excess_[std::min(std::abs(symbol), 3) - 1] : 0;
+        found.amplitudes.push_back((symbol < 0 ? -magnitude : magnitude) * step * growth[u + v]);
+      }
+  }
+
+  const TextureField &field_;
+  const TextureSteps &steps_;
+  const float *excess_;
+};
+
+}  // namespace
+
+TextureCells texture_cells(const TextureField &field, const TextureSteps &steps, const float *excess) {
+  Collection all(field, steps, excess);
+  for (int64_t y = 0; y < field.height; y += 1 << kTextureRoot)
+    for (int64_t x = 0; x < field.width; x += 1 << kTextureRoot) all.node({x, y, kTextureRoot});
+  return std::move(all.found);
+}
+
+}  // namespace sgi

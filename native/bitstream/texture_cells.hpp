@@ -1,0 +1,20 @@
+// A texture layer's cells and amplitudes, as what draws takes them.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "bitstream/texture_field.hpp"
+#include "model/texture_steps.hpp"
+
+namespace sgi {
+
+struct TextureCells {
+  std::vector<int32_t> corner;    // [N, 2]
+  std::vector<uint8_t> log_size;  // [N]
+  std::vector<float> amplitudes;  // of each cell [C, n, n]
+};
+
+// Cells in coding order. excess: what is added to the magnitude of symbols ±1, ±2, and all larger ones.
+TextureCells texture_cells(const TextureField &field, const TextureSteps &steps, const float *excess);
+
+}  // namespace sgi

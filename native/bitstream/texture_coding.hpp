@@ -1,0 +1,122 @@
+// The order in which a texture layer is coded, for writers and readers alike (docs/format.md, "Texture").
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "bitstream/texture_bits.hpp"
+#include "bitstream/texture_context.hpp"
+
+namespace sgi {
+
+using CellSymbols = std::array<int16_t, 1 << (2 * kTextureRoot)>;  // [n, n] of a cell of side n
+
+// What a node of the quadtree is; the smallest cells are never split.
+enum Node { kNoTexture, kTextureLeaf, kSplitNode };
+
+// Codes a layer part by part. `Bits` records bits that it is given, or reads bits whatever it is given. `field` holds
+// what has been coded so far; who calls puts the decoded parts there.
+template <class Bits>
+class TextureCoding {
+ public:
+  TextureCoding(BitModels &models, TextureField &field, Bits &bits) : models_(models), field_(field), bits_(bits) {}
+
+  // Everything coded so far but how it is spelled: nodes, contrasts less the ones before, extents and symbols.
+  std::vector<int32_t> symbols;
+  bool sound() const { return sound_; }
+
+  int node(const TextureCell &cell, int what) {
+    int coded = bit(cell_context(field_, cell, CellBit::kTextured), what != kNoTexture);
+    if (coded && cell.log > kTextureLeast)
+      coded += bit(cell_context(field_, cell, CellBit::kSplit), what == kSplitNode);
+    symbols.push_back(coded);
+    return coded;
+  }
+
+  // The contrast of a root; the last one is what the next is compared with.
+  int contrast(int value) {
+    const int difference = value - last_contrast_;
+    int coded = bit(contrast_context(0), difference != 0);
+    if (coded) {
+      const int sign = bit(contrast_context(1), difference < 0);
+      while (sound_ && coded < 2 * kContrastLimit && bit(contrast_context(1 + coded), std::abs(difference) > coded))
+        ++coded;
+      coded = sign ? -coded : coded;
+    }
+    symbols.push_back(coded);
+    last_contrast_ += coded;
+    sound_ = sound_ && std::abs(last_contrast_) <= kContrastLimit;
+    return last_contrast_;
+  }
+
+  // A channel's symbols of a cell; the last diagonal with any, -1 for none. Those beyond it stay as they are.
+  int block(const TextureCell &cell, int channel, int last, CellSymbols &values) {
+    last = extent(ExtentContext(field_, cell, channel), cell.log, last + 1) - 1;
+    sound_ = sound_ && last < 2 * cell.side() - 1;
+    if (last < 0 || !sound_) return -1;
+    const SymbolContext context(field_, cell, channel, last);
+    magnitudes_.fill(0);
+    for (const int index : texture_scan(cell.log)) {
+      const int u = index & (cell.side() - 1), v = index >> cell.log;
+      if (u + v > last || !sound_) break;
+      values[index] = int16_t(symbol(context.at(magnitudes_.data(), u, v), values[index]));
+      magnitudes_[index] = int16_t(std::abs(values[index]));
+    }
+    return last;
+  }
+
+ private:
+  int bit(const BitContext &context, int value) {
+    const Prediction prediction = models_.predict(context);
+    sound_ = sound_ && bits_.code(prediction.one, value);
+    models_.update(context, prediction, value);
+    return value;
+  }
+
+  int even(int value) {
+    sound_ = sound_ && bits_.code(kEvenOdds, value);
+    return value;
+  }
+
+  int extent(const ExtentContext &context, int log, int value) {
+    int node = 1;
+    for (int place = log; place >= 0; --place) node = 2 * node + bit(context.at(node), value >> place & 1);
+    symbols.push_back(node - (2 << log));
+    return symbols.back();
+  }
+
+  int symbol(const BitContext &context, int value) {
+    const int magnitude = std::abs(value);
+    int coded = 0;
+    while (coded < kMagnitudeBits && bit(SymbolContext::later(context, coded), magnitude > coded)) ++coded;
+    if (coded == kMagnitudeBits) coded += rest(magnitude - coded);
+    if (coded && even(value < 0)) coded = -coded;
+    symbols.push_back(coded);
+    return coded;
+  }
+
+  // Exp-Golomb: of value + 1 the number of binary digits in unary, then all but the first.
+  int rest(int value) {
+    int digits = 0;
+    while (even((value + 1) >> (digits + 1) != 0)) {
+      if (!sound_ || ++digits > kRestDigits) {
+        sound_ = false;
+        return 0;
+      }
+    }
+    int coded = 1;
+    for (int place = digits - 1; place >= 0; --place) coded = 2 * coded + even((value + 1) >> place & 1);
+    return coded - 1;
+  }
+
+  static constexpr int kRestDigits = 13;  // keeps magnitudes below 2^14 + 8
+
+  BitModels &models_;
+  TextureField &field_;
+  Bits &bits_;
+  bool sound_ = true;
+  int last_contrast_ = 0;
+  CellSymbols magnitudes_;
+};
+
+}  // namespace sgi

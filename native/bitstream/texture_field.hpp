@@ -1,0 +1,56 @@
+// The symbols of a texture layer as planes: those of a cell of side n are where its pixels are, [n, n] by frequency.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "model/texture_axis.hpp"
+
+namespace sgi {
+
+constexpr int kUnitLog = kTextureLeast, kUnit = 1 << kUnitLog;  // maps count in units, the smallest cells
+constexpr int kTextureMost = (1 << 15) - 1;                     // of a symbol's magnitude
+constexpr int kContrastLimit = 15;                              // of a root's contrast, either way
+
+// A node of the quadtree.
+struct TextureCell {
+  int64_t x, y;  // pixels
+  int log;
+
+  int side() const { return 1 << log; }
+  TextureCell child(int number) const {
+    const int half = side() / 2;
+    return {x + (number & 1) * half, y + (number >> 1) * half, log - 1};
+  }
+};
+
+struct TextureField {
+  TextureField(int64_t roots_across, int64_t roots_down, int channels);
+
+  int64_t width, height;  // pixels, of all roots
+  int channels;
+  std::vector<uint8_t> log_size;  // [height, width] / unit: of the cell with texture that lies there, else 0
+  std::vector<int8_t> contrast;   // [height, width] / 32: the index that scales a root's steps
+  std::vector<int16_t> symbols;   // [C, height, width]
+  std::vector<uint8_t> extent;    // [C, height, width] / unit: of 16, how far up the frequencies go
+
+  int64_t units() const { return width / kUnit; }
+  int64_t unit(int64_t x, int64_t y) const { return (y >> kUnitLog) * units() + (x >> kUnitLog); }
+  int64_t root(int64_t x, int64_t y) const { return (y >> kTextureRoot) * (width >> kTextureRoot) + (x >> kTextureRoot); }
+  int64_t unit_count() const { return int64_t(log_size.size()); }
+  int16_t *at(int channel, const TextureCell &cell) { return &symbols[(channel * height + cell.y) * width + cell.x]; }
+  const int16_t *at(int channel, const TextureCell &cell) const {
+    return &symbols[(channel * height + cell.y) * width + cell.x];
+  }
+
+  // Says that a cell holds texture, or with log 0 none.
+  void mark(const TextureCell &cell, int log);
+  // Sets a channel's symbols [n, n] of a cell whose last diagonal with a symbol is `last`, -1 for none.
+  void set(const TextureCell &cell, int channel, const int16_t *values, int last);
+  // Takes a cell's texture away.
+  void clear(const TextureCell &cell);
+};
+
+// The frequencies (v * n + u) of a cell by diagonals u + v from low to high, within one by rising u.
+const std::vector<int16_t> &texture_scan(int log);
+
+}  // namespace sgi

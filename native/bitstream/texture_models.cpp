@@ -1,0 +1,109 @@
+#include "bitstream/texture_models.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sgi {
+
+namespace {
+
+constexpr int kCertain = 65536, kLeast = 16;
+constexpr int kLogits = 4096, kLogisticHalf = 3072;
+constexpr int kSeenLimit = 150;
+constexpr int kWeightLimit = 1 << 20;
+constexpr int kWeightSum = 144179;  // of a context's weights at first, in 2^-16: 2.2
+
+// No value lies nearer to a half than 10^-5, so that every mathematical library gives the same tables.
+struct Tables {
+  std::array<int16_t, kLogits> logit;
+  std::array<int32_t, 2 * kLogisticHalf> logistic;
+  std::array<int32_t, kSeenLimit + 1> rate;
+  std::array<float, kLogits + 1> cost;
+
+  Tables() {
+    for (int i = 0; i < kLogits; ++i) {
+      const double p = (i + 0.5) / kLogits;
+      logit[i] = int16_t(std::lrint(256 * std::log(p / (1 - p))));
+    }
+    for (int i = 0; i < 2 * kLogisticHalf; ++i) {
+      const double p = kCertain / (1 + std::exp((kLogisticHalf - i) / 256.0));
+      logistic[i] = std::clamp(int(std::lrint(p)), kLeast, kCertain - 1 - kLeast);
+    }
+    for (int i = 0; i <= kSeenLimit; ++i) rate[i] = 10 * kCertain / (10 * i + 16);
+    for (int i = 0; i <= kLogits; ++i) cost[i] = float(-std::log2(std::max(i, 1) / double(kLogits)));
+  }
+};
+
+const Tables kTables;
+
+}  // namespace
+
+int32_t logit(int index) { return kTables.logit[index]; }
+
+int32_t logistic(int32_t x) {
+  return kTables.logistic[std::clamp(x, -kLogisticHalf, kLogisticHalf - 1) + kLogisticHalf];
+}
+
+float bit_cost(int32_t one, int bit) { return kTables.cost[(bit ? one : kCertain - one) >> 4]; }
+
+BitModels::BitModels(int64_t models, int64_t sets) : models_(models, BitModel{kCertain / 2, 0}) {
+  weights_.assign(sets * kMostMixed, kWeightSum / kMostMixed);
+}
+
+Prediction BitModels::predict(const BitContext &context) const {
+  const int32_t *first = &weights_[context.weights[0] * kMostMixed], *second = &weights_[context.weights[1] * kMostMixed];
+  Prediction found;
+  int64_t sum = 0;
+  for (int i = 0; i < context.count; ++i) {
+    found.logits[i] = kTables.logit[models_[context.model[i]].probability >> 4];
+    sum += int64_t(first[i] + second[i]) * found.logits[i];
+  }
+  found.one = logistic(int32_t(std::clamp<int64_t>(sum >> 17, -kLogisticHalf, kLogisticHalf)));
+  return found;
+}
+
+void BitModels::update(const BitContext &context, const Prediction &prediction, int bit) {
+  int32_t *first = &weights_[context.weights[0] * kMostMixed], *second = &weights_[context.weights[1] * kMostMixed];
+  const int32_t error = bit * kCertain - prediction.one;
+  for (int i = 0; i < context.count; ++i) {
+    const auto change = int32_t((int64_t(prediction.logits[i]) * error) >> 16);
+    first[i] = std::clamp(first[i] + change, -kWeightLimit, kWeightLimit);
+    second[i] = std::clamp(second[i] + change, -kWeightLimit, kWeightLimit);
+    BitModel &model = models_[context.model[i]];
+    const int64_t far = bit * (kCertain - 1) - int32_t(model.probability);
+    model.probability = uint16_t(model.probability + ((far * kTables.rate[model.seen]) >> 16));
+    if (model.seen < kSeenLimit) ++model.seen;
+  }
+}
+
+std::vector<uint8_t> BitModels::state() const {
+  std::vector<uint8_t> bytes;
+  bytes.reserve(3 * models_.size() + 4 * weights_.size());
+  for (const BitModel &model : models_) bytes.push_back(uint8_t(model.probability & 255));
+  for (const BitModel &model : models_) bytes.push_back(uint8_t(model.probability >> 8));
+  for (const BitModel &model : models_) bytes.push_back(model.seen);
+  for (const int32_t weight : weights_)
+    for (int byte = 0; byte < 4; ++byte) bytes.push_back(uint8_t(uint32_t(weight) >> (8 * byte)));
+  return bytes;
+}
+
+bool BitModels::set_state(const uint8_t *bytes, int64_t count) {
+  const auto models = int64_t(models_.size()), weights = int64_t(weights_.size());
+  if (count != 3 * models + 4 * weights) return false;
+  for (int64_t i = 0; i < models; ++i) {
+    models_[i].probability = uint16_t(bytes[i] | bytes[models + i] << 8);
+    models_[i].seen = std::min<uint8_t>(bytes[2 * models + i], kSeenLimit);
+  }
+  for (int64_t i = 0; i < weights; ++i) {
+    const uint8_t *w = bytes + 3 * models + 4 * i;
+    const uint32_t value = uint32_t(w[0]) | uint32_t(w[1]) << 8 | uint32_t(w[2]) << 16 | uint32_t(w[3]) << 24;
+    weights_[i] = std::clamp(int32_t(value), -kWeightLimit, kWeightLimit);
+  }
+  return true;
+}
+
+void BitModels::settle(int most) {
+  for (BitModel &model : models_) model.seen = uint8_t(std::min(int(model.seen), most));
+}
+
+}  // namespace sgi

@@ -1,0 +1,107 @@
+#include "bitstream/texture_stream.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace sgi {
+
+namespace {
+
+// The last diagonal with a symbol, -1 for none.
+int last_diagonal(const CellSymbols &values, int log) {
+  const std::vector<int16_t> &scan = texture_scan(log);
+  const auto found = std::find_if(scan.rbegin(), scan.rend(), [&](int index) { return values[index] != 0; });
+  return found == scan.rend() ? -1 : (*found & ((1 << log) - 1)) + (*found >> log);
+}
+
+// Codes a layer node by node; `given` is the layer when writing, null when reading.
+template <class Bits>
+class LayerCoding {
+ public:
+  LayerCoding(BitModels &models, TextureField &field, Bits &bits, const TextureField *given, int64_t width,
+              int64_t height, bool has_contrast)
+      : coding(models, field, bits), field_(field), given_(given), width_(width), height_(height),
+        has_contrast_(has_contrast) {}
+
+  void root(const TextureCell &cell) {
+    const int what = coding.node(cell, what_is(cell));
+    if (what && has_contrast_) {
+      int8_t &contrast = field_.contrast[field_.root(cell.x, cell.y)];
+      contrast = int8_t(coding.contrast(given_ ? given_->contrast[field_.root(cell.x, cell.y)] : 0));
+    }
+    inside(cell, what);
+  }
+
+  TextureCoding<Bits> coding;
+
+ private:
+  // Only leaves are marked, and a leaf fills its place.
+  int what_is(const TextureCell &cell) const {
+    if (!given_) return kNoTexture;
+    if (given_->log_size[given_->unit(cell.x, cell.y)] == cell.log) return kTextureLeaf;
+    for (int64_t y = cell.y; y < cell.y + cell.side(); y += kUnit)
+      for (int64_t x = cell.x; x < cell.x + cell.side(); x += kUnit)
+        if (given_->log_size[given_->unit(x, y)]) return kSplitNode;
+    return kNoTexture;
+  }
+
+  void node(const TextureCell &cell) {
+    if (cell.x < width_ && cell.y < height_ && coding.sound()) inside(cell, coding.node(cell, what_is(cell)));
+  }
+
+  void inside(const TextureCell &cell, int what) {
+    if (!coding.sound()) return;
+    if (what == kSplitNode)
+      for (int number = 0; number < 4; ++number) node(cell.child(number));
+    if (what == kTextureLeaf) leaf(cell);
+  }
+
+  void leaf(const TextureCell &cell) {
+    field_.mark(cell, cell.log);
+    const int side = cell.side();
+    for (int channel = 0; channel < field_.channels; ++channel) {
+      values_.fill(0);
+      if (given_)
+        for (int row = 0; row < side; ++row)
+          std::copy_n(given_->at(channel, cell) + row * field_.width, side, &values_[row * side]);
+      const int last = coding.block(cell, channel, given_ ? last_diagonal(values_, cell.log) : -1, values_);
+      field_.set(cell, channel, values_.data(), last);
+    }
+  }
+
+  TextureField &field_;
+  const TextureField *given_;
+  int64_t width_, height_;
+  bool has_contrast_;
+  CellSymbols values_;
+};
+
+TextureField empty_field(int64_t width, int64_t height, int channels) {
+  return {texture_roots(width), texture_roots(height), channels};
+}
+
+}  // namespace
+
+TextureBits write_texture(BitModels &models, const TextureField &field, int64_t width, int64_t height,
+                          bool has_contrast) {
+  TextureBits written;
+  TextureField coded = empty_field(width, height, field.channels);
+  LayerCoding<BitRecorder> layer(models, coded, written.bits, &field, width, height, has_contrast);
+  each_root(width, height, [&](const TextureCell &cell) { layer.root(cell); });
+  written.symbols = std::move(layer.coding.symbols);
+  return written;
+}
+
+TextureRead read_texture(BitModels models, RangeDecoder &decoder, int64_t width, int64_t height, int channels,
+                         bool has_contrast) {
+  TextureField field = empty_field(width, height, channels);
+  BitReader bits(decoder);
+  LayerCoding<BitReader> layer(models, field, bits, nullptr, width, height, has_contrast);
+  each_root(width, height, [&](const TextureCell &cell) {
+    if (layer.coding.sound()) layer.root(cell);
+  });
+  const bool sound = layer.coding.sound();
+  return {std::move(field), std::move(layer.coding.symbols), bits.account.total(), sound};
+}
+
+}  // namespace sgi

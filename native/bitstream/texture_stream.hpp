@@ -1,0 +1,38 @@
+// A whole texture layer to bits, and from a payload.
+#pragma once
+#include "bitstream/texture_bits.hpp"
+#include "bitstream/texture_coding.hpp"
+
+namespace sgi {
+
+// The bits of a layer, their probabilities, and what they spell (TextureCoding::symbols). width, height: of the tile;
+// nodes beyond it are not coded. has_contrast: whether roots with texture have a contrast. The models learn.
+struct TextureBits {
+  BitRecorder bits;
+  std::vector<int32_t> symbols;
+};
+TextureBits write_texture(BitModels &models, const TextureField &field, int64_t width, int64_t height,
+                          bool has_contrast);
+
+// What was read, and its information content; not sound where the payload does not decode.
+struct TextureRead {
+  TextureField field;
+  std::vector<int32_t> symbols;
+  double content;
+  bool sound;
+};
+TextureRead read_texture(BitModels models, RangeDecoder &decoder, int64_t width, int64_t height, int channels,
+                         bool has_contrast);
+
+// Roots that cover a side of so many pixels.
+inline int64_t texture_roots(int64_t side) { return (side + (1 << kTextureRoot) - 1) >> kTextureRoot; }
+
+// The root cells of a tile, row by row.
+template <class Visit>
+void each_root(int64_t width, int64_t height, Visit visit) {
+  const int64_t side = 1 << kTextureRoot;
+  for (int64_t y = 0; y < height; y += side)
+    for (int64_t x = 0; x < width; x += side) visit(TextureCell{x, y, kTextureRoot});
+}
+
+}  // namespace sgi
