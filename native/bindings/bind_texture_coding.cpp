@@ -127,26 +127,43 @@ class TextureModels {
     return std::tuple(read.sound, arrays_of(std::move(read.field)), numbers(std::move(read.symbols)), read.content);
   }
 
-  auto search(Array<const float, 3> planes, Size size, Contrasts contrast, Array<const float, 1> steps,
-              std::pair<float, float> slope, float lmbda, int least_log, bool has_contrast, int threads) const {
-    require_size(size, planes.shape(0));
-    const auto across = size_t(sgi::texture_roots(size.first)), down = size_t(sgi::texture_roots(size.second));
-    require(planes.shape(1) == down * 32 && planes.shape(2) == across * 32 && has_shape(contrast, down, across) &&
-                steps.size() == planes.shape(0),
-            "planes [C, 32 h, 32 w], contrast [h, w], steps [C]");
+  auto search(const sgi::TextureAmplitudes &amplitudes, Contrasts contrast, Array<const float, 1> steps,
+              std::pair<float, float> slope, float lmbda, int least_log, bool has_contrast) const {
+    const auto down = size_t(amplitudes.height >> sgi::kTextureRoot), across = size_t(amplitudes.width >> sgi::kTextureRoot);
+    require(has_shape(contrast, down, across) && steps.size() == size_t(amplitudes.channels),
+            "contrast [h, w] of the roots, steps [C]");
+    for (size_t i = 0; i < contrast.size(); ++i)
+      require(std::abs(int(contrast.data()[i])) <= sgi::kContrastLimit, "contrasts must be -15..15");
     require(least_log >= sgi::kTextureLeast && least_log <= sgi::kTextureRoot && lmbda >= 0, "least_log 3, 4 or 5");
     const sgi::TextureSteps all = steps_of(steps, slope);
     sgi::TextureFound found = [&] {
       nb::gil_scoped_release release;
-      return sgi::search_texture(models_, planes.data(), size.first, size.second, contrast.data(), all,
-                                 {lmbda, least_log, has_contrast, threads});
+      return sgi::search_texture(models_, amplitudes, contrast.data(), all, {lmbda, least_log, has_contrast});
     }();
-    return std::tuple(arrays_of(std::move(found.field)), found.bits, found.count, found.excess);
+    return std::tuple(arrays_of(std::move(found.field)), found.bits, found.count, found.excess,
+                      as_array<float>(std::move(found.cost), std::array{down, across}));
   }
 
  private:
   BitModels models_;
 };
+
+sgi::TextureAmplitudes amplitudes_of(Array<const float, 3> planes, Size size, int threads) {
+  require_size(size, planes.shape(0));
+  require(planes.shape(1) == size_t(sgi::texture_roots(size.second) * 32) &&
+              planes.shape(2) == size_t(sgi::texture_roots(size.first) * 32),
+          "planes [C, 32 h, 32 w] of the roots");
+  nb::gil_scoped_release release;
+  return {planes.data(), int(planes.shape(0)), size.first, size.second, threads};
+}
+
+auto amplitudes_of_size(const sgi::TextureAmplitudes &all, int log) {
+  require(log >= sgi::kTextureLeast && log <= sgi::kTextureRoot, "log must be 3, 4 or 5");
+  const auto channels = size_t(all.channels), down = size_t(all.height), across = size_t(all.width);
+  const float *first = all.of({0, 0, log}, 0);
+  return as_array<float>(std::vector<float>(first, first + channels * down * across),
+                         std::array{channels, down, across});
+}
 
 auto texture_cells(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, Array<const float, 1> steps,
                    std::pair<float, float> slope, std::array<float, 3> excess) {
@@ -172,9 +189,15 @@ void bind_texture_coding(nb::module_ &m) {
            "Bits, their P(1) in 2^-16, all symbols in coding order, information content.")
       .def("read", &TextureModels::read, "decoder"_a, "size"_a, "channels"_a, "has_contrast"_a,
            "Whether it is sound; log_size, contrast and symbols; all symbols in coding order; information content.")
-      .def("search", &TextureModels::search, "planes"_a, "size"_a, "contrast"_a, "steps"_a, "slope"_a, "lmbda"_a,
-           "least_log"_a, "has_contrast"_a, "threads"_a,
-           "log_size, contrast and symbols; bits; by magnitude 1, 2 and more the symbols and the sum of their excess.");
+      .def("search", &TextureModels::search, "amplitudes"_a, "contrast"_a, "steps"_a, "slope"_a, "lmbda"_a,
+           "least_log"_a, "has_contrast"_a,
+           "log_size, contrast and symbols; bits; by magnitude 1, 2 and more the symbols and the sum of their excess; "
+           "cost of each root in squared steps.");
+  nb::class_<sgi::TextureAmplitudes>(m, "TextureAmplitudes")
+      .def("__init__", [](sgi::TextureAmplitudes *self, Array<const float, 3> planes, Size size, int threads) {
+        new (self) sgi::TextureAmplitudes(amplitudes_of(planes, size, threads));
+      }, "planes"_a, "size"_a, "threads"_a)
+      .def("of_size", &amplitudes_of_size, "log"_a, "Amplitudes [C, h, w] of cells of side 2^log.");
   m.def("texture_cells", &texture_cells, "log_size"_a, "contrast"_a, "symbols"_a, "steps"_a, "slope"_a, "excess"_a,
         "Corners, log2 of sides, amplitudes.");
 }

@@ -26,24 +26,18 @@ struct Choice {
 
 class TextureSearch {
  public:
-  TextureSearch(BitModels &models, const float *planes, int64_t tile_width, int64_t tile_height,
-                const int8_t *contrast, const TextureSteps &steps, const TextureSettings &settings)
-      : found_{TextureField(texture_roots(tile_width), texture_roots(tile_height), steps.channels()), 0, {}, {}},
-        models_(models), coding_(models, found_.field, counter_), contrast_(contrast), steps_(steps),
-        settings_(settings), tile_width_(tile_width), tile_height_(tile_height) {
-    const int64_t size = field().width * field().height, channels = steps.channels();
-    for (auto &plane : amplitudes_) plane.resize(size_t(size * channels));
-    parallel_for(kTextureSizes * channels, settings.threads, [&](int64_t job) {
-      const int64_t of_size = job / channels, at = job % channels * size;
-      analyse_texture(planes + at, field().width, field().height, int(of_size) + kTextureLeast,
-                      amplitudes_[of_size].data() + at);
-    });
-  }
+  TextureSearch(BitModels &models, const TextureAmplitudes &amplitudes, const int8_t *contrast,
+                const TextureSteps &steps, const TextureSettings &settings)
+      : found_{TextureField(texture_roots(amplitudes.tile_width), texture_roots(amplitudes.tile_height),
+                            amplitudes.channels),
+               0, {}, {}, {}},
+        models_(models), coding_(models, found_.field, counter_), amplitudes_(amplitudes), contrast_(contrast),
+        steps_(steps), settings_(settings) {}
 
   TextureFound run() {
-    each_root(tile_width_, tile_height_, [&](const TextureCell &root) {
+    each_root(amplitudes_.tile_width, amplitudes_.tile_height, [&](const TextureCell &root) {
       plan_.clear();
-      decide(root, plan_);
+      found_.cost.push_back(decide(root, plan_));
       at_ = 0;
       code_root(root);
     });
@@ -56,16 +50,16 @@ class TextureSearch {
   int contrast(const TextureCell &cell) const {
     return settings_.has_contrast ? contrast_[found_.field.root(cell.x, cell.y)] : 0;
   }
-  bool seen(const TextureCell &cell) const { return cell.x < tile_width_ && cell.y < tile_height_; }
-  float cost(const BitContext &context, int bit) const { return settings_.lambda * bit_cost(models_.predict(context).one, bit); }
-  const float *amplitudes(const TextureCell &cell, int channel) const {
-    const TextureField &f = found_.field;
-    return amplitudes_[cell.log - kTextureLeast].data() + (channel * f.height + cell.y) * f.width + cell.x;
+  bool seen(const TextureCell &cell) const {
+    return cell.x < amplitudes_.tile_width && cell.y < amplitudes_.tile_height;
+  }
+  float cost(const BitContext &context, int bit) const {
+    return settings_.lambda * bit_cost(models_.predict(context).one, bit);
   }
 
   // |amplitudes| of a cell in steps.
   void scale(const TextureCell &cell, int channel, std::array<float, 1 << (2 * kTextureRoot)> &scaled) const {
-    const float *from = amplitudes(cell, channel), step = steps_.of(channel, contrast(cell));
+    const float *from = amplitudes_.of(cell, channel), step = steps_.of(channel, contrast(cell));
     const float *growth = steps_.growth(channel, cell.log);
     for (int v = 0; v < cell.side(); ++v)
       for (int u = 0; u < cell.side(); ++u)
@@ -136,7 +130,7 @@ class TextureSearch {
       const float sum = chosen + std::max(beyond, 0.0f) + extent_cost(extent, cell.log, diagonal + 1);
       if (sum < choice.cost) choice.cost = sum, choice.last = diagonal;
     }
-    const float *signs = amplitudes(cell, channel);
+    const float *signs = amplitudes_.of(cell, channel);
     for (const int index : scan) {
       const int u = index & (side - 1), v = index >> cell.log;
       if (u + v > choice.last) choice.values[index] = 0;
@@ -243,20 +237,30 @@ class TextureSearch {
   BitModels &models_;
   BitCounter counter_;
   TextureCoding<BitCounter> coding_;
+  const TextureAmplitudes &amplitudes_;
   const int8_t *contrast_;
   const TextureSteps &steps_;
   const TextureSettings settings_;
-  const int64_t tile_width_, tile_height_;
-  std::array<std::vector<float>, kTextureSizes> amplitudes_;  // by size [C, height, width]
   std::vector<int> plan_;
   size_t at_ = 0;
 };
 
 }  // namespace
 
-TextureFound search_texture(BitModels models, const float *planes, int64_t tile_width, int64_t tile_height,
-                            const int8_t *contrast, const TextureSteps &steps, const TextureSettings &settings) {
-  return TextureSearch(models, planes, tile_width, tile_height, contrast, steps, settings).run();
+TextureAmplitudes::TextureAmplitudes(const float *planes, int channels_, int64_t tile_width_, int64_t tile_height_,
+                                     int threads)
+    : channels(channels_), tile_width(tile_width_), tile_height(tile_height_),
+      width(texture_roots(tile_width_) << kTextureRoot), height(texture_roots(tile_height_) << kTextureRoot) {
+  for (auto &plane : sizes_) plane.resize(size_t(width * height * channels));
+  parallel_for(kTextureSizes * channels, threads, [&](int64_t job) {
+    const int64_t size = job / channels, at = job % channels * width * height;
+    analyse_texture(planes + at, width, height, int(size) + kTextureLeast, sizes_[size].data() + at);
+  });
+}
+
+TextureFound search_texture(BitModels models, const TextureAmplitudes &amplitudes, const int8_t *contrast,
+                            const TextureSteps &steps, const TextureSettings &settings) {
+  return TextureSearch(models, amplitudes, contrast, steps, settings).run();
 }
 
 }  // namespace sgi

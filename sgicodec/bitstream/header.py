@@ -26,7 +26,7 @@ __all__ = [
     "encode_header",
 ]
 
-FORMAT_VERSION = 2
+FORMAT_VERSION = 3
 
 Masked = Literal["transparent", "nodata"]
 
@@ -45,9 +45,12 @@ MAX_HASH_RESOLUTION = 1 << 14
 MAX_TILES = 1 << 20
 MIN_TILE, MAX_APRON = 32, 256
 
-_SKIP, _SEED_SCALES, _GROUPED, _COARSE_FIRST, _TILED, _PREDICTED = 1, 2, 4, 8, 16, 128
+_SKIP, _SEED_SCALES, _GROUPED, _COARSE_FIRST, _TILED, _PREDICTED, _TEXTURE = 1, 2, 4, 8, 16, 128, 256
 _MASKED: dict[Masked | None, int] = {None: 0, "transparent": 32, "nodata": 64}
-_ALL_FLAGS = 255
+_WITHOUT_TEXTURE = 2
+"""Version of a stream without texture, as earlier programs read it."""
+_ALL_FLAGS = {1: 15, 2: 255, 3: 511}
+"""By format version."""
 
 
 @dataclass(frozen=True)
@@ -88,9 +91,9 @@ def encode_header(header: Header) -> bytes:
     spec, context = header.spec, header.spec.context
     flags = _SKIP * spec.skip + _SEED_SCALES * spec.seed_scales + _GROUPED * (len(context.steps) > 1)
     flags += _COARSE_FIRST * context.coarse_first + _TILED * bool(header.tile) + _MASKED[header.masked]
-    flags += _PREDICTED * spec.predicted_seeds
+    flags += _PREDICTED * spec.predicted_seeds + _TEXTURE * spec.texture
     fields = [
-        FORMAT_VERSION,
+        FORMAT_VERSION if spec.texture else _WITHOUT_TEXTURE,
         header.width,
         header.height,
         spec.channels,
@@ -152,14 +155,14 @@ def decode_header(payload: bytes) -> Header:
     """
     fields = _Fields(payload)
     version = fields.take("the format version", 0, 1 << 20)
-    if version not in (1, FORMAT_VERSION):
-        raise UnsupportedStreamError(f"header: format version {version}; this program reads version {FORMAT_VERSION}")
+    if version not in _ALL_FLAGS:
+        raise UnsupportedStreamError(f"header: format version {version}; this program reads 1 to {FORMAT_VERSION}")
     width, height = fields.take("the width", 1, MAX_SIDE), fields.take("the height", 1, MAX_SIDE)
     channels = fields.take("the number of channels", 1, MAX_CHANNELS)
     layout_name = LAYOUT_NAMES[fields.take("the channel layout", 0, len(LAYOUT_NAMES) - 1)]
     sample_type = SAMPLE_TYPES[fields.take("the sample type", 0, len(SAMPLE_TYPES) - 1)]
     profile = _PROFILES[fields.take("the profile", 0, len(_PROFILES) - 1)]
-    flags, spec, quality, family = _model(fields, channels, 15 if version == 1 else _ALL_FLAGS)
+    flags, spec, quality, family = _model(fields, channels, _ALL_FLAGS[version])
     expected = {"multi": channels, "gray": 1, "gray+alpha": 2, "rgb": 3, "rgba": 4}[layout_name]
     if expected != channels:
         raise CorruptStreamError(f"header: {channels} channels cannot be {layout_name}")
@@ -209,7 +212,7 @@ def _model(fields: _Fields, channels: int, all_flags: int) -> tuple[int, ModelSp
     spec = ModelSpec(channels, layout, shape, per_seed, features, hidden, skip, seed_scales, base_cell, context)  # type: ignore[arg-type]
     names = tuple(group.name for group in spec.groups)
     steps = tuple((name,) for name in names) if grouped else (names,)
-    spec = replace(spec, context=replace(context, steps=steps), predicted_seeds=predicted)
+    spec = replace(spec, context=replace(context, steps=steps), predicted_seeds=predicted, texture=bool(flags & _TEXTURE))
     return flags, spec, quality, family
 
 

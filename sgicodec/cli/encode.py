@@ -38,6 +38,7 @@ __all__ = ["encode"]
     show_default=True,
     help="What is minimised: squared error, or the same with less weight where the picture is busy.",
 )
+@click.option("--texture/--no-texture", default=True, show_default=True, help="Code texture as cosines where it pays.")
 @click.option("--features", type=int, metavar="D", help="Size of a seed's feature; paper profile.")
 @click.option("--levels", type=int, metavar="M", help="Levels of the pyramid; paper profile.")
 @click.option("--steps", type=int, metavar="N", help="Optimisation steps, instead of what -e says.")

@@ -85,7 +85,7 @@ class TileRenderer:
         self.bits, self.symbol_crc = coder.bits, coder.crc
         self.gaussians = _drawable(own, self.model, device)
         self._colours = base_colours(self.model.base, self.model.base_step)
-        self._texture = self.model.texture
+        self._texture = None if self.model.texture is None else self.model.texture.layer()
 
     @property
     def memory(self) -> int:

@@ -30,7 +30,8 @@ class EncodeSettings:
     quality: 1 to 100, or lmbda directly. effort: 1 to 9, optimisation steps of the default profile. seeds: their number
     in the paper profile. per_seed: K. features: D (paper). levels: M (paper). steps: of the whole fit. prior: number of
     the shipped context model, 0 for one that travels in the stream. rdoq: whether RDOQ follows the fit, where it knows
-    the model. distortion: what is minimised besides bits, a name in `metrics.choices`; PSNR and its targets stay plain.
+    the model. distortion: what is minimised besides bits, a name in `metrics.choices`; PSNR and its targets stay plain. texture:
+    whether the default profile lays cosines over its seeds where that is cheaper.
     metadata: whether ICC, EXIF, XMP and the place on earth are kept. psnr in dB, size in bytes or bpp in bits per
     pixel: what to end at, in the default profile. time_limit: seconds that the encode may take, instead of a number of
     steps. tile: largest side of a tile in pixels, 0 for a single one, None for what suits the picture; apron: pixels
@@ -50,6 +51,7 @@ class EncodeSettings:
     prior: int | None = None
     rdoq: bool = True
     distortion: str = "squared"
+    texture: bool = True
     seed: int = 0
     metadata: bool = True
     psnr: float | None = None

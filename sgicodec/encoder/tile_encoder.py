@@ -28,14 +28,20 @@ from sgicodec.metrics.distortion import mean_weight
 from sgicodec.metrics.psnr import psnr
 from sgicodec.model.context import input_count
 from sgicodec.model.layout import ROOT_LOG, SeedLayout, adaptive_layout, cell_sums, uniform_layout
+from sgicodec.model.texture_symbols import SAME_STEP, TextureSteps
 from sgicodec.picture import Picture, comparable, nodata_mask, to_unit
 from sgicodec.rate_control.lambda_controller import LambdaController
 from sgicodec.rate_control.rd_model import RdModel
 from sgicodec.rate_control.target import Measured
-from sgicodec.rdoq import Rdoq, RdoqSettings, can_optimise
+from sgicodec.rdoq import Objective, Rdoq, RdoqSettings, can_optimise
+from sgicodec.rdoq.objective import with_values
+from sgicodec.rdoq.texture import TextureSearch, step_of_lmbda
 
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Fitted, Progress
+
+TEXTURE_SHARE = 2.0
+"""λ of seeds in the λ of an encode where texture follows them."""
 
 __all__ = ["Candidate", "Encoding", "empty_pixels", "make_ready", "written"]
 
@@ -79,14 +85,16 @@ class Encoding:
 
     def begin(self, lmbda: float) -> None:
         """Makes ready for a fit at λ."""
-        self.fit = replace(self.fit, lmbda=lmbda)
+        self.lmbda = lmbda
+        self.fit = replace(self.fit, lmbda=lmbda * (TEXTURE_SHARE if self.spec.texture else 1.0))
+        lmbda = self.fit.lmbda
         self.base_step, self.base, self.target = base_layer(self.spec, self.unit, lmbda, self.reference.weights)
 
     def run(self, on_progress: Callable[[Progress], bool] | None) -> Encoded:
         """Fits at a constant λ and writes."""
         if self.holds_nothing:
             return self.nothing()
-        return self.encoded(self.searched(self.candidate(self.fitted(on_progress))))
+        return self.encoded(self.textured(self.searched(self.candidate(self.fitted(on_progress)))))
 
     @property
     def holds_nothing(self) -> bool:
@@ -95,7 +103,7 @@ class Encoding:
 
     def nothing(self) -> Encoded:
         """The stream of a picture that holds nothing."""
-        return Encoded(self.assembled(self.plan.header, None)[0], {}, 0, 0, self.fit.lmbda)
+        return Encoded(self.assembled(self.plan.header, None)[0], {}, 0, 0, self.lmbda)
 
     def fitted(
         self,
@@ -171,14 +179,36 @@ class Encoding:
         until = self.end - 0.5 * self._coding_seconds
         return replace(candidate, model=self.rdoq(candidate).at(candidate.lmbda, until=until).model)
 
+    def textured(self, candidate: Candidate) -> Candidate:
+        """The candidate with texture over what its seeds leave, for the λ of the encode."""
+        if not self.spec.texture:
+            return candidate
+        return self.with_texture(candidate, self.texture_search(candidate), step_of_lmbda(self.lmbda))
+
+    def texture_search(self, candidate: Candidate) -> TextureSearch:
+        """What finds texture over a candidate."""
+        model = replace(candidate.model, decoded=None, texture=None)
+        write_tile(candidate.header, model)
+        objective = Objective(candidate.header, self.unit, self.device)
+        left = objective.residual(with_values(self.spec, model, model.decoded_values))
+        return TextureSearch(left[:, :, : self.unit.shape[2]], self.device)
+
+    def with_texture(self, candidate: Candidate, search: TextureSearch, step: int) -> Candidate:
+        """The candidate with texture in steps of this index."""
+        found = search.at(TextureSteps(step, (SAME_STEP,) * (self.spec.channels - 1)))
+        return replace(candidate, model=replace(candidate.model, texture=found, decoded=None))
+
     def encoded(self, candidate: Candidate) -> Encoded:
         """The stream."""
+        if self.spec.texture and candidate.model.texture is None:
+            spec = replace(self.spec, texture=False)
+            candidate = replace(candidate, header=replace(candidate.header, spec=spec))
         payload, parts = written(candidate)
         data, chunk_bytes = self.assembled(candidate.header, payload)
         if candidate.header.masked is not None:
             parts["mask"] = chunk_bytes - len(payload)
         seeds = len(candidate.model.layout)
-        return Encoded(data, parts, seeds, seeds * self.spec.per_seed, candidate.lmbda)
+        return Encoded(data, parts, seeds, seeds * self.spec.per_seed, self.lmbda)
 
     def measured(self, candidate: Candidate) -> tuple[Encoded, Measured]:
         """The stream and what it is; of its PSNR, only if that is asked for."""

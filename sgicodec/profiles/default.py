@@ -13,7 +13,9 @@ EFFORTS: dict[int, int] = {1: 120, 2: 200, 3: 350, 4: 600, 5: 1000, 6: 1600, 7: 
 """Optimisation steps of the default profile for each effort."""
 
 
-def default_spec(channels: int, per_seed: int = 1, prior: int = 3, hidden: int = 0) -> ModelSpec:
+def default_spec(
+    channels: int, per_seed: int = 1, prior: int = 3, hidden: int = 0, texture: bool = False
+) -> ModelSpec:
     """The `default` profile: adaptive seeds, log-covariances, a base layer, context from decoded neighbours.
 
     Prior 1 was trained for passes that do not go by size, and its streams state the probabilities of seeds' places.
@@ -31,6 +33,7 @@ def default_spec(channels: int, per_seed: int = 1, prior: int = 3, hidden: int =
         base_cell=64,
         context=ContextSpec(prior=prior, steps=steps, hidden=64, neighbours=6, coarse_first=prior != 1),
         predicted_seeds=prior != 1,
+        texture=texture,
     )
 
 
@@ -60,7 +63,7 @@ def lmbda_of_quality(quality: float) -> float:
 
 def _spec(choices: Choices, channels: int) -> ModelSpec:
     prior = max(PRIORS, default=0) if choices.prior is None else choices.prior
-    return default_spec(channels, choices.per_seed or 1, prior)
+    return default_spec(channels, choices.per_seed or 1, prior, texture=choices.texture)
 
 
 def _fit_settings(choices: Choices) -> FitSettings:

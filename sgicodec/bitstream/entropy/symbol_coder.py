@@ -49,6 +49,8 @@ from sgicodec.errors import CorruptStreamError, UsageError
 
 __all__ = ["IntArray", "SymbolCoder", "SymbolReader", "SymbolWriter", "require_sound"]
 
+_PRECISION = 24
+"""Bits of a probability."""
 _UNIFORM_BITS = 16
 """Widest field that is coded in one piece; wider ones go in two."""
 
@@ -139,6 +141,10 @@ class SymbolCoder(ABC):
         """One equally likely integer of `n_bits` bits."""
         return int(self.code_bits(None if value is None else [value], n_bits, 1)[0])
 
+    def account(self, symbols: NDArray[np.integer], content: float) -> None:
+        """Counts symbols that native code has coded, and books their information content to the current part."""
+        self._record(symbols, content)
+
     @abstractmethod
     def _zero_centred(self, values: NDArray[np.int64] | None, table: NDArray[np.int16]) -> tuple[IntArray, float]:
         """Codes zero-centred symbols as `code` says; with them comes their information content."""
@@ -190,6 +196,14 @@ class SymbolWriter(SymbolCoder):
         self.crc = crc  # of the symbols, not of their check
         words: NDArray[np.uint32] = self._coder.get_compressed()
         return words.astype(">u4").tobytes().rstrip(b"\0")
+
+    def flags(self, bits: IntArray, ones: IntArray, symbols: IntArray, content: float) -> None:
+        """Codes bits [n] that are 1 with probabilities ones [n] / 2^16, and books the `symbols` that they spell."""
+        zero = (1 << _PRECISION) - (ones.astype(np.int64) << (_PRECISION - 16))
+        model = constriction().stream.model.Bernoulli(perfect=False)
+        # Constriction takes floats: P(0) becomes the frequency 1 + floor(P(0) (2^24 - 2)).
+        self._coder.encode(bits, model, 1 - (zero - 0.5) / ((1 << _PRECISION) - 2))
+        self.account(symbols, content)
 
     def _zero_centred(self, values: NDArray[np.int64] | None, table: NDArray[np.int16]) -> tuple[IntArray, float]:
         if values is None:
@@ -253,6 +267,11 @@ class SymbolReader(SymbolCoder):
         if payload[-1:] == b"\0":
             raise CorruptStreamError("entropy: the payload is padded with zero bytes; it was not written by an encoder")
         self._coder = _native.RangeDecoder(payload)
+
+    @property
+    def decoder(self) -> _native.RangeDecoder:
+        """For native functions that read by themselves; `account` must be told what they read."""
+        return self._coder
 
     def read(self, part: Callable[[_native.RangeDecoder], tuple[int, IntArray, list[float]]], names: list[str]) -> None:
         """Lets a native function read by itself: it returns whether that is sound (`require_sound`), all symbols in

@@ -17,6 +17,7 @@ from sgicodec.bitstream.parts.predicted_positions import code_predicted_position
 from sgicodec.bitstream.parts.predicted_tree import TreeContext
 from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.bitstream.parts.seed_tree import TreeShape
+from sgicodec.bitstream.parts.texture import code_texture
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.errors import CorruptStreamError, LimitError
 from sgicodec.model.base import base_shape
@@ -27,7 +28,7 @@ from sgicodec.model.network import DIFFERENCE_SHIFT, IntNetwork
 from sgicodec.model.quantization import FRACTION_BITS, STEP_COUNT
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import StepPlan, default_plan, follows_amplitude
-from sgicodec.model.texture import TextureLayer
+from sgicodec.model.texture_symbols import TextureSymbols
 
 __all__ = ["DECODER_SHIFT", "TileModel", "code_networks", "read_tile", "write_tile"]
 
@@ -54,7 +55,7 @@ class TileModel:
     hash_tables: list[I64]
     attributes: dict[str, F64] | None = None
     decoded: I64 | None = None
-    texture: TextureLayer | None = None
+    texture: TextureSymbols | None = None
 
     @property
     def decoded_values(self) -> F64:
@@ -118,10 +119,14 @@ def _code(
         networks = code_networks(coder, spec, None if model is None else model.networks)
     attributes = AttributeCoder(spec, layout, size, plan, networks, hash_tables, header.quality, header.family, device)
     decoded = attributes.code(coder, None if model is None else model.attributes)
+    texture = None
+    if spec.texture:
+        with coder.part("texture"):
+            texture = code_texture(coder, size, spec.channels, None if model is None else model.texture)
     if model is not None:
         model.decoded = decoded
         return model
-    return TileModel(layout, plan, base_step, base, decoders, networks, hash_tables, None, decoded)
+    return TileModel(layout, plan, base_step, base, decoders, networks, hash_tables, None, decoded, texture)
 
 
 def _code_plan(coder: SymbolCoder, spec: ModelSpec, quality: int, plan: StepPlan | None) -> StepPlan:

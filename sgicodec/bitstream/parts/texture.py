@@ -1,0 +1,66 @@
+"""The texture part of a tile: step sizes, then the layer under adaptive models (docs/format.md, "Texture")."""
+
+from __future__ import annotations
+
+import zlib
+from functools import cache
+from importlib.resources import files
+
+from sgicodec._native import TextureModels
+from sgicodec.bitstream.entropy.symbol_coder import SymbolCoder, SymbolReader, SymbolWriter
+from sgicodec.errors import CorruptStreamError, LimitError
+from sgicodec.model.texture_symbols import TextureSteps, TextureSymbols, roots_of
+
+__all__ = ["MAX_TEXTURE_SAMPLES", "code_texture", "texture_models"]
+
+MAX_TEXTURE_SAMPLES = 1 << 28
+"""Pixels times channels of a tile with texture, whole roots counted."""
+
+_STEP_BITS, _RATIO_BITS, _SLOPE_BITS, _EXCESS_BITS = 9, 5, 4, 4
+
+
+@cache
+def texture_models() -> TextureModels:
+    """The shipped state of the adaptive models with which every layer begins."""
+    packed = files(__package__).joinpath("texture1.bin").read_bytes()
+    return TextureModels(zlib.decompress(packed))
+
+
+def code_texture(
+    coder: SymbolCoder, size: tuple[int, int], channels: int, texture: TextureSymbols | None
+) -> TextureSymbols | None:
+    """A tile's texture layer, None where it has none. size: width and height of the tile.
+
+    Raises LimitError for a tile of more than MAX_TEXTURE_SAMPLES, CorruptStreamError where the payload does not decode.
+    """
+    if not coder.code_int(int(texture is not None), 1):
+        return None
+    columns, rows = roots_of(*size)
+    if columns * rows * channels << 10 > MAX_TEXTURE_SAMPLES:
+        raise LimitError(f"texture: a tile of {size[0]}x{size[1]} pixels is too large to have any; use tiles")
+    steps = _code_steps(coder, channels, None if texture is None else texture.steps)
+    if isinstance(coder, SymbolWriter) and texture is not None:
+        parts = texture.log_size, texture.contrast, texture.symbols
+        coder.flags(*texture_models().write(*parts, size, steps.has_contrast))
+        return texture
+    if not isinstance(coder, SymbolReader):
+        raise TypeError("a coder reads or writes")
+    sound, parts, symbols, content = texture_models().read(coder.decoder, size, channels, steps.has_contrast)
+    if not sound:
+        raise CorruptStreamError("texture: the payload does not decode; it is damaged")
+    coder.account(symbols, content)
+    return TextureSymbols(size, steps, *parts)
+
+
+def _code_steps(coder: SymbolCoder, channels: int, steps: TextureSteps | None) -> TextureSteps:
+    """The indices of the steps as raw values."""
+
+    def several(values: tuple[int, ...] | None, n_bits: int, count: int) -> tuple[int, ...]:
+        return tuple(coder.code_bits(values, n_bits, count).tolist())
+
+    step = coder.code_int(None if steps is None else steps.step, _STEP_BITS)
+    ratios = several(None if steps is None else steps.ratios, _RATIO_BITS, channels - 1)
+    luma, chroma = several(None if steps is None else steps.slopes, _SLOPE_BITS, 2)
+    one, two, more = several(None if steps is None else steps.excess, _EXCESS_BITS, 3)
+    has_contrast = coder.code_int(None if steps is None else int(steps.has_contrast), 1)
+    return TextureSteps(step, ratios, (luma, chroma), (one, two, more), bool(has_contrast))

@@ -1,0 +1,98 @@
+"""A texture layer in integers: cells, symbols and the steps that turn them into amplitudes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec._native import texture_cells
+from sgicodec.model.texture import LEAST_LOG, ROOT_LOG, TextureLayer
+
+__all__ = ["SAME_STEP", "TextureSteps", "TextureSymbols", "roots_of", "step_index"]
+
+F32 = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class TextureSteps:
+    """What a symbol stands for, as indices of the stream.
+
+    step: of the first channel's lowest frequency, 2^((step − 480) / 32); ratios: [C − 1] of the other channels' steps
+    to that, 2^((ratio − 16) / 8). slopes: by which steps grow towards the highest frequency, in quarters, of the first
+    channel and of the others. excess: what is added to the magnitude of symbols ±1, ±2 and larger ones, (index − 8) /
+    32. has_contrast: whether roots have a contrast, which scales their steps by 2^(contrast / 4).
+    """
+
+    step: int
+    ratios: tuple[int, ...] = ()
+    slopes: tuple[int, int] = (0, 0)
+    excess: tuple[int, int, int] = (8, 8, 8)
+    has_contrast: bool = False
+
+    @property
+    def of_channels(self) -> F32:
+        """Steps at the lowest frequency [C], samples in 0..1."""
+        ratios = [1.0, *(2.0 ** ((ratio - 16) / 8) for ratio in self.ratios)]
+        return np.array([2.0 ** ((self.step - STEP_ZERO) / 32) * ratio for ratio in ratios], np.float32)
+
+    @property
+    def growth(self) -> tuple[float, float]:
+        """The slopes as numbers."""
+        return self.slopes[0] / 4, self.slopes[1] / 4
+
+    @property
+    def added(self) -> tuple[float, float, float]:
+        """The excess as numbers."""
+        one, two, more = ((index - 8) / 32 for index in self.excess)
+        return one, two, more
+
+
+STEP_ZERO, STEP_COUNT = 480, 512
+SAME_STEP = 16
+"""Ratio of a channel with the steps of the first."""
+
+
+def step_index(step: float) -> int:
+    """Index of the step nearest to `step`, samples in 0..1."""
+    return int(np.clip(np.rint(32 * np.log2(step)) + STEP_ZERO, 0, STEP_COUNT - 1))
+
+
+def roots_of(width: int, height: int) -> tuple[int, int]:
+    """Columns and rows of root cells of a tile."""
+    side = 1 << ROOT_LOG
+    return -(-width // side), -(-height // side)
+
+
+@dataclass(frozen=True)
+class TextureSymbols:
+    """A layer of a tile of `size` (width, height) whose root cells are `rows` by `columns`.
+
+    log_size [4 rows, 4 columns]: log2 of the side of the cell with texture that covers 8×8 pixels, 0 for none. contrast
+    [rows, columns]: of each root. symbols [C, 32 rows, 32 columns]: those of a cell [n, n] where its pixels are,
+    vertical frequency first.
+    """
+
+    size: tuple[int, int]
+    steps: TextureSteps
+    log_size: NDArray[np.uint8]
+    contrast: NDArray[np.int8]
+    symbols: NDArray[np.int16]
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether no cell has texture."""
+        return not self.log_size.any()
+
+    @property
+    def counts(self) -> dict[int, int]:
+        """How many cells of each side there are, by pixels of the side."""
+        logs = range(LEAST_LOG, ROOT_LOG + 1)
+        return {1 << log: int((self.log_size == log).sum()) >> 2 * (log - LEAST_LOG) for log in logs}
+
+    def layer(self) -> TextureLayer:
+        """The layer that is drawn."""
+        steps = self.steps
+        parts = texture_cells(self.log_size, self.contrast, self.symbols, steps.of_channels, steps.growth, steps.added)
+        return TextureLayer(self.size, len(self.symbols), *parts)

@@ -1,0 +1,75 @@
+"""The texture layer over a decoded model: what is left of the picture, as cosines of least error plus λ times bits."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec._native import TextureAmplitudes
+from sgicodec.bitstream.parts.texture import texture_models
+from sgicodec.device import ALL_CORES, Device
+from sgicodec.model.gaussians import colour_matrix
+from sgicodec.model.texture import ROOT_LOG
+from sgicodec.model.texture_symbols import TextureSteps, TextureSymbols, roots_of, step_index
+
+__all__ = ["SQUARED_STEPS_PER_BIT", "TextureSearch", "step_of_lmbda"]
+
+F32 = NDArray[np.float32]
+
+SQUARED_STEPS_PER_BIT = 0.11
+"""λ in squared steps: at high rates (ln 2) / 6 = 0.1155 would be right; measured on eight pictures."""
+
+
+def step_of_lmbda(lmbda: float) -> int:
+    """Index of the step whose texture costs as much error as λ says."""
+    return step_index(float((lmbda / SQUARED_STEPS_PER_BIT) ** 0.5))
+
+
+class TextureSearch:
+    """Searches layers for what a tile leaves over.
+
+    residual [C, H, W]: the picture less what is drawn, samples in 0..1.
+    """
+
+    def __init__(self, residual: F32, device: Device = ALL_CORES) -> None:
+        channels, height, width = residual.shape
+        self.size = width, height
+        columns, rows = roots_of(width, height)
+        mixed = np.tensordot(np.array(colour_matrix(channels), np.float32), residual, axes=1)
+        margins = (0, 0), (0, (rows << ROOT_LOG) - height), (0, (columns << ROOT_LOG) - width)
+        planes = np.ascontiguousarray(np.pad(mixed, margins, mode="symmetric"), np.float32)
+        self._shape = rows, columns
+        self._amplitudes = TextureAmplitudes(planes, self.size, device.threads)
+        self.channels = channels
+
+    def at(self, steps: TextureSteps, contrast: NDArray[np.int8] | None = None) -> TextureSymbols | None:
+        """The layer for these steps, None where nothing is worth its bits. contrast: of each root."""
+        parts, _, counts, excess, _ = self._search(steps, contrast)
+        added = tuple(_excess_index(sum_ / count) if count else 8 for count, sum_ in zip(counts, excess, strict=True))
+        one, two, more = added
+        found = TextureSymbols(
+            self.size,
+            TextureSteps(steps.step, steps.ratios, steps.slopes, (one, two, more), steps.has_contrast),
+            *parts,
+        )
+        return None if found.is_empty else found
+
+    def costs(self, steps: TextureSteps, contrast: NDArray[np.int8] | None = None) -> F32:
+        """What each root would cost [rows, columns]: squared error plus λ times bits, in squared steps."""
+        return self._search(steps, contrast)[-1]
+
+    def _search(self, steps: TextureSteps, contrast: NDArray[np.int8] | None):  # type: ignore[no-untyped-def]
+        contrast = np.zeros(self._shape, np.int8) if contrast is None else contrast
+        return texture_models().search(
+            self._amplitudes,
+            contrast,
+            steps.of_channels,
+            steps.growth,
+            SQUARED_STEPS_PER_BIT,
+            3,
+            steps.has_contrast,
+        )
+
+
+def _excess_index(excess: float) -> int:
+    return int(np.clip(np.rint(32 * excess) + 8, 0, 15))
