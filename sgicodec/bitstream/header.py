@@ -27,6 +27,8 @@ __all__ = [
 ]
 
 FORMAT_VERSION = 3
+_FLAGS_OF = {1: 15, 2: 255, 3: 511}
+"""The versions that can be read, and the flags that each may set; a header states the least that has its flags."""
 
 Masked = Literal["transparent", "nodata"]
 
@@ -47,10 +49,6 @@ MIN_TILE, MAX_APRON = 32, 256
 
 _SKIP, _SEED_SCALES, _GROUPED, _COARSE_FIRST, _TILED, _PREDICTED, _TEXTURE = 1, 2, 4, 8, 16, 128, 256
 _MASKED: dict[Masked | None, int] = {None: 0, "transparent": 32, "nodata": 64}
-_WITHOUT_TEXTURE = 2
-"""Version of a stream without texture, as earlier programs read it."""
-_ALL_FLAGS = {1: 15, 2: 255, 3: 511}
-"""By format version."""
 
 
 @dataclass(frozen=True)
@@ -93,7 +91,7 @@ def encode_header(header: Header) -> bytes:
     flags += _COARSE_FIRST * context.coarse_first + _TILED * bool(header.tile) + _MASKED[header.masked]
     flags += _PREDICTED * spec.predicted_seeds + _TEXTURE * spec.texture
     fields = [
-        FORMAT_VERSION if spec.texture else _WITHOUT_TEXTURE,
+        2 if flags <= _FLAGS_OF[2] else FORMAT_VERSION,
         header.width,
         header.height,
         spec.channels,
@@ -155,14 +153,16 @@ def decode_header(payload: bytes) -> Header:
     """
     fields = _Fields(payload)
     version = fields.take("the format version", 0, 1 << 20)
-    if version not in _ALL_FLAGS:
+    if version not in _FLAGS_OF:
         raise UnsupportedStreamError(f"header: format version {version}; this program reads 1 to {FORMAT_VERSION}")
     width, height = fields.take("the width", 1, MAX_SIDE), fields.take("the height", 1, MAX_SIDE)
     channels = fields.take("the number of channels", 1, MAX_CHANNELS)
     layout_name = LAYOUT_NAMES[fields.take("the channel layout", 0, len(LAYOUT_NAMES) - 1)]
     sample_type = SAMPLE_TYPES[fields.take("the sample type", 0, len(SAMPLE_TYPES) - 1)]
     profile = _PROFILES[fields.take("the profile", 0, len(_PROFILES) - 1)]
-    flags, spec, quality, family = _model(fields, channels, _ALL_FLAGS[version])
+    flags, spec, quality, family = _model(fields, channels, _FLAGS_OF[version])
+    if version == FORMAT_VERSION and flags <= _FLAGS_OF[2]:
+        raise CorruptStreamError(f"header: format version {version} without anything that needs it")
     expected = {"multi": channels, "gray": 1, "gray+alpha": 2, "rgb": 3, "rgba": 4}[layout_name]
     if expected != channels:
         raise CorruptStreamError(f"header: {channels} channels cannot be {layout_name}")
@@ -212,7 +212,8 @@ def _model(fields: _Fields, channels: int, all_flags: int) -> tuple[int, ModelSp
     spec = ModelSpec(channels, layout, shape, per_seed, features, hidden, skip, seed_scales, base_cell, context)  # type: ignore[arg-type]
     names = tuple(group.name for group in spec.groups)
     steps = tuple((name,) for name in names) if grouped else (names,)
-    spec = replace(spec, context=replace(context, steps=steps), predicted_seeds=predicted, texture=bool(flags & _TEXTURE))
+    context = replace(context, steps=steps)
+    spec = replace(spec, context=context, predicted_seeds=predicted, texture=bool(flags & _TEXTURE))
     return flags, spec, quality, family
 
 

@@ -18,7 +18,7 @@ from sgicodec.model.gaussians import decoder_shapes
 from sgicodec.model.layout import ROOT_LOG, SeedLayout
 from sgicodec.model.spec import ModelSpec
 
-__all__ = ["check_model", "hash_counts", "max_seeds", "network_shapes"]
+__all__ = ["check_model", "hash_counts", "max_seeds", "max_texture_values", "network_shapes"]
 
 MAX_SAMPLES = 1 << 31
 MAX_BASE_VALUES = 1 << 22
@@ -32,6 +32,11 @@ FREE_VALUES = 1 << 25
 """Numbers (about 24 bytes each) that seeds may take while they are decoded, however short the payload."""
 VALUES_PER_BYTE = 128
 """And how many more for each byte of payload; real seeds take two to ten bytes, and a hundred values each."""
+
+FREE_TEXTURE_VALUES = 1 << 27
+"""Amplitudes (4 bytes each) that texture may take, however short the payload: 44 megapixels of three channels."""
+TEXTURE_VALUES_PER_BYTE = 1 << 10
+"""And how many more for each byte of payload; real texture has fifty to five hundred."""
 
 
 def check_model(spec: ModelSpec, width: int, height: int) -> None:
@@ -53,6 +58,11 @@ def max_seeds(spec: ModelSpec, width: int, height: int, payload_bytes: int) -> i
     """The most seeds that a tile may have, given the bytes of its payload."""
     values = (FREE_VALUES + VALUES_PER_BYTE * payload_bytes) // _values_per_seed(spec)
     return min(values, max(64, 2 * width * height))
+
+
+def max_texture_values(payload_bytes: int) -> int:
+    """The most amplitudes that the texture of a tile may have, zeros included, given the bytes of its payload."""
+    return FREE_TEXTURE_VALUES + TEXTURE_VALUES_PER_BYTE * payload_bytes
 
 
 def network_shapes(spec: ModelSpec, step: int) -> dict[str, tuple[int, ...]]:

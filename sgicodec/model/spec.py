@@ -54,8 +54,8 @@ class ModelSpec:
     `features` is D, `per_seed` is K. With `skip` the decoders start as an identity, so that the first K·C features
     are colours in an opponent space and the next 3K are shapes. `hidden` is the width of MLP_c and MLP_Σ; 0 leaves
     only the skip. `seed_scales` says whether s_o and s_a are carried. `base_cell` is the side in pixels of the base
-    layer's cells, 0 for none. With `predicted_seeds` a shipped network predicts where seeds are. With
-    `texture` tiles may hold a layer of windowed cosines (`model.texture`).
+    layer's cells, 0 for none. With `predicted_seeds` a shipped network predicts where seeds are. `texture` says whether
+    tiles may hold a texture layer.
     """
 
     channels: int

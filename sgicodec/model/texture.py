@@ -34,6 +34,11 @@ class TextureLayer:
     log_size: NDArray[np.uint8]
     amplitudes: F32
 
+    @classmethod
+    def without_cells(cls, size: tuple[int, int], channels: int) -> TextureLayer:
+        """A layer that adds nothing."""
+        return cls(size, channels, np.zeros((0, 2), np.int32), np.zeros(0, np.uint8), np.zeros(0, np.float32))
+
     @property
     def count(self) -> int:
         """How many cells hold texture."""

@@ -130,7 +130,7 @@ def test_between_pixels_it_is_continuous() -> None:
 
 
 def test_there_may_be_no_cells() -> None:
-    nothing = TextureLayer((40, 30), 3, np.zeros((0, 2), np.int32), np.zeros(0, np.uint8), np.zeros(0, np.float32))
+    nothing = TextureLayer.without_cells((40, 30), 3)
     assert nothing.count == nothing.memory == 0
     np.testing.assert_array_equal(nothing.draw(), np.zeros((3, 30, 40)))
 

@@ -1,0 +1,61 @@
+"""Header fields come back as they were; each version has its flags."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from surgery import HEADER_FIELDS, split, with_fields
+
+from sgicodec.bitstream.header import decode_header, encode_header
+from sgicodec.bitstream.varint import decode_varint
+from sgicodec.errors import CorruptStreamError, LimitError, UnsupportedStreamError
+
+GOLDEN = sorted((Path(__file__).parents[2] / "conformance" / "golden").glob("*.sgi"))
+TEXTURE = 256
+
+
+def header_of(path: Path, **changes: int | Callable[[int], int]) -> bytes:
+    (_, payload), *_ = split(with_fields(path.read_bytes(), **changes))
+    return payload
+
+
+def flags_of(payload: bytes) -> int:
+    at = 0
+    for _ in range(HEADER_FIELDS.index("flags") + 1):
+        flags, at = decode_varint(payload, at)
+    return flags
+
+
+@pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
+def test_headers_come_back_byte_by_byte(path: Path) -> None:
+    payload = header_of(path)
+    header = decode_header(payload)
+    assert not header.spec.texture
+    assert encode_header(header)[1:] == payload[1:]
+    assert payload[0] in (1, 2)
+    assert encode_header(header)[0] == 2
+
+
+@pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
+def test_texture_makes_it_version_3(path: Path) -> None:
+    header = decode_header(header_of(path))
+    textured = replace(header, spec=replace(header.spec, texture=True))
+    payload = encode_header(textured)
+    assert payload == header_of(path, version=3, flags=lambda flags: flags | TEXTURE)
+    assert decode_header(payload) == textured
+
+
+def test_versions_have_their_flags() -> None:
+    path = GOLDEN[0]
+    flags = flags_of(header_of(path))
+    with pytest.raises(LimitError, match="the flags"):
+        decode_header(header_of(path, version=2, flags=flags | TEXTURE))
+    with pytest.raises(CorruptStreamError, match="without anything that needs it"):
+        decode_header(header_of(path, version=3))
+    with pytest.raises(LimitError, match="the flags"):
+        decode_header(header_of(path, version=3, flags=flags | 2 * TEXTURE))
+    with pytest.raises(UnsupportedStreamError, match="reads 1 to 3"):
+        decode_header(header_of(path, version=4))
