@@ -1,5 +1,5 @@
-from collections.abc import Callable
-from typing import Annotated
+from collections.abc import Callable, Sequence
+from typing import Annotated, overload
 
 import numpy
 from numpy.typing import NDArray
@@ -182,6 +182,40 @@ class AttributeModel:
         """
 
 def draw_texture(corner: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], log_size: Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)], amplitudes: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], size: tuple[int, int], start: tuple[float, float], scale: tuple[float, float], first: tuple[int, int], mix: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)] | None, threads: int, isa: str, planes: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu')]) -> None: ...
+
+class TextureModels:
+    @overload
+    def __init__(self) -> None: ...
+
+    @overload
+    def __init__(self, state: bytes) -> None: ...
+
+    def state(self) -> bytes: ...
+
+    def settle(self, most: int) -> None: ...
+
+    def learn(self, log_size: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu', writable=False)], contrast: Annotated[NDArray[numpy.int8], dict(shape=(None, None), order='C', device='cpu', writable=False)], symbols: Annotated[NDArray[numpy.int16], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], size: tuple[int, int], has_contrast: bool) -> None: ...
+
+    def write(self, log_size: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu', writable=False)], contrast: Annotated[NDArray[numpy.int8], dict(shape=(None, None), order='C', device='cpu', writable=False)], symbols: Annotated[NDArray[numpy.int16], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], size: tuple[int, int], has_contrast: bool) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None,))], Annotated[NDArray[numpy.int32], dict(shape=(None,))], Annotated[NDArray[numpy.int32], dict(shape=(None,))], float]:
+        """
+        Bits, their P(1) in 2^-16, all symbols in coding order, information content.
+        """
+
+    def read(self, decoder: RangeDecoder, size: tuple[int, int], channels: int, has_contrast: bool) -> tuple[bool, tuple[Annotated[NDArray[numpy.uint8], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None, None))], Annotated[NDArray[numpy.int16], dict(shape=(None, None, None))]], Annotated[NDArray[numpy.int32], dict(shape=(None,))], float]:
+        """
+        Whether it is sound; log_size, contrast and symbols; all symbols in coding order; information content.
+        """
+
+    def search(self, amplitudes: TextureAmplitudes, contrast: Annotated[NDArray[numpy.int8], dict(shape=(None, None), order='C', device='cpu', writable=False)], steps: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], slope: tuple[float, float], lmbda: float, least_log: int, has_contrast: bool) -> tuple[tuple[Annotated[NDArray[numpy.uint8], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None, None))], Annotated[NDArray[numpy.int16], dict(shape=(None, None, None))]], float, list[float], list[float], Annotated[NDArray[numpy.float32], dict(shape=(None, None))]]:
+        """
+        log_size, contrast and symbols; bits; by magnitude 1, 2 and more the symbols and the sum of their excess; cost of each root in squared steps.
+        """
+
+class TextureAmplitudes:
+    def __init__(self, planes: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], size: tuple[int, int], threads: int) -> None: ...
+
+def texture_cells(log_size: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu', writable=False)], contrast: Annotated[NDArray[numpy.int8], dict(shape=(None, None), order='C', device='cpu', writable=False)], symbols: Annotated[NDArray[numpy.int16], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], steps: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], slope: tuple[float, float], excess: Sequence[float]) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None, None))], Annotated[NDArray[numpy.uint8], dict(shape=(None,))], Annotated[NDArray[numpy.float32], dict(shape=(None,))]]:
+    """Corners, log2 of sides, amplitudes."""
 
 def tree_input_count(child: int) -> int: ...
 

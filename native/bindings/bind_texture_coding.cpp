@@ -157,14 +157,6 @@ sgi::TextureAmplitudes amplitudes_of(Array<const float, 3> planes, Size size, in
   return {planes.data(), int(planes.shape(0)), size.first, size.second, threads};
 }
 
-auto amplitudes_of_size(const sgi::TextureAmplitudes &all, int log) {
-  require(log >= sgi::kTextureLeast && log <= sgi::kTextureRoot, "log must be 3, 4 or 5");
-  const auto channels = size_t(all.channels), down = size_t(all.height), across = size_t(all.width);
-  const float *first = all.of({0, 0, log}, 0);
-  return as_array<float>(std::vector<float>(first, first + channels * down * across),
-                         std::array{channels, down, across});
-}
-
 auto texture_cells(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, Array<const float, 1> steps,
                    std::pair<float, float> slope, std::array<float, 3> excess) {
   require(steps.size() == symbols.shape(0), "steps [C]");
@@ -196,8 +188,7 @@ void bind_texture_coding(nb::module_ &m) {
   nb::class_<sgi::TextureAmplitudes>(m, "TextureAmplitudes")
       .def("__init__", [](sgi::TextureAmplitudes *self, Array<const float, 3> planes, Size size, int threads) {
         new (self) sgi::TextureAmplitudes(amplitudes_of(planes, size, threads));
-      }, "planes"_a, "size"_a, "threads"_a)
-      .def("of_size", &amplitudes_of_size, "log"_a, "Amplitudes [C, h, w] of cells of side 2^log.");
+      }, "planes"_a, "size"_a, "threads"_a);
   m.def("texture_cells", &texture_cells, "log_size"_a, "contrast"_a, "symbols"_a, "steps"_a, "slope"_a, "excess"_a,
         "Corners, log2 of sides, amplitudes.");
 }

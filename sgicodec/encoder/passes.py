@@ -16,7 +16,7 @@ from sgicodec.encoder.time_budget import TimeBudget
 from sgicodec.metrics.distortion import decibels
 from sgicodec.model.steps import quality_index
 from sgicodec.rate_control.allocation import allocate
-from sgicodec.rate_control.secant import REFIT, SEARCH, Correction
+from sgicodec.rate_control.secant import COARSER_TEXTURE, FINER_TEXTURE, REFIT, SEARCH, Correction
 from sgicodec.rate_control.target import LMBDA_MIN, Measured, RateTarget
 from sgicodec.rate_control.tile_passes import MAX_FITS, MAX_SAMPLES, is_far, kept_near, tiles_of_pass
 from sgicodec.rate_control.tile_rd_model import Bound, TileRdModel
@@ -147,7 +147,7 @@ class TilePasses:
                 break
             bound = self._bound(target)
             fits = {number: bound.of(self.store.tiles[base[number]]) for number in self.all}
-            kind = SEARCH if bound.error(sum(fits.values())) > 0 else REFIT
+            kind = self._kind(bound.error(sum(fits.values())))
             left = bound.error(sum(bound.of(self.store.tiles[version]) for version in chosen))
             fresh = [number for number in self.all if len(versions[number]) == 1]
             octaves, numbers = kind.next(left, fits, fresh, tried)
@@ -161,6 +161,12 @@ class TilePasses:
             index += 1
         missed = target.miss_message(measured) if target.is_missed(measured) else None
         return Finished(plan, chosen, self.store.tiles[base[self.all[-1]]].lmbda, missed, self.overview)
+
+    def _kind(self, error: float) -> Correction:
+        """How to correct fits that miss the target by `error`: above 0, they spend too much."""
+        if self.plan.header.spec.texture:
+            return FINER_TEXTURE if error <= 0 else COARSER_TEXTURE
+        return SEARCH if error > 0 else REFIT
 
     def _correct(
         self, kind: Correction, plan: Plan, base: dict[int, Version], octaves: float, numbers: list[int], index: int
@@ -176,7 +182,7 @@ class TilePasses:
             if moved < 0.999 * LMBDA_MIN:
                 return False
             at = plan.at(moved, plan.header.quality)
-            task: FitTask | SearchTask = SearchTask(at) if kind is SEARCH else FitTask(at)
+            task: FitTask | SearchTask = FitTask(at) if kind is REFIT else SearchTask(at)
             self._pass(kind.name, index, task, some, partial(self._start, base))
         return bool(numbers)
 

@@ -29,6 +29,7 @@ from sgicodec.encoder.tile_weight import tile_weight
 from sgicodec.encoder.tile_work import Start
 from sgicodec.encoder.time_budget import TimeBudget
 from sgicodec.encoder.to_target import TargetEncoder
+from sgicodec.encoder.to_texture_target import TextureTargetEncoder
 from sgicodec.encoder.windows import Windows, tile_window, windows_of
 from sgicodec.encoder.worker import TileRunner
 from sgicodec.errors import TargetMissedError
@@ -136,7 +137,8 @@ def _encode_whole(job: _Job) -> tuple[Encoded, str | None]:
     encoding = Encoding(picture, plan, job.started, job.device)
     target = plan.settings.rate_target(picture.width * picture.height)
     try:
-        encoded = encoding.run(watch) if target is None else TargetEncoder(encoding, target).run(watch)
+        to_target = TextureTargetEncoder if encoding.spec.texture else TargetEncoder
+        encoded = encoding.run(watch) if target is None else to_target(encoding, target).run(watch)
     except TargetMissedError as error:
         missed, encoded = str(error), error.nearest
     psnr = job.psnr(encoded.data) if job.verify else None

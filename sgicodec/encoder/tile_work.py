@@ -92,7 +92,7 @@ class FitTask:
 
 @dataclass(frozen=True)
 class SearchTask:
-    """Searches the symbols of a finished tile again, for the plan's λ."""
+    """Searches the texture of a finished tile again, or without texture its symbols, for the plan's λ."""
 
     plan: Plan
 
@@ -102,11 +102,13 @@ class SearchTask:
         payload = decode_tile_chunk(self.plan.header, start.payload).model
         if payload is None:
             return _finished(tile, self.plan, number, None, started)
-        header, lmbda = tile.plan.header, tile.fit.lmbda
+        header, lmbda = tile.plan.header, tile.lmbda
         model, _ = read_tile(header, payload, device)
         values = model.decoded_values
         groups = {group.name: values[:, group.columns] for group in header.spec.groups}
         model = replace(model, attributes=groups, decoded=None)
+        if header.spec.texture:
+            return _finished(tile, self.plan, number, tile.textured(Candidate(header, model, lmbda)), started)
         if not tile.searches:
             octaves = 0.5 * math.log2(lmbda / start.lmbda)
             model = replace(model, networks=with_coarser_steps(model.networks, octaves))
@@ -139,7 +141,7 @@ def encode_tile(
         steps = progress.step
         return True
 
-    candidate = None if tile.holds_nothing else tile.searched(tile.candidate(tile.fitted(watch)))
+    candidate = None if tile.holds_nothing else tile.textured(tile.searched(tile.candidate(tile.fitted(watch))))
     return replace(_finished(tile, plan, number, candidate, started), steps=steps)
 
 
@@ -174,7 +176,7 @@ def _finished(tile: Encoding, plan: Plan, number: int, candidate: Candidate | No
     distortion = error if weights is None else squared_error(own, shown, weights[core])
     size, seconds = len(payload), time.monotonic() - started
     return EncodedTile(
-        payload, parts, seeds, error, distortion, own.pixels.size, seconds, size, tile.fit.lmbda, decoding
+        payload, parts, seeds, error, distortion, own.pixels.size, seconds, size, tile.lmbda, decoding
     )
 
 

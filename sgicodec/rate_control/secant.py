@@ -10,7 +10,7 @@ import numpy as np
 
 from sgicodec.rate_control.tile_passes import spread_over
 
-__all__ = ["REFIT", "SEARCH", "Correction"]
+__all__ = ["COARSER_TEXTURE", "FINER_TEXTURE", "REFIT", "SEARCH", "Correction"]
 
 MIN_TILES = 4
 MIN_STEP_OCTAVES = 1e-3
@@ -64,3 +64,6 @@ SEARCH = Correction("search", 1, 0.2, 0.35, 4.0, 1.3)
 """RDOQ of what is coded: fast, but it drops seeds and adds none."""
 REFIT = Correction("again", -1, 0.6, 0.5, 2.0, 1.1)
 """Another fit: slow, but it adds seeds."""
+COARSER_TEXTURE = Correction("search", 1, 0.5, 0.1, 4.0, 1.1)
+FINER_TEXTURE = Correction("search", -1, 0.5, 0.1, 4.0, 1.1)
+"""Texture of another step over the seeds that are coded: fast, and it goes both ways."""

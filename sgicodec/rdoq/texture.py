@@ -25,6 +25,10 @@ def step_of_lmbda(lmbda: float) -> int:
     return step_index(float((lmbda / SQUARED_STEPS_PER_BIT) ** 0.5))
 
 
+_Layer = tuple[NDArray[np.uint8], NDArray[np.int8], NDArray[np.int16]]
+_Found = tuple[_Layer, float, list[float], list[float], F32]
+
+
 class TextureSearch:
     """Searches layers for what a tile leaves over.
 
@@ -56,9 +60,10 @@ class TextureSearch:
 
     def costs(self, steps: TextureSteps, contrast: NDArray[np.int8] | None = None) -> F32:
         """What each root would cost [rows, columns]: squared error plus λ times bits, in squared steps."""
-        return self._search(steps, contrast)[-1]
+        costs: F32 = self._search(steps, contrast)[-1]
+        return costs
 
-    def _search(self, steps: TextureSteps, contrast: NDArray[np.int8] | None):  # type: ignore[no-untyped-def]
+    def _search(self, steps: TextureSteps, contrast: NDArray[np.int8] | None) -> _Found:
         contrast = np.zeros(self._shape, np.int8) if contrast is None else contrast
         return texture_models().search(
             self._amplitudes,
