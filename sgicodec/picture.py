@@ -22,6 +22,7 @@ __all__ = [
     "from_unit",
     "full_range",
     "nodata_mask",
+    "to_rgb8",
     "to_unit",
 ]
 
@@ -128,6 +129,17 @@ def to_unit(picture: Picture) -> npt.NDArray[np.float32]:
 def comparable(picture: Picture) -> Samples:
     """What an error is measured on: integers as they are, floats on the scale where their range is 0..1."""
     return picture.pixels if picture.pixels.dtype.kind == "u" else to_unit(picture)
+
+
+def to_rgb8(picture: Picture) -> npt.NDArray[np.uint8]:
+    """What a screen shows, about: 8-bit RGB [H, W, 3]; gray three times, on black what alpha hides, of more channels
+    the first three.
+    """
+    unit = to_unit(picture)
+    if picture.alpha is not None:
+        unit = unit[..., : picture.alpha] * unit[..., picture.alpha, None]
+    shown = unit[..., :3] if unit.shape[2] >= 3 else unit[..., [0, 0, 0]]
+    return np.rint(255 * shown).astype(np.uint8)
 
 
 def from_unit(

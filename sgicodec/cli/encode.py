@@ -25,6 +25,7 @@ __all__ = ["encode"]
 @click.option("-q", "--quality", type=float, metavar="1-100", show_default="50", help="Quality; more is better.")
 @click.option("--lmbda", type=float, metavar="L", help="Squared error that a bit must save, instead of -q.")
 @click.option("--psnr", type=float, metavar="DB", help="PSNR to end at, instead of -q.")
+@click.option("--ssimulacra2", type=float, metavar="SCORE", help="SSIMULACRA 2 score to end at, instead of -q.")
 @click.option("--bpp", type=float, metavar="X", help="Bits per pixel to end at, never above.")
 @click.option("--size", type=BYTES, metavar="BYTES", help="File size to end at, never above: 20000, 200kB, 1.5MiB.")
 @click.option("-e", "--effort", type=int, metavar="1-9", show_default="5", help="More is smaller and slower.")
@@ -122,7 +123,7 @@ def _settings(choices: dict[str, Any]) -> EncodeSettings:
     from sgicodec.profiles import PROFILES
 
     chosen = {name: value for name, value in choices.items() if value is not None}
-    for names in (("quality", "lmbda", "psnr", "bpp", "size"), ("effort", "time_limit"), ("steps", "time_limit")):
+    for names in (("quality", "lmbda", "psnr", "ssimulacra2", "bpp", "size"), ("effort", "time_limit"), ("steps", "time_limit")):
         given = [f"--{name.replace('_', '-')}" for name in names if name in chosen]
         if len(given) > 1:
             raise UsageError(f"{given[0]} and {given[1]} exclude each other")

@@ -10,7 +10,7 @@ import numpy as np
 from sgicodec.bitstream.header import MAX_CHANNELS, MAX_SIDE, MAX_TILES, Header
 from sgicodec.bitstream.limits import check_model
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.errors import LimitError, PictureError, UsageError
+from sgicodec.errors import LimitError, PictureError, UsageError, require
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import quality_index
 from sgicodec.model.tile_grid import TileGrid
@@ -55,7 +55,7 @@ class Plan:
 
     def at(self, lmbda: float, quality: int) -> Plan:
         """The same for tiles that are fitted at λ, whatever the goal, with this index of the base colour step."""
-        settings = replace(self.settings, lmbda=lmbda, psnr=None, size=None, bpp=None)
+        settings = replace(self.settings, lmbda=lmbda, psnr=None, ssimulacra2=None, size=None, bpp=None)
         return replace(self, header=replace(self.header, quality=quality), settings=settings)
 
 
@@ -78,6 +78,10 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
     )
     if grid.tile and settings.time_limit is not None and settings.asked():
         raise UsageError("a time limit goes with a size, a rate or a PSNR in a single tile only; --tile 0 makes one")
+    if settings.ssimulacra2 is not None:
+        require("ssimulacra2", "a SSIMULACRA 2 score", "bench")
+        if grid.tile:
+            raise UsageError("a SSIMULACRA 2 score goes with a single tile only; --tile 0 makes one")
     metadata = shape.metadata if settings.metadata else None
     return Plan(header, settings, _software(settings, fit), metadata, Metadata(geo=shape.metadata.geo))
 

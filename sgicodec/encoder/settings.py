@@ -32,8 +32,9 @@ class EncodeSettings:
     the shipped context model, 0 for one that travels in the stream. rdoq: whether RDOQ follows the fit, where it knows
     the model. distortion: what is minimised besides bits, a name in `metrics.choices`; PSNR and its targets stay plain. texture:
     whether the default profile lays cosines over its seeds where that is cheaper.
-    metadata: whether ICC, EXIF, XMP and the place on earth are kept. psnr in dB, size in bytes or bpp in bits per
-    pixel: what to end at, in the default profile. time_limit: seconds that the encode may take, instead of a number of
+    metadata: whether ICC, EXIF, XMP and the place on earth are kept. psnr in dB, ssimulacra2 (a score up to
+    100, for a picture in one tile with texture), size in bytes or bpp in bits per pixel: what to end at, in the default
+    profile. time_limit: seconds that the encode may take, instead of a number of
     steps. tile: largest side of a tile in pixels, 0 for a single one, None for what suits the picture; apron: pixels
     that a tile reaches over its neighbours. overview: whether a stream of several tiles carries the picture in small,
     None for what suits its size.
@@ -55,6 +56,7 @@ class EncodeSettings:
     seed: int = 0
     metadata: bool = True
     psnr: float | None = None
+    ssimulacra2: float | None = None
     size: float | None = None
     bpp: float | None = None
     time_limit: float | None = None
@@ -84,13 +86,15 @@ class EncodeSettings:
         """The rate target of a picture of `pixels` pixels, if there is one."""
         if self.psnr is not None:
             return RateTarget(psnr=self.psnr)
+        if self.ssimulacra2 is not None:
+            return RateTarget(score=self.ssimulacra2)
         if self.bpp is not None:
             return RateTarget(bytes=self.bpp * pixels / 8)
         return None if self.size is None else RateTarget(bytes=self.size)
 
     def asked(self) -> str:
         """The goal in a word, empty without one."""
-        goals = {"psnr": self.psnr, "bpp": self.bpp, "size": self.size}
+        goals = {"psnr": self.psnr, "ssimulacra2-": self.ssimulacra2, "bpp": self.bpp, "size": self.size}
         return "".join(f"{name}{value:g}" for name, value in goals.items() if value is not None)
 
     def __post_init__(self) -> None:
@@ -119,6 +123,10 @@ class EncodeSettings:
             (self.steps is None or self.steps >= 1, f"steps {self.steps}; at least 1"),
             (self.levels is None or 1 <= self.levels <= 4, f"levels {self.levels}; 1 to 4"),
             (self.psnr is None or 0 < self.psnr < math.inf, f"psnr {self.psnr}; it must be positive"),
+            (
+                self.ssimulacra2 is None or self.ssimulacra2 < 100,
+                f"ssimulacra2 {self.ssimulacra2}; it must be below 100",
+            ),
             (self.size is None or 1 <= self.size < math.inf, f"size {self.size}; at least 1 byte"),
             (self.bpp is None or 0 < self.bpp < math.inf, f"bpp {self.bpp}; it must be positive"),
             (self.time_limit is None or 0 < self.time_limit < math.inf, f"time limit {self.time_limit}; above 0 s"),
@@ -134,7 +142,7 @@ class EncodeSettings:
 
     def _check_choices(self) -> None:
         """Raises UsageError for settings that exclude each other, or that the profile does not have."""
-        goals = [name for name in ("psnr", "size", "bpp") if getattr(self, name) is not None]
+        goals = [name for name in ("psnr", "ssimulacra2", "size", "bpp") if getattr(self, name) is not None]
         instead = [*goals, *(["lmbda"] if goals and self.lmbda is not None else [])]
         instead = ["steps", "time_limit"] if self.steps is not None and self.time_limit is not None else instead
         if len(instead) > 1:
@@ -143,6 +151,8 @@ class EncodeSettings:
             raise UsageError(f"the {self.profile} profile has a loss of its own; distortion is one of the default's")
         if goals and not self.chosen_profile.has_targets:
             raise UsageError(f"{goals[0]} is a setting of the default profile")
+        if self.ssimulacra2 is not None and not self.texture:
+            raise UsageError("a SSIMULACRA 2 score is reached by texture; it does not go without")
         for other in PROFILES.values():
             for name in other.own_choices if other.name != self.profile else ():
                 if getattr(self, name) is not None:

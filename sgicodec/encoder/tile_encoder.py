@@ -25,11 +25,12 @@ from sgicodec.encoder.plan import Plan
 from sgicodec.fit.base_layer import base_layer
 from sgicodec.metrics.choices import DISTORTIONS
 from sgicodec.metrics.distortion import mean_weight
+from sgicodec.metrics.perceptual import ssimulacra2
 from sgicodec.metrics.psnr import psnr
 from sgicodec.model.context import input_count
 from sgicodec.model.layout import ROOT_LOG, SeedLayout, adaptive_layout, cell_sums, uniform_layout
 from sgicodec.model.texture_symbols import SAME_STEP, TextureSteps
-from sgicodec.picture import Picture, comparable, nodata_mask, to_unit
+from sgicodec.picture import Picture, comparable, nodata_mask, to_rgb8, to_unit
 from sgicodec.rate_control.lambda_controller import LambdaController
 from sgicodec.rate_control.rd_model import RdModel
 from sgicodec.rate_control.target import Measured
@@ -211,13 +212,18 @@ class Encoding:
         return Encoded(data, parts, seeds, seeds * self.spec.per_seed, self.lmbda)
 
     def measured(self, candidate: Candidate) -> tuple[Encoded, Measured]:
-        """The stream and what it is; of its PSNR, only if that is asked for."""
-        encoded, quality = self.encoded(candidate), math.inf
+        """The stream and what it is; of its PSNR and score, only what is asked for."""
+        encoded, quality, score = self.encoded(candidate), math.inf, math.nan
+        if self.settings.psnr is None and self.settings.ssimulacra2 is None:
+            return encoded, Measured(len(encoded.data), quality)
+        with open_stream(encoded.data, self.device) as stream:
+            decoded = stream.picture()
         if self.settings.psnr is not None:
-            decoded = open_stream(encoded.data, self.device).picture()
             shown = np.array(True) if self.empty is None else ~self.empty[..., None]
             quality = psnr(*(np.where(shown, comparable(p), 0) for p in (self.picture, decoded)))
-        return encoded, Measured(len(encoded.data), quality)
+        else:
+            score = ssimulacra2(*(to_rgb8(picture) for picture in (self.picture, decoded)))
+        return encoded, Measured(len(encoded.data), quality, score)
 
     def rd_model(self) -> RdModel:
         """The R-D model that predicts the outcome of fits."""

@@ -19,42 +19,56 @@ PSNR_TOLERANCE_DB = 0.1
 SIZE_OCTAVES_PER_LMBDA_OCTAVE = 0.65
 """log2 of the bytes that an octave of λ takes or gives, on photographs between 0.1 and 1 bpp."""
 PSNR_DB_PER_LMBDA_OCTAVE = 1.5
+SCORE_TOLERANCE = 1.0
+"""How far a SSIMULACRA 2 score may lie from the one that was asked for."""
+SCORE_PER_LMBDA_OCTAVE = 8.0
+"""Of photographs between scores of 40 and 80; below, an octave takes more."""
+SCORE_LMBDA = 0.5 * 2.0 ** (-49 / 8), 60.0
+"""A λ, and the score that photographs have there: where the search for a score begins."""
 PSNR_MAX_DB = 200.0
 """Stands for the infinite PSNR of a picture without error."""
 
 
 @dataclass(frozen=True)
 class Measured:
-    """Bytes of a stream on disk and PSNR in dB of its decoded samples."""
+    """Bytes of a stream on disk; PSNR in dB and SSIMULACRA 2 score of its decoded samples, where they are asked for."""
 
     bytes: float
     psnr: float
+    score: float = math.nan
 
 
 @dataclass(frozen=True)
 class RateTarget:
-    """A size in bytes that the stream must not exceed, or a PSNR in dB that it must have."""
+    """A size in bytes that the stream must not exceed, or a PSNR in dB or a SSIMULACRA 2 score that it must have."""
 
     bytes: float | None = None
     psnr: float | None = None
+    score: float | None = None
 
     def rate_error(self, measured: Measured) -> float:
         """Estimate of the octaves by which λ should rise: positive where the stream spends more than was asked for."""
         if self.bytes is not None:
             octaves = math.log2(max(measured.bytes, 1.0) / (SIZE_AIM_FRACTION * self.bytes))
             return octaves / SIZE_OCTAVES_PER_LMBDA_OCTAVE
+        if self.score is not None:
+            return (measured.score - self.score) / SCORE_PER_LMBDA_OCTAVE
         return (min(measured.psnr, PSNR_MAX_DB) - (self.psnr or 0.0)) / PSNR_DB_PER_LMBDA_OCTAVE
 
     def is_met(self, measured: Measured) -> bool:
-        """Size: at most the target, and within 3 % of it. PSNR: within 0.1 dB."""
+        """Size: at most the target, and within 3 % of it. PSNR: within 0.1 dB. Score: within 1."""
         if self.bytes is not None:
             return SIZE_MIN_FRACTION * self.bytes <= measured.bytes <= self.bytes
+        if self.score is not None:
+            return abs(measured.score - self.score) <= SCORE_TOLERANCE
         return abs(measured.psnr - (self.psnr or 0.0)) <= PSNR_TOLERANCE_DB
 
     def is_missed(self, measured: Measured) -> bool:
         """Whether the stream is larger than was allowed, or worse than was asked for."""
         if self.bytes is not None:
             return measured.bytes > self.bytes
+        if self.score is not None:
+            return measured.score < self.score - SCORE_TOLERANCE
         return measured.psnr < (self.psnr or 0.0) - PSNR_TOLERANCE_DB
 
     def nearest(self, streams: Sequence[Measured]) -> int:
@@ -66,4 +80,6 @@ class RateTarget:
         """What to report where the best stream misses the target."""
         if self.bytes is not None:
             return f"no stream of at most {self.bytes:.0f} bytes was found; the smallest has {measured.bytes:.0f}"
+        if self.score is not None:
+            return f"no stream of SSIMULACRA 2 {self.score:g} was found; the best reaches {measured.score:.1f}"
         return f"no stream of {self.psnr:g} dB was found; the best reaches {measured.psnr:.2f} dB"
