@@ -39,6 +39,13 @@ __all__ = ["encode"]
     show_default=True,
     help="What is minimised: squared error, or the same with less weight where the picture is busy.",
 )
+@click.option(
+    "--tune",
+    type=click.Choice(["psnr", "visual"]),
+    default="psnr",
+    show_default=True,
+    help="What texture is quantised for: least squared error, or the eye.",
+)
 @click.option("--texture/--no-texture", default=True, show_default=True, help="Code texture as cosines where it pays.")
 @click.option("--features", type=int, metavar="D", help="Size of a seed's feature; paper profile.")
 @click.option("--levels", type=int, metavar="M", help="Levels of the pyramid; paper profile.")
@@ -123,7 +130,11 @@ def _settings(choices: dict[str, Any]) -> EncodeSettings:
     from sgicodec.profiles import PROFILES
 
     chosen = {name: value for name, value in choices.items() if value is not None}
-    for names in (("quality", "lmbda", "psnr", "ssimulacra2", "bpp", "size"), ("effort", "time_limit"), ("steps", "time_limit")):
+    for names in (
+        ("quality", "lmbda", "psnr", "ssimulacra2", "bpp", "size"),
+        ("effort", "time_limit"),
+        ("steps", "time_limit"),
+    ):
         given = [f"--{name.replace('_', '-')}" for name in names if name in chosen]
         if len(given) > 1:
             raise UsageError(f"{given[0]} and {given[1]} exclude each other")

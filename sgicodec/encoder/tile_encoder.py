@@ -7,6 +7,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,6 +23,7 @@ from sgicodec.device import ALL_CORES, Device
 from sgicodec.encoder.encoded import Encoded
 from sgicodec.encoder.inpainting import inpaint
 from sgicodec.encoder.plan import Plan
+from sgicodec.encoder.texture_tuning import TUNINGS, TextureTuning
 from sgicodec.fit.base_layer import base_layer
 from sgicodec.metrics.choices import DISTORTIONS
 from sgicodec.metrics.distortion import mean_weight
@@ -29,14 +31,13 @@ from sgicodec.metrics.perceptual import ssimulacra2
 from sgicodec.metrics.psnr import psnr
 from sgicodec.model.context import input_count
 from sgicodec.model.layout import ROOT_LOG, SeedLayout, adaptive_layout, cell_sums, uniform_layout
-from sgicodec.model.texture_symbols import SAME_STEP, TextureSteps
 from sgicodec.picture import Picture, comparable, nodata_mask, to_rgb8, to_unit
 from sgicodec.rate_control.lambda_controller import LambdaController
 from sgicodec.rate_control.rd_model import RdModel
 from sgicodec.rate_control.target import Measured
 from sgicodec.rdoq import Objective, Rdoq, RdoqSettings, can_optimise
 from sgicodec.rdoq.objective import with_values
-from sgicodec.rdoq.texture import TextureSearch, step_of_lmbda
+from sgicodec.rdoq.texture import TextureSearch
 
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Fitted, Progress
@@ -184,7 +185,7 @@ class Encoding:
         """The candidate with texture over what its seeds leave, for the λ of the encode."""
         if not self.spec.texture:
             return candidate
-        return self.with_texture(candidate, self.texture_search(candidate), step_of_lmbda(self.lmbda))
+        return self.with_texture(candidate, self.texture_search(candidate), self.tuning.step(self.lmbda))
 
     def texture_search(self, candidate: Candidate) -> TextureSearch:
         """What finds texture over a candidate."""
@@ -194,9 +195,19 @@ class Encoding:
         left = objective.residual(with_values(self.spec, model, model.decoded_values))
         return TextureSearch(left[:, :, : self.unit.shape[2]], self.device)
 
+    @property
+    def tuning(self) -> TextureTuning:
+        """What texture is quantised for."""
+        return TUNINGS[self.settings.tune]
+
+    @cached_property
+    def _contrast(self) -> NDArray[np.int8] | None:
+        return self.tuning.contrast(self.unit)
+
     def with_texture(self, candidate: Candidate, search: TextureSearch, step: int) -> Candidate:
         """The candidate with texture in steps of this index."""
-        found = search.at(TextureSteps(step, (SAME_STEP,) * (self.spec.channels - 1)))
+        tuning = self.tuning
+        found = search.at(tuning.steps(step, self.spec.channels), tuning.squared_steps, self._contrast)
         return replace(candidate, model=replace(candidate.model, texture=found, decoded=None))
 
     def encoded(self, candidate: Candidate) -> Encoded:

@@ -175,9 +175,7 @@ def _finished(tile: Encoding, plan: Plan, number: int, candidate: Candidate | No
     error = squared_error(own, shown)
     distortion = error if weights is None else squared_error(own, shown, weights[core])
     size, seconds = len(payload), time.monotonic() - started
-    return EncodedTile(
-        payload, parts, seeds, error, distortion, own.pixels.size, seconds, size, tile.lmbda, decoding
-    )
+    return EncodedTile(payload, parts, seeds, error, distortion, own.pixels.size, seconds, size, tile.lmbda, decoding)
 
 
 def _core(plan: Plan, number: int) -> tuple[slice, slice]:

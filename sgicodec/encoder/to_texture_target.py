@@ -13,7 +13,6 @@ from sgicodec.rate_control.rd_model import initial_lmbda
 from sgicodec.rate_control.side_information import network_bytes
 from sgicodec.rate_control.step_search import step_shift
 from sgicodec.rate_control.target import LMBDA_MAX, LMBDA_MIN, Measured, RateTarget
-from sgicodec.rdoq.texture import step_of_lmbda
 
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Progress
@@ -64,7 +63,7 @@ class TextureTargetEncoder:
         """The best stream with seeds for the encoding's λ, and by how many octaves λ should have been larger."""
         encoding, target = self.encoding, self.target
         candidate = encoding.searched(encoding.candidate(encoding.fitted(on_progress)))
-        search, first = encoding.texture_search(candidate), step_of_lmbda(encoding.lmbda)
+        search, first = encoding.texture_search(candidate), encoding.tuning.step(encoding.lmbda)
         tried: dict[int, tuple[Encoded, Measured]] = {}
 
         def measure(shift: int) -> Measured:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from sgicodec._native import texture_cells
 from sgicodec.model.texture import LEAST_LOG, ROOT_LOG, TextureLayer
 
-__all__ = ["SAME_STEP", "TextureSteps", "TextureSymbols", "roots_of", "step_index"]
+__all__ = ["CONTRAST_LIMIT", "SAME_STEP", "STEP_COUNT", "TextureSteps", "TextureSymbols", "roots_of", "step_index"]
 
 F32 = NDArray[np.float32]
 
@@ -50,6 +50,7 @@ class TextureSteps:
 
 
 STEP_ZERO, STEP_COUNT = 480, 512
+CONTRAST_LIMIT = 15
 SAME_STEP = 16
 """Ratio of a channel with the steps of the first."""
 

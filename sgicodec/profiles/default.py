@@ -13,9 +13,7 @@ EFFORTS: dict[int, int] = {1: 120, 2: 200, 3: 350, 4: 600, 5: 1000, 6: 1600, 7: 
 """Optimisation steps of the default profile for each effort."""
 
 
-def default_spec(
-    channels: int, per_seed: int = 1, prior: int = 3, hidden: int = 0, texture: bool = False
-) -> ModelSpec:
+def default_spec(channels: int, per_seed: int = 1, prior: int = 3, hidden: int = 0, texture: bool = False) -> ModelSpec:
     """The `default` profile: adaptive seeds, log-covariances, a base layer, context from decoded neighbours.
 
     Prior 1 was trained for passes that do not go by size, and its streams state the probabilities of seeds' places.

@@ -10,20 +10,11 @@ from sgicodec.bitstream.parts.texture import texture_models
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.model.gaussians import colour_matrix
 from sgicodec.model.texture import ROOT_LOG
-from sgicodec.model.texture_symbols import TextureSteps, TextureSymbols, roots_of, step_index
+from sgicodec.model.texture_symbols import TextureSteps, TextureSymbols, roots_of
 
-__all__ = ["SQUARED_STEPS_PER_BIT", "TextureSearch", "step_of_lmbda"]
+__all__ = ["TextureSearch"]
 
 F32 = NDArray[np.float32]
-
-SQUARED_STEPS_PER_BIT = 0.11
-"""λ in squared steps: at high rates (ln 2) / 6 = 0.1155 would be right; measured on eight pictures."""
-
-
-def step_of_lmbda(lmbda: float) -> int:
-    """Index of the step whose texture costs as much error as λ says."""
-    return step_index(float((lmbda / SQUARED_STEPS_PER_BIT) ** 0.5))
-
 
 _Layer = tuple[NDArray[np.uint8], NDArray[np.int8], NDArray[np.int16]]
 _Found = tuple[_Layer, float, list[float], list[float], F32]
@@ -46,9 +37,13 @@ class TextureSearch:
         self._amplitudes = TextureAmplitudes(planes, self.size, device.threads)
         self.channels = channels
 
-    def at(self, steps: TextureSteps, contrast: NDArray[np.int8] | None = None) -> TextureSymbols | None:
-        """The layer for these steps, None where nothing is worth its bits. contrast: of each root."""
-        parts, _, counts, excess, _ = self._search(steps, contrast)
+    def at(
+        self, steps: TextureSteps, squared_steps: float, contrast: NDArray[np.int8] | None = None
+    ) -> TextureSymbols | None:
+        """The layer for these steps, None where nothing is worth its bits. squared_steps: λ in squared steps; contrast:
+        of each root.
+        """
+        parts, _, counts, excess, _ = self._search(steps, squared_steps, contrast)
         added = tuple(_excess_index(sum_ / count) if count else 8 for count, sum_ in zip(counts, excess, strict=True))
         one, two, more = added
         found = TextureSymbols(
@@ -58,19 +53,19 @@ class TextureSearch:
         )
         return None if found.is_empty else found
 
-    def costs(self, steps: TextureSteps, contrast: NDArray[np.int8] | None = None) -> F32:
+    def costs(self, steps: TextureSteps, squared_steps: float, contrast: NDArray[np.int8] | None = None) -> F32:
         """What each root would cost [rows, columns]: squared error plus λ times bits, in squared steps."""
-        costs: F32 = self._search(steps, contrast)[-1]
+        costs: F32 = self._search(steps, squared_steps, contrast)[-1]
         return costs
 
-    def _search(self, steps: TextureSteps, contrast: NDArray[np.int8] | None) -> _Found:
+    def _search(self, steps: TextureSteps, squared_steps: float, contrast: NDArray[np.int8] | None) -> _Found:
         contrast = np.zeros(self._shape, np.int8) if contrast is None else contrast
         return texture_models().search(
             self._amplitudes,
             contrast,
             steps.of_channels,
             steps.growth,
-            SQUARED_STEPS_PER_BIT,
+            squared_steps,
             3,
             steps.has_contrast,
         )
