@@ -30,8 +30,9 @@ class EncodeSettings:
     quality: 1 to 100, or lmbda directly. effort: 1 to 9, optimisation steps of the default profile. seeds: their number
     in the paper profile. per_seed: K. features: D (paper). levels: M (paper). steps: of the whole fit. prior: number of
     the shipped context model, 0 for one that travels in the stream. rdoq: whether RDOQ follows the fit, where it knows
-    the model. distortion: what is minimised besides bits, a name in `metrics.choices`; PSNR and its targets stay plain. texture:
-    whether the default profile lays cosines over its seeds where that is cheaper; tune: what these are quantised for.
+    the model. distortion: what is minimised besides bits, a name in `metrics.choices`; PSNR and its targets stay plain.
+    texture: whether the default profile lays cosines over its seeds where that is cheaper; tune: what these are
+    quantised for.
     metadata: whether ICC, EXIF, XMP and the place on earth are kept. psnr in dB, ssimulacra2 (a score up to
     100, for a picture in one tile with texture), size in bytes or bpp in bits per pixel: what to end at, in the default
     profile. time_limit: seconds that the encode may take, instead of a number of

@@ -1,4 +1,4 @@
-"""Encodes a picture as one tile to a rate target by its texture: seeds are fitted once, then the texture's step moves."""
+"""Encodes a picture as one tile to a rate target by its texture: seeds are fitted once, then its step moves."""
 
 from __future__ import annotations
 
