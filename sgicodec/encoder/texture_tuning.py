@@ -62,7 +62,7 @@ class TextureTuning:
 
 _SQUARED_STEPS = 0.11
 """λ in squared steps: at high rates (ln 2) / 6 = 0.1155 would be right; measured on eight pictures."""
-_FLOOR, _USUAL = 2.6e-4, 2e-3
+_FLOOR, _USUAL = 7.7e-4, 2e-3
 """Variances of luma, samples²: what counts as flat, and where steps are what λ says."""
 
 TUNINGS = {

@@ -1,0 +1,69 @@
+"""Trains the adaptive models with which every texture layer begins, on the layers of many pictures.
+
+    python -m tools.train_texture PICTURES_DIR OUT.bin
+
+Each picture is encoded for squared error and for the eye, each time at another quality; layers are coded one after
+the other by models that go on learning. At the end the models forget how sure they are, so that they adapt.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+import zlib
+from itertools import cycle
+from pathlib import Path
+
+from sgicodec._native import TextureModels
+from sgicodec.encoder.plan import Shape, stream_plan
+from sgicodec.encoder.settings import EncodeSettings
+from sgicodec.encoder.texture_tuning import TUNINGS
+from sgicodec.encoder.tile_encoder import Encoding
+from sgicodec.image import read
+from sgicodec.model.texture_symbols import TextureSymbols
+from sgicodec.picture import Picture
+
+__all__ = ["main", "train"]
+
+QUALITIES = (25.0, 70.0, 40.0, 85.0, 55.0)
+EFFORT = 2
+SETTLED = 24
+"""Bits that a model has seen at most when a layer begins."""
+
+
+def layers(picture: Picture, quality: float) -> list[TextureSymbols]:
+    """The texture of a picture, for squared error and for the eye, over the same seeds."""
+    found = []
+    settings = EncodeSettings(quality=quality, effort=EFFORT, tile=0)
+    encoding = Encoding(picture, stream_plan(Shape.of(picture), settings), time.monotonic())
+    candidate = encoding.searched(encoding.candidate(encoding.fitted(None)))
+    search = encoding.texture_search(candidate)
+    for tune in ("psnr", "visual"):
+        tuning = TUNINGS[tune]
+        steps = tuning.steps(tuning.step(encoding.lmbda), encoding.spec.channels)
+        layer = search.at(steps, tuning.squared_steps, tuning.contrast(encoding.unit))
+        found += [] if layer is None else [layer]
+    return found
+
+
+def train(paths: list[Path]) -> TextureModels:
+    """The models after all pictures."""
+    models = TextureModels()
+    for path, quality in zip(paths, cycle(QUALITIES), strict=False):
+        for layer in layers(read(path), quality):
+            models.learn(layer.log_size, layer.contrast, layer.symbols, layer.size, layer.steps.has_contrast)
+    models.settle(SETTLED)
+    return models
+
+
+def main() -> None:
+    """See the module."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("pictures", type=Path)
+    parser.add_argument("out", type=Path)
+    options = parser.parse_args()
+    options.out.write_bytes(zlib.compress(train(sorted(options.pictures.iterdir())).state(), 9))
+
+
+if __name__ == "__main__":
+    main()
