@@ -2,8 +2,8 @@
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/tuple.h>
 
-#include <array>
 #include <algorithm>
+#include <array>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -43,7 +43,8 @@ void require_tree(const TextureField &field) {
       require(log == 0 || (log >= sgi::kTextureLeast && log <= sgi::kTextureRoot), "log_size must be 0, 3, 4 or 5");
       if (!log) continue;
       const int64_t side = int64_t(1) << log, left = x & ~(side - 1), top = y & ~(side - 1);
-      require(field.log_size[field.unit(left, top)] == log && (x == left || field.log_size[field.unit(x - 8, y)] == log) &&
+      require(field.log_size[field.unit(left, top)] == log &&
+                  (x == left || field.log_size[field.unit(x - 8, y)] == log) &&
                   (y == top || field.log_size[field.unit(x, y - 8)] == log),
               "cells must fill their places");
     }
@@ -113,6 +114,10 @@ class TextureModels {
     require_field(field, size);
     BitModels models = models_;
     sgi::TextureBits written = sgi::write_texture(models, field, size.first, size.second, has_contrast);
+    require(
+        written.complete,
+        "a layer has cells; all begin inside the tile and have symbols, up to 16390 either way; there are no others; "
+        "contrasts are where there is texture");
     const double content = written.bits.account.total();
     return std::tuple(numbers(std::move(written.bits.bits)), numbers(std::move(written.bits.ones)),
                       numbers(std::move(written.symbols)), content);
@@ -129,7 +134,8 @@ class TextureModels {
 
   auto search(const sgi::TextureAmplitudes &amplitudes, Contrasts contrast, Array<const float, 1> steps,
               std::pair<float, float> slope, float lmbda, int least_log, bool has_contrast) const {
-    const auto down = size_t(amplitudes.height >> sgi::kTextureRoot), across = size_t(amplitudes.width >> sgi::kTextureRoot);
+    const auto down = size_t(amplitudes.height >> sgi::kTextureRoot);
+    const auto across = size_t(amplitudes.width >> sgi::kTextureRoot);
     require(has_shape(contrast, down, across) && steps.size() == size_t(amplitudes.channels),
             "contrast [h, w] of the roots, steps [C]");
     for (size_t i = 0; i < contrast.size(); ++i)
@@ -186,9 +192,12 @@ void bind_texture_coding(nb::module_ &m) {
            "log_size, contrast and symbols; bits; by magnitude 1, 2 and more the symbols and the sum of their excess; "
            "cost of each root in squared steps.");
   nb::class_<sgi::TextureAmplitudes>(m, "TextureAmplitudes")
-      .def("__init__", [](sgi::TextureAmplitudes *self, Array<const float, 3> planes, Size size, int threads) {
-        new (self) sgi::TextureAmplitudes(amplitudes_of(planes, size, threads));
-      }, "planes"_a, "size"_a, "threads"_a);
+      .def(
+          "__init__",
+          [](sgi::TextureAmplitudes *self, Array<const float, 3> planes, Size size, int threads) {
+            new (self) sgi::TextureAmplitudes(amplitudes_of(planes, size, threads));
+          },
+          "planes"_a, "size"_a, "threads"_a);
   m.def("texture_cells", &texture_cells, "log_size"_a, "contrast"_a, "symbols"_a, "steps"_a, "slope"_a, "excess"_a,
         "Corners, log2 of sides, amplitudes.");
 }

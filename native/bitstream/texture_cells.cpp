@@ -10,7 +10,10 @@ namespace {
 class Collection {
  public:
   Collection(const TextureField &field, const TextureSteps &steps, const float *excess)
-      : field_(field), steps_(steps), excess_(excess) {}
+      : field_(field), steps_(steps), excess_(excess) {
+    const auto free = std::count(field.log_size.begin(), field.log_size.end(), 0);
+    found.amplitudes.resize(size_t(field.channels) * size_t(field.unit_count() - free) * kUnit * kUnit);
+  }
 
   void node(const TextureCell &cell) {
     const int log = field_.log_size[field_.unit(cell.x, cell.y)];
@@ -32,17 +35,21 @@ class Collection {
     const float step = steps_.of(channel, field_.contrast[field_.root(cell.x, cell.y)]);
     const float *growth = steps_.growth(channel, cell.log);
     const int16_t *symbols = field_.at(channel, cell);
+    float *to = found.amplitudes.data() + at_;
     for (int v = 0; v < cell.side(); ++v)
       for (int u = 0; u < cell.side(); ++u) {
         const int symbol = symbols[v * field_.width + u];
-        const float magnitude = symbol ? float(std::abs(symbol)) + excess_[std::min(std::abs(symbol), 3) - 1] : 0;
-        found.amplitudes.push_back((symbol < 0 ? -magnitude : magnitude) * step * growth[u + v]);
+        if (!symbol) continue;
+        const float magnitude = float(std::abs(symbol)) + excess_[std::min(std::abs(symbol), 3) - 1];
+        to[v * cell.side() + u] = (symbol < 0 ? -magnitude : magnitude) * step * growth[u + v];
       }
+    at_ += int64_t(cell.side()) * cell.side();
   }
 
   const TextureField &field_;
   const TextureSteps &steps_;
   const float *excess_;
+  int64_t at_ = 0;  // of the next amplitude
 };
 
 }  // namespace

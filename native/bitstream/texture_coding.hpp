@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <cstdlib>
 #include <vector>
 
 #include "bitstream/texture_bits.hpp"
@@ -49,19 +50,23 @@ class TextureCoding {
     return last_contrast_;
   }
 
-  // A channel's symbols of a cell; the last diagonal with any, -1 for none. Those beyond it stay as they are.
+  // A channel's symbols of a cell; the last diagonal with any, -1 for none. Those beyond it stay as they are. Not sound
+  // where there is none on the last diagonal.
   int block(const TextureCell &cell, int channel, int last, CellSymbols &values) {
     last = extent(ExtentContext(field_, cell, channel), cell.log, last + 1) - 1;
-    sound_ = sound_ && last < 2 * cell.side() - 1;
     if (last < 0 || !sound_) return -1;
     const SymbolContext context(field_, cell, channel, last);
-    magnitudes_.fill(0);
+    known_.clear(cell.side());
+    int highest = -1;
     for (const int index : texture_scan(cell.log)) {
       const int u = index & (cell.side() - 1), v = index >> cell.log;
       if (u + v > last || !sound_) break;
-      values[index] = int16_t(symbol(context.at(magnitudes_.data(), u, v), values[index]));
-      magnitudes_[index] = int16_t(std::abs(values[index]));
+      values[index] = int16_t(symbol(context.at(known_, u, v), values[index]));
+      if (!values[index]) continue;
+      known_.set(u, v, std::abs(values[index]));
+      highest = u + v;
     }
+    sound_ = sound_ && highest == last;
     return last;
   }
 
@@ -85,10 +90,13 @@ class TextureCoding {
     return symbols.back();
   }
 
-  int symbol(const BitContext &context, int value) {
+  int symbol(BitContext context, int value) {
     const int magnitude = std::abs(value);
     int coded = 0;
-    while (coded < kMagnitudeBits && bit(SymbolContext::later(context, coded), magnitude > coded)) ++coded;
+    while (coded < kMagnitudeBits && bit(context, magnitude > coded)) {
+      context = SymbolContext::later(context, 1);
+      ++coded;
+    }
     if (coded == kMagnitudeBits) coded += rest(magnitude - coded);
     if (coded && even(value < 0)) coded = -coded;
     symbols.push_back(coded);
@@ -109,14 +117,12 @@ class TextureCoding {
     return coded - 1;
   }
 
-  static constexpr int kRestDigits = 13;  // keeps magnitudes below 2^14 + 8
-
   BitModels &models_;
   TextureField &field_;
   Bits &bits_;
   bool sound_ = true;
   int last_contrast_ = 0;
-  CellSymbols magnitudes_;
+  KnownMagnitudes known_;
 };
 
 }  // namespace sgi

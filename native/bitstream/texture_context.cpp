@@ -41,37 +41,7 @@ uint32_t level(int sum) {
   return uint32_t(std::min(15, 4 + (bits - 4) * 2 + ((sum >> (bits - 2)) & 1)));
 }
 
-int cross(const int16_t *symbol, int64_t stride, int u, int v, int side, bool edge) {
-  int sum = 4 * std::abs(*symbol);
-  sum += u > 0 ? std::abs(symbol[-1]) : edge ? std::abs(*symbol) : 0;
-  sum += v > 0 ? std::abs(symbol[-stride]) : edge ? std::abs(*symbol) : 0;
-  if (u + 1 < side) sum += std::abs(symbol[1]);
-  if (v + 1 < side) sum += std::abs(symbol[stride]);
-  return sum;
-}
-
-// Eight times the magnitude that the cell at pixel (x, y) has at frequency (u, v) of one of `side` pixels; of a cell of
-// the same size smoothed.
-int magnitude(const TextureField &field, int channel, int64_t x, int64_t y, int u, int v, int side) {
-  const int log = field.log_size[field.unit(x, y)];
-  if (!log) return 0;
-  const int other = 1 << log;
-  const TextureCell cell{x & ~int64_t(other - 1), y & ~int64_t(other - 1), log};
-  const int16_t *symbols = field.at(channel, cell);
-  const int64_t stride = field.width;
-  if (other == side) return cross(symbols + v * stride + u, stride, u, v, side, true);
-  if (other < side) {
-    const int ratio = side / other;
-    return 8 * std::abs(symbols[(v / ratio) * stride + u / ratio]);
-  }
-  const int ratio = other / side;
-  int sum = 0;
-  for (int j = 0; j < ratio; ++j)
-    for (int i = 0; i < ratio; ++i) sum += std::abs(symbols[(v * ratio + j) * stride + u * ratio + i]);
-  return 8 * sum / (ratio * ratio);
-}
-
-uint16_t capped(int sum) { return uint16_t(std::min(sum, 1 << 14)); }
+constexpr int kSide = 1 << kTextureRoot, kMostSum = 1 << 14;
 
 }  // namespace
 
@@ -85,7 +55,8 @@ BitContext cell_context(const TextureField &field, const TextureCell &cell, Cell
   const uint32_t left = log_at(cell.x - 1, cell.y + middle), top = log_at(cell.x + middle, cell.y - 1);
   const uint32_t kind = (bit == CellBit::kSplit ? kSizes : 0) + uint32_t(cell.log - kTextureLeast);
   const uint32_t first = kCellModels + kind * (kLogs * kLogs + 1);
-  return {{first + left * kLogs + top, first + kLogs * kLogs}, {kCellWeights + kind, kCellWeights + 2 * kSizes + kind}, 2};
+  return {
+      {first + left * kLogs + top, first + kLogs * kLogs}, {kCellWeights + kind, kCellWeights + 2 * kSizes + kind}, 2};
 }
 
 BitContext contrast_context(int bit) {
@@ -113,52 +84,102 @@ BitContext ExtentContext::at(int node) const {
 }
 
 SymbolContext::SymbolContext(const TextureField &field, const TextureCell &cell, int channel, int last)
-    : log_(cell.log), kind_(int(kind_of(channel))), last_(last) {
+    : log_(cell.log), kind_(int(kind_of(channel))), last_(last), rows_(std::min(cell.side(), last + 1)) {
   look_around(field, cell, channel);
-  look_before(field, cell, channel);
+  if (channel > 0) look_before(field, cell, channel);
+}
+
+// Adds `times` eight times the magnitudes of a cell of this size that lies in the field, smoothed; beyond the lowest
+// frequencies they are what they are there with `edge`, else zero.
+void SymbolContext::add_crosses(const TextureField &field, int channel, const TextureCell &cell, int times, bool edge,
+                                Sums &sums) const {
+  constexpr int kStride = kSide + 2;
+  const int side = 1 << log_;
+  std::array<int16_t, kStride * kStride> padded;
+  const auto row_of = [&](int v) { return padded.data() + (v + 1) * kStride + 1; };
+  const int16_t *symbols = field.at(channel, cell);
+  const int filled = std::min(side, rows_ + 1);
+  for (int v = 0; v < filled; ++v) {
+    int16_t *row = row_of(v);
+    for (int u = 0; u < side; ++u) row[u] = int16_t(std::abs(symbols[v * field.width + u]));
+    row[-1] = edge ? row[0] : int16_t(0);
+    row[side] = 0;
+  }
+  if (edge)
+    std::copy_n(row_of(0), side, row_of(-1));
+  else
+    std::fill_n(row_of(-1), side, int16_t(0));
+  if (filled == rows_) std::fill_n(row_of(rows_), side, int16_t(0));
+  for (int v = 0; v < rows_; ++v) {
+    const int16_t *above = row_of(v - 1), *row = row_of(v), *below = row_of(v + 1);
+    int32_t *to = &sums[v << log_];
+    for (int u = 0; u < side; ++u) to[u] += times * (4 * row[u] + row[u - 1] + row[u + 1] + above[u] + below[u]);
+  }
+}
+
+// Adds `times` eight times the magnitudes that the cell at pixel (x, y) has at the frequencies of this one.
+void SymbolContext::add_magnitudes(const TextureField &field, int channel, int64_t x, int64_t y, int times,
+                                   Sums &sums) const {
+  const int log = field.log_size[field.unit(x, y)];
+  if (!log) return;
+  const TextureCell cell{x & ~(int64_t(1 << log) - 1), y & ~(int64_t(1 << log) - 1), log};
+  if (log == log_) return add_crosses(field, channel, cell, times, true, sums);
+  const int16_t *symbols = field.at(channel, cell);
+  const int side = 1 << log_;
+  if (log < log_) {
+    const int shift = log_ - log;
+    for (int v = 0; v < rows_; ++v)
+      for (int u = 0; u < side; ++u)
+        sums[v << log_ | u] += times * 8 * std::abs(symbols[(v >> shift) * field.width + (u >> shift)]);
+    return;
+  }
+  const int shift = log - log_;
+  for (int v = 0; v < rows_; ++v) {
+    std::array<int32_t, kSide> lines{};
+    for (int row = v << shift; row < (v + 1) << shift; ++row)
+      for (int u = 0; u < 1 << log; ++u) lines[u] += std::abs(symbols[row * field.width + u]);
+    for (int u = 0; u < side; ++u) {
+      int sum = 0;
+      for (int i = u << shift; i < (u + 1) << shift; ++i) sum += lines[i];
+      sums[v << log_ | u] += times * (8 * sum >> 2 * shift);
+    }
+  }
 }
 
 void SymbolContext::look_around(const TextureField &field, const TextureCell &cell, int channel) {
-  const int side = cell.side();
-  const int64_t middle = side / 2;
-  for (int v = 0; v < side && v <= last_; ++v)
-    for (int u = 0; u < side && u + v <= last_; ++u) {
-      int left = cell.x > 0 ? magnitude(field, channel, cell.x - 1, cell.y + middle, u, v, side) : -1;
-      const int top = cell.y > 0 ? magnitude(field, channel, cell.x + middle, cell.y - 1, u, v, side) : std::max(left, 0);
-      if (left < 0) left = top;
-      around_[v * side + u] = capped(left + top);
-    }
+  const int64_t middle = cell.side() / 2;
+  const bool left = cell.x > 0, top = cell.y > 0;
+  std::fill_n(around_.begin(), rows_ << log_, 0);
+  if (left) add_magnitudes(field, channel, cell.x - 1, cell.y + middle, top ? 1 : 2, around_);
+  if (top) add_magnitudes(field, channel, cell.x + middle, cell.y - 1, left ? 1 : 2, around_);
+  for (int i = 0; i < rows_ << log_; ++i) around_[i] = std::min(around_[i], kMostSum);
 }
 
 void SymbolContext::look_before(const TextureField &field, const TextureCell &cell, int channel) {
-  const int side = cell.side();
-  for (int v = 0; v < side && v <= last_; ++v)
-    for (int u = 0; u < side && u + v <= last_; ++u) {
-      int sum = 0;
-      if (channel > 0) sum += cross(field.at(0, cell) + v * field.width + u, field.width, u, v, side, false);
-      if (channel > 1) sum += cross(field.at(channel - 1, cell) + v * field.width + u, field.width, u, v, side, false);
-      before_[v * side + u] = capped(sum);
-    }
+  std::fill_n(before_.begin(), rows_ << log_, 0);
+  add_crosses(field, 0, cell, 1, false, before_);
+  if (channel > 1) add_crosses(field, channel - 1, cell, 1, false, before_);
+  for (int i = 0; i < rows_ << log_; ++i) before_[i] = std::min(before_[i], kMostSum);
 }
 
-BitContext SymbolContext::at(const int16_t *magnitudes, int u, int v) const {
-  const int side = 1 << log_, index = v * side + u;
-  const auto near = [&](int du, int dv) {
-    const int x = u + du, y = v + dv;
-    return x < 0 || y < 0 || x >= side || y >= side ? 0 : int(magnitudes[y * side + x]);
-  };
-  const int next = near(-1, 0) + near(0, -1);
-  const int inside = 4 * next + 2 * (near(-1, -1) + near(-2, 0) + near(0, -2)) +
-                     2 * (near(-1, 1) + near(1, -2) + near(-2, 1));
-  int total = 3 * inside + 2 * around_[index];
+BitContext SymbolContext::at(const KnownMagnitudes &known, int u, int v) const {
+  constexpr int kDown = KnownMagnitudes::kStride;
+  const int index = v << log_ | u;
+  const int16_t *here = known.at(u, v);
+  const int next = here[-1] + here[-kDown];
+  const int further = here[-kDown - 1] + here[-2] + here[-2 * kDown];
+  const int inside = 4 * next + 2 * (further + here[kDown - 1] + here[1 - 2 * kDown] + here[kDown - 2]);
+  const int around = around_[index];
+  int total = 3 * inside + 2 * around;
   if (kind_) total = (total + 2 * before_[index]) * 3 / 4;
-  const auto kind = uint32_t(kind_), size = uint32_t(log_ - kTextureLeast), sum = level(total);
-  const auto zone = uint32_t(std::min(15, (u + v) * 8 / side));
+  const auto kind = uint32_t(kind_), sum = level(total);
+  const auto zone = uint32_t(std::min(15, (u + v) >> (log_ - kTextureLeast)));
   const auto rest = uint32_t(std::min(15, bits_of(last_ - u - v) + 4 * std::min(3, next)));
-  const uint32_t place = log_ == 3 ? index : log_ == 4 ? 64 + index : 320 + (v >> 1) * 16 + (u >> 1);
-  const uint32_t sized = kind * kSizes + size;
+  const int half = log_ == kTextureRoot, across = std::min(log_, 4);
+  const uint32_t place = (log_ == 3 ? 0 : log_ == 4 ? 64 : 320) + uint32_t((v >> half) << across | u >> half);
+  const uint32_t sized = kind * kSizes + uint32_t(log_ - kTextureLeast);
   return {{kPlaceModels + (kind * kPlaces + place) * kMagnitudeBits,
-           kAroundModels + ((kind * kLevelsOf + level(around_[index])) * kLevelsOf + level(inside)) * kMagnitudeBits,
+           kAroundModels + ((kind * kLevelsOf + level(around)) * kLevelsOf + level(inside)) * kMagnitudeBits,
            kRestModels + ((kind * kZones + zone) * kZones + rest) * kMagnitudeBits,
            kTotalModels + ((sized * kLevelsOf + sum) * kZones + zone) * kMagnitudeBits},
           {kSizeWeights + sized * kMagnitudeBits, kLevelWeights + (kind * kLevelsOf + sum) * kMagnitudeBits},

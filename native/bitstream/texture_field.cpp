@@ -45,4 +45,10 @@ const std::vector<int16_t> &texture_scan(int log) {
   return scans[log - kTextureLeast];
 }
 
+int last_diagonal(const int16_t *values, int log) {
+  const std::vector<int16_t> &scan = texture_scan(log);
+  const auto found = std::find_if(scan.rbegin(), scan.rend(), [&](int index) { return values[index] != 0; });
+  return found == scan.rend() ? -1 : (*found & ((1 << log) - 1)) + (*found >> log);
+}
+
 }  // namespace sgi

@@ -8,7 +8,7 @@
 namespace sgi {
 
 constexpr int kUnitLog = kTextureLeast, kUnit = 1 << kUnitLog;  // maps count in units, the smallest cells
-constexpr int kTextureMost = (1 << 15) - 1;                     // of a symbol's magnitude
+constexpr int kTextureMost = (1 << 14) + 6;                     // of a symbol's magnitude
 constexpr int kContrastLimit = 15;                              // of a root's contrast, either way
 
 // A node of the quadtree.
@@ -35,7 +35,9 @@ struct TextureField {
 
   int64_t units() const { return width / kUnit; }
   int64_t unit(int64_t x, int64_t y) const { return (y >> kUnitLog) * units() + (x >> kUnitLog); }
-  int64_t root(int64_t x, int64_t y) const { return (y >> kTextureRoot) * (width >> kTextureRoot) + (x >> kTextureRoot); }
+  int64_t root(int64_t x, int64_t y) const {
+    return (y >> kTextureRoot) * (width >> kTextureRoot) + (x >> kTextureRoot);
+  }
   int64_t unit_count() const { return int64_t(log_size.size()); }
   int16_t *at(int channel, const TextureCell &cell) { return &symbols[(channel * height + cell.y) * width + cell.x]; }
   const int16_t *at(int channel, const TextureCell &cell) const {
@@ -52,5 +54,8 @@ struct TextureField {
 
 // The frequencies (v * n + u) of a cell by diagonals u + v from low to high, within one by rising u.
 const std::vector<int16_t> &texture_scan(int log);
+
+// The last diagonal of a cell's values [n, n] with a symbol, -1 for none.
+int last_diagonal(const int16_t *values, int log);
 
 }  // namespace sgi

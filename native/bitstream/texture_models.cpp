@@ -7,73 +7,30 @@ namespace sgi {
 
 namespace {
 
-constexpr int kCertain = 65536, kLeast = 16;
-constexpr int kLogits = 4096, kLogisticHalf = 3072;
-constexpr int kSeenLimit = 150;
-constexpr int kWeightLimit = 1 << 20;
+constexpr int kLeast = 16;          // of a probability
 constexpr int kWeightSum = 144179;  // of a context's weights at first, in 2^-16: 2.2
-
-// No value lies nearer to a half than 10^-5, so that every mathematical library gives the same tables.
-struct Tables {
-  std::array<int16_t, kLogits> logit;
-  std::array<int32_t, 2 * kLogisticHalf> logistic;
-  std::array<int32_t, kSeenLimit + 1> rate;
-  std::array<float, kLogits + 1> cost;
-
-  Tables() {
-    for (int i = 0; i < kLogits; ++i) {
-      const double p = (i + 0.5) / kLogits;
-      logit[i] = int16_t(std::lrint(256 * std::log(p / (1 - p))));
-    }
-    for (int i = 0; i < 2 * kLogisticHalf; ++i) {
-      const double p = kCertain / (1 + std::exp((kLogisticHalf - i) / 256.0));
-      logistic[i] = std::clamp(int(std::lrint(p)), kLeast, kCertain - 1 - kLeast);
-    }
-    for (int i = 0; i <= kSeenLimit; ++i) rate[i] = 10 * kCertain / (10 * i + 16);
-    for (int i = 0; i <= kLogits; ++i) cost[i] = float(-std::log2(std::max(i, 1) / double(kLogits)));
-  }
-};
-
-const Tables kTables;
 
 }  // namespace
 
-int32_t logit(int index) { return kTables.logit[index]; }
+const BitTables kBitTables;
 
-int32_t logistic(int32_t x) {
-  return kTables.logistic[std::clamp(x, -kLogisticHalf, kLogisticHalf - 1) + kLogisticHalf];
+BitTables::BitTables() {
+  for (int i = 0; i < kLogits; ++i) {
+    const double p = (i + 0.5) / kLogits;
+    logit[i] = int16_t(std::lrint(256 * std::log(p / (1 - p))));
+  }
+  for (int i = 0; i < 2 * kLogisticHalf; ++i) {
+    const double p = kCertain / (1 + std::exp((kLogisticHalf - i) / 256.0));
+    logistic[i] = std::clamp(int(std::lrint(p)), kLeast, kCertain - 1 - kLeast);
+  }
+  for (int i = 0; i <= kSeenLimit; ++i) rate[i] = 10 * kCertain / (10 * i + 16);
+  for (int i = 0; i <= kLogits; ++i) cost[i] = float(-std::log2(std::max(i, 1) / double(kLogits)));
 }
 
-float bit_cost(int32_t one, int bit) { return kTables.cost[(bit ? one : kCertain - one) >> 4]; }
+float bit_cost(int32_t one, int bit) { return kBitTables.cost[(bit ? one : kCertain - one) >> 4]; }
 
 BitModels::BitModels(int64_t models, int64_t sets) : models_(models, BitModel{kCertain / 2, 0}) {
   weights_.assign(sets * kMostMixed, kWeightSum / kMostMixed);
-}
-
-Prediction BitModels::predict(const BitContext &context) const {
-  const int32_t *first = &weights_[context.weights[0] * kMostMixed], *second = &weights_[context.weights[1] * kMostMixed];
-  Prediction found;
-  int64_t sum = 0;
-  for (int i = 0; i < context.count; ++i) {
-    found.logits[i] = kTables.logit[models_[context.model[i]].probability >> 4];
-    sum += int64_t(first[i] + second[i]) * found.logits[i];
-  }
-  found.one = logistic(int32_t(std::clamp<int64_t>(sum >> 17, -kLogisticHalf, kLogisticHalf)));
-  return found;
-}
-
-void BitModels::update(const BitContext &context, const Prediction &prediction, int bit) {
-  int32_t *first = &weights_[context.weights[0] * kMostMixed], *second = &weights_[context.weights[1] * kMostMixed];
-  const int32_t error = bit * kCertain - prediction.one;
-  for (int i = 0; i < context.count; ++i) {
-    const auto change = int32_t((int64_t(prediction.logits[i]) * error) >> 16);
-    first[i] = std::clamp(first[i] + change, -kWeightLimit, kWeightLimit);
-    second[i] = std::clamp(second[i] + change, -kWeightLimit, kWeightLimit);
-    BitModel &model = models_[context.model[i]];
-    const int64_t far = bit * (kCertain - 1) - int32_t(model.probability);
-    model.probability = uint16_t(model.probability + ((far * kTables.rate[model.seen]) >> 16));
-    if (model.seen < kSeenLimit) ++model.seen;
-  }
 }
 
 std::vector<uint8_t> BitModels::state() const {

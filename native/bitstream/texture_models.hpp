@@ -1,10 +1,17 @@
 // Adaptive models of single bits, mixed by weights that adapt too (docs/format.md, "Bits of texture"). All integers.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
 
 namespace sgi {
+
+constexpr int kCertain = 65536;        // a probability of 1
+constexpr int kLogits = 4096;          // of probabilities in 2^-12
+constexpr int kLogisticHalf = 3072;    // logits beyond are clipped
+constexpr int kSeenLimit = 150;        // of the bits that a model counts
+constexpr int kWeightLimit = 1 << 20;  // either way
 
 constexpr int kMostMixed = 4;  // models that one bit has
 
@@ -27,13 +34,30 @@ struct Prediction {
   int32_t one;  // P(1) in 2^-16
 };
 
+// What the arithmetic of bits reads. No value that is rounded lies nearer to a half than 10^-5, so that every
+// mathematical library gives the same integers.
+struct BitTables {
+  BitTables();
+  std::array<int16_t, kLogits> logit;               // 256 log(p / (1 - p)) for p = (index + 1/2) / 4096
+  std::array<int32_t, 2 * kLogisticHalf> logistic;  // 65536 / (1 + exp(-x / 256)), x = index - 3072; 16 ... 65519
+  std::array<int32_t, kSeenLimit + 1> rate;         // 65536 / (bits seen + 1.6)
+  std::array<float, kLogits + 1> cost;              // bits, by P(bit) in 2^-12
+};
+extern const BitTables kBitTables;
+
 class BitModels {
  public:
   // Models at P = 1/2 that have seen nothing, with equal weights.
   BitModels(int64_t models, int64_t sets);
 
-  Prediction predict(const BitContext &context) const;
-  void update(const BitContext &context, const Prediction &prediction, int bit);
+  Prediction predict(const BitContext &context) const {
+    return context.count == kMostMixed ? predict_by<kMostMixed>(context, kMostMixed)
+                                       : predict_by<0>(context, context.count);
+  }
+  void update(const BitContext &context, const Prediction &prediction, int bit) {
+    if (context.count == kMostMixed) return update_by<kMostMixed>(context, prediction, bit, kMostMixed);
+    update_by<0>(context, prediction, bit, context.count);
+  }
 
   // Bytes of all models and weights, and models and weights of such bytes; false if these are not of this size.
   std::vector<uint8_t> state() const;
@@ -42,6 +66,12 @@ class BitModels {
   void settle(int most);
 
  private:
+  // MOST: how many models there are, if that is known when this is compiled.
+  template <int MOST>
+  Prediction predict_by(const BitContext &context, int count) const;
+  template <int MOST>
+  void update_by(const BitContext &context, const Prediction &prediction, int bit, int count);
+
   std::vector<BitModel> models_;
   std::vector<int32_t> weights_;  // [sets, kMostMixed] in 2^-16
 };
@@ -49,9 +79,35 @@ class BitModels {
 // Information content of a bit, from the table of its probability's first twelve bits: for decisions, not for accounts.
 float bit_cost(int32_t one, int bit);
 
-// 256 log(p / (1 - p)) for p = (index + 1/2) / 4096, rounded.
-int32_t logit(int index);
-// 65536 / (1 + exp(-x / 256)) rounded, for x clipped to -3072 ... 3071; at least 16 and at most 65519.
-int32_t logistic(int32_t x);
+template <int MOST>
+inline Prediction BitModels::predict_by(const BitContext &context, int count) const {
+  const int32_t *first = &weights_[context.weights[0] * kMostMixed];
+  const int32_t *second = &weights_[context.weights[1] * kMostMixed];
+  Prediction found;
+  int64_t sum = 0;
+  for (int i = 0; i < (MOST ? MOST : count); ++i) {
+    found.logits[i] = kBitTables.logit[models_[context.model[i]].probability >> 4];
+    sum += int64_t(first[i] + second[i]) * found.logits[i];
+  }
+  const auto mixed = int32_t(std::clamp<int64_t>(sum >> 17, -kLogisticHalf, kLogisticHalf - 1));
+  found.one = kBitTables.logistic[mixed + kLogisticHalf];
+  return found;
+}
+
+template <int MOST>
+inline void BitModels::update_by(const BitContext &context, const Prediction &prediction, int bit, int count) {
+  int32_t *first = &weights_[context.weights[0] * kMostMixed];
+  int32_t *second = &weights_[context.weights[1] * kMostMixed];
+  const int32_t error = bit * kCertain - prediction.one;
+  for (int i = 0; i < (MOST ? MOST : count); ++i) {
+    const auto change = int32_t((int64_t(prediction.logits[i]) * error) >> 16);
+    first[i] = std::clamp(first[i] + change, -kWeightLimit, kWeightLimit);
+    second[i] = std::clamp(second[i] + change, -kWeightLimit, kWeightLimit);
+    BitModel &model = models_[context.model[i]];
+    const int64_t far = bit * (kCertain - 1) - int32_t(model.probability);
+    model.probability = uint16_t(model.probability + ((far * kBitTables.rate[model.seen]) >> 16));
+    model.seen = uint8_t(model.seen + (model.seen < kSeenLimit));
+  }
+}
 
 }  // namespace sgi

@@ -7,13 +7,6 @@ namespace sgi {
 
 namespace {
 
-// The last diagonal with a symbol, -1 for none.
-int last_diagonal(const CellSymbols &values, int log) {
-  const std::vector<int16_t> &scan = texture_scan(log);
-  const auto found = std::find_if(scan.rbegin(), scan.rend(), [&](int index) { return values[index] != 0; });
-  return found == scan.rend() ? -1 : (*found & ((1 << log) - 1)) + (*found >> log);
-}
-
 // Codes a layer node by node; `given` is the layer when writing, null when reading.
 template <class Bits>
 class LayerCoding {
@@ -32,6 +25,10 @@ class LayerCoding {
     inside(cell, what);
   }
 
+  // What says nothing is not sound: a layer, a split node or a leaf without symbols.
+  bool sound() const { return coding.sound() && !is_void_; }
+  bool any() const { return leaves_ > 0; }
+
   TextureCoding<Bits> coding;
 
  private:
@@ -46,33 +43,39 @@ class LayerCoding {
   }
 
   void node(const TextureCell &cell) {
-    if (cell.x < width_ && cell.y < height_ && coding.sound()) inside(cell, coding.node(cell, what_is(cell)));
+    if (cell.x < width_ && cell.y < height_ && sound()) inside(cell, coding.node(cell, what_is(cell)));
   }
 
   void inside(const TextureCell &cell, int what) {
-    if (!coding.sound()) return;
+    if (!sound()) return;
+    const int64_t before = leaves_;
     if (what == kSplitNode)
       for (int number = 0; number < 4; ++number) node(cell.child(number));
     if (what == kTextureLeaf) leaf(cell);
+    is_void_ = is_void_ || (what != kNoTexture && leaves_ == before);
   }
 
   void leaf(const TextureCell &cell) {
     field_.mark(cell, cell.log);
     const int side = cell.side();
+    bool any = false;
     for (int channel = 0; channel < field_.channels; ++channel) {
-      values_.fill(0);
+      std::fill_n(values_.begin(), side * side, int16_t(0));
       if (given_)
         for (int row = 0; row < side; ++row)
           std::copy_n(given_->at(channel, cell) + row * field_.width, side, &values_[row * side]);
-      const int last = coding.block(cell, channel, given_ ? last_diagonal(values_, cell.log) : -1, values_);
+      const int last = coding.block(cell, channel, given_ ? last_diagonal(values_.data(), cell.log) : -1, values_);
       field_.set(cell, channel, values_.data(), last);
+      any = any || last >= 0;
     }
+    leaves_ += any;
   }
 
   TextureField &field_;
   const TextureField *given_;
   int64_t width_, height_;
-  bool has_contrast_;
+  bool has_contrast_, is_void_ = false;
+  int64_t leaves_ = 0;
   CellSymbols values_;
 };
 
@@ -87,8 +90,12 @@ TextureBits write_texture(BitModels &models, const TextureField &field, int64_t 
   TextureBits written;
   TextureField coded = empty_field(width, height, field.channels);
   LayerCoding<BitRecorder> layer(models, coded, written.bits, &field, width, height, has_contrast);
-  each_root(width, height, [&](const TextureCell &cell) { layer.root(cell); });
+  each_root(width, height, [&](const TextureCell &cell) {
+    if (layer.sound()) layer.root(cell);
+  });
   written.symbols = std::move(layer.coding.symbols);
+  written.complete = layer.sound() && layer.any() && coded.symbols == field.symbols &&
+                     coded.contrast == field.contrast && coded.log_size == field.log_size;
   return written;
 }
 
@@ -98,9 +105,9 @@ TextureRead read_texture(BitModels models, RangeDecoder &decoder, int64_t width,
   BitReader bits(decoder);
   LayerCoding<BitReader> layer(models, field, bits, nullptr, width, height, has_contrast);
   each_root(width, height, [&](const TextureCell &cell) {
-    if (layer.coding.sound()) layer.root(cell);
+    if (layer.sound()) layer.root(cell);
   });
-  const bool sound = layer.coding.sound();
+  const bool sound = layer.sound() && layer.any();
   return {std::move(field), std::move(layer.coding.symbols), bits.account.total(), sound};
 }
 

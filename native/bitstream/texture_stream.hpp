@@ -10,11 +10,13 @@ namespace sgi {
 struct TextureBits {
   BitRecorder bits;
   std::vector<int32_t> symbols;
+  bool complete;  // whether a reader finds the same layer
 };
 TextureBits write_texture(BitModels &models, const TextureField &field, int64_t width, int64_t height,
                           bool has_contrast);
 
-// What was read, and its information content; not sound where the payload does not decode.
+// What was read, and its information content; not sound where the payload does not decode or spells
+// with more than it takes.
 struct TextureRead {
   TextureField field;
   std::vector<int32_t> symbols;

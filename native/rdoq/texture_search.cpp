@@ -30,7 +30,10 @@ class TextureSearch {
                 const TextureSteps &steps, const TextureSettings &settings)
       : found_{TextureField(texture_roots(amplitudes.tile_width), texture_roots(amplitudes.tile_height),
                             amplitudes.channels),
-               0, {}, {}, {}},
+               0,
+               {},
+               {},
+               {}},
         models_(models), coding_(models, found_.field, counter_), amplitudes_(amplitudes), contrast_(contrast),
         steps_(steps), settings_(settings) {}
 
@@ -111,6 +114,8 @@ class TextureSearch {
       if (scaled[index] > 0.5f) most = (index & (side - 1)) + (index >> cell.log);
     }
     const ExtentContext extent(found_.field, cell, channel);
+    KnownMagnitudes known;
+    known.clear(side);
     choice.values.fill(0);
     choice.last = -1, choice.cost = beyond + extent_cost(extent, cell.log, 0);
     if (most < 0) return;
@@ -122,9 +127,12 @@ class TextureSearch {
       for (; at < scan.size() && (scan[at] & (side - 1)) + (scan[at] >> cell.log) == diagonal; ++at) {
         const int index = scan[at];
         beyond -= scaled[index] * scaled[index];
-        const BitContext first = context.at(choice.values.data(), index & (side - 1), index >> cell.log);
-        choice.values[index] = int16_t(best_magnitude(first, scaled[index], chosen));
-        any |= choice.values[index] != 0;
+        const int u = index & (side - 1), v = index >> cell.log;
+        const int magnitude = best_magnitude(context.at(known, u, v), scaled[index], chosen);
+        if (!magnitude) continue;
+        choice.values[index] = int16_t(magnitude);
+        known.set(u, v, magnitude);
+        any = true;
       }
       if (!any) continue;
       const float sum = chosen + std::max(beyond, 0.0f) + extent_cost(extent, cell.log, diagonal + 1);
@@ -176,14 +184,20 @@ class TextureSearch {
     if (divides) {
       std::vector<int> parts{kSplitNode};
       float sum = cost(textured, 1) + cost(split, 1);
-      for (int number = 0; number < 4 && sum < best; ++number)
-        if (seen(cell.child(number))) sum += decide(cell.child(number), parts);
-      if (sum < best) {
+      for (int number = 0; number < 4 && sum < best; ++number) {
+        const TextureCell child = cell.child(number);
+        if (seen(child))
+          sum += decide(child, parts);
+        else
+          field().clear(child);
+      }
+      if (sum < best && std::find(parts.begin(), parts.end(), kTextureLeaf) != parts.end()) {
         plan.resize(begin);
         plan.insert(plan.end(), parts.begin(), parts.end());
         return sum;
       }
     }
+    // What the parts left in the field is painted over.
     if (plan[begin] == kNoTexture) {
       field().clear(cell);
       return best;
@@ -210,16 +224,32 @@ class TextureSearch {
     }
   }
 
-  // Chooses once more, with models that have seen all before, and codes.
+  // Chooses once more, with models that have seen all before, and codes. A leaf has symbols: where all choices came to
+  // none, the last one that had some is kept.
   void code_leaf(const TextureCell &cell) {
     field().mark(cell, cell.log);
+    int kept = field().channels - 1;
+    while (kept > 0 && !decided(cell, kept)) --kept;
     Choice choice;
+    bool any = false;
     for (int channel = 0; channel < field().channels; ++channel) {
       choose(cell, channel, choice);
+      if (channel == kept && !any && choice.last < 0) recall(cell, channel, choice);
       coding_.block(cell, channel, choice.last, choice.values);
       field().set(cell, channel, choice.values.data(), choice.last);
       account(cell, channel, choice);
+      any = any || choice.last >= 0;
     }
+  }
+
+  bool decided(const TextureCell &cell, int channel) const {
+    return found_.field.extent[channel * found_.field.unit_count() + found_.field.unit(cell.x, cell.y)] > 0;
+  }
+
+  void recall(const TextureCell &cell, int channel, Choice &choice) {
+    for (int row = 0; row < cell.side(); ++row)
+      std::copy_n(field().at(channel, cell) + row * field().width, cell.side(), &choice.values[row * cell.side()]);
+    choice.last = last_diagonal(choice.values.data(), cell.log);
   }
 
   void account(const TextureCell &cell, int channel, const Choice &choice) {

@@ -17,8 +17,9 @@ from sgicodec.model.context import HashGrid, input_count, output_count
 from sgicodec.model.gaussians import decoder_shapes
 from sgicodec.model.layout import ROOT_LOG, SeedLayout
 from sgicodec.model.spec import ModelSpec
+from sgicodec.model.texture_symbols import roots_of
 
-__all__ = ["check_model", "hash_counts", "max_seeds", "max_texture_values", "network_shapes"]
+__all__ = ["check_model", "check_texture", "hash_counts", "max_seeds", "network_shapes"]
 
 MAX_SAMPLES = 1 << 31
 MAX_BASE_VALUES = 1 << 22
@@ -33,10 +34,8 @@ FREE_VALUES = 1 << 25
 VALUES_PER_BYTE = 128
 """And how many more for each byte of payload; real seeds take two to ten bytes, and a hundred values each."""
 
-FREE_TEXTURE_VALUES = 1 << 27
-"""Amplitudes (4 bytes each) that texture may take, however short the payload: 44 megapixels of three channels."""
-TEXTURE_VALUES_PER_BYTE = 1 << 10
-"""And how many more for each byte of payload; real texture has fifty to five hundred."""
+MAX_TEXTURE_SAMPLES = 1 << 26
+"""Pixels times channels of a tile with texture, whole roots counted: up to twelve bytes each while it is decoded."""
 
 
 def check_model(spec: ModelSpec, width: int, height: int) -> None:
@@ -60,9 +59,10 @@ def max_seeds(spec: ModelSpec, width: int, height: int, payload_bytes: int) -> i
     return min(values, max(64, 2 * width * height))
 
 
-def max_texture_values(payload_bytes: int) -> int:
-    """The most amplitudes that the texture of a tile may have, zeros included, given the bytes of its payload."""
-    return FREE_TEXTURE_VALUES + TEXTURE_VALUES_PER_BYTE * payload_bytes
+def check_texture(channels: int, width: int, height: int) -> None:
+    """Raises LimitError for a tile that is too large to have texture."""
+    columns, rows = roots_of(width, height)
+    _limit(columns * rows * channels << 10, MAX_TEXTURE_SAMPLES, f"{width}×{height} pixels: samples with texture")
 
 
 def network_shapes(spec: ModelSpec, step: int) -> dict[str, tuple[int, ...]]:

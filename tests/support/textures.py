@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from sgicodec.model.texture import LEAST_LOG, ROOT_LOG, TextureLayer
+from sgicodec.model.texture_symbols import TextureSteps, TextureSymbols, roots_of
 
 
 def random_cells(width: int, height: int, seed: int, share: float) -> tuple[np.ndarray, np.ndarray]:
@@ -26,7 +27,7 @@ def random_cells(width: int, height: int, seed: int, share: float) -> tuple[np.n
     for y in range(0, height, 32):
         for x in range(0, width, 32):
             add(x, y, ROOT_LOG)
-    found = np.array(cells)
+    found = np.array(cells).reshape(-1, 3)
     return found[:, :2].astype(np.int32), found[:, 2].astype(np.uint8)
 
 
@@ -42,3 +43,34 @@ def random_layer(channels: int, width: int, height: int, seed: int = 0, share: f
             cell[:, down:] = cell[:, :, across:] = 0
         amplitudes.append(cell.astype(np.float32).ravel())
     return TextureLayer((width, height), channels, corner, log_size, np.concatenate(amplitudes))
+
+
+def random_symbols(channels: int, width: int, height: int, seed: int = 0, most: int = 5) -> TextureSymbols:
+    """A layer that a stream can hold, in cells of all sizes, with and without contrasts; magnitudes up to `most`."""
+    rng = np.random.default_rng(seed)
+    columns, rows = roots_of(width, height)
+    log_size = np.zeros((4 * rows, 4 * columns), np.uint8)
+    symbols = np.zeros((channels, 32 * rows, 32 * columns), np.int16)
+    corner, logs = random_cells(width, height, seed, float(rng.choice([0.1, 0.7, 1.0])))
+    if not len(logs):
+        corner, logs = random_cells(width, height, seed, 1.0)
+    for (x, y), log in zip(corner.tolist(), logs.tolist(), strict=True):
+        side = 1 << log
+        log_size[y // 8 : (y + side) // 8, x // 8 : (x + side) // 8] = log
+        diagonal = np.add.outer(np.arange(side), np.arange(side))
+        for channel in range(channels):
+            cell = rng.integers(-most, most + 1, (side, side)) * (rng.random((side, side)) < rng.random() ** 2)
+            symbols[channel, y : y + side, x : x + side] = cell * (diagonal < rng.integers(0, 2 * side))
+        if not symbols[:, y : y + side, x : x + side].any():
+            symbols[rng.integers(channels), y + rng.integers(side), x + rng.integers(side)] = most
+    has_contrast = bool(rng.random() < 0.5)
+    contrast = rng.integers(-15, 16, (rows, columns)) * has_contrast
+    contrast *= log_size.reshape(rows, 4, columns, 4).any(axis=(1, 3))
+    steps = TextureSteps(
+        int(rng.integers(512)),
+        tuple(rng.integers(0, 32, channels - 1).tolist()),
+        (int(rng.integers(16)), int(rng.integers(16))),
+        (int(rng.integers(16)), int(rng.integers(16)), int(rng.integers(16))),
+        has_contrast,
+    )
+    return TextureSymbols((width, height), steps, log_size, contrast.astype(np.int8), symbols)

@@ -8,13 +8,11 @@ from importlib.resources import files
 
 from sgicodec._native import TextureModels
 from sgicodec.bitstream.entropy.symbol_coder import SymbolCoder, SymbolReader, SymbolWriter
-from sgicodec.errors import CorruptStreamError, LimitError
-from sgicodec.model.texture_symbols import TextureSteps, TextureSymbols, roots_of
+from sgicodec.bitstream.limits import check_texture
+from sgicodec.errors import CorruptStreamError
+from sgicodec.model.texture_symbols import TextureSteps, TextureSymbols
 
-__all__ = ["MAX_TEXTURE_SAMPLES", "code_texture", "texture_models"]
-
-MAX_TEXTURE_SAMPLES = 1 << 28
-"""Pixels times channels of a tile with texture, whole roots counted."""
+__all__ = ["code_texture", "texture_models"]
 
 _STEP_BITS, _RATIO_BITS, _SLOPE_BITS, _EXCESS_BITS = 9, 5, 4, 4
 
@@ -31,13 +29,11 @@ def code_texture(
 ) -> TextureSymbols | None:
     """A tile's texture layer, None where it has none. size: width and height of the tile.
 
-    Raises LimitError for a tile of more than MAX_TEXTURE_SAMPLES, CorruptStreamError where the payload does not decode.
+    Raises LimitError for a tile that is too large, CorruptStreamError where the payload does not decode.
     """
     if not coder.code_int(int(texture is not None), 1):
         return None
-    columns, rows = roots_of(*size)
-    if columns * rows * channels << 10 > MAX_TEXTURE_SAMPLES:
-        raise LimitError(f"texture: a tile of {size[0]}x{size[1]} pixels is too large to have any; use tiles")
+    check_texture(channels, *size)
     steps = _code_steps(coder, channels, None if texture is None else texture.steps)
     if isinstance(coder, SymbolWriter) and texture is not None:
         parts = texture.log_size, texture.contrast, texture.symbols

@@ -1,0 +1,280 @@
+"""A reader of texture that was written from docs/format.md, "Texture", and shares no code with the package."""
+
+from __future__ import annotations
+
+import math
+import zlib
+from importlib.resources import files
+from typing import NamedTuple
+
+__all__ = ["Bits", "Cell", "TextureReader"]
+
+MODELS, SETS = 54668, 488
+LOGIT = [round(256 * math.log((2 * i + 1) / (8191 - 2 * i))) for i in range(4096)]
+LOGISTIC = [min(max(round(65536 / (1 + math.exp(-x / 256))), 16), 65519) for x in range(-3072, 3072)]
+
+
+class Cell(NamedTuple):
+    """A node of the quadtree."""
+
+    x: int
+    y: int
+    side: int
+
+
+class Bits:
+    """Section "Range coder": the payload's bits and raw values."""
+
+    def __init__(self, payload: bytes) -> None:
+        self.payload, self.at = payload, 0
+        self.range, self.offset = 2**64 - 1, self.word() << 32 | self.word()
+        self.crc = 0
+
+    def word(self) -> int:
+        self.at += 4
+        return int.from_bytes(self.payload[self.at - 4 : self.at].ljust(4, b"\0"), "big")
+
+    def take(self, scale: int, below: int, frequency: int) -> None:
+        self.offset -= scale * below
+        self.range = scale * frequency
+        assert self.offset < self.range
+        if self.range < 2**32:
+            self.range <<= 32
+            self.offset = self.offset << 32 | self.word()
+
+    def bit(self, one: int) -> int:
+        """A bit that is 1 with a probability of one / 2^16."""
+        scale, zero = self.range >> 24, 2**24 - 256 * one
+        if self.offset // scale < zero:
+            self.take(scale, 0, zero)
+            return 0
+        self.take(scale, zero, 256 * one)
+        return 1
+
+    def raw(self, n_bits: int) -> int:
+        """A value of at most 16 bits."""
+        scale = self.range >> 24
+        value = self.offset // scale >> 24 - n_bits
+        self.take(scale, value << 24 - n_bits, 1 << 24 - n_bits)
+        return self.note(value)
+
+    def note(self, value: int) -> int:
+        """Enters the check."""
+        self.crc = zlib.crc32(value.to_bytes(4, "little", signed=True), self.crc)
+        return value
+
+    def ends_well(self) -> bool:
+        """Whether the check is right and nothing is left."""
+        crc = self.crc
+        written = self.raw(16) << 16
+        written |= self.raw(16)
+        return written == crc and self.at >= len(self.payload) and self.offset < 2**33 - 1
+
+
+class TextureReader:
+    """Section "Texture". After `read`: steps, None where there is no texture, leaves, contrasts by root, and symbols
+    [v][u] by channel and leaf.
+    """
+
+    def __init__(self, bits: Bits, size: tuple[int, int], channels: int) -> None:
+        state = zlib.decompress(files("sgicodec.bitstream.parts").joinpath("texture1.bin").read_bytes())
+        assert len(state) == 3 * MODELS + 16 * SETS
+        self.probability = [
+            low | high << 8 for low, high in zip(state[:MODELS], state[MODELS : 2 * MODELS], strict=True)
+        ]
+        self.seen = list(state[2 * MODELS : 3 * MODELS])
+        weights = [int.from_bytes(state[i : i + 4], "little", signed=True) for i in range(3 * MODELS, len(state), 4)]
+        self.weights = [weights[4 * i : 4 * i + 4] for i in range(SETS)]
+        self.bits, self.size, self.channels = bits, size, channels
+        self.steps: dict[str, list[int]] | None = None
+        self.leaves: list[Cell] = []
+        self.leaf_at: dict[tuple[int, int], Cell] = {}  # by pixel // 8
+        self.contrast: dict[tuple[int, int], int] = {}
+        self.last_contrast = 0
+        self.symbols: dict[tuple[int, Cell], list[list[int]]] = {}
+        self.extent: dict[tuple[int, Cell], int] = {}
+
+    def read(self) -> None:
+        """Reads the part."""
+        if not self.bits.raw(1):
+            return
+        widths = {
+            "step": (9, 1),
+            "ratios": (5, self.channels - 1),
+            "slopes": (4, 2),
+            "excess": (4, 3),
+            "contrasts": (1, 1),
+        }
+        self.steps = {name: [self.bits.raw(n) for _ in range(count)] for name, (n, count) in widths.items()}
+        for y in range(0, self.size[1], 32):
+            for x in range(0, self.size[0], 32):
+                self.node(Cell(x, y, 32))
+        assert self.leaves
+
+    def mixed(self, models: list[int], sets: tuple[int, int], further: int = 0) -> int:
+        """A bit; `further` is added to all numbers."""
+        models, (a, b) = [model + further for model in models], (self.weights[i + further] for i in sets)
+        logits = [LOGIT[self.probability[model] >> 4] for model in models]
+        total = sum((a[i] + b[i]) * logit for i, logit in enumerate(logits))
+        one = LOGISTIC[min(max(total >> 17, -3072), 3071) + 3072]
+        bit = self.bits.bit(one)
+        for i, (model, logit) in enumerate(zip(models, logits, strict=True)):
+            change = logit * (65536 * bit - one) >> 16
+            a[i], b[i] = (min(max(weight + change, -(2**20)), 2**20) for weight in (a[i], b[i]))
+            rate = 655360 // (10 * self.seen[model] + 16)
+            self.probability[model] += (65535 * bit - self.probability[model]) * rate >> 16
+            self.seen[model] = min(self.seen[model] + 1, 150)
+        return bit
+
+    def even(self) -> int:
+        return self.bits.bit(32768)
+
+    def neighbours(self, cell: Cell) -> tuple[Cell | None, Cell | None]:
+        x, y, half = cell.x, cell.y, cell.side // 2
+        return self.leaf_at.get(((x - 1) // 8, (y + half) // 8)), self.leaf_at.get(((x + half) // 8, (y - 1) // 8))
+
+    def node(self, cell: Cell) -> None:
+        state = [leaf.side.bit_length() - 1 if leaf else 0 for leaf in self.neighbours(cell)]
+        left, upper = 6 if cell.x == 0 else state[0], 6 if cell.y == 0 else state[1]
+        z = cell.side.bit_length() - 4
+
+        def flag(t: int) -> int:
+            first = 54336 + 50 * t
+            return self.mixed([first + 7 * left + upper, first + 49], (474 + t, 480 + t))
+
+        what = flag(z)
+        if what and cell.side > 8:
+            what += flag(3 + z)
+        self.bits.note(what)
+        assert self.steps is not None
+        if what and cell.side == 32 and self.steps["contrasts"] == [1]:
+            self.read_contrast(cell)
+        if what == 2:
+            before, half = len(self.leaves), cell.side // 2
+            for number in range(4):
+                child = Cell(cell.x + (number & 1) * half, cell.y + (number >> 1) * half, half)
+                if child.x < self.size[0] and child.y < self.size[1]:
+                    self.node(child)
+            assert len(self.leaves) > before
+        elif what:
+            self.leaf(cell)
+
+    def read_contrast(self, root: Cell) -> None:
+        def flag(number: int) -> int:
+            return self.mixed([54636 + number], (486, 487))
+
+        difference = 0
+        if flag(0):
+            sign, difference = flag(1), 1
+            while difference < 30 and flag(1 + difference):
+                difference += 1
+            difference = -difference if sign else difference
+        self.last_contrast += self.bits.note(difference)
+        assert abs(self.last_contrast) <= 15
+        self.contrast[root.x, root.y] = self.last_contrast
+
+    def leaf(self, cell: Cell) -> None:
+        self.leaves.append(cell)
+        for j in range(cell.side // 8):
+            for i in range(cell.side // 8):
+                self.leaf_at[cell.x // 8 + i, cell.y // 8 + j] = cell
+        for channel in range(self.channels):
+            self.block(cell, channel)
+        assert any(self.extent[channel, cell] for channel in range(self.channels))
+
+    def reach(self, channel: int, leaf: Cell | None) -> int:
+        extent = self.extent[channel, leaf] if leaf else 0
+        return 1 + 15 * (extent - 1) // (2 * leaf.side - 2) if leaf and extent else 0
+
+    def read_extent(self, cell: Cell, channel: int) -> int:
+        left, upper = (self.reach(channel, leaf) for leaf in self.neighbours(cell))
+        if cell.x == 0:
+            left = upper
+        if cell.y == 0:
+            upper = left
+        around = min(7, (left + upper + 3) // 4)
+        beside = abs(left - upper) // 2 if channel == 0 else (self.reach(channel - 1, cell) + 1) // 2
+        kind, node = 3 * min(channel, 2) + cell.side.bit_length() - 4, 1
+        models = [64 * around, 512 + 64 * min(7, beside), 1024]
+        for _ in range(cell.side.bit_length()):
+            bit = self.mixed([44544 + 1088 * kind + model + node for model in models], (456 + kind, 465 + kind))
+            node = 2 * node + bit
+        return self.bits.note(node - 2 * cell.side)
+
+    def block(self, cell: Cell, channel: int) -> None:
+        side = cell.side
+        q = self.symbols[channel, cell] = [[0] * side for _ in range(side)]
+        extent = self.extent[channel, cell] = self.read_extent(cell, channel)
+        for diagonal in range(extent):
+            for u in range(max(0, diagonal - side + 1), min(diagonal, side - 1) + 1):
+                q[diagonal - u][u] = self.symbol(cell, channel, extent, diagonal - u, u)
+        if extent:
+            assert any(q[extent - 1 - u][u] for u in range(side) if 0 <= extent - 1 - u < side)
+
+    def symbol(self, cell: Cell, channel: int, extent: int, v: int, u: int) -> int:
+        models, sets = self.context(cell, channel, extent, v, u)
+        magnitude = 0
+        while magnitude < 8 and self.mixed(models, sets, magnitude):
+            magnitude += 1
+        if magnitude == 8:
+            digits = 0
+            while self.even():
+                digits += 1
+            assert digits <= 13
+            rest = 1
+            for _ in range(digits):
+                rest = 2 * rest + self.even()
+            magnitude += rest - 1
+        return self.bits.note(-magnitude if magnitude and self.even() else magnitude)
+
+    def context(self, cell: Cell, channel: int, extent: int, v: int, u: int) -> tuple[list[int], tuple[int, int]]:
+        q, n = self.symbols[channel, cell], cell.side
+        h, z = min(channel, 2), n.bit_length() - 4
+        left, upper = (self.shown(leaf, channel, n, v, u) for leaf in self.neighbours(cell))
+        left, upper = upper if cell.x == 0 else left, left if cell.y == 0 else upper
+        outside = min(2**14, left + upper)
+        following = magnitude(q, v, u - 1) + magnitude(q, v - 1, u)
+        inside = 4 * following
+        for dv, du in ((-1, -1), (0, -2), (-2, 0), (1, -1), (-2, 1), (1, -2)):
+            inside += 2 * magnitude(q, v + dv, u + du)
+        total = 3 * inside + 2 * outside
+        if channel:
+            before = cross(self.symbols[0, cell], v, u, False)
+            before += cross(self.symbols[channel - 1, cell], v, u, False) if channel > 1 else 0
+            total = 3 * (total + 2 * min(2**14, before)) // 4
+        zone = min(15, 8 * (u + v) // n)
+        near = min(15, (extent - 1 - u - v).bit_length() + 4 * min(3, following))
+        place = {8: 8 * v + u, 16: 64 + 16 * v + u, 32: 320 + 16 * (v // 2) + u // 2}[n]
+        models = [
+            8 * (576 * h + place),
+            13824 + 8 * (256 * h + 16 * level(outside) + level(inside)),
+            19968 + 8 * (256 * h + 16 * zone + near),
+            26112 + 8 * (256 * (3 * h + z) + 16 * level(total) + zone),
+        ]
+        return models, (8 * (3 * h + z), 72 + 8 * (16 * h + level(total)))
+
+    def shown(self, leaf: Cell | None, channel: int, n: int, v: int, u: int) -> int:
+        if leaf is None:
+            return 0
+        q, other = self.symbols[channel, leaf], leaf.side
+        if other == n:
+            return cross(q, v, u, True)
+        if other < n:
+            return 8 * abs(q[v * other // n][u * other // n])
+        k = other // n
+        return 8 * sum(abs(q[k * v + i][k * u + j]) for i in range(k) for j in range(k)) // k**2
+
+
+def magnitude(q: list[list[int]], v: int, u: int) -> int:
+    return abs(q[v][u]) if 0 <= v < len(q) and 0 <= u < len(q) else 0
+
+
+def cross(q: list[list[int]], v: int, u: int, edge: bool) -> int:
+    left = magnitude(q, v, 0 if edge and u == 0 else u - 1)
+    upper = magnitude(q, 0 if edge and v == 0 else v - 1, u)
+    return 4 * magnitude(q, v, u) + left + upper + magnitude(q, v, u + 1) + magnitude(q, v + 1, u)
+
+
+def level(total: int) -> int:
+    digits = total.bit_length()
+    return total // 2 if total < 8 else min(15, 2 * digits - 4 + (total >> digits - 2 & 1))

@@ -1,0 +1,331 @@
+"""Texture against a reader that was written from docs/format.md, and what is refused of it."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+import pytest
+from examples import examples
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from texture_reader import LOGISTIC, LOGIT, Bits, TextureReader
+from textures import random_symbols
+
+from sgicodec import read
+from sgicodec._native import TextureModels
+from sgicodec.bitstream.entropy.symbol_coder import SymbolReader, SymbolWriter
+from sgicodec.bitstream.parts.texture import code_texture, texture_models
+from sgicodec.device import ONE_THREAD
+from sgicodec.errors import CorruptStreamError, LimitError
+from sgicodec.model.texture_symbols import TextureSteps, TextureSymbols
+from sgicodec.rdoq.texture import TextureSearch
+
+ROOT = Path(__file__).parents[4]
+MOST = 16390
+
+
+def payload_of(texture: TextureSymbols | None, size: tuple[int, int], channels: int) -> bytes:
+    writer = SymbolWriter()
+    code_texture(writer, size, channels, texture)
+    return writer.finish()
+
+
+def read_back(payload: bytes, size: tuple[int, int], channels: int) -> TextureSymbols | None:
+    reader = SymbolReader(payload)
+    texture = code_texture(reader, size, channels, None)
+    reader.finish()
+    return texture
+
+
+def assert_same(found: TextureSymbols | None, expected: TextureSymbols) -> None:
+    assert found is not None
+    assert (found.size, found.steps) == (expected.size, expected.steps)
+    for ours, theirs in ((found.log_size, expected.log_size), (found.contrast, expected.contrast)):
+        np.testing.assert_array_equal(ours, theirs)
+    np.testing.assert_array_equal(found.symbols, expected.symbols)
+
+
+def read_from_the_page(payload: bytes, size: tuple[int, int], channels: int) -> TextureSymbols:
+    """What the independent reader finds."""
+    reader = TextureReader(Bits(payload), size, channels)
+    reader.read()
+    assert reader.bits.ends_well()
+    assert reader.steps is not None
+    rows, columns = -(-size[1] // 32), -(-size[0] // 32)
+    symbols = np.zeros((channels, 32 * rows, 32 * columns), np.int16)
+    log_size, contrast = np.zeros((4 * rows, 4 * columns), np.uint8), np.zeros((rows, columns), np.int8)
+    for (x, y), value in reader.contrast.items():
+        contrast[y // 32, x // 32] = value
+    for leaf in reader.leaves:
+        x, y, side = leaf
+        log_size[y // 8 : (y + side) // 8, x // 8 : (x + side) // 8] = side.bit_length() - 1
+        for channel in range(channels):
+            symbols[channel, y : y + side, x : x + side] = reader.symbols[channel, leaf]
+    read = reader.steps
+    (luma, chroma), (one, two, more) = read["slopes"], read["excess"]
+    steps = TextureSteps(
+        read["step"][0], tuple(read["ratios"]), (luma, chroma), (one, two, more), bool(read["contrasts"][0])
+    )
+    return TextureSymbols(size, steps, log_size, contrast, symbols)
+
+
+layers = st.builds(
+    random_symbols,
+    st.integers(1, 4),
+    st.integers(1, 90),
+    st.integers(33, 70),
+    st.integers(0, 2**32),
+    st.sampled_from([1, 5, 40, MOST]),
+)
+
+
+@settings(max_examples=examples(40))
+@given(layers)
+def test_round_trip(layer: TextureSymbols) -> None:
+    payload = payload_of(layer, layer.size, len(layer.symbols))
+    assert_same(read_back(payload, layer.size, len(layer.symbols)), layer)
+
+
+@settings(max_examples=examples(20))
+@given(layers)
+def test_the_page_reads_the_same(layer: TextureSymbols) -> None:
+    payload = payload_of(layer, layer.size, len(layer.symbols))
+    assert_same(read_from_the_page(payload, layer.size, len(layer.symbols)), layer)
+
+
+@pytest.fixture(scope="module")
+def found() -> TextureSymbols:
+    """What the search finds in a crop of a photograph whose sides are no multiples of 32."""
+    pixels = read(ROOT / "tests" / "data" / "kodim13.png").pixels[300:377, 100:245].astype(np.float32) / 255
+    planes = np.ascontiguousarray(pixels.transpose(2, 0, 1))
+    search = TextureSearch(planes - planes.mean(axis=(1, 2), keepdims=True), ONE_THREAD)
+    layer = search.at(TextureSteps(350, (18, 18), (2, 3)))
+    assert layer is not None
+    assert (layer.symbols != 0).sum() > 1000
+    return layer
+
+
+def test_the_page_reads_a_photograph(found: TextureSymbols) -> None:
+    payload = payload_of(found, found.size, 3)
+    assert_same(read_back(payload, found.size, 3), found)
+    assert_same(read_from_the_page(payload, found.size, 3), found)
+
+
+def test_the_page_names_the_models() -> None:
+    data = files("sgicodec.bitstream.parts").joinpath("texture1.bin").read_bytes()
+    assert hashlib.sha256(data).hexdigest() in (ROOT / "docs" / "format.md").read_text()
+
+
+def test_the_tables_can_be_computed_anywhere() -> None:
+    """The page's claim: no value that is rounded lies near a half."""
+    i, x = np.arange(4096), np.arange(-3072, 3072)
+    logit, logistic = 256 * np.log((2 * i + 1) / (8191 - 2 * i)), 65536 / (1 + np.exp(-x / 256))
+    for value in (logit, logistic):
+        assert np.abs(value - np.floor(value) - 0.5).min() > 1e-5
+    np.testing.assert_array_equal(np.rint(logit), LOGIT)
+    np.testing.assert_array_equal(np.clip(np.rint(logistic), 16, 65519), LOGISTIC)
+
+
+def test_no_texture_takes_a_bit() -> None:
+    payload = payload_of(None, (64, 64), 3)
+    reader = SymbolReader(payload)
+    assert code_texture(reader, (64, 64), 3, None) is None
+    assert reader.count == 1
+    reader.finish()
+
+
+def test_the_state_of_models_is_what_it_was() -> None:
+    state = texture_models().state()
+    assert TextureModels(state).state() == state
+    with pytest.raises(ValueError, match="not texture models"):
+        TextureModels(state[:-1])
+
+
+def test_models_learn_what_they_have_seen(found: TextureSymbols) -> None:
+    models = TextureModels()
+    parts = found.log_size, found.contrast, found.symbols, found.size, False
+    before = models.write(*parts)[3]
+    models.learn(*parts)
+    models.settle(30)
+    assert models.write(*parts)[3] < 0.95 * before
+    assert max(models.state()[2 * 54668 : 3 * 54668]) == 30
+
+
+def changed(change: Callable[[TextureSymbols], None] = lambda _: None) -> TextureSymbols:
+    """A layer of 64×40 pixels with a leaf of 16 in the first root and of 32 in the second, after `change`."""
+    log_size, symbols = np.zeros((8, 8), np.uint8), np.zeros((2, 64, 64), np.int16)
+    log_size[:2, :2], log_size[:4, 4:] = 4, 5
+    symbols[0, 3, 2], symbols[1, 0, 40] = 5, -1
+    layer = TextureSymbols((64, 40), TextureSteps(300, (16,)), log_size, np.zeros((2, 2), np.int8), symbols)
+    change(layer)
+    return layer
+
+
+def no_symbols(layer: TextureSymbols) -> None:
+    layer.symbols[0, 3, 2] = 0
+
+
+def no_cells(layer: TextureSymbols) -> None:
+    layer.symbols[:], layer.log_size[:] = 0, 0
+
+
+def symbols_beside(layer: TextureSymbols) -> None:
+    layer.symbols[0, 3, 20] = 1
+
+
+def too_large(layer: TextureSymbols) -> None:
+    layer.symbols[0, 3, 2] = -MOST - 1
+
+
+def least_number(layer: TextureSymbols) -> None:
+    layer.symbols[0, 3, 2:5] = -(2**15)
+
+
+def contrast_of_nothing(layer: TextureSymbols) -> None:
+    layer.contrast[1, 0] = 1
+
+
+def contrast_beyond(layer: TextureSymbols) -> None:
+    layer.contrast[0, 0] = 16
+
+
+def beyond_the_tile(layer: TextureSymbols) -> None:
+    layer.log_size[6:, :2], layer.symbols[0, 50, 3] = 4, 1
+
+
+def half_a_cell(layer: TextureSymbols) -> None:
+    layer.log_size[0, 1] = 0
+
+
+def unknown_size(layer: TextureSymbols) -> None:
+    layer.log_size[7, 7] = 2
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        *(no_symbols, no_cells, symbols_beside, too_large, least_number, contrast_of_nothing, contrast_beyond),
+        *(beyond_the_tile, half_a_cell, unknown_size),
+    ],
+)
+def test_layers_that_no_reader_would_find_are_not_written(change: Callable[[TextureSymbols], None]) -> None:
+    layer = changed()
+    assert_same(read_back(payload_of(layer, layer.size, 2), layer.size, 2), layer)
+    layer = changed(change)
+    with pytest.raises(ValueError, match=r"a layer has cells|contrasts must be|cells must fill|log_size must be"):
+        payload_of(layer, layer.size, 2)
+
+
+def test_other_shapes_are_not_written(found: TextureSymbols) -> None:
+    for wrong in (replace(found, symbols=found.symbols[:, :-32]), replace(found, contrast=found.contrast[:1])):
+        with pytest.raises(ValueError, match="roots"):
+            payload_of(wrong, found.size, 3)
+    with pytest.raises(ValueError, match="roots of the tile"):
+        payload_of(found, (found.size[0] + 32, found.size[1]), 3)
+
+
+class Script(Bits):
+    """Gives bits as they are wanted, then zeros, and notes their probabilities: what writes any spelling."""
+
+    def __init__(self, bits: str, has_contrast: bool) -> None:
+        self.wanted, self.has_contrast, self.crc = [int(bit) for bit in bits], has_contrast, 0
+        self.bits: list[int] = []
+        self.ones: list[int] = []
+        self.fields: list[tuple[int, int]] = []
+        self.noted: list[int] = []
+
+    def bit(self, one: int) -> int:
+        self.bits.append(self.wanted.pop(0) if self.wanted else 0)
+        self.ones.append(one)
+        return self.bits[-1]
+
+    def raw(self, n_bits: int) -> int:
+        value = int(not self.fields or (n_bits == 1 and self.has_contrast))
+        self.fields.append((value, n_bits))
+        return value
+
+    def note(self, value: int) -> int:
+        self.noted.append(value)
+        return value
+
+
+def spelled(bits: str, has_contrast: bool = False) -> bytes:
+    """The payload of a tile of 32×32 pixels whose texture has these bits."""
+    script = Script(bits, has_contrast)
+    with suppress(AssertionError):
+        TextureReader(script, (32, 32), 1).read()
+    writer = SymbolWriter()
+    for value, n_bits in script.fields:
+        writer.code_int(value, n_bits)
+    writer.flags(*(np.array(part, np.int32) for part in (script.bits, script.ones, script.noted)), 0.0)
+    return writer.finish()
+
+
+ONE = "10" + "0"  # a symbol 1
+
+SPELLINGS = {
+    "a leaf": ("10" + "000001" + ONE, False, True),
+    "a layer without leaves": ("0", False, False),
+    "a leaf without symbols": ("10" + "000000", False, False),
+    "a split node without leaves": ("11" + "0000", False, False),
+    "a split node below one": ("11" + "11" + "0000" + "10" + "00001" + ONE, False, False),
+    "a leaf below": ("11" + "10" + "00001" + ONE, False, True),
+    "an extent of two": ("10" + "000010" + ONE + "0" + ONE, False, True),
+    "an extent beyond the symbols": ("10" + "000010" + ONE + "00", False, False),
+    "the largest magnitude": ("10" + "000001" + "1" * 8 + "1" * 13 + "0" + "1" * 13 + "0", False, True),
+    "a larger one": ("10" + "000001" + "1" * 8 + "1" * 14 + "0" + "0" * 14 + "0", False, False),
+    "ones without end": ("10" + "000001" + "1" * 3000, False, False),
+    "the largest contrast": ("10" + "10" + "1" * 14 + "0" + "000001" + ONE, True, True),
+    "a larger contrast": ("10" + "10" + "1" * 15 + "0" + "000001" + ONE, True, False),
+    "the least contrast": ("10" + "11" + "1" * 14 + "0" + "000001" + ONE, True, True),
+    "a smaller contrast": ("10" + "11" + "1" * 29 + "000001" + ONE, True, False),
+}
+
+
+@pytest.mark.parametrize("name", SPELLINGS)
+def test_every_layer_has_one_spelling(name: str) -> None:
+    bits, has_contrast, legal = SPELLINGS[name]
+    payload = spelled(bits, has_contrast)
+    if legal:
+        layer = read_back(payload, (32, 32), 1)
+        assert layer is not None
+        assert payload_of(layer, (32, 32), 1) == payload
+        assert_same(read_from_the_page(payload, (32, 32), 1), layer)
+    else:
+        with pytest.raises(CorruptStreamError, match="texture: the payload does not decode"):
+            read_back(payload, (32, 32), 1)
+
+
+def test_the_largest_numbers() -> None:
+    magnitudes, contrasts = {}, {}
+    for name in ("the largest magnitude", "the largest contrast", "the least contrast"):
+        layer = read_back(spelled(*SPELLINGS[name][:2]), (32, 32), 1)
+        assert layer is not None
+        magnitudes[name], contrasts[name] = int(np.abs(layer.symbols).max()), int(layer.contrast[0, 0])
+    assert magnitudes == {"the largest magnitude": MOST, "the largest contrast": 1, "the least contrast": 1}
+    assert contrasts == {"the largest magnitude": 0, "the largest contrast": 15, "the least contrast": -15}
+
+
+@settings(max_examples=examples(200))
+@given(st.binary(max_size=300), st.integers(1, 4), st.integers(1, 200), st.integers(1, 100))
+def test_any_bytes_are_a_layer_or_refused(payload: bytes, channels: int, width: int, height: int) -> None:
+    """What is accepted has the same meaning for the page's reader, and can be written."""
+    reader = SymbolReader(b"\xff" + payload.rstrip(b"\0"))
+    try:
+        layer = code_texture(reader, (width, height), channels, None)
+    except CorruptStreamError:
+        return
+    assert layer is not None
+    assert_same(read_back(payload_of(layer, layer.size, channels), layer.size, channels), layer)
+
+
+@pytest.mark.parametrize(("size", "channels"), [((2**13, 2**13 + 1), 1), ((2**24, 33), 1), ((1024, 1056), 64)])
+def test_tiles_that_are_too_large_have_no_texture(size: tuple[int, int], channels: int) -> None:
+    with pytest.raises(LimitError, match="samples with texture are "):
+        read_back(spelled("10"), size, channels)
