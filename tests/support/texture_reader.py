@@ -95,13 +95,14 @@ class TextureReader:
         self.extent: dict[tuple[int, Cell], int] = {}
 
     def read(self) -> None:
-        """Reads the part."""
+        """Reads the part; there are models number 1 alone."""
         if not self.bits.raw(1):
             return
+        assert self.bits.raw(4) == 1
         widths = {
             "step": (9, 1),
             "ratios": (5, self.channels - 1),
-            "slopes": (4, 2),
+            "slopes": (5, 2),
             "excess": (4, 3),
             "contrasts": (1, 1),
         }

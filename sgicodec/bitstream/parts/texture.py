@@ -9,18 +9,20 @@ from importlib.resources import files
 from sgicodec._native import TextureModels
 from sgicodec.bitstream.entropy.symbol_coder import SymbolCoder, SymbolReader, SymbolWriter
 from sgicodec.bitstream.limits import check_texture
-from sgicodec.errors import CorruptStreamError
+from sgicodec.errors import CorruptStreamError, UnsupportedStreamError
 from sgicodec.model.texture_symbols import TextureSteps, TextureSymbols
 
 __all__ = ["code_texture", "texture_models"]
 
-_STEP_BITS, _RATIO_BITS, _SLOPE_BITS, _EXCESS_BITS = 9, 5, 4, 4
+MODELS = 1
+"""Number of the shipped models; the file of a number never changes."""
+_MODELS_BITS, _STEP_BITS, _RATIO_BITS, _SLOPE_BITS, _EXCESS_BITS = 4, 9, 5, 5, 4
 
 
 @cache
 def texture_models() -> TextureModels:
     """The shipped state of the adaptive models with which every layer begins."""
-    packed = files(__package__).joinpath("texture1.bin").read_bytes()
+    packed = files(__package__).joinpath(f"texture{MODELS}.bin").read_bytes()
     return TextureModels(zlib.decompress(packed))
 
 
@@ -29,11 +31,15 @@ def code_texture(
 ) -> TextureSymbols | None:
     """A tile's texture layer, None where it has none. size: width and height of the tile.
 
-    Raises LimitError for a tile that is too large, CorruptStreamError where the payload does not decode.
+    Raises LimitError for a tile that is too large, CorruptStreamError where the payload does not decode,
+    UnsupportedStreamError for models of another number.
     """
     if not coder.code_int(int(texture is not None), 1):
         return None
     check_texture(channels, *size)
+    models = coder.code_int(MODELS, _MODELS_BITS)
+    if models != MODELS:
+        raise UnsupportedStreamError(f"texture: models {models}; this program has models {MODELS}")
     steps = _code_steps(coder, channels, None if texture is None else texture.steps)
     if isinstance(coder, SymbolWriter) and texture is not None:
         parts = texture.log_size, texture.contrast, texture.symbols
