@@ -23,10 +23,11 @@ from sgicodec.device import ALL_CORES, Device
 from sgicodec.encoder.encoded import Encoded
 from sgicodec.encoder.inpainting import inpaint
 from sgicodec.encoder.plan import Plan
+from sgicodec.encoder.texture_share import seed_share, seed_weights
 from sgicodec.encoder.texture_tuning import TUNINGS, TextureTuning
 from sgicodec.fit.base_layer import base_layer
 from sgicodec.metrics.choices import DISTORTIONS
-from sgicodec.metrics.distortion import mean_weight
+from sgicodec.metrics.distortion import QuadraticReference, Reference, mean_weight
 from sgicodec.metrics.perceptual import ssimulacra2
 from sgicodec.metrics.psnr import psnr
 from sgicodec.model.context import input_count
@@ -41,9 +42,6 @@ from sgicodec.rdoq.texture import TextureSearch
 
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Fitted, Progress
-
-TEXTURE_SHARE = 2.0
-"""λ of seeds in the λ of an encode where texture follows them."""
 
 __all__ = ["Candidate", "Encoding", "empty_pixels", "make_ready", "written"]
 
@@ -88,9 +86,26 @@ class Encoding:
     def begin(self, lmbda: float) -> None:
         """Makes ready for a fit at λ."""
         self.lmbda = lmbda
-        self.fit = replace(self.fit, lmbda=lmbda * (TEXTURE_SHARE if self.spec.texture else 1.0))
+        self.fit = replace(self.fit, lmbda=lmbda * (seed_share(self.fit.steps) if self.spec.texture else 1.0))
+        self.seed_reference: Reference | None = None
         lmbda = self.fit.lmbda
         self.base_step, self.base, self.target = base_layer(self.spec, self.unit, lmbda, self.reference.weights)
+
+    def seeds_for(self) -> Reference:
+        """What seeds are fitted to: the picture's distortion, less where texture will follow for less bits."""
+        if self.seed_reference is None:
+            self.seed_reference = self.reference
+            if self.spec.texture and self._can_scout:
+                family, weights = self.plan.header.family, self.reference.weights
+                shared = seed_weights(self.spec, self.fit, self.target, self.lmbda, family, self.device)
+                if shared is not None:
+                    self.seed_reference = QuadraticReference(shared if weights is None else shared * weights)
+        return self.seed_reference
+
+    @property
+    def _can_scout(self) -> bool:
+        """Whether the time limit leaves room for that."""
+        return bool(self.end - time.monotonic() > _SCOUTING_SHARE * _SCOUTING_SECONDS * self.target[0].size / 1e6)
 
     def run(self, on_progress: Callable[[Progress], bool] | None) -> Encoded:
         """Fits at a constant λ and writes."""
@@ -116,7 +131,7 @@ class Encoding:
         """A fit, which `controller` may lead; of a time limit it takes about `share` less than is left."""
         from sgicodec.fit.trainer import Trainer
 
-        spec, fit = self.spec, self.fit
+        spec, fit, weights = self.spec, self.fit, self.seeds_for().weights
         _, height, width = self.target.shape
         if spec.layout == "uniform":
             count = fit.seeds or max(1, round(width * height / 400))
@@ -134,13 +149,13 @@ class Encoding:
             controller=controller,
             seconds=self._seconds(share),
             device=self.device,
-            weights=self.reference.weights,
+            weights=weights,
         )
         return trainer.run(on_progress)
 
     def first_layout(self) -> SeedLayout:
         """Where the seeds of a fit by the default profile begin."""
-        return adaptive_layout(self.target, self.fit.split_price * self.fit.lmbda, weights=self.reference.weights)
+        return adaptive_layout(self.target, self.fit.split_price * self.fit.lmbda, weights=self.seeds_for().weights)
 
     def candidate(self, fitted: Fitted) -> Candidate:
         """A fit in integers."""
@@ -170,9 +185,8 @@ class Encoding:
     def rdoq(self, candidate: Candidate) -> Rdoq:
         """RDOQ from a candidate on."""
         settings = RdoqSettings.for_steps(self.fit.steps)
-        return Rdoq(
-            candidate.header, candidate.model, self.unit, candidate.lmbda, settings, self.device, self.reference
-        )
+        reference = self.seeds_for()
+        return Rdoq(candidate.header, candidate.model, self.unit, candidate.lmbda, settings, self.device, reference)
 
     def searched(self, candidate: Candidate) -> Candidate:
         """The best that the search finds for the candidate's λ."""
@@ -278,6 +292,8 @@ class Encoding:
 
 _CODING_SECONDS = 1.2
 """Of one stream of a megapixel, twice and generously."""
+_SCOUTING_SECONDS, _SCOUTING_SHARE = 2.0, 8.0
+"""Of a megapixel, generously; how many times that must be left."""
 _SEARCHING_SHARE = 0.12
 """Of the time that is left for fit and search together."""
 

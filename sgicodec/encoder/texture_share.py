@@ -1,0 +1,132 @@
+"""Where seeds should show a picture and where texture does it for less: weights of the seeds' squared errors.
+
+A short fit shows what seeds would take from texture. In each root cell of the texture layer, ρ is what they save it,
+squared error plus λ times bits, over what their own bits cost. Where ρ is small, seeds count less, so that fewer are
+placed and texture shows what they leave; edges and smooth ground keep theirs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec.device import ALL_CORES, Device
+from sgicodec.encoder.texture_tuning import TUNINGS
+from sgicodec.model.layout import SeedLayout, adaptive_layout
+from sgicodec.model.spec import ModelSpec
+from sgicodec.model.texture import ROOT_LOG
+from sgicodec.profiles.fit_settings import FitSettings, Phase
+from sgicodec.rdoq.texture import TextureSearch
+
+__all__ = ["Scout", "cell_weights", "seed_share", "seed_weights", "smoothed"]
+
+F32 = NDArray[np.float32]
+F64 = NDArray[np.float64]
+
+SCOUT_SHARE = 2.0
+"""λ of the short fit, in the λ of the encode."""
+SCOUT_PHASES = (Phase(12, level=1), Phase(12, rounding="noise", rate=True, learn_steps=True, prune=2))
+SCOUT_SPLIT = 6.0
+"""Its `FitSettings.split`: in so few steps, seeds of larger cells come nearer to what they can be."""
+POSITION_BITS = 3.5
+"""What the place of a seed adds to its bits."""
+FULL, POWER, LEAST = 0.66, 2.5, 1 / 24
+"""ρ of the short fit from which seeds count in full, how fast they count less below it, and the least."""
+CALM_BITS = 8.0
+"""Of seeds and of what they save, added to both in each root: where there is nothing to show, seeds count in full."""
+
+
+@dataclass(frozen=True)
+class Scout:
+    """What a short fit found. residual [C, H, W]: what it leaves; bits: of a seed, its place included."""
+
+    residual: F32
+    layout: SeedLayout
+    bits: float
+
+    def root_bits(self, shape: tuple[int, int]) -> F64:
+        """Bits of the seeds in each root of the texture layer [rows, columns]."""
+        cell = self.layout.centre.astype(np.int64) >> ROOT_LOG
+        found = np.zeros(shape)
+        np.add.at(found, (np.minimum(cell[:, 1], shape[0] - 1), np.minimum(cell[:, 0], shape[1] - 1)), self.bits)
+        return found
+
+
+def seed_share(steps: int) -> float:
+    """λ of seeds that count in full, in the λ of an encode whose fit has this many steps.
+
+    What seeds leave costs less as texture than as more seeds; the shorter the fit, the more of it.
+    """
+    return float(np.clip(2.8 * (200 / steps) ** 0.3, 1.4, 2.8))
+
+
+def seed_weights(
+    spec: ModelSpec, fit: FitSettings, target: F32, lmbda: float, family: int, device: Device = ALL_CORES
+) -> F32 | None:
+    """Weights [H, W] up to 1 of the seeds' squared errors in a picture less its base layer [C, H, W], for an encode at
+    λ; None where all are 1.
+    """
+    scout = _scout(spec, replace(fit, lmbda=SCOUT_SHARE * lmbda), target, family, device)
+    tuning = TUNINGS["psnr"]
+    steps = tuning.steps(tuning.step(lmbda), spec.channels)
+    unit = float(steps.of_channels[0]) ** 2
+    alone, left = (
+        unit * TextureSearch(plane, device).costs(steps, tuning.squared_steps) for plane in (target, scout.residual)
+    )
+    weights = cell_weights(alone - left, lmbda * scout.root_bits(left.shape), lmbda)
+    return None if weights.min() > _ALL else _of_pixels(weights, target.shape[1:])
+
+
+def cell_weights(saved: F64, price: F64, lmbda: float) -> F64:
+    """Weights of roots [rows, columns] where seeds save texture this much and cost so much, in squared error."""
+    calm = lmbda * CALM_BITS
+    rho = (np.maximum(smoothed(saved, _NEAR), 0) + calm) / (smoothed(price, _NEAR) + calm)
+    octaves = np.clip(POWER * np.log2(rho / FULL), np.log2(LEAST), 0)
+    return np.exp2(smoothed(octaves, _BLEND))
+
+
+def smoothed(plane: F64, sigma: float) -> F64:
+    """A plane convolved with a Gaussian of this σ, in its samples, mirrored at its borders."""
+    reach = int(4 * sigma + 0.5)
+    kernel = np.exp(-0.5 * (np.arange(-reach, reach + 1) / sigma) ** 2)
+    kernel /= kernel.sum()
+    for axis in (0, 1):
+        width = [(0, 0), (0, 0)]
+        width[axis] = (reach, reach)
+        padded, size = np.pad(plane, width, mode="symmetric"), plane.shape[axis]
+        plane = sum(k * np.take(padded, range(i, i + size), axis) for i, k in enumerate(kernel))  # type: ignore[assignment]
+    return plane
+
+
+def _of_pixels(weights: F64, shape: tuple[int, ...]) -> F32:
+    """Roots' weights for each pixel [H, W], linear between their centres."""
+    side = 1 << ROOT_LOG
+    for axis in (0, 1):
+        at = np.clip((np.arange(shape[axis]) + 0.5) / side - 0.5, 0, weights.shape[axis] - 1)
+        low = np.minimum(at.astype(np.int64), max(weights.shape[axis] - 2, 0))
+        high = np.minimum(low + 1, weights.shape[axis] - 1)
+        part = (at - low).reshape((-1, 1) if axis == 0 else (1, -1))
+        weights = (1 - part) * weights.take(low, axis) + part * weights.take(high, axis)
+    return np.ascontiguousarray(weights, np.float32)
+
+
+def _scout(spec: ModelSpec, fit: FitSettings, target: F32, family: int, device: Device) -> Scout:
+    from sgicodec.bitstream.parts.prior import load_prior
+    from sgicodec.fit.trainer import Trainer
+
+    fit = replace(fit, phases=SCOUT_PHASES, split=SCOUT_SPLIT)
+    layout = adaptive_layout(target, fit.split_price * fit.lmbda)
+    networks = load_prior(spec) if spec.context.prior else None
+    trainer = Trainer(spec, fit, target, layout, family, networks, device=device)
+    trainer.run()
+    drawn = trainer.raster.forward(*trainer.seeds.gaussians(), target.shape[2], target.shape[1])
+    bits = float(trainer.gradient_step.seed_bits().mean()) + POSITION_BITS
+    return Scout(target - drawn, trainer.seeds.layout, bits)
+
+
+_NEAR, _BLEND = 0.7, 0.5
+"""σ in roots: what is saved and paid is smoothed with it, and the weights' logarithms."""
+_ALL = 0.95
+"""Weights above which all are taken to be 1, which takes faster code."""
