@@ -45,7 +45,8 @@ def info(source: str, as_json: bool) -> None:
 
 def _facts(stream: Stream) -> dict[str, Any]:
     """What `--json` prints besides the parts."""
-    header, seeds = stream.header, stream.survey().seeds
+    header, survey = stream.header, stream.survey()
+    seeds = survey.seeds
     pixels = stream.width * stream.height
     return {
         "width": stream.width,
@@ -61,6 +62,7 @@ def _facts(stream: Stream) -> dict[str, Any]:
         "overview": [stream.overview.width, stream.overview.height] if stream.has_overview else None,
         "seeds": seeds,
         "gaussians": seeds * header.spec.per_seed,
+        "texture_cells": survey.texture_cells if header.spec.texture else None,
         "settings": _settings(header),
         "encoder": stream.software,
         "symbol_crc": f"{stream.symbol_crc:08x}",
@@ -104,12 +106,17 @@ def _lines(stream: Stream, facts: Mapping[str, Any]) -> dict[str, str]:
         tiles["tiles"] = f"{what}, fading over {2 * grid.apron}"
     if facts["overview"] is not None:
         tiles["overview"] = "{}×{}".format(*facts["overview"])
+    texture = {}
+    if facts["texture_cells"] is not None:
+        cells = (f"{n:,} cells of {side}×{side} pixels" for side, n in sorted(facts["texture_cells"].items()) if n)
+        texture["texture"] = ", ".join(cells) or "none"
     return {
         "picture": f"{stream.width}×{stream.height}, {count if channels == 'multi' else channels}"
         + f"{' bands' if channels == 'multi' else ''}, {depth}",
         "size": f"{facts['bytes']:,} bytes, {facts['bpp']:.3f} bpp",
         **tiles,
         "seeds": f"{facts['seeds']:,} × {settings['per_seed']} = {facts['gaussians']:,} Gaussians",
+        **texture,
         "profile": f"{facts['profile']}: {settings['layout']} layout, D = {settings['features']}{base}",
         "context": context,
         "encoder": facts["encoder"] or "unknown",

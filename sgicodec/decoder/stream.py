@@ -35,11 +35,14 @@ _MOST_TEXT = 200
 
 
 class Survey(NamedTuple):
-    """What all tiles hold together: number of seeds, bytes of each part, checksum of all decoded symbols."""
+    """What all tiles hold together: number of seeds, bytes of each part, checksum of all decoded symbols, and how many
+    cells of texture there are, by their side in pixels.
+    """
 
     seeds: int
     part_bytes: dict[str, float]
     symbol_crc: int
+    texture_cells: dict[int, int]
 
 
 class Stream:
@@ -108,6 +111,7 @@ class Stream:
         """Decodes all tiles, one at a time. Raises CorruptStreamError or LimitError."""
         if self._survey is None:
             parts: Counter[str] = Counter()
+            cells: Counter[int] = Counter()
             crcs, seeds = [], 0
             for number in range(self.grid.count):
                 take = self._tiles.tile if self.grid.count == 1 else self._tiles.decoded
@@ -116,8 +120,10 @@ class Stream:
                 if self.header.masked is not None:
                     parts["mask"] += tile.mask_bytes
                 crcs.append(tile.symbol_crc)
-                seeds += 0 if tile.model is None else len(tile.model.layout)
-            self._survey = Survey(seeds, dict(parts), joined_crc(crcs))
+                if tile.model is not None:
+                    seeds += len(tile.model.layout)
+                    cells.update({} if tile.model.texture is None else tile.model.texture.counts)
+            self._survey = Survey(seeds, dict(parts), joined_crc(crcs), dict(cells))
         return self._survey
 
     def render(

@@ -93,7 +93,9 @@ class TileRenderer:
         drawing = (2 if self._scaled else 1) * sum(array.nbytes for array in self.gaussians)
         model = 16 * len(self.gaussians.means) * self.header.spec.attributes if self.model else 0
         drawing += 0 if self._whole is None else self._whole.samples.nbytes
-        drawing += 0 if self._texture is None else self._texture.memory
+        if self._texture is not None:
+            drawing += self._texture.memory
+            model += 0 if self.model is None or self.model.texture is None else self.model.texture.symbols.nbytes
         return drawing + model + self._colours.nbytes + (0 if self.mask is None else self.mask.nbytes)
 
     def release_model(self) -> None:

@@ -1,20 +1,29 @@
 """Makes the golden streams that do not exist yet: `python tests/conformance/golden/make_golden.py`.
 
-Overwrites none, and makes none anew that is lost.
+Overwrites none, and makes none anew that is lost. Only as long as no release has written streams of their kind may they
+be made again: `--again texture` does so with all whose names hold the word, when the models of texture have changed.
 """
 
 from __future__ import annotations
 
+import argparse
 import hashlib
 import json
+import sys
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from sgicodec import EncodeSettings, Picture, encode, open_stream, read, write
+from sgicodec.bitstream.parts.tile import write_tile
 
 HERE = Path(__file__).parent
+sys.path.append(str(HERE.parents[1] / "support"))
+
+from surgery import join, split  # noqa: E402
+from textures import random_symbols  # noqa: E402
+
 CROP = (slice(160, 288), slice(80, 272))
 
 
@@ -24,10 +33,14 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
     crop = replace(photo, pixels=np.ascontiguousarray(photo.pixels[CROP]))
     small = np.ascontiguousarray(crop.pixels[:64, :96])
     luma = small.astype(np.uint16) @ np.array([77, 150, 29], np.uint16)  # 16 bits
-    quick = EncodeSettings(quality=50, steps=150, prior=1)
+    quick = EncodeSettings(quality=50, steps=150, prior=1, texture=False)
     coarse_first = replace(quick, prior=2)  # made before places were predicted, which they are now
     predicted = replace(quick, prior=2)
     paper = EncodeSettings(profile="paper", seeds=60, per_seed=3, features=12, steps=80)
+    textured = EncodeSettings(quality=75, steps=60, prior=3, texture=True)
+    forest = np.ascontiguousarray(read(HERE.parents[1] / "data" / "kodim13.png").pixels[CROP])
+    few = forest[:75, :109]
+    dark = few.astype(np.uint16) @ np.array([77, 150, 29], np.uint16)
     alpha = np.concatenate([small, 255 - small[..., :1]], axis=2)
     return {
         "rgb8": (crop, quick),
@@ -45,34 +58,71 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
         "rgb8-predicted-seeds": (crop, predicted),
         "gray16-predicted-seeds": (Picture(luma[..., None], "gray", (0.0, 65535.0)), predicted),
         "rgb8-tiles": (crop, replace(quick, prior=3, tile=100, overview=True)),
+        "rgb8-texture": (Picture(forest, "rgb", (0.0, 255.0)), textured),
+        "gray16-texture": (Picture(dark[..., None], "gray", (0.0, 65535.0)), textured),
+        "rgba8-texture": (
+            Picture(np.concatenate([few, 255 - few[..., :1]], axis=2), "rgba", (0.0, 255.0)),
+            textured,
+        ),
+        "rgb8-tiles-texture": (Picture(forest, "rgb", (0.0, 255.0)), replace(textured, tile=100, overview=True)),
+        "rgb8-any-texture": (Picture(small, "rgb", (0.0, 255.0)), textured),
         "one-pixel": (Picture(small[:1, :1], "rgb", (0.0, 255.0)), quick),
     }
 
 
+def with_any_texture(data: bytes) -> bytes:
+    """The stream of a single tile with texture that no search finds: contrasts, large symbols, cells of all sizes."""
+    with open_stream(data) as stream:
+        header, model, spec = stream.header, stream.model, stream.header.spec
+        values = model.decoded_values
+    texture = random_symbols(spec.channels, header.width, header.height, seed=2)
+    np.multiply(texture.symbols, 100, out=texture.symbols, where=np.abs(texture.symbols) == 5)
+    steps = replace(texture.steps, step=250, has_contrast=True)
+    attributes = {group.name: values[:, group.columns] for group in spec.groups}
+    model = replace(model, attributes=attributes, decoded=None, texture=replace(texture, steps=steps))
+    payload, _ = write_tile(header, model)
+    return join([(letter, payload if letter == "T" else chunk) for letter, chunk in split(data)])
+
+
+def made(name: str, picture: Picture, settings: EncodeSettings) -> dict[str, object]:
+    """Writes a stream and what it decodes to; its entry in the manifest."""
+    path = HERE / f"{name}.sgi"
+    data = encode(picture, settings).data
+    path.write_bytes(with_any_texture(data) if name == "rgb8-any-texture" else data)
+    reference = "png" if picture.channels != "multi" and picture.pixels.dtype != np.float32 else "tif"
+    with open_stream(path) as stream:
+        write(stream.picture(), HERE / f"{name}.{reference}")
+        survey = stream.survey()
+        entry: dict[str, object] = {
+            "sha256": hashlib.sha256(path.read_bytes()).hexdigest(),
+            "picture": [stream.width, stream.height, stream.header.channels],
+            "sample_type": stream.header.sample_type,
+            "seeds": survey.seeds,
+            "symbol_crc": f"{survey.symbol_crc:08x}",
+            "reference": reference,
+        }
+        if settings.overview:
+            entry["overview_crc"] = f"{stream.overview.symbol_crc:08x}"
+        if stream.header.spec.texture:
+            entry["texture_cells"] = {str(side): count for side, count in survey.texture_cells.items()}
+    return entry
+
+
 def main() -> None:
     """Writes the streams that do not exist yet, what they decode to, and the manifest."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--again", metavar="WORD")
+    again = parser.parse_args().again
     manifest_path = HERE / "manifest.json"
     manifest = json.loads(manifest_path.read_text()) if manifest_path.exists() else {}
     for name, (picture, settings) in pictures().items():
+        anew = again is not None and again in name
         path = HERE / f"{name}.sgi"
-        if path.exists():
+        if path.exists() and not anew:
             continue
-        if name in manifest:
+        if name in manifest and not anew:
             raise SystemExit(f"{path} is lost: take it from the history, for a new one would prove nothing")
-        path.write_bytes(encode(picture, settings).data)
-        reference = "png" if picture.channels != "multi" and picture.pixels.dtype != np.float32 else "tif"
-        with open_stream(path) as stream:
-            write(stream.picture(), HERE / f"{name}.{reference}")
-            manifest[name] = {
-                "sha256": hashlib.sha256(path.read_bytes()).hexdigest(),
-                "picture": [stream.width, stream.height, stream.header.channels],
-                "sample_type": stream.header.sample_type,
-                "seeds": stream.survey().seeds,
-                "symbol_crc": f"{stream.symbol_crc:08x}",
-                "reference": reference,
-            }
-            if settings.overview:
-                manifest[name]["overview_crc"] = f"{stream.overview.symbol_crc:08x}"
+        manifest[name] = made(name, picture, settings)
     manifest_path.write_text(json.dumps(manifest, indent=2) + "\n")
 
 

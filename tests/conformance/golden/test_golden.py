@@ -41,6 +41,7 @@ def test_symbols_and_pixels(name: str) -> None:
         assert header.sample_type == expected["sample_type"]
         assert stream.survey().seeds == expected["seeds"]
         assert f"{stream.symbol_crc:08x}" == expected["symbol_crc"]
+        assert {str(side): n for side, n in stream.survey().texture_cells.items()} == expected.get("texture_cells", {})
         if "overview_crc" in expected:
             assert f"{stream.overview.symbol_crc:08x}" == expected["overview_crc"]
         pixels = stream.picture().pixels

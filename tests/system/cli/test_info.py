@@ -7,11 +7,14 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import Result
 
 from sgicodec.cli.parts import all_parts
 from sgicodec.decoder.stream import open_stream
+from sgicodec.image import write
+from sgicodec.picture import Picture
 from sgicodec.profiles import PAPER
 from sgicodec.version import __version__
 
@@ -53,6 +56,32 @@ def test_one_screen(sgi: Run, stream: Path) -> None:
     assert len(lines) <= 24
     assert max(map(len, lines[1:])) <= 80
     assert "48×32, rgb, 8 bits" in result.stdout
+
+
+def test_cells_of_texture_are_counted_by_size(sgi: Run, tmp_path: Path) -> None:
+    y, x = np.mgrid[:72, :100]
+    waves = 128 + 40 * np.cos(0.8 * x + 0.4 * y) + np.random.default_rng(0).normal(0, 20, (72, 100))
+    write(Picture(waves.clip(0, 255).astype(np.uint8)[..., None], "gray", (0.0, 255.0)), tmp_path / "a.png")
+    for tile in (0, 64):
+        path = tmp_path / f"{tile}.sgi"
+        assert sgi("encode", tmp_path / "a.png", path, "--steps", 2, "--tile", tile, "-q", 60).exit_code == 0
+        facts = json.loads(sgi("info", path, "--json").stdout)
+        with open_stream(path) as opened:
+            models = [opened._tiles.decoded(number).model for number in range(opened.grid.count)]
+        counts = [model.texture.counts for model in models if model is not None and model.texture is not None]
+        cells = {str(side): sum(each[side] for each in counts) for side in (8, 16, 32)}
+        assert facts["texture_cells"] == cells
+        assert sum(cells.values()) > 0
+        assert facts["parts"]["texture"] > 100
+        line = next(line for line in sgi("info", path).stdout.splitlines() if line.startswith("  texture "))
+        for side, count in cells.items():
+            assert (f" {count:,} cells of {side}×{side} pixels" in line) == (count > 0)
+
+
+def test_no_texture_is_no_line(sgi: Run, picture: Path, tmp_path: Path) -> None:
+    sgi("encode", picture, tmp_path / "out.sgi", "--steps", 2, "--no-texture")
+    assert json.loads(sgi("info", tmp_path / "out.sgi", "--json").stdout)["texture_cells"] is None
+    assert not re.search(r"^  texture ", sgi("info", tmp_path / "out.sgi").stdout, re.MULTILINE)
 
 
 def test_metadata_is_counted_apart(sgi: Run, tmp_path: Path) -> None:

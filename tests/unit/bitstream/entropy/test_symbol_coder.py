@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from sgicodec import _native
 from sgicodec.bitstream.entropy import symbol_models
 from sgicodec.bitstream.entropy.symbol_coder import SymbolReader, SymbolWriter
 from sgicodec.bitstream.entropy.tables import MAX_MAGNITUDE, TABLES, TOTAL, bernoulli_frequencies, frequency_tables
@@ -303,3 +304,24 @@ def test_what_is_not_the_coder_s_fault_passes(interruption: type[BaseException])
     walk._coder = Interrupted()
     with pytest.raises(interruption):
         walk.code_bits([1, 2], 8, 2)
+
+
+def test_flags_of_every_probability() -> None:
+    """P(1) in 2^-16: written by way of floats, read by models of integers, natively and from the page."""
+    ones = np.tile(np.arange(1, 1 << 16), 2).astype(np.int32)
+    bits = (np.arange(len(ones)) >= len(ones) // 2).astype(np.int32)
+    order = np.argsort(ones, kind="stable")
+    ones, bits = ones[order], bits[order]
+    writer = SymbolWriter()
+    with writer.part("flags"):
+        writer.flags(bits, ones, np.array([7, -8], np.int32), 12.5)
+    payload = writer.finish()
+    assert (writer.count, writer.bits["flags"], writer.crc) == (3, 12.5, crc_of(np.array([7, -8])))
+    frequency = np.stack([TOTAL - 256 * ones, 256 * ones], axis=1)[::2].astype(np.int64)
+    models = _native.SymbolModels(frequency.reshape(-1), 2 * np.arange(len(frequency) + 1))
+    found = np.empty(len(bits), np.int32)
+    decoder = _native.RangeDecoder(payload)
+    assert decoder.decode(models, 2 * np.arange(len(frequency) + 1), found)
+    np.testing.assert_array_equal(found, bits)
+    reference = ReferenceDecoder(payload)
+    assert [reference.decode([TOTAL - 256 * int(one), 256 * int(one)]) for one in ones] == bits.tolist()

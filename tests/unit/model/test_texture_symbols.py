@@ -1,0 +1,63 @@
+"""Texture in integers: what its fields stand for, by the formulas of docs/format.md."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from textures import random_symbols
+
+from sgicodec.model.texture_symbols import STEP_COUNT, TextureSteps, roots_of, step_index
+
+
+def test_steps_by_their_formulas() -> None:
+    steps = TextureSteps(300, (0, 16, 31), (3, 15), (0, 9, 15))
+    first = 2 ** ((300 - 480) / 32)
+    np.testing.assert_allclose(
+        steps.of_channels, [first, first * 2 ** (-16 / 8), first, first * 2 ** (15 / 8)], rtol=1e-6
+    )
+    assert steps.growth == (0.75, 3.75)
+    assert steps.added == (-0.25, 1 / 32, 7 / 32)
+
+
+def test_the_nearest_step() -> None:
+    for index in (0, 1, 255, 480, STEP_COUNT - 1):
+        step = float(TextureSteps(index).of_channels[0])
+        for factor in (1.0, 1.01, 0.99):
+            assert step_index(step * factor) == index
+    assert (step_index(1e-9), step_index(1e9)) == (0, STEP_COUNT - 1)
+
+
+def test_roots_cover_the_tile() -> None:
+    assert [roots_of(*size) for size in ((1, 32), (33, 64), (96, 65))] == [(1, 1), (2, 2), (3, 3)]
+
+
+@pytest.mark.parametrize(("channels", "size", "seed"), [(1, (40, 70), 1), (3, (90, 33), 2), (4, (64, 64), 3)])
+def test_amplitudes_by_their_formula(channels: int, size: tuple[int, int], seed: int) -> None:
+    symbols = random_symbols(channels, *size, seed)
+    layer, steps = symbols.layer(), symbols.steps
+    assert (layer.size, layer.channels) == (size, channels)
+    counts, at = {8: 0, 16: 0, 32: 0}, 0
+    for (x, y), log in zip(layer.corner.tolist(), layer.log_size.tolist(), strict=True):
+        side = 1 << log
+        counts[side] += 1
+        assert symbols.log_size[y // 8, x // 8] == log
+        rising = np.add.outer(np.arange(side), np.arange(side)) + 1
+        for channel in range(channels):
+            q = symbols.symbols[channel, y : y + side, x : x + side].astype(np.float64)
+            excess = np.choose(np.minimum(np.abs(q), 3).astype(int), [0, *((np.array(steps.excess) - 8) / 32)])
+            ratio = (0, *(ratio - 16 for ratio in steps.ratios))[channel]
+            step = 2 ** ((steps.step - 480) / 32 + ratio / 8 + symbols.contrast[y // 32, x // 32] / 4)
+            slope = steps.slopes[channel > 0] / 4
+            expected = np.sign(q) * (np.abs(q) + excess) * step * (1 + slope * rising / (2 * side))
+            found = layer.amplitudes[at : at + side * side].reshape(side, side)
+            np.testing.assert_allclose(found, expected, rtol=2e-6)
+            at += side * side
+    assert at == len(layer.amplitudes)
+    assert counts == symbols.counts
+    assert not symbols.is_empty
+    # In coding order: Z-order within roots, these row by row.
+    keys = [
+        (y // 32, x // 32, sum((x >> b & 1) << 2 * b | (y >> b & 1) << 2 * b + 1 for b in range(5)))
+        for x, y in layer.corner.tolist()
+    ]
+    assert keys == sorted(keys)

@@ -1,0 +1,158 @@
+"""The search for texture: what it counts is what is written, and what it finds pays."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from examples import examples
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sgicodec import read
+from sgicodec.bitstream.entropy.symbol_coder import SymbolReader, SymbolWriter
+from sgicodec.bitstream.parts.texture import code_texture, texture_models
+from sgicodec.device import Device
+from sgicodec.model.texture_symbols import SAME_STEP, TextureSteps, TextureSymbols, roots_of
+from sgicodec.rdoq.texture import SQUARED_STEPS_PER_BIT, TextureSearch, step_of_lmbda
+
+DATA = Path(__file__).parents[2] / "data"
+SAME = SAME_STEP, SAME_STEP
+
+
+@pytest.fixture(scope="module")
+def residual() -> np.ndarray:
+    """160×96 pixels of a photograph, [C, H, W] without their mean."""
+    pixels = read(DATA / "kodim13.png").pixels[300:396, 100:260].astype(np.float32) / 255
+    planes = pixels.transpose(2, 0, 1)
+    return np.ascontiguousarray(planes - planes.mean(axis=(1, 2), keepdims=True))
+
+
+def payload_of(layer: TextureSymbols) -> tuple[bytes, float]:
+    writer = SymbolWriter()
+    with writer.part("texture"):
+        code_texture(writer, layer.size, len(layer.symbols), layer)
+    return writer.finish(), writer.bits["texture"]
+
+
+def squared_error(residual: np.ndarray, layer: TextureSymbols) -> float:
+    return float(((residual - layer.layer().draw()).astype(np.float64) ** 2).sum())
+
+
+@pytest.mark.parametrize("has_contrast", [False, True])
+def test_bits_and_costs_are_those_of_the_stream(residual: np.ndarray, has_contrast: bool) -> None:
+    contrast = np.zeros((3, 5), np.int8)
+    if has_contrast:
+        contrast[:] = np.random.default_rng(0).integers(-3, 4, contrast.shape)
+    steps = TextureSteps(340, SAME, (0, 0), (8, 8, 8), has_contrast)
+    parts, bits, counts, _, costs = TextureSearch(residual)._search(steps, contrast)
+    layer = TextureSymbols((160, 96), steps, *parts)
+    fields = 1 + 9 + 5 * 2 + 4 * 5 + 1
+    assert payload_of(layer)[1] == pytest.approx(bits + fields, rel=1e-9)
+    magnitude = np.abs(layer.symbols)
+    assert counts == [(magnitude == 1).sum(), (magnitude == 2).sum(), (magnitude > 2).sum()]
+    if not has_contrast:  # as the atoms are orthonormal, errors of symbols are errors of pixels
+        error = squared_error(residual, layer) / steps.of_channels[0] ** 2
+        assert costs.shape == (3, 5)
+        assert costs.sum() == pytest.approx(error + SQUARED_STEPS_PER_BIT * bits, rel=0.03)
+
+
+def test_what_is_found_pays(residual: np.ndarray) -> None:
+    """Less error than nothing by more than λ times the bits; finer steps leave less, for more bytes."""
+    search, nothing = TextureSearch(residual), float((residual.astype(np.float64) ** 2).sum())
+    errors, sizes = [nothing], [0]
+    for step in (400, 350, 300, 250):
+        layer = search.at(TextureSteps(step, SAME))
+        assert layer is not None
+        payload, bits = payload_of(layer)
+        error, lmbda = squared_error(residual, layer), SQUARED_STEPS_PER_BIT * layer.steps.of_channels[0] ** 2
+        assert error + lmbda * bits < nothing
+        assert error < errors[-1]
+        assert len(payload) > sizes[-1]
+        errors.append(error)
+        sizes.append(len(payload))
+    assert errors[-1] < 0.01 * nothing
+
+
+def test_the_excess_is_worth_stating(residual: np.ndarray) -> None:
+    layer = TextureSearch(residual).at(TextureSteps(300, SAME, (2, 4)))
+    assert layer is not None
+    without = TextureSymbols(layer.size, TextureSteps(300, SAME, (2, 4)), layer.log_size, layer.contrast, layer.symbols)
+    assert without.steps.added == (0, 0, 0)
+    assert squared_error(residual, layer) <= squared_error(residual, without)
+
+
+def test_any_number_of_threads_finds_the_same(residual: np.ndarray) -> None:
+    one = TextureSearch(residual, Device(1)).at(TextureSteps(340, (18, 18), (2, 3)))
+    assert one is not None
+    for threads in (2, 3, 0):
+        other = TextureSearch(residual, Device(threads)).at(TextureSteps(340, (18, 18), (2, 3)))
+        assert other is not None
+        assert other.steps == one.steps
+        np.testing.assert_array_equal(other.symbols, one.symbols)
+        np.testing.assert_array_equal(other.log_size, one.log_size)
+
+
+def test_nothing_to_show_is_no_layer() -> None:
+    search = TextureSearch(np.zeros((3, 70, 50), np.float32))
+    assert search.at(TextureSteps(200, SAME)) is None
+    assert search.costs(TextureSteps(200, SAME)).shape == (3, 2)
+    faint = np.random.default_rng(0).normal(0, 0.001, (3, 70, 50)).astype(np.float32)
+    assert TextureSearch(faint).at(TextureSteps(400, SAME)) is None
+
+
+def test_an_edge_takes_small_cells_and_waves_take_large_ones() -> None:
+    y, x = np.mgrid[:64, :64] + 0.5
+    waves = (0.2 * np.cos(0.9 * x) * np.cos(0.5 * y))[None].astype(np.float32)
+    dot = (0.5 * np.exp(-((x - 12) ** 2 + (y - 12) ** 2) / 2))[None].astype(np.float32)
+    found = [TextureSearch(planes).at(TextureSteps(330)) for planes in (waves, dot)]
+    assert found[0] is not None
+    assert found[1] is not None
+    assert found[0].counts[32] > found[0].counts[8]
+    assert found[1].counts[32] == 0
+    assert 0 < found[1].counts[8] <= 4
+
+
+@settings(max_examples=examples(40))
+@given(
+    st.integers(1, 4),
+    st.integers(1, 100),
+    st.integers(1, 70),
+    st.integers(0, 2**32),
+    st.integers(200, 480),
+    st.tuples(st.integers(0, 15), st.integers(0, 15)),
+)
+def test_what_is_found_can_always_be_written(
+    channels: int, width: int, height: int, seed: int, step: int, slopes: tuple[int, int]
+) -> None:
+    """Also where the tile ends inside cells, where slopes are steep, and where texture is rare."""
+    rng = np.random.default_rng(seed)
+    planes = rng.normal(0, 0.1, (channels, height, width)) * (rng.random((channels, height, width)) < rng.random())
+    columns, rows = roots_of(width, height)
+    contrast = rng.integers(-15, 16, (rows, columns)).astype(np.int8)
+    steps = TextureSteps(step, (SAME_STEP,) * (channels - 1), slopes, (8, 8, 8), bool(seed % 2))
+    layer = TextureSearch(planes.astype(np.float32)).at(steps, contrast)
+    if layer is None:
+        return
+    reader = SymbolReader(payload_of(layer)[0])
+    found = code_texture(reader, layer.size, channels, None)
+    reader.finish()
+    assert found is not None
+    assert found.steps == layer.steps
+    np.testing.assert_array_equal(found.symbols, layer.symbols)
+    np.testing.assert_array_equal(found.log_size, layer.log_size)
+    np.testing.assert_array_equal(found.contrast, layer.contrast)
+
+
+def test_a_search_leaves_the_shipped_models_as_they_are(residual: np.ndarray) -> None:
+    state = texture_models().state()
+    assert TextureSearch(residual).at(TextureSteps(340, SAME)) is not None
+    assert texture_models().state() == state
+
+
+def test_the_step_follows_lambda() -> None:
+    for step in (250, 300, 401):
+        lmbda = SQUARED_STEPS_PER_BIT * float(TextureSteps(step).of_channels[0]) ** 2
+        assert step_of_lmbda(lmbda) == step
+        assert step_of_lmbda(2 * lmbda) == step + 16
