@@ -33,18 +33,15 @@ __all__ = ["encode"]
 @click.option("--seeds", type=int, metavar="N", help="Number of seeds; paper profile.")
 @click.option("--per-seed", type=int, metavar="K", help="Gaussians of each seed.")
 @click.option(
-    "--distortion",
-    type=click.Choice(["squared", "weighted"]),
-    default="squared",
-    show_default=True,
-    help="What is minimised: squared error, or the same with less weight where the picture is busy.",
+    "--tune",
+    type=click.Choice(["visual", "psnr"]),
+    help="What to look good to: the eye, or squared error.  [default: psnr with --psnr, else visual]",
 )
 @click.option(
-    "--tune",
-    type=click.Choice(["psnr", "visual"]),
-    default="psnr",
-    show_default=True,
-    help="What texture is quantised for: least squared error, or the eye.",
+    "--distortion",
+    type=click.Choice(["squared", "weighted"]),
+    help="What seeds minimise: squared error, or the same with less weight where the picture is busy.  "
+    "[default: as --tune needs it]",
 )
 @click.option("--texture/--no-texture", default=True, show_default=True, help="Code texture as cosines where it pays.")
 @click.option("--features", type=int, metavar="D", help="Size of a seed's feature; paper profile.")

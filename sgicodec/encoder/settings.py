@@ -23,6 +23,9 @@ APRON = 8
 """Pixels that a tile reaches over its neighbours, where nothing else is asked for."""
 
 
+Tune = Literal["psnr", "visual"]
+
+
 @dataclass(frozen=True)
 class EncodeSettings:
     """What an encode may be asked for; None means what the profile says.
@@ -30,9 +33,9 @@ class EncodeSettings:
     quality: 1 to 100, or lmbda directly. effort: 1 to 9, optimisation steps of the default profile. seeds: their number
     in the paper profile. per_seed: K. features: D (paper). levels: M (paper). steps: of the whole fit. prior: number of
     the shipped context model, 0 for one that travels in the stream. rdoq: whether RDOQ follows the fit, where it knows
-    the model. distortion: what is minimised besides bits, a name in `metrics.choices`; PSNR and its targets stay plain.
-    texture: whether the default profile lays cosines over its seeds where that is cheaper; tune: what these are
-    quantised for.
+    the model. tune: for what, least squared error or the eye; None for the eye, but for squared error towards a PSNR.
+    distortion: what seeds minimise besides bits, a name in `metrics.choices`, None for what goes with `tune`; PSNR and
+    its targets stay plain. texture: whether the default profile lays cosines over its seeds where that is cheaper.
     metadata: whether ICC, EXIF, XMP and the place on earth are kept. psnr in dB, ssimulacra2 (a score up to
     100, for a picture in one tile with texture), size in bytes or bpp in bits per pixel: what to end at, in the default
     profile. time_limit: seconds that the encode may take, instead of a number of
@@ -52,9 +55,9 @@ class EncodeSettings:
     steps: int | None = None
     prior: int | None = None
     rdoq: bool = True
-    distortion: str = "squared"
+    distortion: str | None = None
     texture: bool = True
-    tune: Literal["psnr", "visual"] = "psnr"
+    tune: Tune | None = None
     seed: int = 0
     metadata: bool = True
     psnr: float | None = None
@@ -74,6 +77,20 @@ class EncodeSettings:
     def fit_settings(self) -> FitSettings:
         """How each tile is fitted."""
         return self.chosen_profile.fit_settings(self)
+
+    @property
+    def tuned_for(self) -> Tune:
+        """What is asked for, or else follows from the other settings."""
+        if self.tune is not None:
+            return self.tune
+        return "psnr" if self.psnr is not None or not self.chosen_profile.has_distortions else "visual"
+
+    @property
+    def minimised(self) -> str:
+        """The name of the distortion."""
+        if self.distortion is not None:
+            return self.distortion
+        return "weighted" if self.tuned_for == "visual" and self.chosen_profile.has_distortions else "squared"
 
     def grid(self, width: int, height: int) -> TileGrid:
         """The tiles of a picture."""
@@ -116,9 +133,10 @@ class EncodeSettings:
             (1 <= self.effort <= 9, f"effort {self.effort}; it runs from 1 to 9"),
             (self.profile in PROFILES, f"profile {self.profile}; there are {' and '.join(PROFILES)}"),
             (
-                self.distortion in DISTORTIONS,
+                self.minimised in DISTORTIONS,
                 f"distortion {self.distortion}; there are {' and '.join(DISTORTIONS)}",
             ),
+            (self.tune in (None, "psnr", "visual"), f"tune {self.tune}; there are psnr and visual"),
             (self.per_seed is None or 1 <= self.per_seed <= 64, f"per-seed {self.per_seed}; 1 to 64"),
             (self.features is None or 1 <= self.features <= 512, f"features {self.features}; 1 to 512"),
             (self.seeds is None or self.seeds >= 1, f"seeds {self.seeds}; at least 1"),
@@ -149,8 +167,10 @@ class EncodeSettings:
         instead = ["steps", "time_limit"] if self.steps is not None and self.time_limit is not None else instead
         if len(instead) > 1:
             raise UsageError(f"{instead[0]} and {instead[1]} exclude each other")
-        if self.distortion != "squared" and not self.chosen_profile.has_distortions:
+        if self.minimised != "squared" and not self.chosen_profile.has_distortions:
             raise UsageError(f"the {self.profile} profile has a loss of its own; distortion is one of the default's")
+        if self.tune == "visual" and not self.chosen_profile.has_distortions:
+            raise UsageError(f"the {self.profile} profile is not tuned for the eye")
         if goals and not self.chosen_profile.has_targets:
             raise UsageError(f"{goals[0]} is a setting of the default profile")
         if self.ssimulacra2 is not None and not self.texture:

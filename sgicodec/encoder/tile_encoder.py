@@ -79,7 +79,7 @@ class Encoding:
             self.empty = empty if empty.any() else None
             if self.empty is not None:
                 self.unit = inpaint(self.unit, self.empty)
-        self.reference = DISTORTIONS[self.settings.distortion].reference(self.unit, self.empty)
+        self.reference = DISTORTIONS[self.settings.minimised].reference(self.unit, self.empty)
         self.fit = self.settings.fit_settings()
         self.begin(self.fit.lmbda)
 
@@ -212,7 +212,7 @@ class Encoding:
     @property
     def tuning(self) -> TextureTuning:
         """What texture is quantised for."""
-        return TUNINGS[self.settings.tune]
+        return TUNINGS[self.settings.tuned_for]
 
     @cached_property
     def _contrast(self) -> NDArray[np.int8] | None:
