@@ -29,6 +29,7 @@ PICTURE = Path(__file__).parents[1] / "data" / "kodim23.png"
 SETTINGS = {
     "default": EncodeSettings(steps=60),
     "own-context": EncodeSettings(steps=25, prior=0, per_seed=2),
+    "texture": EncodeSettings(steps=25, quality=85),
     "paper": EncodeSettings(profile="paper", steps=20, seeds=3000, per_seed=2, features=8),
 }
 """The last has enough seeds for torch to share the work of most operations among threads, if it may."""
@@ -57,6 +58,12 @@ def data(picture: Picture, settings: EncodeSettings) -> bytes:
 def stream(data: bytes) -> Stream:
     """The stream, opened."""
     return open_stream(data)
+
+
+def test_the_settings_of_texture_give_some(picture: Picture) -> None:
+    texture = open_stream(encode(picture, SETTINGS["texture"]).data).model.texture
+    assert texture is not None
+    assert all(texture.counts.values())
 
 
 @pytest.mark.parametrize("threads", [1, 2, 3])

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from surgery import join
+from textures import random_symbols
 
 from sgicodec.bitstream.entropy.tables import MAX_MAGNITUDE
 from sgicodec.bitstream.header import SAMPLE_TYPES, Header, encode_header
@@ -29,6 +31,7 @@ def absurd_stream(rng: np.random.Generator) -> bytes:
     """A stream that decodes, though what it decodes to is nonsense."""
     channels, per_seed = int(rng.choice([1, 2, 3, 4, 7])), int(rng.integers(1, 4))
     spec = default_spec(channels, per_seed, 0) if rng.random() < 0.5 else paper_spec(channels, per_seed, 5)
+    spec = replace(spec, texture=bool(rng.random() < 0.5))
     width, height = (int(2 ** rng.uniform(0, 9)) for _ in range(2))
     sample_type = str(rng.choice(SAMPLE_TYPES))
     reach = {"uint8": (0.0, 255.0), "uint16": (0.0, 65535.0), "float32": (-3e37, 2e37)}[sample_type]
@@ -57,6 +60,7 @@ def _model(header: Header, rng: np.random.Generator) -> TileModel:
         tuple(_network(spec, step, rng) for step in range(len(spec.context.steps))),
         [rng.integers(0, 2, (n // 4, 4)) for n in hash_counts(spec, *size)],
         {group.name: _attributes(rng, (len(layout), group.size)) for group in spec.groups},
+        texture=random_symbols(spec.channels, *size, int(rng.integers(2**32)), 16390) if spec.texture else None,
     )
 
 

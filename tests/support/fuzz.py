@@ -34,9 +34,16 @@ def sources() -> list[bytes]:
     crop = replace(whole, pixels=np.ascontiguousarray(whole.pixels[180:220, 100:164]))
     gray = replace(crop, pixels=crop.pixels[..., :1].copy(), channels="gray")
     floats = replace(crop, pixels=(crop.pixels / 50.0).astype(np.float32), sample_range=(-1.0, 6.0))
-    default = EncodeSettings(steps=15)
+    default = EncodeSettings(steps=15, texture=False)
+    textured = EncodeSettings(steps=15, quality=80)
     paper = EncodeSettings(profile="paper", steps=15, seeds=20, per_seed=2, features=6)
-    jobs = [(crop, default), (crop, paper), (gray, replace(default, per_seed=2)), (floats, replace(default, prior=0))]
+    jobs = [
+        (crop, default),
+        (crop, textured),
+        (crop, paper),
+        (gray, replace(default, per_seed=2)),
+        (floats, replace(default, prior=0)),
+    ]
     return [encode(picture, settings).data for picture, settings in jobs]
 
 

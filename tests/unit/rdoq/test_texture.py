@@ -15,10 +15,12 @@ from sgicodec.bitstream.entropy.symbol_coder import SymbolReader, SymbolWriter
 from sgicodec.bitstream.parts.texture import code_texture, texture_models
 from sgicodec.device import Device
 from sgicodec.model.texture_symbols import SAME_STEP, TextureSteps, TextureSymbols, roots_of
-from sgicodec.rdoq.texture import SQUARED_STEPS_PER_BIT, TextureSearch, step_of_lmbda
+from sgicodec.rdoq.texture import TextureSearch
 
 DATA = Path(__file__).parents[2] / "data"
 SAME = SAME_STEP, SAME_STEP
+PRICE = 0.11
+"""λ in squared steps, about what is right at high rates."""
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +48,7 @@ def test_bits_and_costs_are_those_of_the_stream(residual: np.ndarray, has_contra
     if has_contrast:
         contrast[:] = np.random.default_rng(0).integers(-3, 4, contrast.shape)
     steps = TextureSteps(340, SAME, (0, 0), (8, 8, 8), has_contrast)
-    parts, bits, counts, _, costs = TextureSearch(residual)._search(steps, contrast)
+    parts, bits, counts, _, costs = TextureSearch(residual)._search(steps, PRICE, contrast)
     layer = TextureSymbols((160, 96), steps, *parts)
     fields = 1 + 9 + 5 * 2 + 4 * 5 + 1
     assert payload_of(layer)[1] == pytest.approx(bits + fields, rel=1e-9)
@@ -55,7 +57,7 @@ def test_bits_and_costs_are_those_of_the_stream(residual: np.ndarray, has_contra
     if not has_contrast:  # as the atoms are orthonormal, errors of symbols are errors of pixels
         error = squared_error(residual, layer) / steps.of_channels[0] ** 2
         assert costs.shape == (3, 5)
-        assert costs.sum() == pytest.approx(error + SQUARED_STEPS_PER_BIT * bits, rel=0.03)
+        assert costs.sum() == pytest.approx(error + PRICE * bits, rel=0.03)
 
 
 def test_what_is_found_pays(residual: np.ndarray) -> None:
@@ -63,10 +65,10 @@ def test_what_is_found_pays(residual: np.ndarray) -> None:
     search, nothing = TextureSearch(residual), float((residual.astype(np.float64) ** 2).sum())
     errors, sizes = [nothing], [0]
     for step in (400, 350, 300, 250):
-        layer = search.at(TextureSteps(step, SAME))
+        layer = search.at(TextureSteps(step, SAME), PRICE)
         assert layer is not None
         payload, bits = payload_of(layer)
-        error, lmbda = squared_error(residual, layer), SQUARED_STEPS_PER_BIT * layer.steps.of_channels[0] ** 2
+        error, lmbda = squared_error(residual, layer), PRICE * layer.steps.of_channels[0] ** 2
         assert error + lmbda * bits < nothing
         assert error < errors[-1]
         assert len(payload) > sizes[-1]
@@ -76,7 +78,7 @@ def test_what_is_found_pays(residual: np.ndarray) -> None:
 
 
 def test_the_excess_is_worth_stating(residual: np.ndarray) -> None:
-    layer = TextureSearch(residual).at(TextureSteps(300, SAME, (2, 4)))
+    layer = TextureSearch(residual).at(TextureSteps(300, SAME, (2, 4)), PRICE)
     assert layer is not None
     without = TextureSymbols(layer.size, TextureSteps(300, SAME, (2, 4)), layer.log_size, layer.contrast, layer.symbols)
     assert without.steps.added == (0, 0, 0)
@@ -84,10 +86,10 @@ def test_the_excess_is_worth_stating(residual: np.ndarray) -> None:
 
 
 def test_any_number_of_threads_finds_the_same(residual: np.ndarray) -> None:
-    one = TextureSearch(residual, Device(1)).at(TextureSteps(340, (18, 18), (2, 3)))
+    one = TextureSearch(residual, Device(1)).at(TextureSteps(340, (18, 18), (2, 3)), PRICE)
     assert one is not None
     for threads in (2, 3, 0):
-        other = TextureSearch(residual, Device(threads)).at(TextureSteps(340, (18, 18), (2, 3)))
+        other = TextureSearch(residual, Device(threads)).at(TextureSteps(340, (18, 18), (2, 3)), PRICE)
         assert other is not None
         assert other.steps == one.steps
         np.testing.assert_array_equal(other.symbols, one.symbols)
@@ -96,17 +98,17 @@ def test_any_number_of_threads_finds_the_same(residual: np.ndarray) -> None:
 
 def test_nothing_to_show_is_no_layer() -> None:
     search = TextureSearch(np.zeros((3, 70, 50), np.float32))
-    assert search.at(TextureSteps(200, SAME)) is None
-    assert search.costs(TextureSteps(200, SAME)).shape == (3, 2)
+    assert search.at(TextureSteps(200, SAME), PRICE) is None
+    assert search.costs(TextureSteps(200, SAME), PRICE).shape == (3, 2)
     faint = np.random.default_rng(0).normal(0, 0.001, (3, 70, 50)).astype(np.float32)
-    assert TextureSearch(faint).at(TextureSteps(400, SAME)) is None
+    assert TextureSearch(faint).at(TextureSteps(400, SAME), PRICE) is None
 
 
 def test_an_edge_takes_small_cells_and_waves_take_large_ones() -> None:
     y, x = np.mgrid[:64, :64] + 0.5
     waves = (0.2 * np.cos(0.9 * x) * np.cos(0.5 * y))[None].astype(np.float32)
     dot = (0.5 * np.exp(-((x - 12) ** 2 + (y - 12) ** 2) / 2))[None].astype(np.float32)
-    found = [TextureSearch(planes).at(TextureSteps(330)) for planes in (waves, dot)]
+    found = [TextureSearch(planes).at(TextureSteps(330), PRICE) for planes in (waves, dot)]
     assert found[0] is not None
     assert found[1] is not None
     assert found[0].counts[32] > found[0].counts[8]
@@ -132,7 +134,7 @@ def test_what_is_found_can_always_be_written(
     columns, rows = roots_of(width, height)
     contrast = rng.integers(-15, 16, (rows, columns)).astype(np.int8)
     steps = TextureSteps(step, (SAME_STEP,) * (channels - 1), slopes, (8, 8, 8), bool(seed % 2))
-    layer = TextureSearch(planes.astype(np.float32)).at(steps, contrast)
+    layer = TextureSearch(planes.astype(np.float32)).at(steps, PRICE, contrast)
     if layer is None:
         return
     reader = SymbolReader(payload_of(layer)[0])
@@ -147,12 +149,16 @@ def test_what_is_found_can_always_be_written(
 
 def test_a_search_leaves_the_shipped_models_as_they_are(residual: np.ndarray) -> None:
     state = texture_models().state()
-    assert TextureSearch(residual).at(TextureSteps(340, SAME)) is not None
+    assert TextureSearch(residual).at(TextureSteps(340, SAME), PRICE) is not None
     assert texture_models().state() == state
 
 
-def test_the_step_follows_lambda() -> None:
-    for step in (250, 300, 401):
-        lmbda = SQUARED_STEPS_PER_BIT * float(TextureSteps(step).of_channels[0]) ** 2
-        assert step_of_lmbda(lmbda) == step
-        assert step_of_lmbda(2 * lmbda) == step + 16
+def test_bits_that_cost_more_are_fewer(residual: np.ndarray) -> None:
+    search, steps = TextureSearch(residual), TextureSteps(320, SAME)
+    layers = [search.at(steps, price) for price in (0.0, 0.05, 0.2, 0.8, 1e6)]
+    assert layers[-1] is None
+    found = [layer for layer in layers if layer is not None]
+    sizes, errors = [payload_of(layer)[1] for layer in found], [squared_error(residual, layer) for layer in found]
+    assert sizes == sorted(sizes, reverse=True)
+    assert errors == sorted(errors)
+    assert len(set(sizes)) == 4

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
@@ -14,6 +13,7 @@ import pytest
 from examples import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from texture_forger import spelled
 from texture_reader import LOGISTIC, LOGIT, Bits, TextureReader
 from textures import random_symbols
 
@@ -105,7 +105,7 @@ def found() -> TextureSymbols:
     pixels = read(ROOT / "tests" / "data" / "kodim13.png").pixels[300:377, 100:245].astype(np.float32) / 255
     planes = np.ascontiguousarray(pixels.transpose(2, 0, 1))
     search = TextureSearch(planes - planes.mean(axis=(1, 2), keepdims=True), ONE_THREAD)
-    layer = search.at(TextureSteps(350, (18, 18), (2, 3)))
+    layer = search.at(TextureSteps(350, (18, 18), (2, 3)), 0.11)
     assert layer is not None
     assert (layer.symbols != 0).sum() > 1000
     return layer
@@ -228,43 +228,6 @@ def test_other_shapes_are_not_written(found: TextureSymbols) -> None:
             payload_of(wrong, found.size, 3)
     with pytest.raises(ValueError, match="roots of the tile"):
         payload_of(found, (found.size[0] + 32, found.size[1]), 3)
-
-
-class Script(Bits):
-    """Gives bits as they are wanted, then zeros, and notes their probabilities: what writes any spelling."""
-
-    def __init__(self, bits: str, has_contrast: bool) -> None:
-        self.wanted, self.has_contrast, self.crc = [int(bit) for bit in bits], has_contrast, 0
-        self.bits: list[int] = []
-        self.ones: list[int] = []
-        self.fields: list[tuple[int, int]] = []
-        self.noted: list[int] = []
-
-    def bit(self, one: int) -> int:
-        self.bits.append(self.wanted.pop(0) if self.wanted else 0)
-        self.ones.append(one)
-        return self.bits[-1]
-
-    def raw(self, n_bits: int) -> int:
-        value = int(not self.fields or (n_bits == 1 and self.has_contrast))
-        self.fields.append((value, n_bits))
-        return value
-
-    def note(self, value: int) -> int:
-        self.noted.append(value)
-        return value
-
-
-def spelled(bits: str, has_contrast: bool = False) -> bytes:
-    """The payload of a tile of 32×32 pixels whose texture has these bits."""
-    script = Script(bits, has_contrast)
-    with suppress(AssertionError):
-        TextureReader(script, (32, 32), 1).read()
-    writer = SymbolWriter()
-    for value, n_bits in script.fields:
-        writer.code_int(value, n_bits)
-    writer.flags(*(np.array(part, np.int32) for part in (script.bits, script.ones, script.noted)), 0.0)
-    return writer.finish()
 
 
 ONE = "10" + "0"  # a symbol 1
