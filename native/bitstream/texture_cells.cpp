@@ -41,7 +41,7 @@ class Collection {
         const int symbol = symbols[v * field_.width + u];
         if (!symbol) continue;
         const float magnitude = float(std::abs(symbol)) + excess_[std::min(std::abs(symbol), 3) - 1];
-        to[v * cell.side() + u] = (symbol < 0 ? -magnitude : magnitude) * step * growth[u + v];
+        to[v * cell.side() + u] = (symbol < 0 ? -magnitude : magnitude) * step * growth[v * cell.side() + u];
       }
     at_ += int64_t(cell.side()) * cell.side();
   }

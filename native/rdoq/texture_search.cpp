@@ -66,7 +66,7 @@ class TextureSearch {
     const float *growth = steps_.growth(channel, cell.log);
     for (int v = 0; v < cell.side(); ++v)
       for (int u = 0; u < cell.side(); ++u)
-        scaled[v * cell.side() + u] = std::abs(from[v * found_.field.width + u]) / (step * growth[u + v]);
+        scaled[v * cell.side() + u] = std::abs(from[v * found_.field.width + u]) / (step * growth[v * cell.side() + u]);
   }
 
   float extent_cost(const ExtentContext &context, int log, int value) const {

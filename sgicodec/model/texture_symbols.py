@@ -20,7 +20,7 @@ class TextureSteps:
     """What a symbol stands for, as indices of the stream.
 
     step: of the first channel's lowest frequency, 2^((step − 480) / 32); ratios: [C − 1] of the other channels' steps
-    to that, 2^((ratio − 16) / 8). slopes: by which steps grow towards the highest frequency, in quarters, of the first
+    to that, 2^((ratio − 16) / 8). slopes: by which steps grow towards the highest frequency, in halves, of the first
     channel and of the others. excess: what is added to the magnitude of symbols ±1, ±2 and larger ones, (index − 8) /
     32. has_contrast: whether roots have a contrast, which scales their steps by 2^(contrast / 4).
     """
@@ -40,7 +40,7 @@ class TextureSteps:
     @property
     def growth(self) -> tuple[float, float]:
         """The slopes as numbers."""
-        return self.slopes[0] / 4, self.slopes[1] / 4
+        return self.slopes[0] / 2, self.slopes[1] / 2
 
     @property
     def added(self) -> tuple[float, float, float]:

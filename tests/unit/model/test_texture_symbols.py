@@ -15,7 +15,7 @@ def test_steps_by_their_formulas() -> None:
     np.testing.assert_allclose(
         steps.of_channels, [first, first * 2 ** (-16 / 8), first, first * 2 ** (15 / 8)], rtol=1e-6
     )
-    assert steps.growth == (0.75, 3.75)
+    assert steps.growth == (1.5, 7.5)
     assert steps.added == (-0.25, 1 / 32, 7 / 32)
 
 
@@ -41,14 +41,15 @@ def test_amplitudes_by_their_formula(channels: int, size: tuple[int, int], seed:
         side = 1 << log
         counts[side] += 1
         assert symbols.log_size[y // 8, x // 8] == log
-        rising = np.add.outer(np.arange(side), np.arange(side)) + 1
+        share = (np.arange(side) + 0.5) / side
+        squared = np.add.outer(share**2, share**2) / 2
         for channel in range(channels):
             q = symbols.symbols[channel, y : y + side, x : x + side].astype(np.float64)
             excess = np.choose(np.minimum(np.abs(q), 3).astype(int), [0, *((np.array(steps.excess) - 8) / 32)])
             ratio = (0, *(ratio - 16 for ratio in steps.ratios))[channel]
             step = 2 ** ((steps.step - 480) / 32 + ratio / 8 + symbols.contrast[y // 32, x // 32] / 4)
-            slope = steps.slopes[channel > 0] / 4
-            expected = np.sign(q) * (np.abs(q) + excess) * step * (1 + slope * rising / (2 * side))
+            slope = steps.slopes[channel > 0] / 2
+            expected = np.sign(q) * (np.abs(q) + excess) * step * (1 + slope * squared)
             found = layer.amplitudes[at : at + side * side].reshape(side, side)
             np.testing.assert_allclose(found, expected, rtol=2e-6)
             at += side * side
