@@ -109,6 +109,6 @@ def _software(settings: EncodeSettings, fit: FitSettings) -> bytes:
     )
     took = f"e{settings.effort}" if "effort" in scales and settings.steps is None else f"n{fit.steps}"
     took = took if settings.time_limit is None else f"t{settings.time_limit:g}"
-    took += f" {settings.tuned_for}" if settings.chosen_profile.has_distortions else ""
-    took += "" if settings.distortion is None else f" {settings.distortion}"
+    asked += f" {settings.tuned_for}" if settings.chosen_profile.has_distortions else ""
+    asked += "" if settings.distortion is None else f" {settings.distortion}"
     return f"{__version__} {asked} {took}".encode()

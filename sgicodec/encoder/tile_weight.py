@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tile_encoder import Encoding, empty_pixels
+from sgicodec.model.layout import adaptive_layout
 from sgicodec.picture import Picture
 
 __all__ = ["sampled", "tile_weight"]
@@ -27,7 +28,7 @@ def tile_weight(window: Picture, plan: Plan) -> float:
     seeds = looked = 0
     for part in sampled(window):
         tile = Encoding(part, replace(plan, metadata=None), time.monotonic())
-        seeds += len(tile.first_layout())
+        seeds += len(adaptive_layout(tile.target, tile.fit.split_price * tile.fit.lmbda, weights=tile.reference.weights))
         looked += part.width * part.height
     return pixels + _SEED_PIXELS * seeds * pixels / looked
 
