@@ -28,7 +28,7 @@ class _Script(Bits):
         return self.bits[-1]
 
     def raw(self, n_bits: int) -> int:
-        value = int(not self.fields or (n_bits == 1 and self.has_contrast))
+        value = int(len(self.fields) < 2 or (n_bits == 1 and self.has_contrast))  # there is texture, of models 1
         self.fields.append((value, n_bits))
         return value
 

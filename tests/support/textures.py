@@ -69,7 +69,7 @@ def random_symbols(channels: int, width: int, height: int, seed: int = 0, most: 
     steps = TextureSteps(
         int(rng.integers(512)),
         tuple(rng.integers(0, 32, channels - 1).tolist()),
-        (int(rng.integers(16)), int(rng.integers(16))),
+        (int(rng.integers(32)), int(rng.integers(32))),
         (int(rng.integers(16)), int(rng.integers(16)), int(rng.integers(16))),
         has_contrast,
     )

@@ -33,10 +33,13 @@ def flags_of(payload: bytes) -> int:
 def test_headers_come_back_byte_by_byte(path: Path) -> None:
     payload = header_of(path)
     header = decode_header(payload)
-    assert not header.spec.texture
     assert encode_header(header)[1:] == payload[1:]
-    assert payload[0] in (1, 2)
-    assert encode_header(header)[0] == 2
+    assert payload[0] in ((3,) if header.spec.texture else (1, 2))
+    assert encode_header(header)[0] == (3 if header.spec.texture else 2)
+
+
+def test_there_are_headers_of_each_version() -> None:
+    assert {header_of(path)[0] for path in GOLDEN} == {1, 2, 3}
 
 
 @pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)

@@ -22,7 +22,7 @@ from sgicodec._native import TextureModels
 from sgicodec.bitstream.entropy.symbol_coder import SymbolReader, SymbolWriter
 from sgicodec.bitstream.parts.texture import code_texture, texture_models
 from sgicodec.device import ONE_THREAD
-from sgicodec.errors import CorruptStreamError, LimitError
+from sgicodec.errors import CorruptStreamError, LimitError, UnsupportedStreamError
 from sgicodec.model.texture_symbols import TextureSteps, TextureSymbols
 from sgicodec.rdoq.texture import TextureSearch
 
@@ -130,6 +130,15 @@ def test_the_tables_can_be_computed_anywhere() -> None:
         assert np.abs(value - np.floor(value) - 0.5).min() > 1e-5
     np.testing.assert_array_equal(np.rint(logit), LOGIT)
     np.testing.assert_array_equal(np.clip(np.rint(logistic), 16, 65519), LOGISTIC)
+
+
+def test_models_of_another_number_are_refused() -> None:
+    for number in (0, 2, 15):
+        writer = SymbolWriter()
+        writer.code_int(1, 1)
+        writer.code_int(number, 4)
+        with pytest.raises(UnsupportedStreamError, match=f"texture: models {number}"):
+            code_texture(SymbolReader(writer.finish()), (64, 64), 3, None)
 
 
 def test_no_texture_takes_a_bit() -> None:
@@ -279,7 +288,7 @@ def test_the_largest_numbers() -> None:
 @given(st.binary(max_size=300), st.integers(1, 4), st.integers(1, 200), st.integers(1, 100))
 def test_any_bytes_are_a_layer_or_refused(payload: bytes, channels: int, width: int, height: int) -> None:
     """What is accepted has the same meaning for the page's reader, and can be written."""
-    reader = SymbolReader(b"\xff" + payload.rstrip(b"\0"))
+    reader = SymbolReader(b"\x8c" + payload.rstrip(b"\0"))  # there is texture, of models 1
     try:
         layer = code_texture(reader, (width, height), channels, None)
     except CorruptStreamError:
