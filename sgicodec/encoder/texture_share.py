@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.encoder.texture_tuning import TUNINGS
-from sgicodec.model.layout import SeedLayout, adaptive_layout
+from sgicodec.model.layout import SeedLayout, adaptive_layout, cell_sums
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.texture import ROOT_LOG
 from sgicodec.profiles.fit_settings import FitSettings, Phase
@@ -32,10 +32,12 @@ SCOUT_SPLIT = 6.0
 """Its `FitSettings.split`: in so few steps, seeds of larger cells come nearer to what they can be."""
 POSITION_BITS = 3.5
 """What the place of a seed adds to its bits."""
-FULL, POWER, LEAST = 0.66, 2.5, 1 / 24
+FULL, POWER, LEAST = 0.66, 3.0, 1 / 32
 """ρ of the short fit from which seeds count in full, how fast they count less below it, and the least."""
 CALM_BITS = 8.0
-"""Of seeds and of what they save, added to both in each root: where there is nothing to show, seeds count in full."""
+"""Added to the bits of seeds and to those that they save in each root; where texture alone saves fewer, seeds count in
+full: there is nothing to share.
+"""
 
 
 @dataclass(frozen=True)
@@ -75,13 +77,16 @@ def seed_weights(
     alone, left = (
         unit * TextureSearch(plane, device).costs(steps, tuning.squared_steps) for plane in (target, scout.residual)
     )
-    weights = cell_weights(alone - left, lmbda * scout.root_bits(left.shape), lmbda)
+    price = lmbda * scout.root_bits(left.shape)
+    idle = _root_squares(target) - alone < lmbda * CALM_BITS
+    weights = cell_weights(np.where(idle, price, alone - left), price, lmbda * CALM_BITS)
     return None if weights.min() > _ALL else _of_pixels(weights, target.shape[1:])
 
 
-def cell_weights(saved: F64, price: F64, lmbda: float) -> F64:
-    """Weights of roots [rows, columns] where seeds save texture this much and cost so much, in squared error."""
-    calm = lmbda * CALM_BITS
+def cell_weights(saved: F64, price: F64, calm: float) -> F64:
+    """Weights of roots [rows, columns] where seeds save texture this much and cost so much, in squared error; `calm`
+    is added to both.
+    """
     rho = (np.maximum(smoothed(saved, _NEAR), 0) + calm) / (smoothed(price, _NEAR) + calm)
     octaves = np.clip(POWER * np.log2(rho / FULL), np.log2(LEAST), 0)
     return np.exp2(smoothed(octaves, _BLEND))
@@ -98,6 +103,11 @@ def smoothed(plane: F64, sigma: float) -> F64:
         padded, size = np.pad(plane, width, mode="symmetric"), plane.shape[axis]
         plane = sum(k * np.take(padded, range(i, i + size), axis) for i, k in enumerate(kernel))  # type: ignore[assignment]
     return plane
+
+
+def _root_squares(target: F32) -> F64:
+    """Squares of [C, H, W] summed over each root [rows, columns]."""
+    return cell_sums(target, ROOT_LOG).squares[ROOT_LOG]
 
 
 def _of_pixels(weights: F64, shape: tuple[int, ...]) -> F32:

@@ -87,20 +87,20 @@ class Encoding:
         """Makes ready for a fit at λ."""
         self.lmbda = lmbda
         self.fit = replace(self.fit, lmbda=lmbda * (seed_share(self.fit.steps) if self.spec.texture else 1.0))
-        self.seed_reference: Reference | None = None
+        self.__dict__.pop("seed_reference", None)
         lmbda = self.fit.lmbda
         self.base_step, self.base, self.target = base_layer(self.spec, self.unit, lmbda, self.reference.weights)
 
-    def seeds_for(self) -> Reference:
-        """What seeds are fitted to: the picture's distortion, less where texture will follow for less bits."""
-        if self.seed_reference is None:
-            self.seed_reference = self.reference
-            if self.spec.texture and self._can_scout:
-                family, weights = self.plan.header.family, self.reference.weights
-                shared = seed_weights(self.spec, self.fit, self.target, self.lmbda, family, self.device)
-                if shared is not None:
-                    self.seed_reference = QuadraticReference(shared if weights is None else shared * weights)
-        return self.seed_reference
+    @cached_property
+    def seed_reference(self) -> Reference:
+        """What seeds are fitted to: the picture's distortion, less of it where texture follows for less bits."""
+        if not (self.spec.texture and self._can_scout):
+            return self.reference
+        weights, family = self.reference.weights, self.plan.header.family
+        share = seed_weights(self.spec, self.fit, self.target, self.lmbda, family, self.device)
+        if share is None:
+            return self.reference
+        return QuadraticReference(share if weights is None else share * weights)
 
     @property
     def _can_scout(self) -> bool:
@@ -131,7 +131,7 @@ class Encoding:
         """A fit, which `controller` may lead; of a time limit it takes about `share` less than is left."""
         from sgicodec.fit.trainer import Trainer
 
-        spec, fit, weights = self.spec, self.fit, self.seeds_for().weights
+        spec, fit, weights = self.spec, self.fit, self.seed_reference.weights
         _, height, width = self.target.shape
         if spec.layout == "uniform":
             count = fit.seeds or max(1, round(width * height / 400))
@@ -155,7 +155,7 @@ class Encoding:
 
     def first_layout(self) -> SeedLayout:
         """Where the seeds of a fit by the default profile begin."""
-        return adaptive_layout(self.target, self.fit.split_price * self.fit.lmbda, weights=self.seeds_for().weights)
+        return adaptive_layout(self.target, self.fit.split_price * self.fit.lmbda, weights=self.seed_reference.weights)
 
     def candidate(self, fitted: Fitted) -> Candidate:
         """A fit in integers."""
@@ -185,7 +185,7 @@ class Encoding:
     def rdoq(self, candidate: Candidate) -> Rdoq:
         """RDOQ from a candidate on."""
         settings = RdoqSettings.for_steps(self.fit.steps)
-        reference = self.seeds_for()
+        reference = self.seed_reference
         return Rdoq(candidate.header, candidate.model, self.unit, candidate.lmbda, settings, self.device, reference)
 
     def searched(self, candidate: Candidate) -> Candidate:

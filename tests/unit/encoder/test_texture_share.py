@@ -1,0 +1,144 @@
+"""Seeds count less where texture shows the picture for less bits, and in full on edges and smooth ground."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sgicodec.encoder.plan import Shape, stream_plan
+from sgicodec.encoder.settings import EncodeSettings
+from sgicodec.encoder.texture_share import FULL, LEAST, cell_weights, seed_share, smoothed
+from sgicodec.encoder.tile_encoder import Encoding
+from sgicodec.picture import Picture
+
+LMBDA = 0.002
+
+
+def encoding(pixels: np.ndarray, channels: Any = "rgb", **settings: Any) -> Encoding:
+    picture = Picture(pixels, channels, (0.0, 255.0))
+    plan = stream_plan(Shape.of(picture), EncodeSettings(lmbda=LMBDA, effort=1, **settings))
+    return Encoding(picture, plan, time.monotonic())
+
+
+def half_texture(height: int = 128, width: int = 256) -> np.ndarray:
+    """Noise as in cloth on the left, soft lines on a smooth ground on the right."""
+    rng = np.random.default_rng(1)
+    y, x = np.mgrid[:height, :width]
+    lines = np.full((height, width), 90.0)
+    for _ in range(25):
+        right, down = x - rng.uniform(0.55 * width, width), y - rng.uniform(0, height)
+        length, angle = rng.uniform(6, 18), rng.uniform(0, np.pi)
+        along, across = (right * np.cos(angle) + down * np.sin(angle), down * np.cos(angle) - right * np.sin(angle))
+        lines += 100 * np.exp(-0.5 * (along / length) ** 2 - 0.25 * across**2)
+    plane = np.where(x < width / 2, rng.normal(110, 40, (height, width)), lines)
+    return np.repeat(np.clip(plane, 0, 255).astype(np.uint8)[..., None], 3, axis=2)
+
+
+def test_texture_counts_little_and_edges_count_in_full() -> None:
+    weights = encoding(half_texture()).seed_reference.weights
+    assert weights is not None
+    assert weights.shape == (128, 256)
+    assert weights[:, :96].max() < 0.25
+    assert weights[:, 160:].mean() > 0.8
+
+
+def test_the_same_weights_again() -> None:
+    first, again = (encoding(half_texture()).seed_reference.weights for _ in range(2))
+    np.testing.assert_array_equal(first, again)
+
+
+def test_without_work_for_texture_seeds_keep_the_faster_code() -> None:
+    part = encoding(half_texture())
+    part.begin(16 * LMBDA)
+    assert part.seed_reference is part.reference
+
+
+def test_what_is_judged_stays_plain() -> None:
+    part = encoding(half_texture())
+    assert part.reference.weights is None
+    assert part.seed_reference.weights is not None
+    plain = encoding(half_texture(), texture=False)
+    assert plain.seed_reference is plain.reference
+    assert plain.fit.lmbda == LMBDA
+
+
+def test_weights_of_a_distortion_are_multiplied() -> None:
+    plain, weighted = (encoding(half_texture(), distortion=name) for name in ("squared", "weighted"))
+    assert plain.seed_reference.weights is not None
+    assert weighted.reference.weights is not None
+    assert weighted.seed_reference.weights is not None
+    ratio = weighted.seed_reference.weights / weighted.reference.weights
+    assert np.all((ratio > 0.9 * LEAST) & (ratio <= 1 + 1e-6))
+    assert ratio[:, :96].mean() < 0.3 * ratio[:, 160:].mean()
+
+
+def test_another_lmbda_is_scouted_again() -> None:
+    part = encoding(half_texture())
+    first = part.seed_reference
+    part.begin(4 * LMBDA)
+    assert part.seed_reference is not first
+
+
+def test_a_short_time_limit_leaves_no_time_to_scout() -> None:
+    part = encoding(half_texture(), time_limit=0.01)
+    assert part.seed_reference is part.reference
+
+
+@pytest.mark.parametrize(
+    ("shape", "channels"),
+    [
+        ((40, 50, 1), "gray"),
+        ((40, 50, 2), "gray+alpha"),
+        ((40, 50, 4), "rgba"),
+        ((1, 1, 3), "rgb"),
+        ((3, 70, 3), "rgb"),
+    ],
+)
+def test_every_kind_of_picture(shape: tuple[int, ...], channels: str) -> None:
+    pixels = np.random.default_rng(5).integers(0, 256, shape).astype(np.uint8)
+    if channels in ("gray+alpha", "rgba"):
+        pixels[: shape[0] // 2, ..., -1] = 0  # empty pixels
+    part = encoding(pixels, channels)
+    weights = part.seed_reference.weights
+    if weights is not None:
+        assert weights.shape == shape[:2]
+        assert weights.min() > 0
+        assert weights.max() <= 1
+    assert part.run(None).data
+
+
+def test_cells_count_as_their_seeds_save() -> None:
+    price = np.full((9, 9), 1.0)
+    for saved, expected in ((2.0, 1.0), (FULL * 1.001, 1.0), (0.0, LEAST)):
+        np.testing.assert_allclose(cell_weights(saved * price, price, 1e-9), expected, rtol=1e-6)
+    rising = [cell_weights(saved * price, price, 1e-9)[4, 4] for saved in (0.2, 0.3, 0.4, 0.5)]
+    assert rising == sorted(set(rising))
+
+
+def test_where_there_is_nothing_to_show_seeds_count_in_full() -> None:
+    np.testing.assert_allclose(cell_weights(np.zeros((4, 4)), np.zeros((4, 4)), LMBDA), 1.0)
+
+
+def test_short_fits_leave_more_to_texture() -> None:
+    shares = [seed_share(steps) for steps in (1, 120, 350, 1000, 100_000)]
+    assert shares == sorted(shares, reverse=True)
+    assert shares[-1] >= 1
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (2, 7), (11, 5)])
+def test_smoothing_is_a_mirrored_convolution(shape: tuple[int, int]) -> None:
+    sigma, plane = 0.7, np.random.default_rng(6).random(shape)
+    offsets = range(-3, 4)
+
+    def mirrored(index: int, size: int) -> int:
+        index %= 2 * size
+        return min(index, 2 * size - 1 - index)
+
+    expected, total = np.zeros(shape), sum(np.exp(-0.5 * (i / sigma) ** 2) for i in offsets) ** 2
+    for (y, x), (dy, dx) in ((a, b) for a in np.ndindex(shape) for b in ((i, j) for i in offsets for j in offsets)):
+        weight = np.exp(-0.5 * (dy * dy + dx * dx) / sigma**2) / total
+        expected[y, x] += weight * plane[mirrored(y + dy, shape[0]), mirrored(x + dx, shape[1])]
+    np.testing.assert_allclose(smoothed(plane, sigma), expected, rtol=1e-12)
