@@ -34,7 +34,7 @@ def test_json_agrees_with_the_stream(sgi: Run, stream: Path) -> None:
     assert (facts["sample_type"], facts["sample_range"]) == ("uint8", [0, 255])
     assert (facts["bytes"], facts["bpp"]) == (size, 8 * size / (48 * 32))
     assert (facts["profile"], facts["seeds"], facts["gaussians"]) == ("default", seeds, seeds)
-    assert facts["encoder"] == f"{__version__} q50 n12"
+    assert facts["encoder"] == f"{__version__} q50 visual n12"
     assert facts["symbol_crc"] == f"{crc:08x}"
     assert facts["parts"]["positions"] == positions
     assert sum(facts["parts"].values()) == pytest.approx(size)
