@@ -10,7 +10,15 @@ from numpy.typing import NDArray
 from sgicodec.metrics.local_variance import local_variance
 from sgicodec.metrics.psnr import luma
 from sgicodec.model.texture import ROOT_LOG
-from sgicodec.model.texture_symbols import CONTRAST_LIMIT, SAME_STEP, STEP_COUNT, TextureSteps, roots_of, step_index
+from sgicodec.model.texture_symbols import (
+    CONTRAST_LIMIT,
+    SAME_STEP,
+    STEP_COUNT,
+    STEP_ZERO,
+    TextureSteps,
+    roots_of,
+    step_index,
+)
 
 __all__ = ["TUNINGS", "TextureTuning"]
 
@@ -36,6 +44,11 @@ class TextureTuning:
     def step(self, lmbda: float) -> int:
         """Index of the step for λ."""
         return max(0, step_index(float((lmbda / _SQUARED_STEPS) ** 0.5)) - self.finer)
+
+    def price(self, lmbda: float) -> float:
+        """λ in squared steps of `step(lmbda)`: what rounding takes from the step, it gives to the price of bits."""
+        nominal = 2.0 ** ((self.step(lmbda) + self.finer - STEP_ZERO) / 32)
+        return float(self.squared_steps * lmbda / (_SQUARED_STEPS * nominal**2))
 
     def steps(self, step: int, channels: int) -> TextureSteps:
         """Steps of all channels, of which the lowest is of this index."""

@@ -199,7 +199,8 @@ class Encoding:
         """The candidate with texture over what its seeds leave, for the λ of the encode."""
         if not self.spec.texture:
             return candidate
-        return self.with_texture(candidate, self.texture_search(candidate), self.tuning.step(self.lmbda))
+        tuning, search = self.tuning, self.texture_search(candidate)
+        return self.with_texture(candidate, search, tuning.step(self.lmbda), tuning.price(self.lmbda))
 
     def texture_search(self, candidate: Candidate) -> TextureSearch:
         """What finds texture over a candidate."""
@@ -218,10 +219,14 @@ class Encoding:
     def _contrast(self) -> NDArray[np.int8] | None:
         return self.tuning.contrast(self.unit)
 
-    def with_texture(self, candidate: Candidate, search: TextureSearch, step: int) -> Candidate:
-        """The candidate with texture in steps of this index."""
+    def with_texture(
+        self, candidate: Candidate, search: TextureSearch, step: int, price: float | None = None
+    ) -> Candidate:
+        """The candidate with texture in steps of this index. price: λ in squared steps, None for what suits them."""
         tuning = self.tuning
-        found = search.at(tuning.steps(step, self.spec.channels), tuning.squared_steps, self._contrast)
+        found = search.at(
+            tuning.steps(step, self.spec.channels), tuning.squared_steps if price is None else price, self._contrast
+        )
         return replace(candidate, model=replace(candidate.model, texture=found, decoded=None))
 
     def encoded(self, candidate: Candidate) -> Encoded:

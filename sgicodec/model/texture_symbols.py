@@ -10,7 +10,16 @@ from numpy.typing import NDArray
 from sgicodec._native import texture_cells
 from sgicodec.model.texture import LEAST_LOG, ROOT_LOG, TextureLayer
 
-__all__ = ["CONTRAST_LIMIT", "SAME_STEP", "STEP_COUNT", "TextureSteps", "TextureSymbols", "roots_of", "step_index"]
+__all__ = [
+    "CONTRAST_LIMIT",
+    "SAME_STEP",
+    "STEP_COUNT",
+    "STEP_ZERO",
+    "TextureSteps",
+    "TextureSymbols",
+    "roots_of",
+    "step_index",
+]
 
 F32 = NDArray[np.float32]
 

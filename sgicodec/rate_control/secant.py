@@ -22,7 +22,8 @@ MIN_FIRST_STEP = 0.2
 @dataclass(frozen=True)
 class Correction:
     """A kind of pass after the fits. direction: of λ; slope: octaves of bytes or error that an octave of λ moves;
-    least, most: octaves that λ moves; overshoot: factor on what seems to be needed.
+    least, most: octaves that λ moves; overshoot: factor on what seems to be needed of some tiles; margin: octaves of bytes
+    or error by which later passes go beyond it.
     """
 
     name: str
@@ -31,6 +32,7 @@ class Correction:
     least: float
     most: float
     overshoot: float
+    margin: float = 0.0
 
     def next(
         self, left: float, shares: dict[int, float], fresh: Sequence[int], tried: Sequence[tuple[float, float]]
@@ -44,7 +46,9 @@ class Correction:
         last, slope = tried[-1][0] if tried else 0.0, self.slope
         if len(tried) > 1 and abs(last - tried[-2][0]) > MIN_STEP_OCTAVES:
             slope = min(max((tried[-2][1] - tried[-1][1]) / (last - tried[-2][0]), 0.3 * slope), 3 * slope)
-        wanted = self.direction * (last + (tried[-1][1] if tried else left) / slope)
+        error = tried[-1][1] if tried else left
+        beyond = math.copysign(self.margin, error) if tried else 0.0
+        wanted = self.direction * (last + (error + beyond) / slope)
         lowest = (
             -self.least if tried else MIN_FIRST_STEP * self.least
         )  # all tiles may overshoot: then back, past the fits
@@ -64,6 +68,6 @@ SEARCH = Correction("search", 1, 0.2, 0.35, 4.0, 1.3)
 """RDOQ of what is coded: fast, but it drops seeds and adds none."""
 REFIT = Correction("again", -1, 0.6, 0.5, 2.0, 1.1)
 """Another fit: slow, but it adds seeds."""
-COARSER_TEXTURE = Correction("search", 1, 0.5, 0.1, 4.0, 1.1)
-FINER_TEXTURE = Correction("search", -1, 0.5, 0.1, 4.0, 1.1)
+COARSER_TEXTURE = Correction("search", 1, 0.35, 0.1, 4.0, 1.3, 0.01)
+FINER_TEXTURE = Correction("search", -1, 0.35, 0.1, 4.0, 1.3, 0.01)
 """Texture of another step over the seeds that are coded: fast, and it goes both ways."""

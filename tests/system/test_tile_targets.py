@@ -120,4 +120,4 @@ def test_models_that_are_searched_otherwise_or_not_at_all(choices: dict[str, int
 
 def test_the_stream_names_its_target(photo: Picture) -> None:
     encoded = encode(photo, replace(SETTINGS, steps=10, bpp=0.5))
-    assert open_stream(encoded.data).software.endswith("bpp0.5 n10")
+    assert open_stream(encoded.data).software.endswith("bpp0.5 visual n10")
