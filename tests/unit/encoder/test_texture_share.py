@@ -19,7 +19,8 @@ LMBDA = 0.002
 
 def encoding(pixels: np.ndarray, channels: Any = "rgb", **settings: Any) -> Encoding:
     picture = Picture(pixels, channels, (0.0, 255.0))
-    plan = stream_plan(Shape.of(picture), EncodeSettings(lmbda=LMBDA, effort=1, **settings))
+    every: dict[str, Any] = {"lmbda": LMBDA, "effort": 1, "tune": "psnr"} | settings
+    plan = stream_plan(Shape.of(picture), EncodeSettings(**every))
     return Encoding(picture, plan, time.monotonic())
 
 
@@ -37,12 +38,13 @@ def half_texture(height: int = 128, width: int = 256) -> np.ndarray:
     return np.repeat(np.clip(plane, 0, 255).astype(np.uint8)[..., None], 3, axis=2)
 
 
-def test_texture_counts_little_and_edges_count_in_full() -> None:
-    weights = encoding(half_texture()).seed_reference.weights
+@pytest.mark.parametrize("effort", [1, 5])
+def test_texture_counts_little_and_lines_count_in_full(effort: int) -> None:
+    weights = encoding(half_texture(), effort=effort).seed_reference.weights
     assert weights is not None
     assert weights.shape == (128, 256)
     assert weights[:, :96].max() < 0.25
-    assert weights[:, 160:].mean() > 0.8
+    assert weights[:, 160:].mean() > 0.6
 
 
 def test_the_same_weights_again() -> None:
@@ -52,7 +54,7 @@ def test_the_same_weights_again() -> None:
 
 def test_without_work_for_texture_seeds_keep_the_faster_code() -> None:
     part = encoding(half_texture())
-    part.begin(16 * LMBDA)
+    part.begin(100 * LMBDA)
     assert part.seed_reference is part.reference
 
 
