@@ -22,7 +22,7 @@ from sgicodec.model.texture_symbols import TextureSteps, roots_of
 from sgicodec.profiles.fit_settings import FitSettings, Phase
 from sgicodec.rdoq.texture import TextureSearch
 
-__all__ = ["Scout", "cell_weights", "seed_share", "seed_weights", "smoothed"]
+__all__ = ["Scout", "cell_weights", "estimated_cost", "searched_cost", "seed_share", "seed_weights", "smoothed"]
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -79,13 +79,11 @@ def seed_weights(
     scout = _scout(spec, replace(fit, lmbda=SCOUT_SHARE * lmbda), target, family, device)
     tuning = TUNINGS["psnr"]
     steps = tuning.steps(tuning.step(lmbda), spec.channels)
-    (alone, nothing), (left, _) = (_estimated_cost(plane, steps) for plane in (target, scout.residual))
+    (alone, nothing), (left, _) = (estimated_cost(plane, steps) for plane in (target, scout.residual))
     full = FULL_ESTIMATED
     if fit.steps >= EXACT_STEPS:
-        full, unit = FULL, float(steps.of_channels[0]) ** 2
-        alone, left = (
-            unit * TextureSearch(plane, device).costs(steps, tuning.squared_steps) for plane in (target, scout.residual)
-        )
+        full, squared = FULL, tuning.squared_steps
+        alone, left = (searched_cost(plane, steps, squared, device) for plane in (target, scout.residual))
     price, calm = lmbda * scout.root_bits(left.shape), lmbda * CALM_BITS
     weights = cell_weights(np.where(nothing - alone < calm, price, alone - left), price, calm, full)
     return None if weights.min() > _ALL else _of_pixels(weights, target.shape[1:])
@@ -113,7 +111,13 @@ def smoothed(plane: F64, sigma: float) -> F64:
     return plane
 
 
-def _estimated_cost(residual: F32, steps: TextureSteps) -> tuple[F64, F64]:
+def searched_cost(residual: F32, steps: TextureSteps, squared_steps: float, device: Device) -> F64:
+    """What texture in these steps costs over each root [rows, columns], squared error plus λ times bits."""
+    costs = TextureSearch(residual, device).costs(steps, squared_steps)
+    return np.asarray(costs * np.square(steps.of_channels[0]), np.float64)
+
+
+def estimated_cost(residual: F32, steps: TextureSteps) -> tuple[F64, F64]:
     """What texture in these steps would cost over each root [rows, columns] of a residual [C, H, W], squared error plus
     λ times bits, and what no texture would: as if all its cells were cosine transforms of 16×16 pixels.
     """

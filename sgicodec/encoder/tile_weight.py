@@ -28,7 +28,9 @@ def tile_weight(window: Picture, plan: Plan) -> float:
     seeds = looked = 0
     for part in sampled(window):
         tile = Encoding(part, replace(plan, metadata=None), time.monotonic())
-        seeds += len(adaptive_layout(tile.target, tile.fit.split_price * tile.fit.lmbda, weights=tile.reference.weights))
+        seeds += len(
+            adaptive_layout(tile.target, tile.fit.split_price * tile.fit.lmbda, weights=tile.reference.weights)
+        )
         looked += part.width * part.height
     return pixels + _SEED_PIXELS * seeds * pixels / looked
 
