@@ -14,13 +14,15 @@ from numpy.typing import NDArray
 
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.encoder.texture_tuning import TUNINGS
-from sgicodec.model.layout import SeedLayout, adaptive_layout, cell_sums
+from sgicodec.model.gaussians import colour_matrix
+from sgicodec.model.layout import SeedLayout, adaptive_layout
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.texture import ROOT_LOG
+from sgicodec.model.texture_symbols import TextureSteps, roots_of
 from sgicodec.profiles.fit_settings import FitSettings, Phase
 from sgicodec.rdoq.texture import TextureSearch
 
-__all__ = ["Scout", "cell_weights", "seed_share", "seed_weights", "smoothed"]
+__all__ = ["Scout", "cell_weights", "estimated_cost", "searched_cost", "seed_share", "seed_weights", "smoothed"]
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -32,8 +34,12 @@ SCOUT_SPLIT = 6.0
 """Its `FitSettings.split`: in so few steps, seeds of larger cells come nearer to what they can be."""
 POSITION_BITS = 3.5
 """What the place of a seed adds to its bits."""
-FULL, POWER, LEAST = 0.66, 3.0, 1 / 32
-"""ρ of the short fit from which seeds count in full, how fast they count less below it, and the least."""
+FULL, FULL_ESTIMATED, POWER, LEAST = 0.66, 0.74, 3.0, 1 / 32
+"""ρ of the short fit from which seeds count in full, searched and estimated, how fast they count less below it, and the
+least.
+"""
+EXACT_STEPS = 500
+"""Of a fit that is worth a search for texture, twice, instead of an estimate of its cost."""
 CALM_BITS = 8.0
 """Added to the bits of seeds and to those that they save in each root; where texture alone saves fewer, seeds count in
 full: there is nothing to share.
@@ -73,22 +79,22 @@ def seed_weights(
     scout = _scout(spec, replace(fit, lmbda=SCOUT_SHARE * lmbda), target, family, device)
     tuning = TUNINGS["psnr"]
     steps = tuning.steps(tuning.step(lmbda), spec.channels)
-    unit = float(steps.of_channels[0]) ** 2
-    alone, left = (
-        unit * TextureSearch(plane, device).costs(steps, tuning.squared_steps) for plane in (target, scout.residual)
-    )
-    price = lmbda * scout.root_bits(left.shape)
-    idle = _root_squares(target) - alone < lmbda * CALM_BITS
-    weights = cell_weights(np.where(idle, price, alone - left), price, lmbda * CALM_BITS)
+    (alone, nothing), (left, _) = (estimated_cost(plane, steps) for plane in (target, scout.residual))
+    full = FULL_ESTIMATED
+    if fit.steps >= EXACT_STEPS:
+        full, squared = FULL, tuning.squared_steps
+        alone, left = (searched_cost(plane, steps, squared, device) for plane in (target, scout.residual))
+    price, calm = lmbda * scout.root_bits(left.shape), lmbda * CALM_BITS
+    weights = cell_weights(np.where(nothing - alone < calm, price, alone - left), price, calm, full)
     return None if weights.min() > _ALL else _of_pixels(weights, target.shape[1:])
 
 
-def cell_weights(saved: F64, price: F64, calm: float) -> F64:
+def cell_weights(saved: F64, price: F64, calm: float, full: float = FULL) -> F64:
     """Weights of roots [rows, columns] where seeds save texture this much and cost so much, in squared error; `calm`
-    is added to both.
+    is added to both; full: ρ from which seeds count in full.
     """
     rho = (np.maximum(smoothed(saved, _NEAR), 0) + calm) / (smoothed(price, _NEAR) + calm)
-    octaves = np.clip(POWER * np.log2(rho / FULL), np.log2(LEAST), 0)
+    octaves = np.clip(POWER * np.log2(rho / full), np.log2(LEAST), 0)
     return np.exp2(smoothed(octaves, _BLEND))
 
 
@@ -105,9 +111,39 @@ def smoothed(plane: F64, sigma: float) -> F64:
     return plane
 
 
-def _root_squares(target: F32) -> F64:
-    """Squares of [C, H, W] summed over each root [rows, columns]."""
-    return cell_sums(target, ROOT_LOG).squares[ROOT_LOG]
+def searched_cost(residual: F32, steps: TextureSteps, squared_steps: float, device: Device) -> F64:
+    """What texture in these steps costs over each root [rows, columns], squared error plus λ times bits."""
+    costs = TextureSearch(residual, device).costs(steps, squared_steps)
+    return np.asarray(costs * np.square(steps.of_channels[0]), np.float64)
+
+
+def estimated_cost(residual: F32, steps: TextureSteps) -> tuple[F64, F64]:
+    """What texture in these steps would cost over each root [rows, columns] of a residual [C, H, W], squared error plus
+    λ times bits, and what no texture would: as if all its cells were cosine transforms of 16×16 pixels.
+    """
+    channels, height, width = residual.shape
+    step = float(steps.of_channels[0])
+    (columns, rows), half = roots_of(width, height), 1 << (ROOT_LOG - 1)
+    margins = (0, 0), (0, (rows << ROOT_LOG) - height), (0, (columns << ROOT_LOG) - width)
+    opponent = np.tensordot(np.array(colour_matrix(channels), np.float32), residual, axes=1) / np.float32(step)
+    cells = np.pad(opponent, margins, mode="symmetric").reshape(channels, 2 * rows, half, 2 * columns, half)
+    cosines = _cosines(half)
+    squares = np.square(cosines @ cells.transpose(0, 1, 3, 2, 4) @ cosines.T)
+    # λ times the bits of a symbol with its zeros, and the error that it leaves, in squared steps
+    coded = 0.35 + 0.075 * np.log2(np.maximum(squares, 0.25))
+    shape = channels, rows, 2, columns, 2, half, half
+    cost, nothing = (
+        step * step * part.reshape(shape).sum((0, 2, 4, 5, 6), dtype=np.float64)
+        for part in (np.minimum(squares, coded), squares)
+    )
+    return cost, nothing
+
+
+def _cosines(size: int) -> F32:
+    """The orthonormal DCT-II [size, size]."""
+    rows = np.cos(np.pi * np.outer(np.arange(size), np.arange(size) + 0.5) / size)
+    rows[0] *= 0.5**0.5
+    return np.asarray((2 / size) ** 0.5 * rows, np.float32)
 
 
 def _of_pixels(weights: F64, shape: tuple[int, ...]) -> F32:
