@@ -92,7 +92,7 @@ def main(
     stages: bool,
     threads: int,
 ) -> None:
-    """Encode PICTURES with squared error, with a distortion in every stage, and in all stages but one."""
+    """Encode PICTURES without texture with squared error, with a distortion in every stage, and in all stages but one."""
     device = Device(threads)
     left_out = {"squared": STAGES, distortion: ()} | ({f"without {s}": (s,) for s in STAGES} if stages else {})
     click.echo("picture\tstages\tquality\tbytes\tdistortion\tPSNR\tSSIMULACRA 2")
@@ -100,7 +100,7 @@ def main(
         picture, curves = read(path), dict[str, list[Outcome]]()
         for name, without in left_out.items():
             for quality in qualities:
-                settings = EncodeSettings(quality=quality, effort=effort, distortion=distortion)
+                settings = EncodeSettings(quality=quality, effort=effort, distortion=distortion, texture=False)
                 found = outcome(picture, encoded_without(picture, settings, without, device), distortion, device)
                 curves.setdefault(name, []).append(found)
                 scores = f"{found.distortion:.2f}\t{found.psnr:.2f}\t{found.ssimulacra2:.1f}"

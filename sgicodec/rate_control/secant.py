@@ -22,8 +22,8 @@ MIN_FIRST_STEP = 0.2
 @dataclass(frozen=True)
 class Correction:
     """A kind of pass after the fits. direction: of λ; slope: octaves of bytes or error that an octave of λ moves;
-    least, most: octaves that λ moves; overshoot: factor on what seems to be needed of some tiles; margin: octaves of bytes
-    or error by which later passes go beyond it.
+    least, most: octaves that λ moves; overshoot: factor on what seems to be needed of some tiles; margin:
+    octaves of bytes or error by which later passes go beyond it.
     """
 
     name: str

@@ -32,7 +32,7 @@ def test_each_distortion_costs_least_where_it_is_minimised(picture: Picture) -> 
     weights = {name: distortion.reference(unit).weights for name, distortion in DISTORTIONS.items()}
     costs: dict[str, dict[str, float]] = {}
     for made_for in DISTORTIONS:
-        data = encode(picture, EncodeSettings(lmbda=LMBDA, steps=150, distortion=made_for)).data
+        data = encode(picture, EncodeSettings(lmbda=LMBDA, steps=150, distortion=made_for, texture=False)).data
         decoded = open_stream(data).picture()
         costs[made_for] = {
             name: squared_error(picture, decoded, weights[name]) + LMBDA * 8 * len(data) for name in DISTORTIONS
@@ -43,7 +43,7 @@ def test_each_distortion_costs_least_where_it_is_minimised(picture: Picture) -> 
 
 
 def test_tiles_are_fitted_to_the_same_distortion(picture: Picture) -> None:
-    settings = EncodeSettings(lmbda=LMBDA, steps=60, tile=128)
+    settings = EncodeSettings(lmbda=LMBDA, steps=60, tile=128, texture=False)
     plain, weighted = (encode(picture, replace(settings, distortion=name)) for name in ("squared", "weighted"))
     assert len(weighted.data) < len(plain.data)  # rocks count less
     assert open_stream(weighted.data).header.grid.count == 4

@@ -75,7 +75,7 @@ def test_an_impossible_size_gives_the_nearest_stream(crop: Picture) -> None:
 
 def test_an_impossible_psnr_gives_the_nearest_stream(crop: Picture) -> None:
     with pytest.raises(TargetMissedError, match="99 dB") as caught:
-        encode(crop, EncodeSettings(psnr=99, steps=40))
+        encode(crop, EncodeSettings(psnr=99, steps=40, texture=False))
     assert quality(crop, caught.value.nearest) > 30
 
 
@@ -171,6 +171,11 @@ def test_clipped_floats_are_measured_as_the_stream_spans_them() -> None:
         ({"psnr": 0.0}, "psnr"),
         ({"psnr": math.nan}, "psnr"),
         ({"psnr": math.inf}, "psnr"),
+        ({"ssimulacra2": 100.0}, "ssimulacra2"),
+        ({"ssimulacra2": 50.0, "texture": False}, "reached by texture"),
+        ({"ssimulacra2": 50.0, "bpp": 1.0}, "ssimulacra2 and bpp exclude"),
+        ({"tune": "loud"}, "tune loud"),
+        ({"tune": "visual", "profile": "paper"}, "not tuned for the eye"),
         ({"size": 0.5}, "size"),
         ({"size": math.inf}, "size"),
         ({"bpp": 0.0}, "bpp"),
@@ -192,8 +197,8 @@ def test_settings_that_make_no_sense(choices: dict[str, float], complaint: str) 
 def test_the_stream_names_its_target() -> None:
     picture = PICTURES["gray"]
     for settings, words in (
-        (EncodeSettings(size=5e3, effort=1), "size5000 e1"),
-        (EncodeSettings(psnr=20.5, steps=5), "psnr20.5 n5"),
-        (EncodeSettings(time_limit=0.5), "q50 t0.5"),
+        (EncodeSettings(size=5e3, effort=1), "size5000 visual e1"),
+        (EncodeSettings(psnr=20.5, steps=5), "psnr20.5 psnr n5"),
+        (EncodeSettings(time_limit=0.5), "q50 visual t0.5"),
     ):
         assert open_stream(encode(picture, settings).data).software.endswith(words)

@@ -15,7 +15,7 @@ from sgicodec.device import Device
 from sgicodec.picture import Picture
 
 PHOTO = Path(__file__).parents[2] / "data" / "kodim23.png"
-SETTINGS = EncodeSettings(lmbda=0.003, steps=30, distortion="weighted")
+SETTINGS = EncodeSettings(lmbda=0.003, steps=30, distortion="weighted", texture=False)
 DEVICE = Device(1)
 
 
