@@ -34,7 +34,7 @@ SCOUT_SPLIT = 6.0
 """Its `FitSettings.split`: in so few steps, seeds of larger cells come nearer to what they can be."""
 POSITION_BITS = 3.5
 """What the place of a seed adds to its bits."""
-FULL, FULL_ESTIMATED, POWER, LEAST = 0.66, 0.74, 3.0, 1 / 32
+FULL, FULL_ESTIMATED, POWER, LEAST = 0.8, 0.74, 3.0, 1 / 32
 """ρ of the short fit from which seeds count in full, searched and estimated, how fast they count less below it, and the
 least.
 """
