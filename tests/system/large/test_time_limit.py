@@ -66,7 +66,7 @@ def test_every_tile_has_its_part_and_the_limit_holds(clock: Clock, photo: Path) 
     assert found.steps == round(np.mean(counts))
     assert {tile.lmbda for tile in store.tiles.values()} == {found.lmbda}
     with open_stream(found.data) as stream:
-        assert stream.software.endswith(" q50 t20")
+        assert stream.software.endswith(" q50 visual t20")
         assert psnr(read(photo).pixels, stream.picture().pixels) > 22
 
 
