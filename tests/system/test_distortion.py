@@ -27,7 +27,7 @@ def picture() -> Picture:
 
 
 def test_each_distortion_costs_least_where_it_is_minimised(picture: Picture) -> None:
-    """J = D + λR, with D of the decoded picture and R of the stream, of seeds alone: texture has a tuning of its own."""
+    """J = D + λR, with D of the decoded picture and R of the stream. Of seeds alone: texture has its own tuning."""
     unit = np.ascontiguousarray(to_unit(picture).transpose(2, 0, 1))
     weights = {name: distortion.reference(unit).weights for name, distortion in DISTORTIONS.items()}
     costs: dict[str, dict[str, float]] = {}
