@@ -92,7 +92,7 @@ def main(
     stages: bool,
     threads: int,
 ) -> None:
-    """Encode PICTURES without texture with squared error, with a distortion in every stage, and in all stages but one."""
+    """Encode PICTURES, without texture, with squared error, a distortion in every stage, and in all stages but one."""
     device = Device(threads)
     left_out = {"squared": STAGES, distortion: ()} | ({f"without {s}": (s,) for s in STAGES} if stages else {})
     click.echo("picture\tstages\tquality\tbytes\tdistortion\tPSNR\tSSIMULACRA 2")

@@ -158,14 +158,16 @@ class Encoding:
         return adaptive_layout(self.target, self.fit.split_price * self.fit.lmbda, weights=self.seed_reference.weights)
 
     def candidate(self, fitted: Fitted) -> Candidate:
-        """A fit in integers."""
+        """A fit in integers. What few seeds teach the context model is noise, and costs more than they do."""
+        shipped = self.spec.context.prior and len(fitted.layout) < _LEAST_TAUGHT
+        networks = load_prior(self.spec) if shipped else fitted.networks
         model = TileModel(
             fitted.layout,
             fitted.plan,
             self.base_step,
             self.base,
             {name: np.rint(w * 2.0**DECODER_SHIFT).astype(np.int64) for name, w in fitted.decoders.items()},
-            fitted.networks,
+            networks,
             fitted.hash_bits,
             fitted.attributes,
         )
@@ -295,6 +297,8 @@ class Encoding:
         return buffer.getvalue(), len(chunk)
 
 
+_LEAST_TAUGHT = 64
+"""Seeds from which on a fit may change the shipped context model; the change takes 20 to 250 bytes."""
 _CODING_SECONDS = 1.2
 """Of one stream of a megapixel, twice and generously."""
 _SCOUTING_SECONDS, _SCOUTING_SHARE = 2.0, 8.0
