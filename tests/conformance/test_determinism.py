@@ -204,8 +204,8 @@ def test_shrinking_is_near_the_area_mean(stream: Stream, factor: int) -> None:
 
 
 def test_scaled_regions_agree_with_scaled_pictures(stream: Stream) -> None:
-    """Where the region starts on a whole output pixel, up to the rounding of its coordinates, which also decides whether
-    a Gaussian reaches a pixel at its very end, 3.5 deviations out: 0.0022 of its amplitude, which is below a half.
+    """Where the region starts on a whole output pixel, up to the rounding of its coordinates, which also decides
+    whether a Gaussian reaches a pixel at its very end, 3.5 deviations out: 0.0022 of its amplitude, at most a half.
     """
     for scale, step in ((2.0, 1), (0.5, 2), (0.25, 4)):
         x, y, width, height = 8 * step, 4 * step, 10 * step, 7 * step
