@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from sgicodec.bitstream.header import MAX_CHANNELS, MAX_SIDE, MAX_TILES, Header
-from sgicodec.bitstream.limits import check_model
+from sgicodec.bitstream.limits import check_model, check_texture
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.errors import LimitError, PictureError, UsageError, require
 from sgicodec.model.spec import ModelSpec
@@ -64,7 +64,7 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
     grid = settings.grid(shape.width, shape.height)
     profile = settings.chosen_profile
     profile.check_installed()
-    spec = profile.spec(settings, shape.bands)
+    spec = _with_texture_that_fits(profile.spec(settings, shape.bands), grid)
     _check(shape, spec, grid)
     fit = settings.fit_settings()
     header = Header(
@@ -84,6 +84,15 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
             raise UsageError("a SSIMULACRA 2 score goes with a single tile only; --tile 0 makes one")
     metadata = shape.metadata if settings.metadata else None
     return Plan(header, settings, _software(settings, fit), metadata, Metadata(geo=shape.metadata.geo))
+
+
+def _with_texture_that_fits(spec: ModelSpec, grid: TileGrid) -> ModelSpec:
+    """The model without texture where a tile is too large for any."""
+    try:
+        check_texture(spec.channels, *grid.rect(0)[2:])
+    except LimitError:
+        return replace(spec, texture=False)
+    return spec
 
 
 def _check(shape: Shape, spec: ModelSpec, grid: TileGrid) -> None:
