@@ -48,8 +48,7 @@ void draw_texture(Array<const int32_t, 2> corner, Array<const uint8_t, 1> log_si
                   const std::string &isa, Array<float, 3> planes) {
   require(planes.shape(0) >= 1 && planes.shape(0) <= 64, "planes must be [C, h, w], C at most 64");
   require(!mix || (has_shape(*mix, 3, 3) && planes.shape(0) >= 3), "mix must be [3, 3], for three channels or more");
-  const sgi::Texture texture =
-      texture_of(corner, log_size, amplitudes, planes.shape(0), size.first, size.second);
+  const sgi::Texture texture = texture_of(corner, log_size, amplitudes, planes.shape(0), size.first, size.second);
   const sgi::OutputAxis x = axis(start.first, scale.first, first.first, planes.shape(2));
   const sgi::OutputAxis y = axis(start.second, scale.second, first.second, planes.shape(1));
   nb::gil_scoped_release release;

@@ -43,8 +43,8 @@ constexpr double kMinVariance =
     0.05;                           // pixels² added to every variance: what is thinner can neither be seen nor fitted
 constexpr double kShapeLimit = 12;  // of exponents, so that a hostile stream cannot reach infinity
 
-// Variance, output pixels², of the Gaussian that stands for a pixel's area when a picture is made much smaller. A square
-// has 1/12; its spectrum up to the Nyquist frequency is best met by a little more.
+// Variance, output pixels², of the Gaussian that stands for a pixel's area when a picture is made much smaller. A
+// square has 1/12; its spectrum up to the Nyquist frequency is best met by a little more.
 constexpr double kPixelVariance = 0.1;
 
 constexpr int kTextureOverlap = 4;  // pixels by which texture cells reach over each other

@@ -41,10 +41,8 @@ Extent extent_of(const float *amplitudes, int side) {
 class TextureBins {
  public:
   TextureBins(const Texture &texture, const TextureAxis &x, const TextureAxis &y, int64_t columns, int64_t rows)
-      : across((columns + kBlockWidth - 1) / kBlockWidth),
-        down((rows + kBlockHeight - 1) / kBlockHeight),
-        begin_(texture.count + 1),
-        start_(across * down + 1) {
+      : across((columns + kBlockWidth - 1) / kBlockWidth), down((rows + kBlockHeight - 1) / kBlockHeight),
+        begin_(texture.count + 1), start_(across * down + 1) {
     for (int64_t i = 0; i < texture.count; ++i)
       begin_[i + 1] = begin_[i] + (int64_t(texture.channels) << 2 * texture.log_size[i]);
     for_each_pair(texture, x, y, [&](int64_t block, int64_t) { ++start_[block + 1]; });
@@ -121,8 +119,8 @@ void draw_texture(const Texture &texture, const OutputAxis &x, const OutputAxis 
     std::vector<float> drawn(channels * kBlockHeight * kBlockStride);
     for (const int64_t *cell = bins.first(block); cell != bins.last(block); ++cell) {
       const int log_size = texture.log_size[*cell];
-      add_cell(texture, texture.amplitudes + bins.begin(*cell), extents.data() + *cell * channels, 1 << log_size,
-               along, downward, *along.cells(texture.corner[2 * *cell], log_size),
+      add_cell(texture, texture.amplitudes + bins.begin(*cell), extents.data() + *cell * channels, 1 << log_size, along,
+               downward, *along.cells(texture.corner[2 * *cell], log_size),
                *downward.cells(texture.corner[2 * *cell + 1], log_size), x0, x1, y0, y1, kernel, drawn.data());
     }
     constexpr int64_t kPlane = kBlockHeight * kBlockStride;

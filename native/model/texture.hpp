@@ -7,9 +7,9 @@ namespace sgi {
 
 // The texture of a tile of width x height pixels.
 struct Texture {
-  const int32_t *corner;     // [N, 2]
-  const uint8_t *log_size;   // [N] kTextureLeast ... kTextureRoot
-  const float *amplitudes;   // of each cell [C, n, n], side n, one cell after the other
+  const int32_t *corner;    // [N, 2]
+  const uint8_t *log_size;  // [N] kTextureLeast ... kTextureRoot
+  const float *amplitudes;  // of each cell [C, n, n], side n, one cell after the other
   int64_t count;
   int channels;
   int64_t width, height;

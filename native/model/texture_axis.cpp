@@ -25,13 +25,9 @@ double deviation(double scale) { return std::sqrt(kPixelVariance * std::max(0.0,
 }  // namespace
 
 TextureAxis::TextureAxis(const OutputAxis &output, int64_t length, bool along_pixels, const CellPlaces &places)
-    : output_(output),
-      end_(double((length + kSide - 1) / kSide * kSide)),
-      along_pixels_(along_pixels),
-      shared_(output.scale == 1 && output.start == std::floor(output.start)),
-      sigma_(deviation(output.scale)),
-      step_(sigma_ > 0 ? std::min(1.0, sigma_) : 1.0),
-      nodes_(std::ceil(kReach * sigma_ / step_)),
+    : output_(output), end_(double((length + kSide - 1) / kSide * kSide)), along_pixels_(along_pixels),
+      shared_(output.scale == 1 && output.start == std::floor(output.start)), sigma_(deviation(output.scale)),
+      step_(sigma_ > 0 ? std::min(1.0, sigma_) : 1.0), nodes_(std::ceil(kReach * sigma_ / step_)),
       reach_(kTextureOverlap + nodes_ * step_) {
   for (int64_t i = 0; i < output.count; ++i) totals_.push_back(total(centre(i)));
   const double begin = centre(0) - reach_, end = centre(output.count - 1) + reach_;

@@ -71,8 +71,8 @@ class TextureAxis {
   OutputAxis output_;
   double end_;  // of the grid of roots
   bool along_pixels_, shared_;
-  double sigma_, step_, nodes_;  // a pixel sees 2 nodes + 1 places around its centre
-  double reach_;                 // by which cells reach beyond their sides
+  double sigma_, step_, nodes_;                              // a pixel sees 2 nodes + 1 places around its centre
+  double reach_;                                             // by which cells reach beyond their sides
   std::array<std::array<Shared, 4>, kTextureSizes> tables_;  // by size and hard edges
   std::array<Cells, kTextureSizes> cells_;
   std::vector<double> totals_;  // by pixel

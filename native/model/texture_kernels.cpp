@@ -1,7 +1,6 @@
 // Texture cells in vectors of LANES columns: two small products of matrices for each.
-#include "model/texture_kernel.hpp"
-
 #include "base/vector.hpp"
+#include "model/texture_kernel.hpp"
 
 namespace sgi {
 namespace {

@@ -12,9 +12,9 @@ constexpr int kMostChannels = 64;
 struct Background {
   const float *lines;  // [C, count, width]
   int64_t count, width;
-  const int32_t *top;  // [height]
-  const float *down;   // [height, taps]
-  int taps;            // 0 for no lines
+  const int32_t *top;   // [height]
+  const float *down;    // [height, taps]
+  int taps;             // 0 for no lines
   const float *planes;  // [C, height, plane_width], null for none
   int64_t height, plane_width;
 };

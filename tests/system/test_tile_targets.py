@@ -14,7 +14,7 @@ from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Metadata
 
 DATA = Path(__file__).parents[1] / "data"
-SETTINGS = EncodeSettings(steps=40, tile=96)
+SETTINGS = EncodeSettings(steps=40, tile=96, tune="psnr")
 GEO_WITH_NODATA_0 = bytes.fromhex("49492a00 08000000 0100 81a40200 02000000 30000000 00000000")
 
 
@@ -120,4 +120,4 @@ def test_models_that_are_searched_otherwise_or_not_at_all(choices: dict[str, int
 
 def test_the_stream_names_its_target(photo: Picture) -> None:
     encoded = encode(photo, replace(SETTINGS, steps=10, bpp=0.5))
-    assert open_stream(encoded.data).software.endswith("bpp0.5 visual n10")
+    assert open_stream(encoded.data).software.endswith("bpp0.5 psnr n10")
