@@ -83,9 +83,9 @@ class Rows:
 
     def __init__(self, opened: Opened) -> None:
         self._opened = opened
-        separate = opened.spec.get("planarconfig") == "separate"
-        # libtiff reads compressed planes in whole strips only.
-        self._step = min(opened.spec.get_int_attribute("tiff:RowsPerStrip", 1), opened.spec.height) if separate else 1
+        # libtiff reads compressed planes in whole strips only; OpenImageIO loses count in strips of what begins below 0.
+        in_strips = opened.spec.get("planarconfig") == "separate" or opened.spec.y != 0
+        self._step = min(opened.spec.get_int_attribute("tiff:RowsPerStrip", 1), opened.spec.height) if in_strips else 1
         self._row_samples = int(opened.spec.width * opened.spec.nchannels)
         self._first = 0
         self._band = self._empty(0)

@@ -14,7 +14,7 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 from examples import examples
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from sgicodec.errors import PictureError, UsageError
@@ -121,6 +121,7 @@ def files(save: Save) -> Iterator[dict[str, Path]]:
 @pytest.mark.parametrize("kind", KINDS)
 @settings(max_examples=examples(25), suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(windows=ANY_WINDOWS)
+@example(windows=[(0, 44, 1, 4)])
 def test_windows_are_parts_of_the_whole(
     files: dict[str, Path], kind: str, windows: list[tuple[int, int, int, int]]
 ) -> None:
