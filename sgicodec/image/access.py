@@ -83,7 +83,8 @@ class Rows:
 
     def __init__(self, opened: Opened) -> None:
         self._opened = opened
-        # libtiff reads compressed planes in whole strips only; OpenImageIO loses count in strips of what begins below 0.
+        # libtiff reads compressed planes in whole strips only. Where a picture's first row is not row 0, OpenImageIO
+        # takes strips to begin at other rows than they do.
         in_strips = opened.spec.get("planarconfig") == "separate" or opened.spec.y != 0
         self._step = min(opened.spec.get_int_attribute("tiff:RowsPerStrip", 1), opened.spec.height) if in_strips else 1
         self._row_samples = int(opened.spec.width * opened.spec.nchannels)
