@@ -34,6 +34,9 @@ void bind_constants(nb::module_ &m) {
            {"HIDDEN_LIMIT", sgi::kHiddenLimit},
            {"WINDOW_PADDING", sgi::kWindowPadding},
            {"TEXTURE_OVERLAP", sgi::kTextureOverlap},
+           {"TEXTURE_ROOT_LOG", sgi::kTextureRoot},
+           {"TEXTURE_LEAST_LOG", sgi::kTextureLeast},
+           {"CONTRAST_LIMIT", sgi::kContrastLimit},
        })
     m.attr(name) = value;
   for (const auto &[name, value] : {std::pair{"DEAD_ZONE", sgi::kDeadZone},

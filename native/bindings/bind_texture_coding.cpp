@@ -133,18 +133,18 @@ class TextureModels {
   }
 
   auto search(const sgi::TextureAmplitudes &amplitudes, Contrasts contrast, Array<const float, 1> steps,
-              std::pair<float, float> slope, float lmbda, int least_log, bool has_contrast) const {
+              std::pair<float, float> slope, float lmbda, bool has_contrast) const {
     const auto down = size_t(amplitudes.height >> sgi::kTextureRoot);
     const auto across = size_t(amplitudes.width >> sgi::kTextureRoot);
     require(has_shape(contrast, down, across) && steps.size() == size_t(amplitudes.channels),
             "contrast [h, w] of the roots, steps [C]");
     for (size_t i = 0; i < contrast.size(); ++i)
       require(std::abs(int(contrast.data()[i])) <= sgi::kContrastLimit, "contrasts must be -15..15");
-    require(least_log >= sgi::kTextureLeast && least_log <= sgi::kTextureRoot && lmbda >= 0, "least_log 3, 4 or 5");
+    require(lmbda >= 0, "lmbda must not be negative");
     const sgi::TextureSteps all = steps_of(steps, slope);
     sgi::TextureFound found = [&] {
       nb::gil_scoped_release release;
-      return sgi::search_texture(models_, amplitudes, contrast.data(), all, {lmbda, least_log, has_contrast});
+      return sgi::search_texture(models_, amplitudes, contrast.data(), all, {lmbda, has_contrast});
     }();
     return std::tuple(arrays_of(std::move(found.field)), found.bits, found.count, found.excess,
                       as_array<float>(std::move(found.cost), std::array{down, across}));
@@ -188,7 +188,7 @@ void bind_texture_coding(nb::module_ &m) {
       .def("read", &TextureModels::read, "decoder"_a, "size"_a, "channels"_a, "has_contrast"_a,
            "Whether it is sound; log_size, contrast and symbols; all symbols in coding order; information content.")
       .def("search", &TextureModels::search, "amplitudes"_a, "contrast"_a, "steps"_a, "slope"_a, "lmbda"_a,
-           "least_log"_a, "has_contrast"_a,
+           "has_contrast"_a,
            "log_size, contrast and symbols; bits; by magnitude 1, 2 and more the symbols and the sum of their excess; "
            "cost of each root in squared steps.");
   nb::class_<sgi::TextureAmplitudes>(m, "TextureAmplitudes")

@@ -10,7 +10,7 @@
 
 namespace sgi {
 
-using CellSymbols = std::array<int16_t, 1 << (2 * kTextureRoot)>;  // [n, n] of a cell of side n
+using CellSymbols = CellValues<int16_t>;
 
 // What a node of the quadtree is; the smallest cells are never split.
 enum Node { kNoTexture, kTextureLeaf, kSplitNode };

@@ -62,7 +62,7 @@ class SymbolContext {
   }
 
  private:
-  using Sums = std::array<int32_t, 1 << (2 * kTextureRoot)>;  // by frequency
+  using Sums = CellValues<int32_t>;  // by frequency
 
   void look_around(const TextureField &field, const TextureCell &cell, int channel);
   void look_before(const TextureField &field, const TextureCell &cell, int channel);

@@ -26,7 +26,7 @@ void TextureField::set(const TextureCell &cell, int channel, const int16_t *valu
 }
 
 void TextureField::clear(const TextureCell &cell) {
-  static const std::array<int16_t, 1 << (2 * kTextureRoot)> nothing{};
+  static const CellValues<int16_t> nothing{};
   mark(cell, 0);
   for (int channel = 0; channel < channels; ++channel) set(cell, channel, nothing.data(), -1);
 }

@@ -9,7 +9,6 @@ namespace sgi {
 
 constexpr int kUnitLog = kTextureLeast, kUnit = 1 << kUnitLog;  // maps count in units, the smallest cells
 constexpr int kTextureMost = (1 << 14) + 6;                     // of a symbol's magnitude
-constexpr int kContrastLimit = 15;                              // of a root's contrast, either way
 
 // A node of the quadtree.
 struct TextureCell {

@@ -12,17 +12,16 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kReach = 3.5;  // deviations of a pixel's footprint that count
 constexpr int kSide = 1 << kTextureRoot;
 
-// s(t): the rising edge of a window.
-double edge(double t, bool hard) {
-  if (hard) return t < 0 ? 0.0 : 1.0;
-  if (t >= kTextureOverlap) return 1.0;
-  return t <= -kTextureOverlap ? 0.0 : std::sin(kPi / 4 * (1 + t / kTextureOverlap));
-}
-
 // Deviation, pixels of the tile, of the Gaussian that stands for what an output pixel covers beyond a pixel.
 double deviation(double scale) { return std::sqrt(kPixelVariance * std::max(0.0, 1 - scale * scale)) / scale; }
 
 }  // namespace
+
+double texture_edge(double t, bool hard) {
+  if (hard) return t < 0 ? 0.0 : 1.0;
+  if (t >= kTextureOverlap) return 1.0;
+  return t <= -kTextureOverlap ? 0.0 : std::sin(kPi / 4 * (1 + t / kTextureOverlap));
+}
 
 TextureAxis::TextureAxis(const OutputAxis &output, int64_t length, bool along_pixels, const CellPlaces &places)
     : output_(output), end_(double((length + kSide - 1) / kSide * kSide)), along_pixels_(along_pixels),
@@ -104,7 +103,8 @@ int64_t TextureAxis::write_table(const Edges &edges, int64_t first, int64_t coun
     const auto [from, to] = seen(middle, low, high);
     for (double node = from; node <= to; ++node) {
       const double t = middle + node * step_ - edges.begin, angle = kPi * t / side, twice = 2 * std::cos(angle);
-      const double window = edge(t, edges.hard_low) * edge(side - t, edges.hard_high) * weight(node * step_);
+      const double window =
+          texture_edge(t, edges.hard_low) * texture_edge(side - t, edges.hard_high) * weight(node * step_);
       double now = std::cos(0.5 * angle) * window, before = now;
       for (int k = 0; k < side; ++k) {
         sums[k] += now;

@@ -5,11 +5,19 @@
 #include <utility>
 #include <vector>
 
+#include "model/constants.hpp"
+
 namespace sgi {
 
-constexpr int kTextureRoot = 5, kTextureLeast = 3;  // log2 of the sides of cells: 32, 16 and 8 pixels
 constexpr int kTextureSizes = kTextureRoot - kTextureLeast + 1;
 constexpr int kTexturePadding = 16;  // floats that may be read behind a row of a table
+
+// A value for each frequency of a cell of side n, [n, n].
+template <class T>
+using CellValues = std::array<T, 1 << (2 * kTextureRoot)>;
+
+// s(t): the rising edge of a window, abrupt where it is hard.
+double texture_edge(double t, bool hard);
 
 // Output pixel i < count has its centre at start + (first + i + 1/2) / scale in the tile.
 struct OutputAxis {

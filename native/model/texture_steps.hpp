@@ -33,7 +33,7 @@ class TextureSteps {
 
  private:
   std::vector<float> channel_;
-  std::array<std::array<std::array<float, 1 << (2 * kTextureRoot)>, kTextureSizes>, 2> growth_;
+  std::array<std::array<CellValues<float>, kTextureSizes>, 2> growth_;
 };
 
 }  // namespace sgi

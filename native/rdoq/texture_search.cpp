@@ -61,7 +61,7 @@ class TextureSearch {
   }
 
   // |amplitudes| of a cell in steps.
-  void scale(const TextureCell &cell, int channel, std::array<float, 1 << (2 * kTextureRoot)> &scaled) const {
+  void scale(const TextureCell &cell, int channel, CellValues<float> &scaled) const {
     const float *from = amplitudes_.of(cell, channel), step = steps_.of(channel, contrast(cell));
     const float *growth = steps_.growth(channel, cell.log);
     for (int v = 0; v < cell.side(); ++v)
@@ -103,7 +103,7 @@ class TextureSearch {
 
   // Symbols of a channel, frequency by frequency, and then up to the diagonal where it is best to stop.
   void choose(const TextureCell &cell, int channel, Choice &choice) const {
-    static thread_local std::array<float, 1 << (2 * kTextureRoot)> scaled;
+    static thread_local CellValues<float> scaled;
     scale(cell, channel, scaled);
     const int side = cell.side();
     const std::vector<int16_t> &scan = texture_scan(cell.log);
@@ -161,7 +161,7 @@ class TextureSearch {
   }
 
   float cost_of_nothing(const TextureCell &cell) const {
-    static thread_local std::array<float, 1 << (2 * kTextureRoot)> scaled;
+    static thread_local CellValues<float> scaled;
     double sum = 0;
     for (int channel = 0; channel < found_.field.channels; ++channel) {
       scale(cell, channel, scaled);
@@ -174,14 +174,14 @@ class TextureSearch {
   float decide(const TextureCell &cell, std::vector<int> &plan) {
     const BitContext textured = cell_context(field(), cell, CellBit::kTextured);
     const BitContext split = cell_context(field(), cell, CellBit::kSplit);
-    const bool splits = cell.log > kTextureLeast, divides = cell.log > settings_.least_log;
+    const bool splits = cell.log > kTextureLeast;
     std::vector<Choice> choices(field().channels);
     float leaf = choose_leaf(cell, choices) + cost(textured, 1) + (splits ? cost(split, 0) : 0);
     const float nothing = cost_of_nothing(cell) + cost(textured, 0);
     const size_t begin = plan.size();
     plan.push_back(leaf < nothing ? kTextureLeaf : kNoTexture);
     float best = std::min(leaf, nothing);
-    if (divides) {
+    if (splits) {
       std::vector<int> parts{kSplitNode};
       float sum = cost(textured, 1) + cost(split, 1);
       for (int number = 0; number < 4 && sum < best; ++number) {
@@ -253,7 +253,7 @@ class TextureSearch {
   }
 
   void account(const TextureCell &cell, int channel, const Choice &choice) {
-    static thread_local std::array<float, 1 << (2 * kTextureRoot)> scaled;
+    static thread_local CellValues<float> scaled;
     scale(cell, channel, scaled);
     for (int i = 0; i < cell.side() * cell.side(); ++i) {
       const int magnitude = std::abs(choice.values[i]);

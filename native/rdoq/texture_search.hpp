@@ -28,8 +28,7 @@ class TextureAmplitudes {
 };
 
 struct TextureSettings {
-  float lambda;   // squared steps per bit
-  int least_log;  // of cells
+  float lambda;  // squared steps per bit
   bool has_contrast;
 };
 

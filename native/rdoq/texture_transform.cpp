@@ -15,18 +15,14 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kOverlap = kTextureOverlap, kMostReach = (1 << kTextureRoot) + 2 * kOverlap;
 
-double edge(double t, bool hard) {
-  if (hard) return t > 0;
-  return std::sin(kPi / 4 * (1 + std::clamp(t / kOverlap, -1.0, 1.0)));
-}
-
 // Atoms at pixel centres [n + 2 overlap, n], for cells with and without hard edges.
 class Atoms {
  public:
   explicit Atoms(int log) : side_(1 << log) {
     for (int hard = 0; hard < 4; ++hard)
       for (int j = 0; j < reach(); ++j) {
-        const double t = j - kOverlap + 0.5, window = edge(t, hard & 1) * edge(side_ - t, hard & 2);
+        const double t = j - kOverlap + 0.5;
+        const double window = texture_edge(t, hard & 1) * texture_edge(side_ - t, hard & 2);
         for (int k = 0; k < side_; ++k)
           values_[hard].push_back(float(std::sqrt(2.0 / side_) * window * std::cos(kPi * (k + 0.5) * t / side_)));
       }

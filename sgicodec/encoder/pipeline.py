@@ -28,7 +28,7 @@ from sgicodec.encoder.tile_encoder import Encoding, empty_pixels
 from sgicodec.encoder.tile_weight import tile_weight
 from sgicodec.encoder.tile_work import Start
 from sgicodec.encoder.time_budget import TimeBudget
-from sgicodec.encoder.to_target import TargetEncoder
+from sgicodec.encoder.to_target import SeedTargetEncoder
 from sgicodec.encoder.to_texture_target import TextureTargetEncoder
 from sgicodec.encoder.windows import Windows, tile_window, windows_of
 from sgicodec.encoder.worker import TileRunner
@@ -137,7 +137,7 @@ def _encode_whole(job: _Job) -> tuple[Encoded, str | None]:
     encoding = Encoding(picture, plan, job.started, job.device)
     target = plan.settings.rate_target(picture.width * picture.height)
     try:
-        to_target = TextureTargetEncoder if encoding.spec.texture else TargetEncoder
+        to_target = TextureTargetEncoder if encoding.spec.texture else SeedTargetEncoder
         encoded = encoding.run(watch) if target is None else to_target(encoding, target).run(watch)
     except TargetMissedError as error:
         missed, encoded = str(error), error.nearest

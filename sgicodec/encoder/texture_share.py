@@ -14,13 +14,12 @@ from numpy.typing import NDArray
 
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.encoder.texture_tuning import TUNINGS
-from sgicodec.model.gaussians import colour_matrix
 from sgicodec.model.layout import SeedLayout, adaptive_layout
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.texture import ROOT_LOG
-from sgicodec.model.texture_symbols import TextureSteps, roots_of
+from sgicodec.model.texture_symbols import TextureSteps
 from sgicodec.profiles.fit_settings import FitSettings, Phase
-from sgicodec.rdoq.texture import TextureSearch
+from sgicodec.rdoq.texture import TextureSearch, root_planes
 
 __all__ = ["Scout", "cell_weights", "estimated_cost", "searched_cost", "seed_share", "seed_weights", "smoothed"]
 
@@ -79,11 +78,12 @@ def seed_weights(
     scout = _scout(spec, replace(fit, lmbda=SCOUT_SHARE * lmbda), target, family, device)
     tuning = TUNINGS["psnr"]
     steps = tuning.steps(tuning.step(lmbda), spec.channels)
-    (alone, nothing), (left, _) = (estimated_cost(plane, steps) for plane in (target, scout.residual))
-    full = FULL_ESTIMATED
+    alone, nothing = estimated_cost(target, steps)
     if fit.steps >= EXACT_STEPS:
         full, squared = FULL, tuning.squared_steps
         alone, left = (searched_cost(plane, steps, squared, device) for plane in (target, scout.residual))
+    else:
+        full, (left, _) = FULL_ESTIMATED, estimated_cost(scout.residual, steps)
     price, calm = lmbda * scout.root_bits(left.shape), lmbda * CALM_BITS
     weights = cell_weights(np.where(nothing - alone < calm, price, alone - left), price, calm, full)
     return None if weights.min() > _ALL else _of_pixels(weights, target.shape[1:])
@@ -121,12 +121,11 @@ def estimated_cost(residual: F32, steps: TextureSteps) -> tuple[F64, F64]:
     """What texture in these steps would cost over each root [rows, columns] of a residual [C, H, W], squared error plus
     λ times bits, and what no texture would: as if all its cells were cosine transforms of 16×16 pixels.
     """
-    channels, height, width = residual.shape
     step = float(steps.of_channels[0])
-    (columns, rows), half = roots_of(width, height), 1 << (ROOT_LOG - 1)
-    margins = (0, 0), (0, (rows << ROOT_LOG) - height), (0, (columns << ROOT_LOG) - width)
-    opponent = np.tensordot(np.array(colour_matrix(channels), np.float32), residual, axes=1) / np.float32(step)
-    cells = np.pad(opponent, margins, mode="symmetric").reshape(channels, 2 * rows, half, 2 * columns, half)
+    planes = root_planes(residual) / np.float32(step)
+    channels, rows, columns = len(planes), planes.shape[1] >> ROOT_LOG, planes.shape[2] >> ROOT_LOG
+    half = 1 << (ROOT_LOG - 1)
+    cells = planes.reshape(channels, 2 * rows, half, 2 * columns, half)
     cosines = _cosines(half)
     squares = np.square(cosines @ cells.transpose(0, 1, 3, 2, 4) @ cosines.T)
     # λ times the bits of a symbol with its zeros, and the error that it leaves, in squared steps

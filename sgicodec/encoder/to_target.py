@@ -8,15 +8,14 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from sgicodec.encoder.encoded import Encoded
-from sgicodec.encoder.tile_encoder import Candidate, Encoding
-from sgicodec.errors import TargetMissedError
+from sgicodec.encoder.target_encoder import Stream, TargetEncoder
+from sgicodec.encoder.tile_encoder import Candidate
 from sgicodec.metrics.distortion import decibels
 from sgicodec.model.network import DIFFERENCE_SHIFT
 from sgicodec.rate_control.lambda_controller import LambdaController
 from sgicodec.rate_control.rd_model import initial_lmbda
 from sgicodec.rate_control.rdoq_controller import MAX_EXTRA_PASSES, RdoqController, StreamEstimate, fit_target
-from sgicodec.rate_control.side_information import network_bytes, side_bytes
+from sgicodec.rate_control.side_information import side_bytes
 from sgicodec.rate_control.step_search import step_shift
 from sgicodec.rate_control.target import Measured, RateTarget
 from sgicodec.rdoq.adaptation import with_coarser_steps
@@ -24,44 +23,29 @@ from sgicodec.rdoq.adaptation import with_coarser_steps
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Fitted, Progress
 
-__all__ = ["TargetEncoder"]
-
-Stream = tuple[Encoded, Measured]
+__all__ = ["SeedTargetEncoder"]
 
 REFIT_MAX_ERROR = 1.0
 """Rate error, octaves of λ, up to which a missed PSNR is worth a second fit."""
 
 
-class TargetEncoder:
+class SeedTargetEncoder(TargetEncoder):
     """Takes an encoding to a rate target: λ moves during the fit, then between the passes of RDOQ; what still misses
     the target has all its steps shifted.
     """
 
-    def __init__(self, encoding: Encoding, target: RateTarget) -> None:
-        self.encoding, self.target = encoding, target
-
-    def run(self, on_progress: Callable[[Progress], bool] | None) -> Encoded:
-        """Fits and writes. Raises TargetMissedError, with the nearest stream, where the target cannot be reached."""
-        encoding, target, ended = self.encoding, self.target, False
-        if encoding.holds_nothing:
-            return encoding.nothing()
-
-        def watch(state: Progress) -> bool:
-            nonlocal ended
-            ended = on_progress is not None and not on_progress(state)
-            return not ended
-
+    def _best(self, on_progress: Callable[[Progress], bool]) -> Stream:
+        """One fit, or two towards a PSNR that the first missed by little."""
+        encoding, target = self.encoding, self.target
         encoding.begin(self._initial_lmbda())
-        encoded, measured = self._stream(self._fitted(watch))
+        encoded, measured = self._stream(self._fitted(on_progress))
         is_near = target.psnr is not None and target.rate_error(measured) > -REFIT_MAX_ERROR
-        if target.is_missed(measured) and is_near and not ended and encoding.settings.time_limit is None:
+        if target.is_missed(measured) and is_near and not self.ended and encoding.settings.time_limit is None:
             # Seeds were dropped that were needed: once more, from where λ should have begun, and below.
             encoding.begin(0.5 * math.sqrt(encoding.fit.lmbda * encoded.lmbda))
-            again = self._stream(self._fitted(watch, jumps=False))
+            again = self._stream(self._fitted(on_progress, jumps=False))
             encoded, measured = max((encoded, measured), again, key=lambda one: one[1].psnr)
-        if target.is_missed(measured):
-            raise TargetMissedError(target.miss_message(measured), encoded)
-        return encoded
+        return encoded, measured
 
     def _initial_lmbda(self) -> float:
         target = self._fit_target if self.target.psnr is None else self.target
@@ -76,10 +60,6 @@ class TargetEncoder:
         overhead = side_bytes(encoding.target.size / max(1, encoding.spec.base_cell**2), self._extra())
         controller = LambdaController(self._fit_target, encoding.fit.lmbda, overhead, jumps)
         return encoding.fitted(on_progress, controller, share=2.0)
-
-    def _extra(self) -> float:
-        """Bytes of metadata and of networks that travel in the stream."""
-        return self.encoding.blob_bytes() + network_bytes(self.encoding.network_weights)
 
     def _stream(self, fitted: Fitted) -> Stream:
         encoding, target, candidate = self.encoding, self.target, self.encoding.candidate(fitted)

@@ -5,14 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from sgicodec.encoder.encoded import Encoded
-from sgicodec.encoder.tile_encoder import Encoding
-from sgicodec.errors import TargetMissedError
+from sgicodec.encoder.target_encoder import Stream, TargetEncoder
 from sgicodec.model.texture_symbols import STEP_COUNT
 from sgicodec.rate_control.rd_model import initial_lmbda
-from sgicodec.rate_control.side_information import network_bytes
 from sgicodec.rate_control.step_search import step_shift
-from sgicodec.rate_control.target import LMBDA_MAX, LMBDA_MIN, Measured, RateTarget
+from sgicodec.rate_control.target import LMBDA_MAX, LMBDA_MIN, Measured
 
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Progress
@@ -26,45 +23,30 @@ OCTAVES_PER_UNIT = -1 / 16
 """Octaves of λ that a unit of the texture's step stands for: a 32nd of an octave of the step."""
 
 
-class TextureTargetEncoder:
+class TextureTargetEncoder(TargetEncoder):
     """Takes an encoding to a rate target. λ of the seeds is what the R-D model predicts; the texture's step does the
     rest, and where it would have to go far, seeds are fitted once more.
     """
 
-    def __init__(self, encoding: Encoding, target: RateTarget) -> None:
-        self.encoding, self.target = encoding, target
-
-    def run(self, on_progress: Callable[[Progress], bool] | None) -> Encoded:
-        """Fits and writes. Raises TargetMissedError, with the nearest stream, where the target cannot be reached."""
-        encoding, target, ended = self.encoding, self.target, False
-        if encoding.holds_nothing:
-            return encoding.nothing()
-
-        def watch(state: Progress) -> bool:
-            nonlocal ended
-            ended = on_progress is not None and not on_progress(state)
-            return not ended
-
-        extra = encoding.blob_bytes() + network_bytes(encoding.network_weights)
-        lmbda, found = initial_lmbda(target, encoding.rd_model(), extra), []
+    def _best(self, on_progress: Callable[[Progress], bool]) -> Stream:
+        """The nearest stream of as many fits as it takes."""
+        encoding, target = self.encoding, self.target
+        lmbda, found = initial_lmbda(target, encoding.rd_model(), self._extra()), []
         for _ in range(1 if encoding.settings.time_limit is not None else MAX_FITS):
             encoding.begin(lmbda)
-            stream, octaves = self._stream(watch)
+            stream, octaves = self._stream(on_progress)
             found.append(stream)
             lmbda = min(max(lmbda * 2.0**octaves, LMBDA_MIN), LMBDA_MAX)
-            if ended or (target.is_met(stream[1]) and abs(octaves) < FAR_OCTAVES):
+            if self.ended or (target.is_met(stream[1]) and abs(octaves) < FAR_OCTAVES):
                 break
-        encoded, measured = found[target.nearest([measured for _, measured in found])]
-        if target.is_missed(measured):
-            raise TargetMissedError(target.miss_message(measured), encoded)
-        return encoded
+        return found[target.nearest([measured for _, measured in found])]
 
-    def _stream(self, on_progress: Callable[[Progress], bool]) -> tuple[tuple[Encoded, Measured], float]:
+    def _stream(self, on_progress: Callable[[Progress], bool]) -> tuple[Stream, float]:
         """The best stream with seeds for the encoding's λ, and by how many octaves λ should have been larger."""
         encoding, target = self.encoding, self.target
         candidate = encoding.searched(encoding.candidate(encoding.fitted(on_progress)))
         search, first = encoding.texture_search(candidate), encoding.tuning.step(encoding.lmbda)
-        tried: dict[int, tuple[Encoded, Measured]] = {}
+        tried: dict[int, Stream] = {}
 
         def measure(shift: int) -> Measured:
             step = min(max(first + shift, 0), STEP_COUNT - 1)

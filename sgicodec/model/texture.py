@@ -7,7 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec._native import TEXTURE_LEAST_LOG as LEAST_LOG
 from sgicodec._native import TEXTURE_OVERLAP, draw_texture
+from sgicodec._native import TEXTURE_ROOT_LOG as ROOT_LOG
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.model.gaussians import colour_matrix
 
@@ -15,9 +17,6 @@ __all__ = ["LEAST_LOG", "ROOT_LOG", "TextureLayer", "texture_atoms"]
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
-
-ROOT_LOG, LEAST_LOG = 5, 3
-"""log2 of the sides of the largest and the smallest cells."""
 
 
 @dataclass(frozen=True)

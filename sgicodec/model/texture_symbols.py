@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec._native import texture_cells
+from sgicodec._native import CONTRAST_LIMIT, texture_cells
 from sgicodec.model.texture import LEAST_LOG, ROOT_LOG, TextureLayer
 
 __all__ = [
@@ -59,7 +59,6 @@ class TextureSteps:
 
 
 STEP_ZERO, STEP_COUNT = 480, 512
-CONTRAST_LIMIT = 15
 SAME_STEP = 16
 """Ratio of a channel with the steps of the first."""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -69,5 +69,5 @@ SEARCH = Correction("search", 1, 0.2, 0.35, 4.0, 1.3)
 REFIT = Correction("again", -1, 0.6, 0.5, 2.0, 1.1)
 """Another fit: slow, but it adds seeds."""
 COARSER_TEXTURE = Correction("search", 1, 0.35, 0.1, 4.0, 1.3, 0.01)
-FINER_TEXTURE = Correction("search", -1, 0.35, 0.1, 4.0, 1.3, 0.01)
+FINER_TEXTURE = replace(COARSER_TEXTURE, direction=-1)
 """Texture of another step over the seeds that are coded: fast, and it goes both ways."""

@@ -12,12 +12,21 @@ from sgicodec.model.gaussians import colour_matrix
 from sgicodec.model.texture import ROOT_LOG
 from sgicodec.model.texture_symbols import TextureSteps, TextureSymbols, roots_of
 
-__all__ = ["TextureSearch"]
+__all__ = ["TextureSearch", "root_planes"]
 
 F32 = NDArray[np.float32]
 
 _Layer = tuple[NDArray[np.uint8], NDArray[np.int8], NDArray[np.int16]]
 _Found = tuple[_Layer, float, list[float], list[float], F32]
+
+
+def root_planes(residual: F32) -> F32:
+    """A residual [C, H, W] in opponent colours, mirrored to fill whole root cells [C, 32 rows, 32 columns]."""
+    channels, height, width = residual.shape
+    columns, rows = roots_of(width, height)
+    mixed = np.tensordot(np.array(colour_matrix(channels), np.float32), residual, axes=1)
+    margins = (0, 0), (0, (rows << ROOT_LOG) - height), (0, (columns << ROOT_LOG) - width)
+    return np.ascontiguousarray(np.pad(mixed, margins, mode="symmetric"), np.float32)
 
 
 class TextureSearch:
@@ -27,15 +36,11 @@ class TextureSearch:
     """
 
     def __init__(self, residual: F32, device: Device = ALL_CORES) -> None:
-        channels, height, width = residual.shape
+        _, height, width = residual.shape
         self.size = width, height
         columns, rows = roots_of(width, height)
-        mixed = np.tensordot(np.array(colour_matrix(channels), np.float32), residual, axes=1)
-        margins = (0, 0), (0, (rows << ROOT_LOG) - height), (0, (columns << ROOT_LOG) - width)
-        planes = np.ascontiguousarray(np.pad(mixed, margins, mode="symmetric"), np.float32)
         self._shape = rows, columns
-        self._amplitudes = TextureAmplitudes(planes, self.size, device.threads)
-        self.channels = channels
+        self._amplitudes = TextureAmplitudes(root_planes(residual), self.size, device.threads)
 
     def at(
         self, steps: TextureSteps, squared_steps: float, contrast: NDArray[np.int8] | None = None
@@ -66,7 +71,6 @@ class TextureSearch:
             steps.of_channels,
             steps.growth,
             squared_steps,
-            3,
             steps.has_contrast,
         )
 

@@ -141,10 +141,6 @@ class SymbolCoder(ABC):
         """One equally likely integer of `n_bits` bits."""
         return int(self.code_bits(None if value is None else [value], n_bits, 1)[0])
 
-    def account(self, symbols: NDArray[np.integer], content: float) -> None:
-        """Counts symbols that native code has coded, and books their information content to the current part."""
-        self._record(symbols, content)
-
     @abstractmethod
     def _zero_centred(self, values: NDArray[np.int64] | None, table: NDArray[np.int16]) -> tuple[IntArray, float]:
         """Codes zero-centred symbols as `code` says; with them comes their information content."""
@@ -203,7 +199,7 @@ class SymbolWriter(SymbolCoder):
         model = constriction().stream.model.Bernoulli(perfect=False)
         # Constriction takes floats: P(0) becomes the frequency 1 + floor(P(0) (2^24 - 2)).
         self._coder.encode(bits, model, 1 - (zero - 0.5) / ((1 << _PRECISION) - 2))
-        self.account(symbols, content)
+        self._record(symbols, content)
 
     def _zero_centred(self, values: NDArray[np.int64] | None, table: NDArray[np.int16]) -> tuple[IntArray, float]:
         if values is None:
@@ -267,11 +263,6 @@ class SymbolReader(SymbolCoder):
         if payload[-1:] == b"\0":
             raise CorruptStreamError("entropy: the payload is padded with zero bytes; it was not written by an encoder")
         self._coder = _native.RangeDecoder(payload)
-
-    @property
-    def decoder(self) -> _native.RangeDecoder:
-        """For native functions that read by themselves; `account` must be told what they read."""
-        return self._coder
 
     def read(self, part: Callable[[_native.RangeDecoder], tuple[int, IntArray, list[float]]], names: list[str]) -> None:
         """Lets a native function read by itself: it returns whether that is sound (`require_sound`), all symbols in

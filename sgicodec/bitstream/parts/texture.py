@@ -5,9 +5,12 @@ from __future__ import annotations
 import zlib
 from functools import cache
 from importlib.resources import files
+from typing import Any
 
-from sgicodec._native import TextureModels
-from sgicodec.bitstream.entropy.symbol_coder import SymbolCoder, SymbolReader, SymbolWriter
+from numpy.typing import NDArray
+
+from sgicodec._native import RangeDecoder, TextureModels
+from sgicodec.bitstream.entropy.symbol_coder import IntArray, SymbolCoder, SymbolReader, SymbolWriter
 from sgicodec.bitstream.limits import check_texture
 from sgicodec.errors import CorruptStreamError, UnsupportedStreamError
 from sgicodec.model.texture_symbols import TextureSteps, TextureSymbols
@@ -47,10 +50,21 @@ def code_texture(
         return texture
     if not isinstance(coder, SymbolReader):
         raise TypeError("a coder reads or writes")
-    sound, parts, symbols, content = texture_models().read(coder.decoder, size, channels, steps.has_contrast)
-    if not sound:
-        raise CorruptStreamError("texture: the payload does not decode; it is damaged")
-    coder.account(symbols, content)
+    return _read(coder, size, channels, steps)
+
+
+def _read(coder: SymbolReader, size: tuple[int, int], channels: int, steps: TextureSteps) -> TextureSymbols:
+    """The layer behind its steps."""
+    parts: list[NDArray[Any]] = []
+
+    def read(decoder: RangeDecoder) -> tuple[int, IntArray, list[float]]:
+        sound, layer, symbols, content = texture_models().read(decoder, size, channels, steps.has_contrast)
+        if not sound:
+            raise CorruptStreamError("texture: the payload does not decode; it is damaged")
+        parts.extend(layer)
+        return 0, symbols, [content]
+
+    coder.read(read, [coder.current])
     return TextureSymbols(size, steps, *parts)
 
 
