@@ -14,6 +14,7 @@ from sgicodec.metadata.blobs import Metadata
 
 __all__ = [
     "LAYOUTS",
+    "WITHOUT_ALPHA",
     "Metadata",
     "Picture",
     "alpha_index",
@@ -30,6 +31,9 @@ Samples = npt.NDArray[Any]
 
 LAYOUTS = {"gray": 1, "gray+alpha": 2, "rgb": 3, "rgba": 4}
 """Channel count of each layout with a meaning; any other stack of bands is "multi"."""
+
+WITHOUT_ALPHA = {"gray+alpha": "gray", "rgba": "rgb"}
+"""What layouts with alpha are without it."""
 
 _DTYPE_OF_DEPTH: dict[int, np.dtype[Any]] = {
     8: np.dtype(np.uint8),

@@ -16,6 +16,7 @@ from sgicodec.errors import UsageError
 
 if TYPE_CHECKING:
     from sgicodec.encoder.settings import EncodeSettings
+    from sgicodec.image import Alpha
 
 __all__ = ["encode"]
 
@@ -50,6 +51,13 @@ __all__ = ["encode"]
 @click.option("--time-limit", type=float, metavar="S", help="Seconds to spend, instead of -e.")
 @click.option("--seed", type=click.IntRange(0, 2**32 - 1), default=0, metavar="N", help="Of the random numbers.")
 @click.option("--float-range", type=FLOAT_RANGE, metavar="LOW,HIGH", help="Samples of float input to cover.")
+@click.option(
+    "--alpha",
+    type=click.Choice(["auto", "band", "none"]),
+    default="auto",
+    show_default=True,
+    help="Take for alpha what the file declares so; code it as a band like the others; or leave it out.",
+)
 @click.option("--metadata/--no-metadata", default=True, show_default=True, help="Keep ICC profile, EXIF and XMP.")
 @click.option("--verify/--no-verify", default=True, show_default=True, help="Decode the stream and measure it.")
 @click.option("--progress", type=click.Choice(["auto", "on", "off"]), default="auto", show_default=True)
@@ -79,6 +87,7 @@ def encode(
     cluster: str | None,
     source_at: str | None,
     send_pixels: bool,
+    alpha: Alpha,
     threads: int,
     **choices: Any,
 ) -> None:
@@ -104,7 +113,7 @@ def encode(
         from sgicodec.cli.encode_file import Job, encode_file
 
         options = (float_range, verify, progress, force, as_json, quiet, verbose, resume, max_memory)
-        where = (cluster, source_at, send_pixels)
+        where = (cluster, source_at, send_pixels, alpha)
         return encode_file(Job(source, target, settings, device, started, *options, *where, output_dir is not None))
 
     if output_dir is not None:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from sgicodec.encoder.encoded import Encoded
     from sgicodec.encoder.settings import EncodeSettings
     from sgicodec.executors.executor import Executor
-    from sgicodec.image import Source
+    from sgicodec.image import Alpha, Source
 
 __all__ = ["Job", "encode_file"]
 
@@ -52,6 +52,7 @@ class Job:
     cluster: str | None
     source_at: str | None
     send_pixels: bool
+    alpha: Alpha
     batch: bool
 
 
@@ -66,10 +67,10 @@ def encode_file(job: Job) -> int:
     origin = sys.stdin.buffer.read() if job.source == STANDARD else Path(job.source)
     missed = None
     with ExitStack() as stack:
-        source = stack.enter_context(open_source(origin, sample_range=job.float_range))
+        source = stack.enter_context(open_source(origin, sample_range=job.float_range, alpha=job.alpha))
         executor = _executor(job, source, stack)
         checkpoint = Checkpoint(_part(job, stack), job.resume, job.force)
-        listener = EncodeListener("off" if job.quiet else job.progress, job.quiet, job.cluster is not None)
+        listener = EncodeListener("off" if job.quiet else job.progress, job.quiet, job.cluster is not None, job.source)
         try:
             with listener:
                 encoded = _encode(job, source, executor, checkpoint, listener)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from sgicodec.cli.interrupt import EarlyEnd
+from sgicodec.cli.paths import STANDARD, display
 from sgicodec.cli.progress import Mode, fit_progress, tile_progress
 from sgicodec.encoder.listener import NullListener, PassState
 from sgicodec.executors.executor import MIB, Memory
@@ -26,8 +27,8 @@ class EncodeListener(NullListener):
 
     plan: Plan
 
-    def __init__(self, mode: Mode, quiet: bool, on_cluster: bool) -> None:
-        self._mode, self._quiet, self._on_cluster = mode, quiet, on_cluster
+    def __init__(self, mode: Mode, quiet: bool, on_cluster: bool, source: str = STANDARD) -> None:
+        self._mode, self._quiet, self._on_cluster, self._source = mode, quiet, on_cluster, source
         self._stack, self._early = ExitStack(), EarlyEnd()
         self._draw_fit: Callable[[Progress], None] = lambda _: None
         self._draw_tiles: Callable[[PassState], None] = lambda _: None
@@ -75,6 +76,10 @@ class EncodeListener(NullListener):
             text = f"sgi: interrupted at step {progress.step} of {progress.steps}; writing what is there"
             click.echo(text, err=True)
         return not self._early.asked
+
+    def note(self, text: str) -> None:
+        """One line, which even --quiet does not keep back."""
+        click.echo(f"sgi: {display(self._source)}: {text}", err=True)
 
     def tile(self, state: PassState) -> None:
         """Draws the bar."""

@@ -80,6 +80,9 @@ class NullListener:
         """
         return True
 
+    def note(self, text: str) -> None:
+        """Something about the picture that its owner should know."""
+
     def tile(self, state: PassState) -> None:
         """A pass over the tiles begins, or one more of its tiles is done."""
 

@@ -30,12 +30,13 @@ from sgicodec.encoder.tile_work import Start
 from sgicodec.encoder.time_budget import TimeBudget
 from sgicodec.encoder.to_target import SeedTargetEncoder
 from sgicodec.encoder.to_texture_target import TextureTargetEncoder
-from sgicodec.encoder.windows import Windows, tile_window, windows_of
+from sgicodec.encoder.windows import Windows, hides_all, tile_window, windows_of, without_alpha
 from sgicodec.encoder.worker import TileRunner
 from sgicodec.errors import TargetMissedError
 from sgicodec.executors.executor import Executor, Memory
 from sgicodec.executors.serial import SerialExecutor
 from sgicodec.image.files import whole_file
+from sgicodec.metadata import geo
 from sgicodec.picture import Picture
 
 if TYPE_CHECKING:
@@ -73,10 +74,19 @@ def encode(
     """
     started = time.monotonic() if started is None else started
     windows = windows_of(picture)
+    listener = progress or NullListener()
     plan = stream_plan(windows.shape, settings or EncodeSettings())
+    if plan.header.masked == "transparent" and hides_all(windows, plan.header.grid):
+        listener.note("alpha is 0 everywhere; it is left out, and the colours are kept")
+        windows = without_alpha(windows)
+        plan = stream_plan(windows.shape, plan.settings)
+    elif plan.header.masked == "transparent" and geo.has_place(windows.shape.metadata.geo):
+        listener.note(_BAND_AS_ALPHA)
     where = Path(output) if isinstance(output, str) else output
-    job = _Job(windows, plan, where, progress or NullListener(), device, verify, started)
+    job = _Job(windows, plan, where, listener, device, verify, started)
     encoded, missed = _encode_tiles(job, executor, store) if plan.header.tile else _encode_whole(job)
+    if plan.header.masked is not None and not encoded.part_bytes.keys() - {"mask", "overview"}:
+        listener.note(_NOTHING[plan.header.masked])
     if missed is not None:
         raise TargetMissedError(missed, encoded)
     return encoded
@@ -118,6 +128,16 @@ class _Job:
         buffer = io.BytesIO()
         size = to(buffer)
         return buffer.getvalue(), size
+
+
+_BAND_AS_ALPHA = (
+    "the last band is declared as alpha: where it is 0, the others are not kept; if it is a band like them, "
+    "such as near infrared, read it with alpha as a band (--alpha band)"
+)
+_NOTHING = {
+    "nodata": "every pixel has the nodata value; the stream holds no picture",
+    "transparent": "alpha is 0 everywhere and there are no colours; the stream holds no picture",
+}
 
 
 def _encode_whole(job: _Job) -> tuple[Encoded, str | None]:

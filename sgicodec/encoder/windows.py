@@ -8,12 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from sgicodec.encoder.plan import Plan, Shape
-from sgicodec.picture import Picture
+from sgicodec.model.tile_grid import TileGrid
+from sgicodec.picture import WITHOUT_ALPHA, Picture
 
 if TYPE_CHECKING:
     from sgicodec.image import Source
 
-__all__ = ["Windows", "tile_window", "windows_of"]
+__all__ = ["Windows", "hides_all", "tile_window", "windows_of", "without_alpha"]
 
 _BLOCK = 1 << 20
 
@@ -43,6 +44,33 @@ def windows_of(picture: Picture | Source) -> Windows:
 def tile_window(windows: Windows, plan: Plan, number: int) -> Picture:
     """What a tile covers, with no more metadata than a fit needs."""
     return replace(windows.read(*plan.header.grid.rect(number)), metadata=plan.place_of_windows)
+
+
+def hides_all(windows: Windows, grid: TileGrid) -> bool:
+    """Whether alpha is 0 in every pixel of a picture that has colours. No more is read than it takes to tell."""
+    colours = False
+    for number in range(grid.count):
+        pixels = windows.read(*grid.core(number)).pixels
+        if pixels[..., -1].any():
+            return False
+        colours = colours or bool(pixels.any())
+    return colours
+
+
+def without_alpha(windows: Windows) -> Windows:
+    """The colours alone of a picture that has alpha."""
+    return _Colours(windows)
+
+
+class _Colours:
+    def __init__(self, windows: Windows) -> None:
+        self._windows, shape = windows, windows.shape
+        self.shape = replace(shape, channels=WITHOUT_ALPHA[shape.channels], bands=shape.bands - 1)
+        self.memory, self.digest = windows.memory, windows.digest
+
+    def read(self, x: int, y: int, width: int, height: int) -> Picture:
+        picture = self._windows.read(x, y, width, height)
+        return replace(picture, pixels=picture.pixels[..., :-1], channels=self.shape.channels)
 
 
 class _PictureWindows:

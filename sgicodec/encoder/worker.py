@@ -18,7 +18,7 @@ from sgicodec.encoder.tile_work import Start
 from sgicodec.encoder.windows import Windows, tile_window
 from sgicodec.errors import PictureError
 from sgicodec.executors.executor import Executor
-from sgicodec.image import Source, open_source
+from sgicodec.image import Alpha, Source, open_source
 from sgicodec.picture import Picture
 
 __all__ = ["Job", "ReadingTask", "TileRunner", "TileTask"]
@@ -87,7 +87,8 @@ class ReadingTask(Generic[Result]):
         """What the task makes of the tile. Raises PictureError for another picture than the plan's."""
         header, asked = self.plan.header, time.monotonic()
         with _reading:
-            source = _opened(self.place, header.sample_range if header.sample_type == "float32" else None)
+            stated = header.sample_range if header.sample_type == "float32" else None
+            source = _opened(self.place, stated, _ALPHA.get(header.channels, "auto"))
             found = source.width, source.height, source.channels, str(source.dtype)
             if found != (header.width, header.height, header.channels, header.sample_type):
                 raise PictureError(f"{self.place}: this is another picture than the one being encoded")
@@ -98,12 +99,14 @@ class ReadingTask(Generic[Result]):
 
 
 _reading = threading.Lock()
+_ALPHA: dict[str, Alpha] = {"multi": "band", "gray": "none", "rgb": "none"}
+"""What a worker takes alpha for, by the channels of the plan, so that it reads what was planned for."""
 
 
 @lru_cache(maxsize=1)
-def _opened(place: str, sample_range: tuple[float, float] | None) -> Source:
+def _opened(place: str, sample_range: tuple[float, float] | None, alpha: Alpha) -> Source:
     if "://" not in place:
-        return open_source(place, sample_range=sample_range)
+        return open_source(place, sample_range=sample_range, alpha=alpha)
     try:
         import fsspec
     except ImportError as error:
@@ -111,7 +114,7 @@ def _opened(place: str, sample_range: tuple[float, float] | None) -> Source:
     try:
         with fsspec.open(place, "rb") as file:
             content: Any = file
-            return open_source(content, sample_range=sample_range)
+            return open_source(content, sample_range=sample_range, alpha=alpha)
     except OSError as error:
         raise PictureError(f"{place}: {error}") from error
 

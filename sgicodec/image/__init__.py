@@ -21,15 +21,17 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from sgicodec.image.header import MAX_SAMPLES, Probe
+    from sgicodec.image.opened import Alpha
     from sgicodec.image.reader import probe, read
     from sgicodec.image.sink import Sink, open_sink
     from sgicodec.image.source import Source, open_source
     from sgicodec.image.writer import write
 
-__all__ = ["MAX_SAMPLES", "Probe", "Sink", "Source", "open_sink", "open_source", "probe", "read", "write"]
+__all__ = ["MAX_SAMPLES", "Alpha", "Probe", "Sink", "Source", "open_sink", "open_source", "probe", "read", "write"]
 
 _HOMES = {
     "MAX_SAMPLES": "header",
+    "Alpha": "opened",
     "Probe": "header",
     "Sink": "sink",
     "Source": "source",

@@ -34,7 +34,15 @@ class Extremes:
         self._low, self._high = min(self._low, low), max(self._high, high)
 
     def range(self) -> tuple[float, float]:
-        """What stands for 0 and 1: the extremes, pulled apart if they are equal; 0 and 1 if nothing was measured."""
+        """What stands for 0 and 1: the extremes, pulled apart if they are equal; 0 and 1 if nothing was measured.
+
+        Raises PictureError for extremes too far apart.
+        """
         if self._low > self._high:
             return 0.0, 1.0
+        if self._high - self._low > float(np.finfo(np.float32).max):
+            raise PictureError(
+                f"its samples run from {self._low:g} to {self._high:g}, farther apart than floats of 32 bits tell; "
+                "state a sample range to clip them to"
+            )
         return self._low, self._high if self._high > self._low else self._low + max(1.0, abs(self._low))

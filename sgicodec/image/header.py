@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from sgicodec.errors import PictureError
+from sgicodec.image.channels import Last
 from sgicodec.metadata.orientation import is_sideways
+from sgicodec.picture import WITHOUT_ALPHA, alpha_index
 
 if TYPE_CHECKING:
     from OpenImageIO import ImageSpec
@@ -48,8 +50,13 @@ class Probe:
     dtype: np.dtype[Any]
 
 
-def header(spec: ImageSpec, kind: str) -> Probe:
-    """The header of a file in the format `kind`. Raises PictureError for what cannot be read faithfully."""
+def header(spec: ImageSpec, kind: str, last: Last = "alpha") -> Probe:
+    """The header of a file in the format `kind`, whose last channel is `last` if OpenImageIO takes it for alpha.
+
+    Raises PictureError for what cannot be read faithfully.
+    """
+    if min(spec.width, spec.height, spec.nchannels) < 1:
+        raise PictureError("it holds no pixels")
     if spec.deep or spec.depth > 1:
         raise PictureError("it is a deep or volume image; only flat pictures can be read")
     if _photometric(spec) in _LAB_PHOTOMETRICS:
@@ -69,7 +76,10 @@ def header(spec: ImageSpec, kind: str) -> Probe:
     if is_sideways(orientation(spec, kind)):
         width, height = height, width
     dtype = np.dtype(native if native in ("uint8", "uint16") else np.float32)
-    return Probe(width, height, _layout(spec, kind), spec.nchannels, dtype)
+    channels, count = _layout(spec, kind), spec.nchannels
+    if last != "alpha" and alpha_index(channels) is not None:
+        channels, count = ("multi", count) if last == "band" else (WITHOUT_ALPHA[channels], count - 1)
+    return Probe(width, height, channels, count, dtype)
 
 
 def _layout(spec: ImageSpec, kind: str) -> str:

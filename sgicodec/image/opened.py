@@ -7,15 +7,17 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from sgicodec.errors import PictureError, require
 from sgicodec.image.alpha import unassociate
+from sgicodec.image.channels import Channels, Last, declared_channels
 from sgicodec.image.header import Probe, has_own_numbers, header, is_associated, number_as_read, orientation
 from sgicodec.image.origin import first_line
+from sgicodec.image.second_reader import KIND, SecondReader
 from sgicodec.metadata import embedded, geo, ifd, placement, png
 from sgicodec.metadata.filebytes import FileBytes
 from sgicodec.metadata.orientation import upright
@@ -24,11 +26,13 @@ from sgicodec.picture import Metadata, alpha_index
 if TYPE_CHECKING:
     from OpenImageIO import ImageInput, ImageSpec
 
-__all__ = ["Opened", "open_picture"]
+__all__ = ["Alpha", "Opened", "open_picture"]
 
 Samples = npt.NDArray[Any]
 
 _STREAM_SIGNATURE = b"\x89SGI\r\n\x1a\n"
+Alpha = Literal["auto", "band", "none"]
+_LAST: dict[str, Last] = {"band": "band", "none": "unused"}
 _NUMPY_NAMES = {"half": "float16", "float": "float32", "double": "float64", "int": "int32", "uint": "uint32"}
 _SIZE_LIMIT = "limits:imagesize_MB"
 _LIFTING = threading.Lock()
@@ -36,16 +40,19 @@ _LIFTING = threading.Lock()
 
 @dataclass
 class Opened:
-    """An open file. `spec` and `kind` are OpenImageIO's header and format name; `header` and `metadata` are those of
-    the upright picture.
+    """An open file. `image` is an `ImageInput`, or a `SecondReader`; `spec` and `kind` are OpenImageIO's header and
+    format name; `header` and `metadata` are those of the upright picture. channels: what the file declares of them;
+    associated: whether colours are multiplied by alpha.
     """
 
     path: Path
-    image: ImageInput
+    image: Any
     spec: ImageSpec
     kind: str
     header: Probe
     metadata: Metadata
+    channels: Channels
+    associated: bool
 
     @property
     def orientation(self) -> int:
@@ -66,7 +73,7 @@ class Opened:
     def reopen(self) -> None:
         """Close the file and open it again: OpenImageIO then stands at the first row again."""
         self.image.close()
-        self.image = _open(self.path)
+        self.image = _open(self.path, self.kind == KIND)
 
     def samples(self, method: Callable[..., Any], rows: int, *where: int) -> Samples:
         """What a method of `image` reads of the first picture, [rows, columns, C] in the native type.
@@ -90,46 +97,65 @@ class Opened:
         Raises PictureError for samples that are not a number, unless that is the nodata value.
         """
         pixels = stored.astype(self.header.dtype, copy=False)
-        if alpha_index(self.header.channels) is not None and is_associated(self.spec, self.kind):
+        if self.channels.order is not None:
+            pixels = pixels[..., self.channels.order]
+        if self.associated:
             pixels = unassociate(pixels)
+        pixels = pixels[..., : self.header.count]
         if pixels.dtype.kind == "f" and (self.nodata is None or not np.isnan(self.nodata)) and np.isnan(pixels).any():
             raise PictureError("it holds samples that are not a number; replace them by numbers first")
         return upright(pixels, self.orientation)
 
 
-def open_picture(path: Path, *, any_size: bool = False) -> Opened:
+def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto") -> Opened:
     """Open a file and read its header and metadata, not its pixels.
 
     any_size: lift OpenImageIO's own limit (32 GiB, or the machine's memory) for a TIFF, which can be read in parts.
+    alpha: what the last of two or four channels is: what the file declares, a band like the others, or left out.
 
     Raises PictureError for what cannot be read faithfully.
     """
     require("OpenImageIO", "reading pictures")
-    found, is_tiff = _examine(path)
-    with _no_size_limit() if any_size and is_tiff else nullcontext():
-        image = _open(path)
-    spec, kind = image.spec(), image.format_name()
-    probe = header(spec, kind)
+    with path.open("rb") as file:
+        data = FileBytes(file)
+        _check(data)
+        found = embedded.extract(data)
+        with _no_size_limit() if any_size and ifd.layout(data) is not None else nullcontext():
+            image = _open(path)
+        declared = declared_channels(data, image.format_name())
+        if declared.second:
+            image = _open(path, second=True)
+        spec, kind = _spec(image, data, found), image.format_name()
+    probe = header(spec, kind, _LAST.get(alpha, declared.last))
     place = found.geo
     if not has_own_numbers(spec):
         place = geo.resampled(place, lambda value: number_as_read(value, spec))
     place = placement.oriented(place, orientation(spec, kind), spec.width, spec.height)
     metadata = replace(found, icc=_icc(spec, probe.channels), geo=place)
-    return Opened(path, image, spec, kind, probe, metadata)
+    has_alpha = declared.last == "alpha" and alpha_index(header(spec, kind).channels) is not None
+    associated = has_alpha and alpha != "band" and is_associated(spec, kind)
+    return Opened(path, image, spec, kind, probe, metadata, declared, associated)
 
 
-def _examine(path: Path) -> tuple[Metadata, bool]:
-    """EXIF, XMP and `geo` of the file, and whether it is a TIFF. Raises PictureError for what its bytes rule out."""
-    if path.stat().st_size == 0:
+def _check(data: FileBytes) -> None:
+    """Raise PictureError for what the bytes of a file rule out."""
+    if len(data) == 0:
         raise PictureError("the file is empty")
-    with path.open("rb") as file:
-        data = FileBytes(file)
-        if data[:8] == _STREAM_SIGNATURE:
-            raise PictureError("this is an encoded stream, not a picture; decode it first")
-        damage = png.damage(data) if data[:8] == png.SIGNATURE else ifd.damage(data)
-        if damage:
-            raise PictureError(damage)
-        return embedded.extract(data), ifd.layout(data) is not None
+    if data[:8] == _STREAM_SIGNATURE:
+        raise PictureError("this is an encoded stream, not a picture; decode it first")
+    damage = png.damage(data) if data[:8] == png.SIGNATURE else ifd.damage(data)
+    if damage:
+        raise PictureError(damage)
+
+
+def _spec(image: ImageInput | SecondReader, data: FileBytes, found: Metadata) -> ImageSpec:
+    """The header of the first picture. An orientation that stands in XMP alone, OpenImageIO does not see."""
+    import OpenImageIO as oiio
+
+    spec = oiio.ImageSpec(image.spec())
+    if found.xmp is not None and spec.get("Orientation") is None:
+        spec.attribute("Orientation", embedded.orientation_in_xmp(data) or 1)
+    return spec
 
 
 @contextmanager
@@ -145,16 +171,19 @@ def _no_size_limit() -> Iterator[None]:
             oiio.attribute(_SIZE_LIMIT, limit)
 
 
-def _open(path: Path) -> ImageInput:
+def _open(path: Path, second: bool = False) -> ImageInput | SecondReader:
+    """The opened file. second: by Pillow, which else is asked for what is in no format that OpenImageIO knows."""
     import OpenImageIO as oiio  # takes 30 ms: not for those who only decode to arrays
 
+    if second:
+        return SecondReader(path)
     hints = oiio.ImageSpec()
     hints.attribute("oiio:UnassociatedAlpha", 1)
     image = oiio.ImageInput.open(str(path), hints)
     if image is None:
         complaint = _complaint(oiio, path)
-        if "could not find a format reader" in complaint:
-            complaint = "it is in no picture format that OpenImageIO reads"
+        if "could not find a format reader" in complaint or path.read_bytes()[:2] == b"BM":
+            return SecondReader(path)
         raise PictureError(complaint or "it cannot be opened; the file is damaged or cut off")
     if image.format_name() == "null":
         raise PictureError("it stands for OpenImageIO's null picture")

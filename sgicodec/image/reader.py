@@ -6,24 +6,31 @@ from sgicodec.errors import PictureError
 from sgicodec.image.access import whole
 from sgicodec.image.extremes import Extremes
 from sgicodec.image.header import MAX_SAMPLES, Probe
-from sgicodec.image.opened import Opened, open_picture
+from sgicodec.image.opened import Alpha, Opened, open_picture
 from sgicodec.image.origin import Origin, naming, on_disk
 from sgicodec.picture import Picture, full_range
 
 __all__ = ["check_whole", "probe", "read"]
 
 
-def read(origin: Origin, *, max_samples: int = MAX_SAMPLES, sample_range: tuple[float, float] | None = None) -> Picture:
+def read(
+    origin: Origin,
+    *,
+    max_samples: int = MAX_SAMPLES,
+    sample_range: tuple[float, float] | None = None,
+    alpha: Alpha = "auto",
+) -> Picture:
     """Read the first image of a file, of bytes, or of a stream from where it stands.
 
     sample_range states which colour samples stand for 0 and 1. Without it integers use the full range of
-    their type, floats the range that they are found to have.
+    their type, floats the range that they are found to have. alpha: "auto" takes for alpha what the file declares as
+    such, "band" codes it as a band like the others, "none" leaves it out.
 
     Raises PictureError, one line that names the origin, for what cannot be read whole and faithfully or has
     more than max_samples samples; UsageError for a range that is none.
     """
     with naming(origin), on_disk(origin) as path:
-        opened = open_picture(path)
+        opened = open_picture(path, alpha=alpha)
         check_whole(opened, max_samples)
         pixels = opened.finished(whole(opened))
         if sample_range is None and pixels.dtype.kind == "u":

@@ -14,9 +14,10 @@ from sgicodec.errors import PictureError, UsageError
 from sgicodec.image.access import Access, Tiles, Whole, access
 from sgicodec.image.extremes import Extremes
 from sgicodec.image.header import MAX_SAMPLES, Probe
-from sgicodec.image.opened import Opened, open_picture
+from sgicodec.image.opened import Alpha, Opened, open_picture
 from sgicodec.image.origin import Origin, naming, on_disk
 from sgicodec.image.reader import check_whole
+from sgicodec.image.second_reader import KIND
 from sgicodec.metadata.orientation import Window, stored_window
 from sgicodec.picture import Metadata, Picture, full_range
 
@@ -25,8 +26,8 @@ __all__ = ["Source", "open_source"]
 _SCAN_SAMPLES = 1 << 22
 """Samples of a window by which the range of floats is looked for."""
 
-_IN_LIBRARY = {"gif": 1, "iff": 1, "jpeg2000": 5, "jpegxl": 6, "pnm": 1, "targa": 1, "webp": 3}
-"""Formats that OpenImageIO's own readers hold whole, and how many times the size of the samples that takes."""
+_IN_LIBRARY = {KIND: 2, "gif": 1, "iff": 1, "jpeg2000": 5, "jpegxl": 6, "pnm": 1, "targa": 1, "webp": 3}
+"""Formats that OpenImageIO's own readers, or Pillow, hold whole, and how many times the size of samples that takes."""
 
 
 class Source:
@@ -37,12 +38,17 @@ class Source:
     """
 
     def __init__(
-        self, origin: Origin, *, max_samples: int = MAX_SAMPLES, sample_range: tuple[float, float] | None = None
+        self,
+        origin: Origin,
+        *,
+        max_samples: int = MAX_SAMPLES,
+        sample_range: tuple[float, float] | None = None,
+        alpha: Alpha = "auto",
     ) -> None:
         self._origin, self._max_samples, self._range = origin, max_samples, sample_range
         with naming(origin), ExitStack() as stack:
             self.path = stack.enter_context(on_disk(origin))
-            self._opened: Opened = open_picture(self.path, any_size=True)
+            self._opened: Opened = open_picture(self.path, any_size=True, alpha=alpha)
             stack.callback(lambda: self._opened.image.close())
             self._access: Access = access(self._opened)
             if self._opened.kind in _IN_LIBRARY or isinstance(self._access, Whole):
@@ -167,11 +173,15 @@ class Source:
 
 
 def open_source(
-    origin: Origin, *, max_samples: int = MAX_SAMPLES, sample_range: tuple[float, float] | None = None
+    origin: Origin,
+    *,
+    max_samples: int = MAX_SAMPLES,
+    sample_range: tuple[float, float] | None = None,
+    alpha: Alpha = "auto",
 ) -> Source:
     """Open the first image of a file, of bytes, or of a stream from where it stands, to read it in parts.
 
-    max_samples caps what is held in memory at once, not the picture. sample_range is as in `read`. Raises PictureError
-    as `read` does for all that the header says.
+    max_samples caps what is held in memory at once, not the picture. sample_range and alpha are as in `read`. Raises
+    PictureError as `read` does for all that the header says.
     """
-    return Source(origin, max_samples=max_samples, sample_range=sample_range)
+    return Source(origin, max_samples=max_samples, sample_range=sample_range, alpha=alpha)

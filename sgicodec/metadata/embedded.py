@@ -11,31 +11,37 @@ import struct
 from pathlib import Path
 
 from sgicodec.errors import PictureError
-from sgicodec.metadata import exif, jpeg, png, tiff, webp
+from sgicodec.metadata import bmp, exif, jpeg, png, tiff, webp
 from sgicodec.metadata.blobs import Metadata
 from sgicodec.metadata.filebytes import Bytes, FileBytes
 
-__all__ = ["copies", "embed", "extract"]
+__all__ = ["copies", "embed", "extract", "orientation_in_xmp"]
 
-_INSERT = {"jpeg": jpeg.insert, "webp": webp.insert}
-_REWRITTEN = ("jpeg",)
-"""Formats whose files are rewritten even without metadata, to lose what OpenImageIO puts there unasked."""
+_INSERT = {"bmp": bmp.insert, "jpeg": jpeg.insert, "webp": webp.insert}
+_REWRITTEN = ("bmp", "jpeg")
+"""Formats whose files are rewritten even without metadata: to declare alpha, to lose what OpenImageIO puts there."""
 
 
 def extract(data: Bytes) -> Metadata:
     """EXIF and XMP, both with the orientation set to 1, and `geo`, which still speaks of the stored pixels, in the
     bytes of any picture file; each None where there is none.
     """
-    place = None
-    if data[:3] == jpeg.SIGNATURE:
-        blob, xmp = jpeg.find(data)
-    elif data[:8] == png.SIGNATURE:
-        blob, xmp = png.find(data)
-    elif webp.is_webp(data):
-        blob, xmp = webp.find(data)
-    else:
-        blob, xmp, place = tiff.find(data)
+    blob, xmp, place = _find(data)
     return Metadata(exif=blob and exif.upright(blob), xmp=xmp and exif.upright_xmp(xmp), geo=place)
+
+
+def orientation_in_xmp(data: Bytes) -> int | None:
+    """The orientation that the XMP packet states, 1 to 8, or None."""
+    return exif.xmp_orientation(_find(data)[1] or b"")
+
+
+def _find(data: Bytes) -> tuple[bytes | None, bytes | None, bytes | None]:
+    """EXIF, XMP and `geo` as they stand in the file."""
+    if data[:3] == jpeg.SIGNATURE:
+        return *jpeg.find(data), None
+    if data[:8] == png.SIGNATURE:
+        return *png.find(data), None
+    return (*webp.find(data), None) if webp.is_webp(data) else tiff.find(data)
 
 
 def copies(holder: str) -> int:

@@ -7,7 +7,7 @@ import struct
 
 from sgicodec.metadata import ifd, jpeg
 
-__all__ = ["upright", "upright_xmp"]
+__all__ = ["upright", "upright_xmp", "xmp_orientation"]
 
 _SHORT = 3
 _ORIENTATION = 274
@@ -37,4 +37,13 @@ def upright(blob: bytes) -> bytes | None:
 
 def upright_xmp(packet: bytes) -> bytes:
     """The XMP packet with its copy of the orientation, which some readers obey, set to 1."""
-    return re.sub(rb"""(tiff:Orientation\s*(?:=\s*["']|>\s*))[2-8]""", rb"\g<1>1", packet)
+    return re.sub(_IN_XMP + rb"[2-8]", rb"\g<1>1", packet)
+
+
+def xmp_orientation(packet: bytes) -> int | None:
+    """The orientation that an XMP packet states, 1 to 8, or None."""
+    found = re.search(_IN_XMP + rb"([1-8])", packet)
+    return None if found is None else int(found[2])
+
+
+_IN_XMP = rb"""(tiff:Orientation\s*(?:=\s*["']|>\s*))"""

@@ -15,7 +15,7 @@ import numpy as np
 
 from sgicodec.metadata import ifd
 
-__all__ = ["RESOLUTION", "TAGS", "load", "nodata", "pack", "resampled"]
+__all__ = ["RESOLUTION", "TAGS", "has_place", "load", "nodata", "pack", "resampled"]
 
 PIXEL_SCALE, TIEPOINTS, MATRIX, RPC = 33550, 33922, 34264, 50844
 KEYS, KEY_DOUBLES, KEY_TEXTS = 34735, 34736, 34737
@@ -31,6 +31,7 @@ TAGS = RESOLUTION | {
 }
 """All that a blob may hold; others are left behind."""
 
+_PLACE = {PIXEL_SCALE, TIEPOINTS, MATRIX, RPC}
 _ASCII = 2
 
 
@@ -46,6 +47,11 @@ def load(blob: bytes | None) -> dict[int, ifd.Entry]:
         if blob is not None:
             return {tag: item for tag, item in ifd.load(blob, TAGS).items() if isinstance(item, ifd.Entry)}
     return {}
+
+
+def has_place(blob: bytes | None) -> bool:
+    """Whether a blob says where the picture lies."""
+    return bool(load(blob).keys() & _PLACE)
 
 
 def nodata(blob: bytes | None, dtype: np.dtype[Any]) -> float | None:

@@ -37,7 +37,7 @@ HOMES = {
     "click": ("sgicodec/cli/", "sgicodec/bench/", "benchmarks/", "tools/"),
     "scipy": ("sgicodec/metrics/similarity.py", "sgicodec/bench/bdrate.py"),
     "ssimulacra2": ("sgicodec/metrics/perceptual.py",),
-    "PIL": ("sgicodec/bench/", "benchmarks/"),
+    "PIL": ("sgicodec/image/second_reader.py", "sgicodec/bench/", "benchmarks/"),
     "imagecodecs": ("sgicodec/bench/", "benchmarks/"),
     "pyjpegli": ("sgicodec/bench/optional_peers.py",),
     "imageio_ffmpeg": ("sgicodec/bench/optional_peers.py",),

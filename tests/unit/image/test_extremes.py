@@ -40,3 +40,10 @@ def test_infinite_samples(value: float) -> None:
     found = Extremes("gray", value)
     found.add(pixels)
     assert found.range() == (1.0, 2.0)
+
+
+def test_extremes_farther_apart_than_floats_tell() -> None:
+    found = Extremes("gray", None)
+    found.add(np.array([-1.7e38, 1.8e38], np.float32).reshape(1, 2, 1))
+    with pytest.raises(PictureError, match="farther apart than floats"):
+        found.range()

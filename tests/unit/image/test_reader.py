@@ -179,6 +179,28 @@ def test_orientation_is_applied(pictures: Path) -> None:
     np.testing.assert_array_equal(read(path).pixels, np.rot90(stored, -1))
 
 
+XMP = b'<x:xmpmeta xmlns:x="adobe:ns:meta/"><rdf:Description tiff:Orientation="%d"/></x:xmpmeta>'
+
+
+@pytest.mark.parametrize("extension", ["png", "webp", "jpg"])
+def test_orientation_that_stands_in_xmp_alone_is_applied(tmp_path: Path, noise: Noise, extension: str) -> None:
+    path = tmp_path / f"x.{extension}"
+    stored = np.repeat(noise(3, 5, 1, "uint8"), 3, axis=2)
+    write(Picture(stored, "rgb", (0.0, 255.0), Metadata(xmp=XMP % 6)), path)
+    picture = read(path)
+    assert picture.metadata.xmp == XMP % 1
+    assert picture.pixels.shape == (5, 3, 3)
+    if extension != "jpg":
+        np.testing.assert_array_equal(picture.pixels, np.rot90(stored, -1))
+
+
+def test_exif_has_the_word_on_orientation(tmp_path: Path, noise: Noise, exif_blob: Callable[..., bytes]) -> None:
+    stored = noise(3, 5, 3, "uint8")
+    metadata = Metadata(exif=exif_blob(orientation=8), xmp=XMP % 6)
+    write(Picture(stored, "rgb", (0.0, 255.0), metadata), tmp_path / "x.png")
+    np.testing.assert_array_equal(read(tmp_path / "x.png").pixels, np.rot90(stored))
+
+
 def test_sideways_pictures_change_their_size(tmp_path: Path, noise: Noise) -> None:
     stored = noise(3, 5, 3, "uint8")
     spec = oiio.ImageSpec(5, 3, 3, "uint8")

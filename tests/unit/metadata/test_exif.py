@@ -84,6 +84,9 @@ def test_a_blob_without_content_is_none() -> None:
 
 
 def test_the_orientation_in_xmp() -> None:
+    assert exif.xmp_orientation(b'<a tiff:Orientation="6" b="5">') == 6
+    assert exif.xmp_orientation(b"<tiff:Orientation>8</tiff:Orientation>") == 8
+    assert exif.xmp_orientation(b'<a tiff:Orientation="9" Orientation="3">') is None
     assert exif.upright_xmp(b'<a tiff:Orientation="6" b="6">') == b'<a tiff:Orientation="1" b="6">'
     element = b"<tiff:Orientation>8</tiff:Orientation>"
     assert exif.upright_xmp(element) == b"<tiff:Orientation>1</tiff:Orientation>"

@@ -1,0 +1,90 @@
+"""What a file declares of its last channel, and in which order channels stand, where OpenImageIO does not ask."""
+
+from __future__ import annotations
+
+import struct
+from typing import Literal, NamedTuple
+
+from sgicodec.errors import PictureError
+from sgicodec.metadata import ifd
+from sgicodec.metadata.filebytes import Bytes
+
+__all__ = ["AsIs", "Channels", "Last", "declared_channels"]
+
+Last = Literal["alpha", "band", "unused"]
+"""What the last of two or four channels is: alpha, a band like the others, or bytes without a meaning."""
+
+_EXTRA_SAMPLES = 338
+_BITFIELDS = 3
+_BMP_HEADER, _INFO_HEADER, _LEAST_WITH_ALPHA = 14, 40, 56
+"""Bytes of the file header, and of the oldest information headers that have a compression and a mask of alpha."""
+_OPENIMAGEIO_AT = {2: 0, 1: 1, 0: 2, 3: 3}
+"""The channel that OpenImageIO makes of each byte of a 32-bit pixel: it takes all for blue, green, red, alpha."""
+
+_EXTENSION, _NO_ALPHA = 494, (b"\0", b"\1")
+"""Where the extension area of a Targa file says what alpha is, and what it says of none and of bytes to ignore."""
+
+
+class Channels(NamedTuple):
+    """last: what the file says of its last channel, if that may be alpha. order: where red, green, blue and the last
+    are among the channels that OpenImageIO gives, None for one after the other. second: whether OpenImageIO loses some,
+    so that another library has to read them.
+    """
+
+    last: Last = "alpha"
+    order: tuple[int, ...] | None = None
+    second: bool = False
+
+
+AsIs = Channels()
+
+
+def declared_channels(data: Bytes, kind: str) -> Channels:
+    """Those of a file in OpenImageIO's format `kind`. Raises PictureError for bit fields that nobody reads."""
+    try:
+        if kind == "bmp":
+            return _bmp(data)
+        if kind == "targa":
+            return _targa(data)
+        if kind == "tiff" and _EXTRA_SAMPLES not in ifd.load(data, {_EXTRA_SAMPLES}):
+            return Channels("band")
+    except struct.error:
+        pass  # OpenImageIO has the word on damage
+    return AsIs
+
+
+def _bmp(data: Bytes) -> Channels:
+    """A BMP of 32 bits has alpha if it has a mask for it: that of BI_RGB (0) is reserved."""
+    size, _, _, _, bits, compression = struct.unpack("<IiiHHI", data[_BMP_HEADER : _BMP_HEADER + 20])
+    if size < _INFO_HEADER:
+        return AsIs
+    if bits not in (16, 32) or compression != _BITFIELDS:
+        return Channels("unused") if bits == 32 else AsIs
+    masks = list(struct.unpack("<4I", data[_BMP_HEADER + 40 : _BMP_HEADER + 56]))
+    if size < _LEAST_WITH_ALPHA:
+        masks[3] = 0
+    if bits == 16 and masks[3]:
+        raise PictureError("it has alpha in 16-bit pixels, which cannot be read; save it with 32 bits")
+    if bits == 16:
+        return AsIs
+    wanted = masks if masks[3] else masks[:3]
+    at = {0xFF << 8 * byte: byte for byte in range(4)}
+    if any(mask not in at for mask in wanted):
+        raise PictureError("the bit fields of its pixels are not bytes, which cannot be read; save it with 8 bits each")
+    order = [_OPENIMAGEIO_AT[at[mask]] for mask in wanted]
+    order += [next(channel for channel in range(4) if channel not in order)] if len(order) == 3 else []
+    return Channels("alpha" if masks[3] else "unused", None if order == [0, 1, 2, 3] else tuple(order))
+
+
+def _targa(data: Bytes) -> Channels:
+    """A Targa has as many bits of alpha as its descriptor counts, unless its extension area says that there is none."""
+    depth, descriptor = struct.unpack("<BB", data[16:18])
+    declared = bool(descriptor & 15) and not _denied(data)
+    second = depth == 16 and declared and data[2] & 3 == 2  # OpenImageIO drops the one bit of alpha of 5-5-5-1 colour
+    return Channels("alpha" if declared else "unused", second=second)
+
+
+def _denied(data: Bytes) -> bool:
+    footer = bytes(data[len(data) - 26 :])
+    place = struct.unpack("<I", footer[:4])[0] if footer[8:24] == b"TRUEVISION-XFILE" else 0
+    return place > 0 and bytes(data[place + _EXTENSION : place + _EXTENSION + 1]) in _NO_ALPHA

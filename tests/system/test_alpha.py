@@ -1,0 +1,118 @@
+"""What an encode does with alpha: masks, bands, and an alpha that hides everything."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sgicodec import EncodeSettings, NullListener, Picture, encode, open_source, open_stream, read, write
+from sgicodec.executors.processes import ProcessExecutor
+from sgicodec.metadata import geo, ifd
+from sgicodec.picture import Metadata
+
+DATA = Path(__file__).parents[1] / "data"
+TILES = [0, 64]
+
+
+class Notes(NullListener):
+    """Remembers what it was told."""
+
+    def __init__(self) -> None:
+        self.texts: list[str] = []
+
+    def note(self, text: str) -> None:
+        self.texts.append(text)
+
+
+@pytest.fixture(scope="module")
+def colours() -> np.ndarray:
+    return read(DATA / "kodim23.png").pixels[100:180, 150:250]
+
+
+def with_alpha(colours: np.ndarray, alpha: int) -> np.ndarray:
+    return np.dstack([colours, np.full(colours.shape[:2], alpha, np.uint8)])
+
+
+def place(*more: tuple[int, ifd.Entry]) -> Metadata:
+    scale, tie = struct.pack("<3d", 10, 10, 0), struct.pack("<6d", 0, 0, 0, 5e5, 6e6, 0)
+    return Metadata(geo=geo.pack({33550: ifd.Entry(12, scale), 33922: ifd.Entry(12, tie), **dict(more)}))
+
+
+@pytest.mark.parametrize("tile", TILES)
+def test_colours_are_kept_where_alpha_hides_them_all(tmp_path: Path, colours: np.ndarray, tile: int) -> None:
+    notes, settings = Notes(), EncodeSettings(steps=20, tile=tile)
+    write(Picture(with_alpha(colours, 0), "rgba", (0.0, 255.0)), tmp_path / "x.png")
+    with open_source(tmp_path / "x.png") as source:
+        encoded = encode(source, settings, progress=notes, verify=True)
+    assert notes.texts == ["alpha is 0 everywhere; it is left out, and the colours are kept"]
+    assert encoded.data == encode(Picture(colours, "rgb", (0.0, 255.0)), settings).data
+    with open_stream(encoded.data) as stream:
+        assert np.abs(stream.picture().pixels.astype(int) - colours).mean() < 12
+
+
+def test_workers_that_read_for_themselves_leave_the_same_alpha_out(tmp_path: Path, colours: np.ndarray) -> None:
+    write(Picture(with_alpha(colours, 0), "rgba", (0.0, 255.0)), tmp_path / "x.png")
+    settings, executor = EncodeSettings(steps=5, tile=64), ProcessExecutor(2)
+    executor.place = str(tmp_path / "x.png")
+    with open_source(tmp_path / "x.png") as source:
+        encoded = encode(source, settings, executor=executor)
+    assert encoded.data == encode(Picture(colours, "rgb", (0.0, 255.0)), settings).data
+
+
+@pytest.mark.parametrize("tile", TILES)
+def test_some_alpha_is_a_mask(colours: np.ndarray, tile: int) -> None:
+    pixels, notes = with_alpha(colours, 255), Notes()
+    pixels[:, :90, 3] = 0
+    with open_stream(encode(Picture(pixels, "rgba", (0.0, 255.0)), EncodeSettings(steps=5, tile=tile)).data) as stream:
+        alpha = stream.picture().pixels[..., 3]
+    assert not alpha[:, :90].any()
+    assert alpha[:, 90:].min() > 200
+    assert notes.texts == []
+
+
+@pytest.mark.parametrize("tile", TILES)
+@pytest.mark.parametrize("nodata", [False, True])
+def test_a_stream_of_nothing_says_so(tile: int, nodata: bool) -> None:
+    notes, pixels = Notes(), np.zeros((70, 80, 4), np.uint8)
+    metadata = place((42113, ifd.Entry(2, b"0\0"))) if nodata else Metadata()
+    picture = Picture(pixels[..., :3] if nodata else pixels, "rgb" if nodata else "rgba", (0.0, 255.0), metadata)
+    encode(picture, EncodeSettings(steps=5, tile=tile), progress=notes)
+    what = "every pixel has the nodata value" if nodata else "alpha is 0 everywhere and there are no colours"
+    assert notes.texts == [f"{what}; the stream holds no picture"]
+
+
+@pytest.mark.parametrize("tile", TILES)
+def test_a_flat_picture_is_no_stream_of_nothing(tile: int) -> None:
+    notes, pixels = Notes(), np.full((70, 80, 3), 90, np.uint8)
+    pixels[:10] = 0
+    encode(
+        Picture(pixels, "rgb", (0.0, 255.0), place((42113, ifd.Entry(2, b"0\0")))),
+        EncodeSettings(steps=5, tile=tile),
+        progress=notes,
+    )
+    assert notes.texts == []
+
+
+def test_near_infrared_that_is_declared_as_alpha(tmp_path: Path, colours: np.ndarray) -> None:
+    """A satellite's fourth band may be declared as alpha. It is told, and as a band it hides nothing."""
+    infrared = colours[..., :1] // 2
+    infrared[20:60, 20:80] = 0
+    pixels = np.concatenate([colours, infrared], axis=2)
+    write(Picture(pixels, "rgba", (0.0, 255.0), place()), tmp_path / "x.tif")
+    errors = {}
+    for alpha in ("auto", "band"):
+        notes = Notes()
+        with open_source(tmp_path / "x.tif", alpha=alpha) as source:
+            data = encode(source, EncodeSettings(quality=70, steps=30), progress=notes).data
+        with open_stream(data) as stream:
+            found = stream.picture()
+        errors[alpha] = np.abs(found.pixels.astype(int) - pixels)[25:55, 25:75, :3].mean()
+        assert [text.partition(":")[0] for text in notes.texts] == (
+            ["the last band is declared as alpha"] if alpha == "auto" else []
+        )
+    assert found.channels == "multi"
+    assert errors["band"] < 6
+    assert errors["auto"] > 2 * errors["band"]
