@@ -15,7 +15,8 @@ from pathlib import Path
 import click
 
 import sgicodec
-from sgicodec import EncodeSettings, encode, open_stream, read
+from sgicodec import EncodeSettings, encode_picture, read
+from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
 
 __all__ = ["OTHER", "by_module", "main", "profiled"]
@@ -58,7 +59,7 @@ def main(path: Path, quality: float, steps: int, threads: int, repeat: int, func
         stats = profiled(lambda: open_stream(path, Device(threads)).picture(), repeat)
     else:
         picture, settings = read(path), EncodeSettings(quality=quality, steps=steps)
-        stats = profiled(lambda: encode(picture, settings, device=Device(threads)), repeat)
+        stats = profiled(lambda: encode_picture(picture, settings, device=Device(threads)), repeat)
     modules = by_module(stats, repeat)
     total = sum(modules.values())
     click.echo(f"{1e3 * total:.1f} ms, mean of {repeat}\n\n| module | ms | share |\n|---|---:|---:|")

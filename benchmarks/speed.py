@@ -13,8 +13,9 @@ from statistics import median
 import click
 import numpy as np
 
-from sgicodec import EncodeSettings, Picture, encode, open_stream, read
+from sgicodec import EncodeSettings, Picture, encode_picture, read
 from sgicodec.bench.sgi import run_timed
+from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
 from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import comparable
@@ -24,7 +25,8 @@ __all__ = ["Speed", "fresh_decode", "main", "measure"]
 _FRESH = """
 import sys, time
 start = time.perf_counter()
-from sgicodec import Device, open_stream
+from sgicodec import Device
+from sgicodec.decoder.stream import open_stream
 loaded = time.perf_counter()
 with open_stream(sys.argv[1], Device(int(sys.argv[2]))) as stream:
     stream.picture()
@@ -49,7 +51,7 @@ def measure(path: Path, settings: EncodeSettings, device: Device, repeat: int) -
     """Encodes a picture once and decodes it `repeat` times, after once to find memory; the stream beside."""
     picture = read(path)
     started, worked = time.perf_counter(), time.process_time()
-    data = encode(picture, settings, device=device).data
+    data = encode_picture(picture, settings, device=device).data
     encoded, cpu = time.perf_counter() - started, time.process_time() - worked
     seconds = []
     for _ in range(repeat + 1):
@@ -87,7 +89,7 @@ def main(
 ) -> None:
     """Encode and decode PICTURES, and print seconds as Markdown rows."""
     tiny = Picture(np.zeros((16, 16, 1), np.uint8), "gray", (0.0, 255.0))
-    encode(tiny, EncodeSettings(steps=1))  # the first encode loads what all need
+    encode_picture(tiny, EncodeSettings(steps=1))  # the first encode loads what all need
     click.echo("| picture | encode s | of processors | decode ms | import ms | first decode ms | sgi decode ms |")
     click.echo("|---|" + "---:|" * 6)
     for path in pictures:

@@ -13,7 +13,7 @@ import click
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
 from sgicodec.encoder.encoded import Encoded
-from sgicodec.encoder.pipeline import encode
+from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile_encoder import make_ready
 from sgicodec.errors import TargetMissedError, UsageError
@@ -84,7 +84,7 @@ def run(path: Path, targets: list[Target], effort: int, device: Device, tile: in
 def _point(picture: Picture, settings: EncodeSettings, device: Device) -> tuple[Point, bool]:
     started, worked, missed = time.monotonic(), time.process_time(), False
     try:
-        encoded = encode(picture, settings, device=device)
+        encoded = encode_picture(picture, settings, device=device)
     except TargetMissedError as error:
         nearest, missed = error.nearest, True
         assert isinstance(nearest, Encoded)

@@ -1,10 +1,10 @@
 """sgicodec: pictures as structured 2D Gaussians.
 
     import sgicodec
-    picture = sgicodec.read("photo.png")
-    data = sgicodec.encode(picture, sgicodec.EncodeSettings(quality=60)).data
-    with sgicodec.open_stream(data) as stream:
-        thumbnail = stream.picture(scale=0.25)
+    data = sgicodec.encode(pixels, quality=60)              # an array, an image of Pillow, a path
+    pixels = sgicodec.decode(data)                          # [H, W, C]
+    with sgicodec.open("photo.sgi") as stream:
+        detail = stream.read(region=(100, 50, 256, 256), scale=4)
 
 Names load on first use, so that decoding never imports what only encoding needs.
 """
@@ -18,12 +18,15 @@ from sgicodec.errors import SgiError
 from sgicodec.version import __version__
 
 if TYPE_CHECKING:
-    from sgicodec.decoder.stream import Stream, open_stream
+    from sgicodec.decoder.one_call import decode, imread
+    from sgicodec.decoder.stream import Stream
+    from sgicodec.decoder.stream import open_stream as open
     from sgicodec.device import Device
     from sgicodec.encoder.checkpoint import Checkpoint
     from sgicodec.encoder.encoded import Encoded
     from sgicodec.encoder.listener import NullListener
-    from sgicodec.encoder.pipeline import encode
+    from sgicodec.encoder.one_call import encode, imwrite
+    from sgicodec.encoder.pipeline import encode_picture
     from sgicodec.encoder.settings import EncodeSettings
     from sgicodec.executors.dask import open_cluster
     from sgicodec.executors.processes import ProcessExecutor
@@ -41,33 +44,46 @@ __all__ = [
     "SgiError",
     "Stream",
     "__version__",
+    "decode",
     "encode",
+    "encode_picture",
+    "imread",
+    "imwrite",
+    "open",
     "open_cluster",
     "open_source",
-    "open_stream",
     "read",
     "write",
 ]
 
 _HOMES = {
-    "Checkpoint": "encoder.checkpoint",
-    "Device": "device",
-    "EncodeSettings": "encoder.settings",
-    "Encoded": "encoder.encoded",
-    "NullListener": "encoder.listener",
-    "Picture": "picture",
-    "ProcessExecutor": "executors.processes",
-    "Stream": "decoder.stream",
-    "encode": "encoder.pipeline",
-    "open_cluster": "executors.dask",
-    "open_source": "image.source",
-    "open_stream": "decoder.stream",
-    "read": "image.reader",
-    "write": "image.writer",
+    "Checkpoint": "encoder.checkpoint.Checkpoint",
+    "Device": "device.Device",
+    "EncodeSettings": "encoder.settings.EncodeSettings",
+    "Encoded": "encoder.encoded.Encoded",
+    "NullListener": "encoder.listener.NullListener",
+    "Picture": "picture.Picture",
+    "ProcessExecutor": "executors.processes.ProcessExecutor",
+    "Stream": "decoder.stream.Stream",
+    "decode": "decoder.one_call.decode",
+    "encode": "encoder.one_call.encode",
+    "encode_picture": "encoder.pipeline.encode_picture",
+    "imread": "decoder.one_call.imread",
+    "imwrite": "encoder.one_call.imwrite",
+    "open": "decoder.stream.open_stream",
+    "open_cluster": "executors.dask.open_cluster",
+    "open_source": "image.source.open_source",
+    "read": "image.reader.read",
+    "write": "image.writer.write",
 }
 
 
 def __getattr__(name: str) -> Any:
     if name in _HOMES:
-        return getattr(import_module(f"sgicodec.{_HOMES[name]}"), name)
+        module, _, attribute = _HOMES[name].rpartition(".")
+        return getattr(import_module(f"sgicodec.{module}"), attribute)
     raise AttributeError(f"module 'sgicodec' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

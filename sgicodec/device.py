@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, replace
+from numbers import Integral
 
 from sgicodec.errors import UsageError
 
@@ -12,7 +13,7 @@ __all__ = ["ALL_CORES", "ONE_THREAD", "Device"]
 
 @dataclass(frozen=True)
 class Device:
-    """threads: 0 for one per core. isa: auto, avx512, avx2 or portable, a ValueError where this machine lacks it.
+    """threads: 0 for one per core. isa: auto, avx512, avx2 or portable. Raises UsageError for what this machine lacks.
 
     Neither changes a symbol; pixels differ between instruction sets by less than a level of eight bits. A program makes
     one where it begins and hands it down to whatever computes.
@@ -22,8 +23,15 @@ class Device:
     isa: str = "auto"
 
     def __post_init__(self) -> None:
-        if self.threads < 0:
-            raise UsageError(f"threads {self.threads}; 0 (all cores) or more")
+        if isinstance(self.threads, bool) or not isinstance(self.threads, Integral) or self.threads < 0:
+            raise UsageError(f"threads {self.threads!r}; 0 (all cores) or more")
+        if self.isa != "auto":
+            from sgicodec._native import instruction_set
+
+            try:
+                instruction_set(self.isa)
+            except (TypeError, ValueError) as error:
+                raise UsageError(f"isa {self.isa!r}: {str(error).splitlines()[0]}") from None
 
     @property
     def cores(self) -> int:

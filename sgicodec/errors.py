@@ -16,6 +16,7 @@ __all__ = [
     "MissingExtraError",
     "OutputExistsError",
     "PictureError",
+    "RegionError",
     "SgiError",
     "StreamError",
     "TargetMissedError",
@@ -36,6 +37,10 @@ class UsageError(SgiError, ValueError):
     """A setting or argument that makes no sense (exit 2)."""
 
     exit_code = 2
+
+
+class RegionError(UsageError, IndexError):
+    """A region, level or index that does not lie inside the picture (exit 2)."""
 
 
 class MissingExtraError(UsageError):

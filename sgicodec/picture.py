@@ -67,9 +67,18 @@ class Picture:
             raise UsageError(f"pixels must be uint8, uint16 or float32, not {self.pixels.dtype}")
         if self.channels != "multi" and LAYOUTS.get(self.channels) != self.pixels.shape[2]:
             raise UsageError(f"{self.pixels.shape[2]} channels cannot be {self.channels!r}")
-        low, high = self.sample_range
+        try:
+            low, high = (float(value) for value in self.sample_range)
+        except (TypeError, ValueError):
+            raise UsageError(f"sample_range {self.sample_range!r}; it must be two numbers") from None
         if not (np.isfinite(low) and np.isfinite(high) and low < high <= low + np.finfo(np.float32).max):
             raise UsageError(f"the sample range must be two finite numbers, low before high, not {low:g} to {high:g}")
+
+    def __repr__(self) -> str:
+        low, high = self.sample_range
+        kept = [name for name in ("icc", "exif", "xmp", "geo") if getattr(self.metadata, name) is not None]
+        what = f"{self.width}×{self.height} {self.channels} {self.pixels.dtype}, {low:g} to {high:g}"
+        return f"<sgicodec.Picture {', '.join((what, *kept))}>"
 
     @property
     def height(self) -> int:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from sgicodec.bench.options import numbers
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
-from sgicodec.encoder.pipeline import encode
+from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.fit.base_layer import base_layer
@@ -56,7 +56,7 @@ def outcomes(path: Path, qualities: list[float], effort: int, threads: int) -> l
         sums = cell_sums(base_layer(spec, unit, lmbda)[2], ROOT_LOG)
         price = default_settings(lmbda, EFFORTS[effort]).split_price
         rd_model = RdModel(sums, len(unit), unit[0].size, price)
-        data = encode(picture, EncodeSettings(quality=quality, effort=effort), device=Device(threads)).data
+        data = encode_picture(picture, EncodeSettings(quality=quality, effort=effort), device=Device(threads)).data
         decoded = open_stream(data, Device(threads)).picture()
         error = 10 ** (-0.1 * psnr(comparable(picture), comparable(decoded)))
         seeds = lmbda, *rd_model.seeds(lmbda), *rd_model.seeds(lmbda, HIGHER_PRICE)

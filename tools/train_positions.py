@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from sgicodec.bitstream.parts.predicted_tree import LEVELS, Batch, TreeContext, input_counts, walk_tree
 from sgicodec.bitstream.parts.seed_tree import Flags, GivenTree, Seeds, TreeShape
 from sgicodec.decoder.stream import open_stream
-from sgicodec.encoder.pipeline import encode
+from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.image import read
 from sgicodec.model.network import IntNetwork
@@ -81,7 +81,7 @@ def make_streams(pictures: list[Path], folder: Path, rounds: int, steps: int) ->
             quality = round(QUALITIES[0] + (QUALITIES[1] - QUALITIES[0]) * float(share), 1)
             path = folder / f"{picture.stem}_{quality:g}.sgi"
             if not path.exists():
-                path.write_bytes(encode(read(picture), EncodeSettings(quality=quality, steps=steps)).data)
+                path.write_bytes(encode_picture(read(picture), EncodeSettings(quality=quality, steps=steps)).data)
             yield path
 
 

@@ -24,7 +24,7 @@ from sgicodec.bitstream.parts.prior import parse_prior
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ONE_THREAD, Device
-from sgicodec.encoder.pipeline import encode
+from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.fit.autograd.rate import bits_laplace
 from sgicodec.image import read
@@ -148,7 +148,7 @@ def _make_streams(pictures: Path, streams: Path, rounds: int, steps: int, thread
             picture = read(path)
             pixels = picture.pixels[:: -1 if turn & 2 else 1, :: -1 if turn & 1 else 1]
             turned = np.ascontiguousarray(pixels.swapaxes(0, 1) if turn & 4 else pixels)
-            encoded = encode(
+            encoded = encode_picture(
                 replace(picture, pixels=turned), EncodeSettings(lmbda=lmbda, steps=steps), device=Device(threads)
             )
             out.write_bytes(encoded.data)

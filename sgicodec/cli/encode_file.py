@@ -95,11 +95,11 @@ def encode_file(job: Job) -> int:
 def _encode(
     job: Job, source: Source, executor: Executor | None, checkpoint: Checkpoint, listener: EncodeListener
 ) -> Encoded:
-    from sgicodec.encoder.pipeline import encode
+    from sgicodec.encoder.pipeline import encode_picture
 
     output: Path | BinaryIO = sys.stdout.buffer if job.target == STANDARD else Path(job.target)
     try:
-        return encode(
+        return encode_picture(
             source,
             job.settings,
             output=output,

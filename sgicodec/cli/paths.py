@@ -37,10 +37,11 @@ def opened_stream(path: str, device: Device = ALL_CORES) -> Iterator[Stream]:
     from sgicodec.decoder.stream import open_stream
 
     try:
-        with open_stream(sys.stdin.buffer if path == STANDARD else Path(path), device) as stream:
+        with open_stream(sys.stdin.buffer if path == STANDARD else path, device) as stream:
             yield stream
     except StreamError as error:
-        raise type(error)(f"{display(path)}: {error}") from error.__cause__
+        name, text = f"{display(path)}: ", str(error)
+        raise type(error)(text if text.startswith(name) else name + text) from error.__cause__
     except OSError as error:
         raise StreamError(f"{display(path)}: {error.strerror or error}") from error
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 __all__ = ["Encoded"]
 
@@ -17,8 +17,8 @@ class Encoded:
     it was not measured.
     """
 
-    data: bytes
-    part_bytes: dict[str, float]
+    data: bytes = field(repr=False)
+    part_bytes: dict[str, float] = field(repr=False)
     seeds: int
     gaussians: int
     lmbda: float

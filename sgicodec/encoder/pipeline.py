@@ -43,10 +43,10 @@ if TYPE_CHECKING:
     from sgicodec.fit.trainer import Progress
     from sgicodec.image import Source
 
-__all__ = ["encode"]
+__all__ = ["encode_picture"]
 
 
-def encode(
+def encode_picture(
     picture: Picture | Source,
     settings: EncodeSettings | None = None,
     *,
@@ -233,7 +233,7 @@ class _OverviewTask:
 
     def __call__(self, number: int, window: Picture, start: Start, device: Device) -> bytes:
         """The stream of `window`."""
-        return encode(window, self.settings, device=device).data
+        return encode_picture(window, self.settings, device=device).data
 
 
 def _overview_maker(plan: Plan, windows: Windows, runner: Runner) -> Callable[[float], bytes] | None:

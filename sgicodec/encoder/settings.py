@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from numbers import Integral, Real
 from typing import Literal
 
 from sgicodec.bitstream.header import MAX_APRON, MAX_SIDE, MIN_TILE
@@ -24,6 +25,8 @@ APRON = 8
 
 
 Tune = Literal["psnr", "visual"]
+
+_NUMBERS: dict[str, type] = {"int": Integral, "float": Real}
 
 
 @dataclass(frozen=True)
@@ -117,6 +120,12 @@ class EncodeSettings:
         return "".join(f"{name}{value:g}" for name, value in goals.items() if value is not None)
 
     def __post_init__(self) -> None:
+        for name, kind in self.__annotations__.items():
+            value, needed = getattr(self, name), _NUMBERS.get(kind.removesuffix(" | None"))
+            if needed is None or (value is None and kind.endswith("None")):
+                continue
+            if isinstance(value, bool) or not isinstance(value, needed):
+                raise UsageError(f"{name} {value!r}; it must be {'a number' if needed is Real else 'an integer'}")
         for sound, message in self._ranges():
             if not sound:
                 raise UsageError(message)

@@ -16,10 +16,11 @@ import numpy as np
 import pytest
 import torch
 
-from sgicodec import EncodeSettings, Picture, Stream, encode, open_stream, read
+from sgicodec import EncodeSettings, Picture, Stream, encode_picture, read
 from sgicodec.bitstream.parts import tile
 from sgicodec.bitstream.parts.attributes import AttributeCoder
 from sgicodec.decoder import tile_renderer as drawn_tile
+from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.metrics.psnr import psnr
 from sgicodec.raster.cpu import NativeRasterizer
@@ -51,7 +52,7 @@ def settings(request: pytest.FixtureRequest) -> EncodeSettings:
 @pytest.fixture(scope="module")
 def data(picture: Picture, settings: EncodeSettings) -> bytes:
     """The stream, made by one thread."""
-    return encode(picture, settings, device=ONE_THREAD).data
+    return encode_picture(picture, settings, device=ONE_THREAD).data
 
 
 @pytest.fixture
@@ -61,7 +62,7 @@ def stream(data: bytes) -> Stream:
 
 
 def test_the_settings_of_texture_give_some(picture: Picture) -> None:
-    texture = open_stream(encode(picture, SETTINGS["texture"]).data).model.texture
+    texture = open_stream(encode_picture(picture, SETTINGS["texture"]).data).model.texture
     assert texture is not None
     assert all(texture.counts.values())
 
@@ -70,7 +71,7 @@ def test_the_settings_of_texture_give_some(picture: Picture) -> None:
 def test_same_bytes_for_any_number_of_threads(
     picture: Picture, settings: EncodeSettings, data: bytes, threads: int
 ) -> None:
-    assert encode(picture, settings, device=Device(threads)).data == data
+    assert encode_picture(picture, settings, device=Device(threads)).data == data
 
 
 def test_a_fit_lets_torch_use_one_thread(picture: Picture, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -85,7 +86,7 @@ def test_a_fit_lets_torch_use_one_thread(picture: Picture, monkeypatch: pytest.M
     monkeypatch.setattr(NativeRasterizer, "forward", drawn)
     torch.set_num_threads(3)
     try:
-        encode(picture, EncodeSettings(profile="paper", steps=3, seeds=50, per_seed=1, features=4))
+        encode_picture(picture, EncodeSettings(profile="paper", steps=3, seeds=50, per_seed=1, features=4))
         assert torch.get_num_threads() == 3
     finally:
         torch.set_num_threads(before)

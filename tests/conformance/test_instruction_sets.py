@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scenes import ISAS
 
-from sgicodec import open_stream
+from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
 
 GOLDEN = sorted(path.stem for path in (Path(__file__).parents[1] / "conformance" / "golden").glob("*.sgi"))

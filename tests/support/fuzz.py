@@ -18,7 +18,8 @@ import numpy as np
 from absurd import absurd_stream
 from surgery import Parts, join, split, with_fields
 
-from sgicodec import EncodeSettings, SgiError, encode, open_stream, read
+from sgicodec import EncodeSettings, SgiError, encode_picture, read
+from sgicodec.decoder.stream import open_stream
 
 MEMORY = 1 << 31
 """Bytes of address space, of which torch, needed to make the first streams, takes half."""
@@ -44,7 +45,7 @@ def sources() -> list[bytes]:
         (gray, replace(default, per_seed=2)),
         (floats, replace(default, prior=0)),
     ]
-    return [encode(picture, settings).data for picture, settings in jobs]
+    return [encode_picture(picture, settings).data for picture, settings in jobs]
 
 
 def mutate(data: bytes, others: list[bytes], rng: np.random.Generator) -> bytes:

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sgicodec import EncodeSettings, NullListener, Picture, encode, open_source, open_stream, read, write
+from sgicodec import EncodeSettings, NullListener, Picture, encode_picture, open_source, read, write
+from sgicodec.decoder.stream import open_stream
 from sgicodec.executors.processes import ProcessExecutor
 from sgicodec.metadata import geo, ifd
 from sgicodec.picture import Metadata
@@ -46,9 +47,9 @@ def test_colours_are_kept_where_alpha_hides_them_all(tmp_path: Path, colours: np
     notes, settings = Notes(), EncodeSettings(steps=20, tile=tile)
     write(Picture(with_alpha(colours, 0), "rgba", (0.0, 255.0)), tmp_path / "x.png")
     with open_source(tmp_path / "x.png") as source:
-        encoded = encode(source, settings, progress=notes, verify=True)
+        encoded = encode_picture(source, settings, progress=notes, verify=True)
     assert notes.texts == ["alpha is 0 everywhere; it is left out, and the colours are kept"]
-    assert encoded.data == encode(Picture(colours, "rgb", (0.0, 255.0)), settings).data
+    assert encoded.data == encode_picture(Picture(colours, "rgb", (0.0, 255.0)), settings).data
     with open_stream(encoded.data) as stream:
         assert np.abs(stream.picture().pixels.astype(int) - colours).mean() < 12
 
@@ -58,15 +59,17 @@ def test_workers_that_read_for_themselves_leave_the_same_alpha_out(tmp_path: Pat
     settings, executor = EncodeSettings(steps=5, tile=64), ProcessExecutor(2)
     executor.place = str(tmp_path / "x.png")
     with open_source(tmp_path / "x.png") as source:
-        encoded = encode(source, settings, executor=executor)
-    assert encoded.data == encode(Picture(colours, "rgb", (0.0, 255.0)), settings).data
+        encoded = encode_picture(source, settings, executor=executor)
+    assert encoded.data == encode_picture(Picture(colours, "rgb", (0.0, 255.0)), settings).data
 
 
 @pytest.mark.parametrize("tile", TILES)
 def test_some_alpha_is_a_mask(colours: np.ndarray, tile: int) -> None:
     pixels, notes = with_alpha(colours, 255), Notes()
     pixels[:, :90, 3] = 0
-    with open_stream(encode(Picture(pixels, "rgba", (0.0, 255.0)), EncodeSettings(steps=5, tile=tile)).data) as stream:
+    with open_stream(
+        encode_picture(Picture(pixels, "rgba", (0.0, 255.0)), EncodeSettings(steps=5, tile=tile)).data
+    ) as stream:
         alpha = stream.picture().pixels[..., 3]
     assert not alpha[:, :90].any()
     assert alpha[:, 90:].min() > 200
@@ -79,7 +82,7 @@ def test_a_stream_of_nothing_says_so(tile: int, nodata: bool) -> None:
     notes, pixels = Notes(), np.zeros((70, 80, 4), np.uint8)
     metadata = place((42113, ifd.Entry(2, b"0\0"))) if nodata else Metadata()
     picture = Picture(pixels[..., :3] if nodata else pixels, "rgb" if nodata else "rgba", (0.0, 255.0), metadata)
-    encode(picture, EncodeSettings(steps=5, tile=tile), progress=notes)
+    encode_picture(picture, EncodeSettings(steps=5, tile=tile), progress=notes)
     what = "every pixel has the nodata value" if nodata else "alpha is 0 everywhere and there are no colours"
     assert notes.texts == [f"{what}; the stream holds no picture"]
 
@@ -88,7 +91,7 @@ def test_a_stream_of_nothing_says_so(tile: int, nodata: bool) -> None:
 def test_a_flat_picture_is_no_stream_of_nothing(tile: int) -> None:
     notes, pixels = Notes(), np.full((70, 80, 3), 90, np.uint8)
     pixels[:10] = 0
-    encode(
+    encode_picture(
         Picture(pixels, "rgb", (0.0, 255.0), place((42113, ifd.Entry(2, b"0\0")))),
         EncodeSettings(steps=5, tile=tile),
         progress=notes,
@@ -106,7 +109,7 @@ def test_near_infrared_that_is_declared_as_alpha(tmp_path: Path, colours: np.nda
     for alpha in ("auto", "band"):
         notes = Notes()
         with open_source(tmp_path / "x.tif", alpha=alpha) as source:
-            data = encode(source, EncodeSettings(quality=70, steps=30), progress=notes).data
+            data = encode_picture(source, EncodeSettings(quality=70, steps=30), progress=notes).data
         with open_stream(data) as stream:
             found = stream.picture()
         errors[alpha] = np.abs(found.pixels.astype(int) - pixels)[25:55, 25:75, :3].mean()

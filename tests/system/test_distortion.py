@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sgicodec import EncodeSettings, Picture, encode, open_stream, read
+from sgicodec import EncodeSettings, Picture, encode_picture, read
 from sgicodec.cli.encode import encode as command
+from sgicodec.decoder.stream import open_stream
 from sgicodec.errors import UsageError
 from sgicodec.metrics.choices import DISTORTIONS
 from sgicodec.metrics.distortion import squared_error
@@ -32,7 +33,7 @@ def test_each_distortion_costs_least_where_it_is_minimised(picture: Picture) -> 
     weights = {name: distortion.reference(unit).weights for name, distortion in DISTORTIONS.items()}
     costs: dict[str, dict[str, float]] = {}
     for made_for in DISTORTIONS:
-        data = encode(picture, EncodeSettings(lmbda=LMBDA, steps=150, distortion=made_for, texture=False)).data
+        data = encode_picture(picture, EncodeSettings(lmbda=LMBDA, steps=150, distortion=made_for, texture=False)).data
         decoded = open_stream(data).picture()
         costs[made_for] = {
             name: squared_error(picture, decoded, weights[name]) + LMBDA * 8 * len(data) for name in DISTORTIONS
@@ -44,13 +45,13 @@ def test_each_distortion_costs_least_where_it_is_minimised(picture: Picture) -> 
 
 def test_tiles_are_fitted_to_the_same_distortion(picture: Picture) -> None:
     settings = EncodeSettings(lmbda=LMBDA, steps=60, tile=128, texture=False)
-    plain, weighted = (encode(picture, replace(settings, distortion=name)) for name in ("squared", "weighted"))
+    plain, weighted = (encode_picture(picture, replace(settings, distortion=name)) for name in ("squared", "weighted"))
     assert len(weighted.data) < len(plain.data)  # rocks count less
     assert open_stream(weighted.data).header.grid.count == 4
 
 
 def test_a_psnr_is_met_whatever_is_minimised(picture: Picture) -> None:
-    encoded = encode(picture, EncodeSettings(psnr=27.0, steps=150, distortion="weighted"))
+    encoded = encode_picture(picture, EncodeSettings(psnr=27.0, steps=150, distortion="weighted"))
     decoded = open_stream(encoded.data).picture()
     error = squared_error(picture, decoded) / picture.pixels.size
     assert -10 * np.log10(error) == pytest.approx(27.0, abs=0.1)

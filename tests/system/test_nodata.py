@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sgicodec import EncodeSettings, Picture, encode, open_stream, read
+from sgicodec import EncodeSettings, Picture, encode_picture, read
+from sgicodec.decoder.stream import open_stream
 from sgicodec.errors import CorruptStreamError
 from sgicodec.metadata import geo, ifd
 from sgicodec.metadata.placement import view as geo_view
@@ -69,7 +70,7 @@ def test_nodata_is_exact(
     pixels: np.ndarray, hole: np.ndarray, tile: int, dtype: str, value: float, text: bytes
 ) -> None:
     picture = holed(pixels.astype(dtype), hole, value, text)
-    with open_stream(encode(picture, settings(tile)).data) as stream:
+    with open_stream(encode_picture(picture, settings(tile)).data) as stream:
         decoded = stream.picture()
         assert stream.metadata == picture.metadata
     np.testing.assert_array_equal(nodata_mask(decoded), nodata_mask(picture))
@@ -80,16 +81,16 @@ def test_dark_pixels_do_not_become_nodata(pixels: np.ndarray, hole: np.ndarray) 
     """Black next to nodata 0 is drawn as nearly black."""
     dark = (pixels // 40).astype(np.uint8)
     dark[~hole] = np.maximum(dark[~hole], 1)
-    decoded = open_stream(encode(holed(dark, hole, 0, b"0"), settings(0)).data).picture()
+    decoded = open_stream(encode_picture(holed(dark, hole, 0, b"0"), settings(0)).data).picture()
     np.testing.assert_array_equal(nodata_mask(decoded), hole)
 
 
 def test_holes_cost_little(pixels: np.ndarray, hole: np.ndarray) -> None:
     whole = Picture(np.ascontiguousarray(pixels), "rgb", (0.0, 255.0))
     picture = holed(pixels, hole, 0, b"0")
-    plain = len(encode(replace(picture, metadata=Metadata()), settings(0)).data)
-    data = encode(picture, settings(0, metadata=False)).data
-    assert len(data) < 1.25 * len(encode(whole, settings(0)).data)
+    plain = len(encode_picture(replace(picture, metadata=Metadata()), settings(0)).data)
+    data = encode_picture(picture, settings(0, metadata=False)).data
+    assert len(data) < 1.25 * len(encode_picture(whole, settings(0)).data)
     assert len(data) < 0.9 * plain
     np.testing.assert_array_equal((open_stream(data).picture().pixels == 0).all(axis=2), hole)
 
@@ -100,9 +101,9 @@ def test_transparent_pixels_stay_transparent(pixels: np.ndarray, hole: np.ndarra
     colours = np.where(hole[..., None], hidden, pixels)
     alpha = np.where(hole, 0, 200).astype(np.uint8)
     picture = Picture(np.dstack([colours, alpha]), "rgba", (0.0, 255.0))
-    data = encode(picture, settings(tile)).data
+    data = encode_picture(picture, settings(tile)).data
     opaque = Picture(np.dstack([pixels, np.full_like(alpha, 200)]), "rgba", (0.0, 255.0))
-    assert len(data) < 1.5 * len(encode(opaque, settings(tile)).data)
+    assert len(data) < 1.5 * len(encode_picture(opaque, settings(tile)).data)
     decoded = open_stream(data).picture().pixels
     assert not decoded[hole, 3].any()
     assert decoded[~hole, 3].min() > 150
@@ -111,7 +112,7 @@ def test_transparent_pixels_stay_transparent(pixels: np.ndarray, hole: np.ndarra
 @pytest.mark.parametrize("tile", TILES)
 def test_a_picture_of_nothing(tile: int) -> None:
     nothing = Picture(np.zeros((HEIGHT, WIDTH, 3), np.uint8), "rgb", (0.0, 255.0), Metadata(geo=blob(b"0")))
-    data = encode(nothing, settings(tile)).data
+    data = encode_picture(nothing, settings(tile)).data
     assert len(data) < 400
     assert not open_stream(data).picture().pixels.any()
     assert open_stream(data).survey().seeds == 0
@@ -121,7 +122,7 @@ def test_a_picture_of_nothing(tile: int) -> None:
 @pytest.mark.parametrize("scale", [None, 0.25, 3.0])
 def test_places_and_holes_follow_the_view(pixels: np.ndarray, hole: np.ndarray, tile: int, scale: float | None) -> None:
     picture = holed(pixels, hole, 0, b"0")
-    stream = open_stream(encode(picture, settings(tile)).data)
+    stream = open_stream(encode_picture(picture, settings(tile)).data)
     shown = stream.picture((40, 20, 120, 100), scale=scale)
     step = scale or 1.0
     assert shown.metadata.geo == geo_view(picture.metadata.geo, 40, 20, step, step)
@@ -131,7 +132,7 @@ def test_places_and_holes_follow_the_view(pixels: np.ndarray, hole: np.ndarray, 
 
 
 def test_a_mask_that_lies_is_refused(pixels: np.ndarray, hole: np.ndarray) -> None:
-    data = bytearray(encode(holed(pixels, hole, 0, b"0"), settings(128)).data)
+    data = bytearray(encode_picture(holed(pixels, hole, 0, b"0"), settings(128)).data)
     for at in range(len(data) - 200, 60, -97):
         damaged = bytearray(data)
         damaged[at] ^= 4

@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sgicodec import Encoded, EncodeSettings, Picture, encode, open_stream, read
+from sgicodec import Encoded, EncodeSettings, Picture, encode_picture, read
 from sgicodec.bitstream.container import SIGNATURE, ChunkReader, ChunkWriter
 from sgicodec.bitstream.stream_reader import CHUNKS
+from sgicodec.decoder.stream import open_stream
 from sgicodec.decoder.tile_renderer import TileRenderer
 from sgicodec.encoder.overview import overview_picture, takes_overview
 from sgicodec.encoder.plan import Shape, stream_plan
@@ -52,7 +53,7 @@ def photo() -> Picture:
 @pytest.fixture(scope="module")
 def coded(photo: Picture) -> Encoded:
     """In 3×2 tiles, with an overview of 21×16 pixels."""
-    return encode(photo, SETTINGS)
+    return encode_picture(photo, SETTINGS)
 
 
 @pytest.mark.parametrize("tile", [64, 100, 300])
@@ -174,18 +175,18 @@ def test_an_overview_of_several_tiles_has_its_own(photo: Picture) -> None:
     """1,344×1,000 pixels: 84×62 in tiles of 32, and 5×4."""
     large = replace(photo, pixels=photo.pixels.repeat(4, axis=0).repeat(4, axis=1))
     plan = replace(SETTINGS, tile=32, steps=1, quality=5)
-    small_one = encode(small(large, 512), plan).data
+    small_one = encode_picture(small(large, 512), plan).data
     inner = open_stream(small_one)
     assert inner.grid.count == 6
     assert (inner.overview.width, inner.overview.height) == (5, 4)
     assert inner.overview.grid.count == 1
-    outer = open_stream(_chunks_with(encode(large, replace(plan, tile=512, rdoq=False)).data, [small_one]))
+    outer = open_stream(_chunks_with(encode_picture(large, replace(plan, tile=512, rdoq=False)).data, [small_one]))
     np.testing.assert_array_equal(outer.picture(size=(5, 4)).pixels, inner.overview.picture().pixels)
 
 
 def test_one_that_is_no_smaller_is_left_alone() -> None:
     """Of a single pixel; a thousand overviews, each in another, would else be followed to the last."""
-    dot = encode(Picture(np.zeros((1, 1, 1), np.uint8), "gray", (0.0, 255.0)), EncodeSettings(steps=1)).data
+    dot = encode_picture(Picture(np.zeros((1, 1, 1), np.uint8), "gray", (0.0, 255.0)), EncodeSettings(steps=1)).data
     nested = dot
     for _ in range(1200):
         nested = _chunks_with(dot, [nested])
@@ -204,12 +205,12 @@ def test_who_gets_one(photo: Picture) -> None:
     assert not takes(1000, 1000, tile=512)
     assert takes(1000, 1000, tile=512, overview=True)
     with pytest.raises(UsageError, match="no overview"):
-        _ = open_stream(encode(photo, EncodeSettings(steps=1, tile=128)).data).overview
+        _ = open_stream(encode_picture(photo, EncodeSettings(steps=1, tile=128)).data).overview
 
 
 def test_it_counts_in_a_goal(photo: Picture) -> None:
     goal = replace(SETTINGS, steps=20, bpp=0.5)
-    encoded = encode(photo, goal)
+    encoded = encode_picture(photo, goal)
     assert encoded.part_bytes["overview"] == len(_overview(encoded.data)) > 50
     assert 0.97 * 0.5 < 8 * len(encoded.data) / (336 * 250) <= 0.5
 
@@ -254,9 +255,9 @@ def test_what_is_no_overview_of_this_picture_is_refused(coded: Encoded, photo: P
     one = EncodeSettings(steps=1)
     for wrong, complaint in (
         (b"no stream", "overview: no stream"),
-        (encode(photo, one).data, "overview: it has 336×250 pixels, not 21×16"),
-        (encode(gray, one).data, "overview: its channels"),
-        (encode(deep, one).data, "overview: its samples"),
+        (encode_picture(photo, one).data, "overview: it has 336×250 pixels, not 21×16"),
+        (encode_picture(gray, one).data, "overview: its channels"),
+        (encode_picture(deep, one).data, "overview: its samples"),
     ):
         stream = open_stream(_chunks_with(coded.data, [wrong]))
         with pytest.raises(CorruptStreamError, match=complaint):

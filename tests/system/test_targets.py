@@ -11,7 +11,8 @@ import pytest
 from clock import Clock
 from listeners import Steps
 
-from sgicodec import Encoded, EncodeSettings, Picture, encode, open_stream, read
+from sgicodec import Encoded, EncodeSettings, Picture, encode_picture, read
+from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
 from sgicodec.errors import TargetMissedError, UsageError
 from sgicodec.fit.trainer import Progress
@@ -36,7 +37,7 @@ def quality(picture: Picture, encoded: Encoded) -> float:
 
 @pytest.mark.parametrize("bpp", [0.25, 0.9])
 def test_bits_per_pixel(crop: Picture, bpp: float) -> None:
-    encoded = encode(crop, EncodeSettings(bpp=bpp, steps=150))
+    encoded = encode_picture(crop, EncodeSettings(bpp=bpp, steps=150))
     reached = 8 * len(encoded.data) / (crop.width * crop.height)
     assert 0.97 * bpp <= reached <= bpp
     assert quality(crop, encoded) > 20
@@ -45,28 +46,30 @@ def test_bits_per_pixel(crop: Picture, bpp: float) -> None:
 def test_size_and_metadata(crop: Picture) -> None:
     """Metadata counts, and is known of from the start: the fit ends near the size, not by the last search alone."""
     with_blob = replace(crop, metadata=Metadata(xmp=b"<x/>" * 1000))
-    encoded = encode(with_blob, EncodeSettings(size=7000, steps=150))
+    encoded = encode_picture(with_blob, EncodeSettings(size=7000, steps=150))
     assert 0.97 * 7000 <= len(encoded.data) <= 7000
-    lean = encode(with_blob, EncodeSettings(size=3000, metadata=False, steps=150))
+    lean = encode_picture(with_blob, EncodeSettings(size=3000, metadata=False, steps=150))
     assert 0.97 * 3000 <= len(lean.data) <= 3000
     assert abs(math.log2(encoded.lmbda / lean.lmbda)) < 1.3
 
 
 @pytest.mark.parametrize("above", [0.0, 3.0])
 def test_decibels(crop: Picture, above: float) -> None:
-    asked = quality(crop, encode(crop, EncodeSettings(steps=150))) + above
-    encoded = encode(crop, EncodeSettings(psnr=asked, steps=150))
+    asked = quality(crop, encode_picture(crop, EncodeSettings(steps=150))) + above
+    encoded = encode_picture(crop, EncodeSettings(psnr=asked, steps=150))
     assert quality(crop, encoded) == pytest.approx(asked, abs=0.1)
 
 
 def test_equal_settings_give_equal_streams(crop: Picture) -> None:
-    one, two = (encode(crop, EncodeSettings(bpp=0.4, steps=60), device=Device(threads)).data for threads in (1, 2))
+    one, two = (
+        encode_picture(crop, EncodeSettings(bpp=0.4, steps=60), device=Device(threads)).data for threads in (1, 2)
+    )
     assert one == two
 
 
 def test_an_impossible_size_gives_the_nearest_stream(crop: Picture) -> None:
     with pytest.raises(TargetMissedError, match="at most 90 bytes") as caught:
-        encode(crop, EncodeSettings(size=90, steps=60))
+        encode_picture(crop, EncodeSettings(size=90, steps=60))
     nearest = caught.value.nearest
     assert f"the smallest has {len(nearest.data)}" in str(caught.value)
     assert len(nearest.data) < 700
@@ -75,7 +78,7 @@ def test_an_impossible_size_gives_the_nearest_stream(crop: Picture) -> None:
 
 def test_an_impossible_psnr_gives_the_nearest_stream(crop: Picture) -> None:
     with pytest.raises(TargetMissedError, match="99 dB") as caught:
-        encode(crop, EncodeSettings(psnr=99, steps=40, texture=False))
+        encode_picture(crop, EncodeSettings(psnr=99, steps=40, texture=False))
     assert quality(crop, caught.value.nearest) > 30
 
 
@@ -91,7 +94,7 @@ def test_a_time_limit_gives_a_sound_stream(crop: Picture, target: dict[str, floa
 
     settings = replace(EncodeSettings(time_limit=4.0), **target)  # type: ignore[arg-type]
     try:
-        encoded = encode(crop, settings, progress=Steps(on_progress))
+        encoded = encode_picture(crop, settings, progress=Steps(on_progress))
     except TargetMissedError as missed:  # there are few steps
         encoded = missed.nearest
     assert quality(crop, encoded) > 15
@@ -103,7 +106,7 @@ def test_a_time_limit_gives_a_sound_stream(crop: Picture, target: dict[str, floa
 def test_an_early_end_gives_a_stream(crop: Picture, target: dict[str, float], step: int) -> None:
     settings = replace(EncodeSettings(steps=80), **target)  # type: ignore[arg-type]
     try:
-        encoded = encode(crop, settings, progress=Steps(lambda progress: progress.step < step))
+        encoded = encode_picture(crop, settings, progress=Steps(lambda progress: progress.step < step))
     except TargetMissedError as missed:
         encoded = missed.nearest
     else:
@@ -113,7 +116,7 @@ def test_an_early_end_gives_a_stream(crop: Picture, target: dict[str, float], st
 
 
 def test_an_own_network(crop: Picture) -> None:
-    encoded = encode(crop, EncodeSettings(size=14_000, prior=0, steps=100))
+    encoded = encode_picture(crop, EncodeSettings(size=14_000, prior=0, steps=100))
     assert 0.97 * 14_000 <= len(encoded.data) <= 14_000
     assert quality(crop, encoded) > 20
 
@@ -150,7 +153,7 @@ def test_pictures_at_the_edge(picture: Picture, target: dict[str, float]) -> Non
     settings = replace(EncodeSettings(steps=30), **target)  # type: ignore[arg-type]
     missed = False
     try:
-        encoded = encode(picture, settings)
+        encoded = encode_picture(picture, settings)
     except TargetMissedError as error:
         missed, encoded = True, error.nearest
     reached = quality(picture, encoded)
@@ -160,8 +163,8 @@ def test_pictures_at_the_edge(picture: Picture, target: dict[str, float]) -> Non
 
 def test_clipped_floats_are_measured_as_the_stream_spans_them() -> None:
     picture = replace(drawn(40, 48, "gray", "float32", False), sample_range=(0.0, 500.0))
-    asked = quality(picture, encode(picture, EncodeSettings(quality=40, steps=60)))
-    encoded = encode(picture, EncodeSettings(psnr=asked, steps=60))
+    asked = quality(picture, encode_picture(picture, EncodeSettings(quality=40, steps=60)))
+    encoded = encode_picture(picture, EncodeSettings(psnr=asked, steps=60))
     assert quality(picture, encoded) == pytest.approx(asked, abs=0.1)
 
 
@@ -201,4 +204,4 @@ def test_the_stream_names_its_target() -> None:
         (EncodeSettings(psnr=20.5, steps=5), "psnr20.5 psnr n5"),
         (EncodeSettings(time_limit=0.5), "q50 visual t0.5"),
     ):
-        assert open_stream(encode(picture, settings).data).software.endswith(words)
+        assert open_stream(encode_picture(picture, settings).data).software.endswith(words)

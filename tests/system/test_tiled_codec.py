@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sgicodec import Encoded, EncodeSettings, Picture, encode, open_stream, read
+from sgicodec import Encoded, EncodeSettings, Picture, encode_picture, read
 from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.bitstream.varint import decode_varint
+from sgicodec.decoder.stream import open_stream
 from sgicodec.decoder.tile_renderer import TileRenderer
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.errors import CorruptStreamError, UsageError
@@ -30,7 +31,7 @@ def coded(request: pytest.FixtureRequest) -> tuple[Picture, Encoded]:
     """336×256 pixels of a smooth picture and of texture, in 3×2 tiles."""
     picture = read(DATA / request.param)
     picture = replace(picture, pixels=np.ascontiguousarray(picture.pixels[:256, 64:400]))
-    return picture, encode(picture, SETTINGS)
+    return picture, encode_picture(picture, SETTINGS)
 
 
 def near_borders(stream_width: int, stream_height: int, edges: tuple[list[int], list[int]]) -> np.ndarray:
@@ -45,7 +46,7 @@ def near_borders(stream_width: int, stream_height: int, edges: tuple[list[int], 
 def test_no_seam(coded: tuple[Picture, Encoded]) -> None:
     """At most 10 % more error near a border than elsewhere, as it would be without borders there."""
     picture, tiled = coded
-    one = encode(picture, replace(SETTINGS, tile=0))
+    one = encode_picture(picture, replace(SETTINGS, tile=0))
     near = near_borders(336, 256, ([112, 224], [128]))
     ratios = []
     for data in (tiled.data, one.data):
@@ -109,7 +110,7 @@ def test_scaled_views_agree_with_averages(coded: tuple[Picture, Encoded]) -> Non
 
 def test_tiles_without_a_base_layer_are_drawn(coded: tuple[Picture, Encoded]) -> None:
     picture = replace(coded[0], pixels=np.ascontiguousarray(coded[0].pixels[:, :160]))
-    stream = open_stream(encode(picture, replace(SETTINGS, steps=30, profile="paper")).data)
+    stream = open_stream(encode_picture(picture, replace(SETTINGS, steps=30, profile="paper")).data)
     assert stream.header.spec.base_cell == 0
     assert stream.render(scale=0.1).mean() == pytest.approx(stream.render().mean(), rel=0.1)
 
@@ -263,15 +264,15 @@ def test_a_tile_of_other_symbols_is_named(coded: tuple[Picture, Encoded], thread
 
 def test_one_tile_pays_nothing(coded: tuple[Picture, Encoded]) -> None:
     small = replace(coded[0], pixels=np.ascontiguousarray(coded[0].pixels[:96, :128]))
-    one = encode(small, replace(SETTINGS, tile=0, steps=10)).data
-    assert encode(small, replace(SETTINGS, tile=128, steps=10)).data == one
+    one = encode_picture(small, replace(SETTINGS, tile=0, steps=10)).data
+    assert encode_picture(small, replace(SETTINGS, tile=128, steps=10)).data == one
     assert one.count(b"X") == 0 or open_stream(one).chunk_bytes.keys() == {"signature", "H", "s", "T"}
 
 
 @pytest.mark.parametrize("goal", [{"psnr": 30.0}, {"bpp": 0.5}, {"size": 5000.0}])
 def test_a_time_limit_with_a_goal_needs_a_single_tile(coded: tuple[Picture, Encoded], goal: dict[str, float]) -> None:
     with pytest.raises(UsageError, match="single tile"):
-        encode(coded[0], EncodeSettings(time_limit=3, tile=128, **goal))  # type: ignore[arg-type]
+        encode_picture(coded[0], EncodeSettings(time_limit=3, tile=128, **goal))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from listeners import Steps
 
-from sgicodec import Encoded, EncodeSettings, Picture, encode, open_stream, read
+from sgicodec import Encoded, EncodeSettings, Picture, encode_picture, read
+from sgicodec.decoder.stream import open_stream
 from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Metadata
 
@@ -26,7 +27,7 @@ def crop(name: str) -> Picture:
 @pytest.fixture(scope="module", params=["kodim23.png", "kodim13.png"])
 def coded(request: pytest.FixtureRequest) -> tuple[Picture, dict[int, Encoded]]:
     picture = crop(request.param)
-    return picture, {q: encode(picture, EncodeSettings(quality=q, steps=250)) for q in (30, 50, 70)}
+    return picture, {q: encode_picture(picture, EncodeSettings(quality=q, steps=250)) for q in (30, 50, 70)}
 
 
 def test_quality_raises_both_rate_and_fidelity(coded: tuple[Picture, dict[int, Encoded]]) -> None:
@@ -73,6 +74,6 @@ def test_layout_metadata_and_depth_return(coded: tuple[Picture, dict[int, Encode
 
 def test_early_end_gives_a_valid_stream() -> None:
     picture = crop("kodim23.png")
-    stopped = encode(picture, EncodeSettings(steps=200), progress=Steps(lambda progress: progress.step < 60))
+    stopped = encode_picture(picture, EncodeSettings(steps=200), progress=Steps(lambda progress: progress.step < 60))
     decoded = open_stream(stopped.data).picture()
     assert psnr(picture.pixels, decoded.pixels) > 20

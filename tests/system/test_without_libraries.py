@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from sgicodec import open_stream
+from sgicodec.decoder.stream import open_stream
 
 GOLDEN = Path(__file__).parents[1] / "conformance" / "golden"
 PICTURE = Path(__file__).parents[1] / "data" / "pictures" / "hopper_gray.jpg"
@@ -33,8 +33,8 @@ def run(code: str, missing: tuple[str, ...], *arguments: object) -> subprocess.C
 
 @pytest.mark.parametrize("path", sorted(GOLDEN.glob("*.sgi")), ids=lambda path: path.stem)
 def test_every_stream_decodes_with_numpy_alone(path: Path) -> None:
-    code = "from sgicodec import open_stream; print(f'{open_stream(sys.argv[1]).symbol_crc:08x}')"
-    code += "; open_stream(sys.argv[1]).picture(size=(9, 7))"
+    code = "import sgicodec; print(f'{sgicodec.open(sys.argv[1]).symbol_crc:08x}')"
+    code += "; sgicodec.open(sys.argv[1]).picture(size=(9, 7))"
     done = run(code, ALL, path)
     assert done.stderr == ""
     with open_stream(path) as stream:

@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sgicodec import Picture, open_stream, write
+from sgicodec import Picture, write
+from sgicodec.decoder.stream import open_stream
 
 NOWHERE = """
 import sys
@@ -65,8 +66,8 @@ def test_every_kind_of_default_model_is_fitted(settings: dict[str, object], pict
     target = tmp_path / "out.sgi"
     code = f"""{NOWHERE}
 from pathlib import Path
-from sgicodec import EncodeSettings, encode, read
-encoded = encode(read(sys.argv[1]), EncodeSettings(**{ {"steps": 20} | settings!r}))
+from sgicodec import EncodeSettings, encode_picture, read
+encoded = encode_picture(read(sys.argv[1]), EncodeSettings(**{ {"steps": 20} | settings!r}))
 Path(sys.argv[2]).write_bytes(encoded.data)
 """
     done = run(code, picture, target)

@@ -37,7 +37,7 @@ HOMES = {
     "click": ("sgicodec/cli/", "sgicodec/bench/", "benchmarks/", "tools/"),
     "scipy": ("sgicodec/metrics/similarity.py", "sgicodec/bench/bdrate.py"),
     "ssimulacra2": ("sgicodec/metrics/perceptual.py",),
-    "PIL": ("sgicodec/image/second_reader.py", "sgicodec/bench/", "benchmarks/"),
+    "PIL": ("sgicodec/image/second_reader.py", "sgicodec/image/conversion.py", "sgicodec/bench/", "benchmarks/"),
     "imagecodecs": ("sgicodec/bench/", "benchmarks/"),
     "pyjpegli": ("sgicodec/bench/optional_peers.py",),
     "imageio_ffmpeg": ("sgicodec/bench/optional_peers.py",),
@@ -120,7 +120,7 @@ def test_nothing_else_is_imported() -> None:
 ENCODE = """
 import numpy as np, sgicodec
 pixels = np.random.default_rng(1).integers(0, 256, (48, 64, 3), np.uint8)
-sgicodec.encode(sgicodec.Picture(pixels, "rgb", (0, 255)), sgicodec.EncodeSettings(steps=20))
+sgicodec.encode_picture(sgicodec.Picture(pixels, "rgb", (0, 255)), sgicodec.EncodeSettings(steps=20))
 """
 
 
@@ -128,7 +128,8 @@ sgicodec.encode(sgicodec.Picture(pixels, "rgb", (0, 255)), sgicodec.EncodeSettin
     ("code", "absent"),
     [
         ("import sgicodec", {"numpy", "torch", "OpenImageIO", "constriction", "click", "rich"}),
-        ("import sgicodec; sgicodec.open_stream", {"torch", "OpenImageIO", "click", "rich"}),
+        ("import sgicodec; sgicodec.open", {"torch", "OpenImageIO", "click", "rich"}),
+        ("import sgicodec; sgicodec.decode", {"torch", "OpenImageIO", "click", "rich"}),
         ("import sgicodec; sgicodec.read", {"torch", "constriction", "click", "rich"}),
         ("import sgicodec.encoder.pipeline", {"torch", "OpenImageIO", "click", "rich"}),
         (ENCODE, {"torch", "OpenImageIO", "click", "rich"}),

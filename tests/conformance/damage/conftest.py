@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sgicodec import EncodeSettings, encode, open_stream, read
+from sgicodec import EncodeSettings, encode_picture, read
+from sgicodec.decoder.stream import open_stream
 from sgicodec.picture import Metadata
 
 DATA = Path(__file__).parents[2] / "data"
@@ -33,6 +34,6 @@ def coded(request: pytest.FixtureRequest) -> Coded:
     picture = read(DATA / "kodim23.png")
     crop = np.ascontiguousarray(picture.pixels[180:244, 100:196])
     picture = replace(picture, pixels=crop, metadata=Metadata(icc=None, exif=None, xmp=b"<x:xmpmeta/>"))
-    data = encode(picture, SETTINGS[request.param]).data
+    data = encode_picture(picture, SETTINGS[request.param]).data
     with open_stream(data) as stream:
         return Coded(data, stream.picture().pixels)

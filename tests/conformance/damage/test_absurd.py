@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from absurd import absurd_stream
 
-from sgicodec import open_stream
+from sgicodec.decoder.stream import open_stream
 
 pytestmark = pytest.mark.filterwarnings("error")
 

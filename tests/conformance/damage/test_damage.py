@@ -13,9 +13,10 @@ import pytest
 from click.testing import CliRunner
 from surgery import HEADER_FIELDS, flipped, join, split, with_fields
 
-from sgicodec import SgiError, open_stream
+from sgicodec import SgiError
 from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.cli.main import cli
+from sgicodec.decoder.stream import open_stream
 from sgicodec.errors import CorruptStreamError, StreamError
 
 pytestmark = pytest.mark.filterwarnings("error")

@@ -12,7 +12,6 @@ import pytest
 from little_memory import read_with_little_memory
 from surgery import frame, join, split, with_fields, with_hash
 
-from sgicodec import open_stream
 from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.bitstream.entropy.symbol_coder import SymbolWriter
 from sgicodec.bitstream.header import decode_header
@@ -22,6 +21,7 @@ from sgicodec.bitstream.parts.predicted_positions import code_predicted_position
 from sgicodec.bitstream.parts.predicted_tree import TreeContext
 from sgicodec.bitstream.parts.seed_tree import TreeShape
 from sgicodec.bitstream.parts.tile import read_tile
+from sgicodec.decoder.stream import open_stream
 from sgicodec.errors import CorruptStreamError, LimitError
 from sgicodec.model.base import base_shape
 from sgicodec.model.quantization import STEP_COUNT

@@ -12,13 +12,13 @@ from little_memory import read_with_little_memory
 from surgery import flipped, join, split
 from texture_forger import spell
 
-from sgicodec import open_stream
 from sgicodec.bitstream.entropy.symbol_coder import SymbolWriter
 from sgicodec.bitstream.header import Header, encode_header
 from sgicodec.bitstream.parts import tile
 from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.bitstream.parts.texture import code_texture
 from sgicodec.bitstream.parts.tile import TileModel
+from sgicodec.decoder.stream import open_stream
 from sgicodec.errors import CorruptStreamError, StreamError
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.steps import default_plan

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from surgery import flipped, join, split
 
-from sgicodec import EncodeSettings, encode, open_stream, read
+from sgicodec import EncodeSettings, encode_picture, read
 from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.bitstream.index import Place, encode_index
 from sgicodec.bitstream.varint import decode_varint
+from sgicodec.decoder.stream import open_stream
 from sgicodec.errors import CorruptStreamError, StreamError
 
 DATA = Path(__file__).parents[2] / "data"
@@ -23,7 +24,7 @@ def data() -> bytes:
     """96×64 pixels in two tiles."""
     picture = read(DATA / "kodim23.png")
     picture = replace(picture, pixels=np.ascontiguousarray(picture.pixels[180:244, 100:196]))
-    return encode(picture, EncodeSettings(steps=10, tile=64)).data
+    return encode_picture(picture, EncodeSettings(steps=10, tile=64)).data
 
 
 def test_every_flipped_byte_is_found(data: bytes) -> None:

@@ -15,8 +15,9 @@ from pathlib import Path
 
 import numpy as np
 
-from sgicodec import EncodeSettings, Picture, encode, open_stream, read, write
+from sgicodec import EncodeSettings, Picture, encode_picture, read, write
 from sgicodec.bitstream.parts.tile import write_tile
+from sgicodec.decoder.stream import open_stream
 
 HERE = Path(__file__).parent
 sys.path.append(str(HERE.parents[1] / "support"))
@@ -87,7 +88,7 @@ def with_any_texture(data: bytes) -> bytes:
 def made(name: str, picture: Picture, settings: EncodeSettings) -> dict[str, object]:
     """Writes a stream and what it decodes to; its entry in the manifest."""
     path = HERE / f"{name}.sgi"
-    data = encode(picture, settings).data
+    data = encode_picture(picture, settings).data
     path.write_bytes(with_any_texture(data) if name == "rgb8-any-texture" else data)
     reference = "png" if picture.channels != "multi" and picture.pixels.dtype != np.float32 else "tif"
     with open_stream(path) as stream:

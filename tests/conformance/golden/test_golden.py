@@ -14,9 +14,10 @@ import numpy as np
 import pytest
 from surgery import split
 
-from sgicodec import open_stream, read
+from sgicodec import read
 from sgicodec.bitstream.parts.tile import read_tile, write_tile
 from sgicodec.bitstream.parts.tile_chunk import decode_tile_chunk
+from sgicodec.decoder.stream import open_stream
 from tests.conformance.golden.make_golden import pictures
 
 HERE = Path(__file__).parent

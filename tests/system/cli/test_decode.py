@@ -143,10 +143,11 @@ def test_what_a_format_cannot_hold(sgi: Run, stream: Path, tmp_path: Path) -> No
     assert not (tmp_path / "out.jpg").exists()
 
 
-def test_too_many_pixels(sgi: Run, stream: Path, tmp_path: Path) -> None:
-    result = sgi("decode", stream, tmp_path / "out.png", "--scale", 99999)
-    assert result.exit_code == 4
-    assert "too many" in result.stderr
+def test_too_many_pixels_are_a_fault_of_the_arguments(sgi: Run, stream: Path, tmp_path: Path) -> None:
+    for options in (("--scale", 99999), ("--size", "99999x99999"), ("--region", "0,0,40,30", "--scale", 99999)):
+        result = sgi("decode", stream, tmp_path / "out.png", *options)
+        assert result.exit_code == 2
+        assert "too many" in result.stderr
 
 
 def test_an_existing_output_stays_without_force(sgi: Run, stream: Path) -> None:

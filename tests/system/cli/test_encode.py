@@ -42,7 +42,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
         seen.update(asdict(settings) | asdict(device))
         raise Stopped("stopped")
 
-    monkeypatch.setattr(encoder, "encode", record)
+    monkeypatch.setattr(encoder, "encode_picture", record)
     return seen
 
 

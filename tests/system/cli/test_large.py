@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from click.testing import Result
 
-from sgicodec import open_stream
+from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder import tile_work
 from sgicodec.image import read, write
 from sgicodec.picture import Metadata, Picture

@@ -72,6 +72,7 @@ def test_exit_codes_of_all_errors() -> None:
     assert codes == {
         "SgiError": 1,
         "UsageError": 2,
+        "RegionError": 2,
         "MissingExtraError": 2,
         "PictureError": 3,
         "StreamError": 4,
@@ -145,7 +146,7 @@ def test_first_interrupt_of_a_fit_ends_it_second_gives_up(
         assert not progress.step(state)
         signal.raise_signal(signal.SIGINT)
 
-    monkeypatch.setattr(encoder, "encode", fit)
+    monkeypatch.setattr(encoder, "encode_picture", fit)
     result = sgi("encode", picture)
     assert result.exit_code == 130
     assert result.stderr.split("\n") == [

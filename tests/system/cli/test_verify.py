@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from click.testing import Result
 
-from sgicodec import EncodeSettings, Picture, encode
+from sgicodec import EncodeSettings, Picture, encode_picture
 from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.cli import verify as module
 from sgicodec.decoder.stream import Stream, open_stream
@@ -37,7 +37,7 @@ def test_every_flipped_byte_is_found(sgi: Run, stream: Path) -> None:
 def test_an_overview_is_verified(sgi: Run, tmp_path: Path) -> None:
     out = tmp_path / "out.sgi"
     settings = EncodeSettings(steps=1, tile=32, overview=True)
-    out.write_bytes(encode(Picture(np.zeros((40, 70, 1), np.uint8), "gray", (0.0, 255.0)), settings).data)
+    out.write_bytes(encode_picture(Picture(np.zeros((40, 70, 1), np.uint8), "gray", (0.0, 255.0)), settings).data)
     assert sgi("verify", out).exit_code == 0
     data = bytearray(out.read_bytes())
     data[data.index(SIGNATURE, 1) + 30] ^= 1

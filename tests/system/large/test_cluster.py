@@ -12,8 +12,9 @@ import pytest
 
 pytest.importorskip("distributed")
 
-from sgicodec import EncodeSettings, encode, open_stream, read
+from sgicodec import EncodeSettings, encode_picture, read
 from sgicodec.cli.main import cli
+from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.encoder.plan import Plan, stream_plan
 from sgicodec.encoder.tile_work import FitTask, Start
@@ -105,7 +106,7 @@ def test_same_bytes_as_one_process(
     ]
     result = CliRunner().invoke(cli, arguments)
     assert result.exit_code == 0, result.output
-    assert out.read_bytes() == encode(read(photo), settings).data
+    assert out.read_bytes() == encode_picture(read(photo), settings).data
 
 
 def test_goals_on_a_cluster(photo: Path, settings: EncodeSettings, tmp_path: Path) -> None:
@@ -115,7 +116,7 @@ def test_goals_on_a_cluster(photo: Path, settings: EncodeSettings, tmp_path: Pat
     arguments = ["encode", str(photo), str(out), "--tile", "40", "--steps", "8", "--bpp", "0.9"]
     result = CliRunner().invoke(cli, [*arguments, "--overview", "--cluster", "local:2"])
     assert result.exit_code == 0, result.output
-    assert out.read_bytes() == encode(read(photo), replace(settings, tile=40, bpp=0.9)).data
+    assert out.read_bytes() == encode_picture(read(photo), replace(settings, tile=40, bpp=0.9)).data
 
 
 @pytest.mark.parametrize("address", ["local:0", "local:x", "tcp://127.0.0.1:1"])

@@ -11,7 +11,8 @@ from typing import Any
 import pytest
 from clock import Clock
 
-from sgicodec import EncodeSettings, encode, open_stream, read
+from sgicodec import EncodeSettings, encode_picture, read
+from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.listener import NullListener, PassState
 from sgicodec.encoder.measure import measured_psnr
 from sgicodec.encoder.memory import estimate
@@ -30,7 +31,7 @@ from sgicodec.metrics.psnr import psnr
 @pytest.fixture(scope="module")
 def expected(photo: Path, settings: EncodeSettings) -> bytes:
     """The stream that one call makes of the picture in memory."""
-    return encode(read(photo), settings).data
+    return encode_picture(read(photo), settings).data
 
 
 class Backwards(SerialExecutor):
@@ -46,7 +47,7 @@ def test_same_bytes_for_any_executor(
 ) -> None:
     target = io.BytesIO()
     with open_source(photo) as source:
-        found = encode(source, settings, output=target, executor=executor)
+        found = encode_picture(source, settings, output=target, executor=executor)
     assert target.getvalue() == expected
     assert (found.size, found.data) == (len(expected), b"")
 
@@ -56,8 +57,8 @@ def test_a_path_and_a_result_hold_the_same(
 ) -> None:
     out = tmp_path / "out.sgi"
     with open_source(photo) as source:
-        written = encode(source, settings, output=out, verify=True)
-        returned = encode(source, settings, verify=True)
+        written = encode_picture(source, settings, output=out, verify=True)
+        returned = encode_picture(source, settings, verify=True)
     assert out.read_bytes() == returned.data == expected
     assert written.size == returned.size
     assert written.psnr == returned.psnr
@@ -69,8 +70,8 @@ def test_a_source_in_one_tile(photo: Path, settings: EncodeSettings, output: boo
     """The same stream as of the picture in memory."""
     whole, target = replace(settings, tile=0), io.BytesIO()
     with open_source(photo) as source:
-        found = encode(source, whole, output=target if output else None)
-    expected = encode(read(photo), whole)
+        found = encode_picture(source, whole, output=target if output else None)
+    expected = encode_picture(read(photo), whole)
     assert found == expected
     assert target.getvalue() == (expected.data if output else b"")
 
@@ -91,10 +92,10 @@ def test_going_on_gives_the_same_bytes(photo: Path, settings: EncodeSettings, ex
     store, target, watch = MemoryStore(), io.BytesIO(), Watch()
     with open_source(photo) as source:
         with pytest.raises(KeyboardInterrupt):
-            encode(source, settings, output=target, store=store, progress=Watch(stop=3))
+            encode_picture(source, settings, output=target, store=store, progress=Watch(stop=3))
         assert sorted(store.tiles) == [(0, 0), (1, 0), (2, 0)]
         assert not target.getvalue()
-        encode(source, settings, output=target, store=store, progress=watch)
+        encode_picture(source, settings, output=target, store=store, progress=watch)
     assert target.getvalue() == expected
     assert [done for done, _ in watch.states] == [3, 4, 5, 6]
     assert watch.states[0][1] == 0

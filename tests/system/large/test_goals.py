@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from sgicodec import EncodeSettings, encode, open_stream, read
+from sgicodec import EncodeSettings, encode_picture, read
+from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.checkpoint import Checkpoint
 from sgicodec.encoder.listener import NullListener, PassState
 from sgicodec.executors.processes import ProcessExecutor
@@ -25,7 +26,7 @@ def goal(request: pytest.FixtureRequest, settings: EncodeSettings) -> EncodeSett
 
 @pytest.fixture(scope="module")
 def expected(photo: Path, goal: EncodeSettings) -> bytes:
-    data = encode(read(photo), goal).data
+    data = encode_picture(read(photo), goal).data
     if goal.bpp is not None:
         assert 0.97 * goal.bpp <= 8 * len(data) / (150 * 100) <= goal.bpp
     else:
@@ -51,7 +52,7 @@ def encoded(photo: Path, settings: EncodeSettings, folder: Path, workers: int, w
     out, checkpoint = folder / "out.sgi", Checkpoint(folder / "out.part", resume=True)
     with open_source(photo) as source:
         executor = ProcessExecutor(workers)
-        encode(source, settings, output=out, executor=executor, store=checkpoint, progress=watch)
+        encode_picture(source, settings, output=out, executor=executor, store=checkpoint, progress=watch)
     return out.read_bytes()
 
 

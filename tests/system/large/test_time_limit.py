@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from clock import Clock
 
-from sgicodec import Encoded, EncodeSettings, encode, open_stream, read
+from sgicodec import Encoded, EncodeSettings, encode_picture, read
+from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.listener import NullListener, PassState
 from sgicodec.encoder.plan import stream_plan
 from sgicodec.encoder.store import MemoryStore
@@ -43,7 +44,7 @@ class Stop(NullListener):
 def limited(path: Path, limit: float, store: MemoryStore, stop: int | None = None) -> Encoded:
     """An encode of tiles of 64 pixels in this process, interrupted after `stop` tiles."""
     with open_source(path) as source:
-        return encode(source, EncodeSettings(time_limit=limit, tile=64), store=store, progress=Stop(stop))
+        return encode_picture(source, EncodeSettings(time_limit=limit, tile=64), store=store, progress=Stop(stop))
 
 
 def steps(store: MemoryStore) -> list[int]:
@@ -124,14 +125,14 @@ def test_the_limit_counts_for_the_run(clock: Clock, photo: Path) -> None:
 
 def test_a_picture_in_memory(clock: Clock, photo: Path) -> None:
     picture, began = read(photo), clock.now
-    encoded = encode(picture, EncodeSettings(time_limit=12.0, tile=64))
+    encoded = encode_picture(picture, EncodeSettings(time_limit=12.0, tile=64))
     assert 9.0 < clock.now - began < 12.0
     assert psnr(picture.pixels, open_stream(encoded.data).picture().pixels) > 20
 
 
 def test_a_limit_that_has_begun(clock: Clock, photo: Path) -> None:
     picture = replace(read(photo))
-    encode(picture, EncodeSettings(time_limit=50.0, tile=64), started=clock.now - 40)
+    encode_picture(picture, EncodeSettings(time_limit=50.0, tile=64), started=clock.now - 40)
     began = clock.now
-    encode(picture, EncodeSettings(time_limit=50.0, tile=64), started=clock.now - 40)
+    encode_picture(picture, EncodeSettings(time_limit=50.0, tile=64), started=clock.now - 40)
     assert 7.0 < clock.now - began < 10.0

@@ -10,7 +10,8 @@ import pytest
 from click.testing import CliRunner
 
 from benchmarks.distortion import STAGES, encoded_without, main
-from sgicodec import EncodeSettings, encode, open_stream, read, write
+from sgicodec import EncodeSettings, encode_picture, read, write
+from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
 from sgicodec.picture import Picture
 
@@ -26,11 +27,11 @@ def crop() -> Picture:
 
 
 def test_with_all_stages_it_is_what_encode_gives(crop: Picture) -> None:
-    assert encoded_without(crop, SETTINGS, (), DEVICE).data == encode(crop, SETTINGS).data
+    assert encoded_without(crop, SETTINGS, (), DEVICE).data == encode_picture(crop, SETTINGS).data
 
 
 def test_without_any_it_is_squared_error(crop: Picture) -> None:
-    plain = encode(crop, replace(SETTINGS, distortion="squared")).data
+    plain = encode_picture(crop, replace(SETTINGS, distortion="squared")).data
     found, expected = (
         open_stream(data).render() for data in (encoded_without(crop, SETTINGS, STAGES, DEVICE).data, plain)
     )
@@ -39,7 +40,7 @@ def test_without_any_it_is_squared_error(crop: Picture) -> None:
 
 @pytest.mark.parametrize("stage", STAGES)
 def test_every_stage_is_left_out(crop: Picture, stage: str) -> None:
-    whole = encode(crop, SETTINGS).data
+    whole = encode_picture(crop, SETTINGS).data
     assert encoded_without(crop, SETTINGS, (stage,), DEVICE).data != whole
 
 

@@ -10,7 +10,8 @@ import pytest
 from click.testing import CliRunner
 
 from benchmarks.limits import COLUMNS, main, numbers_of
-from sgicodec import encode, open_stream, read, write
+from sgicodec import encode_picture, read, write
+from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.errors import UsageError
 
@@ -28,7 +29,7 @@ def test_a_row_for_each_limit_and_effort(tmp_path: Path) -> None:
     assert lines[0].split("\t") == list(COLUMNS)
     assert [row["asked"] for row in rows] == ["--time-limit 1", "--effort 1"]
     assert rows[1]["steps"] == "120"
-    encoded = encode(crop, EncodeSettings(effort=1, tile=64))
+    encoded = encode_picture(crop, EncodeSettings(effort=1, tile=64))
     error = np.square((crop.pixels - open_stream(encoded.data).picture().pixels.astype(float)) / 255).sum()
     cost = (error + encoded.lmbda * 8 * len(encoded.data)) / (64 * 96)
     assert float(rows[1]["cost"]) == pytest.approx(cost, abs=1e-6)

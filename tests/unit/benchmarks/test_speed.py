@@ -9,7 +9,8 @@ from click.testing import CliRunner
 from benchmarks.profile import OTHER, by_module, profiled
 from benchmarks.profile import main as profile
 from benchmarks.speed import main, measure
-from sgicodec import EncodeSettings, open_stream
+from sgicodec import EncodeSettings
+from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ONE_THREAD
 
 DATA = Path(__file__).parents[2] / "data" / "pictures"

@@ -10,7 +10,8 @@ import pytest
 from click.testing import CliRunner
 
 from benchmarks.variants import main, whole
-from sgicodec import EncodeSettings, encode, open_stream, read, write
+from sgicodec import EncodeSettings, encode_picture, read, write
+from sgicodec.decoder.stream import open_stream
 from sgicodec.errors import UsageError
 from sgicodec.picture import Picture
 
@@ -25,7 +26,7 @@ def crop() -> Picture:
 
 
 def test_without_a_variant_it_is_what_encode_gives(crop: Picture) -> None:
-    assert whole(crop, SETTINGS).encoded.data == encode(crop, SETTINGS).data
+    assert whole(crop, SETTINGS).encoded.data == encode_picture(crop, SETTINGS).data
 
 
 def test_variants_reach_the_stream(crop: Picture) -> None:

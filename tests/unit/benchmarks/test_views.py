@@ -9,7 +9,7 @@ import numpy as np
 from click.testing import CliRunner
 
 from benchmarks.views import averaged, main
-from sgicodec import EncodeSettings, encode, read
+from sgicodec import EncodeSettings, encode_picture, read
 from sgicodec.image import write
 
 PHOTO = Path(__file__).parents[2] / "data" / "kodim23.png"
@@ -27,7 +27,7 @@ def test_two_rows_for_each_scale(tmp_path: Path) -> None:
     picture = replace(picture, pixels=np.ascontiguousarray(picture.pixels[:200, :300]))
     source, stream = tmp_path / "in.png", tmp_path / "in.sgi"
     write(picture, source)
-    stream.write_bytes(encode(picture, EncodeSettings(steps=60, tile=128, overview=True)).data)
+    stream.write_bytes(encode_picture(picture, EncodeSettings(steps=60, tile=128, overview=True)).data)
     arguments = [str(stream), "--source", str(source), "--shrink", "7", "--shrink", "20", "--repeat", "1"]
     result = CliRunner().invoke(main, arguments)
     assert result.exit_code == 0, result.output

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from textures import random_layer
 
-from sgicodec import open_stream
 from sgicodec.decoder import tile_renderer
 from sgicodec.decoder.compositor import sample_mapping
+from sgicodec.decoder.stream import open_stream
 from sgicodec.decoder.tile_renderer import TileRenderer
 from sgicodec.decoder.view import View, view_of
 from sgicodec.device import ONE_THREAD

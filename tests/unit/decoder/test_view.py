@@ -34,8 +34,11 @@ def test_views_of_nothing_and_of_too_much() -> None:
     for scale, size in ((0.0, None), (float("nan"), None), (None, (0, 3)), (2.0, (3, 3))):
         with pytest.raises(UsageError, match=r"scale|size"):
             view_of(TILED, None, scale, size)
+    for region, scale in ((None, 30.0), ((0, 0, 4000, 3000), 30.0)):
+        with pytest.raises(UsageError, match="too many for one call"):
+            view_of(TILED, region, scale, None)
     with pytest.raises(LimitError, match="too many for one call"):
-        view_of(TILED, None, 30.0, None)
+        view_of(TILED, None, None, None, most=1 << 20)
     assert view_of(TILED, None, 30.0, None, most=None).columns == 122880
 
 

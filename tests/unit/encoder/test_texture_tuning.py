@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sgicodec import EncodeSettings, Picture, encode, open_stream, read
+from sgicodec import EncodeSettings, Picture, encode_picture, read
+from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.texture_tuning import TUNINGS, TextureTuning
 from sgicodec.metrics.perceptual import ssimulacra2
@@ -74,7 +75,7 @@ def test_noise_hides_more_than_flat_ground() -> None:
 
 
 def test_a_score_is_met(crop: Picture) -> None:
-    data = encode(crop, EncodeSettings(ssimulacra2=55, steps=60)).data
+    data = encode_picture(crop, EncodeSettings(ssimulacra2=55, steps=60)).data
     with open_stream(data) as stream:
         assert ssimulacra2(to_rgb8(crop), to_rgb8(stream.picture())) == pytest.approx(55, abs=1)
 
@@ -82,7 +83,7 @@ def test_a_score_is_met(crop: Picture) -> None:
 def test_tuned_for_the_eye_the_score_is_better_at_equal_bytes(crop: Picture) -> None:
     scores = {}
     for tune in ("psnr", "visual"):
-        data = encode(crop, EncodeSettings(bpp=0.8, steps=120, tune=tune)).data  # type: ignore[arg-type]
+        data = encode_picture(crop, EncodeSettings(bpp=0.8, steps=120, tune=tune)).data  # type: ignore[arg-type]
         with open_stream(data) as stream:
             scores[tune] = ssimulacra2(to_rgb8(crop), to_rgb8(stream.picture()))
     assert scores["visual"] > scores["psnr"] + 5

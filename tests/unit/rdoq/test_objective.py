@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sgicodec import open_stream
 from sgicodec.bitstream.container import ChunkWriter
 from sgicodec.bitstream.header import encode_header
 from sgicodec.bitstream.parts.tile import TileModel, write_tile
+from sgicodec.decoder.stream import open_stream
 from sgicodec.model.spec import ContextSpec, ModelSpec
 from sgicodec.profiles.default import default_spec
 from sgicodec.profiles.paper import paper_spec

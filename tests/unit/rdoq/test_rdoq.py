@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sgicodec import EncodeSettings, encode, open_stream, read
+from sgicodec import EncodeSettings, encode_picture, read
 from sgicodec.bitstream.parts.tile import TileModel
+from sgicodec.decoder.stream import open_stream
 from sgicodec.picture import to_unit
 from sgicodec.rdoq import Objective, Rdoq, RdoqResult, RdoqSettings
 from sgicodec.rdoq.objective import joined
@@ -86,7 +87,9 @@ def test_streams_cost_less() -> None:
     unit, lmbda = to_unit(picture), 0.004
     costs = []
     for searched in (False, True):
-        data = encode(picture, EncodeSettings(lmbda=lmbda, steps=150, rdoq=searched, tune="psnr", texture=False)).data
+        data = encode_picture(
+            picture, EncodeSettings(lmbda=lmbda, steps=150, rdoq=searched, tune="psnr", texture=False)
+        ).data
         error = np.sum((open_stream(data).render().astype(np.float64) - unit) ** 2)
         costs.append(error + lmbda * 8 * len(data))
     assert costs[1] < 0.98 * costs[0]

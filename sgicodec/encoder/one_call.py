@@ -1,0 +1,84 @@
+"""A picture to a stream in one call: `encode` and `imwrite`."""
+
+from __future__ import annotations
+
+import os
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+from sgicodec.device import ALL_CORES, Device
+from sgicodec.encoder.encoded import Encoded
+from sgicodec.encoder.pipeline import encode_picture
+from sgicodec.encoder.settings import EncodeSettings
+from sgicodec.errors import PictureError, UsageError
+from sgicodec.image.conversion import as_picture
+from sgicodec.image.source import open_source
+
+__all__ = ["encode", "imwrite"]
+
+
+def encode(
+    image: object,
+    *,
+    channels: str | None = None,
+    sample_range: tuple[float, float] | None = None,
+    device: Device = ALL_CORES,
+    **settings: Any,
+) -> bytes:
+    """The stream of an array [H, W] or [H, W, C], an image of Pillow, a Picture, or a picture file by its path.
+
+    settings: those of `EncodeSettings`, such as quality=60, psnr=35, bpp=1.5, size=20_000 (bytes) or effort=3.
+    channels, sample_range: what the channels and the samples of an array mean (`as_picture`).
+
+    Raises UsageError, PictureError for what cannot be read or coded, TargetMissedError for a target out of reach.
+    """
+    return _encode(image, None, channels, sample_range, device, settings).data
+
+
+def imwrite(
+    path: str | os.PathLike[str],
+    image: object,
+    *,
+    channels: str | None = None,
+    sample_range: tuple[float, float] | None = None,
+    device: Device = ALL_CORES,
+    **settings: Any,
+) -> None:
+    """The same into a file, which appears whole or not at all. Raises PictureError too if it cannot be written."""
+    if not isinstance(path, str | os.PathLike):
+        raise UsageError(f"a {type(path).__name__} is no path")
+    try:
+        _encode(image, Path(path), channels, sample_range, device, settings)
+    except OSError as error:
+        raise PictureError(f"{path}: {error.strerror or error}") from error
+
+
+def _encode(
+    image: object,
+    output: Path | None,
+    channels: str | None,
+    sample_range: tuple[float, float] | None,
+    device: Device,
+    settings: dict[str, Any],
+) -> Encoded:
+    chosen = _settings(settings)
+    if isinstance(image, str | os.PathLike) and channels is None:
+        with open_source(Path(image), sample_range=sample_range) as source:
+            return encode_picture(source, chosen, output=output, device=device)
+    picture = as_picture(image, channels=channels, sample_range=sample_range)
+    return encode_picture(picture, chosen, output=output, device=device)
+
+
+def _settings(given: dict[str, Any]) -> EncodeSettings:
+    known = EncodeSettings.__dataclass_fields__
+    for name in given:
+        if name not in known:
+            close = get_close_matches(name, known, 1)
+            raise UsageError(f"there is no setting {name!r}" + (f"; did you mean {close[0]!r}?" if close else ""))
+    targets = [
+        name for name in ("quality", "lmbda", "psnr", "ssimulacra2", "bpp", "size") if given.get(name) is not None
+    ]
+    if len(targets) > 1:
+        raise UsageError(f"{targets[0]} and {targets[1]} exclude each other")
+    return EncodeSettings(**{name: value for name, value in given.items() if value is not None})

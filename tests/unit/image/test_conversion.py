@@ -1,0 +1,131 @@
+"""What a caller has at hand as a Picture."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from sgicodec.errors import PictureError, UsageError
+from sgicodec.image import read
+from sgicodec.image.conversion import as_picture
+
+RGB = np.random.default_rng(0).integers(0, 256, (5, 7, 3), np.uint8)
+ODD = Path(__file__).parents[2] / "data" / "pictures"
+
+
+@pytest.mark.parametrize(
+    ("array", "channels", "sample_range"),
+    [
+        (RGB[..., 0], "gray", (0.0, 255.0)),
+        (RGB[..., :1], "gray", (0.0, 255.0)),
+        (RGB[..., :2], "gray+alpha", (0.0, 255.0)),
+        (RGB, "rgb", (0.0, 255.0)),
+        (np.dstack([RGB, RGB[..., 0]]), "rgba", (0.0, 255.0)),
+        (np.dstack([RGB, RGB]), "multi", (0.0, 255.0)),
+        (RGB.astype(np.uint16) * 257, "rgb", (0.0, 65535.0)),
+        (RGB.astype(">u2"), "rgb", (0.0, 65535.0)),
+        (RGB.astype(np.float64) - 3, "rgb", (float(RGB.min()) - 3, float(RGB.max()) - 3)),
+        (RGB[::2, ::-1], "rgb", (0.0, 255.0)),
+    ],
+)
+def test_arrays(array: Any, channels: str, sample_range: tuple[float, float]) -> None:
+    picture = as_picture(array)
+    assert (picture.channels, picture.sample_range) == (channels, sample_range)
+    np.testing.assert_array_equal(picture.pixels, array.reshape(*array.shape[:2], -1))
+    assert picture.pixels.dtype.isnative
+
+
+def test_what_channels_and_samples_mean_can_be_stated() -> None:
+    four = np.dstack([RGB, RGB[..., 0]])
+    assert as_picture(four, channels="multi").channels == "multi"
+    assert as_picture(four.astype(np.float32), sample_range=(0, 300)).sample_range == (0, 300)
+
+
+@pytest.mark.parametrize(
+    ("mode", "channels"),
+    [("L", "gray"), ("LA", "gray+alpha"), ("RGB", "rgb"), ("RGBA", "rgba"), ("F", "gray"), ("I;16", "gray")],
+)
+def test_images_of_pillow_keep_their_samples(mode: str, channels: str) -> None:
+    shape = {"gray": (5, 7), "gray+alpha": (5, 7, 2), "rgb": (5, 7, 3), "rgba": (5, 7, 4)}[channels]
+    dtype = {"F": np.float32, "I;16": np.uint16}.get(mode, np.uint8)
+    samples = np.random.default_rng(1).integers(0, 256, shape).astype(dtype)
+    picture = as_picture(Image.fromarray(samples))
+    assert picture.channels == channels
+    np.testing.assert_array_equal(picture.pixels.squeeze(), samples)
+
+
+@pytest.mark.parametrize(
+    ("mode", "channels"), [("1", "gray"), ("P", "rgb"), ("CMYK", "rgb"), ("YCbCr", "rgb"), ("I", "gray")]
+)
+def test_other_modes_of_pillow_are_converted(mode: str, channels: str) -> None:
+    image = Image.fromarray(RGB[..., 0]).convert(mode) if mode in ("1", "I") else Image.fromarray(RGB).convert(mode)
+    picture = as_picture(image)
+    assert picture.channels == channels
+    shown = np.asarray(image.convert("L" if mode == "1" else "RGB" if channels == "rgb" else mode))
+    np.testing.assert_array_equal(picture.pixels.squeeze(), shown)
+
+
+def test_a_palette_with_transparency_keeps_it() -> None:
+    image = Image.fromarray(RGB).convert("P")
+    image.info["transparency"] = 0
+    assert as_picture(image).channels == "rgba"
+
+
+def test_images_of_pillow_are_what_their_files_are() -> None:
+    """Turned upright, with profile and EXIF."""
+    buffer = io.BytesIO()
+    exif = Image.Exif()
+    exif[0x0112], exif[0x010E] = 6, "a day out"
+    Image.fromarray(RGB).save(buffer, "png", exif=exif, icc_profile=read(ODD / "icc_profile.png").metadata.icc)
+    picture, expected = as_picture(Image.open(buffer)), as_picture(buffer.getvalue())
+    np.testing.assert_array_equal(picture.pixels, expected.pixels)
+    assert picture.pixels.shape == (7, 5, 3)
+    assert picture.metadata.icc == expected.metadata.icc is not None
+    assert picture.metadata.exif is not None
+    assert b"a day out" in picture.metadata.exif
+
+
+def test_files(tmp_path: Path) -> None:
+    path = tmp_path / "a.png"
+    Image.fromarray(RGB).save(path)
+    with path.open("rb") as file:
+        for origin in (path, str(path), path.read_bytes(), bytearray(path.read_bytes()), file):
+            np.testing.assert_array_equal(as_picture(origin).pixels, RGB)
+    picture = read(path)
+    assert as_picture(picture) is picture
+
+
+@pytest.mark.parametrize(
+    ("image", "options", "complaint"),
+    [
+        (RGB.astype(np.int64), {}, "array of int64"),
+        (RGB > 3, {}, "array of bool"),
+        (RGB[0, 0], {}, r"\[H, W\]"),
+        (np.zeros((0, 4), np.uint8), {}, "not empty"),
+        (np.full((2, 2), 1e300), {}, "beyond float32"),
+        (RGB, {"channels": "bgr"}, "there are gray"),
+        (RGB, {"channels": "gray"}, "3 channels cannot be"),
+        (RGB.astype(np.float32), {"sample_range": 3}, "two numbers"),
+        (Image.fromarray(RGB), {"channels": "rgb"}, "has a mode"),
+        (Image.fromarray(np.full((2, 2), -1, np.int32)), {}, "beyond 16 bits"),
+        ("a.png", {"channels": "rgb"}, "has its own"),
+        (5, {}, "int is no picture"),
+        (None, {}, "NoneType is no picture"),
+        ([[1, 2], [3, 4]], {}, "list is no picture"),
+    ],
+)
+def test_bad_arguments(image: object, options: dict[str, Any], complaint: str) -> None:
+    with pytest.raises(UsageError, match=complaint):
+        as_picture(image, **options)
+
+
+def test_bad_pictures(tmp_path: Path) -> None:
+    with pytest.raises(PictureError, match="No such file"):
+        as_picture(tmp_path / "missing.png")
+    with pytest.raises(PictureError, match="infinite"):
+        as_picture(np.full((2, 2), np.inf, np.float32))
