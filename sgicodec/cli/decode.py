@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from sgicodec.cli.batch import named_targets, run_batch
-from sgicodec.cli.options import REGION, SCALE, SIZE, VERBOSE, force_option, threads_option
+from sgicodec.cli.options import REGION, SCALE, SIZE, VERBOSE, force_option, output_option, threads_option
 from sgicodec.cli.paths import STANDARD, check_output, display, opened_stream, with_extension
 from sgicodec.cli.pictures import Output, write_bands, write_picture
 from sgicodec.device import Device
@@ -39,6 +39,7 @@ __all__ = ["decode"]
     help="How hard PNG is compressed.",
 )
 @click.option("--exact", is_flag=True, help="Draw small views of large pictures from all that the stream holds.")
+@output_option
 @click.option("--output-dir", metavar="DIR", help="Decode all IN into this folder.")
 @threads_option
 @force_option
@@ -51,6 +52,7 @@ def decode(
     format_: str | None,
     png_level: int | None,
     exact: bool,
+    output: str | None,
     output_dir: str | None,
     threads: int,
     force: bool,
@@ -66,13 +68,15 @@ def decode(
     bits = None if depth is None else int(depth)
     verbose = bool(click.get_current_context().meta.get(VERBOSE))
     job = _Job(region, scale, size, Output(bits, png_level, threads), format_, exact, force, verbose)
+    if output is not None and (output_dir is not None or len(paths) > 1):
+        raise UsageError("-o names the OUT of one IN; it does not go with another name or --output-dir")
     if output_dir is not None:
         targets = named_targets(paths, output_dir, partial(_extension_of, job))
         run_batch("decoded", targets, partial(_decode, job))
     elif len(paths) > 2:
         raise click.UsageError(f"{len(paths)} names; give IN and OUT, or --output-dir for many streams")
     else:
-        _decode(job, paths[0], paths[1] if len(paths) == 2 else None)
+        _decode(job, paths[0], output or (paths[1] if len(paths) == 2 else None))
 
 
 @dataclass(frozen=True)

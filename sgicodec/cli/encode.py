@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sgicodec.cli.batch import named_targets, run_batch
-from sgicodec.cli.options import BYTES, FLOAT_RANGE, VERBOSE, force_option, json_option, threads_option
+from sgicodec.cli.options import BYTES, FLOAT_RANGE, VERBOSE, force_option, json_option, output_option, threads_option
 from sgicodec.cli.paths import display, with_extension
 from sgicodec.cli.progress import Mode
 from sgicodec.device import Device
@@ -68,6 +68,7 @@ __all__ = ["encode"]
 @click.option("--cluster", metavar="ADDRESS", help="Fit tiles on a Dask cluster; local:N starts one.")
 @click.option("--source-at", metavar="PLACE", help="Path or URL of IN as the cluster sees it.")
 @click.option("--send-pixels", is_flag=True, help="Send pixels to the cluster, which then reads nothing.")
+@output_option
 @click.option("--output-dir", metavar="DIR", help="Encode all IN into this folder.")
 @threads_option
 @force_option
@@ -75,6 +76,7 @@ __all__ = ["encode"]
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 def encode(
     paths: tuple[str, ...],
+    output: str | None,
     output_dir: str | None,
     as_json: bool,
     quiet: bool,
@@ -114,14 +116,19 @@ def encode(
 
         options = (float_range, verify, progress, force, as_json, quiet, verbose, resume, max_memory)
         where = (cluster, source_at, send_pixels, alpha)
-        return encode_file(Job(source, target, settings, device, started, *options, *where, output_dir is not None))
+        return encode_file(
+            Job(source, target, settings, device, started, *options, *where, output_dir is not None, output is not None)
+        )
 
+    if output is not None and (output_dir is not None or len(paths) > 1):
+        raise UsageError("-o names the OUT of one IN; it does not go with another name or --output-dir")
     if output_dir is not None:
         run_batch("encoded", named_targets(paths, output_dir, lambda _: "sgi"), run, as_json, quiet)
         return
     if len(paths) > 2:
         raise click.UsageError(f"{len(paths)} names; give IN and OUT, or --output-dir for many pictures")
-    run(paths[0], paths[1] if len(paths) == 2 else _default_target(paths[0]))
+    named = output or (paths[1] if len(paths) == 2 else None)
+    run(paths[0], _default_target(paths[0]) if named is None else named)
 
 
 def _default_target(source: str) -> str:

@@ -33,7 +33,9 @@ __all__ = ["Job", "encode_file"]
 
 @dataclass(frozen=True)
 class Job:
-    """What the options say of one picture. target: a path, or - for stdout; started: a value of time.monotonic()."""
+    """What the options say of one picture. target: a path, or - for stdout; started: a value of time.monotonic();
+    named: whether target was named with -o.
+    """
 
     source: str
     target: str
@@ -54,6 +56,7 @@ class Job:
     send_pixels: bool
     alpha: Alpha
     batch: bool
+    named: bool
 
 
 def encode_file(job: Job) -> int:
@@ -63,7 +66,7 @@ def encode_file(job: Job) -> int:
     """
     if job.as_json and job.target == STANDARD:
         raise UsageError("stdout cannot take both the stream and --json; name OUT")
-    check_output(job.target, job.source, job.force)
+    check_output(job.target, job.source, job.force, as_stream=not job.named)
     origin = sys.stdin.buffer.read() if job.source == STANDARD else Path(job.source)
     missed = None
     with ExitStack() as stack:

@@ -17,6 +17,7 @@ __all__ = [
     "VERBOSE",
     "force_option",
     "json_option",
+    "output_option",
     "threads_option",
     "verbose_option",
 ]
@@ -110,5 +111,6 @@ threads_option = click.option(
     metavar="N",
     help="Number of threads.",
 )
+output_option = click.option("-o", "--output", metavar="OUT", help="Write to this file, whatever it is called.")
 force_option = click.option("-f", "--force", is_flag=True, help="Overwrite OUT; write to a terminal.")
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")

@@ -16,7 +16,14 @@ from sgicodec.image.files import write_whole
 if TYPE_CHECKING:
     from sgicodec.decoder.stream import Stream
 
-__all__ = ["STANDARD", "check_output", "display", "opened_stream", "with_extension", "write_output"]
+__all__ = [
+    "STANDARD",
+    "check_output",
+    "display",
+    "opened_stream",
+    "with_extension",
+    "write_output",
+]
 
 STANDARD = "-"
 
@@ -46,8 +53,9 @@ def opened_stream(path: str, device: Device = ALL_CORES) -> Iterator[Stream]:
         raise StreamError(f"{display(path)}: {error.strerror or error}") from error
 
 
-def check_output(target: str, source: str, force: bool) -> None:
-    """Refuses, before any work is done, what could not or should not be written at its end.
+def check_output(target: str, source: str, force: bool, as_stream: bool = False) -> None:
+    """Refuses, before any work is done, what could not or should not be written at its end. as_stream: also what does
+    not look like the OUT of a stream.
 
     Raises UsageError, or OutputExistsError for an existing file without `force`.
     """
@@ -67,8 +75,23 @@ def check_output(target: str, source: str, force: bool) -> None:
         raise UsageError(f"{name}: the folder {display(str(folder))} cannot be written to")
     if source != STANDARD and path.exists() and Path(source).exists() and path.samefile(source):
         raise UsageError(f"{name} is both input and output; name another OUT")
+    if as_stream:
+        _check_stream(path)
     if path.exists() and not force:
         raise OutputExistsError(f"{name} exists; give -f to overwrite it")
+
+
+def _check_stream(path: Path) -> None:
+    """Raises UsageError for a picture, and for a name that streams do not have. A pattern like *.png gives names by
+    position, and -f must not destroy the picture that came second.
+    """
+    from sgicodec.image.reader import is_picture
+
+    name, remedy = display(str(path)), "encode many pictures with --output-dir DIR, or name OUT with -o"
+    if path.suffix.lower() not in ("", ".sgi"):
+        raise UsageError(f"{name} would be OUT, but does not end in .sgi; {remedy}")
+    if path.exists() and is_picture(path):
+        raise UsageError(f"{name} would be OUT, but it is a picture; {remedy}")
 
 
 def write_output(target: str, data: bytes, failure: type[SgiError]) -> None:

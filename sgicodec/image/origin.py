@@ -13,7 +13,7 @@ from typing import Any, BinaryIO
 
 from sgicodec.errors import PictureError
 
-__all__ = ["Origin", "display_name", "first_line", "is_utf8", "naming", "on_disk"]
+__all__ = ["Origin", "display_name", "first_line", "has_signature", "is_utf8", "naming", "on_disk"]
 
 Origin = str | Path | BinaryIO | bytes
 
@@ -81,6 +81,11 @@ def on_disk(origin: Origin) -> Iterator[Path]:
         shutil.copyfileobj(stream, copy)
         copy.flush()
         yield Path(copy.name)
+
+
+def has_signature(head: bytes) -> bool:
+    """Whether a file with these first bytes is in one of the commonest formats."""
+    return bool(_suffix(head))
 
 
 def _suffix(head: bytes) -> str:

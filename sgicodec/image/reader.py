@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from sgicodec.errors import PictureError
 from sgicodec.image.access import whole
 from sgicodec.image.extremes import Extremes
 from sgicodec.image.header import MAX_SAMPLES, Probe
 from sgicodec.image.opened import Alpha, Opened, open_picture
-from sgicodec.image.origin import Origin, naming, on_disk
+from sgicodec.image.origin import Origin, has_signature, naming, on_disk
 from sgicodec.picture import Picture, full_range
 
-__all__ = ["check_whole", "probe", "read"]
+__all__ = ["check_whole", "is_picture", "probe", "read"]
 
 
 def read(
@@ -56,3 +58,15 @@ def probe(origin: Origin) -> Probe:
     """Read a picture's header, not its pixels. Raises PictureError as `read` does."""
     with naming(origin), on_disk(origin) as path:
         return open_picture(path).header
+
+
+def is_picture(path: Path) -> bool:
+    """Whether a file is a picture, sound or damaged, by its content."""
+    with path.open("rb") as file:
+        if has_signature(file.read(16)):
+            return True
+    try:
+        probe(path)
+    except PictureError:
+        return False
+    return True

@@ -368,3 +368,71 @@ def test_a_stream_is_no_picture(sgi: Run, stream: Path, tmp_path: Path) -> None:
     result = sgi("encode", stream, tmp_path / "again.sgi")
     assert result.exit_code == 3
     assert "decode it first" in result.stderr
+
+
+@pytest.mark.parametrize("more", [[], ["-f"]])
+def test_a_picture_that_was_matched_as_out_is_never_overwritten(sgi: Run, picture: Path, more: list[str]) -> None:
+    """`sgi encode *.png` in a folder of two pictures."""
+    second = picture.with_name("second.png")
+    second.write_bytes(picture.read_bytes())
+    result = sgi("encode", picture, second, *more)
+    assert result.exit_code == 2
+    assert "second.png would be OUT" in result.stderr
+    assert "--output-dir" in result.stderr
+    assert second.read_bytes() == picture.read_bytes()
+
+
+@pytest.mark.parametrize("name", ["hopper.sgi", "icc_profile.png", "truncated_jpeg.jpg", "la.tga"])
+def test_a_picture_is_known_by_its_content(sgi: Run, picture: Path, name: str) -> None:
+    """Whether it is called a stream, is damaged, or is of a format without a signature."""
+    target = picture.with_name("x.sgi")
+    target.write_bytes((ODD / name).read_bytes())
+    result = sgi("encode", picture, target, "-f")
+    assert result.exit_code == 2
+    assert "it is a picture" in result.stderr
+    assert target.read_bytes() == (ODD / name).read_bytes()
+    assert sgi("encode", picture, "-f").exit_code == 0  # scene.sgi
+
+
+def test_the_default_out_is_no_picture_either(sgi: Run, picture: Path) -> None:
+    beside = picture.with_suffix(".sgi")
+    beside.write_bytes((ODD / "hopper.sgi").read_bytes())
+    result = sgi("encode", picture, "-f")
+    assert result.exit_code == 2
+    assert beside.read_bytes() == (ODD / "hopper.sgi").read_bytes()
+
+
+@pytest.mark.parametrize("name", ["x.bin", "x.png", "x.sgi.bak"])
+def test_out_has_the_suffix_of_streams_or_is_named(sgi: Run, picture: Path, name: str) -> None:
+    target = picture.with_name(name)
+    result = sgi("encode", picture, target)
+    assert result.exit_code == 2
+    assert "does not end in .sgi" in result.stderr
+    assert not target.exists()
+    assert sgi("encode", picture, "-o", target, "--steps", 2).exit_code == 0
+    with open_stream(target) as stream:
+        assert stream.width == 48
+
+
+def test_a_named_out_is_overwritten_with_force_alone(sgi: Run, picture: Path) -> None:
+    target = picture.with_name("second.png")
+    target.write_bytes(picture.read_bytes())
+    assert sgi("encode", picture, "-o", target).exit_code == 6
+    assert sgi("encode", picture, "-o", target, "-f", "--steps", 2).exit_code == 0
+    with open_stream(target) as stream:
+        assert stream.width == 48
+
+
+def test_a_stream_and_what_is_left_of_one_are_overwritten(sgi: Run, picture: Path, stream: Path) -> None:
+    for data in (stream.read_bytes(), stream.read_bytes()[:20], b""):
+        target = picture.with_name("x.sgi")
+        target.write_bytes(data)
+        assert sgi("encode", picture, target, "-f", "--steps", 2).exit_code == 0
+
+
+@pytest.mark.parametrize("command", ["encode", "decode"])
+def test_a_named_out_goes_with_one_in(sgi: Run, picture: Path, stream: Path, command: str) -> None:
+    for more in ([picture.with_name("x.sgi")], ["--output-dir", picture.parent]):
+        result = sgi(command, picture if command == "encode" else stream, *more, "-o", picture.with_name("y.sgi"))
+        assert result.exit_code == 2
+        assert "one IN" in result.stderr
