@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 import click
 
 from sgicodec.cli.batch import named_targets, run_batch
-from sgicodec.cli.options import REGION, SCALE, SIZE, VERBOSE, force_option, output_option, threads_option
+from sgicodec.cli.options import REGION, SCALE, SIZE, VERBOSE, Sized, force_option, output_option, threads_option
 from sgicodec.cli.paths import STANDARD, check_output, display, opened_stream, with_extension
 from sgicodec.cli.pictures import Output, write_bands, write_picture
+from sgicodec.cli.views import ViewOptions
 from sgicodec.device import Device
 from sgicodec.errors import PictureError, UsageError
 
@@ -23,12 +24,17 @@ if TYPE_CHECKING:
 
 __all__ = ["decode"]
 
+_DTYPES = {None: None, 8: "uint8", 16: "uint16", 32: "float32"}
+"""Samples of so many bits, which are rendered as such."""
+
 
 @click.command(short_help="Decode streams, or a part of them, at any scale.")
 @click.argument("paths", metavar="IN... [OUT]", nargs=-1, required=True)
-@click.option("--region", type=REGION, metavar="X,Y,W,H", help="Only these pixels of the picture.")
+@click.option("--region", type=REGION, metavar="X,Y,W,H", help="Only these pixels, cut where the picture ends.")
 @click.option("--scale", type=SCALE, metavar="F", help="Enlarge or shrink by this factor, such as 2 or 1/4.")
-@click.option("--size", type=SIZE, metavar="WxH", help="Scale to this size; 512x and x512 keep the aspect.")
+@click.option("--size", type=SIZE, metavar="WxH", help="Scale to fit into this size; 512x, x512; 512x512! is exact.")
+@click.option("--exact-size", is_flag=True, help="Scale to exactly --size, whatever the aspect.")
+@click.option("--boundless", is_flag=True, help="Pad a --region that reaches over the picture; nodata, else 0.")
 @click.option("--depth", type=click.Choice(["8", "16", "32"]), help="Bits per sample.  [default: the source's]")
 @click.option("--format", "format_", metavar="NAME", help="Picture format.  [default: by OUT's extension]")
 @click.option(
@@ -47,7 +53,9 @@ def decode(
     paths: tuple[str, ...],
     region: Region | None,
     scale: float | None,
-    size: tuple[int | None, int | None] | None,
+    size: Sized | None,
+    exact_size: bool,
+    boundless: bool,
     depth: str | None,
     format_: str | None,
     png_level: int | None,
@@ -63,11 +71,10 @@ def decode(
 
     With --output-dir many IN are decoded one after the other; one that fails does not stop the others.
     """
-    if scale is not None and size is not None:
-        raise UsageError("--scale and --size exclude each other")
+    view = ViewOptions(region, scale, size, exact_size, boundless, quiet=False)
     bits = None if depth is None else int(depth)
     verbose = bool(click.get_current_context().meta.get(VERBOSE))
-    job = _Job(region, scale, size, Output(bits, png_level, threads), format_, exact, force, verbose)
+    job = _Job(view, Output(bits, png_level, threads), format_, exact, force, verbose)
     if output is not None and (output_dir is not None or len(paths) > 1):
         raise UsageError("-o names the OUT of one IN; it does not go with another name or --output-dir")
     if output_dir is not None:
@@ -83,9 +90,7 @@ def decode(
 class _Job:
     """What the options say."""
 
-    region: Region | None
-    scale: float | None
-    size: tuple[int | None, int | None] | None
+    view: ViewOptions
     output: Output
     format_: str | None
     exact: bool
@@ -105,15 +110,13 @@ def _decode(job: _Job, source: str, target: str | None) -> int:
         target = with_extension(source, extension) if target is None else target
         check_output(target, source, job.force)
         stream.exact = job.exact
-        _, _, width, height = job.region or (0, 0, stream.width, stream.height)
-        size = None if job.size is None else _whole(job.size, width, height)
-        view = job.region, job.scale, size
+        view = job.view.of(stream) | {"dtype": _DTYPES[job.output.bits]}
         shown: Bands | Picture
         if stream.grid.count > 1:
-            shown = stream.bands(*view)
+            shown = stream.bands(**view)
             write_bands(stream.header, shown, target, extension, job.output)
         else:
-            shown = picture = stream.picture(*view)
+            shown = picture = stream.picture(**view)
     if stream.grid.count == 1:
         write_picture(picture, target, extension, job.output)
     if job.verbose:
@@ -138,13 +141,3 @@ def _extension(header: Header, target: str | None, format_: str | None, bits: in
         return find(format_ or suffix).extensions[0]
     except PictureError as error:
         raise UsageError(str(error)) from None
-
-
-def _whole(size: tuple[int | None, int | None], width: int, height: int) -> tuple[int, int]:
-    """The size in pixels, a missing side by the aspect of `width` × `height`."""
-    wide, high = size
-    if wide is None:
-        wide = max(1, round(width * (high or 1) / height))
-    if high is None:
-        high = max(1, round(height * wide / width))
-    return wide, high

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from typing import Any, NoReturn, TypeVar
+from typing import Any, NamedTuple, NoReturn, TypeVar
 
 import click
 
@@ -15,6 +15,7 @@ __all__ = [
     "SCALE",
     "SIZE",
     "VERBOSE",
+    "Sized",
     "force_option",
     "json_option",
     "output_option",
@@ -61,10 +62,20 @@ class _Scale(_Pattern):
         return above / below if below and 0 < above / below < math.inf else None
 
 
+class Sized(NamedTuple):
+    """A size in pixels; a side that is None follows from the other. exact: whether the aspect may change."""
+
+    width: int | None
+    height: int | None
+    exact: bool = False
+
+
 class _Size(_Pattern):
-    def read(self, found: re.Match[str]) -> tuple[int | None, int | None] | None:
-        width, height = (int(part) if part else None for part in found.groups())
-        return None if width is height is None or 0 in (width, height) else (width, height)
+    def read(self, found: re.Match[str]) -> Sized | None:
+        width, height = (int(part) if part else None for part in found.groups()[:2])
+        exact = bool(found[3])
+        lacks = (width is height is None) or (exact and None in (width, height))
+        return None if lacks or 0 in (width, height) else Sized(width, height, exact)
 
 
 class _FloatRange(_Pattern):
@@ -85,10 +96,10 @@ class _Bytes(_Pattern):
 
 _NUMBER = r"(\d+\.?\d*|\.\d+)"
 
-REGION = _Region("X,Y,W,H", r"(\d+),(\d+),(\d+),(\d+)", "100,50,256,256")
+REGION = _Region("X,Y,W,H", r"(-?\d+),(-?\d+),(\d+),(\d+)", "100,50,256,256")
 BYTES = _Bytes("BYTES", rf"{_NUMBER} ?(?:([kKmMgG])(i?))?B?", "20000, 200kB or 1.5MiB")
 SCALE = _Scale("F", rf"{_NUMBER}(?:/{_NUMBER})?", "0.5 or 1/4")
-SIZE = _Size("WxH", r"(\d*)[xX×](\d*)", "512x384, 512x or x384")
+SIZE = _Size("WxH", r"(\d*)[xX×](\d*)(!?)", "512x384, 512x, x384 or 512x384!")
 FLOAT_RANGE = _FloatRange("LOW,HIGH", r"([^,]+),([^,]+)", "0,1 or -40,1500.5")
 
 

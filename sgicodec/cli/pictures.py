@@ -35,7 +35,7 @@ def write_picture(picture: Picture, target: str, extension: str, output: Output)
     """Writes a picture that is in memory."""
     from sgicodec.image import write
 
-    options = {"depth": output.bits, "png_level": output.png_level, "threads": output.threads}
+    options = {"png_level": output.png_level, "threads": output.threads}
     if target != STANDARD:
         write(picture, target, format=extension, **options)  # type: ignore[arg-type]
         return
@@ -58,12 +58,9 @@ def write_bands(header: Header, bands: Bands, target: str, extension: str, outpu
 
 
 def _write_bands(header: Header, bands: Bands, path: Path, extension: str, output: Output) -> None:
-    from sgicodec.picture import convert
-
     sink: Sink | None = None
     try:
-        for top, band in bands:
-            picture = band if output.bits is None else convert(band, output.bits)
+        for top, picture in bands:
             if sink is None:
                 sink = _sink(path, header, bands, picture, extension, output)
             sink.write_rows(top, picture.pixels)

@@ -11,7 +11,7 @@ from click.testing import Result
 
 from sgicodec.decoder.stream import open_stream
 from sgicodec.image import probe, read, write
-from sgicodec.picture import convert
+from sgicodec.picture import convert, from_unit
 
 Run = Callable[..., Result]
 
@@ -54,7 +54,14 @@ def test_out_is_a_tiff_for_bands(sgi: Run, tmp_path: Path, pixels: np.ndarray) -
         ("--region 3,5,20,11", {"region": (3, 5, 20, 11)}),
         ("--scale 2", {"size": (96, 64)}),
         ("--scale 1/4", {"size": (12, 8)}),
-        ("--size 30x10", {"size": (30, 10)}),
+        ("--size 30x10", {"size": (15, 10)}),
+        ("--size 30x80", {"size": (30, 20)}),
+        ("--size 96x96", {"size": (96, 64)}),
+        ("--size 30x10!", {"size": (30, 10)}),
+        ("--size 30x10 --exact-size", {"size": (30, 10)}),
+        ("--region 0,0,20,10 --size 30x30", {"region": (0, 0, 20, 10), "size": (30, 15)}),
+        ("--region -4,-2,20,11 --boundless", {"region": (-4, -2, 20, 11), "boundless": True}),
+        ("--region 40,0,20,20 --boundless --scale 2", {"region": (40, 0, 20, 20), "scale": 2.0, "boundless": True}),
         ("--size 24x", {"size": (24, 16)}),
         ("--size x64", {"size": (96, 64)}),
         ("--region 0,0,20,10 --size x5", {"region": (0, 0, 20, 10), "size": (10, 5)}),
@@ -72,11 +79,23 @@ def test_parts_and_scales(
         np.testing.assert_array_equal(read(tmp_path / "out.png").pixels, opened.picture(**arguments).pixels)
 
 
+def test_a_region_over_the_edge_is_cut_with_a_warning(sgi: Run, stream: Path, tmp_path: Path) -> None:
+    result = sgi("decode", stream, tmp_path / "out.png", "--region", "40,-5,20,20")
+    assert (result.exit_code, result.stdout) == (0, "")
+    text = "region 40,-5,20,20 reaches over the picture of 48×32 pixels; it is cut to 40,0,8,15"
+    assert result.stderr == f"sgi: warning: {text} (--boundless pads)\n"
+    with open_stream(stream) as opened:
+        np.testing.assert_array_equal(read(tmp_path / "out.png").pixels, opened.read((40, 0, 8, 15)))
+
+
 @pytest.mark.parametrize(("depth", "dtype"), [(8, np.uint8), (16, np.uint16), (32, np.float32)])
 def test_depth(sgi: Run, stream: Path, tmp_path: Path, depth: int, dtype: type) -> None:
     assert sgi("decode", stream, tmp_path / "out.tif", "--depth", depth).exit_code == 0
     with open_stream(stream) as opened:
-        expected = convert(opened.picture(), depth).pixels
+        unit, low = opened.render().clip(0, 1), opened.picture()
+    expected = from_unit(unit, "rgb", dtype).pixels
+    if depth != 8:
+        assert not np.array_equal(expected, convert(low, depth).pixels), "more than eight bits, multiplied"
     written = read(tmp_path / "out.tif").pixels
     assert written.dtype == dtype
     np.testing.assert_array_equal(written, expected)
@@ -115,7 +134,11 @@ def test_format_names_the_default_out(sgi: Run, stream: Path) -> None:
         ("out.png", "--scale 0", "--scale"),
         ("out.png", "--scale 2 --size 5x5", "exclude each other"),
         ("out.png", "--size 0x5", "--size"),
-        ("out.png", "--region 40,0,20,20", "not inside the picture of 48×32"),
+        ("out.png", "--region 48,0,20,20", "not inside the picture of 48×32"),
+        ("out.png", "--region -9,0,9,20", "not inside the picture of 48×32"),
+        ("out.png", "--boundless", "--boundless goes with --region"),
+        ("out.png", "--exact-size", "--exact-size goes with"),
+        ("out.png", "--exact-size --size 5x", "--exact-size goes with"),
         ("out.png", "--region 0,0,0,5", "not inside"),
         ("out.png", "--region 1,2,3", "--region"),
         ("out.png", "--scale " + "9" * 308, "scale"),
