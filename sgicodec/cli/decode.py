@@ -13,13 +13,13 @@ from sgicodec.cli.batch import named_targets, run_batch
 from sgicodec.cli.options import REGION, SCALE, SIZE, VERBOSE, Sized, force_option, output_option, threads_option
 from sgicodec.cli.paths import STANDARD, check_output, display, opened_stream, with_extension
 from sgicodec.cli.pictures import Output, write_bands, write_picture
+from sgicodec.cli.place import lost_outside_tiff
 from sgicodec.cli.views import ViewOptions
 from sgicodec.device import Device
 from sgicodec.errors import PictureError, UsageError
 
 if TYPE_CHECKING:
-    from sgicodec.bitstream.header import Header
-    from sgicodec.decoder.stream import Bands, Region
+    from sgicodec.decoder.stream import Bands, Region, Stream
     from sgicodec.picture import Picture
 
 __all__ = ["decode"]
@@ -67,7 +67,8 @@ def decode(
 ) -> None:
     """Decode stream IN into picture OUT; - stands for stdin or stdout.
 
-    OUT is by default IN's name with .png, or .tif for what PNG cannot hold: floats, or bands without a meaning.
+    OUT is by default IN's name with .png, or .tif for what PNG cannot hold: floats, bands without a meaning, a place
+    on the map.
 
     With --output-dir many IN are decoded one after the other; one that fails does not stop the others.
     """
@@ -100,15 +101,16 @@ class _Job:
 
 def _extension_of(job: _Job, source: str) -> str:
     with opened_stream(source) as stream:
-        return _extension(stream.header, None, job.format_, job.output.bits)
+        return _extension(stream, None, job.format_, job.output.bits)
 
 
 def _decode(job: _Job, source: str, target: str | None) -> int:
     """Decodes one stream; returns the bytes of the picture, 0 if it went to stdout."""
     with opened_stream(source, Device(job.output.threads)) as stream:
-        extension = _extension(stream.header, target, job.format_, job.output.bits)
+        extension = _extension(stream, target, job.format_, job.output.bits)
         target = with_extension(source, extension) if target is None else target
         check_output(target, source, job.force)
+        lost = "" if extension == "tif" else lost_outside_tiff(stream.metadata.geo)
         stream.exact = job.exact
         view = job.view.of(stream) | {"dtype": _DTYPES[job.output.bits]}
         shown: Bands | Picture
@@ -119,19 +121,22 @@ def _decode(job: _Job, source: str, target: str | None) -> int:
             shown = picture = stream.picture(**view)
     if stream.grid.count == 1:
         write_picture(picture, target, extension, job.output)
+    if lost:
+        click.echo(f"sgi: {display(target, 'stdout')}: .{extension} does not hold its {lost}; .tif does", err=True)
     if job.verbose:
         text = f"{shown.width}×{shown.height}, {stream.header.channels}"
         click.echo(f"{display(target, 'stdout')}: {text}", err=True)
     return 0 if target == STANDARD else Path(target).stat().st_size
 
 
-def _extension(header: Header, target: str | None, format_: str | None, bits: int | None) -> str:
+def _extension(stream: Stream, target: str | None, format_: str | None, bits: int | None) -> str:
     """Extension of the format to write. Raises UsageError for an unknown format."""
     from sgicodec.image.formats import find
 
     if format_ is None and (target is None or target == STANDARD):
+        header = stream.header
         is_float = bits == 32 or (bits is None and header.sample_type == "float32")
-        return "tif" if is_float or header.channels == "multi" else "png"
+        return "tif" if is_float or header.channels == "multi" or lost_outside_tiff(stream.metadata.geo) else "png"
     suffix = "" if target is None else Path(target).suffix.removeprefix(".")
     if format_ is None and not suffix:
         raise UsageError(f"{display(target or '')} has no extension that names a format; add one or give --format")

@@ -11,6 +11,7 @@ import click
 from sgicodec.cli.options import json_option
 from sgicodec.cli.parts import all_parts, print_parts
 from sgicodec.cli.paths import display, opened_stream
+from sgicodec.cli.place import place_facts, place_lines
 
 if TYPE_CHECKING:
     from sgicodec.bitstream.header import Header
@@ -38,7 +39,7 @@ def info(source: str, as_json: bool) -> None:
         return
     click.echo(f"{display(source)}")
     for name, text in _lines(stream, facts).items():
-        click.echo(f"  {name:<10}{text}")
+        click.echo(f"  {name:<12}{text}")
     click.echo()
     print_parts(profile.shown_parts(parts))
 
@@ -63,6 +64,7 @@ def _facts(stream: Stream) -> dict[str, Any]:
         "seeds": seeds,
         "gaussians": seeds * header.spec.per_seed,
         "texture_cells": survey.texture_cells if header.spec.texture else None,
+        **place_facts(stream),
         "settings": _settings(header),
         "encoder": stream.software,
         "symbol_crc": f"{stream.symbol_crc:08x}",
@@ -114,6 +116,7 @@ def _lines(stream: Stream, facts: Mapping[str, Any]) -> dict[str, str]:
         "picture": f"{stream.width}×{stream.height}, {count if channels == 'multi' else channels}"
         + f"{' bands' if channels == 'multi' else ''}, {depth}",
         "size": f"{facts['bytes']:,} bytes, {facts['bpp']:.3f} bpp",
+        **place_lines(facts),
         **tiles,
         "seeds": f"{facts['seeds']:,} × {settings['per_seed']} = {facts['gaussians']:,} Gaussians",
         **texture,

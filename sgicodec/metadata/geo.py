@@ -15,7 +15,7 @@ import numpy as np
 
 from sgicodec.metadata import ifd
 
-__all__ = ["RESOLUTION", "TAGS", "has_place", "load", "nodata", "pack", "resampled"]
+__all__ = ["PLACE", "RESOLUTION", "TAGS", "has_place", "load", "nodata", "pack", "resampled"]
 
 PIXEL_SCALE, TIEPOINTS, MATRIX, RPC = 33550, 33922, 34264, 50844
 KEYS, KEY_DOUBLES, KEY_TEXTS = 34735, 34736, 34737
@@ -31,7 +31,9 @@ TAGS = RESOLUTION | {
 }
 """All that a blob may hold; others are left behind."""
 
-_PLACE = {PIXEL_SCALE, TIEPOINTS, MATRIX, RPC}
+PLACE = frozenset({PIXEL_SCALE, TIEPOINTS, MATRIX, RPC})
+"""Those that tie pixels to places."""
+
 _ASCII = 2
 
 
@@ -51,7 +53,7 @@ def load(blob: bytes | None) -> dict[int, ifd.Entry]:
 
 def has_place(blob: bytes | None) -> bool:
     """Whether a blob says where the picture lies."""
-    return bool(load(blob).keys() & _PLACE)
+    return bool(load(blob).keys() & PLACE)
 
 
 def nodata(blob: bytes | None, dtype: np.dtype[Any]) -> float | None:

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from sgicodec.metadata import geo, ifd
 from sgicodec.metadata.orientation import is_flipped, is_mirrored, is_sideways
 
-__all__ = ["oriented", "view"]
+__all__ = ["oriented", "transformation", "view"]
 
 F64 = npt.NDArray[np.float64]
 
@@ -46,6 +46,21 @@ def oriented(blob: bytes | None, orientation: int, width: int, height: int) -> b
 def view(blob: bytes | None, x: float, y: float, scale_x: float = 1.0, scale_y: float = 1.0) -> bytes | None:
     """The blob for the region whose corner is (x, y), in scale_x × scale_y pixels for each of the picture's."""
     return _moved(blob, np.array([[scale_x, 0.0, -x * scale_x], [0.0, scale_y, -y * scale_y], [0.0, 0.0, 1.0]]))
+
+
+def transformation(blob: bytes | None) -> F64 | None:
+    """From raster coordinates of pixel corners (x, y, 1) to coordinates of the map [2, 3]; None where no pixel scale
+    with a tie point, and no transformation, says so.
+    """
+    entries = geo.load(blob)
+    scale, ties = _doubles(entries.get(geo.PIXEL_SCALE), 3), _doubles(entries.get(geo.TIEPOINTS), -1, 6)
+    matrix = _doubles(entries.get(geo.MATRIX), 4, 4)
+    if matrix is None and scale is not None and ties is not None and len(ties):
+        matrix = _as_matrix(scale, ties[0])
+    if matrix is None or not np.isfinite(matrix).all():
+        return None
+    plane = matrix[:2][:, [0, 1, 3]]
+    return plane @ _CENTRE if _is_point(entries) else plane
 
 
 def _moved(blob: bytes | None, move: F64) -> bytes | None:

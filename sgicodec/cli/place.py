@@ -1,0 +1,65 @@
+"""Where the picture of a stream lies and how large its pixels are, for `sgi info`, and what a format loses of that."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sgicodec.metadata import geo
+from sgicodec.metadata.georeference import georeference, resolution
+
+if TYPE_CHECKING:
+    from sgicodec.decoder.stream import Stream
+
+__all__ = ["lost_outside_tiff", "place_facts", "place_lines"]
+
+
+def place_facts(stream: Stream) -> dict[str, Any]:
+    """What `sgi info --json` says."""
+    blob, exif = stream.metadata.geo, stream.metadata.exif
+    place, scale = georeference(blob, stream.width, stream.height), resolution(blob, exif)
+    nodata = geo.nodata(blob, np.dtype(stream.header.sample_type))
+    return {
+        "place": place
+        and {
+            "epsg": place.epsg,
+            "name": place.name,
+            "bounds": place.bounds,
+            "pixel_size": place.pixel_size,
+            "unit": place.unit,
+            "rotated": place.rotated,
+        },
+        "nodata": str(nodata) if nodata is not None and not math.isfinite(nodata) else nodata,
+        "resolution": scale and {"microns_per_pixel": scale.microns, "stated": scale.stated},
+    }
+
+
+def place_lines(facts: Mapping[str, Any]) -> dict[str, str]:
+    """The same in lines of text; none where nothing is stated."""
+    lines, place, scale = {}, facts["place"], facts["resolution"]
+    if place is not None:
+        code = f"EPSG:{place['epsg']}" if place["epsg"] else ""
+        unit = f" {place['unit']}" if place["unit"] else ""
+        lines["projection"] = ", ".join(filter(None, (code, place["name"]))) or "unknown"
+        left, bottom, right, top = (f"{value:.10g}" for value in place["bounds"])
+        lines["bounds"] = f"{left} to {right}, {bottom} to {top}{unit}" + (", rotated" if place["rotated"] else "")
+        lines["pixel"] = " × ".join(f"{size:.6g}" for size in place["pixel_size"]) + unit
+    if facts["nodata"] is not None:
+        value = facts["nodata"]
+        lines["nodata"] = value if isinstance(value, str) else f"{value:g}"
+    if scale is not None:
+        across, down = scale["microns_per_pixel"]
+        size = f"{across:.6g}" if across == down else f"{across:.6g} × {down:.6g}"
+        lines["resolution"] = f"{size} µm per pixel ({scale['stated']})"
+    return lines
+
+
+def lost_outside_tiff(blob: bytes | None) -> str:
+    """What of a picture's place no other format than TIFF holds, in words; empty if nothing."""
+    tags = geo.load(blob).keys()
+    names = ["position"] * bool(tags & geo.PLACE) + ["projection"] * (geo.KEYS in tags)
+    names += ["nodata value"] * (geo.GDAL_NODATA in tags)
+    return ", ".join(names[:-1]) + (" and " if names[1:] else "") + names[-1] if names else ""

@@ -1,0 +1,152 @@
+"""What the tags of a picture say of its place and scale, in words for people: projection, bounds, resolution."""
+
+from __future__ import annotations
+
+import re
+import struct
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from sgicodec.metadata import geo, ifd
+from sgicodec.metadata.placement import transformation
+
+__all__ = ["Georeference", "Resolution", "georeference", "resolution"]
+
+_MODEL, _GEOGRAPHIC = 1024, 2
+_EPSG_KEYS = (3072, 2048)
+"""Keys of the projected and of the geographic coordinate system, and of their names."""
+_NAME_KEYS = (3073, 1026, 2049)
+_USER_DEFINED = 32767
+_UNIT_KEY, _UNITS = 3076, {9001: "m", 9002: "ft", 9003: "US survey ft"}
+
+_DESCRIPTION = 270
+_X, _Y, _UNIT = 282, 283, 296
+_MICRONS = {2: 25400.0, 3: 10000.0}
+_PER = {2: "inch", 3: "cm"}
+_APERIO = re.compile(rb"\bMPP\s*=\s*([0-9.]+)")
+_OME = re.compile(rb'\bPhysicalSizeX="([0-9.eE+-]+)"')
+_OME_Y = re.compile(rb'\bPhysicalSizeY="([0-9.eE+-]+)"')
+_OME_UNIT = re.compile(r'\bPhysicalSizeXUnit="(?!µm"|&#181;m"|&#xb5;m")'.encode())
+
+
+@dataclass(frozen=True)
+class Georeference:
+    """Where a picture lies. epsg and name: of the coordinate system; bounds: left, bottom, right, top in it;
+    pixel_size: in x and y, in `unit`; rotated: whether rows run askew to the axes.
+    """
+
+    epsg: int | None
+    name: str | None
+    bounds: tuple[float, float, float, float]
+    pixel_size: tuple[float, float]
+    unit: str | None
+    rotated: bool
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """Size of a pixel in x and y in micrometres, and where that is stated."""
+
+    microns: tuple[float, float]
+    stated: str
+
+
+def georeference(blob: bytes | None, width: int, height: int) -> Georeference | None:
+    """That of a picture of width × height pixels with this `geo` blob; None without tie point or transformation."""
+    matrix = transformation(blob)
+    if matrix is None:
+        return None
+    keys = _keys(blob)
+    corners = np.array([[x, y, 1.0] for x in (0, width) for y in (0, height)]) @ matrix.T  # [4, 2]
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    across, down = np.linalg.norm(matrix[:, 0]), np.linalg.norm(matrix[:, 1])
+    codes = [keys[key] for key in _EPSG_KEYS if isinstance(keys.get(key), int)]
+    names = [keys[key] for key in _NAME_KEYS if isinstance(keys.get(key), str) and keys[key]]
+    degrees = keys.get(_MODEL) == _GEOGRAPHIC
+    return Georeference(
+        epsg=next((int(code) for code in codes if 0 < int(code) < _USER_DEFINED), None),
+        name=str(names[0]) if names else None,
+        bounds=(float(low[0]), float(low[1]), float(high[0]), float(high[1])),
+        pixel_size=(float(across), float(down)),
+        unit="°" if degrees else _UNITS.get(keys.get(_UNIT_KEY, 0)),  # type: ignore[arg-type]
+        rotated=bool(matrix[0, 1] or matrix[1, 0]),
+    )
+
+
+def _keys(blob: bytes | None) -> dict[int, int | str]:
+    """The keys of a GeoKeyDirectory that hold a short or a text; those of doubles are left out."""
+    entries = geo.load(blob)
+    directory, texts = entries.get(geo.KEYS), entries.get(geo.KEY_TEXTS)
+    if directory is None:
+        return {}
+    rows = np.frombuffer(directory.data[: len(directory.data) // 8 * 8], "<u2").reshape(-1, 4)[1:]
+    text = b"" if texts is None else texts.data
+    found: dict[int, int | str] = {}
+    for key, place, count, value in rows.tolist():
+        if place == 0:
+            found[key] = value
+        elif place == geo.KEY_TEXTS:
+            found[key] = _printable(text[value : value + count])
+    return found
+
+
+def _printable(text: bytes) -> str:
+    """A text of the file without what could steer a terminal."""
+    decoded = text.decode("utf-8", "replace").strip("\0| ")
+    return "".join(character if character.isprintable() else "\N{REPLACEMENT CHARACTER}" for character in decoded)
+
+
+def resolution(blob: bytes | None, exif: bytes | None) -> Resolution | None:
+    """How large a pixel is, by the description of a slide (Aperio, OME), else by the resolution in the `geo` blob or
+    the EXIF; None where nothing says so in a unit of length.
+    """
+    described = _loaded(exif)
+    text = described.get(_DESCRIPTION)
+    slide = None if text is None else _of_slide(text.data)
+    return slide or _of_tags(geo.load(blob)) or _of_tags(described)
+
+
+def _loaded(exif: bytes | None) -> dict[int, ifd.Entry]:
+    try:
+        directory = {} if exif is None else ifd.load(exif, {_DESCRIPTION, _X, _Y, _UNIT})
+    except struct.error:
+        directory = {}
+    return {tag: item for tag, item in directory.items() if isinstance(item, ifd.Entry)}
+
+
+def _of_slide(description: bytes) -> Resolution | None:
+    aperio, ome = _APERIO.search(description), _OME.search(description)
+    try:
+        if aperio:
+            return _sound((float(aperio[1]),) * 2, "Aperio MPP")
+        if ome and not _OME_UNIT.search(description):
+            down = _OME_Y.search(description) or ome
+            return _sound((float(ome[1]), float(down[1])), "OME PhysicalSize")
+    except ValueError:
+        pass
+    return None
+
+
+def _of_tags(entries: dict[int, ifd.Entry]) -> Resolution | None:
+    unit = entries.get(_UNIT)
+    kind = 2 if unit is None else int.from_bytes(unit.data[:2], "little")
+    sizes = [_ratio(entries.get(tag)) for tag in (_X, _Y)]
+    if kind not in _MICRONS or not all(sizes):
+        return None
+    across, down = (float(size) for size in sizes if size)
+    stated = f"{across:g}" if across == down else f"{across:g} × {down:g}"
+    return _sound((_MICRONS[kind] / across, _MICRONS[kind] / down), f"{stated} pixels per {_PER[kind]}")
+
+
+def _ratio(entry: ifd.Entry | None) -> float | None:
+    if entry is None or len(entry.data) != 8:
+        return None
+    above, below = struct.unpack("<II", entry.data)
+    return above / below if below else None
+
+
+def _sound(microns: tuple[float, ...], stated: str) -> Resolution | None:
+    found: npt.NDArray[np.float64] = np.array(microns)
+    return Resolution((microns[0], microns[1]), stated) if np.isfinite(found).all() and (found > 0).all() else None

@@ -1,0 +1,97 @@
+"""What `sgi` says and keeps of a picture's place on the map."""
+
+from __future__ import annotations
+
+import json
+import struct
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import Result
+
+from sgicodec.image import read, write
+from sgicodec.metadata import geo, ifd
+from sgicodec.picture import Metadata, Picture
+
+Run = Callable[..., Result]
+
+
+@pytest.fixture(scope="module")
+def placed(sgi: Run, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The stream of a GeoTIFF with a nodata value and a resolution."""
+    folder = tmp_path_factory.mktemp("placed")
+    rows = [(1024, 0, 1, 1), (1025, 0, 1, 1), (1026, 34737, 22, 0), (3072, 0, 1, 32633), (3076, 0, 1, 9001)]
+    flat = [1, 1, 0, len(rows), *(value for row in rows for value in row)]
+    blob = geo.pack(
+        {
+            282: ifd.Entry(5, struct.pack("<II", 10000, 1)),
+            283: ifd.Entry(5, struct.pack("<II", 10000, 1)),
+            296: ifd.Entry(3, b"\3\0"),
+            33550: ifd.Entry(12, struct.pack("<3d", 10, 10, 0)),
+            33922: ifd.Entry(12, struct.pack("<6d", 0, 0, 0, 5e5, 6e6, 0)),
+            34735: ifd.Entry(3, struct.pack(f"<{len(flat)}H", *flat)),
+            34737: ifd.Entry(2, b"WGS 84 / UTM zone 33N|\0"),
+            42113: ifd.Entry(2, b"0\0"),
+        }
+    )
+    pixels = np.full((24, 40, 3), 90, np.uint8)
+    pixels[:4] = 0
+    write(Picture(pixels, "rgb", (0.0, 255.0), Metadata(geo=blob)), folder / "x.tif")
+    assert sgi("encode", folder / "x.tif", "--steps", 5).exit_code == 0
+    return folder / "x.sgi"
+
+
+def test_a_stream_with_a_place_becomes_a_tiff(sgi: Run, placed: Path) -> None:
+    before = read(placed.with_suffix(".tif")).metadata.geo
+    placed.with_suffix(".tif").unlink()
+    result = sgi("decode", placed)
+    assert (result.exit_code, result.output) == (0, "")
+    assert not placed.with_suffix(".png").exists()
+    assert read(placed.with_suffix(".tif")).metadata.geo == before
+    assert geo.load(before).keys() == {282, 283, 296, 33550, 33922, 34735, 34737, 42113}
+    assert sgi("decode", placed, "-").stdout_bytes[:4] == b"II*\0"
+
+
+def test_what_a_format_loses_is_said(sgi: Run, placed: Path, tmp_path: Path) -> None:
+    result = sgi("decode", placed, tmp_path / "x.png")
+    assert result.exit_code == 0
+    text = "x.png: .png does not hold its position, projection and nodata value; .tif does\n"
+    assert result.stderr.endswith(text)
+    assert result.stderr.startswith("sgi: ")
+    assert "position, projection and nodata value" in sgi("decode", placed, "-", "--format", "ppm").stderr
+    assert sgi("decode", placed, tmp_path / "x.tif").output == ""
+
+
+def test_a_stream_without_a_place_becomes_a_png(sgi: Run, stream: Path) -> None:
+    result = sgi("decode", stream)
+    assert (result.exit_code, result.output) == (0, "")
+    assert stream.with_suffix(".png").exists()
+
+
+def test_info_shows_the_place(sgi: Run, placed: Path) -> None:
+    lines = [line.split(maxsplit=1) for line in sgi("info", placed).stdout.splitlines() if line.strip()]
+    shown = {line[0]: line[1] for line in lines if len(line) == 2}
+    assert shown["projection"] == "EPSG:32633, WGS 84 / UTM zone 33N"
+    assert shown["bounds"] == "500000 to 500400, 5999760 to 6000000 m"
+    assert shown["pixel"] == "10 × 10 m"
+    assert shown["nodata"] == "0"
+    assert shown["resolution"] == "1 µm per pixel (10000 pixels per cm)"
+    facts = json.loads(sgi("info", placed, "--json").stdout)
+    assert facts["place"] == {
+        "epsg": 32633,
+        "name": "WGS 84 / UTM zone 33N",
+        "bounds": [500000, 5999760, 500400, 6000000],
+        "pixel_size": [10, 10],
+        "unit": "m",
+        "rotated": False,
+    }
+    assert facts["nodata"] == 0
+    assert facts["resolution"] == {"microns_per_pixel": [1, 1], "stated": "10000 pixels per cm"}
+
+
+def test_info_of_a_picture_that_lies_nowhere(sgi: Run, stream: Path) -> None:
+    facts = json.loads(sgi("info", stream, "--json").stdout)
+    assert (facts["place"], facts["nodata"], facts["resolution"]) == (None, None, None)
+    assert "projection" not in sgi("info", stream).stdout
