@@ -108,6 +108,10 @@ class Chunk:
         """
         return self.reader.read_payload(self)
 
+    def check(self) -> None:
+        """Checks the CRC as `payload` does, and keeps nothing."""
+        self.reader.pass_over(self)
+
 
 class ChunkReader:
     """Iterates over the known chunks of a file, from the header to the end mark, which is not among them.
@@ -146,8 +150,7 @@ class ChunkReader:
             if chunk.kind in self._known:
                 yield chunk
                 continue
-            for _ in self._body(chunk):  # a flipped bit must not turn a known chunk into an unknown one
-                pass
+            chunk.check()  # a flipped bit must not turn a known chunk into an unknown one
             if chunk.kind.isupper():
                 raise UnsupportedStreamError(f"{chunk} is required but unknown; decode the file with a newer version")
         if chunk.length or chunk.payload() or self._file.read(1):
@@ -172,6 +175,11 @@ class ChunkReader:
         if chunk.length > self._max_payload:
             raise LimitError(f"{chunk} has {chunk.length} bytes; at most {self._max_payload} are allowed here")
         return b"".join(self._body(chunk))
+
+    def pass_over(self, chunk: Chunk) -> None:
+        """See `Chunk.check`."""
+        for _ in self._body(chunk):
+            pass
 
     def _body(self, chunk: Chunk) -> Iterator[bytes]:
         """The payload in blocks, then the check of its CRC: a lying length cannot make memory be taken."""

@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from sgicodec.bitstream.varint import decode_varint, encode_varint
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec.bitstream.varint import MAX_VARINT_BYTES, decode_varints, encode_varint
 from sgicodec.errors import CorruptStreamError
 
-__all__ = ["TRAILER_BYTES", "Place", "decode_index", "encode_index", "index_offset"]
+__all__ = ["TRAILER_BYTES", "Place", "decode_index", "encode_index", "index_offset", "longest_index"]
 
 _END = bytes.fromhex("4500bfa9d7cc")
 """Chunk E."""
@@ -31,17 +34,17 @@ def encode_index(places: Sequence[Place], offset: int) -> bytes:
     return b"".join(map(encode_varint, fields)) + offset.to_bytes(_OFFSET_BYTES, "little")
 
 
-def decode_index(payload: bytes, count: int) -> list[Place]:
-    """Where the `count` tiles are. Raises CorruptStreamError."""
-    end = len(payload) - _OFFSET_BYTES
-    fields: list[int] = []
-    body, at = payload[: max(end, 0)], 0
-    while at < end and len(fields) < 2 * count + 1:
-        value, at = decode_varint(body, at)
-        fields.append(value)
-    if at != end or len(fields) != 2 * count + 1 or fields[0] != count:
+def decode_index(payload: bytes, count: int) -> NDArray[np.int64]:
+    """Offset and length of the `count` tiles [count, 2]. Raises CorruptStreamError."""
+    fields = decode_varints(payload[: max(0, len(payload) - _OFFSET_BYTES)])
+    if len(payload) < _OFFSET_BYTES or len(fields) != 2 * count + 1 or fields[0] != count:
         raise CorruptStreamError(f"index: it does not list the {count} tiles; the file is damaged")
-    return [Place(*pair) for pair in zip(fields[1::2], fields[2::2], strict=True)]
+    return fields[1:].reshape(count, 2)
+
+
+def longest_index(count: int) -> int:
+    """Bytes that the payload of an index of n tiles cannot exceed."""
+    return _OFFSET_BYTES + MAX_VARINT_BYTES * (2 * count + 1)
 
 
 def index_offset(tail: bytes) -> int | None:

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from typing import BinaryIO
 
+import numpy as np
+from numpy.typing import NDArray
+
 from sgicodec.bitstream.container import SIGNATURE, Chunk, ChunkReader
 from sgicodec.bitstream.header import Header, decode_header
-from sgicodec.bitstream.index import TRAILER_BYTES, Place, decode_index, index_offset
+from sgicodec.bitstream.index import TRAILER_BYTES, decode_index, index_offset, longest_index
 from sgicodec.bitstream.parts.tile_chunk import tile_number
 from sgicodec.errors import CorruptStreamError
 
@@ -26,26 +29,26 @@ class StreamReader:
     cannot seek is read to its end, its compressed tiles kept.
 
     header, blobs (payloads by letter, without T, X and o), size of the file, chunk_bytes: that of every chunk by its
-    letter, frame included. Raises StreamError.
+    letter, frame included. An overview in an overview is passed over: `is_overview`. Raises StreamError.
     """
 
-    def __init__(self, source: bytes | BinaryIO) -> None:
-        self._reader = ChunkReader(source, CHUNKS)
+    def __init__(self, source: bytes | BinaryIO, is_overview: bool = False) -> None:
+        self._reader = ChunkReader(source, CHUNKS.replace("o", "") if is_overview else CHUNKS)
         self.blobs: dict[str, bytes] = {}
         self.chunk_bytes: dict[str, int] = {"signature": len(SIGNATURE)}
-        self._places: dict[int, Place] = {}
-        self._payloads: dict[int, bytes] = {}
+        self._places: NDArray[np.int64] | None = None
+        """Offset and length of each tile [n, 2], offset -1 where there is none: of its chunk, or in `_kept`."""
+        self._kept = bytearray()
+        """The payloads of what is no seekable stream of several tiles: memory is taken for bytes alone."""
         self._overview: Chunk | bytes | None = None
         self.header = self._read()
         self.size = self._reader.size or self._reader.end
-        tiles = self._places.keys() | self._payloads.keys()
-        if not tiles:
+        if self._places is None:
             raise CorruptStreamError("there is no tile: nothing to draw")
-        if len(tiles) < self.header.grid.count:
-            lost = min(set(range(self.header.grid.count)) - tiles)
-            raise CorruptStreamError(
-                f"{len(tiles)} of {self.header.grid.count} tiles are there; tile {lost} is missing"
-            )
+        missing = np.flatnonzero(self._places[:, 0] < 0)
+        if len(missing):
+            count = self.header.grid.count
+            raise CorruptStreamError(f"{count - len(missing)} of {count} tiles are there; tile {missing[0]} is missing")
 
     @property
     def has_overview(self) -> bool:
@@ -58,11 +61,11 @@ class StreamReader:
 
     def tile(self, number: int) -> bytes:
         """The payload of a tile's chunk. Raises CorruptStreamError."""
-        if number in self._payloads:
-            return self._payloads[number]
-        place = self._places[number]
-        chunk = self._reader.chunk_at(place.offset)
-        if chunk.kind != "T" or chunk.length != place.length:
+        offset, length = (-1, 0) if self._places is None else self._places[number].tolist()
+        if not self._lasting(self.header):
+            return bytes(self._kept[offset : offset + length])
+        chunk = self._reader.chunk_at(offset)
+        if chunk.kind != "T" or chunk.length != length:
             raise CorruptStreamError(f"index: {chunk} is not tile {number}; the file is damaged")
         payload = chunk.payload()
         if tile_number(self.header, payload) != number:
@@ -73,11 +76,11 @@ class StreamReader:
         header: Header | None = None
         for chunk in self._reader:
             if chunk.kind == "T" and header is not None:
-                if not self._places and self._read_index(header):
+                if self._places is None and self._read_index(header):
                     return header
                 self._note(header, chunk)
             elif chunk.kind == "X" and header is not None and header.tile:
-                chunk.payload()
+                chunk.check()
             elif self._is_late(chunk, header):
                 raise CorruptStreamError(f"{chunk}: there may be only one, before the tiles")
             elif chunk.kind == "o":
@@ -94,25 +97,30 @@ class StreamReader:
     def _is_late(self, chunk: Chunk, header: Header | None) -> bool:
         """Whether it is a second one, or behind a tile of several."""
         again = chunk.kind in self.blobs or chunk.kind == "X" or (chunk.kind == "o" and self.has_overview)
-        return again or bool(self._places or (header and header.tile and self._payloads))
+        return again or bool(header and header.tile and self._places is not None)
 
     def _count(self, chunk: Chunk) -> None:
         self.chunk_bytes[chunk.kind] = self.chunk_bytes.get(chunk.kind, 0) + chunk.end - chunk.offset
 
+    def _lasting(self, header: Header) -> bool:
+        """Whether tiles can be read when they are wanted."""
+        return header.tile > 0 and self._reader.size is not None
+
     def _note(self, header: Header, chunk: Chunk) -> None:
         """Remembers a tile that was come across."""
-        lasting = header.tile and self._reader.size is not None
+        lasting = self._lasting(header)
         if lasting:
             start = self._reader.peek(chunk.offset + len(chunk.head), min(_NUMBER_BYTES, chunk.length))
         else:
             start = chunk.payload()
         number = tile_number(header, start)
-        if number in self._places or number in self._payloads:
+        if self._places is None:
+            self._places = np.full((header.grid.count, 2), -1, np.int64)
+        if self._places[number, 0] >= 0:
             raise CorruptStreamError(f"{chunk}: there may be only one tile {number}")
-        if lasting:
-            self._places[number] = Place(chunk.offset, chunk.length)
-        else:
-            self._payloads[number] = start
+        self._places[number] = chunk.offset if lasting else len(self._kept), chunk.length
+        if not lasting:
+            self._kept += start
         self._count(chunk)
 
     def _read_index(self, header: Header) -> bool:
@@ -124,10 +132,9 @@ class StreamReader:
         if offset is None or not len(SIGNATURE) < offset < size:
             return False
         chunk = self._reader.chunk_at(offset)
-        if chunk.kind != "X" or chunk.end != size - 6:
+        if chunk.kind != "X" or chunk.end != size - 6 or chunk.length > longest_index(header.grid.count):
             return False
-        places = decode_index(chunk.payload(), header.grid.count)
-        self._places = dict(enumerate(places))
+        self._places = decode_index(chunk.payload(), header.grid.count)
         self.chunk_bytes["X"] = chunk.end - chunk.offset
-        self.chunk_bytes["T"] = offset - min(place.offset for place in places)
+        self.chunk_bytes["T"] = offset - int(self._places[:, 0].min())
         return True

@@ -27,10 +27,8 @@ def verify(source: str, threads: int) -> None:
     """Decode all of stream IN and say "ok", or what is wrong with it (exit code 4)."""
     with opened_stream(source, Device(threads)) as stream:
         _draw(stream)
-        shown = stream
-        while shown.has_overview:
-            shown = shown.overview
-            _draw(shown)
+        if stream.has_overview:
+            _draw(stream.overview)
         click.echo(f"{display(source)}: ok, {stream.width}×{stream.height} pixels, symbols {stream.symbol_crc:08x}")
 
 

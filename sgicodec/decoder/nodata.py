@@ -14,6 +14,9 @@ from sgicodec.picture import alpha_index, equal_samples
 
 __all__ = ["mark_nodata", "store_nodata"]
 
+_MASK_PIXELS = 1 << 20
+"""Of a mask that are expanded at a time."""
+
 
 def mark_nodata(header: Header, tile: TileRenderer, view: View, at: tuple[int, int], block: NDArray[Any]) -> None:
     """Stores nothing in those pixels of block [h, w, C] whose centres the tile's mask says to hold nothing.
@@ -21,15 +24,17 @@ def mark_nodata(header: Header, tile: TileRenderer, view: View, at: tuple[int, i
     block begins at output pixel `at` (x, y) of the view. Alpha becomes 0, or colours the nodata value; other
     pixels that have that value by chance go one step aside.
     """
-    empty = np.zeros(block.shape[:2], np.bool_)
-    if tile.mask is not None:
-        rows = _pixels(view.y - tile.y, view.sy, at[1], len(block), len(tile.mask))
-        columns = _pixels(view.x - tile.x, view.sx, at[0], block.shape[1], tile.mask.shape[1])
-        empty = tile.mask[rows[:, None], columns]
-    if header.masked == "transparent":
-        block[empty, -1] = 0
-        return
-    store_nodata(header, block[..., : alpha_index(header.channels)], empty)
+    columns = _pixels(view.x - tile.x, view.sx, at[0], block.shape[1], tile.header.width)
+    rows = _pixels(view.y - tile.y, view.sy, at[1], len(block), tile.header.height)
+    each = max(1, _MASK_PIXELS // len(columns))
+    for top in range(0, len(rows), each):
+        band = block[top : top + each]
+        empty = None if tile.mask is None else tile.mask.at(rows[top : top + each], columns)
+        empty = np.zeros(band.shape[:2], np.bool_) if empty is None else empty
+        if header.masked == "transparent":
+            band[empty, -1] = 0
+        else:
+            store_nodata(header, band[..., : alpha_index(header.channels)], empty)
 
 
 def store_nodata(header: Header, colours: NDArray[Any], empty: NDArray[np.bool_]) -> None:

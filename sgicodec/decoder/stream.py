@@ -73,11 +73,17 @@ class Stream(ArrayView):
 
     exact: bool = False
 
-    def __init__(self, source: bytes | BinaryIO, path: str | None = None, device: Device = ALL_CORES) -> None:
+    def __init__(
+        self,
+        source: bytes | BinaryIO,
+        path: str | None = None,
+        device: Device = ALL_CORES,
+        is_overview: bool = False,
+    ) -> None:
         self.name, self._source = path, source
         self._lock = threading.RLock()
         self.closed = False
-        self._chunks = StreamReader(source)
+        self._chunks = StreamReader(source, is_overview)
         self.header, self.size, blobs = self._chunks.header, self._chunks.size, self._chunks.blobs
         self.chunk_bytes = self._chunks.chunk_bytes
         self.metadata = Metadata(icc=blobs.get("i"), exif=blobs.get("c"), xmp=blobs.get("x"), geo=blobs.get("g"))
@@ -269,7 +275,8 @@ class Stream(ArrayView):
                 if payload is None:
                     raise UsageError("there is no overview")
                 try:
-                    self._overview = _checked_overview(Stream(payload, device=self.device), self.header)
+                    small = Stream(payload, device=self.device, is_overview=True)
+                    self._overview = _checked_overview(small, self.header)
                 except StreamError as error:
                     raise type(error)(f"overview: {error}") from error.__cause__
             return self._overview
@@ -319,6 +326,8 @@ def _open_file(path: str, device: Device) -> Stream:
 def _checked_overview(stream: Stream, header: Header) -> Stream:
     """The overview, if it has the size and the samples that the picture's has to have."""
     found, size = stream.header, overview_size(header.width, header.height)
+    if size == (header.width, header.height):
+        raise CorruptStreamError("it is no smaller than the picture")
     if (found.width, found.height) != size:
         raise CorruptStreamError(f"it has {found.width}×{found.height} pixels, not {size[0]}×{size[1]}")
     if (found.channels, found.spec.channels) != (header.channels, header.spec.channels):

@@ -24,6 +24,8 @@ CACHE_BYTES = 1 << 28
 
 _LEAST_TILES = 4
 """Tiles that meet in a corner."""
+_OVERHEAD = 1 << 14
+"""Bytes that a tile counts for besides its arrays: one that holds nothing is not free."""
 
 
 class TileCache:
@@ -32,6 +34,9 @@ class TileCache:
     def __init__(self, chunks: StreamReader, device: Device) -> None:
         self._stream, self._device = chunks, device
         self._tiles: OrderedDict[int, TileRenderer] = OrderedDict()
+        self._bytes: dict[int, int] = {}
+        self._total = 0
+        self._lately: deque[int] = deque(maxlen=_LEAST_TILES)  # tiles that grew, if they were drawn since
         self._prefetch: _Prefetch | None = None
 
     def __len__(self) -> int:
@@ -45,10 +50,22 @@ class TileCache:
             if self._stream.header.grid.count > 1:
                 tile.release_model()
             self._tiles[number] = tile
-            while len(self._tiles) > _LEAST_TILES and sum(tile.memory for tile in self._tiles.values()) > CACHE_BYTES:
-                self._tiles.popitem(last=False)
+            self._lately.append(number)
+            for changed in self._lately:
+                self._weigh(changed)
+            while len(self._tiles) > _LEAST_TILES and self._total > CACHE_BYTES:
+                released, _ = self._tiles.popitem(last=False)
+                self._weigh(released)
         self._tiles.move_to_end(number)
         return self._tiles[number]
+
+    def _weigh(self, number: int) -> None:
+        """Counts what a tile takes now, or no longer takes."""
+        tile = self._tiles.get(number)
+        now = 0 if tile is None else tile.memory + _OVERHEAD
+        self._total += now - self._bytes.pop(number, 0)
+        if tile is not None:
+            self._bytes[number] = now
 
     def decoded(self, number: int) -> TileRenderer:
         """The same with its model, and not cached."""

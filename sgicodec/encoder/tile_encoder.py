@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from sgicodec.bitstream.header import Header, Masked
 from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.bitstream.parts.tile import DECODER_SHIFT, TileModel, write_tile
-from sgicodec.bitstream.parts.tile_chunk import TileChunk, encode_tile_chunk
+from sgicodec.bitstream.parts.tile_chunk import encode_tile_chunk
 from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ALL_CORES, Device
@@ -292,7 +292,7 @@ class Encoding:
 
     def assembled(self, header: Header, model: bytes | None) -> tuple[bytes, int]:
         """The stream, and the bytes of its tile's payload."""
-        buffer, chunk = io.BytesIO(), encode_tile_chunk(header, TileChunk(0, self.empty, model))
+        buffer, chunk = io.BytesIO(), encode_tile_chunk(header, 0, self.empty, model)
         write_stream(buffer, header, self.plan.software, self.plan.metadata, [chunk])
         return buffer.getvalue(), len(chunk)
 

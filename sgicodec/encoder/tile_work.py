@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from sgicodec.bitstream.parts.tile import read_tile
-from sgicodec.bitstream.parts.tile_chunk import TileChunk, decode_tile_chunk, encode_tile_chunk
+from sgicodec.bitstream.parts.tile_chunk import decode_tile_chunk, encode_tile_chunk
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.encoder.plan import Plan
@@ -163,7 +163,7 @@ def _finished(tile: Encoding, plan: Plan, number: int, candidate: Candidate | No
     if candidate is not None:
         model, parts = written(candidate)
         seeds = len(candidate.model.layout)
-    payload = encode_tile_chunk(header, TileChunk(number, tile.empty, model))
+    payload = encode_tile_chunk(header, number, tile.empty, model)
     if header.masked is not None:
         parts["mask"] = len(payload) - len(model or b"")
     coded = time.monotonic()

@@ -56,8 +56,8 @@ class Axis:
         """
         at = start + (first + np.arange(count) + 0.5) / scale
         lowest, highest = self._around(float(at[0]), float(at[-1]))
-        begin = 0
-        for index in range(lowest, min(highest, self.count - 1)):
+        begin, index, end = 0, lowest, min(highest, self.count - 1)
+        while index < end:
             edge = self.edge(index + 1)
             before, behind = np.searchsorted(at, [edge - self.apron, edge + self.apron]).tolist()
             if before > begin:
@@ -68,7 +68,8 @@ class Axis:
             begin = max(begin, behind)
             if begin >= count:
                 return
-        yield Segment(begin, count, min(highest, self.count - 1))
+            index = max(index + 1, self._around(float(at[begin]), float(at[begin]))[0])  # tiles between centres
+        yield Segment(begin, count, end)
 
     def _around(self, start: float, stop: float) -> tuple[int, int]:
         """A range of tile numbers that holds all which draw in start … stop."""

@@ -171,8 +171,8 @@ def test_a_pipe_keeps_it(coded: Encoded) -> None:
     np.testing.assert_array_equal(piped, open_stream(coded.data).picture(scale=1 / 20).pixels)
 
 
-def test_an_overview_of_several_tiles_has_its_own(photo: Picture) -> None:
-    """1,344×1,000 pixels: 84×62 in tiles of 32, and 5×4."""
+def test_an_overview_of_several_tiles_has_its_own_passed_over(photo: Picture) -> None:
+    """1,344×1,000 pixels: 84×62 in tiles of 32, and 5×4, as encoders once wrote them."""
     large = replace(photo, pixels=photo.pixels.repeat(4, axis=0).repeat(4, axis=1))
     plan = replace(SETTINGS, tile=32, steps=1, quality=5)
     small_one = encode_picture(small(large, 512), plan).data
@@ -181,7 +181,8 @@ def test_an_overview_of_several_tiles_has_its_own(photo: Picture) -> None:
     assert (inner.overview.width, inner.overview.height) == (5, 4)
     assert inner.overview.grid.count == 1
     outer = open_stream(_chunks_with(encode_picture(large, replace(plan, tile=512, rdoq=False)).data, [small_one]))
-    np.testing.assert_array_equal(outer.picture(size=(5, 4)).pixels, inner.overview.picture().pixels)
+    assert not outer.overview.has_overview
+    np.testing.assert_array_equal(outer.picture(size=(5, 4)).pixels, outer.overview.picture(size=(5, 4)).pixels)
 
 
 def test_one_that_is_no_smaller_is_left_alone() -> None:

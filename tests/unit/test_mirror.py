@@ -21,6 +21,7 @@ TESTED_ELSEWHERE = {
     "benchmarks/large/*": "unit/benchmarks/test_large.py",
     "benchmarks/profile": "unit/benchmarks/test_speed.py",
     "bitstream/entropy/*": "unit/bitstream/entropy/test_symbol_coder.py",
+    "bitstream/parts/mask_tree": "unit/bitstream/parts/test_mask.py",
     "bitstream/parts/predicted_tree": "unit/bitstream/parts/test_predicted_positions.py",
     "bitstream/parts/prior": "unit/bitstream/parts/test_attributes.py",
     "bitstream/parts/seed_tree": "unit/bitstream/parts/test_positions.py",

@@ -2,6 +2,9 @@
 
 A node is all 0, all 1 or mixed; the children of mixed nodes are coded level by level under adaptive probabilities. Each
 context is what is known of the four neighbours by then: their state, or that of their parent.
+
+Only mixed nodes take memory, whatever the tile's size. Symbols that cost nothing could make any number of them:
+MAX_NODES and NODES_PER_BYTE hold for writing and for reading.
 """
 
 from __future__ import annotations
@@ -11,54 +14,149 @@ from numpy.typing import NDArray
 
 from sgicodec.bitstream.entropy.symbol_coder import SymbolCoder, SymbolReader, SymbolWriter
 from sgicodec.bitstream.entropy.tables import TOTAL
+from sgicodec.bitstream.parts.mask_tree import BEYOND, CLEAR, SET, MaskTree
+from sgicodec.errors import LimitError, PictureError
 
-__all__ = ["read_mask", "write_mask"]
+__all__ = ["MAX_NODES", "NODES_PER_BYTE", "read_mask", "write_mask"]
 
 Mask = NDArray[np.bool_]
 States = NDArray[np.uint8]
+Ints = NDArray[np.int64]
 
-_CLEAR, _SET, _MIXED = 0, 1, 2
+MAX_NODES, NODES_PER_BYTE = 3 << 17, 32
+"""Mixed nodes of a mask, about 80 bytes each: as many as any mask of 1.1 megapixels has, and more for each byte. An
+outline, or noise, has three for each byte; a mixed node of four pixels takes a bit at least.
+"""
+
+_MIXED, _NONE = 2, 3
+_LINKS = np.array([CLEAR, SET, 0, BEYOND], np.int32)
+"""The link to a child of each state, but for the numbers of mixed ones."""
+_STATES = np.array([1, 0, 2], np.uint8)
+"""The state that stands for SET, CLEAR and BEYOND, counted from SET: beyond the edge it is the node's own, mixed."""
 _CONTEXTS = 81
+
+_DOWN, _ACROSS = np.array([0, 0, 1, 1]), np.array([0, 1, 0, 1])
+"""Where children lie."""
+_SIDES = ((0, 1), (0, 1), (1, 2), (1, 2))
+"""Of the left, right, upper, lower neighbour: the axis (0 across, 1 down), and what a child's number changes by."""
 
 
 def write_mask(mask: Mask) -> bytes:
-    """The payload of a mask [h, w]."""
-    coder = SymbolWriter()
-    _code(coder, mask, mask.shape[1], mask.shape[0])
-    return coder.finish()
+    """The payload of a mask [h, w]. Raises PictureError for one of more nodes than a reader takes."""
+    coder, (height, width) = SymbolWriter(), mask.shape
+    nodes = sum(len(level) for level in _Coding(coder, width, height).run(mask).levels)
+    payload = coder.finish()
+    if nodes > MAX_NODES + NODES_PER_BYTE * len(payload):
+        text = "it alternates between pixels with and without content in too many places"
+        raise PictureError(f"{width}×{height} pixels are too many for the mask of one tile: {text}; choose --tile 1024")
+    return payload
 
 
-def read_mask(payload: bytes, width: int, height: int) -> Mask:
-    """The mask [height, width] of a payload. Raises CorruptStreamError."""
+def read_mask(payload: bytes, width: int, height: int) -> MaskTree:
+    """The mask of a tile from its payload. Raises CorruptStreamError or LimitError."""
     coder = SymbolReader(payload)
-    mask = _code(coder, None, width, height)
+    tree = _Coding(coder, width, height, MAX_NODES + NODES_PER_BYTE * len(payload)).run(None)
     coder.finish()
-    return mask
+    return tree
 
 
-def _code(coder: SymbolCoder, mask: Mask | None, width: int, height: int) -> Mask:
-    top = max(width - 1, height - 1, 1).bit_length()
-    known = None if mask is None else _pyramid(mask, top)
-    inner, bottom = np.zeros((_CONTEXTS, 3), np.int64), np.zeros((_CONTEXTS, 2), np.int64)
-    states: States = np.full((1, 1), _MIXED, np.uint8)
-    for level in range(top - 1, -1, -1):
-        rows, columns = -(-height >> level), -(-width >> level)
-        mixed = states == _MIXED
-        states = states.repeat(2, axis=0).repeat(2, axis=1)[:rows, :columns]
-        counts = bottom if level == 0 else inner
+class _Coding:
+    """One walk down the tree, to write or to read at most so many mixed nodes."""
+
+    def __init__(self, coder: SymbolCoder, width: int, height: int, most: int | None = None) -> None:
+        self._coder, self._width, self._height, self._left = coder, width, height, most
+
+    def run(self, mask: Mask | None) -> MaskTree:
+        """Codes the mask, or reads what is not given."""
+        width, height = self._width, self._height
+        top = max(width - 1, height - 1, 1).bit_length()
+        known = None if mask is None else _pyramid(mask, top)
+        inner, bottom = np.zeros((_CONTEXTS, 3), np.int64), np.zeros((_CONTEXTS, 2), np.int64)
+        y, x = np.zeros(1, np.int64), np.zeros(1, np.int64)  # of the mixed nodes, row by row
+        near = np.full((4, 1), BEYOND, np.int32)  # links to their neighbours
+        levels = []
+        for level in range(top - 1, -1, -1):
+            size = -(-height >> level), -(-width >> level)
+            states = self._level(None if known is None else known[level], size, y, x, near, inner if level else bottom)
+            links, node, child = _linked(states, size[1], y, x)
+            levels.append(links)
+            near = np.stack([_beside(links, near, node, child, side) for side in range(4)])
+            y, x = 2 * y[node] + _DOWN[child], 2 * x[node] + _ACROSS[child]
+        return MaskTree(width, height, levels)
+
+    def _count(self, nodes: int) -> None:
+        if self._left is not None:
+            self._left -= nodes
+            if self._left < 0:
+                raise LimitError(f"a mask of too many nodes for its length: more than {MAX_NODES}; it is refused")
+
+    def _level(
+        self,
+        known: States | None,
+        size: tuple[int, int],
+        y: Ints,
+        x: Ints,
+        near: NDArray[np.int32],
+        counts: NDArray[np.int64],
+    ) -> States:
+        """The states [n, 4] of the children of the mixed nodes, _NONE for those beyond the edge."""
+        states: States = np.full((len(y), 4), _MIXED, np.uint8)
         for child in range(4):
-            y, x = np.nonzero(mixed)
-            y, x = 2 * y + child // 2, 2 * x + child % 2
-            inside = (y < rows) & (x < columns)
-            y, x = y[inside], x[inside]
-            if not len(y):
-                continue
-            contexts = _contexts(states, y, x)
-            given = None if known is None else known[level][y, x]
-            coded = coder.code_categorical(given, _frequencies(counts), contexts)
-            np.add.at(counts, (contexts, coded), 1)
-            states[y, x] = coded
-    return np.asarray(states == _SET)
+            rows, columns = 2 * y + _DOWN[child], 2 * x + _ACROSS[child]
+            (inside,) = np.nonzero((rows < size[0]) & (columns < size[1]))
+            contexts = np.zeros(len(inside), np.int64)
+            for side in range(4):
+                contexts = 3 * contexts + _state_beside(states, near, inside, child, side)
+            given = None if known is None else known[rows[inside], columns[inside]]
+            coded = self._coder.code_categorical(given, _frequencies(counts), contexts)
+            kinds = counts.shape[1]
+            counts += np.bincount(kinds * contexts + coded, minlength=counts.size).reshape(counts.shape)
+            states[inside, child] = coded
+            self._count(int((coded == _MIXED).sum()))
+        y, x = y[:, None], x[:, None]
+        states[(2 * y + _DOWN >= size[0]) | (2 * x + _ACROSS >= size[1])] = _NONE
+        return states
+
+
+def _sibling(child: int, side: int) -> tuple[bool, int]:
+    """Whether the neighbour on a side has the same parent, and which of its parent's children it is."""
+    axis, step = _SIDES[side]
+    ahead = side % 2 == 1
+    return (child >> axis & 1) != ahead, child ^ step
+
+
+def _state_beside(states: States, near: NDArray[np.int32], nodes: Ints, child: int, side: int) -> States:
+    """What is known of the neighbours on a side of one child of these nodes."""
+    same, other = _sibling(child, side)
+    if same:
+        return np.asarray(states[nodes, other])
+    links = near[side, nodes]
+    beside = states[np.maximum(links, 0), other]
+    return np.asarray(np.where(links >= 0, beside, _STATES[np.minimum(links, CLEAR) - SET]))
+
+
+def _linked(states: States, columns: int, y: Ints, x: Ints) -> tuple[NDArray[np.int32], Ints, Ints]:
+    """The links [n, 4] to these children; then the mixed ones row by row, as numbers of their parents and as children.
+
+    columns: nodes in a row of the children's level.
+    """
+    links = _LINKS[states]
+    node, child = np.divmod(np.flatnonzero(states == _MIXED), 4)
+    order = np.argsort((2 * y[node] + _DOWN[child]) * columns + 2 * x[node] + _ACROSS[child], kind="stable")
+    node, child = node[order], child[order]
+    links[node, child] = np.arange(len(order))
+    return links, node, child
+
+
+def _beside(links: NDArray[np.int32], near: NDArray[np.int32], node: Ints, child: Ints, side: int) -> NDArray[np.int32]:
+    """Links to the neighbours on a side of these children, each of its node."""
+    result = np.empty(len(node), np.int32)
+    for number in range(4):
+        (here,) = np.nonzero(child == number)
+        same, other = _sibling(number, side)
+        parents = node[here] if same else near[side, node[here]]
+        result[here] = np.where(parents >= 0, links[np.maximum(parents, 0), other], parents)
+    return result
 
 
 def _pyramid(mask: Mask, top: int) -> list[States]:
@@ -70,16 +168,6 @@ def _pyramid(mask: Mask, top: int) -> list[States]:
         four = np.stack([padded[::2, ::2], padded[::2, 1::2], padded[1::2, ::2], padded[1::2, 1::2]])
         result.append(np.where((four == four[0]).all(axis=0), four[0], _MIXED).astype(np.uint8))
     return result
-
-
-def _contexts(states: States, y: NDArray[np.intp], x: NDArray[np.intp]) -> NDArray[np.int64]:
-    """Context numbers from the left, right, upper and lower neighbours, the edge's own state beyond the edge."""
-    rows, columns = states.shape
-    contexts = np.zeros(len(y), np.int64)
-    for dy, dx in ((0, -1), (0, 1), (-1, 0), (1, 0)):
-        near = states[np.clip(y + dy, 0, rows - 1), np.clip(x + dx, 0, columns - 1)]
-        contexts = 3 * contexts + near
-    return contexts
 
 
 def _frequencies(counts: NDArray[np.int64]) -> NDArray[np.int64]:

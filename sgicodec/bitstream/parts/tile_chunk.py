@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.mask import read_mask, write_mask
+from sgicodec.bitstream.parts.mask_tree import MaskTree
 from sgicodec.bitstream.varint import decode_varint, encode_varint
 from sgicodec.errors import CorruptStreamError
 
@@ -21,27 +22,29 @@ _ALL_VALID, _NONE_VALID, _SOME_VALID = 0, 1, 2
 
 @dataclass(frozen=True)
 class TileChunk:
-    """mask: which pixels [h, w] of the tile hold nothing, None if all hold something. model: the payload of
-    `write_tile`, None where no pixel holds anything.
+    """mask: which pixels of the tile hold nothing, None if all hold something. model: the payload of `write_tile`, None
+    where no pixel holds anything.
     """
 
     number: int
-    mask: Mask | None
+    mask: MaskTree | None
     model: bytes | None
 
 
-def encode_tile_chunk(header: Header, chunk: TileChunk) -> bytes:
-    """The payload."""
-    payload = encode_varint(chunk.number) if header.tile else b""
+def encode_tile_chunk(header: Header, number: int, empty: Mask | None, model: bytes | None) -> bytes:
+    """The payload of a tile. empty: which pixels [h, w] hold nothing, None if all hold something; model: as in
+    `TileChunk`.
+    """
+    payload = encode_varint(number) if header.tile else b""
     if header.masked is not None:
-        if chunk.model is None:
+        if model is None:
             return payload + encode_varint(_NONE_VALID)
-        if chunk.mask is None:
+        if empty is None:
             payload += encode_varint(_ALL_VALID)
         else:
-            mask = write_mask(chunk.mask)
+            mask = write_mask(empty)
             payload += encode_varint(_SOME_VALID) + encode_varint(len(mask)) + mask
-    return payload + (chunk.model or b"")
+    return payload + (model or b"")
 
 
 def tile_number(header: Header, start: bytes) -> int:
@@ -62,7 +65,7 @@ def decode_tile_chunk(header: Header, payload: bytes) -> TileChunk:
     kind, at = decode_varint(payload, at)
     _, _, width, height = header.grid.rect(number)
     if kind == _NONE_VALID and at == len(payload):
-        return TileChunk(number, np.ones((height, width), np.bool_), None)
+        return TileChunk(number, MaskTree(width, height), None)
     if kind == _ALL_VALID:
         return TileChunk(number, None, payload[at:])
     if kind != _SOME_VALID:
@@ -71,6 +74,6 @@ def decode_tile_chunk(header: Header, payload: bytes) -> TileChunk:
     if at + length > len(payload):
         raise CorruptStreamError(f"tile {number}: ends inside its mask; the stream is damaged")
     mask = read_mask(payload[at : at + length], width, height)
-    if mask.all() or not mask.any():
+    if not mask.is_mixed:
         raise CorruptStreamError(f"tile {number}: a mask that says nothing; the stream is damaged")
     return TileChunk(number, mask, payload[at + length :])

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import Result
+from surgery import join, split
 
 from sgicodec import EncodeSettings, Picture, encode_picture
 from sgicodec.bitstream.container import SIGNATURE
@@ -64,3 +65,16 @@ def test_samples_without_a_value(sgi: Run, stream: Path, monkeypatch: pytest.Mon
     result = sgi("verify", stream)
     assert result.exit_code == 4
     assert "without a value" in result.stderr
+
+
+def test_overviews_are_not_followed(sgi: Run, tmp_path: Path) -> None:
+    """A thousand of one pixel, each in another."""
+    dot = encode_picture(Picture(np.zeros((1, 1, 1), np.uint8), "gray", (0.0, 255.0)), EncodeSettings(steps=1)).data
+    header, *rest = split(dot)
+    nested = dot
+    for _ in range(1000):
+        nested = join([header, ("o", nested), *rest])
+    out = tmp_path / "nested.sgi"
+    out.write_bytes(nested)
+    result = sgi("verify", out)
+    assert (result.exit_code, result.stderr) == (4, f"sgi: {out}: overview: it is no smaller than the picture\n")

@@ -2,7 +2,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sgicodec.bitstream.varint import MAX_VARINT, decode_varint, encode_varint
+from sgicodec.bitstream import varint
+from sgicodec.bitstream.varint import MAX_VARINT, decode_varint, decode_varints, encode_varint
 from sgicodec.errors import CorruptStreamError, UsageError
 
 
@@ -41,3 +42,17 @@ def test_values_out_of_range_are_refused(value: int) -> None:
 def test_bad_spellings_are_corrupt(data: str, message: str) -> None:
     with pytest.raises(CorruptStreamError, match=message):
         decode_varint(bytes.fromhex(data))
+
+
+@given(st.lists(st.integers(0, MAX_VARINT)), st.integers(9, 30))
+def test_many_at_once(values: list[int], block: int) -> None:
+    data = b"".join(map(encode_varint, values))
+    with pytest.MonkeyPatch.context() as smaller:
+        smaller.setattr(varint, "_BLOCK", block)
+        assert decode_varints(data).tolist() == values
+
+
+@pytest.mark.parametrize("data", ["80", "0180", "8000", "05" + "ff" * 9 + "01", "ff" * 20])
+def test_many_are_refused_like_one(data: str) -> None:
+    with pytest.raises(CorruptStreamError):
+        decode_varints(bytes.fromhex(data))

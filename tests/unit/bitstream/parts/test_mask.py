@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from examples import examples
 from hypothesis import given, settings
+from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
 from sgicodec.bitstream.parts.mask import read_mask, write_mask
+from sgicodec.bitstream.parts.mask_tree import MaskTree
 from sgicodec.errors import CorruptStreamError
 
 
@@ -16,7 +18,7 @@ from sgicodec.errors import CorruptStreamError
 @given(arrays(np.bool_, array_shapes(min_dims=2, max_dims=2, min_side=1, max_side=40)))
 def test_any_mask_comes_back(mask: np.ndarray) -> None:
     height, width = mask.shape
-    np.testing.assert_array_equal(read_mask(write_mask(mask), width, height), mask)
+    np.testing.assert_array_equal(read_mask(write_mask(mask), width, height).pixels(), mask)
 
 
 def _disc(side: int) -> np.ndarray:
@@ -46,3 +48,19 @@ def test_damage_is_found() -> None:
         with pytest.raises(CorruptStreamError):
             read_mask(bytes(payload), 64, 64)
         payload[at] ^= 0x10
+
+
+@settings(max_examples=examples(60))
+@given(arrays(np.bool_, array_shapes(min_dims=2, max_dims=2, min_side=1, max_side=40)), st.data())
+def test_any_rows_and_columns(mask: np.ndarray, data: st.DataObject) -> None:
+    tree = read_mask(write_mask(mask), mask.shape[1], mask.shape[0])
+    rows, columns = (np.array(data.draw(st.lists(st.integers(0, size - 1), min_size=1))) for size in mask.shape)
+    np.testing.assert_array_equal(tree.at(rows, columns), mask[np.ix_(rows, columns)])
+
+
+def test_a_large_tree_is_small() -> None:
+    tree = read_mask(write_mask(_disc(1000)), 1000, 1000)
+    assert tree.nbytes < 100_000
+    assert tree.is_mixed
+    assert MaskTree(5, 3).pixels().all()
+    assert MaskTree(5, 3).pixels().shape == (3, 5)
