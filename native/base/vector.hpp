@@ -10,6 +10,7 @@ namespace {
 
 using vf = float __attribute__((vector_size(LANES * 4)));
 using vi = int32_t __attribute__((vector_size(LANES * 4)));
+using vu = uint32_t __attribute__((vector_size(LANES * 4)));
 
 inline vf load(const float *p) {
   vf v;
@@ -39,8 +40,8 @@ inline vf exp2v(vf x) {
   p = p * f + 2.40221664e-1f;
   p = p * f + 6.93146586e-1f;
   p = p * f + 1.0f;
-  const vi bits = (vi)p + ((vi)t << 23);
-  return (vf)(bits & live);
+  const vu bits = (vu)p + ((vu)t << 23);  // wraps in lanes that are not live
+  return (vf)(bits & (vu)live);
 }
 
 inline vf select(vi mask, vf yes, vf no) { return (vf)(((vi)yes & mask) | ((vi)no & ~mask)); }

@@ -5,8 +5,6 @@
 namespace sgi {
 namespace {
 
-using vu = uint32_t __attribute__((vector_size(LANES * 4)));
-
 // Uniform in (-1/2, 1/2), a hash of (key, column, seed): the same whatever the vector's width or the thread. The mixer
 // is "lowbias32" of C. Wellons' hash-prospector. `mirror` is 0, or all ones for the negative.
 inline vf noise(uint32_t key, uint32_t mirror, uint32_t column, int64_t first_seed) {

@@ -57,6 +57,7 @@ OF_NO_MODULE = {
     "native/seed_gaussians": "native code",
     "native/stubs": "the types of native code",
     "native/thread_pool": "native code",
+    "native/vector": "native code",
     "profiles/profiles": "the package",
     "raster/draw": "native code",
     "raster/rasterize": "the function of sgicodec.raster",
