@@ -62,7 +62,7 @@ install = $(PIP) install -c constraints.txt --no-build-isolation -e '.[$(1)]' >$
 demo: setup
 	@mkdir -p demo-out
 	$(BIN)/sgi encode $(PICTURE) demo-out/kodim23.sgi -q 50 -f
-	$(BIN)/sgi info demo-out/kodim23.sgi
+	$(BIN)/sgi info demo-out/kodim23.sgi --survey
 	$(BIN)/sgi decode demo-out/kodim23.sgi demo-out/kodim23.png -f
 	$(BIN)/sgi decode demo-out/kodim23.sgi demo-out/eye-4x.png --region 96,176,160,120 --scale 4 -f
 	$(BIN)/sgi compare $(PICTURE) demo-out/kodim23.png

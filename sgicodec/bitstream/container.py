@@ -16,12 +16,17 @@ from typing import BinaryIO
 from sgicodec.bitstream.varint import encode_varint, read_varint
 from sgicodec.errors import CorruptStreamError, LimitError, UnsupportedStreamError, UsageError
 
-__all__ = ["MAX_PAYLOAD", "SIGNATURE", "Chunk", "ChunkReader", "ChunkWriter"]
+__all__ = ["CHUNKS", "MAX_PAYLOAD", "SIGNATURE", "Chunk", "ChunkReader", "ChunkWriter"]
 
 SIGNATURE = b"\x89SGI\r\n\x1a\n"
 """A byte above 127, the name, both line ends, DOS end-of-file: damage by a text channel shows (as in PNG)."""
 
 HEADER, END = "H", "E"
+
+CHUNKS = "TXogicxs"
+"""Chunks besides these that this version knows: tile, index, overview, place on earth, ICC profile, EXIF as `c`amera
+data, XMP, and what wrote the file.
+"""
 
 MAX_PAYLOAD = 1 << 30
 """Longest payload that is written and, by default, read."""

@@ -7,18 +7,13 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.bitstream.container import SIGNATURE, Chunk, ChunkReader
+from sgicodec.bitstream.container import CHUNKS, SIGNATURE, Chunk, ChunkReader
 from sgicodec.bitstream.header import Header, decode_header
 from sgicodec.bitstream.index import TRAILER_BYTES, decode_index, index_offset, longest_index
 from sgicodec.bitstream.parts.tile_chunk import tile_number
 from sgicodec.errors import CorruptStreamError
 
-__all__ = ["CHUNKS", "StreamReader"]
-
-CHUNKS = "TXogicxs"
-"""Chunks that this version knows: tile, index, overview, place on earth, ICC profile, EXIF as `c`amera data, XMP, and
-what wrote the file.
-"""
+__all__ = ["StreamReader"]
 
 _NUMBER_BYTES = 9
 """Of a varint."""

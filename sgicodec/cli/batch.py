@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 
 import click
 
+from sgicodec.cli.json_output import print_json
 from sgicodec.cli.paths import STANDARD, display
 from sgicodec.errors import BatchError, SgiError, UsageError
 
-__all__ = ["named_targets", "run_batch"]
+__all__ = ["complain", "each_file", "named_targets", "run_batch"]
 
 
 def named_targets(sources: tuple[str, ...], folder: str, extension_of: Callable[[str], str]) -> list[tuple[str, str]]:
@@ -40,6 +40,31 @@ def named_targets(sources: tuple[str, ...], folder: str, extension_of: Callable[
     return pairs
 
 
+def each_file(sources: tuple[str, ...], work: Callable[[str], None]) -> None:
+    """Calls work(source) for all sources; reports failures as they occur. Raises what a single one does, or BatchError
+    if some of many failed.
+    """
+    if len(sources) == 1:
+        work(sources[0])
+        return
+    failed = 0
+    for source in sources:
+        try:
+            work(source)
+        except SgiError as error:
+            failed += 1
+            complain(error, source)
+    if failed:
+        raise BatchError(f"{failed} of {len(sources)} files failed")
+
+
+def complain(error: SgiError, *names: str) -> None:
+    """Prints an error as one line that names one of the files."""
+    text = str(error)
+    named = text if any(display(name) in text for name in names) else f"{display(names[0])}: {text}"
+    click.echo(f"sgi: {' '.join(named.split())}", err=True)
+
+
 def run_batch(
     done: str, pairs: list[tuple[str, str]], work: Callable[[str, str], int], as_json: bool = False, quiet: bool = False
 ) -> None:
@@ -54,11 +79,9 @@ def run_batch(
             finished += 1
         except SgiError as error:
             failed += 1
-            text = str(error)
-            named = text if display(source) in text or display(target) in text else f"{display(source)}: {text}"
-            click.echo(f"sgi: {' '.join(named.split())}", err=True)
+            complain(error, source, target)
     if as_json:
-        click.echo(json.dumps({"files": len(pairs), done: finished, "failed": failed, "bytes": size}))
+        print_json({"files": len(pairs), done: finished, "failed": failed, "bytes": size})
     elif not quiet:
         click.echo(f"{finished} of {len(pairs)} files {done}, {size:,} bytes")
     if failed:

@@ -1,74 +1,119 @@
-"""`sgi info`: what a stream holds and where its bytes went, on one screen."""
+"""`sgi info`: what streams hold and where their bytes went, from their headers alone unless all is asked for."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Mapping
+import contextlib
+import sys
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from sgicodec.bitstream.stream_summary import StreamSummary
+from sgicodec.cli.batch import each_file
+from sgicodec.cli.json_output import print_json
 from sgicodec.cli.options import json_option
-from sgicodec.cli.parts import all_parts, print_parts
-from sgicodec.cli.paths import display, opened_stream
-from sgicodec.cli.place import place_facts, place_lines
+from sgicodec.cli.parts import all_parts, chunk_parts, metadata_bytes, print_parts, whole_bytes
+from sgicodec.cli.paths import STANDARD, display, naming_stream, opened_stream
+from sgicodec.decoder.view import overview_size
 
 if TYPE_CHECKING:
     from sgicodec.bitstream.header import Header
-    from sgicodec.decoder.stream import Stream
+    from sgicodec.decoder.stream import Stream, Survey
 
 __all__ = ["info"]
 
+_NO_PLACE = {"place": None, "nodata": None, "resolution": None}
 _DEPTHS = {"uint8": "8 bits", "uint16": "16 bits", "float32": "32-bit float"}
 
 
-@click.command(short_help="Show what a stream holds.")
-@click.argument("source", metavar="IN")
+@click.command(short_help="Show what streams hold.")
+@click.argument("sources", metavar="IN...", nargs=-1, required=True)
+@click.option("--survey", is_flag=True, help="Decode all tiles: seeds, texture, symbols, bytes of each part.")
 @json_option
-def info(source: str, as_json: bool) -> None:
-    """Print what stream IN holds and how many bytes each part takes; - stands for stdin."""
-    from sgicodec.profiles import PROFILES
+def info(sources: tuple[str, ...], survey: bool, as_json: bool) -> None:
+    """Print what streams IN hold; - stands for stdin.
 
-    with opened_stream(source) as stream:
-        facts = _facts(stream)
-        parts = all_parts(stream.part_bytes, stream.chunk_bytes, stream.size)
-    profile = PROFILES[facts["profile"]]
+    Without --survey only headers are read: damage in tiles is found by `sgi verify`.
+    """
+
+    def show(source: str) -> None:
+        if sources[0] != source and not as_json:
+            click.echo()
+        _show(source, survey, as_json)
+
+    each_file(sources, show)
+
+
+@contextlib.contextmanager
+def _opened(source: str, survey: bool) -> Iterator[tuple[StreamSummary | Stream, Survey | None]]:
+    """What the header says, and all the rest if it is asked for."""
+    if survey:
+        with opened_stream(source) as stream:
+            yield stream, stream.survey()
+        return
+    with naming_stream(source), contextlib.ExitStack() as stack:
+        file = sys.stdin.buffer if source == STANDARD else stack.enter_context(open(source, "rb"))
+        yield StreamSummary(file), None
+
+
+def _show(source: str, with_survey: bool, as_json: bool) -> None:
+    with _opened(source, with_survey) as (summary, survey):
+        facts = _facts(summary, survey)
+        parts = chunk_parts(summary.chunk_bytes, summary.size)
+        if survey is not None:
+            parts = all_parts(survey.part_bytes, summary.chunk_bytes, summary.size)
+    table = _profile_parts(facts["profile"], parts) if survey is not None else parts
     if as_json:
-        table = {f"{profile.name}_parts": profile.shown_parts(parts)} if profile.parts else {}
-        click.echo(json.dumps({"input": display(source)} | facts | {"parts": parts} | table, ensure_ascii=False))
+        own = {f"{facts['profile']}_parts": whole_bytes(table)} if table.keys() != parts.keys() else {}
+        print_json({"input": display(source)} | facts | {"parts": whole_bytes(parts)} | own)
         return
     click.echo(f"{display(source)}")
-    for name, text in _lines(stream, facts).items():
+    for name, text in _lines(summary, facts).items():
         click.echo(f"  {name:<12}{text}")
     click.echo()
-    print_parts(profile.shown_parts(parts))
+    print_parts(table)
 
 
-def _facts(stream: Stream) -> dict[str, Any]:
+def _profile_parts(profile: str, parts: Mapping[str, float]) -> dict[str, float]:
+    from sgicodec.profiles import PROFILES
+
+    return PROFILES[profile].shown_parts(parts)
+
+
+def _facts(summary: StreamSummary | Stream, survey: Survey | None) -> dict[str, Any]:
     """What `--json` prints besides the parts."""
-    header, survey = stream.header, stream.survey()
-    seeds = survey.seeds
-    pixels = stream.width * stream.height
+    header = summary.header
+    texture = None if survey is None or not header.spec.texture else survey.texture_cells
     return {
-        "width": stream.width,
-        "height": stream.height,
+        "width": header.width,
+        "height": header.height,
         "channels": header.channels,
         "channel_count": header.spec.channels,
         "sample_type": header.sample_type,
         "sample_range": header.sample_range,
-        "bytes": stream.size,
-        "bpp": 8 * stream.size / pixels,
+        "bytes": summary.size,
+        "bpp": 8 * summary.size / (header.width * header.height),
         "profile": header.profile,
-        "tiles": stream.grid.count,
-        "overview": [stream.overview.width, stream.overview.height] if stream.has_overview else None,
-        "seeds": seeds,
-        "gaussians": seeds * header.spec.per_seed,
-        "texture_cells": survey.texture_cells if header.spec.texture else None,
-        **place_facts(stream),
+        "tiles": header.grid.count,
+        "overview": overview_size(header.width, header.height) if summary.has_overview else None,
+        "metadata": metadata_bytes(summary.chunk_bytes),
+        **_place_facts(summary),
         "settings": _settings(header),
-        "encoder": stream.software,
-        "symbol_crc": f"{stream.symbol_crc:08x}",
+        "encoder": summary.software,
+        "seeds": None if survey is None else survey.seeds,
+        "gaussians": None if survey is None else survey.seeds * header.spec.per_seed,
+        "texture_cells": texture,
+        "symbol_crc": None if survey is None else f"{survey.symbol_crc:08x}",
     }
+
+
+def _place_facts(summary: StreamSummary | Stream) -> dict[str, Any]:
+    if summary.metadata.geo is None and summary.metadata.exif is None:
+        return _NO_PLACE
+    from sgicodec.cli.place import place_facts  # loads numpy
+
+    return place_facts(summary)
 
 
 def _settings(header: Header) -> dict[str, Any]:
@@ -90,36 +135,45 @@ def _settings(header: Header) -> dict[str, Any]:
     }
 
 
-def _lines(stream: Stream, facts: Mapping[str, Any]) -> dict[str, str]:
+def _lines(summary: StreamSummary | Stream, facts: Mapping[str, Any]) -> dict[str, str]:
     """What is printed above the table."""
     channels, count = facts["channels"], facts["channel_count"]
     depth = _DEPTHS[facts["sample_type"]]
     if facts["sample_type"] == "float32":
         depth += " from {:g} to {:g}".format(*facts["sample_range"])
+    layout = f"{count} bands" if channels == "multi" else channels
+    lines = {
+        "picture": f"{facts['width']}×{facts['height']}, {layout}, {depth}",
+        "size": f"{facts['bytes']:,} bytes, {facts['bpp']:.3f} bpp",
+    }
+    if any(facts[name] is not None for name in _NO_PLACE):
+        from sgicodec.cli.place import place_lines
+
+        lines |= place_lines(facts)
+    grid = summary.header.grid
+    if grid.count > 1:
+        what = f"{grid.count} ({grid.across.count}×{grid.down.count}) of up to {grid.tile} pixels a side"
+        lines["tiles"] = f"{what}, fading over {2 * grid.apron}"
+    if facts["overview"] is not None:
+        lines["overview"] = "{}×{}".format(*facts["overview"])
+    if facts["metadata"]:
+        lines["metadata"] = ", ".join(f"{name} {size:,} bytes" for name, size in facts["metadata"].items())
+    if facts["seeds"] is not None:
+        per_seed = facts["settings"]["per_seed"]
+        lines["seeds"] = f"{facts['seeds']:,} × {per_seed} = {facts['gaussians']:,} Gaussians"
+    if facts["texture_cells"] is not None:
+        cells = (f"{n:,} cells of {side}×{side} pixels" for side, n in sorted(facts["texture_cells"].items()) if n)
+        lines["texture"] = ", ".join(cells) or "none"
+    return lines | _model_lines(facts)
+
+
+def _model_lines(facts: Mapping[str, Any]) -> dict[str, str]:
     settings = facts["settings"]
     context = "network in the file" if not settings["prior"] else f"network {settings['prior']} of the package"
     context += f", {settings['neighbours']} neighbours" if settings["neighbours"] else ""
     context += f", {settings['hash_levels']} hash levels" if settings["hash_levels"] else ""
     base = f", base layer of {settings['base_cell']}-pixel cells" if settings["base_cell"] else ""
-    tiles = {}
-    if stream.grid.count > 1:
-        grid = stream.grid
-        what = f"{grid.count} ({grid.across.count}×{grid.down.count}) of up to {grid.tile} pixels a side"
-        tiles["tiles"] = f"{what}, fading over {2 * grid.apron}"
-    if facts["overview"] is not None:
-        tiles["overview"] = "{}×{}".format(*facts["overview"])
-    texture = {}
-    if facts["texture_cells"] is not None:
-        cells = (f"{n:,} cells of {side}×{side} pixels" for side, n in sorted(facts["texture_cells"].items()) if n)
-        texture["texture"] = ", ".join(cells) or "none"
     return {
-        "picture": f"{stream.width}×{stream.height}, {count if channels == 'multi' else channels}"
-        + f"{' bands' if channels == 'multi' else ''}, {depth}",
-        "size": f"{facts['bytes']:,} bytes, {facts['bpp']:.3f} bpp",
-        **place_lines(facts),
-        **tiles,
-        "seeds": f"{facts['seeds']:,} × {settings['per_seed']} = {facts['gaussians']:,} Gaussians",
-        **texture,
         "profile": f"{facts['profile']}: {settings['layout']} layout, D = {settings['features']}{base}",
         "context": context,
         "encoder": facts["encoder"] or "unknown",

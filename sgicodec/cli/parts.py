@@ -6,9 +6,17 @@ from collections.abc import Mapping
 
 import click
 
-__all__ = ["all_parts", "print_parts"]
+__all__ = ["all_parts", "chunk_parts", "metadata_bytes", "print_parts", "whole_bytes"]
 
-_METADATA = {"i": "ICC profile", "c": "EXIF", "x": "XMP", "g": "place", "o": "overview"}
+_METADATA = {"icc": "i", "exif": "c", "xmp": "x", "geo": "g"}
+"""Letters of the chunks of metadata."""
+
+_NAMES = {"i": "ICC profile", "c": "EXIF", "x": "XMP", "g": "place", "o": "overview"}
+
+
+def metadata_bytes(chunks: Mapping[str, int]) -> dict[str, int]:
+    """Bytes of the metadata that a stream carries, frame included, by the name of each kind."""
+    return {name: chunks[kind] for name, kind in _METADATA.items() if kind in chunks}
 
 
 def all_parts(tile: Mapping[str, float], chunks: Mapping[str, int], size: int) -> dict[str, float]:
@@ -17,8 +25,25 @@ def all_parts(tile: Mapping[str, float], chunks: Mapping[str, int], size: int) -
     What is neither model nor metadata is the container: header, frames, checks.
     """
     model = {name: part for name, part in tile.items() if name != "check"}
-    metadata = {name: float(chunks[kind]) for kind, name in _METADATA.items() if kind in chunks}
+    metadata = {name: float(chunks[kind]) for kind, name in _NAMES.items() if kind in chunks}
     return model | {"container": size - sum(model.values()) - sum(metadata.values())} | metadata
+
+
+def chunk_parts(chunks: Mapping[str, int], size: int) -> dict[str, float]:
+    """The same without a look into the tiles."""
+    shown = {"tiles": float(chunks.get("T", 0))} | ({"index": float(chunks["X"])} if "X" in chunks else {})
+    return all_parts(shown, chunks, size)
+
+
+def whole_bytes(parts: Mapping[str, float]) -> dict[str, int]:
+    """The parts in whole bytes, which sum to the whole bytes of their sum: those with the largest rests are rounded
+    up.
+    """
+    floors = {name: int(size // 1) for name, size in parts.items()}
+    left = round(sum(parts.values())) - sum(floors.values())
+    for name in sorted(parts, key=lambda name: floors[name] - parts[name])[:left]:
+        floors[name] += 1
+    return floors
 
 
 def print_parts(parts: Mapping[str, float], err: bool = False) -> None:

@@ -20,6 +20,7 @@ __all__ = [
     "STANDARD",
     "check_output",
     "display",
+    "naming_stream",
     "opened_stream",
     "with_extension",
     "write_output",
@@ -43,9 +44,15 @@ def opened_stream(path: str, device: Device = ALL_CORES) -> Iterator[Stream]:
     """The opened stream. StreamErrors in the block get the file's name; a file that cannot be opened raises one."""
     from sgicodec.decoder.stream import open_stream
 
+    with naming_stream(path), open_stream(sys.stdin.buffer if path == STANDARD else path, device) as stream:
+        yield stream
+
+
+@contextlib.contextmanager
+def naming_stream(path: str) -> Iterator[None]:
+    """Gives StreamErrors in the block the name of a stream's file; an OSError becomes one."""
     try:
-        with open_stream(sys.stdin.buffer if path == STANDARD else path, device) as stream:
-            yield stream
+        yield
     except StreamError as error:
         name, text = f"{display(path)}: ", str(error)
         raise type(error)(text if text.startswith(name) else name + text) from error.__cause__

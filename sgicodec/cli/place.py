@@ -12,15 +12,16 @@ from sgicodec.metadata import geo
 from sgicodec.metadata.georeference import georeference, resolution
 
 if TYPE_CHECKING:
+    from sgicodec.bitstream.stream_summary import StreamSummary
     from sgicodec.decoder.stream import Stream
 
 __all__ = ["lost_outside_tiff", "place_facts", "place_lines"]
 
 
-def place_facts(stream: Stream) -> dict[str, Any]:
+def place_facts(stream: StreamSummary | Stream) -> dict[str, Any]:
     """What `sgi info --json` says."""
     blob, exif = stream.metadata.geo, stream.metadata.exif
-    place, scale = georeference(blob, stream.width, stream.height), resolution(blob, exif)
+    place, scale = georeference(blob, stream.header.width, stream.header.height), resolution(blob, exif)
     nodata = geo.nodata(blob, np.dtype(stream.header.sample_type))
     return {
         "place": place

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 from dataclasses import asdict, dataclass
@@ -10,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sgicodec.cli.parts import all_parts, print_parts
+from sgicodec.cli.json_output import print_json
+from sgicodec.cli.parts import all_parts, print_parts, whole_bytes
 from sgicodec.cli.paths import STANDARD, display
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def print_report(report: Report, source: str, target: str, seconds: float, as_js
     if as_json:
         psnr = report.psnr if report.psnr is None or math.isfinite(report.psnr) else None
         figures: dict[str, Any] = {"input": display(source), "output": display(target, "stdout")} | asdict(report)
-        click.echo(json.dumps(figures | {"psnr": psnr, "seconds": seconds, "peak_mib": peak}))
+        print_json(figures | {"psnr": psnr, "parts": whole_bytes(report.parts), "seconds": seconds, "peak_mib": peak})
         return
     line = f"{display(target, 'stdout')}: {report.bytes:,} bytes, {report.bpp:.3f} bpp, "
     line += f"PSNR {report.psnr:.2f} dB, " if report.psnr is not None else ""

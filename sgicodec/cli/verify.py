@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
 import click
 
-from sgicodec.cli.options import threads_option
+from sgicodec.cli.batch import each_file
+from sgicodec.cli.json_output import print_json
+from sgicodec.cli.options import json_option, threads_option
 from sgicodec.cli.paths import display, opened_stream
 from sgicodec.device import Device
-from sgicodec.errors import CorruptStreamError
+from sgicodec.errors import CorruptStreamError, StreamError
 
 if TYPE_CHECKING:
     from sgicodec.decoder.stream import Stream
@@ -20,16 +23,47 @@ _BAND_SAMPLES = 1 << 24
 """Samples that are drawn at a time."""
 
 
-@click.command(short_help="Check a stream.")
-@click.argument("source", metavar="IN")
+@click.command(short_help="Check streams.")
+@click.argument("sources", metavar="IN...", nargs=-1, required=True)
 @threads_option
-def verify(source: str, threads: int) -> None:
-    """Decode all of stream IN and say "ok", or what is wrong with it (exit code 4)."""
-    with opened_stream(source, Device(threads)) as stream:
+@json_option
+@click.option("--quiet", is_flag=True, help="Print errors only.")
+def verify(sources: tuple[str, ...], threads: int, as_json: bool, quiet: bool) -> None:
+    """Decode all of streams IN and say "ok", or what is wrong (exit code 4; 1 if some of many are damaged)."""
+
+    def check(source: str) -> None:
+        try:
+            found = _verified(source, Device(threads))
+        except StreamError as error:
+            if as_json:
+                print_json({"input": display(source), "ok": False, "error": str(error)})
+            raise
+        if as_json:
+            print_json({"input": display(source), "ok": True, "error": None} | asdict(found))
+        elif not quiet:
+            size = f"{found.width}×{found.height} pixels"
+            click.echo(f"{display(source)}: ok, {size}, symbols {found.symbol_crc}")
+
+    each_file(sources, check)
+
+
+@dataclass(frozen=True)
+class _Sound:
+    """What is said of a sound stream."""
+
+    width: int
+    height: int
+    bytes: int
+    tiles: int
+    symbol_crc: str
+
+
+def _verified(source: str, device: Device) -> _Sound:
+    with opened_stream(source, device) as stream:
         _draw(stream)
         if stream.has_overview:
             _draw(stream.overview)
-        click.echo(f"{display(source)}: ok, {stream.width}×{stream.height} pixels, symbols {stream.symbol_crc:08x}")
+        return _Sound(stream.width, stream.height, stream.size, stream.grid.count, f"{stream.symbol_crc:08x}")
 
 
 def _draw(stream: Stream) -> None:

@@ -18,6 +18,7 @@ from numpy.typing import DTypeLike, NDArray
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.bitstream.stream_reader import StreamReader
+from sgicodec.bitstream.stream_summary import printable
 from sgicodec.decoder.array_view import ArrayView
 from sgicodec.decoder.bands import Bands
 from sgicodec.decoder.compositor import render_view, sample_mapping
@@ -42,9 +43,6 @@ from sgicodec.picture import Metadata, Picture
 __all__ = ["MAX_OUTPUT_SAMPLES", "Bands", "BytesLike", "Region", "Size", "Stream", "Survey", "open_stream"]
 
 F32 = NDArray[np.float32]
-
-_MOST_TEXT = 200
-"""Bytes that are shown of the name of the program that wrote a stream."""
 
 
 class Survey(NamedTuple):
@@ -87,7 +85,7 @@ class Stream(ArrayView):
         self.header, self.size, blobs = self._chunks.header, self._chunks.size, self._chunks.blobs
         self.chunk_bytes = self._chunks.chunk_bytes
         self.metadata = Metadata(icc=blobs.get("i"), exif=blobs.get("c"), xmp=blobs.get("x"), geo=blobs.get("g"))
-        self.software = _printable(blobs.get("s", b""))
+        self.software = printable(blobs.get("s", b""))
         self.grid = self.header.grid
         self.device = device
         self._tiles = TileCache(self._chunks, device)
@@ -335,9 +333,3 @@ def _checked_overview(stream: Stream, header: Header) -> Stream:
     if (found.sample_type, found.sample_range) != (header.sample_type, header.sample_range):
         raise CorruptStreamError("its samples are not of the picture's type and range")
     return stream
-
-
-def _printable(text: bytes) -> str:
-    """The start of a text that somebody else wrote, without what could steer a terminal."""
-    decoded = text[:_MOST_TEXT].decode("utf-8", "replace")
-    return "".join(character if character.isprintable() else "\N{REPLACEMENT CHARACTER}" for character in decoded)

@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from sgicodec import Encoded, EncodeSettings, Picture, encode_picture, read
-from sgicodec.bitstream.container import SIGNATURE, ChunkReader, ChunkWriter
-from sgicodec.bitstream.stream_reader import CHUNKS
+from sgicodec.bitstream.container import CHUNKS, SIGNATURE, ChunkReader, ChunkWriter
 from sgicodec.decoder.stream import open_stream
 from sgicodec.decoder.tile_renderer import TileRenderer
 from sgicodec.encoder.overview import overview_picture, takes_overview

@@ -154,14 +154,14 @@ def test_foreign_files(name: str, command: str, tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [source]
 
 
-@pytest.mark.parametrize("command", ["decode", "info", "verify"])
+@pytest.mark.parametrize("command", ["decode", "info --survey", "verify"])
 def test_damage_at_the_command_line(coded: Any, command: str, tmp_path: Path) -> None:
     parts = split(coded.data)
     forged = join([*parts[:3], ("T", flipped(parts[3][1], 5)), parts[4]])
     for number, content in enumerate((coded.data[:-1], flipped(coded.data, 400), forged)):
         source = tmp_path / f"{number}.sgi"
         source.write_bytes(content)
-        result = CliRunner().invoke(cli, [command, str(source)])
+        result = CliRunner().invoke(cli, [*command.split(), str(source)])
         assert result.exit_code == 4
         assert result.stderr.startswith(f"sgi: {source}: ")
         assert result.stderr.count("\n") == 1

@@ -214,7 +214,7 @@ def test_time_limit(sgi: Run, picture: Path) -> None:
 def test_paper_profile(sgi: Run, picture: Path) -> None:
     options = "--profile paper --seeds 12 --per-seed 3 --features 6 --levels 2 --steps 6"
     assert sgi("encode", picture, *options.split()).exit_code == 0
-    facts = json.loads(sgi("info", picture.with_suffix(".sgi"), "--json").stdout)
+    facts = json.loads(sgi("info", picture.with_suffix(".sgi"), "--survey", "--json").stdout)
     assert (facts["profile"], facts["seeds"], facts["gaussians"]) == ("paper", 12, 36)
     assert (facts["settings"]["per_seed"], facts["settings"]["features"]) == (3, 6)
 

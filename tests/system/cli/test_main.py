@@ -103,7 +103,7 @@ def test_internal_error(sgi: Run, stream: Path, monkeypatch: pytest.MonkeyPatch,
 
     monkeypatch.setattr(decoder, "open_stream", fail)
     monkeypatch.setattr("sgicodec.image.read", fail)
-    arguments = [command, stream, stream] if command == "compare" else [command, stream]
+    arguments = [command, stream, stream] if command == "compare" else [command, stream, "--survey"]
     result = sgi(*arguments, *(["-v"] if verbose else []))
     assert result.exit_code == 1
     assert ("Traceback" in result.stderr) is verbose

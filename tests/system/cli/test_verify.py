@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -78,3 +79,29 @@ def test_overviews_are_not_followed(sgi: Run, tmp_path: Path) -> None:
     out.write_bytes(nested)
     result = sgi("verify", out)
     assert (result.exit_code, result.stderr) == (4, f"sgi: {out}: overview: it is no smaller than the picture\n")
+
+
+def test_many_files(sgi: Run, shared: Path, tmp_path: Path) -> None:
+    good, bad = [shared / "scene.sgi", shared / "float.sgi"], tmp_path / "cut.sgi"
+    bad.write_bytes(good[0].read_bytes()[:-3])
+    assert sgi("verify", *good).stdout.count(": ok, 48×32 pixels") == 2
+    assert sgi("verify", *good, "--quiet").output == ""
+    result = sgi("verify", good[0], bad, good[1])
+    assert result.exit_code == 1
+    assert result.stdout.count(": ok, ") == 2
+    first, last = result.stderr.splitlines()
+    assert first.startswith(f"sgi: {bad}: ")
+    assert last == "sgi: 1 of 3 files failed"
+
+
+def test_json(sgi: Run, stream: Path) -> None:
+    with open_stream(stream) as opened:
+        crc = f"{opened.symbol_crc:08x}"
+    facts = {"schema": 1, "input": str(stream), "ok": True, "error": None, "width": 48, "height": 32}
+    found = json.loads(sgi("verify", stream, "--json").stdout)
+    assert found == facts | {"bytes": stream.stat().st_size, "tiles": 1, "symbol_crc": crc}
+    stream.write_bytes(stream.read_bytes()[:-3])
+    result = sgi("verify", stream, "--json")
+    assert result.exit_code == 4
+    found = json.loads(result.stdout)
+    assert (found["ok"], f"sgi: {found['error']}\n") == (False, result.stderr)

@@ -1,0 +1,19 @@
+"""What `--json` prints: one object a line, with the number of its schema."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import click
+
+__all__ = ["SCHEMA", "print_json"]
+
+SCHEMA = 1
+"""Grows when a key goes or changes its meaning, not when one is added."""
+
+
+def print_json(facts: Mapping[str, Any]) -> None:
+    """Prints an object on one line of stdout."""
+    click.echo(json.dumps({"schema": SCHEMA} | dict(facts), ensure_ascii=False, allow_nan=False))
