@@ -15,6 +15,7 @@ __all__ = [
     "LimitError",
     "MissingExtraError",
     "OutputExistsError",
+    "OutputLockedError",
     "PictureError",
     "RegionError",
     "SgiError",
@@ -118,3 +119,7 @@ class OutputExistsError(SgiError):
     """The output file exists and overwriting was not asked for (exit 6)."""
 
     exit_code = 6
+
+
+class OutputLockedError(OutputExistsError):
+    """The output is being written by another encode (exit 6); overwriting does not help."""

@@ -37,7 +37,7 @@ Exit codes:
   3    a picture that cannot be read or written
   4    a stream that is damaged, unsupported or cannot be opened
   5    a target that was missed
-  6    the output exists and -f was not given
+  6    the output exists and -f was not given, or another encode is writing it
   130  interrupted, nothing written
   141  the reader of a pipe went away
 """

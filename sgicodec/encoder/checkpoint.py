@@ -17,6 +17,7 @@ from sgicodec.encoder.interfaces import Version
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tile_work import EncodedTile
 from sgicodec.errors import OutputExistsError, StreamError, UsageError
+from sgicodec.image.lock import locked
 
 __all__ = ["Checkpoint", "fingerprint"]
 
@@ -61,9 +62,13 @@ class Checkpoint:
 
     @contextmanager
     def opened(self, fingerprint: Callable[[], bytes]) -> Iterator[Checkpoint]:
-        """As in `Store`. Raises OutputExistsError for a file that is not to be resumed, UsageError for that of
-        another encode or a damaged one, StreamError where it cannot be written.
+        """As in `Store`. Raises OutputExistsError for a file that is not to be resumed, OutputLockedError for that of a
+        running encode, UsageError for that of another encode or a damaged one, StreamError where it cannot be written.
         """
+        with locked(self.path):
+            yield from self._opened(fingerprint)
+
+    def _opened(self, fingerprint: Callable[[], bytes]) -> Iterator[Checkpoint]:
         if self.path.exists() and not self._resume:
             if not self._force:
                 text = "holds an encode that was interrupted; --resume goes on, -f starts over"
@@ -89,9 +94,11 @@ class Checkpoint:
 
     def payload(self, version: Version) -> bytes:
         """As in `Store`."""
-        query = "SELECT payload FROM tiles WHERE tile = ? AND pass = ?"
-        payload: bytes = self._database.execute(query, version).fetchone()[0]
-        return payload
+        query = "SELECT facts, payload, crc FROM tiles WHERE tile = ? AND pass = ?"
+        facts, payload, crc = self._database.execute(query, version).fetchone()
+        if _crc(facts, payload) != crc:
+            raise StreamError(f"{self.path}: tile {version.tile} changed on the disk; run again with --resume")
+        return bytes(payload)
 
     def cached(self, name: str, make: Callable[[], Value]) -> Value:
         """As in `Store`."""

@@ -6,6 +6,7 @@ import io
 import time
 from collections import Counter
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
@@ -36,6 +37,7 @@ from sgicodec.errors import TargetMissedError
 from sgicodec.executors.executor import Executor, Memory
 from sgicodec.executors.serial import SerialExecutor
 from sgicodec.image.files import whole_file
+from sgicodec.image.lock import locked
 from sgicodec.metadata import geo
 from sgicodec.picture import Picture
 
@@ -68,6 +70,8 @@ def encode_picture(
     measures its PSNR, unless it went to a file object. Equal input, settings and version give equal bytes, whatever
     executes, unless time is the limit: that runs from `started` on, a value of time.monotonic(), or from this call.
 
+    While it runs, the path of `output` is locked: OutputLockedError where another encode writes it.
+
     Raises TargetMissedError, with the nearest stream, for a size or quality that cannot be reached; PictureError for
     what cannot be read or no stream can hold; UsageError for a range of samples that integers do not have;
     TileFailedError, after which the store has what was finished.
@@ -84,7 +88,8 @@ def encode_picture(
         listener.note(_BAND_AS_ALPHA)
     where = Path(output) if isinstance(output, str) else output
     job = _Job(windows, plan, where, listener, device, verify, started)
-    encoded, missed = _encode_tiles(job, executor, store) if plan.header.tile else _encode_whole(job)
+    with locked(where) if isinstance(where, Path) else nullcontext():
+        encoded, missed = _encode_tiles(job, executor, store) if plan.header.tile else _encode_whole(job)
     if plan.header.masked is not None and not encoded.part_bytes.keys() - {"mask", "overview"}:
         listener.note(_NOTHING[plan.header.masked])
     if missed is not None:
@@ -114,20 +119,23 @@ class _Job:
         with open_stream(stream, self.device) as opened:
             return measured_psnr(opened, self.windows)
 
-    def write(self, to: Callable[[BinaryIO], int]) -> tuple[bytes, int]:
-        """Has a stream written to the output, a path's whole or not at all; returns its data if there is none, and its
-        length.
+    def write(self, to: Callable[[BinaryIO], int]) -> tuple[bytes, int, float | None]:
+        """Has a stream written to the output, a path's whole or not at all; returns its data if there is none, its
+        length, and its PSNR if it is verified, which a file is before it gets its name.
         """
         if isinstance(self.output, Path):
             with whole_file(self.output) as file:
-                return b"", to(file)
+                size = to(file)
+                file.flush()
+                written = Path(file.name)
+                return b"", size, self.psnr(written) if self.verifies and written.is_file() else None
         if self.output is not None:
             size = to(self.output)
             self.output.flush()
-            return b"", size
+            return b"", size, None
         buffer = io.BytesIO()
         size = to(buffer)
-        return buffer.getvalue(), size
+        return buffer.getvalue(), size, self.psnr(buffer.getvalue()) if self.verifies else None
 
 
 _BAND_AS_ALPHA = (
@@ -163,7 +171,7 @@ def _encode_whole(job: _Job) -> tuple[Encoded, str | None]:
         missed, encoded = str(error), error.nearest
     psnr = job.psnr(encoded.data) if job.verify else None
     if job.output is not None:
-        job.write(lambda file: file.write(encoded.data))
+        replace(job, verify=False).write(lambda file: file.write(encoded.data))
     return replace(encoded, steps=steps, ended_early=ended, psnr=psnr), missed
 
 
@@ -184,11 +192,8 @@ def _encode_tiles(job: _Job, executor: Executor | None, store: Store | None) -> 
         reporter, budget = PassReporter(plan, job.listener), _time_budget(job, executor.workers)
         overview = _overview_maker(plan, job.windows, runner)
         found = TilePasses(plan, runner, tiles, reporter, error_of, budget, overview).run()
-        data, size = job.write(lambda file: _write(file, found, tiles))
-    encoded = _summary(data, size, found, tiles)
-    if job.verifies:
-        encoded = replace(encoded, psnr=job.psnr(job.output if isinstance(job.output, Path) else data))
-    return encoded, found.missed
+        data, size, psnr = job.write(lambda file: _write(file, found, tiles))
+    return replace(_summary(data, size, found, tiles), psnr=psnr), found.missed
 
 
 def _time_budget(job: _Job, workers: int) -> TimeBudget | None:

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any, BinaryIO
 
 import numpy as np
 import pytest
 from click.testing import Result
 
 from sgicodec.decoder.stream import open_stream
-from sgicodec.encoder import tile_work
+from sgicodec.encoder import pipeline, tile_work
 from sgicodec.image import read, write
+from sgicodec.image.lock import locked
 from sgicodec.picture import Metadata, Picture, from_unit
 
 Run = Callable[..., Result]
@@ -122,6 +125,41 @@ def test_interrupt_keeps_what_is_done(
     assert fitted == [0, 1, 1]
     assert out.read_bytes() == tiled.read_bytes()
     assert not (tmp_path / "a.sgi.part").exists()
+
+
+@pytest.mark.parametrize("also", [[], ["-f"], ["--resume"]])
+@pytest.mark.parametrize("tile", [0, 32])
+def test_two_encodes_to_one_out(sgi: Run, picture: Path, tmp_path: Path, also: list[str], tile: int) -> None:
+    """The second is refused at once, and told who writes; the first ends well."""
+    pytest.importorskip("fcntl")
+    out = tmp_path / "a.sgi"
+    with locked(out):
+        second = sgi("encode", picture, out, "--tile", tile, "-j", 1, "--steps", 1, *also)
+    assert second.exit_code == 6
+    assert f"a.sgi is being written by process {os.getpid()} on" in second.stderr
+    assert list(tmp_path.glob("a*")) == []
+    assert sgi("encode", picture, out, "--tile", tile, "-j", 1, "--steps", 1, *also).exit_code == 0
+    assert [path.name for path in tmp_path.glob("*a.sgi*")] == ["a.sgi"]
+
+
+def test_a_stream_that_does_not_decode_gets_no_name(
+    sgi: Run, picture: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is verified first: the OUT of before is still there."""
+    real = pipeline._write
+
+    def damaged(file: BinaryIO, *others: Any) -> int:
+        size = real(file, *others)
+        file.seek(size // 2)
+        file.write(b"damage")
+        return size
+
+    monkeypatch.setattr(pipeline, "_write", damaged)
+    out = tmp_path / "a.sgi"
+    out.write_bytes(b"before")
+    assert sgi("encode", picture, out, *OPTIONS, "-f").exit_code == 4
+    assert out.read_bytes() == b"before"
+    assert (tmp_path / "a.sgi.part").exists()
 
 
 def test_a_time_limit_over_tiles(sgi: Run, picture: Path, tmp_path: Path) -> None:

@@ -81,6 +81,7 @@ def test_exit_codes_of_all_errors() -> None:
         "UnsupportedStreamError": 4,
         "TargetMissedError": 5,
         "OutputExistsError": 6,
+        "OutputLockedError": 6,
         "TileFailedError": 1,
         "BatchError": 1,
         "EncodeInterruptedError": 130,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -17,7 +18,7 @@ from sgicodec.encoder.interfaces import Version
 from sgicodec.encoder.plan import stream_plan
 from sgicodec.encoder.tile_work import EncodedTile
 from sgicodec.encoder.windows import windows_of
-from sgicodec.errors import OutputExistsError, StreamError, UsageError
+from sgicodec.errors import OutputExistsError, OutputLockedError, StreamError, UsageError
 from sgicodec.image import open_source
 
 MARK = bytes(range(32))
@@ -140,8 +141,20 @@ def test_a_damaged_file_is_named(tmp_path: Path, damage: str) -> None:
 
 def test_two_encodes_cannot_share_one(tmp_path: Path) -> None:
     path = tmp_path / "part"
-    with opened(path), pytest.raises(StreamError, match="locked"), opened(path):
-        pass
+    for resume, force in ((True, False), (False, True)):
+        second = opened(path, resume=resume, force=force)
+        with opened(path), pytest.raises(OutputLockedError, match=f"process {os.getpid()} on"), second:
+            pass
+        assert list(tmp_path.iterdir()) == []
+
+
+def test_a_tile_that_the_disk_changed_meanwhile(tmp_path: Path) -> None:
+    path = tmp_path / "part"
+    with opened(path) as checkpoint:
+        checkpoint.add(Version(3), tile(3))
+        checkpoint._database.execute("UPDATE tiles SET payload = x'00'")
+        with pytest.raises(StreamError, match="tile 3 changed on the disk"):
+            checkpoint.payload(Version(3))
 
 
 def test_another_encode_is_refused(tmp_path: Path) -> None:
