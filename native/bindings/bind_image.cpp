@@ -1,5 +1,6 @@
 #include "bindings/arrays.hpp"
 #include "bindings/bindings.hpp"
+#include "image/drain.hpp"
 #include "image/png_filter.hpp"
 
 namespace nb = nanobind;
@@ -20,4 +21,10 @@ void png_filter(Array<const uint8_t, 2> rows, Array<const uint8_t, 1> above, int
 
 }  // namespace
 
-void bind_image(nb::module_ &m) { m.def("png_filter", &png_filter, "rows"_a, "above"_a, "step"_a, "out"_a); }
+void bind_image(nb::module_ &m) {
+  m.def("png_filter", &png_filter, "rows"_a, "above"_a, "step"_a, "out"_a);
+  nb::class_<sgi::Drain>(m, "Drain")
+      .def(nb::init<int, int>(), "source"_a, "target"_a)
+      .def("error", &sgi::Drain::error)
+      .def("join", &sgi::Drain::join, nb::call_guard<nb::gil_scoped_release>());
+}

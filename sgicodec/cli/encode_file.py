@@ -127,8 +127,8 @@ def _executor(job: Job, source: Source, stack: ExitStack) -> Executor | None:
         return ProcessExecutor(job.device.cores, job.max_memory)
     if job.send_pixels or job.source_at is not None:
         return stack.enter_context(open_cluster(job.cluster, job.source_at))
-    if job.source == STANDARD:
-        raise UsageError("a cluster cannot read stdin; add --send-pixels")
+    if job.source == STANDARD or not Path(job.source).is_file():
+        raise UsageError(f"a cluster cannot read {display(job.source)}, which is no file; add --send-pixels")
     return stack.enter_context(open_cluster(job.cluster, str(Path(job.source).resolve())))
 
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import io
 import shutil
 import sys
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sgicodec.cli.paths import STANDARD, write_output
 from sgicodec.errors import PictureError
+from sgicodec.image.scratch import scratch_folder
 
 if TYPE_CHECKING:
     from sgicodec.bitstream.header import Header
@@ -49,8 +49,8 @@ def write_bands(header: Header, bands: Bands, target: str, extension: str, outpu
     if target != STANDARD:
         _write_bands(header, bands, Path(target), extension, output)
         return
-    with tempfile.TemporaryDirectory(prefix="sgicodec-") as folder:
-        path = Path(folder) / f"picture.{extension}"
+    with scratch_folder() as folder:
+        path = folder / f"picture.{extension}"
         _write_bands(header, bands, path, extension, output)
         with path.open("rb") as file:
             shutil.copyfileobj(file, sys.stdout.buffer)

@@ -23,6 +23,8 @@ class Format:
     writer.
 
     associated: alpha is stored premultiplied, by the format's definition.
+    piped: the writer's library fails badly where a file cannot grow, and goes through a pipe: libjpeg ends the process,
+    that of WebP never ends.
     in_library: how many times the size of all samples OpenImageIO's writer holds in memory; 0 if it needs a few rows.
     """
 
@@ -33,6 +35,7 @@ class Format:
     hints: Mapping[str, str | int] = field(default_factory=lambda: MappingProxyType({}))
     associated: bool = False
     in_library: int = 0
+    piped: bool = False
 
     def check(self, header: Probe) -> None:
         """Raise PictureError if the picture would lose depth or channels."""
@@ -59,9 +62,16 @@ FORMATS = (
         ("uint8",),
         _NO_ALPHA,
         {"compression": "jpeg:95", "jpeg:subsampling": "4:4:4"},
+        piped=True,
     ),
     Format(
-        "webp", ("webp",), ("uint8",), ("rgb", "rgba"), {"compression": "lossless:50", "webp:method": 2}, in_library=10
+        "webp",
+        ("webp",),
+        ("uint8",),
+        ("rgb", "rgba"),
+        {"compression": "lossless:50", "webp:method": 2},
+        in_library=10,
+        piped=True,
     ),
     Format("jpegxl", ("jxl",), _INTEGERS, ("gray", "rgb", "rgba"), {"compression": "jpegxl:100"}, in_library=11),
     Format("jpeg2000", ("jp2",), _INTEGERS, ("gray", "rgb", "rgba"), in_library=9),

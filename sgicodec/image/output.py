@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from sgicodec._native import Drain
 from sgicodec.errors import PictureError, require
 from sgicodec.image.alpha import associate
 from sgicodec.image.formats import Format
@@ -36,6 +38,9 @@ _TILE = 256
 _TILED_PIXELS = 1 << 22
 """TIFF with more pixels is tiled, so that others can read parts of it fast."""
 
+_PIPES = Path("/dev/fd")
+"""Where a pipe has a name that can be opened; else libraries write files by themselves."""
+
 _CLASSIC_BYTES = 7 << 29
 """TIFF whose samples take more is a BigTIFF: classic files end at 4 GiB."""
 
@@ -58,7 +63,22 @@ class Output:
         self._image: Any = oiio.ImageOutput.create(str(path))
         if self._image is None:
             raise PictureError(f"this OpenImageIO cannot write {path.suffix} files")
-        self._require(self._image.open(str(path), self._spec(holder, icc)))
+        spec, self._path = self._spec(holder, icc), path
+        self._drain: Drain | None = None
+        if holder.piped and _PIPES.exists():
+            self._open_piped(spec)
+        else:
+            self._require(self._image.open(str(path), spec))
+
+    def _open_piped(self, spec: ImageSpec) -> None:
+        """Have the library write into a pipe, from which a thread of ours writes the file."""
+        source, sink = os.pipe()
+        try:
+            with self._path.open("wb") as file:
+                self._drain = Drain(source, file.fileno())
+            self._require(self._image.open(f"{_PIPES}/{sink}", spec))
+        finally:
+            os.close(sink)
 
     def _spec(self, holder: Format, icc: bytes | None) -> ImageSpec:
         import OpenImageIO as oiio
@@ -87,10 +107,12 @@ class Output:
         return self._next
 
     def write(self, pixels: Samples) -> None:
-        """Take the next rows [n, W, C]. Raises PictureError."""
+        """Take the next rows [n, W, C]. Raises PictureError or OSError."""
         if self._associated:
             pixels = associate(pixels)
         pixels = np.ascontiguousarray(pixels)
+        if self._drain is not None:
+            _check(self._drain.error())
         if not self._tiled:
             self._require(self._image.write_scanlines(self._next, self._next + len(pixels), 0, pixels))
             self._next += len(pixels)
@@ -115,17 +137,27 @@ class Output:
         self._require(self._image.write_tiles(*where, pixels))
 
     def close(self) -> None:
-        """Finish the file. Raises PictureError."""
+        """Finish the file. Raises PictureError or OSError."""
         self._require(self._image.close())
+        if self._drain is not None:
+            _check(self._drain.join())
 
     def abandon(self) -> None:
         """Let go of an unfinished file, whatever becomes of it. It cannot be written to any more."""
         self._image = None
+        if self._drain is not None:
+            self._drain.join()
 
     def _require(self, done: bool) -> None:
         """Raise PictureError unless all went well; any complaint counts, as some formats report success after a
         failure.
         """
-        complaint = first_line(self._image)
+        complaint = first_line(self._image).replace(str(self._path), "the file")
         if complaint or not done or self._image.has_error:
             raise PictureError(complaint or "OpenImageIO cannot write it and does not say why")
+
+
+def _check(error: int) -> None:
+    """Raise the OSError of this number, unless it is 0."""
+    if error:
+        raise OSError(error, os.strerror(error))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import tempfile
 from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
@@ -18,6 +17,7 @@ from sgicodec.image import formats
 from sgicodec.image.header import MAX_SAMPLES, Probe
 from sgicodec.image.origin import is_utf8, naming
 from sgicodec.image.png_output import PngOutput
+from sgicodec.image.scratch import scratch_folder
 from sgicodec.metadata import embedded
 from sgicodec.picture import LAYOUTS, Metadata
 
@@ -59,8 +59,7 @@ class Sink:
                     f"{max_samples}; choose another format"
                 )
             beside = _file_of(target)
-            name = stack.enter_context(tempfile.TemporaryDirectory(prefix=".sgicodec-", dir=beside and beside.parent))
-            folder = Path(name)
+            folder = stack.enter_context(scratch_folder(beside and beside.parent))
             self._check_folder(folder, samples * header.dtype.itemsize)
             self._part = folder / f"picture.{self._holder.extensions[0]}"
             self._output: Output | PngOutput
@@ -75,7 +74,7 @@ class Sink:
     def _check_folder(self, folder: Path, size: int) -> None:
         if not is_utf8(folder):
             raise PictureError("the name of its folder is not UTF-8, and OpenImageIO cannot open it")
-        # A full disk ends the process inside libjpeg, and may crash others: better not to begin.
+        # Better not to begin what a full disk would end.
         needed = size * embedded.copies(self._holder.name) + _SPARE_BYTES
         if shutil.disk_usage(folder).free < needed:
             raise PictureError(f"writing it may need {needed >> 20} MiB of free disk space, and there is less")

@@ -66,6 +66,33 @@ def test_streams_of_both_commands(shared: Path, tmp_path: Path) -> None:
         np.testing.assert_array_equal(read(tmp_path / "out.ppm").pixels, stream.picture(scale=2).pixels)
 
 
+@pytest.mark.parametrize("kind", ["fifo", "descriptor"])
+@pytest.mark.parametrize("tile", [0, 32])
+def test_pipes_are_read_once(shared: Path, tmp_path: Path, kind: str, tile: int) -> None:
+    """A named pipe, and what a shell makes of <(cat scene.png), give the stream of the file."""
+    data, target = (shared / "scene.png").read_bytes(), tmp_path / "x.sgi"
+    options = ["--steps", 2, "-j", 1, "--tile", tile, "--quiet"]
+    assert start("encode", shared / "scene.png", tmp_path / "file.sgi", *options).wait(HANGS) == 0
+    if kind == "fifo":
+        os.mkfifo(tmp_path / "in")
+        process = start("encode", tmp_path / "in", target, *options)
+        (tmp_path / "in").write_bytes(data)
+    else:
+        process = start("encode", "/dev/fd/0", target, *options)
+        assert process.stdin is not None
+        process.stdin.write(data)
+    _, errors = process.communicate(timeout=HANGS)
+    assert process.returncode == 0, errors
+    assert target.read_bytes() == (tmp_path / "file.sgi").read_bytes()
+
+
+def test_a_cluster_cannot_read_a_pipe(shared: Path, tmp_path: Path) -> None:
+    process = start("encode", "/dev/fd/0", tmp_path / "x.sgi", "--tile", 32, "--cluster", "local:1", "--quiet")
+    _, errors = process.communicate((shared / "scene.png").read_bytes(), timeout=HANGS)
+    assert process.returncode == 2
+    assert b"/dev/fd/0, which is no file; add --send-pixels" in errors
+
+
 def test_json_and_stream_cannot_share_stdout(shared: Path) -> None:
     process = start("encode", shared / "scene.png", "-", "--json")
     output, complaint = process.communicate(timeout=HANGS)

@@ -1,0 +1,57 @@
+#include "image/drain.hpp"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <vector>
+
+namespace sgi {
+
+namespace {
+
+constexpr size_t BLOCK = size_t(1) << 16;
+
+// Returns the number of an error, 0 for none.
+int write_all(int to, const char *data, size_t size) {
+  while (size > 0) {
+    const ssize_t done = write(to, data, size);
+    if (done < 0 && errno != EINTR) return errno;
+    if (done > 0) {
+      data += done;
+      size -= size_t(done);
+    }
+  }
+  return 0;
+}
+
+void drain(int from, int to, std::shared_ptr<std::atomic<int>> error) {
+  std::vector<char> block(BLOCK);
+  for (;;) {
+    const ssize_t size = read(from, block.data(), block.size());
+    if (size < 0 && errno == EINTR) continue;
+    if (size < 0 && *error == 0) *error = errno;
+    if (size <= 0) break;
+    if (*error == 0) *error = write_all(to, block.data(), size_t(size));
+  }
+  close(from);
+  if (to >= 0) close(to);
+}
+
+}  // namespace
+
+Drain::Drain(int from, int to) : error_(std::make_shared<std::atomic<int>>(0)) {
+  const int copy = dup(to);
+  if (copy < 0) *error_ = errno;
+  thread_ = std::thread(drain, from, copy, error_);
+}
+
+Drain::~Drain() {
+  if (thread_.joinable()) thread_.detach();
+}
+
+int Drain::join() {
+  if (thread_.joinable()) thread_.join();
+  return *error_;
+}
+
+}  // namespace sgi
