@@ -6,11 +6,6 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from sgicodec.metadata import geo
-from sgicodec.metadata.georeference import georeference, resolution
-
 if TYPE_CHECKING:
     from sgicodec.bitstream.stream_summary import StreamSummary
     from sgicodec.decoder.stream import Stream
@@ -20,6 +15,11 @@ __all__ = ["lost_outside_tiff", "place_facts", "place_lines"]
 
 def place_facts(stream: StreamSummary | Stream) -> dict[str, Any]:
     """What `sgi info --json` says."""
+    import numpy as np
+
+    from sgicodec.metadata import geo
+    from sgicodec.metadata.georeference import georeference, resolution
+
     blob, exif = stream.metadata.geo, stream.metadata.exif
     place, scale = georeference(blob, stream.header.width, stream.header.height), resolution(blob, exif)
     nodata = geo.nodata(blob, np.dtype(stream.header.sample_type))
@@ -60,6 +60,8 @@ def place_lines(facts: Mapping[str, Any]) -> dict[str, str]:
 
 def lost_outside_tiff(blob: bytes | None) -> str:
     """What of a picture's place no other format than TIFF holds, in words; empty if nothing."""
+    from sgicodec.metadata import geo
+
     tags = geo.load(blob).keys()
     names = ["position"] * bool(tags & geo.PLACE) + ["projection"] * (geo.KEYS in tags)
     names += ["nodata value"] * (geo.GDAL_NODATA in tags)
