@@ -9,16 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sgicodec.bitstream.stream_summary import StreamSummary
 from sgicodec.cli.batch import each_file
 from sgicodec.cli.json_output import print_json
 from sgicodec.cli.options import json_option
 from sgicodec.cli.parts import all_parts, chunk_parts, metadata_bytes, print_parts, whole_bytes
 from sgicodec.cli.paths import STANDARD, display, naming_stream, opened_stream
-from sgicodec.decoder.view import overview_size
 
 if TYPE_CHECKING:
     from sgicodec.bitstream.header import Header
+    from sgicodec.bitstream.stream_summary import StreamSummary
     from sgicodec.decoder.stream import Stream, Survey
 
 __all__ = ["info"]
@@ -52,6 +51,8 @@ def _opened(source: str, survey: bool) -> Iterator[tuple[StreamSummary | Stream,
         with opened_stream(source) as stream:
             yield stream, stream.survey()
         return
+    from sgicodec.bitstream.stream_summary import StreamSummary
+
     with naming_stream(source), contextlib.ExitStack() as stack:
         file = sys.stdin.buffer if source == STANDARD else stack.enter_context(open(source, "rb"))
         yield StreamSummary(file), None
@@ -83,6 +84,8 @@ def _profile_parts(profile: str, parts: Mapping[str, float]) -> dict[str, float]
 
 def _facts(summary: StreamSummary | Stream, survey: Survey | None) -> dict[str, Any]:
     """What `--json` prints besides the parts."""
+    from sgicodec.decoder.view import overview_size
+
     header = summary.header
     texture = None if survey is None or not header.spec.texture else survey.texture_cells
     return {
