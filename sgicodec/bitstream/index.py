@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, NamedTuple
 
 from sgicodec.bitstream.varint import MAX_VARINT_BYTES, decode_varints, encode_varint
 from sgicodec.errors import CorruptStreamError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 __all__ = ["TRAILER_BYTES", "Place", "decode_index", "encode_index", "index_offset", "longest_index"]
 

@@ -6,11 +6,13 @@ Lengths and counts in a stream are small most of the time; one byte then says wh
 from __future__ import annotations
 
 from collections.abc import Callable
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING
 
 from sgicodec.errors import CorruptStreamError, UsageError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 __all__ = ["MAX_VARINT", "MAX_VARINT_BYTES", "decode_varint", "decode_varints", "encode_varint", "read_varint"]
 
@@ -80,6 +82,8 @@ def decode_varints(data: bytes | memoryview) -> NDArray[np.int64]:
     >>> decode_varints(bytes.fromhex("ac0207"))
     array([300,   7])
     """
+    import numpy as np  # takes long to load, and headers do without
+
     found, at = [], 0
     while at < len(data):
         block = np.frombuffer(data, np.uint8, min(_BLOCK, len(data) - at), at)

@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING
 
 from sgicodec.errors import UsageError
 
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
 __all__ = ["Axis", "Rect", "Segment", "TileGrid"]
 
-F32 = NDArray[np.float32]
 Rect = tuple[int, int, int, int]
 """x, y, width, height in pixels."""
 
@@ -27,7 +28,7 @@ class Segment:
     first: int
     last: int
     tile: int
-    weight: F32 | None = None
+    weight: NDArray[np.float32] | None = None
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,8 @@ class Axis:
 
         The share of a tile rises linearly with the distance of a pixel's centre from where the tile begins.
         """
+        import numpy as np  # takes long to load, and headers do without
+
         at = start + (first + np.arange(count) + 0.5) / scale
         lowest, highest = self._around(float(at[0]), float(at[-1]))
         begin, index, end = 0, lowest, min(highest, self.count - 1)

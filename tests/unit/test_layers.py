@@ -117,6 +117,18 @@ def test_nothing_else_is_imported() -> None:
     assert names - set(sys.stdlib_module_names) == {"sgicodec", "benchmarks", "tools", "numpy", *HOMES}
 
 
+INFO = """
+import sys
+from pathlib import Path
+from sgicodec.__main__ import main
+stream = Path("tests/conformance/golden/rgb8-tiles.sgi")
+sys.argv = ["sgi", "info", str(stream)]
+try:
+    main()
+except SystemExit as end:
+    assert not end.code
+"""
+
 ENCODE = """
 import numpy as np, sgicodec
 pixels = np.random.default_rng(1).integers(0, 256, (48, 64, 3), np.uint8)
@@ -132,10 +144,11 @@ sgicodec.encode_picture(sgicodec.Picture(pixels, "rgb", (0, 255)), sgicodec.Enco
         ("import sgicodec; sgicodec.decode", {"torch", "OpenImageIO", "click", "rich"}),
         ("import sgicodec; sgicodec.read", {"torch", "constriction", "click", "rich"}),
         ("import sgicodec.encoder.pipeline", {"torch", "OpenImageIO", "click", "rich"}),
+        (INFO, {"numpy", "torch", "OpenImageIO", "constriction", "rich"}),
         (ENCODE, {"torch", "OpenImageIO", "click", "rich"}),
     ],
 )
 def test_names_load_on_first_use(code: str, absent: set[str]) -> None:
     command = [sys.executable, "-c", f"{code}\nimport sys; print(*sys.modules)"]
-    loaded = set(subprocess.run(command, capture_output=True, text=True, check=True).stdout.split())
+    loaded = set(subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT).stdout.split())
     assert not loaded & absent
