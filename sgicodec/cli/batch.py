@@ -7,11 +7,12 @@ from pathlib import Path
 
 import click
 
+from sgicodec.cli.files import complain
 from sgicodec.cli.json_output import print_json
 from sgicodec.cli.paths import STANDARD, display
 from sgicodec.errors import BatchError, SgiError, UsageError
 
-__all__ = ["complain", "each_file", "named_targets", "run_batch"]
+__all__ = ["named_targets", "run_batch"]
 
 
 def named_targets(sources: tuple[str, ...], folder: str, extension_of: Callable[[str], str]) -> list[tuple[str, str]]:
@@ -38,31 +39,6 @@ def named_targets(sources: tuple[str, ...], folder: str, extension_of: Callable[
     except OSError as error:
         raise UsageError(f"{display(folder)}: {error.strerror or error}") from error
     return pairs
-
-
-def each_file(sources: tuple[str, ...], work: Callable[[str], None]) -> None:
-    """Calls work(source) for all sources; reports failures as they occur. Raises what a single one does, or BatchError
-    if some of many failed.
-    """
-    if len(sources) == 1:
-        work(sources[0])
-        return
-    failed = 0
-    for source in sources:
-        try:
-            work(source)
-        except SgiError as error:
-            failed += 1
-            complain(error, source)
-    if failed:
-        raise BatchError(f"{failed} of {len(sources)} files failed")
-
-
-def complain(error: SgiError, *names: str) -> None:
-    """Prints an error as one line that names one of the files."""
-    text = str(error)
-    named = text if any(display(name) in text for name in names) else f"{display(names[0])}: {text}"
-    click.echo(f"sgi: {' '.join(named.split())}", err=True)
 
 
 def run_batch(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sgicodec.cli.batch import each_file
+from sgicodec.cli.files import each_file
 from sgicodec.cli.json_output import print_json
 from sgicodec.cli.options import json_option
 from sgicodec.cli.parts import all_parts, chunk_parts, metadata_bytes, print_parts, whole_bytes

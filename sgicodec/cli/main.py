@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import os
 import sys
-import traceback
 from importlib import import_module
 from typing import Any, NoReturn
 
@@ -88,6 +87,8 @@ class Cli(click.Group):
             ctx.exit(_complain("there is not enough memory for this picture", _INTERNAL))
         except Exception as error:
             if ctx.meta.get(VERBOSE):
+                import traceback
+
                 traceback.print_exc()
             what = " ".join(f"{type(error).__name__}: {error}".split())
             ctx.exit(_complain(f"internal error, please report it; -v prints the trace: {what}", _INTERNAL))

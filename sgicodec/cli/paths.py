@@ -6,14 +6,14 @@ import contextlib
 import os
 import sys
 from collections.abc import Iterator
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.errors import OutputExistsError, SgiError, StreamError, UsageError
-from sgicodec.image.files import write_whole
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from sgicodec.decoder.stream import Stream
 
 __all__ = [
@@ -70,6 +70,8 @@ def check_output(target: str, source: str, force: bool, as_stream: bool = False)
         if sys.stdout.isatty() and not force:
             raise UsageError("stdout is a terminal; name OUT, redirect, or give -f to write to it all the same")
         return
+    from pathlib import Path  # takes long to load
+
     path, name = Path(target), display(target)
     folder = Path(os.path.realpath(path)).parent
     if path.is_dir():
@@ -105,6 +107,10 @@ def write_output(target: str, data: bytes, failure: type[SgiError]) -> None:
     """Writes `data` to a file, whole or not at all, or to stdout. Raises `failure`, or BrokenPipeError."""
     try:
         if target != STANDARD:
+            from pathlib import Path
+
+            from sgicodec.image.files import write_whole
+
             write_whole(Path(target), data)
             return
         sys.stdout.buffer.write(data)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from sgicodec.cli.batch import each_file
+from sgicodec.cli.files import each_file
 from sgicodec.cli.json_output import print_json
 from sgicodec.cli.options import json_option, threads_option
 from sgicodec.cli.paths import display, opened_stream
