@@ -18,6 +18,8 @@ from sgicodec.cli.report import Report, print_report
 from sgicodec.encoder.checkpoint import Checkpoint
 from sgicodec.errors import EncodeInterruptedError, StreamError, TargetMissedError, UsageError
 from sgicodec.executors.dask import open_cluster
+from sgicodec.executors.executor import MIB
+from sgicodec.executors.peak import own_peak
 from sgicodec.executors.processes import ProcessExecutor
 from sgicodec.image import open_source
 
@@ -87,7 +89,10 @@ def encode_file(job: Job) -> int:
             raise EncodeInterruptedError(f"interrupted; {text}, --resume goes on") from None
     if not job.quiet or job.as_json:
         report = Report.of(listener.plan, encoded)
-        print_report(report, job.source, job.target, time.monotonic() - job.started, job.as_json, job.verbose)
+        seconds, own = time.monotonic() - job.started, own_peak()
+        workers = executor.peaks.bytes if isinstance(executor, ProcessExecutor) else 0
+        peak = None if own is None else (own + workers) / MIB
+        print_report(report, job.source, job.target, seconds, peak, job.as_json, job.verbose)
     if missed is not None:
         raise TargetMissedError(f"{missed}; it is written to {display(job.target, 'stdout')}")
     if listener.ended_early and job.batch:
@@ -120,11 +125,15 @@ def _encode(
 
 
 def _executor(job: Job, source: Source, stack: ExitStack) -> Executor | None:
-    """What works on the tiles, if there are several; a cluster is open while `stack` is."""
-    if job.settings.grid(source.width, source.height).count == 1:
-        return None
+    """What works on the tiles; a cluster is open while `stack` is. Raises UsageError for what one tile cannot have."""
+    count = job.settings.grid(source.width, source.height).count
+    if count == 1 and job.resume and not job.batch:
+        text = "a picture in one tile keeps no checkpoint"
+        raise UsageError(f"{text}; leave --resume out, or cut the picture into tiles with --tile 512")
     if job.cluster is None:
         return ProcessExecutor(job.device.cores, job.max_memory)
+    if count == 1:
+        return None
     if job.send_pixels or job.source_at is not None:
         return stack.enter_context(open_cluster(job.cluster, job.source_at))
     if job.source == STANDARD or not Path(job.source).is_file():

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +16,7 @@ if TYPE_CHECKING:
     from sgicodec.encoder.encoded import Encoded
     from sgicodec.encoder.plan import Plan
 
-__all__ = ["Report", "peak_mib", "print_report"]
+__all__ = ["Report", "print_report"]
 
 
 @dataclass(frozen=True)
@@ -70,31 +69,24 @@ class Report:
         )
 
 
-def print_report(report: Report, source: str, target: str, seconds: float, as_json: bool, verbose: bool) -> None:
-    """To stdout, or to stderr if stdout takes the stream."""
-    peak = peak_mib()
+def print_report(
+    report: Report, source: str, target: str, seconds: float, peak_mib: float | None, as_json: bool, verbose: bool
+) -> None:
+    """To stdout, or to stderr if stdout takes the stream. peak_mib: of all processes together, None if not known."""
     if as_json:
         psnr = report.psnr if report.psnr is None or math.isfinite(report.psnr) else None
         figures: dict[str, Any] = {"input": display(source), "output": display(target, "stdout")} | asdict(report)
-        print_json(figures | {"psnr": psnr, "parts": whole_bytes(report.parts), "seconds": seconds, "peak_mib": peak})
+        print_json(
+            figures | {"psnr": psnr, "parts": whole_bytes(report.parts), "seconds": seconds, "peak_mib": peak_mib}
+        )
         return
     line = f"{display(target, 'stdout')}: {report.bytes:,} bytes, {report.bpp:.3f} bpp, "
     line += f"PSNR {report.psnr:.2f} dB, " if report.psnr is not None else ""
     line += f"{report.gaussians:,} Gaussians, {seconds:.1f} s"
     if report.time_limit is not None and seconds > report.time_limit:
         line += f" ({seconds - report.time_limit:.1f} s beyond the time limit)"
-    line += f", {peak:.0f} MiB" if peak is not None else ""
+    line += f", {peak_mib:.0f} MiB" if peak_mib is not None else ""
     click.echo(line, err=target == STANDARD)
     if verbose:
         print_parts(report.parts, err=target == STANDARD)
         click.echo(f"{report.steps:,} steps, λ {report.lmbda:.3g}", err=target == STANDARD)
-
-
-def peak_mib() -> float | None:
-    """The largest resident size of this process in MiB; None where the system does not tell."""
-    try:
-        import resource
-    except ImportError:
-        return None
-    unit = 1 if sys.platform == "darwin" else 1024  # bytes there, KiB elsewhere
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 2**20

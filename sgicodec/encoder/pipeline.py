@@ -34,7 +34,7 @@ from sgicodec.encoder.to_texture_target import TextureTargetEncoder
 from sgicodec.encoder.windows import Windows, hides_all, tile_window, windows_of, without_alpha
 from sgicodec.encoder.worker import TileRunner
 from sgicodec.errors import TargetMissedError
-from sgicodec.executors.executor import Executor, Memory
+from sgicodec.executors.executor import Executor
 from sgicodec.executors.serial import SerialExecutor
 from sgicodec.image.files import whole_file
 from sgicodec.image.lock import locked
@@ -89,7 +89,7 @@ def encode_picture(
     where = Path(output) if isinstance(output, str) else output
     job = _Job(windows, plan, where, listener, device, verify, started)
     with locked(where) if isinstance(where, Path) else nullcontext():
-        encoded, missed = _encode_tiles(job, executor, store) if plan.header.tile else _encode_whole(job)
+        encoded, missed = _encode_tiles(job, executor, store) if plan.header.tile else _encode_whole(job, executor)
     if plan.header.masked is not None and not encoded.part_bytes.keys() - {"mask", "overview"}:
         listener.note(_NOTHING[plan.header.masked])
     if missed is not None:
@@ -148,9 +148,13 @@ _NOTHING = {
 }
 
 
-def _encode_whole(job: _Job) -> tuple[Encoded, str | None]:
-    """The stream of a picture in one tile, and how it misses what was asked for, if it does."""
+def _encode_whole(job: _Job, executor: Executor | None) -> tuple[Encoded, str | None]:
+    """The stream of a picture in one tile, and how it misses what was asked for, if it does. An executor has a say in
+    the memory that this takes.
+    """
     shape, plan, missed = job.windows.shape, job.plan, None
+    memory = estimate(plan, job.windows.memory(shape.width, shape.height))
+    (executor or SerialExecutor()).within(memory, 1)
     picture = job.windows.read(0, 0, shape.width, shape.height)
     masked = plan.header.masked if empty_pixels(picture, plan.header.masked).any() else None
     plan = replace(plan, header=replace(plan.header, masked=masked))
@@ -161,7 +165,7 @@ def _encode_whole(job: _Job) -> tuple[Encoded, str | None]:
         steps, ended = progress.step, progress.step < progress.steps
         return job.listener.step(progress)
 
-    job.listener.planned(plan, 1, Memory(0, 0))
+    job.listener.planned(plan, 1, memory)
     encoding = Encoding(picture, plan, job.started, job.device)
     target = plan.settings.rate_target(picture.width * picture.height)
     try:

@@ -16,6 +16,7 @@ from typing import Any, Generic, TypeVar
 from sgicodec.device import Device
 from sgicodec.errors import TileFailedError
 from sgicodec.executors.executor import TRIES, Executor, Failure, Memory
+from sgicodec.executors.peak import Peaks, own_peak
 from sgicodec.executors.serial import SerialExecutor
 
 __all__ = ["ProcessExecutor"]
@@ -27,18 +28,20 @@ Result = TypeVar("Result")
 class ProcessExecutor:
     """An `Executor` with worker processes of this machine, started for each run.
 
-    workers: at most; 0 for one per core. max_memory: bytes that all processes together may take at their peak.
+    workers: at most; 0 for one per core. max_memory: bytes that all processes together may take at their peak. peaks:
+    where they tell what they took.
     """
 
     place = None
 
-    def __init__(self, workers: int = 0, max_memory: float | None = None) -> None:
+    def __init__(self, workers: int = 0, max_memory: float | None = None, peaks: Peaks | None = None) -> None:
         self.workers, self._max_memory = workers or os.cpu_count() or 1, max_memory
+        self.peaks = peaks or Peaks()
 
     def within(self, memory: Memory, jobs: int) -> Executor:
         """As in `Executor`; a single worker is this process."""
         count = memory.workers_within(self._max_memory, min(self.workers, jobs))
-        return SerialExecutor() if count == 1 else ProcessExecutor(count, self._max_memory)
+        return SerialExecutor() if count == 1 else ProcessExecutor(count, self._max_memory, self.peaks)
 
     def device(self, whole: Device, jobs: int) -> Device:
         """The threads are shared among the workers."""
@@ -53,7 +56,8 @@ class ProcessExecutor:
     ) -> Iterator[tuple[int, Result]]:
         """As in `Executor`. `task`, jobs and results are pickled."""
         numbers = list(numbers)
-        with _pool(task, min(self.workers, len(numbers)), make_ready) as pool:
+        self.peaks.begin()
+        with _pool(task, min(self.workers, len(numbers)), self.peaks, make_ready) as pool:
             yield from pool.run(numbers, job_of)
 
 
@@ -73,9 +77,10 @@ class _Worker:
 
 class _Pool(Generic[Job, Result]):
     def __init__(
-        self, task: Callable[[int, Job], Result], count: int, make_ready: Callable[[], None] | None = None
+        self, task: Callable[[int, Job], Result], count: int, peaks: Peaks, make_ready: Callable[[], None] | None
     ) -> None:
         self._task, self._make_ready, self._context = task, make_ready, get_context("spawn")
+        self._peaks = peaks
         self._workers = [self._start() for _ in range(count)]
 
     def _start(self) -> _Worker:
@@ -117,8 +122,10 @@ class _Pool(Generic[Job, Result]):
 
     def _outcome(self, worker: _Worker) -> tuple[int, Result | Failure | _Ready]:
         number, worker.tile = worker.tile or 0, None
+        outcome: Result | Failure | _Ready
         try:
-            outcome: Result | Failure | _Ready = worker.pipe.recv()
+            peak, outcome = worker.pipe.recv()
+            self._peaks.add(self._workers.index(worker), peak)
         except (EOFError, OSError):
             worker.process.join()
             outcome = Failure(f"its process ended with status {worker.process.exitcode}", False)
@@ -138,9 +145,9 @@ class _Pool(Generic[Job, Result]):
 
 @contextlib.contextmanager
 def _pool(
-    task: Callable[[int, Job], Result], count: int, make_ready: Callable[[], None] | None
+    task: Callable[[int, Job], Result], count: int, peaks: Peaks, make_ready: Callable[[], None] | None
 ) -> Iterator[_Pool[Job, Result]]:
-    pool = _Pool(task, count, make_ready)
+    pool = _Pool(task, count, peaks, make_ready)
     try:
         yield pool
     finally:
@@ -153,7 +160,7 @@ def _work(pipe: Connection, task: Callable[[int, Any], Any], make_ready: Callabl
     if make_ready is not None:
         make_ready()
     with contextlib.suppress(OSError):
-        pipe.send(_Ready())
+        pipe.send((own_peak(), _Ready()))
     while True:
         try:
             number, job = pipe.recv()
@@ -165,6 +172,6 @@ def _work(pipe: Connection, task: Callable[[int, Any], Any], make_ready: Callabl
             outcome = Failure.of(error)
         del job
         try:
-            pipe.send(outcome)
+            pipe.send((own_peak(), outcome))
         except OSError:
             return

@@ -14,6 +14,7 @@ from click.testing import Result
 
 from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder import pipeline, tile_work
+from sgicodec.executors.peak import own_peak
 from sgicodec.image import read, write
 from sgicodec.image.lock import locked
 from sgicodec.picture import Metadata, Picture, from_unit
@@ -127,8 +128,7 @@ def test_interrupt_keeps_what_is_done(
     assert not (tmp_path / "a.sgi.part").exists()
 
 
-@pytest.mark.parametrize("also", [[], ["-f"], ["--resume"]])
-@pytest.mark.parametrize("tile", [0, 32])
+@pytest.mark.parametrize(("tile", "also"), [(0, []), (0, ["-f"]), (32, []), (32, ["-f"]), (32, ["--resume"])])
 def test_two_encodes_to_one_out(sgi: Run, picture: Path, tmp_path: Path, also: list[str], tile: int) -> None:
     """The second is refused at once, and told who writes; the first ends well."""
     pytest.importorskip("fcntl")
@@ -140,6 +140,31 @@ def test_two_encodes_to_one_out(sgi: Run, picture: Path, tmp_path: Path, also: l
     assert list(tmp_path.glob("a*")) == []
     assert sgi("encode", picture, out, "--tile", tile, "-j", 1, "--steps", 1, *also).exit_code == 0
     assert [path.name for path in tmp_path.glob("*a.sgi*")] == ["a.sgi"]
+
+
+def test_one_tile_keeps_no_checkpoint(sgi: Run, picture: Path, tmp_path: Path) -> None:
+    result = sgi("encode", picture, tmp_path / "a.sgi", "--steps", 1, "--resume")
+    assert (result.exit_code, list(tmp_path.glob("*a.sgi*"))) == (2, [])
+    assert "a picture in one tile keeps no checkpoint; leave --resume out, or" in result.stderr
+    batch = sgi("encode", picture, "--output-dir", tmp_path / "many", "--steps", 1, "--resume")
+    assert batch.exit_code == 0, batch.stderr
+
+
+@pytest.mark.parametrize("tile", [0, 32])
+def test_too_little_memory_is_refused(sgi: Run, picture: Path, tmp_path: Path, tile: int) -> None:
+    result = sgi("encode", picture, tmp_path / "a.sgi", "--tile", tile, "--steps", 1, "--max-memory", "100MiB")
+    assert (result.exit_code, list(tmp_path.glob("*a.sgi*"))) == (2, [])
+    assert "MiB, more than --max-memory; a smaller --tile takes less" in result.stderr
+    enough = sgi("encode", picture, tmp_path / "a.sgi", "--tile", tile, "--steps", 1, "--max-memory", "1GiB", "-j", 1)
+    assert enough.exit_code == 0, enough.stderr
+
+
+def test_the_peak_is_that_of_all_processes(sgi: Run, picture: Path, tmp_path: Path) -> None:
+    """Two workers, each of which holds numpy and more."""
+    pytest.importorskip("resource")
+    parent = (own_peak() or 0) / 2**20
+    result = sgi("encode", picture, tmp_path / "a.sgi", "--tile", 32, "--steps", 1, "-j", 2, "--json", "--quiet")
+    assert json.loads(result.stdout)["peak_mib"] > parent + 50
 
 
 def test_a_stream_that_does_not_decode_gets_no_name(
