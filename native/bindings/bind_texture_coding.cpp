@@ -50,12 +50,13 @@ void require_tree(const TextureField &field) {
     }
 }
 
-TextureField field_of(const LogSizes &log_size, const Contrasts &contrast, const SymbolPlanes &symbols) {
+TextureField field_of(const LogSizes &log_size, const Contrasts &contrast, const SymbolPlanes &symbols,
+                      bool dependent) {
   const int64_t down = int64_t(contrast.shape(0)), across = int64_t(contrast.shape(1));
   require(has_shape(log_size, size_t(down * 4), size_t(across * 4)) && symbols.shape(1) == size_t(down * 32) &&
               symbols.shape(2) == size_t(across * 32) && symbols.shape(0) >= 1 && symbols.shape(0) <= 64,
           "contrast [h, w] of roots, log_size [4 h, 4 w], symbols [C, 32 h, 32 w]");
-  TextureField field(across, down, int(symbols.shape(0)));
+  TextureField field(across, down, int(symbols.shape(0)), dependent);
   std::copy_n(log_size.data(), log_size.size(), field.log_size.begin());
   std::copy_n(contrast.data(), contrast.size(), field.contrast.begin());
   std::copy_n(symbols.data(), symbols.size(), field.symbols.begin());
@@ -90,8 +91,8 @@ sgi::TextureSteps steps_of(const Array<const float, 1> &steps, std::pair<float, 
 
 class TextureModels {
  public:
-  TextureModels() : models_(sgi::fresh_texture_models()) {}
-  explicit TextureModels(nb::bytes state) : TextureModels() {
+  explicit TextureModels(bool dependent) : dependent_(dependent), models_(sgi::fresh_texture_models(dependent)) {}
+  TextureModels(bool dependent, nb::bytes state) : TextureModels(dependent) {
     require(models_.set_state(reinterpret_cast<const uint8_t *>(state.data()), int64_t(state.size())),
             "these are not texture models");
   }
@@ -104,13 +105,13 @@ class TextureModels {
   void settle(int most) { models_.settle(most); }
 
   void learn(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, Size size, bool has_contrast) {
-    const TextureField field = field_of(log_size, contrast, symbols);
+    const TextureField field = field_of(log_size, contrast, symbols, dependent_);
     require_field(field, size);
     sgi::write_texture(models_, field, size.first, size.second, has_contrast);
   }
 
   auto write(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, Size size, bool has_contrast) const {
-    const TextureField field = field_of(log_size, contrast, symbols);
+    const TextureField field = field_of(log_size, contrast, symbols, dependent_);
     require_field(field, size);
     BitModels models = models_;
     sgi::TextureBits written = sgi::write_texture(models, field, size.first, size.second, has_contrast);
@@ -127,7 +128,8 @@ class TextureModels {
     require_size(size, size_t(channels));
     sgi::TextureRead read = [&] {
       nb::gil_scoped_release release;
-      return sgi::read_texture(models_, decoder, size.first, size.second, channels, has_contrast);
+      return sgi::read_texture(models_, decoder, sgi::empty_field(size.first, size.second, channels, dependent_),
+                               size.first, size.second, has_contrast);
     }();
     return std::tuple(read.sound, arrays_of(std::move(read.field)), numbers(std::move(read.symbols)), read.content);
   }
@@ -141,6 +143,7 @@ class TextureModels {
     for (size_t i = 0; i < contrast.size(); ++i)
       require(std::abs(int(contrast.data()[i])) <= sgi::kContrastLimit, "contrasts must be -15..15");
     require(lmbda >= 0, "lmbda must not be negative");
+    require(dependent_, "symbols are searched for as dependent ones alone");
     const sgi::TextureSteps all = steps_of(steps, slope);
     sgi::TextureFound found = [&] {
       nb::gil_scoped_release release;
@@ -151,6 +154,7 @@ class TextureModels {
   }
 
  private:
+  bool dependent_;
   BitModels models_;
 };
 
@@ -164,10 +168,10 @@ sgi::TextureAmplitudes amplitudes_of(Array<const float, 3> planes, Size size, in
 }
 
 auto texture_cells(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, Array<const float, 1> steps,
-                   std::pair<float, float> slope, std::array<float, 3> excess) {
+                   std::pair<float, float> slope, std::array<float, 3> excess, bool dependent) {
   require(steps.size() == symbols.shape(0), "steps [C]");
   sgi::TextureCells cells =
-      sgi::texture_cells(field_of(log_size, contrast, symbols), steps_of(steps, slope), excess.data());
+      sgi::texture_cells(field_of(log_size, contrast, symbols, dependent), steps_of(steps, slope), excess.data());
   const size_t count = cells.log_size.size(), values = cells.amplitudes.size();
   return std::tuple(as_array<int32_t>(std::move(cells.corner), std::array{count, size_t(2)}),
                     as_array<uint8_t>(std::move(cells.log_size), std::array{count}),
@@ -178,8 +182,8 @@ auto texture_cells(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, 
 
 void bind_texture_coding(nb::module_ &m) {
   nb::class_<TextureModels>(m, "TextureModels")
-      .def(nb::init<>())
-      .def(nb::init<nb::bytes>(), "state"_a)
+      .def(nb::init<bool>(), "dependent"_a)
+      .def(nb::init<bool, nb::bytes>(), "dependent"_a, "state"_a)
       .def("state", &TextureModels::state)
       .def("settle", &TextureModels::settle, "most"_a)
       .def("learn", &TextureModels::learn, "log_size"_a, "contrast"_a, "symbols"_a, "size"_a, "has_contrast"_a)
@@ -199,5 +203,5 @@ void bind_texture_coding(nb::module_ &m) {
           },
           "planes"_a, "size"_a, "threads"_a);
   m.def("texture_cells", &texture_cells, "log_size"_a, "contrast"_a, "symbols"_a, "steps"_a, "slope"_a, "excess"_a,
-        "Corners, log2 of sides, amplitudes.");
+        "dependent"_a, "Corners, log2 of sides, amplitudes.");
 }

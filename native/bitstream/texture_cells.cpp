@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "model/texture_quantizer.hpp"
+
 namespace sgi {
 
 namespace {
@@ -36,13 +38,16 @@ class Collection {
     const float *growth = steps_.growth(channel, cell.log);
     const int16_t *symbols = field_.at(channel, cell);
     float *to = found.amplitudes.data() + at_;
-    for (int v = 0; v < cell.side(); ++v)
-      for (int u = 0; u < cell.side(); ++u) {
-        const int symbol = symbols[v * field_.width + u];
-        if (!symbol) continue;
-        const float magnitude = float(std::abs(symbol)) + excess_[std::min(std::abs(symbol), 3) - 1];
-        to[v * cell.side() + u] = (symbol < 0 ? -magnitude : magnitude) * step * growth[v * cell.side() + u];
+    QuantizerState state;
+    for (const int index : texture_scan(cell.log)) {
+      const int u = index & (cell.side() - 1), v = index >> cell.log;
+      const int symbol = symbols[v * field_.width + u];
+      if (symbol) {
+        const float magnitude = state.magnitude(symbol) + excess_[std::min(std::abs(symbol), 3) - 1];
+        to[index] = (symbol < 0 ? -magnitude : magnitude) * step * growth[index];
       }
+      if (field_.dependent) state = state.after(symbol);
+    }
     at_ += int64_t(cell.side()) * cell.side();
   }
 

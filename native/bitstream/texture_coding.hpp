@@ -56,14 +56,17 @@ class TextureCoding {
     last = extent(ExtentContext(field_, cell, channel), cell.log, last + 1) - 1;
     if (last < 0 || !sound_) return -1;
     const SymbolContext context(field_, cell, channel, last);
-    known_.clear(cell.side());
-    int highest = -1;
+    known_.clear();
+    QuantizerState state;
+    int highest = -1, diagonal = 0;
     for (const int index : texture_scan(cell.log)) {
       const int u = index & (cell.side() - 1), v = index >> cell.log;
       if (u + v > last || !sound_) break;
-      values[index] = int16_t(symbol(context.at(known_, u, v), values[index]));
+      if (u + v > diagonal) known_.advance(), ++diagonal;
+      values[index] = int16_t(symbol(context.at(known_.near(u), u, v, state), values[index]));
+      if (field_.dependent) state = state.after(values[index]);
       if (!values[index]) continue;
-      known_.set(u, v, std::abs(values[index]));
+      known_.set(u, std::abs(values[index]));
       highest = u + v;
     }
     sound_ = sound_ && highest == last;

@@ -45,7 +45,10 @@ constexpr int kSide = 1 << kTextureRoot, kMostSum = 1 << 14;
 
 }  // namespace
 
-BitModels fresh_texture_models() { return {kModels, kSets}; }
+// Those of symbols of the odd quantiser follow all others, in the order of those of the even one.
+BitModels fresh_texture_models(bool dependent) {
+  return {kModels + (dependent ? kExtentModels : 0), kSets + (dependent ? kExtentWeights : 0)};
+}
 
 BitContext cell_context(const TextureField &field, const TextureCell &cell, CellBit bit) {
   const int64_t middle = cell.side() / 2;
@@ -162,13 +165,9 @@ void SymbolContext::look_before(const TextureField &field, const TextureCell &ce
   for (int i = 0; i < rows_ << log_; ++i) before_[i] = std::min(before_[i], kMostSum);
 }
 
-BitContext SymbolContext::at(const KnownMagnitudes &known, int u, int v) const {
-  constexpr int kDown = KnownMagnitudes::kStride;
+BitContext SymbolContext::at(const NearMagnitudes &near, int u, int v, QuantizerState state) const {
   const int index = v << log_ | u;
-  const int16_t *here = known.at(u, v);
-  const int next = here[-1] + here[-kDown];
-  const int further = here[-kDown - 1] + here[-2] + here[-2 * kDown];
-  const int inside = 4 * next + 2 * (further + here[kDown - 1] + here[1 - 2 * kDown] + here[kDown - 2]);
+  const auto [next, inside] = near;
   const int around = around_[index];
   int total = 3 * inside + 2 * around;
   if (kind_) total = (total + 2 * before_[index]) * 3 / 4;
@@ -178,11 +177,13 @@ BitContext SymbolContext::at(const KnownMagnitudes &known, int u, int v) const {
   const int half = log_ == kTextureRoot, across = std::min(log_, 4);
   const uint32_t place = (log_ == 3 ? 0 : log_ == 4 ? 64 : 320) + uint32_t((v >> half) << across | u >> half);
   const uint32_t sized = kind * kSizes + uint32_t(log_ - kTextureLeast);
-  return {{kPlaceModels + (kind * kPlaces + place) * kMagnitudeBits,
-           kAroundModels + ((kind * kLevelsOf + level(around)) * kLevelsOf + level(inside)) * kMagnitudeBits,
-           kRestModels + ((kind * kZones + zone) * kZones + rest) * kMagnitudeBits,
-           kTotalModels + ((sized * kLevelsOf + sum) * kZones + zone) * kMagnitudeBits},
-          {kSizeWeights + sized * kMagnitudeBits, kLevelWeights + (kind * kLevelsOf + sum) * kMagnitudeBits},
+  const uint32_t models = state.odd() ? kModels : 0, weights = state.odd() ? kSets : 0;
+  return {{models + kPlaceModels + (kind * kPlaces + place) * kMagnitudeBits,
+           models + kAroundModels + ((kind * kLevelsOf + level(around)) * kLevelsOf + level(inside)) * kMagnitudeBits,
+           models + kRestModels + ((kind * kZones + zone) * kZones + rest) * kMagnitudeBits,
+           models + kTotalModels + ((sized * kLevelsOf + sum) * kZones + zone) * kMagnitudeBits},
+          {weights + kSizeWeights + sized * kMagnitudeBits,
+           weights + kLevelWeights + (kind * kLevelsOf + sum) * kMagnitudeBits},
           4};
 }
 

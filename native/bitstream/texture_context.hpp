@@ -6,6 +6,7 @@
 
 #include "bitstream/texture_field.hpp"
 #include "bitstream/texture_models.hpp"
+#include "model/texture_quantizer.hpp"
 
 namespace sgi {
 
@@ -13,8 +14,8 @@ constexpr int kMagnitudeBits = 8;  // a magnitude is coded as up to eight bits "
 constexpr int kRestDigits = 13;    // of the rest + 1, behind the first
 static_assert(kTextureMost == kMagnitudeBits + (2 << kRestDigits) - 2);
 
-// Models and weights of all bits of texture, none of them seen yet.
-BitModels fresh_texture_models();
+// Models and weights of all bits of texture, none of them seen yet. dependent: with those of the odd quantiser.
+BitModels fresh_texture_models(bool dependent);
 
 // The bit "has texture", and "is split", of a quadtree node.
 enum class CellBit { kTextured, kSplit };
@@ -34,17 +35,30 @@ class ExtentContext {
   uint32_t kind_, around_, beside_;
 };
 
-// The magnitudes of a cell's symbols as far as they are known, in zeros.
+// What a symbol's neighbours of lower frequency are, as weighted sums of magnitudes.
+struct NearMagnitudes {
+  int next, inside;
+};
+
+// The magnitudes of the three diagonals of a block around the symbol that is coded, by u; those not coded yet are 0.
 class KnownMagnitudes {
  public:
-  void clear(int side) { std::fill_n(values_.begin(), (side + 3) * kStride, int16_t(0)); }
-  void set(int u, int v, int magnitude) { values_[(v + 2) * kStride + u + 2] = int16_t(magnitude); }
-  const int16_t *at(int u, int v) const { return &values_[(v + 2) * kStride + u + 2]; }
-
-  static constexpr int kStride = (1 << kTextureRoot) + 4;
+  void clear() { diagonals_ = {}; }
+  // Goes on to the next diagonal.
+  void advance() {
+    diagonals_[2] = diagonals_[1];
+    diagonals_[1] = diagonals_[0];
+    diagonals_[0].fill(0);
+  }
+  void set(int u, int magnitude) { diagonals_[0][u + 2] = int16_t(magnitude); }
+  NearMagnitudes near(int u) const {
+    const int16_t *here = &diagonals_[0][u + 2], *last = &diagonals_[1][u + 2], *before = &diagonals_[2][u + 2];
+    const int next = last[-1] + last[0];
+    return {next, 4 * next + 2 * (before[-1] + before[-2] + before[0] + here[-1] + last[1] + last[-2])};
+  }
 
  private:
-  std::array<int16_t, ((1 << kTextureRoot) + 3) * kStride> values_;
+  std::array<std::array<int16_t, (1 << kTextureRoot) + 4>, 3> diagonals_{};
 };
 
 // The bits of a channel's symbols.
@@ -52,8 +66,8 @@ class SymbolContext {
  public:
   // last: diagonal beyond which there are none.
   SymbolContext(const TextureField &field, const TextureCell &cell, int channel, int last);
-  // Of the first bit at (u, v); known: magnitudes of the diagonals before and of this one so far.
-  BitContext at(const KnownMagnitudes &known, int u, int v) const;
+  // Of the first bit at (u, v); near: of the diagonals before and of this one so far.
+  BitContext at(const NearMagnitudes &near, int u, int v, QuantizerState state) const;
   // Of a later bit.
   static BitContext later(BitContext first, int bit) {
     for (auto &model : first.model) model += uint32_t(bit);

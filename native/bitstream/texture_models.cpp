@@ -27,8 +27,6 @@ BitTables::BitTables() {
   for (int i = 0; i <= kLogits; ++i) cost[i] = float(-std::log2(std::max(i, 1) / double(kLogits)));
 }
 
-float bit_cost(int32_t one, int bit) { return kBitTables.cost[(bit ? one : kCertain - one) >> 4]; }
-
 BitModels::BitModels(int64_t models, int64_t sets) : models_(models, BitModel{kCertain / 2, 0}) {
   weights_.assign(sets * kMostMixed, kWeightSum / kMostMixed);
 }

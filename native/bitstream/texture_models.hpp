@@ -77,7 +77,7 @@ class BitModels {
 };
 
 // Information content of a bit, from the table of its probability's first twelve bits: for decisions, not for accounts.
-float bit_cost(int32_t one, int bit);
+inline float bit_cost(int32_t one, int bit) { return kBitTables.cost[(bit ? one : kCertain - one) >> 4]; }
 
 template <int MOST>
 inline Prediction BitModels::predict_by(const BitContext &context, int count) const {

@@ -79,16 +79,16 @@ class LayerCoding {
   CellSymbols values_;
 };
 
-TextureField empty_field(int64_t width, int64_t height, int channels) {
-  return {texture_roots(width), texture_roots(height), channels};
-}
-
 }  // namespace
+
+TextureField empty_field(int64_t width, int64_t height, int channels, bool dependent) {
+  return {texture_roots(width), texture_roots(height), channels, dependent};
+}
 
 TextureBits write_texture(BitModels &models, const TextureField &field, int64_t width, int64_t height,
                           bool has_contrast) {
   TextureBits written;
-  TextureField coded = empty_field(width, height, field.channels);
+  TextureField coded = empty_field(width, height, field.channels, field.dependent);
   LayerCoding<BitRecorder> layer(models, coded, written.bits, &field, width, height, has_contrast);
   each_root(width, height, [&](const TextureCell &cell) {
     if (layer.sound()) layer.root(cell);
@@ -99,9 +99,8 @@ TextureBits write_texture(BitModels &models, const TextureField &field, int64_t 
   return written;
 }
 
-TextureRead read_texture(BitModels models, RangeDecoder &decoder, int64_t width, int64_t height, int channels,
+TextureRead read_texture(BitModels models, RangeDecoder &decoder, TextureField field, int64_t width, int64_t height,
                          bool has_contrast) {
-  TextureField field = empty_field(width, height, channels);
   BitReader bits(decoder);
   LayerCoding<BitReader> layer(models, field, bits, nullptr, width, height, has_contrast);
   each_root(width, height, [&](const TextureCell &cell) {

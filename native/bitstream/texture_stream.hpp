@@ -15,7 +15,10 @@ struct TextureBits {
 TextureBits write_texture(BitModels &models, const TextureField &field, int64_t width, int64_t height,
                           bool has_contrast);
 
-// What was read, and its information content; not sound where the payload does not decode or spells
+// The layer of a tile before anything is read or found.
+TextureField empty_field(int64_t width, int64_t height, int channels, bool dependent);
+
+// What was read into an empty layer, and its information content; not sound where the payload does not decode or spells
 // with more than it takes.
 struct TextureRead {
   TextureField field;
@@ -23,7 +26,7 @@ struct TextureRead {
   double content;
   bool sound;
 };
-TextureRead read_texture(BitModels models, RangeDecoder &decoder, int64_t width, int64_t height, int channels,
+TextureRead read_texture(BitModels models, RangeDecoder &decoder, TextureField field, int64_t width, int64_t height,
                          bool has_contrast);
 
 // Roots that cover a side of so many pixels.

@@ -9,31 +9,19 @@
 #include "bitstream/texture_coding.hpp"
 #include "bitstream/texture_stream.hpp"
 #include "rdoq/texture_transform.hpp"
+#include "rdoq/texture_trellis.hpp"
 
 namespace sgi {
 
 namespace {
 
 constexpr float kImpossible = std::numeric_limits<float>::infinity();
-constexpr int kMostSymbol = 16000;
-
-// What a channel of a cell would be coded as, and its cost.
-struct Choice {
-  CellSymbols values;
-  int last = -1;
-  float cost = kImpossible;
-};
 
 class TextureSearch {
  public:
   TextureSearch(BitModels &models, const TextureAmplitudes &amplitudes, const int8_t *contrast,
                 const TextureSteps &steps, const TextureSettings &settings)
-      : found_{TextureField(texture_roots(amplitudes.tile_width), texture_roots(amplitudes.tile_height),
-                            amplitudes.channels),
-               0,
-               {},
-               {},
-               {}},
+      : found_{empty_field(amplitudes.tile_width, amplitudes.tile_height, amplitudes.channels, true), 0, {}, {}, {}},
         models_(models), coding_(models, found_.field, counter_), amplitudes_(amplitudes), contrast_(contrast),
         steps_(steps), settings_(settings) {}
 
@@ -69,81 +57,15 @@ class TextureSearch {
         scaled[v * cell.side() + u] = std::abs(from[v * found_.field.width + u]) / (step * growth[v * cell.side() + u]);
   }
 
-  float extent_cost(const ExtentContext &context, int log, int value) const {
-    float sum = 0;
-    for (int node = 1, place = log; place >= 0; --place) {
-      sum += cost(context.at(node), value >> place & 1);
-      node = 2 * node + (value >> place & 1);
-    }
-    return sum;
-  }
-
-  // The magnitude at a frequency that costs least; adds its cost.
-  int best_magnitude(const BitContext &context, float scaled, float &total) const {
-    const int nearest = std::min(int(scaled + 0.5f), kMostSymbol);
-    std::array<int32_t, kMagnitudeBits> ones;
-    int known = 0, best = 0;
-    float least = kImpossible;
-    const auto try_out = [&](int magnitude) {
-      float sum = (scaled - float(magnitude)) * (scaled - float(magnitude)) + (magnitude ? settings_.lambda : 0);
-      for (int j = 0; j < kMagnitudeBits; ++j) {
-        if (j == known) ones[known++] = models_.predict(SymbolContext::later(context, j)).one;
-        sum += settings_.lambda * bit_cost(ones[j], magnitude > j);
-        if (magnitude <= j) break;
-      }
-      if (magnitude >= kMagnitudeBits)
-        sum += settings_.lambda * float(2 * std::ilogb(float(magnitude - kMagnitudeBits + 1)) + 1);
-      if (sum < least) least = sum, best = magnitude;
-    };
-    for (int magnitude = nearest; magnitude >= std::max(0, nearest - 2); --magnitude) try_out(magnitude);
-    if (nearest > 2) try_out(0);
-    total += least;
-    return best;
-  }
-
-  // Symbols of a channel, frequency by frequency, and then up to the diagonal where it is best to stop.
+  // Symbols of a channel and their cost.
   void choose(const TextureCell &cell, int channel, Choice &choice) const {
     static thread_local CellValues<float> scaled;
     scale(cell, channel, scaled);
-    const int side = cell.side();
-    const std::vector<int16_t> &scan = texture_scan(cell.log);
-    float beyond = 0;  // squared error of what has not been chosen yet
-    int most = -1;
-    for (const int index : scan) {
-      beyond += scaled[index] * scaled[index];
-      if (scaled[index] > 0.5f) most = (index & (side - 1)) + (index >> cell.log);
-    }
-    const ExtentContext extent(found_.field, cell, channel);
-    KnownMagnitudes known;
-    known.clear(side);
-    choice.values.fill(0);
-    choice.last = -1, choice.cost = beyond + extent_cost(extent, cell.log, 0);
-    if (most < 0) return;
-    const SymbolContext context(found_.field, cell, channel, most);
-    float chosen = 0;
-    size_t at = 0;
-    for (int diagonal = 0; diagonal <= most; ++diagonal) {
-      bool any = false;
-      for (; at < scan.size() && (scan[at] & (side - 1)) + (scan[at] >> cell.log) == diagonal; ++at) {
-        const int index = scan[at];
-        beyond -= scaled[index] * scaled[index];
-        const int u = index & (side - 1), v = index >> cell.log;
-        const int magnitude = best_magnitude(context.at(known, u, v), scaled[index], chosen);
-        if (!magnitude) continue;
-        choice.values[index] = int16_t(magnitude);
-        known.set(u, v, magnitude);
-        any = true;
-      }
-      if (!any) continue;
-      const float sum = chosen + std::max(beyond, 0.0f) + extent_cost(extent, cell.log, diagonal + 1);
-      if (sum < choice.cost) choice.cost = sum, choice.last = diagonal;
-    }
+    choose_block(models_, found_.field, cell, channel, settings_.lambda, scaled, choice);
     const float *signs = amplitudes_.of(cell, channel);
-    for (const int index : scan) {
-      const int u = index & (side - 1), v = index >> cell.log;
-      if (u + v > choice.last) choice.values[index] = 0;
-      if (signs[v * found_.field.width + u] < 0) choice.values[index] = int16_t(-choice.values[index]);
-    }
+    for (int v = 0; v < cell.side(); ++v)
+      for (int u = 0; u < cell.side(); ++u)
+        if (signs[v * found_.field.width + u] < 0) choice.values[v << cell.log | u] *= -1;
   }
 
   // All channels of a cell with texture, put into the field.
@@ -255,11 +177,14 @@ class TextureSearch {
   void account(const TextureCell &cell, int channel, const Choice &choice) {
     static thread_local CellValues<float> scaled;
     scale(cell, channel, scaled);
-    for (int i = 0; i < cell.side() * cell.side(); ++i) {
-      const int magnitude = std::abs(choice.values[i]);
-      if (!magnitude) continue;
-      const size_t group = std::min(magnitude, 3) - 1;
-      found_.count[group] += 1, found_.excess[group] += scaled[i] - float(magnitude);
+    QuantizerState state;
+    for (const int i : texture_scan(cell.log)) {
+      const int symbol = choice.values[i];
+      if (symbol) {
+        const size_t group = std::min(std::abs(symbol), 3) - 1;
+        found_.count[group] += 1, found_.excess[group] += scaled[i] - state.magnitude(symbol);
+      }
+      state = state.after(symbol);
     }
   }
 

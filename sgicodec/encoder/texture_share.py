@@ -78,12 +78,12 @@ def seed_weights(
     scout = _scout(spec, replace(fit, lmbda=SCOUT_SHARE * lmbda), target, family, device)
     tuning = TUNINGS["psnr"]
     steps = tuning.steps(tuning.step(lmbda), spec.channels)
-    alone, nothing = estimated_cost(target, steps)
+    alone, nothing = estimated_cost(target, lmbda)
     if fit.steps >= EXACT_STEPS:
         full, squared = FULL, tuning.squared_steps
         alone, left = (searched_cost(plane, steps, squared, device) for plane in (target, scout.residual))
     else:
-        full, (left, _) = FULL_ESTIMATED, estimated_cost(scout.residual, steps)
+        full, (left, _) = FULL_ESTIMATED, estimated_cost(scout.residual, lmbda)
     price, calm = lmbda * scout.root_bits(left.shape), lmbda * CALM_BITS
     weights = cell_weights(np.where(nothing - alone < calm, price, alone - left), price, calm, full)
     return None if weights.min() > _ALL else _of_pixels(weights, target.shape[1:])
@@ -117,11 +117,11 @@ def searched_cost(residual: F32, steps: TextureSteps, squared_steps: float, devi
     return np.asarray(costs * np.square(steps.of_channels[0]), np.float64)
 
 
-def estimated_cost(residual: F32, steps: TextureSteps) -> tuple[F64, F64]:
-    """What texture in these steps would cost over each root [rows, columns] of a residual [C, H, W], squared error plus
-    λ times bits, and what no texture would: as if all its cells were cosine transforms of 16×16 pixels.
+def estimated_cost(residual: F32, lmbda: float) -> tuple[F64, F64]:
+    """What texture for λ would cost over each root [rows, columns] of a residual [C, H, W], squared error plus λ times
+    bits, and what no texture would: as if all its cells were cosine transforms of 16×16 pixels.
     """
-    step = float(steps.of_channels[0])
+    step = (lmbda / _ESTIMATED_STEPS) ** 0.5
     planes = root_planes(residual) / np.float32(step)
     channels, rows, columns = len(planes), planes.shape[1] >> ROOT_LOG, planes.shape[2] >> ROOT_LOG
     half = 1 << (ROOT_LOG - 1)
@@ -171,6 +171,8 @@ def _scout(spec: ModelSpec, fit: FitSettings, target: F32, family: int, device: 
     return Scout(target - drawn, trainer.seeds.layout, bits)
 
 
+_ESTIMATED_STEPS = 0.11
+"""λ in squared steps where the cost of texture is estimated."""
 _NEAR, _BLEND = 0.7, 0.5
 """σ in roots: what is saved and paid is smoothed with it, and the weights' logarithms."""
 _ALL = 0.95

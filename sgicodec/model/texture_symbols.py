@@ -31,7 +31,8 @@ class TextureSteps:
     step: of the first channel's lowest frequency, 2^((step − 480) / 32); ratios: [C − 1] of the other channels' steps
     to that, 2^((ratio − 16) / 8). slopes: by which steps grow towards the highest frequency, in halves, of the first
     channel and of the others. excess: what is added to the magnitude of symbols ±1, ±2 and larger ones, (index − 8) /
-    32. has_contrast: whether roots have a contrast, which scales their steps by 2^(contrast / 4).
+    32. has_contrast: whether roots have a contrast, which scales their steps by 2^(contrast / 4). dependent: whether a
+    symbol is of one of two quantisers, as the symbols before it in its block say.
     """
 
     step: int
@@ -39,6 +40,7 @@ class TextureSteps:
     slopes: tuple[int, int] = (0, 0)
     excess: tuple[int, int, int] = (8, 8, 8)
     has_contrast: bool = False
+    dependent: bool = True
 
     @property
     def of_channels(self) -> F32:
@@ -103,5 +105,13 @@ class TextureSymbols:
     def layer(self) -> TextureLayer:
         """The layer that is drawn."""
         steps = self.steps
-        parts = texture_cells(self.log_size, self.contrast, self.symbols, steps.of_channels, steps.growth, steps.added)
+        parts = texture_cells(
+            self.log_size,
+            self.contrast,
+            self.symbols,
+            steps.of_channels,
+            steps.growth,
+            steps.added,
+            steps.dependent,
+        )
         return TextureLayer(self.size, len(self.symbols), *parts)

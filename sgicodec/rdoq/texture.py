@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -53,7 +55,7 @@ class TextureSearch:
         one, two, more = added
         found = TextureSymbols(
             self.size,
-            TextureSteps(steps.step, steps.ratios, steps.slopes, (one, two, more), steps.has_contrast),
+            replace(steps, excess=(one, two, more)),
             *parts,
         )
         return None if found.is_empty else found

@@ -15,8 +15,8 @@ __all__ = ["spell", "spelled"]
 class _Script(Bits):
     """Gives bits as they are wanted, then zeros, and notes their probabilities."""
 
-    def __init__(self, bits: str, has_contrast: bool) -> None:
-        self.wanted, self.has_contrast = [int(bit) for bit in bits], has_contrast
+    def __init__(self, bits: str, has_contrast: bool, models: int) -> None:
+        self.wanted, self.has_contrast, self.models = [int(bit) for bit in bits], has_contrast, models
         self.bits: list[int] = []
         self.ones: list[int] = []
         self.fields: list[tuple[int, int]] = []
@@ -28,7 +28,8 @@ class _Script(Bits):
         return self.bits[-1]
 
     def raw(self, n_bits: int) -> int:
-        value = int(len(self.fields) < 2 or (n_bits == 1 and self.has_contrast))  # there is texture, of models 1
+        first = 1, self.models  # there is texture, of these models
+        value = first[len(self.fields)] if len(self.fields) < 2 else int(n_bits == 1 and self.has_contrast)
         self.fields.append((value, n_bits))
         return value
 
@@ -38,10 +39,15 @@ class _Script(Bits):
 
 
 def spell(
-    writer: SymbolWriter, bits: str, size: tuple[int, int] = (32, 32), channels: int = 1, has_contrast: bool = False
+    writer: SymbolWriter,
+    bits: str,
+    size: tuple[int, int] = (32, 32),
+    channels: int = 1,
+    has_contrast: bool = False,
+    models: int = 2,
 ) -> None:
     """Writes the texture part of a tile that has these bits, then zeros, up to where the reader takes no more."""
-    script = _Script(bits, has_contrast)
+    script = _Script(bits, has_contrast, models)
     with suppress(AssertionError):
         TextureReader(script, size, channels).read()
     for value, n_bits in script.fields:
@@ -49,8 +55,8 @@ def spell(
     writer.flags(*(np.array(part, np.int32) for part in (script.bits, script.ones, script.noted)), 0.0)
 
 
-def spelled(bits: str, has_contrast: bool = False) -> bytes:
+def spelled(bits: str, has_contrast: bool = False, models: int = 2) -> bytes:
     """The payload of nothing else, for a tile of 32×32 pixels of one channel."""
     writer = SymbolWriter()
-    spell(writer, bits, has_contrast=has_contrast)
+    spell(writer, bits, has_contrast=has_contrast, models=models)
     return writer.finish()

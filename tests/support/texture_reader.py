@@ -9,7 +9,9 @@ from typing import NamedTuple
 
 __all__ = ["Bits", "Cell", "TextureReader"]
 
-MODELS, SETS = 54668, 488
+MODELS, SETS = {1: 54668, 2: 54668 + 44544}, {1: 488, 2: 488 + 456}
+AFTER = [(0, 1), (3, 2), (5, 4), (6, 7), (1, 0), (2, 3), (4, 5), (7, 6)]
+"""The state after an even and an odd symbol."""
 LOGIT = [round(256 * math.log((2 * i + 1) / (8191 - 2 * i))) for i in range(4096)]
 LOGISTIC = [min(max(round(65536 / (1 + math.exp(-x / 256))), 16), 65519) for x in range(-3072, 3072)]
 
@@ -77,14 +79,7 @@ class TextureReader:
     """
 
     def __init__(self, bits: Bits, size: tuple[int, int], channels: int) -> None:
-        state = zlib.decompress(files("sgicodec.bitstream.parts").joinpath("texture1.bin").read_bytes())
-        assert len(state) == 3 * MODELS + 16 * SETS
-        self.probability = [
-            low | high << 8 for low, high in zip(state[:MODELS], state[MODELS : 2 * MODELS], strict=True)
-        ]
-        self.seen = list(state[2 * MODELS : 3 * MODELS])
-        weights = [int.from_bytes(state[i : i + 4], "little", signed=True) for i in range(3 * MODELS, len(state), 4)]
-        self.weights = [weights[4 * i : 4 * i + 4] for i in range(SETS)]
+        self.number = 0
         self.bits, self.size, self.channels = bits, size, channels
         self.steps: dict[str, list[int]] | None = None
         self.leaves: list[Cell] = []
@@ -95,10 +90,11 @@ class TextureReader:
         self.extent: dict[tuple[int, Cell], int] = {}
 
     def read(self) -> None:
-        """Reads the part; there are models number 1 alone."""
+        """Reads the part."""
         if not self.bits.raw(1):
             return
-        assert self.bits.raw(4) == 1
+        self.number = self.bits.raw(4)
+        self.begin()
         widths = {
             "step": (9, 1),
             "ratios": (5, self.channels - 1),
@@ -111,6 +107,18 @@ class TextureReader:
             for x in range(0, self.size[0], 32):
                 self.node(Cell(x, y, 32))
         assert self.leaves
+
+    def begin(self) -> None:
+        """Section "Start"."""
+        state = zlib.decompress(files("sgicodec.bitstream.parts").joinpath(f"texture{self.number}.bin").read_bytes())
+        models, sets = MODELS[self.number], SETS[self.number]
+        assert len(state) == 3 * models + 16 * sets
+        self.probability = [
+            low | high << 8 for low, high in zip(state[:models], state[models : 2 * models], strict=True)
+        ]
+        self.seen = list(state[2 * models : 3 * models])
+        weights = [int.from_bytes(state[i : i + 4], "little", signed=True) for i in range(3 * models, len(state), 4)]
+        self.weights = [weights[4 * i : 4 * i + 4] for i in range(sets)]
 
     def mixed(self, models: list[int], sets: tuple[int, int], further: int = 0) -> int:
         """A bit; `further` is added to all numbers."""
@@ -206,14 +214,21 @@ class TextureReader:
         side = cell.side
         q = self.symbols[channel, cell] = [[0] * side for _ in range(side)]
         extent = self.extent[channel, cell] = self.read_extent(cell, channel)
+        state = 0
         for diagonal in range(extent):
             for u in range(max(0, diagonal - side + 1), min(diagonal, side - 1) + 1):
-                q[diagonal - u][u] = self.symbol(cell, channel, extent, diagonal - u, u)
+                v = diagonal - u
+                q[v][u] = self.symbol(self.context(cell, channel, extent, v, u), state % 2)
+                if self.number == 2:
+                    state = AFTER[state][q[v][u] % 2]
         if extent:
             assert any(q[extent - 1 - u][u] for u in range(side) if 0 <= extent - 1 - u < side)
 
-    def symbol(self, cell: Cell, channel: int, extent: int, v: int, u: int) -> int:
-        models, sets = self.context(cell, channel, extent, v, u)
+    def symbol(self, context: tuple[list[int], tuple[int, int]], odd: int) -> int:
+        models, sets = (
+            [model + 54668 * odd for model in context[0]],
+            (context[1][0] + 488 * odd, context[1][1] + 488 * odd),
+        )
         magnitude = 0
         while magnitude < 8 and self.mixed(models, sets, magnitude):
             magnitude += 1

@@ -72,5 +72,6 @@ def random_symbols(channels: int, width: int, height: int, seed: int = 0, most: 
         (int(rng.integers(32)), int(rng.integers(32))),
         (int(rng.integers(16)), int(rng.integers(16)), int(rng.integers(16))),
         has_contrast,
+        bool(rng.random() < 0.5),
     )
     return TextureSymbols((width, height), steps, log_size, contrast.astype(np.int8), symbols)

@@ -17,16 +17,16 @@ from sgicodec.model.texture_symbols import TextureSteps, TextureSymbols
 
 __all__ = ["code_texture", "texture_models"]
 
-MODELS = 1
-"""Number of the shipped models; the file of a number never changes."""
+MODELS = {False: 1, True: 2}
+"""Number of the shipped models for symbols that are dependent or not; the file of a number never changes."""
 _MODELS_BITS, _STEP_BITS, _RATIO_BITS, _SLOPE_BITS, _EXCESS_BITS = 4, 9, 5, 5, 4
 
 
 @cache
-def texture_models() -> TextureModels:
+def texture_models(dependent: bool = True) -> TextureModels:
     """The shipped state of the adaptive models with which every layer begins."""
-    packed = files(__package__).joinpath(f"texture{MODELS}.bin").read_bytes()
-    return TextureModels(zlib.decompress(packed))
+    packed = files(__package__).joinpath(f"texture{MODELS[dependent]}.bin").read_bytes()
+    return TextureModels(dependent, zlib.decompress(packed))
 
 
 def code_texture(
@@ -40,13 +40,13 @@ def code_texture(
     if not coder.code_int(int(texture is not None), 1):
         return None
     check_texture(channels, *size)
-    models = coder.code_int(MODELS, _MODELS_BITS)
-    if models != MODELS:
-        raise UnsupportedStreamError(f"texture: models {models}; this program has models {MODELS}")
-    steps = _code_steps(coder, channels, None if texture is None else texture.steps)
+    models = coder.code_int(None if texture is None else MODELS[texture.steps.dependent], _MODELS_BITS)
+    if models not in MODELS.values():
+        raise UnsupportedStreamError(f"texture: models {models}; this program has models 1 and 2")
+    steps = _code_steps(coder, channels, models == MODELS[True], None if texture is None else texture.steps)
     if isinstance(coder, SymbolWriter) and texture is not None:
         parts = texture.log_size, texture.contrast, texture.symbols
-        coder.flags(*texture_models().write(*parts, size, steps.has_contrast))
+        coder.flags(*texture_models(steps.dependent).write(*parts, size, steps.has_contrast))
         return texture
     if not isinstance(coder, SymbolReader):
         raise TypeError("a coder reads or writes")
@@ -58,7 +58,9 @@ def _read(coder: SymbolReader, size: tuple[int, int], channels: int, steps: Text
     parts: list[NDArray[Any]] = []
 
     def read(decoder: RangeDecoder) -> tuple[int, IntArray, list[float]]:
-        sound, layer, symbols, content = texture_models().read(decoder, size, channels, steps.has_contrast)
+        sound, layer, symbols, content = texture_models(steps.dependent).read(
+            decoder, size, channels, steps.has_contrast
+        )
         if not sound:
             raise CorruptStreamError("texture: the payload does not decode; it is damaged")
         parts.extend(layer)
@@ -68,7 +70,7 @@ def _read(coder: SymbolReader, size: tuple[int, int], channels: int, steps: Text
     return TextureSymbols(size, steps, *parts)
 
 
-def _code_steps(coder: SymbolCoder, channels: int, steps: TextureSteps | None) -> TextureSteps:
+def _code_steps(coder: SymbolCoder, channels: int, dependent: bool, steps: TextureSteps | None) -> TextureSteps:
     """The indices of the steps as raw values."""
 
     def several(values: tuple[int, ...] | None, n_bits: int, count: int) -> tuple[int, ...]:
@@ -79,4 +81,4 @@ def _code_steps(coder: SymbolCoder, channels: int, steps: TextureSteps | None) -
     luma, chroma = several(None if steps is None else steps.slopes, _SLOPE_BITS, 2)
     one, two, more = several(None if steps is None else steps.excess, _EXCESS_BITS, 3)
     has_contrast = coder.code_int(None if steps is None else int(steps.has_contrast), 1)
-    return TextureSteps(step, ratios, (luma, chroma), (one, two, more), bool(has_contrast))
+    return TextureSteps(step, ratios, (luma, chroma), (one, two, more), bool(has_contrast), dependent)

@@ -38,6 +38,7 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
     coarse_first = replace(quick, prior=2)  # made before places were predicted, which they are now
     predicted = replace(quick, prior=2)
     paper = EncodeSettings(profile="paper", seeds=60, per_seed=3, features=12, steps=80)
+    # those named -texture were made before symbols were dependent, which they are now
     textured = EncodeSettings(quality=75, steps=60, prior=3, texture=True)
     forest = np.ascontiguousarray(read(HERE.parents[1] / "data" / "kodim13.png").pixels[CROP])
     few = forest[:75, :109]
@@ -67,6 +68,8 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
         ),
         "rgb8-tiles-texture": (Picture(forest, "rgb", (0.0, 255.0)), replace(textured, tile=100, overview=True)),
         "rgb8-any-texture": (Picture(small, "rgb", (0.0, 255.0)), textured),
+        "rgb8-dependent": (Picture(forest, "rgb", (0.0, 255.0)), textured),
+        "rgb8-any-dependent": (Picture(small, "rgb", (0.0, 255.0)), textured),
         "one-pixel": (Picture(small[:1, :1], "rgb", (0.0, 255.0)), quick),
     }
 
@@ -78,7 +81,7 @@ def with_any_texture(data: bytes) -> bytes:
         values = model.decoded_values
     texture = random_symbols(spec.channels, header.width, header.height, seed=2)
     np.multiply(texture.symbols, 100, out=texture.symbols, where=np.abs(texture.symbols) == 5)
-    steps = replace(texture.steps, step=250, has_contrast=True)
+    steps = replace(texture.steps, step=250, has_contrast=True, dependent=True)
     attributes = {group.name: values[:, group.columns] for group in spec.groups}
     model = replace(model, attributes=attributes, decoded=None, texture=replace(texture, steps=steps))
     payload, _ = write_tile(header, model)
@@ -89,7 +92,7 @@ def made(name: str, picture: Picture, settings: EncodeSettings) -> dict[str, obj
     """Writes a stream and what it decodes to; its entry in the manifest."""
     path = HERE / f"{name}.sgi"
     data = encode_picture(picture, settings).data
-    path.write_bytes(with_any_texture(data) if name == "rgb8-any-texture" else data)
+    path.write_bytes(with_any_texture(data) if "-any-" in name else data)
     reference = "png" if picture.channels != "multi" and picture.pixels.dtype != np.float32 else "tif"
     with open_stream(path) as stream:
         write(stream.picture(), HERE / f"{name}.{reference}")

@@ -16,7 +16,7 @@ from sgicodec.errors import UsageError
 from sgicodec.picture import Picture
 
 PHOTO = Path(__file__).parents[2] / "data" / "kodim23.png"
-SETTINGS = EncodeSettings(lmbda=0.01, steps=30)
+SETTINGS = EncodeSettings(lmbda=0.01, steps=30, texture=False)
 
 
 @pytest.fixture(scope="module")

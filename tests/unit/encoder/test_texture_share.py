@@ -75,7 +75,7 @@ def test_the_estimate_follows_the_search(channels: int) -> None:
     contrast = np.repeat(np.repeat(rng.uniform(0.005, 0.2, (3, 5)), 32, axis=0), 32, axis=1)
     residual = (contrast * rng.normal(size=(channels, 96, 160))).astype(np.float32)
     steps = TUNINGS["psnr"].steps(TUNINGS["psnr"].step(LMBDA), channels)
-    estimated, nothing = estimated_cost(residual, steps)
+    estimated, nothing = estimated_cost(residual, LMBDA)
     searched = searched_cost(residual, steps, TUNINGS["psnr"].squared_steps, ALL_CORES)
     assert np.all(estimated <= nothing * (1 + 1e-6))
     assert np.corrcoef(np.log(estimated).ravel(), np.log(searched).ravel())[0, 1] > 0.95

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from texture_reader import AFTER
 from textures import random_symbols
 
 from sgicodec.model.texture_symbols import STEP_COUNT, TextureSteps, roots_of, step_index
@@ -31,6 +32,16 @@ def test_roots_cover_the_tile() -> None:
     assert [roots_of(*size) for size in ((1, 32), (33, 64), (96, 65))] == [(1, 1), (2, 2), (3, 3)]
 
 
+def odd_quantisers(q: np.ndarray) -> np.ndarray:
+    """Which symbols of a block [n, n] are of the odd quantiser."""
+    side, state, odd = len(q), 0, np.zeros(q.shape, bool)
+    for diagonal in range(2 * side - 1):
+        for u in range(max(0, diagonal - side + 1), min(diagonal, side - 1) + 1):
+            odd[diagonal - u, u] = state % 2
+            state = AFTER[state][q[diagonal - u, u] % 2]
+    return odd
+
+
 @pytest.mark.parametrize(("channels", "size", "seed"), [(1, (40, 70), 1), (3, (90, 33), 2), (4, (64, 64), 3)])
 def test_amplitudes_by_their_formula(channels: int, size: tuple[int, int], seed: int) -> None:
     symbols = random_symbols(channels, *size, seed)
@@ -49,7 +60,8 @@ def test_amplitudes_by_their_formula(channels: int, size: tuple[int, int], seed:
             ratio = (0, *(ratio - 16 for ratio in steps.ratios))[channel]
             step = 2 ** ((steps.step - 480) / 32 + ratio / 8 + symbols.contrast[y // 32, x // 32] / 4)
             slope = steps.slopes[channel > 0] / 2
-            expected = np.sign(q) * (np.abs(q) + excess) * step * (1 + slope * squared)
+            half = 0.5 * odd_quantisers(q.astype(int)) if steps.dependent else 0.0
+            expected = np.sign(q) * (np.abs(q) - half + excess) * step * (1 + slope * squared)
             found = layer.amplitudes[at : at + side * side].reshape(side, side)
             np.testing.assert_allclose(found, expected, rtol=2e-6)
             at += side * side

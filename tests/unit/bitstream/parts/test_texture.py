@@ -70,7 +70,12 @@ def read_from_the_page(payload: bytes, size: tuple[int, int], channels: int) -> 
     read = reader.steps
     (luma, chroma), (one, two, more) = read["slopes"], read["excess"]
     steps = TextureSteps(
-        read["step"][0], tuple(read["ratios"]), (luma, chroma), (one, two, more), bool(read["contrasts"][0])
+        read["step"][0],
+        tuple(read["ratios"]),
+        (luma, chroma),
+        (one, two, more),
+        bool(read["contrasts"][0]),
+        reader.number == 2,
     )
     return TextureSymbols(size, steps, log_size, contrast, symbols)
 
@@ -117,8 +122,9 @@ def test_the_page_reads_a_photograph(found: TextureSymbols) -> None:
     assert_same(read_from_the_page(payload, found.size, 3), found)
 
 
-def test_the_page_names_the_models() -> None:
-    data = files("sgicodec.bitstream.parts").joinpath("texture1.bin").read_bytes()
+@pytest.mark.parametrize("number", [1, 2])
+def test_the_page_names_the_models(number: int) -> None:
+    data = files("sgicodec.bitstream.parts").joinpath(f"texture{number}.bin").read_bytes()
     assert hashlib.sha256(data).hexdigest() in (ROOT / "docs" / "format.md").read_text()
 
 
@@ -133,7 +139,7 @@ def test_the_tables_can_be_computed_anywhere() -> None:
 
 
 def test_models_of_another_number_are_refused() -> None:
-    for number in (0, 2, 15):
+    for number in (0, 3, 15):
         writer = SymbolWriter()
         writer.code_int(1, 1)
         writer.code_int(number, 4)
@@ -149,21 +155,23 @@ def test_no_texture_takes_a_bit() -> None:
     reader.finish()
 
 
-def test_the_state_of_models_is_what_it_was() -> None:
-    state = texture_models().state()
-    assert TextureModels(state).state() == state
-    with pytest.raises(ValueError, match="not texture models"):
-        TextureModels(state[:-1])
+@pytest.mark.parametrize("dependent", [False, True])
+def test_the_state_of_models_is_what_it_was(dependent: bool) -> None:
+    state = texture_models(dependent).state()
+    assert TextureModels(dependent, state).state() == state
+    for other, wrong in ((dependent, state[:-1]), (not dependent, state)):
+        with pytest.raises(ValueError, match="not texture models"):
+            TextureModels(other, wrong)
 
 
 def test_models_learn_what_they_have_seen(found: TextureSymbols) -> None:
-    models = TextureModels()
+    models = TextureModels(dependent=True)
     parts = found.log_size, found.contrast, found.symbols, found.size, False
     before = models.write(*parts)[3]
     models.learn(*parts)
     models.settle(30)
     assert models.write(*parts)[3] < 0.95 * before
-    assert max(models.state()[2 * 54668 : 3 * 54668]) == 30
+    assert max(models.state()[2 * 99212 : 3 * 99212]) == 30
 
 
 def changed(change: Callable[[TextureSymbols], None] = lambda _: None) -> TextureSymbols:
@@ -260,10 +268,11 @@ SPELLINGS = {
 }
 
 
+@pytest.mark.parametrize("models", [1, 2])
 @pytest.mark.parametrize("name", SPELLINGS)
-def test_every_layer_has_one_spelling(name: str) -> None:
+def test_every_layer_has_one_spelling(name: str, models: int) -> None:
     bits, has_contrast, legal = SPELLINGS[name]
-    payload = spelled(bits, has_contrast)
+    payload = spelled(bits, has_contrast, models)
     if legal:
         layer = read_back(payload, (32, 32), 1)
         assert layer is not None
@@ -285,10 +294,10 @@ def test_the_largest_numbers() -> None:
 
 
 @settings(max_examples=examples(200))
-@given(st.binary(max_size=300), st.integers(1, 4), st.integers(1, 200), st.integers(1, 100))
-def test_any_bytes_are_a_layer_or_refused(payload: bytes, channels: int, width: int, height: int) -> None:
-    """What is accepted has the same meaning for the page's reader, and can be written."""
-    reader = SymbolReader(b"\x8c" + payload.rstrip(b"\0"))  # there is texture, of models 1
+@given(st.sampled_from([0x8C, 0x94]), st.binary(max_size=300), *(st.integers(1, most) for most in (4, 200, 100)))
+def test_any_bytes_are_a_layer_or_refused(first: int, payload: bytes, channels: int, width: int, height: int) -> None:
+    """What is accepted can be written. `first`: there is texture, of models 1 or 2."""
+    reader = SymbolReader(bytes([first]) + payload.rstrip(b"\0"))
     try:
         layer = code_texture(reader, (width, height), channels, None)
     except CorruptStreamError:
