@@ -10,7 +10,18 @@ from typing import TYPE_CHECKING
 import click
 
 from sgicodec.cli.batch import named_targets, run_batch
-from sgicodec.cli.options import REGION, SCALE, SIZE, VERBOSE, Sized, force_option, output_option, threads_option
+from sgicodec.cli.command import HelpfulCommand
+from sgicodec.cli.options import (
+    REGION,
+    SCALE,
+    SIZE,
+    VERBOSE,
+    Sized,
+    complete_files,
+    force_option,
+    output_option,
+    threads_option,
+)
 from sgicodec.cli.paths import STANDARD, check_output, display, opened_stream, with_extension
 from sgicodec.cli.pictures import Output, write_bands, write_picture
 from sgicodec.cli.place import lost_outside_tiff
@@ -28,8 +39,17 @@ _DTYPES = {None: None, 8: "uint8", 16: "uint16", 32: "float32"}
 """Samples of so many bits, which are rendered as such."""
 
 
-@click.command(short_help="Decode streams, or a part of them, at any scale.")
-@click.argument("paths", metavar="IN... [OUT]", nargs=-1, required=True)
+@click.command(
+    cls=HelpfulCommand,
+    short_help="Decode streams, or a part of them, at any scale.",
+    common=("region", "scale", "size", "depth", "format_", "output", "output_dir", "threads", "force"),
+    examples=(
+        ("sgi decode photo.sgi", "photo.png beside it"),
+        ("sgi decode photo.sgi part.png --region 100,50,256,256 --scale 4", "a detail, enlarged"),
+        ("sgi decode photo.sgi small.jpg --size 512x512", "the picture, fitted into a square"),
+    ),
+)
+@click.argument("paths", metavar="IN... [OUT]", nargs=-1, required=True, shell_complete=complete_files)
 @click.option("--region", type=REGION, metavar="X,Y,W,H", help="Only these pixels, cut where the picture ends.")
 @click.option("--scale", type=SCALE, metavar="F", help="Enlarge or shrink by this factor, such as 2 or 1/4.")
 @click.option("--size", type=SIZE, metavar="WxH", help="Scale to fit into this size; 512x, x512; 512x512! is exact.")

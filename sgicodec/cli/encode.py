@@ -8,7 +8,17 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sgicodec.cli.batch import named_targets, run_batch
-from sgicodec.cli.options import BYTES, FLOAT_RANGE, VERBOSE, force_option, json_option, output_option, threads_option
+from sgicodec.cli.command import HelpfulCommand
+from sgicodec.cli.options import (
+    BYTES,
+    FLOAT_RANGE,
+    VERBOSE,
+    complete_files,
+    force_option,
+    json_option,
+    output_option,
+    threads_option,
+)
 from sgicodec.cli.paths import display, with_extension
 from sgicodec.cli.progress import Mode
 from sgicodec.device import Device
@@ -21,8 +31,20 @@ if TYPE_CHECKING:
 __all__ = ["encode"]
 
 
-@click.command(short_help="Encode pictures.")
-@click.argument("paths", metavar="IN... [OUT]", nargs=-1, required=True)
+@click.command(
+    cls=HelpfulCommand,
+    short_help="Encode pictures.",
+    common=("quality", "size", "psnr", "effort", "tune", "output", "output_dir", "threads", "force", "quiet"),
+    research=(
+        *("lmbda", "profile", "seeds", "per_seed", "distortion", "texture", "features", "levels", "steps", "seed"),
+    ),
+    examples=(
+        ("sgi encode photo.jpg", "photo.sgi beside it"),
+        ("sgi encode photo.jpg -o small.sgi --size 200kB", "a file of at most so many bytes"),
+        ("sgi encode *.png --output-dir streams -q 60", "many pictures"),
+    ),
+)
+@click.argument("paths", metavar="IN... [OUT]", nargs=-1, required=True, shell_complete=complete_files)
 @click.option("-q", "--quality", type=float, metavar="1-100", show_default="50", help="Quality; more is better.")
 @click.option("--lmbda", type=float, metavar="L", help="Squared error that a bit must save, instead of -q.")
 @click.option("--psnr", type=float, metavar="DB", help="PSNR to end at, instead of -q.")

@@ -11,7 +11,7 @@ import click
 
 from sgicodec.cli.files import each_file
 from sgicodec.cli.json_output import print_json
-from sgicodec.cli.options import json_option
+from sgicodec.cli.options import complete_files, json_option
 from sgicodec.cli.parts import all_parts, chunk_parts, metadata_bytes, print_parts, whole_bytes
 from sgicodec.cli.paths import STANDARD, display, naming_stream, opened_stream
 
@@ -27,7 +27,7 @@ _DEPTHS = {"uint8": "8 bits", "uint16": "16 bits", "float32": "32-bit float"}
 
 
 @click.command(short_help="Show what streams hold.")
-@click.argument("sources", metavar="IN...", nargs=-1, required=True)
+@click.argument("sources", metavar="IN...", nargs=-1, required=True, shell_complete=complete_files)
 @click.option("--survey", is_flag=True, help="Decode all tiles: seeds, texture, symbols, bytes of each part.")
 @json_option
 def info(sources: tuple[str, ...], survey: bool, as_json: bool) -> None:

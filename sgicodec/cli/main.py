@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import os
 import sys
@@ -10,7 +11,9 @@ from typing import Any, NoReturn
 
 import click
 
+from sgicodec.cli.command import examples_text
 from sgicodec.cli.options import VERBOSE, verbose_option
+from sgicodec.cli.texts import EXAMPLES, EXIT_CODES
 from sgicodec.errors import SgiError
 from sgicodec.version import __version__
 
@@ -25,21 +28,10 @@ _COMMANDS = {
     "verify": "sgicodec.cli.verify",
     "compare": "sgicodec.bench.command",
     "bench": "sgicodec.bench.command",
+    "completion": "sgicodec.cli.completion",
+    "man": "sgicodec.cli.man",
 }
 """The commands, and the modules that they live in."""
-
-_EXIT_CODES = """\b
-Exit codes:
-  0    done
-  1    internal error, or a benchmark point, a tile or a file of many that failed
-  2    arguments or settings that make no sense
-  3    a picture that cannot be read or written
-  4    a stream that is damaged, unsupported or cannot be opened
-  5    a target that was missed
-  6    the output exists and -f was not given, or another encode is writing it
-  130  interrupted, nothing written
-  141  the reader of a pipe went away
-"""
 
 
 class Cli(click.Group):
@@ -74,6 +66,35 @@ class Cli(click.Group):
             self.add_command(verbose_option(command))
         return super().get_command(ctx, name)
 
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Examples and exit codes."""
+        formatter.write_paragraph()
+        formatter.write(examples_text(EXAMPLES))
+        formatter.write_paragraph()
+        codes = "".join(f"  {code:<3}  {text}\n" for code, text in EXIT_CODES)
+        formatter.write(f"Exit codes:\n{codes}")
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """The command that is named first. Raises UsageError, with what may have been meant."""
+        name = args[0]
+        if name not in _COMMANDS and not name.startswith("-"):
+            from difflib import get_close_matches  # takes long to load
+
+            close = get_close_matches(name, _COMMANDS, 1, 0.5)
+            if os.path.isfile(name):
+                hint = f" (it is a file; did you mean 'sgi {_command_for(name)} {name}'?)"
+            else:
+                hint = f" (did you mean {close[0]!r}?)" if close else ""
+            raise click.UsageError(f"there is no command {name!r}{hint}", ctx)
+        return super().resolve_command(ctx, args)
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """`--version -v` says more, in any order."""
+        ctx.meta[VERBOSE] = bool({"-v", "--verbose"} & set(args)) and "--version" in args
+        return super().parse_args(ctx, args)
+
     def invoke(self, ctx: click.Context) -> Any:
         """Runs the command; what no user can be blamed for ends here."""
         try:
@@ -94,6 +115,26 @@ class Cli(click.Group):
             ctx.exit(_complain(f"internal error, please report it; -v prints the trace: {what}", _INTERNAL))
 
 
+def _command_for(path: str) -> str:
+    """What one does with a file: a stream is decoded, a picture encoded."""
+    from sgicodec.bitstream.container import SIGNATURE
+
+    with contextlib.suppress(OSError), open(path, "rb") as file:
+        return "decode" if file.read(len(SIGNATURE)) == SIGNATURE else "encode"
+    return "encode"
+
+
+def _print_version(ctx: click.Context, param: click.Parameter, value: bool) -> None:
+    if not value or ctx.resilient_parsing:
+        return
+    click.echo(f"sgi {__version__}")
+    if ctx.meta.get(VERBOSE):
+        from sgicodec.cli.versions import version_lines
+
+        click.echo("\n".join(version_lines()))
+    ctx.exit()
+
+
 def _complain(message: str, status: int) -> int:
     click.echo(f"sgi: {' '.join(message.split())}", err=True)
     return status
@@ -104,8 +145,16 @@ def _drop_stdout() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-@click.group("sgi", cls=Cli, epilog=_EXIT_CODES, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(__version__, prog_name="sgi", message="%(prog)s %(version)s")
+@click.group("sgi", cls=Cli, context_settings={"help_option_names": ["-h", "--help"]})
+@click.option(
+    "--version",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_print_version,
+    help="Show the version and exit; with -v libraries and instruction set too.",
+)
+@click.option("-v", "--verbose", is_flag=True, expose_value=False, help="With --version: tell more.")
 def cli() -> None:
     """Pictures as 2D Gaussians in small files, decoded at any scale."""
 

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import math
 import re
-from typing import Any, NamedTuple, NoReturn, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, TypeVar
 
 import click
+
+if TYPE_CHECKING:
+    from click.shell_completion import CompletionItem
 
 __all__ = [
     "BYTES",
@@ -16,6 +19,7 @@ __all__ = [
     "SIZE",
     "VERBOSE",
     "Sized",
+    "complete_files",
     "force_option",
     "json_option",
     "output_option",
@@ -27,6 +31,13 @@ VERBOSE = "sgicodec.verbose"
 """Key in a context's `meta`: whether -v was given."""
 
 _Command = TypeVar("_Command", bound=click.Command)
+
+
+def complete_files(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """Has the shell complete names of files."""
+    from click.shell_completion import CompletionItem
+
+    return [CompletionItem(incomplete, type="file")]
 
 
 class _Pattern(click.ParamType):  # type: ignore[type-arg]

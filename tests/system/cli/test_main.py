@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import re
 import signal
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import click
+import numpy as np
 import pytest
 from click.testing import Result
 
 from sgicodec import errors
+from sgicodec.bitstream.header import FORMAT_VERSION
+from sgicodec.cli.command import HelpfulCommand
 from sgicodec.cli.main import cli
 from sgicodec.decoder import stream as decoder
 from sgicodec.encoder import pipeline as encoder
@@ -24,7 +29,7 @@ Run = Callable[..., Result]
 def test_help_lists_commands_and_exit_codes(sgi: Run) -> None:
     result = sgi("--help")
     assert result.exit_code == 0
-    for name in ("encode", "decode", "info", "verify", "compare", "bench"):
+    for name in ("encode", "decode", "info", "verify", "compare", "bench", "completion", "man"):
         assert f"\n  {name} " in result.stdout
     codes = [line.split()[0] for line in result.stdout.split("Exit codes:\n")[1].splitlines()]
     assert codes == ["0", "1", "2", "3", "4", "5", "6", "130", "141"]
@@ -40,6 +45,82 @@ def test_every_command_has_help_and_verbose(sgi: Run, command: str) -> None:
 
 def test_version(sgi: Run) -> None:
     assert sgi("--version").stdout == f"sgi {__version__}\n"
+    for arguments in (("--version", "-v"), ("-v", "--version"), ("--version", "--verbose")):
+        lines = sgi(*arguments).stdout.splitlines()
+        assert lines[0] == f"sgi {__version__}"
+        assert f"numpy {np.__version__}" in lines[2]
+        assert re.search(r"^instruction set (portable|avx2|avx512), \d+ threads$", lines[4])
+        assert lines[5] == f"reads format versions 1 to {FORMAT_VERSION}"
+
+
+@pytest.mark.parametrize("command", ["encode", "decode"])
+def test_help_is_small_and_help_all_is_not(sgi: Run, command: str) -> None:
+    small, whole = sgi(command, "--help").stdout, sgi(command, "--help-all").stdout
+    for other in (("--help", "-v"), ("-v", "-h"), ("-h", "--verbose")):
+        assert sgi(command, *other).stdout == whole
+    shown, every = (set(re.findall(r"^  (?:-\w, )?(--[a-z0-9-]+)", text, re.MULTILINE)) for text in (small, whole))
+    assert len(shown - {"--verbose", "--help", "--help-all"}) <= 10
+    found = cli.get_command(click.Context(cli), command)
+    assert found is not None
+    options = [param for param in found.params if isinstance(param, click.Option)]
+    assert every == {option.opts[-1] for option in options} | {"--help", "--help-all"}
+    assert f"sgi {command} --help-all shows {len(every - shown)} more options." in small
+    assert small.count(f"\n  sgi {command} ") == whole.count(f"\n  sgi {command} ") == 3
+    assert isinstance(found, HelpfulCommand)
+    named = {*found.common, *found.research}
+    assert named <= {option.name for option in options}, "names of options that are there"
+
+
+def test_research_options_come_last(sgi: Run) -> None:
+    text = sgi("encode", "--help-all").stdout
+    assert text.index("\nOptions:") < text.index("\nMore options:") < text.index("\nFor research:")
+    assert "--profile" in text.split("For research:")[1]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "hint"),
+    [
+        (["enocde"], "there is no command 'enocde' (did you mean 'encode'?)"),
+        (["xyzzy"], "there is no command 'xyzzy'"),
+        (["scene.png"], "there is no command 'scene.png' (it is a file; did you mean 'sgi encode scene.png'?)"),
+        (["scene.sgi"], "there is no command 'scene.sgi' (it is a file; did you mean 'sgi decode scene.sgi'?)"),
+    ],
+)
+def test_suggestions(sgi: Run, shared: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], hint: str) -> None:
+    monkeypatch.chdir(shared)
+    assert sgi(*arguments).stderr == f"sgi: {hint}; see sgi --help\n"
+
+
+def test_options_are_suggested(sgi: Run) -> None:
+    assert "'--quality'" in sgi("encode", "a.png", "--qualty", 3).stderr
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_completion(sgi: Run, shell: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """The script asks sgi itself, which answers with commands, options and files."""
+    script = sgi("completion", shell).stdout
+    assert f"_SGI_COMPLETE={shell}_complete" in script
+    answers = {}
+    for words in ("sgi enc", "sgi encode --over", "sgi decode pho", "sgi encode --tune v"):
+        monkeypatch.setenv("_SGI_COMPLETE", "bash_complete")
+        monkeypatch.setenv("COMP_WORDS", words)
+        monkeypatch.setenv("COMP_CWORD", str(words.count(" ")))
+        with pytest.raises(SystemExit):
+            cli([])
+        answers[words] = capsys.readouterr().out.split()
+    assert list(answers.values()) == [["plain,encode"], ["plain,--overview"], ["file,pho"], ["plain,visual"]]
+
+
+def test_manual_page(sgi: Run) -> None:
+    page = sgi("man").stdout
+    assert page.startswith('.TH SGI 1 ""')
+    assert re.findall(r"^\.SH (.*)$", page, re.MULTILINE) == [
+        *("NAME", "SYNOPSIS", "DESCRIPTION", "COMMANDS", "EXIT STATUS", "EXAMPLES")
+    ]
+    assert re.findall(r"^\.SS sgi (\w+) ", page, re.MULTILINE) == cli.list_commands(click.Context(cli))
+    for option in ("\\-\\-region X,Y,W,H", "\\-q, \\-\\-quality 1\\-100", "\\-\\-survey", "\\-\\-fail\\-under DB"):
+        assert f"\\fB{option}\\fR" in page
+    assert all(line.startswith(".") or not line.startswith("'") for line in page.splitlines())
 
 
 def test_no_command_shows_help(sgi: Run) -> None:

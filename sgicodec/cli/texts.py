@@ -1,0 +1,23 @@
+"""What the help of the group and the manual page say: examples and exit codes."""
+
+from __future__ import annotations
+
+__all__ = ["EXAMPLES", "EXIT_CODES"]
+
+EXAMPLES = (
+    ("sgi encode photo.jpg", "photo.sgi beside it"),
+    ("sgi decode photo.sgi", "photo.png beside it"),
+    ("sgi info photo.sgi", "what it holds"),
+)
+
+EXIT_CODES = (
+    (0, "done"),
+    (1, "internal error, or a benchmark point, a tile or a file of many that failed"),
+    (2, "arguments or settings that make no sense"),
+    (3, "a picture that cannot be read or written"),
+    (4, "a stream that is damaged, unsupported or cannot be opened"),
+    (5, "a target that was missed"),
+    (6, "the output exists and -f was not given, or another encode is writing it"),
+    (130, "interrupted, nothing written"),
+    (141, "the reader of a pipe went away"),
+)
