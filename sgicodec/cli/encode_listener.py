@@ -29,7 +29,7 @@ class EncodeListener(NullListener):
 
     def __init__(self, mode: Mode, quiet: bool, on_cluster: bool, source: str = STANDARD) -> None:
         self._mode, self._quiet, self._on_cluster, self._source = mode, quiet, on_cluster, source
-        self._stack, self._early = ExitStack(), EarlyEnd()
+        self._stack, self._early, self._told = ExitStack(), EarlyEnd(), False
         self._draw_fit: Callable[[Progress], None] = lambda _: None
         self._draw_tiles: Callable[[PassState], None] = lambda _: None
 
@@ -72,10 +72,20 @@ class EncodeListener(NullListener):
         """From the first step on, Ctrl-C ends the fit."""
         self._early.arm()
         self._draw_fit(progress)
-        if self._early.asked and not self._quiet:
-            text = f"sgi: interrupted at step {progress.step} of {progress.steps}; writing what is there"
-            click.echo(text, err=True)
+        if self._early.asked:
+            self._tell(f"interrupted at step {progress.step} of {progress.steps}; writing what is there")
         return not self._early.asked
+
+    def ending(self) -> bool:
+        """Whether Ctrl-C was pressed."""
+        if self._early.asked:
+            self._tell("interrupted after the fit; writing what is there")
+        return self._early.asked
+
+    def _tell(self, text: str) -> None:
+        if not self._quiet and not self._told:
+            click.echo(f"sgi: {text}", err=True)
+        self._told = True
 
     def note(self, text: str) -> None:
         """One line, which even --quiet does not keep back."""

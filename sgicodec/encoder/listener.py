@@ -80,6 +80,10 @@ class NullListener:
         """
         return True
 
+    def ending(self) -> bool:
+        """Whether the encode of a picture in one tile should end soon, with what is there. Asked after the fit."""
+        return False
+
     def note(self, text: str) -> None:
         """Something about the picture that its owner should know."""
 

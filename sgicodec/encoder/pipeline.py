@@ -158,15 +158,19 @@ def _encode_whole(job: _Job, executor: Executor | None) -> tuple[Encoded, str | 
     picture = job.windows.read(0, 0, shape.width, shape.height)
     masked = plan.header.masked if empty_pixels(picture, plan.header.masked).any() else None
     plan = replace(plan, header=replace(plan.header, masked=masked))
-    steps, ended = 0, False
+    steps, short, going = 0, False, True
 
     def watch(progress: Progress) -> bool:
-        nonlocal steps, ended
-        steps, ended = progress.step, progress.step < progress.steps
-        return job.listener.step(progress)
+        nonlocal steps, short, going
+        steps, short, going = progress.step, progress.step < progress.steps, job.listener.step(progress)
+        return going
+
+    def ending() -> bool:
+        return not going or job.listener.ending()
 
     job.listener.planned(plan, 1, memory)
     encoding = Encoding(picture, plan, job.started, job.device)
+    encoding.ending = ending
     target = plan.settings.rate_target(picture.width * picture.height)
     try:
         to_target = TextureTargetEncoder if encoding.spec.texture else SeedTargetEncoder
@@ -176,7 +180,7 @@ def _encode_whole(job: _Job, executor: Executor | None) -> tuple[Encoded, str | 
     psnr = job.psnr(encoded.data) if job.verify else None
     if job.output is not None:
         replace(job, verify=False).write(lambda file: file.write(encoded.data))
-    return replace(encoded, steps=steps, ended_early=ended, psnr=psnr), missed
+    return replace(encoded, steps=steps, ended_early=short or ending(), psnr=psnr), missed
 
 
 def _encode_tiles(job: _Job, executor: Executor | None, store: Store | None) -> tuple[Encoded, str | None]:

@@ -63,7 +63,8 @@ def empty_pixels(picture: Picture, masked: Masked | None) -> NDArray[np.bool_]:
 
 
 class Encoding:
-    """The parts of an encode, for those who put them in order. `started`: a value of time.monotonic().
+    """The parts of an encode, for those who put them in order. `started`: a value of time.monotonic(); `ending` says
+    whether the caller wants what is there.
 
     `fit` holds the settings of the next fit; `begin` sets its λ, which the base layer follows.
     """
@@ -71,6 +72,7 @@ class Encoding:
     def __init__(self, picture: Picture, plan: Plan, started: float, device: Device = ALL_CORES) -> None:
         self.started, self.picture, self.plan, self.settings = started, picture, plan, plan.settings
         self.device = device
+        self.ending: Callable[[], bool] = lambda: False
         self.spec = plan.header.spec
         self.unit = np.ascontiguousarray(to_unit(picture).transpose(2, 0, 1))
         self.empty: NDArray[np.bool_] | None = None
@@ -195,7 +197,7 @@ class Encoding:
         if not self.searches:
             return candidate
         until = self.end - 0.5 * self._coding_seconds
-        return replace(candidate, model=self.rdoq(candidate).at(candidate.lmbda, until=until).model)
+        return replace(candidate, model=self.rdoq(candidate).at(candidate.lmbda, until=until, ending=self.ending).model)
 
     def textured(self, candidate: Candidate) -> Candidate:
         """The candidate with texture over what its seeds leave, for the λ of the encode."""

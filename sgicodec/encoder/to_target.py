@@ -92,7 +92,7 @@ class SeedTargetEncoder(TargetEncoder):
                 if may_end and target.is_met(measured):
                     return candidate, (encoded, measured)
             tries.append((candidate, measured))
-            if 2 * time.monotonic() - began > encoding.end:
+            if encoding.ending() or 2 * time.monotonic() - began > encoding.end:
                 break
             controller.update(measured)
         met = [candidate for candidate, measured in tries if target.is_met(measured)]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -76,14 +77,23 @@ class Rdoq:
         self.passes += 1
         return RdoqResult(model, objective.cost(model))
 
-    def at(self, lmbda: float, passes: int | None = None, until: float = math.inf) -> RdoqResult:
+    def at(
+        self,
+        lmbda: float,
+        passes: int | None = None,
+        until: float = math.inf,
+        ending: Callable[[], bool] = lambda: False,
+    ) -> RdoqResult:
         """The best model that `passes` passes from the start find for λ; none that costs more than what there was.
 
-        Ends early where another pass would not be done by `until`, a value of time.monotonic().
+        Ends early where another pass would not be done by `until`, a value of time.monotonic(), and before a pass where
+        `ending` says so.
         """
         self._restart()
         best = RdoqResult(self.fitted, self.objective.cost(self.fitted))
         for _ in range(self.settings.passes if passes is None else passes):
+            if ending():
+                break
             started = time.monotonic()
             found = self.descend(lmbda)
             if found.cost.at(lmbda) < best.cost.at(lmbda):

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
 import signal
+import subprocess
+import sys
+import threading
 
 import pytest
+from children import HANGS
 
 from sgicodec.cli.interrupt import EarlyEnd
 
@@ -46,3 +52,38 @@ def test_an_ignored_signal_stays_ignored() -> None:
         assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
     finally:
         signal.signal(signal.SIGINT, old)
+
+
+BUSY = """
+import hashlib, sys
+from sgicodec.cli.interrupt import EarlyEnd
+with EarlyEnd() as early:
+    early.arm()
+    print("armed", flush=True)
+    hashlib.pbkdf2_hmac("sha256", b"", b"", 2**31 - 1)
+"""
+
+
+def test_the_second_signal_ends_what_is_busy_in_native_code() -> None:
+    with subprocess.Popen([sys.executable, "-c", BUSY], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == b"armed\n"
+        for _ in range(100):  # signals of one number that come at once are one
+            process.send_signal(signal.SIGINT)
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.wait(0.1)
+                break
+        assert process.communicate(timeout=HANGS)[1] == b"sgi: interrupted\n"
+    assert process.returncode == 130
+
+
+def test_nothing_is_left_of_the_watch() -> None:
+    before, open_files = signal.set_wakeup_fd(-1), len(os.listdir("/dev/fd"))
+    with EarlyEnd() as early:
+        early.arm()
+        assert len(os.listdir("/dev/fd")) == open_files + 2
+    for thread in threading.enumerate():
+        if thread is not threading.main_thread() and "_watch" in thread.name:
+            thread.join(HANGS)
+    assert len(os.listdir("/dev/fd")) == open_files
+    assert signal.set_wakeup_fd(before) == -1

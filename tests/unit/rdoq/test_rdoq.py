@@ -93,3 +93,14 @@ def test_streams_cost_less() -> None:
         error = np.sum((open_stream(data).render().astype(np.float64) - unit) ** 2)
         costs.append(error + lmbda * 8 * len(data))
     assert costs[1] < 0.98 * costs[0]
+
+
+def test_passes_end_where_the_caller_says(stage: Stage) -> None:
+    objective, model = stage()
+    search = Rdoq(objective.header, model, objective.picture, 1e-3, device=objective.device)
+    none = search.at(1e-3, ending=lambda: True)
+    assert search.passes == 0
+    assert none.cost == objective.cost(model)
+    two = search.at(1e-3, ending=lambda: search.passes == 2)
+    assert search.passes == 2
+    assert two.cost == search.at(1e-3, passes=2).cost

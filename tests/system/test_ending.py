@@ -1,0 +1,72 @@
+"""An encode that its caller ends before it is done."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sgicodec import EncodeSettings, NullListener, Picture, encode_picture, read
+from sgicodec.decoder.stream import open_stream
+from sgicodec.fit.trainer import Progress
+from sgicodec.rdoq import Rdoq
+
+DATA = Path(__file__).parents[1] / "data"
+
+
+class Ending(NullListener):
+    """Ends the fit at a step, or what comes after it."""
+
+    def __init__(self, step: int | None) -> None:
+        self._step = step
+
+    def step(self, progress: Progress) -> bool:
+        return self._step is None or progress.step < self._step
+
+    def ending(self) -> bool:
+        return True
+
+
+@pytest.fixture
+def passes(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """λ of each pass of RDOQ that is made."""
+    made: list[float] = []
+    descend = Rdoq.descend
+
+    def count(self: Rdoq, lmbda: float) -> object:
+        made.append(lmbda)
+        return descend(self, lmbda)
+
+    monkeypatch.setattr(Rdoq, "descend", count)
+    return made
+
+
+@pytest.fixture(scope="module")
+def picture() -> Picture:
+    return Picture(read(DATA / "kodim23.png").pixels[100:164, 150:246], "rgb", (0.0, 255.0))
+
+
+@pytest.mark.parametrize("step", [3, None])
+def test_no_pass_follows_an_end(picture: Picture, passes: list[float], step: int | None) -> None:
+    """Forty passes took a minute after Ctrl-C."""
+    encoded = encode_picture(picture, EncodeSettings(steps=40), progress=Ending(step), verify=True)
+    assert passes == []
+    assert encoded.ended_early
+    assert encoded.steps == (step or 40)
+    assert encoded.psnr is not None
+    assert encoded.psnr > 20
+    with open_stream(encoded.data) as stream:
+        assert np.abs(stream.picture().pixels.astype(int) - picture.pixels).mean() < 20
+
+
+@pytest.mark.parametrize("texture", [True, False])
+def test_a_size_holds_nevertheless(picture: Picture, passes: list[float], texture: bool) -> None:
+    settings = EncodeSettings(steps=40, size=1500, texture=texture)
+    assert encode_picture(picture, settings, progress=Ending(3)).size <= 1500
+    assert len(passes) <= 1
+
+
+def test_nothing_ends_unasked(picture: Picture, passes: list[float]) -> None:
+    assert not encode_picture(picture, EncodeSettings(steps=5)).ended_early
+    assert len(passes) == 2
