@@ -1,8 +1,12 @@
-"""Many files by one command: each in its turn, one summary, and an exit code for all."""
+"""Many files by one command: which, under which names, each in its turn, one summary, and an exit code for all."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import click
@@ -10,55 +14,122 @@ import click
 from sgicodec.cli.files import complain
 from sgicodec.cli.json_output import print_json
 from sgicodec.cli.paths import STANDARD, display
+from sgicodec.cli.progress import Mode, batch_progress
 from sgicodec.errors import BatchError, SgiError, UsageError
 
-__all__ = ["named_targets", "run_batch"]
+__all__ = ["Batch", "Item", "batch_items"]
 
 
-def named_targets(sources: tuple[str, ...], folder: str, extension_of: Callable[[str], str]) -> list[tuple[str, str]]:
-    """Each source with its target: its name with another extension, in `folder`, which is made if it is missing.
+@dataclass(frozen=True)
+class Item:
+    """A file, and where its result goes: a path without extension. clash: the file whose result goes there already."""
 
-    A source without an extension_of (SgiError) fails later, in its turn. Raises UsageError for two of one name.
+    source: str
+    stem: str
+    clash: str | None = None
+
+
+def batch_items(
+    paths: tuple[str, ...], folder: str | None, recursive: bool, wanted: Callable[[Path], bool]
+) -> list[Item]:
+    """All files of `paths`, and with `recursive` the wanted ones in folders and their subfolders.
+
+    Results go into `folder`, in the same subfolders, or beside their sources. Of files whose names differ in the
+    extension alone, results keep it: a.png and a.jpg become a.png.sgi and a.jpg.sgi. Raises UsageError.
     """
-    if STANDARD in sources:
-        raise UsageError("stdin has no name; --output-dir takes files")
-    taken: dict[str, str] = {}
-    pairs = []
-    for source in sources:
-        try:
-            extension = extension_of(source)
-        except SgiError:
-            extension = "png"
-        target = str(Path(folder) / f"{Path(source).stem}.{extension}")
-        if target in taken:
-            raise UsageError(f"{display(taken[target])} and {display(source)} would both become {display(target)}")
-        taken[target] = source
-        pairs.append((source, target))
+    if STANDARD in paths:
+        raise UsageError("stdin has no name; many files are taken by their names")
+    found = [pair for path in paths for pair in _files(path, recursive, wanted)]
+    if not found:
+        raise UsageError(f"there is nothing to take in {', '.join(map(display, paths))}")
+    stems = [file if folder is None else os.path.join(folder, under) for file, under in found]
+    counts = Counter(os.path.splitext(stem)[0] for stem in stems)
+    items, taken = [], dict[str, str]()
+    for (file, _), stem in zip(found, stems, strict=True):
+        bare = os.path.splitext(stem)[0]
+        name = bare if counts[bare] == 1 else stem
+        items.append(Item(file, name, taken.get(name)))
+        taken.setdefault(name, file)
+    return items
+
+
+def _files(path: str, recursive: bool, wanted: Callable[[Path], bool]) -> Iterator[tuple[str, str]]:
+    """Each file, and its path below the folder that was named."""
+    if not os.path.isdir(path):
+        yield path, os.path.basename(path)
+        return
+    if not recursive:
+        raise UsageError(f"{display(path)} is a folder; add -r to take the files in it")
+    for folder, folders, names in os.walk(path):
+        folders.sort()
+        for name in sorted(names):
+            file = os.path.join(folder, name)
+            if not name.startswith(".") and os.path.isfile(file) and wanted(Path(file)):
+                yield file, os.path.relpath(file, path)
+
+
+@dataclass(frozen=True)
+class Batch:
+    """How many files are worked on. done: what is said of one, such as "encoded"."""
+
+    done: str
+    skip_existing: bool
+    mode: Mode
+    as_json: bool
+    quiet: bool
+
+    def run(self, items: list[Item], extension_of: Callable[[str], str], work: Callable[[str, str], int]) -> None:
+        """Calls work(source, target), which returns bytes, for all; reports failures as they occur, then sums up.
+
+        Raises BatchError if some failed. Ctrl-C ends the batch.
+        """
+        failed, skipped, finished, size, started = 0, 0, 0, 0, time.monotonic()
+        with batch_progress(self.mode, len(items)) as draw:
+            for number, item in enumerate(items):
+                draw(number, display(item.source), time_left(len(items) - number, finished, time.monotonic() - started))
+                try:
+                    target = self._target(item, extension_of)
+                    if self.skip_existing and os.path.exists(target):
+                        skipped += 1
+                        continue
+                    _make_folder(os.path.dirname(target))
+                    size += work(item.source, target)
+                    finished += 1
+                except SgiError as error:
+                    failed += 1
+                    complain(error, item.source, item.stem)
+        self._sum_up(len(items), finished, skipped, failed, size)
+        if failed:
+            raise BatchError(f"{failed} of {len(items)} files failed")
+
+    def _target(self, item: Item, extension_of: Callable[[str], str]) -> str:
+        target = f"{item.stem}.{extension_of(item.source)}"
+        if item.clash is not None:
+            raise UsageError(f"{display(item.source)}: {display(target)} is that of {display(item.clash)}")
+        return target
+
+    def _sum_up(self, files: int, finished: int, skipped: int, failed: int, size: int) -> None:
+        if self.as_json:
+            counts = {"files": files, self.done: finished, "skipped": skipped, "failed": failed}
+            print_json(counts | {"bytes": size})
+        elif not self.quiet:
+            there = f", {skipped} there already" if skipped else ""
+            click.echo(f"{finished} of {files} files {self.done}{there}, {size:,} bytes")
+
+
+def time_left(files: int, finished: int, seconds: float) -> str:
+    """How long so many files will take, if the finished ones took so many seconds; empty before the first."""
+    if not finished:
+        return ""
+    left = files * seconds / finished
+    if left < 60:
+        return f"{max(1, round(left))} s left"
+    minutes = round(left / 60)
+    return f"{minutes} min left" if minutes < 60 else f"{minutes // 60} h {minutes % 60} min left"
+
+
+def _make_folder(folder: str) -> None:
     try:
-        Path(folder).mkdir(parents=True, exist_ok=True)
+        os.makedirs(folder or ".", exist_ok=True)
     except OSError as error:
         raise UsageError(f"{display(folder)}: {error.strerror or error}") from error
-    return pairs
-
-
-def run_batch(
-    done: str, pairs: list[tuple[str, str]], work: Callable[[str, str], int], as_json: bool = False, quiet: bool = False
-) -> None:
-    """Calls work(source, target), which returns bytes, for all pairs; reports failures as they occur, then sums up.
-
-    Raises BatchError if some failed. Ctrl-C ends the batch.
-    """
-    failed, finished, size = 0, 0, 0
-    for source, target in pairs:
-        try:
-            size += work(source, target)
-            finished += 1
-        except SgiError as error:
-            failed += 1
-            complain(error, source, target)
-    if as_json:
-        print_json({"files": len(pairs), done: finished, "failed": failed, "bytes": size})
-    elif not quiet:
-        click.echo(f"{finished} of {len(pairs)} files {done}, {size:,} bytes")
-    if failed:
-        raise BatchError(f"{failed} of {len(pairs)} files failed")

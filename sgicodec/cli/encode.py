@@ -2,29 +2,35 @@
 
 from __future__ import annotations
 
+import os
 import time
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from sgicodec.cli.batch import named_targets, run_batch
+from sgicodec.cli.batch import Batch, batch_items
 from sgicodec.cli.command import HelpfulCommand
 from sgicodec.cli.options import (
     BYTES,
     FLOAT_RANGE,
     VERBOSE,
+    batch_options,
     complete_files,
     force_option,
     json_option,
     output_option,
+    progress_option,
+    quiet_option,
     threads_option,
 )
 from sgicodec.cli.paths import display, with_extension
-from sgicodec.cli.progress import Mode
 from sgicodec.device import Device
 from sgicodec.errors import UsageError
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
+    from sgicodec.cli.progress import Mode
     from sgicodec.encoder.settings import EncodeSettings
     from sgicodec.image import Alpha
 
@@ -82,7 +88,7 @@ __all__ = ["encode"]
 )
 @click.option("--metadata/--no-metadata", default=True, show_default=True, help="Keep ICC profile, EXIF and XMP.")
 @click.option("--verify/--no-verify", default=True, show_default=True, help="Decode the stream and measure it.")
-@click.option("--progress", type=click.Choice(["auto", "on", "off"]), default="auto", show_default=True)
+@progress_option
 @click.option("--tile", type=int, metavar="N", help="Side of the tiles of a large picture; 0 for a single one.")
 @click.option("--overview/--no-overview", default=None, help="Add the picture in small.  [default: if it is large]")
 @click.option("--max-memory", type=BYTES, metavar="SIZE", help="Take fewer workers than -j if they need more: 1.5GiB.")
@@ -91,15 +97,17 @@ __all__ = ["encode"]
 @click.option("--source-at", metavar="PLACE", help="Path or URL of IN as the cluster sees it.")
 @click.option("--send-pixels", is_flag=True, help="Send pixels to the cluster, which then reads nothing.")
 @output_option
-@click.option("--output-dir", metavar="DIR", help="Encode all IN into this folder.")
+@batch_options
 @threads_option
 @force_option
 @json_option
-@click.option("--quiet", is_flag=True, help="Print errors only.")
+@quiet_option
 def encode(
     paths: tuple[str, ...],
     output: str | None,
     output_dir: str | None,
+    recursive: bool,
+    skip_existing: bool,
     as_json: bool,
     quiet: bool,
     float_range: tuple[float, float] | None,
@@ -117,7 +125,7 @@ def encode(
 ) -> None:
     """Encode picture IN into stream OUT, by default IN's name with .sgi; - stands for stdin or stdout.
 
-    With --output-dir many IN are encoded one after the other; one that fails does not stop the others.
+    With --output-dir or -r many IN are encoded one after the other; one that fails does not stop the others.
 
     A size or quality that cannot be reached ends with exit code 5 and the nearest stream in OUT.
 
@@ -131,26 +139,34 @@ def encode(
     if source_at is not None and send_pixels:
         raise UsageError("--source-at and --send-pixels exclude each other")
     verbose = bool(click.get_current_context().meta.get(VERBOSE))
+    many = output_dir is not None or recursive
 
     def run(source: str, target: str) -> int:
         started = time.monotonic()
         from sgicodec.cli.encode_file import Job, encode_file
 
-        options = (float_range, verify, progress, force, as_json, quiet, verbose, resume, max_memory)
+        options = (float_range, verify, "off" if many else progress, force, as_json, quiet, verbose, resume, max_memory)
         where = (cluster, source_at, send_pixels, alpha)
-        return encode_file(
-            Job(source, target, settings, device, started, *options, *where, output_dir is not None, output is not None)
-        )
+        return encode_file(Job(source, target, settings, device, started, *options, *where, many, output is not None))
 
-    if output is not None and (output_dir is not None or len(paths) > 1):
-        raise UsageError("-o names the OUT of one IN; it does not go with another name or --output-dir")
-    if output_dir is not None:
-        run_batch("encoded", named_targets(paths, output_dir, lambda _: "sgi"), run, as_json, quiet)
+    if output is not None and (many or len(paths) > 1):
+        raise UsageError("-o names the OUT of one IN; it does not go with another name, --output-dir or -r")
+    if many:
+        batch = Batch("encoded", skip_existing, "off" if quiet else progress, as_json, quiet)
+        batch.run(batch_items(paths, output_dir, recursive, _is_picture), lambda _: "sgi", run)
         return
     if len(paths) > 2:
         raise click.UsageError(f"{len(paths)} names; give IN and OUT, or --output-dir for many pictures")
     named = output or (paths[1] if len(paths) == 2 else None)
-    run(paths[0], _default_target(paths[0]) if named is None else named)
+    target = _default_target(paths[0]) if named is None else named
+    if not (skip_existing and os.path.exists(target)):
+        run(paths[0], target)
+
+
+def _is_picture(path: Path) -> bool:
+    from sgicodec.image.reader import is_picture
+
+    return is_picture(path)
 
 
 def _default_target(source: str) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, TypeVar
 
 import click
@@ -19,10 +20,13 @@ __all__ = [
     "SIZE",
     "VERBOSE",
     "Sized",
+    "batch_options",
     "complete_files",
     "force_option",
     "json_option",
     "output_option",
+    "progress_option",
+    "quiet_option",
     "threads_option",
     "verbose_option",
 ]
@@ -134,5 +138,26 @@ threads_option = click.option(
     help="Number of threads.",
 )
 output_option = click.option("-o", "--output", metavar="OUT", help="Write to this file, whatever it is called.")
+progress_option = click.option(
+    "--progress",
+    type=click.Choice(["auto", "on", "off"]),
+    default="auto",
+    show_default=True,
+    help="Bar on stderr; auto on a terminal only.",
+)
+quiet_option = click.option("--quiet", is_flag=True, help="Print errors only.")
+
+
+def batch_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Adds the options for many files by one command."""
+    for option in (
+        click.option("--skip-existing", is_flag=True, help="Leave out what has its OUT already."),
+        click.option("-r", "--recursive", is_flag=True, help="Take all files in folders IN and their subfolders."),
+        click.option("--output-dir", metavar="DIR", help="Take all IN, and write into this folder."),
+    ):
+        command = option(command)
+    return command
+
+
 force_option = click.option("-f", "--force", is_flag=True, help="Overwrite OUT; write to a terminal.")
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import shutil
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -44,26 +45,33 @@ def write_picture(picture: Picture, target: str, extension: str, output: Output)
     write_output(target, buffer.getvalue(), PictureError)
 
 
-def write_bands(header: Header, bands: Bands, target: str, extension: str, output: Output) -> None:
-    """Writes a picture band by band: no more than one of them is ever in memory. Raises PictureError or StreamError."""
+def write_bands(
+    header: Header, bands: Bands, target: str, extension: str, output: Output, draw: Callable[[int], None]
+) -> None:
+    """Writes a picture band by band: no more than one of them is ever in memory. draw: called with the rows that are
+    done. Raises PictureError or StreamError.
+    """
     if target != STANDARD:
-        _write_bands(header, bands, Path(target), extension, output)
+        _write_bands(header, bands, Path(target), extension, output, draw)
         return
     with scratch_folder() as folder:
         path = folder / f"picture.{extension}"
-        _write_bands(header, bands, path, extension, output)
+        _write_bands(header, bands, path, extension, output, draw)
         with path.open("rb") as file:
             shutil.copyfileobj(file, sys.stdout.buffer)
             sys.stdout.buffer.flush()
 
 
-def _write_bands(header: Header, bands: Bands, path: Path, extension: str, output: Output) -> None:
+def _write_bands(
+    header: Header, bands: Bands, path: Path, extension: str, output: Output, draw: Callable[[int], None]
+) -> None:
     sink: Sink | None = None
     try:
         for top, picture in bands:
             if sink is None:
                 sink = _sink(path, header, bands, picture, extension, output)
             sink.write_rows(top, picture.pixels)
+            draw(top + picture.height)
     except BaseException:
         if sink is not None:
             sink.abort()

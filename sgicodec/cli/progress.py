@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from sgicodec.encoder.listener import PassState
     from sgicodec.fit.trainer import Progress
 
-__all__ = ["Mode", "fit_progress", "tile_progress"]
+__all__ = ["Mode", "batch_progress", "fit_progress", "row_progress", "tile_progress"]
 
 Mode = Literal["auto", "on", "off"]
 
@@ -59,6 +59,41 @@ def tile_progress(mode: Mode) -> Iterator[Callable[[PassState], None]]:
 
         def draw(state: PassState) -> None:
             bar.update(task, description=state.name, completed=state.done, total=state.tiles, state=_text(state))
+
+        yield draw
+
+
+@contextlib.contextmanager
+def row_progress(mode: Mode, rows: int | None) -> Iterator[Callable[[int], None]]:
+    """The same for a picture that is written row by row; None for one that comes at once."""
+    if not _is_drawn(mode):
+        yield lambda done: None
+        return
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import Progress as Bar
+
+    counts = () if rows is None else (MofNCompleteColumn(), TextColumn("rows"), TimeRemainingColumn())
+    with Bar(TextColumn("decode"), BarColumn(), *counts, console=_console(mode), refresh_per_second=4) as bar:
+        task = bar.add_task("decode", total=rows)
+        yield lambda done: bar.update(task, completed=done)
+
+
+@contextlib.contextmanager
+def batch_progress(mode: Mode, files: int) -> Iterator[Callable[[int, str, str], None]]:
+    """The same for many files: yields what takes how many are done, the name of the next, and the time left."""
+    if not _is_drawn(mode):
+        yield lambda done, name, left: None
+        return
+    from rich.progress import BarColumn, TextColumn
+    from rich.progress import Progress as Bar
+
+    columns = (TextColumn("{task.fields[text]}", markup=False), BarColumn())
+    with Bar(*columns, console=_console(mode), refresh_per_second=4) as bar:
+        task = bar.add_task("files", total=files, text="")
+
+        def draw(done: int, name: str, left: str) -> None:
+            counted = f"{done + 1} of {files}" + (f", {left}" if left else "")
+            bar.update(task, completed=done, text=f"{counted}  {name}")
 
         yield draw
 

@@ -1,0 +1,109 @@
+"""One stream of `sgi decode`: opened, rendered, written, reported."""
+
+from __future__ import annotations
+
+import os
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from sgicodec.cli.json_output import print_json
+from sgicodec.cli.paths import STANDARD, check_output, display, opened_stream, with_extension
+from sgicodec.cli.pictures import Output, write_bands, write_picture
+from sgicodec.cli.place import lost_outside_tiff
+from sgicodec.cli.progress import Mode, row_progress
+from sgicodec.cli.views import ViewOptions
+from sgicodec.device import Device
+from sgicodec.errors import PictureError, UsageError
+
+if TYPE_CHECKING:
+    from sgicodec.decoder.stream import Bands, Stream
+    from sgicodec.picture import Picture
+
+__all__ = ["DecodeJob"]
+
+_DTYPES = {None: None, 8: "uint8", 16: "uint16", 32: "float32"}
+"""Samples of so many bits, which are rendered as such."""
+
+
+@dataclass(frozen=True)
+class DecodeJob:
+    """What the options say."""
+
+    view: ViewOptions
+    output: Output
+    format_: str | None
+    exact: bool
+    force: bool
+    verbose: bool
+    as_json: bool
+    quiet: bool
+    progress: Mode
+
+    def extension_of(self, source: str) -> str:
+        """That of the picture which a stream becomes, if OUT is not named."""
+        with opened_stream(source) as stream:
+            return self._extension(stream, None)
+
+    def is_there(self, source: str, target: str | None) -> bool:
+        """Whether the picture exists already."""
+        return os.path.exists(target or with_extension(source, self.extension_of(source)))
+
+    def run(self, source: str, target: str | None) -> int:
+        """Decodes one stream; returns the bytes of the picture, 0 if it went to stdout."""
+        started = time.monotonic()
+        with opened_stream(source, Device(self.output.threads)) as stream:
+            extension = self._extension(stream, target)
+            target = with_extension(source, extension) if target is None else target
+            if self.as_json and target == STANDARD:
+                raise UsageError("stdout cannot take both the picture and --json; name OUT")
+            check_output(target, source, self.force)
+            lost = "" if extension == "tif" else lost_outside_tiff(stream.metadata.geo)
+            shown, channels = self._write(stream, target, extension), stream.header.channels
+        if lost and not self.quiet:
+            click.echo(f"sgi: {display(target, 'stdout')}: .{extension} does not hold its {lost}; .tif does", err=True)
+        size = 0 if target == STANDARD else Path(target).stat().st_size
+        if self.as_json:
+            names = {"input": display(source), "output": display(target)}
+            facts = {"width": shown.width, "height": shown.height, "channels": channels, "format": extension}
+            print_json(names | facts | {"bytes": size, "seconds": time.monotonic() - started})
+        elif self.verbose:
+            click.echo(f"{display(target, 'stdout')}: {shown.width}×{shown.height}, {channels}", err=True)
+        return size
+
+    def _write(self, stream: Stream, target: str, extension: str) -> Bands | Picture:
+        stream.exact = self.exact
+        view = self.view.of(stream) | {"dtype": _DTYPES[self.output.bits]}
+        mode: Mode = "off" if self.quiet else self.progress
+        if stream.grid.count > 1:
+            bands = stream.bands(**view)
+            with row_progress(mode, bands.height) as draw:
+                write_bands(stream.header, bands, target, extension, self.output, draw)
+            return bands
+        with row_progress(mode, None):
+            picture = stream.picture(**view)
+            write_picture(picture, target, extension, self.output)
+        return picture
+
+    def _extension(self, stream: Stream, target: str | None) -> str:
+        """Extension of the format to write. Raises UsageError for an unknown format."""
+        from sgicodec.image.formats import find
+
+        bits, format_ = self.output.bits, self.format_
+        if format_ is None and (target is None or target == STANDARD):
+            header = stream.header
+            is_float = bits == 32 or (bits is None and header.sample_type == "float32")
+            return "tif" if is_float or header.channels == "multi" or lost_outside_tiff(stream.metadata.geo) else "png"
+        suffix = "" if target is None else Path(target).suffix.removeprefix(".")
+        if format_ is None and not suffix:
+            raise UsageError(f"{display(target or '')} has no extension that names a format; add one or give --format")
+        if format_ is None and suffix.lower() == "sgi":
+            text = "a decoded picture ending in .sgi is a Silicon Graphics one; if you mean it, add --format sgi"
+            raise UsageError(text)
+        try:
+            return find(format_ or suffix).extensions[0]
+        except PictureError as error:
+            raise UsageError(str(error)) from None

@@ -1,0 +1,166 @@
+"""Many files by one command: folders, names, what is there already, progress."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from click.testing import Result
+
+from sgicodec.cli.batch import Item, batch_items, time_left
+from sgicodec.decoder.stream import open_stream
+from sgicodec.errors import UsageError
+from sgicodec.image import read, write
+
+Run = Callable[..., Result]
+
+
+@pytest.fixture
+def tree(picture: Path, tmp_path: Path) -> Path:
+    """Pictures in a folder and its subfolders, among other files."""
+    folder = tmp_path / "photos"
+    (folder / "2025" / "may").mkdir(parents=True)
+    for name in ("a.png", "2025/a.png", "2025/may/b.png", "2025/.hidden.png"):
+        shutil.copy(picture, folder / name)
+    write(read(picture), folder / "2025" / "may" / "b.tif")
+    (folder / "notes.txt").write_text("no picture")
+    return folder
+
+
+def files(folder: Path) -> list[str]:
+    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
+
+
+def test_folders_keep_their_subfolders(sgi: Run, tree: Path, tmp_path: Path) -> None:
+    out = tmp_path / "streams"
+    result = sgi("encode", "-r", tree, "--output-dir", out, "--steps", 1)
+    assert result.exit_code == 0, result.output
+    assert files(out) == ["2025/a.sgi", "2025/may/b.png.sgi", "2025/may/b.tif.sgi", "a.sgi"]
+    size = sum(path.stat().st_size for path in out.rglob("*.sgi"))
+    assert result.stdout.splitlines()[-1] == f"4 of 4 files encoded, {size:,} bytes"
+    back = tmp_path / "back"
+    (out / "README").write_text("no stream")
+    assert sgi("decode", "-r", out, "--output-dir", back).exit_code == 0
+    assert files(back) == ["2025/a.png", "2025/may/b.png.png", "2025/may/b.tif.png", "a.png"]
+
+
+def test_results_lie_beside_sources_without_a_folder_for_them(sgi: Run, tree: Path) -> None:
+    assert sgi("encode", "-r", tree, "--steps", 1).exit_code == 0
+    assert [name for name in files(tree) if name.endswith(".sgi")] == [
+        *("2025/a.sgi", "2025/may/b.png.sgi", "2025/may/b.tif.sgi", "a.sgi")
+    ]
+
+
+def test_what_is_there_is_left_out(sgi: Run, tree: Path, tmp_path: Path) -> None:
+    out = tmp_path / "streams"
+    out.mkdir()
+    (out / "a.sgi").write_bytes(b"mine")
+    options = ("-r", tree, "--output-dir", out, "--steps", 1)
+    result = sgi("encode", *options, "--skip-existing", "--json")
+    assert result.exit_code == 0
+    summary = json.loads(result.stdout.splitlines()[-1])
+    assert {name: summary[name] for name in ("files", "encoded", "skipped", "failed")} == {
+        **{"files": 4, "encoded": 3, "skipped": 1, "failed": 0}
+    }
+    assert (out / "a.sgi").read_bytes() == b"mine"
+    again = sgi("encode", *options, "--skip-existing")
+    assert (again.exit_code, again.stdout) == (0, "0 of 4 files encoded, 4 there already, 0 bytes\n")
+    assert sgi("encode", *options).stderr.count("exists; give -f") == 4
+
+
+def test_one_file_may_be_skipped_too(sgi: Run, picture: Path, stream: Path) -> None:
+    before = stream.read_bytes()
+    assert sgi("encode", picture, "--skip-existing").output == ""
+    assert sgi("decode", stream, "--skip-existing").output == ""
+    assert (stream.read_bytes(), picture.stat().st_size > 0) == (before, True)
+
+
+def test_equal_names_are_one_line_and_stop_nothing(sgi: Run, picture: Path, tmp_path: Path) -> None:
+    other = tmp_path / "other"
+    other.mkdir()
+    for name in ("scene.png", "last.png"):
+        shutil.copy(picture, other / name)
+    out = tmp_path / "out"
+    result = sgi("encode", picture, other / "scene.png", other / "last.png", "--output-dir", out, "--steps", 1)
+    assert result.exit_code == 1
+    assert files(out) == ["last.sgi", "scene.png.sgi"]
+    first, last = result.stderr.splitlines()
+    assert first == f"sgi: {other / 'scene.png'}: {out / 'scene.png.sgi'} is that of {picture}"
+    assert last == "sgi: 1 of 3 files failed"
+
+
+def test_names(tmp_path: Path) -> None:
+    paths = ("x/a.png", "x/b.jpg", "y/a.jpg")
+    assert batch_items(paths, "out", False, lambda _: True) == [
+        Item("x/a.png", "out/a.png"),
+        Item("x/b.jpg", "out/b"),
+        Item("y/a.jpg", "out/a.jpg"),
+    ]
+    assert [item.stem for item in batch_items(paths, None, False, lambda _: True)] == ["x/a", "x/b", "y/a"]
+    with pytest.raises(UsageError, match="is a folder; add -r"):
+        batch_items((str(tmp_path),), None, False, lambda _: True)
+    with pytest.raises(UsageError, match="nothing to take"):
+        batch_items((str(tmp_path),), None, True, lambda _: True)
+    with pytest.raises(UsageError, match="stdin has no name"):
+        batch_items(("-",), "out", False, lambda _: True)
+
+
+@pytest.mark.parametrize(
+    ("files", "finished", "seconds", "text"),
+    [
+        (5, 0, 3.0, ""),
+        (113, 6, 9.6, "3 min left"),
+        (1, 4, 1.0, "1 s left"),
+        (10, 2, 11.0, "55 s left"),
+        (60, 2, 310.0, "2 h 35 min left"),
+    ],
+)
+def test_time_left(files: int, finished: int, seconds: float, text: str) -> None:
+    assert time_left(files, finished, seconds) == text
+
+
+@pytest.mark.parametrize("command", ["encode", "decode"])
+def test_progress_counts_files(sgi: Run, picture: Path, stream: Path, tmp_path: Path, command: str) -> None:
+    source = {"encode": picture, "decode": stream}[command]
+    second = source.with_name(f"second{source.suffix}")
+    shutil.copy(source, second)
+    options = ["--steps", 1] if command == "encode" else []
+    result = sgi(command, source, second, "--output-dir", tmp_path / "out", "--progress", "on", *options)
+    assert result.exit_code == 0
+    text = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", result.stderr)
+    assert re.search(r"2 of 2, \d+ s left", text)
+    quiet = sgi(command, source, second, "--output-dir", tmp_path / "again", "--quiet", *options)
+    assert quiet.output == ""
+
+
+def test_a_decode_reports(sgi: Run, stream: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out.png"
+    result = sgi("decode", stream, out, "--scale", 2, "--json")
+    facts = json.loads(result.stdout)
+    assert facts.pop("seconds") > 0
+    assert facts == {
+        **{"schema": 1, "input": str(stream), "output": str(out), "width": 96, "height": 64, "channels": "rgb"},
+        **{"format": "png", "bytes": out.stat().st_size},
+    }
+    assert sgi("decode", stream, "-", "--json").exit_code == 2
+    cut = sgi("decode", stream, tmp_path / "b.png", "--region", "40,0,20,20", "--quiet")
+    assert (cut.exit_code, cut.output) == (0, "")
+    assert "decode" in sgi("decode", stream, tmp_path / "c.png", "--progress", "on").stderr
+
+
+def test_a_decode_of_tiles_shows_its_rows(sgi: Run, picture: Path, tmp_path: Path) -> None:
+    assert sgi("encode", picture, tmp_path / "t.sgi", "--steps", 1, "--tile", 32, "--quiet").exit_code == 0
+    result = sgi("decode", tmp_path / "t.sgi", tmp_path / "t.png", "--progress", "on")
+    assert "32/32" in result.stderr
+    with open_stream(tmp_path / "t.sgi") as opened:
+        assert (read(tmp_path / "t.png").pixels == opened.read()).all()
+
+
+def test_a_folder_that_cannot_be_made(sgi: Run, picture: Path) -> None:
+    result = sgi("encode", picture, "--output-dir", picture / "out", "--steps", 1)
+    assert result.exit_code == 1
+    assert "Not a directory" in result.stderr
