@@ -16,12 +16,14 @@ CXX_FILES := $(shell find native tests -name '*.?pp')
 INPUTS := pyproject.toml constraints.txt CMakeLists.txt $(shell find native -type f)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup setup-dev demo test test-all bench lint format stubs clean
+.PHONY: help setup setup-dev demo test test-all asan fuzz bench lint format stubs clean
 
 help:
 	@echo "make demo       encode and decode a bundled photograph and measure the difference"
 	@echo "make test       run the tests, but for the slow ones, in five minutes on two processors"
 	@echo "make test-all   run all tests, with all examples; ARGS='-k nodata' chooses, for both"
+	@echo "make fuzz       decode hostile streams for a minute: make fuzz SECONDS=3600"
+	@echo "make asan       compile with AddressSanitizer and UBSan, run tests and fuzz with all instruction sets"
 	@echo "make lint       check with ruff, mypy and clang-format"
 	@echo "make stubs      write sgicodec/_native.pyi, the types of the extension, anew"
 	@echo "make format     let ruff format"
@@ -75,6 +77,20 @@ test: setup-dev
 
 test-all: setup-dev
 	$(PYTEST) --hypothesis-profile full $(ARGS)
+
+# Streams that end in a new way are kept in build/fuzz, with the seeds of all runs in its log.txt.
+SECONDS ?= 60
+FUZZ := tests/support/fuzz.py --seconds $(SECONDS)
+
+fuzz: setup-dev
+	PYTHONPATH=tests/support $(BIN)/python $(FUZZ) $(ARGS)
+
+# What native code does. Tests that start processes of other kinds, or bound the address space, skip themselves.
+CHECKED := tests/conformance tests/unit/bitstream tests/unit/decoder tests/unit/fit tests/unit/image \
+  tests/unit/model tests/unit/native tests/unit/raster tests/unit/rdoq
+asan: setup-dev
+	$(BIN)/python tests/support/sanitized.py -m pytest -m 'not slow' --hypothesis-profile fast $(CHECKED) $(ARGS)
+	$(BIN)/python tests/support/sanitized.py $(FUZZ) --memory 0 --patience 100
 
 lint: setup-dev
 	$(BIN)/ruff check .

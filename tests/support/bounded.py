@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 from children import HANGS
+from sanitizer import needs_plain_memory
 
 __all__ = ["PROMISED", "within"]
 
@@ -46,6 +47,7 @@ print(json.dumps(found))
 
 def within(path: Path, warm: Path, *names: str, more: int = PROMISED) -> dict[str, object]:
     """What became of each look at a stream, within `more` bytes beyond what a look at the sound stream `warm` took."""
+    needs_plain_memory()
     code = READER.format(path=str(path), warm=str(warm), names=names, more=more)
     environment = {"OPENBLAS_NUM_THREADS": "1", "PYTHONWARNINGS": "error", "PYTHONPATH": ":".join(sys.path)}
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=HANGS, env=environment)

@@ -1,164 +1,169 @@
-"""Changes streams at random and decodes them until time is up; run by hand: python tests/damage/fuzz.py --seconds 120
+"""Changes streams at random and decodes them until time is up: make fuzz SECONDS=600
 
-Each try must give a picture or an SgiError of one line within PATIENCE and MEMORY. Whatever else happens ends the run
-and leaves the stream in --out. A run is repeated by its --seed.
+Each try must give a picture or an SgiError of one line, within --patience seconds and --memory bytes of address space
+(0 where a sanitizer needs more). Every third try ignores the checksum inside payloads, as if a forger had made it fit.
+Instruction sets take turns. Streams that end in a new way join the corpus, from which later runs start, too; the log
+in --corpus has the seed of every run. Whatever else happens ends the run and leaves the stream in --out.
 """
 
 from __future__ import annotations
 
 import argparse
-import resource
+import re
+import sys
 import time
 import warnings
+import zlib
 from collections import Counter
-from dataclasses import replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from absurd import absurd_stream
-from surgery import Parts, join, split, with_fields
+from mutate import mutated
 
-from sgicodec import EncodeSettings, SgiError, encode_picture, read
-from sgicodec.decoder.stream import open_stream
+from sgicodec.bitstream.entropy.symbol_coder import SymbolReader
+from sgicodec.decoder.stream import Stream, open_stream
+from sgicodec.device import Device
+from sgicodec.errors import SgiError, UsageError
 
-MEMORY = 1 << 31
-"""Bytes of address space, of which torch, needed to make the first streams, takes half."""
-PATIENCE = 10.0
-"""Seconds for one try."""
-
-PICTURE = Path(__file__).parents[1] / "data" / "kodim23.png"
-
-
-def sources() -> list[bytes]:
-    """A few small streams that differ in profile, size, channels and samples."""
-    whole = read(PICTURE)
-    crop = replace(whole, pixels=np.ascontiguousarray(whole.pixels[180:220, 100:164]))
-    gray = replace(crop, pixels=crop.pixels[..., :1].copy(), channels="gray")
-    floats = replace(crop, pixels=(crop.pixels / 50.0).astype(np.float32), sample_range=(-1.0, 6.0))
-    default = EncodeSettings(steps=15, texture=False)
-    textured = EncodeSettings(steps=15, quality=80)
-    paper = EncodeSettings(profile="paper", steps=15, seeds=20, per_seed=2, features=6)
-    jobs = [
-        (crop, default),
-        (crop, textured),
-        (crop, paper),
-        (gray, replace(default, per_seed=2)),
-        (floats, replace(default, prior=0)),
-    ]
-    return [encode_picture(picture, settings).data for picture, settings in jobs]
+TESTS = Path(__file__).parents[1]
+SEEDS = (TESTS / "conformance" / "golden", TESTS / "data" / "attacks")
+LONGEST = 40_000
+"""Bytes of a stream that the corpus takes."""
+_VARYING = re.compile(r"chunk .|\b[0-9a-f]{2,8}\b|[0-9][0-9.,]*")
+"""What differs between messages of one kind."""
+SIDE = 96
+"""Pixels of a side of what is drawn."""
 
 
-def mutate(data: bytes, others: list[bytes], rng: np.random.Generator) -> bytes:
-    """One or a few changes: to bytes, to header fields, or inside a chunk whose checksum is then made to fit; or a
-    sound stream of a mad model.
-    """
-    kind = int(rng.integers(6))
-    if kind == 5:
-        return absurd_stream(rng)
-    if kind == 0:
-        return scramble(data, rng)
-    if kind == 1:
-        return with_fields(data, **random_fields(rng))
-    parts = split(data)
-    if kind == 2:
-        parts = [(letter, scramble(payload, rng) if rng.random() < 0.4 else payload) for letter, payload in parts]
-    elif kind == 3:
-        parts = splice(parts, split(others[int(rng.integers(len(others)))]), rng)
-    else:
-        at = next(index for index, (letter, _) in enumerate(parts) if letter == "T")
-        parts[at] = ("T", bytes(rng.integers(0, 256, int(rng.integers(0, 400)), np.uint8)))
-        return with_fields(join(parts), **(random_fields(rng) if rng.random() < 0.7 else {}))
-    return join(parts)
+def instruction_sets() -> list[str]:
+    """Those that this machine has."""
+    found = []
+    for name in ("portable", "avx2", "avx512"):
+        try:
+            found.append(Device(1, name).isa)
+        except UsageError:
+            continue
+    return found
 
 
-def scramble(data: bytes, rng: np.random.Generator) -> bytes:
-    """Flips, overwrites, cuts, repeats or inserts at one to four places."""
-    changed = bytearray(data)
-    for _ in range(int(rng.integers(1, 5))):
-        at, length = int(rng.integers(len(changed) + 1)), int(rng.geometric(0.2))
-        kind = int(rng.integers(5))
-        noise = bytes(rng.integers(0, 256, length, np.uint8))
-        if kind == 0 and at < len(changed):
-            changed[at] ^= 1 << int(rng.integers(8))
-        elif kind == 1:
-            changed[at : at + length] = noise[: len(changed) - at]
-        elif kind == 2:
-            del changed[at : at + length]
-        elif kind == 3:
-            changed[at:at] = changed[at : at + length]
-        else:
-            changed[at:at] = noise
-    return bytes(changed)
-
-
-def splice(parts: Parts, others: Parts, rng: np.random.Generator) -> Parts:
-    """Chunks of two streams, some lost, some swapped."""
-    mixed = [part if rng.random() < 0.6 else others[int(rng.integers(len(others)))] for part in parts]
-    if rng.random() < 0.3:
-        i, j = rng.integers(len(mixed), size=2)
-        mixed[i], mixed[j] = mixed[j], mixed[i]
-    return [part for part in mixed if rng.random() < 0.95]
-
-
-def random_fields(rng: np.random.Generator) -> dict[str, int]:
-    """New values of some header fields, likelier small or near a power of two."""
-    names = (
-        *("width", "height", "channels", "layout", "sample_type", "seed_layout", "shape", "flags", "per_seed"),
-        *("features", "hidden", "base_cell", "quality", "family", "prior", "context_hidden", "neighbours"),
-    )
-    chosen = rng.choice(names, min(6, int(rng.geometric(0.5))), replace=False)
-    return {str(name): int(rng.integers(0, 2 ** int(rng.integers(1, 26)))) for name in chosen}
-
-
-def attempt(data: bytes) -> str:
-    """What came of a stream: "picture" or the name of the error. Raises whatever is no SgiError."""
+def look(data: bytes, device: Device) -> str:
+    """What came of a stream: its kind of picture, or its error without numbers. Raises whatever is no SgiError."""
     try:
-        with open_stream(data) as stream:
-            size = (min(stream.width, 256), min(stream.height, 256))
-            stream.picture((0, 0, *size))
-            stream.picture((0, 0, *size), size=(50, 40))
-            return "picture"
+        with open_stream(data, device) as stream:
+            _draw(stream)
+            stream.survey()
+            if stream.has_overview:
+                _draw(stream.overview)
+            header = stream.header
+            what = header.channels, header.sample_type, header.masked, header.profile, stream.grid.count > 1
+            return f"picture {what} {stream.has_overview}"
     except SgiError as error:
         if "\n" in str(error):
             raise ValueError("a message of several lines") from error
-        return type(error).__name__
+        return f"{type(error).__name__}: {_VARYING.sub('#', str(error))}"
 
 
-def timed_attempt(data: bytes) -> tuple[str, float]:
-    """`attempt` and its seconds; raises TimeoutError for too many."""
-    started = time.monotonic()
-    outcome = attempt(data)
-    seconds = time.monotonic() - started
-    if seconds > PATIENCE:
-        raise TimeoutError(f"{seconds:.1f} seconds")
-    return outcome, seconds
+def _draw(stream: Stream) -> None:
+    """A region as it is and scaled, and all of it in small."""
+    region = (0, 0, min(stream.width, SIDE), min(stream.height, SIDE))
+    stream.picture(region)
+    stream.picture(region, size=(50, 40))
+    if not np.isfinite(stream.render(region, size=(7, 130))).all():
+        raise ValueError("samples without a value")
+    stream.picture(size=(min(stream.width, 20), min(stream.height, 10)))
+
+
+@dataclass
+class Fuzzer:
+    """A run. corpus: where streams are kept that ended in a new way."""
+
+    seed: int
+    corpus: Path
+    patience: float
+    outcomes: Counter[str] = field(default_factory=Counter)
+    slowest: float = 0.0
+    broken: bytes = b""
+
+    def __post_init__(self) -> None:
+        self.corpus.mkdir(parents=True, exist_ok=True)
+        self.first = [path.read_bytes() for folder in SEEDS for path in sorted(folder.glob("*.sgi"))]
+        self.streams = self.first + [path.read_bytes() for path in sorted(self.corpus.glob("*.sgi"))]
+        self.rng = np.random.default_rng(self.seed)
+        self.devices = [Device(threads, isa) for isa in instruction_sets() for threads in (1, 3)]
+        self.finish = SymbolReader.finish
+
+    def run(self, seconds: float) -> None:
+        """Until time is up. `broken` is the stream whose exception this raises."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            known = self.streams if self.rng.random() < 0.5 else self.first
+            data = known[int(self.rng.integers(len(known)))]
+            for _ in range(int(self.rng.geometric(0.6))):
+                data = mutated(data, self.streams, self.rng)
+            try:
+                self._try(data)
+            except BaseException:
+                self.broken = data
+                raise
+
+    def _try(self, data: bytes) -> None:
+        number, started = self.outcomes.total(), time.monotonic()
+        forged = number % 3 == 0
+        SymbolReader.finish = (lambda reader: None) if forged else self.finish  # type: ignore[method-assign]
+        try:
+            outcome = look(data, self.devices[number % len(self.devices)])
+        finally:
+            SymbolReader.finish = self.finish  # type: ignore[method-assign]
+        seconds = time.monotonic() - started
+        if seconds > self.patience:
+            raise TimeoutError(f"{seconds:.1f} seconds")
+        if not self.outcomes[outcome] and not forged:
+            self._keep(data, outcome)
+        self.outcomes[outcome] += 1
+        self.slowest = max(self.slowest, seconds)
+
+    def _keep(self, data: bytes, outcome: str) -> None:
+        path = self.corpus / f"{zlib.crc32(outcome.encode()):08x}.sgi"
+        if len(data) <= LONGEST and not path.exists():
+            path.write_bytes(data)
+            self.streams.append(data)
 
 
 def main() -> None:
     """Runs until time is up or something is found."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seconds", type=float, default=60)
-    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--seed", type=int, default=None, help="of the random numbers; else that of the clock")
+    parser.add_argument("--patience", type=float, default=10.0)
+    parser.add_argument("--memory", type=int, default=3 << 30)
+    parser.add_argument("--corpus", type=Path, default=Path("build/fuzz"))
     parser.add_argument("--out", type=Path, default=Path("fuzz-out"))
-    arguments = parser.parse_args()
+    chosen = parser.parse_args()
     warnings.simplefilter("error")
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
-    streams = sources()
-    rng, outcomes, slowest = np.random.default_rng(arguments.seed), Counter[str](), 0.0
-    end = time.monotonic() + arguments.seconds
-    while time.monotonic() < end:
-        data = mutate(streams[int(rng.integers(len(streams)))], streams, rng)
-        try:
-            outcome, seconds = timed_attempt(data)
-        except BaseException:
-            arguments.out.mkdir(exist_ok=True)
-            path = arguments.out / f"found-{arguments.seed}-{outcomes.total()}.sgi"
-            path.write_bytes(data)
-            print(f"after {outcomes.total()} tries: {path}")
-            raise
-        outcomes[outcome] += 1
-        slowest = max(slowest, seconds)
-    print(f"{outcomes.total()} tries, slowest {slowest:.2f} s:", dict(outcomes))
+    if chosen.memory and sys.platform.startswith("linux"):
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_AS, (chosen.memory, chosen.memory))
+    seed = time.time_ns() % 2**32 if chosen.seed is None else chosen.seed
+    fuzzer = Fuzzer(seed, chosen.corpus, chosen.patience)
+    print(f"seed {seed}, {len(fuzzer.streams)} streams to begin with", flush=True)
+    end = "ended"
+    try:
+        fuzzer.run(chosen.seconds)
+    except BaseException as error:
+        chosen.out.mkdir(parents=True, exist_ok=True)
+        path = chosen.out / f"found-{seed}-{fuzzer.outcomes.total()}.sgi"
+        path.write_bytes(fuzzer.broken)
+        end = f"{path}: {type(error).__name__}: {error}"
+        raise
+    finally:
+        kinds = Counter(outcome.partition(":")[0].partition(" ")[0] for outcome in fuzzer.outcomes.elements())
+        text = f"{fuzzer.outcomes.total()} tries, {len(fuzzer.outcomes)} ends, slowest {fuzzer.slowest:.2f} s, "
+        text += f"{dict(kinds)}; {end}"
+        print(text)
+        with (chosen.corpus / "log.txt").open("a") as log:
+            log.write(f"{time.strftime('%Y-%m-%d %H:%M')} seed {seed}, {chosen.seconds:g} s: {text}\n")
 
 
 if __name__ == "__main__":

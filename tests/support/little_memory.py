@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 from children import HANGS
+from sanitizer import needs_plain_memory
 
 __all__ = ["read_with_little_memory"]
 
@@ -32,6 +33,7 @@ for path in sorted(Path({folder!r}).iterdir()):
 
 def read_with_little_memory(folder: Path) -> dict[str, tuple[str, str]]:
     """What became of each file in a process that cannot take more than MEMORY."""
+    needs_plain_memory()
     code = READER.format(memory=MEMORY, folder=str(folder))
     environment = {"OPENBLAS_NUM_THREADS": "1", "PYTHONWARNINGS": "error", "PYTHONPATH": ":".join(sys.path)}
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=HANGS, env=environment)

@@ -7,6 +7,7 @@ import sys
 
 import pytest
 from children import HANGS
+from sanitizer import needs_plain_memory
 
 pytest.importorskip("resource")
 
@@ -32,6 +33,7 @@ print(raster.forward(means[:9], shapes[:9], colours[:9], 1600, 800).max().round(
 
 @pytest.mark.parametrize("threads", [1, 2])
 def test_memory_runs_out(threads: int) -> None:
+    needs_plain_memory()
     code = HUNGRY.format(threads=threads)
     environment = {"OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": ":".join(sys.path)}
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=HANGS, env=environment)
