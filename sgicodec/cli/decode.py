@@ -11,7 +11,9 @@ from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.cli.batch import Batch, batch_items
 from sgicodec.cli.command import HelpfulCommand
 from sgicodec.cli.decode_file import DecodeJob
+from sgicodec.cli.limits import DecodeLimits
 from sgicodec.cli.options import (
+    BYTES,
     REGION,
     SCALE,
     SIZE,
@@ -62,6 +64,8 @@ __all__ = ["decode"]
     show_default="2",
     help="How hard PNG is compressed.",
 )
+@click.option("--max-pixels", type=click.IntRange(1), metavar="N", help="Refuse to write more pixels.")
+@click.option("--max-memory", type=BYTES, metavar="SIZE", help="Refuse what takes more memory to decode: 500MiB.")
 @click.option("--exact", is_flag=True, help="Draw small views of large pictures from all that the stream holds.")
 @output_option
 @batch_options
@@ -80,6 +84,8 @@ def decode(
     depth: str | None,
     format_: str | None,
     png_level: int | None,
+    max_pixels: int | None,
+    max_memory: float | None,
     exact: bool,
     output: str | None,
     output_dir: str | None,
@@ -103,7 +109,9 @@ def decode(
     verbose = bool(click.get_current_context().meta.get(VERBOSE))
     many = output_dir is not None or recursive
     how = (verbose, as_json, quiet, "off" if many else progress)
-    job = DecodeJob(view, Output(bits, png_level, threads), format_, exact, force, *how)  # type: ignore[arg-type]
+    job = DecodeJob(
+        view, DecodeLimits(max_pixels, max_memory), Output(bits, png_level, threads), format_, exact, force, *how
+    )  # type: ignore[arg-type]
     if output is not None and (many or len(paths) > 1):
         raise UsageError("-o names the OUT of one IN; it does not go with another name, --output-dir or -r")
     if many:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from sgicodec.cli.json_output import print_json
+from sgicodec.cli.limits import DecodeLimits
 from sgicodec.cli.paths import STANDARD, check_output, display, opened_stream, with_extension
 from sgicodec.cli.pictures import Output, write_bands, write_picture
 from sgicodec.cli.place import lost_outside_tiff
@@ -34,6 +35,7 @@ class DecodeJob:
     """What the options say."""
 
     view: ViewOptions
+    limits: DecodeLimits
     output: Output
     format_: str | None
     exact: bool
@@ -55,7 +57,7 @@ class DecodeJob:
     def run(self, source: str, target: str | None) -> int:
         """Decodes one stream; returns the bytes of the picture, 0 if it went to stdout."""
         started = time.monotonic()
-        with opened_stream(source, Device(self.output.threads)) as stream:
+        with opened_stream(source, Device(self.output.threads)) as stream, self.limits.held():
             extension = self._extension(stream, target)
             target = with_extension(source, extension) if target is None else target
             if self.as_json and target == STANDARD:
@@ -78,8 +80,10 @@ class DecodeJob:
         stream.exact = self.exact
         view = self.view.of(stream) | {"dtype": _DTYPES[self.output.bits]}
         mode: Mode = "off" if self.quiet else self.progress
-        if stream.grid.count > 1:
-            bands = stream.bands(**view)
+        bands = stream.bands(**view)
+        whole = stream.grid.count == 1
+        self.limits.check(bands.width, bands.height, bands.row_bytes * (bands.height if whole else bands.rows))
+        if not whole:
             with row_progress(mode, bands.height) as draw:
                 write_bands(stream.header, bands, target, extension, self.output, draw)
             return bands

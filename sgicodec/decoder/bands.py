@@ -31,6 +31,11 @@ class Bands:
         self.metadata = metadata
 
     @property
+    def row_bytes(self) -> int:
+        """Of the samples of a row."""
+        return self.width * self._header.spec.channels * np.dtype(self._header.sample_type).itemsize
+
+    @property
     def rows(self) -> int:
         """Rows of a band; the last one may have fewer."""
         samples = self.width * self._header.spec.channels

@@ -189,6 +189,7 @@ class Stream(ArrayView):
         Raises UsageError, RegionError for a region that is not inside the picture, or LimitError.
         """
         view = view_of(self.header, region, scale, size)
+        self._prepare(view)
         samples = np.empty((view.rows, view.columns, self.header.spec.channels), np.float32)
         self._draw(view, samples, None)
         return samples
@@ -209,6 +210,7 @@ class Stream(ArrayView):
         """
         view = view_of(self.header, region, scale, size, boundless=boundless)
         header = self._header(dtype)
+        self._prepare(view)
         pixels = np.empty((view.rows, view.columns, header.spec.channels), header.sample_type)
         self._draw(view, pixels, header.sample_type)
         return Picture(pixels, header.channels, header.sample_range, placed(self, header, view))
@@ -234,6 +236,13 @@ class Stream(ArrayView):
     def _header(self, dtype: DTypeLike | None) -> Header:
         """The header of a picture in another type of samples."""
         return self.header if dtype is None else converted(self.header, self.nodata, dtype)
+
+    def _prepare(self, view: View) -> None:
+        """Decodes a picture in one tile before memory is taken for its samples: a tile that is not sound costs none."""
+        with self._lock:
+            self._check_open()
+            if self.grid.count == 1:
+                self._tiles.tile(0)
 
     def _draw(self, view: View, out: NDArray[Any], dtype: str | None, top: int = 0) -> None:
         """Fills out [rows, columns, C] with samples of the view from its row `top` on, floats as they are for None."""

@@ -1,0 +1,57 @@
+"""What `sgi decode` may take for a stream that a stranger sent: --max-pixels and --max-memory."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from sgicodec.errors import LimitError
+
+__all__ = ["DecodeLimits"]
+
+_MIB = 1 << 20
+
+
+@dataclass(frozen=True)
+class DecodeLimits:
+    """pixels: that are written at most; memory: bytes beyond what the program takes before it decodes; None for any."""
+
+    pixels: float | None
+    memory: float | None
+
+    def check(self, width: int, height: int, sample_bytes: int) -> None:
+        """Refuses a picture of this size, of which `sample_bytes` are in memory at a time. Raises LimitError."""
+        if self.pixels is not None and width * height > self.pixels:
+            raise LimitError(f"{width}×{height} pixels are more than --max-pixels {self.pixels:.0f}")
+        if self.memory is not None and sample_bytes > self.memory:
+            text = f"{width}×{height} pixels take {sample_bytes / _MIB:,.0f} MiB"
+            raise LimitError(f"{text}, more than --max-memory; decode a --region, or a smaller --scale")
+
+    @contextlib.contextmanager
+    def held(self) -> Iterator[None]:
+        """A block that takes no more memory (Linux), else LimitError."""
+        with contextlib.ExitStack() as stack:
+            if self.memory is not None and sys.platform.startswith("linux"):
+                import resource
+
+                before = resource.getrlimit(resource.RLIMIT_DATA)
+                most = _data_bytes() + int(self.memory)
+                if before[1] != resource.RLIM_INFINITY:
+                    most = min(most, before[1])
+                resource.setrlimit(resource.RLIMIT_DATA, (most, before[1]))
+                stack.callback(resource.setrlimit, resource.RLIMIT_DATA, before)
+            try:
+                yield
+            except MemoryError:
+                if self.memory is None:
+                    raise
+                raise LimitError(f"decoding takes more than --max-memory, {self.memory / _MIB:,.0f} MiB") from None
+
+
+def _data_bytes() -> int:
+    """What this process has of the memory that RLIMIT_DATA bounds."""
+    lines = Path("/proc/self/status").read_text().splitlines()
+    return next((1024 * int(line.split()[1]) for line in lines if line.startswith("VmData:")), 0)

@@ -1,0 +1,67 @@
+"""`sgi decode --max-pixels` and `--max-memory`."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from click.testing import Result
+from sanitizer import needs_plain_memory
+
+from sgicodec.cli.limits import DecodeLimits
+from sgicodec.errors import LimitError
+
+Run = Callable[..., Result]
+ATTACKS = Path(__file__).parents[2] / "data" / "attacks"
+
+
+@pytest.mark.parametrize("view", [(), ("--scale", "10"), ("--size", "480x320")])
+def test_too_many_pixels(sgi: Run, stream: Path, tmp_path: Path, view: tuple[str, ...]) -> None:
+    """48×32 of them, or a hundred times as many."""
+    most = 10 * (100 if view else 1)
+    result = sgi("decode", stream, tmp_path / "a.png", "--max-pixels", most, *view)
+    assert (result.exit_code, list(tmp_path.glob("a.png"))) == (4, [])
+    assert f"pixels are more than --max-pixels {most}\n" in result.stderr
+    assert sgi("decode", stream, tmp_path / "a.png", "--max-pixels", 480 * 320, *view).exit_code == 0
+
+
+def test_samples_that_take_too_much(sgi: Run, tmp_path: Path) -> None:
+    """60,000×60,000 pixels of nothing in 52 bytes, which one call would not render at all as it is."""
+    for options in ((), ("--scale", "1/4", "--max-memory", "500MiB")):
+        result = sgi("decode", ATTACKS / "mask_none_60k.sgi", tmp_path / "a.png", *options)
+        assert (result.exit_code, list(tmp_path.iterdir())) == (4, []), result.stderr
+    assert "15000×15000 pixels take 858 MiB, more than --max-memory" in result.stderr
+    part = sgi(
+        "decode", ATTACKS / "mask_none_60k.sgi", tmp_path / "a.png", "--region", "0,0,9,9", "--max-memory", "90M"
+    )
+    assert part.exit_code == 0, part.stderr
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the system holds the limit")
+def test_the_system_holds_the_limit() -> None:
+    needs_plain_memory()
+    with pytest.raises(LimitError, match="takes more than --max-memory, 20 MiB"), DecodeLimits(None, 20 << 20).held():
+        bytearray(100 << 20)
+    bytearray(100 << 20)
+    with DecodeLimits(None, 200 << 20).held():
+        bytearray(100 << 20)
+    with pytest.raises(MemoryError), DecodeLimits(None, None).held():
+        raise MemoryError
+
+
+def test_a_stream_that_is_not_sound_gets_no_samples(
+    sgi: Run, stream: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of one tile, whose payload is decoded first."""
+    from sgicodec.decoder import stream as module
+
+    taken = []
+    real = module.np.empty
+    monkeypatch.setattr(module.np, "empty", lambda shape, *others: taken.append(shape) or real(shape, *others))
+    data = bytearray(stream.read_bytes())
+    data[-20] ^= 1
+    stream.write_bytes(data)
+    assert sgi("decode", stream, tmp_path / "a.png").exit_code == 4
+    assert (32, 48, 3) not in taken
