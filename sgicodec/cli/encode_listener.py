@@ -11,8 +11,9 @@ import click
 
 from sgicodec.cli.interrupt import EarlyEnd
 from sgicodec.cli.paths import STANDARD, display
-from sgicodec.cli.progress import Mode, fit_progress, tile_progress
+from sgicodec.cli.progress import Mode, encode_progress, fit_text, tile_text
 from sgicodec.encoder.listener import NullListener, PassState
+from sgicodec.encoder.stages import StageClock, stage_weights
 from sgicodec.executors.executor import MIB, Memory
 
 if TYPE_CHECKING:
@@ -30,8 +31,8 @@ class EncodeListener(NullListener):
     def __init__(self, mode: Mode, quiet: bool, on_cluster: bool, source: str = STANDARD) -> None:
         self._mode, self._quiet, self._on_cluster, self._source = mode, quiet, on_cluster, source
         self._stack, self._early, self._told = ExitStack(), EarlyEnd(), False
-        self._draw_fit: Callable[[Progress], None] = lambda _: None
-        self._draw_tiles: Callable[[PassState], None] = lambda _: None
+        self._stages, self._pass = StageClock(), ""
+        self._say: Callable[[str], None] = lambda _: None
 
     def __enter__(self) -> EncodeListener:
         self._stack.enter_context(self._early)
@@ -40,6 +41,8 @@ class EncodeListener(NullListener):
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        if kind is None:
+            self._stages.finish()
         self._stack.close()
 
     @property
@@ -53,12 +56,10 @@ class EncodeListener(NullListener):
         return self._early.asked
 
     def planned(self, plan: Plan, workers: int, memory: Memory) -> None:
-        """Says what the encode will take, and begins a bar."""
+        """Says what the encode will take, and begins the bar."""
         self.plan, header = plan, plan.header
-        if not header.tile:
-            self._draw_fit = self._stack.enter_context(fit_progress(self._mode, header.width * header.height))
-            return
-        if not self._quiet:
+        self._stages.plan(stage_weights(plan))
+        if header.tile and not self._quiet:
             _, _, width, height = header.grid.rect(0)
             text = f"{header.grid.count} tiles of {width}×{height} pixels, "
             if self._on_cluster:
@@ -66,12 +67,17 @@ class EncodeListener(NullListener):
             else:
                 text += f"{workers} worker{'s' * (workers > 1)}, about {memory.total(workers) / MIB:,.0f} MiB of memory"
             click.echo(text, err=True)
-        self._draw_tiles = self._stack.enter_context(tile_progress(self._mode))
+        self._say = self._stack.enter_context(encode_progress(self._mode, self._stages))
+
+    def stage(self, name: str) -> None:
+        """Moves the bar."""
+        self._stages.begin(name)
 
     def step(self, progress: Progress) -> bool:
         """From the first step on, Ctrl-C ends the fit."""
         self._early.arm()
-        self._draw_fit(progress)
+        self._stages.advance(progress.step / max(1, progress.steps))
+        self._say(fit_text(progress, self.plan.header.width * self.plan.header.height))
         if self._early.asked:
             self._tell(f"interrupted at step {progress.step} of {progress.steps}; writing what is there")
         return not self._early.asked
@@ -93,4 +99,8 @@ class EncodeListener(NullListener):
 
     def tile(self, state: PassState) -> None:
         """Draws the bar."""
-        self._draw_tiles(state)
+        if state.name != self._pass:
+            self._stages.begin("more passes" if self._pass else "tiles")
+            self._pass = state.name
+        self._stages.advance(state.pixels / max(1, state.all_pixels))
+        self._say(tile_text(state))

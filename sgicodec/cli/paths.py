@@ -56,6 +56,8 @@ def naming_stream(path: str) -> Iterator[None]:
     except StreamError as error:
         name, text = f"{display(path)}: ", str(error)
         raise type(error)(text if text.startswith(name) else name + text) from error.__cause__
+    except BrokenPipeError:
+        raise  # of stdout
     except OSError as error:
         raise StreamError(f"{display(path)}: {error.strerror or error}") from error
 

@@ -1,66 +1,72 @@
-"""Progress bars: of a fit, and of an encode in several tiles."""
+"""Progress bars: of an encode, of a decode, of many files."""
 
 from __future__ import annotations
 
 import contextlib
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING, Literal
 
 from sgicodec.errors import require
 
 if TYPE_CHECKING:
-    from rich.console import Console
+    from rich.console import Console, RenderableType
 
     from sgicodec.encoder.listener import PassState
+    from sgicodec.encoder.stages import StageClock
     from sgicodec.fit.trainer import Progress
 
-__all__ = ["Mode", "batch_progress", "fit_progress", "row_progress", "tile_progress"]
+__all__ = ["Mode", "batch_progress", "clock", "encode_progress", "fit_text", "row_progress", "tile_text"]
 
 Mode = Literal["auto", "on", "off"]
 
 
 @contextlib.contextmanager
-def fit_progress(mode: Mode, pixels: int) -> Iterator[Callable[[Progress], None]]:
-    """Draws a bar on stderr, with `auto` only on a terminal; yields what each step is to be reported to.
+def encode_progress(mode: Mode, stages: StageClock) -> Iterator[Callable[[str], None]]:
+    """Draws one bar on stderr for a whole encode, with `auto` only on a terminal; yields what takes a text beside it.
 
-    pixels: of the picture, to show bits per pixel. They count the seeds' attributes alone, hence the ~.
+    The bar shows the clock's stage and its share of the whole, also while native code computes.
     """
     if not _is_drawn(mode):
-        yield lambda progress: None
+        yield lambda text: None
         return
-    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import BarColumn, TaskProgressColumn, TextColumn
     from rich.progress import Progress as Bar
 
-    columns = (TextColumn("fit"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[state]}"))
-    with Bar(*columns, TimeRemainingColumn(), TextColumn("left"), console=_console(mode), refresh_per_second=4) as bar:
-        task = bar.add_task("fit", total=None, state="")
+    class Clocked(Bar):
+        def get_renderables(self) -> Iterable[RenderableType]:
+            for task in self.tasks:
+                task.completed, left = stages.fraction, stages.seconds_left
+                task.description, task.fields["left"] = stages.name, "" if left is None else f"{clock(left)} left"
+            return super().get_renderables()
 
-        def draw(progress: Progress) -> None:
-            rate = f"  ~{progress.bits / pixels:.3f} bpp" if progress.bits else ""
-            state = f"{progress.psnr:.2f} dB{rate}"
-            bar.update(task, completed=progress.step, total=progress.steps, state=state)
+    texts = [TextColumn(f"{{task.fields[{name}]}}", markup=False) for name in ("left", "state")]
+    columns = (TextColumn("{task.description:<8}"), BarColumn(), TaskProgressColumn(), *texts)
+    with Clocked(*columns, console=_console(mode), refresh_per_second=4) as bar:
+        task = bar.add_task(stages.name, total=1.0, left="", state="")
+        yield lambda text: bar.update(task, state=text)
 
-        yield draw
+
+def fit_text(progress: Progress, pixels: int) -> str:
+    """How far the fit of a picture of so many pixels is. Its bits count the seeds' attributes alone, hence the ~."""
+    rate = f"  ~{progress.bits / pixels:.3f} bpp" if progress.bits else ""
+    return f"step {progress.step} of {progress.steps}  {progress.psnr:.2f} dB{rate}"
 
 
-@contextlib.contextmanager
-def tile_progress(mode: Mode) -> Iterator[Callable[[PassState], None]]:
-    """The same for a pass over tiles: how many are done, speed, bits per pixel and PSNR so far, time left."""
-    if not _is_drawn(mode):
-        yield lambda state: None
-        return
-    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn
-    from rich.progress import Progress as Bar
+def tile_text(state: PassState) -> str:
+    """How far a pass over tiles is."""
+    parts = [f"{state.done} of {state.tiles} {state.name}"]
+    if state.fresh:
+        parts.append(f"{60e-6 * state.pixels_per_second:.2f} MP/min")
+    if state.samples:
+        parts.append(f"{state.bpp:.3f} bpp  {state.psnr:.2f} dB")
+    return "  ".join(parts)
 
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[state]}"))
-    with Bar(*columns, console=_console(mode), refresh_per_second=4) as bar:
-        task = bar.add_task("tiles", total=None, state="")
 
-        def draw(state: PassState) -> None:
-            bar.update(task, description=state.name, completed=state.done, total=state.tiles, state=_text(state))
-
-        yield draw
+def clock(seconds: float) -> str:
+    """A time as h:mm:ss; one that is not over is at least a second."""
+    minutes, rest = divmod(max(1, round(seconds)), 60)
+    return f"{minutes // 60}:{minutes % 60:02}:{rest:02}"
 
 
 @contextlib.contextmanager
@@ -96,18 +102,6 @@ def batch_progress(mode: Mode, files: int) -> Iterator[Callable[[int, str, str],
             bar.update(task, completed=done, text=f"{counted}  {name}")
 
         yield draw
-
-
-def _text(state: PassState) -> str:
-    parts = []
-    if state.fresh:
-        parts.append(f"{60e-6 * state.pixels_per_second:.2f} MP/min")
-    if state.samples:
-        parts.append(f"{state.bpp:.3f} bpp  {state.psnr:.2f} dB")
-    if state.fresh:
-        minutes, seconds = divmod(round(state.seconds_left), 60)
-        parts.append(f"{minutes // 60}:{minutes % 60:02}:{seconds:02} left")
-    return "  ".join(parts)
 
 
 def _is_drawn(mode: Mode) -> bool:

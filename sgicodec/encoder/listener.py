@@ -74,6 +74,9 @@ class NullListener:
     def planned(self, plan: Plan, workers: int, memory: Memory) -> None:
         """The encode begins: n tiles at a time, in this much memory."""
 
+    def stage(self, name: str) -> None:
+        """A stage begins: load, prepare, fit, search, texture, verify; of several tiles load and verify alone."""
+
     def step(self, progress: Progress) -> bool:
         """A step of the fit of a picture in one tile is done. Returns whether to go on; if not, the stream is made of
         what is there.

@@ -116,6 +116,7 @@ class _Job:
 
     def psnr(self, stream: bytes | Path) -> float:
         """Of a finished stream, in dB. Raises StreamError if it does not decode."""
+        self.listener.stage("verify")
         with open_stream(stream, self.device) as opened:
             return measured_psnr(opened, self.windows)
 
@@ -155,6 +156,8 @@ def _encode_whole(job: _Job, executor: Executor | None) -> tuple[Encoded, str | 
     shape, plan, missed = job.windows.shape, job.plan, None
     memory = estimate(plan, job.windows.memory(shape.width, shape.height))
     (executor or SerialExecutor()).within(memory, 1)
+    job.listener.planned(plan, 1, memory)
+    job.listener.stage("load")
     picture = job.windows.read(0, 0, shape.width, shape.height)
     masked = plan.header.masked if empty_pixels(picture, plan.header.masked).any() else None
     plan = replace(plan, header=replace(plan.header, masked=masked))
@@ -168,9 +171,9 @@ def _encode_whole(job: _Job, executor: Executor | None) -> tuple[Encoded, str | 
     def ending() -> bool:
         return not going or job.listener.ending()
 
-    job.listener.planned(plan, 1, memory)
+    job.listener.stage("prepare")
     encoding = Encoding(picture, plan, job.started, job.device)
-    encoding.ending = ending
+    encoding.ending, encoding.stage = ending, job.listener.stage
     target = plan.settings.rate_target(picture.width * picture.height)
     try:
         to_target = TextureTargetEncoder if encoding.spec.texture else SeedTargetEncoder
@@ -189,6 +192,7 @@ def _encode_tiles(job: _Job, executor: Executor | None, store: Store | None) -> 
     memory = estimate(plan, job.windows.memory(*grid.rect(0)[2:]))
     executor = (executor or SerialExecutor()).within(memory, grid.count)
     job.listener.planned(plan, executor.workers, memory)
+    job.listener.stage("load")
     runner = TileRunner(job.windows, plan, executor, job.device)
 
     def error_of(file: BinaryIO) -> float:

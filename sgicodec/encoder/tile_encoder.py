@@ -64,7 +64,7 @@ def empty_pixels(picture: Picture, masked: Masked | None) -> NDArray[np.bool_]:
 
 class Encoding:
     """The parts of an encode, for those who put them in order. `started`: a value of time.monotonic(); `ending` says
-    whether the caller wants what is there.
+    whether the caller wants what is there; `stage` is called when a stage begins.
 
     `fit` holds the settings of the next fit; `begin` sets its λ, which the base layer follows.
     """
@@ -73,6 +73,7 @@ class Encoding:
         self.started, self.picture, self.plan, self.settings = started, picture, plan, plan.settings
         self.device = device
         self.ending: Callable[[], bool] = lambda: False
+        self.stage: Callable[[str], None] = lambda _: None
         self.spec = plan.header.spec
         self.unit = np.ascontiguousarray(to_unit(picture).transpose(2, 0, 1))
         self.empty: NDArray[np.bool_] | None = None
@@ -133,6 +134,7 @@ class Encoding:
         """A fit, which `controller` may lead; of a time limit it takes about `share` less than is left."""
         from sgicodec.fit.trainer import Trainer
 
+        self.stage("prepare")
         spec, fit, weights = self.spec, self.fit, self.seed_reference.weights
         _, height, width = self.target.shape
         if spec.layout == "uniform":
@@ -153,6 +155,7 @@ class Encoding:
             device=self.device,
             weights=weights,
         )
+        self.stage("fit")
         return trainer.run(on_progress)
 
     def first_layout(self) -> SeedLayout:
@@ -188,6 +191,7 @@ class Encoding:
 
     def rdoq(self, candidate: Candidate) -> Rdoq:
         """RDOQ from a candidate on."""
+        self.stage("search")
         settings = RdoqSettings.for_steps(self.fit.steps)
         reference = self.seed_reference
         return Rdoq(candidate.header, candidate.model, self.unit, candidate.lmbda, settings, self.device, reference)
@@ -208,6 +212,7 @@ class Encoding:
 
     def texture_search(self, candidate: Candidate) -> TextureSearch:
         """What finds texture over a candidate."""
+        self.stage("texture")
         model = replace(candidate.model, decoded=None, texture=None)
         write_tile(candidate.header, model)
         objective = Objective(candidate.header, self.unit, self.device)

@@ -275,7 +275,9 @@ def test_progress(sgi: Run, picture: Path, mode: str, drawn: bool) -> None:
     result = sgi("encode", picture, "--steps", 8, "--progress", mode)
     assert result.exit_code == 0
     text = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", result.stderr)
-    assert bool(re.search(r"8/8.* dB  ~\d+\.\d+ bpp", text)) is drawn
+    assert bool(re.search(r"step 8 of 8  \d+\.\d+ dB  ~\d+\.\d+ bpp", text)) is drawn
+    shares = [int(share) for share in re.findall(r"(\d+)%", text)]
+    assert (shares == sorted(shares) and shares[-1:] == [100]) is drawn
     assert drawn or not result.stderr
 
 

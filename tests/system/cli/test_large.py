@@ -270,7 +270,8 @@ def test_max_memory(sgi: Run, picture: Path, tmp_path: Path) -> None:
 
 def test_progress_is_drawn_on_demand(sgi: Run, picture: Path) -> None:
     shown = sgi("encode", picture, *OPTIONS, "--progress", "on").stderr
-    assert "2/2" in shown
+    assert "2 of 2 tiles" in shown
+    assert "100%" in shown
     assert "MP/min" in shown
 
 
