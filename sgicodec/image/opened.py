@@ -15,6 +15,7 @@ import numpy.typing as npt
 from sgicodec.errors import PictureError, require
 from sgicodec.image.alpha import unassociate
 from sgicodec.image.channels import Channels, Last, declared_channels
+from sgicodec.image.foreign import foreign
 from sgicodec.image.header import Probe, has_own_numbers, header, is_associated, number_as_read, orientation
 from sgicodec.image.origin import first_line
 from sgicodec.image.second_reader import KIND, SecondReader
@@ -143,9 +144,19 @@ def _check(data: FileBytes) -> None:
         raise PictureError("the file is empty")
     if data[:8] == _STREAM_SIGNATURE:
         raise PictureError("this is an encoded stream, not a picture; decode it first")
+    found = foreign(data)
+    if found is not None and not _reads(found[0]):
+        raise PictureError(f"it is {found[1]}")
     damage = png.damage(data) if data[:8] == png.SIGNATURE else ifd.damage(data)
     if damage:
         raise PictureError(damage)
+
+
+def _reads(name: str) -> bool:
+    """Whether this build of OpenImageIO reads a format."""
+    import OpenImageIO as oiio
+
+    return name in oiio.get_string_attribute("format_list").split(",")
 
 
 def _spec(image: ImageInput | SecondReader, data: FileBytes, found: Metadata) -> ImageSpec:

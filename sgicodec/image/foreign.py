@@ -1,0 +1,89 @@
+"""Pictures that need a program of their own first: HEIF, AVIF and the raw files of cameras, known by their content.
+
+A raw file often begins like a TIFF whose first picture is a small preview: read as TIFF, it would lose the photograph.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator
+
+from sgicodec.metadata import ifd
+from sgicodec.metadata.filebytes import Bytes
+
+__all__ = ["foreign"]
+
+_HEIF = (b"heic", b"heix", b"heim", b"heis", b"hevc", b"hevx", b"mif1", b"msf1")
+_AVIF = (b"avif", b"avis")
+_RAW = (
+    (0, b"FUJIFILMCCD-RAW", "RAF"),
+    (0, b"IIRO", "ORF"),
+    (0, b"IIRS", "ORF"),
+    (0, b"MMOR", "ORF"),
+    (0, b"IIU\0", "RW2"),
+    (0, b"FOVb", "X3F"),
+    (0, b"\0MRM", "MRW"),
+    (4, b"ftypcrx ", "CR3"),
+    (8, b"CR\x02\0", "CR2"),
+)
+
+_SUB_IFDS, _PHOTOMETRIC, _DNG_VERSION = 330, 262, 50706
+_SENSOR = (32803, 34892)
+"""Photometric interpretations of samples as a sensor gives them: behind colour filters, or linear."""
+
+_MOST_DIRECTORIES = 16
+
+
+def foreign(data: Bytes) -> tuple[str, str] | None:
+    """The name that OpenImageIO has for such a format, and a line on what to do; None for all other files."""
+    head = bytes(data[:16])
+    brand = head[8:12] if head[4:8] == b"ftyp" else b""
+    if brand in _HEIF:
+        return "heif", "a HEIF picture (HEIC): convert it first, as with heif-convert of libheif: heif-convert IN a.png"
+    if brand in _AVIF:
+        return "heif", "an AVIF picture: convert it first, as with avifdec of libavif: avifdec --depth 16 IN a.png"
+    name = next((name for at, start, name in _RAW if head[at : at + len(start)] == start), None)
+    name = name or _tiff_raw(data)
+    if name is None:
+        return None
+    return "raw", f"a camera's raw file ({name}): develop it first, as with darktable: darktable-cli IN a.tif"
+
+
+def _tiff_raw(data: Bytes) -> str | None:
+    """What is said of a TIFF structure that holds samples of a sensor: DNG, NEF, ARW, PEF and others."""
+    spelling = ifd.layout(data)
+    if spelling is None:
+        return None
+    try:
+        for directory in _directories(data, spelling):
+            if _DNG_VERSION in directory:
+                return "DNG"
+            if directory.get(_PHOTOMETRIC) in _SENSOR:
+                return "of the TIFF family"
+    except struct.error:
+        pass  # damage is for others to name
+    return None
+
+
+def _directories(data: Bytes, spelling: ifd.Layout) -> Iterator[dict[int, int]]:
+    """First values of the tags of the first directory, then of those below it."""
+    first = {row.tag: row for row in ifd.rows(data, ifd.first_directory(data, spelling), spelling)}
+    yield {tag: _value(data, row, spelling) for tag, row in first.items()}
+    below = first.get(_SUB_IFDS)
+    if below is None:
+        return
+    single = below.values * spelling.place.size <= spelling.place.size
+    start = below.at if single else _number(data, below.at, spelling.place)
+    for index in range(min(below.values, _MOST_DIRECTORIES)):
+        at = _number(data, start + index * spelling.place.size, spelling.place)
+        yield {row.tag: _value(data, row, spelling) for row in ifd.rows(data, at, spelling)}
+
+
+def _value(data: Bytes, row: ifd.Row, spelling: ifd.Layout) -> int:
+    """The first value of a row of short or long integers; what stands there of any other."""
+    is_short = row.kind == 3
+    return _number(data, row.at, struct.Struct(spelling.order + "H") if is_short else spelling.place)
+
+
+def _number(data: Bytes, at: int, form: struct.Struct) -> int:
+    return int(form.unpack(data[at : at + form.size])[0])
