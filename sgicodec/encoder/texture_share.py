@@ -8,6 +8,7 @@ placed and texture shows what they leave; edges and smooth ground keep theirs.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,21 @@ from sgicodec.model.texture_symbols import TextureSteps
 from sgicodec.profiles.fit_settings import FitSettings, Phase
 from sgicodec.rdoq.texture import TextureSearch, root_planes
 
-__all__ = ["Scout", "cell_weights", "estimated_cost", "searched_cost", "seed_share", "seed_weights", "smoothed"]
+__all__ = [
+    "BLEND",
+    "EXACT_STEPS",
+    "LEAST",
+    "POSITION_BITS",
+    "Scout",
+    "TextureCosts",
+    "cell_weights",
+    "estimated_cost",
+    "of_pixels",
+    "searched_cost",
+    "seed_share",
+    "seed_weights",
+    "smoothed",
+]
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -38,7 +53,9 @@ FULL, FULL_ESTIMATED, POWER, LEAST = 0.8, 0.74, 3.0, 1 / 32
 least.
 """
 EXACT_STEPS = 500
-"""Of a fit that is worth a search for texture, twice, instead of an estimate of its cost."""
+"""Of a fit that is worth searches for texture instead of an estimate of its cost."""
+HANDED_OVER = 0.7
+"""Factor of their λ where seeds are handed over in the course of the fit."""
 CALM_BITS = 8.0
 """Added to the bits of seeds and to those that they save in each root; where texture alone saves fewer, seeds count in
 full: there is nothing to share.
@@ -64,29 +81,55 @@ class Scout:
 def seed_share(steps: int) -> float:
     """λ of seeds that count in full, in the λ of an encode whose fit has this many steps.
 
-    What seeds leave costs less as texture than as more seeds; the shorter the fit, the more of it.
+    What seeds leave costs less as texture than as more seeds; the shorter the fit, the more of it. Where a fit hands
+    seeds over ([texture_handover.py](texture_handover.py)), it may begin with more of them.
     """
-    return float(np.clip(2.8 * (200 / steps) ** 0.3, 1.4, 2.8))
+    share = float(np.clip(2.8 * (200 / steps) ** 0.3, 1.4, 2.8))
+    return share if steps < EXACT_STEPS else max(1.0, HANDED_OVER * share)
 
 
-def seed_weights(
-    spec: ModelSpec, fit: FitSettings, target: F32, lmbda: float, family: int, device: Device = ALL_CORES
-) -> F32 | None:
-    """Weights [H, W] up to 1 of the seeds' squared errors in a picture less its base layer [C, H, W], for an encode at
-    λ; None where all are 1.
+@dataclass(frozen=True)
+class TextureCosts:
+    """What texture costs over each root [rows, columns] in an encode at λ. target [C, H, W]: the picture less its base
+    layer.
     """
-    scout = _scout(spec, replace(fit, lmbda=SCOUT_SHARE * lmbda), target, family, device)
-    tuning = TUNINGS["psnr"]
-    steps = tuning.steps(tuning.step(lmbda), spec.channels)
+
+    target: F32
+    lmbda: float
+    device: Device = ALL_CORES
+
+    @cached_property
+    def steps(self) -> TextureSteps:
+        """Those of least squared error."""
+        tuning = TUNINGS["psnr"]
+        return tuning.steps(tuning.step(self.lmbda), len(self.target))
+
+    def over(self, residual: F32) -> F64:
+        """As the search finds it, over what seeds leave [C, H, W]."""
+        return searched_cost(residual, self.steps, TUNINGS["psnr"].squared_steps, self.device)
+
+    def estimated_over(self, residual: F32) -> F64:
+        """As it is estimated, in a tenth of the time."""
+        return estimated_cost(residual, self.lmbda)[0]
+
+    @cached_property
+    def without_seeds(self) -> F64:
+        """As the search finds it over the target."""
+        return self.over(self.target)
+
+
+def seed_weights(spec: ModelSpec, fit: FitSettings, costs: TextureCosts, family: int) -> F32 | None:
+    """Weights [H, W] up to 1 of the seeds' squared errors in the target of `costs`; None where all are 1."""
+    target, lmbda = costs.target, costs.lmbda
+    scout = _scout(spec, replace(fit, lmbda=SCOUT_SHARE * lmbda), target, family, costs.device)
     alone, nothing = estimated_cost(target, lmbda)
     if fit.steps >= EXACT_STEPS:
-        full, squared = FULL, tuning.squared_steps
-        alone, left = (searched_cost(plane, steps, squared, device) for plane in (target, scout.residual))
+        full, alone, left = FULL, costs.without_seeds, costs.over(scout.residual)
     else:
         full, (left, _) = FULL_ESTIMATED, estimated_cost(scout.residual, lmbda)
     price, calm = lmbda * scout.root_bits(left.shape), lmbda * CALM_BITS
     weights = cell_weights(np.where(nothing - alone < calm, price, alone - left), price, calm, full)
-    return None if weights.min() > _ALL else _of_pixels(weights, target.shape[1:])
+    return None if weights.min() > _ALL else of_pixels(weights, target.shape[1:])
 
 
 def cell_weights(saved: F64, price: F64, calm: float, full: float = FULL) -> F64:
@@ -95,7 +138,7 @@ def cell_weights(saved: F64, price: F64, calm: float, full: float = FULL) -> F64
     """
     rho = (np.maximum(smoothed(saved, _NEAR), 0) + calm) / (smoothed(price, _NEAR) + calm)
     octaves = np.clip(POWER * np.log2(rho / full), np.log2(LEAST), 0)
-    return np.exp2(smoothed(octaves, _BLEND))
+    return np.exp2(smoothed(octaves, BLEND))
 
 
 def smoothed(plane: F64, sigma: float) -> F64:
@@ -145,7 +188,7 @@ def _cosines(size: int) -> F32:
     return np.asarray((2 / size) ** 0.5 * rows, np.float32)
 
 
-def _of_pixels(weights: F64, shape: tuple[int, ...]) -> F32:
+def of_pixels(weights: F64, shape: tuple[int, ...]) -> F32:
     """Roots' weights for each pixel [H, W], linear between their centres."""
     side = 1 << ROOT_LOG
     for axis in (0, 1):
@@ -173,7 +216,7 @@ def _scout(spec: ModelSpec, fit: FitSettings, target: F32, family: int, device: 
 
 _ESTIMATED_STEPS = 0.11
 """λ in squared steps where the cost of texture is estimated."""
-_NEAR, _BLEND = 0.7, 0.5
-"""σ in roots: what is saved and paid is smoothed with it, and the weights' logarithms."""
+_NEAR, BLEND = 0.7, 0.5
+"""σ in roots: what is saved and paid is smoothed with the first, the weights' logarithms with the second."""
 _ALL = 0.95
 """Weights above which all are taken to be 1, which takes faster code."""

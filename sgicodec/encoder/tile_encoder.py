@@ -23,7 +23,8 @@ from sgicodec.device import ALL_CORES, Device
 from sgicodec.encoder.encoded import Encoded
 from sgicodec.encoder.inpainting import inpaint
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.texture_share import seed_share, seed_weights
+from sgicodec.encoder.texture_handover import HANDOVER, Handover
+from sgicodec.encoder.texture_share import EXACT_STEPS, TextureCosts, seed_share, seed_weights
 from sgicodec.encoder.texture_tuning import TUNINGS, TextureTuning
 from sgicodec.fit.base_layer import base_layer
 from sgicodec.metrics.choices import DISTORTIONS
@@ -41,7 +42,7 @@ from sgicodec.rdoq.objective import with_values
 from sgicodec.rdoq.texture import TextureSearch
 
 if TYPE_CHECKING:
-    from sgicodec.fit.trainer import Fitted, Progress
+    from sgicodec.fit.trainer import Fitted, Progress, Trainer
 
 __all__ = ["Candidate", "Encoding", "empty_pixels", "make_ready", "written"]
 
@@ -93,6 +94,7 @@ class Encoding:
         self.__dict__.pop("seed_reference", None)
         lmbda = self.fit.lmbda
         self.base_step, self.base, self.target = base_layer(self.spec, self.unit, lmbda, self.reference.weights)
+        self.texture_costs = TextureCosts(self.target, self.lmbda, self.device)
 
     @cached_property
     def seed_reference(self) -> Reference:
@@ -100,7 +102,7 @@ class Encoding:
         if not (self.spec.texture and self._can_scout):
             return self.reference
         weights, family = self.reference.weights, self.plan.header.family
-        share = seed_weights(self.spec, self.fit, self.target, self.lmbda, family, self.device)
+        share = seed_weights(self.spec, self.fit, self.texture_costs, family)
         if share is None:
             return self.reference
         return QuadraticReference(share if weights is None else share * weights)
@@ -156,7 +158,21 @@ class Encoding:
             weights=weights,
         )
         self.stage("fit")
-        return trainer.run(on_progress)
+        return self._run(trainer, on_progress)
+
+    def _run(self, trainer: Trainer, on_progress: Callable[[Progress], bool] | None) -> Fitted:
+        """All phases of a fit, in the course of which seeds hand over to texture."""
+        hands_over = self.spec.texture and self.fit.steps >= EXACT_STEPS
+        for progress in trainer.iterate():
+            if on_progress is not None and not on_progress(progress):
+                break
+            if hands_over and trainer.schedule.done >= HANDOVER:
+                hands_over = False
+                if self._can_scout:
+                    Handover(trainer, self.texture_costs).run()
+                    if trainer.weights is not None:
+                        self.__dict__["seed_reference"] = QuadraticReference(trainer.weights)
+        return trainer.result()
 
     def first_layout(self) -> SeedLayout:
         """Where the seeds of a fit by the default profile begin."""

@@ -182,6 +182,12 @@ class Trainer:
             self.seeds.add(added, means, self.adam)
             self._set_layout()
 
+    def keep(self, kept: NDArray[np.bool_], weights: F32) -> None:
+        """Drops all seeds but those where `kept` [N] holds, and counts squared errors by other weights [H, W]."""
+        self.seeds.keep(kept, self.adam)
+        self.weights, self.levels = weights, levels_of(self.levels[0].samples, weights, len(self.levels))
+        self._set_layout()
+
     def _set_layout(self) -> None:
         """To be called where seeds have come or gone."""
         self.quality = self._quality()

@@ -1,0 +1,123 @@
+"""What seeds hand over to texture in the course of a fit: those that show less than their bits would buy there.
+
+Weights of a short fit ([texture_share.py](texture_share.py)) say where seeds begin to show a picture. Once the fit
+itself knows what they show, texture is weighed against them in each root cell of the texture layer: over all of its
+seeds, over fewer and over none. The cheapest stays, squared error plus λ times bits. Over all and none texture is
+searched; in between the estimate of its cost is corrected by what the search found there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec.encoder.texture_share import BLEND, LEAST, POSITION_BITS, TextureCosts, of_pixels, smoothed
+from sgicodec.model.texture import ROOT_LOG
+from sgicodec.model.texture_symbols import roots_of
+
+if TYPE_CHECKING:
+    from sgicodec.fit.trainer import Trainer
+
+__all__ = ["HANDOVER", "Handover"]
+
+F32 = NDArray[np.float32]
+F64 = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+HANDOVER = 0.4
+"""Fraction of a fit after which seeds are handed over: those that stay have time to fill in."""
+SHARES = (0.0, 0.6, 1.0)
+"""Of a root's seeds, the faintest first: what is tried without them."""
+_NEAR = 1.0
+"""σ in roots with which costs are smoothed: seeds reach over the borders of roots."""
+_LEAST = 1e-9
+"""Added to costs, so that they have a logarithm."""
+
+
+@dataclass(frozen=True)
+class Handover:
+    """The choice for one fit, which is to the target of `texture`."""
+
+    trainer: Trainer
+    texture: TextureCosts
+
+    def run(self) -> None:
+        """Drops the seeds that texture shows for less, and makes the errors of roots without seeds count least."""
+        kept, shares = self.chosen()
+        if kept.all():
+            return
+        kept[self.trainer.seeds.energy().argmax()] = True  # a model without seeds has no gradients
+        octaves = np.where(shares == 1.0, np.log2(LEAST), 0.0)
+        factor = of_pixels(np.exp2(smoothed(octaves, BLEND)), self.texture.target.shape[1:])
+        weights = self.trainer.weights
+        self.trainer.keep(kept, np.maximum(factor if weights is None else factor * weights, self._least(weights)))
+
+    def chosen(self) -> tuple[Mask, F64]:
+        """Which seeds [N] stay, and which of `SHARES` each root loses [rows, columns]."""
+        ranks = self._ranks()
+        costs = [self._cost(ranks >= share, np.full(self.texture.without_seeds.shape, share)) for share in SHARES]
+        best = np.argmin([smoothed(cost, _NEAR) for cost in costs], axis=0)
+        shares = np.asarray(SHARES)[best]
+        together = self._cost(ranks >= shares.reshape(-1)[self._root], shares)
+        shares[smoothed(together - costs[0], _NEAR) > 0] = 0.0
+        return ranks >= shares.reshape(-1)[self._root], shares
+
+    @staticmethod
+    def _least(weights: F32 | None) -> F32:
+        """The least that an error may count: that of `texture_share`, where it is not less already."""
+        least = np.float32(LEAST)
+        return np.asarray(least if weights is None else np.minimum(least, weights), np.float32)
+
+    def _cost(self, kept: Mask, shares: F64) -> F64:
+        """Squared error plus λ times bits of each root [rows, columns] with these seeds [N] and texture. shares: of
+        the seeds that are left out.
+        """
+        found = np.log(_LEAST + self.texture.estimated_over(self._left(kept)))
+        for part, offset in zip((1 - shares, shares), self._offsets, strict=True):
+            found += part * offset
+        bits = self.trainer.gradient_step.seed_bits() + POSITION_BITS
+        sums = np.bincount(self._root[kept], weights=bits[kept], minlength=found.size)
+        return np.asarray(np.exp(found) + self.texture.lmbda * sums.reshape(found.shape), np.float64)
+
+    @cached_property
+    def _offsets(self) -> tuple[F64, F64]:
+        """Logarithms of what the search finds over all seeds and over none, less those of the estimates."""
+        texture, left = self.texture, self._left(np.ones(len(self.trainer.seeds), bool))
+        pairs = ((texture.over(left), left), (texture.without_seeds, texture.target))
+        all_, none = (np.log((_LEAST + cost) / (_LEAST + texture.estimated_over(some))) for cost, some in pairs)
+        return all_, none
+
+    def _left(self, kept: Mask) -> F32:
+        """What these seeds [N] leave of the target."""
+        if not kept.any():
+            return self.texture.target
+        target = self.texture.target
+        means, covariances, colours = (part[kept] for part in self._gaussians)
+        return target - self.trainer.raster.forward(means, covariances, colours, target.shape[2], target.shape[1])
+
+    @cached_property
+    def _gaussians(self) -> tuple[F32, F32, F32]:
+        """Those of all seeds."""
+        return self.trainer.seeds.gaussians()
+
+    @cached_property
+    def _root(self) -> NDArray[np.int64]:
+        """The root [N] that each seed's centre lies in, row by row."""
+        _, height, width = self.texture.target.shape
+        columns, rows = roots_of(width, height)
+        cell = self.trainer.seeds.layout.centre.astype(np.int64) >> ROOT_LOG
+        root: NDArray[np.int64] = np.minimum(cell[:, 1], rows - 1) * columns + np.minimum(cell[:, 0], columns - 1)
+        return root
+
+    def _ranks(self) -> F64:
+        """Each seed's place [N] among those of its root by what it draws, faintest first, above 0 and below 1."""
+        counts = np.bincount(self._root)
+        order = np.lexsort((self.trainer.seeds.energy(), self._root))
+        before = np.cumsum(counts) - counts
+        ranks = np.empty(len(order))
+        ranks[order] = np.arange(len(order)) + 0.5
+        return (ranks - before[self._root]) / counts[self._root]
