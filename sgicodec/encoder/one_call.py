@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import os
+import warnings
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.encoder.encoded import Encoded
+from sgicodec.encoder.listener import NullListener
 from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.errors import PictureError, UsageError
@@ -63,11 +65,19 @@ def _encode(
     settings: dict[str, Any],
 ) -> Encoded:
     chosen = _settings(settings)
+    listener = _Warner()
     if isinstance(image, str | os.PathLike) and channels is None:
         with open_source(Path(image), sample_range=sample_range) as source:
-            return encode_picture(source, chosen, output=output, device=device)
+            return encode_picture(source, chosen, output=output, device=device, progress=listener)
     picture = as_picture(image, channels=channels, sample_range=sample_range)
-    return encode_picture(picture, chosen, output=output, device=device)
+    return encode_picture(picture, chosen, output=output, device=device, progress=listener)
+
+
+class _Warner(NullListener):
+    """Turns notes, as on alpha that hides all, into warnings of Python at the line that called `encode`."""
+
+    def note(self, text: str) -> None:
+        warnings.warn(text, stacklevel=5)
 
 
 def _settings(given: dict[str, Any]) -> EncodeSettings:

@@ -6,6 +6,8 @@ import builtins
 import io
 import mmap
 import pickle
+import subprocess
+import sys
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -256,3 +258,43 @@ def test_bad_arguments(case: str, data: bytes, pixels: np.ndarray) -> None:
 def test_open_does_not_hide_the_builtin() -> None:
     assert sgicodec.open is not builtins.open
     assert Path(sgicodec.__file__).read_bytes()
+
+
+def test_what_an_encode_notes_is_a_warning(pixels: np.ndarray) -> None:
+    hidden = np.dstack([pixels, np.zeros(pixels.shape[:2], np.uint8)])
+    with pytest.warns(UserWarning, match="alpha is 0 everywhere") as found:
+        data = sgicodec.encode(hidden, steps=4)
+    assert found[0].filename == __file__
+    assert sgicodec.decode(data).shape[2] == 3
+
+
+STATE = """
+import signal, sys, warnings
+import numpy as np, OpenImageIO as oiio, PIL.Image as pillow
+
+def state():
+    pillow.init()
+    names = ("threads", "exr_threads", "limits:imagesize_MB", "limits:channels", "try_all_readers", "use_tbb")
+    return (
+        np.geterr(), np.get_printoptions(), np.random.get_state()[1].tolist(), list(warnings.filters),
+        [oiio.get_int_attribute(name, -1) for name in names], oiio.get_string_attribute("plugin_searchpath"),
+        pillow.MAX_IMAGE_PIXELS, sorted(pillow.OPEN), sys.getrecursionlimit(), signal.getsignal(signal.SIGINT),
+        signal.getsignal(signal.SIGPIPE), sys.getswitchinterval(), sys.excepthook,
+    )
+
+import sgicodec
+before = state()
+data = sgicodec.encode(sys.argv[1], effort=1, steps=3)
+sgicodec.decode(data, scale=0.5)
+sgicodec.write(sgicodec.open(data).picture(), sys.argv[2])
+sgicodec.read(sys.argv[2])
+after = state()
+assert before == after, [pair for pair in zip(before, after) if pair[0] != pair[1]]
+"""
+
+
+def test_nothing_of_other_libraries_is_changed(pixels: np.ndarray, tmp_path: Path) -> None:
+    Image.fromarray(pixels).save(tmp_path / "a.tif")
+    command = [sys.executable, "-c", STATE, tmp_path / "a.tif", tmp_path / "b.jpg"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
