@@ -51,7 +51,14 @@ __all__ = ["encode"]
     ),
 )
 @click.argument("paths", metavar="IN... [OUT]", nargs=-1, required=True, shell_complete=complete_files)
-@click.option("-q", "--quality", type=float, metavar="1-100", show_default="50", help="Quality; more is better.")
+@click.option(
+    "-q",
+    "--quality",
+    type=float,
+    metavar="1-100",
+    show_default="50",
+    help="Quality: 90 visually lossless, 65 web, 40 preview.",
+)
 @click.option("--lmbda", type=float, metavar="L", help="Squared error that a bit must save, instead of -q.")
 @click.option("--psnr", type=float, metavar="DB", help="PSNR to end at, instead of -q.")
 @click.option("--ssimulacra2", type=float, metavar="SCORE", help="SSIMULACRA 2 score to end at, instead of -q.")
