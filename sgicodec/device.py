@@ -8,7 +8,7 @@ from numbers import Integral
 
 from sgicodec.errors import UsageError
 
-__all__ = ["ALL_CORES", "ONE_THREAD", "Device"]
+__all__ = ["ALL_CORES", "ONE_THREAD", "Device", "check_room"]
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,26 @@ class Device:
     def with_threads(self, threads: int) -> Device:
         """The same with another number of threads."""
         return replace(self, threads=threads)
+
+
+def check_room(mebibytes: int, what: str) -> None:
+    """Raises MemoryError if a limit of the address space (ulimit -v) leaves less than `what` takes."""
+    try:
+        import resource
+
+        limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    except (ImportError, AttributeError, OSError):
+        return
+    if limit == resource.RLIM_INFINITY:
+        return
+    try:
+        with open("/proc/self/statm", "rb") as file:
+            used = int(file.read().split()[0]) * resource.getpagesize()
+    except OSError:
+        used = 0
+    left = max(0, limit - used) >> 20
+    if left < mebibytes:
+        raise MemoryError(f"{what} takes {mebibytes} MiB of address space to begin, and {left} are left (ulimit -v)")
 
 
 ALL_CORES = Device()

@@ -18,6 +18,7 @@ __all__ = [
     "OutputLockedError",
     "PictureError",
     "RegionError",
+    "ReportError",
     "SgiError",
     "StreamError",
     "TargetMissedError",
@@ -107,6 +108,10 @@ class TileFailedError(SgiError):
 
 class BatchError(SgiError):
     """Some of many files failed; each was reported (exit 1)."""
+
+
+class ReportError(SgiError):
+    """A report that cannot be written to stdout, which is full (exit 1). The work is done."""
 
 
 class EncodeInterruptedError(SgiError):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import io
 import os
 import sys
 from importlib import import_module
@@ -13,7 +12,9 @@ import click
 
 from sgicodec.cli.command import examples_text
 from sgicodec.cli.options import VERBOSE, verbose_option
+from sgicodec.cli.standard_streams import drop, repair
 from sgicodec.cli.texts import EXAMPLES, EXIT_CODES
+from sgicodec.device import check_room
 from sgicodec.errors import SgiError
 from sgicodec.version import __version__
 
@@ -32,6 +33,13 @@ _COMMANDS = {
     "man": "sgicodec.cli.man",
 }
 """The commands, and the modules that they live in."""
+
+
+_ROOM_MIB = {"encode": 200, "decode": 105, "verify": 105, "compare": 200, "bench": 200}
+"""Address space that the libraries of a command take as they load; some end the process where there is less."""
+
+_NO_MEMORY = ("failed to map segment", "annot allocate memory", "can't start new thread", "temporarily unavailable")
+"""What libraries, the loader and threads say where there is not enough."""
 
 
 class Cli(click.Group):
@@ -88,6 +96,7 @@ class Cli(click.Group):
             else:
                 hint = f" (did you mean {close[0]!r}?)" if close else ""
             raise click.UsageError(f"there is no command {name!r}{hint}", ctx)
+        check_room(_ROOM_MIB.get(name, 0), f"sgi {name}")
         return super().resolve_command(ctx, args)
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
@@ -100,13 +109,16 @@ class Cli(click.Group):
         try:
             return super().invoke(ctx)
         except BrokenPipeError:
-            _drop_stdout()
+            drop(1)
             ctx.exit(_BROKEN_PIPE)
         except (SgiError, click.ClickException, click.Abort, click.exceptions.Exit):
             raise
-        except MemoryError:
-            ctx.exit(_complain("there is not enough memory for this picture", _INTERNAL))
+        except MemoryError as error:
+            what = f": {error}" if "(ulimit -v)" in str(error) else " for this picture"
+            ctx.exit(_complain(f"there is not enough memory{what}", _INTERNAL))
         except Exception as error:
+            if any(text in str(error) for text in _NO_MEMORY):
+                ctx.exit(_complain(f"there is not enough memory: {str(error).splitlines()[-1]}", _INTERNAL))
             if ctx.meta.get(VERBOSE):
                 import traceback
 
@@ -140,11 +152,6 @@ def _complain(message: str, status: int) -> int:
     return status
 
 
-def _drop_stdout() -> None:
-    """Keeps the interpreter from complaining about what is still to be flushed when it ends."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-
-
 @click.group("sgi", cls=Cli, context_settings={"help_option_names": ["-h", "--help"]})
 @click.option(
     "--version",
@@ -163,7 +170,5 @@ def main() -> None:
     """Entry point of `sgi`."""
     # OpenBLAS starts a thread per core as numpy loads: half of the time of `sgi info`, for products too small to share.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="replace")  # a locale that lacks × or δ is no reason to fail
+    repair()
     cli()

@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from sgicodec.cli.standard_streams import check_stdout
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.errors import OutputExistsError, SgiError, StreamError, UsageError
 
@@ -69,12 +70,19 @@ def check_output(target: str, source: str, force: bool, as_stream: bool = False)
     Raises UsageError, or OutputExistsError for an existing file without `force`.
     """
     if target == STANDARD:
+        check_stdout()
         if sys.stdout.isatty() and not force:
             raise UsageError("stdout is a terminal; name OUT, redirect, or give -f to write to it all the same")
         return
     from pathlib import Path  # takes long to load
 
     path, name = Path(target), display(target)
+    try:
+        path.stat()
+    except (FileNotFoundError, NotADirectoryError):
+        pass
+    except OSError as error:  # a name that is too long, a folder that may not be searched
+        raise UsageError(f"{name}: {error.strerror or error}") from error
     folder = Path(os.path.realpath(path)).parent
     if path.is_dir():
         raise UsageError(f"{name} is a folder; name a file")
@@ -84,7 +92,7 @@ def check_output(target: str, source: str, force: bool, as_stream: bool = False)
         return
     if not os.access(folder, os.W_OK):
         raise UsageError(f"{name}: the folder {display(str(folder))} cannot be written to")
-    if source != STANDARD and path.exists() and Path(source).exists() and path.samefile(source):
+    if source != STANDARD and path.exists() and os.path.exists(source) and path.samefile(source):
         raise UsageError(f"{name} is both input and output; name another OUT")
     if as_stream:
         _check_stream(path)

@@ -12,7 +12,7 @@ EXAMPLES = (
 
 EXIT_CODES = (
     (0, "done"),
-    (1, "internal error, or a benchmark point, a tile or a file of many that failed"),
+    (1, "internal error, a report that cannot be written, or a benchmark point, a tile or a file of many that failed"),
     (2, "arguments or settings that make no sense"),
     (3, "a picture that cannot be read or written"),
     (4, "a stream that is damaged, unsupported or cannot be opened"),

@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from sgicodec.errors import PictureError, require
+from sgicodec.errors import PictureError
 from sgicodec.image.alpha import unassociate
 from sgicodec.image.channels import Channels, Last, declared_channels
 from sgicodec.image.foreign import foreign
 from sgicodec.image.header import Probe, has_own_numbers, header, is_associated, number_as_read, orientation
+from sgicodec.image.library import load_openimageio
 from sgicodec.image.origin import first_line
 from sgicodec.image.second_reader import KIND, SecondReader
 from sgicodec.metadata import embedded, geo, ifd, placement, png
@@ -116,7 +117,7 @@ def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto") -
 
     Raises PictureError for what cannot be read faithfully.
     """
-    require("OpenImageIO", "reading pictures")
+    load_openimageio("reading pictures")
     with path.open("rb") as file:
         data = FileBytes(file)
         _check(data)

@@ -11,10 +11,11 @@ import numpy as np
 import numpy.typing as npt
 
 from sgicodec._native import Drain
-from sgicodec.errors import PictureError, require
+from sgicodec.errors import PictureError
 from sgicodec.image.alpha import associate
 from sgicodec.image.formats import Format
 from sgicodec.image.header import Probe
+from sgicodec.image.library import load_openimageio
 from sgicodec.image.origin import first_line
 from sgicodec.picture import alpha_index
 
@@ -52,7 +53,7 @@ class Output:
     """
 
     def __init__(self, path: Path, holder: Format, header: Probe, icc: bytes | None) -> None:
-        require("OpenImageIO", "writing pictures")
+        load_openimageio("writing pictures")
         import OpenImageIO as oiio
 
         self._header = header

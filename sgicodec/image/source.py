@@ -116,7 +116,7 @@ class Source:
             with naming(self._origin):
                 for window in self._scan():
                     found.add(self._pixels(window))
-            self._range = found.range()
+                self._range = found.range()
         return self._range
 
     def read(self, x: int, y: int, width: int, height: int) -> Picture:

@@ -165,6 +165,7 @@ def test_exit_codes_of_all_errors() -> None:
         "OutputLockedError": 6,
         "TileFailedError": 1,
         "BatchError": 1,
+        "ReportError": 1,
         "EncodeInterruptedError": 130,
     }
 

@@ -1,0 +1,127 @@
+"""Standard streams that are closed or full, names that are too long, address space that is too small."""
+
+from __future__ import annotations
+
+import os
+import resource
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from children import HANGS
+from click.testing import Result
+
+Run = Callable[..., Result]
+FULL = Path("/dev/full")
+needs_full = pytest.mark.skipif(not FULL.exists(), reason="there is no /dev/full here")
+
+
+def closing(*numbers: int) -> Callable[[], None]:
+    def close() -> None:
+        for number in numbers:
+            os.close(number)
+
+    return close
+
+
+def run(*arguments: object, before: Callable[[], None] | None = None, **streams: object) -> tuple[int, str, str]:
+    """Exit code, stdout and stderr of a command; `before` runs in its process first."""
+    command = [sys.executable, "-m", "sgicodec", *map(str, arguments)]
+    pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | streams
+    done = subprocess.run(command, preexec_fn=before, timeout=HANGS, check=False, **pipes)  # type: ignore[call-overload]
+    return done.returncode, (done.stdout or b"").decode(), (done.stderr or b"").decode()
+
+
+@pytest.mark.parametrize("numbers", [(1,), (2,), (0, 1, 2)])
+def test_an_encode_without_standard_streams(picture: Path, numbers: tuple[int, ...]) -> None:
+    """OUT is whole, and nothing that was meant for a closed stream is in it."""
+    status, _, errors = run("encode", picture, "--steps", 2, "-j", 1, "--progress", "on", before=closing(*numbers))
+    assert status == 0, errors
+    assert "rror" not in errors
+    assert run("verify", picture.with_suffix(".sgi"))[0] == 0
+
+
+@pytest.mark.parametrize("command", ["encode", "decode", "info", "verify"])
+def test_stdin_is_closed(command: str, tmp_path: Path) -> None:
+    out = [tmp_path / "x.sgi"] if command == "encode" else [tmp_path / "x.png"] if command == "decode" else []
+    status, _, errors = run(command, "-", *out, before=closing(0))
+    assert (status, errors) == (2, "sgi: stdin is closed; name IN\n")
+
+
+@pytest.mark.parametrize("command", ["encode", "decode"])
+def test_stdout_is_closed(command: str, picture: Path, stream: Path) -> None:
+    status, _, errors = run(command, picture if command == "encode" else stream, "-", before=closing(1))
+    assert (status, errors) == (2, "sgi: stdout is closed; name OUT\n")
+
+
+def test_a_complaint_that_nobody_hears(tmp_path: Path) -> None:
+    assert run("info", tmp_path / "missing.sgi", before=closing(2))[0] == 4
+
+
+@needs_full
+@pytest.mark.parametrize("arguments", [["info"], ["verify"], ["--help"], ["encode", "--steps", "2", "-j", "1"]])
+def test_a_report_that_cannot_be_written(picture: Path, stream: Path, arguments: list[str]) -> None:
+    name = {"encode": [picture, "-f"], "--help": []}.get(arguments[0], [stream])
+    with FULL.open("wb") as full:
+        status, _, errors = run(*arguments, *name, stdout=full)
+    assert (status, errors) == (1, "sgi: stdout: No space left on device\n")
+    if arguments[0] == "encode":
+        assert run("verify", picture.with_suffix(".sgi"))[0] == 0
+
+
+@needs_full
+def test_a_complaint_that_cannot_be_written(tmp_path: Path) -> None:
+    with FULL.open("wb") as full:
+        assert run("info", tmp_path / "missing.sgi", stderr=full)[0] == 4
+
+
+@needs_full
+def test_devices_that_are_full(sgi: Run, stream: Path, picture: Path) -> None:
+    decoded = sgi("decode", stream, FULL, "--format", "png")
+    assert (decoded.exit_code, decoded.stderr) == (3, "sgi: /dev/full: No space left on device\n")
+    encoded = sgi("encode", picture, FULL, "--steps", 2)
+    assert encoded.exit_code == 4
+    assert encoded.stderr.endswith("sgi: /dev/full: No space left on device\n")
+
+
+@pytest.mark.parametrize("length", [300, 5000])
+def test_names_that_are_too_long(sgi: Run, picture: Path, stream: Path, length: int) -> None:
+    long = picture.parent / ("a" * length)
+    for arguments, status in (
+        (["encode", picture, f"{long}.sgi"], 2),
+        (["encode", f"{long}.png", picture.parent / "x.sgi"], 3),
+        (["decode", stream, f"{long}.png"], 2),
+        (["decode", f"{long}.sgi", picture.parent / "x.png"], 4),
+        (["info", f"{long}.sgi"], 4),
+    ):
+        result = sgi(*arguments)
+        assert result.exit_code == status, result.stderr
+        assert result.stderr.startswith(f"sgi: {long}")
+        assert result.stderr.endswith(": File name too long\n")
+        assert result.stderr.count("\n") == 1
+
+
+def within(mebibytes: int) -> Callable[[], None]:
+    return lambda: resource.setrlimit(resource.RLIMIT_AS, (mebibytes << 20,) * 2)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="address space is limited on Linux alone")
+@pytest.mark.parametrize("mebibytes", [64, 96, 112, 144, 180, 210])
+def test_little_address_space(picture: Path, stream: Path, mebibytes: int) -> None:
+    """Libraries that load would end the process, some without a word."""
+    for arguments in (
+        ["encode", picture, "-f", "-j", 1, "--steps", 2],
+        ["decode", stream, picture.parent / "x.tga", "-f"],
+    ):
+        status, _, errors = run(*arguments, before=within(mebibytes))
+        if status:
+            assert status == 1
+            assert errors.startswith("sgi: there is not enough memory"), errors
+            assert errors.count("\n") == 1
+    assert mebibytes > 200 or status == 1
+
+
+def test_enough_address_space(stream: Path) -> None:
+    assert run("decode", stream, stream.with_name("x.png"), "-j", 1, before=within(160))[0] == 0
