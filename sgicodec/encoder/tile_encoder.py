@@ -212,12 +212,13 @@ class Encoding:
         reference = self.seed_reference
         return Rdoq(candidate.header, candidate.model, self.unit, candidate.lmbda, settings, self.device, reference)
 
-    def searched(self, candidate: Candidate) -> Candidate:
-        """The best that the search finds for the candidate's λ."""
+    def searched(self, candidate: Candidate, least: int = 0) -> Candidate:
+        """The best that the search finds for the candidate's λ, in at least this many passes."""
         if not self.searches:
             return candidate
-        until = self.end - 0.5 * self._coding_seconds
-        return replace(candidate, model=self.rdoq(candidate).at(candidate.lmbda, until=until, ending=self.ending).model)
+        search, until = self.rdoq(candidate), self.end - 0.5 * self._coding_seconds
+        found = search.at(candidate.lmbda, until=until, ending=lambda: search.passes >= least and self.ending())
+        return replace(candidate, model=found.model)
 
     def textured(self, candidate: Candidate) -> Candidate:
         """The candidate with texture over what its seeds leave, for the λ of the encode."""

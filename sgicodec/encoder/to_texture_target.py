@@ -44,7 +44,8 @@ class TextureTargetEncoder(TargetEncoder):
     def _stream(self, on_progress: Callable[[Progress], bool]) -> tuple[Stream, float]:
         """The best stream with seeds for the encoding's λ, and by how many octaves λ should have been larger."""
         encoding, target = self.encoding, self.target
-        candidate = encoding.searched(encoding.candidate(encoding.fitted(on_progress)))
+        # Without two passes, the seeds of a fit that was ended early may take more than the whole stream is to have.
+        candidate = encoding.searched(encoding.candidate(encoding.fitted(on_progress)), least=2)
         search, first = encoding.texture_search(candidate), encoding.tuning.step(encoding.lmbda)
         tried: dict[int, Stream] = {}
 
