@@ -57,7 +57,7 @@ class EncodeListener(NullListener):
 
     def planned(self, plan: Plan, workers: int, memory: Memory) -> None:
         """Says what the encode will take, and begins the bar."""
-        self.plan, header = plan, plan.header
+        self.plan, header, self._pixels = plan, plan.header, plan.header.width * plan.header.height
         self._stages.plan(stage_weights(plan))
         self._pixels = header.width * header.height
         if header.tile and not self._quiet:
