@@ -6,6 +6,7 @@ import builtins
 import io
 import mmap
 import pickle
+import struct
 import subprocess
 import sys
 from collections.abc import Callable
@@ -21,6 +22,7 @@ from PIL import Image
 import sgicodec
 from sgicodec.decoder.view import MAX_OUTPUT_SAMPLES
 from sgicodec.errors import RegionError, StreamError, UsageError
+from sgicodec.picture import Metadata, equal_samples
 
 PHOTO = Path(__file__).parents[1] / "data" / "kodim23.png"
 
@@ -133,6 +135,27 @@ def test_outside_is_nodata_or_transparent(pixels: np.ndarray) -> None:
     with sgicodec.open(sgicodec.encode(rgba, steps=4)) as stream:
         assert (stream.read((90, 60, 20, 20), boundless=True)[5:, 8:] == 0).all()
         assert (stream.read((90, 60, 6, 4))[..., 3] == 255).all()
+
+
+@pytest.mark.parametrize(("nodata", "dtype"), [(7.0, "uint8"), (-9999.0, "float32"), (float("nan"), "float32")])
+def test_nodata_goes_along(pixels: np.ndarray, nodata: float, dtype: str, tmp_path: Path) -> None:
+    """As it is, around the picture, and in another type as a value that no other pixel has."""
+    samples = pixels[..., 1].astype(dtype)
+    samples[:, :40] = nodata
+    tag = f"{nodata:g}".encode() + b"\0" * 8
+    geo = b"II*\0\x08\0\0\0\1\0" + struct.pack("<HHII", 42113, 2, len(tag), 26) + bytes(4) + tag
+    picture = sgicodec.Picture(samples[..., None], "gray", (0.0, 255.0), Metadata(geo=geo))
+    with sgicodec.open(sgicodec.encode(picture, steps=10)) as stream:
+        assert np.array_equal(stream.nodata, nodata, equal_nan=True)  # type: ignore[arg-type]
+        around = stream.read((-5, 0, 60, 64), boundless=True)
+        np.testing.assert_array_equal(around[:, :45], np.full((64, 45), nodata, dtype))
+        for other in ("uint8", "uint16", "float32"):
+            shown = stream.picture((-5, 0, 60, 64), dtype=other, boundless=True)
+            value = shown.nodata
+            assert value is not None
+            alike = equal_samples(shown.pixels[..., 0], value)
+            assert alike[:, :45].all()
+            assert not alike[:, 45:].any()
 
 
 def test_regions_of_levels(pixels: np.ndarray) -> None:
