@@ -66,6 +66,12 @@ __all__ = ["decode"]
 )
 @click.option("--max-pixels", type=click.IntRange(1), metavar="N", help="Refuse to write more pixels.")
 @click.option("--max-memory", type=BYTES, metavar="SIZE", help="Refuse what takes more memory to decode: 500MiB.")
+@click.option(
+    "--dither/--no-dither",
+    default=True,
+    show_default=True,
+    help="Dither 8 bits of what had more, so that skies show no contours.",
+)
 @click.option("--exact", is_flag=True, help="Draw small views of large pictures from all that the stream holds.")
 @output_option
 @batch_options
@@ -86,6 +92,7 @@ def decode(
     png_level: int | None,
     max_pixels: int | None,
     max_memory: float | None,
+    dither: bool,
     exact: bool,
     output: str | None,
     output_dir: str | None,
@@ -110,7 +117,14 @@ def decode(
     many = output_dir is not None or recursive
     how = (verbose, as_json, quiet, "off" if many else progress)
     job = DecodeJob(
-        view, DecodeLimits(max_pixels, max_memory), Output(bits, png_level, threads), format_, exact, force, *how
+        view,
+        DecodeLimits(max_pixels, max_memory),
+        Output(bits, png_level, threads),
+        format_,
+        exact,
+        dither,
+        force,
+        *how,
     )  # type: ignore[arg-type]
     if output is not None and (many or len(paths) > 1):
         raise UsageError("-o names the OUT of one IN; it does not go with another name, --output-dir or -r")

@@ -39,6 +39,7 @@ class DecodeJob:
     output: Output
     format_: str | None
     exact: bool
+    dither: bool
     force: bool
     verbose: bool
     as_json: bool
@@ -77,7 +78,7 @@ class DecodeJob:
         return size
 
     def _write(self, stream: Stream, target: str, extension: str) -> Bands | Picture:
-        stream.exact = self.exact
+        stream.exact, stream.dither = self.exact, self.dither
         view = self.view.of(stream) | {"dtype": _DTYPES[self.output.bits]}
         mode: Mode = "off" if self.quiet else self.progress
         bands = stream.bands(**view)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.bitstream.header import Header
+from sgicodec.decoder.dither import dithered
 from sgicodec.decoder.nodata import mark_nodata
 from sgicodec.decoder.tile_cache import TileCache
 from sgicodec.decoder.tile_renderer import TileRenderer
@@ -31,10 +32,11 @@ def render_view(
     mapping: Mapping | None,
     device: Device,
     top: int = 0,
+    dither: bool = False,
 ) -> None:
     """Fills out [rows, columns, C] with the view from its row `top` on.
 
-    mapping: how values become samples of out's type, None for floats as they are.
+    mapping: how values become samples of out's type, None for floats as they are; dither: not to the nearest.
     """
     grid = header.grid
     segments = list(
@@ -50,10 +52,13 @@ def render_view(
             block = out[down.first : down.last, across.first : across.last]
             at = across.first, top + down.first
             here = [tiles.tile(number) for number in numbers]
+            drawn, how = (np.empty(block.shape, np.float32), None) if dither else (block, mapping)
             if len(here) == 1:
-                here[0].draw(view, at, block, mapping, device)
+                here[0].draw(view, at, drawn, how, device)
             else:
-                _blend(here, (down, across), view, at, block, mapping, device)
+                _blend(here, (down, across), view, at, drawn, how, device)
+            if dither and mapping is not None:
+                block[...] = dithered(drawn, mapping, at, alpha_index(header.channels), block.dtype)
             if mapping is not None and header.masked is not None:
                 mark_nodata(header, here[0], view, at, block)
 

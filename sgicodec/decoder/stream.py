@@ -65,11 +65,13 @@ class Stream(ArrayView):
 
     Of several tiles those are read and decoded that a region touches. `size` is the stream's length in bytes,
     `chunk_bytes` that of every chunk by its letter, frame included. Views of a sixteenth and less show the overview of
-    a stream that has one, unless `exact` asks for all that the stream holds. `name` is its path, if it was opened by
+    a stream that has one, unless `exact` asks for all that the stream holds. Samples
+    of 8 bits are dithered where the source had more, unless `dither` is False. `name` is its path, if it was opened by
     one. Several threads may use one at once; they take turns.
     """
 
     exact: bool = False
+    dither: bool = True
 
     def __init__(
         self,
@@ -119,7 +121,7 @@ class Stream(ArrayView):
         if self.name is None and not isinstance(self._source, bytes):
             raise UsageError("a stream that reads a file object cannot be pickled; open it by its path")
         source = self._source if self.name is None else os.path.abspath(self.name)
-        return open_stream, (source, self.device), {"exact": self.exact}
+        return open_stream, (source, self.device), {"exact": self.exact, "dither": self.dither}
 
     @property
     def nodata(self) -> float | None:
@@ -261,11 +263,13 @@ class Stream(ArrayView):
     def _draw_inside(self, view: View, out: NDArray[Any], dtype: str | None, top: int) -> None:
         small = overview_view(self.header, view) if self.has_overview and not self.exact else None
         if small is not None:
+            self.overview.dither = self.dither
             self.overview._draw_inside(small, out, dtype, top)
             return
         header = self._header(dtype)
         mapping = None if dtype is None else sample_mapping(header)
-        render_view(header, self._tiles, view, out, mapping, self.device, top)
+        dither = self.dither and dtype == "uint8" != self.header.sample_type
+        render_view(header, self._tiles, view, out, mapping, self.device, top, dither)
 
     @property
     def has_overview(self) -> bool:
