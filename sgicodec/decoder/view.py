@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from numbers import Integral, Real
 from typing import Any, NamedTuple
 
-from sgicodec.bitstream.header import Header
+from sgicodec.bitstream.header import MAX_SIDE, Header
 from sgicodec.decoder.levels import Level
 from sgicodec.errors import LimitError, RegionError, UsageError
 
@@ -71,6 +71,8 @@ def view_of(
             f"region {x},{y},{width},{height} is not inside the picture of {header.width}×{header.height} pixels"
         )
     columns, rows = _output_size(width, height, scale, size)
+    if max(columns, rows) > MAX_SIDE:
+        raise UsageError(f"{columns}×{rows} pixels are too many; a side has at most {MAX_SIDE}")
     if most is not None and columns * rows * header.spec.channels > most:
         error = LimitError if (region, scale, size) == (None, None, None) else UsageError
         raise error(f"{columns}×{rows} pixels are too many for one call; decode regions or a smaller scale")

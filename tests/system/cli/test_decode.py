@@ -173,6 +173,14 @@ def test_too_many_pixels_are_a_fault_of_the_arguments(sgi: Run, stream: Path, tm
         assert "too many" in result.stderr
 
 
+def test_too_many_pixels_of_tiles_too(sgi: Run, picture: Path, tmp_path: Path) -> None:
+    """It began with a band of the first rows, and never ended."""
+    assert sgi("encode", picture, tmp_path / "t.sgi", "--steps", 1, "--tile", 32).exit_code == 0
+    result = sgi("decode", tmp_path / "t.sgi", tmp_path / "out.png", "--scale", 999_999)
+    assert result.exit_code == 2
+    assert "47999952×31999968 pixels are too many" in result.stderr
+
+
 def test_an_existing_output_stays_without_force(sgi: Run, stream: Path) -> None:
     target = stream.with_suffix(".png")
     target.write_bytes(b"old")

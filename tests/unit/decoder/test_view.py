@@ -40,6 +40,9 @@ def test_views_of_nothing_and_of_too_much() -> None:
     with pytest.raises(LimitError, match="too many for one call"):
         view_of(TILED, None, None, None, most=1 << 20)
     assert view_of(TILED, None, 30.0, None, most=None).columns == 122880
+    for scale, size in ((5000.0, None), (None, (1 << 25, 2))):
+        with pytest.raises(UsageError, match="too many; a side has at most 16777216"):
+            view_of(TILED, None, scale, size, most=None)
 
 
 def test_a_sixteenth_and_less_is_what_an_overview_shows() -> None:
