@@ -22,6 +22,7 @@ BENCHMARKS = {
     "scores": ("benchmarks.scores", "SSIMULACRA 2 of JPEG and JPEG XL, next to published scores."),
     "targets": ("benchmarks.targets", "How near encodes come to a size or a PSNR, and what that costs."),
     "limits": ("benchmarks.limits", "How well time limits are kept, and what they give."),
+    "unsuited": ("benchmarks.unsuited", "What is left of text, line art, screenshots and fine texture."),
     "large": ("benchmarks.large.command", "sgi and its peers on pictures of many megapixels."),
     "crops": ("benchmarks.crops", "Cut pictures for a benchmark out of larger ones."),
     "mosaic": ("benchmarks.mosaic", "Make a large picture of real ones."),
