@@ -186,15 +186,24 @@ def test_closed(data: bytes, tmp_path: Path) -> None:
     assert stream.shape == (64, 96, 3)
 
 
-def test_several_threads_may_use_a_stream_at_once(data: bytes, whole: np.ndarray, tmp_path: Path) -> None:
+def test_several_threads_may_use_a_stream_at_once(
+    pixels: np.ndarray, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of six tiles four are kept, so that all threads read the file and change the cache again and again."""
     path = tmp_path / "a.sgi"
-    path.write_bytes(data)
-    rng = np.random.default_rng(0)
-    corners = [(int(x), int(y)) for x, y in zip(rng.integers(0, 80, 60), rng.integers(0, 50, 60), strict=True)]
-    with sgicodec.open(path, sgicodec.Device(threads=2)) as stream, ThreadPoolExecutor(8) as pool:
-        parts = list(pool.map(lambda corner: stream.read((*corner, 16, 14)), corners))
+    sgicodec.imwrite(path, pixels, steps=1, tile=32)
+    whole = sgicodec.imread(path)
+    monkeypatch.setattr("sgicodec.decoder.tile_cache.CACHE_BYTES", 0)
+    rng, interval = np.random.default_rng(0), sys.getswitchinterval()
+    corners = [(int(x), int(y)) for x, y in zip(rng.integers(0, 56, 60), rng.integers(0, 30, 60), strict=True)]
+    sys.setswitchinterval(1e-6)
+    try:
+        with sgicodec.open(path, sgicodec.Device(threads=2)) as stream, ThreadPoolExecutor(8) as pool:
+            parts = list(pool.map(lambda corner: stream.read((*corner, 40, 34)), corners))
+    finally:
+        sys.setswitchinterval(interval)
     for (x, y), part in zip(corners, parts, strict=True):
-        np.testing.assert_array_equal(part, whole[y : y + 14, x : x + 16])
+        np.testing.assert_array_equal(part, whole[y : y + 34, x : x + 40])
 
 
 def test_streams_are_pickled_by_path_or_bytes(
