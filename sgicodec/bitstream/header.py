@@ -12,6 +12,7 @@ from sgicodec.model.spec import ContextSpec, ModelSpec
 from sgicodec.model.tile_grid import TileGrid
 
 __all__ = [
+    "COLOURED_LAYOUTS",
     "FORMAT_VERSION",
     "LAYOUT_NAMES",
     "MAX_APRON",
@@ -26,13 +27,15 @@ __all__ = [
     "encode_header",
 ]
 
-FORMAT_VERSION = 3
-_FLAGS_OF = {1: 15, 2: 255, 3: 511}
+FORMAT_VERSION = 4
+_FLAGS_OF = {1: 15, 2: 255, 3: 511, 4: 1023}
 """The versions that can be read, and the flags that each may set; a header states the least that has its flags."""
 
 Masked = Literal["transparent", "nodata"]
 
 LAYOUT_NAMES = ("multi", "gray", "gray+alpha", "rgb", "rgba")
+COLOURED_LAYOUTS = ("rgb", "rgba")
+"""Those that can be in luma space."""
 SAMPLE_TYPES = ("uint8", "uint16", "float32")
 _LAYOUTS, _SHAPES = ("adaptive", "uniform"), ("log", "rotation")
 _PROFILES = ("default", "paper")
@@ -47,7 +50,7 @@ MAX_HASH_RESOLUTION = 1 << 14
 MAX_TILES = 1 << 20
 MIN_TILE, MAX_APRON = 32, 256
 
-_SKIP, _SEED_SCALES, _GROUPED, _COARSE_FIRST, _TILED, _PREDICTED, _TEXTURE = 1, 2, 4, 8, 16, 128, 256
+_SKIP, _SEED_SCALES, _GROUPED, _COARSE_FIRST, _TILED, _PREDICTED, _TEXTURE, _LUMA = 1, 2, 4, 8, 16, 128, 256, 512
 _MASKED: dict[Masked | None, int] = {None: 0, "transparent": 32, "nodata": 64}
 
 
@@ -89,9 +92,9 @@ def encode_header(header: Header) -> bytes:
     spec, context = header.spec, header.spec.context
     flags = _SKIP * spec.skip + _SEED_SCALES * spec.seed_scales + _GROUPED * (len(context.steps) > 1)
     flags += _COARSE_FIRST * context.coarse_first + _TILED * bool(header.tile) + _MASKED[header.masked]
-    flags += _PREDICTED * spec.predicted_seeds + _TEXTURE * spec.texture
+    flags += _PREDICTED * spec.predicted_seeds + _TEXTURE * spec.texture + _LUMA * spec.luma_space
     fields = [
-        2 if flags <= _FLAGS_OF[2] else FORMAT_VERSION,
+        next(version for version in (2, 3, FORMAT_VERSION) if flags <= _FLAGS_OF[version]),
         header.width,
         header.height,
         spec.channels,
@@ -161,8 +164,10 @@ def decode_header(payload: bytes) -> Header:
     sample_type = SAMPLE_TYPES[fields.take("the sample type", 0, len(SAMPLE_TYPES) - 1)]
     profile = _PROFILES[fields.take("the profile", 0, len(_PROFILES) - 1)]
     flags, spec, quality, family = _model(fields, channels, _FLAGS_OF[version])
-    if version == FORMAT_VERSION and flags <= _FLAGS_OF[2]:
+    if version > 2 and flags <= _FLAGS_OF[version - 1]:
         raise CorruptStreamError(f"header: format version {version} without anything that needs it")
+    if spec.luma_space and layout_name not in COLOURED_LAYOUTS:
+        raise CorruptStreamError(f"header: {layout_name} has no luma space")
     expected = {"multi": channels, "gray": 1, "gray+alpha": 2, "rgb": 3, "rgba": 4}[layout_name]
     if expected != channels:
         raise CorruptStreamError(f"header: {channels} channels cannot be {layout_name}")
@@ -213,7 +218,8 @@ def _model(fields: _Fields, channels: int, all_flags: int) -> tuple[int, ModelSp
     names = tuple(group.name for group in spec.groups)
     steps = tuple((name,) for name in names) if grouped else (names,)
     context = replace(context, steps=steps)
-    spec = replace(spec, context=context, predicted_seeds=predicted, texture=bool(flags & _TEXTURE))
+    textured, luma_space = bool(flags & _TEXTURE), bool(flags & _LUMA)
+    spec = replace(spec, context=context, predicted_seeds=predicted, texture=textured, luma_space=luma_space)
     return flags, spec, quality, family
 
 

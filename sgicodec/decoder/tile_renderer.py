@@ -20,6 +20,7 @@ from sgicodec.errors import LimitError
 from sgicodec.model.base import base_colours
 from sgicodec.model.base_view import base_view
 from sgicodec.model.gaussians import model_gaussians
+from sgicodec.model.luma_space import from_luma_space
 from sgicodec.model.texture import TextureLayer
 from sgicodec.raster import Background, Mapping, NativeRasterizer, nothing_behind, scaled
 
@@ -85,7 +86,16 @@ class TileRenderer:
         self.bits, self.symbol_crc = coder.bits, coder.crc
         self.gaussians = _drawable(own, self.model, device)
         self._colours = base_colours(self.model.base, self.model.base_step)
+        if own.spec.luma_space:
+            self._leave_luma_space()
         self._texture = None if self.model.texture is None else self.model.texture.layer()
+
+    def _leave_luma_space(self) -> None:
+        """Mixes all colours so that what is drawn is red, green and blue. Texture does so where it is drawn."""
+        mix = from_luma_space(self.header.spec.channels)
+        means, covariances, colours = self.gaussians
+        self.gaussians = _Gaussians(means, covariances, np.ascontiguousarray(colours @ mix.T, np.float32))
+        self._colours = np.tensordot(mix, self._colours, axes=1)
 
     @property
     def memory(self) -> int:
@@ -166,7 +176,9 @@ class TileRenderer:
     ) -> Background | None:
         """Base layer and texture of a block, whichever there is; parameters as of `base_view`."""
         channels, cell = self.header.spec.channels, self.header.spec.base_cell
-        texture = None if self._texture is None else self._texture.draw(start, scale, first, size, device)
+        texture = None
+        if self._texture is not None:
+            texture = self._texture.draw(start, scale, first, size, device, luma_space=self.header.spec.luma_space)
         if self._colours.size:
             return Background(*base_view(self._colours, cell, start, scale, first, size, device), texture)
         return None if texture is None else nothing_behind(channels, texture)

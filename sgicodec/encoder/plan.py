@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from sgicodec.bitstream.header import MAX_CHANNELS, MAX_SIDE, MAX_TILES, Header
+from sgicodec.bitstream.header import COLOURED_LAYOUTS, MAX_CHANNELS, MAX_SIDE, MAX_TILES, Header
 from sgicodec.bitstream.limits import check_model, check_texture
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.errors import LimitError, PictureError, UsageError, require
@@ -65,6 +65,8 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
     profile = settings.chosen_profile
     profile.check_installed()
     spec = _with_texture_that_fits(profile.spec(settings, shape.bands), grid)
+    if settings.tuned_for == "visual" and shape.channels in COLOURED_LAYOUTS:
+        spec = replace(spec, luma_space=True)
     _check(shape, spec, grid)
     fit = settings.fit_settings()
     header = Header(

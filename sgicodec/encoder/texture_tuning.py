@@ -86,5 +86,5 @@ _FLOOR, _USUAL = 7.7e-4, 3.9e-3
 
 TUNINGS = {
     "psnr": TextureTuning(_SQUARED_STEPS),
-    "visual": TextureTuning(0.0927, finer=39, growth=(1.31, 1.64), ratios=(19, 13), masking=0.4),
+    "visual": TextureTuning(0.0927, finer=39, growth=(1.31, 1.64), masking=0.4),
 }

@@ -33,6 +33,7 @@ from sgicodec.metrics.perceptual import ssimulacra2
 from sgicodec.metrics.psnr import psnr
 from sgicodec.model.context import input_count
 from sgicodec.model.layout import ROOT_LOG, SeedLayout, adaptive_layout, cell_sums, uniform_layout
+from sgicodec.model.luma_space import to_luma_space
 from sgicodec.picture import Picture, comparable, nodata_mask, to_rgb8, to_unit
 from sgicodec.rate_control.lambda_controller import LambdaController
 from sgicodec.rate_control.rd_model import RdModel
@@ -83,6 +84,9 @@ class Encoding:
             self.empty = empty if empty.any() else None
             if self.empty is not None:
                 self.unit = inpaint(self.unit, self.empty)
+        self._contrast = self.tuning.contrast(self.unit)
+        if self.spec.luma_space:
+            self.unit = np.tensordot(to_luma_space(self.spec.channels).astype(np.float32), self.unit, axes=1)
         self.reference = DISTORTIONS[self.settings.minimised].reference(self.unit, self.empty)
         self.fit = self.settings.fit_settings()
         self.begin(self.fit.lmbda)
@@ -240,10 +244,6 @@ class Encoding:
     def tuning(self) -> TextureTuning:
         """What texture is quantised for."""
         return TUNINGS[self.settings.tuned_for]
-
-    @cached_property
-    def _contrast(self) -> NDArray[np.int8] | None:
-        return self.tuning.contrast(self.unit)
 
     def with_texture(
         self, candidate: Candidate, search: TextureSearch, step: int, price: float | None = None

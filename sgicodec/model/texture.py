@@ -12,6 +12,7 @@ from sgicodec._native import TEXTURE_OVERLAP, draw_texture
 from sgicodec._native import TEXTURE_ROOT_LOG as ROOT_LOG
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.model.gaussians import colour_matrix
+from sgicodec.model.luma_space import from_luma_space
 
 __all__ = ["LEAST_LOG", "ROOT_LOG", "TextureLayer", "texture_atoms"]
 
@@ -56,14 +57,19 @@ class TextureLayer:
         size: tuple[int, int] | None = None,
         device: Device = ONE_THREAD,
         opponent: bool = False,
+        luma_space: bool = False,
     ) -> F32:
         """Planes [C, h, w] of the block of `size` (w, h) pixels from pixel `first` (x, y) on of the tile drawn at
-        `scale` from `start`, as `base_view` takes them. In the picture's colours, or as they are with `opponent`.
+        `scale` from `start`, as `base_view` takes them. In the picture's colours, which `luma_space` tells to be mixed
+        from that space, or as they are with `opponent`.
         """
         width, height = self.size if size is None else size
         planes = np.empty((self.channels, height, width), np.float32)
         mixes = self.channels >= 3 and not opponent
-        mix = np.array(colour_matrix(3), np.float32) if mixes else None
+        mix = None
+        if mixes:
+            into = from_luma_space(3).T if luma_space else np.eye(3)
+            mix = np.ascontiguousarray(np.array(colour_matrix(3)) @ into, np.float32)
         cells = self.corner, self.log_size, self.amplitudes, self.size
         draw_texture(*cells, start, scale, first, mix, device.threads, device.isa, planes)
         return planes
