@@ -47,8 +47,9 @@ def whole_bytes(parts: Mapping[str, float]) -> dict[str, int]:
 
 
 def print_parts(parts: Mapping[str, float], err: bool = False) -> None:
-    """One line per part with its bytes and its share of the sum, which ends the table."""
-    total = sum(parts.values())
+    """One line per part with its whole bytes, as in JSON, and its share of the sum, which ends the table."""
+    total, shown = sum(parts.values()), whole_bytes(parts)
     width = max(len(name) for name in ("total", *parts))
     for name, size in {**parts, "total": total}.items():
-        click.echo(f"  {name:<{width}}  {size:>12,.0f}  {100 * size / total:>5.1f} %", err=err)
+        whole = shown.get(name, round(total))
+        click.echo(f"  {name:<{width}}  {whole:>12,}  {100 * size / total:>5.1f} %", err=err)
