@@ -32,7 +32,8 @@ class TextureTuning:
     squared_steps: λ in squared steps, where steps do not grow. finer: 32nds of an octave by which the lowest frequency
     has a smaller step than λ says. growth: slopes of the first channel and of the others (see `TextureSteps`) where the
     lowest step is a grey level; they grow with its square root. ratios: of the second and third of three opponent
-    channels. masking: steps grow with this power of the local standard deviation of luma, 0 for not at all.
+    channels. masking: steps grow with this power of the local standard deviation of luma, 0 for not at all. larger: how
+    much larger streams are than the R-D model says, in octaves of λ.
     """
 
     squared_steps: float
@@ -40,6 +41,7 @@ class TextureTuning:
     growth: tuple[float, float] = (0.0, 0.0)
     ratios: tuple[int, int] = (SAME_STEP, SAME_STEP)
     masking: float = 0.0
+    larger: float = 0.0
 
     def step(self, lmbda: float) -> int:
         """Index of the step for λ."""
@@ -86,5 +88,5 @@ _FLOOR, _USUAL = 7.7e-4, 3.9e-3
 
 TUNINGS = {
     "psnr": TextureTuning(_SQUARED_STEPS),
-    "visual": TextureTuning(0.0927, finer=39, growth=(1.31, 1.64), masking=0.4),
+    "visual": TextureTuning(0.0927, finer=39, growth=(1.31, 1.64), masking=0.4, larger=1.3),
 }

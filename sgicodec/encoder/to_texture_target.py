@@ -32,6 +32,8 @@ class TextureTargetEncoder(TargetEncoder):
         """The nearest stream of as many fits as it takes."""
         encoding, target = self.encoding, self.target
         lmbda, found = initial_lmbda(target, encoding.rd_model(), self._extra()), []
+        if target.bytes is not None:
+            lmbda = min(lmbda * 2.0**encoding.tuning.larger, LMBDA_MAX)
         for _ in range(1 if encoding.settings.time_limit is not None else MAX_FITS):
             encoding.begin(lmbda)
             stream, octaves = self._stream(on_progress)

@@ -43,6 +43,9 @@ def _next_shift(errors: dict[int, float], shift: int, first_slope: float) -> int
     if too_fine and too_coarse:
         low, high = max(too_fine), min(too_coarse)
         part = errors[low] / (errors[low] - errors[high])
+        sides = [error > 0 for error in errors.values()]
+        if len(sides) > 2 and sides[-1] == sides[-2]:  # the secant creeps along one side of a jump
+            part = 0.5
         return min(max(round(low + part * (high - low)), low + 1), high - 1)
     slope = first_slope
     if len(errors) > 1:
