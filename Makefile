@@ -13,7 +13,7 @@ USER_STAMP := $(VENV)/.user
 DEV_STAMP := $(VENV)/.dev
 CXX_FILES := $(shell find native tests -name '*.?pp')
 # What is compiled and what is installed: Python files are used in place.
-INPUTS := pyproject.toml constraints.txt CMakeLists.txt $(shell find native -type f)
+INPUTS := pyproject.toml constraints.txt CMakeLists.txt $(shell find native share -type f)
 
 .DEFAULT_GOAL := help
 .PHONY: help setup setup-dev demo test test-all asan fuzz bench lint format stubs clean
@@ -45,7 +45,7 @@ $(USER_STAMP): $(INPUTS)
 	@$(PYTHON) -m venv $(VENV)
 	@$(PIP) install -c constraints.txt scikit-build-core
 	@# the build back end knows whether this machine's cmake and ninja will do
-	@$(PIP) install -c constraints.txt nanobind $$($(BIN)/python -c \
+	@$(PIP) install -c constraints.txt nanobind click $$($(BIN)/python -c \
 	  'from scikit_build_core.build import get_requires_for_build_editable as missing; print(*missing())')
 	@$(call install,bench)
 	@touch $@
