@@ -16,7 +16,7 @@ CXX_FILES := $(shell find native tests -name '*.?pp')
 INPUTS := pyproject.toml constraints.txt CMakeLists.txt $(shell find native share -type f)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup setup-dev demo test test-all asan fuzz bench lint format stubs clean
+.PHONY: help setup setup-dev demo test test-all asan fuzz bench lint format stubs wheel clean
 
 help:
 	@echo "make demo       encode and decode a bundled photograph and measure the difference"
@@ -29,6 +29,7 @@ help:
 	@echo "make format     let ruff format"
 	@echo "make bench      measure against JPEG, WebP, JPEG XL and AVIF: make bench PICTURES=DIR OUT=DIR"
 	@echo "make setup      install into $(VENV) what demo and bench need; make setup-dev: what tests and lint need"
+	@echo "make wheel      pack a wheel for this Python and test it in a new environment (Linux)"
 	@echo "make clean      remove what was built"
 
 setup: $(USER_STAMP)
@@ -110,6 +111,18 @@ bench: setup
 	$(BIN)/python -m benchmarks raster
 	$(BIN)/sgi bench $(PICTURES) --out $(OUT)
 
+# Apart from .venv: what a user gets, without compiler, sources or anything that was installed before.
+FRESH := dist/venv/bin/python
+
+wheel:
+	rm -rf dist
+	$(PYTHON) -m venv dist/venv
+	$(FRESH) -m pip --disable-pip-version-check -q wheel --no-deps -w dist .
+	$(FRESH) -m pip --disable-pip-version-check -q install -c constraints.txt "$$(echo $(CURDIR)/dist/*.whl)[wheel]"
+	PATH=$(CURDIR)/dist/venv/bin:$$PATH auditwheel repair -w dist/wheels dist/*.whl
+	$(FRESH) -m pip --disable-pip-version-check -q install --force-reinstall --no-deps dist/wheels/*.whl
+	PATH=$(CURDIR)/dist/venv/bin $(FRESH) tests/support/installed.py
+
 clean:
-	rm -rf $(VENV) build demo-out bench-out fuzz-out .pytest_cache .hypothesis .mypy_cache .ruff_cache
+	rm -rf $(VENV) build dist demo-out bench-out fuzz-out .pytest_cache .hypothesis .mypy_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
