@@ -8,16 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec._native import TEXTURE_LEAST_LOG as LEAST_LOG
-from sgicodec._native import TEXTURE_OVERLAP, draw_texture
 from sgicodec._native import TEXTURE_ROOT_LOG as ROOT_LOG
+from sgicodec._native import draw_texture
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.model.gaussians import colour_matrix
 from sgicodec.model.luma_space import from_luma_space
 
-__all__ = ["LEAST_LOG", "ROOT_LOG", "TextureLayer", "texture_atoms"]
+__all__ = ["LEAST_LOG", "ROOT_LOG", "TextureLayer"]
 
 F32 = NDArray[np.float32]
-F64 = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -33,11 +32,6 @@ class TextureLayer:
     corner: NDArray[np.int32]
     log_size: NDArray[np.uint8]
     amplitudes: F32
-
-    @classmethod
-    def without_cells(cls, size: tuple[int, int], channels: int) -> TextureLayer:
-        """A layer that adds nothing."""
-        return cls(size, channels, np.zeros((0, 2), np.int32), np.zeros(0, np.uint8), np.zeros(0, np.float32))
 
     @property
     def count(self) -> int:
@@ -73,21 +67,3 @@ class TextureLayer:
         cells = self.corner, self.log_size, self.amplitudes, self.size
         draw_texture(*cells, start, scale, first, mix, device.threads, device.isa, planes)
         return planes
-
-
-def texture_atoms(t: F64, log_size: int, hard: tuple[bool, bool] = (False, False)) -> F64:
-    """φ_k [len(t), n] of a cell of side n = 2^log_size at places t, in pixels from where it begins.
-
-    hard: whether the cell begins, and ends, at a border of the root grid, where its window ends abruptly.
-    """
-    side = 1 << log_size
-    omega = np.pi * (np.arange(side) + 0.5) / side
-    window = _edge(t, hard[0]) * _edge(side - t, hard[1])
-    atoms: F64 = window[:, None] * np.cos(omega * t[:, None]) * np.sqrt(2 / side)
-    return atoms
-
-
-def _edge(t: F64, hard: bool) -> F64:
-    if hard:
-        return (t >= 0).astype(np.float64)
-    return np.sin(np.pi / 4 * (1 + np.clip(t / TEXTURE_OVERLAP, -1, 1)))

@@ -7,11 +7,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from scenes import ISAS
-from textures import random_cells, random_layer
+from textures import random_cells, random_layer, texture_atoms
 
 from sgicodec.device import Device
 from sgicodec.model.gaussians import colour_matrix
-from sgicodec.model.texture import TextureLayer, texture_atoms
+from sgicodec.model.texture import TextureLayer
 
 WIDTH, HEIGHT = 150, 70
 
@@ -130,7 +130,8 @@ def test_between_pixels_it_is_continuous() -> None:
 
 
 def test_there_may_be_no_cells() -> None:
-    nothing = TextureLayer.without_cells((40, 30), 3)
+    empty = np.zeros((0, 2), np.int32), np.zeros(0, np.uint8), np.zeros(0, np.float32)
+    nothing = TextureLayer((40, 30), 3, *empty)
     assert nothing.count == nothing.memory == 0
     np.testing.assert_array_equal(nothing.draw(), np.zeros((3, 30, 40)))
 
