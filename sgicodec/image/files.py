@@ -8,6 +8,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
+from sgicodec.image.scratch import scratch_file
+
 __all__ = ["whole_file", "write_whole"]
 
 
@@ -22,21 +24,17 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
     """A file to write to under a temporary name in the folder of `path`; then it is synced to disk and renamed.
 
     A link is followed. What is no regular file (a device, a named pipe) is written to directly. Raises OSError, after
-    which the old file, if any, is still there and nothing else is.
+    which the old file, if any, is still there and nothing else is. What a kill leaves is removed by the next such write
+    in that folder.
     """
     path = Path(os.path.realpath(path))
     if path.exists() and not path.is_file():
         with path.open("wb") as device:
             yield device
         return
-    unfinished = path.with_name(f".{os.urandom(4).hex()}.sgi-part")
-    try:
-        with unfinished.open("xb") as file:
+    with scratch_file(path.parent) as unfinished:
+        with unfinished.open("wb") as file:
             yield file
             file.flush()
             os.fsync(file.fileno())
         os.replace(unfinished, path)
-    except BaseException:
-        with contextlib.suppress(FileNotFoundError):
-            unfinished.unlink()
-        raise

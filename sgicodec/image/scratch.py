@@ -1,4 +1,4 @@
-"""Folders for unfinished files, of which nothing is left: the next run removes those of a run that was killed."""
+"""Unfinished files and folders of them, of which nothing is left: the next run removes those of one that was killed."""
 
 from __future__ import annotations
 
@@ -11,10 +11,12 @@ import zlib
 from collections.abc import Iterator
 from pathlib import Path
 
-__all__ = ["scratch_folder"]
+__all__ = ["scratch_file", "scratch_folder"]
 
 _PREFIX = f".sgicodec-{zlib.crc32(platform.node().encode()):08x}-"
 """Names the machine: locks may not reach from one to another that shares the disk."""
+_SUFFIX = ".sgi-part"
+"""Of a file, which is no folder."""
 
 
 @contextlib.contextmanager
@@ -36,23 +38,53 @@ def scratch_folder(beside: Path | None = None) -> Iterator[Path]:
     try:
         yield folder
     finally:
-        shutil.rmtree(folder, ignore_errors=True)
+        _remove(folder)
         _release(lock)
 
 
-def _remove_if_left(folder: Path) -> None:
-    lock = _locked(folder, wait=False)
+@contextlib.contextmanager
+def scratch_file(beside: Path) -> Iterator[Path]:
+    """A new empty file in the folder `beside`, which is removed at the end unless it was renamed.
+
+    It is held as a folder is, and its permissions follow the umask. Raises OSError.
+    """
+    for left in beside.glob(f"{_PREFIX}*{_SUFFIX}"):
+        _remove_if_left(left)
+    while True:
+        path = beside / f"{_PREFIX}{os.urandom(4).hex()}{_SUFFIX}"
+        path.open("xb").close()
+        lock = _locked(path, wait=True)
+        if path.exists():
+            break
+        _release(lock)  # another run took it for one that was left
+    try:
+        yield path
+    finally:
+        _remove(path)
+        _release(lock)
+
+
+def _remove_if_left(path: Path) -> None:
+    lock = _locked(path, wait=False)
     if lock is not None:
-        shutil.rmtree(folder, ignore_errors=True)
+        _remove(path)
         _release(lock)
 
 
-def _locked(folder: Path, wait: bool) -> int | None:
-    """A descriptor that holds the lock of a folder; None if another does, or where there are no locks."""
+def _remove(path: Path) -> None:
+    if path.name.endswith(_SUFFIX):
+        with contextlib.suppress(OSError):
+            path.unlink()
+    else:
+        shutil.rmtree(path, ignore_errors=True)
+
+
+def _locked(path: Path, wait: bool) -> int | None:
+    """A descriptor that holds the lock of a folder or a file; None if another does, or where there are no locks."""
     try:
         import fcntl
 
-        descriptor = os.open(folder, os.O_RDONLY)
+        descriptor = os.open(path, os.O_RDONLY)
     except (ImportError, OSError):
         return None
     try:
