@@ -1,4 +1,4 @@
-"""The memory that an encode of several tiles takes at its peak (docs/large.md, "Memory")."""
+"""The memory that an encode takes at its peak (docs/large.md, "Memory")."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from sgicodec.executors.executor import MIB, Memory
 __all__ = ["estimate"]
 
 MAIN = 150 * MIB
-"""The process that reads and writes: Python, numpy, OpenImageIO."""
+"""The process that reads and writes: Python, numpy, OpenImageIO. One that fits too has room for them in WORKER."""
 WORKER = 110 * MIB
 """A process that fits: Python, numpy, and what a fit takes of any size."""
 LIBRARY = 220 * MIB
@@ -35,4 +35,4 @@ def estimate(plan: Plan, reading: int) -> Memory:
     window = pixels * channels * {"uint8": 1, "uint16": 2, "float32": 4}[header.sample_type]
     each_pixel = PIXEL_BYTES + CHANNEL_BYTES * channels + SEED_BYTES * share
     fixed = WORKER + (LIBRARY if plan.settings.chosen_profile.needs else 0)
-    return Memory(MAIN + reading + 2 * window, fixed + window + round(pixels * each_pixel))
+    return Memory(MAIN + reading + 2 * window, fixed + window + round(pixels * each_pixel), MAIN)

@@ -23,14 +23,17 @@ TRIES = 2
 
 @dataclass(frozen=True)
 class Memory:
-    """Bytes at the peak: of the process that reads and writes, and of each worker."""
+    """Bytes at the peak: of the process that reads and writes, of each worker, and what the two share where they are
+    one process.
+    """
 
     main: int
     worker: int
+    shared: int = 0
 
     def total(self, workers: int) -> int:
         """Of all processes together. A single worker is the main process itself."""
-        return self.main + workers * self.worker
+        return self.main + workers * self.worker - (self.shared if workers == 1 else 0)
 
     def workers_within(self, limit: float | None, most: int) -> int:
         """The largest number of workers, at most `most`, that stay within `limit` bytes. Raises UsageError if none
