@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from sgicodec.bitstream.varint import MAX_VARINT_BYTES, decode_varints, encode_varint
-from sgicodec.errors import CorruptStreamError
+from sgicodec.errors import CorruptStreamError, LimitError
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ["TRAILER_BYTES", "Place", "decode_index", "encode_index", "index_offset", "longest_index"]
+__all__ = ["TRAILER_BYTES", "Place", "check_unlisted", "decode_index", "encode_index", "index_offset", "longest_index"]
 
 _END = bytes.fromhex("4500bfa9d7cc")
 """Chunk E."""
@@ -20,6 +20,10 @@ _END = bytes.fromhex("4500bfa9d7cc")
 _OFFSET_BYTES, _CRC_BYTES = 8, 4
 TRAILER_BYTES = _OFFSET_BYTES + _CRC_BYTES + len(_END)
 """Of a file with an index: where the index begins, its CRC, the end mark."""
+
+
+_MOST_UNLISTED = 1 << 15
+"""Tiles that are looked for one by one in a file without an index; every encoder writes one."""
 
 
 class Place(NamedTuple):
@@ -41,6 +45,12 @@ def decode_index(payload: bytes, count: int) -> NDArray[np.int64]:
     if len(payload) < _OFFSET_BYTES or len(fields) != 2 * count + 1 or fields[0] != count:
         raise CorruptStreamError(f"index: it does not list the {count} tiles; the file is damaged")
     return fields[1:].reshape(count, 2)
+
+
+def check_unlisted(count: int) -> None:
+    """Raises LimitError if n tiles are too many for a file without an index."""
+    if count > _MOST_UNLISTED:
+        raise LimitError(f"there are {count} tiles and no sound index; at most {_MOST_UNLISTED} are sought without one")
 
 
 def longest_index(count: int) -> int:

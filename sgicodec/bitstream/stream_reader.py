@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from sgicodec.bitstream.container import CHUNKS, SIGNATURE, Chunk, ChunkReader
 from sgicodec.bitstream.header import Header, decode_header
-from sgicodec.bitstream.index import TRAILER_BYTES, decode_index, index_offset, longest_index
+from sgicodec.bitstream.index import TRAILER_BYTES, check_unlisted, decode_index, index_offset, longest_index
 from sgicodec.bitstream.parts.tile_chunk import tile_number
 from sgicodec.errors import CorruptStreamError
 
@@ -73,6 +73,8 @@ class StreamReader:
             if chunk.kind == "T" and header is not None:
                 if self._places is None and self._read_index(header):
                     return header
+                if self._lasting(header):
+                    check_unlisted(header.grid.count)
                 self._note(header, chunk)
             elif chunk.kind == "X" and header is not None and header.tile:
                 chunk.check()

@@ -6,7 +6,7 @@ from typing import BinaryIO
 
 from sgicodec.bitstream.container import CHUNKS, SIGNATURE, Chunk, ChunkReader
 from sgicodec.bitstream.header import Header, decode_header
-from sgicodec.bitstream.index import TRAILER_BYTES, index_offset
+from sgicodec.bitstream.index import TRAILER_BYTES, check_unlisted, index_offset
 from sgicodec.errors import CorruptStreamError
 from sgicodec.metadata.blobs import Metadata
 
@@ -51,8 +51,10 @@ class StreamSummary:
     def _read(self) -> Header:
         header: Header | None = None
         for chunk in self._reader:
-            if chunk.kind == "T" and header is not None and header.tile and self._jump(chunk):
-                return header
+            if chunk.kind == "T" and header is not None and header.tile and self._reader.size is not None:
+                if self._jump(chunk, self._reader.size):
+                    return header
+                check_unlisted(header.grid.count)
             self.chunk_bytes[chunk.kind] = self.chunk_bytes.get(chunk.kind, 0) + chunk.end - chunk.offset
             if chunk.kind not in "TXo":
                 self.blobs[chunk.kind] = chunk.payload()
@@ -61,11 +63,8 @@ class StreamSummary:
             raise CorruptStreamError("there is no header")
         return header
 
-    def _jump(self, first: Chunk) -> bool:
+    def _jump(self, first: Chunk, size: int) -> bool:
         """Counts all tiles at once, from the first one to the index that the end of the file names, if it does."""
-        size = self._reader.size
-        if size is None:
-            return False
         offset = index_offset(self._reader.peek(max(0, size - TRAILER_BYTES), TRAILER_BYTES))
         if offset is None or not first.end <= offset < size:
             return False

@@ -16,9 +16,10 @@ from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.bitstream.entropy.symbol_coder import SymbolWriter
 from sgicodec.bitstream.header import Header, decode_header, encode_header
 from sgicodec.bitstream.parts import mask as masks
+from sgicodec.bitstream.stream_summary import StreamSummary
 from sgicodec.bitstream.varint import encode_varint
 from sgicodec.decoder.stream import open_stream
-from sgicodec.errors import CorruptStreamError, PictureError
+from sgicodec.errors import CorruptStreamError, LimitError, PictureError
 
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
 
@@ -105,6 +106,25 @@ def test_a_million_tiles(tmp_path: Path) -> None:
     found = within(path, MASKED, "region", "scale")
     assert found["region"] == [30, 40, 4]
     assert "another tile" in str(found["scale"])
+
+
+def test_many_tiles_without_an_index(tmp_path: Path) -> None:
+    """They are looked for one by one, a stranger's 2²⁰ for 14 seconds."""
+    for rows, answer in ((129, "LimitError: there are 33024 tiles and no sound index"), (128, [30, 40, 4])):
+        header = _header(width=256 * 128, height=rows * 128, tile=128, apron=8)
+        start = SIGNATURE + frame("H", encode_header(header))
+        count = header.grid.count if rows == 128 else 1
+        tiles = b"".join(frame("T", encode_varint(number) + b"\x01") for number in range(count))
+        path = tmp_path / "tiles.sgi"
+        path.write_bytes(start + tiles + frame("E", b""))
+        with path.open("rb") as file:
+            if rows == 128:
+                assert StreamSummary(file).chunk_bytes["T"] == len(tiles)
+            else:
+                with pytest.raises(LimitError, match="no sound index"):
+                    StreamSummary(file)
+        found = within(path, MASKED, "region")["region"]
+        assert found == answer or str(found).startswith(str(answer)), found
 
 
 def test_an_index_that_is_longer_than_any(tmp_path: Path) -> None:
