@@ -98,7 +98,9 @@ __all__ = ["encode"]
 @progress_option
 @click.option("--tile", type=int, metavar="N", help="Side of the tiles of a large picture; 0 for a single one.")
 @click.option("--overview/--no-overview", default=None, help="Add the picture in small.  [default: if it is large]")
-@click.option("--max-memory", type=BYTES, metavar="SIZE", help="Take fewer workers than -j if they need more: 1.5GiB.")
+@click.option(
+    "--max-memory", type=BYTES, metavar="SIZE", help="Take fewer workers than -j, or refuse, if they need more: 1.5GiB."
+)
 @click.option("--resume", is_flag=True, help="Go on with the interrupted encode in OUT.part.")
 @click.option("--cluster", metavar="ADDRESS", help="Fit tiles on a Dask cluster; local:N starts one.")
 @click.option("--source-at", metavar="PLACE", help="Path or URL of IN as the cluster sees it.")

@@ -69,6 +69,8 @@ def _verified(source: str, device: Device) -> _Sound:
 def _draw(stream: Stream) -> None:
     import numpy as np
 
+    if stream.grid.count == 1 and stream.tile(0).model is None:
+        return  # no pixel holds anything, however many there are
     rows = max(1, _BAND_SAMPLES // (stream.width * stream.header.spec.channels))
     for top in range(0, stream.height, rows):
         band = stream.render((0, top, stream.width, min(rows, stream.height - top)))

@@ -16,6 +16,8 @@ from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.cli import verify as module
 from sgicodec.decoder.stream import Stream, open_stream
 
+ATTACKS = Path(__file__).parents[2] / "data" / "attacks"
+
 Run = Callable[..., Result]
 
 
@@ -105,3 +107,15 @@ def test_json(sgi: Run, stream: Path) -> None:
     assert result.exit_code == 4
     found = json.loads(result.stdout)
     assert (found["ok"], f"sgi: {found['error']}\n") == (False, result.stderr)
+
+
+@pytest.mark.parametrize("name", ["none_60k", "none_2_17"])
+def test_a_picture_of_nothing_is_not_drawn(sgi: Run, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    """52 bytes that claim up to 2³⁴ pixels."""
+
+    def render(self: Stream, region: object) -> None:
+        raise AssertionError(f"drawn: {region}")
+
+    monkeypatch.setattr(Stream, "render", render)
+    result = sgi("verify", ATTACKS / f"mask_{name}.sgi")
+    assert result.exit_code == 0, result.stderr
