@@ -99,7 +99,7 @@ __all__ = ["encode"]
 @click.option("--tile", type=int, metavar="N", help="Side of the tiles of a large picture; 0 for a single one.")
 @click.option("--overview/--no-overview", default=None, help="Add the picture in small.  [default: if it is large]")
 @click.option(
-    "--max-memory", type=BYTES, metavar="SIZE", help="Take fewer workers than -j, or refuse, if they need more: 1.5GiB."
+    "--max-memory", type=BYTES, metavar="SIZE", help="Take fewer workers than -j, or refuse, at need: 1.5GiB."
 )
 @click.option("--resume", is_flag=True, help="Go on with the interrupted encode in OUT.part.")
 @click.option("--cluster", metavar="ADDRESS", help="Fit tiles on a Dask cluster; local:N starts one.")
