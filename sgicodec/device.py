@@ -8,7 +8,7 @@ from numbers import Integral
 
 from sgicodec.errors import UsageError
 
-__all__ = ["ALL_CORES", "ONE_THREAD", "Device", "check_room"]
+__all__ = ["ALL_CORES", "ONE_THREAD", "Device", "check_device", "check_room"]
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,12 @@ class Device:
     def with_threads(self, threads: int) -> Device:
         """The same with another number of threads."""
         return replace(self, threads=threads)
+
+
+def check_device(device: object) -> None:
+    """Raises UsageError for what is no Device."""
+    if not isinstance(device, Device):
+        raise UsageError(f"device {device!r}; it must be a Device")
 
 
 def check_room(mebibytes: int, what: str) -> None:

@@ -61,6 +61,8 @@ class Picture:
     metadata: Metadata = field(default_factory=Metadata)
 
     def __post_init__(self) -> None:
+        if not isinstance(self.pixels, np.ndarray):
+            raise UsageError(f"pixels must be an array of numpy, not {type(self.pixels).__name__}")
         if self.pixels.ndim != 3 or 0 in self.pixels.shape:
             raise UsageError(f"pixels must be [H, W, C] and not empty, not of shape {self.pixels.shape}")
         if self.pixels.dtype not in _DTYPE_OF_DEPTH.values():

@@ -35,7 +35,7 @@ from sgicodec.decoder.view import (
     overview_view,
     view_of,
 )
-from sgicodec.device import ALL_CORES, Device
+from sgicodec.device import ALL_CORES, Device, check_device
 from sgicodec.errors import CorruptStreamError, StreamError, UsageError
 from sgicodec.metadata.geo import nodata as nodata_of
 from sgicodec.picture import Metadata, Picture
@@ -310,10 +310,9 @@ def open_stream(source: str | os.PathLike[str] | BytesLike | BinaryIO, device: D
 
     device: what decodes it; ValueError later for an instruction set that this machine lacks.
     """
+    check_device(device)
     if isinstance(source, str | os.PathLike):
         return _open_file(os.fspath(source), device)
-    if not isinstance(device, Device):
-        raise UsageError(f"device {device!r}; it must be a Device")
     with suppress(TypeError):
         source = bytes(memoryview(source))  # type: ignore[arg-type]
     if not isinstance(source, bytes) and not hasattr(source, "read"):

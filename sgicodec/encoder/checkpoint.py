@@ -55,6 +55,8 @@ class Checkpoint:
     """
 
     def __init__(self, path: str | Path, resume: bool = False, force: bool = False) -> None:
+        if not isinstance(path, str | Path):
+            raise UsageError(f"a {type(path).__name__} is no path")
         self.path, self._resume, self._force = Path(path), resume, force
         self.tiles: dict[Version, EncodedTile] = {}
         self._values: dict[str, bytes | float] = {}

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, BinaryIO
 
 from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import open_stream
-from sgicodec.device import ALL_CORES, Device
+from sgicodec.device import ALL_CORES, Device, check_device
 from sgicodec.encoder.checkpoint import fingerprint
 from sgicodec.encoder.encoded import Encoded
 from sgicodec.encoder.interfaces import Finished, Runner, Store
@@ -33,7 +33,7 @@ from sgicodec.encoder.to_target import SeedTargetEncoder
 from sgicodec.encoder.to_texture_target import TextureTargetEncoder
 from sgicodec.encoder.windows import Windows, hides_all, tile_window, windows_of, without_alpha
 from sgicodec.encoder.worker import TileRunner
-from sgicodec.errors import TargetMissedError
+from sgicodec.errors import TargetMissedError, UsageError
 from sgicodec.executors.executor import Executor
 from sgicodec.executors.serial import SerialExecutor
 from sgicodec.image.files import whole_file
@@ -79,6 +79,9 @@ def encode_picture(
     started = time.monotonic() if started is None else started
     windows = windows_of(picture)
     listener = progress or NullListener()
+    check_device(device)
+    if not isinstance(settings, EncodeSettings | None):
+        raise UsageError(f"settings {settings!r}; they must be EncodeSettings")
     plan = stream_plan(windows.shape, settings or EncodeSettings())
     if plan.header.masked == "transparent" and hides_all(windows, plan.header.grid):
         listener.note("alpha is 0 everywhere; it is left out, and the colours are kept")

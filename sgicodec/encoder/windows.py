@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from sgicodec.encoder.plan import Plan, Shape
+from sgicodec.errors import UsageError
 from sgicodec.model.tile_grid import TileGrid
 from sgicodec.picture import WITHOUT_ALPHA, Picture
 
@@ -37,8 +38,12 @@ class Windows(Protocol):
 
 
 def windows_of(picture: Picture | Source) -> Windows:
-    """The windows of a picture in memory, or of an opened one."""
-    return _PictureWindows(picture) if isinstance(picture, Picture) else _SourceWindows(picture)
+    """The windows of a picture in memory, or of an opened one. Raises UsageError for what is neither."""
+    if isinstance(picture, Picture):
+        return _PictureWindows(picture)
+    if not hasattr(picture, "header"):
+        raise UsageError(f"{type(picture).__name__} is no Picture, nor opened by open_source; encode takes arrays")
+    return _SourceWindows(picture)
 
 
 def tile_window(windows: Windows, plan: Plan, number: int) -> Picture:

@@ -14,7 +14,7 @@ from multiprocessing.process import BaseProcess
 from typing import Any, Generic, TypeVar
 
 from sgicodec.device import Device
-from sgicodec.errors import TileFailedError
+from sgicodec.errors import TileFailedError, UsageError
 from sgicodec.executors.executor import TRIES, Executor, Failure, Memory
 from sgicodec.executors.peak import Peaks, own_peak
 from sgicodec.executors.serial import SerialExecutor
@@ -35,6 +35,8 @@ class ProcessExecutor:
     place = None
 
     def __init__(self, workers: int = 0, max_memory: float | None = None, peaks: Peaks | None = None) -> None:
+        if not isinstance(workers, int) or workers < 0:
+            raise UsageError(f"workers {workers!r}; 0 (one per core) or more")
         self.workers, self._max_memory = workers or os.cpu_count() or 1, max_memory
         self.peaks = peaks or Peaks()
 

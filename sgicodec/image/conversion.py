@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.errors import UsageError
+from sgicodec.errors import PictureError, UsageError
 from sgicodec.image.extremes import Extremes
 from sgicodec.image.reader import read
 from sgicodec.picture import LAYOUTS, Metadata, Picture, full_range
@@ -66,6 +66,8 @@ def array_picture(
         pixels = _as_float32(pixels)
     if pixels.dtype not in (np.uint8, np.uint16, np.float32):
         raise UsageError(f"an array of {pixels.dtype}; convert it to uint8, uint16 or float32 first")
+    if sample_range is not None and pixels.dtype == np.float32 and np.isnan(pixels).any():
+        raise PictureError("the array holds samples that are not a number; replace them by numbers first")
     layout = channels or _LAYOUT_OF_COUNT.get(pixels.shape[2], "multi")
     if layout != "multi" and layout not in LAYOUTS:
         raise UsageError(f"channels {channels!r}; there are {', '.join(LAYOUTS)} and multi")

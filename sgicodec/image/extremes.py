@@ -22,13 +22,15 @@ class Extremes:
         self._low, self._high = np.inf, -np.inf
 
     def add(self, pixels: npt.NDArray[Any]) -> None:
-        """Look at pixels [H, W, C]. Raises PictureError for infinite samples."""
+        """Look at pixels [H, W, C]. Raises PictureError for samples that are infinite or not a number."""
         colours = pixels[..., : self._alpha]
         if self._nodata is not None:
             colours = colours[~equal_samples(colours, self._nodata)]
         if colours.size == 0:
             return
         low, high = float(colours.min()), float(colours.max())
+        if np.isnan(low):
+            raise PictureError("it holds samples that are not a number; replace them by numbers first")
         if not (np.isfinite(low) and np.isfinite(high)):
             raise PictureError("it holds infinite samples; state a sample range to clip them to")
         self._low, self._high = min(self._low, low), max(self._high, high)

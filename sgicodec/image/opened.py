@@ -7,12 +7,12 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
 
-from sgicodec.errors import PictureError
+from sgicodec.errors import PictureError, UsageError
 from sgicodec.image.alpha import unassociate
 from sgicodec.image.channels import Channels, Last, declared_channels
 from sgicodec.image.foreign import foreign
@@ -115,8 +115,10 @@ def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto") -
     any_size: lift OpenImageIO's own limit (32 GiB, or the machine's memory) for a TIFF, which can be read in parts.
     alpha: what the last of two or four channels is: what the file declares, a band like the others, or left out.
 
-    Raises PictureError for what cannot be read faithfully.
+    Raises PictureError for what cannot be read faithfully, UsageError for another `alpha`.
     """
+    if alpha not in get_args(Alpha):
+        raise UsageError(f"alpha {alpha!r}; it is one of {', '.join(get_args(Alpha))}")
     load_openimageio("reading pictures")
     with path.open("rb") as file:
         data = FileBytes(file)

@@ -11,7 +11,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from sgicodec.errors import PictureError
+from sgicodec.errors import PictureError, UsageError
 
 __all__ = ["Origin", "display_name", "first_line", "has_signature", "is_utf8", "naming", "on_disk"]
 
@@ -62,8 +62,8 @@ def naming(place: object) -> Iterator[None]:
 
 @contextlib.contextmanager
 def on_disk(origin: Origin) -> Iterator[Path]:
-    """A path to a regular file with the bytes of `origin`: itself, or a copy that lasts as long as the
-    context.
+    """A path to a regular file with the bytes of `origin`: itself, or a copy that lasts as long as the context. Raises
+    UsageError for what is no origin.
 
     OpenImageIO has no streams in Python, and takes no file name that is not UTF-8.
     """
@@ -75,6 +75,9 @@ def on_disk(origin: Origin) -> Iterator[Path]:
             stream: BinaryIO = stack.enter_context(Path(origin).open("rb"))
         else:
             stream = BytesIO(origin) if isinstance(origin, bytes) else origin
+            if not hasattr(stream, "read"):
+                kind = type(origin).__name__
+                raise UsageError(f"{kind} is no picture file; give a path, bytes or a binary file object")
         head = stream.read(_HEAD)
         copy = stack.enter_context(tempfile.NamedTemporaryFile(prefix="sgicodec-", suffix=_suffix(head)))
         copy.write(head)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from sgicodec.errors import UsageError
 from sgicodec.image.sink import Target, open_sink
 from sgicodec.picture import Picture, convert
 
@@ -25,8 +26,10 @@ def write(
 
     Equal pictures make equal bytes. Raises PictureError, one line that names the target, if the format cannot
     hold the depth, the channels or the metadata, or if the file cannot be written; UsageError for another
-    depth.
+    depth, or for what is no Picture.
     """
+    if not isinstance(picture, Picture):
+        raise UsageError(f"{type(picture).__name__} is no Picture; imwrite takes arrays")
     if depth is not None:
         picture = convert(picture, depth)
     bands = picture.pixels.shape[2] if picture.channels == "multi" else None

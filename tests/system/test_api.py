@@ -276,6 +276,17 @@ ARGUMENTS: dict[str, Callable[[bytes, np.ndarray], Any]] = {
     "no path": lambda _, pixels: sgicodec.imwrite(3, pixels),
     "no folder": lambda _, pixels: sgicodec.imwrite("/nowhere/a.sgi", pixels, steps=1),
     "no picture": lambda data, _: sgicodec.encode(data),
+    "no picture file": lambda *_: sgicodec.read(7),
+    "no source": lambda *_: sgicodec.open_source(None),
+    "kind of alpha": lambda *_: sgicodec.read(PHOTO, alpha="bands"),
+    "an array to write": lambda _, pixels: sgicodec.write(pixels, "a.png"),
+    "an array to encode_picture": lambda _, pixels: sgicodec.encode_picture(pixels),
+    "settings": lambda *_: sgicodec.encode_picture(sgicodec.read(PHOTO), 7),
+    "pixels": lambda *_: sgicodec.Picture(3, "rgb", (0, 255)),
+    "device of an encode": lambda _, pixels: sgicodec.encode(pixels, steps=1, device=2),
+    "device of a file": lambda *_: sgicodec.imread("a.sgi", device=2),
+    "workers": lambda *_: sgicodec.ProcessExecutor(-1),
+    "checkpoint": lambda *_: sgicodec.Checkpoint(3),
 }
 
 
@@ -285,6 +296,14 @@ def test_bad_arguments(case: str, data: bytes, pixels: np.ndarray) -> None:
         ARGUMENTS[case](data, pixels)
     assert "\n" not in str(found.value)
     assert isinstance(found.value, StreamError) == (case in ("missing file", "a folder", "a path with a null"))
+
+
+def test_samples_that_are_no_numbers() -> None:
+    samples = np.zeros((4, 4), np.float32)
+    samples[2, 1] = np.nan
+    for stated in (None, (0.0, 1.0)):
+        with pytest.raises(sgicodec.SgiError, match="not a number"):
+            sgicodec.encode(samples, steps=1, sample_range=stated)
 
 
 def test_open_does_not_hide_the_builtin() -> None:
