@@ -128,8 +128,9 @@ def _executor(job: Job, source: Source, stack: ExitStack) -> Executor | None:
     """What works on the tiles; a cluster is open while `stack` is. Raises UsageError for what one tile cannot have."""
     count = job.settings.grid(source.width, source.height).count
     if count == 1 and job.resume and not job.batch:
-        text = "a picture in one tile keeps no checkpoint"
-        raise UsageError(f"{text}; leave --resume out, or cut the picture into tiles with --tile 512")
+        text = "a picture in one tile keeps no checkpoint; leave --resume out"
+        side = next((side for side in (1024, 512, 256) if max(source.width, source.height) > side), None)
+        raise UsageError(text + (f", or cut the picture into tiles with --tile {side}" if side else ""))
     if job.cluster is None:
         return ProcessExecutor(job.device.cores, job.max_memory)
     if count == 1:

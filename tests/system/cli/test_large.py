@@ -11,6 +11,7 @@ from typing import Any, BinaryIO
 import numpy as np
 import pytest
 from click.testing import Result
+from PIL import Image
 
 from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder import pipeline, tile_work
@@ -145,7 +146,15 @@ def test_two_encodes_to_one_out(sgi: Run, picture: Path, tmp_path: Path, also: l
 def test_one_tile_keeps_no_checkpoint(sgi: Run, picture: Path, tmp_path: Path) -> None:
     result = sgi("encode", picture, tmp_path / "a.sgi", "--steps", 1, "--resume")
     assert (result.exit_code, list(tmp_path.glob("*a.sgi*"))) == (2, [])
-    assert "a picture in one tile keeps no checkpoint; leave --resume out, or" in result.stderr
+    assert "a picture in one tile keeps no checkpoint; leave --resume out\n" in result.stderr, (
+        "48 × 32 pixels are no tiles"
+    )
+    wide = tmp_path / "wide.png"
+    Image.new("L", (600, 8)).save(wide)
+    result = sgi("encode", wide, tmp_path / "a.sgi", "--steps", 1, "--resume")
+    assert "into tiles with --tile 512\n" in result.stderr
+    result = sgi("encode", wide, tmp_path / "a.sgi", "--steps", 1, "--resume", "--tile", 512)
+    assert result.exit_code == 0, result.stderr
     batch = sgi("encode", picture, "--output-dir", tmp_path / "many", "--steps", 1, "--resume")
     assert batch.exit_code == 0, batch.stderr
 
