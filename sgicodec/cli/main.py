@@ -35,7 +35,7 @@ _COMMANDS = {
 """The commands, and the modules that they live in."""
 
 
-_ROOM_MIB = {"encode": 200, "decode": 105, "verify": 105, "compare": 200, "bench": 200}
+_ROOM_MIB = {"encode": 200, "decode": 136, "verify": 136, "compare": 200, "bench": 200}
 """Address space that the libraries of a command take as they load; some end the process where there is less."""
 
 _NO_MEMORY = ("failed to map segment", "annot allocate memory", "can't start new thread", "temporarily unavailable")
