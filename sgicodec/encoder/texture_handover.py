@@ -96,7 +96,8 @@ class Handover:
         if not kept.any():
             return self.texture.target
         target = self.texture.target
-        means, covariances, colours = (part[kept] for part in self._gaussians)
+        each = np.repeat(kept, self.trainer.seeds.spec.per_seed)  # [N·K]
+        means, covariances, colours = (part[each] for part in self._gaussians)
         return target - self.trainer.raster.forward(means, covariances, colours, target.shape[2], target.shape[1])
 
     @cached_property

@@ -135,3 +135,10 @@ def test_who_does_not_hand_over(settings: dict[str, Any], monkeypatch: pytest.Mo
     monkeypatch.setattr(Handover, "run", lambda self: pytest.fail("handed over"))
     part = encoding(half_texture(32, 64), rdoq=False, **settings)
     assert part.run(None).data
+
+
+def test_seeds_of_several_gaussians_leave_with_all_of_them() -> None:
+    part = encoding(half_texture(64, 128), per_seed=3)
+    layout = part.candidate(part.fitted(None)).model.layout
+    assert len(layout) >= 1
+    assert (layout.centre[:, 0] < 48).mean() < 0.2
