@@ -97,7 +97,8 @@ def encode(picture: Path, stream: Path, effort: int, job: Job, notes: Notes) -> 
         stream.unlink(missing_ok=True)
         notes.put("version", version)
         notes.put("attempt", {"begun": time.time(), "spent": spent})
-        options = ["-e", str(effort), "-j", str(job.workers), "--resume", "--quiet", "--no-verify"]
+        options = ["-e", str(effort), "-j", str(job.workers), "--quiet", "--no-verify"]
+        options += ["--resume"] if part.exists() else []
         for name, value in (("--steps", job.steps), ("--tile", job.tile)):
             options += [] if value is None else [name, str(value)]
         run = run_timed([*_COMMAND, "encode", str(picture), str(stream), *options])

@@ -29,12 +29,15 @@ from sgicodec.model.steps import default_plan
 
 pytest.importorskip("resource")
 
+LUMA_SPACE = 512
+
 
 def test_headers_that_claim_too_much(coded: Any, tmp_path: Path) -> None:
     most = {"width": 2**24, "height": 2**24}
+    plain = {"version": lambda version: min(version, 3), "flags": lambda flags: flags & ~LUMA_SPACE}
     lies = {
         "pixels": most,
-        "everything": most | {"channels": 64, "layout": 0, "features": 2**13, "hidden": 2**12, "per_seed": 64},
+        "everything": most | plain | {"channels": 64, "layout": 0, "features": 2**13, "hidden": 2**12, "per_seed": 64},
         "wide": {"width": 2**24, "base_cell": 1},
         "base": {"width": 2**14, "height": 2**14, "base_cell": 1},
         "networks": {"hidden": 4096, "features": 4096, "context_hidden": 4096},
