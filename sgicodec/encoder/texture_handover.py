@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.encoder.texture_share import BLEND, LEAST, POSITION_BITS, TextureCosts, of_pixels, smoothed
-from sgicodec.model.texture import ROOT_LOG
+from sgicodec.encoder.texture_share import BLEND, LEAST, POSITION_BITS, TextureCosts, of_pixels, seed_roots, smoothed
 from sgicodec.model.texture_symbols import roots_of
 
 if TYPE_CHECKING:
@@ -86,15 +85,22 @@ class Handover:
     @cached_property
     def _offsets(self) -> tuple[F64, F64]:
         """Logarithms of what the search finds over all seeds and over none, less those of the estimates."""
-        texture, left = self.texture, self._left(np.ones(len(self.trainer.seeds), bool))
+        texture, left = self.texture, self._left_by_all
         pairs = ((texture.over(left), left), (texture.without_seeds, texture.target))
         all_, none = (np.log((_LEAST + cost) / (_LEAST + texture.estimated_over(some))) for cost, some in pairs)
         return all_, none
 
     def _left(self, kept: Mask) -> F32:
         """What these seeds [N] leave of the target."""
-        if not kept.any():
-            return self.texture.target
+        if kept.all():
+            return self._left_by_all
+        return self._drawn_away(kept) if kept.any() else self.texture.target
+
+    @cached_property
+    def _left_by_all(self) -> F32:
+        return self._drawn_away(np.ones(len(self.trainer.seeds), bool))
+
+    def _drawn_away(self, kept: Mask) -> F32:
         target = self.texture.target
         each = np.repeat(kept, self.trainer.seeds.spec.per_seed)  # [N·K]
         means, covariances, colours = (part[each] for part in self._gaussians)
@@ -110,9 +116,7 @@ class Handover:
         """The root [N] that each seed's centre lies in, row by row."""
         _, height, width = self.texture.target.shape
         columns, rows = roots_of(width, height)
-        cell = self.trainer.seeds.layout.centre.astype(np.int64) >> ROOT_LOG
-        root: NDArray[np.int64] = np.minimum(cell[:, 1], rows - 1) * columns + np.minimum(cell[:, 0], columns - 1)
-        return root
+        return seed_roots(self.trainer.seeds.layout, (rows, columns))
 
     def _ranks(self) -> F64:
         """Each seed's place [N] among those of its root by what it draws, faintest first, above 0 and below 1."""

@@ -33,6 +33,7 @@ __all__ = [
     "estimated_cost",
     "of_pixels",
     "searched_cost",
+    "seed_roots",
     "seed_share",
     "seed_weights",
     "smoothed",
@@ -72,10 +73,17 @@ class Scout:
 
     def root_bits(self, shape: tuple[int, int]) -> F64:
         """Bits of the seeds in each root of the texture layer [rows, columns]."""
-        cell = self.layout.centre.astype(np.int64) >> ROOT_LOG
         found = np.zeros(shape)
-        np.add.at(found, (np.minimum(cell[:, 1], shape[0] - 1), np.minimum(cell[:, 0], shape[1] - 1)), self.bits)
+        np.add.at(found.reshape(-1), seed_roots(self.layout, shape), self.bits)
         return found
+
+
+def seed_roots(layout: SeedLayout, shape: tuple[int, int]) -> NDArray[np.int64]:
+    """The root [N] that each seed's centre lies in, row by row, of a texture layer with roots [rows, columns]."""
+    cell = layout.centre.astype(np.int64) >> ROOT_LOG
+    rows, columns = shape
+    root: NDArray[np.int64] = np.minimum(cell[:, 1], rows - 1) * columns + np.minimum(cell[:, 0], columns - 1)
+    return root
 
 
 def seed_share(steps: int) -> float:

@@ -8,7 +8,7 @@ import platform
 import shutil
 import tempfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 __all__ = ["scratch_file", "scratch_folder"]
@@ -27,19 +27,8 @@ def scratch_folder(beside: Path | None = None) -> Iterator[Path]:
     OSError.
     """
     parent = Path(tempfile.gettempdir()) if beside is None else beside
-    for left in parent.glob(f"{_PREFIX}*"):
-        _remove_if_left(left)
-    while True:
-        folder = Path(tempfile.mkdtemp(prefix=_PREFIX, dir=parent))
-        lock = _locked(folder, wait=True)
-        if folder.exists():
-            break
-        _release(lock)  # another run took it for one that was left
-    try:
+    with _held(parent, f"{_PREFIX}*", lambda: Path(tempfile.mkdtemp(prefix=_PREFIX, dir=parent))) as folder:
         yield folder
-    finally:
-        _remove(folder)
-        _release(lock)
 
 
 @contextlib.contextmanager
@@ -48,11 +37,23 @@ def scratch_file(beside: Path) -> Iterator[Path]:
 
     It is held as a folder is, and its permissions follow the umask. Raises OSError.
     """
-    for left in beside.glob(f"{_PREFIX}*{_SUFFIX}"):
-        _remove_if_left(left)
-    while True:
+
+    def make() -> Path:
         path = beside / f"{_PREFIX}{os.urandom(4).hex()}{_SUFFIX}"
         path.open("xb").close()
+        return path
+
+    with _held(beside, f"{_PREFIX}*{_SUFFIX}", make) as path:
+        yield path
+
+
+@contextlib.contextmanager
+def _held(parent: Path, like: str, make: Callable[[], Path]) -> Iterator[Path]:
+    """What `make` puts into `parent`, locked until it is removed; what others left under such names goes first."""
+    for left in parent.glob(like):
+        _remove_if_left(left)
+    while True:
+        path = make()
         lock = _locked(path, wait=True)
         if path.exists():
             break
