@@ -18,7 +18,8 @@ LAYERS = {
     "bitstream": {"base", "model"},
     "fit": {"base", "model", "raster"},
     "rdoq": {"base", "model", "raster", "bitstream"},
-    "bindings": {"base", "image", "model", "raster", "bitstream", "fit", "rdoq"},
+    "decoder": {"base", "model", "raster", "bitstream"},
+    "bindings": {"base", "image", "model", "raster", "bitstream", "fit", "rdoq", "decoder"},
 }
 """What each folder may include besides itself."""
 

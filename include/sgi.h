@@ -1,0 +1,134 @@
+/* libsgi: decodes .sgi streams, any region at any scale.
+ *
+ * A stream is opened from memory or from a callback that reads bytes, and drawn into buffers of the caller. Handles may
+ * be used by several threads at once; calls on one handle take turns. Nothing is printed, nothing is global, and no
+ * exception leaves the library. Structures begin with their own size, so that later versions can add to them.
+ */
+#ifndef SGI_H
+#define SGI_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(_WIN32)
+#define SGI_API __declspec(dllexport)
+#elif defined(__GNUC__)
+#define SGI_API __attribute__((visibility("default")))
+#else
+#define SGI_API
+#endif
+
+/* The version of this interface; `sgi_version` is that of the library that runs. */
+#define SGI_VERSION_MAJOR 0
+#define SGI_VERSION_MINOR 1
+
+typedef struct sgi_stream sgi_stream;
+
+/* What a call returns. The set is closed: new kinds of failure get one of these. */
+typedef enum sgi_status {
+  SGI_OK = 0,
+  SGI_ERROR_USAGE = 1,       /* an argument that makes no sense */
+  SGI_ERROR_REGION = 2,      /* a region or a level that is not in the picture */
+  SGI_ERROR_CORRUPT = 3,     /* bytes that no encoder wrote */
+  SGI_ERROR_UNSUPPORTED = 4, /* a sound stream that needs a newer library */
+  SGI_ERROR_LIMIT = 5,       /* more than the caps of the format or of the caller; found before memory is taken */
+  SGI_ERROR_SOURCE = 6,      /* the callback that reads failed */
+  SGI_ERROR_MEMORY = 7,      /* the system has no memory left */
+  SGI_ERROR_INTERNAL = 8     /* a defect of this library */
+} sgi_status;
+
+typedef enum sgi_sample { SGI_SAMPLE_U8 = 0, SGI_SAMPLE_U16 = 1, SGI_SAMPLE_F32 = 2 } sgi_sample;
+
+typedef enum sgi_layout {
+  SGI_LAYOUT_MULTI = 0, /* any number of channels without a meaning that is known here */
+  SGI_LAYOUT_GRAY = 1,
+  SGI_LAYOUT_GRAY_ALPHA = 2,
+  SGI_LAYOUT_RGB = 3,
+  SGI_LAYOUT_RGBA = 4 /* alpha is not multiplied into the colours */
+} sgi_layout;
+
+/* Reads up to `count` bytes from `offset` of the file on into `buffer`. Returns how many, fewer only at the end of the
+ * file, or -1 for a failure. Calls come one at a time, on any thread that uses the stream. */
+typedef int64_t (*sgi_read)(void *user, uint64_t offset, void *buffer, size_t count);
+
+typedef struct sgi_options {
+  size_t struct_size;   /* sizeof(sgi_options) */
+  int threads;          /* 0: one for each core */
+  uint64_t cache_bytes; /* what decoded tiles may take between calls; 0: 256 MiB */
+} sgi_options;
+
+typedef struct sgi_info {
+  size_t struct_size; /* sizeof(sgi_info), set by the caller */
+  uint32_t width, height, channels;
+  sgi_layout layout;
+  sgi_sample sample;  /* of the source, and so the one that loses nothing */
+  float low, high;    /* the range of the source's samples: 0 and 1 of the model */
+  uint32_t tiles;     /* 1 for a picture in one piece */
+  uint32_t tile_size; /* largest side of a tile without its apron; 0 for one tile */
+  int has_nodata;     /* whether pixels without content are stored as `nodata` */
+  double nodata;
+  int has_overview;
+  uint32_t levels; /* of the pyramid that `sgi_level` describes */
+  uint64_t file_bytes;
+} sgi_info;
+
+typedef enum sgi_metadata {
+  SGI_METADATA_ICC = 0,
+  SGI_METADATA_EXIF = 1, /* a TIFF structure, without "Exif\0\0" */
+  SGI_METADATA_XMP = 2,
+  SGI_METADATA_PLACE = 3, /* a TIFF structure with the tags of GeoTIFF */
+  SGI_METADATA_SOFTWARE = 4
+} sgi_metadata;
+
+/* What to draw. The region is in pixels of the picture and may be fractional; `columns` x `rows` output pixels show it.
+ * Regions may reach over the picture where `boundless` is set: there samples are nodata, else 0. */
+typedef struct sgi_view {
+  size_t struct_size; /* sizeof(sgi_view) */
+  double x, y, width, height;
+  uint32_t columns, rows;
+  sgi_sample sample; /* of the buffer */
+  int boundless;
+  int exact;     /* 1: never from the overview */
+  int no_dither; /* 1: eight bits of a deeper source are rounded to nearest */
+} sgi_view;
+
+/* "0.1.0"; of the library that runs. */
+SGI_API const char *sgi_version(void);
+
+/* Opens a stream: `*stream` is its handle, or null with an error, whose text `sgi_error` tells. `options` may be null.
+ * The bytes of `sgi_open_memory` must stay until `sgi_close`. `size` is that of the file in bytes. */
+SGI_API sgi_status sgi_open_memory(const void *bytes, size_t size, const sgi_options *options, sgi_stream **stream);
+SGI_API sgi_status sgi_open(sgi_read read, void *user, uint64_t size, const sgi_options *options, sgi_stream **stream);
+/* Frees a stream; null is allowed. */
+SGI_API void sgi_close(sgi_stream *stream);
+
+/* One line on the last error of this thread, in UTF-8; "" where the last call succeeded. Valid until the thread's next
+ * call. */
+SGI_API const char *sgi_error(void);
+/* A few words on a status. */
+SGI_API const char *sgi_status_text(sgi_status status);
+
+SGI_API sgi_status sgi_get_info(sgi_stream *stream, sgi_info *info);
+/* The size of a level: level 0 is the picture, each one half of the one before. */
+SGI_API sgi_status sgi_get_level(sgi_stream *stream, uint32_t level, uint32_t *width, uint32_t *height);
+/* Metadata that the stream holds: `*bytes` is null where there is none. Valid until `sgi_close`. */
+SGI_API sgi_status sgi_get_metadata(sgi_stream *stream, sgi_metadata kind, const void **bytes, size_t *size);
+
+/* Draws into `buffer`: samples by row, then column, then channel; rows are `stride` bytes apart. 8 and 16 bits are of
+ * the machine's own byte order; floats span `low` to `high` if the source is of floats, else 0 to 1. Where a tile is
+ * damaged, nothing can be said of the buffer. */
+SGI_API sgi_status sgi_draw(sgi_stream *stream, const sgi_view *view, void *buffer, size_t stride);
+
+/* Decodes all tiles and throws them away again: whether the whole file is sound. `*crc` (may be null) is the CRC-32 of
+ * all symbols, equal on every machine. */
+SGI_API sgi_status sgi_verify(sgi_stream *stream, uint32_t *crc);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

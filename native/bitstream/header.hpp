@@ -1,0 +1,39 @@
+// The header chunk: what picture this is and what kind of model it holds (docs/format.md, "Header fields").
+#pragma once
+#include <cstdint>
+
+#include "base/bytes.hpp"
+#include "model/spec.hpp"
+#include "model/tile_grid.hpp"
+
+namespace sgi {
+
+enum class ChannelLayout { multi, gray, gray_alpha, rgb, rgba };
+enum class SampleType { u8, u16, f32 };
+enum class Masked { none, transparent, nodata };
+
+constexpr int64_t kMaxSide = int64_t(1) << 24, kMaxTiles = int64_t(1) << 20, kMinTile = 32, kMaxApron = 256;
+constexpr int kMaxChannels = 64;
+
+struct Header {
+  int64_t width, height;  // pixels
+  ChannelLayout channels;
+  SampleType sample_type;
+  double low, high;  // what 0 and 1 of the model stand for
+  int profile;       // 0 default, 1 paper
+  ModelSpec spec;
+  int quality, family;  // index of the base colour step; of the frequency tables
+  int64_t tile, apron;  // the largest side of a core, 0 for one tile; pixels that a tile reaches over its neighbours
+  Masked masked;        // which pixels tiles may say hold nothing
+  double nodata;        // what such a pixel holds, with Masked::nodata
+
+  TileGrid grid() const { return {width, height, tile, apron}; }
+  // The header that a tile's model would have as a picture of its own.
+  Header of_tile(int64_t number) const;
+};
+
+// The payload of chunk H. Throws Error: unsupported for a newer version, limit for a field beyond its cap, corrupt for
+// fields that contradict each other.
+Header decode_header(Bytes payload);
+
+}  // namespace sgi

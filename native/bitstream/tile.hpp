@@ -1,0 +1,76 @@
+// A tile: its chunk, and the model in it, read part by part (docs/format.md, "Tiles" and "Tile parts").
+#pragma once
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "base/bytes.hpp"
+#include "base/isa.hpp"
+#include "bitstream/header.hpp"
+#include "bitstream/mask.hpp"
+
+namespace sgi {
+
+// The parts of a tile's payload in their order, and the check at its end.
+enum class Part {
+  steps,
+  base,
+  positions,
+  decoders,
+  hash_grid,
+  context_model,
+  colour,
+  shape,
+  feature,
+  scales,
+  offset,
+  texture,
+  check
+};
+constexpr int kParts = 13;
+
+// MLP_c or MLP_Sigma in units of 2^-10; empty where there is none.
+struct AttributeDecoder {
+  std::vector<int64_t> w1, b1, w2, b2;  // [w, D], [w], [O, w], [O]
+};
+
+// The texture layer of a tile as it is drawn.
+struct TextureCells {
+  std::vector<int32_t> corner;    // [N, 2] pixels
+  std::vector<uint8_t> log_size;  // [N]
+  std::vector<float> amplitudes;  // of each cell [C, n, n], one cell after the other
+};
+
+// A decoded model.
+struct TileModel {
+  std::vector<int32_t> corner;   // [N, 2] pixels
+  std::vector<int8_t> log_size;  // [N]
+  std::vector<int64_t> decoded;  // [N, d_A] attributes in units of 2^-24
+  std::vector<int64_t> base;     // [C, rows, columns] in steps of index `base_step`
+  int base_step = 0;
+  AttributeDecoder colours, shapes;
+  std::optional<TextureCells> texture;
+  std::array<double, kParts> bits{};  // information content of each part
+  uint32_t symbol_crc = 0;            // CRC-32 of all symbols: equal on every machine
+
+  int64_t seeds() const { return int64_t(log_size.size()); }
+};
+
+// The model of a payload; `header` is the tile's own (Header::of_tile). Throws Error: corrupt where the symbols are not
+// those that were written, limit before it takes memory for a model beyond the caps.
+TileModel read_tile(const Header &header, Bytes payload, int threads, Isa isa);
+
+// The payload of a chunk T.
+struct TileChunk {
+  int64_t number;
+  bool is_empty;                   // no pixel holds anything: there is no model
+  std::shared_ptr<MaskTree> mask;  // null where all pixels hold something, or none
+  Bytes model;                     // part of the payload that was given
+};
+TileChunk decode_tile_chunk(const Header &header, Bytes payload);
+// The number of the tile whose payload begins so.
+int64_t tile_number(const Header &header, Bytes start);
+
+}  // namespace sgi
