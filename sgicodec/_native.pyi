@@ -196,6 +196,19 @@ class AttributeModel:
         As of `read_zero_centred`, all symbols in coding order, information content by group.
         """
 
+def decode_header(payload: bytes) -> dict:
+    """The fields of chunk H; enumerations as their numbers."""
+
+def attribute_groups(payload: bytes) -> tuple:
+    """
+    Number, start and size of each group; attributes of a seed; whether they are plain Gaussians.
+    """
+
+def tile_segments(length: int, count: int, apron: int, start: float, scale: float, first: int, n: int) -> list:
+    """
+    First and last pixel, tile and the next one's share, or None, of each run of output pixels along an axis.
+    """
+
 def draw_texture(corner: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], log_size: Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)], amplitudes: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], size: tuple[int, int], start: tuple[float, float], scale: tuple[float, float], first: tuple[int, int], mix: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)] | None, threads: int, isa: str, planes: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu')]) -> None: ...
 
 class TextureModels:

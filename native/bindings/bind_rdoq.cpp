@@ -139,7 +139,7 @@ int64_t search_base(Array<int64_t, 3> planes, Array<const int32_t, 1> predictor,
   require_tables(support, start, bits);
   for (size_t c = 0; c < channels; ++c)
     require(table.data()[c] >= 0 && size_t(table.data()[c]) < support.shape(0), "a table does not exist");
-  const sgi::BitTables tables{support.data(), start.data(), bits.data(), 0};
+  const sgi::SymbolBits tables{support.data(), start.data(), bits.data(), 0};
   const sgi::BasePlanes base{planes.data(),    int64_t(channels), int64_t(rows), int64_t(columns),
                              predictor.data(), weights.data(),    table.data(),  tables};
   nb::gil_scoped_release release;

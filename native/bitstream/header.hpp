@@ -3,13 +3,13 @@
 #include <cstdint>
 
 #include "base/bytes.hpp"
+#include "base/sample.hpp"
 #include "model/spec.hpp"
 #include "model/tile_grid.hpp"
 
 namespace sgi {
 
 enum class ChannelLayout { multi, gray, gray_alpha, rgb, rgba };
-enum class SampleType { u8, u16, f32 };
 enum class Masked { none, transparent, nodata };
 
 constexpr int64_t kMaxSide = int64_t(1) << 24, kMaxTiles = int64_t(1) << 20, kMinTile = 32, kMaxApron = 256;

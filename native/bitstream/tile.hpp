@@ -37,7 +37,7 @@ struct AttributeDecoder {
 };
 
 // The texture layer of a tile as it is drawn.
-struct TextureCells {
+struct TileTexture {
   std::vector<int32_t> corner;    // [N, 2] pixels
   std::vector<uint8_t> log_size;  // [N]
   std::vector<float> amplitudes;  // of each cell [C, n, n], one cell after the other
@@ -51,7 +51,7 @@ struct TileModel {
   std::vector<int64_t> base;     // [C, rows, columns] in steps of index `base_step`
   int base_step = 0;
   AttributeDecoder colours, shapes;
-  std::optional<TextureCells> texture;
+  std::optional<TileTexture> texture;
   std::array<double, kParts> bits{};  // information content of each part
   uint32_t symbol_crc = 0;            // CRC-32 of all symbols: equal on every machine
 

@@ -9,7 +9,7 @@ enum class ShapeKind { log_covariance, rotation };
 enum class GroupName { colour, shape, feature, scales, offset };
 
 // Attributes of a seed that are coded together: columns [start, start + size) of the attribute matrix.
-struct AttributeGroup {
+struct SeedGroup {
   GroupName name;
   int start, size;
 };
@@ -39,7 +39,7 @@ struct ModelSpec {
   bool predicted_seeds = false, texture = false, luma_space = false;
 
   // In coding order; their sizes sum to `attributes`.
-  std::vector<AttributeGroup> groups() const;
+  std::vector<SeedGroup> groups() const;
   int attributes() const;
   // Whether seeds hold their Gaussians as they are: colours, log-covariances, offsets; no decoders, no scales.
   bool is_plain() const;

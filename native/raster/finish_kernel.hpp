@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 
+#include "base/sample.hpp"
 #include "raster/tile_kernel.hpp"
 
 namespace sgi {
@@ -18,8 +19,6 @@ struct Background {
   const float *planes;  // [C, height, plane_width], null for none
   int64_t height, plane_width;
 };
-
-enum class SampleType { u8, u16, f32 };
 
 // Where samples go [height, width, C], and how: sample = low + span * value, of values clipped to 0..1 if `clip`,
 // rounded to nearest, ties to even, for integers. Not-a-number becomes 0 if `clip`.

@@ -13,7 +13,7 @@ struct BasePlanes {
   const int32_t *predictor;  // [C]
   const int32_t *weights;    // [C, C] of the errors of earlier channels, eighths
   const int32_t *table;      // [C]
-  BitTables tables;          // `first` is 0
+  SymbolBits tables;         // `first` is 0
 };
 
 constexpr int64_t kBaseReach = 3;  // cells farther apart share no pixel

@@ -11,7 +11,7 @@ constexpr double kFarthest = (1 << 20) - 64;  // leaves room for moves below the
 
 }  // namespace
 
-double BitTables::of(int64_t symbol, int scale) const {
+double SymbolBits::of(int64_t symbol, int scale) const {
   const int table = first + scale;
   const int64_t beyond = std::abs(symbol) - support[table];
   if (beyond <= 0) return bits[start[table] + support[table] + symbol];

@@ -15,7 +15,7 @@ constexpr int kMostAttributes = kMostColours + kPlaceAttributes;
 constexpr double kUnit = 1.0 / (1 << kFractionBits);  // of decoded values
 
 // Zero-centred frequency tables as sgicodec/bitstream/entropy/tables.py holds them.
-struct BitTables {
+struct SymbolBits {
   const int32_t *support;  // [tables] S
   const int64_t *start;    // [tables] where a table begins in `bits`
   const double *bits;      // for n = -S to S, then the escape
@@ -29,7 +29,7 @@ struct CodingModel {
   const Network *networks[kGroups];
   GroupPlan plans[kGroups];  // without amplitudes
   int inputs[kGroups];       // that each network sees
-  BitTables tables;
+  SymbolBits tables;
   const float *opponent;  // [C, C]: colour = values * opponent
 
   int attributes() const { return channels + kPlaceAttributes; }

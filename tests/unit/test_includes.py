@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -48,3 +49,14 @@ def test_only_bindings_know_python() -> None:
     users = [source for source in SOURCES if "nanobind" in (NATIVE / source).read_text("utf-8")]
     assert users
     assert [source for source in users if not source.startswith("bindings/")] == []
+
+
+def test_types_have_names_of_their_own() -> None:
+    """Two types of one name in headers would take each other's functions, and no compiler would say so."""
+    named = Counter[str]()
+    for source in SOURCES:
+        if source.endswith(".hpp"):
+            text = (NATIVE / source).read_text("utf-8")
+            named.update(re.findall(r"^(?:struct|class|enum class) (\w+)\b[^;]*?\{", text, re.MULTILINE))
+    assert named
+    assert [name for name, times in named.items() if times > 1] == []

@@ -1,0 +1,83 @@
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "bindings/arrays.hpp"
+#include "bindings/bindings.hpp"
+#include "bitstream/header.hpp"
+#include "model/tile_grid.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace {
+
+sgi::Bytes bytes_of(const nb::bytes &held) { return {static_cast<const uint8_t *>(held.data()), held.size()}; }
+
+nb::dict context_of(const sgi::ContextSpec &context) {
+  nb::dict fields;
+  fields["prior"] = context.prior, fields["grouped"] = context.grouped, fields["hidden"] = context.hidden;
+  fields["neighbours"] = context.neighbours, fields["hash_resolutions"] = context.hash_resolutions;
+  fields["hash_features"] = context.hash_features, fields["hash_log2_entries"] = context.hash_log2_entries;
+  fields["coarse_first"] = context.coarse_first;
+  return fields;
+}
+
+nb::dict spec_of(const sgi::ModelSpec &spec) {
+  nb::dict fields;
+  fields["channels"] = spec.channels, fields["layout"] = int(spec.layout), fields["shape"] = int(spec.shape);
+  fields["per_seed"] = spec.per_seed, fields["features"] = spec.features, fields["hidden"] = spec.hidden;
+  fields["skip"] = spec.skip, fields["seed_scales"] = spec.seed_scales, fields["base_cell"] = spec.base_cell;
+  fields["context"] = context_of(spec.context), fields["predicted_seeds"] = spec.predicted_seeds;
+  fields["texture"] = spec.texture, fields["luma_space"] = spec.luma_space;
+  return fields;
+}
+
+nb::dict header_of(const sgi::Header &header) {
+  nb::dict fields;
+  fields["width"] = header.width, fields["height"] = header.height, fields["channels"] = int(header.channels);
+  fields["sample_type"] = int(header.sample_type), fields["low"] = header.low, fields["high"] = header.high;
+  fields["profile"] = header.profile, fields["spec"] = spec_of(header.spec), fields["quality"] = header.quality;
+  fields["family"] = header.family, fields["tile"] = header.tile, fields["apron"] = header.apron;
+  fields["masked"] = int(header.masked), fields["nodata"] = header.nodata;
+  return fields;
+}
+
+std::vector<std::tuple<int, int, int>> groups_of(const sgi::Header &header) {
+  std::vector<std::tuple<int, int, int>> groups;
+  for (const auto &group : header.spec.groups()) groups.emplace_back(int(group.name), group.start, group.size);
+  return groups;
+}
+
+nb::list segments(int64_t length, int64_t count, int64_t apron, double start, double scale, int64_t first, int64_t n) {
+  sgi::require(length >= 1 && count >= 1 && apron >= 0 && n >= 1, "length, count and n must be at least 1");
+  nb::list found;
+  for (sgi::TileSegment &segment : sgi::TileAxis{length, count, apron}.segments(start, scale, first, n)) {
+    const size_t size = segment.weight.size();
+    nb::object weight = nb::none();
+    if (size) weight = nb::cast(sgi::as_array<float>(std::move(segment.weight), std::array{size}));
+    found.append(nb::make_tuple(segment.first, segment.last, segment.tile, weight));
+  }
+  return found;
+}
+
+}  // namespace
+
+void bind_stream_reader(nb::module_ &m) {
+  m.def(
+      "decode_header", [](const nb::bytes &payload) { return header_of(sgi::decode_header(bytes_of(payload))); },
+      "payload"_a, "The fields of chunk H; enumerations as their numbers.");
+  m.def(
+      "attribute_groups",
+      [](const nb::bytes &payload) {
+        const sgi::Header header = sgi::decode_header(bytes_of(payload));
+        return nb::make_tuple(groups_of(header), header.spec.attributes(), header.spec.is_plain());
+      },
+      "payload"_a, "Number, start and size of each group; attributes of a seed; whether they are plain Gaussians.");
+  m.def("tile_segments", &segments, "length"_a, "count"_a, "apron"_a, "start"_a, "scale"_a, "first"_a, "n"_a,
+        "First and last pixel, tile and the next one's share, or None, of each run of output pixels along an axis.");
+}

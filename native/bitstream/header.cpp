@@ -1,0 +1,200 @@
+#include "bitstream/header.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <iterator>
+#include <locale>
+#include <sstream>
+#include <string>
+
+#include "base/error.hpp"
+#include "bitstream/varint.hpp"
+
+namespace sgi {
+
+namespace {
+
+constexpr int kNewest = 4;
+// The flags that each version may set; a header states the least version that has its flags.
+constexpr int64_t kFlagsOf[kNewest + 1] = {0, 15, 255, 511, 1023};
+constexpr int64_t kMaxFeatures = 1 << 13, kMaxHidden = 1 << 12, kMaxHashLevels = 32, kMaxHashResolution = 1 << 14;
+enum Flag : int64_t {
+  kSkip = 1,
+  kSeedScales = 2,
+  kGrouped = 4,
+  kCoarseFirst = 8,
+  kTiled = 16,
+  kTransparent = 32,
+  kNodata = 64,
+  kPredicted = 128,
+  kTexture = 256,
+  kLuma = 512
+};
+
+constexpr const char *kLayouts[] = {"multi", "gray", "gray+alpha", "rgb", "rgba"};
+constexpr const char *kSamples[] = {"uint8", "uint16", "float32"};
+
+[[noreturn]] void corrupt(const std::string &text) { throw Error(Fault::corrupt, "header: " + text); }
+
+// A number in six digits, in any locale.
+std::string text_of(double value) {
+  if (std::isnan(value)) return "nan";
+  std::ostringstream out;
+  out.imbue(std::locale::classic());
+  out << value;
+  return out.str();
+}
+
+// The fields of a payload, one after the other.
+class Fields {
+ public:
+  explicit Fields(Bytes data) : data_(data) {}
+
+  int64_t take(const std::string &what, int64_t low, int64_t high) {
+    if (at_ >= data_.size) corrupt("ends before " + what);
+    int64_t value;
+    try {
+      value = decode_varint(data_, at_);
+    } catch (const Error &error) {
+      corrupt(what + ": " + error.what());
+    }
+    if (value < low || value > high)
+      throw Error(Fault::limit, "header: " + what + " is " + std::to_string(value) + "; this version takes " +
+                                    std::to_string(low) + " to " + std::to_string(high));
+    return value;
+  }
+
+  template <class T>
+  void unpack(const std::string &what, T *values, size_t count) {
+    const size_t bytes = count * sizeof(T);
+    if (bytes > data_.size - at_) corrupt("ends before " + what);
+    std::memcpy(values, data_.data + at_, bytes);
+    at_ += bytes;
+  }
+
+  bool at_end() const { return at_ == data_.size; }
+
+ private:
+  Bytes data_;
+  size_t at_ = 0;
+};
+
+ContextSpec take_context(Fields &fields) {
+  ContextSpec context;
+  context.prior = int(fields.take("the prior", 0, 255));
+  context.hidden = int(fields.take("the context model's width", 1, kMaxHidden));
+  context.neighbours = int(fields.take("the neighbours", 0, 6));
+  const int64_t levels = fields.take("the hash levels", 0, kMaxHashLevels);
+  for (int64_t i = 0; i < levels; ++i)
+    context.hash_resolutions.push_back(int(fields.take("a hash resolution", 1, kMaxHashResolution)));
+  if (levels) {
+    context.hash_features = int(fields.take("the hash features", 1, 64));
+    context.hash_log2_entries = int(fields.take("the hash entries", 1, 20));
+  }
+  return context;
+}
+
+// From the seed layout to the hash entries, into `header`; returns the flags.
+int64_t take_model(Fields &fields, int64_t all_flags, Header &header) {
+  ModelSpec &spec = header.spec;
+  spec.layout = SeedLayoutKind(fields.take("the seed layout", 0, 1));
+  spec.shape = ShapeKind(fields.take("the shape", 0, 1));
+  const int64_t flags = fields.take("the flags", 0, all_flags);
+  spec.per_seed = int(fields.take("K", 1, 64));
+  spec.features = int(fields.take("D", 1, kMaxFeatures));
+  spec.hidden = int(fields.take("the decoders' width", 0, kMaxHidden));
+  spec.base_cell = int(fields.take("the base cell", 0, 1 << 12));
+  header.quality = int(fields.take("the base step", 0, 255));
+  header.family = int(fields.take("the table family", 0, 1));
+  spec.context = take_context(fields);
+  spec.context.grouped = flags & kGrouped, spec.context.coarse_first = flags & kCoarseFirst;
+  spec.skip = flags & kSkip, spec.seed_scales = flags & kSeedScales, spec.predicted_seeds = flags & kPredicted;
+  spec.texture = flags & kTexture, spec.luma_space = flags & kLuma;
+  const bool too_few = spec.skip && spec.features < spec.per_seed * (spec.channels + 3);
+  if (spec.skip != spec.context.grouped || too_few || (spec.context.neighbours && !spec.skip))
+    corrupt("settings that contradict each other");
+  if (spec.context.coarse_first && !spec.context.neighbours) corrupt("an order of passes without neighbours");
+  if (spec.predicted_seeds && spec.layout != SeedLayoutKind::adaptive)
+    corrupt("predicted places of seeds that lie on a grid");
+  return flags;
+}
+
+void check_layout(const Header &header) {
+  const std::string name = kLayouts[int(header.channels)];
+  const bool is_coloured = header.channels == ChannelLayout::rgb || header.channels == ChannelLayout::rgba;
+  if (header.spec.luma_space && !is_coloured) corrupt(name + " has no luma space");
+  const int given = header.spec.channels;
+  const int expected = header.channels == ChannelLayout::multi ? given : int(header.channels);
+  if (expected != given) corrupt(std::to_string(given) + " channels cannot be " + name);
+}
+
+void take_range(Fields &fields, Header &header) {
+  header.low = 0, header.high = header.sample_type == SampleType::u8 ? 255 : 65535;
+  if (header.sample_type != SampleType::f32) return;
+  float range[2];
+  fields.unpack("the sample range", range, 2);
+  header.low = range[0], header.high = range[1];
+  if (!(std::fabs(header.low) < 1e38 && std::fabs(header.high) < 1e38 && header.low < header.high))
+    corrupt("a sample range of " + text_of(header.low) + " to " + text_of(header.high));
+}
+
+Masked masked_of(int64_t flags, ChannelLayout channels) {
+  const bool has_alpha = channels == ChannelLayout::gray_alpha || channels == ChannelLayout::rgba;
+  if ((flags & kTransparent) && (flags & kNodata)) corrupt("pixels are either transparent or without data");
+  if ((flags & kTransparent) && !has_alpha)
+    corrupt(std::string(kLayouts[int(channels)]) + " has no transparent pixels");
+  return flags & kTransparent ? Masked::transparent : flags & kNodata ? Masked::nodata : Masked::none;
+}
+
+void check_nodata(const Header &header) {
+  if (header.masked != Masked::nodata || header.sample_type == SampleType::f32) return;
+  if (!(header.nodata >= 0 && header.nodata <= header.high && header.nodata == std::trunc(header.nodata)))
+    corrupt(std::string("no sample of ") + kSamples[int(header.sample_type)] + " is " + text_of(header.nodata));
+}
+
+void check_tiles(const Header &header) {
+  const int64_t count = header.grid().count();
+  if (header.tile && count == 1) corrupt("a picture of one tile states a tile size of " + std::to_string(header.tile));
+  if (count > kMaxTiles)
+    throw Error(Fault::limit,
+                "header: " + std::to_string(count) + " tiles; this version takes at most " + std::to_string(kMaxTiles));
+}
+
+}  // namespace
+
+Header decode_header(Bytes payload) {
+  Fields fields(payload);
+  const int64_t version = fields.take("the format version", 0, 1 << 20);
+  if (version < 1 || version > kNewest)
+    throw Error(Fault::unsupported, "header: format version " + std::to_string(version) + "; this program reads 1 to " +
+                                        std::to_string(kNewest));
+  Header header{};
+  header.width = fields.take("the width", 1, kMaxSide), header.height = fields.take("the height", 1, kMaxSide);
+  header.spec.channels = int(fields.take("the number of channels", 1, kMaxChannels));
+  header.channels = ChannelLayout(fields.take("the channel layout", 0, int64_t(std::size(kLayouts)) - 1));
+  header.sample_type = SampleType(fields.take("the sample type", 0, int64_t(std::size(kSamples)) - 1));
+  header.profile = int(fields.take("the profile", 0, 1));
+  const int64_t flags = take_model(fields, kFlagsOf[version], header);
+  if (version > 2 && flags <= kFlagsOf[version - 1])
+    corrupt("format version " + std::to_string(version) + " without anything that needs it");
+  check_layout(header);
+  header.tile = flags & kTiled ? fields.take("the tile size", kMinTile, kMaxSide) : 0;
+  header.apron = flags & kTiled ? fields.take("the apron", 0, std::min(header.tile / 4, kMaxApron)) : 0;
+  take_range(fields, header);
+  header.masked = masked_of(flags, header.channels);
+  if (header.masked == Masked::nodata) fields.unpack("the nodata value", &header.nodata, 1);
+  if (!fields.at_end()) corrupt("longer than its fields");
+  check_nodata(header);
+  check_tiles(header);
+  return header;
+}
+
+Header Header::of_tile(int64_t number) const {
+  const PixelRect rect = grid().rect(number);
+  Header one = *this;
+  one.width = rect.width, one.height = rect.height, one.tile = 0, one.apron = 0;
+  return one;
+}
+
+}  // namespace sgi

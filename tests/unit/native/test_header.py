@@ -1,0 +1,127 @@
+"""The native header against the package's: equal fields, and for damaged ones the same errors word by word."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from surgery import HEADER_FIELDS, join, split, with_fields
+
+from sgicodec import _native
+from sgicodec.bitstream.header import LAYOUT_NAMES, SAMPLE_TYPES, Header, decode_header
+from sgicodec.errors import SgiError
+
+GOLDEN = sorted((Path(__file__).parents[2] / "conformance" / "golden").glob("*.sgi"))
+PAYLOADS = [split(path.read_bytes())[0][1] for path in GOLDEN]
+GROUPS = ("colour", "shape", "feature", "scales", "offset")
+
+
+def fields(header: Header) -> dict[str, Any]:
+    """As the native code gives them: enumerations as their numbers."""
+    spec, context = header.spec, header.spec.context
+    return {
+        "width": header.width,
+        "height": header.height,
+        "channels": LAYOUT_NAMES.index(header.channels),
+        "sample_type": SAMPLE_TYPES.index(header.sample_type),
+        "low": header.sample_range[0],
+        "high": header.sample_range[1],
+        "profile": ("default", "paper").index(header.profile),
+        "quality": header.quality,
+        "family": header.family,
+        "tile": header.tile,
+        "apron": header.apron,
+        "masked": (None, "transparent", "nodata").index(header.masked),
+        "nodata": header.nodata,
+        "spec": {
+            **{name: getattr(spec, name) for name in ("channels", "per_seed", "features", "hidden", "skip")},
+            **{name: getattr(spec, name) for name in ("seed_scales", "base_cell", "predicted_seeds", "texture")},
+            "layout": ("adaptive", "uniform").index(spec.layout),
+            "shape": ("log", "rotation").index(spec.shape),
+            "luma_space": spec.luma_space,
+            "context": {
+                "grouped": len(context.steps) > 1,
+                "hash_resolutions": list(context.hash_resolutions),
+                **{name: getattr(context, name) for name in ("prior", "hidden", "neighbours", "coarse_first")},
+                **{name: getattr(context, name) for name in ("hash_features", "hash_log2_entries")},
+            },
+        },
+    }
+
+
+def outcome(decode: Callable[[bytes], Any], payload: bytes) -> Any:
+    try:
+        found = decode(payload)
+    except SgiError as error:
+        return type(error), str(error)
+    return fields(found) if isinstance(found, Header) else found
+
+
+def check(payload: bytes) -> None:
+    np.testing.assert_equal(outcome(_native.decode_header, payload), outcome(decode_header, payload))
+
+
+def expected_groups(header: Header) -> tuple[list[tuple[int, int, int]], int, bool]:
+    spec = header.spec
+    return [(GROUPS.index(g.name), g.start, g.size) for g in spec.groups], spec.attributes, spec.plain
+
+
+@pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
+def test_golden_headers_are_read(path: Path) -> None:
+    payload = split(path.read_bytes())[0][1]
+    assert fields(decode_header(payload)) == _native.decode_header(payload)
+    assert _native.attribute_groups(payload) == expected_groups(decode_header(payload))
+
+
+@pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
+@given(
+    st.dictionaries(
+        st.sampled_from(HEADER_FIELDS),
+        st.integers(0, 20) | st.sampled_from([32, 64, 127, 255, 511, 1023]) | st.integers(0, 1 << 26),
+        min_size=1,
+        max_size=3,
+    )
+)
+def test_other_fields_are_judged_alike(path: Path, changes: dict[str, int]) -> None:
+    payload = split(with_fields(path.read_bytes(), **changes))[0][1]
+    check(payload)
+    if isinstance(outcome(decode_header, payload), dict):
+        assert _native.attribute_groups(payload) == expected_groups(decode_header(payload))
+
+
+@given(st.sampled_from(PAYLOADS), st.data())
+def test_damaged_headers_are_judged_alike(payload: bytes, data: st.DataObject) -> None:
+    at = data.draw(st.integers(0, len(payload) - 1))
+    check(payload[:at])
+    check(payload[:at] + bytes([data.draw(st.integers(0, 255))]) + payload[at + 1 :])
+    check(payload + data.draw(st.binary(min_size=1, max_size=12)))
+
+
+@given(st.binary(max_size=60))
+def test_random_bytes_are_judged_alike(payload: bytes) -> None:
+    check(payload)
+    check(b"\2" + payload)
+
+
+@given(
+    st.sampled_from([p for p, path in zip(PAYLOADS, GOLDEN, strict=True) if path.stem in ("float", "gray16", "rgb8")]),
+    st.sampled_from([0, 64]),
+    st.one_of(
+        st.binary(min_size=16, max_size=16),
+        st.tuples(st.floats(width=32), st.floats(width=32), st.floats()).map(
+            lambda numbers: np.array(numbers[:2], "<f4").tobytes() + np.array(numbers[2], "<f8").tobytes()
+        ),
+        st.floats().map(lambda number: np.array([number], "<f8").tobytes()),
+        st.integers(-2, 65537).map(lambda number: np.array([number], "<f8").tobytes()),
+    ),
+)
+def test_ranges_and_nodata_are_judged_alike(payload: bytes, flag: int, tail: bytes) -> None:
+    """Whatever the floats at a header's end are."""
+    changed = split(with_fields(join([("H", payload)]), flags=lambda flags: flags | flag))[0][1]
+    at = len(changed) - 8 * (decode_header(payload).sample_type == "float32")
+    check(changed[:at] + tail)
