@@ -204,6 +204,13 @@ def attribute_groups(payload: bytes) -> tuple:
     Number, start and size of each group; attributes of a seed; whether they are plain Gaussians.
     """
 
+def crc32(data: bytes, before: int = ...) -> int: ...
+
+def shipped(kind: str, number: int) -> bytes:
+    """
+    The tables, positions, prior or texture of this number; empty where there is none.
+    """
+
 def tile_segments(length: int, count: int, apron: int, start: float, scale: float, first: int, n: int) -> list:
     """
     First and last pixel, tile and the next one's share, or None, of each run of output pixels along an axis.

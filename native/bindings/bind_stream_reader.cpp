@@ -6,9 +6,11 @@
 #include <tuple>
 #include <vector>
 
+#include "base/crc32.hpp"
 #include "bindings/arrays.hpp"
 #include "bindings/bindings.hpp"
 #include "bitstream/header.hpp"
+#include "bitstream/shipped.hpp"
 #include "model/tile_grid.hpp"
 
 namespace nb = nanobind;
@@ -17,6 +19,14 @@ using namespace nb::literals;
 namespace {
 
 sgi::Bytes bytes_of(const nb::bytes &held) { return {static_cast<const uint8_t *>(held.data()), held.size()}; }
+
+nb::bytes as_bytes(sgi::Bytes held) { return nb::bytes(held.data, held.size); }
+
+sgi::Bytes shipped(const std::string &kind, int number) {
+  if (kind == "prior") return sgi::shipped_prior(number);
+  if (kind == "texture") return sgi::shipped_texture(number);
+  return kind == "tables" ? sgi::shipped_tables() : sgi::shipped_positions();
+}
 
 nb::dict context_of(const sgi::ContextSpec &context) {
   nb::dict fields;
@@ -78,6 +88,12 @@ void bind_stream_reader(nb::module_ &m) {
         return nb::make_tuple(groups_of(header), header.spec.attributes(), header.spec.is_plain());
       },
       "payload"_a, "Number, start and size of each group; attributes of a seed; whether they are plain Gaussians.");
+  m.def(
+      "crc32", [](const nb::bytes &data, uint32_t before) { return sgi::crc32(bytes_of(data), before); }, "data"_a,
+      "before"_a = 0);
+  m.def(
+      "shipped", [](const std::string &kind, int number) { return as_bytes(shipped(kind, number)); }, "kind"_a,
+      "number"_a, "The tables, positions, prior or texture of this number; empty where there is none.");
   m.def("tile_segments", &segments, "length"_a, "count"_a, "apron"_a, "start"_a, "scale"_a, "first"_a, "n"_a,
         "First and last pixel, tile and the next one's share, or None, of each run of output pixels along an axis.");
 }

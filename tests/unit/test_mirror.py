@@ -56,6 +56,7 @@ OF_NO_MODULE = {
     "mirror": "this file",
     "native/header": "native code",
     "native/seed_gaussians": "native code",
+    "native/shipped": "native code",
     "native/stubs": "the types of native code",
     "native/thread_pool": "native code",
     "native/tile_grid": "native code",

@@ -1,0 +1,13 @@
+// The tables and networks that ship with the decoder, whose numbers stand in streams (docs/format.md). Their bytes are
+// those of the package's files; embed_shipped.py writes shipped.cpp when the library is built.
+#pragma once
+#include "base/bytes.hpp"
+
+namespace sgi {
+
+Bytes shipped_tables();             // the zero-centred tables
+Bytes shipped_positions();          // the network that predicts seed positions
+Bytes shipped_prior(int number);    // a context model; without data where there is none of this number
+Bytes shipped_texture(int number);  // with what models of texture begin, inflated; without data as above
+
+}  // namespace sgi
