@@ -23,7 +23,7 @@ FLOORS = (
     {"rate_control", "bitstream"},
     {"profiles"},
     {"decoder", "fit", "rdoq", "executors"},
-    {"encoder"},
+    {"encoder", "server"},
     {"cli", "bench"},
     {"benchmarks", "tools"},
 )
@@ -37,13 +37,21 @@ HOMES = {
     "click": ("sgicodec/cli/", "sgicodec/bench/", "benchmarks/", "tools/"),
     "scipy": ("sgicodec/metrics/similarity.py", "sgicodec/bench/bdrate.py"),
     "ssimulacra2": ("sgicodec/metrics/perceptual.py",),
-    "PIL": ("sgicodec/image/second_reader.py", "sgicodec/image/conversion.py", "sgicodec/bench/", "benchmarks/"),
+    "PIL": (
+        "sgicodec/image/second_reader.py",
+        "sgicodec/image/conversion.py",
+        "sgicodec/bench/",
+        "sgicodec/server/",
+        "benchmarks/",
+    ),
     "imagecodecs": ("sgicodec/bench/", "benchmarks/"),
     "pyjpegli": ("sgicodec/bench/optional_peers.py",),
     "imageio_ffmpeg": ("sgicodec/bench/optional_peers.py",),
     "matplotlib": ("sgicodec/bench/", "benchmarks/"),
     "distributed": ("sgicodec/executors/dask.py",),
     "fsspec": ("sgicodec/encoder/worker.py",),
+    "starlette": ("sgicodec/server/",),
+    "uvicorn": ("sgicodec/server/",),
     "mpmath": ("tools/make_tables.py",),
 }
 

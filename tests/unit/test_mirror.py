@@ -40,6 +40,7 @@ TESTED_ELSEWHERE = {
     "profiles/*": "unit/profiles/test_profiles.py",
     "rate_control/*": "system/test_targets.py",
     "rdoq/settings": "unit/rdoq/test_rdoq.py",
+    "server/*": "system/server",
     "tools/*": "unit/tools/test_programs.py",
     "version": "system/cli/test_main.py",
 }

@@ -1,0 +1,118 @@
+"""What is served: names in URLs to files, and to none besides."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple, Protocol
+
+from sgicodec.errors import UsageError
+from sgicodec.server.refusal import Refusal
+
+__all__ = ["Chosen", "Folder", "Listing", "Shelf"]
+
+SUFFIX = ".sgi"
+MOST_LISTED = 2000
+"""Names that one listing shows."""
+
+
+class Listing(NamedTuple):
+    """Names of folders and of streams, and whether there are more than these."""
+
+    folders: list[str]
+    streams: list[str]
+    cut: bool
+
+
+class Shelf(Protocol):
+    """Where files come from."""
+
+    def find(self, name: str) -> Path:
+        """The file of that name. Raises Refusal."""
+
+    def listing(self, name: str) -> Listing:
+        """What lies in the folder of that name; "" is the top. Raises Refusal."""
+
+
+class Folder:
+    """The streams in a folder and its subfolders. Links that lead out of it, and names that begin with a dot, do not
+    exist.
+    """
+
+    def __init__(self, root: Path) -> None:
+        try:
+            self.root = root.resolve(strict=True)
+        except (OSError, RuntimeError, ValueError) as error:
+            raise UsageError(f"{root}: {getattr(error, 'strerror', None) or error}") from error
+        if not self.root.is_dir():
+            raise UsageError(f"{root} is no folder")
+
+    def find(self, name: str) -> Path:
+        """See `Shelf`."""
+        path = self._inside(name)
+        if path.suffix.lower() != SUFFIX or not path.is_file():
+            raise _absent(name)
+        return path
+
+    def listing(self, name: str) -> Listing:
+        """See `Shelf`."""
+        folder = self._inside(name) if name else self.root
+        folders: list[str] = []
+        streams: list[str] = []
+        try:
+            for path in sorted(folder.iterdir()):
+                if len(folders) + len(streams) == MOST_LISTED:
+                    return Listing(folders, streams, True)
+                if path.name.startswith(".") or not _printable(path.name):
+                    continue
+                if path.is_dir():
+                    folders.append(path.name)
+                elif path.suffix.lower() == SUFFIX:
+                    streams.append(path.name)
+        except OSError:
+            raise _absent(name) from None
+        return Listing(folders, streams, False)
+
+    def _inside(self, name: str) -> Path:
+        """The file or folder, without links. Raises Refusal for one that is outside or is not there."""
+        parts = name.split("/")
+        if any(part.startswith(".") or not part or "\\" in part or "\0" in part for part in parts):
+            raise _absent(name)
+        try:
+            path = self.root.joinpath(*parts).resolve(strict=True)
+        except (OSError, RuntimeError, ValueError):
+            raise _absent(name) from None
+        if not path.is_relative_to(self.root):
+            raise _absent(name)
+        return path
+
+
+class Chosen:
+    """Files that were named one by one, wherever they lie."""
+
+    def __init__(self, files: dict[str, Path]) -> None:
+        self._files = files
+
+    def find(self, name: str) -> Path:
+        """See `Shelf`."""
+        if name not in self._files or not self._files[name].is_file():
+            raise _absent(name)
+        return self._files[name]
+
+    def listing(self, name: str) -> Listing:
+        """See `Shelf`."""
+        if name:
+            raise _absent(name)
+        return Listing([], sorted(self._files), False)
+
+
+def _printable(name: str) -> bool:
+    """Whether a name can stand in a URL: bytes that are no UTF-8 cannot."""
+    try:
+        name.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+def _absent(name: str) -> Refusal:
+    return Refusal(404, f"there is no {name[:200]!r} here")

@@ -1,0 +1,88 @@
+"""`sgi serve` as a process, and what they refuse."""
+
+from __future__ import annotations
+
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+from http_server import Client, running
+
+from sgicodec.cli.main import cli
+from sgicodec.server.app import Settings, application
+from sgicodec.server.run import listening
+from sgicodec.server.shelf import Chosen
+
+
+@pytest.fixture
+def sgi() -> Callable[..., Result]:
+    return lambda *arguments: CliRunner().invoke(cli, [str(argument) for argument in arguments])
+
+
+def start(*arguments: object) -> tuple[subprocess.Popen[str], str]:
+    """A process of the command, and the address that it prints."""
+    command = [sys.executable, "-m", "sgicodec", *map(str, arguments)]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    assert process.stdout is not None
+    return process, process.stdout.readline().strip()
+
+
+@pytest.mark.parametrize("end", [signal.SIGTERM, signal.SIGINT])
+def test_serving_until_a_signal(folder: Path, end: signal.Signals) -> None:
+    process, line = start("serve", folder, "--port", 0)
+    found = re.search(r"http://127\.0\.0\.1:(\d+)/", line)
+    assert found, line
+    get = Client(int(found[1]))
+    assert get("/iiif/3/wide.sgi/full/max/0/default.jpg").status == 200
+    assert get("/files/%0anope").status == 404
+    process.send_signal(end)
+    log, _ = process.communicate()
+    assert process.returncode == 0
+    lines = log.strip().splitlines()
+    assert len(lines) == 2
+    assert re.fullmatch(
+        r"\S+ \S+ 127.0.0.1 GET /iiif/3/wide.sgi/full/max/0/default.jpg 200 \d+ bytes \d.\d+ s", lines[0]
+    )
+    assert "GET /files/%0anope 404" in lines[1]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "text"),
+    [
+        (("serve", "nowhere"), 2, "No such file"),
+        (("serve", __file__), 2, "is no folder"),
+    ],
+)
+def test_refused(sgi: Callable[..., Result], arguments: tuple[str, ...], status: int, text: str) -> None:
+    result = sgi(*arguments)
+    assert (result.exit_code, result.stdout) == (status, "")
+    assert text in result.stderr
+
+
+def test_a_port_in_use(sgi: Callable[..., Result], folder: Path) -> None:
+    with listening("127.0.0.1", 0) as place:
+        result = sgi("serve", folder, "--port", place.getsockname()[1])
+    assert result.exit_code == 2
+    assert "cannot be used" in result.stderr
+
+
+def test_without_the_extra(sgi: Callable[..., Result], folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "starlette", None)
+    result = sgi("serve", folder)
+    assert result.exit_code == 2
+    assert "pip install 'sgicodec[serve]'" in result.stderr
+
+
+def test_files_that_were_chosen(folder: Path) -> None:
+    shelf = Chosen({"a.sgi": folder / "wide.sgi"})
+    with running(application(shelf, Settings(public=False, hosts=("127.0.0.1",)))) as get:
+        assert get("/files/a.sgi").body == (folder / "wide.sgi").read_bytes()
+        assert get("/files/wide.sgi").status == 404
+        assert get("/files/x/").status == 404
+        assert "a.sgi" in get("/files/").text
+        assert get("/iiif/3/a.sgi/full/max/0/default.jpg").headers["cache-control"].startswith("private")

@@ -1,0 +1,206 @@
+"""IIIF Image API 3, against what `sgi decode` draws and what the standard demands."""
+
+from __future__ import annotations
+
+import io
+import json
+from pathlib import Path
+from urllib.parse import quote
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from http_server import Answer, Client
+from PIL import Image
+
+import sgicodec
+from sgicodec.cli.main import cli
+
+TILES = "/iiif/3/rgb8-tiles.sgi"
+WIDE = "/iiif/3/wide.sgi"
+
+
+def pixels(answer: Answer) -> np.ndarray:
+    assert answer.status == 200, answer.text
+    return np.asarray(Image.open(io.BytesIO(answer.body)))
+
+
+def decoded(stream: Path, folder: Path, *options: object) -> np.ndarray:
+    """What the command draws."""
+    target = folder / "decoded.png"
+    arguments = ["decode", str(stream), str(target), "--depth", "8", "-f", "--quiet", *map(str, options)]
+    assert CliRunner().invoke(cli, arguments).exit_code == 0
+    return np.asarray(Image.open(target))
+
+
+@pytest.mark.parametrize("name", ["rgb8-tiles.sgi", "gray16.sgi", "sub dir/räume & <b>.sgi", "gray8-alpha.sgi"])
+@pytest.mark.parametrize(
+    ("region", "size", "options"),
+    [
+        ("full", "max", []),
+        ("8,4,24,16", "^96,64", ["--region", "8,4,24,16", "--scale", "4"]),
+        ("0,0,30,20", "15,10", ["--region", "0,0,30,20", "--scale", "1/2"]),
+        ("full", "!20,20", ["--size", "20x20"]),
+    ],
+)
+def test_pixels_are_those_of_the_command(
+    get: Client, folder: Path, tmp_path: Path, name: str, region: str, size: str, options: list[str]
+) -> None:
+    found = pixels(get(f"/iiif/3/{quote(name, safe='')}/{region}/{size}/0/default.png"))
+    assert np.array_equal(found, decoded(folder / name, tmp_path, *options))
+
+
+def test_floats_and_bands(get: Client, folder: Path) -> None:
+    assert pixels(get("/iiif/3/float.sgi/full/max/0/default.png")).dtype == np.uint8
+    with sgicodec.open(folder / "multi8.sgi") as stream:
+        assert np.array_equal(pixels(get("/iiif/3/multi8.sgi/full/max/0/default.png")), stream.read()[..., :3])
+
+
+@pytest.mark.parametrize(
+    ("size", "expected"),
+    [
+        *(("max", (1100, 40)), ("550,", (550, 20)), (",20", (550, 20)), ("pct:50", (550, 20))),
+        *(("300,30", (300, 30)), ("!300,30", (300, 11)), ("!5000,5000", (1100, 40)), ("^!2200,2200", (1898, 69))),
+        *(("^1500,", (1500, 55)), ("^pct:120", (1320, 48)), ("^max", (1898, 69)), ("1,", (1, 1))),
+    ],
+)
+def test_sizes(get: Client, size: str, expected: tuple[int, int]) -> None:
+    assert Image.open(io.BytesIO(get(f"{WIDE}/full/{size}/0/default.jpg").body)).size == expected
+
+
+@pytest.mark.parametrize(
+    ("region", "box"),
+    [
+        *(
+            ("square", (530, 0, 570, 40)),
+            ("pct:50,25,10,50", (550, 10, 660, 30)),
+            ("1000,30,500,500", (1000, 30, 1100, 40)),
+        ),
+        *(("pct:0,0,100,100", (0, 0, 1100, 40)), ("1099,39,1,1", (1099, 39, 1100, 40))),
+    ],
+)
+def test_regions(get: Client, folder: Path, region: str, box: tuple[int, int, int, int]) -> None:
+    left, top, right, bottom = box
+    with sgicodec.open(folder / "wide.sgi") as stream:
+        expected = stream.read((left, top, right - left, bottom - top))
+    assert np.array_equal(pixels(get(f"{WIDE}/{region}/max/0/default.png")), expected)
+
+
+@pytest.mark.parametrize("rotation", ["0", "90", "180", "270", "!0", "!90", "!180", "360", "90.0"])
+def test_rotations(get: Client, rotation: str) -> None:
+    plain = Image.fromarray(pixels(get(f"{TILES}/full/max/0/default.png")))
+    if rotation.startswith("!"):
+        plain = plain.transpose(Image.Transpose.FLIP_LEFT_RIGHT)
+    turned = plain.rotate(-float(rotation.removeprefix("!")), expand=True)
+    assert np.array_equal(pixels(get(f"{TILES}/full/max/{rotation}/default.png")), np.asarray(turned))
+
+
+@pytest.mark.parametrize("name", ["rgb8-tiles.sgi", "gray16.sgi", "gray8-alpha.sgi", "multi8.sgi", "float.sgi"])
+def test_qualities_and_formats(get: Client, name: str) -> None:
+    kinds = {"jpg": "JPEG", "png": "PNG", "webp": "WEBP", "tif": "TIFF"}
+    media = {"jpg": "image/jpeg", "png": "image/png", "webp": "image/webp", "tif": "image/tiff"}
+    for format_, kind in kinds.items():
+        for quality in ("default", "color", "gray", "bitonal"):
+            answer = get(f"/iiif/3/{name}/full/max/0/{quality}.{format_}")
+            image = Image.open(io.BytesIO(answer.body))
+            assert (answer.headers["content-type"], image.format) == (media[format_], kind)
+            if quality == "bitonal" and format_ in ("png", "tif"):
+                assert image.mode == "1"
+            if quality == "gray" and format_ != "webp":
+                assert image.mode in ("L", "LA")
+
+
+@pytest.mark.parametrize(
+    ("path", "status"),
+    [
+        *(
+            ("1100,0,1,1/max/0/default.jpg", 400),
+            ("0,0,0,5/max/0/default.jpg", 400),
+            ("a,b,c,d/max/0/default.jpg", 400),
+        ),
+        *(("-1,0,5,5/max/0/default.jpg", 400), ("pct:0,0,0,0/max/0/default.jpg", 400), ("full/0,/0/default.jpg", 400)),
+        *(("full/2200,/0/default.jpg", 400), ("full/pct:101/0/default.jpg", 400), ("full/,/0/default.jpg", 400)),
+        *(("full/^9999,9999/0/default.jpg", 400), ("full/full/0/default.jpg", 400), ("full/!0,5/0/default.jpg", 400)),
+        *(("full/max/45/default.jpg", 501), ("full/max/361/default.jpg", 400), ("full/max/x/default.jpg", 400)),
+        *(("full/max/0/native.jpg", 400), ("full/max/0/default.gif", 501), ("full/max/0/default.xyz", 400)),
+        *(("full/max/0/default", 404), ("full/max/0", 404), ("full/99999999999999999999,/0/default.jpg", 400)),
+    ],
+)
+def test_errors(get: Client, path: str, status: int) -> None:
+    answer = get(f"{WIDE}/{path}")
+    assert answer.status == status
+    assert answer.headers["content-type"].startswith("text/plain")
+    assert answer.text.strip()
+
+
+def test_damaged(get: Client, folder: Path) -> None:
+    answer = get("/iiif/3/damaged.sgi/full/max/0/default.jpg")
+    assert answer.status == 500
+    assert str(folder) not in answer.text
+    assert answer.text.strip()
+
+
+def test_information(get: Client) -> None:
+    answer = get(f"{WIDE}/info.json")
+    found = json.loads(answer.body)
+    assert answer.headers["content-type"].startswith("application/ld+json")
+    assert 'rel="profile"' in answer.headers["link"]
+    assert found["id"] == f"{get.address}{WIDE}"
+    assert (found["type"], found["profile"], found["width"], found["height"]) == ("ImageService3", "level2", 1100, 40)
+    assert found["@context"] == "http://iiif.io/api/image/3/context.json"
+    assert found["maxArea"] == 1 << 17
+    for size in found["sizes"]:
+        image = pixels(get(f"{WIDE}/full/{size['width']},{size['height']}/0/default.png"))
+        assert image.shape[:2] == (size["height"], size["width"])
+    plain = get(f"{WIDE}/info.json", Accept="application/json")
+    assert plain.headers["content-type"] == "application/json"
+    assert json.loads(plain.body) == found
+
+
+def test_tiles_make_up_the_picture(get: Client, folder: Path) -> None:
+    found = json.loads(get(f"{WIDE}/info.json").body)
+    [tiles] = found["tiles"]
+    whole = np.concatenate(
+        [
+            pixels(get(f"{WIDE}/{x},0,{min(tiles['width'], 1100 - x)},40/max/0/default.png"))
+            for x in range(0, 1100, tiles["width"])
+        ],
+        axis=1,
+    )
+    with sgicodec.open(folder / "wide.sgi") as stream:
+        assert np.array_equal(whole, stream.read())
+    for factor in tiles["scaleFactors"]:
+        width, height = -(-1100 // factor), -(-40 // factor)
+        assert pixels(get(f"{WIDE}/full/{width},{height}/0/default.png")).shape[:2] == (height, width)
+
+
+def test_manifest(get: Client) -> None:
+    found = json.loads(get(f"{WIDE}/manifest.json").body)
+    [canvas] = found["items"]
+    [painting] = canvas["items"][0]["items"]
+    assert (canvas["width"], canvas["height"], painting["target"]) == (1100, 40, canvas["id"])
+    [service] = painting["body"]["service"]
+    assert json.loads(get(service["id"].removeprefix(get.address) + "/info.json").body)["id"] == service["id"]
+    image = pixels(get(painting["body"]["id"].removeprefix(get.address)))
+    assert image.shape[:2] == (painting["body"]["height"], painting["body"]["width"])
+
+
+def test_base_leads_to_the_information(get: Client) -> None:
+    answer = get("/iiif/3/sub%20dir%2Fr%C3%A4ume%20%26%20%3Cb%3E.sgi")
+    assert answer.status == 303
+    place = answer.headers["location"].removeprefix(get.address)
+    assert json.loads(get(place).body)["id"] == f"{get.address}{place.removesuffix('/info.json')}"
+
+
+def test_answers_can_be_kept(get: Client) -> None:
+    path = f"{TILES}/0,0,200,200/!20,20/0/default.jpg"
+    first = get(path)
+    assert first.headers["cache-control"] == "public, max-age=3600"
+    assert "last-modified" in first.headers
+    again = get(path, If_None_Match=first.headers["etag"])
+    assert (again.status, again.body) == (304, b"")
+    other = get(f"{TILES}/0,0,200,200/!19,19/0/default.jpg", If_None_Match=first.headers["etag"])
+    assert other.status == 200
+    link = first.headers["link"].split("<")[-1].split(">")[0]
+    assert pixels(get(link.removeprefix(get.address))).shape == pixels(first).shape
+    assert get(link.removeprefix(get.address)).headers["etag"] == first.headers["etag"]

@@ -1,0 +1,59 @@
+"""Streams stay open while there is room, and while they are used."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from sgicodec.device import Device
+from sgicodec.errors import StreamError
+from sgicodec.server.open_streams import OpenStreams
+
+GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
+NAMES = ("rgb8", "gray16", "rgba8")
+
+
+@pytest.fixture
+def streams() -> OpenStreams:
+    return OpenStreams(2, Device(1))
+
+
+def test_the_last_ones_stay(streams: OpenStreams) -> None:
+    opened = []
+    for name in NAMES:
+        with streams.opened(GOLDEN / f"{name}.sgi") as stream:
+            opened.append(stream)
+    assert [stream.closed for stream in opened] == [True, False, False]
+    with streams.opened(GOLDEN / "gray16.sgi") as stream:
+        assert stream is opened[1]
+    streams.close()
+    assert all(stream.closed for stream in opened)
+
+
+def test_what_is_used_stays(streams: OpenStreams) -> None:
+    with streams.opened(GOLDEN / "rgb8.sgi") as first, streams.opened(GOLDEN / "gray16.sgi") as second:
+        with streams.opened(GOLDEN / "rgba8.sgi") as third:
+            assert len(streams) == 3
+        assert (first.closed, second.closed, third.closed) == (False, False, True)
+    assert len(streams) == 2
+
+
+def test_a_file_that_changed_is_another(streams: OpenStreams, tmp_path: Path) -> None:
+    path = tmp_path / "a.sgi"
+    shutil.copy(GOLDEN / "rgb8.sgi", path)
+    with streams.opened(path) as stream:
+        before = stream.shape
+    shutil.copy(GOLDEN / "gray16.sgi", path)
+    with streams.opened(path) as stream:
+        assert stream.shape != before
+
+
+def test_errors_do_not_name_the_path(streams: OpenStreams, tmp_path: Path) -> None:
+    (tmp_path / "a.sgi").write_bytes(b"no stream")
+    for name in ("a.sgi", "b.sgi"):
+        with pytest.raises(StreamError) as caught, streams.opened(tmp_path / name):
+            pass
+        assert str(tmp_path) not in str(caught.value)
+    assert len(streams) == 0

@@ -1,0 +1,75 @@
+"""Work is done a few at a time, in a queue that has an end."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+
+import pytest
+
+from sgicodec.server.refusal import Refusal
+from sgicodec.server.workers import Workers
+
+
+async def here() -> bool:
+    return False
+
+
+async def gone() -> bool:
+    return True
+
+
+def test_a_few_at_a_time() -> None:
+    most, now, lock = 0, 0, threading.Lock()
+    meeting = threading.Barrier(2)
+
+    def work() -> None:
+        nonlocal most, now
+        with lock:
+            now += 1
+            most = max(most, now)
+        meeting.wait()
+        with lock:
+            now -= 1
+
+    async def scenario() -> None:
+        workers = Workers(2, 100)
+        await asyncio.gather(*(workers.run(work, here) for _ in range(12)))
+        workers.close()
+
+    asyncio.run(scenario())
+    assert most == 2
+
+
+def test_a_full_queue_refuses() -> None:
+    async def scenario() -> list[object]:
+        go = threading.Event()
+        workers = Workers(1, 2)
+        tasks = [asyncio.ensure_future(workers.run(go.wait, here)) for _ in range(5)]
+        for _ in range(3):
+            await asyncio.sleep(0)
+        go.set()
+        found = await asyncio.gather(*tasks, return_exceptions=True)
+        workers.close()
+        return list(found)
+
+    found = asyncio.run(scenario())
+    refused = [error for error in found if isinstance(error, Refusal)]
+    assert {error.status for error in refused} == {503}
+    assert len(refused) == 5 - found.count(True)
+    assert found.count(True) >= 2
+
+
+def test_nothing_is_drawn_for_who_went_away() -> None:
+    done = []
+
+    async def scenario() -> None:
+        workers = Workers(1, 2)
+        try:
+            await workers.run(lambda: done.append(1), gone)
+        finally:
+            workers.close()
+
+    with pytest.raises(Refusal):
+        asyncio.run(scenario())
+    assert done == []
