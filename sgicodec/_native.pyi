@@ -196,6 +196,30 @@ class AttributeModel:
         As of `read_zero_centred`, all symbols in coding order, information content by group.
         """
 
+class StreamReader:
+    """The chunks of a stream: bytes, or a binary file."""
+
+    def __init__(self, source: object, is_overview: bool = ...) -> None: ...
+
+    @property
+    def header(self) -> dict: ...
+
+    @property
+    def size(self) -> int: ...
+
+    @property
+    def blobs(self) -> dict: ...
+
+    @property
+    def chunk_bytes(self) -> dict: ...
+
+    @property
+    def has_overview(self) -> bool: ...
+
+    def overview(self) -> object: ...
+
+    def tile(self, number: int) -> bytes: ...
+
 def decode_header(payload: bytes) -> dict:
     """The fields of chunk H; enumerations as their numbers."""
 

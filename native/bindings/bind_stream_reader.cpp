@@ -9,8 +9,10 @@
 #include "base/crc32.hpp"
 #include "bindings/arrays.hpp"
 #include "bindings/bindings.hpp"
+#include "bindings/python_source.hpp"
 #include "bitstream/header.hpp"
 #include "bitstream/shipped.hpp"
+#include "bitstream/stream_reader.hpp"
 #include "model/tile_grid.hpp"
 
 namespace nb = nanobind;
@@ -75,9 +77,51 @@ nb::list segments(int64_t length, int64_t count, int64_t apron, double start, do
   return found;
 }
 
+nb::dict blobs_of(const sgi::StreamReader &reader) {
+  nb::dict blobs;
+  for (const auto &[kind, payload] : reader.blobs())
+    blobs[nb::str(&kind, 1)] = as_bytes({payload.data(), payload.size()});
+  return blobs;
+}
+
+nb::dict chunk_bytes_of(const sgi::StreamReader &reader) {
+  nb::dict found;
+  for (const auto &[kind, bytes] : reader.chunk_bytes()) found[kind.c_str()] = bytes;
+  return found;
+}
+
+void bind_reader(nb::module_ &m) {
+  using Reader = sgi::StreamReader;
+  nb::class_<Reader>(m, "StreamReader", "The chunks of a stream: bytes, or a binary file.")
+      .def(
+          "__init__",
+          [](Reader *self, nb::object source, bool is_overview) {
+            new (self) Reader(sgi::python_source(std::move(source)), is_overview);
+          },
+          "source"_a, "is_overview"_a = false)
+      .def_prop_ro("header", [](const Reader &self) { return header_of(self.header()); })
+      .def_prop_ro("size", &Reader::size)
+      .def_prop_ro("blobs", &blobs_of)
+      .def_prop_ro("chunk_bytes", &chunk_bytes_of)
+      .def_prop_ro("has_overview", &Reader::has_overview)
+      .def("overview",
+           [](Reader &self) -> nb::object {
+             const auto found = self.overview();
+             return self.has_overview() ? nb::object(as_bytes({found.data(), found.size()})) : nb::none();
+           })
+      .def(
+          "tile",
+          [](Reader &self, int64_t number) {
+            const auto found = self.tile(number);
+            return as_bytes({found.data(), found.size()});
+          },
+          "number"_a);
+}
+
 }  // namespace
 
 void bind_stream_reader(nb::module_ &m) {
+  bind_reader(m);
   m.def(
       "decode_header", [](const nb::bytes &payload) { return header_of(sgi::decode_header(bytes_of(payload))); },
       "payload"_a, "The fields of chunk H; enumerations as their numbers.");

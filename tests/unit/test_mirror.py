@@ -58,6 +58,7 @@ OF_NO_MODULE = {
     "native/header": "native code",
     "native/seed_gaussians": "native code",
     "native/shipped": "native code",
+    "native/stream_reader": "native code",
     "native/stubs": "the types of native code",
     "native/thread_pool": "native code",
     "native/tile_grid": "native code",

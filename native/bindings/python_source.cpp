@@ -1,0 +1,78 @@
+#include "bindings/python_source.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+namespace nb = nanobind;
+
+namespace sgi {
+
+namespace {
+
+// Drops a reference on whatever thread the source ends.
+class Held {
+ public:
+  explicit Held(nb::object object) : object_(std::move(object)) {}
+  Held(const Held &) = delete;
+  ~Held() {
+    const nb::gil_scoped_acquire lock;
+    object_.reset();
+  }
+  const nb::object &operator*() const { return object_; }
+
+ private:
+  nb::object object_;
+};
+
+class BytesSource : public ByteSource {
+ public:
+  explicit BytesSource(const nb::bytes &bytes)
+      : held_(bytes), memory_(memory_source({static_cast<const uint8_t *>(bytes.data()), bytes.size()})) {}
+  std::optional<uint64_t> size() override { return memory_->size(); }
+  size_t read(uint64_t offset, uint8_t *out, size_t count) override { return memory_->read(offset, out, count); }
+
+ private:
+  const Held held_;
+  const std::unique_ptr<ByteSource> memory_;
+};
+
+class FileSource : public ByteSource {
+ public:
+  explicit FileSource(nb::object file) : file_(std::move(file)) {
+    if (!nb::cast<bool>((*file_).attr("seekable")())) return;
+    start_ = nb::cast<uint64_t>((*file_).attr("tell")());
+    size_ = nb::cast<uint64_t>((*file_).attr("seek")(0, 2)) - start_;
+  }
+
+  std::optional<uint64_t> size() override { return size_; }
+
+  size_t read(uint64_t offset, uint8_t *out, size_t count) override {
+    if (size_ && offset >= *size_) return 0;
+    const nb::gil_scoped_acquire lock;
+    if (size_) (*file_).attr("seek")(start_ + offset);
+    size_t found = 0;
+    while (found < count) {  // a pipe gives what it has
+      const auto more = nb::cast<nb::bytes>((*file_).attr("read")(count - found));
+      if (!more.size()) break;
+      const size_t taken = std::min(more.size(), count - found);
+      std::memcpy(out + found, more.data(), taken);
+      found += taken;
+    }
+    return found;
+  }
+
+ private:
+  const Held file_;
+  uint64_t start_ = 0;
+  std::optional<uint64_t> size_;
+};
+
+}  // namespace
+
+std::unique_ptr<ByteSource> python_source(nb::object source) {
+  if (nb::isinstance<nb::bytes>(source)) return std::make_unique<BytesSource>(nb::borrow<nb::bytes>(source));
+  return std::make_unique<FileSource>(std::move(source));
+}
+
+}  // namespace sgi

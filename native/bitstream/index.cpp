@@ -1,0 +1,58 @@
+#include "bitstream/index.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <string>
+
+#include "base/error.hpp"
+#include "bitstream/varint.hpp"
+
+namespace sgi {
+
+namespace {
+
+constexpr uint8_t kEndChunk[kEndBytes] = {0x45, 0x00, 0xbf, 0xa9, 0xd7, 0xcc};
+constexpr size_t kOffsetBytes = 8;
+constexpr int64_t kMostUnlisted = 1 << 15;  // that are looked for one by one; every encoder writes an index
+constexpr size_t kFarthest = 1 << 16;       // how far the end of a varint is sought
+
+// As decode_varint, with the texts of a list of them.
+int64_t take(Bytes data, size_t &at) {
+  const size_t start = at, most = std::min(data.size - at, kFarthest);
+  size_t count = 0;
+  while (count < most && data.data[start + count] >= 0x80) ++count;
+  if (count == most) throw Error(Fault::corrupt, "varint: cut short, or longer than nine bytes; the stream is damaged");
+  if (count >= size_t(kMaxVarintBytes) || (count && !data.data[start + count]))
+    throw Error(Fault::corrupt, "varint: longer than nine bytes, or padded with a zero group");
+  return decode_varint(data, at);
+}
+
+}  // namespace
+
+std::vector<ChunkPlace> decode_index(Bytes payload, int64_t count) {
+  const Bytes data{payload.data, payload.size - std::min(payload.size, kOffsetBytes)};
+  std::vector<int64_t> fields;
+  for (size_t at = 0; at < data.size;) fields.push_back(take(data, at));
+  if (payload.size < kOffsetBytes || int64_t(fields.size()) != 2 * count + 1 || fields[0] != count)
+    throw Error(Fault::corrupt, "index: it does not list the " + std::to_string(count) + " tiles; the file is damaged");
+  std::vector<ChunkPlace> places;
+  for (size_t i = 1; i < fields.size(); i += 2) places.push_back({fields[i], fields[i + 1]});
+  return places;
+}
+
+void check_unlisted(int64_t count) {
+  if (count > kMostUnlisted)
+    throw Error(Fault::limit, "there are " + std::to_string(count) + " tiles and no sound index; at most " +
+                                  std::to_string(kMostUnlisted) + " are sought without one");
+}
+
+int64_t longest_index(int64_t count) { return int64_t(kOffsetBytes) + kMaxVarintBytes * (2 * count + 1); }
+
+std::optional<uint64_t> index_offset(Bytes tail) {
+  if (tail.size != kTrailerBytes || std::memcmp(tail.data + kTrailerBytes - kEndBytes, kEndChunk, kEndBytes)) return {};
+  uint64_t offset = 0;
+  for (size_t i = 0; i < kOffsetBytes; ++i) offset |= uint64_t(tail.data[i]) << 8 * i;
+  return offset;
+}
+
+}  // namespace sgi
