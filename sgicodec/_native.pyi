@@ -276,6 +276,89 @@ class TextureAmplitudes:
 def texture_cells(log_size: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu', writable=False)], contrast: Annotated[NDArray[numpy.int8], dict(shape=(None, None), order='C', device='cpu', writable=False)], symbols: Annotated[NDArray[numpy.int16], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], steps: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], slope: tuple[float, float], excess: Sequence[float], dependent: bool) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None, None))], Annotated[NDArray[numpy.uint8], dict(shape=(None,))], Annotated[NDArray[numpy.float32], dict(shape=(None,))]]:
     """Corners, log2 of sides, amplitudes."""
 
+class TileModel:
+    """A tile's model as it was read; arrays are views of it."""
+
+    @property
+    def corner(self) -> NDArray[numpy.int32]:
+        """[N, 2] pixels"""
+
+    @property
+    def log_size(self) -> NDArray[numpy.int8]:
+        """[N]"""
+
+    @property
+    def decoded(self) -> NDArray[numpy.int64]:
+        """[N, d_A] attributes in units of 2^-24"""
+
+    @property
+    def base(self) -> NDArray[numpy.int64]:
+        """[C, rows, columns] in steps of index `base_step`"""
+
+    @property
+    def base_step(self) -> int: ...
+
+    @property
+    def decoders(self) -> dict:
+        """Weights in units of 2^-10, by name."""
+
+    @property
+    def plan(self) -> dict:
+        """By group the base steps [U, 8] and the exponent of the amplitude."""
+
+    @property
+    def networks(self) -> list:
+        """By coding step W1, b1, W2, b2, shift and the number of predictions."""
+
+    @property
+    def signs(self) -> NDArray[numpy.uint8]:
+        """Those of the hash grid, 0 or 1, level after level."""
+
+    @property
+    def texture(self) -> object:
+        """Steps, log_size, contrast and symbols of the layer; None for none."""
+
+    @property
+    def part_bits(self) -> dict:
+        """Information content of the parts, by name."""
+
+    @property
+    def symbol_crc(self) -> int:
+        """CRC-32 of all symbols: equal on every machine."""
+
+def read_tile(header: bytes, payload: bytes, threads: int, isa: str, checked: bool = ...) -> TileModel:
+    """
+    The model of a payload; `header` is the payload of chunk H that the tile would have as a picture of its own.
+    Without `checked` the checksum of symbols is not compared.
+    """
+
+class MaskTree:
+    """
+    Which pixels of a tile hold nothing, as the quadtree that the stream codes.
+    """
+
+    def __init__(self, width: int, height: int) -> None:
+        """That of a tile in which no pixel holds anything."""
+
+    @property
+    def is_mixed(self) -> bool: ...
+
+    @property
+    def nbytes(self) -> int: ...
+
+    def at(self, rows: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], columns: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> Annotated[NDArray[numpy.bool_], dict(shape=(None, None))]:
+        """
+        The mask [rows, columns] where ascending rows and columns of pixels meet.
+        """
+
+def read_mask(payload: bytes, width: int, height: int) -> MaskTree: ...
+
+def decode_tile_chunk(header: bytes, payload: bytes) -> tuple[int, bool, MaskTree, bytes]:
+    """
+    Of the payload of a chunk T: the tile's number, whether no pixel of it holds anything, its mask or None where
+    all or none do, and the payload of its model.
+    """
+
 def tree_input_count(child: int) -> int: ...
 
 class TreeNetwork:

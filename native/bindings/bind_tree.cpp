@@ -126,7 +126,7 @@ Found walk_tree(Scenery scenery, int64_t most,
 // How flags are read: networks of all child numbers; the alphabets of the rows that they choose and of `certain`.
 struct TreeReader {
   const TreeNetwork *const *networks;
-  sgi::Alphabets alphabets;
+  sgi::AlphabetsView alphabets;
   int shift, most, threads;
 
   // Appends the flags of a batch to `symbols` in coding order.

@@ -15,4 +15,5 @@ void bind_reading(nanobind::module_ &m);
 void bind_stream_reader(nanobind::module_ &m);
 void bind_texture(nanobind::module_ &m);
 void bind_texture_coding(nanobind::module_ &m);
+void bind_tile(nanobind::module_ &m);
 void bind_tree(nanobind::module_ &m);

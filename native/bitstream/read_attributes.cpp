@@ -150,7 +150,12 @@ class AttributeReader {
     seed_inputs(seeds_.view, {table.data() + begin * size_t(model_.ranks), model_.ranks}, summary_.data(),
                 members.data() + begin, int64_t(count), model_.quality, 1, inputs_.data() + begin * size_t(stride_),
                 stride_);
+    if (model_.grid)
+      model_.grid->write_inputs(model_.grid_signs, seeds_.view.half_pixels, members.data() + begin, int64_t(count),
+                                inputs_.data() + begin * size_t(stride_) + size_t(first_hashed()), stride_);
   }
+
+  int64_t first_hashed() const { return kLevelInputs + (model_.ranks ? kNeighbourInputs : 0); }
 
   // The values of a step, and the summaries that follow from them.
   void finish(const std::vector<int64_t> &members, size_t s, size_t begin, size_t count) {

@@ -8,6 +8,7 @@
 
 #include "bitstream/read_symbols.hpp"
 #include "model/context.hpp"
+#include "model/hash_grid.hpp"
 #include "model/network.hpp"
 
 namespace sgi {
@@ -35,8 +36,10 @@ struct AttributeModel {
   std::vector<AttributeStep> steps;
   int64_t attributes;  // d_A
   int per_seed, channels, colour, shape;
-  int quality, ranks;   // of neighbours, 0 for none
-  int16_t first_table;  // of the family
+  int quality, ranks;              // of neighbours, 0 for none
+  int16_t first_table;             // of the family
+  const HashGrid *grid = nullptr;  // null for none
+  const uint8_t *grid_signs = nullptr;
 };
 
 struct TileSeeds {

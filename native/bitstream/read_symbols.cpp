@@ -60,7 +60,7 @@ Reading read_escaped(RangeDecoder &decoder, const ZeroCentred &models, const int
 
 }  // namespace
 
-bool read_categorical(RangeDecoder &decoder, const Alphabets &alphabets, const int16_t *keys, int64_t n,
+bool read_categorical(RangeDecoder &decoder, const AlphabetsView &alphabets, const int16_t *keys, int64_t n,
                       int32_t *symbols, double &bits) {
   Grouped grouped;
   if (!grouped.read(decoder, *alphabets.models, keys, n)) return false;

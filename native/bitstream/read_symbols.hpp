@@ -8,7 +8,7 @@
 namespace sgi {
 
 // Alphabets of `size` symbols each: what reads them, which symbol each index is and its information content.
-struct Alphabets {
+struct AlphabetsView {
   const SymbolModels *models;  // [rows]
   const int32_t *symbol;       // [rows, size]
   const double *bits;          // [rows, size]
@@ -17,7 +17,7 @@ struct Alphabets {
 
 // The n symbols under the alphabets `keys` [n]; adds their information content to `bits`. False where the payload does
 // not decode.
-bool read_categorical(RangeDecoder &decoder, const Alphabets &alphabets, const int16_t *keys, int64_t n,
+bool read_categorical(RangeDecoder &decoder, const AlphabetsView &alphabets, const int16_t *keys, int64_t n,
                       int32_t *symbols, double &bits);
 
 // Zero-centred tables, and what reads the exponents behind an escape.

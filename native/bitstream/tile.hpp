@@ -10,37 +10,24 @@
 #include "base/isa.hpp"
 #include "bitstream/header.hpp"
 #include "bitstream/mask.hpp"
+#include "bitstream/part.hpp"
+#include "bitstream/shipped_networks.hpp"
+#include "bitstream/texture_part.hpp"
+#include "model/step_plan.hpp"
 
 namespace sgi {
-
-// The parts of a tile's payload in their order, and the check at its end.
-enum class Part {
-  steps,
-  base,
-  positions,
-  decoders,
-  hash_grid,
-  context_model,
-  colour,
-  shape,
-  feature,
-  scales,
-  offset,
-  texture,
-  check
-};
-constexpr int kParts = 13;
 
 // MLP_c or MLP_Sigma in units of 2^-10; empty where there is none.
 struct AttributeDecoder {
   std::vector<int64_t> w1, b1, w2, b2;  // [w, D], [w], [O, w], [O]
 };
 
-// The texture layer of a tile as it is drawn.
-struct TileTexture {
-  std::vector<int32_t> corner;    // [N, 2] pixels
-  std::vector<uint8_t> log_size;  // [N]
-  std::vector<float> amplitudes;  // of each cell [C, n, n], one cell after the other
+// What a tile was coded with: an encoder that writes it again needs it, what draws does not.
+struct TileCoding {
+  std::vector<GroupSteps> plan;  // groups in coding order
+  Networks networks;             // by coding step
+  std::vector<uint8_t> signs;    // of the hash grid, 0 or 1
+  std::optional<CodedTexture> texture;
 };
 
 // A decoded model.
@@ -51,16 +38,19 @@ struct TileModel {
   std::vector<int64_t> base;     // [C, rows, columns] in steps of index `base_step`
   int base_step = 0;
   AttributeDecoder colours, shapes;
-  std::optional<TileTexture> texture;
+  TileCoding coding;
   std::array<double, kParts> bits{};  // information content of each part
   uint32_t symbol_crc = 0;            // CRC-32 of all symbols: equal on every machine
 
   int64_t seeds() const { return int64_t(log_size.size()); }
+  // The texture layer as it is drawn.
+  std::optional<TextureCells> texture() const;
 };
 
 // The model of a payload; `header` is the tile's own (Header::of_tile). Throws Error: corrupt where the symbols are not
-// those that were written, limit before it takes memory for a model beyond the caps.
-TileModel read_tile(const Header &header, Bytes payload, int threads, Isa isa);
+// those that were written, limit before it takes memory for a model beyond the caps. Without `checked` the checksum of
+// symbols is not compared: for tests, which forge payloads.
+TileModel read_tile(const Header &header, Bytes payload, int threads, Isa isa, bool checked = true);
 
 // The payload of a chunk T.
 struct TileChunk {

@@ -5,21 +5,13 @@
 #include <stdexcept>
 #include <string>
 
+#include "model/morton.hpp"
+
 namespace sgi {
 namespace {
 
 constexpr int16_t kOne = 64;
 constexpr int64_t kMostParents = (int64_t(1) << 28) - 1;  // slots are numbered by 32 bits
-
-uint64_t spread(uint64_t v) {  // moves the bits of a 32-bit integer to the even places
-  v = (v | v << 16) & 0x0000FFFF0000FFFF;
-  v = (v | v << 8) & 0x00FF00FF00FF00FF;
-  v = (v | v << 4) & 0x0F0F0F0F0F0F0F0F;
-  v = (v | v << 2) & 0x3333333333333333;
-  return (v | v << 1) & 0x5555555555555555;
-}
-
-int64_t morton(int32_t x, int32_t y) { return int64_t(spread(uint32_t(x)) | spread(uint32_t(y)) << 1); }
 
 // Which share of flags was 1 so far, of split flags and of seed flags of nodes that are not split: on the level before
 // and on this one.

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "bitstream/seed_tree.hpp"
 #include "bitstream/tree_inputs.hpp"
 
 namespace sgi {
@@ -82,9 +83,6 @@ struct TreeBatch {
 
 // Says of each node of a batch whether it is split and whether it carries a seed; false ends the walk.
 using CodeBatch = std::function<bool(const TreeBatch &batch, uint8_t *split, uint8_t *seed)>;
-
-// Morton codes of the nodes of a level that carry seeds, ascending.
-using LevelSeeds = std::pair<int, std::vector<int64_t>>;
 
 // Goes through a tree; false if `code` ended it. Throws std::overflow_error before it takes memory for more than
 // `most` seeds.

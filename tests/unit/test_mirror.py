@@ -56,6 +56,7 @@ OF_NO_MODULE = {
     "layers": "all modules",
     "mirror": "this file",
     "native/header": "native code",
+    "native/read_tile": "native code",
     "native/seed_gaussians": "native code",
     "native/shipped": "native code",
     "native/stream_reader": "native code",

@@ -110,7 +110,7 @@ class AttributeCoder:
 
     def _native(self) -> AttributeModel:
         spec, context = self.spec, self.spec.context
-        colour, shape = (spec.group(name).start if context.neighbours else 0 for name in ("colour", "shape"))
+        colour, shape = (spec.group(name).start if spec.skip else 0 for name in ("colour", "shape"))
         known = spec.attributes, spec.per_seed, spec.channels, colour, shape, self.quality, context.neighbours
         model = AttributeModel(*known, SCALES * self.family)
         for step, network in zip(context.steps, self.networks, strict=True):

@@ -1,0 +1,212 @@
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <array>
+#include <memory>
+#include <tuple>
+#include <vector>
+
+#include "bindings/arrays.hpp"
+#include "bindings/bindings.hpp"
+#include "bitstream/tile.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using sgi::Array;
+using sgi::require;
+
+namespace {
+
+constexpr const char *kPartNames[sgi::kParts] = {"steps",         "base",    "positions", "decoders", "hash grid",
+                                                 "context model", "colour",  "shape",     "feature",  "scales",
+                                                 "offset",        "texture", "check"};
+constexpr const char *kGroupNames[] = {"colour", "shape", "feature", "scales", "offset"};
+
+sgi::Bytes bytes_of(const nb::bytes &bytes) { return {static_cast<const uint8_t *>(bytes.data()), bytes.size()}; }
+
+// A tile's model and what it was read with, which tells the shapes of its arrays.
+struct ReadTile {
+  sgi::Header header;
+  sgi::TileModel model;
+};
+
+template <class T>
+using Numbers = nb::ndarray<nb::numpy, T>;
+
+// A view of numbers that `owner` holds.
+template <class T>
+Numbers<T> view(nb::handle owner, std::vector<T> &values, std::initializer_list<size_t> shape) {
+  return Numbers<T>(values.data(), shape, owner);
+}
+template <class T>
+Numbers<T> copy(const std::vector<T> &values, std::initializer_list<size_t> shape) {
+  auto *owned = new std::vector<T>(values);
+  nb::capsule owner(owned, [](void *held) noexcept { delete static_cast<std::vector<T> *>(held); });
+  return Numbers<T>(owned->data(), shape, owner);
+}
+
+ReadTile read_tile(const nb::bytes &header, const nb::bytes &payload, int threads, const std::string &isa,
+                   bool checked) {
+  const sgi::Isa chosen = sgi::choose_isa(isa);
+  const sgi::Bytes fields = bytes_of(header), symbols = bytes_of(payload);
+  nb::gil_scoped_release release;
+  const sgi::Header own = sgi::decode_header(fields);
+  return {own, sgi::read_tile(own, symbols, threads, chosen, checked)};
+}
+
+ReadTile &tile_of(nb::handle self) { return nb::cast<ReadTile &>(self); }
+
+auto base_of(nb::handle self) {
+  ReadTile &tile = tile_of(self);
+  const auto cell = size_t(tile.header.spec.base_cell), channels = size_t(tile.header.spec.channels);
+  const size_t rows = cell ? (size_t(tile.header.height) + cell - 1) / cell : 0;
+  const size_t columns = cell ? (size_t(tile.header.width) + cell - 1) / cell : 0;
+  return view(self, tile.model.base, {channels, rows, columns});
+}
+
+nb::dict decoders_of(nb::handle self) {
+  ReadTile &tile = tile_of(self);
+  const sgi::ModelSpec &spec = tile.header.spec;
+  const auto hidden = size_t(spec.hidden), features = size_t(spec.features);
+  nb::dict decoders;
+  if (!hidden) return decoders;
+  const auto add = [&](const std::string &name, sgi::AttributeDecoder &decoder) {
+    decoders[nb::str((name + ".w1").c_str())] = view(self, decoder.w1, {hidden, features});
+    decoders[nb::str((name + ".b1").c_str())] = view(self, decoder.b1, {hidden});
+    decoders[nb::str((name + ".w2").c_str())] = view(self, decoder.w2, {decoder.b2.size(), hidden});
+    decoders[nb::str((name + ".b2").c_str())] = view(self, decoder.b2, {decoder.b2.size()});
+  };
+  add("colour", tile.model.colours), add("shape", tile.model.shapes);
+  return decoders;
+}
+
+nb::dict plan_of(nb::handle self) {
+  ReadTile &tile = tile_of(self);
+  nb::dict plan;
+  size_t number = 0;
+  for (const sgi::SeedGroup &group : tile.header.spec.groups()) {
+    sgi::GroupSteps &steps = tile.model.coding.plan[number++];
+    const nb::str name(kGroupNames[size_t(group.name)]);
+    plan[name] =
+        nb::make_tuple(view(self, steps.base, {steps.base.size() / sgi::kLevels, size_t(sgi::kLevels)}), steps.gamma);
+  }
+  return plan;
+}
+
+nb::list networks_of(nb::handle self) {
+  nb::list networks;
+  for (const auto &net : tile_of(self).model.coding.networks) {
+    const auto inputs = size_t(net->inputs), hidden = size_t(net->hidden), outputs = size_t(net->outputs);
+    networks.append(nb::make_tuple(copy(net->w1, {hidden, inputs}), copy(net->b1, {hidden}),
+                                   copy(net->w2, {outputs, hidden}), copy(net->b2, {outputs}), net->shift,
+                                   net->predicted));
+  }
+  return networks;
+}
+
+nb::object texture_of(nb::handle self) {
+  ReadTile &tile = tile_of(self);
+  if (!tile.model.coding.texture) return nb::none();
+  auto &[indices, field] = *tile.model.coding.texture;
+  const auto rows = size_t(field.height), columns = size_t(field.width), channels = size_t(field.channels);
+  const auto steps =
+      std::tuple(indices.step, indices.ratios, indices.slopes, indices.excess, indices.has_contrast, field.dependent);
+  return nb::make_tuple(steps, view(self, field.log_size, {rows / sgi::kUnit, columns / sgi::kUnit}),
+                        view(self, field.contrast, {rows >> sgi::kTextureRoot, columns >> sgi::kTextureRoot}),
+                        view(self, field.symbols, {channels, rows, columns}));
+}
+
+nb::dict part_bits(const ReadTile &tile) {
+  nb::dict bits;
+  for (size_t part = 0; part < sgi::kParts; ++part)
+    if (tile.model.bits[part] > 0) bits[kPartNames[part]] = tile.model.bits[part];
+  return bits;
+}
+
+using Pixels = Array<const int64_t, 1>;
+
+auto mask_at(const sgi::MaskTree &mask, const Pixels &rows, const Pixels &columns) {
+  for (const Pixels &pixels : {rows, columns})
+    for (size_t i = 1; i < pixels.size(); ++i)
+      require(pixels.data()[i - 1] <= pixels.data()[i], "rows and columns must not fall");
+  const std::array shape{rows.size(), columns.size()};
+  std::vector<uint8_t> out(shape[0] * shape[1]);
+  mask.sample(columns.data(), int64_t(shape[1]), rows.data(), int64_t(shape[0]), out.data());
+  return sgi::as_array<uint8_t, bool>(std::move(out), shape);
+}
+
+sgi::MaskTree read_mask(const nb::bytes &payload, int64_t width, int64_t height) {
+  require(width >= 1 && height >= 1 && width <= sgi::kMaxSide && height <= sgi::kMaxSide, "sides 1..2**24");
+  return sgi::MaskTree::read(bytes_of(payload), width, height);
+}
+
+// Number of the tile, whether no pixel holds anything, its mask, the payload of its model.
+auto decode_tile_chunk(const nb::bytes &header, const nb::bytes &payload) {
+  const sgi::TileChunk chunk = sgi::decode_tile_chunk(sgi::decode_header(bytes_of(header)), bytes_of(payload));
+  return std::tuple(chunk.number, chunk.is_empty, chunk.mask, nb::bytes(chunk.model.data, chunk.model.size));
+}
+
+}  // namespace
+
+void bind_tile(nb::module_ &m) {
+  const auto arrays = nb::rv_policy::reference;
+  nb::class_<ReadTile>(m, "TileModel", "A tile's model as it was read; arrays are views of it.")
+      .def_prop_ro(
+          "corner",
+          [](nb::handle self) {
+            return view(self, tile_of(self).model.corner, {size_t(tile_of(self).model.seeds()), 2});
+          },
+          arrays, "[N, 2] pixels")
+      .def_prop_ro(
+          "log_size",
+          [](nb::handle self) {
+            return view(self, tile_of(self).model.log_size, {size_t(tile_of(self).model.seeds())});
+          },
+          arrays, "[N]")
+      .def_prop_ro(
+          "decoded",
+          [](nb::handle self) {
+            ReadTile &tile = tile_of(self);
+            return view(self, tile.model.decoded, {size_t(tile.model.seeds()), size_t(tile.header.spec.attributes())});
+          },
+          arrays, "[N, d_A] attributes in units of 2^-24")
+      .def_prop_ro("base", &base_of, arrays, "[C, rows, columns] in steps of index `base_step`")
+      .def_prop_ro("base_step", [](const ReadTile &tile) { return tile.model.base_step; })
+      .def_prop_ro("decoders", &decoders_of, "Weights in units of 2^-10, by name.")
+      .def_prop_ro("plan", &plan_of, "By group the base steps [U, 8] and the exponent of the amplitude.")
+      .def_prop_ro("networks", &networks_of, "By coding step W1, b1, W2, b2, shift and the number of predictions.")
+      .def_prop_ro(
+          "signs",
+          [](nb::handle self) {
+            std::vector<uint8_t> &signs = tile_of(self).model.coding.signs;
+            return view(self, signs, {signs.size()});
+          },
+          arrays, "Those of the hash grid, 0 or 1, level after level.")
+      .def_prop_ro("texture", &texture_of, "Steps, log_size, contrast and symbols of the layer; None for none.")
+      .def_prop_ro("part_bits", &part_bits, "Information content of the parts, by name.")
+      .def_prop_ro(
+          "symbol_crc", [](const ReadTile &tile) { return tile.model.symbol_crc; },
+          "CRC-32 of all symbols: equal on every machine.");
+  m.def("read_tile", &read_tile, "header"_a, "payload"_a, "threads"_a, "isa"_a, "checked"_a = true,
+        "The model of a payload; `header` is the payload of chunk H that the tile would have as a picture of its own.\n"
+        "Without `checked` the checksum of symbols is not compared.");
+  nb::class_<sgi::MaskTree>(m, "MaskTree",
+                            "Which pixels of a tile hold nothing, as the quadtree that the stream codes.")
+      .def(
+          "__init__",
+          [](sgi::MaskTree *self, int64_t width, int64_t height) { new (self) sgi::MaskTree(width, height); },
+          "width"_a, "height"_a, "That of a tile in which no pixel holds anything.")
+      .def_prop_ro("is_mixed", &sgi::MaskTree::is_mixed)
+      .def_prop_ro("nbytes", &sgi::MaskTree::memory)
+      .def("at", &mask_at, nb::rv_policy::move, "rows"_a, "columns"_a,
+           "The mask [rows, columns] where ascending rows and columns of pixels meet.");
+  m.def("read_mask", &read_mask, "payload"_a, "width"_a, "height"_a);
+  m.def(
+      "decode_tile_chunk", &decode_tile_chunk, "header"_a, "payload"_a,
+      "Of the payload of a chunk T: the tile's number, whether no pixel of it holds anything, its mask or None where\n"
+      "all or none do, and the payload of its model.");
+}

@@ -1,0 +1,66 @@
+#include "bitstream/frequency_tables.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <vector>
+
+#include "bitstream/alphabets.hpp"
+#include "bitstream/shipped.hpp"
+
+namespace sgi {
+namespace {
+
+constexpr int kEscapeExponents = 21;
+
+uint32_t little_endian(const uint8_t *bytes, int count) {
+  uint32_t value = 0;
+  for (int i = 0; i < count; ++i) value |= uint32_t(bytes[i]) << (8 * i);
+  return value;
+}
+
+// Exponent e behind an escape has 2^-(e + 1); the last one is as likely as the last but one.
+SymbolModels escape_models() {
+  std::vector<int64_t> frequencies(kEscapeExponents);
+  for (int e = 0; e < kEscapeExponents; ++e)
+    frequencies[size_t(e)] = kTotalFrequency >> std::min(e + 1, kEscapeExponents - 1);
+  const int64_t start[2] = {0, kEscapeExponents};
+  return {frequencies.data(), start, 1};
+}
+
+class FrequencyTables {
+ public:
+  FrequencyTables() : exponents_(escape_models()) {
+    const Bytes file = shipped_tables();
+    std::vector<int64_t> frequency;
+    const uint8_t *half = file.data + 2 * kTables;  // f(0), f(1), ..., f(S), f(escape) of each table
+    for (int table = 0; table < kTables; ++table) {
+      const auto support = int32_t(little_endian(file.data + 2 * table, 2));
+      support_.push_back(support);
+      start_.push_back(int64_t(frequency.size()));
+      for (int32_t n = -support; n <= support + 1; ++n) frequency.push_back(little_endian(half + 4 * std::abs(n), 4));
+      half += 4 * (support + 2);
+    }
+    start_.push_back(int64_t(frequency.size()));
+    for (const int64_t f : frequency) bits_.push_back(bits_of_frequency(f));
+    models_.emplace_back(frequency.data(), start_.data(), kTables);
+    all = {models_.data(), {support_.data(), start_.data(), bits_.data()}, &exponents_, kMaxMagnitude};
+  }
+
+  ZeroCentred all;
+
+ private:
+  std::vector<int32_t> support_;
+  std::vector<int64_t> start_;
+  std::vector<double> bits_;
+  std::vector<SymbolModels> models_;  // one object
+  SymbolModels exponents_;
+};
+
+}  // namespace
+
+const ZeroCentred &zero_centred_tables() {
+  static const FrequencyTables tables;
+  return tables.all;
+}
+
+}  // namespace sgi

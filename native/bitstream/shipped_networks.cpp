@@ -1,0 +1,75 @@
+#include "bitstream/shipped_networks.hpp"
+
+#include <array>
+#include <mutex>
+#include <string>
+
+#include "base/error.hpp"
+#include "bitstream/shipped.hpp"
+#include "model/step_plan.hpp"
+
+namespace sgi {
+namespace {
+
+constexpr int kIsas = 3, kPriors = 3;
+
+const Networks &prior_networks(int number) {
+  static std::array<std::once_flag, kPriors> once;
+  static std::array<Networks, kPriors> all;
+  const auto index = size_t(number - 1);
+  std::call_once(once[index], [&] { all[index] = parse_networks(shipped_prior(number)); });
+  return all[index];
+}
+
+}  // namespace
+
+Networks parse_networks(Bytes file) {
+  size_t at = 0;
+  const auto next = [&] {
+    const auto value = int16_t(uint16_t(file.data[at] | file.data[at + 1] << 8));
+    at += 2;
+    return int(value);
+  };
+  const auto tensor = [&](int rows, int columns) {
+    std::vector<int64_t> values;
+    for (int i = 0; i < rows * columns; ++i) values.push_back(next());
+    return values;
+  };
+  Networks networks;
+  while (at < file.size) {
+    IntNetwork network;
+    network.inputs = next(), network.hidden = next(), network.outputs = next();
+    network.predicted = next(), network.shift = next();
+    network.w1 = tensor(network.hidden, network.inputs), network.b1 = tensor(network.hidden, 1);
+    network.w2 = tensor(network.outputs, network.hidden), network.b2 = tensor(network.outputs, 1);
+    network.require_exact();
+    networks.push_back(std::make_shared<const IntNetwork>(std::move(network)));
+  }
+  return networks;
+}
+
+Networks load_prior(const ModelSpec &spec) {
+  const int number = spec.context.prior;
+  const std::string name = "prior " + std::to_string(number);
+  if (number < 1 || number > kPriors)
+    throw Error(Fault::unsupported, name + " is unknown; decode the file with a newer version");
+  const Networks &networks = prior_networks(number);
+  bool fits = networks.size() == coding_steps(spec).size();
+  for (size_t step = 0; fits && step < networks.size(); ++step)
+    fits = networks[step]->hidden == spec.context.hidden && networks[step]->inputs == input_count(spec, int(step));
+  if (!fits) throw Error(Fault::unsupported, name + " does not fit the model that the header describes");
+  return networks;
+}
+
+const std::vector<std::unique_ptr<const Network>> &position_networks(Isa isa) {
+  static std::array<std::once_flag, kIsas> once;
+  static std::array<std::vector<std::unique_ptr<const Network>>, kIsas> all;
+  const auto index = size_t(isa);
+  std::call_once(once[index], [&] {
+    for (const auto &network : parse_networks(shipped_positions()))
+      all[index].push_back(std::make_unique<const Network>(network->view(), isa));
+  });
+  return all[index];
+}
+
+}  // namespace sgi

@@ -1,0 +1,25 @@
+// The networks that ship with the library.
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "base/bytes.hpp"
+#include "base/isa.hpp"
+#include "model/int_network.hpp"
+#include "model/spec.hpp"
+
+namespace sgi {
+
+using Networks = std::vector<std::shared_ptr<const IntNetwork>>;
+
+// Of such a file: for each its inputs, hidden units, outputs, predictions and shift, then W1, b1, W2, b2.
+Networks parse_networks(Bytes file);
+
+// Those of the prior that the model names, one for each coding step. Throws Error (unsupported) for one that this
+// version does not have or that does not fit the model.
+Networks load_prior(const ModelSpec &spec);
+
+// The networks that predict where seeds are, by child number, ready for an instruction set.
+const std::vector<std::unique_ptr<const Network>> &position_networks(Isa isa);
+
+}  // namespace sgi

@@ -1,0 +1,86 @@
+#include "bitstream/symbol_reader.hpp"
+
+#include <cstdio>
+#include <string>
+
+#include "base/crc32.hpp"
+#include "base/error.hpp"
+#include "bitstream/frequency_tables.hpp"
+
+namespace sgi {
+namespace {
+
+static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "the checksum takes symbols as they lie in memory");
+
+RangeDecoder decoder_of(Bytes payload) {
+  if (payload.size && payload.data[payload.size - 1] == 0)
+    throw Error(Fault::corrupt, "entropy: the payload is padded with zero bytes; it was not written by an encoder");
+  return {payload.data, int64_t(payload.size)};
+}
+
+std::string hexadecimal(uint32_t value) {
+  char text[9];
+  std::snprintf(text, sizeof text, "%08x", unsigned(value));
+  return text;
+}
+
+}  // namespace
+
+SymbolReader::SymbolReader(Bytes payload) : decoder_(decoder_of(payload)) {}
+
+void SymbolReader::require_sound(Reading reading) {
+  if (reading == Reading::kDamaged) throw Error(Fault::corrupt, "entropy: the payload does not decode; it is damaged");
+  if (reading == Reading::kTooLarge)
+    throw Error(Fault::corrupt,
+                "entropy: a symbol exceeds ±" + std::to_string(kMaxMagnitude) + "; the stream is damaged");
+}
+
+std::vector<int32_t> SymbolReader::values(int bits, int64_t count) {
+  std::vector<int32_t> found(static_cast<size_t>(count));
+  if (bits && !decoder_.decode_uniform(bits, count, found.data())) require_sound(Reading::kDamaged);
+  record(found.data(), count);
+  book(part_, double(bits) * double(count));
+  return found;
+}
+
+std::vector<int32_t> SymbolReader::zero_centred(int table, int64_t n) {
+  const std::vector<int16_t> tables(static_cast<size_t>(n), int16_t(table));
+  std::vector<int32_t> symbols(static_cast<size_t>(n));
+  zero_centred(tables.data(), n, symbols.data());
+  return symbols;
+}
+
+void SymbolReader::zero_centred(const int16_t *tables, int64_t n, int32_t *symbols) {
+  double bits = 0;
+  require_sound(read_zero_centred(decoder_, zero_centred_tables(), tables, n, symbols, bits));
+  record(symbols, n);
+  book(part_, bits);
+}
+
+void SymbolReader::categorical(const AlphabetsView &alphabets, const int16_t *rows, int64_t n, int32_t *symbols) {
+  double bits = 0;
+  if (!read_categorical(decoder_, alphabets, rows, n, symbols, bits)) require_sound(Reading::kDamaged);
+  record(symbols, n);
+  book(part_, bits);
+}
+
+void SymbolReader::record(const int32_t *symbols, int64_t n) {
+  crc_ = crc32({reinterpret_cast<const uint8_t *>(symbols), 4 * size_t(n)}, crc_);
+  count_ += n;
+}
+
+void SymbolReader::finish(bool checked) {
+  if (!checked) return;
+  int32_t halves[2];
+  for (int32_t &half : halves)
+    if (!decoder_.decode_uniform(16, 1, &half)) require_sound(Reading::kDamaged);
+  book(Part::check, 32);
+  const uint32_t written = uint32_t(halves[0]) << 16 | uint32_t(halves[1]);
+  if (written != crc_)
+    throw Error(Fault::corrupt, "entropy: decoded symbols have CRC " + hexadecimal(crc_) + ", the encoder's had " +
+                                    hexadecimal(written) +
+                                    "; the payload is damaged, or decoder and encoder disagree about contexts");
+  if (!decoder_.maybe_exhausted()) throw Error(Fault::corrupt, "entropy: bytes are left over behind the last symbol");
+}
+
+}  // namespace sgi

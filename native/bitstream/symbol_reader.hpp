@@ -1,0 +1,54 @@
+// Reads the symbols of a payload group by group (docs/format.md, "Range coder"), and keeps their checksum and what they
+// cost. Everything here throws Error (corrupt) where the payload does not decode.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "base/bytes.hpp"
+#include "bitstream/alphabets.hpp"
+#include "bitstream/part.hpp"
+#include "bitstream/range_decoder.hpp"
+#include "bitstream/read_symbols.hpp"
+
+namespace sgi {
+
+class SymbolReader {
+ public:
+  explicit SymbolReader(Bytes payload);
+
+  // Books what is read from now on to a part.
+  void begin(Part part) { part_ = part; }
+
+  // `count` equally likely values of at most 16 bits, or one of them.
+  std::vector<int32_t> values(int bits, int64_t count);
+  int number(int bits) { return values(bits, 1)[0]; }
+  // Zero-centred symbols: n under one table, or each under its own.
+  std::vector<int32_t> zero_centred(int table, int64_t n);
+  void zero_centred(const int16_t *tables, int64_t n, int32_t *symbols);
+  // Symbols of the alphabets with these row numbers [n].
+  void categorical(const AlphabetsView &alphabets, const int16_t *rows, int64_t n, int32_t *symbols);
+
+  // For what reads a part by itself: it says then what it has read, in coding order.
+  RangeDecoder &decoder() { return decoder_; }
+  void record(const int32_t *symbols, int64_t n);
+  void book(Part part, double bits) { bits_[size_t(part)] += bits; }
+  static void require_sound(Reading reading);
+
+  // The end of the payload: the symbols must be those that were written, and nothing may be left. Without `checked`
+  // whatever they are is taken.
+  void finish(bool checked = true);
+
+  const std::array<double, kParts> &bits() const { return bits_; }  // information content of each part
+  uint32_t crc() const { return crc_; }                             // of all symbols but the check
+  int64_t count() const { return count_; }                          // of symbols
+
+ private:
+  RangeDecoder decoder_;
+  Part part_ = Part::steps;
+  std::array<double, kParts> bits_{};
+  uint32_t crc_ = 0;
+  int64_t count_ = 0;
+};
+
+}  // namespace sgi

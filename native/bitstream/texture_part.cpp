@@ -1,0 +1,77 @@
+#include "bitstream/texture_part.hpp"
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "base/error.hpp"
+#include "bitstream/limits.hpp"
+#include "bitstream/shipped.hpp"
+#include "bitstream/texture_context.hpp"
+#include "bitstream/texture_stream.hpp"
+
+namespace sgi {
+namespace {
+
+constexpr int kModelsBits = 4, kStepBits = 9, kRatioBits = 5, kSlopeBits = 5, kExcessBits = 4;
+constexpr int kStepOfOne = 480, kSameStep = 16, kNoExcess = 8;
+constexpr int kIndependent = 1, kDependent = 2;  // numbers of the shipped models
+
+BitModels models_of(bool dependent) {
+  BitModels models = fresh_texture_models(dependent);
+  const Bytes state = shipped_texture(dependent ? kDependent : kIndependent);
+  if (!models.set_state(state.data, int64_t(state.size))) throw std::logic_error("texture models of another size");
+  return models;
+}
+
+TextureIndices read_indices(SymbolReader &reader, int channels) {
+  TextureIndices indices;
+  indices.step = reader.number(kStepBits);
+  indices.ratios = reader.values(kRatioBits, channels - 1);
+  const std::vector<int32_t> slopes = reader.values(kSlopeBits, 2), excess = reader.values(kExcessBits, 3);
+  indices.slopes = {slopes[0], slopes[1]};
+  indices.excess = {excess[0], excess[1], excess[2]};
+  indices.has_contrast = reader.number(1);
+  return indices;
+}
+
+}  // namespace
+
+TextureSteps TextureIndices::steps() const {
+  const double first = std::pow(2.0, (step - kStepOfOne) / 32.0);
+  std::vector<float> channel{float(first)};
+  for (const int32_t ratio : ratios) channel.push_back(float(first * std::pow(2.0, (ratio - kSameStep) / 8.0)));
+  return {std::move(channel), {float(slopes[0]) / 2, float(slopes[1]) / 2}};
+}
+
+std::array<float, 3> TextureIndices::added() const {
+  std::array<float, 3> added{};
+  for (size_t i = 0; i < added.size(); ++i) added[i] = float(excess[i] - kNoExcess) / 32;
+  return added;
+}
+
+TextureCells CodedTexture::cells() const { return texture_cells(field, indices.steps(), indices.added().data()); }
+
+const BitModels &shipped_texture_models(bool dependent) {
+  static const BitModels models[2] = {models_of(false), models_of(true)};
+  return models[dependent];
+}
+
+std::optional<CodedTexture> read_texture_part(SymbolReader &reader, int64_t width, int64_t height, int channels) {
+  if (!reader.number(1)) return std::nullopt;
+  check_texture(channels, width, height);
+  const int models = reader.number(kModelsBits);
+  if (models != kIndependent && models != kDependent)
+    throw Error(Fault::unsupported, "texture: models " + std::to_string(models) + "; this program has models 1 and 2");
+  const bool dependent = models == kDependent;
+  TextureIndices indices = read_indices(reader, channels);
+  TextureRead read = read_texture(shipped_texture_models(dependent), reader.decoder(),
+                                  empty_field(width, height, channels, dependent), width, height, indices.has_contrast);
+  if (!read.sound) throw Error(Fault::corrupt, "texture: the payload does not decode; it is damaged");
+  reader.record(read.symbols.data(), int64_t(read.symbols.size()));
+  reader.book(Part::texture, read.content);
+  return CodedTexture{std::move(indices), std::move(read.field)};
+}
+
+}  // namespace sgi
