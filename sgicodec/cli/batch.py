@@ -13,7 +13,7 @@ import click
 
 from sgicodec.cli.files import complain
 from sgicodec.cli.json_output import print_json
-from sgicodec.cli.paths import STANDARD, display
+from sgicodec.cli.paths import STANDARD, display, local_name
 from sgicodec.cli.progress import Mode, batch_progress
 from sgicodec.errors import BatchError, SgiError, UsageError
 
@@ -42,7 +42,7 @@ def batch_items(
     found = [pair for path in paths for pair in _files(path, recursive, wanted)]
     if not found:
         raise UsageError(f"there is nothing to take in {', '.join(map(display, paths))}")
-    stems = [file if folder is None else os.path.join(folder, under) for file, under in found]
+    stems = [local_name(file) if folder is None else os.path.join(folder, under) for file, under in found]
     counts = Counter(os.path.splitext(stem)[0] for stem in stems)
     items, taken = [], dict[str, str]()
     for (file, _), stem in zip(found, stems, strict=True):
@@ -56,7 +56,7 @@ def batch_items(
 def _files(path: str, recursive: bool, wanted: Callable[[Path], bool]) -> Iterator[tuple[str, str]]:
     """Each file, and its path below the folder that was named."""
     if not os.path.isdir(path):
-        yield path, os.path.basename(path)
+        yield path, os.path.basename(local_name(path))
         return
     if not recursive:
         raise UsageError(f"{display(path)} is a folder; add -r to take the files in it")

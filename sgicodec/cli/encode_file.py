@@ -69,7 +69,7 @@ def encode_file(job: Job) -> int:
     if job.as_json and job.target == STANDARD:
         raise UsageError("stdout cannot take both the stream and --json; name OUT")
     check_output(job.target, job.source, job.force, as_stream=not job.named)
-    origin = sys.stdin.buffer.read() if job.source == STANDARD else Path(job.source)
+    origin = sys.stdin.buffer.read() if job.source == STANDARD else job.source
     missed = None
     with ExitStack() as stack:
         source = stack.enter_context(open_source(origin, sample_range=job.float_range, alpha=job.alpha))

@@ -13,7 +13,7 @@ from sgicodec.cli.files import each_file
 from sgicodec.cli.json_output import print_json
 from sgicodec.cli.options import complete_files, json_option
 from sgicodec.cli.parts import all_parts, chunk_parts, metadata_bytes, print_parts, whole_bytes
-from sgicodec.cli.paths import STANDARD, display, naming_stream, opened_stream
+from sgicodec.cli.paths import STANDARD, display, naming_stream, opened_file, opened_stream
 
 if TYPE_CHECKING:
     from sgicodec.bitstream.header import Header
@@ -54,7 +54,7 @@ def _opened(source: str, survey: bool) -> Iterator[tuple[StreamSummary | Stream,
     from sgicodec.bitstream.stream_summary import StreamSummary
 
     with naming_stream(source), contextlib.ExitStack() as stack:
-        file = sys.stdin.buffer if source == STANDARD else stack.enter_context(open(source, "rb"))
+        file = sys.stdin.buffer if source == STANDARD else stack.enter_context(opened_file(source))
         yield StreamSummary(file), None
 
 

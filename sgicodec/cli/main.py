@@ -131,8 +131,9 @@ class Cli(click.Group):
 def _command_for(path: str) -> str:
     """What one does with a file: a stream is decoded, a picture encoded."""
     from sgicodec.bitstream.container import SIGNATURE
+    from sgicodec.cli.paths import opened_file
 
-    with contextlib.suppress(OSError), open(path, "rb") as file:
+    with contextlib.suppress(OSError, SgiError), opened_file(path) as file:
         return "decode" if file.read(len(SIGNATURE)) == SIGNATURE else "encode"
     return "encode"
 

@@ -6,7 +6,7 @@ import contextlib
 import os
 import sys
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, BinaryIO
 
 from sgicodec.cli.standard_streams import check_stdout
 from sgicodec.device import ALL_CORES, Device
@@ -21,7 +21,9 @@ __all__ = [
     "STANDARD",
     "check_output",
     "display",
+    "local_name",
     "naming_stream",
+    "opened_file",
     "opened_stream",
     "with_extension",
     "write_output",
@@ -36,8 +38,28 @@ def display(path: str, standard: str = "stdin") -> str:
 
 
 def with_extension(path: str, extension: str) -> str:
-    """The default output of an input: its name with another extension, or stdout."""
-    return STANDARD if path == STANDARD else f"{os.path.splitext(path)[0]}.{extension}"
+    """The default output of an input: its name with another extension, in the working folder if it is a URL, or
+    stdout.
+    """
+    return STANDARD if path == STANDARD else f"{os.path.splitext(local_name(path))[0]}.{extension}"
+
+
+def local_name(path: str) -> str:
+    """The path, or what a file made of a URL is named after."""
+    if "://" not in path:
+        return path
+    from sgicodec.remote.url import file_name
+
+    return file_name(path)
+
+
+def opened_file(path: str) -> BinaryIO:
+    """The file of this path or URL, opened for reading. Raises OSError, StreamError for a URL."""
+    if "://" in path:
+        from sgicodec.remote.url import open_url
+
+        return open_url(path)
+    return open(path, "rb")
 
 
 @contextlib.contextmanager

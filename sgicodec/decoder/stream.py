@@ -39,6 +39,7 @@ from sgicodec.device import ALL_CORES, Device, check_device
 from sgicodec.errors import CorruptStreamError, StreamError, UsageError
 from sgicodec.metadata.geo import nodata as nodata_of
 from sgicodec.picture import Metadata, Picture
+from sgicodec.remote.url import is_url, open_url
 
 __all__ = ["MAX_OUTPUT_SAMPLES", "Bands", "BytesLike", "Region", "Size", "Stream", "Survey", "open_stream"]
 
@@ -120,7 +121,7 @@ class Stream(ArrayView):
         """Pickled by its path, or with its bytes: what reads it opens the stream again."""
         if self.name is None and not isinstance(self._source, bytes):
             raise UsageError("a stream that reads a file object cannot be pickled; open it by its path")
-        source = self._source if self.name is None else os.path.abspath(self.name)
+        source = self._source if self.name is None else self.name if is_url(self.name) else os.path.abspath(self.name)
         return open_stream, (source, self.device), {"exact": self.exact, "dither": self.dither}
 
     @property
@@ -306,7 +307,7 @@ class Stream(ArrayView):
 
 
 def open_stream(source: str | os.PathLike[str] | BytesLike | BinaryIO, device: Device = ALL_CORES) -> Stream:
-    """Opens a stream from a path, bytes of any kind or a binary file object. Raises StreamError for what is none.
+    """Opens a stream from a path, a URL, bytes of any kind or a binary file object. Raises StreamError if it is none.
 
     device: what decodes it; ValueError later for an instruction set that this machine lacks.
     """
@@ -322,7 +323,7 @@ def open_stream(source: str | os.PathLike[str] | BytesLike | BinaryIO, device: D
 
 def _open_file(path: str, device: Device) -> Stream:
     try:
-        file = Path(path).open("rb")  # noqa: SIM115 (the stream closes it)
+        file = open_url(path) if is_url(path) else Path(path).open("rb")  # noqa: SIM115 (the stream closes it)
     except (OSError, ValueError) as error:
         text = getattr(error, "strerror", None) or error
         raise StreamError(f"{os.fsencode(path).decode('utf-8', 'replace')}: {text}") from error

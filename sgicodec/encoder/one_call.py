@@ -67,7 +67,7 @@ def _encode(
     chosen = _settings(settings)
     listener = _Warner()
     if isinstance(image, str | os.PathLike) and channels is None:
-        with open_source(Path(image), sample_range=sample_range) as source:
+        with open_source(os.fspath(image), sample_range=sample_range) as source:
             return encode_picture(source, chosen, output=output, device=device, progress=listener)
     picture = as_picture(image, channels=channels, sample_range=sample_range)
     return encode_picture(picture, chosen, output=output, device=device, progress=listener)

@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any, Generic, NamedTuple, TypeVar
+from typing import Generic, NamedTuple, TypeVar
 
 from sgicodec.device import Device
 from sgicodec.encoder.interfaces import Task
@@ -105,18 +105,7 @@ _ALPHA: dict[str, Alpha] = {"multi": "band", "gray": "none", "rgb": "none"}
 
 @lru_cache(maxsize=1)
 def _opened(place: str, sample_range: tuple[float, float] | None, alpha: Alpha) -> Source:
-    if "://" not in place:
-        return open_source(place, sample_range=sample_range, alpha=alpha)
-    try:
-        import fsspec
-    except ImportError as error:
-        raise PictureError(f"{place}: URLs need fsspec: pip install 'sgicodec[cluster]'") from error
-    try:
-        with fsspec.open(place, "rb") as file:
-            content: Any = file
-            return open_source(content, sample_range=sample_range, alpha=alpha)
-    except OSError as error:
-        raise PictureError(f"{place}: {error}") from error
+    return open_source(place, sample_range=sample_range, alpha=alpha)
 
 
 atexit.register(_opened.cache_clear)

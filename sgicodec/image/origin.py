@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from sgicodec.errors import PictureError, UsageError
+from sgicodec.remote.url import is_url, open_url
 
 __all__ = ["Origin", "display_name", "first_line", "has_signature", "is_utf8", "naming", "on_disk"]
 
@@ -55,24 +56,27 @@ def naming(place: object) -> Iterator[None]:
     try:
         yield
     except PictureError as error:
-        raise PictureError(f"{display_name(place)}: {error}") from error.__cause__
+        name, text = f"{display_name(place)}: ", str(error)
+        raise PictureError(text if text.startswith(name) else name + text) from error.__cause__
     except OSError as error:
         raise PictureError(f"{display_name(place)}: {error.strerror or error}") from error
 
 
 @contextlib.contextmanager
 def on_disk(origin: Origin) -> Iterator[Path]:
-    """A path to a regular file with the bytes of `origin`: itself, or a copy that lasts as long as the context. Raises
-    UsageError for what is no origin.
+    """A path to a regular file with the bytes of `origin`, which may be a URL: itself, or a copy that lasts as long as
+    the context. Raises UsageError for what is no origin.
 
     OpenImageIO has no streams in Python, and takes no file name that is not UTF-8.
     """
     with contextlib.ExitStack() as stack:
-        if isinstance(origin, str | Path):
+        if isinstance(origin, str) and is_url(origin):
+            stream: BinaryIO = stack.enter_context(open_url(origin, PictureError))
+        elif isinstance(origin, str | Path):
             if Path(origin).is_file() and is_utf8(origin):
                 yield Path(origin)
                 return
-            stream: BinaryIO = stack.enter_context(Path(origin).open("rb"))
+            stream = stack.enter_context(Path(origin).open("rb"))
         else:
             stream = BytesIO(origin) if isinstance(origin, bytes) else origin
             if not hasattr(stream, "read"):

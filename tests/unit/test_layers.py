@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[2]
 
 FLOORS = (
     {"errors", "version", "_native"},
-    {"metadata", "device"},
+    {"metadata", "device", "remote"},
     {"picture"},
     {"image", "raster", "model"},
     {"metrics"},
@@ -49,9 +49,9 @@ HOMES = {
     "imageio_ffmpeg": ("sgicodec/bench/optional_peers.py",),
     "matplotlib": ("sgicodec/bench/", "benchmarks/"),
     "distributed": ("sgicodec/executors/dask.py",),
-    "fsspec": ("sgicodec/encoder/worker.py",),
     "starlette": ("sgicodec/server/",),
     "uvicorn": ("sgicodec/server/",),
+    "fsspec": ("sgicodec/remote/",),
     "mpmath": ("tools/make_tables.py",),
 }
 

@@ -1,0 +1,104 @@
+"""A remote file as a binary file object: blocks are fetched when they are read, and some of them kept."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections import OrderedDict
+from collections.abc import Callable
+from typing import Any
+
+__all__ = ["BLOCK", "RangeFile"]
+
+BLOCK = 1 << 15
+"""Bytes that ranges are aligned to: what a header and a tile of 0.2 bits per pixel take."""
+
+_KEPT = 1 << 10
+"""Blocks that are kept."""
+
+_MOST_AHEAD = 1 << 22
+"""Bytes that are fetched at most beyond what is asked for."""
+
+Fetch = Callable[[int, int], bytes]
+"""Gives the bytes from a first one to before a last one, all of them."""
+
+
+class RangeFile(io.RawIOBase):
+    """A file of `size` bytes that `fetch` gives parts of.
+
+    Each read is one request for what it misses. From the third request on that goes on where the one before ended, it
+    fetches as much again ahead: a file that is read from end to end takes few requests, one of which parts are read
+    costs few bytes.
+    """
+
+    def __init__(self, size: int, fetch: Fetch, close: Callable[[], None] = lambda: None) -> None:
+        super().__init__()
+        self._size, self._fetch, self._end = size, fetch, close
+        self._position = 0
+        self._blocks: OrderedDict[int, bytes] = OrderedDict()
+        self._next, self._requests, self._bytes = -1, 0, 0
+        """Of the current run of requests: the block after it, how many they are, and their bytes."""
+
+    def readable(self) -> bool:
+        """Always."""
+        return True
+
+    def seekable(self) -> bool:
+        """Always."""
+        return True
+
+    def tell(self) -> int:
+        """Where the next read begins."""
+        return self._position
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        """As of any file; nothing is fetched."""
+        start = {os.SEEK_SET: 0, os.SEEK_CUR: self._position, os.SEEK_END: self._size}[whence]
+        self._position = max(0, start + offset)
+        return self._position
+
+    def readinto(self, buffer: Any) -> int:
+        """Reads as many bytes as there are and as fit."""
+        view = memoryview(buffer).cast("B")
+        start, stop = self._position, min(self._position + len(view), self._size)
+        if start >= stop:
+            return 0
+        blocks = self._read(start // BLOCK, (stop - 1) // BLOCK)
+        first = start - start % BLOCK
+        for number, block in enumerate(blocks):
+            at = first + number * BLOCK
+            low, high = max(start, at), min(stop, at + len(block))
+            view[low - start : high - start] = block[low - at : high - at]
+        self._position = stop
+        return stop - start
+
+    def close(self) -> None:
+        """Closes what it reads from."""
+        if not self.closed:
+            self._blocks.clear()
+            self._end()
+        super().close()
+
+    def _read(self, first: int, last: int) -> list[bytes]:
+        """Blocks `first` to `last`, fetched or kept."""
+        missing = [number for number in range(first, last + 1) if number not in self._blocks]
+        if missing:
+            self._load(missing[0], missing[-1] + 1)
+        found = [self._blocks[number] for number in range(first, last + 1)]
+        for number in range(first, last + 1):
+            self._blocks.move_to_end(number)
+        while len(self._blocks) > _KEPT:
+            self._blocks.popitem(last=False)
+        return found
+
+    def _load(self, first: int, stop: int) -> None:
+        """Fetches blocks `first` to before `stop`, and those ahead."""
+        if first != self._next:
+            self._requests = self._bytes = 0
+        start, end = first * BLOCK, min(stop * BLOCK, self._size)
+        if self._requests > 1:
+            end = min(end + min(self._bytes // BLOCK * BLOCK, _MOST_AHEAD), self._size)
+        data = self._fetch(start, end)
+        self._next, self._requests, self._bytes = -(-end // BLOCK), self._requests + 1, self._bytes + len(data)
+        for at in range(0, len(data), BLOCK):
+            self._blocks[start // BLOCK + at // BLOCK] = data[at : at + BLOCK]

@@ -1,0 +1,103 @@
+"""URLs where a path can stand: what is one, and the file behind it."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+import shutil
+import tempfile
+from collections.abc import Iterator
+from typing import Any, BinaryIO
+from urllib.parse import unquote
+
+from sgicodec.errors import MissingExtraError, SgiError, StreamError, require
+from sgicodec.remote.range_file import RangeFile
+
+__all__ = ["file_name", "is_url", "open_url"]
+
+_URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+(::[^/]*)?://")
+
+
+def is_url(path: str) -> bool:
+    """Whether it begins as `https://` or `s3://` do; letters of drives do not."""
+    return _URL.match(path) is not None
+
+
+def file_name(url: str) -> str:
+    """The last part of its path, which a file made of it is named after."""
+    path = re.split(r"[?#]", url)[0] if url.startswith("http") else url
+    return unquote(path.rstrip("/").rpartition("/")[2]).replace("/", "_") or "stream"
+
+
+def open_url(url: str, failure: type[SgiError] = StreamError) -> BinaryIO:
+    """The file behind a URL, by fsspec, which can seek. Only what is read is fetched; where a server gives no ranges,
+    the whole file is, into a temporary one.
+
+    Raises `failure`, now or while reading, MissingExtraError where the library of its kind of URL is missing.
+    """
+    require("fsspec", f"{url}: opening URLs", "remote")
+    import fsspec
+
+    with _naming(url, failure):
+        system, path = fsspec.url_to_fs(url)
+        file = system.open(path, "rb", cache_type="none")
+        source = _Source(url, failure, system, path, file)
+        return source.opened()
+
+
+class _Source:
+    """Where the parts of a file come from: its server, or a copy of all of it."""
+
+    def __init__(self, url: str, failure: type[SgiError], system: Any, path: str, file: Any) -> None:
+        self._url, self._failure, self._system, self._path, self._file = url, failure, system, path, file
+
+    def opened(self) -> BinaryIO:
+        try:
+            size = self._file.seek(0, 2)
+        except (ValueError, OSError):  # it only streams
+            self._take_copy()
+            size = self._file.seek(0, 2)
+        return RangeFile(size, self._fetch, lambda: self._file.close())  # type: ignore[return-value]
+
+    def _fetch(self, start: int, stop: int) -> bytes:
+        with _naming(self._url, self._failure):
+            try:
+                data = self._part(start, stop)
+            except ValueError:  # by which fsspec says that the server does not give ranges
+                self._take_copy()
+                data = self._part(start, stop)
+            if len(data) != stop - start:
+                raise self._failure(f"{self._url}: {len(data)} bytes came where {stop - start} were asked for")
+            return data
+
+    def _part(self, start: int, stop: int) -> bytes:
+        self._file.seek(start)
+        return bytes(self._file.read(stop - start))
+
+    def _take_copy(self) -> None:
+        """Replaces the file by a temporary one with all of it."""
+        self._file.close()
+        copy = tempfile.TemporaryFile(prefix="sgicodec-")  # noqa: SIM115 (closed with the file)
+        try:
+            with self._system.open(self._path, "rb", block_size=0) as stream:
+                shutil.copyfileobj(stream, copy)
+        except BaseException:
+            copy.close()
+            raise
+        self._file = copy
+
+
+@contextlib.contextmanager
+def _naming(url: str, failure: type[SgiError]) -> Iterator[None]:
+    """Turns whatever a file system raises into `failure` with the URL; they have no errors in common."""
+    try:
+        yield
+    except (SgiError, MemoryError):
+        raise
+    except ImportError as error:
+        raise MissingExtraError(f"{url}: {error}") from error
+    except FileNotFoundError as error:
+        raise failure(f"{url}: there is no such file") from error
+    except Exception as error:
+        text = getattr(error, "strerror", None) or str(error) or type(error).__name__
+        raise failure(f"{url}: {' '.join(str(text).split())}") from error

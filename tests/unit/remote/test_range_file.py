@@ -1,0 +1,84 @@
+"""What is read of a remote file: the bytes that are there, few requests in a row, few bytes of a part."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sgicodec.remote.range_file import BLOCK, RangeFile
+
+DATA = np.random.default_rng(3).integers(0, 256, 5 * BLOCK + 123, np.uint8).tobytes()
+
+
+class Log:
+    """The ranges that were fetched."""
+
+    def __init__(self, data: bytes) -> None:
+        self.data, self.ranges = data, list[tuple[int, int]]()
+
+    def __call__(self, start: int, stop: int) -> bytes:
+        self.ranges.append((start, stop))
+        return self.data[start:stop]
+
+
+@given(st.lists(st.tuples(st.integers(0, len(DATA) + 9), st.integers(0, 3 * BLOCK)), max_size=12))
+def test_it_reads_what_a_file_holds(reads: list[tuple[int, int]]) -> None:
+    log, other = Log(DATA), io.BytesIO(DATA)
+    with RangeFile(len(DATA), log) as file:
+        for offset, count in reads:
+            assert file.seek(offset) == other.seek(offset)
+            assert file.read(count) == other.read(count)
+            assert file.tell() == other.tell()
+    assert all(0 <= start < stop <= len(DATA) and start % BLOCK == 0 for start, stop in log.ranges)
+
+
+def test_a_byte_costs_a_block_once() -> None:
+    log = Log(DATA)
+    file = RangeFile(len(DATA), log)
+    for offset in (0, 7, BLOCK - 1, 3 * BLOCK, 3 * BLOCK + 1):
+        file.seek(offset)
+        assert file.read(1) == DATA[offset : offset + 1]
+    assert log.ranges == [(0, BLOCK), (3 * BLOCK, 4 * BLOCK)]
+
+
+def test_a_long_read_is_one_request() -> None:
+    log = Log(DATA)
+    file = RangeFile(len(DATA), log)
+    file.seek(10)
+    assert file.read(3 * BLOCK) == DATA[10 : 10 + 3 * BLOCK]
+    file.seek(-5, io.SEEK_END)
+    assert file.read() == DATA[-5:]
+    assert log.ranges == [(0, 4 * BLOCK), (5 * BLOCK, len(DATA))]
+
+
+def test_reading_on_takes_ever_longer_parts() -> None:
+    data = bytes(256 * BLOCK)
+    log = Log(data)
+    file = RangeFile(len(data), log)
+    while file.read(BLOCK // 2):
+        pass
+    assert len(log.ranges) < 12
+    assert sum(stop - start for start, stop in log.ranges) == len(data)
+
+
+def test_old_blocks_are_forgotten() -> None:
+    log = Log(bytes(2000 * BLOCK))
+    file = RangeFile(2000 * BLOCK, log)
+    for block in range(0, 2000, 2):
+        file.seek(block * BLOCK)
+        file.read(1)
+    for offset in (0, 1998 * BLOCK):
+        file.seek(offset)
+        file.read(1)
+    assert len(log.ranges) == 1000
+    for block in range(1, 200, 2):
+        file.seek(block * BLOCK)
+        file.read(1)
+    file.seek(2 * BLOCK)
+    file.read(1)
+    assert log.ranges[-1] == (2 * BLOCK, 3 * BLOCK)
+    file.close()
+    assert file.closed

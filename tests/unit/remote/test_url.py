@@ -1,0 +1,175 @@
+"""URLs against a server that counts, one without ranges, and what is said of those that lead nowhere."""
+
+from __future__ import annotations
+
+import builtins
+import json
+import pickle
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import fsspec
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from range_server import served
+
+import sgicodec
+from sgicodec.cli.main import cli
+from sgicodec.errors import CorruptStreamError, MissingExtraError, PictureError, StreamError
+from sgicodec.remote.range_file import BLOCK
+from sgicodec.remote.url import file_name, is_url, open_url
+
+SIDE, TILE = 256, 64
+
+
+@pytest.fixture(scope="module")
+def data() -> bytes:
+    """16 tiles of noise and an overview."""
+    pixels = np.random.default_rng(1).integers(0, 256, (SIDE, SIDE, 3), np.uint8)
+    return sgicodec.encode(pixels, quality=95, steps=2, tile=TILE, overview=True, rdoq=False)
+
+
+@pytest.fixture
+def sgi(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
+    monkeypatch.chdir(tmp_path)
+    return lambda *arguments: CliRunner().invoke(cli, [str(argument) for argument in arguments])
+
+
+@pytest.mark.parametrize("text", ["https://a/b.sgi", "s3://b/c", "zip://a.sgi::https://b/c.zip", "memory://x"])
+def test_urls(text: str) -> None:
+    assert is_url(text)
+
+
+@pytest.mark.parametrize("text", ["a.sgi", "/a/b", "C:/a", "c://a", "-", "a:b", "a/https://b"])
+def test_paths(text: str) -> None:
+    assert not is_url(text)
+
+
+def test_a_region_costs_its_tiles(data: bytes) -> None:
+    expected = sgicodec.decode(data, region=(100, 100, 20, 20))
+    with served({"a.sgi": data}) as server, sgicodec.open(f"{server.url}/a.sgi") as stream:
+        assert (stream.shape, server.heads) == ((SIDE, SIDE, 3), 1)
+        opening = server.bytes, len(server.parts)
+        np.testing.assert_array_equal(stream.read((100, 100, 20, 20)), expected)
+        assert opening[0] <= 3 * BLOCK
+        assert opening[1] <= 3
+        assert server.bytes <= len(data) // 2
+        assert len(server.parts) <= 5
+        asked = len(server.parts)
+        stream.read((100, 100, 20, 20))
+        assert len(server.parts) == asked
+
+
+def test_an_overview_costs_no_tile(data: bytes) -> None:
+    with served({"a.sgi": data}) as server:
+        small = sgicodec.imread(f"{server.url}/a.sgi", size=(16, 16))
+        np.testing.assert_array_equal(small, sgicodec.decode(data, size=(16, 16)))
+        assert server.bytes <= 3 * BLOCK < len(data)
+
+
+def test_all_of_it_takes_few_requests(data: bytes) -> None:
+    with served({"a.sgi": data}) as server:
+        np.testing.assert_array_equal(sgicodec.imread(f"{server.url}/a.sgi"), sgicodec.decode(data))
+        assert server.bytes < len(data) + 3 * BLOCK
+        assert len(server.parts) <= 6
+
+
+def test_a_server_without_ranges_gives_it_once(data: bytes) -> None:
+    with served({"a.sgi": data}, ranges=False) as server, sgicodec.open(f"{server.url}/a.sgi") as stream:
+        np.testing.assert_array_equal(stream.read((100, 100, 20, 20)), sgicodec.decode(data, region=(100, 100, 20, 20)))
+        np.testing.assert_array_equal(stream.read(), sgicodec.decode(data))
+        assert len(server.parts) <= 3  # the first block, the refused range, all of it
+
+
+def test_other_file_systems(data: bytes) -> None:
+    with fsspec.open("memory://folder/a.sgi", "wb") as file:
+        file.write(data)
+    with sgicodec.open("memory://folder/a.sgi") as stream:
+        again = pickle.loads(pickle.dumps(stream))
+        assert again.name == stream.name == "memory://folder/a.sgi"
+        np.testing.assert_array_equal(again[:9, :9], stream[:9, :9])
+
+
+def test_commands(data: bytes, sgi: Callable[..., Any], tmp_path: Path) -> None:
+    with served({"in/a.sgi": data, "cut.sgi": data[:-900]}) as server:
+        url = f"{server.url}/in/a.sgi"
+        info = json.loads(sgi("info", "--json", url).output)
+        assert (info["input"], info["bytes"], info["tiles"]) == (url, len(data), 16)
+        assert server.bytes <= 2 * BLOCK
+        assert sgi("decode", url, "--size", "16x", "--quiet").exit_code == 0
+        assert sgi("decode", url, "--size", "16x", "--output-dir", "many", "--quiet").exit_code == 0
+        np.testing.assert_array_equal(
+            sgicodec.read(tmp_path / "a.png").pixels, sgicodec.read(tmp_path / "many" / "a.png").pixels
+        )
+        assert "ok, 256×256" in sgi("verify", url).output
+        failed = sgi("verify", f"{server.url}/cut.sgi")
+        assert (failed.exit_code, failed.output.count("\n")) == (4, 1)
+        assert f"sgi: {server.url}/cut.sgi: " in failed.output
+
+
+def test_pictures_are_encoded_from_urls(photo: Path, sgi: Callable[..., Any], tmp_path: Path) -> None:
+    with served({"photo.png": photo.read_bytes(), "no.png": b"none"}) as server:
+        result = sgi("encode", f"{server.url}/photo.png", "--steps", 2, "--quiet")
+        assert result.exit_code == 0, result.output
+        assert sgicodec.read(f"{server.url}/photo.png").pixels.shape == sgicodec.imread(tmp_path / "photo.sgi").shape
+        assert sgicodec.encode(f"{server.url}/photo.png", steps=2)[:4] == b"\x89SGI"
+        with pytest.raises(PictureError, match=r"^http://[^ ]*/no\.png: (?!http)"):
+            sgicodec.read(f"{server.url}/no.png")
+
+
+def test_what_is_not_there() -> None:
+    with served({"a.sgi": b"GIF89a"}) as server:
+        with pytest.raises(StreamError, match=r"/b\.sgi: there is no such file$"):
+            sgicodec.open(f"{server.url}/b.sgi")
+        with pytest.raises(PictureError, match=r"/b\.png: there is no such file$"):
+            sgicodec.read(f"{server.url}/b.png")
+        with pytest.raises(CorruptStreamError, match="no stream of this codec"):
+            sgicodec.open(f"{server.url}/a.sgi")
+        gone = server.url
+    with pytest.raises(StreamError, match=r"/a\.sgi: "):
+        sgicodec.open(f"{gone}/a.sgi")
+    with pytest.raises(StreamError, match="nosuch"):
+        sgicodec.open("nosuch://a/b.sgi")
+
+
+def test_a_server_that_goes_away(data: bytes) -> None:
+    with served({"a.sgi": data}) as server:
+        stream = sgicodec.open(f"{server.url}/a.sgi")
+    with pytest.raises(StreamError, match=r"/a\.sgi: "):
+        stream.read()
+
+
+def test_a_file_that_shrinks(data: bytes) -> None:
+    with served({"a.sgi": data}) as server:
+        stream = sgicodec.open(f"{server.url}/a.sgi")
+        server.files["a.sgi"] = data[: len(data) // 4]
+        with pytest.raises(StreamError, match="bytes came where"):
+            stream.read()
+
+
+def test_missing_libraries(monkeypatch: pytest.MonkeyPatch) -> None:
+    with monkeypatch.context() as patch:
+        patch.setitem(sys.modules, "fsspec", None)
+        with pytest.raises(MissingExtraError, match=r"needs fsspec: pip install 'sgicodec\[remote\]'"):
+            open_url("https://example.org/a.sgi")
+    original = builtins.__import__
+
+    def blocked(name: str, *rest: Any) -> Any:
+        if name.partition(".")[0] == "s3fs":
+            raise ImportError("no s3fs")
+        return original(name, *rest)
+
+    monkeypatch.setattr(builtins, "__import__", blocked)
+    with pytest.raises(MissingExtraError, match="s3fs"):
+        open_url("s3://bucket/a.sgi")
+
+
+@pytest.mark.parametrize(
+    ("url", "name"),
+    [("https://a/b/c%20d.sgi?x=1/2#e", "c d.sgi"), ("s3://bucket/a#1.sgi", "a#1.sgi"), ("https://a/b/", "b")],
+)
+def test_what_a_file_made_of_it_is_called(url: str, name: str) -> None:
+    assert file_name(url) == name
