@@ -15,7 +15,7 @@ namespace {
 using namespace std::string_view_literals;
 
 constexpr auto kSignature = "\x89SGI\r\n\x1a\n"sv;
-constexpr size_t kBlock = 1 << 20;
+constexpr size_t kBlock = 1 << 20, kStart = 1 << 12;  // read at a time; when a source is opened
 constexpr char kHeader = 'H', kEnd = 'E';
 
 struct Foreign {
@@ -51,12 +51,28 @@ std::string cut_inside(const Chunk &chunk) { return "the file ends inside " + ch
 ChunkReader::ChunkReader(std::unique_ptr<ByteSource> source, std::string known)
     : source_(std::move(source)), known_(std::move(known)), size_(source_->size()) {
   if (size_ && *size_ > uint64_t(INT64_MAX)) throw Error(Fault::usage, "a file cannot have 2^63 bytes");
+  hold(0, kStart);
   check_signature();
+}
+
+void ChunkReader::hold(uint64_t offset, uint64_t count) {
+  if (!size_ || offset >= *size_ || count > kBlock) return;
+  held_.resize(size_t(std::min(count, *size_ - offset)));
+  held_.resize(source_->read(offset, held_.data(), held_.size()));
+  held_from_ = offset;
+}
+
+size_t ChunkReader::fetch(uint64_t offset, uint8_t *out, size_t count) {
+  const bool is_held =
+      offset >= held_from_ && offset - held_from_ < held_.size() && count <= held_.size() - size_t(offset - held_from_);
+  if (!is_held) return source_->read(offset, out, count);
+  std::copy_n(held_.data() + (offset - held_from_), count, out);
+  return count;
 }
 
 void ChunkReader::check_signature() {
   char bytes[kSignatureBytes];
-  const size_t count = source_->read(0, reinterpret_cast<uint8_t *>(bytes), sizeof bytes);
+  const size_t count = fetch(0, reinterpret_cast<uint8_t *>(bytes), sizeof bytes);
   position_ = count;
   const std::string_view head(bytes, count);
   if (head == kSignature) return;
@@ -92,7 +108,7 @@ void ChunkReader::finish(const Chunk &last) {
   const std::string text = last.name() + ": there is data behind the end mark; the file is damaged";
   if (last.length) corrupt(text);
   check(last);
-  if (source_->read(last.end(), &more, 1)) corrupt(text);
+  if (fetch(last.end(), &more, 1)) corrupt(text);
 }
 
 Chunk ChunkReader::chunk_at(uint64_t offset) {
@@ -100,7 +116,7 @@ Chunk ChunkReader::chunk_at(uint64_t offset) {
   go_to(offset, cut, cut);
   Chunk chunk{0, offset, 0, {}, 0};
   // All at once where nothing is lost by reading too many.
-  int known = size_ ? int(source_->read(offset, chunk.head, sizeof chunk.head)) : 0;
+  int known = size_ ? int(fetch(offset, chunk.head, sizeof chunk.head)) : 0;
   position_ += uint64_t(known);
   const auto next_byte = [&] {
     if (chunk.head_bytes >= known) read(chunk.head + known++, 1, cut);
@@ -115,7 +131,7 @@ Chunk ChunkReader::chunk_at(uint64_t offset) {
 
 std::vector<uint8_t> ChunkReader::peek(uint64_t offset, size_t count) {
   std::vector<uint8_t> bytes(count);
-  bytes.resize(source_->read(offset, bytes.data(), count));
+  bytes.resize(fetch(offset, bytes.data(), count));
   return bytes;
 }
 
@@ -173,7 +189,7 @@ void ChunkReader::go_to(uint64_t offset, const std::string &cut, const std::stri
 
 // Exactly `count` bytes; `cut` says what it means if there are fewer.
 void ChunkReader::read(uint8_t *out, size_t count, const std::string &cut) {
-  const size_t found = source_->read(position_, out, count);
+  const size_t found = fetch(position_, out, count);
   position_ += found;
   if (found < count) corrupt(cut);
 }

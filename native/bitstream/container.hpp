@@ -36,6 +36,9 @@ class ChunkReader {
   ChunkReader(std::unique_ptr<ByteSource> source, std::string known);
 
   bool next(Chunk &chunk);  // false at the end mark
+  // Reads these bytes of a source that has a size at once, if they are not many; what is asked for next comes from
+  // them.
+  void hold(uint64_t offset, uint64_t count);
   std::optional<uint64_t> size() const { return size_; }
   uint64_t end() const { return next_; }  // behind the last chunk that `next` came across
   // The chunk that begins at an offset of a source that has a size.
@@ -50,6 +53,7 @@ class ChunkReader {
  private:
   void check_signature();
   void finish(const Chunk &last);
+  size_t fetch(uint64_t offset, uint8_t *out, size_t count);
   void go_to(uint64_t offset, const std::string &cut, const std::string &where);
   void read(uint8_t *out, size_t count, const std::string &cut);
   template <class Take>
@@ -59,6 +63,8 @@ class ChunkReader {
   const std::string known_;
   std::optional<uint64_t> size_;
   uint64_t position_ = 0, next_ = kSignatureBytes;
+  std::vector<uint8_t> held_;
+  uint64_t held_from_ = 0;
 };
 
 }  // namespace sgi

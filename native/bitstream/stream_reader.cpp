@@ -85,6 +85,7 @@ struct StreamReader::Parts {
     const auto tail = chunks.peek(whole - std::min<uint64_t>(whole, kTrailerBytes), kTrailerBytes);
     const auto offset = index_offset(view(tail));
     if (!offset || *offset <= kSignatureBytes || *offset >= whole) return false;
+    chunks.hold(*offset, whole - *offset);
     const Chunk chunk = chunks.chunk_at(*offset);
     const int64_t tiles = header.grid().count();
     if (chunk.kind != 'X' || chunk.end() != whole - kEndBytes || chunk.length > longest_index(tiles)) return false;
@@ -101,6 +102,7 @@ struct StreamReader::Parts {
       const auto first = kept.begin() + place.offset;
       return {first, first + place.length};
     }
+    chunks.hold(uint64_t(place.offset), sizeof Chunk::head + uint64_t(place.length) + kChunkCrcBytes);
     const Chunk chunk = chunks.chunk_at(uint64_t(place.offset));
     if (chunk.kind != 'T' || chunk.length != place.length)
       corrupt("index: " + chunk.name() + " is not tile " + std::to_string(number) + "; the file is damaged");

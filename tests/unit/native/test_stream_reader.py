@@ -213,3 +213,24 @@ def test_tiles_that_are_not_there_are_refused() -> None:
     for number in (-1, 1000):
         with pytest.raises(IndexError, match=f"tile {number} in a stream of"):
             reader.tile(number)
+
+
+def test_a_tile_and_an_index_are_one_read_each() -> None:
+    """What a source far away is asked for: the start, the end, the index, then each tile as a whole."""
+
+    class Counted(io.BytesIO):
+        def __init__(self, data: bytes) -> None:
+            super().__init__(data)
+            self.reads: list[tuple[int, int]] = []
+
+        def read(self, size: int | None = -1, /) -> bytes:
+            self.reads.append((self.tell(), size or 0))
+            return super().read(size)
+
+    file = Counted(TILED)
+    reader = _native.StreamReader(file)
+    assert len(file.reads) <= 4
+    file.reads.clear()
+    parts = [payload for letter, payload in split(TILED) if letter == "T"]
+    assert [reader.tile(number) for number in range(len(parts))] == parts
+    assert len(file.reads) == len(parts)
