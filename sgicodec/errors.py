@@ -56,8 +56,9 @@ def require(library: str, what: str, extra: str | None = None) -> None:
     except (ImportError, ValueError):  # blocked: its place in sys.modules is None
         found = False
     if not found:
-        package = f"'sgicodec[{extra}]'" if extra else library
-        raise MissingExtraError(f"{what} needs {_PACKAGES.get(library, library)}: pip install {package}")
+        name = _PACKAGES.get(library, library)
+        package = f"'sgicodec[{extra}]'" if extra else name
+        raise MissingExtraError(f"{what} needs {name}: pip install {package}")
 
 
 _PACKAGES = {"PIL": "pillow", "distributed": "Dask", "imageio_ffmpeg": "imageio-ffmpeg"}

@@ -1,4 +1,4 @@
-"""The examples of README.md and docs/api.md run, and print what they say."""
+"""The examples of README.md, docs/api.md and docs/plugins.md run, and print what they say."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from sgicodec import read, write
 from sgicodec.cli.main import cli
 
 ROOT = Path(__file__).parents[2]
-README, API = (ROOT / name for name in ("README.md", "docs/api.md"))
+README, API, PLUGINS = (ROOT / name for name in ("README.md", "docs/api.md", "docs/plugins.md"))
 PHOTO = ROOT / "tests" / "data" / "kodim23.png"
 SECTIONS = ("First file", "Choose the quality", "Many pictures", "Look at a part")
 """Those of README.md whose commands fit a small picture."""
@@ -36,7 +36,7 @@ def blocks(page: Path) -> list[str]:
     return re.findall(r"^```python\n(.*?)^```", page.read_text("utf-8"), re.MULTILINE | re.DOTALL)
 
 
-@pytest.mark.parametrize("page", [README, API], ids=lambda page: page.name)
+@pytest.mark.parametrize("page", [README, API, PLUGINS], ids=lambda page: page.name)
 def test_python_examples(page: Path, folder: Path) -> None:
     """All blocks of a page in turn, as one program; a comment behind print is what it prints."""
     found = blocks(page)

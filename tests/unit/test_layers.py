@@ -24,6 +24,7 @@ FLOORS = (
     {"profiles"},
     {"decoder", "fit", "rdoq", "executors"},
     {"encoder", "server"},
+    {"plugins"},
     {"cli", "bench"},
     {"benchmarks", "tools"},
 )
@@ -41,6 +42,7 @@ HOMES = {
         "sgicodec/image/second_reader.py",
         "sgicodec/image/conversion.py",
         "sgicodec/bench/",
+        "sgicodec/plugins/pillow.py",
         "sgicodec/server/",
         "benchmarks/",
     ),
