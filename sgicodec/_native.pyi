@@ -103,6 +103,55 @@ def neighbour_weight(rank: int) -> int:
 def own_input_count(step: int) -> int:
     """Inputs that a seed's own earlier groups add at a coding step."""
 
+class Stream:
+    def __init__(self, source: object, threads: int, isa: str, cache_bytes: int, checked: bool = ...) -> None: ...
+
+    @property
+    def size(self) -> int: ...
+
+    @property
+    def blobs(self) -> dict: ...
+
+    @property
+    def chunk_bytes(self) -> dict: ...
+
+    @property
+    def has_overview(self) -> bool: ...
+
+    @property
+    def overview(self) -> Stream: ...
+
+    @property
+    def overview_bytes(self) -> bytes: ...
+
+    @property
+    def held_tiles(self) -> int: ...
+
+    @property
+    def decoded_tiles(self) -> int: ...
+
+    def tile(self, number: int) -> bytes:
+        """The payload of its chunk."""
+
+    def set_blank(self, sample: float) -> None: ...
+
+    def prepare(self) -> None: ...
+
+    def draw(self, view: tuple[float, float, float, float, int, int], top: int, out: Annotated[NDArray, dict(shape=(None, None, None), device='cpu')], mapped: bool, exact: bool, dither: bool) -> None:
+        """
+        Fills out [rows, columns, C] with a view (x, y, sx, sy, columns, rows) from its row `top` on.
+        """
+
+    def survey(self) -> tuple[int, list[float], int, int, list[int]]:
+        """
+        Seeds, bytes of parts in their order, bytes of masks, checksum, cells of texture.
+        """
+
+def levels(width: int, height: int) -> list:
+    """Width, height and downsampling of the levels of a pyramid."""
+
+def overview_size(width: int, height: int) -> tuple[int, int]: ...
+
 def adam_step(value: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu')], gradient: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], mean: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu')], square: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu')], beta1: float, beta2: float, rate: float, root_correction: float, epsilon: float, threads: int, isa: str) -> None: ...
 
 class SeedFit:

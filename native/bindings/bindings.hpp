@@ -5,6 +5,7 @@
 void bind_base(nanobind::module_ &m);
 void bind_bitstream(nanobind::module_ &m);
 void bind_constants(nanobind::module_ &m);
+void bind_decoder(nanobind::module_ &m);
 void bind_errors(nanobind::module_ &m);
 void bind_fit(nanobind::module_ &m);
 void bind_image(nanobind::module_ &m);

@@ -1,36 +1,27 @@
 // An opened stream: any region at any scale.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <memory>
-#include <string>
-#include <vector>
 
-#include "base/isa.hpp"
 #include "bitstream/stream_reader.hpp"
 #include "bitstream/tile.hpp"
+#include "decoder/samples.hpp"
+#include "decoder/tile_cache.hpp"
 #include "decoder/view.hpp"
 
 namespace sgi {
 
-struct DecoderSettings {
-  int threads = 0;  // 0: one for each core
-  Isa isa = Isa::portable;
-  int64_t cache_bytes = int64_t(1) << 28;  // what decoded tiles may take
-};
-
-// How samples are stored: as floats, nominally 0 ... 1 and not clipped, or as samples of a type.
-enum class Output { values, u8, u16, f32 };
-
 // What all tiles hold together.
 struct Survey {
-  int64_t seeds;
-  std::array<double, kParts> part_bytes;
-  double mask_bytes;
-  uint32_t symbol_crc;
-  int64_t texture_cells[3];  // of sides 8, 16, 32
+  int64_t seeds = 0;
+  std::array<double, kParts> part_bytes{};
+  int64_t mask_bytes = 0;
+  uint32_t symbol_crc = 0;
+  int64_t texture_cells[3] = {};  // of sides 8, 16, 32
 };
 
-// Several threads may use one at once; they take turns.
+// Several threads may use one at once; they take turns. What fails throws Error, or what the source throws.
 class Stream {
  public:
   Stream(std::unique_ptr<ByteSource> source, const DecoderSettings &settings);
@@ -38,18 +29,30 @@ class Stream {
 
   const StreamReader &chunks() const;
   const Header &header() const;
+  std::vector<uint8_t> tile(int64_t number);  // the payload of its chunk
 
-  // Fills out [rows, columns, C], rows `stride` bytes apart, with rows top ... top + rows - 1 of a view. What lies
-  // outside the picture is nodata, else 0. exact: never from the overview. dither: of samples of eight bits where the
-  // source had more.
+  // What pixels outside the picture hold, in samples of the source: at first nodata if the header has it, else 0.
+  void set_blank(double sample);
+  // Decodes a picture in one tile: so one that is not sound is found before memory is taken for what is drawn.
+  void prepare();
+  // Fills out [rows, columns, C], rows `stride` bytes apart, with rows top ... top + rows - 1 of a view. exact: never
+  // from the overview. dither: of samples of eight bits where the source had more.
   void draw(const PictureView &view, int64_t top, int64_t rows, Output output, bool exact, bool dither, void *out,
             int64_t stride);
-  Survey survey();
+  // Decodes all tiles, or those that are not known yet.
+  const Survey &survey();
   bool has_overview() const;
   Stream &overview();  // throws Error (usage) where there is none
+  const std::vector<uint8_t> &overview_bytes() const;  // of the one that was asked for, else empty
+
+  int64_t held_tiles();     // decoded ones that are kept
+  int64_t decoded_tiles();  // so far, to be drawn
 
  private:
   struct Parts;
+  Stream(std::unique_ptr<ByteSource> source, const DecoderSettings &settings, bool is_overview);
+  void draw_inside(const PictureView &view, int64_t top, const PixelBlock &block, Output output, bool exact,
+                   bool dither);
   std::unique_ptr<Parts> parts_;
 };
 

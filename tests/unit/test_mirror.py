@@ -59,6 +59,7 @@ OF_NO_MODULE = {
     "native/read_tile": "native code",
     "native/seed_gaussians": "native code",
     "native/shipped": "native code",
+    "native/stream": "native code",
     "native/stream_reader": "native code",
     "native/stubs": "the types of native code",
     "native/thread_pool": "native code",

@@ -1,0 +1,145 @@
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <chrono>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "bindings/arrays.hpp"
+#include "bindings/bindings.hpp"
+#include "bindings/python_source.hpp"
+#include "bitstream/file_source.hpp"
+#include "decoder/stream.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using sgi::require;
+
+namespace {
+
+using Released = nb::call_guard<nb::gil_scoped_release>;
+using Pixels = nb::ndarray<nb::ndim<3>, nb::device::cpu>;
+using ViewFields = std::tuple<double, double, double, double, int64_t, int64_t>;
+
+// Lets Ctrl-C through, now and then: whoever else runs Python is not waited for at every tile.
+void check_signals() {
+  using Clock = std::chrono::steady_clock;
+  thread_local Clock::time_point last;
+  const Clock::time_point now = Clock::now();
+  if (now - last < std::chrono::milliseconds(50)) return;
+  last = now;
+  const nb::gil_scoped_acquire acquire;
+  if (PyErr_CheckSignals()) throw nb::python_error();
+}
+
+// An integer is the descriptor of a file that can seek.
+std::unique_ptr<sgi::ByteSource> source_of(const nb::object &source) {
+  if (nb::isinstance<nb::int_>(source))
+    if (auto file = sgi::file_source(nb::cast<int>(source))) return file;
+  return sgi::python_source(source);
+}
+
+void open(sgi::Stream *self, const nb::object &source, int threads, const std::string &isa, int64_t cache_bytes,
+          bool checked) {
+  const sgi::DecoderSettings settings{threads, sgi::choose_isa(isa), cache_bytes, check_signals, checked};
+  auto bytes = source_of(source);
+  const nb::gil_scoped_release release;
+  new (self) sgi::Stream(std::move(bytes), settings);
+}
+
+nb::bytes as_bytes(const std::vector<uint8_t> &bytes) { return nb::bytes(bytes.data(), bytes.size()); }
+
+nb::dict blobs(const sgi::Stream &self) {
+  nb::dict found;
+  for (const auto &[letter, bytes] : self.chunks().blobs()) found[nb::str(&letter, 1)] = as_bytes(bytes);
+  return found;
+}
+
+nb::dict chunk_bytes(const sgi::Stream &self) {
+  nb::dict found;
+  for (const auto &[name, bytes] : self.chunks().chunk_bytes()) found[name.c_str()] = bytes;
+  return found;
+}
+
+nb::bytes tile(sgi::Stream &self, int64_t number) {
+  require(number >= 0 && number < self.header().grid().count(), "there is no such tile");
+  std::vector<uint8_t> payload;
+  {
+    const nb::gil_scoped_release release;
+    payload = self.tile(number);
+  }
+  return as_bytes(payload);
+}
+
+sgi::Output output_of(const Pixels &out, bool mapped) {
+  const nb::dlpack::dtype type = out.dtype();
+  require(mapped || type == nb::dtype<float>(), "values are float32");
+  if (type == nb::dtype<uint8_t>()) return sgi::Output::u8;
+  if (type == nb::dtype<uint16_t>()) return sgi::Output::u16;
+  require(type == nb::dtype<float>(), "samples must be uint8, uint16 or float32");
+  return mapped ? sgi::Output::f32 : sgi::Output::values;
+}
+
+void draw(sgi::Stream &self, const ViewFields &fields, int64_t top, const Pixels &out, bool mapped, bool exact,
+          bool dither) {
+  const auto &[x, y, sx, sy, columns, rows] = fields;
+  const sgi::PictureView view{x, y, sx, sy, columns, rows};
+  const sgi::Output output = output_of(out, mapped);
+  const int64_t height = int64_t(out.shape(0)), channels = int64_t(out.shape(2));
+  require(sx > 0 && sy > 0 && columns > 0 && rows > 0 && columns <= sgi::kMaxSide && top >= 0 && height > 0,
+          "a view must have pixels");
+  require(int64_t(out.shape(1)) == columns && channels == self.header().spec.channels && out.stride(2) == 1 &&
+              out.stride(1) == channels,
+          "out must be [rows, columns, C], a row contiguous");
+  const int64_t stride = out.stride(0) * int64_t(out.itemsize());
+  const nb::gil_scoped_release release;
+  self.draw(view, top, height, output, exact, dither, out.data(), stride);
+}
+
+auto survey(sgi::Stream &self) {
+  const sgi::Survey &found = [&]() -> const sgi::Survey & {
+    const nb::gil_scoped_release release;
+    return self.survey();
+  }();
+  return std::tuple(found.seeds, std::vector<double>(found.part_bytes.begin(), found.part_bytes.end()),
+                    found.mask_bytes, found.symbol_crc,
+                    std::vector<int64_t>(found.texture_cells, found.texture_cells + 3));
+}
+
+nb::list levels(int64_t width, int64_t height) {
+  nb::list found;
+  for (const sgi::Level &level : sgi::levels_of(width, height))
+    found.append(nb::make_tuple(level.width, level.height, level.downsample));
+  return found;
+}
+
+}  // namespace
+
+void bind_decoder(nb::module_ &m) {
+  nb::class_<sgi::Stream>(m, "Stream")
+      .def("__init__", &open, "source"_a, "threads"_a, "isa"_a, "cache_bytes"_a, "checked"_a = true)
+      .def_prop_ro("size", [](const sgi::Stream &self) { return self.chunks().size(); })
+      .def_prop_ro("blobs", &blobs)
+      .def_prop_ro("chunk_bytes", &chunk_bytes)
+      .def_prop_ro("has_overview", &sgi::Stream::has_overview)
+      .def_prop_ro("overview", &sgi::Stream::overview, Released(), nb::rv_policy::reference_internal)
+      .def_prop_ro("overview_bytes", [](const sgi::Stream &self) { return as_bytes(self.overview_bytes()); })
+      .def_prop_ro("held_tiles", &sgi::Stream::held_tiles, Released())
+      .def_prop_ro("decoded_tiles", &sgi::Stream::decoded_tiles, Released())
+      .def("tile", &tile, "number"_a, "The payload of its chunk.")
+      .def("set_blank", &sgi::Stream::set_blank, "sample"_a, Released())
+      .def("prepare", &sgi::Stream::prepare, Released())
+      .def("draw", &draw, "view"_a, "top"_a, "out"_a, "mapped"_a, "exact"_a, "dither"_a,
+           "Fills out [rows, columns, C] with a view (x, y, sx, sy, columns, rows) from its row `top` on.")
+      .def("survey", &survey, "Seeds, bytes of parts in their order, bytes of masks, checksum, cells of texture.");
+  m.def("levels", &levels, "width"_a, "height"_a, "Width, height and downsampling of the levels of a pyramid.");
+  m.def(
+      "overview_size",
+      [](int64_t width, int64_t height) {
+        const sgi::Level size = sgi::overview_size(width, height);
+        return std::tuple(size.width, size.height);
+      },
+      "width"_a, "height"_a);
+}

@@ -1,0 +1,175 @@
+#include "decoder/samples.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/thread_pool.hpp"
+
+namespace sgi {
+namespace {
+
+constexpr int64_t kApart = 56;      // pixels by which the noise of a channel is shifted
+constexpr double kRounding = 1e-3;  // levels by which a sample may be off for the rounding of floats
+
+double most_of(SampleType type) { return type == SampleType::u8 ? 255 : type == SampleType::u16 ? 65535 : 1; }
+
+SampleType type_of(Output output, SampleType source) {
+  switch (output) {
+    case Output::u8: return SampleType::u8;
+    case Output::u16: return SampleType::u16;
+    case Output::f32: return SampleType::f32;
+    case Output::values: break;
+  }
+  return source;
+}
+
+// Nodata in another type; 0 for one that lies outside the range of samples, or is not a number.
+double converted(double nodata, const Header &header, SampleType type) {
+  if (!(header.low <= nodata && nodata <= header.high)) return 0;
+  const double value = most_of(type) * (nodata - header.low) / (header.high - header.low);
+  return type == SampleType::f32 ? double(float(value)) : std::nearbyint(value);
+}
+
+double nodata_in(const Header &header, SampleType type, std::optional<double> nodata) {
+  if (type == header.sample_type) return header.masked == Masked::nodata ? header.nodata : nodata.value_or(0);
+  return nodata ? converted(*nodata, header, type) : 0;
+}
+
+// Interleaved gradient noise (Jimenez 2014).
+double threshold_at(int64_t x, int64_t y, int channel) {
+  const auto fraction = [](double value) { return value - std::trunc(value); };
+  const double across = double(x + kApart * channel), down = double(y + 2 * kApart * channel);
+  return fraction(52.9829189 * fraction(0.06711056 * across + 0.00583715 * down));
+}
+
+template <class T>
+T beside(double nodata, double low, double high) {
+  if constexpr (std::is_floating_point_v<T>)
+    return std::nextafter(T(nodata), T((low + high) / 2));
+  else
+    return T(nodata + (nodata < (low + high) / 2 ? 1 : -1));
+}
+
+template <class T>
+bool equals(T sample, double value) {
+  return std::isnan(value) ? sample != sample : sample == T(value);
+}
+
+}  // namespace
+
+int alpha_of(const Header &header) {
+  const bool has = header.channels == ChannelLayout::gray_alpha || header.channels == ChannelLayout::rgba;
+  return has ? header.spec.channels - 1 : -1;
+}
+
+SampleFormat::SampleFormat(const Header &header, Output output, std::optional<double> nodata)
+    : type(output == Output::values ? SampleType::f32 : type_of(output, header.sample_type)),
+      channels(header.spec.channels), alpha(alpha_of(header)),
+      blank(nodata ? nodata_in(header, type_of(output, header.sample_type), nodata) : 0),
+      is_mapped_(output != Output::values), from_(type == header.sample_type ? header.low : 0),
+      to_(type == header.sample_type ? header.high : most_of(type)), nodata_(nodata_in(header, type, nodata)),
+      low_(channels), span_(channels) {
+  for (int c = 0; c < channels; ++c) {
+    const double low = c == alpha ? 0 : from_, high = c == alpha ? most_of(type) : to_;
+    low_[c] = float(low), span_[c] = float(high - low);
+  }
+}
+
+PixelBlock SampleFormat::part(const PixelBlock &block, int64_t left, int64_t top, int64_t columns, int64_t rows) const {
+  uint8_t *first = static_cast<uint8_t *>(block.first) + (top * block.stride + left * channels) * sample_bytes();
+  return {first, columns, rows, block.stride};
+}
+
+Samples SampleFormat::samples(const PixelBlock &block) const {
+  return {block.first, block.stride, type, low_.data(), span_.data(), is_mapped_};
+}
+
+namespace {
+
+// Calls body(row) for all rows of a block, a few at a time on several threads.
+template <class Body>
+void for_each_row(const PixelBlock &block, int threads, Body body) {
+  const int64_t run = std::max<int64_t>(1, (int64_t(1) << 14) / std::max<int64_t>(1, block.columns));
+  parallel_for((block.rows + run - 1) / run, threads, [&](int64_t part) {
+    for (int64_t row = part * run; row < std::min(block.rows, (part + 1) * run); ++row) body(row);
+  });
+}
+
+// Calls body(a sample's type as a null pointer).
+template <class Body>
+void as_type(SampleType type, Body body) {
+  switch (type) {
+    case SampleType::u8: return body(static_cast<uint8_t *>(nullptr));
+    case SampleType::u16: return body(static_cast<uint16_t *>(nullptr));
+    case SampleType::f32: return body(static_cast<float *>(nullptr));
+  }
+}
+
+// To nearest, ties to even, of 0 to 2^22.
+float rounded(float value) { return (value + 12582912.0f) - 12582912.0f; }
+
+float clipped(float value) { return value > 0 ? std::min(value, 1.0f) : 0.0f; }  // not-a-number becomes 0
+
+}  // namespace
+
+void SampleFormat::store(const float *values, const PixelBlock &block, int threads) const {
+  as_type(type, [&](auto *kind) {
+    using T = std::remove_pointer_t<decltype(kind)>;
+    for_each_row(block, threads, [&](int64_t row) {
+      const float *from = values + row * block.columns * channels;
+      T *to = static_cast<T *>(block.first) + row * block.stride;
+      for (int64_t i = 0; i < block.columns; ++i)
+        for (int c = 0; c < channels; ++c, ++from, ++to) {
+          const float sample = is_mapped_ ? low_[c] + span_[c] * clipped(*from) : *from;
+          *to = std::is_floating_point_v<T> ? T(sample) : T(rounded(sample));
+        }
+    });
+  });
+}
+
+void SampleFormat::store_dithered(const float *values, int64_t x, int64_t y, const PixelBlock &block,
+                                  int threads) const {
+  for_each_row(block, threads, [&](int64_t row) {
+    const float *from = values + row * block.columns * channels;
+    uint8_t *to = static_cast<uint8_t *>(block.first) + row * block.stride;
+    for (int64_t i = 0; i < block.columns; ++i)
+      for (int c = 0; c < channels; ++c, ++from, ++to) {
+        const double noise = c == alpha ? 0.5 : threshold_at(x + i, y + row, c);
+        const float sample = *from * span_[c] + low_[c] + float(kRounding + (1 - 2 * kRounding) * noise);
+        *to = uint8_t(sample > 0 ? std::floor(std::min(sample, 255.0f)) : 0.0f);
+      }
+  });
+}
+
+void SampleFormat::fill(double sample, const PixelBlock &block) const {
+  as_type(type, [&](auto *kind) {
+    using T = std::remove_pointer_t<decltype(kind)>;
+    for (int64_t row = 0; row < block.rows; ++row)
+      std::fill_n(static_cast<T *>(block.first) + row * block.stride, block.columns * channels, T(sample));
+  });
+}
+
+template <class T>
+void SampleFormat::mark_as(const uint8_t *empty, T *row, int64_t columns) const {
+  const int colours = alpha < 0 ? channels : alpha;
+  const T nothing = T(nodata_), next = beside<T>(nodata_, from_, to_);
+  for (int64_t i = 0; i < columns; ++i, row += channels) {
+    if (empty[i])
+      std::fill_n(row, colours, nothing);
+    else if (std::all_of(row, row + colours, [&](T sample) { return equals(sample, nodata_); }))
+      row[0] = next;
+  }
+}
+
+void SampleFormat::mark(const uint8_t *empty, const PixelBlock &row, Masked masked) const {
+  as_type(type, [&](auto *kind) {
+    using T = std::remove_pointer_t<decltype(kind)>;
+    T *first = static_cast<T *>(row.first);
+    if (masked == Masked::nodata) return mark_as(empty, first, row.columns);
+    for (int64_t i = 0; i < row.columns; ++i)
+      if (empty[i]) first[i * channels + channels - 1] = 0;
+  });
+}
+
+}  // namespace sgi

@@ -1,0 +1,64 @@
+// How a picture's values become samples of a type: range, nodata, dither.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "bitstream/header.hpp"
+#include "raster/finish_kernel.hpp"
+
+namespace sgi {
+
+// How samples are stored: as floats, nominally 0 ... 1 and not clipped, or as samples of a type.
+enum class Output { values, u8, u16, f32 };
+
+// Output pixels [rows, columns, C] that somebody else holds; rows are `stride` samples apart.
+struct PixelBlock {
+  void *first;
+  int64_t columns, rows, stride;
+};
+
+// The channel that is alpha, or -1.
+int alpha_of(const Header &header);
+
+// What is stored where: values as they are, or samples low + span * value. A range other than the source's is that of
+// the type; nodata becomes the value next to it.
+class SampleFormat {
+ public:
+  // nodata: what stands for nothing in the source, if anything does.
+  SampleFormat(const Header &header, Output output, std::optional<double> nodata);
+
+  bool is_mapped() const { return is_mapped_; }
+  bool is_dithered(SampleType source) const { return is_mapped_ && type == SampleType::u8 && source != type; }
+  int64_t sample_bytes() const { return type == SampleType::u8 ? 1 : type == SampleType::u16 ? 2 : 4; }
+  // The part of a block from a column and a row on.
+  PixelBlock part(const PixelBlock &block, int64_t left, int64_t top, int64_t columns, int64_t rows) const;
+  // For the rasteriser: samples of this format in a block.
+  Samples samples(const PixelBlock &block) const;
+
+  // Stores values [rows, columns, C] as the rasteriser does.
+  void store(const float *values, const PixelBlock &block, int threads) const;
+  // Stores them so that the mean of a few pixels is the value: each is rounded up or down. The block begins at output
+  // pixel (x, y), alone with the channel the threshold follows from, so that bands and threads do not show.
+  void store_dithered(const float *values, int64_t x, int64_t y, const PixelBlock &block, int threads) const;
+  // Stores a sample in all of a block.
+  void fill(double sample, const PixelBlock &block) const;
+  // Stores nothing in pixels of a row that are `empty`: alpha 0, or nodata; others that have its value go one step
+  // aside.
+  void mark(const uint8_t *empty, const PixelBlock &row, Masked masked) const;
+
+  const SampleType type;
+  const int channels, alpha;
+  const double blank;  // of a pixel outside the picture
+
+ private:
+  template <class T>
+  void mark_as(const uint8_t *empty, T *row, int64_t columns) const;
+
+  bool is_mapped_;
+  double from_, to_;  // the range of colours
+  double nodata_;
+  std::vector<float> low_, span_;  // [C]
+};
+
+}  // namespace sgi

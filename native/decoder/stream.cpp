@@ -1,0 +1,161 @@
+#include "decoder/stream.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "base/crc32.hpp"
+#include "base/error.hpp"
+#include "base/thread_pool.hpp"
+#include "decoder/compositor.hpp"
+
+namespace sgi {
+namespace {
+
+using Lock = std::lock_guard<std::recursive_mutex>;
+
+void check_overview(const Header &found, const Header &header) {
+  const auto refuse = [](const std::string &text) { throw Error(Fault::corrupt, text); };
+  const Level size = overview_size(header.width, header.height);
+  const auto named = [](int64_t x, int64_t y) { return std::to_string(x) + "×" + std::to_string(y); };
+  if (size.width == header.width && size.height == header.height) refuse("it is no smaller than the picture");
+  if (found.width != size.width || found.height != size.height)
+    refuse("it has " + named(found.width, found.height) + " pixels, not " + named(size.width, size.height));
+  if (found.channels != header.channels || found.spec.channels != header.spec.channels)
+    refuse("its channels are not the picture's");
+  if (found.sample_type != header.sample_type || found.low != header.low || found.high != header.high)
+    refuse("its samples are not of the picture's type and range");
+}
+
+// One checksum of the symbols of several tiles; that of a single one is its own.
+uint32_t joined_crc(const std::vector<uint32_t> &crcs) {
+  if (crcs.size() == 1) return crcs[0];
+  std::vector<uint8_t> bytes;
+  for (const uint32_t crc : crcs)
+    for (int shift = 0; shift < 32; shift += 8) bytes.push_back(uint8_t(crc >> shift));
+  return crc32({bytes.data(), bytes.size()});
+}
+
+}  // namespace
+
+struct Stream::Parts {
+  Parts(std::unique_ptr<ByteSource> source, const DecoderSettings &given, bool is_overview)
+      : settings(given), chunks(std::move(source), is_overview), tiles(chunks, settings) {
+    if (chunks.header().masked == Masked::nodata) nodata = chunks.header().nodata;
+  }
+
+  const DecoderSettings settings;
+  StreamReader chunks;
+  TileCache tiles;
+  std::optional<double> nodata;
+  std::optional<Survey> survey;
+  std::vector<uint8_t> overview_bytes;
+  std::unique_ptr<Stream> overview;
+  std::recursive_mutex turn;
+};
+
+Stream::Stream(std::unique_ptr<ByteSource> source, const DecoderSettings &settings)
+    : Stream(std::move(source), settings, false) {}
+
+Stream::Stream(std::unique_ptr<ByteSource> source, const DecoderSettings &settings, bool is_overview)
+    : parts_(std::make_unique<Parts>(std::move(source), settings, is_overview)) {}
+
+Stream::~Stream() = default;
+
+const StreamReader &Stream::chunks() const { return parts_->chunks; }
+
+const Header &Stream::header() const { return parts_->chunks.header(); }
+
+std::vector<uint8_t> Stream::tile(int64_t number) {
+  const Lock lock(parts_->turn);
+  return parts_->chunks.tile(number);
+}
+
+void Stream::set_blank(double sample) {
+  const Lock lock(parts_->turn);
+  parts_->nodata = sample;
+}
+
+void Stream::prepare() {
+  const Lock lock(parts_->turn);
+  if (header().grid().count() == 1) parts_->tiles.tile(0);
+}
+
+void Stream::draw(const PictureView &view, int64_t top, int64_t rows, Output output, bool exact, bool dither, void *out,
+                  int64_t stride) {
+  const Lock lock(parts_->turn);
+  const SampleFormat format(header(), output, parts_->nodata);
+  const PixelBlock block{out, view.columns, rows, stride / format.sample_bytes()};
+  const InnerView inner = inner_view(view, header().width, header().height);
+  if (inner.view.columns == view.columns && inner.view.rows == view.rows)
+    return draw_inside(view, top, block, output, exact, dither);
+  format.fill(format.blank, block);
+  const int64_t first = std::max(top, inner.top), last = std::min(top + rows, inner.top + inner.view.rows);
+  if (first < last && inner.view.columns)
+    draw_inside(inner.view, first - inner.top,
+                format.part(block, inner.left, first - top, inner.view.columns, last - first), output, exact, dither);
+}
+
+void Stream::draw_inside(const PictureView &view, int64_t top, const PixelBlock &block, Output output, bool exact,
+                         bool dither) {
+  if (has_overview() && !exact)
+    if (const auto small = overview_view(header(), view)) {
+      Stream &shown = overview();
+      const Lock lock(shown.parts_->turn);
+      return shown.draw_inside(*small, top, block, output, exact, dither);
+    }
+  const SampleFormat format(header(), output, parts_->nodata);
+  const Drawing drawing{format, dither && format.is_dithered(header().sample_type), parts_->settings.threads,
+                        parts_->settings.between};
+  draw_view(header(), parts_->tiles, view, top, block, drawing);
+}
+
+const Survey &Stream::survey() {
+  const Lock lock(parts_->turn);
+  if (parts_->survey) return *parts_->survey;
+  Survey found;
+  std::vector<uint32_t> crcs;
+  parts_->tiles.for_each_fact([&](const TileFacts &facts) {
+    found.seeds += facts.seeds;
+    for (int part = 0; part < kParts; ++part) found.part_bytes[part] += facts.bits[part] / 8;
+    if (header().masked != Masked::none) found.mask_bytes += facts.mask_bytes;
+    for (int size = 0; size < 3; ++size) found.texture_cells[size] += facts.texture_cells[size];
+    crcs.push_back(facts.symbol_crc);
+  });
+  found.symbol_crc = joined_crc(crcs);
+  return parts_->survey.emplace(found);
+}
+
+bool Stream::has_overview() const { return parts_->chunks.has_overview(); }
+
+Stream &Stream::overview() {
+  const Lock lock(parts_->turn);
+  if (parts_->overview) return *parts_->overview;
+  if (!has_overview()) throw Error(Fault::usage, "there is no overview");
+  parts_->overview_bytes = parts_->chunks.overview();
+  const Bytes bytes{parts_->overview_bytes.data(), parts_->overview_bytes.size()};
+  try {
+    std::unique_ptr<Stream> small(new Stream(memory_source(bytes), parts_->settings, true));
+    check_overview(small->header(), header());
+    parts_->overview = std::move(small);
+  } catch (const Error &error) {
+    throw Error(error.fault, std::string("overview: ") + error.what());
+  }
+  return *parts_->overview;
+}
+
+const std::vector<uint8_t> &Stream::overview_bytes() const { return parts_->overview_bytes; }
+
+int64_t Stream::held_tiles() {
+  const Lock lock(parts_->turn);
+  return parts_->tiles.held();
+}
+
+int64_t Stream::decoded_tiles() {
+  const Lock lock(parts_->turn);
+  return parts_->tiles.decoded();
+}
+
+}  // namespace sgi

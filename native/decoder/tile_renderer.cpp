@@ -1,0 +1,209 @@
+#include "decoder/tile_renderer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "base/error.hpp"
+#include "model/base_view.hpp"
+#include "model/colours.hpp"
+#include "model/constants.hpp"
+#include "model/model_gaussians.hpp"
+#include "model/steps.hpp"
+#include "model/texture.hpp"
+
+namespace sgi {
+namespace {
+
+// A picture is drawn in blocks of no more samples and columns, each of which looks at all Gaussians; where there is
+// texture in blocks of fewer: it is drawn to floats first.
+constexpr int64_t kBlockSamples = int64_t(1) << 27, kBlockColumns = 1 << 16, kTexturedSamples = 1 << 23;
+constexpr int64_t kMostPairs = 1 << 24;  // (tile, Gaussian) pairs of a block; a sound one has a tenth at most
+// A tile of a reduced view that has no more samples is drawn at once, whatever part is asked for: each part would have
+// to look at all of its Gaussians again.
+constexpr int64_t kWholeSamples = 1 << 18;
+constexpr float kCutoff = 3.5f;
+constexpr int kDecoderShift = 10;
+
+DecoderWeights weights_of(const AttributeDecoder &decoder) {
+  const auto floats = [](const std::vector<int64_t> &from) {
+    std::vector<float> to(from.size());
+    for (size_t i = 0; i < from.size(); ++i) to[i] = std::ldexp(float(from[i]), -kDecoderShift);
+    return to;
+  };
+  return {floats(decoder.w1), floats(decoder.b1), floats(decoder.w2), floats(decoder.b2)};
+}
+
+GaussianSet gaussians_of(const ModelSpec &spec, const TileModel &model, int threads, Isa isa) {
+  const int64_t count = model.seeds() * spec.per_seed;
+  GaussianSet all{std::vector<float>(2 * count), std::vector<float>(3 * count),
+                  std::vector<float>(spec.channels * count), spec.channels};
+  model_gaussians(spec, {model.corner.data(), model.log_size.data(), model.decoded.data(), model.seeds()},
+                  weights_of(model.colours), weights_of(model.shapes), threads, isa,
+                  {all.means.data(), all.covariances.data(), all.colours.data()});
+  return all;
+}
+
+void leave_luma_space(GaussianSet &gaussians) {
+  const int channels = gaussians.channels;
+  const std::vector<double> mix = from_luma_space(channels);
+  std::vector<float> mixed(channels);
+  for (int64_t i = 0; i < gaussians.count(); ++i) {
+    float *colour = &gaussians.colours[i * channels];
+    for (int c = 0; c < channels; ++c) {
+      double sum = 0;
+      for (int k = 0; k < channels; ++k) sum = std::fma(double(colour[k]), mix[c * channels + k], sum);
+      mixed[c] = float(sum);
+    }
+    std::copy(mixed.begin(), mixed.end(), colour);
+  }
+}
+
+std::vector<double> base_colours(const ModelSpec &spec, const TileModel &model) {
+  const double step = double(step_of(model.base_step)) * std::ldexp(1.0, -kFractionBits);
+  std::vector<double> values(model.base.size());
+  for (size_t i = 0; i < values.size(); ++i) values[i] = double(model.base[i]) * step;
+  const int64_t cells = int64_t(values.size()) / spec.channels;
+  values = mixed_planes(colour_matrix(spec.channels), true, values, spec.channels, cells);
+  if (spec.luma_space) values = mixed_planes(from_luma_space(spec.channels), false, values, spec.channels, cells);
+  return values;
+}
+
+template <class T>
+int64_t bytes_of(const std::vector<T> &held) {
+  return int64_t(held.size() * sizeof(T));
+}
+
+}  // namespace
+
+TileRenderer::TileRenderer(const Header &header, Bytes payload, int threads, Isa isa, bool checked) : isa_(isa) {
+  const TileChunk chunk = decode_tile_chunk(header, payload);
+  header_ = header.of_tile(chunk.number);
+  place_ = header.grid().rect(chunk.number);
+  is_empty_ = chunk.is_empty;
+  mask_ = chunk.mask;
+  facts_.mask_bytes = int64_t(payload.size - (is_empty_ ? 0 : chunk.model.size));
+  gaussians_.channels = header_.spec.channels;
+  if (!is_empty_) take(read_tile(header_, chunk.model, threads, isa, checked), threads);
+}
+
+void TileRenderer::take(const TileModel &model, int threads) {
+  const ModelSpec &spec = header_.spec;
+  facts_.seeds = model.seeds();
+  facts_.bits = model.bits;
+  facts_.symbol_crc = model.symbol_crc;
+  gaussians_ = gaussians_of(spec, model, threads, isa_);
+  base_ = base_colours(spec, model);
+  if (spec.luma_space) leave_luma_space(gaussians_);
+  texture_ = model.texture();
+  if (!texture_) return;
+  texture_mix_ = texture_mix(spec.channels, spec.luma_space);
+  for (const uint8_t log_size : texture_->log_size) ++facts_.texture_cells[log_size - kTextureLeast];
+}
+
+int64_t TileRenderer::memory() const {
+  int64_t bytes = gaussians_.memory() + bytes_of(base_);
+  if (rescaled_) bytes += rescaled_->gaussians.memory();
+  if (whole_) bytes += bytes_of(whole_->samples);
+  if (texture_) bytes += bytes_of(texture_->corner) + bytes_of(texture_->log_size) + bytes_of(texture_->amplitudes);
+  return bytes + (mask_ ? mask_->memory() : 0);
+}
+
+void TileRenderer::prepare(const PictureView &view, int threads) {
+  if (!whole(view, threads)) seen(view, threads);
+}
+
+void TileRenderer::draw(const PictureView &view, int64_t x, int64_t y, const PixelBlock &block,
+                        const SampleFormat &format, int threads) {
+  const Whole *known = whole(view, threads);
+  const int64_t left = known ? x - known->left : -1, top = known ? y - known->top : -1;
+  if (left < 0 || top < 0 || left > known->columns - block.columns || top > known->rows - block.rows)
+    return draw_blocks(view, x, y, block, format, threads);
+  const int channels = header_.spec.channels;
+  for (int64_t row = 0; row < block.rows; ++row)
+    format.store(&known->samples[((top + row) * known->columns + left) * channels],
+                 format.part(block, 0, row, block.columns, 1), 1);
+}
+
+// What a reduced view shows of the tile, if that is little.
+const TileRenderer::Whole *TileRenderer::whole(const PictureView &view, int threads) {
+  if (std::max(view.sx, view.sy) >= 1) return nullptr;
+  const auto is_same = [&] {
+    return whole_->view.is_aligned(view) && whole_->view.columns == view.columns && whole_->view.rows == view.rows;
+  };
+  if (whole_ && is_same()) return &*whole_;
+  // First and last pixel and one on of the `most` of an axis that show what begins at `start` and has `size` pixels.
+  const auto first = [](double start, double scale) {
+    return std::max<int64_t>(0, int64_t(std::floor(start * scale)));
+  };
+  const auto last = [](double start, int64_t size, double scale, int64_t most) {
+    return std::min(most, int64_t(std::ceil((start + double(size)) * scale)));
+  };
+  const double x = double(place_.x) - view.x, y = double(place_.y) - view.y;
+  const int64_t left = first(x, view.sx), columns = last(x, place_.width, view.sx, view.columns) - left;
+  const int64_t top = first(y, view.sy), rows = last(y, place_.height, view.sy, view.rows) - top;
+  const int64_t samples = columns * rows * header_.spec.channels;
+  if (columns <= 0 || rows <= 0 || samples > kWholeSamples) return nullptr;
+  Whole drawn{view, left, top, columns, rows, std::vector<float>(samples)};
+  const SampleFormat values(header_, Output::values, std::nullopt);
+  draw_blocks(view, left, top, {drawn.samples.data(), columns, rows, columns * header_.spec.channels}, values, threads);
+  return &whole_.emplace(std::move(drawn));
+}
+
+void TileRenderer::draw_blocks(const PictureView &view, int64_t x, int64_t y, const PixelBlock &block,
+                               const SampleFormat &format, int threads) {
+  const GaussianSet &gaussians = seen(view, threads);
+  Rasterizer raster(isa_, threads, kMostPairs);
+  const int64_t width = std::min(block.columns, kBlockColumns);
+  const int64_t most = texture_ ? kTexturedSamples : kBlockSamples;
+  const int64_t height = std::max<int64_t>(1, most / (width * header_.spec.channels));
+  for (int64_t top = 0; top < block.rows; top += height)
+    for (int64_t left = 0; left < block.columns; left += width) {
+      const PixelBlock part = format.part(block, left, top, std::min(width, block.columns - left),
+                                          std::min(height, block.rows - top));
+      draw_block(raster, gaussians, view, x + left, y + top, part, format, threads);
+    }
+}
+
+void TileRenderer::draw_block(Rasterizer &raster, const GaussianSet &gaussians, const PictureView &view, int64_t x,
+                              int64_t y, const PixelBlock &block, const SampleFormat &format, int threads) const {
+  const ModelSpec &spec = header_.spec;
+  const OutputAxis across{view.x - double(place_.x), view.sx, x, block.columns};
+  const OutputAxis down{view.y - double(place_.y), view.sy, y, block.rows};
+  Background behind{};
+  BaseView base;
+  std::unique_ptr<float[]> planes;
+  if (!base_.empty()) {
+    const int64_t cell = spec.base_cell, columns = (header_.width + cell - 1) / cell;
+    const BaseGrid grid{base_.data(), spec.channels, int64_t(base_.size()) / (spec.channels * columns), columns};
+    base = base_view(grid, spec.base_cell, across, down, threads);
+    behind.lines = base.lines.data(), behind.count = base.count, behind.width = block.columns;
+    behind.top = base.top.data(), behind.down = base.down.data(), behind.taps = base.taps;
+  }
+  if (texture_) {
+    planes.reset(new float[spec.channels * block.rows * block.columns]);
+    const Texture texture{texture_->corner.data(), texture_->log_size.data(), texture_->amplitudes.data(),
+                          int64_t(texture_->log_size.size()), spec.channels, header_.width, header_.height};
+    draw_texture(texture, across, down, texture_mix_.empty() ? nullptr : texture_mix_.data(), threads, isa_,
+                 planes.get());
+    behind.planes = planes.get(), behind.height = block.rows, behind.plane_width = block.columns;
+  }
+  const bool plain = view.is_plain();
+  const View crop{int(x + (plain ? int64_t(across.start) : 0)), int(y + (plain ? int64_t(down.start) : 0)),
+                  int(block.columns), int(block.rows)};
+  try {
+    raster.draw(gaussians.view(), crop, kCutoff, behind, format.samples(block));
+  } catch (const std::overflow_error &) {
+    throw Error(Fault::limit, "the Gaussians cover too much of the picture; decode smaller regions");
+  }
+}
+
+const GaussianSet &TileRenderer::seen(const PictureView &view, int threads) {
+  if (view.is_plain()) return gaussians_;
+  if (!rescaled_ || !rescaled_->view.is_aligned(view))
+    rescaled_ = Rescaled{view, rescaled(gaussians_.view(), view.sx, view.sy, view.x - double(place_.x),
+                                        view.y - double(place_.y), kPixelVariance, threads)};
+  return rescaled_->gaussians;
+}
+
+}  // namespace sgi

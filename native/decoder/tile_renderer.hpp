@@ -1,0 +1,78 @@
+// One tile's decoded model, which draws any part of itself at any scale.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "bitstream/tile.hpp"
+#include "decoder/samples.hpp"
+#include "decoder/view.hpp"
+#include "raster/rescaling.hpp"
+
+namespace sgi {
+
+// What is known of a decoded tile besides what it draws.
+struct TileFacts {
+  int64_t seeds = 0;
+  std::array<double, kParts> bits{};
+  int64_t mask_bytes = 0;  // of its mask and number
+  uint32_t symbol_crc = 0;
+  int64_t texture_cells[3] = {};  // of sides 8, 16, 32
+};
+
+// Reads the payload of a chunk T; `checked` as of `read_tile`. Throws Error: corrupt, limit. Not safe for use by two
+// threads at once.
+class TileRenderer {
+ public:
+  TileRenderer(const Header &header, Bytes payload, int threads, Isa isa, bool checked);
+
+  // Does what `draw` would have to do first.
+  void prepare(const PictureView &view, int threads);
+  // Draws output pixels from (x, y) of the view on.
+  void draw(const PictureView &view, int64_t x, int64_t y, const PixelBlock &block, const SampleFormat &format,
+            int threads);
+
+  const TileFacts &facts() const { return facts_; }
+  bool is_empty() const { return is_empty_; }
+  // Which of its pixels hold nothing; null where all hold something.
+  const MaskTree *mask() const { return mask_.get(); }
+  const PixelRect &place() const { return place_; }  // in the picture
+  int64_t memory() const;                            // bytes, about
+
+ private:
+  // The tile as a reduced view shows it [rows, columns, C], and where that is in the view.
+  struct Whole {
+    PictureView view;
+    int64_t left, top, columns, rows;
+    std::vector<float> samples;
+  };
+  struct Rescaled {
+    PictureView view;
+    GaussianSet gaussians;
+  };
+
+  void take(const TileModel &model, int threads);
+  const Whole *whole(const PictureView &view, int threads);
+  void draw_blocks(const PictureView &view, int64_t x, int64_t y, const PixelBlock &block, const SampleFormat &format,
+                   int threads);
+  void draw_block(Rasterizer &raster, const GaussianSet &gaussians, const PictureView &view, int64_t x, int64_t y,
+                  const PixelBlock &block, const SampleFormat &format, int threads) const;
+  const GaussianSet &seen(const PictureView &view, int threads);
+
+  Isa isa_;
+  Header header_;  // of the tile as a picture of its own
+  PixelRect place_;
+  bool is_empty_;
+  std::shared_ptr<MaskTree> mask_;
+  TileFacts facts_;
+  GaussianSet gaussians_;
+  std::vector<double> base_;  // [C, rows, columns] colours of the base layer's cells
+  std::optional<TextureCells> texture_;
+  std::vector<float> texture_mix_;
+  std::optional<Rescaled> rescaled_;
+  std::optional<Whole> whole_;
+};
+
+}  // namespace sgi

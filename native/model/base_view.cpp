@@ -1,0 +1,67 @@
+#include "model/base_view.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sgi {
+namespace {
+
+constexpr int kSamplesPerCell = 4;  // how densely the area of a pixel is sampled that covers cells
+
+// For each output pixel the first cell, and the weights [count, taps] of it and those after. Cells may lie outside the
+// grid: those of its edges stand for them.
+struct Footprints {
+  std::vector<int64_t> first;
+  std::vector<double> weights;
+  int taps;
+};
+
+// Catmull-Rom weights of the four cells around a place, which lies `behind` the centre of the second one.
+void add_cubic(double behind, double *weights, double share) {
+  const double at = behind + 1.5 - 0.5;
+  const int64_t first = int64_t(std::floor(at));
+  double taps[4] = {};
+  for (int64_t tap = -1; tap < 3; ++tap) {
+    const double d = std::abs(at - double(first + tap));
+    const double near = (1.5 * d - 2.5) * d * d + 1.0, far = ((-0.5 * d + 2.5) * d - 4.0) * d + 2.0;
+    taps[std::clamp<int64_t>(first + tap, 0, 3)] += d <= 1 ? near : d < 2 ? far : 0;
+  }
+  for (int tap = 0; tap < 4; ++tap) weights[tap] += taps[tap] / share;
+}
+
+Footprints footprints(const OutputAxis &axis, int cell) {
+  const int samples = std::max(1, int(std::ceil(kSamplesPerCell / (axis.scale * cell))));
+  const auto place = [&](int64_t i, int sample) {  // in cells
+    const double inside = (sample + 0.5) / samples;
+    return (axis.start + (double(axis.first + i) + inside) / axis.scale) / cell - 0.5;
+  };
+  const auto lowest = [&](int64_t i, int sample) { return int64_t(std::floor(place(i, sample))); };
+  Footprints found{std::vector<int64_t>(axis.count), {}, 4};
+  for (int64_t i = 0; i < axis.count; ++i) {
+    const int64_t begin = lowest(i, 0);
+    found.first[i] = begin - 1;
+    found.taps = std::max(found.taps, int(lowest(i, samples - 1) - begin) + 4);
+  }
+  found.weights.resize(axis.count * found.taps);
+  for (int64_t i = 0; i < axis.count; ++i)
+    for (int sample = 0; sample < samples; ++sample) {
+      const double at = place(i, sample), low = std::floor(at);
+      add_cubic(at - low, &found.weights[i * found.taps + (int64_t(low) - 1 - found.first[i])], samples);
+    }
+  return found;
+}
+
+}  // namespace
+
+BaseView base_view(const BaseGrid &grid, int cell, const OutputAxis &x, const OutputAxis &y, int threads) {
+  const Footprints across = footprints(x, cell), down = footprints(y, cell);
+  const int64_t first = down.first.front(), count = down.first.back() - first + down.taps;
+  BaseView view{std::vector<float>(grid.channels * count * x.count), {}, {}, count, down.taps};
+  base_lines(grid, first, count, across.first.data(), across.weights.data(), x.count, across.taps, threads,
+             view.lines.data());
+  for (const int64_t row : down.first) view.top.push_back(int32_t(row - first));
+  view.down.assign(down.weights.begin(), down.weights.end());
+  return view;
+}
+
+}  // namespace sgi
