@@ -14,7 +14,6 @@ namespace {
 
 using namespace std::string_view_literals;
 
-constexpr auto kSignature = "\x89SGI\r\n\x1a\n"sv;
 constexpr size_t kBlock = 1 << 20, kStart = 1 << 12;  // read at a time; when a source is opened
 constexpr char kHeader = 'H', kEnd = 'E';
 
@@ -75,9 +74,10 @@ void ChunkReader::check_signature() {
   const size_t count = fetch(0, reinterpret_cast<uint8_t *>(bytes), sizeof bytes);
   position_ = count;
   const std::string_view head(bytes, count);
-  if (head == kSignature) return;
+  if (head == std::string_view(kSignature, kSignatureBytes)) return;
   if (head.empty()) corrupt("the file is empty");
-  if (starts(kSignature, head)) corrupt("the file ends after " + std::to_string(count) + " bytes; it was cut short");
+  if (starts(std::string_view(kSignature, kSignatureBytes), head))
+    corrupt("the file ends after " + std::to_string(count) + " bytes; it was cut short");
   for (const auto &[start, name] : kForeign)
     if (starts(head, start)) corrupt("this is " + std::string(name) + ", no stream of this codec; encode it first");
   for (const auto damaged : kDamaged)

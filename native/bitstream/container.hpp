@@ -12,6 +12,7 @@
 namespace sgi {
 
 constexpr int kSignatureBytes = 8, kChunkCrcBytes = 4;
+constexpr char kSignature[kSignatureBytes + 1] = "\x89SGI\r\n\x1a\n";
 constexpr int64_t kMaxPayload = int64_t(1) << 30;
 
 // One chunk of a file that is being read.

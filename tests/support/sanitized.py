@@ -37,6 +37,7 @@ def compiled() -> Path:
     native = BUILD / "native"
     settings = {
         "SGI_SANITIZE": "ON",
+        "SGI_PYTHON": "ON",
         "CMAKE_BUILD_TYPE": "None",
         "Python_EXECUTABLE": sys.executable,
         "nanobind_DIR": nanobind.cmake_dir(),
