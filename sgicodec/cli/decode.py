@@ -64,6 +64,8 @@ __all__ = ["decode"]
     show_default="2",
     help="How hard PNG is compressed.",
 )
+@click.option("--pyramid", is_flag=True, help="Tiled TIFF with reductions; OUT.ome.tif is one as OME-TIFF.")
+@click.option("--cog", is_flag=True, help="Cloud Optimized GeoTIFF.")
 @click.option("--max-pixels", type=click.IntRange(1), metavar="N", help="Refuse to write more pixels.")
 @click.option("--max-memory", type=BYTES, metavar="SIZE", help="Refuse what takes more memory to decode: 500MiB.")
 @click.option(
@@ -90,6 +92,8 @@ def decode(
     depth: str | None,
     format_: str | None,
     png_level: int | None,
+    pyramid: bool,
+    cog: bool,
     max_pixels: int | None,
     max_memory: float | None,
     dither: bool,
@@ -113,13 +117,15 @@ def decode(
     """
     view = ViewOptions(region, scale, size, exact_size, boundless, quiet)
     bits = None if depth is None else int(depth)
+    if pyramid and cog:
+        raise UsageError("--pyramid and --cog exclude each other")
     verbose = bool(click.get_current_context().meta.get(VERBOSE))
     many = output_dir is not None or recursive
     how = (verbose, as_json, quiet, "off" if many else progress)
     job = DecodeJob(
         view,
         DecodeLimits(max_pixels, max_memory),
-        Output(bits, png_level, threads),
+        Output(bits, png_level, threads, "cog" if cog else "tiff" if pyramid else None),
         format_,
         exact,
         dither,

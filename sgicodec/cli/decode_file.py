@@ -13,7 +13,7 @@ import click
 from sgicodec.cli.json_output import print_json
 from sgicodec.cli.limits import DecodeLimits
 from sgicodec.cli.paths import STANDARD, check_output, display, opened_stream, with_extension
-from sgicodec.cli.pictures import Output, write_bands, write_picture
+from sgicodec.cli.pictures import Output, write_bands, write_picture, write_pyramid
 from sgicodec.cli.place import lost_outside_tiff
 from sgicodec.cli.progress import Mode, row_progress
 from sgicodec.cli.views import ViewOptions
@@ -82,8 +82,13 @@ class DecodeJob:
         view = self.view.of(stream) | {"dtype": _DTYPES[self.output.bits]}
         mode: Mode = "off" if self.quiet else self.progress
         bands = stream.bands(**view)
-        whole = stream.grid.count == 1
+        pyramid = self.output.pyramid_of(target)
+        whole = stream.grid.count == 1 and pyramid is None
         self.limits.check(bands.width, bands.height, bands.row_bytes * (bands.height if whole else bands.rows))
+        if pyramid is not None:
+            with row_progress(mode, bands.height) as draw:
+                write_pyramid(stream, view, target, pyramid, draw)
+            return bands
         if not whole:
             with row_progress(mode, bands.height) as draw:
                 write_bands(stream.header, bands, target, extension, self.output, draw)
@@ -101,7 +106,8 @@ class DecodeJob:
         if format_ is None and (target is None or target == STANDARD):
             header = stream.header
             is_float = bits == 32 or (bits is None and header.sample_type == "float32")
-            return "tif" if is_float or header.channels == "multi" or lost_outside_tiff(stream.metadata.geo) else "png"
+            lost = header.channels == "multi" or lost_outside_tiff(stream.metadata.geo)
+            return "tif" if self.output.pyramid or is_float or lost else "png"
         suffix = "" if target is None else Path(target).suffix.removeprefix(".")
         if format_ is None and not suffix:
             raise UsageError(f"{display(target or '')} has no extension that names a format; add one or give --format")
@@ -109,6 +115,9 @@ class DecodeJob:
             text = "a decoded picture ending in .sgi is a Silicon Graphics one; if you mean it, add --format sgi"
             raise UsageError(text)
         try:
-            return find(format_ or suffix).extensions[0]
+            extension = find(format_ or suffix).extensions[0]
         except PictureError as error:
             raise UsageError(str(error)) from None
+        if self.output.pyramid and extension != "tif":
+            raise UsageError(f"--pyramid and --cog write TIFF, not .{extension}")
+        return extension

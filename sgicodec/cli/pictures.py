@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Literal
 
 from sgicodec.cli.paths import STANDARD, write_output
 from sgicodec.errors import PictureError
@@ -17,19 +17,29 @@ from sgicodec.image.scratch import scratch_folder
 if TYPE_CHECKING:
     from sgicodec.bitstream.header import Header
     from sgicodec.decoder.bands import Bands
+    from sgicodec.decoder.stream import Stream
     from sgicodec.image import Sink
     from sgicodec.picture import Picture
 
-__all__ = ["Output", "write_bands", "write_picture"]
+__all__ = ["Output", "write_bands", "write_picture", "write_pyramid"]
+
+Pyramid = Literal["tiff", "ome", "cog"]
 
 
 @dataclass(frozen=True)
 class Output:
-    """How a picture is written. bits: per sample, None for the stream's own."""
+    """How a picture is written. bits: per sample, None for the stream's own; pyramid: what kind of it was asked for."""
 
     bits: int | None
     png_level: int | None
     threads: int
+    pyramid: Pyramid | None = None
+
+    def pyramid_of(self, target: str) -> Pyramid | None:
+        """The kind of pyramid that the file is, by its name too."""
+        from sgicodec.plugins.pyramid import is_ome_name
+
+        return "ome" if self.pyramid != "cog" and is_ome_name(target) else self.pyramid
 
 
 def write_picture(picture: Picture, target: str, extension: str, output: Output) -> None:
@@ -45,6 +55,32 @@ def write_picture(picture: Picture, target: str, extension: str, output: Output)
     write_output(target, buffer.getvalue(), PictureError)
 
 
+def write_pyramid(
+    stream: Stream, view: dict[str, Any], target: str, kind: Pyramid, draw: Callable[[int], None]
+) -> None:
+    """Writes a stream as a tiled TIFF with reductions. draw: as for `write_bands`. Raises SgiError."""
+    if target != STANDARD:
+        _write_pyramid(stream, view, Path(target), kind, draw)
+        return
+    with scratch_folder() as folder:
+        path = folder / "pyramid.tif"
+        _write_pyramid(stream, view, path, kind, draw)
+        _copy_out(path)
+
+
+def _write_pyramid(
+    stream: Stream, view: dict[str, Any], path: Path, kind: Pyramid, draw: Callable[[int], None]
+) -> None:
+    if kind == "cog":
+        from sgicodec.plugins.cog import write_cog
+
+        write_cog(stream, path, done=draw, **view)
+        return
+    from sgicodec.plugins import pyramid
+
+    pyramid.write_pyramid(stream, path, ome=kind == "ome", done=draw, **view)
+
+
 def write_bands(
     header: Header, bands: Bands, target: str, extension: str, output: Output, draw: Callable[[int], None]
 ) -> None:
@@ -57,9 +93,13 @@ def write_bands(
     with scratch_folder() as folder:
         path = folder / f"picture.{extension}"
         _write_bands(header, bands, path, extension, output, draw)
-        with path.open("rb") as file:
-            shutil.copyfileobj(file, sys.stdout.buffer)
-            sys.stdout.buffer.flush()
+        _copy_out(path)
+
+
+def _copy_out(path: Path) -> None:
+    with path.open("rb") as file:
+        shutil.copyfileobj(file, sys.stdout.buffer)
+        sys.stdout.buffer.flush()
 
 
 def _write_bands(

@@ -12,12 +12,13 @@ from pathlib import Path
 from sgicodec.metadata import geo, ifd
 from sgicodec.metadata.filebytes import Bytes, FileBytes
 
-__all__ = ["find", "insert"]
+__all__ = ["DESCRIPTION", "XMP", "described", "find", "insert"]
 
 _BYTE = 1
-_DATETIME, _XMP = 306, 700
+_DATETIME = 306
+DESCRIPTION, XMP = 270, 700
 
-_DESCRIPTIVE = {269, 270, 271, 272, 305, _DATETIME, 315, 316, 18246, 33432, *range(40091, 40096)}
+_DESCRIPTIVE = {269, DESCRIPTION, 271, 272, 305, _DATETIME, 315, 316, 18246, 33432, *range(40091, 40096)}
 """Document name, description, make, model, software, date, artist, host, rating, copyright, Windows' tags."""
 
 _EXIF = _DESCRIPTIVE | geo.RESOLUTION | {ifd.EXIF_IFD, ifd.GPS_IFD}
@@ -31,10 +32,10 @@ def find(data: Bytes) -> tuple[bytes | None, bytes | None, bytes | None]:
     A directory with nothing but a resolution is no EXIF; the resolution is then in `geo`.
     """
     try:
-        directory = ifd.load(data, _EXIF | geo.TAGS | {_XMP})
+        directory = ifd.load(data, _EXIF | geo.TAGS | {XMP})
     except struct.error:
         return None, None, None
-    xmp = directory.pop(_XMP, None)
+    xmp = directory.pop(XMP, None)
     carried = {tag: item for tag, item in directory.items() if tag in _EXIF}
     exif = b"II*\0\x08\0\0\0" + ifd.dump(carried, 8) if carried.keys() - geo.RESOLUTION else None
     if exif is not None or _says_nothing(directory):
@@ -46,6 +47,15 @@ def _says_nothing(directory: ifd.Directory) -> bool:
     """Whether the resolution is the same in x and y and without a unit."""
     across, down, unit = (directory.get(tag) for tag in sorted(geo.RESOLUTION))
     return across == down and unit == _NO_UNIT
+
+
+def described(exif: bytes | None) -> dict[int, ifd.Entry]:
+    """The descriptive tags of an EXIF blob, and its resolution; none of a damaged one."""
+    try:
+        found = {} if exif is None else ifd.load(exif, _DESCRIPTIVE | geo.RESOLUTION)
+    except struct.error:
+        return {}
+    return {tag: item for tag, item in found.items() if isinstance(item, ifd.Entry)}
 
 
 def insert(path: Path, exif: bytes | None, xmp: bytes | None, place: bytes | None) -> None:
@@ -66,7 +76,7 @@ def insert(path: Path, exif: bytes | None, xmp: bytes | None, place: bytes | Non
         if exif is not None:
             directory |= ifd.load(exif, _EXIF)
         if xmp is not None:
-            directory[_XMP] = ifd.Entry(_BYTE, xmp)
+            directory[XMP] = ifd.Entry(_BYTE, xmp)
         directory |= geo.load(place)
         file.seek(end)
         file.write(ifd.dump(directory, end, big=spelling.big))

@@ -54,6 +54,8 @@ HOMES = {
     "starlette": ("sgicodec/server/",),
     "uvicorn": ("sgicodec/server/",),
     "fsspec": ("sgicodec/remote/",),
+    "tifffile": ("sgicodec/plugins/pyramid.py",),
+    "rasterio": ("sgicodec/plugins/cog.py",),
     "mpmath": ("tools/make_tables.py",),
 }
 

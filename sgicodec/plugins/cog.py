@@ -1,0 +1,56 @@
+"""Streams as Cloud Optimized GeoTIFF, by GDAL's own driver (rasterio)."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from sgicodec.decoder.stream import Stream
+from sgicodec.errors import PictureError, require
+from sgicodec.image.files import whole_file
+from sgicodec.image.scratch import scratch_folder
+from sgicodec.plugins.pyramid import write_levels
+
+__all__ = ["write_cog"]
+
+_CACHE_MIB = 64
+
+_OPTIONS = {
+    "driver": "COG",
+    "COMPRESS": "DEFLATE",
+    "PREDICTOR": "YES",
+    "BLOCKSIZE": "512",
+    "BIGTIFF": "IF_SAFER",
+    "OVERVIEWS": "FORCE_USE_EXISTING",
+}
+
+
+def write_cog(
+    stream: Stream, path: str | Path, *, done: Callable[[int], None] = lambda rows: None, **view: Any
+) -> None:
+    """Writes a stream, or a part of it, with place, nodata and overviews, to a file, which appears whole or not at all.
+
+    Overviews are rendered by the decoder; a pyramid is written beside the file first, which GDAL puts in order.
+    Parameters and errors are those of `write_pyramid`.
+    """
+    require("rasterio", "writing Cloud Optimized GeoTIFF", "tiff")
+    import rasterio
+    import rasterio.shutil
+    from rasterio.errors import RasterioError
+
+    target = Path(path)
+    try:
+        with scratch_folder(target.resolve().parent) as folder:
+            unordered, ordered = folder / "pyramid.tif", folder / "cog.tif"
+            with unordered.open("wb") as file:
+                write_levels(stream, file, False, view, done)
+            with rasterio.Env(GDAL_CACHEMAX=_CACHE_MIB):
+                rasterio.shutil.copy(unordered, ordered, **_OPTIONS)
+            with whole_file(target) as out, ordered.open("rb") as done_file:
+                shutil.copyfileobj(done_file, out)
+    except RasterioError as error:
+        raise PictureError(f"{path}: {' '.join(str(error).split())}") from error
+    except OSError as error:
+        raise PictureError(f"{path}: {error.strerror or error}") from error

@@ -1,0 +1,152 @@
+"""Streams as pyramids in tiled TIFF: OME-TIFF, or the picture and its reductions one after the other. By tifffile."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+from numpy.typing import DTypeLike, NDArray
+
+from sgicodec.decoder.bands import Bands
+from sgicodec.decoder.levels import levels_of
+from sgicodec.decoder.stream import Stream
+from sgicodec.errors import PictureError, require
+from sgicodec.image.files import whole_file
+from sgicodec.metadata import geo
+from sgicodec.metadata.georeference import resolution
+from sgicodec.metadata.tiff import DESCRIPTION, XMP, described
+from sgicodec.picture import Metadata, alpha_index
+
+__all__ = ["TILE", "is_ome_name", "write_levels", "write_pyramid"]
+
+TILE = 256
+"""Side of tiles, in pixels."""
+
+_MOST_CLASSIC = 7 << 28
+"""Bytes of the picture's samples from which on, with reductions, the file is a BigTIFF."""
+
+_BATCH_BYTES = 1 << 26
+"""Of tiles that are compressed at a time."""
+
+_BYTE = 1
+
+
+def is_ome_name(name: str) -> bool:
+    """Whether a file of this name is OME-TIFF."""
+    return re.search(r"\.ome\.tiff?$", name, re.IGNORECASE) is not None
+
+
+def write_pyramid(
+    stream: Stream,
+    path: str | Path,
+    *,
+    ome: bool | None = None,
+    done: Callable[[int], None] = lambda rows: None,
+    **view: Any,
+) -> None:
+    """Writes a stream, or a part of it, and its half, its quarter … to a file, which appears whole or not at all.
+
+    ome: whether it is OME-TIFF; by default if it is called `.ome.tif` or `.ome.tiff`. view: region, scale, size, dtype
+    and boundless, as of `Stream.read`. done: called with the rows of the first level that are rendered. Every level is
+    rendered by itself, in bands of rows. Raises StreamError, PictureError, MissingExtraError.
+    """
+    ome = is_ome_name(str(path)) if ome is None else ome
+    try:
+        with whole_file(Path(path)) as file:
+            write_levels(stream, file, ome, view, done)
+    except OSError as error:
+        raise PictureError(f"{path}: {error.strerror or error}") from error
+
+
+def write_levels(
+    stream: Stream, file: IO[bytes], ome: bool, view: Mapping[str, Any], done: Callable[[int], None]
+) -> None:
+    """The same into a binary file that can seek."""
+    require("tifffile", "writing pyramids", "tiff")
+    import tifffile
+
+    bands = stream.bands(**view)
+    sizes = levels_of(bands.width, bands.height)
+    big = bands.row_bytes * bands.height > _MOST_CLASSIC
+    same = {"region": view.get("region"), "dtype": view.get("dtype"), "boundless": view.get("boundless", False)}
+    with tifffile.TiffWriter(file, bigtiff=big, byteorder="<", ome=ome, shaped=False) as writer:
+        for number, level in enumerate(sizes):
+            if number:
+                bands = stream.bands(**same, size=(level.width, level.height))
+                first = {"subfiletype": 1}
+            else:
+                first = _first_page(stream, bands, ome, view) | ({"subifds": len(sizes) - 1} if ome else {})
+            tiles = _tiles(bands, lambda rows: None if number else done(rows))  # noqa: B023 (consumed at once)
+            writer.write(tiles, **(_layout(stream, bands, view.get("dtype") or stream.dtype) | first))
+
+
+def _layout(stream: Stream, bands: Bands, dtype: DTypeLike) -> dict[str, Any]:
+    """What all levels share: how samples lie and are compressed."""
+    header = stream.header
+    count, dtype = header.spec.channels, np.dtype(dtype)
+    colour = "rgb" if header.channels in ("rgb", "rgba") else "minisblack"
+    extra = {} if alpha_index(header.channels) is None else {"extrasamples": ["unassalpha"]}
+    return extra | {
+        "shape": (bands.height, bands.width, *((count,) if count > 1 else ())),
+        "dtype": dtype,
+        "photometric": colour,
+        "planarconfig": "contig" if count > 1 else None,
+        "tile": (TILE, TILE),
+        "compression": "adobe_deflate",
+        "predictor": dtype.kind == "u",
+        "metadata": None,
+        "software": False,
+        "buffersize": _BATCH_BYTES,
+        "iccprofile": stream.metadata.icc,
+    }
+
+
+def _first_page(stream: Stream, bands: Bands, ome: bool, view: Mapping[str, Any]) -> dict[str, Any]:
+    """Metadata, which the first directory alone has."""
+    found = bands.metadata
+    tags = described(found.exif) | {tag: entry for tag, entry in geo.load(found.geo).items()}
+    x, y, unit = (tags.pop(tag, None) for tag in sorted(geo.RESOLUTION))
+    keep = [
+        (tag, entry.kind, None, entry.data, True) for tag, entry in tags.items() if not (ome and tag == DESCRIPTION)
+    ]
+    if found.xmp is not None:
+        keep.append((XMP, _BYTE, None, found.xmp, True))
+    page: dict[str, Any] = {"extratags": keep}
+    if x is not None and y is not None:
+        pair = tuple(tuple(np.frombuffer(entry.data, "<u4", 2).tolist()) for entry in (x, y))
+        page |= {"resolution": pair, "resolutionunit": 2 if unit is None else int.from_bytes(unit.data[:2], "little")}
+    if ome:
+        page["metadata"] = {"axes": "YXS" if stream.header.spec.channels > 1 else "YX"}
+        microns = _microns(stream.metadata, stream, bands, view)
+        if microns is not None:
+            page["metadata"] |= {f"PhysicalSize{axis}": size for axis, size in zip("XY", microns, strict=True)}
+            page["metadata"] |= {"PhysicalSizeXUnit": "µm", "PhysicalSizeYUnit": "µm"}
+            page |= {"resolution": tuple(10000 / size for size in microns), "resolutionunit": 3}
+    return page
+
+
+def _microns(metadata: Metadata, stream: Stream, bands: Bands, view: Mapping[str, Any]) -> tuple[float, float] | None:
+    """Size of a pixel of the first level, if the stream states that of its own."""
+    stated = resolution(metadata.geo, metadata.exif)
+    if stated is None:
+        return None
+    _, _, width, height = view.get("region") or (0, 0, stream.width, stream.height)
+    return stated.microns[0] * width / bands.width, stated.microns[1] * height / bands.height
+
+
+def _tiles(bands: Bands, done: Callable[[int], None]) -> Iterator[NDArray[Any]]:
+    """Tiles [h, w] or [h, w, C] of a level, row by row of tiles; those at its edges are smaller."""
+    rest: NDArray[Any] | None = None
+    for top, picture in bands:
+        done(top + picture.height)
+        rows = picture.pixels[..., 0] if picture.pixels.shape[2] == 1 else picture.pixels
+        rows = rows if rest is None else np.concatenate([rest, rows])
+        last = top + picture.height == bands.height
+        whole = len(rows) if last else len(rows) - len(rows) % TILE
+        for y in range(0, whole, TILE):
+            for x in range(0, bands.width, TILE):
+                yield np.ascontiguousarray(rows[y : min(y + TILE, whole), x : x + TILE])
+        rest = rows[whole:].copy()

@@ -1,0 +1,132 @@
+"""Pyramids in TIFF, as tifffile and GDAL read them."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rasterio
+import tifffile
+from click.testing import CliRunner, Result
+from PIL import ImageCms
+
+import sgicodec
+from sgicodec.cli.main import cli
+from sgicodec.decoder import bands
+from sgicodec.errors import MissingExtraError, PictureError
+from sgicodec.picture import Metadata, Picture
+from sgicodec.plugins.pyramid import is_ome_name, write_pyramid
+
+GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
+WIDTH, HEIGHT = 700, 530
+
+
+@pytest.fixture(scope="module")
+def stream() -> sgicodec.Stream:
+    """A ramp in six tiles, with a profile, a resolution and EXIF."""
+    y, x = np.mgrid[:HEIGHT, :WIDTH]
+    pixels = np.stack([x % 256, y % 256, (x + y) // 5], axis=2).astype(np.uint8)
+    exif = b"II*\0\x08\0\0\0" + bytes.fromhex("0100 0f01 0200 0600 0000 1a00 0000 0000 0000") + b"Maker\0"
+    resolution = bytes.fromhex("0300 1a01 0500 0100 0000 3200 0000 1b01 0500 0100 0000 3a00 0000 2801 0300 0100 0000")
+    geo = b"II*\0\x08\0\0\0" + resolution + bytes.fromhex("0300 0000 0000 0000 409c 0000 0100 0000 204e 0000 0100 0000")
+    icc = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
+    metadata = Metadata(icc=icc, exif=exif, xmp=b"<x:xmpmeta xmlns:x='adobe:ns:meta/'/>", geo=geo)
+    picture = Picture(pixels, "rgb", (0, 255), metadata)
+    data = sgicodec.encode_picture(picture, sgicodec.EncodeSettings(steps=3, tile=256, overview=False)).data
+    return sgicodec.open(data)
+
+
+@pytest.mark.parametrize("name", ["a.ome.tif", "a.OME.TIFF", "a.tif"])
+def test_levels_are_those_of_the_stream(
+    name: str, stream: sgicodec.Stream, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In bands that do not end with rows of tiles."""
+    monkeypatch.setattr(bands, "BAND_SAMPLES", 100 * WIDTH * 3)
+    rows: list[int] = []
+    write_pyramid(stream, tmp_path / name, done=rows.append)
+    assert rows == [100, 200, 300, 400, 500, 530]
+    with tifffile.TiffFile(tmp_path / name) as file:
+        assert file.is_ome == is_ome_name(name)
+        assert len(file.pages) == (1 if file.is_ome else 3)
+        levels = file.series[0].levels
+        assert [level.shape for level in levels] == [(530, 700, 3), (265, 350, 3), (132, 175, 3)]
+        for found, level in zip(levels, stream.levels, strict=True):
+            np.testing.assert_array_equal(found.asarray(), stream.read(size=level[:2]))
+            assert found.keyframe.tile == (256, 256)
+            assert found.keyframe.compression == tifffile.COMPRESSION.ADOBE_DEFLATE
+    assert sorted(path.name for path in tmp_path.iterdir()) == [name]
+
+
+def test_metadata_of_ome(stream: sgicodec.Stream, tmp_path: Path) -> None:
+    """A pixel is a quarter of a micrometre wide and half of one high."""
+    write_pyramid(stream, tmp_path / "a.ome.tif", region=(100, 50, 300, 260), scale=0.5)
+    with tifffile.TiffFile(tmp_path / "a.ome.tif") as file:
+        pixels = tifffile.xml2dict(file.ome_metadata)["OME"]["Image"]["Pixels"]
+        assert (pixels["SizeX"], pixels["SizeY"], pixels["SizeC"]) == (150, 130, 3)
+        assert (pixels["PhysicalSizeX"], pixels["PhysicalSizeY"]) == (0.5, 1.0)
+        assert pixels["PhysicalSizeXUnit"] == "µm"
+        tags = file.pages[0].tags
+        assert tags[34675].value == stream.metadata.icc
+        assert tags[271].value == "Maker"
+        assert tags[700].value == stream.metadata.xmp
+        assert [above / below for above, below in (tags[282].value, tags[283].value)] == [20000, 10000]
+        expected = stream.read(region=(100, 50, 300, 260), scale=0.5)
+        np.testing.assert_array_equal(file.asarray(), expected)
+
+
+def test_gdal_reads_a_pyramid(stream: sgicodec.Stream, tmp_path: Path) -> None:
+    write_pyramid(stream, tmp_path / "a.tif")
+    with rasterio.open(tmp_path / "a.tif") as file:
+        assert file.overviews(1) == [2, 4]
+        np.testing.assert_array_equal(np.moveaxis(file.read(), 0, 2), stream.read())
+    with rasterio.open(tmp_path / "a.tif", overview_level=1) as file:
+        np.testing.assert_array_equal(np.moveaxis(file.read(), 0, 2), stream.read(size=(175, 132)))
+
+
+@pytest.mark.parametrize("name", ["rgba8", "gray16", "gray8-alpha", "float", "multi8"])
+@pytest.mark.parametrize("ome", [False, True])
+def test_every_layout(name: str, ome: bool, tmp_path: Path) -> None:
+    with sgicodec.open(GOLDEN / f"{name}.sgi") as stream:
+        write_pyramid(stream, tmp_path / "a.tif", ome=ome)
+        np.testing.assert_array_equal(tifffile.imread(tmp_path / "a.tif"), stream.read())
+        read = sgicodec.read(tmp_path / "a.tif")
+        assert read.channels == stream.header.channels
+        write_pyramid(stream, tmp_path / "b.tif", ome=ome, dtype="uint16")
+        np.testing.assert_array_equal(tifffile.imread(tmp_path / "b.tif"), stream.read(dtype="uint16"))
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(cli, [str(argument) for argument in arguments])
+
+
+def test_the_command(stream: sgicodec.Stream, tmp_path: Path) -> None:
+    path = GOLDEN / "rgb8-tiles.sgi"
+    for arguments in ((tmp_path / "a.ome.tiff",), (tmp_path / "b.tif", "--pyramid", "--scale", 4, "--depth", 16)):
+        result = run("decode", path, *arguments, "--quiet")
+        assert result.exit_code == 0, result.output
+    with tifffile.TiffFile(tmp_path / "a.ome.tiff") as one, tifffile.TiffFile(tmp_path / "b.tif") as two:
+        assert (one.is_ome, two.is_ome) == (True, False)
+        assert two.pages[0].dtype == np.uint16
+        assert [level.shape[1] for level in two.series[0].levels] == [768, 384, 192]
+    out = CliRunner().invoke(cli, ["decode", str(path), "-", "--pyramid"])
+    (tmp_path / "c.tif").write_bytes(out.stdout_bytes)
+    np.testing.assert_array_equal(tifffile.imread(tmp_path / "c.tif"), sgicodec.imread(path))
+    for wrong in (("a.png", "--pyramid"), ("a.tif", "--pyramid", "--cog")):
+        assert run("decode", path, *wrong).exit_code == 2
+
+
+def test_what_goes_wrong(stream: sgicodec.Stream, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(PictureError, match=r"none/a\.tif: "):
+        write_pyramid(stream, tmp_path / "none" / "a.tif")
+
+    def stop(rows: int) -> None:
+        raise PictureError("stopped")
+
+    with pytest.raises(PictureError, match="stopped"):
+        write_pyramid(stream, tmp_path / "a.tif", done=stop)
+    monkeypatch.setitem(sys.modules, "tifffile", None)
+    with pytest.raises(MissingExtraError, match=r"'sgicodec\[tiff\]'"):
+        write_pyramid(stream, tmp_path / "a.tif")
+    assert list(tmp_path.iterdir()) == []
