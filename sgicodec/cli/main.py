@@ -27,6 +27,7 @@ _COMMANDS = {
     "decode": "sgicodec.cli.decode",
     "info": "sgicodec.cli.info",
     "verify": "sgicodec.cli.verify",
+    "view": "sgicodec.cli.view",
     "serve": "sgicodec.cli.serve",
     "compare": "sgicodec.bench.command",
     "bench": "sgicodec.bench.command",
@@ -36,7 +37,7 @@ _COMMANDS = {
 """The commands, and the modules that they live in."""
 
 
-_ROOM_MIB = {"encode": 200, "decode": 136, "verify": 136, "serve": 200, "compare": 200, "bench": 200}
+_ROOM_MIB = {"encode": 200, "decode": 136, "verify": 136, "view": 200, "serve": 200, "compare": 200, "bench": 200}
 """Address space that the libraries of a command take as they load; some end the process where there is less."""
 
 _NO_MEMORY = ("failed to map segment", "annot allocate memory", "can't start new thread", "temporarily unavailable")

@@ -20,7 +20,7 @@ TEXT = (Path(__file__).parents[3] / "docs" / "cli.md").read_text("utf-8")
 SECTIONS = {part.split(maxsplit=1)[0]: part for part in TEXT.split("\n## sgi ")[1:]}
 
 
-@pytest.mark.parametrize("command", ["encode", "decode", "serve"])
+@pytest.mark.parametrize("command", ["encode", "decode", "view", "serve"])
 def test_every_option_is_in_its_table(command: str) -> None:
     rows = re.findall(r"^\| (`-.*?) \|", SECTIONS[command], re.MULTILINE)
     documented = {name for row in rows for name in re.findall(r"`(--?[a-z][a-z0-9-]*)`", row)}

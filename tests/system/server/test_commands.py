@@ -1,4 +1,4 @@
-"""`sgi serve` as a process, and what they refuse."""
+"""`sgi serve` and `sgi view` as processes, and what they refuse."""
 
 from __future__ import annotations
 
@@ -51,11 +51,30 @@ def test_serving_until_a_signal(folder: Path, end: signal.Signals) -> None:
     assert "GET /files/%0anope 404" in lines[1]
 
 
+def test_viewing(folder: Path) -> None:
+    process, line = start("view", folder / "wide.sgi", folder / "rgb8-tiles.sgi", "--no-browser")
+    found = re.fullmatch(r"http://127\.0\.0\.1:(\d+)(/viewer/\?\S+)", line)
+    assert found, line
+    get = Client(int(found[1]))
+    page = get(found[2])
+    assert (page.status, page.headers["content-type"]) == (200, "text/html; charset=utf-8")
+    assert found[2].endswith("?file=%2Ffiles%2Fwide.sgi&other=%2Ffiles%2Frgb8-tiles.sgi")
+    assert get("/files/wide.sgi", Range="bytes=0-9").status == 206
+    assert get("/files/gray16.sgi").status == 404
+    assert get("/files/wide.sgi", Host="evil.example.org").status == 400
+    assert "access-control-allow-origin" not in get("/files/wide.sgi", Origin="https://evil.example.org").headers
+    process.send_signal(signal.SIGINT)
+    process.communicate()
+    assert process.returncode == 0
+
+
 @pytest.mark.parametrize(
     ("arguments", "status", "text"),
     [
         (("serve", "nowhere"), 2, "No such file"),
         (("serve", __file__), 2, "is no folder"),
+        (("view", "nowhere.sgi"), 4, "there is no such file"),
+        (("view", "."), 4, "it is a folder"),
     ],
 )
 def test_refused(sgi: Callable[..., Result], arguments: tuple[str, ...], status: int, text: str) -> None:
@@ -73,9 +92,10 @@ def test_a_port_in_use(sgi: Callable[..., Result], folder: Path) -> None:
 
 def test_without_the_extra(sgi: Callable[..., Result], folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "starlette", None)
-    result = sgi("serve", folder)
-    assert result.exit_code == 2
-    assert "pip install 'sgicodec[serve]'" in result.stderr
+    for command in (("serve", folder), ("view", folder / "wide.sgi")):
+        result = sgi(*command)
+        assert result.exit_code == 2
+        assert "pip install 'sgicodec[serve]'" in result.stderr
 
 
 def test_files_that_were_chosen(folder: Path) -> None:

@@ -1,0 +1,75 @@
+"""`sgi view`: streams in the browser, from a server on this machine that serves nothing else."""
+
+from __future__ import annotations
+
+import webbrowser
+from pathlib import Path
+from urllib.parse import quote, urlencode
+
+import click
+
+from sgicodec.cli.command import HelpfulCommand
+from sgicodec.cli.options import complete_files, threads_option
+from sgicodec.cli.paths import display
+from sgicodec.device import Device
+from sgicodec.errors import StreamError, UsageError, require
+
+__all__ = ["view"]
+
+_HOST = "127.0.0.1"
+
+
+@click.command(
+    cls=HelpfulCommand,
+    short_help="Show a stream in the browser.",
+    common=("no_browser", "port"),
+    examples=(
+        ("sgi view photo.sgi", "pan and zoom; Ctrl-C ends the server"),
+        ("sgi view photo.sgi photo.png", "beside another stream or picture, with a slider"),
+        ("sgi view https://example.org/city.sgi", "only the bytes that are looked at are fetched"),
+    ),
+)
+@click.argument("source", metavar="FILE|URL", shell_complete=complete_files)
+@click.argument("other", metavar="[OTHER]", required=False, shell_complete=complete_files)
+@click.option("--no-browser", is_flag=True, help="Print the address, and open nothing.")
+@click.option("--port", default=0, type=click.IntRange(0, 65535), help="Port to listen on.  [default: any free one]")
+@threads_option
+def view(source: str, other: str | None, no_browser: bool, port: int, threads: int) -> None:
+    """Show the stream in FILE, or at URL, in the browser; OTHER is compared with it. The server answers this machine
+    alone, and serves these files alone.
+    """
+    for library in ("starlette", "uvicorn"):
+        require(library, "sgi view", "serve")
+    from sgicodec.server.app import Settings, application
+    from sgicodec.server.run import address_of, listening, serve
+    from sgicodec.server.shelf import Chosen
+    from sgicodec.server.viewer import viewer_folder
+
+    viewer = viewer_folder()
+    if viewer is None:
+        raise UsageError("this installation has no viewer")
+    files: dict[str, Path] = {}
+    query = {"file": _place(source, files)} | ({"other": _place(other, files)} if other else {})
+    settings = Settings(device=Device(threads), public=False, hosts=(_HOST, "localhost"), viewer=viewer, max_age=0)
+    app = application(Chosen(files), settings)
+    place = listening(_HOST, port)
+    address = f"{address_of(place)}/viewer/?{urlencode(query)}"
+
+    def show() -> None:
+        click.echo(address)
+        if not no_browser and not webbrowser.open(address):
+            click.echo("sgi: there is no browser to open; open the address above", err=True)
+
+    serve(app, place, show, quiet=True)
+
+
+def _place(source: str, files: dict[str, Path]) -> str:
+    """What the viewer's page calls a file, which is added to those that are served; a URL is its own name."""
+    if source.startswith(("http://", "https://")):
+        return source
+    path = Path(source)
+    if not path.is_file():
+        raise StreamError(f"{display(source)}: {'it is a folder' if path.is_dir() else 'there is no such file'}")
+    name = path.name if path.name not in files else f"{len(files)}-{path.name}"
+    files[name] = path
+    return f"/files/{quote(name)}"

@@ -1,0 +1,37 @@
+/**
+ * A decoder gives parts of a picture at any scale. There are three: streams in workers, pictures that the browser
+ * reads, and pictures that a IIIF server draws. Each has
+ *
+ *   info: {width, height, name, kind, bytes, tileSize, hasOverview}
+ *   fetched: bytes that came over the network so far
+ *   isContinuous: whether it can draw between pixels, at any place and scale
+ *   draw(view, priority) -> {promise of an ImageBitmap, cancel()}; view: {x, y, width, height, columns, rows}
+ *   ellipses(region) -> promise of {count, total, shapes: Float32Array of x, y, a, b, angle} or null
+ *   close()
+ */
+
+import { placeOf } from "./bytes.js";
+import { PictureDecoder } from "./picture_decoder.js";
+import { IiifDecoder } from "./iiif_decoder.js";
+import { StreamDecoder } from "./stream_decoder.js";
+import { hasModule } from "./wasm.js";
+
+const SIGNATURE = [0x89, 0x53, 0x47, 0x49, 0x0d, 0x0a, 0x1a, 0x0a]; // docs/format.md
+
+/** Opens a File, a Blob or a URL: a stream by its first bytes, else what the browser can read. */
+export async function openDecoder(source, options = {}) {
+  if (typeof source === "string" && !(await hasModule())) {
+    const iiif = await IiifDecoder.open(source);
+    if (iiif) return iiif;
+  }
+  const { place, fetched, name } = await placeOf(source);
+  const start = await firstBytes(place);
+  const isStream = SIGNATURE.every((byte, at) => start[at] === byte);
+  if (isStream) return StreamDecoder.open(place, fetched, name, options);
+  return PictureDecoder.open(source, place, fetched, name);
+}
+
+async function firstBytes(place) {
+  if (place.kind === "blob") return new Uint8Array(await place.blob.slice(0, SIGNATURE.length).arrayBuffer());
+  return new Uint8Array(place.kind === "url" ? place.head : place.bytes, 0, Math.min(SIGNATURE.length, place.size));
+}

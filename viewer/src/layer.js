@@ -1,0 +1,199 @@
+/** One picture on the screen: cached tiles are drawn at once, then the view itself at its true scale and place. */
+
+const TILE = 256;
+const FINEST = 5; // tiles are drawn up to 2^5 pixels for each of the picture's
+const MOST_TILES = 800;
+const REFINE = 1000; // priorities from here on: after all tiles
+
+export class Layer {
+  /** decoder: of decoder.js; changed(): something can be drawn; failed(error): a part cannot. */
+  constructor(decoder, changed, failed) {
+    this.decoder = decoder;
+    this.changed = changed;
+    this.failed = failed;
+    this.tiles = new Map(); // key -> {bitmap} or {job}, the least recently used first
+    this.cells = null; // of the refined view: {key, parts}
+    const { width, height } = decoder.info;
+    this.coarsest = Math.floor(Math.log2(TILE / Math.max(width, height)));
+  }
+
+  /** Draws what there is, and asks for what is missing. camera: in this picture's pixels. */
+  draw(context, camera) {
+    const level = Math.min(FINEST, Math.max(this.coarsest, Math.ceil(Math.log2(camera.scale) - 1e-6)));
+    const wanted = this.visible(camera, level);
+    this.forgetJobs(new Set(wanted.map(({ key }) => key)));
+    this.ask(this.tileOf(this.coarsest, 0, 0), -1);
+    const middle = [camera.columns / 2, camera.rows / 2];
+    for (const tile of wanted) {
+      const { bitmap } = this.tiles.get(tile.key) ?? {};
+      const box = this.screenBox(tile, camera);
+      if (!bitmap) {
+        this.ask(tile, Math.hypot((box[0] + box[2]) / 2 - middle[0], (box[1] + box[3]) / 2 - middle[1]) / 1e4);
+        this.drawAncestor(context, tile, box);
+      } else {
+        this.touch(tile.key);
+        context.drawImage(bitmap, box[0], box[1], box[2] - box[0], box[3] - box[1]);
+      }
+    }
+    if (this.cells?.key === keyOf(camera)) {
+      for (const { bitmap, column, row } of this.cells.parts) if (bitmap) context.drawImage(bitmap, column, row);
+    }
+  }
+
+  /** Asks for the view at its true scale, unless the tiles show it pixel by pixel. */
+  refine(camera) {
+    if (this.cells?.key === keyOf(camera) || !this.decoder.isContinuous || this.isExact(camera)) return;
+    this.forgetCells();
+    const { width, height } = this.decoder.info;
+    const [left, top] = camera.toScreen(0, 0);
+    const [right, bottom] = camera.toScreen(width, height);
+    const cells = { key: keyOf(camera), parts: [], jobs: [] };
+    this.cells = cells;
+    const [first, last] = [Math.max(0, Math.ceil(left - 0.5)), Math.min(camera.columns, Math.ceil(right - 0.5))];
+    const [above, below] = [Math.max(0, Math.ceil(top - 0.5)), Math.min(camera.rows, Math.ceil(bottom - 0.5))];
+    for (let row = above; row < below; row += TILE) {
+      for (let column = first; column < last; column += TILE) {
+        const columns = Math.min(TILE, last - column);
+        const rows = Math.min(TILE, below - row);
+        const [x, y] = camera.toPicture(column, row);
+        const view = { x, y, width: columns / camera.scale, height: rows / camera.scale, columns, rows };
+        const job = this.decoder.draw(view, REFINE);
+        const part = { column, row, bitmap: null };
+        cells.parts.push(part);
+        cells.jobs.push(job);
+        job.promise.then((bitmap) => this.arrived(part, bitmap, cells), (error) => this.lost(error));
+      }
+    }
+  }
+
+  arrived(part, bitmap, cells) {
+    if (this.cells !== cells) return bitmap.close();
+    part.bitmap = bitmap;
+    this.changed();
+  }
+
+  /** Whether nothing is being drawn: the screen shows the best there is. */
+  get isDone() {
+    const waits = [...this.tiles.values()].some(({ job }) => job);
+    return !waits && !(this.cells?.parts ?? []).some(({ bitmap }) => !bitmap);
+  }
+
+  isExact(camera) {
+    const [left, top] = camera.toScreen(0, 0);
+    const whole = (value) => Math.abs(value - Math.round(value)) < 1e-6;
+    return whole(Math.log2(camera.scale)) && whole(left) && whole(top);
+  }
+
+  visible(camera, level) {
+    const { x, y, width, height } = camera.seen;
+    const { width: across, height: down } = this.decoder.info;
+    const side = TILE / 2 ** level;
+    const found = [];
+    if (!(width > 0 && height > 0)) return found;
+    const lastColumn = Math.min(Math.ceil((x + width) / side), Math.ceil(across / side));
+    const lastRow = Math.min(Math.ceil((y + height) / side), Math.ceil(down / side));
+    for (let row = Math.floor(y / side); row < lastRow; row++) {
+      for (let column = Math.floor(x / side); column < lastColumn; column++) found.push(this.tileOf(level, column, row));
+    }
+    return found;
+  }
+
+  tileOf(level, column, row) {
+    return { level, column, row, key: `${level}/${column}/${row}` };
+  }
+
+  /** The tile's view: at the right and lower end as many pixels as have their centre in the picture, at least one. */
+  viewOf({ level, column, row }) {
+    const scale = 2 ** level;
+    const side = TILE / scale;
+    const [x, y] = [column * side, row * side];
+    const columns = Math.min(TILE, Math.max(1, Math.round((this.decoder.info.width - x) * scale)));
+    const rows = Math.min(TILE, Math.max(1, Math.round((this.decoder.info.height - y) * scale)));
+    return { x, y, width: columns / scale, height: rows / scale, columns, rows };
+  }
+
+  screenBox(tile, camera) {
+    const { x, y, width, height } = this.viewOf(tile);
+    return [...camera.toScreen(x, y), ...camera.toScreen(x + width, y + height)].map(Math.round);
+  }
+
+  /** Draws the tile's part of the nearest coarser tile that is there. */
+  drawAncestor(context, tile, [left, top, right, bottom]) {
+    const view = this.viewOf(tile);
+    for (let up = 1; tile.level - up >= this.coarsest; up++) {
+      const above = this.tileOf(tile.level - up, tile.column >> up, tile.row >> up);
+      const { bitmap } = this.tiles.get(above.key) ?? {};
+      if (!bitmap) continue;
+      const from = this.viewOf(above);
+      const scale = 2 ** above.level;
+      const source = [(view.x - from.x) * scale, (view.y - from.y) * scale, view.width * scale, view.height * scale];
+      context.drawImage(bitmap, ...source, left, top, right - left, bottom - top);
+      return;
+    }
+  }
+
+  ask(tile, priority) {
+    if (this.tiles.has(tile.key)) return;
+    const job = this.decoder.draw(this.viewOf(tile), priority);
+    this.tiles.set(tile.key, { job });
+    job.promise.then(
+      (bitmap) => {
+        this.tiles.set(tile.key, { bitmap });
+        this.evict();
+        this.changed();
+      },
+      (error) => {
+        this.tiles.delete(tile.key);
+        this.lost(error, tile.key);
+      },
+    );
+  }
+
+  lost(error, key) {
+    if (error.name === "AbortError") return;
+    if (key) this.tiles.set(key, {}); // not again
+    this.failed(error);
+    this.changed();
+  }
+
+  touch(key) {
+    const tile = this.tiles.get(key);
+    this.tiles.delete(key);
+    this.tiles.set(key, tile);
+  }
+
+  evict() {
+    for (const [key, { bitmap }] of this.tiles) {
+      if (this.tiles.size <= MOST_TILES) return;
+      if (!bitmap || key === `${this.coarsest}/0/0`) continue;
+      bitmap.close();
+      this.tiles.delete(key);
+    }
+  }
+
+  forgetJobs(needed) {
+    for (const [key, { job }] of this.tiles) {
+      if (job && !needed.has(key) && key !== `${this.coarsest}/0/0`) job.cancel();
+    }
+  }
+
+  forgetCells() {
+    for (const job of this.cells?.jobs ?? []) job.cancel();
+    for (const { bitmap } of this.cells?.parts ?? []) bitmap?.close();
+    this.cells = null;
+  }
+
+  close() {
+    this.forgetCells();
+    for (const { bitmap, job } of this.tiles.values()) {
+      bitmap?.close();
+      job?.cancel();
+    }
+    this.tiles.clear();
+    this.decoder.close();
+  }
+}
+
+function keyOf({ x, y, scale, columns, rows }) {
+  return `${x},${y},${scale},${columns},${rows}`;
+}

@@ -1,0 +1,163 @@
+/** What the canvas shows: a picture, perhaps a second one beside it, and the ellipses of Gaussians. */
+
+import { Camera } from "./camera.js";
+import { drawEllipses } from "./ellipses.js";
+import { Layer } from "./layer.js";
+
+const STILL = 120; // milliseconds without movement before the view is refined
+
+/** Events: "moved" (the camera did), "drawn" (a frame), "failed" (detail: the error). */
+export class Scene extends EventTarget {
+  constructor(canvas) {
+    super();
+    this.canvas = canvas;
+    this.context = canvas.getContext("2d");
+    this.camera = new Camera();
+    this.layers = [];
+    this.split = 0.5; // where the second picture begins, of the canvas's width
+    this.ellipses = null; // {key, shapes, count, total} while they are shown
+    this.showsEllipses = false;
+    this.frame = this.timer = 0;
+    this.watcher = new ResizeObserver(() => this.resize());
+    this.watcher.observe(canvas);
+    this.resize();
+  }
+
+  /** Shows a decoder's picture instead of what was shown. */
+  open(decoder) {
+    this.closeLayers(0);
+    this.layers = [this.layerOf(decoder)];
+    const { width, height } = decoder.info;
+    Object.assign(this.camera, { width, height });
+    this.camera.fit();
+    this.moved();
+  }
+
+  /** Shows a second picture to the right of the split, scaled onto the first one; null: none. */
+  compare(decoder) {
+    this.closeLayers(1);
+    if (decoder) this.layers.push(this.layerOf(decoder));
+    this.dirty();
+  }
+
+  layerOf(decoder) {
+    const failed = (error) => this.dispatchEvent(new CustomEvent("failed", { detail: error }));
+    return new Layer(decoder, () => this.dirty(), failed);
+  }
+
+  closeLayers(from) {
+    for (const layer of this.layers.splice(from)) layer.close();
+    this.ellipses = null;
+  }
+
+  close() {
+    this.closeLayers(0);
+    this.watcher.disconnect();
+    cancelAnimationFrame(this.frame);
+    clearTimeout(this.timer);
+  }
+
+  get decoder() {
+    return this.layers[0]?.decoder ?? null;
+  }
+
+  get fetched() {
+    return this.layers.reduce((sum, { decoder }) => sum + decoder.fetched, 0);
+  }
+
+  get bytes() {
+    return this.layers.reduce((sum, { decoder }) => sum + decoder.info.bytes, 0);
+  }
+
+  /** Whether the canvas shows the best there is of this view. */
+  get isDone() {
+    const still = !this.frame && !this.timer;
+    return still && this.layers.every((layer) => layer.isDone) && (!this.showsEllipses || this.ellipses !== null);
+  }
+
+  resize() {
+    const ratio = globalThis.devicePixelRatio || 1;
+    const { clientWidth, clientHeight } = this.canvas;
+    const before = this.camera.fitting;
+    const fits = Math.abs(this.camera.scale / before - 1) < 1e-6;
+    this.canvas.width = this.camera.columns = Math.max(1, Math.round(clientWidth * ratio));
+    this.canvas.height = this.camera.rows = Math.max(1, Math.round(clientHeight * ratio));
+    if (fits) this.camera.fit();
+    this.moved();
+  }
+
+  /** Calls change(camera) and draws what it then shows. */
+  move(change) {
+    change(this.camera);
+    this.moved();
+  }
+
+  moved() {
+    this.dispatchEvent(new Event("moved"));
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => this.refine(), STILL);
+    this.dirty();
+  }
+
+  dirty() {
+    this.frame ||= requestAnimationFrame(() => this.draw());
+  }
+
+  refine() {
+    this.timer = 0;
+    for (const [number, layer] of this.layers.entries()) layer.refine(this.cameraOf(number));
+    if (this.showsEllipses) this.askEllipses();
+    this.dirty();
+  }
+
+  /** The camera in the pixels of a layer: the second picture lies on the first one, whatever its size. */
+  cameraOf(number) {
+    if (number === 0) return this.camera;
+    const { width, height } = this.layers[number].decoder.info;
+    const factor = width / this.camera.width;
+    const camera = Object.assign(new Camera(), this.camera);
+    return Object.assign(camera, { width, height, x: camera.x * factor, y: camera.y * factor, scale: camera.scale / factor });
+  }
+
+  draw() {
+    this.frame = 0;
+    const { context, canvas, camera } = this;
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    context.clearRect(0, 0, canvas.width, canvas.height);
+    context.imageSmoothingEnabled = true;
+    context.imageSmoothingQuality = "medium";
+    const edge = Math.round(this.split * canvas.width);
+    for (const [number, layer] of this.layers.entries()) {
+      context.save();
+      context.beginPath();
+      const [start, stop] = this.layers.length < 2 ? [0, canvas.width] : number ? [edge, canvas.width] : [0, edge];
+      context.rect(start, 0, stop - start, canvas.height);
+      context.clip();
+      layer.draw(context, this.cameraOf(number));
+      context.restore();
+    }
+    if (this.showsEllipses && this.ellipses) drawEllipses(context, camera, this.ellipses);
+    this.dispatchEvent(new Event("drawn"));
+  }
+
+  /** Shows the ellipses of Gaussians, or shows them no more. */
+  toggleEllipses(shown) {
+    this.showsEllipses = shown;
+    this.ellipses = null;
+    this.moved();
+  }
+
+  async askEllipses() {
+    const { decoder } = this;
+    const region = this.camera.seen;
+    const key = JSON.stringify(region);
+    if (!decoder || this.ellipses?.key === key) return;
+    try {
+      const found = await decoder.ellipses(region);
+      this.ellipses = found ? { ...found, key } : { key, count: 0, total: 0, shapes: new Float32Array(0) };
+    } catch (error) {
+      if (error.name !== "AbortError") this.dispatchEvent(new CustomEvent("failed", { detail: error }));
+    }
+    this.dirty();
+  }
+}

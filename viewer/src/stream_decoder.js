@@ -1,0 +1,56 @@
+/** A stream, decoded by libsgi in workers. */
+
+import { loadModule } from "./wasm.js";
+import { WorkerPool } from "./worker_pool.js";
+import { SgiError } from "./errors.js";
+
+const OVERVIEW = 16; // pixels of the picture's side for each of its overview's
+
+export class StreamDecoder {
+  static async open(place, fetched, name, { workers } = {}) {
+    const module = await loadModule();
+    if (!module) throw new SgiError("The decoder's WebAssembly is missing from this installation, or this browser has none.");
+    const count = workers ?? Math.max(1, Math.min(4, (navigator.hardwareConcurrency ?? 2) - 1));
+    const pool = new WorkerPool(count, module, place);
+    try {
+      const info = await pool.opened;
+      return new StreamDecoder(pool, { ...info, name, kind: "stream", bytes: place.size }, fetched);
+    } catch (error) {
+      pool.close();
+      throw error;
+    }
+  }
+
+  constructor(pool, info, fetched) {
+    this.pool = pool;
+    this.info = info;
+    this.before = fetched;
+    this.isContinuous = true;
+  }
+
+  get fetched() {
+    return this.before + this.pool.fetched;
+  }
+
+  draw(view, priority) {
+    return this.pool.run("draw", view, priority, this.lane(view));
+  }
+
+  ellipses(region) {
+    return this.pool.run("ellipses", region, 1e9, this.lane({ ...region, columns: Infinity })).promise;
+  }
+
+  close() {
+    this.pool.close();
+  }
+
+  /** The same worker for the same tile of the file, so that no two fetch and decode it. */
+  lane({ x, y, width, height, columns }) {
+    const { tileSize, hasOverview, tiles } = this.info;
+    if (tiles === 1) return null;
+    if (hasOverview && columns <= width / OVERVIEW) return 0;
+    const column = Math.floor((x + width / 2) / tileSize);
+    const row = Math.floor((y + height / 2) / tileSize);
+    return Math.max(0, column + 2 * row);
+  }
+}

@@ -1,0 +1,120 @@
+/** libsgi as WebAssembly: which build the browser takes, and its functions as JavaScript calls. */
+
+const BUILDS = { simd: "wasm/sgi.wasm", scalar: "wasm/sgi-scalar.wasm" };
+const SIMD = new Uint8Array([
+  0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15, 253, 98, 11,
+]); // a function that uses a vector of 128 bits
+const NOT_THERE = 52; // ENOSYS of WASI
+const CACHE = 96 << 20; // bytes of decoded tiles that one worker keeps
+const FACTS = 16; // numbers that viewer_info writes
+const MOST_ELLIPSES = 20000;
+
+let module_;
+
+/** The compiled module, or null where there is none: then a server has to draw. */
+export function loadModule() {
+  module_ ??= compiled().catch(() => null);
+  return module_;
+}
+
+export async function hasModule() {
+  return (await loadModule()) !== null;
+}
+
+async function compiled() {
+  const build = WebAssembly.validate(SIMD) ? BUILDS.simd : BUILDS.scalar;
+  const answer = await fetch(new URL(build, import.meta.url));
+  if (!answer.ok) return null;
+  return WebAssembly.compile(await answer.arrayBuffer());
+}
+
+/** One instance. `reader` has read(offset, count), which gives an array of bytes or throws. */
+export class Library {
+  constructor(module, reader) {
+    this.reader = reader;
+    this.failure = null;
+    this.exports = new WebAssembly.Instance(module, this.imports(module)).exports;
+    this.exports._initialize?.();
+  }
+
+  imports(module) {
+    const all = {};
+    for (const { module: space, name, kind } of WebAssembly.Module.imports(module)) {
+      if (kind === "function") (all[space] ??= {})[name] = () => NOT_THERE;
+    }
+    all.env = { ...all.env, viewer_read: (offset, at, count) => this.readInto(offset, at, count) };
+    return all;
+  }
+
+  readInto(offset, at, count) {
+    try {
+      const bytes = this.reader.read(offset, count);
+      new Uint8Array(this.exports.memory.buffer).set(bytes, at);
+      return bytes.length;
+    } catch (error) {
+      this.failure = error;
+      return -1;
+    }
+  }
+
+  /** Opens the file that the reader reads: a stream and its facts. */
+  open() {
+    const stream = this.exports.viewer_open(this.reader.size, CACHE);
+    if (!stream) this.fail();
+    return this.within(8 * FACTS, (at) => {
+      this.exports.viewer_info(stream, at);
+      const facts = new Float64Array(this.exports.memory.buffer, at, FACTS);
+      const [width, height, channels, tiles, tileSize, hasOverview, levels] = facts;
+      return { stream, info: { width, height, channels, tiles, tileSize, hasOverview: Boolean(hasOverview), levels } };
+    });
+  }
+
+  /** Pixels of a view, as of ImageData: red, green, blue, alpha. */
+  draw(stream, { x, y, width, height, columns, rows }) {
+    return this.within(4 * columns * rows, (at) => {
+      if (this.exports.viewer_draw(stream, x, y, width, height, columns, rows, at)) this.fail();
+      return new Uint8ClampedArray(this.exports.memory.buffer, at, 4 * columns * rows).slice();
+    });
+  }
+
+  /** The ellipses of the Gaussians whose centres are in a region: how many there are, and those that are shown. */
+  ellipses(stream, { x, y, width, height }) {
+    return this.within(4 * 5 * MOST_ELLIPSES, (at) => {
+      const total = this.exports.viewer_ellipses(stream, x, y, width, height, MOST_ELLIPSES, at);
+      if (total < 0) this.fail();
+      const count = Math.min(total, MOST_ELLIPSES);
+      return { count, total, shapes: new Float32Array(this.exports.memory.buffer, at, 5 * count).slice() };
+    });
+  }
+
+  /** The checksum of all symbols. */
+  verify(stream) {
+    return this.within(4, (at) => {
+      if (this.exports.viewer_verify(stream, at)) this.fail();
+      return new Uint32Array(this.exports.memory.buffer, at, 1)[0];
+    });
+  }
+
+  close(stream) {
+    this.exports.viewer_close(stream);
+  }
+
+  within(size, work) {
+    const at = this.exports.malloc(size);
+    if (!at) throw new Error("There is not enough memory for this.");
+    try {
+      return work(at);
+    } finally {
+      this.exports.free(at);
+    }
+  }
+
+  fail() {
+    const failure = this.failure;
+    this.failure = null;
+    if (failure) throw failure;
+    const memory = new Uint8Array(this.exports.memory.buffer);
+    const at = this.exports.viewer_error();
+    throw new Error(new TextDecoder().decode(memory.slice(at, memory.indexOf(0, at))));
+  }
+}

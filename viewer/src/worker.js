@@ -1,0 +1,32 @@
+/** A worker that decodes one stream: one instance of the library, one call at a time. */
+
+import { ByteReader } from "./byte_reader.js";
+import { Library } from "./wasm.js";
+
+let library, reader, stream;
+
+self.onmessage = async ({ data: { job, task, module, place, view } }) => {
+  try {
+    const [answer, moved] = await work(task, module, place, view);
+    self.postMessage({ job, answer, fetched: reader.fetched }, moved);
+  } catch (error) {
+    self.postMessage({ job, error: String(error?.message ?? error), fetched: reader?.fetched ?? 0 });
+  }
+};
+
+async function work(task, module, place, view) {
+  if (task === "open") {
+    reader = new ByteReader(place);
+    library = new Library(module, reader);
+    const opened = library.open();
+    stream = opened.stream;
+    return [opened.info, []];
+  }
+  if (task === "ellipses") {
+    const found = library.ellipses(stream, view);
+    return [found, [found.shapes.buffer]];
+  }
+  const pixels = new ImageData(library.draw(stream, view), view.columns, view.rows);
+  const bitmap = await createImageBitmap(pixels);
+  return [bitmap, [bitmap]];
+}
