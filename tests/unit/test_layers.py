@@ -55,6 +55,8 @@ HOMES = {
     "uvicorn": ("sgicodec/server/",),
     "fsspec": ("sgicodec/remote/",),
     "tifffile": ("sgicodec/plugins/pyramid.py",),
+    "zarr": ("sgicodec/plugins/zarr.py",),
+    "numcodecs": ("sgicodec/plugins/numcodecs.py",),
     "rasterio": ("sgicodec/plugins/cog.py",),
     "mpmath": ("tools/make_tables.py",),
 }

@@ -1,0 +1,104 @@
+"""Chunks of arrays as streams: which axes are rows, columns and channels, and what is decoded of a selection."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec.decoder.stream import Stream, open_stream
+from sgicodec.errors import CorruptStreamError, UsageError
+
+__all__ = ["check_chunk", "checked_settings", "decode_chunk", "encode_chunk", "read_selection"]
+
+Shape = tuple[int, ...]
+
+
+def check_chunk(shape: Shape, dtype: np.dtype[Any]) -> None:
+    """Raises UsageError for chunks that cannot be pictures."""
+    _picture_shape(shape)
+    if dtype not in (np.uint8, np.uint16, np.float32):
+        raise UsageError(f"chunks of {dtype}; sgicodec codes uint8, uint16 and float32")
+
+
+def _picture_shape(shape: Shape) -> Shape:
+    """(y, x) or (y, x, c) of a chunk, whose leading axes of one do not count."""
+    lead = next((axis for axis, side in enumerate(shape[:-2]) if side != 1), max(0, len(shape) - 2))
+    found = shape[lead:]
+    if len(found) not in (2, 3) or 0 in found:
+        raise UsageError(f"chunks of shape {shape}; they must be [y, x] or [y, x, c], with any axes of one before")
+    return found
+
+
+def checked_settings(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """The settings of an encode. Raises UsageError for others."""
+    from sgicodec.encoder.settings import EncodeSettings
+
+    unknown = settings.keys() - EncodeSettings.__dataclass_fields__.keys()
+    if unknown:
+        raise UsageError(f"there is no setting {min(unknown)!r}")
+    EncodeSettings(**settings)
+    return dict(settings)
+
+
+def encode_chunk(chunk: NDArray[Any], channels: str | None, settings: Mapping[str, Any]) -> bytes:
+    """The stream of a chunk. channels: a layout of pictures; by default gray and rgb for one and three channels, and
+    bands without a meaning for all others: none of them is taken for alpha.
+    """
+    from sgicodec.encoder.one_call import encode
+
+    shape = _picture_shape(chunk.shape)
+    count = shape[2] if len(shape) == 3 else 1
+    layout = channels or {1: "gray", 3: "rgb"}.get(count, "multi")
+    return encode(np.ascontiguousarray(chunk).reshape(*shape[:2], count), channels=layout, **settings)
+
+
+def decode_chunk(data: bytes, shape: Shape, dtype: np.dtype[Any]) -> NDArray[Any]:
+    """The samples of a chunk. Raises StreamError, CorruptStreamError if it has another shape or type."""
+    with open_stream(data) as stream:
+        _check(stream, shape, dtype)
+        return stream.read().reshape(shape)
+
+
+def read_selection(stream: Stream, shape: Shape, dtype: np.dtype[Any], selection: Any) -> NDArray[Any]:
+    """What numpy's `chunk[selection]` is, for which no more is decoded than the rectangle that holds it."""
+    _check(stream, shape, dtype)
+    lead = len(shape) - len(_picture_shape(shape))
+    keys = selection if isinstance(selection, tuple) else (selection,)
+    if len(keys) != len(shape) or not all(isinstance(key, slice | int | np.integer) for key in keys):
+        return np.asarray(stream.read().reshape(shape)[selection])
+    (top, bottom), (left, right) = (_span(keys[axis], shape[axis]) for axis in (lead, lead + 1))
+    if top >= bottom or left >= right:
+        return np.asarray(np.empty(shape, dtype)[selection])
+    part = stream.read((left, top, right - left, bottom - top))
+    part = part.reshape(*shape[:lead], bottom - top, right - left, *shape[lead + 2 :])
+    inner = list(keys)
+    inner[lead], inner[lead + 1] = _moved(keys[lead], top, shape[lead]), _moved(keys[lead + 1], left, shape[lead + 1])
+    return np.asarray(part[tuple(inner)])
+
+
+def _span(key: Any, side: int) -> tuple[int, int]:
+    """First and last index and on that a key touches."""
+    found = range(side)[key]
+    if isinstance(found, int):
+        return found, found + 1
+    return (min(found[0], found[-1]), max(found[0], found[-1]) + 1) if found else (0, 0)
+
+
+def _moved(key: Any, start: int, side: int) -> Any:
+    """The same key, of an axis that begins at `start`."""
+    found = range(side)[key]
+    if isinstance(found, int):
+        return found - start
+    stop = found[-1] - start + (1 if found.step > 0 else -1)
+    return slice(found[0] - start, stop if stop >= 0 else None, found.step)
+
+
+def _check(stream: Stream, shape: Shape, dtype: np.dtype[Any]) -> None:
+    """The stream may come from anywhere."""
+    wanted = _picture_shape(shape)
+    found = (stream.height, stream.width, stream.header.spec.channels)
+    if found != (*wanted[:2], wanted[2] if len(wanted) == 3 else 1) or stream.dtype != dtype:
+        raise CorruptStreamError(f"a chunk of {stream.dtype} {found}, where {dtype} {wanted} was to be")

@@ -1,0 +1,150 @@
+"""The codec of Zarr 3, by its entry point, and what it reads of a chunk."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import zarr
+from zarr.codecs import ShardingCodec
+from zarr.storage import LocalStore, MemoryStore, WrapperStore
+
+import sgicodec
+from sgicodec.errors import StreamError, UsageError
+from sgicodec.plugins.zarr import SgiCodec
+
+SETTINGS = {"quality": 95, "steps": 2, "tile": 64, "rdoq": False}
+
+
+class Counting(WrapperStore):
+    """Counts the bytes of chunks that are read."""
+
+    requests: int = 0
+    bytes: int = 0
+
+    async def get(self, key: str, prototype: Any, byte_range: Any = None) -> Any:
+        found = await super().get(key, prototype, byte_range)
+        if found is not None and "/" in key:
+            self.requests += 1
+            self.bytes += len(found)
+        return found
+
+
+@pytest.fixture(scope="module")
+def pixels() -> np.ndarray:
+    return np.random.default_rng(7).integers(0, 256, (192, 256, 3), np.uint8)
+
+
+@pytest.fixture(scope="module")
+def store(pixels: np.ndarray) -> MemoryStore:
+    """One chunk of 12 tiles of noise, and one that is not there."""
+    store = MemoryStore()
+    array = zarr.create_array(
+        store,
+        shape=(384, 256, 3),
+        chunks=(192, 256, 3),
+        dtype="uint8",
+        serializer=SgiCodec(**SETTINGS),
+        compressors=None,
+    )
+    array[:192] = pixels
+    return store
+
+
+def chunk_of(store: MemoryStore) -> bytes:
+    return bytes(store._store_dict["c/0/0/0"].to_bytes())
+
+
+def test_another_program_opens_the_array(tmp_path: Path) -> None:
+    """By the entry point alone."""
+    array = zarr.create_array(
+        LocalStore(tmp_path / "a.zarr"),
+        shape=(30, 40),
+        chunks=(16, 40),
+        dtype="uint16",
+        serializer=SgiCodec(quality=70, steps=9),
+        compressors=None,
+    )
+    array[:] = np.arange(1200, dtype=np.uint16).reshape(30, 40) * 50
+    metadata = json.loads((tmp_path / "a.zarr" / "zarr.json").read_text())
+    assert metadata["codecs"] == [{"name": "sgicodec", "configuration": {"quality": 70, "steps": 9}}]
+    code = f"import zarr; print(zarr.open_array({str(tmp_path / 'a.zarr')!r})[:].astype(int).sum())"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert int(done.stdout) == int(array[:].astype(int).sum())
+    np.testing.assert_array_equal(array[:16], sgicodec.imread(tmp_path / "a.zarr" / "c" / "0" / "0"))
+
+
+def test_a_part_costs_its_tiles(store: MemoryStore) -> None:
+    whole = sgicodec.decode(chunk_of(store))
+    counting = Counting(store)
+    array = zarr.open_array(counting, mode="r")
+    np.testing.assert_array_equal(array[100:120, 70:90], whole[100:120, 70:90])
+    assert counting.bytes <= len(chunk_of(store)) // 2
+    assert counting.requests <= 5
+    counting.bytes = 0
+    np.testing.assert_array_equal(array[5, ::40, 1], whole[5, ::40, 1])
+    np.testing.assert_array_equal(array.oindex[[3, 150], 4:6, [0, 2]], whole[[3, 150]][:, 4:6][..., [0, 2]])
+    np.testing.assert_array_equal(array[:192], whole)
+
+
+def test_a_chunk_that_is_not_there_is_filled(store: MemoryStore) -> None:
+    array = zarr.open_array(store, mode="r")
+    assert not array[300:310, :5].any()
+    np.testing.assert_array_equal(array[190:200, :5][:2], sgicodec.decode(chunk_of(store))[190:, :5])
+
+
+def test_shards(pixels: np.ndarray) -> None:
+    shard = ShardingCodec(chunk_shape=(64, 64, 3), codecs=[SgiCodec(quality=90, steps=2)])
+    array = zarr.create_array(
+        MemoryStore(), shape=(128, 128, 3), chunks=(128, 128, 3), dtype="uint8", serializer=shard, compressors=None
+    )
+    array[:] = pixels[:128, :128]
+    np.testing.assert_array_equal(array[70:80, 60:70], array[:][70:80, 60:70])
+    assert np.abs(array[:].astype(float) - pixels[:128, :128]).mean() < 60
+
+
+def test_other_codecs_around_it() -> None:
+    """Then chunks are decoded whole."""
+    array = zarr.create_array(
+        MemoryStore(), shape=(20, 30), chunks=(20, 30), dtype="uint8", serializer=SgiCodec(steps=9), compressors="auto"
+    )
+    ramp = np.arange(600).reshape(20, 30) % 200
+    array[:] = ramp.astype(np.uint8)
+    assert np.abs(array[4:9, 3:7].astype(int) - ramp[4:9, 3:7]).max() < 60
+
+
+def test_damage_is_named(store: MemoryStore) -> None:
+    data = bytearray(chunk_of(store))
+    data[len(data) // 2] ^= 255
+    other = MemoryStore()
+    array = zarr.create_array(
+        other, shape=(192, 256, 3), chunks=(192, 256, 3), dtype="uint8", serializer=SgiCodec(), compressors=None
+    )
+    array[0, 0, 0] = 1
+    other._store_dict["c/0/0/0"] = other._store_dict["c/0/0/0"].from_bytes(bytes(data))
+    with pytest.raises(StreamError, match="damaged"):
+        array[:]
+
+
+UNSUITED = (
+    {"dtype": "int16", "chunks": (8, 8), "shape": (8, 8)},
+    {"dtype": "uint8", "chunks": (8,), "shape": (8,)},
+    {"dtype": "uint8", "chunks": (2, 8, 8, 3), "shape": (8, 8, 8, 3)},
+)
+
+
+@pytest.mark.parametrize("options", UNSUITED)
+def test_arrays_that_it_does_not_suit(options: dict[str, Any]) -> None:
+    with pytest.raises(UsageError, match="chunks of"):
+        zarr.create_array(MemoryStore(), serializer=SgiCodec(), compressors=None, **options)
+
+
+def test_without_zarr() -> None:
+    code = "import sys; sys.modules['zarr'] = None\nimport sgicodec.plugins.zarr"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert "needs zarr: pip install 'sgicodec[zarr]'" in done.stderr
