@@ -1,8 +1,8 @@
 /* libsgi: decodes .sgi streams, any region at any scale.
  *
  * A stream is opened from memory or from a callback that reads bytes, and drawn into buffers of the caller. Handles may
- * be used by several threads at once; calls on one handle take turns. Nothing is printed, nothing is global, and no
- * exception leaves the library. Structures begin with their own size, so that later versions can add to them.
+ * be used by several threads at once; calls on one handle take turns. Nothing is printed, and no exception leaves the
+ * library. Structures begin with their own size, so that later versions can add to them: set all else to 0 first.
  */
 #ifndef SGI_H
 #define SGI_H
@@ -14,7 +14,7 @@
 extern "C" {
 #endif
 
-#if defined(_WIN32)
+#if defined(_WIN32) && defined(SGI_BUILDING)
 #define SGI_API __declspec(dllexport)
 #elif defined(__GNUC__)
 #define SGI_API __attribute__((visibility("default")))
@@ -22,7 +22,8 @@ extern "C" {
 #define SGI_API
 #endif
 
-/* The version of this interface; `sgi_version` is that of the library that runs. */
+/* The version of this interface; `sgi_version` is that of the library that runs. Until 1.0, programs must be compiled
+ * anew where the second number changes, and the name of the shared library changes with it. */
 #define SGI_VERSION_MAJOR 0
 #define SGI_VERSION_MINOR 1
 
@@ -38,7 +39,8 @@ typedef enum sgi_status {
   SGI_ERROR_LIMIT = 5,       /* more than the caps of the format or of the caller; found before memory is taken */
   SGI_ERROR_SOURCE = 6,      /* the callback that reads failed */
   SGI_ERROR_MEMORY = 7,      /* the system has no memory left */
-  SGI_ERROR_INTERNAL = 8     /* a defect of this library */
+  SGI_ERROR_INTERNAL = 8,    /* a defect of this library */
+  SGI_ERROR_STOPPED = 9      /* the callback `proceed` said so */
 } sgi_status;
 
 typedef enum sgi_sample { SGI_SAMPLE_U8 = 0, SGI_SAMPLE_U16 = 1, SGI_SAMPLE_F32 = 2 } sgi_sample;
@@ -55,17 +57,26 @@ typedef enum sgi_layout {
  * file, or -1 for a failure. Calls come one at a time, on any thread that uses the stream. */
 typedef int64_t (*sgi_read)(void *user, uint64_t offset, void *buffer, size_t count);
 
+/* The size of a file that is not known: then it is read once from its start to its end when it is opened, and its
+ * compressed tiles are kept. */
+#define SGI_SIZE_UNKNOWN UINT64_MAX
+
+/* Asked between tiles, on the thread that draws; 0 ends the call with SGI_ERROR_STOPPED. */
+typedef int (*sgi_proceed)(void *user);
+
 typedef struct sgi_options {
   size_t struct_size;   /* sizeof(sgi_options) */
   int threads;          /* 0: one for each core */
   uint64_t cache_bytes; /* what decoded tiles may take between calls; 0: 256 MiB */
+  sgi_proceed proceed;  /* may be null */
+  void *proceed_user;   /* what it is called with */
 } sgi_options;
 
 typedef struct sgi_info {
   size_t struct_size; /* sizeof(sgi_info), set by the caller */
   uint32_t width, height, channels;
-  sgi_layout layout;
-  sgi_sample sample;  /* of the source, and so the one that loses nothing */
+  int layout;         /* sgi_layout */
+  int sample;         /* sgi_sample of the source, and so the one that loses nothing */
   float low, high;    /* the range of the source's samples: 0 and 1 of the model */
   uint32_t tiles;     /* 1 for a picture in one piece */
   uint32_t tile_size; /* largest side of a tile without its apron; 0 for one tile */
@@ -80,8 +91,8 @@ typedef enum sgi_metadata {
   SGI_METADATA_ICC = 0,
   SGI_METADATA_EXIF = 1, /* a TIFF structure, without "Exif\0\0" */
   SGI_METADATA_XMP = 2,
-  SGI_METADATA_PLACE = 3, /* a TIFF structure with the tags of GeoTIFF */
-  SGI_METADATA_SOFTWARE = 4
+  SGI_METADATA_PLACE = 3,   /* a TIFF structure with the tags of GeoTIFF */
+  SGI_METADATA_SOFTWARE = 4 /* the program that wrote the stream, in UTF-8; a text of somebody else */
 } sgi_metadata;
 
 /* What to draw. The region is in pixels of the picture and may be fractional; `columns` x `rows` output pixels show it.
@@ -90,7 +101,7 @@ typedef struct sgi_view {
   size_t struct_size; /* sizeof(sgi_view) */
   double x, y, width, height;
   uint32_t columns, rows;
-  sgi_sample sample; /* of the buffer */
+  int sample; /* sgi_sample of the buffer */
   int boundless;
   int exact;     /* 1: never from the overview */
   int no_dither; /* 1: eight bits of a deeper source are rounded to nearest */
@@ -98,6 +109,9 @@ typedef struct sgi_view {
 
 /* "0.1.0"; of the library that runs. */
 SGI_API const char *sgi_version(void);
+
+/* 1 if a file begins like a stream, 0 if not; eight bytes are enough. Silicon Graphics' pictures share the suffix. */
+SGI_API int sgi_is_stream(const void *bytes, size_t size);
 
 /* Opens a stream: `*stream` is its handle, or null with an error, whose text `sgi_error` tells. `options` may be null.
  * The bytes of `sgi_open_memory` must stay until `sgi_close`. `size` is that of the file in bytes. */
@@ -118,9 +132,10 @@ SGI_API sgi_status sgi_get_level(sgi_stream *stream, uint32_t level, uint32_t *w
 /* Metadata that the stream holds: `*bytes` is null where there is none. Valid until `sgi_close`. */
 SGI_API sgi_status sgi_get_metadata(sgi_stream *stream, sgi_metadata kind, const void **bytes, size_t *size);
 
-/* Draws into `buffer`: samples by row, then column, then channel; rows are `stride` bytes apart. 8 and 16 bits are of
- * the machine's own byte order; floats span `low` to `high` if the source is of floats, else 0 to 1. Where a tile is
- * damaged, nothing can be said of the buffer. */
+/* Draws into `buffer`: samples by row, then column, then channel; rows are `stride` bytes apart. `buffer` and `stride`
+ * are multiples of a sample's size; samples are of the machine's own byte order. Floats span `low` to `high` if the
+ * source is of floats, else 0 to 1; 8 and 16 bits of another source span the whole type. After an error nothing can be
+ * said of what the buffer holds. */
 SGI_API sgi_status sgi_draw(sgi_stream *stream, const sgi_view *view, void *buffer, size_t stride);
 
 /* Decodes all tiles and throws them away again: whether the whole file is sound. `*crc` (may be null) is the CRC-32 of

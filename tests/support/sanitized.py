@@ -38,6 +38,7 @@ def compiled() -> Path:
     settings = {
         "SGI_SANITIZE": "ON",
         "SGI_PYTHON": "ON",
+        "SGI_LIBRARY": "OFF",
         "CMAKE_BUILD_TYPE": "None",
         "Python_EXECUTABLE": sys.executable,
         "nanobind_DIR": nanobind.cmake_dir(),

@@ -20,6 +20,7 @@ LAYERS = {
     "fit": {"base", "model", "raster"},
     "rdoq": {"base", "model", "raster", "bitstream"},
     "decoder": {"base", "model", "raster", "bitstream"},
+    "capi": {"base", "model", "raster", "bitstream", "decoder"},
     "bindings": {"base", "image", "model", "raster", "bitstream", "fit", "rdoq", "decoder"},
 }
 """What each folder may include besides itself."""
