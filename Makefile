@@ -92,6 +92,7 @@ CHECKED := tests/conformance tests/unit/bitstream tests/unit/decoder tests/unit/
 asan: setup-dev
 	$(BIN)/python tests/support/sanitized.py -m pytest -m 'not slow' --hypothesis-profile fast $(CHECKED) $(ARGS)
 	$(BIN)/python tests/support/sanitized.py $(FUZZ) --memory 0 --patience 100
+	PYTHONPATH=tests/support $(BIN)/python tests/support/fuzz_library.py --seconds $(SECONDS)
 
 lint: setup-dev
 	$(BIN)/ruff check .
