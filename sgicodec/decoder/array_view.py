@@ -10,7 +10,7 @@ from numpy.typing import DTypeLike, NDArray
 from sgicodec.bitstream.header import Header
 from sgicodec.decoder.indexing import indexed_region
 from sgicodec.decoder.levels import Level, levels_of
-from sgicodec.decoder.view import Region, Size, View, level_view
+from sgicodec.decoder.view import Region, Size, View, level_view, region_of_level
 from sgicodec.errors import UsageError
 from sgicodec.picture import Picture
 
@@ -61,6 +61,16 @@ class ArrayView:
         The location counts pixels of the picture. What lies outside it is nodata, else 0. An array as of `read`.
         """
         view = level_view(self.header, self.levels, location, level, size)
+        pixels = np.empty((view.rows, view.columns, self.header.spec.channels), self.dtype)
+        self._draw(view, pixels, self.header.sample_type)
+        return self._array(pixels)
+
+    def read_level(self, level: int, region: Region | None = None) -> NDArray[Any]:
+        """A level in `levels`, or a region (x, y, width, height) of it in its own pixels, as of `read`.
+
+        Parts differ from the whole by roundings.
+        """
+        view = region_of_level(self.header, self.levels, level, region)
         pixels = np.empty((view.rows, view.columns, self.header.spec.channels), self.dtype)
         self._draw(view, pixels, self.header.sample_type)
         return self._array(pixels)

@@ -21,6 +21,7 @@ __all__ = [
     "level_view",
     "overview_size",
     "overview_view",
+    "region_of_level",
     "view_of",
 ]
 
@@ -92,6 +93,18 @@ def level_view(
         raise UsageError(f"{columns}×{rows} pixels are too many for one call")
     found = levels[int(level)]
     return View(x, y, found.width / header.width, found.height / header.height, columns, rows)
+
+
+def region_of_level(header: Header, levels: Sequence[Level], level: int, region: Region | None) -> View:
+    """The view of a region in a level's own pixels. Raises UsageError, RegionError."""
+    whole = level_view(header, levels, (0, 0), level, levels[0][:2])  # checks the level
+    found = levels[int(level)]
+    x, y, columns, rows = _integers("region", (0, 0, *found[:2]) if region is None else region, 4)
+    if min(x, y) < 0 or min(columns, rows) < 1 or x + columns > found.width or y + rows > found.height:
+        raise RegionError(
+            f"region {x},{y},{columns},{rows} is not inside a level of {found.width}×{found.height} pixels"
+        )
+    return View(x / whole.sx, y / whole.sy, whole.sx, whole.sy, columns, rows)
 
 
 def inner_view(view: View, width: int, height: int) -> tuple[View, int, int]:

@@ -55,6 +55,8 @@ HOMES = {
     "uvicorn": ("sgicodec/server/",),
     "fsspec": ("sgicodec/remote/",),
     "tifffile": ("sgicodec/plugins/pyramid.py",),
+    "dask": ("sgicodec/plugins/dask.py",),
+    "xarray": ("sgicodec/plugins/xarray.py",),
     "zarr": ("sgicodec/plugins/zarr.py",),
     "numcodecs": ("sgicodec/plugins/numcodecs.py",),
     "rasterio": ("sgicodec/plugins/cog.py",),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
 
@@ -21,17 +22,10 @@ from sgicodec.plugins.cog import write_cog
 PLACE = from_origin(500000, 5400000, 10, 10)
 
 
-@pytest.fixture(scope="module")
-def stream(tmp_path_factory: pytest.TempPathFactory) -> sgicodec.Stream:
-    """Heights on a map, some of which were not measured."""
-    path = tmp_path_factory.mktemp("map") / "map.tif"
-    y, x = np.mgrid[:300, :610]
-    heights = (200 + 50 * np.sin(x / 90) + y / 4).astype(np.float32)
-    heights[:60, :90] = -9999
-    profile = {"width": 610, "height": 300, "count": 1, "dtype": "float32", "nodata": -9999, "crs": "EPSG:32632"}
-    with rasterio.open(path, "w", driver="GTiff", transform=PLACE, **profile) as file:
-        file.write(heights, 1)
-    return sgicodec.open(sgicodec.encode(path, steps=4, tile=256))
+@pytest.fixture
+def stream(on_map: Path) -> Iterator[sgicodec.Stream]:
+    with sgicodec.open(on_map) as found:
+        yield found
 
 
 def test_place_nodata_and_overviews(stream: sgicodec.Stream, tmp_path: Path) -> None:
@@ -57,9 +51,8 @@ def test_directories_come_first_and_small_levels_before_large_ones(stream: sgico
         assert all(max(small) < min(large) for large, small in pairwise(tiles))
 
 
-def test_the_command_cuts_a_part(stream: sgicodec.Stream, tmp_path: Path) -> None:
-    (tmp_path / "a.sgi").write_bytes(stream._source)
-    arguments = ["decode", str(tmp_path / "a.sgi"), "--cog", "--region", "100,100,400,200", "--quiet"]
+def test_the_command_cuts_a_part(stream: sgicodec.Stream, on_map: Path, tmp_path: Path) -> None:
+    arguments = ["decode", str(on_map), str(tmp_path / "a.tif"), "--cog", "--region", "100,100,400,200", "--quiet"]
     result = CliRunner().invoke(cli, arguments)
     assert result.exit_code == 0, result.output
     with rasterio.open(tmp_path / "a.tif") as file:

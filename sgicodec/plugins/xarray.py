@@ -1,0 +1,111 @@
+"""Streams in xarray, by its entry point: `open_dataset(engine="sgicodec")`, and `open_datatree` for all levels."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec.errors import require
+
+require("xarray", "the plugin for xarray", "arrays")
+
+import xarray  # noqa: E402
+from xarray.backends import BackendArray, BackendEntrypoint  # noqa: E402
+from xarray.core import indexing  # noqa: E402
+
+from sgicodec.bitstream.container import SIGNATURE  # noqa: E402
+from sgicodec.decoder.stream import Stream, open_stream  # noqa: E402
+from sgicodec.metadata.georeference import georeference, resolution  # noqa: E402
+from sgicodec.metadata.placement import transformation  # noqa: E402
+from sgicodec.plugins.level_array import LevelArray  # noqa: E402
+
+__all__ = ["SgiBackend"]
+
+_NAME = "image"
+"""Of the variable."""
+
+
+class SgiBackend(BackendEntrypoint):
+    """A dataset has the variable `image` over y and x, and band where there are several.
+
+    Coordinates are those of the pixels' centres: on the map where the picture lies upright on one, else in pixels of
+    the picture at its own scale. So those of all levels fit together.
+    """
+
+    description = "Streams of sgicodec, any level of them"
+    supports_groups = True
+
+    def open_dataset(self, filename_or_obj: Any, *, drop_variables: Any = None, level: int = 0) -> xarray.Dataset:
+        """One level, by default the picture itself. Raises StreamError, RegionError."""
+        return _dataset(open_stream(filename_or_obj), level, drop_variables)
+
+    def open_groups_as_dict(self, filename_or_obj: Any, *, drop_variables: Any = None) -> dict[str, xarray.Dataset]:
+        """All levels, as /scale0, /scale1 …"""
+        stream = open_stream(filename_or_obj)
+        found = {f"/scale{level}": _dataset(stream, level, drop_variables) for level in range(len(stream.levels))}
+        return {"/": xarray.Dataset(attrs=_attributes(stream)), **found}
+
+    def open_datatree(self, filename_or_obj: Any, *, drop_variables: Any = None) -> xarray.DataTree:
+        """The same as a tree."""
+        return xarray.DataTree.from_dict(self.open_groups_as_dict(filename_or_obj, drop_variables=drop_variables))
+
+    def guess_can_open(self, filename_or_obj: Any) -> bool:
+        """Whether it begins as a stream does; pictures of Silicon Graphics are called alike."""
+        with suppress(OSError, TypeError, ValueError), open(filename_or_obj, "rb") as file:
+            return file.read(len(SIGNATURE)) == SIGNATURE
+        return False
+
+
+class _Lazy(BackendArray):  # type: ignore[misc]
+    """A level that xarray indexes; what is no integer or slice is taken from what is read."""
+
+    def __init__(self, array: LevelArray) -> None:
+        self.array, self.shape, self.dtype = array, array.shape, array.dtype
+
+    def __getitem__(self, key: Any) -> Any:
+        return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.BASIC, self._read)
+
+    def _read(self, key: tuple[Any, ...]) -> NDArray[Any]:
+        return self.array[key]
+
+
+def _dataset(stream: Stream, level: int, drop_variables: Any) -> xarray.Dataset:
+    array = LevelArray(stream, level)
+    names = ("y", "x", "band")[: array.ndim]
+    data = indexing.LazilyIndexedArray(_Lazy(array))
+    attributes = _attributes(stream)
+    encoding = {"preferred_chunks": dict(zip(names, array.chunks, strict=True))}
+    variable = xarray.Variable(names, data, attributes, encoding)
+    y, x = _coordinates(stream, level)
+    dropped = {drop_variables} if isinstance(drop_variables, str) else set(drop_variables or ())
+    variables = {name: found for name, found in {_NAME: variable}.items() if name not in dropped}
+    dataset = xarray.Dataset(variables, {"y": y, "x": x}, attributes)
+    dataset.set_close(stream.close)
+    return dataset
+
+
+def _coordinates(stream: Stream, level: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    found = stream.levels[level]
+    y = (np.arange(found.height) + 0.5) * stream.height / found.height
+    x = (np.arange(found.width) + 0.5) * stream.width / found.width
+    matrix = transformation(stream.metadata.geo)
+    if matrix is None or matrix[0, 1] or matrix[1, 0]:
+        return y, x
+    return matrix[1, 1] * y + matrix[1, 2], matrix[0, 0] * x + matrix[0, 2]
+
+
+def _attributes(stream: Stream) -> dict[str, Any]:
+    """Coordinate system, nodata, size of a pixel, as far as they are stated."""
+    place = georeference(stream.metadata.geo, stream.width, stream.height)
+    scale = resolution(stream.metadata.geo, stream.metadata.exif)
+    name = None if place is None else f"EPSG:{place.epsg}" if place.epsg else place.name
+    stated = {
+        "channels": stream.header.channels,
+        "crs": name,
+        "_FillValue": stream.nodata,
+        "microns_per_pixel": None if scale is None else list(scale.microns),
+    }
+    return {key: value for key, value in stated.items() if value is not None}
