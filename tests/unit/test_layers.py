@@ -56,6 +56,7 @@ HOMES = {
     "fsspec": ("sgicodec/remote/",),
     "tifffile": ("sgicodec/plugins/pyramid.py",),
     "dask": ("sgicodec/plugins/dask.py",),
+    "imageio": ("sgicodec/plugins/imageio.py",),
     "xarray": ("sgicodec/plugins/xarray.py",),
     "zarr": ("sgicodec/plugins/zarr.py",),
     "numcodecs": ("sgicodec/plugins/numcodecs.py",),

@@ -1,0 +1,58 @@
+"""Streams in napari, by its entry point: layers with all levels, which decode what is looked at."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any
+
+from sgicodec.bitstream.container import SIGNATURE
+from sgicodec.decoder.stream import Stream, open_stream
+from sgicodec.metadata.georeference import resolution
+from sgicodec.plugins.dask import levels
+from sgicodec.remote.url import is_url
+
+__all__ = ["get_reader", "read"]
+
+Layer = tuple[Any, dict[str, Any], str]
+
+
+def get_reader(path: str | list[str]) -> Callable[[str | list[str]], list[Layer]] | None:
+    """The function that reads these paths, or None where one is no stream, but a picture of Silicon Graphics."""
+    paths = [path] if isinstance(path, str) else path
+    return read if paths and all(map(_is_stream, paths)) else None
+
+
+def _is_stream(path: str) -> bool:
+    if is_url(path):
+        return path.endswith(".sgi")
+    with suppress(OSError), open(path, "rb") as file:
+        return file.read(len(SIGNATURE)) == SIGNATURE
+    return False
+
+
+def read(path: str | list[str]) -> list[Layer]:
+    """A layer for each stream, of bands without a meaning one for each band. Raises StreamError."""
+    return [_layer(open_stream(each)) for each in ([path] if isinstance(path, str) else path)]
+
+
+def _layer(stream: Stream) -> Layer:
+    header = stream.header
+    arrays = levels(stream)
+    options: dict[str, Any] = {
+        "name": os.path.splitext(os.path.basename(stream.name or "stream"))[0],
+        "multiscale": len(arrays) > 1,
+        "metadata": {"channels": header.channels, "software": stream.software},
+    }
+    if header.channels in ("rgb", "rgba"):
+        options["rgb"] = True
+    else:
+        options["contrast_limits"] = list(header.sample_range)
+        if stream.ndim == 3:
+            options["channel_axis"] = 2
+    scale = resolution(stream.metadata.geo, stream.metadata.exif)
+    if scale is not None:
+        across, down = scale.microns
+        options |= {"scale": (down, across), "units": ("um", "um")}
+    return (arrays if len(arrays) > 1 else arrays[0]), options, "image"
