@@ -23,6 +23,7 @@ from sgicodec.encoder.memory import estimate
 from sgicodec.encoder.overview import overview_picture, overview_settings, takes_overview
 from sgicodec.encoder.passes import TilePasses
 from sgicodec.encoder.plan import Plan, stream_plan
+from sgicodec.encoder.same_look import with_same_look
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.store import MemoryStore
 from sgicodec.encoder.tile_encoder import Encoding, empty_pixels
@@ -89,6 +90,7 @@ def encode_picture(
         plan = stream_plan(windows.shape, plan.settings)
     elif plan.header.masked == "transparent" and geo.has_place(windows.shape.metadata.geo):
         listener.note(_BAND_AS_ALPHA)
+    plan = with_same_look(windows, plan)
     where = Path(output) if isinstance(output, str) else output
     job = _Job(windows, plan, where, listener, device, verify, started)
     with locked(where) if isinstance(where, Path) else nullcontext():
