@@ -42,7 +42,7 @@ HOMES = {
         "sgicodec/image/second_reader.py",
         "sgicodec/image/conversion.py",
         "sgicodec/bench/",
-        "sgicodec/plugins/pillow.py",
+        "sgicodec/plugins/",
         "sgicodec/server/",
         "benchmarks/",
     ),
