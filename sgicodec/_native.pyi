@@ -11,26 +11,6 @@ def instruction_set(isa: str) -> str: ...
 
 def fma_peak(threads: int, isa: str) -> float: ...
 
-class SymbolModels:
-    def __init__(self, frequency: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], start: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> None: ...
-
-class RangeDecoder:
-    def __init__(self, payload: bytes) -> None: ...
-
-    def decode(self, models: SymbolModels, start: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], out: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu')]) -> bool: ...
-
-    def decode_uniform(self, bits: int, out: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu')]) -> bool: ...
-
-    def maybe_exhausted(self) -> bool: ...
-
-def group_by_key(keys: Annotated[NDArray[numpy.int16], dict(shape=(None,), order='C', device='cpu', writable=False)], order: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu')], start: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu')]) -> None: ...
-
-def ungroup_symbols(indices: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], order: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], tables: Annotated[NDArray[numpy.int16], dict(shape=(None,), order='C', device='cpu', writable=False)], support: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], start: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], bits: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], symbols: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu')]) -> tuple[float, int]: ...
-
-def ungroup_categorical(indices: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], order: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], keys: Annotated[NDArray[numpy.int16], dict(shape=(None,), order='C', device='cpu', writable=False)], alphabets: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], bits: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], symbols: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu')]) -> float: ...
-
-def add_predictions(plane: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu')], predictor: int, most: int) -> bool: ...
-
 FRACTION_BITS: int = ...
 
 INPUT_BITS: int = ...
@@ -225,26 +205,6 @@ def prune_gaussians(residual: Annotated[NDArray[numpy.float32], dict(shape=(None
 
 def search_base(planes: Annotated[NDArray[numpy.int64], dict(shape=(None, None, None), order='C', device='cpu')], predictor: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], weights: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], table: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], support: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], start: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], bits: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], down: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], across: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], gram: Annotated[NDArray[numpy.float64], dict(shape=(None, None, None, None), order='C', device='cpu', writable=False)] | None, pull: Annotated[NDArray[numpy.float64], dict(shape=(None, None, None), order='C', device='cpu')], step: float, lmbda: float, passes: int) -> int: ...
 
-class ZeroCentredTables:
-    def __init__(self, models: SymbolModels, support: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], start: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], bits: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], exponents: SymbolModels, most: int) -> None: ...
-
-def read_zero_centred(decoder: RangeDecoder, tables: ZeroCentredTables, keys: Annotated[NDArray[numpy.int16], dict(shape=(None,), order='C', device='cpu', writable=False)], symbols: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu')]) -> tuple[int, float]:
-    """
-    0, or 1 where the payload does not decode, 2 where a symbol is too large; information content.
-    """
-
-class AttributeModel:
-    def __init__(self, attributes: int, per_seed: int, channels: int, colour: int, shape: int, quality: int, neighbours: int, first_table: int) -> None: ...
-
-    def add_step(self, w1: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], b1: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], w2: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], b2: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], shift: int, predicted: int, isa: str) -> None: ...
-
-    def add_group(self, base: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], columns: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], gamma: int, follows_amplitude: bool, prediction: int, units: int, refinement: int, first: int) -> None: ...
-
-    def read(self, decoder: RangeDecoder, tables: ZeroCentredTables, half_pixels: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], log_size: Annotated[NDArray[numpy.int8], dict(shape=(None,), order='C', device='cpu', writable=False)], members: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], start: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], threads: int, decoded: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu')]) -> tuple[int, Annotated[NDArray[numpy.int32], dict(shape=(None,))], list[float]]:
-        """
-        As of `read_zero_centred`, all symbols in coding order, information content by group.
-        """
-
 class StreamReader:
     """The chunks of a stream: bytes, or a binary file."""
 
@@ -289,6 +249,63 @@ def tile_segments(length: int, count: int, apron: int, start: float, scale: floa
     First and last pixel, tile and the next one's share, or None, of each run of output pixels along an axis.
     """
 
+class SymbolReader:
+    """
+    Reads a payload group by group, part by part: the decoder's own reader.
+    """
+
+    def __init__(self, payload: bytes) -> None: ...
+
+    def read(self, tables: Annotated[NDArray[numpy.int16], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> Annotated[NDArray[numpy.int32], dict(shape=(None,))]:
+        """Zero-centred integers [n], each with its own table."""
+
+    def read_categorical(self, frequencies: Annotated[NDArray[numpy.int64], dict(shape=(None, None), order='C', device='cpu', writable=False)], rows: Annotated[NDArray[numpy.int16], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> Annotated[NDArray[numpy.int32], dict(shape=(None,))]:
+        """Symbols [n] under rows of frequencies [rows, A]."""
+
+    def read_bits(self, n_bits: int, count: int) -> Annotated[NDArray[numpy.uint32], dict(shape=(None,))]:
+        """Equally likely integers [count] of 0 to 32 bits."""
+
+    def read_weights(self, count: int) -> Annotated[NDArray[numpy.int64], dict(shape=(None,))]:
+        """A tensor of so many integers, flat."""
+
+    def read_signs(self, counts: Sequence[int]) -> Annotated[NDArray[numpy.uint8], dict(shape=(None,))]:
+        """The hash grid's signs, 0 or 1, level after level."""
+
+    def read_base(self, channels: int, rows: int, columns: int) -> Annotated[NDArray[numpy.int64], dict(shape=(None, None, None))]:
+        """Planes [C, rows, columns] of the base layer."""
+
+    def read_positions(self, size: tuple[int, int], root_log: int, min_log: int, most: int) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None,))]]:
+        """Corners [N, 2] and log2 of the sides [N] of at most so many seeds."""
+
+    def read_predicted_positions(self, scenery: TreeScenery, most: int, threads: int, isa: str) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None,))]]:
+        """The same of a tree whose flags are predicted."""
+
+    def read_texture(self, size: tuple[int, int], channels: int) -> tuple[tuple[int, list[int], tuple[int, int], tuple[int, int, int], bool, bool], Annotated[NDArray[numpy.uint8], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None, None))], Annotated[NDArray[numpy.int16], dict(shape=(None, None, None))]] | None:
+        """
+        Steps, log_size, contrast and symbols of a tile's texture, None for none.
+        """
+
+    def finish(self) -> None:
+        """
+        Raises CorruptStreamError unless the symbols are those written and the payload ends with them.
+        """
+
+    @property
+    def crc(self) -> int:
+        """CRC-32 of all symbols."""
+
+    @property
+    def count(self) -> int:
+        """Of symbols."""
+
+    @property
+    def ends(self) -> bool:
+        """Whether an encoder may have ended here."""
+
+    @property
+    def bits(self) -> float:
+        """Information content of all symbols."""
+
 def draw_texture(corner: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], log_size: Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)], amplitudes: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], size: tuple[int, int], start: tuple[float, float], scale: tuple[float, float], first: tuple[int, int], mix: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)] | None, threads: int, isa: str, planes: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu')]) -> None: ...
 
 class TextureModels:
@@ -297,6 +314,10 @@ class TextureModels:
 
     @overload
     def __init__(self, dependent: bool, state: bytes) -> None: ...
+
+    @staticmethod
+    def shipped(dependent: bool) -> TextureModels:
+        """Those with which every layer begins."""
 
     def state(self) -> bytes: ...
 
@@ -307,11 +328,6 @@ class TextureModels:
     def write(self, log_size: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu', writable=False)], contrast: Annotated[NDArray[numpy.int8], dict(shape=(None, None), order='C', device='cpu', writable=False)], symbols: Annotated[NDArray[numpy.int16], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], size: tuple[int, int], has_contrast: bool) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None,))], Annotated[NDArray[numpy.int32], dict(shape=(None,))], Annotated[NDArray[numpy.int32], dict(shape=(None,))], float]:
         """
         Bits, their P(1) in 2^-16, all symbols in coding order, information content.
-        """
-
-    def read(self, decoder: RangeDecoder, size: tuple[int, int], channels: int, has_contrast: bool) -> tuple[bool, tuple[Annotated[NDArray[numpy.uint8], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None, None))], Annotated[NDArray[numpy.int16], dict(shape=(None, None, None))]], Annotated[NDArray[numpy.int32], dict(shape=(None,))], float]:
-        """
-        Whether it is sound; log_size, contrast and symbols; all symbols in coding order; information content.
         """
 
     def search(self, amplitudes: TextureAmplitudes, contrast: Annotated[NDArray[numpy.int8], dict(shape=(None, None), order='C', device='cpu', writable=False)], steps: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], slope: tuple[float, float], lmbda: float, has_contrast: bool) -> tuple[tuple[Annotated[NDArray[numpy.uint8], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None, None))], Annotated[NDArray[numpy.int16], dict(shape=(None, None, None))]], float, list[float], list[float], Annotated[NDArray[numpy.float32], dict(shape=(None, None))]]:
@@ -348,15 +364,17 @@ class TileModel:
     def base_step(self) -> int: ...
 
     @property
-    def decoders(self) -> dict:
+    def decoders(self) -> dict[str, NDArray[numpy.int64]]:
         """Weights in units of 2^-10, by name."""
 
     @property
-    def plan(self) -> dict:
-        """By group the base steps [U, 8] and the exponent of the amplitude."""
+    def plan(self) -> list[tuple[str, NDArray[numpy.int64], int]]:
+        """
+        By group its name, base steps [U, 8] and the exponent of the amplitude.
+        """
 
     @property
-    def networks(self) -> list:
+    def networks(self) -> list[tuple[NDArray[numpy.int64], NDArray[numpy.int64], NDArray[numpy.int64], NDArray[numpy.int64], int, int]]:
         """By coding step W1, b1, W2, b2, shift and the number of predictions."""
 
     @property
@@ -364,15 +382,15 @@ class TileModel:
         """Those of the hash grid, 0 or 1, level after level."""
 
     @property
-    def texture(self) -> object:
+    def texture(self) -> tuple[tuple[int, list[int], tuple[int, int], tuple[int, int, int], bool, bool], Annotated[NDArray[numpy.uint8], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None, None))], Annotated[NDArray[numpy.int16], dict(shape=(None, None, None))]] | None:
         """Steps, log_size, contrast and symbols of the layer; None for none."""
 
     @property
-    def part_bits(self) -> dict:
+    def bits(self) -> dict[str, float]:
         """Information content of the parts, by name."""
 
     @property
-    def symbol_crc(self) -> int:
+    def crc(self) -> int:
         """CRC-32 of all symbols: equal on every machine."""
 
 def read_tile(header: bytes, payload: bytes, threads: int, isa: str, checked: bool = ...) -> TileModel:
@@ -450,9 +468,4 @@ class TreeBatch:
     def seed_rows(self, rows: Annotated[NDArray[numpy.int16], dict(shape=(None, None), order='C', device='cpu', writable=False)], split: Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)], certain: int) -> Annotated[NDArray[numpy.int16], dict(shape=(None,))]:
         """The row of every seed flag [n]: `certain` where it is needed."""
 
-def walk_tree(scenery: TreeScenery, max_seeds: int, code: Callable[[TreeBatch], tuple[Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)], Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)]]]) -> list[tuple[Annotated[NDArray[numpy.int64], dict(shape=(None,))], int]]: ...
-
-def read_tree(decoder: RangeDecoder, scenery: TreeScenery, max_seeds: int, networks: tuple[TreeNetwork, ...], models: SymbolModels, symbol: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], bits: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], shift: int, most: int, threads: int) -> tuple[bool, list[tuple[Annotated[NDArray[numpy.int64], dict(shape=(None,))], int]], Annotated[NDArray[numpy.int32], dict(shape=(None,))], float]:
-    """
-    Whether they decode, codes as of `walk_tree`, all flags in coding order and their information content.
-    """
+def walk_tree(scenery: TreeScenery, max_seeds: int, code: Callable[[TreeBatch], tuple[Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)], Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)]]]) -> None: ...

@@ -10,6 +10,7 @@
 
 #include "bindings/arrays.hpp"
 #include "bindings/bindings.hpp"
+#include "bindings/textures.hpp"
 #include "bitstream/texture_cells.hpp"
 #include "bitstream/texture_stream.hpp"
 #include "rdoq/texture_search.hpp"
@@ -71,13 +72,6 @@ void require_field(const TextureField &field, Size size) {
           "the layer must have the roots of the tile");
 }
 
-auto arrays_of(TextureField field) {
-  const auto down = size_t(field.height), across = size_t(field.width);
-  return std::tuple(as_array<uint8_t>(std::move(field.log_size), std::array{down / 8, across / 8}),
-                    as_array<int8_t>(std::move(field.contrast), std::array{down / 32, across / 32}),
-                    as_array<int16_t>(std::move(field.symbols), std::array{size_t(field.channels), down, across}));
-}
-
 auto numbers(std::vector<int32_t> values) {
   const std::array shape{values.size()};
   return as_array<int32_t>(std::move(values), shape);
@@ -92,6 +86,7 @@ sgi::TextureSteps steps_of(const Array<const float, 1> &steps, std::pair<float, 
 class TextureModels {
  public:
   explicit TextureModels(bool dependent) : dependent_(dependent), models_(sgi::fresh_texture_models(dependent)) {}
+  TextureModels(bool dependent, BitModels models) : dependent_(dependent), models_(std::move(models)) {}
   TextureModels(bool dependent, nb::bytes state) : TextureModels(dependent) {
     require(models_.set_state(reinterpret_cast<const uint8_t *>(state.data()), int64_t(state.size())),
             "these are not texture models");
@@ -124,16 +119,6 @@ class TextureModels {
                       numbers(std::move(written.symbols)), content);
   }
 
-  auto read(sgi::RangeDecoder &decoder, Size size, int channels, bool has_contrast) const {
-    require_size(size, size_t(channels));
-    sgi::TextureRead read = [&] {
-      nb::gil_scoped_release release;
-      return sgi::read_texture(models_, decoder, sgi::empty_field(size.first, size.second, channels, dependent_),
-                               size.first, size.second, has_contrast);
-    }();
-    return std::tuple(read.sound, arrays_of(std::move(read.field)), numbers(std::move(read.symbols)), read.content);
-  }
-
   auto search(const sgi::TextureAmplitudes &amplitudes, Contrasts contrast, Array<const float, 1> steps,
               std::pair<float, float> slope, float lmbda, bool has_contrast) const {
     const auto down = size_t(amplitudes.height >> sgi::kTextureRoot);
@@ -149,7 +134,7 @@ class TextureModels {
       nb::gil_scoped_release release;
       return sgi::search_texture(models_, amplitudes, contrast.data(), all, {lmbda, has_contrast});
     }();
-    return std::tuple(arrays_of(std::move(found.field)), found.bits, found.count, found.excess,
+    return std::tuple(sgi::field_arrays(std::move(found.field)), found.bits, found.count, found.excess,
                       as_array<float>(std::move(found.cost), std::array{down, across}));
   }
 
@@ -184,13 +169,14 @@ void bind_texture_coding(nb::module_ &m) {
   nb::class_<TextureModels>(m, "TextureModels")
       .def(nb::init<bool>(), "dependent"_a)
       .def(nb::init<bool, nb::bytes>(), "dependent"_a, "state"_a)
+      .def_static(
+          "shipped", [](bool dependent) { return TextureModels(dependent, sgi::shipped_texture_models(dependent)); },
+          "dependent"_a, "Those with which every layer begins.")
       .def("state", &TextureModels::state)
       .def("settle", &TextureModels::settle, "most"_a)
       .def("learn", &TextureModels::learn, "log_size"_a, "contrast"_a, "symbols"_a, "size"_a, "has_contrast"_a)
       .def("write", &TextureModels::write, "log_size"_a, "contrast"_a, "symbols"_a, "size"_a, "has_contrast"_a,
            "Bits, their P(1) in 2^-16, all symbols in coding order, information content.")
-      .def("read", &TextureModels::read, "decoder"_a, "size"_a, "channels"_a, "has_contrast"_a,
-           "Whether it is sound; log_size, contrast and symbols; all symbols in coding order; information content.")
       .def("search", &TextureModels::search, "amplitudes"_a, "contrast"_a, "steps"_a, "slope"_a, "lmbda"_a,
            "has_contrast"_a,
            "log_size, contrast and symbols; bits; by magnitude 1, 2 and more the symbols and the sum of their excess; "

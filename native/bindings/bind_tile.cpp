@@ -1,9 +1,6 @@
-#include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
-#include <nanobind/stl/tuple.h>
-#include <nanobind/stl/vector.h>
 
 #include <array>
 #include <memory>
@@ -12,6 +9,7 @@
 
 #include "bindings/arrays.hpp"
 #include "bindings/bindings.hpp"
+#include "bindings/textures.hpp"
 #include "bitstream/tile.hpp"
 
 namespace nb = nanobind;
@@ -68,63 +66,57 @@ auto base_of(nb::handle self) {
   return view(self, tile.model.base, {channels, rows, columns});
 }
 
-nb::dict decoders_of(nb::handle self) {
-  ReadTile &tile = tile_of(self);
-  const sgi::ModelSpec &spec = tile.header.spec;
-  const auto hidden = size_t(spec.hidden), features = size_t(spec.features);
+using Tensors = nb::typed<nb::dict, nb::str, Numbers<int64_t>>;
+
+Tensors decoders_of(const ReadTile &tile) {
+  const auto hidden = size_t(tile.header.spec.hidden), features = size_t(tile.header.spec.features);
   nb::dict decoders;
-  if (!hidden) return decoders;
-  const auto add = [&](const std::string &name, sgi::AttributeDecoder &decoder) {
-    decoders[nb::str((name + ".w1").c_str())] = view(self, decoder.w1, {hidden, features});
-    decoders[nb::str((name + ".b1").c_str())] = view(self, decoder.b1, {hidden});
-    decoders[nb::str((name + ".w2").c_str())] = view(self, decoder.w2, {decoder.b2.size(), hidden});
-    decoders[nb::str((name + ".b2").c_str())] = view(self, decoder.b2, {decoder.b2.size()});
-  };
-  add("colour", tile.model.colours), add("shape", tile.model.shapes);
-  return decoders;
+  for (const auto &[name, decoder] :
+       {std::pair("colour", &tile.model.colours), std::pair("shape", &tile.model.shapes)}) {
+    if (!hidden) break;
+    const size_t outputs = decoder->b2.size();
+    decoders[nb::str("{}.w1").format(name)] = copy(decoder->w1, {hidden, features});
+    decoders[nb::str("{}.b1").format(name)] = copy(decoder->b1, {hidden});
+    decoders[nb::str("{}.w2").format(name)] = copy(decoder->w2, {outputs, hidden});
+    decoders[nb::str("{}.b2").format(name)] = copy(decoder->b2, {outputs});
+  }
+  return nb::borrow<Tensors>(decoders);
 }
 
-nb::dict plan_of(nb::handle self) {
-  ReadTile &tile = tile_of(self);
-  nb::dict plan;
-  size_t number = 0;
+// By group in coding order: name, base steps [U, 8], exponent of the amplitude.
+auto plan_of(const ReadTile &tile) {
+  std::vector<std::tuple<std::string, Numbers<int64_t>, int>> plan;
   for (const sgi::SeedGroup &group : tile.header.spec.groups()) {
-    sgi::GroupSteps &steps = tile.model.coding.plan[number++];
-    const nb::str name(kGroupNames[size_t(group.name)]);
-    plan[name] =
-        nb::make_tuple(view(self, steps.base, {steps.base.size() / sgi::kLevels, size_t(sgi::kLevels)}), steps.gamma);
+    const sgi::GroupSteps &steps = tile.model.coding.plan[plan.size()];
+    plan.emplace_back(kGroupNames[size_t(group.name)],
+                      copy(steps.base, {steps.base.size() / sgi::kLevels, sgi::kLevels}), steps.gamma);
   }
   return plan;
 }
 
-nb::list networks_of(nb::handle self) {
-  nb::list networks;
-  for (const auto &net : tile_of(self).model.coding.networks) {
+auto networks_of(const ReadTile &tile) {
+  using Weights = Numbers<int64_t>;
+  std::vector<std::tuple<Weights, Weights, Weights, Weights, int, int>> networks;
+  for (const auto &net : tile.model.coding.networks) {
     const auto inputs = size_t(net->inputs), hidden = size_t(net->hidden), outputs = size_t(net->outputs);
-    networks.append(nb::make_tuple(copy(net->w1, {hidden, inputs}), copy(net->b1, {hidden}),
-                                   copy(net->w2, {outputs, hidden}), copy(net->b2, {outputs}), net->shift,
-                                   net->predicted));
+    networks.emplace_back(copy(net->w1, {hidden, inputs}), copy(net->b1, {hidden}), copy(net->w2, {outputs, hidden}),
+                          copy(net->b2, {outputs}), net->shift, net->predicted);
   }
   return networks;
 }
 
-nb::object texture_of(nb::handle self) {
-  ReadTile &tile = tile_of(self);
-  if (!tile.model.coding.texture) return nb::none();
-  auto &[indices, field] = *tile.model.coding.texture;
-  const auto rows = size_t(field.height), columns = size_t(field.width), channels = size_t(field.channels);
-  const auto steps =
-      std::tuple(indices.step, indices.ratios, indices.slopes, indices.excess, indices.has_contrast, field.dependent);
-  return nb::make_tuple(steps, view(self, field.log_size, {rows / sgi::kUnit, columns / sgi::kUnit}),
-                        view(self, field.contrast, {rows >> sgi::kTextureRoot, columns >> sgi::kTextureRoot}),
-                        view(self, field.symbols, {channels, rows, columns}));
+auto texture_of(const ReadTile &tile) {
+  const auto &texture = tile.model.coding.texture;
+  return texture ? std::optional(sgi::texture_arrays(*texture)) : std::nullopt;
 }
 
-nb::dict part_bits(const ReadTile &tile) {
+using Bits = nb::typed<nb::dict, nb::str, double>;
+
+Bits bits_of(const ReadTile &tile) {
   nb::dict bits;
   for (size_t part = 0; part < sgi::kParts; ++part)
     if (tile.model.bits[part] > 0) bits[kPartNames[part]] = tile.model.bits[part];
-  return bits;
+  return nb::borrow<Bits>(bits);
 }
 
 using Pixels = Array<const int64_t, 1>;
@@ -176,9 +168,11 @@ void bind_tile(nb::module_ &m) {
           arrays, "[N, d_A] attributes in units of 2^-24")
       .def_prop_ro("base", &base_of, arrays, "[C, rows, columns] in steps of index `base_step`")
       .def_prop_ro("base_step", [](const ReadTile &tile) { return tile.model.base_step; })
-      .def_prop_ro("decoders", &decoders_of, "Weights in units of 2^-10, by name.")
-      .def_prop_ro("plan", &plan_of, "By group the base steps [U, 8] and the exponent of the amplitude.")
-      .def_prop_ro("networks", &networks_of, "By coding step W1, b1, W2, b2, shift and the number of predictions.")
+      .def_prop_ro("decoders", &decoders_of, nb::rv_policy::move, "Weights in units of 2^-10, by name.")
+      .def_prop_ro("plan", &plan_of, nb::rv_policy::move,
+                   "By group its name, base steps [U, 8] and the exponent of the amplitude.")
+      .def_prop_ro("networks", &networks_of, nb::rv_policy::move,
+                   "By coding step W1, b1, W2, b2, shift and the number of predictions.")
       .def_prop_ro(
           "signs",
           [](nb::handle self) {
@@ -186,10 +180,11 @@ void bind_tile(nb::module_ &m) {
             return view(self, signs, {signs.size()});
           },
           arrays, "Those of the hash grid, 0 or 1, level after level.")
-      .def_prop_ro("texture", &texture_of, "Steps, log_size, contrast and symbols of the layer; None for none.")
-      .def_prop_ro("part_bits", &part_bits, "Information content of the parts, by name.")
+      .def_prop_ro("texture", &texture_of, nb::rv_policy::move,
+                   "Steps, log_size, contrast and symbols of the layer; None for none.")
+      .def_prop_ro("bits", &bits_of, "Information content of the parts, by name.")
       .def_prop_ro(
-          "symbol_crc", [](const ReadTile &tile) { return tile.model.symbol_crc; },
+          "crc", [](const ReadTile &tile) { return tile.model.symbol_crc; },
           "CRC-32 of all symbols: equal on every machine.");
   m.def("read_tile", &read_tile, "header"_a, "payload"_a, "threads"_a, "isa"_a, "checked"_a = true,
         "The model of a payload; `header` is the payload of chunk H that the tile would have as a picture of its own.\n"

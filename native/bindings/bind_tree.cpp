@@ -8,7 +8,6 @@
 
 #include "bindings/bindings.hpp"
 #include "bindings/checks.hpp"
-#include "bitstream/read_symbols.hpp"
 #include "bitstream/tree_walk.hpp"
 
 namespace nb = nanobind;
@@ -92,21 +91,9 @@ auto seed_rows(const TreeBatch &batch, Array<const int16_t, 2> rows, Array<const
   return as_array<int16_t>(std::move(out), std::array{n});
 }
 
-using Found = std::vector<std::pair<Codes, int>>;  // Morton codes of the seeds of each level
-
-Found as_found(std::vector<sgi::LevelSeeds> seeds) {
-  Found out;
-  for (auto &[level, codes] : seeds) {
-    const size_t n = codes.size();
-    out.emplace_back(as_array<int64_t>(std::move(codes), std::array{n}), level);
-  }
-  return out;
-}
-
 using Flags = Array<const uint8_t, 1>;
 
-Found walk_tree(Scenery scenery, int64_t most,
-                const nb::typed<nb::callable, std::pair<Flags, Flags>(TreeBatch)> &code) {
+void walk_tree(Scenery scenery, int64_t most, const nb::typed<nb::callable, std::pair<Flags, Flags>(TreeBatch)> &code) {
   std::vector<sgi::LevelSeeds> found;
   const auto ask = [&](const TreeBatch &batch, uint8_t *split, uint8_t *seed) {
     const auto flags = nb::cast<std::pair<Flags, Flags>>(code(TreeBatch(batch)));
@@ -120,64 +107,6 @@ Found walk_tree(Scenery scenery, int64_t most,
     return true;
   };
   sgi::walk_tree(scenery, most, ask, found);
-  return as_found(std::move(found));
-}
-
-// How flags are read: networks of all child numbers; the alphabets of the rows that they choose and of `certain`.
-struct TreeReader {
-  const TreeNetwork *const *networks;
-  sgi::AlphabetsView alphabets;
-  int shift, most, threads;
-
-  // Appends the flags of a batch to `symbols` in coding order.
-  bool read(sgi::RangeDecoder &decoder, const TreeBatch &batch, uint8_t *split, uint8_t *seed,
-            std::vector<int32_t> &symbols, double &bits) const {
-    const int64_t n = batch.size();
-    std::vector<int16_t> rows(3 * size_t(n)), of(static_cast<size_t>(n));
-    networks[batch.child]->rows(batch, shift, most, threads, rows.data());
-    const auto flags = [&](uint8_t *out) {
-      const size_t first = symbols.size();
-      symbols.resize(first + size_t(n));
-      if (!sgi::read_categorical(decoder, alphabets, of.data(), n, symbols.data() + first, bits)) return false;
-      for (int64_t i = 0; i < n; ++i) out[i] = uint8_t(symbols[first + size_t(i)]);
-      return true;
-    };
-    for (size_t i = 0; i < size_t(n); ++i) of[i] = rows[3 * i];
-    if (batch.of->level() > sgi::kLeastLevel && !flags(split)) return false;
-    batch.seed_rows(rows.data(), split, int16_t(2 * most + 1), of.data());
-    return flags(seed);
-  }
-};
-
-auto read_tree(sgi::RangeDecoder &decoder, Scenery scenery, int64_t max_seeds,
-               const nb::typed<nb::tuple, TreeNetwork, nb::ellipsis> &networks, const sgi::SymbolModels &models,
-               Array<const int32_t, 2> symbol, Array<const double, 2> bits_of, int shift, int most, int threads) {
-  require(networks.size() == 4, "networks of 4 child numbers");
-  require(shift >= 1 && shift <= 20 && most >= 0 && models.size() == 2 * most + 2,
-          "shift 1..20, models of 2 most + 2 rows");
-  for (int64_t row = 0; row < models.size(); ++row) require(models.symbols(row) <= 2, "models of at most 2 symbols");
-  require(has_shape(symbol, size_t(models.size()), 2) && has_shape(bits_of, size_t(models.size()), 2),
-          "symbol and bits [rows, 2]");
-  for (size_t i = 0; i < symbol.size(); ++i)
-    require(symbol.data()[i] >= 0 && symbol.data()[i] <= 1, "flags are 0 or 1");
-  const TreeNetwork *of[4];
-  for (size_t child = 0; child < 4; ++child) of[child] = nb::cast<const TreeNetwork *>(networks[child]);
-  const TreeReader reader{of, {&models, symbol.data(), bits_of.data(), 2}, shift, most, threads};
-  std::vector<sgi::LevelSeeds> found;
-  std::vector<int32_t> symbols;
-  double bits = 0;
-  bool decodes;
-  {
-    nb::gil_scoped_release release;
-    decodes = sgi::walk_tree(
-        scenery, max_seeds,
-        [&](const TreeBatch &batch, uint8_t *split, uint8_t *seed) {
-          return reader.read(decoder, batch, split, seed, symbols, bits);
-        },
-        found);
-  }
-  const size_t n = symbols.size();
-  return std::tuple(decodes, as_found(std::move(found)), as_array<int32_t>(std::move(symbols), std::array{n}), bits);
 }
 
 }  // namespace
@@ -208,7 +137,4 @@ void bind_tree(nb::module_ &m) {
       .def("seed_rows", &seed_rows, "rows"_a, "split"_a, "certain"_a,
            "The row of every seed flag [n]: `certain` where it is needed.");
   m.def("walk_tree", &walk_tree, "scenery"_a, "max_seeds"_a, "code"_a);
-  m.def("read_tree", &read_tree, "decoder"_a, "scenery"_a, "max_seeds"_a, "networks"_a, "models"_a, "symbol"_a,
-        "bits"_a, "shift"_a, "most"_a, "threads"_a,
-        "Whether they decode, codes as of `walk_tree`, all flags in coding order and their information content.");
 }

@@ -3,7 +3,6 @@
 #include <nanobind/nanobind.h>
 
 void bind_base(nanobind::module_ &m);
-void bind_bitstream(nanobind::module_ &m);
 void bind_constants(nanobind::module_ &m);
 void bind_decoder(nanobind::module_ &m);
 void bind_errors(nanobind::module_ &m);
@@ -12,8 +11,8 @@ void bind_image(nanobind::module_ &m);
 void bind_model(nanobind::module_ &m);
 void bind_raster(nanobind::module_ &m);
 void bind_rdoq(nanobind::module_ &m);
-void bind_reading(nanobind::module_ &m);
 void bind_stream_reader(nanobind::module_ &m);
+void bind_symbol_reader(nanobind::module_ &m);
 void bind_texture(nanobind::module_ &m);
 void bind_texture_coding(nanobind::module_ &m);
 void bind_tile(nanobind::module_ &m);

@@ -1,8 +1,5 @@
 #include <array>
-#include <stdexcept>
-#include <string>
 
-#include "base/error.hpp"
 #include "bitstream/positions.hpp"
 #include "bitstream/shipped_networks.hpp"
 
@@ -52,11 +49,7 @@ Seeds read_predicted_positions(SymbolReader &reader, std::shared_ptr<const TreeS
     return true;
   };
   std::vector<LevelSeeds> found;
-  try {
-    walk_tree(std::move(scenery), most, code, found);
-  } catch (const std::overflow_error &error) {
-    throw Error(Fault::limit, std::string("positions: ") + error.what());
-  }
+  walk_tree(std::move(scenery), most, code, found);
   return seeds_of(found);
 }
 

@@ -1,5 +1,6 @@
 #include "bitstream/symbol_reader.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <string>
 
@@ -43,6 +44,19 @@ std::vector<int32_t> SymbolReader::values(int bits, int64_t count) {
   return found;
 }
 
+std::vector<uint32_t> SymbolReader::wide_values(int bits, int64_t count) {
+  constexpr int kPiece = 16;
+  std::vector<int32_t> high(static_cast<size_t>(count)), low(static_cast<size_t>(count));
+  const int above = std::max(bits - kPiece, 0), below = bits - above;
+  if (above && !decoder_.decode_uniform(above, count, high.data())) require_sound(Reading::kDamaged);
+  if (below && !decoder_.decode_uniform(below, count, low.data())) require_sound(Reading::kDamaged);
+  std::vector<uint32_t> found;
+  for (size_t i = 0; i < low.size(); ++i) found.push_back(uint32_t(high[i]) << kPiece | uint32_t(low[i]));
+  record(reinterpret_cast<const int32_t *>(found.data()), count);
+  book(part_, double(bits) * double(count));
+  return found;
+}
+
 std::vector<int32_t> SymbolReader::zero_centred(int table, int64_t n) {
   const std::vector<int16_t> tables(static_cast<size_t>(n), int16_t(table));
   std::vector<int32_t> symbols(static_cast<size_t>(n));
@@ -71,11 +85,9 @@ void SymbolReader::record(const int32_t *symbols, int64_t n) {
 
 void SymbolReader::finish(bool checked) {
   if (!checked) return;
-  int32_t halves[2];
-  for (int32_t &half : halves)
-    if (!decoder_.decode_uniform(16, 1, &half)) require_sound(Reading::kDamaged);
-  book(Part::check, 32);
-  const uint32_t written = uint32_t(halves[0]) << 16 | uint32_t(halves[1]);
+  begin(Part::check);
+  const uint32_t crc = crc_, written = wide_values(32, 1)[0];
+  crc_ = crc;  // of the symbols, not of their check
   if (written != crc_)
     throw Error(Fault::corrupt, "entropy: decoded symbols have CRC " + hexadecimal(crc_) + ", the encoder's had " +
                                     hexadecimal(written) +

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <numeric>
-#include <stdexcept>
 #include <string>
 
+#include "base/error.hpp"
 #include "model/morton.hpp"
 
 namespace sgi {
@@ -45,7 +45,7 @@ class Rates {
 };
 
 void require_few(int64_t count, int64_t most, const std::string &where) {
-  if (count > most) throw std::overflow_error("more than " + std::to_string(most) + " seeds" + where);
+  if (count > most) throw Error(Fault::limit, "positions: more than " + std::to_string(most) + " seeds" + where);
 }
 
 }  // namespace

@@ -84,8 +84,8 @@ struct TreeBatch {
 // Says of each node of a batch whether it is split and whether it carries a seed; false ends the walk.
 using CodeBatch = std::function<bool(const TreeBatch &batch, uint8_t *split, uint8_t *seed)>;
 
-// Goes through a tree; false if `code` ended it. Throws std::overflow_error before it takes memory for more than
-// `most` seeds.
+// Goes through a tree; false if `code` ended it. Throws Error (limit) before it takes memory for more than `most`
+// seeds.
 bool walk_tree(std::shared_ptr<const TreeScenery> scenery, int64_t most, const CodeBatch &code,
                std::vector<LevelSeeds> &found);
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Codes", "canonical_order", "morton", "unmorton"]
+__all__ = ["Codes", "canonical_order", "morton"]
 
 Codes = NDArray[np.int64]
 
@@ -21,11 +21,6 @@ def canonical_order(corner: NDArray[np.integer], log_size: NDArray[np.integer]) 
 def morton(x: NDArray[np.integer], y: NDArray[np.integer]) -> Codes:
     """Interleaved bits of 0 ≤ x, y < 2**31, those of x at the even places."""
     return _spread(x) | _spread(y) << 1
-
-
-def unmorton(code: Codes) -> tuple[Codes, Codes]:
-    """x and y of Morton codes."""
-    return _gather(code), _gather(code >> 1)
 
 
 _STAGES = (
@@ -43,10 +38,3 @@ def _spread(v: NDArray[np.integer]) -> Codes:
     for shift, mask in _STAGES:
         code = (code | code << shift) & mask
     return code
-
-
-def _gather(v: Codes) -> Codes:
-    code = v & _STAGES[-1][1]
-    for (shift, _), (_, mask) in zip(_STAGES[:0:-1], _STAGES[-2::-1], strict=True):
-        code = (code | code >> shift) & mask
-    return (code | code >> 16) & 0xFFFFFFFF

@@ -7,7 +7,7 @@ from contextlib import suppress
 import numpy as np
 from texture_reader import Bits, TextureReader
 
-from sgicodec.bitstream.entropy.symbol_coder import SymbolWriter
+from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 
 __all__ = ["spell", "spelled"]
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from sgicodec._native import SymbolReader
+from sgicodec.bitstream.parts.texture import layer_of
 from sgicodec.model.texture import LEAST_LOG, ROOT_LOG, TextureLayer
 from sgicodec.model.texture_symbols import TextureSteps, TextureSymbols, roots_of
 
@@ -92,3 +94,8 @@ def _edge(t: np.ndarray, hard: bool) -> np.ndarray:
     if hard:
         return (t >= 0).astype(np.float64)
     return np.sin(np.pi / 4 * (1 + np.clip(t / 4, -1, 1)))
+
+
+def read_texture(reader: SymbolReader, size: tuple[int, int], channels: int) -> TextureSymbols | None:
+    """The texture of a tile of `size`."""
+    return layer_of(reader.read_texture(size, channels), size)

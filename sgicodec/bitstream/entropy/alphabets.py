@@ -8,7 +8,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec._native import SymbolModels
 from sgicodec.bitstream.entropy.tables import TOTAL, bits_of_frequencies
 from sgicodec.errors import UsageError
 
@@ -35,21 +34,9 @@ class Alphabets:
         return np.cumsum(self.frequencies > 0, axis=1, dtype=np.int32) - np.int32(1)
 
     @cached_property
-    def symbol(self) -> NDArray[np.int32]:
-        """The symbol of each such index [contexts, A]; indices beyond the last one have none."""
-        return np.argsort(self.frequencies == 0, axis=1, kind="stable").astype(np.int32)
-
-    @cached_property
     def possible(self) -> list[tuple[int, ...]]:
         """Frequencies of the symbols that can occur, by context."""
         return [tuple(row[row > 0].tolist()) for row in self.frequencies]
-
-    @cached_property
-    def models(self) -> SymbolModels:
-        """What the range decoder reads them with, by context."""
-        contexts, size = self.frequencies.shape
-        frequencies = np.ascontiguousarray(self.frequencies, np.int64).reshape(-1)
-        return SymbolModels(frequencies, np.arange(contexts + 1, dtype=np.int64) * size)
 
     @cached_property
     def bits(self) -> NDArray[np.float64]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from sgicodec import _native
 from sgicodec.errors import UsageError
 
 __all__ = ["IntArray", "as_keys", "as_values", "groups"]
@@ -29,8 +28,7 @@ def as_keys(models: ArrayLike, count: int) -> NDArray[np.int16]:
     return keys.astype(np.int16)
 
 
-def groups(keys: NDArray[np.int16], count: int) -> tuple[IntArray, NDArray[np.int64]]:
+def groups(keys: NDArray[np.int16], count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Positions [n] ordered by key, equal keys by position, and where those of each key 0 … count begin [count + 1]."""
-    order, start = np.empty(keys.size, np.int32), np.empty(count + 1, np.int64)
-    _native.group_by_key(keys, order, start)
-    return order, start
+    start = np.concatenate([[0], np.cumsum(np.bincount(keys, minlength=count))])
+    return np.argsort(keys, kind="stable"), start

@@ -1,29 +1,19 @@
-"""Probability models of symbols: the same frequencies for constriction, which writes, and native code, which reads."""
+"""Probability models of symbols for constriction, which writes."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cache, cached_property, lru_cache
+from functools import cache, lru_cache
 from types import ModuleType
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec import _native
 from sgicodec.bitstream.entropy.alphabets import Alphabets
-from sgicodec.bitstream.entropy.tables import MAX_MAGNITUDE, escape_frequencies, frequency_tables
+from sgicodec.bitstream.entropy.tables import escape_frequencies, frequency_tables
 from sgicodec.errors import require
 
-__all__ = [
-    "ZERO_CENTRED",
-    "CategoricalModels",
-    "SymbolModels",
-    "constriction",
-    "escape_alphabet",
-    "uniform_model",
-    "zero_centred_tables",
-]
+__all__ = ["constriction", "escape_alphabet", "symbol_model", "uniform_model", "zero_centred_model"]
 
 
 @cache
@@ -33,44 +23,6 @@ def constriction() -> ModuleType:
     import constriction
 
     return constriction  # type: ignore[no-any-return]
-
-
-class SymbolModels(Protocol):
-    """Models by key, for either direction."""
-
-    @property
-    def reading(self) -> _native.SymbolModels:
-        """All of them for the range decoder."""
-
-    def writing(self, key: int) -> Any:
-        """One for constriction; None for a single symbol, which needs no coding."""
-
-
-@dataclass(frozen=True)
-class CategoricalModels:
-    """Those of alphabets, by context."""
-
-    alphabets: Alphabets
-
-    @property
-    def reading(self) -> _native.SymbolModels:
-        return self.alphabets.models
-
-    def writing(self, key: int) -> Any:
-        return _model(self.alphabets.possible[key])
-
-
-class _ZeroCentred:
-    @cached_property
-    def reading(self) -> _native.SymbolModels:
-        tables = frequency_tables()
-        return _native.SymbolModels(tables.frequency, np.append(tables.start, tables.frequency.size))
-
-    def writing(self, key: int) -> Any:
-        return _zero_centred_model(key)
-
-
-ZERO_CENTRED = _ZeroCentred()
 
 
 def _categorical(frequencies: NDArray[np.int64]) -> Any:
@@ -83,13 +35,14 @@ def _categorical(frequencies: NDArray[np.int64]) -> Any:
 
 
 @lru_cache(maxsize=1 << 10)
-def _model(frequencies: tuple[int, ...]) -> Any:
+def symbol_model(frequencies: tuple[int, ...]) -> Any:
     """A model of these frequencies; None for the single symbol that needs no coding."""
     return None if len(frequencies) < 2 else _categorical(np.array(frequencies))
 
 
 @cache
-def _zero_centred_model(table: int) -> Any:
+def zero_centred_model(table: int) -> Any:
+    """That of a zero-centred table."""
     return _categorical(frequency_tables().frequencies(table))
 
 
@@ -101,13 +54,5 @@ def escape_alphabet() -> Alphabets:
 
 @cache
 def uniform_model(n_bits: int) -> Any:
-    """Equally likely values of `n_bits` bits, for constriction."""
+    """Equally likely values of `n_bits` bits."""
     return constriction().stream.model.Uniform(1 << n_bits)
-
-
-@cache
-def zero_centred_tables() -> _native.ZeroCentredTables:
-    """All that reads zero-centred symbols, escapes included."""
-    tables = frequency_tables()
-    known = tables.support, tables.start, tables.symbol_bits
-    return _native.ZeroCentredTables(ZERO_CENTRED.reading, *known, escape_alphabet().models, MAX_MAGNITUDE)

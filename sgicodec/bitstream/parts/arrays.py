@@ -1,7 +1,6 @@
 """Small integer arrays of a tile: network weights, the base layer, the signs of the hash grid.
 
-Each function writes the array it is given and reads one if given None; shapes come from the header. What the
-encoder chose (tables, predictors, probabilities) precedes the array as raw bits.
+Shapes come from the header. What the encoder chose (tables, predictors, probabilities) precedes the array as raw bits.
 """
 
 from __future__ import annotations
@@ -12,43 +11,40 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from sgicodec._native import add_predictions
-from sgicodec.bitstream.entropy.symbol_coder import IntArray, SymbolCoder
+from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.entropy.tables import (
-    MAX_MAGNITUDE,
     TABLES,
     bernoulli_frequencies,
     bits_of_frequencies,
     frequency_tables,
 )
-from sgicodec.errors import CorruptStreamError, UsageError
+from sgicodec.errors import UsageError
 
-__all__ = ["BaseChannel", "base_channels", "base_references", "code_base", "code_signs", "code_weights"]
+__all__ = ["BaseChannel", "base_channels", "base_references", "write_base", "write_signs", "write_weights"]
 
 _TABLE_BITS = (TABLES - 1).bit_length()
 
 Plane = NDArray[np.int64]
 
 
-def code_weights(coder: SymbolCoder, weights: ArrayLike | None, shape: tuple[int, ...]) -> IntArray:
+def write_weights(writer: SymbolWriter, weights: ArrayLike, shape: tuple[int, ...]) -> None:
     """One tensor of integers under the one zero-centred table that suits it best."""
-    values = None if weights is None else _shaped(weights, shape)
-    table = coder.code_int(None if values is None else frequency_tables().best(values), _TABLE_BITS)
-    return coder.code(values, np.full(shape, table, np.int16))
+    values = _shaped(weights, shape)
+    table = frequency_tables().best(values)
+    writer.code_int(table, _TABLE_BITS)
+    writer.code(values, np.full(shape, table, np.int16))
 
 
-def code_signs(coder: SymbolCoder, bits: ArrayLike | None, counts: Sequence[int]) -> IntArray:
+def write_signs(writer: SymbolWriter, bits: ArrayLike, counts: Sequence[int]) -> None:
     """Σ counts values 0 or 1, level after level, each level with its own probability of a 1 in eight bits."""
     level = np.repeat(np.arange(len(counts)), counts)
-    values = best = None
-    if bits is not None:
-        values = _shaped(bits, (level.size,))
-        if np.any((values < 0) | (values > 1)):
-            raise UsageError("signs: values must be 0 or 1")
-        occurrences = np.bincount(2 * level + values, minlength=2 * len(counts)).reshape(-1, 2)  # [L, 2]
-        best = np.argmin(occurrences @ bits_of_frequencies(bernoulli_frequencies(np.arange(256))).T, axis=1)
-    codes = coder.code_bits(best, 8, len(counts))
-    return coder.code_categorical(values, bernoulli_frequencies(codes), level)
+    values = _shaped(bits, (level.size,))
+    if np.any((values < 0) | (values > 1)):
+        raise UsageError("signs: values must be 0 or 1")
+    occurrences = np.bincount(2 * level + values, minlength=2 * len(counts)).reshape(-1, 2)  # [L, 2]
+    codes = np.argmin(occurrences @ bits_of_frequencies(bernoulli_frequencies(np.arange(256))).T, axis=1)
+    writer.code_bits(codes, 8)
+    writer.code_categorical(values, bernoulli_frequencies(codes), level)
 
 
 @dataclass(frozen=True)
@@ -81,28 +77,18 @@ def base_references(channel: int) -> list[int]:
     return [i for i in sorted({0, channel - 1}) if 0 <= i < channel]
 
 
-def code_base(coder: SymbolCoder, base: ArrayLike | None, shape: tuple[int, int, int]) -> IntArray:
+def write_base(writer: SymbolWriter, base: ArrayLike, shape: tuple[int, int, int]) -> None:
     """Planes [C, h, w] of a smooth picture in integer steps; luma first.
 
     A value is predicted from its left, upper and upper left neighbours by one of PREDICTORS; the prediction
     error is in turn predicted from the errors of channel 0 and of the channel before, with weights in
-    eighths. What remains has one table per channel. Raises CorruptStreamError for values beyond
-    ±MAX_MAGNITUDE.
+    eighths. What remains has one table per channel.
     """
-    planes = None if base is None else _shaped(base, shape)
-    decoded = np.zeros(shape, np.int32)
-    errors: list[Plane] = []
-    given = None if planes is None else base_channels(planes)
-    for channel in range(shape[0]):
-        references = [errors[i] for i in base_references(channel)]
-        chosen = None if given is None else given[channel]
-        number = coder.code_int(None if chosen is None else chosen.predictor, 2)
-        codes = coder.code_bits(None if chosen is None else np.add(chosen.weights, 8), 4, len(references))
-        table = coder.code_int(None if chosen is None else chosen.table, _TABLE_BITS)
-        rest = coder.code(None if chosen is None else chosen.rest, np.full(shape[1:], table, np.int16)).astype(np.int64)
-        errors.append(rest + _mixed(references, (codes - 8).tolist(), shape[1:]))
-        decoded[channel] = _reconstruct(errors[-1], number) if planes is None else planes[channel]
-    return decoded
+    for channel in base_channels(_shaped(base, shape)):
+        writer.code_int(channel.predictor, 2)
+        writer.code_bits(np.add(channel.weights, 8), 4)
+        writer.code_int(channel.table, _TABLE_BITS)
+        writer.code(channel.rest, np.full(shape[1:], channel.table, np.int16))
 
 
 def _west(west: Plane, north: Plane, northwest: Plane) -> Plane:
@@ -154,14 +140,6 @@ def _mixed(references: list[Plane], weights: list[int], shape: tuple[int, ...]) 
     for reference, weight in zip(references, weights, strict=True):
         total += weight * reference
     return total >> 3
-
-
-def _reconstruct(error: Plane, predictor: int) -> Plane:
-    """The plane with these prediction errors."""
-    plane = np.array(error, np.int64, order="C")
-    if not add_predictions(plane, predictor, MAX_MAGNITUDE):
-        raise CorruptStreamError(f"base layer: a value exceeds ±{MAX_MAGNITUDE}; the stream is damaged")
-    return plane
 
 
 def _shaped(values: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.int64]:

@@ -2,9 +2,6 @@
 
 A node is all 0, all 1 or mixed; the children of mixed nodes are coded level by level under adaptive probabilities. Each
 context is what is known of the four neighbours by then: their state, or that of their parent.
-
-Only mixed nodes take memory, whatever the tile's size. Symbols that cost nothing could make any number of them:
-MAX_NODES and NODES_PER_BYTE hold for writing and for reading.
 """
 
 from __future__ import annotations
@@ -12,22 +9,22 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.bitstream.entropy.symbol_coder import SymbolCoder, SymbolReader, SymbolWriter
+from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.entropy.tables import TOTAL
-from sgicodec.bitstream.parts.mask_tree import BEYOND, CLEAR, SET, MaskTree
-from sgicodec.errors import LimitError, PictureError
+from sgicodec.errors import PictureError
 
-__all__ = ["MAX_NODES", "NODES_PER_BYTE", "read_mask", "write_mask"]
+__all__ = ["MAX_NODES", "NODES_PER_BYTE", "write_mask"]
 
 Mask = NDArray[np.bool_]
 States = NDArray[np.uint8]
+Links = NDArray[np.int32]
 Ints = NDArray[np.int64]
 
 MAX_NODES, NODES_PER_BYTE = 3 << 17, 32
-"""Mixed nodes of a mask, about 80 bytes each: as many as any mask of 1.1 megapixels has, and more for each byte. An
-outline, or noise, has three for each byte; a mixed node of four pixels takes a bit at least.
-"""
+"""Mixed nodes that a reader takes, and more for each byte of a mask's payload."""
 
+CLEAR, SET, BEYOND = -1, -2, -3
+"""What a link says instead of a node's number: all pixels hold something, none does, or there are none."""
 _MIXED, _NONE = 2, 3
 _LINKS = np.array([CLEAR, SET, 0, BEYOND], np.int32)
 """The link to a child of each state, but for the numbers of mixed ones."""
@@ -43,79 +40,46 @@ _SIDES = ((0, 1), (0, 1), (1, 2), (1, 2))
 
 def write_mask(mask: Mask) -> bytes:
     """The payload of a mask [h, w]. Raises PictureError for one of more nodes than a reader takes."""
-    coder, (height, width) = SymbolWriter(), mask.shape
-    nodes = sum(len(level) for level in _Coding(coder, width, height).run(mask).levels)
-    payload = coder.finish()
+    writer, (height, width) = SymbolWriter(), mask.shape
+    top = max(width - 1, height - 1, 1).bit_length()
+    known = _pyramid(mask, top)
+    inner, bottom = np.zeros((_CONTEXTS, 3), np.int64), np.zeros((_CONTEXTS, 2), np.int64)
+    y, x = np.zeros(1, np.int64), np.zeros(1, np.int64)  # of the mixed nodes, row by row
+    near = np.full((4, 1), BEYOND, np.int32)  # links to their neighbours
+    nodes = 0
+    for level in range(top - 1, -1, -1):
+        nodes += len(y)
+        states = _write_level(writer, known[level], y, x, near, inner if level else bottom)
+        links, node, child = _linked(states, known[level].shape[1], y, x)
+        near = np.stack([_beside(links, near, node, child, side) for side in range(4)])
+        y, x = 2 * y[node] + _DOWN[child], 2 * x[node] + _ACROSS[child]
+    payload = writer.finish()
     if nodes > MAX_NODES + NODES_PER_BYTE * len(payload):
         text = "it alternates between pixels with and without content in too many places"
         raise PictureError(f"{width}×{height} pixels are too many for the mask of one tile: {text}; choose --tile 1024")
     return payload
 
 
-def read_mask(payload: bytes, width: int, height: int) -> MaskTree:
-    """The mask of a tile from its payload. Raises CorruptStreamError or LimitError."""
-    coder = SymbolReader(payload)
-    tree = _Coding(coder, width, height, MAX_NODES + NODES_PER_BYTE * len(payload)).run(None)
-    coder.finish()
-    return tree
-
-
-class _Coding:
-    """One walk down the tree, to write or to read at most so many mixed nodes."""
-
-    def __init__(self, coder: SymbolCoder, width: int, height: int, most: int | None = None) -> None:
-        self._coder, self._width, self._height, self._left = coder, width, height, most
-
-    def run(self, mask: Mask | None) -> MaskTree:
-        """Codes the mask, or reads what is not given."""
-        width, height = self._width, self._height
-        top = max(width - 1, height - 1, 1).bit_length()
-        known = None if mask is None else _pyramid(mask, top)
-        inner, bottom = np.zeros((_CONTEXTS, 3), np.int64), np.zeros((_CONTEXTS, 2), np.int64)
-        y, x = np.zeros(1, np.int64), np.zeros(1, np.int64)  # of the mixed nodes, row by row
-        near = np.full((4, 1), BEYOND, np.int32)  # links to their neighbours
-        levels = []
-        for level in range(top - 1, -1, -1):
-            size = -(-height >> level), -(-width >> level)
-            states = self._level(None if known is None else known[level], size, y, x, near, inner if level else bottom)
-            links, node, child = _linked(states, size[1], y, x)
-            levels.append(links)
-            near = np.stack([_beside(links, near, node, child, side) for side in range(4)])
-            y, x = 2 * y[node] + _DOWN[child], 2 * x[node] + _ACROSS[child]
-        return MaskTree(width, height, levels)
-
-    def _count(self, nodes: int) -> None:
-        if self._left is not None:
-            self._left -= nodes
-            if self._left < 0:
-                raise LimitError(f"a mask of too many nodes for its length: more than {MAX_NODES}; it is refused")
-
-    def _level(
-        self,
-        known: States | None,
-        size: tuple[int, int],
-        y: Ints,
-        x: Ints,
-        near: NDArray[np.int32],
-        counts: NDArray[np.int64],
-    ) -> States:
-        """The states [n, 4] of the children of the mixed nodes, _NONE for those beyond the edge."""
-        states: States = np.full((len(y), 4), _MIXED, np.uint8)
-        for child in range(4):
-            rows, columns = 2 * y + _DOWN[child], 2 * x + _ACROSS[child]
-            (inside,) = np.nonzero((rows < size[0]) & (columns < size[1]))
-            contexts = np.zeros(len(inside), np.int64)
-            for side in range(4):
-                contexts = 3 * contexts + _state_beside(states, near, inside, child, side)
-            given = None if known is None else known[rows[inside], columns[inside]]
-            coded = self._coder.code_categorical(given, _frequencies(counts), contexts)
-            kinds = counts.shape[1]
-            counts += np.bincount(kinds * contexts + coded, minlength=counts.size).reshape(counts.shape)
-            states[inside, child] = coded
-            self._count(int((coded == _MIXED).sum()))
-        y, x = y[:, None], x[:, None]
-        states[(2 * y + _DOWN >= size[0]) | (2 * x + _ACROSS >= size[1])] = _NONE
-        return states
+def _write_level(
+    writer: SymbolWriter, known: States, y: Ints, x: Ints, near: Links, counts: NDArray[np.int64]
+) -> States:
+    """The states [n, 4] of the children of the mixed nodes, _NONE for those beyond the edge. known: of all nodes."""
+    states: States = np.full((len(y), 4), _MIXED, np.uint8)
+    rows_of_all, columns_of_all = known.shape
+    for child in range(4):
+        rows, columns = 2 * y + _DOWN[child], 2 * x + _ACROSS[child]
+        (inside,) = np.nonzero((rows < rows_of_all) & (columns < columns_of_all))
+        contexts = np.zeros(len(inside), np.int64)
+        for side in range(4):
+            contexts = 3 * contexts + _state_beside(states, near, inside, child, side)
+        given = known[rows[inside], columns[inside]]
+        writer.code_categorical(given, _frequencies(counts), contexts)
+        kinds = counts.shape[1]
+        counts += np.bincount(kinds * contexts + given, minlength=counts.size).reshape(counts.shape)
+        states[inside, child] = given
+    y, x = y[:, None], x[:, None]
+    states[(2 * y + _DOWN >= rows_of_all) | (2 * x + _ACROSS >= columns_of_all)] = _NONE
+    return states
 
 
 def _sibling(child: int, side: int) -> tuple[bool, int]:
@@ -125,7 +89,7 @@ def _sibling(child: int, side: int) -> tuple[bool, int]:
     return (child >> axis & 1) != ahead, child ^ step
 
 
-def _state_beside(states: States, near: NDArray[np.int32], nodes: Ints, child: int, side: int) -> States:
+def _state_beside(states: States, near: Links, nodes: Ints, child: int, side: int) -> States:
     """What is known of the neighbours on a side of one child of these nodes."""
     same, other = _sibling(child, side)
     if same:
@@ -135,7 +99,7 @@ def _state_beside(states: States, near: NDArray[np.int32], nodes: Ints, child: i
     return np.asarray(np.where(links >= 0, beside, _STATES[np.minimum(links, CLEAR) - SET]))
 
 
-def _linked(states: States, columns: int, y: Ints, x: Ints) -> tuple[NDArray[np.int32], Ints, Ints]:
+def _linked(states: States, columns: int, y: Ints, x: Ints) -> tuple[Links, Ints, Ints]:
     """The links [n, 4] to these children; then the mixed ones row by row, as numbers of their parents and as children.
 
     columns: nodes in a row of the children's level.
@@ -148,7 +112,7 @@ def _linked(states: States, columns: int, y: Ints, x: Ints) -> tuple[NDArray[np.
     return links, node, child
 
 
-def _beside(links: NDArray[np.int32], near: NDArray[np.int32], node: Ints, child: Ints, side: int) -> NDArray[np.int32]:
+def _beside(links: Links, near: Links, node: Ints, child: Ints, side: int) -> Links:
     """Links to the neighbours on a side of these children, each of its node."""
     result = np.empty(len(node), np.int32)
     for number in range(4):

@@ -16,13 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.bitstream.entropy.alphabets import Alphabets
-from sgicodec.bitstream.entropy.symbol_coder import SymbolCoder
+from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.entropy.tables import TOTAL, bits_of_frequencies
-from sgicodec.bitstream.parts.seed_tree import Flags, GivenTree, Seeds, TreeShape, seeds_of
-from sgicodec.errors import CorruptStreamError, LimitError, UsageError
+from sgicodec.bitstream.parts.seed_tree import Flags, GivenTree, Seeds, TreeShape
 from sgicodec.model.morton import Codes, morton
 
-__all__ = ["code_positions"]
+__all__ = ["write_positions"]
 
 Contexts = NDArray[np.int16]
 
@@ -43,42 +42,31 @@ _SEED_CONTEXTS = 4 * _SIBLINGS
 _DIRECTIONS = ((-1, 0), (1, 0), (0, -1), (0, 1))
 
 
-def code_positions(coder: SymbolCoder, shape: TreeShape, seeds: Seeds | None, max_seeds: int) -> Seeds:
-    """Writes `seeds`, or reads them if None; returns them in `canonical_order` either way.
-
-    Raises UsageError for seeds that are no nodes of the tree, CorruptStreamError for a tree with an empty
-    split node, LimitError for a tree of more than `max_seeds` seeds, before anything of that size is
-    allocated.
-    """
+def write_positions(writer: SymbolWriter, shape: TreeShape, seeds: Seeds) -> None:
+    """Writes `seeds`. Raises UsageError for seeds that are no nodes of the tree."""
     shape.check_roots()
-    given_tree = None if seeds is None else GivenTree(shape, seeds, max_seeds)
-    detail = best = None
-    if given_tree is not None:
-        counter = _FlagCounter(shape)
-        _traverse(shape, counter, given_tree, max_seeds)
-        detail, best = counter.best()
-    detail = coder.code_int(detail, 2)
-    found = _traverse(shape, _StatedFlagCoder(coder, _merged_contexts(shape, detail), best), given_tree, max_seeds)
-    return seeds_of(found)
+    tree = GivenTree(shape, seeds)
+    counter = _FlagCounter(shape)
+    _traverse(shape, counter, tree)
+    detail, best = counter.best()
+    writer.code_int(detail, 2)
+    _traverse(shape, _StatedFlagWriter(writer, _merged_contexts(shape, detail), best), tree)
 
 
-class _FlagCoder(Protocol):
-    def code(self, contexts: Contexts, flags: Flags | None) -> Flags:
-        """Codes one flag per context."""
+class _FlagTaker(Protocol):
+    def take(self, contexts: Contexts, flags: Flags) -> None:
+        """Takes one flag per context."""
 
 
 class _FlagCounter:
-    """Counts zeros and ones per context: the first coder of the encoder, which codes nothing."""
+    """Counts zeros and ones per context."""
 
     def __init__(self, shape: TreeShape) -> None:
         self._shape = shape
         self._counts = np.zeros((_context_count(shape), 2), np.int64)
 
-    def code(self, contexts: Contexts, flags: Flags | None) -> Flags:
-        if flags is None:
-            raise UsageError("positions: counting needs flags")
+    def take(self, contexts: Contexts, flags: Flags) -> None:
         self._counts += np.bincount(2 * contexts.astype(np.int64) + flags, minlength=self._counts.size).reshape(-1, 2)
-        return flags
 
     def best(self) -> tuple[int, NDArray[np.int64]]:
         """The detail of contexts that costs least, with the probability code of each context under it."""
@@ -93,22 +81,22 @@ class _FlagCounter:
         return min(trials, key=lambda trial: trial[:2])[1:]
 
 
-class _StatedFlagCoder:
-    """Codes flags under the probability of their context, which is sent before the first flag it is for."""
+class _StatedFlagWriter:
+    """Writes flags under the probability of their context, which is sent before the first flag it is for."""
 
-    def __init__(self, coder: SymbolCoder, merged: NDArray[np.int64], best: NDArray[np.int64] | None) -> None:
-        self._coder = coder
+    def __init__(self, writer: SymbolWriter, merged: NDArray[np.int64], best: NDArray[np.int64]) -> None:
+        self._writer = writer
         self._merged = merged
         self._best = best
         self._sent = np.full(merged.size, -1, np.int16)
 
-    def code(self, contexts: Contexts, flags: Flags | None) -> Flags:
+    def take(self, contexts: Contexts, flags: Flags) -> None:
         merged = self._merged[contexts]
         occurring = np.flatnonzero(np.bincount(merged, minlength=self._sent.size))
         fresh = occurring[self._sent[occurring] < 0]
-        best = None if self._best is None else self._best[fresh]
-        self._sent[fresh] = self._coder.code_bits(best, 4, fresh.size)
-        return self._coder.code_categorical(flags, _FLAGS, self._sent[merged]).astype(np.uint8)
+        self._sent[fresh] = self._best[fresh]
+        self._writer.code_bits(self._best[fresh], 4)
+        self._writer.code_categorical(flags, _FLAGS, self._sent[merged])
 
 
 def _context_count(shape: TreeShape) -> int:
@@ -125,25 +113,17 @@ def _merged_contexts(shape: TreeShape, detail: int) -> NDArray[np.int64]:
     return np.where(context < _SEED_CONTEXTS, context, merged)
 
 
-def _traverse(
-    shape: TreeShape, flag_coder: _FlagCoder, given_tree: GivenTree | None, max_seeds: int
-) -> list[tuple[Codes, int]]:
-    """Codes the tree; returns the Morton codes of the nodes that carry seeds, with their level."""
+def _traverse(shape: TreeShape, taker: _FlagTaker, tree: GivenTree) -> None:
+    """Goes through the tree, batch by batch."""
     columns, rows = shape.root_grid
     y, x = np.divmod(np.arange(columns * rows), columns)
     order = np.argsort(morton(x, y), kind="stable")
     roots = morton(x, y)[order]
     unknown = np.zeros(roots.size, np.int16)
-    seed, split = _code_nodes(shape, flag_coder, given_tree, shape.root_log, roots, unknown, unknown)
+    _, split = _take_nodes(shape, taker, tree, shape.root_log, roots, unknown, unknown)
     parents = _Parents.of_roots(x[order], y[order], split)
-    found = [(roots[seed == 1], shape.root_log)]
-    for level in range(shape.root_log - 1, shape.min_log - 2, -1):
-        if max(len(parents), sum(codes.size for codes, _ in found)) > max_seeds:
-            raise LimitError(f"positions: more than {max_seeds} seeds at level {level + 1}")
-        if level >= shape.min_log:
-            seeds, parents = _code_level(shape, flag_coder, given_tree, level, parents)
-            found.append((seeds, level))
-    return found
+    for level in range(shape.root_log - 1, shape.min_log - 1, -1):
+        parents = _take_level(shape, taker, tree, level, parents)
 
 
 @dataclass(frozen=True)
@@ -182,13 +162,10 @@ class _Parents:
         return _Parents(2 * self.x[parent] + (child & 1), 2 * self.y[parent] + (child >> 1), beside)
 
 
-def _code_level(
-    shape: TreeShape, flag_coder: _FlagCoder, given_tree: GivenTree | None, level: int, parents: _Parents
-) -> tuple[Codes, _Parents]:
-    """The children of `parents`: codes of those that carry seeds, and those that are split."""
+def _take_level(shape: TreeShape, taker: _FlagTaker, tree: GivenTree, level: int, parents: _Parents) -> _Parents:
+    """The children of `parents`: those that are split."""
     count = len(parents)
     codes = 4 * morton(parents.x, parents.y)
-    seed = np.zeros((count, 4), np.uint8)
     split = np.zeros((count + 1, 4), np.uint8)  # the last row is that of neighbours that are not there
     empty, occupied = np.zeros(count, np.uint8), np.zeros(count, np.uint8)
     for child in range(4):
@@ -197,15 +174,12 @@ def _code_level(
         exists = slice(None) if inside.all() else np.flatnonzero(inside)
         score = _score(split, parents, child)[exists]
         siblings = (2 * empty + occupied)[exists].astype(np.int16)
-        here = _code_nodes(shape, flag_coder, given_tree, level, codes[exists] + child, score, siblings)
-        seed[exists, child], split[:count][exists, child] = here
+        here = _take_nodes(shape, taker, tree, level, codes[exists] + child, score, siblings)
+        split[:count][exists, child] = here[1]
         taken = here[0] | here[1]
         empty[exists] += taken ^ 1
         occupied[exists] |= taken
-    if not occupied.all():
-        raise CorruptStreamError(f"positions: a split node of level {level + 1} has no children")
-    found = np.flatnonzero(seed)
-    return codes[found >> 2] + (found & 3), parents.children(split[:count])
+    return parents.children(split[:count])
 
 
 def _score(split: Flags, parents: _Parents, child: int) -> NDArray[np.int16]:
@@ -223,10 +197,10 @@ def _score(split: Flags, parents: _Parents, child: int) -> NDArray[np.int16]:
     return score
 
 
-def _code_nodes(
+def _take_nodes(
     shape: TreeShape,
-    flag_coder: _FlagCoder,
-    given_tree: GivenTree | None,
+    taker: _FlagTaker,
+    tree: GivenTree,
     level: int,
     codes: Codes,
     score: NDArray[np.int16],
@@ -236,8 +210,9 @@ def _code_nodes(
     split = np.zeros(codes.size, np.uint8)
     if level > shape.min_log:
         first = _SEED_CONTEXTS + (level - shape.min_log) * _SPLIT_CONTEXTS
-        given = None if given_tree is None else given_tree.split(level, codes)
-        split = flag_coder.code(np.int16(first) + np.int16(_SIBLINGS) * score + siblings, given)
+        split = tree.split(level, codes)
+        taker.take(np.int16(first) + np.int16(_SIBLINGS) * score + siblings, split)
     kind = 2 * (level == shape.min_log) + split
-    given = None if given_tree is None else given_tree.seed(level, codes)
-    return flag_coder.code(np.int16(_SIBLINGS) * kind + siblings, given), split
+    seed = tree.seed(level, codes)
+    taker.take(np.int16(_SIBLINGS) * kind + siblings, seed)
+    return seed, split

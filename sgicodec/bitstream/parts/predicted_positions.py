@@ -14,27 +14,18 @@ from importlib.resources import files
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec._native import RangeDecoder, TreeNetwork, read_tree
+from sgicodec._native import TreeNetwork
 from sgicodec.bitstream.entropy.alphabets import Alphabets
-from sgicodec.bitstream.entropy.symbol_coder import IntArray, SymbolCoder, SymbolReader
+from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.entropy.tables import TOTAL
-from sgicodec.bitstream.parts.predicted_tree import (
-    LEVELS,
-    Batch,
-    TreeContext,
-    input_counts,
-    limited,
-    native_tree_context,
-    walk_tree,
-)
+from sgicodec.bitstream.parts.predicted_tree import LEVELS, Batch, TreeContext, input_counts, walk_tree
 from sgicodec.bitstream.parts.prior import parse_prior
-from sgicodec.bitstream.parts.seed_tree import Flags, GivenTree, Seeds, TreeShape, seeds_of
-from sgicodec.device import ONE_THREAD, Device
-from sgicodec.errors import UnsupportedStreamError, UsageError
-from sgicodec.model.morton import Codes
+from sgicodec.bitstream.parts.seed_tree import Flags, GivenTree, Seeds, TreeShape
+from sgicodec.device import ONE_THREAD
+from sgicodec.errors import UnsupportedStreamError
 from sgicodec.model.network import IntNetwork
 
-__all__ = ["ONES", "code_predicted_positions"]
+__all__ = ["ONES", "write_predicted_positions"]
 
 SHA256 = "cea8d9a268ade90a019ca4bf78ddca68f764b3e7c45010a487a8a041b0fe7f3a"
 
@@ -50,54 +41,23 @@ _PER_ROW = 6
 """log2 of the units of log-odds, 1/256 each, that a row stands for."""
 
 
-def code_predicted_positions(
-    coder: SymbolCoder,
-    shape: TreeShape,
-    tree_context: TreeContext,
-    seeds: Seeds | None,
-    max_seeds: int,
-    device: Device = ONE_THREAD,
-) -> Seeds:
-    """Writes `seeds`, or reads them if None; returns them in `canonical_order` either way.
-
-    Raises UsageError for seeds that are no nodes of the tree, LimitError for a tree of more than `max_seeds` seeds,
-    before anything of that size is allocated.
-    """
-    if seeds is None and isinstance(coder, SymbolReader):
-        return _read(coder, shape, tree_context, max_seeds, device)
-    if seeds is None:
-        raise UsageError("positions: a writer needs seeds")
-    given_tree = GivenTree(shape, seeds, max_seeds)
-    networks = _native_networks(device.isa)
+def write_predicted_positions(writer: SymbolWriter, shape: TreeShape, tree_context: TreeContext, seeds: Seeds) -> None:
+    """Writes `seeds`. Raises UsageError for seeds that are no nodes of the tree."""
+    given_tree = GivenTree(shape, seeds)
+    networks = _native_networks(ONE_THREAD.isa)
 
     def flags(given: Flags, rows: NDArray[np.int16]) -> Flags:
-        return coder.code_categorical(given, _alphabets(), rows).astype(np.uint8)
+        writer.code_categorical(given, _alphabets(), rows)
+        return given
 
     def code(batch: Batch) -> tuple[Flags, Flags]:
-        rows = batch.rows(networks[batch.child], _PER_ROW, _MOST, device.threads)
+        rows = batch.rows(networks[batch.child], _PER_ROW, _MOST, ONE_THREAD.threads)
         split = np.zeros(len(batch), np.uint8)
         if batch.level > LEVELS[-1]:
             split = flags(given_tree.split(batch.level, batch.codes), rows[:, 0])
         return split, flags(given_tree.seed(batch.level, batch.codes), batch.seed_rows(rows, split, _CERTAIN))
 
-    return seeds_of(walk_tree(shape, tree_context, code, max_seeds))
-
-
-def _read(coder: SymbolReader, shape: TreeShape, tree_context: TreeContext, max_seeds: int, device: Device) -> Seeds:
-    """The whole tree in one native call, which lets other threads run."""
-    native, networks, alphabets = native_tree_context(shape, tree_context), _native_networks(device.isa), _alphabets()
-    known = alphabets.models, alphabets.symbol, alphabets.bits
-    found: list[tuple[Codes, int]] = []
-
-    def read(decoder: RangeDecoder) -> tuple[int, IntArray, list[float]]:
-        decodes, codes, symbols, bits = limited(
-            lambda: read_tree(decoder, native, max_seeds, networks, *known, _PER_ROW, _MOST, device.threads)
-        )
-        found.extend(codes)
-        return int(not decodes), symbols, [bits]
-
-    coder.read(read, [coder.current])
-    return seeds_of(found)
+    walk_tree(shape, tree_context, code, len(seeds[1]))
 
 
 @cache

@@ -4,7 +4,7 @@ docs/format.md, "Predicted flags", defines both.
 
 Roots are the children of nodes one level up that are all split, so that all nodes are coded alike. A level is coded in
 four batches, child number after child number. The traversal (`native/bitstream/tree_walk.cpp`) is the same for writing,
-training and reading; only reading needs no Python in between.
+training and reading.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,12 +19,9 @@ from numpy.typing import NDArray
 from sgicodec import _native
 from sgicodec._native import TreeBatch as Batch
 from sgicodec.bitstream.parts.seed_tree import Flags, TreeShape
-from sgicodec.errors import LimitError, UsageError
-from sgicodec.model.morton import Codes
+from sgicodec.errors import UsageError
 
-__all__ = ["LEVELS", "Batch", "TreeContext", "input_counts", "limited", "native_tree_context", "walk_tree"]
-
-Found = TypeVar("Found")
+__all__ = ["LEVELS", "Batch", "TreeContext", "input_counts", "native_tree_context", "walk_tree"]
 
 LEVELS = range(6, 0, -1)
 """Levels of the trees whose flags are predicted, roots first."""
@@ -59,21 +55,11 @@ def native_tree_context(shape: TreeShape, tree_context: TreeContext) -> _native.
     return _native.TreeScenery(shape.width, shape.height, base, tree_context.cell, tree_context.quality)
 
 
-def limited(coder: Callable[[], Found]) -> Found:
-    """What a native coder finds. Raises LimitError where it finds too much."""
-    try:
-        return coder()
-    except OverflowError as error:
-        raise LimitError(f"positions: {error}") from error
-
-
 def walk_tree(
     shape: TreeShape, tree_context: TreeContext, code: Callable[[Batch], tuple[Flags, Flags]], max_seeds: int
-) -> list[tuple[Codes, int]]:
-    """Goes through a tree; `code` says of each batch which nodes are split and which carry seeds. Returns the Morton
-    codes of the nodes that carry seeds, with their level.
+) -> None:
+    """Goes through a tree; `code` says of each batch which nodes are split and which carry seeds.
 
     Raises LimitError before anything of the size of more than `max_seeds` seeds is allocated.
     """
-    native = native_tree_context(shape, tree_context)
-    return limited(lambda: _native.walk_tree(native, max_seeds, code))
+    _native.walk_tree(native_tree_context(shape, tree_context), max_seeds, code)

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from sgicodec.bitstream.header import MAX_SIDE
 from sgicodec.errors import LimitError, UsageError
-from sgicodec.model.morton import Codes, morton, unmorton
+from sgicodec.model.morton import Codes, morton
 
-__all__ = ["MAX_ROOTS", "Flags", "GivenTree", "Seeds", "TreeShape", "seeds_of"]
+__all__ = ["MAX_ROOTS", "Flags", "GivenTree", "Seeds", "TreeShape"]
 
 Flags = NDArray[np.uint8]
 Seeds = tuple[NDArray[np.int32], NDArray[np.int8]]
@@ -59,22 +59,13 @@ class TreeShape:
             raise LimitError(f"positions: {columns}×{rows} root nodes; at most {MAX_ROOTS} are allowed")
 
 
-def seeds_of(found: list[tuple[Codes, int]]) -> Seeds:
-    """The seeds in `canonical_order` from the Morton codes of the nodes that carry them, with their level."""
-    keys = np.concatenate([codes << 2 * level + 5 | MAX_LOG - level for codes, level in found])  # below 2**54
-    keys.sort(kind="stable")  # merges what is in order level by level
-    corner = np.stack(unmorton(keys >> 5), axis=-1)
-    return corner.astype(np.int32), (MAX_LOG - (keys & 31)).astype(np.int8)
-
-
 class GivenTree:
     """The tree of given seeds: which nodes of a level carry seeds, which are split."""
 
-    def __init__(self, shape: TreeShape, seeds: Seeds, max_seeds: int) -> None:
+    def __init__(self, shape: TreeShape, seeds: Seeds) -> None:
         corner, log_size = np.asarray(seeds[0], np.int64).reshape(-1, 2), np.asarray(seeds[1], np.int64)
-        if len(corner) != len(log_size) or len(corner) > max_seeds:
-            counts = f"{len(corner)} corners, {len(log_size)} sizes"
-            raise UsageError(f"positions: {counts}; need as many of each and at most {max_seeds}")
+        if len(corner) != len(log_size):
+            raise UsageError(f"positions: {len(corner)} corners, {len(log_size)} sizes; need as many of each")
         sized = (log_size >= shape.min_log) & (log_size <= shape.root_log)
         inside = (corner >= 0) & (corner < (shape.width, shape.height))
         aligned = corner & ((1 << np.clip(log_size, 0, MAX_LOG)) - 1)[:, None] == 0

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.bitstream.header import Header
-from sgicodec.bitstream.parts.mask import read_mask, write_mask
-from sgicodec.bitstream.parts.mask_tree import MaskTree
+from sgicodec import _native
+from sgicodec._native import MaskTree
+from sgicodec.bitstream.header import Header, encode_header
+from sgicodec.bitstream.parts.mask import write_mask
 from sgicodec.bitstream.varint import decode_varint, encode_varint
 from sgicodec.errors import CorruptStreamError
 
@@ -56,24 +57,9 @@ def tile_number(header: Header, start: bytes) -> int:
 
 
 def decode_tile_chunk(header: Header, payload: bytes) -> TileChunk:
-    """The parts of a payload. Raises CorruptStreamError."""
-    number, at = tile_number(header, payload), 0
-    if header.tile:
-        _, at = decode_varint(payload, at)
-    if header.masked is None:
-        return TileChunk(number, None, payload[at:])
-    kind, at = decode_varint(payload, at)
+    """The parts of a payload. Raises CorruptStreamError or LimitError."""
+    number, is_empty, mask, model = _native.decode_tile_chunk(encode_header(header), payload)
+    if not is_empty:
+        return TileChunk(number, mask, model)
     _, _, width, height = header.grid.rect(number)
-    if kind == _NONE_VALID and at == len(payload):
-        return TileChunk(number, MaskTree(width, height), None)
-    if kind == _ALL_VALID:
-        return TileChunk(number, None, payload[at:])
-    if kind != _SOME_VALID:
-        raise CorruptStreamError(f"tile {number}: a mask of an unknown kind; the stream is damaged")
-    length, at = decode_varint(payload, at)
-    if at + length > len(payload):
-        raise CorruptStreamError(f"tile {number}: ends inside its mask; the stream is damaged")
-    mask = read_mask(payload[at : at + length], width, height)
-    if not mask.is_mixed:
-        raise CorruptStreamError(f"tile {number}: a mask that says nothing; the stream is damaged")
-    return TileChunk(number, mask, payload[at + length :])
+    return TileChunk(number, MaskTree(width, height), None)

@@ -13,11 +13,11 @@ from little_memory import read_with_little_memory
 from surgery import frame, join, split, with_fields, with_hash
 
 from sgicodec.bitstream.container import SIGNATURE
-from sgicodec.bitstream.entropy.symbol_coder import SymbolWriter
+from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.header import decode_header
-from sgicodec.bitstream.parts.arrays import code_base, code_weights
-from sgicodec.bitstream.parts.positions import code_positions
-from sgicodec.bitstream.parts.predicted_positions import code_predicted_positions
+from sgicodec.bitstream.parts.arrays import write_base, write_weights
+from sgicodec.bitstream.parts.positions import write_positions
+from sgicodec.bitstream.parts.predicted_positions import write_predicted_positions
 from sgicodec.bitstream.parts.predicted_tree import TreeContext
 from sgicodec.bitstream.parts.seed_tree import TreeShape
 from sgicodec.bitstream.parts.tile import read_tile
@@ -114,9 +114,9 @@ def test_free_seeds_are_few(coded: Any, predicted: bool) -> None:
     shape = TreeShape(side, side, 6, least)
     if predicted:
         base = np.zeros((header.spec.channels, *base_shape(side, side, header.spec.base_cell)), np.int64)
-        code_predicted_positions(walk, shape, TreeContext(base, header.spec.base_cell, header.quality), seeds, x.size)
+        write_predicted_positions(walk, shape, TreeContext(base, header.spec.base_cell, header.quality), seeds)
     else:
-        code_positions(walk, shape, seeds, x.size)
+        write_positions(walk, shape, seeds)
     payload = walk.finish()
     assert len(payload) < (x.size // 4 if predicted else 500)
     with pytest.raises(LimitError, match="seeds"):
@@ -133,13 +133,13 @@ def _up_to_positions(header: Any) -> SymbolWriter:
     walk = SymbolWriter()
     plan = default_plan(header.spec, header.quality)
     for name, index in plan.base.items():
-        code_weights(walk, np.zeros_like(index), index.shape)
+        write_weights(walk, np.zeros_like(index), index.shape)
         if header.spec.skip and name != "colour":
             walk.code_int(0, 6)
     if header.spec.base_cell:
         walk.code_int(0, 8)
         shape = (header.spec.channels, *base_shape(header.width, header.height, header.spec.base_cell))
-        code_base(walk, np.zeros(shape, np.int64), shape)
+        write_base(walk, np.zeros(shape, np.int64), shape)
     return walk
 
 
@@ -148,7 +148,7 @@ def test_steps_outside_their_table(coded: Any) -> None:
     first = next(iter(default_plan(header.spec, header.quality).base.values()))
     for difference in (STEP_COUNT, -STEP_COUNT, 2**20):
         walk = SymbolWriter()
-        code_weights(walk, np.full(first.shape, difference), first.shape)
+        write_weights(walk, np.full(first.shape, difference), first.shape)
         with pytest.raises(CorruptStreamError, match="steps"):
             read_tile(header, walk.finish())
 
@@ -157,7 +157,7 @@ def test_base_step_outside_its_table(coded: Any) -> None:
     header = decode_header(split(with_fields(coded.data, base_cell=32))[0][1])
     walk = SymbolWriter()
     for name, index in default_plan(header.spec, header.quality).base.items():
-        code_weights(walk, np.zeros_like(index), index.shape)
+        write_weights(walk, np.zeros_like(index), index.shape)
         if header.spec.skip and name != "colour":
             walk.code_int(0, 6)
     walk.code_int(STEP_COUNT, 8)

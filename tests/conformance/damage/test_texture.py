@@ -12,11 +12,11 @@ from little_memory import read_with_little_memory
 from surgery import flipped, join, split
 from texture_forger import spell
 
-from sgicodec.bitstream.entropy.symbol_coder import SymbolWriter
+from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.header import Header, encode_header
 from sgicodec.bitstream.parts import tile
 from sgicodec.bitstream.parts.prior import load_prior
-from sgicodec.bitstream.parts.texture import code_texture
+from sgicodec.bitstream.parts.texture import write_texture
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.decoder.stream import open_stream
 from sgicodec.errors import CorruptStreamError, StreamError
@@ -40,7 +40,7 @@ def forged(monkeypatch: pytest.MonkeyPatch, bits: str, width: int, height: int, 
         spell(coder, bits, (width, height), channels)
 
     with monkeypatch.context() as context:
-        context.setattr(tile, "code_texture", code)
+        context.setattr(tile, "write_texture", code)
         payload, _ = tile.write_tile(header, model)
     return join([("H", encode_header(header)), ("T", payload), ("E", b"")])
 
@@ -84,7 +84,7 @@ def test_changed_bits_of_texture_are_found(coded: Any) -> None:
         texture = stream.model.texture
         assert texture is not None
     writer = SymbolWriter()
-    code_texture(writer, texture.size, 3, texture)
+    write_texture(writer, texture.size, 3, texture)
     parts = split(coded.data)
     payload = parts[3][1]
     first = len(payload) - len(writer.finish())

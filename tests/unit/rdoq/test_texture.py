@@ -9,10 +9,12 @@ import pytest
 from examples import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from textures import read_texture
 
 from sgicodec import read
-from sgicodec.bitstream.entropy.symbol_coder import SymbolReader, SymbolWriter
-from sgicodec.bitstream.parts.texture import code_texture, texture_models
+from sgicodec._native import SymbolReader
+from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
+from sgicodec.bitstream.parts.texture import texture_models, write_texture
 from sgicodec.device import Device
 from sgicodec.model.texture_symbols import SAME_STEP, TextureSteps, TextureSymbols, roots_of
 from sgicodec.rdoq.texture import TextureSearch
@@ -34,7 +36,7 @@ def residual() -> np.ndarray:
 def payload_of(layer: TextureSymbols) -> tuple[bytes, float]:
     writer = SymbolWriter()
     with writer.part("texture"):
-        code_texture(writer, layer.size, len(layer.symbols), layer)
+        write_texture(writer, layer.size, len(layer.symbols), layer)
     return writer.finish(), writer.bits["texture"]
 
 
@@ -138,7 +140,7 @@ def test_what_is_found_can_always_be_written(
     if layer is None:
         return
     reader = SymbolReader(payload_of(layer)[0])
-    found = code_texture(reader, layer.size, channels, None)
+    found = read_texture(reader, layer.size, channels)
     reader.finish()
     assert found is not None
     assert found.steps == layer.steps

@@ -1,12 +1,15 @@
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from sgicodec.bitstream.entropy.symbol_coder import SymbolReader, SymbolWriter
+from sgicodec._native import SymbolReader
+from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.entropy.tables import frequency_tables
-from sgicodec.bitstream.parts.arrays import code_base, code_signs, code_weights
+from sgicodec.bitstream.parts.arrays import write_base, write_signs, write_weights
 from sgicodec.errors import CorruptStreamError, UsageError
 
 integers = st.one_of(st.integers(-3, 3), st.integers(-300, 300), st.integers(-100_000, 100_000))
@@ -17,16 +20,16 @@ planes = hnp.arrays(np.int32, st.tuples(st.integers(1, 4), st.integers(1, 9), st
 @given(tensors)
 def test_weights_round_trip(weights: np.ndarray) -> None:
     writer = SymbolWriter()
-    assert np.array_equal(code_weights(writer, weights, weights.shape), weights)
+    write_weights(writer, weights, weights.shape)
     reader = SymbolReader(writer.finish())
-    assert np.array_equal(code_weights(reader, None, weights.shape), weights)
+    assert np.array_equal(reader.read_weights(weights.size), weights.reshape(-1))
     reader.finish()
 
 
 def test_weights_take_the_best_of_all_tables() -> None:
     weights = np.rint(np.random.default_rng(4).laplace(0, 3, (40, 20))).astype(int)
     writer = SymbolWriter()
-    code_weights(writer, weights, weights.shape)
+    write_weights(writer, weights, weights.shape)
     costs = [frequency_tables().bits(weights, table).sum() for table in range(128)]
     assert writer.bits["rest"] == pytest.approx(7 + min(costs))
 
@@ -36,9 +39,9 @@ def test_signs_round_trip(levels: list[list[int]]) -> None:
     counts = [len(level) for level in levels]
     bits = [bit for level in levels for bit in level]
     writer = SymbolWriter()
-    assert code_signs(writer, bits, counts).tolist() == bits
+    write_signs(writer, bits, counts)
     reader = SymbolReader(writer.finish())
-    assert code_signs(reader, None, counts).tolist() == bits
+    assert reader.read_signs(counts).tolist() == bits
     reader.finish()
 
 
@@ -47,7 +50,7 @@ def test_signs_cost_their_entropy_level_by_level() -> None:
     ones = [0.03, 0.5, 0.9]
     levels = [(rng.random(4000) < p).astype(int) for p in ones]
     writer = SymbolWriter()
-    code_signs(writer, np.concatenate(levels), [4000] * 3)
+    write_signs(writer, np.concatenate(levels), [4000] * 3)
     means = np.array([level.mean() for level in levels])
     entropy = -4000 * np.sum(means * np.log2(means) + (1 - means) * np.log2(1 - means))
     assert entropy + 24 <= writer.bits["rest"] < entropy + 24 + 4
@@ -56,9 +59,9 @@ def test_signs_cost_their_entropy_level_by_level() -> None:
 @given(planes)
 def test_base_round_trip(base: np.ndarray) -> None:
     writer = SymbolWriter()
-    assert np.array_equal(code_base(writer, base, base.shape), base)
+    write_base(writer, base, base.shape)
     reader = SymbolReader(writer.finish())
-    assert np.array_equal(code_base(reader, None, base.shape), base)
+    assert np.array_equal(reader.read_base(*base.shape), base)
     reader.finish()
 
 
@@ -70,7 +73,7 @@ def test_base_predicts_smooth_planes_and_each_channel_from_the_others() -> None:
     chroma = np.rint(x - y + 0.5 * noise).astype(int)
     base = np.stack([luma, chroma, luma - chroma])
     writer = SymbolWriter()
-    code_base(writer, base, base.shape)
+    write_base(writer, base, base.shape)
     raw = [frequency_tables().bits(plane, frequency_tables().best(plane)).sum() for plane in base]
     assert writer.bits["rest"] < 0.45 * sum(raw)
 
@@ -87,21 +90,25 @@ GOLDEN = {
 }
 
 
-@pytest.mark.parametrize("part", GOLDEN)
-def test_golden_payloads_decode_for_ever(part: str) -> None:
+def test_golden_payloads_decode_for_ever() -> None:
     weights = np.array([[0, -3, 12], [1, 1, -1]])
-    bits = np.array([1, 1, 0, 1, 0, 0, 0, 0])
-    code = {
-        "base": lambda walk, given: code_base(walk, golden_base() if given else None, (3, 5, 4)),
-        "weights": lambda walk, given: code_weights(walk, weights if given else None, (2, 3)),
-        "signs": lambda walk, given: code_signs(walk, bits if given else None, [4, 0, 4]),
-    }[part]
-    writer = SymbolWriter()
-    written = code(writer, True)
-    assert writer.finish().hex() == GOLDEN[part]
-    reader = SymbolReader(bytes.fromhex(GOLDEN[part]))
-    assert np.array_equal(code(reader, False), written)
-    reader.finish()
+    signs = [1, 1, 0, 1, 0, 0, 0, 0]
+    write: dict[str, Callable[[SymbolWriter], None]] = {
+        "base": lambda writer: write_base(writer, golden_base(), (3, 5, 4)),
+        "weights": lambda writer: write_weights(writer, weights, (2, 3)),
+        "signs": lambda writer: write_signs(writer, signs, [4, 0, 4]),
+    }
+    readers = {}
+    for part, payload in GOLDEN.items():
+        writer = SymbolWriter()
+        write[part](writer)
+        assert writer.finish().hex() == payload
+        readers[part] = SymbolReader(bytes.fromhex(payload))
+    assert np.array_equal(readers["base"].read_base(3, 5, 4), golden_base())
+    assert np.array_equal(readers["weights"].read_weights(6), weights.reshape(-1))
+    assert readers["signs"].read_signs([4, 0, 4]).tolist() == signs
+    for reader in readers.values():
+        reader.finish()
 
 
 def reference_plane(error: np.ndarray, predictor: int) -> np.ndarray:
@@ -126,7 +133,7 @@ def test_predictors_are_those_of_the_format(predictor: int, shape: tuple[int, in
     writer.code_int(predictor, 2)
     writer.code_int(50, 7)
     writer.code(error, np.full(shape, 50))
-    decoded = code_base(SymbolReader(writer.finish()), None, (1, *shape))
+    decoded = SymbolReader(writer.finish()).read_base(1, *shape)
     assert np.array_equal(decoded[0], reference_plane(error, predictor))
 
 
@@ -136,10 +143,10 @@ def test_channels_are_predicted_from_errors_in_eighths() -> None:
     writer = SymbolWriter()
     for channel in range(3):
         writer.code_int(0, 2)
-        writer.code_bits([weight + 8 for weight in weights[channel]], 4, len(weights[channel]))
+        writer.code_bits([weight + 8 for weight in weights[channel]], 4)
         writer.code_int(50, 7)
         writer.code(rests[channel], np.full((4, 5), 50))
-    decoded = code_base(SymbolReader(writer.finish()), None, (3, 4, 5))
+    decoded = SymbolReader(writer.finish()).read_base(3, 4, 5)
     errors = [rests[0]]
     errors.append(rests[1] + (3 * errors[0] + 4) // 8)
     errors.append(rests[2] + (-8 * errors[0] + 7 * errors[1] + 4) // 8)
@@ -152,15 +159,15 @@ def test_values_that_grow_beyond_the_cap_are_corrupt() -> None:
     writer.code_int(0, 7)
     writer.code(np.full((1, 3), 2**19), np.zeros((1, 3)))
     with pytest.raises(CorruptStreamError, match="base layer"):
-        code_base(SymbolReader(writer.finish()), None, (1, 1, 3))
+        SymbolReader(writer.finish()).read_base(1, 1, 3)
 
 
 @pytest.mark.parametrize("bits", [[0, 2], [-1, 0], [0]])
 def test_signs_that_are_no_signs_are_refused(bits: list[int]) -> None:
     with pytest.raises(UsageError):
-        code_signs(SymbolWriter(), bits, [2])
+        write_signs(SymbolWriter(), bits, [2])
 
 
 def test_arrays_of_another_shape_are_refused() -> None:
     with pytest.raises(UsageError, match=r"shape \(2, 3\)"):
-        code_weights(SymbolWriter(), np.zeros((2, 3)), (3, 2))
+        write_weights(SymbolWriter(), np.zeros((2, 3)), (3, 2))

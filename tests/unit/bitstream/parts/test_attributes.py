@@ -1,25 +1,23 @@
-"""Attributes read in one native call against the same step by step in Python, which is how they are written."""
+"""Attributes as they are written, step by step in Python, and read, in one native call."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
+from functools import cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
+from surgery import split
 
-from sgicodec.bitstream.entropy.symbol_coder import SymbolReader, SymbolWriter
-from sgicodec.bitstream.header import Header
-from sgicodec.bitstream.parts import tile
-from sgicodec.bitstream.parts.attributes import AttributeCoder
+from sgicodec._native import NEIGHBOUR_INPUTS
+from sgicodec.bitstream.header import Header, decode_header
 from sgicodec.bitstream.parts.prior import load_prior
+from sgicodec.bitstream.parts.tile import TileModel, read_tile, write_tile
 from sgicodec.bitstream.parts.tile_chunk import decode_tile_chunk
-from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.errors import StreamError
-from sgicodec.model.context import passes
+from sgicodec.model.context import input_count, passes
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import default_plan
@@ -36,70 +34,92 @@ STREAMS = [
     "paper-rgb8",
 ]
 every_stream = pytest.mark.parametrize("name", STREAMS)
+DEVICES = [ONE_THREAD, Device(2), Device(3, "portable")]
 
 
+@cache
 def payload_of(name: str) -> tuple[Header, bytes]:
-    with open_stream(GOLDEN / f"{name}.sgi") as stream:
-        return stream.header, decode_tile_chunk(stream.header, stream.payload(0)).model or b""
+    parts = split((GOLDEN / f"{name}.sgi").read_bytes())
+    header = decode_header(parts[0][1])
+    return header, decode_tile_chunk(header, dict(parts)["T"]).model or b""
+
+
+def values_of(header: Header, model: TileModel) -> dict[str, np.ndarray]:
+    values = model.decoded_values
+    return {group.name: values[:, group.columns] for group in header.spec.groups}
 
 
 @every_stream
-@pytest.mark.parametrize("device", [ONE_THREAD, Device(2), Device(3, "portable")])
-def test_both_ways_of_reading_agree(name: str, device: Device, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_every_device_reads_what_is_written(name: str) -> None:
     header, payload = payload_of(name)
-    model, walk = tile.read_tile(header, payload, device)
-    with monkeypatch.context() as patch:
-        patch.setattr(tile, "AttributeCoder", partial(AttributeCoder, matmul=np.matmul))
-        other, steps = tile.read_tile(header, payload)
-    np.testing.assert_array_equal(model.decoded, other.decoded)
-    assert (walk.crc, walk.count) == (steps.crc, steps.count)
-    assert walk.bits == pytest.approx(steps.bits, rel=1e-12)
+    model, _ = read_tile(header, payload)
+    again = replace(model, attributes=values_of(header, model), decoded=None)
+    written, writer = write_tile(header, again)
+    assert written == payload
+    np.testing.assert_array_equal(model.decoded, again.decoded)
+    for device in DEVICES:
+        other, reader = read_tile(header, payload, device)
+        np.testing.assert_array_equal(other.decoded, model.decoded)
+        assert reader.crc == writer.crc
+        assert reader.bits == pytest.approx({name: bits for name, bits in writer.bits.items() if bits})
 
 
-def outcome(header: Header, payload: bytes) -> tuple[object, ...]:
+def outcome(header: Header, payload: bytes, device: Device) -> tuple[object, ...]:
     """What reading comes to, so that two ways can be compared."""
     try:
-        model, walk = tile.read_tile(header, payload)
+        model, reader = read_tile(header, payload, device)
     except StreamError as error:
         return type(error), str(error)
-    return walk.crc, model.decoded.tobytes() if model.decoded is not None else b""
+    return reader.crc, model.decoded.tobytes() if model.decoded is not None else b""
 
 
-@pytest.mark.parametrize("name", ["rgb8-predicted-seeds", "rgb8-two-per-seed"])
-def test_damage_is_told_alike(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+@every_stream
+def test_damage_is_told_alike(name: str) -> None:
     header, payload = payload_of(name)
     rng = np.random.default_rng(0)
-    found = set()
     for _ in range(60):
         changed = bytearray(payload[: rng.integers(1, len(payload))] if rng.random() < 0.3 else payload)
         changed[rng.integers(len(changed))] ^= 1 << int(rng.integers(8))
         damaged = bytes(changed).rstrip(b"\0")
-        native = outcome(header, damaged)
-        with monkeypatch.context() as patch:
-            patch.setattr(tile, "AttributeCoder", partial(AttributeCoder, matmul=np.matmul))
-            assert outcome(header, damaged) == native
-        found.add(native[0])
-    assert all(isinstance(kind, type) and issubclass(kind, StreamError) for kind in found)
+        (kind, *_), *others = found = [outcome(header, damaged, device) for device in DEVICES]
+        assert others == found[:1] * len(others)
+        assert isinstance(kind, type)
+        assert issubclass(kind, StreamError)
 
 
 @pytest.mark.parametrize("threads", [1, 2, 3])
 @pytest.mark.parametrize("spec", [default_spec(1), default_spec(3), default_spec(2, per_seed=2)])
 def test_passes_of_many_runs(spec: ModelSpec, threads: int) -> None:
     """Thousands of seeds in a pass are worked on in several runs, and groups of one step are larger than the last's."""
+    spec = replace(spec, base_cell=0)
     rng = np.random.default_rng(spec.channels)
     corner = 4 * np.stack(np.meshgrid(np.arange(90), np.arange(90)), axis=-1).reshape(-1, 2).astype(np.int32)
     layout = SeedLayout(corner, np.full(len(corner), 2, np.int8))
     layout = layout.take(layout.order())
     assert max(len(members) for members in passes(spec.context, layout)) > 3 * 512
     values = {group.name: rng.normal(0, 0.3, (len(layout), group.size)) for group in spec.groups}
-    known: tuple[Any, ...] = spec, layout, (360, 360), default_plan(spec, 60), load_prior(spec), [], 60, 1
-    writer = SymbolWriter()
-    coder = AttributeCoder(*known)
-    written = coder.code(writer, values)
-    crc, bits = writer.crc, dict(writer.bits)
-    reader = SymbolReader(writer.finish())
-    read = replace(coder, device=Device(threads)).code(reader, None)
-    np.testing.assert_array_equal(read, written)
-    assert reader.crc == crc
-    assert reader.bits == pytest.approx(bits)
-    reader.finish()
+    header = Header(360, 360, "multi", "uint8", (0.0, 255.0), "default", spec, 60, 1)
+    nothing = np.zeros((spec.channels, 0, 0), np.int64)
+    model = TileModel(layout, default_plan(spec, 60), 0, nothing, {}, load_prior(spec), [], values)
+    payload, writer = write_tile(header, model)
+    read, reader = read_tile(header, payload, Device(threads))
+    np.testing.assert_array_equal(read.decoded, model.decoded)
+    assert reader.crc == writer.crc
+    assert reader.bits == pytest.approx(writer.bits)
+
+
+def test_seeds_without_neighbours_see_their_own_shape() -> None:
+    """In the third step of a model that has steps but no neighbours."""
+    header, payload = payload_of("rgb8-own-context")
+    model, _ = read_tile(header, payload)
+    kept = input_count(header.spec, 0) - NEIGHBOUR_INPUTS
+    context = replace(header.spec.context, neighbours=0, coarse_first=False)
+    alone = replace(header, spec=replace(header.spec, context=context))
+    networks = tuple(
+        replace(net, w1=np.delete(net.w1, np.s_[kept : kept + NEIGHBOUR_INPUTS], axis=1)) for net in model.networks
+    )
+    model = replace(model, networks=networks, attributes=values_of(header, model), decoded=None)
+    payload, writer = write_tile(alone, model)
+    read, reader = read_tile(alone, payload)
+    assert reader.crc == writer.crc
+    np.testing.assert_array_equal(read.decoded, model.decoded)

@@ -6,9 +6,10 @@ from examples import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sgicodec.bitstream.entropy.symbol_coder import SymbolReader, SymbolWriter
+from sgicodec._native import SymbolReader
+from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.entropy.tables import TOTAL
-from sgicodec.bitstream.parts.positions import ONES, code_positions
+from sgicodec.bitstream.parts.positions import ONES, write_positions
 from sgicodec.bitstream.parts.seed_tree import Seeds, TreeShape
 from sgicodec.errors import CorruptStreamError, LimitError, UsageError
 
@@ -35,9 +36,13 @@ def trees(draw: st.DrawFn) -> tuple[TreeShape, list[Node]]:
     return shape, sorted(set(zip(level.tolist(), x.tolist(), y.tolist(), strict=True)))
 
 
+def read_seeds(reader: SymbolReader, shape: TreeShape, most: int) -> Seeds:
+    return reader.read_positions((shape.width, shape.height), shape.root_log, shape.min_log, most)
+
+
 def payload_of(shape: TreeShape, nodes: list[Node]) -> bytes:
     writer = SymbolWriter()
-    code_positions(writer, shape, seeds_of(nodes), len(nodes))
+    write_positions(writer, shape, seeds_of(nodes))
     return writer.finish()
 
 
@@ -56,12 +61,10 @@ def walk_order(nodes: list[Node]) -> list[Node]:
 @given(trees())
 def test_round_trip_in_canonical_order(tree: tuple[TreeShape, list[Node]]) -> None:
     shape, nodes = tree
-    writer = SymbolWriter()
-    written = code_positions(writer, shape, seeds_of(nodes), len(nodes))
-    reader = SymbolReader(writer.finish())
-    read = code_positions(reader, shape, None, len(nodes))
+    reader = SymbolReader(payload_of(shape, nodes))
+    read = read_seeds(reader, shape, len(nodes))
     reader.finish()
-    assert nodes_of(read) == nodes_of(written) == walk_order(nodes)
+    assert nodes_of(read) == walk_order(nodes)
     assert (read[0].dtype, read[1].dtype) == (np.int32, np.int8)
 
 
@@ -73,18 +76,18 @@ class ReferenceDecoder:
         self.split: dict[Node, int] = {}
         self.seed: dict[Node, int] = {}
         self.sent: dict[tuple[int, ...], int] = {}
-        self.shift = [0, 1, 2, 4][self.walk.code_int(None, 2)]
+        self.shift = [0, 1, 2, 4][int(self.walk.read_bits(2, 1)[0])]
 
     def flags(self, contexts: dict[Node, tuple[int, ...]]) -> dict[Node, int]:
         for context in sorted(set(contexts.values())):
             if context not in self.sent:
-                self.sent[context] = self.walk.code_int(None, 4)
+                self.sent[context] = int(self.walk.read_bits(4, 1)[0])
         result = {}
         for code in range(16):
             ones = TOTAL // 256 * ONES[code]
             for node, context in contexts.items():
                 if self.sent[context] == code:
-                    coded = self.walk.code_categorical(None, np.array([[TOTAL - ones, ones]]), [0])
+                    coded = self.walk.read_categorical(np.array([[TOTAL - ones, ones]]), np.zeros(1, np.int16))
                     result[node] = int(coded[0])
         return result
 
@@ -135,11 +138,11 @@ class ReferenceDecoder:
 def test_the_reference_decoder_reads_the_same_tree(tree: tuple[TreeShape, list[Node]]) -> None:
     shape, nodes = tree
     writer = SymbolWriter()
-    code_positions(writer, shape, seeds_of(nodes), len(nodes))
+    write_positions(writer, shape, seeds_of(nodes))
     crc = writer.crc
     decoder = ReferenceDecoder(shape, writer.finish())
     assert decoder.decode() == walk_order(nodes)
-    assert decoder.walk.code_int(None, 32) == crc  # it also stopped where the encoder did
+    assert decoder.walk.read_bits(32, 1)[0] == crc  # it also stopped where the encoder did
 
 
 GOLDEN_SHAPE = TreeShape(20, 13, 3, 1)
@@ -150,7 +153,7 @@ GOLDEN = "e688750e190945043da7375116f242f2b7a3de"
 def test_golden_payload_decodes_for_ever() -> None:
     assert payload_of(GOLDEN_SHAPE, GOLDEN_NODES).hex() == GOLDEN
     reader = SymbolReader(bytes.fromhex(GOLDEN))
-    assert nodes_of(code_positions(reader, GOLDEN_SHAPE, None, 8)) == walk_order(GOLDEN_NODES)
+    assert nodes_of(read_seeds(reader, GOLDEN_SHAPE, 8)) == walk_order(GOLDEN_NODES)
     reader.finish()
 
 
@@ -166,7 +169,7 @@ def test_a_seed_of_an_adaptive_tree_costs_less_than_a_bit() -> None:
         else:
             leaves.append((level, x, y))
     writer = SymbolWriter()
-    code_positions(writer, TreeShape(1024, 1024, 6, 1), seeds_of(leaves), len(leaves))
+    write_positions(writer, TreeShape(1024, 1024, 6, 1), seeds_of(leaves))
     assert writer.bits["rest"] < 0.6 * len(leaves)
 
 
@@ -174,14 +177,14 @@ def test_random_pixels_cost_what_they_must() -> None:
     rng = np.random.default_rng(2)
     nodes = sorted({(0, int(x), int(y)) for x, y in rng.integers(0, 1024, (2000, 2))})
     writer = SymbolWriter()
-    code_positions(writer, TreeShape(1024, 1024, 8, 0), seeds_of(nodes), len(nodes))
+    write_positions(writer, TreeShape(1024, 1024, 8, 0), seeds_of(nodes))
     bound = np.sum(np.log2((1024**2 - np.arange(len(nodes))) / np.arange(1, len(nodes) + 1)))
     assert bound < writer.bits["rest"] < 1.04 * bound
 
 
 def test_no_seeds_cost_one_root_flag_each_and_their_contexts() -> None:
     writer = SymbolWriter()
-    code_positions(writer, TreeShape(4096, 4096, 6, 0), seeds_of([]), 0)
+    write_positions(writer, TreeShape(4096, 4096, 6, 0), seeds_of([]))
     assert writer.bits["rest"] == 2 + 8  # the detail and two contexts, "never"
 
 
@@ -192,12 +195,12 @@ def test_no_seeds_cost_one_root_flag_each_and_their_contexts() -> None:
 )
 def test_seeds_that_are_no_nodes_are_refused(nodes: list[Node]) -> None:
     with pytest.raises(UsageError):
-        code_positions(SymbolWriter(), GOLDEN_SHAPE, seeds_of(nodes), 8)
+        write_positions(SymbolWriter(), GOLDEN_SHAPE, seeds_of(nodes))
 
 
 def test_seeds_off_their_grid_are_refused() -> None:
     with pytest.raises(UsageError):
-        code_positions(SymbolWriter(), GOLDEN_SHAPE, (np.array([[1, 0]]), np.array([1])), 8)
+        write_positions(SymbolWriter(), GOLDEN_SHAPE, (np.array([[1, 0]]), np.array([1])))
 
 
 @pytest.mark.parametrize("values", [(0, 1, 1, 0), (1, 1 << 25, 1, 0), (1, 1, 1, 2), (1, 1, 17, 0), (1, 1, 0, -1)])
@@ -209,29 +212,29 @@ def test_shapes_that_no_tree_has_are_refused(values: tuple[int, int, int, int]) 
 def test_more_seeds_than_allowed_are_refused() -> None:
     nodes = [(1, x, 0) for x in range(8)]
     with pytest.raises(LimitError):
-        code_positions(SymbolReader(payload_of(GOLDEN_SHAPE, nodes)), GOLDEN_SHAPE, None, 7)
+        read_seeds(SymbolReader(payload_of(GOLDEN_SHAPE, nodes)), GOLDEN_SHAPE, 7)
     with pytest.raises(LimitError):
-        code_positions(SymbolReader(payload_of(TreeShape(8, 8, 1, 1), nodes[:4])), TreeShape(8, 8, 1, 1), None, 3)
+        read_seeds(SymbolReader(payload_of(TreeShape(8, 8, 1, 1), nodes[:4])), TreeShape(8, 8, 1, 1), 3)
     with pytest.raises(LimitError):
-        code_positions(SymbolWriter(), TreeShape(1 << 20, 1 << 20, 1, 0), seeds_of([]), 0)
+        write_positions(SymbolWriter(), TreeShape(1 << 20, 1 << 20, 1, 0), seeds_of([]))
 
 
 def test_a_small_payload_cannot_claim_a_large_tree() -> None:
     """Every context "always": a seed and four children in every node, for half a byte per context."""
     writer = SymbolWriter()
     writer.code_int(0, 2)
-    writer.code_bits([15] * 400, 4, 400)
+    writer.code_bits([15] * 400, 4)
     with pytest.raises(LimitError, match="more than 5000 seeds at level 9"):
-        code_positions(SymbolReader(writer.finish()), TreeShape(1 << 15, 1 << 15, 15, 0), None, 5000)
+        read_seeds(SymbolReader(writer.finish()), TreeShape(1 << 15, 1 << 15, 15, 0), 5000)
 
 
 def test_a_split_node_without_seeds_below_is_corrupt() -> None:
     writer = SymbolWriter()
     writer.code_int(0, 2)
-    writer.code_bits([15, 0], 4, 2)  # the root is split and carries no seed
-    writer.code_bits([0] * 400, 4, 400)
+    writer.code_bits([15, 0], 4)  # the root is split and carries no seed
+    writer.code_bits([0] * 400, 4)
     with pytest.raises(CorruptStreamError, match="split node of level 3"):
-        code_positions(SymbolReader(writer.finish()), TreeShape(8, 8, 3, 0), None, 10)
+        read_seeds(SymbolReader(writer.finish()), TreeShape(8, 8, 3, 0), 10)
 
 
 @settings(max_examples=examples(150))
@@ -239,7 +242,7 @@ def test_a_split_node_without_seeds_below_is_corrupt() -> None:
 def test_any_bytes_decode_or_are_corrupt(data: bytes) -> None:
     try:
         reader = SymbolReader(data)
-        code_positions(reader, TreeShape(300, 200, 5, 0), None, 50)
+        read_seeds(reader, TreeShape(300, 200, 5, 0), 50)
         reader.finish()
     except (CorruptStreamError, LimitError):
         pass

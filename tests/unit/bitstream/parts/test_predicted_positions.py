@@ -10,12 +10,13 @@ from examples import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sgicodec.bitstream.entropy.symbol_coder import SymbolReader, SymbolWriter
+from sgicodec._native import SymbolReader
+from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.entropy.tables import TOTAL
-from sgicodec.bitstream.parts.predicted_positions import ONES, code_predicted_positions
-from sgicodec.bitstream.parts.predicted_tree import Batch, TreeContext, walk_tree
+from sgicodec.bitstream.parts.predicted_positions import ONES, write_predicted_positions
+from sgicodec.bitstream.parts.predicted_tree import Batch, TreeContext, native_tree_context, walk_tree
 from sgicodec.bitstream.parts.seed_tree import Seeds, TreeShape
-from sgicodec.device import Device
+from sgicodec.device import ONE_THREAD, Device
 from sgicodec.errors import CorruptStreamError, LimitError, UsageError
 
 Node = tuple[int, int, int]  # level, column, row
@@ -28,6 +29,12 @@ def seeds_of(nodes: list[Node]) -> Seeds:
 
 def nodes_of(seeds: Seeds) -> list[Node]:
     return [(int(k), int(x) >> int(k), int(y) >> int(k)) for (x, y), k in zip(*seeds, strict=True)]
+
+
+def read_seeds(
+    reader: SymbolReader, shape: TreeShape, scenery: TreeContext, most: int, device: Device = ONE_THREAD
+) -> Seeds:
+    return reader.read_predicted_positions(native_tree_context(shape, scenery), most, device.threads, device.isa)
 
 
 @st.composite
@@ -148,7 +155,8 @@ class ReferenceDecoder:
             one = 65536 if row > 24 else ONES[row] if row >= 0 else 65536 - ONES[-row]
             for node, own in rows.items():
                 if own == row:
-                    coded = self.walk.code_categorical(None, np.array([[65536 - one, one]]) * (TOTAL // 65536), [0])
+                    frequencies = np.array([[65536 - one, one]]) * (TOTAL // 65536)
+                    coded = self.walk.read_categorical(frequencies, np.zeros(1, np.int16))
                     result[node] = int(coded[0])
         return result
 
@@ -195,11 +203,11 @@ class ReferenceDecoder:
 def test_the_reference_decoder_reads_the_same_tree(tree: tuple[TreeShape, TreeContext, list[Node]]) -> None:
     shape, scenery, nodes = tree
     writer = SymbolWriter()
-    code_predicted_positions(writer, shape, scenery, seeds_of(nodes), len(nodes))
+    write_predicted_positions(writer, shape, scenery, seeds_of(nodes))
     crc = writer.crc
     decoder = ReferenceDecoder(shape, scenery, writer.finish())
     found = decoder.decode()
-    assert decoder.walk.code_int(None, 32) == crc  # it also stopped where the encoder did
+    assert decoder.walk.read_bits(32, 1)[0] == crc  # it also stopped where the encoder did
     assert sorted(found) == nodes
 
 
@@ -208,11 +216,10 @@ def test_the_reference_decoder_reads_the_same_tree(tree: tuple[TreeShape, TreeCo
 def test_round_trip_on_any_processor(tree: tuple[TreeShape, TreeContext, list[Node]], device: Device) -> None:
     shape, scenery, nodes = tree
     writer = SymbolWriter()
-    written = code_predicted_positions(writer, shape, scenery, seeds_of(nodes), len(nodes))
+    write_predicted_positions(writer, shape, scenery, seeds_of(nodes))
     reader = SymbolReader(writer.finish())
-    read = code_predicted_positions(reader, shape, scenery, None, len(nodes), device)
+    read = read_seeds(reader, shape, scenery, len(nodes), device)
     reader.finish()
-    assert nodes_of(read) == nodes_of(written)
     assert sorted(nodes_of(read)) == nodes
     assert (read[0].dtype, read[1].dtype) == (np.int32, np.int8)
 
@@ -242,25 +249,25 @@ def test_the_last_child_of_empty_siblings_is_needed(width: int, height: int, las
 @pytest.mark.parametrize("shape", [TreeShape(64, 64, 6, 0), TreeShape(64, 64, 5, 1)])
 def test_other_trees_are_refused(shape: TreeShape) -> None:
     with pytest.raises(UsageError, match="prediction"):
-        code_predicted_positions(SymbolWriter(), shape, NOWHERE, seeds_of([]), 0)
+        write_predicted_positions(SymbolWriter(), shape, NOWHERE, seeds_of([]))
 
 
 def test_seeds_that_are_no_nodes_are_refused() -> None:
     with pytest.raises(UsageError):
-        code_predicted_positions(SymbolWriter(), SHAPE, NOWHERE, seeds_of([(1, 32, 0)]), 1)
+        write_predicted_positions(SymbolWriter(), SHAPE, NOWHERE, seeds_of([(1, 32, 0)]))
 
 
 def test_more_seeds_than_allowed_are_refused() -> None:
     nodes = [(1, x, y) for x in range(32) for y in range(32)]
     writer = SymbolWriter()
-    code_predicted_positions(writer, SHAPE, NOWHERE, seeds_of(nodes), len(nodes))
+    write_predicted_positions(writer, SHAPE, NOWHERE, seeds_of(nodes))
     payload = writer.finish()
-    assert len(code_predicted_positions(SymbolReader(payload), SHAPE, NOWHERE, None, len(nodes))[1]) == len(nodes)
+    assert len(read_seeds(SymbolReader(payload), SHAPE, NOWHERE, len(nodes))[1]) == len(nodes)
     for most in (3, 200, 1023):
         with pytest.raises(LimitError, match=f"more than {most} seeds"):
-            code_predicted_positions(SymbolReader(payload), SHAPE, NOWHERE, None, most)
+            read_seeds(SymbolReader(payload), SHAPE, NOWHERE, most)
     with pytest.raises(LimitError, match="root nodes"):
-        code_predicted_positions(SymbolWriter(), TreeShape(1 << 20, 1 << 20, 6, 1), NOWHERE, seeds_of([]), 0)
+        write_predicted_positions(SymbolWriter(), TreeShape(1 << 20, 1 << 20, 6, 1), NOWHERE, seeds_of([]))
 
 
 @settings(max_examples=examples(100))
@@ -268,7 +275,7 @@ def test_more_seeds_than_allowed_are_refused() -> None:
 def test_any_bytes_decode_or_are_corrupt(data: bytes) -> None:
     try:
         reader = SymbolReader(data)
-        code_predicted_positions(reader, TreeShape(300, 200, 6, 1), NOWHERE, None, 50)
+        read_seeds(reader, TreeShape(300, 200, 6, 1), NOWHERE, 50)
         reader.finish()
     except (CorruptStreamError, LimitError):
         pass

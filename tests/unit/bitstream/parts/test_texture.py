@@ -15,12 +15,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from texture_forger import spelled
 from texture_reader import LOGISTIC, LOGIT, Bits, TextureReader
-from textures import random_symbols
+from textures import random_symbols, read_texture
 
 from sgicodec import read
-from sgicodec._native import TextureModels
-from sgicodec.bitstream.entropy.symbol_coder import SymbolReader, SymbolWriter
-from sgicodec.bitstream.parts.texture import code_texture, texture_models
+from sgicodec._native import SymbolReader, TextureModels
+from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
+from sgicodec.bitstream.parts.texture import texture_models, write_texture
 from sgicodec.device import ONE_THREAD
 from sgicodec.errors import CorruptStreamError, LimitError, UnsupportedStreamError
 from sgicodec.model.texture_symbols import TextureSteps, TextureSymbols
@@ -32,13 +32,13 @@ MOST = 16390
 
 def payload_of(texture: TextureSymbols | None, size: tuple[int, int], channels: int) -> bytes:
     writer = SymbolWriter()
-    code_texture(writer, size, channels, texture)
+    write_texture(writer, size, channels, texture)
     return writer.finish()
 
 
 def read_back(payload: bytes, size: tuple[int, int], channels: int) -> TextureSymbols | None:
     reader = SymbolReader(payload)
-    texture = code_texture(reader, size, channels, None)
+    texture = read_texture(reader, size, channels)
     reader.finish()
     return texture
 
@@ -144,13 +144,13 @@ def test_models_of_another_number_are_refused() -> None:
         writer.code_int(1, 1)
         writer.code_int(number, 4)
         with pytest.raises(UnsupportedStreamError, match=f"texture: models {number}"):
-            code_texture(SymbolReader(writer.finish()), (64, 64), 3, None)
+            read_texture(SymbolReader(writer.finish()), (64, 64), 3)
 
 
 def test_no_texture_takes_a_bit() -> None:
     payload = payload_of(None, (64, 64), 3)
     reader = SymbolReader(payload)
-    assert code_texture(reader, (64, 64), 3, None) is None
+    assert read_texture(reader, (64, 64), 3) is None
     assert reader.count == 1
     reader.finish()
 
@@ -299,7 +299,7 @@ def test_any_bytes_are_a_layer_or_refused(first: int, payload: bytes, channels: 
     """What is accepted can be written. `first`: there is texture, of models 1 or 2."""
     reader = SymbolReader(bytes([first]) + payload.rstrip(b"\0"))
     try:
-        layer = code_texture(reader, (width, height), channels, None)
+        layer = read_texture(reader, (width, height), channels)
     except CorruptStreamError:
         return
     assert layer is not None

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import torch
 
-from sgicodec.bitstream.entropy.symbol_coder import SymbolWriter
-from sgicodec.bitstream.parts.attributes import AttributeCoder
+from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
+from sgicodec.bitstream.parts.attributes import AttributeWriter
 from sgicodec.fit.autograd.context_net import ContextNet
 from sgicodec.fit.autograd.quantization_proxy import QuantizationProxy, Sample
 from sgicodec.fit.context_weights import ContextWeights
@@ -56,8 +56,8 @@ class Fit:
     def code(self, networks: tuple[Any, ...], plan: StepPlan) -> tuple[dict[str, torch.Tensor], SymbolWriter]:
         """The values as they are decoded, and the walk that wrote them."""
         walk = SymbolWriter()
-        coder = AttributeCoder(self.spec, self.layout, SIZE, plan, networks, self.weights.signs(), QUALITY, FAMILY)
-        decoded = torch.from_numpy(np.ldexp(coder.code(walk, self.values).astype(np.float64), -FRACTION_BITS))
+        writer = AttributeWriter(self.spec, self.layout, SIZE, plan, networks, self.weights.signs(), QUALITY, FAMILY)
+        decoded = torch.from_numpy(np.ldexp(writer.write(walk, self.values).astype(np.float64), -FRACTION_BITS))
         return {group.name: decoded[:, group.columns].float() for group in self.spec.groups}, walk
 
     def sample(self, net: ContextNet, plan: StepPlan, values: dict[str, torch.Tensor]) -> Sample:

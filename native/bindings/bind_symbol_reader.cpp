@@ -1,0 +1,152 @@
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+
+#include <array>
+#include <memory>
+#include <numeric>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "bindings/bindings.hpp"
+#include "bindings/textures.hpp"
+#include "bitstream/arrays.hpp"
+#include "bitstream/frequency_tables.hpp"
+#include "bitstream/header.hpp"
+#include "bitstream/positions.hpp"
+#include "bitstream/symbol_reader.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using sgi::Array;
+using sgi::as_array;
+using sgi::require;
+using sgi::SymbolReader;
+
+namespace {
+
+void make_reader(SymbolReader *self, const nb::bytes &payload) {
+  new (self) SymbolReader({static_cast<const uint8_t *>(payload.data()), payload.size()});
+}
+
+void require_keys(const Array<const int16_t, 1> &keys, int64_t count) {
+  require(keys.size() < (size_t(1) << 31), "too many symbols");
+  for (size_t i = 0; i < keys.size(); ++i)
+    require(keys.data()[i] >= 0 && keys.data()[i] < count, "a table or row is outside 0..count-1");
+}
+
+template <class T>
+auto flat(std::vector<T> values) {
+  const std::array shape{values.size()};
+  return as_array<T>(std::move(values), shape);
+}
+
+auto read_symbols(SymbolReader &reader, const Array<const int16_t, 1> &tables) {
+  require_keys(tables, sgi::kTables);
+  std::vector<int32_t> symbols(tables.size());
+  reader.zero_centred(tables.data(), int64_t(tables.size()), symbols.data());
+  return flat(std::move(symbols));
+}
+
+auto read_categorical(SymbolReader &reader, const Array<const int64_t, 2> &frequencies,
+                      const Array<const int16_t, 1> &rows) {
+  const size_t size = frequencies.shape(1);
+  require(size >= 1 && size < (1 << 16), "a model must have 1 to 65535 symbols");
+  require_keys(rows, int64_t(frequencies.shape(0)));
+  std::vector<int64_t> all(frequencies.data(), frequencies.data() + frequencies.size());
+  for (auto row = all.begin(); row != all.end(); row += std::ptrdiff_t(size)) {
+    for (auto f = row; f != row + std::ptrdiff_t(size); ++f)
+      require(*f >= 0 && *f <= sgi::kTotalFrequency, "a frequency is outside 0..2**24");
+    require(std::accumulate(row, row + std::ptrdiff_t(size), int64_t(0)) == sgi::kTotalFrequency,
+            "the frequencies of a model must sum to 2**24");
+  }
+  const sgi::Alphabets alphabets(all, int64_t(size));
+  std::vector<int32_t> symbols(rows.size());
+  reader.categorical(alphabets.view(), rows.data(), int64_t(rows.size()), symbols.data());
+  return flat(std::move(symbols));
+}
+
+auto read_bits(SymbolReader &reader, int bits, int64_t count) {
+  require(bits >= 0 && bits <= 32 && count >= 0, "fields of 0 to 32 bits");
+  return flat(reader.wide_values(bits, count));
+}
+
+auto read_weights(SymbolReader &reader, int64_t count) {
+  require(count >= 0, "a tensor has no negative size");
+  return flat(sgi::read_weights(reader, count));
+}
+
+auto read_signs(SymbolReader &reader, const std::vector<int64_t> &counts) {
+  for (const int64_t count : counts) require(count >= 0, "a level has no negative size");
+  return flat(sgi::read_signs(reader, counts));
+}
+
+auto read_base(SymbolReader &reader, int channels, int64_t rows, int64_t columns) {
+  require(channels >= 1 && rows >= 1 && columns >= 1, "planes must not be empty");
+  const std::array shape{size_t(channels), size_t(rows), size_t(columns)};
+  return as_array<int64_t>(sgi::read_base(reader, channels, rows, columns), shape);
+}
+
+using Size = std::pair<int64_t, int64_t>;
+
+void require_size(Size size) {
+  require(size.first >= 1 && size.second >= 1 && size.first <= sgi::kMaxSide && size.second <= sgi::kMaxSide,
+          "sides must be 1..2**24");
+}
+
+auto arrays_of(sgi::Seeds seeds) {
+  const size_t n = seeds.log_size.size();
+  return std::tuple(as_array<int32_t>(std::move(seeds.corner), std::array{n, size_t(2)}),
+                    flat(std::move(seeds.log_size)));
+}
+
+auto read_positions(SymbolReader &reader, Size size, int root_log, int min_log, int64_t most) {
+  require_size(size);
+  require(min_log >= 0 && min_log <= root_log && root_log <= 16, "node sizes must be 0 <= min <= root <= 16");
+  const sgi::TreeShape shape{size.first, size.second, root_log, min_log};
+  require(shape.columns() * shape.rows() <= sgi::kMaxRoots, "too many roots");
+  return arrays_of(sgi::read_positions(reader, shape, most));
+}
+
+auto read_predicted_positions(SymbolReader &reader, const std::shared_ptr<sgi::TreeScenery> &scenery, int64_t most,
+                              int threads, const std::string &isa) {
+  return arrays_of(sgi::read_predicted_positions(reader, scenery, most, threads, sgi::choose_isa(isa)));
+}
+
+auto read_texture(SymbolReader &reader, Size size, int channels) {
+  require_size(size);
+  require(channels >= 1 && channels <= sgi::kMaxChannels, "1 to 64 channels");
+  auto texture = sgi::read_texture_part(reader, size.first, size.second, channels);
+  return texture ? std::optional(sgi::texture_arrays(std::move(*texture))) : std::nullopt;
+}
+
+double bits_of(const SymbolReader &reader) { return std::accumulate(reader.bits().begin(), reader.bits().end(), 0.0); }
+
+}  // namespace
+
+void bind_symbol_reader(nb::module_ &m) {
+  nb::class_<SymbolReader>(m, "SymbolReader", "Reads a payload group by group, part by part: the decoder's own reader.")
+      .def("__init__", &make_reader, "payload"_a)
+      .def("read", &read_symbols, "tables"_a, "Zero-centred integers [n], each with its own table.")
+      .def("read_categorical", &read_categorical, "frequencies"_a, "rows"_a,
+           "Symbols [n] under rows of frequencies [rows, A].")
+      .def("read_bits", &read_bits, "n_bits"_a, "count"_a, "Equally likely integers [count] of 0 to 32 bits.")
+      .def("read_weights", &read_weights, "count"_a, "A tensor of so many integers, flat.")
+      .def("read_signs", &read_signs, "counts"_a, "The hash grid's signs, 0 or 1, level after level.")
+      .def("read_base", &read_base, "channels"_a, "rows"_a, "columns"_a, "Planes [C, rows, columns] of the base layer.")
+      .def("read_positions", &read_positions, "size"_a, "root_log"_a, "min_log"_a, "most"_a,
+           "Corners [N, 2] and log2 of the sides [N] of at most so many seeds.")
+      .def("read_predicted_positions", &read_predicted_positions, "scenery"_a, "most"_a, "threads"_a, "isa"_a,
+           "The same of a tree whose flags are predicted.")
+      .def("read_texture", &read_texture, "size"_a, "channels"_a,
+           "Steps, log_size, contrast and symbols of a tile's texture, None for none.")
+      .def(
+          "finish", [](SymbolReader &reader) { reader.finish(); },
+          "Raises CorruptStreamError unless the symbols are those written and the payload ends with them.")
+      .def_prop_ro("crc", &SymbolReader::crc, "CRC-32 of all symbols.")
+      .def_prop_ro("count", &SymbolReader::count, "Of symbols.")
+      .def_prop_ro(
+          "ends", [](SymbolReader &reader) { return reader.decoder().maybe_exhausted(); },
+          "Whether an encoder may have ended here.")
+      .def_prop_ro("bits", &bits_of, "Information content of all symbols.");
+}

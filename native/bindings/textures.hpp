@@ -1,0 +1,35 @@
+// Layers of texture as Python has them.
+#pragma once
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <optional>
+#include <tuple>
+#include <utility>
+
+#include "bindings/arrays.hpp"
+#include "bitstream/texture_part.hpp"
+
+namespace sgi {
+
+// log_size, contrast and symbols of a layer.
+inline auto field_arrays(TextureField field) {
+  const auto down = size_t(field.height), across = size_t(field.width), channels = size_t(field.channels);
+  return std::tuple(
+      as_array<uint8_t>(std::move(field.log_size), std::array{down / kUnit, across / kUnit}),
+      as_array<int8_t>(std::move(field.contrast), std::array{down >> kTextureRoot, across >> kTextureRoot}),
+      as_array<int16_t>(std::move(field.symbols), std::array{channels, down, across}));
+}
+
+// Its steps as indices of the stream, in the order of TextureSteps in Python, and these.
+inline auto texture_arrays(CodedTexture texture) {
+  const TextureIndices &of = texture.indices;
+  const auto [one, two, more] = of.excess;
+  std::tuple steps(of.step, of.ratios, std::pair(of.slopes[0], of.slopes[1]), std::tuple(one, two, more),
+                   of.has_contrast, texture.field.dependent);
+  return std::tuple_cat(std::tuple<decltype(steps)>(std::move(steps)), field_arrays(std::move(texture.field)));
+}
+
+}  // namespace sgi
