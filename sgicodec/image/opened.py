@@ -14,12 +14,13 @@ import numpy.typing as npt
 
 from sgicodec.errors import PictureError, UsageError
 from sgicodec.image.alpha import unassociate
-from sgicodec.image.channels import Channels, Last, declared_channels
+from sgicodec.image.channels import AsIs, Channels, Last, declared_channels
 from sgicodec.image.foreign import foreign
 from sgicodec.image.header import Probe, has_own_numbers, header, is_associated, number_as_read, orientation
 from sgicodec.image.library import load_openimageio
 from sgicodec.image.origin import first_line
 from sgicodec.image.second_reader import KIND, SecondReader
+from sgicodec.image.slide_reader import SlideReader, is_slide
 from sgicodec.metadata import embedded, geo, ifd, placement, png
 from sgicodec.metadata.filebytes import FileBytes
 from sgicodec.metadata.orientation import upright
@@ -42,9 +43,9 @@ _LIFTING = threading.Lock()
 
 @dataclass
 class Opened:
-    """An open file. `image` is an `ImageInput`, or a `SecondReader`; `spec` and `kind` are OpenImageIO's header and
-    format name; `header` and `metadata` are those of the upright picture. channels: what the file declares of them;
-    associated: whether colours are multiplied by alpha.
+    """An open file. `image` is an `ImageInput`, a `SecondReader` or a `SlideReader`; `spec` and `kind` are
+    OpenImageIO's header and format name; `header` and `metadata` are those of the upright picture. channels: what the
+    file declares of them; associated: whether colours are multiplied by alpha.
     """
 
     path: Path
@@ -120,6 +121,10 @@ def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto") -
     if alpha not in get_args(Alpha):
         raise UsageError(f"alpha {alpha!r}; it is one of {', '.join(get_args(Alpha))}")
     load_openimageio("reading pictures")
+    if is_slide(path):
+        slide = SlideReader(path)
+        spec, kind = slide.spec(), slide.format_name()
+        return Opened(path, slide, spec, kind, header(spec, kind), slide.metadata(), AsIs, False)
     with path.open("rb") as file:
         data = FileBytes(file)
         _check(data)

@@ -41,11 +41,13 @@ HOMES = {
     "PIL": (
         "sgicodec/image/second_reader.py",
         "sgicodec/image/conversion.py",
+        "sgicodec/image/slide_reader.py",
         "sgicodec/bench/",
         "sgicodec/plugins/",
         "sgicodec/server/",
         "benchmarks/",
     ),
+    "openslide": ("sgicodec/image/slide_reader.py",),
     "imagecodecs": ("sgicodec/bench/", "benchmarks/"),
     "pyjpegli": ("sgicodec/bench/optional_peers.py",),
     "imageio_ffmpeg": ("sgicodec/bench/optional_peers.py",),

@@ -1,0 +1,133 @@
+"""Slides that OpenImageIO reads wrongly or not at all, by OpenSlide, behind the interface of an `ImageInput`."""
+
+from __future__ import annotations
+
+import struct
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from sgicodec.errors import PictureError, require
+from sgicodec.metadata import geo, ifd
+from sgicodec.metadata.filebytes import FileBytes
+from sgicodec.picture import Metadata
+
+if TYPE_CHECKING:
+    from OpenImageIO import ImageSpec
+
+__all__ = ["SlideReader", "is_slide"]
+
+_SUFFIXES = (".ndpi", ".scn", ".bif", ".mrxs", ".vms", ".vmu", ".svslide", ".czi")
+"""Files that seem to be something else: of many the first picture is a small one, or the label."""
+
+_COMPRESSION, _JPEG_2000 = 259, (33003, 33005)
+"""Of Aperio's files, which OpenImageIO reads otherwise."""
+
+_TILE = 512
+_SHORT, _RATIONAL = 3, 5
+_CENTIMETRE = 3
+_MICRONS = 10000
+_MOST = 10**8
+"""Of numerator and denominator of a resolution."""
+
+
+def is_slide(path: Path) -> bool:
+    """Whether a file is one that OpenSlide should read, by its name; an Aperio file by how it is compressed."""
+    suffix = path.suffix.lower()
+    if suffix in _SUFFIXES:
+        return True
+    if suffix != ".svs":
+        return False
+    try:
+        with path.open("rb") as file:
+            entry = ifd.load(FileBytes(file), {_COMPRESSION}).get(_COMPRESSION)
+    except struct.error:
+        return False
+    return isinstance(entry, ifd.Entry) and int.from_bytes(entry.data[:2], "little") in _JPEG_2000
+
+
+class SlideReader:
+    """An open slide: its largest level in RGB, on white or the slide's own background, as far as it was scanned."""
+
+    def __init__(self, path: Path) -> None:
+        """Raises PictureError for what OpenSlide does not read."""
+        require("openslide", "reading this slide", "slides")
+        import openslide
+
+        try:
+            self._slide: Any = openslide.OpenSlide(path)
+        except openslide.OpenSlideUnsupportedFormatError:
+            raise PictureError("it is called as a slide is, and none that OpenSlide reads") from None
+        except openslide.OpenSlideError as error:
+            raise PictureError(_reason(error)) from error
+        properties = self._slide.properties
+        names = [f"openslide.bounds-{name}" for name in ("x", "y", "width", "height")]
+        scanned = all(name in properties for name in names)
+        self._x, self._y, self._width, self._height = (
+            (int(properties[name]) for name in names) if scanned else (0, 0, *self._slide.dimensions)
+        )
+        self._background = "#" + properties.get("openslide.background-color", "ffffff")
+
+    def metadata(self) -> Metadata:
+        """Size of a pixel, and the ICC profile. Label, macro and texts stay behind: they may name the patient."""
+        properties = self._slide.properties
+        sizes = [properties.get(f"openslide.mpp-{axis}") for axis in "xy"]
+        profile = self._slide.color_profile
+        return Metadata(icc=None if profile is None else profile.tobytes(), geo=_resolution(sizes))
+
+    def spec(self) -> ImageSpec:
+        """The header in OpenImageIO's terms."""
+        import OpenImageIO as oiio
+
+        spec = oiio.ImageSpec(self._width, self._height, 3, oiio.TypeDesc("uint8"))
+        spec.tile_width = spec.tile_height = _TILE
+        return spec
+
+    def format_name(self) -> str:
+        """Which says that it is none of OpenImageIO's."""
+        return "openslide"
+
+    def read_tiles(self, _: int, __: int, *where: Any) -> npt.NDArray[np.uint8]:
+        """Pixels [h, w, 3] from column where[0] to where[1], row where[2] to where[3]. Raises PictureError."""
+        import openslide
+        from PIL import Image
+
+        left, right, top, bottom = where[:4]
+        size = (right - left, bottom - top)
+        try:
+            region = self._slide.read_region((self._x + left, self._y + top), 0, size)
+        except openslide.OpenSlideError as error:
+            raise PictureError(_reason(error)) from error
+        ground = Image.new("RGB", size, self._background)
+        ground.paste(region, None, region)
+        return np.asarray(ground)
+
+    def geterror(self) -> str:
+        """Nothing: errors are raised."""
+        return ""
+
+    def close(self) -> None:
+        """Close the file."""
+        self._slide.close()
+
+
+def _resolution(microns: list[str | None]) -> bytes | None:
+    """The `geo` blob of pixels of this size."""
+    try:
+        ratios = [Fraction(_MICRONS) / Fraction(value or "0") for value in microns]
+    except (ValueError, ZeroDivisionError):
+        return None
+    if not all(0 < ratio < _MOST for ratio in ratios):
+        return None
+    entries: ifd.Directory = {296: ifd.Entry(_SHORT, struct.pack("<H", _CENTIMETRE))}
+    for tag, ratio in zip((282, 283), ratios, strict=True):
+        near = ratio.limit_denominator(int(_MOST / max(1.0, float(ratio))))
+        entries[tag] = ifd.Entry(_RATIONAL, struct.pack("<II", near.numerator, near.denominator))
+    return geo.pack(entries)
+
+
+def _reason(error: Exception) -> str:
+    return " ".join(f"OpenSlide cannot read it: {error}".split())
