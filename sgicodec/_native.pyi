@@ -418,6 +418,17 @@ class MaskTree:
         The mask [rows, columns] where ascending rows and columns of pixels meet.
         """
 
+def check_model(header: bytes) -> None:
+    """
+    Raises LimitError for a tile of this header that would be refused whatever it holds.
+    """
+
+def max_seeds(header: bytes, payload_bytes: int) -> int:
+    """The most seeds that a tile may have, given the bytes of its payload."""
+
+def check_texture(channels: int, width: int, height: int) -> None:
+    """Raises LimitError for a tile that is too large to have texture."""
+
 def read_mask(payload: bytes, width: int, height: int) -> MaskTree: ...
 
 def decode_tile_chunk(header: bytes, payload: bytes) -> tuple[int, bool, MaskTree, bytes]:

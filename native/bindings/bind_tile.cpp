@@ -10,6 +10,7 @@
 #include "bindings/arrays.hpp"
 #include "bindings/bindings.hpp"
 #include "bindings/textures.hpp"
+#include "bitstream/limits.hpp"
 #include "bitstream/tile.hpp"
 
 namespace nb = nanobind;
@@ -199,6 +200,30 @@ void bind_tile(nb::module_ &m) {
       .def_prop_ro("nbytes", &sgi::MaskTree::memory)
       .def("at", &mask_at, nb::rv_policy::move, "rows"_a, "columns"_a,
            "The mask [rows, columns] where ascending rows and columns of pixels meet.");
+  m.def(
+      "check_model",
+      [](const nb::bytes &header) {
+        const sgi::Header own = sgi::decode_header(bytes_of(header));
+        sgi::check_model(own.spec, own.width, own.height);
+      },
+      "header"_a, "Raises LimitError for a tile of this header that would be refused whatever it holds.");
+  m.def(
+      "max_seeds",
+      [](const nb::bytes &header, int64_t payload_bytes) {
+        require(payload_bytes >= 0 && payload_bytes < int64_t(1) << 40, "a payload of 0 to 2**40 bytes");
+        const sgi::Header own = sgi::decode_header(bytes_of(header));
+        return sgi::max_seeds(own.spec, own.width, own.height, payload_bytes);
+      },
+      "header"_a, "payload_bytes"_a, "The most seeds that a tile may have, given the bytes of its payload.");
+  m.def(
+      "check_texture",
+      [](int channels, int64_t width, int64_t height) {
+        require(channels >= 1 && channels <= sgi::kMaxChannels && width >= 1 && height >= 1 && width <= sgi::kMaxSide &&
+                    height <= sgi::kMaxSide,
+                "1 to 64 channels, sides 1..2**24");
+        sgi::check_texture(channels, width, height);
+      },
+      "channels"_a, "width"_a, "height"_a, "Raises LimitError for a tile that is too large to have texture.");
   m.def("read_mask", &read_mask, "payload"_a, "width"_a, "height"_a);
   m.def(
       "decode_tile_chunk", &decode_tile_chunk, "header"_a, "payload"_a,
