@@ -115,8 +115,13 @@ Pool &pool() {
 }  // namespace
 
 int resolve_threads(int threads) {
+#if defined(__EMSCRIPTEN__) && !defined(__EMSCRIPTEN_PTHREADS__)
+  (void)threads;  // there is but one, and waiting for another would not end
+  return 1;
+#else
   if (threads > 0) return threads;
   return std::max(1u, std::thread::hardware_concurrency());
+#endif
 }
 
 void parallel_for(int64_t n, int threads, const std::function<void(int64_t)> &body) {

@@ -78,7 +78,7 @@ class AttributeReader {
   }
 
   Reading read_all() {
-    NeighboursByPass neighbours(seeds_, model_.ranks, threads_ != 1 && model_.ranks);
+    NeighboursByPass neighbours(seeds_, model_.ranks, resolve_threads(threads_) > 1 && model_.ranks);
     for (const std::vector<int64_t> &members : seeds_.passes) {
       const Reading reading = read_pass(members, neighbours.next());
       if (reading != Reading::kSound) return reading;
