@@ -1,26 +1,34 @@
-"""Attributes as they are written, step by step in Python, and read, in one native call."""
+"""Attributes as they are written, step by step in Python, and read, in one native call and as docs/format.md says."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
+from page_attributes import PageAttributes, Seed
 from surgery import split
 
-from sgicodec._native import NEIGHBOUR_INPUTS
-from sgicodec.bitstream.header import Header, decode_header
+from sgicodec import _native
+from sgicodec._native import NEIGHBOUR_INPUTS, SymbolReader
+from sgicodec.bitstream.header import Header, decode_header, encode_header
+from sgicodec.bitstream.limits import hash_counts, network_shapes
+from sgicodec.bitstream.parts.predicted_tree import TreeContext, native_tree_context
 from sgicodec.bitstream.parts.prior import load_prior
+from sgicodec.bitstream.parts.seed_tree import TreeShape
 from sgicodec.bitstream.parts.tile import TileModel, read_tile, write_tile
 from sgicodec.bitstream.parts.tile_chunk import decode_tile_chunk
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.errors import StreamError
+from sgicodec.model.base import base_shape
 from sgicodec.model.context import input_count, passes
+from sgicodec.model.gaussians import decoder_shapes
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ModelSpec
-from sgicodec.model.steps import default_plan
+from sgicodec.model.steps import default_plan, follows_amplitude
 from sgicodec.profiles.default import default_spec
 
 GOLDEN = Path(__file__).parents[3] / "conformance" / "golden"
@@ -41,7 +49,8 @@ DEVICES = [ONE_THREAD, Device(2), Device(3, "portable")]
 def payload_of(name: str) -> tuple[Header, bytes]:
     parts = split((GOLDEN / f"{name}.sgi").read_bytes())
     header = decode_header(parts[0][1])
-    return header, decode_tile_chunk(header, dict(parts)["T"]).model or b""
+    chunk = decode_tile_chunk(header, dict(parts)["T"])
+    return header.of_tile(chunk.number), chunk.model or b""
 
 
 def values_of(header: Header, model: TileModel) -> dict[str, np.ndarray]:
@@ -123,3 +132,54 @@ def test_seeds_without_neighbours_see_their_own_shape() -> None:
     read, reader = read_tile(alone, payload)
     assert reader.crc == writer.crc
     np.testing.assert_array_equal(read.decoded, model.decoded)
+
+
+@pytest.mark.parametrize("name", ["gray16-coarse-first", "rgb8-tiles", "rgb8-two-per-seed", "multi8", "paper-rgb8"])
+def test_the_page_reads_the_same(name: str) -> None:
+    """With symbols of the native reader, which comes to the attributes by reading what lies before them."""
+    header, payload = payload_of(name)
+    read = _native.read_tile(encode_header(header), payload, 1, ONE_THREAD.isa)
+    reader, groups = SymbolReader(payload), {group.name for group in header.spec.groups}
+    skip_to_attributes(reader, header)
+    seeds = [Seed(int(x), int(y), int(k)) for (x, y), k in zip(read.corner, read.log_size, strict=True)]
+    plan = {name: (base, gamma) for name, base, gamma in read.plan}
+    page = PageAttributes(header, seeds, plan, [network[:5] for network in read.networks], read.signs)
+    before = reader.bits
+    found = page.read_all(lambda tables: reader.read(np.array(tables, np.int16)).tolist())
+    assert found == read.decoded.tolist()
+    assert reader.bits - before == pytest.approx(sum(bits for part, bits in read.bits.items() if part in groups))
+    if not header.spec.texture:
+        reader.finish()
+
+
+def skip_to_attributes(reader: SymbolReader, header: Header) -> None:
+    """The parts before the attributes (docs/format.md, "Tile parts")."""
+    spec = header.spec
+    for name, index in default_plan(spec, header.quality).base.items():
+        reader.read_weights(index.size)
+        if follows_amplitude(spec, name):
+            reader.read_bits(6, 1)
+    base = np.zeros((spec.channels, 0, 0), np.int64)
+    if spec.base_cell:
+        reader.read_bits(8, 1)
+        base = reader.read_base(spec.channels, *base_shape(header.width, header.height, spec.base_cell))
+    shape = TreeShape(header.width, header.height, 6, int(spec.layout == "adaptive"))
+    if spec.predicted_seeds:
+        scenery = native_tree_context(shape, TreeContext(base, spec.base_cell, header.quality))
+        reader.read_predicted_positions(scenery, 10**5, 1, ONE_THREAD.isa)
+    else:
+        reader.read_positions((header.width, header.height), shape.root_log, shape.min_log, 10**5)
+    for weights in decoder_shapes(spec).values():
+        reader.read_weights(math.prod(weights))
+    if counts := hash_counts(spec, header.width, header.height):
+        reader.read_signs(counts)
+    if spec.context.prior:
+        changed = reader.read_bits(1, 1)[0]
+        for network in load_prior(spec) if changed else ():
+            for part in (network.b1, network.w2, network.b2):
+                reader.read_weights(part.size)
+        return
+    for step in range(len(spec.context.steps)):
+        reader.read_bits(5, 1)
+        for weights in network_shapes(spec, step).values():
+            reader.read_weights(math.prod(weights))
