@@ -393,6 +393,17 @@ class TileModel:
     def crc(self) -> int:
         """CRC-32 of all symbols: equal on every machine."""
 
+def check_model(header: bytes) -> None:
+    """
+    Raises LimitError for a tile of this header that would be refused whatever it holds.
+    """
+
+def max_seeds(header: bytes, payload_bytes: int) -> int:
+    """The most seeds that a tile may have, given the bytes of its payload."""
+
+def check_texture(channels: int, width: int, height: int) -> None:
+    """Raises LimitError for a tile that is too large to have texture."""
+
 def read_tile(header: bytes, payload: bytes, threads: int, isa: str, checked: bool = ...) -> TileModel:
     """
     The model of a payload; `header` is the payload of chunk H that the tile would have as a picture of its own.
@@ -417,17 +428,6 @@ class MaskTree:
         """
         The mask [rows, columns] where ascending rows and columns of pixels meet.
         """
-
-def check_model(header: bytes) -> None:
-    """
-    Raises LimitError for a tile of this header that would be refused whatever it holds.
-    """
-
-def max_seeds(header: bytes, payload_bytes: int) -> int:
-    """The most seeds that a tile may have, given the bytes of its payload."""
-
-def check_texture(channels: int, width: int, height: int) -> None:
-    """Raises LimitError for a tile that is too large to have texture."""
 
 def read_mask(payload: bytes, width: int, height: int) -> MaskTree: ...
 

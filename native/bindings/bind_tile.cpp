@@ -143,9 +143,7 @@ auto decode_tile_chunk(const nb::bytes &header, const nb::bytes &payload) {
   return std::tuple(chunk.number, chunk.is_empty, chunk.mask, nb::bytes(chunk.model.data, chunk.model.size));
 }
 
-}  // namespace
-
-void bind_tile(nb::module_ &m) {
+void bind_tile_model(nb::module_ &m) {
   const auto arrays = nb::rv_policy::reference;
   nb::class_<ReadTile>(m, "TileModel", "A tile's model as it was read; arrays are views of it.")
       .def_prop_ro(
@@ -187,19 +185,9 @@ void bind_tile(nb::module_ &m) {
       .def_prop_ro(
           "crc", [](const ReadTile &tile) { return tile.model.symbol_crc; },
           "CRC-32 of all symbols: equal on every machine.");
-  m.def("read_tile", &read_tile, "header"_a, "payload"_a, "threads"_a, "isa"_a, "checked"_a = true,
-        "The model of a payload; `header` is the payload of chunk H that the tile would have as a picture of its own.\n"
-        "Without `checked` the checksum of symbols is not compared.");
-  nb::class_<sgi::MaskTree>(m, "MaskTree",
-                            "Which pixels of a tile hold nothing, as the quadtree that the stream codes.")
-      .def(
-          "__init__",
-          [](sgi::MaskTree *self, int64_t width, int64_t height) { new (self) sgi::MaskTree(width, height); },
-          "width"_a, "height"_a, "That of a tile in which no pixel holds anything.")
-      .def_prop_ro("is_mixed", &sgi::MaskTree::is_mixed)
-      .def_prop_ro("nbytes", &sgi::MaskTree::memory)
-      .def("at", &mask_at, nb::rv_policy::move, "rows"_a, "columns"_a,
-           "The mask [rows, columns] where ascending rows and columns of pixels meet.");
+}
+
+void bind_limits(nb::module_ &m) {
   m.def(
       "check_model",
       [](const nb::bytes &header) {
@@ -224,6 +212,25 @@ void bind_tile(nb::module_ &m) {
         sgi::check_texture(channels, width, height);
       },
       "channels"_a, "width"_a, "height"_a, "Raises LimitError for a tile that is too large to have texture.");
+}
+
+}  // namespace
+
+void bind_tile(nb::module_ &m) {
+  bind_tile_model(m), bind_limits(m);
+  m.def("read_tile", &read_tile, "header"_a, "payload"_a, "threads"_a, "isa"_a, "checked"_a = true,
+        "The model of a payload; `header` is the payload of chunk H that the tile would have as a picture of its own.\n"
+        "Without `checked` the checksum of symbols is not compared.");
+  nb::class_<sgi::MaskTree>(m, "MaskTree",
+                            "Which pixels of a tile hold nothing, as the quadtree that the stream codes.")
+      .def(
+          "__init__",
+          [](sgi::MaskTree *self, int64_t width, int64_t height) { new (self) sgi::MaskTree(width, height); },
+          "width"_a, "height"_a, "That of a tile in which no pixel holds anything.")
+      .def_prop_ro("is_mixed", &sgi::MaskTree::is_mixed)
+      .def_prop_ro("nbytes", &sgi::MaskTree::memory)
+      .def("at", &mask_at, nb::rv_policy::move, "rows"_a, "columns"_a,
+           "The mask [rows, columns] where ascending rows and columns of pixels meet.");
   m.def("read_mask", &read_mask, "payload"_a, "width"_a, "height"_a);
   m.def(
       "decode_tile_chunk", &decode_tile_chunk, "header"_a, "payload"_a,
