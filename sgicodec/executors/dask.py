@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from typing import Any, TypeVar
 
 from sgicodec.device import Device
@@ -93,14 +93,20 @@ def _lost(future: Any) -> Failure:
     return Failure(f"the cluster gave it up ({error or future.status})", False)
 
 
-@contextmanager
-def open_cluster(address: str, place: str | None = None) -> Iterator[Cluster]:
+def open_cluster(address: str, place: str | None = None) -> AbstractContextManager[Cluster]:
     """A cluster by the address of its scheduler, or "local:N": one of N processes on this machine. place: as in
     `Cluster`.
 
-    Raises UsageError if Dask is not installed or the cluster does not answer.
+    Raises UsageError for what is no address, if Dask is not installed, or, on entering, if no cluster answers.
     """
+    if not isinstance(address, str):
+        raise UsageError(f'cluster {address!r}; give the address of a scheduler, or "local:4"')
     require("distributed", "a cluster", "cluster")
+    return _opened(address, place)
+
+
+@contextmanager
+def _opened(address: str, place: str | None) -> Iterator[Cluster]:
     from distributed import Client, LocalCluster
 
     with ExitStack() as stack:

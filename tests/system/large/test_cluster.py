@@ -159,3 +159,9 @@ def test_reading_is_part_of_a_tile_s_time(
     assert 0 < (work(0, Job(None, Start(seconds=10.0))) or 0) < 0.01
     monkeypatch.undo()
     assert work(0, Job(None, Start())) is None
+
+
+@pytest.mark.parametrize("address", [3, None, b"local:2"])
+def test_what_is_no_address_is_told_at_the_call(address: object) -> None:
+    with pytest.raises(UsageError, match="give the address of a scheduler"):
+        open_cluster(address)  # type: ignore[arg-type]
