@@ -11,17 +11,18 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 # Two levels of set-up: what a user has, with `sgi compare` and `sgi bench`; and what tests and lint need besides.
 USER_STAMP := $(VENV)/.user
 DEV_STAMP := $(VENV)/.dev
-CXX_FILES := $(shell find native gdal tests -name '*.?pp')
+CXX_FILES := $(shell find native tests viewer/wasm -name '*.?pp')
 # What is compiled and what is installed: Python files are used in place.
 INPUTS := pyproject.toml constraints.txt CMakeLists.txt $(shell find native share -type f)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup setup-dev demo test test-all asan fuzz bench lint format stubs wheel clean
+.PHONY: viewer test-viewer help setup setup-dev demo test test-all asan fuzz bench lint format stubs wheel clean
 
 help:
 	@echo "make demo       encode and decode a bundled photograph and measure the difference"
 	@echo "make test       run the tests, but for the slow ones, in five minutes on two processors"
 	@echo "make test-all   run all tests, with all examples; ARGS='-k nodata' chooses, for both"
+	@echo "make viewer     compile the viewer's decoder to WebAssembly; make test-viewer: and test the viewer in Chromium"
 	@echo "make fuzz       decode hostile streams for a minute: make fuzz SECONDS=3600"
 	@echo "make asan       compile with AddressSanitizer and UBSan, run tests and fuzz with all instruction sets"
 	@echo "make lint       check with ruff, mypy and clang-format"
@@ -127,3 +128,23 @@ wheel:
 clean:
 	rm -rf $(VENV) build dist demo-out bench-out fuzz-out .pytest_cache .hypothesis .mypy_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# The viewer's decoder: libsgi as WebAssembly, with vectors and, for browsers without them, with scalars.
+WASM := viewer/src/wasm/sgi.wasm viewer/src/wasm/sgi-scalar.wasm
+
+viewer: $(WASM)
+
+viewer/src/wasm/sgi.wasm: SIMD := -msimd128
+$(WASM): viewer/src/wasm/%.wasm: $(wildcard viewer/wasm/*) $(filter %pp,$(INPUTS))
+	@command -v emcmake >/dev/null || \
+	  { echo "The viewer's decoder needs Emscripten and CMake (Debian: apt-get install emscripten cmake)"; exit 1; }
+	@mkdir -p $(@D) build
+	emcmake cmake -S . -B build/wasm/$* -DCMAKE_BUILD_TYPE=Release -DSGI_WASM_NAME=$* \
+	  -DCMAKE_CXX_FLAGS="-fwasm-exceptions $(SIMD)" >build/wasm-$*.log 2>&1
+	cmake --build build/wasm/$* >>build/wasm-$*.log 2>&1 || { tail -n 20 build/wasm-$*.log; exit 1; }
+	cp build/wasm/$*/viewer/wasm/$*.wasm $@
+
+test-viewer: setup viewer
+	@command -v npm >/dev/null || { echo "The viewer's tests need Node 20 with npm, and Chromium"; exit 1; }
+	cd viewer && npm ci --no-audit --no-fund
+	cd viewer && SGI_PYTHON=$(CURDIR)/$(BIN)/python node --test --test-concurrency=1 test/*.test.js

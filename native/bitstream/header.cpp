@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <iterator>
-#include <locale>
-#include <sstream>
 #include <string>
 
 #include "base/error.hpp"
@@ -40,10 +39,10 @@ constexpr const char *kSamples[] = {"uint8", "uint16", "float32"};
 // A number in six digits, in any locale.
 std::string text_of(double value) {
   if (std::isnan(value)) return "nan";
-  std::ostringstream out;
-  out.imbue(std::locale::classic());
-  out << value;
-  return out.str();
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", value);
+  for (char *at = text; *at; ++at) *at = *at == ',' ? '.' : *at;  // the decimal point of many languages
+  return text;
 }
 
 // The fields of a payload, one after the other.

@@ -148,6 +148,11 @@ Stream &Stream::overview() {
 
 const std::vector<uint8_t> &Stream::overview_bytes() const { return parts_->overview_bytes; }
 
+const TileRenderer &Stream::renderer(int64_t number) {
+  const Lock lock(parts_->turn);
+  return parts_->tiles.tile(number);
+}
+
 int64_t Stream::held_tiles() {
   const Lock lock(parts_->turn);
   return parts_->tiles.held();

@@ -42,8 +42,11 @@ class Stream {
   // Decodes all tiles, or those that are not known yet.
   const Survey &survey();
   bool has_overview() const;
-  Stream &overview();  // throws Error (usage) where there is none
+  Stream &overview();                                  // throws Error (usage) where there is none
   const std::vector<uint8_t> &overview_bytes() const;  // of the one that was asked for, else empty
+
+  // A decoded tile; good until another one is asked for or drawn. Throws Error: corrupt, limit, region.
+  const TileRenderer &renderer(int64_t number);
 
   int64_t held_tiles();     // decoded ones that are kept
   int64_t decoded_tiles();  // so far, to be drawn

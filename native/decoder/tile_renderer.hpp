@@ -40,6 +40,8 @@ class TileRenderer {
   const MaskTree *mask() const { return mask_.get(); }
   const PixelRect &place() const { return place_; }  // in the picture
   int64_t memory() const;                            // bytes, about
+  // Those that it sums, in its own pixels.
+  const GaussianSet &gaussians() const { return gaussians_; }
 
  private:
   // The tile as a reduced view shows it [rows, columns, C], and where that is in the view.

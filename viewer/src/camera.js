@@ -41,9 +41,13 @@ export class Camera {
   }
 
   /** Enlarges by a factor, so that what is at a point of the screen stays there. */
-  zoom(factor, column = this.columns / 2, row = this.rows / 2) {
+  zoom(factor, column, row) {
+    this.zoomTo(this.scale * factor, column, row);
+  }
+
+  zoomTo(scale, column = this.columns / 2, row = this.rows / 2) {
     const [x, y] = this.toPicture(column, row);
-    this.scale = Math.min(MOST_ENLARGED, Math.max(this.least, this.scale * factor));
+    this.scale = Math.min(MOST_ENLARGED, Math.max(this.least, scale));
     const [nx, ny] = this.toPicture(column, row);
     this.x += x - nx;
     this.y += y - ny;

@@ -13,7 +13,7 @@ const KEYS = {
   "-": (camera) => camera.zoom(1 / FACTOR),
   0: (camera) => camera.fit(),
   Home: (camera) => camera.fit(),
-  1: (camera) => camera.zoom(1 / camera.scale),
+  1: (camera) => camera.zoomTo(1),
 };
 
 /** Has the canvas listen. Returns a function that ends it. */

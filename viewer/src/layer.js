@@ -19,7 +19,7 @@ export class Layer {
 
   /** Draws what there is, and asks for what is missing. camera: in this picture's pixels. */
   draw(context, camera) {
-    const level = Math.min(FINEST, Math.max(this.coarsest, Math.ceil(Math.log2(camera.scale) - 1e-6)));
+    const level = this.levelOf(camera);
     const wanted = this.visible(camera, level);
     this.forgetJobs(new Set(wanted.map(({ key }) => key)));
     this.ask(this.tileOf(this.coarsest, 0, 0), -1);
@@ -36,7 +36,11 @@ export class Layer {
       }
     }
     if (this.cells?.key === keyOf(camera)) {
-      for (const { bitmap, column, row } of this.cells.parts) if (bitmap) context.drawImage(bitmap, column, row);
+      for (const { bitmap, column, row } of this.cells.parts) {
+        if (!bitmap) continue;
+        context.clearRect(column, row, bitmap.width, bitmap.height); // what is transparent must not show the tiles
+        context.drawImage(bitmap, column, row);
+      }
     }
   }
 
@@ -78,10 +82,15 @@ export class Layer {
     return !waits && !(this.cells?.parts ?? []).some(({ bitmap }) => !bitmap);
   }
 
+  /** The level of tiles that has no fewer pixels than the screen. */
+  levelOf(camera) {
+    return Math.min(FINEST, Math.max(this.coarsest, Math.ceil(Math.log2(camera.scale) - 1e-6)));
+  }
+
   isExact(camera) {
     const [left, top] = camera.toScreen(0, 0);
     const whole = (value) => Math.abs(value - Math.round(value)) < 1e-6;
-    return whole(Math.log2(camera.scale)) && whole(left) && whole(top);
+    return Math.abs(Math.log2(camera.scale) - this.levelOf(camera)) < 1e-9 && whole(left) && whole(top);
   }
 
   visible(camera, level) {

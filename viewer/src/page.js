@@ -110,7 +110,7 @@ function toggleTheme() {
 
 const actions = {
   fit: () => scene.move((camera) => camera.fit()),
-  actual: () => scene.move((camera) => camera.zoom(1 / camera.scale)),
+  actual: () => scene.move((camera) => camera.zoomTo(1)),
   ellipses: toggleEllipses,
   compare,
   open: () => choose("first"),

@@ -18,8 +18,12 @@ export class Scene extends EventTarget {
     this.ellipses = null; // {key, shapes, count, total} while they are shown
     this.showsEllipses = false;
     this.frame = this.timer = 0;
-    this.watcher = new ResizeObserver(() => this.resize());
-    this.watcher.observe(canvas);
+    this.watcher = new ResizeObserver((entries) => this.resize(entries.at(-1)));
+    try {
+      this.watcher.observe(canvas, { box: "device-pixel-content-box" });
+    } catch {
+      this.watcher.observe(canvas); // Safari: where the device's ratio is no integer, pixels are about right
+    }
     this.resize();
   }
 
@@ -75,13 +79,14 @@ export class Scene extends EventTarget {
     return still && this.layers.every((layer) => layer.isDone) && (!this.showsEllipses || this.ellipses !== null);
   }
 
-  resize() {
+  resize(entry) {
     const ratio = globalThis.devicePixelRatio || 1;
     const { clientWidth, clientHeight } = this.canvas;
+    const exact = entry?.devicePixelContentBoxSize?.[0];
     const before = this.camera.fitting;
     const fits = Math.abs(this.camera.scale / before - 1) < 1e-6;
-    this.canvas.width = this.camera.columns = Math.max(1, Math.round(clientWidth * ratio));
-    this.canvas.height = this.camera.rows = Math.max(1, Math.round(clientHeight * ratio));
+    this.canvas.width = this.camera.columns = Math.max(1, exact?.inlineSize ?? Math.round(clientWidth * ratio));
+    this.canvas.height = this.camera.rows = Math.max(1, exact?.blockSize ?? Math.round(clientHeight * ratio));
     if (fits) this.camera.fit();
     this.moved();
   }

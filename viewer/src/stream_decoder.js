@@ -5,6 +5,7 @@ import { WorkerPool } from "./worker_pool.js";
 import { SgiError } from "./errors.js";
 
 const OVERVIEW = 16; // pixels of the picture's side for each of its overview's
+const MOST_TILES = 6; // whose ellipses are shown at a time
 
 export class StreamDecoder {
   static async open(place, fetched, name, { workers } = {}) {
@@ -36,7 +37,10 @@ export class StreamDecoder {
     return this.pool.run("draw", view, priority, this.lane(view));
   }
 
-  ellipses(region) {
+  /** null where a region has too many tiles to decode for it. */
+  async ellipses(region) {
+    const { tiles, tileSize } = this.info;
+    if (tiles > 1 && region.width * region.height > MOST_TILES * tileSize ** 2) return null;
     return this.pool.run("ellipses", region, 1e9, this.lane({ ...region, columns: Infinity })).promise;
   }
 
@@ -49,8 +53,9 @@ export class StreamDecoder {
     const { tileSize, hasOverview, tiles } = this.info;
     if (tiles === 1) return null;
     if (hasOverview && columns <= width / OVERVIEW) return 0;
-    const column = Math.floor((x + width / 2) / tileSize);
-    const row = Math.floor((y + height / 2) / tileSize);
+    const place = (at, length) => Math.floor((at * Math.ceil(length / tileSize)) / length);
+    const column = place(x + width / 2, this.info.width);
+    const row = place(y + height / 2, this.info.height);
     return Math.max(0, column + 2 * row);
   }
 }

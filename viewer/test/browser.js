@@ -1,0 +1,56 @@
+/** Headless Chromium, and what tests ask of a page that shows the viewer. */
+
+import { existsSync } from "node:fs";
+import { chromium } from "playwright-core";
+import { readPng, rgba } from "./png.js";
+
+const PLACES = [process.env.CHROMIUM, "/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
+export const CHROMIUM = PLACES.find((path) => path && existsSync(path));
+const PATIENCE = 60_000;
+
+export function launch() {
+  if (!CHROMIUM) throw new Error("the tests need Chromium (Debian: apt-get install chromium), or CHROMIUM=/path/to/it");
+  return chromium.launch({ executablePath: CHROMIUM, args: ["--no-sandbox"] });
+}
+
+/** A new page of 800×600 pixels. What it throws fails the test that asks `errors`. */
+export async function pageOf(browser, address, options = {}) {
+  const context = await browser.newContext({ viewport: { width: 800, height: 600 }, ...options });
+  const page = await context.newPage();
+  page.setDefaultTimeout(PATIENCE);
+  page.errors = [];
+  page.on("pageerror", (error) => page.errors.push(error.message));
+  await page.goto(address);
+  return page;
+}
+
+/** Waits until the page shows the best there is of what it should show. */
+export async function settled(page) {
+  await page.waitForFunction(() => globalThis.sgiViewer?.scene.layers.length && sgiViewer.scene.isDone, null, { polling: 50 });
+}
+
+/** Has the upper left corner of the canvas show the picture from (x, y) on, at a scale. */
+export async function show(page, x, y, scale) {
+  await page.evaluate(
+    ([left, top, factor]) =>
+      sgiViewer.scene.move((camera) => {
+        camera.scale = factor;
+        camera.x = left + camera.columns / 2 / factor;
+        camera.y = top + camera.rows / 2 / factor;
+      }),
+    [x, y, scale],
+  );
+  await settled(page);
+}
+
+/** Pixels of the screen from the canvas's upper left corner on. */
+export async function shot(page, width, height) {
+  await page.evaluate(() => document.activeElement?.blur());
+  return rgba(readPng(await page.screenshot({ clip: { x: 0, y: 0, width, height } })));
+}
+
+/** The sentence that the page shows, once it shows one. */
+export async function message(page) {
+  await page.waitForSelector("#message:not([hidden])");
+  return page.textContent("#message");
+}

@@ -1,0 +1,217 @@
+/** The page in headless Chromium, against what `sgi decode` draws. */
+
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { copyFileSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { launch, message, pageOf, settled, shot, show } from "./browser.js";
+import { GOLDEN, PYTHON, ROOT, decoded } from "./command.js";
+import { rgba } from "./png.js";
+import { serve } from "./server.js";
+
+const FIRST_VIEW = 0.03; // of a large file's bytes
+const STREAMS = ["rgb8-texture", "rgb8-tiles-texture", "gray16", "rgba8-tiles-luma"];
+
+let browser, folder, good, poor, other;
+
+before(async () => {
+  folder = mkdtempSync(join(tmpdir(), "sgi-files-"));
+  for (const name of STREAMS) copyFileSync(join(GOLDEN, `${name}.sgi`), join(folder, `${name}.sgi`));
+  copyFileSync(join(ROOT, "tests/data/kodim23.png"), join(folder, "kodim23.png"));
+  const bytes = readFileSync(join(GOLDEN, "rgb8-texture.sgi"));
+  bytes[bytes.length >> 1] ^= 255;
+  writeFileSync(join(folder, "damaged.sgi"), bytes);
+  writeFileSync(join(folder, "nothing.sgi"), "no stream");
+  execFileSync(PYTHON, [join(ROOT, "viewer/test/mosaic.py"), join(folder, "mosaic.sgi")]);
+  const folders = { "/files/": folder, "/": join(ROOT, "viewer/src") };
+  good = await serve(folders);
+  poor = await serve(folders, { ranges: false });
+  other = await serve({ "/files/": folder });
+  browser = await launch();
+});
+
+after(async () => {
+  await browser?.close();
+  for (const server of [good, poor, other]) await server?.close();
+  rmSync(folder, { recursive: true });
+});
+
+const address = (name, server = good, rest = "") => `${server.address}/?file=/files/${name}${rest}`;
+
+for (const name of STREAMS) {
+  test(`${name}: a region on the screen is what sgi decode draws`, async () => {
+    const page = await pageOf(browser, address(`${name}.sgi`));
+    await settled(page);
+    for (const [scale, ...region] of [[4, 16, 8, 60, 40], [1, 3, 5, 70, 50], [2.5, 10, 6, 40, 30], [0.5, 0, 0, 80, 60], [32, 20, 20, 20, 15]]) {
+      const expected = decoded(join(folder, `${name}.sgi`), "--region", region.join(","), "--scale", scale, "--no-dither");
+      await show(page, region[0], region[1], scale);
+      await page.evaluate(() => (document.body.style.background = "black"));
+      const found = await shot(page, expected.width, expected.height);
+      const most = farthest(found, onBlack(rgba(expected)));
+      assert.ok(most <= 1, `scale ${scale}: ${most} levels apart`);
+    }
+    assert.deepEqual(page.errors, []);
+    await page.context().close();
+  });
+}
+
+test("a large file: the first view reads a small part of it", async (context) => {
+  good.sent.delete("/files/mosaic.sgi");
+  const page = await pageOf(browser, address("mosaic.sgi"));
+  await settled(page);
+  const size = readFileSync(join(folder, "mosaic.sgi")).length;
+  const first = good.sent.get("/files/mosaic.sgi");
+  context.diagnostic(`first view of 151 megapixels: ${first} of ${size} bytes (${((100 * first) / size).toFixed(2)} %)`);
+  assert.ok(first <= FIRST_VIEW * size);
+  assert.equal(await page.evaluate(() => sgiViewer.scene.fetched), first);
+  await show(page, 5000, 7000, 1);
+  const expected = decoded(join(folder, "mosaic.sgi"), "--region", "5000,7000,300,200");
+  assert.ok(farthest(await shot(page, 300, 200), rgba(expected)) <= 1);
+  assert.match(await page.textContent("#bytes"), /MB of 29\.\d MB \(\d+(\.\d+)? %\)/);
+  await page.context().close();
+});
+
+test("moving: wheel, drag, keys, double click", async () => {
+  const page = await pageOf(browser, address("rgb8-texture.sgi"));
+  await settled(page);
+  const camera = () => page.evaluate(() => ({ x: sgiViewer.scene.camera.x, y: sgiViewer.scene.camera.y, scale: sgiViewer.scene.camera.scale }));
+  const start = await camera();
+  await page.mouse.move(400, 200);
+  await page.mouse.wheel(0, -300);
+  const near = await camera();
+  assert.ok(near.scale > start.scale);
+  await page.mouse.down();
+  await page.mouse.move(300, 150);
+  await page.mouse.up();
+  const moved = await camera();
+  assert.ok(Math.abs(moved.x - near.x - 100 / near.scale) < 1e-6 && Math.abs(moved.y - near.y - 50 / near.scale) < 1e-6);
+  await page.keyboard.press("1");
+  assert.equal((await camera()).scale, 1);
+  await page.keyboard.press("ArrowRight");
+  assert.equal((await camera()).x, moved.x + 80);
+  await page.keyboard.press("0");
+  assert.deepEqual(await camera(), start);
+  for (let step = 0; step < 40; step++) await page.keyboard.press("+");
+  assert.equal((await camera()).scale, 32);
+  await page.keyboard.down("Shift");
+  await page.mouse.dblclick(400, 200);
+  await page.keyboard.up("Shift");
+  assert.equal((await camera()).scale, 16);
+  await page.mouse.move(410, 210);
+  assert.match(await page.textContent("#place"), /^\d+\.\d, \d+\.\d of 192 × 128$/);
+  assert.equal(await page.textContent("#scale"), "16×");
+  await page.context().close();
+});
+
+test("touch: two fingers zoom", async () => {
+  const page = await pageOf(browser, address("rgb8-texture.sgi"), { hasTouch: true });
+  await settled(page);
+  const session = await page.context().newCDPSession(page);
+  const touch = (type, ...points) => session.send("Input.dispatchTouchEvent", { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+  const before = await page.evaluate(() => sgiViewer.scene.camera.scale);
+  await touch("touchStart", [350, 300], [450, 300]);
+  await touch("touchMove", [300, 300], [500, 300]);
+  await touch("touchEnd");
+  const scale = await page.evaluate(() => sgiViewer.scene.camera.scale);
+  assert.ok(Math.abs(scale / before - 2) < 0.01, `${scale / before}`);
+  await page.context().close();
+});
+
+test("ellipses", async () => {
+  const page = await pageOf(browser, address("rgb8-tiles-texture.sgi"));
+  await settled(page);
+  const plain = await shot(page, 700, 400);
+  await page.click("#ellipses");
+  await settled(page);
+  const found = await page.evaluate(() => ({ count: sgiViewer.scene.ellipses.count, total: sgiViewer.scene.ellipses.total }));
+  assert.ok(found.count > 0 && found.count === found.total);
+  assert.ok(farthest(await shot(page, 700, 400), plain) > 50);
+  await page.keyboard.press("e");
+  await settled(page);
+  assert.equal(farthest(await shot(page, 700, 400), plain), 0);
+  await page.context().close();
+});
+
+test("a second picture, with a slider", async () => {
+  const page = await pageOf(browser, address("rgb8-texture.sgi", good, "&other=/files/gray16.sgi"));
+  await settled(page);
+  assert.equal(await page.getAttribute("#divider", "aria-valuenow"), "50");
+  await show(page, 0, 0, 4);
+  const expected = rgba(decoded(join(folder, "rgb8-texture.sgi"), "--region", "0,0,100,100", "--scale", 4));
+  assert.ok(farthest(await shot(page, 390, 400), cut(expected, 400, 390)) <= 1);
+  await page.focus("#divider");
+  await page.keyboard.press("ArrowLeft");
+  assert.equal(await page.getAttribute("#divider", "aria-valuenow"), "48");
+  await page.click("#compare");
+  assert.equal(await page.evaluate(() => sgiViewer.scene.layers.length), 1);
+  await page.goto(address("rgb8-texture.sgi", good, "&other=/files/kodim23.png"));
+  await settled(page);
+  assert.equal(await page.textContent("#name"), "rgb8-texture.sgi | kodim23.png");
+  await page.context().close();
+});
+
+test("a file from the disk", async () => {
+  const page = await pageOf(browser, `${good.address}/`);
+  await page.setInputFiles("#file", join(folder, "rgb8-tiles-texture.sgi"));
+  await settled(page);
+  const expected = decoded(join(folder, "rgb8-tiles-texture.sgi"), "--region", "0,0,90,60", "--scale", 4);
+  await show(page, 0, 0, 4);
+  assert.ok(farthest(await shot(page, 360, 240), rgba(expected)) <= 1);
+  assert.equal(await page.evaluate(() => sgiViewer.scene.fetched), 0);
+  await page.context().close();
+});
+
+test("a server without ranges", async () => {
+  poor.sent.clear();
+  const page = await pageOf(browser, address("rgb8-tiles-texture.sgi", poor));
+  await settled(page);
+  assert.equal(poor.sent.get("/files/rgb8-tiles-texture.sgi"), readFileSync(join(folder, "rgb8-tiles-texture.sgi")).length);
+  await page.context().close();
+});
+
+test("failures are sentences", async () => {
+  const cases = [
+    [address("damaged.sgi"), /CRC|damaged|checksum/],
+    [address("nothing.sgi"), /no \.sgi stream/],
+    [address("absent.sgi"), /no such file/],
+    [`${good.address}/?file=${other.address}/files/rgb8-texture.sgi`, /CORS/],
+    [`${good.address}/?file=http://127.0.0.1:1/a.sgi`, /does not answer/],
+  ];
+  for (const [place, expected] of cases) {
+    const page = await pageOf(browser, place);
+    const text = await message(page);
+    assert.match(text, expected);
+    assert.match(text, /^[A-Z].*[.!?]$/);
+    assert.deepEqual(page.errors, []);
+    await page.context().close();
+  }
+});
+
+test("dark and light", async () => {
+  const page = await pageOf(browser, `${good.address}/`, { colorScheme: "dark" });
+  const ground = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
+  const dark = await ground();
+  await page.click("#theme");
+  assert.notEqual(await ground(), dark);
+  await page.click("#theme");
+  assert.equal(await ground(), dark);
+  await page.context().close();
+});
+
+function farthest(found, expected) {
+  assert.equal(found.length, expected.length);
+  return found.reduce((most, value, at) => Math.max(most, Math.abs(value - expected[at])), 0);
+}
+
+function onBlack(pixels) {
+  return pixels.map((value, at) => (at % 4 === 3 ? 255 : Math.round((value * pixels[at - (at % 4) + 3]) / 255)));
+}
+
+function cut(pixels, width, narrower) {
+  return Uint8ClampedArray.from({ length: (pixels.length / width) * narrower }, (_, at) => {
+    const row = Math.floor(at / (4 * narrower));
+    return pixels[row * 4 * width + (at % (4 * narrower))];
+  });
+}

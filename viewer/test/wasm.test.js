@@ -1,0 +1,86 @@
+/** The decoder's WebAssembly, both builds: symbols of all golden streams, pixels, errors, size. */
+
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { join } from "node:path";
+import { test } from "node:test";
+import { brotliCompressSync, constants, gzipSync } from "node:zlib";
+import { Library } from "../src/wasm.js";
+import { GOLDEN, ROOT, decoded } from "./command.js";
+import { rgba } from "./png.js";
+
+const MOST_BYTES = 400_000;
+const manifest = JSON.parse(readFileSync(join(GOLDEN, "manifest.json")));
+
+function opened(module, bytes) {
+  const library = new Library(module, { size: bytes.length, read: (offset, count) => bytes.subarray(offset, offset + count) });
+  return { library, ...library.open() };
+}
+
+for (const build of ["sgi", "sgi-scalar"]) {
+  const file = readFileSync(join(ROOT, `viewer/src/wasm/${build}.wasm`));
+  const module = new WebAssembly.Module(file);
+
+  test(`${build}: symbols of every golden stream`, () => {
+    assert.ok(Object.keys(manifest).length >= 25);
+    for (const [name, { symbol_crc, picture }] of Object.entries(manifest)) {
+      const { library, stream, info } = opened(module, readFileSync(join(GOLDEN, `${name}.sgi`)));
+      assert.deepEqual([info.width, info.height], picture.slice(0, 2), name);
+      assert.equal(library.verify(stream).toString(16).padStart(8, "0"), symbol_crc, name);
+    }
+  });
+
+  test(`${build}: pixels within one level of the command's`, () => {
+    const views = [[], ["--scale", "2"], ["--scale", "1/3"], ["--region", "8,4,40,24", "--scale", "2.5"]];
+    for (const name of ["rgb8-texture", "rgb8-tiles-texture", "gray8-alpha", "rgba8-tiles-luma", "gray16", "paper-rgb8"]) {
+      const path = join(GOLDEN, `${name}.sgi`);
+      const { library, stream, info } = opened(module, readFileSync(path));
+      for (const options of views) {
+        const expected = decoded(path, ...options);
+        const { width: columns, height: rows } = expected;
+        const region = options.includes("--region") ? { x: 8, y: 4, width: 40, height: 24 } : { x: 0, y: 0, ...info };
+        const found = library.draw(stream, { ...region, columns, rows });
+        assert.ok(farthest(found, rgba(expected)) <= 1, `${name} ${options}`);
+      }
+    }
+  });
+
+  test(`${build}: ellipses of a region`, () => {
+    const { library, stream, info } = opened(module, readFileSync(join(GOLDEN, "rgb8-tiles.sgi")));
+    const whole = library.ellipses(stream, { x: 0, y: 0, width: info.width, height: info.height });
+    assert.ok(whole.total >= 0.9 * manifest["rgb8-tiles"].seeds * 0.5);
+    assert.equal(whole.count, whole.total);
+    const half = info.width / 2;
+    const parts = [0, half].map((x) => library.ellipses(stream, { x, y: 0, width: half, height: info.height }));
+    assert.equal(parts[0].total + parts[1].total, whole.total);
+    for (let at = 0; at < parts[0].count; at++) {
+      const [x, , a, b] = parts[0].shapes.subarray(5 * at, 5 * at + 4);
+      assert.ok(x < half && a >= b && b > 0);
+    }
+  });
+
+  test(`${build}: errors are the library's`, () => {
+    const bytes = readFileSync(join(GOLDEN, "rgb8.sgi"));
+    assert.throws(() => opened(module, Buffer.from("no stream at all")), /signature|stream/);
+    const flipped = Buffer.from(bytes);
+    flipped[bytes.length >> 1] ^= 255;
+    assert.throws(() => {
+      const { library, stream, info } = opened(module, flipped);
+      library.draw(stream, { x: 0, y: 0, ...info, columns: 8, rows: 8 });
+    }, /CRC|checksum/);
+    const broken = { size: bytes.length, read: () => { throw new Error("the cable is cut"); } };
+    assert.throws(() => new Library(module, broken).open(), /the cable is cut/);
+  });
+
+  test(`${build}: size`, (context) => {
+    const brotli = brotliCompressSync(file, { params: { [constants.BROTLI_PARAM_LGWIN]: 22 } }).length;
+    const gzip = gzipSync(file, { level: 9 }).length;
+    context.diagnostic(`${build}.wasm: ${file.length} bytes, gzip -9 ${gzip}, brotli ${brotli}`);
+    assert.ok(brotli <= MOST_BYTES);
+  });
+}
+
+function farthest(found, expected) {
+  assert.equal(found.length, expected.length);
+  return found.reduce((most, value, at) => Math.max(most, Math.abs(value - expected[at])), 0);
+}
