@@ -1,0 +1,135 @@
+"""The driver of GDAL, built against the headers that are there, in GDAL's own programs."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import tifffile
+from library import ROOT, installed
+from range_server import served
+
+import sgicodec
+from sgicodec.picture import Metadata, Picture
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(
+        not all(map(shutil.which, ("cmake", "c++", "gdal-config", "gdalinfo", "gdal_translate"))),
+        reason="needs cmake, a C++ compiler, and GDAL with its headers and programs",
+    ),
+]
+
+GOLDEN = ROOT / "tests" / "conformance" / "golden"
+Run = Callable[..., "subprocess.CompletedProcess[str]"]
+
+
+@pytest.fixture(scope="session")
+def gdal() -> Run:
+    """Runs a program of GDAL that knows the driver."""
+    prefix, build = installed("library"), ROOT / "build" / "gdal"
+    configure = ["cmake", "-S", ROOT / "gdal", "-B", build, f"-DCMAKE_PREFIX_PATH={prefix}"]
+    for command in ([*configure, "-DCMAKE_BUILD_TYPE=Release"], ["cmake", "--build", build]):
+        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        assert done.returncode == 0, done.stdout
+    places = os.environ | {"GDAL_DRIVER_PATH": str(build), "GDAL_PAM_ENABLED": "NO"}
+
+    def run(*command: object, fails: bool = False) -> subprocess.CompletedProcess[str]:
+        done = subprocess.run(list(map(str, command)), env=places, capture_output=True, text=True)
+        assert (done.returncode != 0) == fails, done.stderr
+        return done
+
+    return run
+
+
+def info(gdal: Run, path: object, *options: object) -> dict[str, Any]:
+    return json.loads(gdal("gdalinfo", "-json", path, *options).stdout)
+
+
+def pixels(gdal: Run, path: object, out: Path, *options: object) -> np.ndarray:
+    """What gdal_translate makes of it."""
+    gdal("gdal_translate", "-q", *options, path, out)
+    return tifffile.imread(out)
+
+
+@pytest.mark.parametrize("name", ["rgb8", "rgb8-tiles", "rgba8", "gray8-alpha", "gray16", "float", "multi8"])
+def test_samples_are_those_of_the_decoder(name: str, gdal: Run, tmp_path: Path) -> None:
+    path = GOLDEN / f"{name}.sgi"
+    with sgicodec.open(path) as stream:
+        np.testing.assert_array_equal(pixels(gdal, path, tmp_path / "a.tif"), stream.read())
+        part = pixels(gdal, path, tmp_path / "b.tif", "-srcwin", 5, 9, 40, 30)
+        np.testing.assert_array_equal(part, stream.read((5, 9, 40, 30)))
+        found = info(gdal, path)
+        assert (found["driverShortName"], found["size"]) == ("SGICODEC", [stream.width, stream.height])
+        colours = {
+            "rgb": ["Red", "Green", "Blue"],
+            "rgba": ["Red", "Green", "Blue", "Alpha"],
+            "gray": ["Gray"],
+            "gray+alpha": ["Gray", "Alpha"],
+        }
+        expected = colours.get(stream.header.channels, ["Undefined"] * stream.header.spec.channels)
+        assert [band["colorInterpretation"] for band in found["bands"]] == expected
+
+
+def test_overviews_are_the_levels(pyramid: Path, gdal: Run, tmp_path: Path) -> None:
+    found = info(gdal, pyramid)
+    assert [each["size"] for each in found["bands"][2]["overviews"]] == [[260, 150], [130, 75]]
+    with sgicodec.open(pyramid) as stream:
+        for level in (1, 2):
+            small = pixels(gdal, pyramid, tmp_path / "a.tif", "-oo", f"OVERVIEW_LEVEL={level - 1}")
+            np.testing.assert_allclose(small.astype(int), stream.read_level(level), atol=1)
+
+
+def test_place_and_nodata(on_map: Path, gdal: Run, tmp_path: Path) -> None:
+    found = info(gdal, on_map)
+    assert found["geoTransform"] == [500000, 10, 0, 5400000, 0, -10]
+    assert 'ID["EPSG",32632]' in found["coordinateSystem"]["wkt"]
+    assert found["bands"][0]["noDataValue"] == -9999
+    assert found["bands"][0]["type"] == "Float32"
+    cut = info(gdal, on_map, "-stats")["bands"][0]
+    with sgicodec.open(on_map) as stream:
+        values = stream.read()[stream.read() != -9999]
+    assert (cut["minimum"], cut["maximum"]) == pytest.approx((values.min(), values.max()), abs=0.001)
+    gdal("gdalwarp", "-q", "-t_srs", "EPSG:4326", on_map, tmp_path / "warped.tif")
+
+
+def test_metadata(gdal: Run, tmp_path: Path) -> None:
+    icc = (ROOT / "tests" / "data" / "pictures" / "icc_profile.png").read_bytes()[:300]
+    xmp = b"<x:xmpmeta xmlns:x='adobe:ns:meta/'/>"
+    picture = Picture(np.zeros((8, 9, 3), np.uint8), "rgb", (0, 255), Metadata(icc=icc, xmp=xmp, geo=b"II*\0cut off"))
+    (tmp_path / "a.sgi").write_bytes(sgicodec.encode(picture, steps=1))
+    found = info(gdal, tmp_path / "a.sgi", "-mdd", "all")["metadata"]
+    assert found["xml:XMP"] == [xmp.decode()] or xmp.decode() in str(found["xml:XMP"])
+    assert len(found["COLOR_PROFILE"]["SOURCE_ICC_PROFILE"]) == 400
+    assert found["IMAGE_STRUCTURE"]["COMPRESSION"] == "SGICODEC"
+
+
+def test_ranges_of_a_server(gdal: Run, tmp_path: Path) -> None:
+    noise = np.random.default_rng(1).integers(0, 256, (64, 1024, 3), np.uint8)
+    data = sgicodec.encode(noise, quality=95, steps=2, tile=64, rdoq=False)
+    with served({"a.sgi": data}) as server:
+        path = f"/vsicurl/{server.url}/a.sgi"
+        part = pixels(gdal, path, tmp_path / "a.tif", "-srcwin", 0, 0, 20, 20)
+        assert server.bytes <= 0.7 * len(data)
+    np.testing.assert_array_equal(part, sgicodec.decode(data)[:20, :20])
+
+
+def test_silicon_graphics_goes_on(gdal: Run) -> None:
+    assert info(gdal, ROOT / "tests" / "data" / "pictures" / "hopper.sgi")["driverShortName"] == "SGI"
+
+
+def test_what_goes_wrong(gdal: Run, tmp_path: Path) -> None:
+    data = bytearray((GOLDEN / "rgb8.sgi").read_bytes())
+    (tmp_path / "cut.sgi").write_bytes(data[:-9])
+    assert "cut.sgi: the file ends inside" in gdal("gdalinfo", tmp_path / "cut.sgi", fails=True).stderr
+    data[len(data) // 2] ^= 255
+    (tmp_path / "flipped.sgi").write_bytes(data)
+    failed = gdal("gdal_translate", "-q", tmp_path / "flipped.sgi", tmp_path / "a.tif", fails=True)
+    assert "the file is damaged" in failed.stderr
