@@ -94,6 +94,7 @@ __all__ = ["encode"]
     help="Take for alpha what the file declares so; code it as a band like the others; or leave it out.",
 )
 @click.option("--metadata/--no-metadata", default=True, show_default=True, help="Keep ICC profile, EXIF and XMP.")
+@click.option("--associated", is_flag=True, help="Write a slide's label and macro beside OUT, as PNG.")
 @click.option("--verify/--no-verify", default=True, show_default=True, help="Decode the stream and measure it.")
 @progress_option
 @click.option("--tile", type=int, metavar="N", help="Side of the tiles of a large picture; 0 for a single one.")
@@ -120,6 +121,7 @@ def encode(
     as_json: bool,
     quiet: bool,
     float_range: tuple[float, float] | None,
+    associated: bool,
     verify: bool,
     progress: Mode,
     force: bool,
@@ -156,7 +158,8 @@ def encode(
 
         options = (float_range, verify, "off" if many else progress, force, as_json, quiet, verbose, resume, max_memory)
         where = (cluster, source_at, send_pixels, alpha)
-        return encode_file(Job(source, target, settings, device, started, *options, *where, many, output is not None))
+        named = output is not None
+        return encode_file(Job(source, target, settings, device, started, *options, *where, many, named, associated))
 
     if output is not None and (many or len(paths) > 1):
         raise UsageError("-o names the OUT of one IN; it does not go with another name, --output-dir or -r")

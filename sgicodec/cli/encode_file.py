@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
+from sgicodec.cli.associated import associated_pictures, write_associated
 from sgicodec.cli.encode_listener import EncodeListener
 from sgicodec.cli.paths import STANDARD, check_output, display
 from sgicodec.cli.progress import Mode
@@ -59,6 +60,7 @@ class Job:
     alpha: Alpha
     batch: bool
     named: bool
+    associated: bool
 
 
 def encode_file(job: Job) -> int:
@@ -69,6 +71,7 @@ def encode_file(job: Job) -> int:
     if job.as_json and job.target == STANDARD:
         raise UsageError("stdout cannot take both the stream and --json; name OUT")
     check_output(job.target, job.source, job.force, as_stream=not job.named)
+    pictures = associated_pictures(job.source, job.target, job.force) if job.associated else []
     origin = sys.stdin.buffer.read() if job.source == STANDARD else job.source
     missed = None
     with ExitStack() as stack:
@@ -87,6 +90,7 @@ def encode_file(job: Job) -> int:
             done = len({version.tile for version in checkpoint.tiles})
             text = f"{done} of {listener.tiles} tiles are in {display(job.target)}.part"
             raise EncodeInterruptedError(f"interrupted; {text}, --resume goes on") from None
+    write_associated(pictures)
     if not job.quiet or job.as_json:
         report = Report.of(listener.plan, encoded)
         seconds, own = time.monotonic() - job.started, own_peak()

@@ -13,12 +13,12 @@ import numpy.typing as npt
 from sgicodec.errors import PictureError, require
 from sgicodec.metadata import geo, ifd
 from sgicodec.metadata.filebytes import FileBytes
-from sgicodec.picture import Metadata
+from sgicodec.picture import Metadata, Picture
 
 if TYPE_CHECKING:
     from OpenImageIO import ImageSpec
 
-__all__ = ["SlideReader", "is_slide"]
+__all__ = ["SlideReader", "associated", "is_slide"]
 
 _SUFFIXES = (".ndpi", ".scn", ".bif", ".mrxs", ".vms", ".vmu", ".svslide", ".czi")
 """Files that seem to be something else: of many the first picture is a small one, or the label."""
@@ -54,21 +54,13 @@ class SlideReader:
 
     def __init__(self, path: Path) -> None:
         """Raises PictureError for what OpenSlide does not read."""
-        require("openslide", "reading this slide", "slides")
-        import openslide
-
-        try:
-            self._slide: Any = openslide.OpenSlide(path)
-        except openslide.OpenSlideUnsupportedFormatError:
-            raise PictureError("it is called as a slide is, and none that OpenSlide reads") from None
-        except openslide.OpenSlideError as error:
-            raise PictureError(_reason(error)) from error
+        self._slide = _opened(path)
         properties = self._slide.properties
         names = [f"openslide.bounds-{name}" for name in ("x", "y", "width", "height")]
-        scanned = all(name in properties for name in names)
-        self._x, self._y, self._width, self._height = (
-            (int(properties[name]) for name in names) if scanned else (0, 0, *self._slide.dimensions)
-        )
+        bounds: tuple[int, ...] = (0, 0, *self._slide.dimensions)
+        if all(name in properties for name in names):
+            bounds = tuple(int(properties[name]) for name in names)
+        self._x, self._y, self._width, self._height = bounds
         self._background = "#" + properties.get("openslide.background-color", "ffffff")
 
     def metadata(self) -> Metadata:
@@ -93,7 +85,6 @@ class SlideReader:
     def read_tiles(self, _: int, __: int, *where: Any) -> npt.NDArray[np.uint8]:
         """Pixels [h, w, 3] from column where[0] to where[1], row where[2] to where[3]. Raises PictureError."""
         import openslide
-        from PIL import Image
 
         left, right, top, bottom = where[:4]
         size = (right - left, bottom - top)
@@ -101,9 +92,7 @@ class SlideReader:
             region = self._slide.read_region((self._x + left, self._y + top), 0, size)
         except openslide.OpenSlideError as error:
             raise PictureError(_reason(error)) from error
-        ground = Image.new("RGB", size, self._background)
-        ground.paste(region, None, region)
-        return np.asarray(ground)
+        return _on(region, self._background)
 
     def geterror(self) -> str:
         """Nothing: errors are raised."""
@@ -112,6 +101,40 @@ class SlideReader:
     def close(self) -> None:
         """Close the file."""
         self._slide.close()
+
+
+def associated(path: Path) -> dict[str, Picture]:
+    """The label, the macro and what else a slide has besides its levels, but for a thumbnail, on white. Raises
+    PictureError for what OpenSlide does not read.
+    """
+    slide = _opened(path)
+    try:
+        images = {name: image for name, image in slide.associated_images.items() if name != "thumbnail"}
+    finally:
+        slide.close()
+    return {name: Picture(_on(image, "white"), "rgb", (0, 255)) for name, image in images.items()}
+
+
+def _opened(path: Path) -> Any:
+    """An `OpenSlide`."""
+    require("openslide", "reading this slide", "slides")
+    import openslide
+
+    try:
+        return openslide.OpenSlide(path)
+    except openslide.OpenSlideUnsupportedFormatError:
+        raise PictureError(f"{path}: it is no slide that OpenSlide reads") from None
+    except openslide.OpenSlideError as error:
+        raise PictureError(f"{path}: {_reason(error)}") from error
+
+
+def _on(image: Any, background: str) -> npt.NDArray[np.uint8]:
+    """Pixels [h, w, 3] of an image of Pillow with alpha, on a colour."""
+    from PIL import Image
+
+    ground = Image.new("RGB", image.size, background)
+    ground.paste(image, None, image)
+    return np.asarray(ground)
 
 
 def _resolution(microns: list[str | None]) -> bytes | None:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from collections.abc import Mapping
 from contextlib import suppress
+from pathlib import Path
 from types import MappingProxyType, TracebackType
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +21,7 @@ from sgicodec.errors import RegionError, UsageError, require
 from sgicodec.metadata.georeference import resolution
 from sgicodec.metadata.tiff import DESCRIPTION, described
 from sgicodec.picture import WITHOUT_ALPHA, Picture, nodata_mask, to_rgb8
+from sgicodec.remote.url import is_url
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -31,7 +34,7 @@ class Slide:
 
     Levels are the picture, its half, its quarter … down to 256 pixels. Regions are images of Pillow in RGBA,
     transparent where the picture has no pixels or no content. `properties` has `openslide.mpp-x`, `openslide.mpp-y`
-    and what the levels are; no associated images travel with a stream. Raises SgiError.
+    and what the levels are. Raises SgiError.
     """
 
     def __init__(self, source: Any) -> None:
@@ -97,8 +100,15 @@ class Slide:
 
     @property
     def associated_images(self) -> Mapping[str, Image]:
-        """None."""
-        return MappingProxyType({})
+        """What lies beside a stream that was opened by its path: NAME.label.png, by `sgi encode --associated`."""
+        from PIL import Image
+
+        if self._stream.name is None or is_url(self._stream.name):
+            return MappingProxyType({})
+        path = Path(self._stream.name)
+        names = re.compile(re.escape(path.stem) + r"\.([\w ]+)\.png")
+        found = ((names.fullmatch(file.name), file) for file in sorted(path.parent.iterdir()))
+        return MappingProxyType({name[1]: Image.open(file).convert("RGBA") for name, file in found if name})
 
     @property
     def color_profile(self) -> Any:

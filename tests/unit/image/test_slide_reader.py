@@ -10,13 +10,16 @@ import numpy as np
 import openslide
 import pytest
 import tifffile
+from click.testing import CliRunner, Result
 from PIL import Image
 
 import sgicodec
+from sgicodec.cli.main import cli
 from sgicodec.errors import MissingExtraError, PictureError
 from sgicodec.image import slide_reader
 from sgicodec.image.slide_reader import is_slide
 from sgicodec.metadata.georeference import resolution
+from sgicodec.plugins.openslide import Slide
 
 WIDTH, HEIGHT = 700, 300
 
@@ -29,21 +32,23 @@ def pixels() -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def slide(pixels: np.ndarray, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """As Aperio's scanners write them with JPEG 2000, and a thumbnail."""
+    """As Aperio's scanners write them with JPEG 2000: with a thumbnail, a label and a macro."""
     path = tmp_path_factory.mktemp("slide") / "a.svs"
     with tifffile.TiffWriter(path) as file:
         text = "Aperio Image Library v11.0.37\n700x300 (256x256) J2K/YUV16 Q=70|AppMag = 40|MPP = 0.2525"
         options = {"compression": "APERIO_JP2000_RGB", "compressionargs": {"level": 0}, "photometric": "rgb"}
         file.write(pixels, tile=(256, 256), description=text, metadata=None, **options)
-        small = np.full((40, 60, 3), 200, np.uint8)
-        file.write(small, description="Aperio Image Library v11.0.37\n60x40", metadata=None, photometric="rgb")
+        for name, level, kind in (("", 200, 0), ("label ", 90, 1), ("macro ", 120, 9)):
+            small = np.full((40, 60, 3), level, np.uint8)
+            text = f"Aperio Image Library v11.0.37\n{name}60x40"
+            file.write(small, description=text, metadata=None, photometric="rgb", subfiletype=kind)
     return path
 
 
 def test_openslide_knows_the_slide(slide: Path) -> None:
     with openslide.OpenSlide(slide) as found:
         assert found.properties["openslide.vendor"] == "aperio"
-        assert list(found.associated_images) == ["thumbnail"]
+        assert sorted(found.associated_images) == ["label", "macro", "thumbnail"]
 
 
 def test_pixels_and_their_size(slide: Path, pixels: np.ndarray) -> None:
@@ -71,6 +76,23 @@ def test_a_slide_becomes_a_stream(slide: Path, tmp_path: Path) -> None:
         found = resolution(stream.metadata.geo, stream.metadata.exif)
         assert found is not None
         assert found.microns == pytest.approx((0.2525, 0.2525), rel=1e-8)
+
+
+def test_label_and_macro_as_files(slide: Path, tmp_path: Path) -> None:
+    def encode(*options: object) -> Result:
+        arguments = ["encode", slide, tmp_path / "b.sgi", "--steps", 1, "--quiet", "--associated", *options]
+        return CliRunner().invoke(cli, list(map(str, arguments)))
+
+    assert encode("--no-verify").exit_code == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["b.label.png", "b.macro.png", "b.sgi"]
+    assert (sgicodec.read(tmp_path / "b.label.png").pixels == 90).all()
+    assert Slide(tmp_path / "b.sgi").associated_images["macro"].getpixel((5, 5)) == (120, 120, 120, 255)
+    (tmp_path / "b.sgi").unlink()
+    again = encode("--no-verify")
+    assert (again.exit_code, "b.label.png exists" in again.output) == (6, True)
+    assert not (tmp_path / "b.sgi").exists()
+    no_slide = CliRunner().invoke(cli, ["encode", str(tmp_path / "b.label.png"), "--associated"])
+    assert (no_slide.exit_code, "no slide that OpenSlide reads" in no_slide.output) == (3, True)
 
 
 def test_other_compressions_are_left_to_openimageio(tmp_path: Path, pixels: np.ndarray) -> None:
@@ -122,7 +144,7 @@ def test_the_scanned_part_on_its_background(scanned: Path) -> None:
 
 def test_what_goes_wrong(tmp_path: Path, slide: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "a.ndpi").write_bytes(b"nothing of the kind")
-    with pytest.raises(PictureError, match=r"a\.ndpi: it is called as a slide is, and none that OpenSlide reads"):
+    with pytest.raises(PictureError, match=r"^[^:]*a\.ndpi: it is no slide that OpenSlide reads"):
         sgicodec.read(tmp_path / "a.ndpi")
     (tmp_path / "cut.svs").write_bytes(slide.read_bytes())
     with tifffile.TiffFile(slide) as file:

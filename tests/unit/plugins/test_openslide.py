@@ -49,6 +49,18 @@ def test_levels_and_regions(pyramid: Path) -> None:
         assert dict(slide.associated_images) == {}
 
 
+def test_files_beside_the_stream_are_associated(tmp_path: Path) -> None:
+    (tmp_path / "a [1].sgi").write_bytes((GOLDEN / "rgb8.sgi").read_bytes())
+    for name in ("a [1].label.png", "a [1].macro.png", "a 1.label.png", "a [1].png", "a [1].macro.jpg"):
+        Image.new("RGB", (5, 4), "red").save(tmp_path / name)
+    images = Slide(tmp_path / "a [1].sgi").associated_images
+    assert {name: (image.mode, image.size) for name, image in images.items()} == {
+        "label": ("RGBA", (5, 4)),
+        "macro": ("RGBA", (5, 4)),
+    }
+    assert dict(Slide((GOLDEN / "rgb8.sgi").read_bytes()).associated_images) == {}
+
+
 @pytest.mark.parametrize("level", [0, 1])
 def test_outside_is_transparent(pyramid: Path, level: int) -> None:
     with Slide(pyramid) as slide:
