@@ -84,7 +84,7 @@ def own_input_count(step: int) -> int:
     """Inputs that a seed's own earlier groups add at a coding step."""
 
 class Stream:
-    def __init__(self, source: object, threads: int, isa: str, cache_bytes: int, checked: bool = ...) -> None: ...
+    def __init__(self, source: object, threads: int, isa: str, cache_bytes: int, block_samples: int = ..., checked: bool = ...) -> None: ...
 
     @property
     def size(self) -> int: ...
@@ -104,11 +104,10 @@ class Stream:
     @property
     def overview_bytes(self) -> bytes: ...
 
-    @property
-    def held_tiles(self) -> int: ...
-
-    @property
-    def decoded_tiles(self) -> int: ...
+    def tiles(self) -> tuple[int, int, int]:
+        """
+        Decoded ones that are kept; decoded so far, to be drawn; of these before they were drawn.
+        """
 
     def tile(self, number: int) -> bytes:
         """The payload of its chunk."""
@@ -130,7 +129,18 @@ class Stream:
 def levels(width: int, height: int) -> list:
     """Width, height and downsampling of the levels of a pyramid."""
 
-def overview_size(width: int, height: int) -> tuple[int, int]: ...
+def overview_size(width: int, height: int) -> tuple[int, int]:
+    """Columns and rows of a picture's overview."""
+
+def inner_view(view: tuple[float, float, float, float, int, int], width: int, height: int) -> tuple[tuple[float, float, float, float, int, int], int, int]:
+    """
+    The part of a view in a picture of this size, and its first column and row.
+    """
+
+def overview_view(view: tuple[float, float, float, float, int, int], width: int, height: int) -> tuple[float, float, float, float, int, int] | None:
+    """
+    What of the overview of a picture a view shows; None for more than it holds.
+    """
 
 def adam_step(value: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu')], gradient: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], mean: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu')], square: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu')], beta1: float, beta2: float, rate: float, root_correction: float, epsilon: float, threads: int, isa: str) -> None: ...
 
@@ -157,7 +167,13 @@ class Drain:
 
     def join(self) -> int: ...
 
-def base_lines(grid: Annotated[NDArray[numpy.float64], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], first: int, left: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], across: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], threads: int, lines: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu')]) -> None: ...
+def base_view(grid: Annotated[NDArray[numpy.float64], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], cell: int, start: tuple[float, float], scale: tuple[float, float], first: tuple[int, int], size: tuple[int, int], threads: int) -> tuple:
+    """
+    Lines [C, L, w], top [h], down [h, T]: row i is the sum over t of down[i, t] * lines[:, top[i] + t].
+    """
+
+def from_luma_space(channels: int) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
+    """[C, C]; takes samples of luma space to red, green, blue."""
 
 def nearest_among(points: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], among: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], members: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], out: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu')], threads: int) -> None: ...
 

@@ -5,7 +5,6 @@ Anything else that escapes is a defect of this package and ends the command with
 
 from __future__ import annotations
 
-from importlib.util import find_spec
 from typing import Any
 
 __all__ = [
@@ -51,6 +50,8 @@ class MissingExtraError(UsageError):
 
 def require(library: str, what: str, extra: str | None = None) -> None:
     """Raises MissingExtraError if `what` cannot have its library, which comes with an extra or with the package."""
+    from importlib.util import find_spec  # takes long to load
+
     try:
         found = find_spec(library) is not None
     except (ImportError, ValueError):  # blocked: its place in sys.modules is None

@@ -1,8 +1,10 @@
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <chrono>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -23,6 +25,14 @@ using Released = nb::call_guard<nb::gil_scoped_release>;
 using Pixels = nb::ndarray<nb::ndim<3>, nb::device::cpu>;
 using ViewFields = std::tuple<double, double, double, double, int64_t, int64_t>;
 
+sgi::PictureView view_of(const ViewFields &fields) {
+  const auto &[x, y, sx, sy, columns, rows] = fields;
+  require(sx > 0 && sy > 0 && columns > 0 && rows > 0 && columns <= sgi::kMaxSide, "a view must have pixels");
+  return {x, y, sx, sy, columns, rows};
+}
+
+ViewFields fields_of(const sgi::PictureView &v) { return {v.x, v.y, v.sx, v.sy, v.columns, v.rows}; }
+
 // Lets Ctrl-C through, now and then: whoever else runs Python is not waited for at every tile.
 void check_signals() {
   using Clock = std::chrono::steady_clock;
@@ -42,8 +52,9 @@ std::unique_ptr<sgi::ByteSource> source_of(const nb::object &source) {
 }
 
 void open(sgi::Stream *self, const nb::object &source, int threads, const std::string &isa, int64_t cache_bytes,
-          bool checked) {
-  const sgi::DecoderSettings settings{threads, sgi::choose_isa(isa), cache_bytes, check_signals, checked};
+          int64_t block_samples, bool checked) {
+  require(block_samples >= 1 && block_samples <= int64_t(1) << 31, "block_samples must be 1 to 2^31");
+  const sgi::DecoderSettings settings{threads, sgi::choose_isa(isa), cache_bytes, block_samples, check_signals, checked};
   auto bytes = source_of(source);
   const nb::gil_scoped_release release;
   new (self) sgi::Stream(std::move(bytes), settings);
@@ -73,6 +84,12 @@ nb::bytes tile(sgi::Stream &self, int64_t number) {
   return as_bytes(payload);
 }
 
+auto tiles(sgi::Stream &self) {
+  const nb::gil_scoped_release release;
+  const sgi::Stream::Tiles found = self.tiles();
+  return std::tuple(found.held, found.decoded, found.ahead);
+}
+
 sgi::Output output_of(const Pixels &out, bool mapped) {
   const nb::dlpack::dtype type = out.dtype();
   require(mapped || type == nb::dtype<float>(), "values are float32");
@@ -84,15 +101,13 @@ sgi::Output output_of(const Pixels &out, bool mapped) {
 
 void draw(sgi::Stream &self, const ViewFields &fields, int64_t top, const Pixels &out, bool mapped, bool exact,
           bool dither) {
-  const auto &[x, y, sx, sy, columns, rows] = fields;
-  const sgi::PictureView view{x, y, sx, sy, columns, rows};
+  const sgi::PictureView view = view_of(fields);
   const sgi::Output output = output_of(out, mapped);
   const int64_t height = int64_t(out.shape(0)), channels = int64_t(out.shape(2));
-  require(sx > 0 && sy > 0 && columns > 0 && rows > 0 && columns <= sgi::kMaxSide && top >= 0 && height > 0,
-          "a view must have pixels");
-  require(int64_t(out.shape(1)) == columns && channels == self.header().spec.channels && out.stride(2) == 1 &&
-              out.stride(1) == channels,
-          "out must be [rows, columns, C], a row contiguous");
+  require(top >= 0 && height > 0 && int64_t(out.shape(1)) == view.columns && channels == self.header().spec.channels,
+          "out must be [rows, columns, C]");
+  require((channels < 2 || out.stride(2) == 1) && (view.columns < 2 || out.stride(1) == channels),
+          "a row of samples must be contiguous");
   const int64_t stride = out.stride(0) * int64_t(out.itemsize());
   const nb::gil_scoped_release release;
   self.draw(view, top, height, output, exact, dither, out.data(), stride);
@@ -119,15 +134,15 @@ nb::list levels(int64_t width, int64_t height) {
 
 void bind_decoder(nb::module_ &m) {
   nb::class_<sgi::Stream>(m, "Stream")
-      .def("__init__", &open, "source"_a, "threads"_a, "isa"_a, "cache_bytes"_a, "checked"_a = true)
+      .def("__init__", &open, "source"_a, "threads"_a, "isa"_a, "cache_bytes"_a,
+           "block_samples"_a = int64_t(1) << 27, "checked"_a = true)
       .def_prop_ro("size", [](const sgi::Stream &self) { return self.chunks().size(); })
       .def_prop_ro("blobs", &blobs)
       .def_prop_ro("chunk_bytes", &chunk_bytes)
       .def_prop_ro("has_overview", &sgi::Stream::has_overview)
       .def_prop_ro("overview", &sgi::Stream::overview, Released(), nb::rv_policy::reference_internal)
       .def_prop_ro("overview_bytes", [](const sgi::Stream &self) { return as_bytes(self.overview_bytes()); })
-      .def_prop_ro("held_tiles", &sgi::Stream::held_tiles, Released())
-      .def_prop_ro("decoded_tiles", &sgi::Stream::decoded_tiles, Released())
+      .def("tiles", &tiles, "Decoded ones that are kept; decoded so far, to be drawn; of these before they were drawn.")
       .def("tile", &tile, "number"_a, "The payload of its chunk.")
       .def("set_blank", &sgi::Stream::set_blank, "sample"_a, Released())
       .def("prepare", &sgi::Stream::prepare, Released())
@@ -141,5 +156,19 @@ void bind_decoder(nb::module_ &m) {
         const sgi::Level size = sgi::overview_size(width, height);
         return std::tuple(size.width, size.height);
       },
-      "width"_a, "height"_a);
+      "width"_a, "height"_a, "Columns and rows of a picture's overview.");
+  m.def(
+      "inner_view",
+      [](const ViewFields &fields, int64_t width, int64_t height) {
+        const sgi::InnerView found = sgi::inner_view(view_of(fields), width, height);
+        return std::tuple(fields_of(found.view), found.left, found.top);
+      },
+      "view"_a, "width"_a, "height"_a, "The part of a view in a picture of this size, and its first column and row.");
+  m.def(
+      "overview_view",
+      [](const ViewFields &fields, int64_t width, int64_t height) {
+        const auto found = sgi::overview_view(width, height, view_of(fields));
+        return found ? std::optional(fields_of(*found)) : std::nullopt;
+      },
+      "view"_a, "width"_a, "height"_a, "What of the overview of a picture a view shows; None for more than it holds.");
 }

@@ -1,11 +1,15 @@
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 
+#include <array>
 #include <optional>
+#include <utility>
 
 #include "bindings/bindings.hpp"
 #include "bindings/checks.hpp"
-#include "model/base_lines.hpp"
+#include "model/base_view.hpp"
+#include "model/colours.hpp"
 #include "model/neighbours.hpp"
 #include "model/seed_gaussians.hpp"
 
@@ -111,16 +115,28 @@ void dequantise(Array<const int32_t, 2> symbols, Array<const int64_t, 2> mean, A
                   decoded.data(), int64_t(decoded.shape(1)));
 }
 
-void base_lines(Array<const double, 3> grid, int64_t first, Array<const int64_t, 1> left, Array<const double, 2> across,
-                int threads, Array<float, 3> lines) {
-  const size_t width = left.shape(0), taps = across.shape(1);
-  require(across.shape(0) == width && lines.shape(0) == grid.shape(0) && lines.shape(2) == width,
-          "left [w], across [w, T], lines [C, count, w]");
-  require(grid.shape(1) > 0 && grid.shape(2) > 0, "the grid must not be empty");
+auto base_view(Array<const double, 3> grid, int cell, std::pair<double, double> start, std::pair<double, double> scale,
+               std::pair<int64_t, int64_t> first, std::pair<int64_t, int64_t> size, int threads) {
+  const auto [columns, rows] = size;
+  require(grid.size() > 0 && cell > 0 && columns > 0 && rows > 0 && scale.first > 0 && scale.second > 0,
+          "a grid, a cell, a size and a scale must not be empty");
   const sgi::BaseGrid view{grid.data(), int64_t(grid.shape(0)), int64_t(grid.shape(1)), int64_t(grid.shape(2))};
-  nb::gil_scoped_release release;
-  sgi::base_lines(view, first, int64_t(lines.shape(1)), left.data(), across.data(), int64_t(width), int(taps), threads,
-                  lines.data());
+  sgi::BaseView found;
+  {
+    const nb::gil_scoped_release release;
+    found = sgi::base_view(view, cell, {start.first, scale.first, first.first, columns},
+                           {start.second, scale.second, first.second, rows}, threads);
+  }
+  const size_t height = size_t(rows), taps = size_t(found.taps);
+  const std::array<size_t, 3> lines{grid.shape(0), size_t(found.count), size_t(columns)};
+  return nb::make_tuple(sgi::as_array<float>(std::move(found.lines), lines),
+                        sgi::as_array<int32_t>(std::move(found.top), std::array{height}),
+                        sgi::as_array<float>(std::move(found.down), std::array{height, taps}));
+}
+
+auto from_luma_space(int channels) {
+  require(channels >= 3 && channels <= 64, "luma space has 3 channels or more");
+  return sgi::as_array<double>(sgi::from_luma_space(channels), std::array{size_t(channels), size_t(channels)});
 }
 
 void nearest_among(Array<const int32_t, 2> points, Array<const int64_t, 1> among, Array<const int64_t, 1> members,
@@ -155,7 +171,9 @@ void seed_gaussians(Array<const double, 2> values, Array<const int32_t, 2> half_
 }  // namespace
 
 void bind_model(nb::module_ &m) {
-  m.def("base_lines", &base_lines, "grid"_a, "first"_a, "left"_a, "across"_a, "threads"_a, "lines"_a);
+  m.def("base_view", &base_view, "grid"_a, "cell"_a, "start"_a, "scale"_a, "first"_a, "size"_a, "threads"_a,
+        "Lines [C, L, w], top [h], down [h, T]: row i is the sum over t of down[i, t] * lines[:, top[i] + t].");
+  m.def("from_luma_space", &from_luma_space, "channels"_a, "[C, C]; takes samples of luma space to red, green, blue.");
   m.def("nearest_among", &nearest_among, "points"_a, "among"_a, "members"_a, "out"_a, "threads"_a);
   m.def("seed_gaussians", &seed_gaussians, "values"_a, "half_pixels"_a, "log_size"_a, "per_seed"_a, "opponent"_a,
         "threads"_a, "isa"_a, "means"_a, "covariances"_a, "colours"_a);

@@ -31,12 +31,19 @@ int64_t take(Bytes data, size_t &at) {
 
 std::vector<ChunkPlace> decode_index(Bytes payload, int64_t count) {
   const Bytes data{payload.data, payload.size - std::min(payload.size, kOffsetBytes)};
-  std::vector<int64_t> fields;
-  for (size_t at = 0; at < data.size;) fields.push_back(take(data, at));
-  if (payload.size < kOffsetBytes || int64_t(fields.size()) != 2 * count + 1 || fields[0] != count)
-    throw Error(Fault::corrupt, "index: it does not list the " + std::to_string(count) + " tiles; the file is damaged");
+  const size_t wanted = 2 * size_t(count) + 1;
   std::vector<ChunkPlace> places;
-  for (size_t i = 1; i < fields.size(); i += 2) places.push_back({fields[i], fields[i + 1]});
+  places.reserve(std::min(size_t(count), data.size / 2));  // a lying count takes no memory
+  size_t fields = 0;
+  int64_t stated = 0, offset = 0;
+  for (size_t at = 0; at < data.size; ++fields) {
+    const int64_t field = take(data, at);
+    if (!fields) stated = field;
+    if (fields % 2) offset = field;
+    if (fields && fields % 2 == 0 && fields < wanted) places.push_back({offset, field});
+  }
+  if (payload.size < kOffsetBytes || fields != wanted || stated != count)
+    throw Error(Fault::corrupt, "index: it does not list the " + std::to_string(count) + " tiles; the file is damaged");
   return places;
 }
 

@@ -101,7 +101,7 @@ void Stream::draw(const PictureView &view, int64_t top, int64_t rows, Output out
 void Stream::draw_inside(const PictureView &view, int64_t top, const PixelBlock &block, Output output, bool exact,
                          bool dither) {
   if (has_overview() && !exact)
-    if (const auto small = overview_view(header(), view)) {
+    if (const auto small = overview_view(header().width, header().height, view)) {
       Stream &shown = overview();
       const Lock lock(shown.parts_->turn);
       return shown.draw_inside(*small, top, block, output, exact, dither);
@@ -153,14 +153,9 @@ const TileRenderer &Stream::renderer(int64_t number) {
   return parts_->tiles.tile(number);
 }
 
-int64_t Stream::held_tiles() {
+Stream::Tiles Stream::tiles() {
   const Lock lock(parts_->turn);
-  return parts_->tiles.held();
-}
-
-int64_t Stream::decoded_tiles() {
-  const Lock lock(parts_->turn);
-  return parts_->tiles.decoded();
+  return {parts_->tiles.held(), parts_->tiles.decoded(), parts_->tiles.ahead()};
 }
 
 }  // namespace sgi

@@ -48,8 +48,12 @@ class Stream {
   // A decoded tile; good until another one is asked for or drawn. Throws Error: corrupt, limit, region.
   const TileRenderer &renderer(int64_t number);
 
-  int64_t held_tiles();     // decoded ones that are kept
-  int64_t decoded_tiles();  // so far, to be drawn
+  struct Tiles {
+    int64_t held;     // that are kept now
+    int64_t decoded;  // so far, to be drawn
+    int64_t ahead;    // of these by threads of their own
+  };
+  Tiles tiles();
 
  private:
   struct Parts;

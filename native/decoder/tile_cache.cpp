@@ -24,8 +24,7 @@ using Tile = std::unique_ptr<TileRenderer>;
 Tile decoded_tile(const Header &header, int64_t number, const std::vector<uint8_t> &payload, int threads,
                   const DecoderSettings &settings) {
   try {
-    return std::make_unique<TileRenderer>(header, Bytes{payload.data(), payload.size()}, threads, settings.isa,
-                                          settings.checked);
+    return std::make_unique<TileRenderer>(header, Bytes{payload.data(), payload.size()}, threads, settings);
   } catch (const Error &error) {
     if (header.grid().count() == 1) throw;
     throw Error(error.fault, "tile " + std::to_string(number) + ": " + error.what());
@@ -125,6 +124,7 @@ TileCache::~TileCache() = default;
 TileRenderer &TileCache::tile(int64_t number) {
   if (tiles_.find(number) == tiles_.end()) {
     Tile tile = prefetch_ ? prefetch_->take(number) : nullptr;
+    ahead_ += tile != nullptr;
     if (!tile) tile = decoded_tile(chunks_.header(), number, chunks_.tile(number), settings_.threads, settings_);
     keep(number, std::move(tile));
   }

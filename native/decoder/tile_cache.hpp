@@ -12,14 +12,6 @@
 
 namespace sgi {
 
-struct DecoderSettings {
-  int threads = 0;  // 0: one for each core
-  Isa isa = Isa::portable;
-  int64_t cache_bytes = int64_t(1) << 28;  // what decoded tiles may take before those used least recently are released
-  std::function<void()> between = nullptr;  // called between tiles by who draws them; what it throws ends the call
-  bool checked = true;                      // as of `read_tile`
-};
-
 // Not safe for use by two threads at once.
 class TileCache {
  public:
@@ -37,7 +29,8 @@ class TileCache {
   void for_each_fact(const std::function<void(const TileFacts &)> &body);
 
   int64_t held() const { return int64_t(tiles_.size()); }
-  int64_t decoded() const { return decoded_; }  // so far
+  int64_t decoded() const { return decoded_; }  // so far, to be drawn
+  int64_t ahead() const { return ahead_; }      // of these before they were asked for
 
  private:
   class Prefetch;
@@ -54,7 +47,7 @@ class TileCache {
   const DecoderSettings settings_;
   std::map<int64_t, Kept> tiles_;
   std::list<int64_t> uses_;  // the least recent one first
-  int64_t bytes_ = 0, decoded_ = 0;
+  int64_t bytes_ = 0, decoded_ = 0, ahead_ = 0;
   std::unique_ptr<Prefetch> prefetch_;
 };
 

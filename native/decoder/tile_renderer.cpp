@@ -15,9 +15,6 @@
 namespace sgi {
 namespace {
 
-// A picture is drawn in blocks of no more samples and columns, each of which looks at all Gaussians; where there is
-// texture in blocks of fewer: it is drawn to floats first.
-constexpr int64_t kBlockSamples = int64_t(1) << 27, kBlockColumns = 1 << 16, kTexturedSamples = 1 << 23;
 constexpr int64_t kMostPairs = 1 << 24;  // (tile, Gaussian) pairs of a block; a sound one has a tenth at most
 // A tile of a reduced view that has no more samples is drawn at once, whatever part is asked for: each part would have
 // to look at all of its Gaussians again.
@@ -76,7 +73,8 @@ int64_t bytes_of(const std::vector<T> &held) {
 
 }  // namespace
 
-TileRenderer::TileRenderer(const Header &header, Bytes payload, int threads, Isa isa, bool checked) : isa_(isa) {
+TileRenderer::TileRenderer(const Header &header, Bytes payload, int threads, const DecoderSettings &settings)
+    : settings_(settings) {
   const TileChunk chunk = decode_tile_chunk(header, payload);
   header_ = header.of_tile(chunk.number);
   place_ = header.grid().rect(chunk.number);
@@ -84,7 +82,7 @@ TileRenderer::TileRenderer(const Header &header, Bytes payload, int threads, Isa
   mask_ = chunk.mask;
   facts_.mask_bytes = int64_t(payload.size - (is_empty_ ? 0 : chunk.model.size));
   gaussians_.channels = header_.spec.channels;
-  if (!is_empty_) take(read_tile(header_, chunk.model, threads, isa, checked), threads);
+  if (!is_empty_) take(read_tile(header_, chunk.model, threads, settings.isa, settings.checked), threads);
 }
 
 void TileRenderer::take(const TileModel &model, int threads) {
@@ -92,7 +90,7 @@ void TileRenderer::take(const TileModel &model, int threads) {
   facts_.seeds = model.seeds();
   facts_.bits = model.bits;
   facts_.symbol_crc = model.symbol_crc;
-  gaussians_ = gaussians_of(spec, model, threads, isa_);
+  gaussians_ = gaussians_of(spec, model, threads, settings_.isa);
   base_ = base_colours(spec, model);
   if (spec.luma_space) leave_luma_space(gaussians_);
   texture_ = model.texture();
@@ -153,9 +151,9 @@ const TileRenderer::Whole *TileRenderer::whole(const PictureView &view, int thre
 void TileRenderer::draw_blocks(const PictureView &view, int64_t x, int64_t y, const PixelBlock &block,
                                const SampleFormat &format, int threads) {
   const GaussianSet &gaussians = seen(view, threads);
-  Rasterizer raster(isa_, threads, kMostPairs);
-  const int64_t width = std::min(block.columns, kBlockColumns);
-  const int64_t most = texture_ ? kTexturedSamples : kBlockSamples;
+  Rasterizer raster(settings_.isa, threads, kMostPairs);
+  const int64_t most = std::max<int64_t>(1, settings_.block_samples / (texture_ ? 16 : 1));
+  const int64_t width = std::min(block.columns, int64_t(std::ceil(4 * std::sqrt(double(most)))));  // flat blocks
   const int64_t height = std::max<int64_t>(1, most / (width * header_.spec.channels));
   for (int64_t top = 0; top < block.rows; top += height)
     for (int64_t left = 0; left < block.columns; left += width) {
@@ -184,7 +182,7 @@ void TileRenderer::draw_block(Rasterizer &raster, const GaussianSet &gaussians, 
     planes.reset(new float[spec.channels * block.rows * block.columns]);
     const Texture texture{texture_->corner.data(), texture_->log_size.data(), texture_->amplitudes.data(),
                           int64_t(texture_->log_size.size()), spec.channels, header_.width, header_.height};
-    draw_texture(texture, across, down, texture_mix_.empty() ? nullptr : texture_mix_.data(), threads, isa_,
+    draw_texture(texture, across, down, texture_mix_.empty() ? nullptr : texture_mix_.data(), threads, settings_.isa,
                  planes.get());
     behind.planes = planes.get(), behind.height = block.rows, behind.plane_width = block.columns;
   }

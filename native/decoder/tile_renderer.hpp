@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -13,6 +14,15 @@
 
 namespace sgi {
 
+struct DecoderSettings {
+  int threads = 0;  // 0: one for each core
+  Isa isa = Isa::portable;
+  int64_t cache_bytes = int64_t(1) << 28;    // what decoded tiles may take before those used least recently go
+  int64_t block_samples = int64_t(1) << 27;  // drawn at a time; with texture, which is drawn to floats, a sixteenth
+  std::function<void()> between = nullptr;   // called between tiles by who draws them; what it throws ends the call
+  bool checked = true;                       // as of `read_tile`
+};
+
 // What is known of a decoded tile besides what it draws.
 struct TileFacts {
   int64_t seeds = 0;
@@ -22,11 +32,11 @@ struct TileFacts {
   int64_t texture_cells[3] = {};  // of sides 8, 16, 32
 };
 
-// Reads the payload of a chunk T; `checked` as of `read_tile`. Throws Error: corrupt, limit. Not safe for use by two
-// threads at once.
+// Reads the payload of a chunk T, on other threads than the settings say. Throws Error: corrupt, limit. The settings
+// must outlive it. Not safe for use by two threads at once.
 class TileRenderer {
  public:
-  TileRenderer(const Header &header, Bytes payload, int threads, Isa isa, bool checked);
+  TileRenderer(const Header &header, Bytes payload, int threads, const DecoderSettings &settings);
 
   // Does what `draw` would have to do first.
   void prepare(const PictureView &view, int threads);
@@ -63,7 +73,7 @@ class TileRenderer {
                   const PixelBlock &block, const SampleFormat &format, int threads) const;
   const GaussianSet &seen(const PictureView &view, int threads);
 
-  Isa isa_;
+  const DecoderSettings &settings_;
   Header header_;  // of the tile as a picture of its own
   PixelRect place_;
   bool is_empty_;

@@ -57,10 +57,10 @@ Level overview_size(int64_t width, int64_t height) {
   return {rounded(double(width) / kOverview), rounded(double(height) / kOverview), double(kOverview)};
 }
 
-std::optional<PictureView> overview_view(const Header &header, const PictureView &view) {
-  const Level small = overview_size(header.width, header.height);
-  if (small.width == header.width && small.height == header.height) return std::nullopt;
-  const double across = double(small.width) / double(header.width), down = double(small.height) / double(header.height);
+std::optional<PictureView> overview_view(int64_t width, int64_t height, const PictureView &view) {
+  const Level small = overview_size(width, height);
+  if (small.width == width && small.height == height) return std::nullopt;
+  const double across = double(small.width) / double(width), down = double(small.height) / double(height);
   const double sx = near_one(view.sx / across), sy = near_one(view.sy / down);
   if (enlarges(view.columns, sx) || enlarges(view.rows, sy)) return std::nullopt;
   return PictureView{view.x * across, view.y * down, sx, sy, view.columns, view.rows};

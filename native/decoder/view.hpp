@@ -4,8 +4,6 @@
 #include <optional>
 #include <vector>
 
-#include "bitstream/header.hpp"
-
 namespace sgi {
 
 // Where it starts in the picture, output pixels for each of the picture's, and its size in output pixels.
@@ -40,6 +38,6 @@ std::vector<Level> levels_of(int64_t width, int64_t height);
 Level overview_size(int64_t width, int64_t height);
 // What of the picture's overview a view shows; none for one that shows more than the overview holds, and of an overview
 // that is no smaller than the picture.
-std::optional<PictureView> overview_view(const Header &header, const PictureView &view);
+std::optional<PictureView> overview_view(int64_t width, int64_t height, const PictureView &view);
 
 }  // namespace sgi

@@ -7,13 +7,11 @@ from typing import BinaryIO
 from sgicodec.bitstream.container import CHUNKS, SIGNATURE, Chunk, ChunkReader
 from sgicodec.bitstream.header import Header, decode_header
 from sgicodec.bitstream.index import TRAILER_BYTES, check_unlisted, index_offset
+from sgicodec.bitstream.printable import printable
 from sgicodec.errors import CorruptStreamError
 from sgicodec.metadata.blobs import Metadata
 
-__all__ = ["StreamSummary", "printable"]
-
-_MOST_TEXT = 200
-"""Bytes that are shown of the name of the program that wrote a stream."""
+__all__ = ["StreamSummary"]
 
 _END_BYTES = 6
 
@@ -73,9 +71,3 @@ class StreamSummary:
             return False
         self.chunk_bytes |= {"T": offset - first.offset, "X": index.end - index.offset}
         return True
-
-
-def printable(text: bytes) -> str:
-    """The start of a text that somebody else wrote, without what could steer a terminal."""
-    decoded = text[:_MOST_TEXT].decode("utf-8", "replace")
-    return "".join(character if character.isprintable() else "\N{REPLACEMENT CHARACTER}" for character in decoded)

@@ -69,7 +69,7 @@ def _verified(source: str, device: Device) -> _Sound:
 def _draw(stream: Stream) -> None:
     import numpy as np
 
-    if stream.grid.count == 1 and stream.tile(0).model is None:
+    if stream.grid.count == 1 and stream.survey().part_bytes.keys() <= {"mask"}:
         return  # no pixel holds anything, however many there are
     rows = max(1, _BAND_SAMPLES // (stream.width * stream.header.spec.channels))
     for top in range(0, stream.height, rows):

@@ -62,7 +62,7 @@ class ArrayView:
         """
         view = level_view(self.header, self.levels, location, level, size)
         pixels = np.empty((view.rows, view.columns, self.header.spec.channels), self.dtype)
-        self._draw(view, pixels, self.header.sample_type)
+        self._draw(view, pixels)
         return self._array(pixels)
 
     def read_level(self, level: int, region: Region | None = None) -> NDArray[Any]:
@@ -72,7 +72,7 @@ class ArrayView:
         """
         view = region_of_level(self.header, self.levels, level, region)
         pixels = np.empty((view.rows, view.columns, self.header.spec.channels), self.dtype)
-        self._draw(view, pixels, self.header.sample_type)
+        self._draw(view, pixels)
         return self._array(pixels)
 
     def __getitem__(self, key: Any) -> NDArray[Any]:
@@ -103,5 +103,5 @@ class ArrayView:
         """See `Stream`."""
         raise NotImplementedError
 
-    def _draw(self, view: View, out: NDArray[Any], dtype: str | None, top: int = 0) -> None:
+    def _draw(self, view: View, out: NDArray[Any], top: int = 0, mapped: bool = True) -> None:
         raise NotImplementedError

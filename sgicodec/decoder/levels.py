@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-__all__ = ["Level", "levels_of"]
+from sgicodec._native import levels
 
-SMALLEST_SIDE = 256
-"""The last level is the first one whose longer side is no longer than this."""
+__all__ = ["Level", "levels_of"]
 
 
 class Level(NamedTuple):
@@ -20,9 +19,4 @@ class Level(NamedTuple):
 
 def levels_of(width: int, height: int) -> tuple[Level, ...]:
     """The levels of a picture. Any of them is rendered from the model, or from the overview."""
-    levels = [Level(width, height, 1.0)]
-    while max(levels[-1][:2]) > SMALLEST_SIDE:
-        shrink = 2 ** len(levels)
-        small = max(1, round(width / shrink)), max(1, round(height / shrink))
-        levels.append(Level(*small, (width / small[0] + height / small[1]) / 2))
-    return tuple(levels)
+    return tuple(Level(*level) for level in levels(width, height))

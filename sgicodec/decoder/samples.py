@@ -12,10 +12,9 @@ from sgicodec.bitstream.header import Header
 from sgicodec.decoder.view import View
 from sgicodec.errors import UsageError
 from sgicodec.metadata import geo
-from sgicodec.metadata.placement import view as geo_view
 from sgicodec.picture import Metadata, full_range
 
-__all__ = ["blank", "converted", "placed"]
+__all__ = ["converted", "placed"]
 
 
 class _Stream(Protocol):
@@ -52,14 +51,11 @@ def _converted_nodata(header: Header, nodata: float, dtype: str) -> float:
 
 def placed(stream: _Stream, header: Header, view: View) -> Metadata:
     """The metadata of what a view shows, in samples as of `header`."""
+    if stream.metadata.geo is None:
+        return stream.metadata
+    from sgicodec.metadata.placement import view as geo_view  # takes long to load
+
     found = geo_view(stream.metadata.geo, view.x, view.y, view.sx, view.sy)
     if header.sample_type != stream.header.sample_type:
         found = geo.resampled(found, lambda _: header.nodata)
     return replace(stream.metadata, geo=found)
-
-
-def blank(stream: _Stream, header: Header) -> float:
-    """The sample, as of `header`, of a pixel outside the picture: nodata, else 0."""
-    if stream.nodata is None:
-        return 0.0
-    return stream.nodata if header.sample_type == stream.header.sample_type else header.nodata

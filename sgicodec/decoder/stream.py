@@ -1,49 +1,48 @@
-"""The decoder: from a stream to pixels, any region at any scale. Imports neither torch nor OpenImageIO."""
+"""An opened stream: any region at any scale. What decodes is native code; here are arguments, arrays and metadata."""
 
 from __future__ import annotations
 
 import os
-import threading
-from collections import Counter
 from collections.abc import Mapping as Lookup
 from contextlib import suppress
 from functools import partial
+from io import BufferedReader
 from pathlib import Path
 from types import TracebackType
-from typing import Any, BinaryIO, NamedTuple
+from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from sgicodec.bitstream.header import Header
-from sgicodec.bitstream.parts.tile import TileModel
-from sgicodec.bitstream.stream_reader import StreamReader
-from sgicodec.bitstream.stream_summary import printable
+from sgicodec import _native
+from sgicodec.bitstream.header import Header, decode_header
+from sgicodec.bitstream.printable import printable
 from sgicodec.decoder.array_view import ArrayView
 from sgicodec.decoder.bands import Bands
-from sgicodec.decoder.compositor import render_view, sample_mapping
-from sgicodec.decoder.samples import blank, converted, placed
-from sgicodec.decoder.tile_cache import TileCache
-from sgicodec.decoder.tile_renderer import TileRenderer, joined_crc
-from sgicodec.decoder.view import (
-    MAX_OUTPUT_SAMPLES,
-    Region,
-    Size,
-    View,
-    inner_view,
-    overview_size,
-    overview_view,
-    view_of,
-)
+from sgicodec.decoder.samples import converted, placed
+from sgicodec.decoder.view import MAX_OUTPUT_SAMPLES, Region, Size, View, view_of
 from sgicodec.device import ALL_CORES, Device, check_device
-from sgicodec.errors import CorruptStreamError, StreamError, UsageError
+from sgicodec.errors import StreamError, UsageError
 from sgicodec.metadata.geo import nodata as nodata_of
 from sgicodec.picture import Metadata, Picture
-from sgicodec.remote.url import is_url, open_url
+
+if TYPE_CHECKING:
+    from sgicodec.bitstream.parts.tile import TileModel
 
 __all__ = ["MAX_OUTPUT_SAMPLES", "Bands", "BytesLike", "Region", "Size", "Stream", "Survey", "open_stream"]
 
 F32 = NDArray[np.float32]
+
+CACHE_BYTES = 1 << 28
+"""What decoded tiles may take before those that were used least recently are released."""
+BLOCK_SAMPLES = 1 << 27
+"""A picture is drawn in blocks of no more samples; a sixteenth where there is texture, which is drawn to floats."""
+
+_PARTS = (
+    *("steps", "base", "positions", "decoders", "hash grid", "context model"),
+    *("colour", "shape", "feature", "scales", "offset", "texture", "check"),
+)
+_CELLS = (8, 16, 32)
 
 
 class Survey(NamedTuple):
@@ -79,21 +78,23 @@ class Stream(ArrayView):
         source: bytes | BinaryIO,
         path: str | None = None,
         device: Device = ALL_CORES,
-        is_overview: bool = False,
+        native: _native.Stream | None = None,
     ) -> None:
-        self.name, self._source = path, source
-        self._lock = threading.RLock()
-        self.closed = False
-        self._chunks = StreamReader(source, is_overview)
-        self.header, self.size, blobs = self._chunks.header, self._chunks.size, self._chunks.blobs
-        self.chunk_bytes = self._chunks.chunk_bytes
+        """native: what decodes it, if it is there already."""
+        self.name, self.device = path, device
+        self._source: bytes | BinaryIO | None = source
+        self._native: _native.Stream | None = native or _opened(source, device)
+        blobs = self._native.blobs
+        self.header = decode_header(blobs["H"])
+        self.size, self.chunk_bytes = self._native.size, self._native.chunk_bytes
+        self.has_overview = self._native.has_overview
+        """Whether the stream carries the picture in small."""
         self.metadata = Metadata(icc=blobs.get("i"), exif=blobs.get("c"), xmp=blobs.get("x"), geo=blobs.get("g"))
         self.software = printable(blobs.get("s", b""))
         self.grid = self.header.grid
-        self.device = device
-        self._tiles = TileCache(self._chunks, device)
+        if self.nodata is not None:
+            self._native.set_blank(self.nodata)
         self._overview: Stream | None = None
-        self._survey: Survey | None = None
 
     def __enter__(self) -> Stream:
         return self
@@ -103,13 +104,16 @@ class Stream(ArrayView):
     ) -> None:
         self.close()
 
+    @property
+    def closed(self) -> bool:
+        """Whether it was closed."""
+        return self._native is None
+
     def close(self) -> None:
         """Closes a file that was opened by its path, and forgets what was decoded. What follows raises UsageError."""
-        with self._lock:
-            if self.name is not None and not isinstance(self._source, bytes):
-                self._source.close()
-            self.closed = True
-            self._tiles, self._overview = TileCache(self._chunks, self.device), None
+        self._native = self._overview = None
+        if self.name is not None and self._source is not None and not isinstance(self._source, bytes):
+            self._source.close()
 
     def __repr__(self) -> str:
         header = self.header
@@ -121,7 +125,7 @@ class Stream(ArrayView):
         """Pickled by its path, or with its bytes: what reads it opens the stream again."""
         if self.name is None and not isinstance(self._source, bytes):
             raise UsageError("a stream that reads a file object cannot be pickled; open it by its path")
-        source = self._source if self.name is None else self.name if is_url(self.name) else os.path.abspath(self.name)
+        source = self._source if self.name is None else self.name if _is_url(self.name) else os.path.abspath(self.name)
         return open_stream, (source, self.device), {"exact": self.exact, "dither": self.dither}
 
     @property
@@ -145,10 +149,18 @@ class Stream(ArrayView):
         """The decoded model of a picture in one tile. Raises CorruptStreamError or LimitError."""
         if self.grid.count > 1:
             raise UsageError(f"there are {self.grid.count} models, one in each tile")
-        model = self.tile(0).model
+        model = self.tile_model(0)
         if model is None:
             raise UsageError("there is no model: no pixel holds anything")
         return model
+
+    def tile_model(self, number: int) -> TileModel | None:
+        """The model of a tile, None where no pixel holds anything. Raises CorruptStreamError or LimitError."""
+        from sgicodec.bitstream.parts.tile import read_tile
+        from sgicodec.bitstream.parts.tile_chunk import decode_tile_chunk
+
+        payload = decode_tile_chunk(self.header, self.payload(number)).model
+        return None if payload is None else read_tile(self.header.of_tile(number), payload, self.device)[0]
 
     @property
     def symbol_crc(self) -> int:
@@ -161,28 +173,12 @@ class Stream(ArrayView):
         return self.survey().part_bytes
 
     def survey(self) -> Survey:
-        """Decodes all tiles, one at a time. Raises CorruptStreamError or LimitError."""
-        with self._lock:
-            return self._surveyed()
-
-    def _surveyed(self) -> Survey:
-        self._check_open()
-        if self._survey is None:
-            parts: Counter[str] = Counter()
-            cells: Counter[int] = Counter()
-            crcs, seeds = [], 0
-            for number in range(self.grid.count):
-                take = self._tiles.tile if self.grid.count == 1 else self._tiles.decoded
-                tile = take(number)
-                parts.update({name: bits / 8 for name, bits in tile.bits.items()})
-                if self.header.masked is not None:
-                    parts["mask"] += tile.mask_bytes
-                crcs.append(tile.symbol_crc)
-                if tile.model is not None:
-                    seeds += len(tile.model.layout)
-                    cells.update({} if tile.model.texture is None else tile.model.texture.counts)
-            self._survey = Survey(seeds, dict(parts), joined_crc(crcs), dict(cells))
-        return self._survey
+        """Decodes all tiles. Raises CorruptStreamError or LimitError."""
+        seeds, parts, mask, crc, cells = self._open_native().survey()
+        part_bytes = {name: size for name, size in zip(_PARTS, parts, strict=True) if size}
+        if self.header.masked is not None:
+            part_bytes["mask"] = mask
+        return Survey(seeds, part_bytes, crc, dict(zip(_CELLS, cells, strict=True)) if any(cells) else {})
 
     def render(self, region: Region | None = None, scale: float | None = None, size: Size | None = None) -> F32:
         """Samples [h, w, C] of a region (x, y, width, height in the picture's pixels), nominally 0..1, not clipped.
@@ -192,9 +188,9 @@ class Stream(ArrayView):
         Raises UsageError, RegionError for a region that is not inside the picture, or LimitError.
         """
         view = view_of(self.header, region, scale, size)
-        self._prepare(view)
+        self._open_native().prepare()
         samples = np.empty((view.rows, view.columns, self.header.spec.channels), np.float32)
-        self._draw(view, samples, None)
+        self._draw(view, samples, mapped=False)
         return samples
 
     def picture(
@@ -213,9 +209,9 @@ class Stream(ArrayView):
         """
         view = view_of(self.header, region, scale, size, boundless=boundless)
         header = self._header(dtype)
-        self._prepare(view)
+        self._open_native().prepare()
         pixels = np.empty((view.rows, view.columns, header.spec.channels), header.sample_type)
-        self._draw(view, pixels, header.sample_type)
+        self._draw(view, pixels)
         return Picture(pixels, header.channels, header.sample_range, placed(self, header, view))
 
     def bands(
@@ -229,87 +225,42 @@ class Stream(ArrayView):
         """The same picture in bands of rows from the top down, for what need not fit into memory."""
         view = view_of(self.header, region, scale, size, most=None, boundless=boundless)
         header = self._header(dtype)
-        draw = partial(self._draw, view)
-        return Bands(header, view, placed(self, header, view), lambda out, top: draw(out, header.sample_type, top))
+        return Bands(header, view, placed(self, header, view), partial(self._draw, view))
 
-    def _check_open(self) -> None:
-        if self.closed:
+    def _open_native(self) -> _native.Stream:
+        native = self._native
+        if native is None:
             raise UsageError("the stream is closed")
+        return native
 
     def _header(self, dtype: DTypeLike | None) -> Header:
         """The header of a picture in another type of samples."""
         return self.header if dtype is None else converted(self.header, self.nodata, dtype)
 
-    def _prepare(self, view: View) -> None:
-        """Decodes a picture in one tile before memory is taken for its samples: a tile that is not sound costs none."""
-        with self._lock:
-            self._check_open()
-            if self.grid.count == 1:
-                self._tiles.tile(0)
-
-    def _draw(self, view: View, out: NDArray[Any], dtype: str | None, top: int = 0) -> None:
-        """Fills out [rows, columns, C] with samples of the view from its row `top` on, floats as they are for None."""
-        inner, left, first = inner_view(view, self.width, self.height)
-        with self._lock:
-            self._check_open()
-            if inner == view:
-                self._draw_inside(view, out, dtype, top)
-                return
-            out[...] = blank(self, self._header(dtype))
-            start, stop = max(top, first), min(top + len(out), first + inner.rows)
-            if start < stop and inner.columns:
-                part = out[start - top : stop - top, left : left + inner.columns]
-                self._draw_inside(inner, part, dtype, start - first)
-
-    def _draw_inside(self, view: View, out: NDArray[Any], dtype: str | None, top: int) -> None:
-        small = overview_view(self.header, view) if self.has_overview and not self.exact else None
-        if small is not None:
-            self.overview.dither = self.dither
-            self.overview._draw_inside(small, out, dtype, top)
-            return
-        header = self._header(dtype)
-        mapping = None if dtype is None else sample_mapping(header)
-        dither = self.dither and dtype == "uint8" != self.header.sample_type
-        render_view(header, self._tiles, view, out, mapping, self.device, top, dither)
-
-    @property
-    def has_overview(self) -> bool:
-        """Whether the stream carries the picture in small."""
-        return self._chunks.has_overview
+    def _draw(self, view: View, out: NDArray[Any], top: int = 0, mapped: bool = True) -> None:
+        """Fills out [rows, columns, C] with samples of its type, of the view from its row `top` on. Values as they are
+        where they are not `mapped`.
+        """
+        self._open_native().draw(view, top, out, mapped, self.exact, self.dither)
 
     @property
     def overview(self) -> Stream:
         """The stream that shows the picture in small. Raises StreamError, UsageError where there is none."""
-        with self._lock:
-            self._check_open()
-            if self._overview is None:
-                payload = self._chunks.overview()
-                if payload is None:
-                    raise UsageError("there is no overview")
-                try:
-                    small = Stream(payload, device=self.device, is_overview=True)
-                    self._overview = _checked_overview(small, self.header)
-                except StreamError as error:
-                    raise type(error)(f"overview: {error}") from error.__cause__
-            return self._overview
+        native = self._open_native()
+        if self._overview is None:
+            small = native.overview
+            self._overview = Stream(native.overview_bytes, device=self.device, native=small)
+        return self._overview
 
     def payload(self, number: int) -> bytes:
         """What the chunk of a tile holds. Raises CorruptStreamError."""
-        with self._lock:
-            self._check_open()
-            return self._chunks.tile(number)
-
-    def tile(self, number: int) -> TileRenderer:
-        """A decoded tile. Raises CorruptStreamError or LimitError."""
-        with self._lock:
-            self._check_open()
-            return self._tiles.tile(number)
+        return self._open_native().tile(number)
 
 
 def open_stream(source: str | os.PathLike[str] | BytesLike | BinaryIO, device: Device = ALL_CORES) -> Stream:
     """Opens a stream from a path, a URL, bytes of any kind or a binary file object. Raises StreamError if it is none.
 
-    device: what decodes it; ValueError later for an instruction set that this machine lacks.
+    device: what decodes it; ValueError for an instruction set that this machine lacks.
     """
     check_device(device)
     if isinstance(source, str | os.PathLike):
@@ -321,28 +272,37 @@ def open_stream(source: str | os.PathLike[str] | BytesLike | BinaryIO, device: D
     return Stream(source, device=device)  # type: ignore[arg-type]
 
 
+def _opened(source: bytes | BinaryIO | int, device: Device) -> _native.Stream:
+    return _native.Stream(source, device.threads, device.isa, CACHE_BYTES, BLOCK_SAMPLES)
+
+
+def _is_url(path: str) -> bool:
+    if "://" not in path:
+        return False
+    from sgicodec.remote.url import is_url  # takes long to load
+
+    return is_url(path)
+
+
+def _file_at(path: str) -> BinaryIO:
+    if not _is_url(path):
+        return Path(path).open("rb")
+    from sgicodec.remote.url import open_url
+
+    return open_url(path)
+
+
 def _open_file(path: str, device: Device) -> Stream:
     try:
-        file = open_url(path) if is_url(path) else Path(path).open("rb")  # noqa: SIM115 (the stream closes it)
+        file = _file_at(path)
     except (OSError, ValueError) as error:
         text = getattr(error, "strerror", None) or error
         raise StreamError(f"{os.fsencode(path).decode('utf-8', 'replace')}: {text}") from error
     try:
-        return Stream(file, path, device)
+        native = None
+        if os.name == "posix" and isinstance(file, BufferedReader) and file.seekable():
+            native = _opened(file.fileno(), device)  # which reads by itself, without Python
+        return Stream(file, path, device, native)
     except BaseException:
         file.close()
         raise
-
-
-def _checked_overview(stream: Stream, header: Header) -> Stream:
-    """The overview, if it has the size and the samples that the picture's has to have."""
-    found, size = stream.header, overview_size(header.width, header.height)
-    if size == (header.width, header.height):
-        raise CorruptStreamError("it is no smaller than the picture")
-    if (found.width, found.height) != size:
-        raise CorruptStreamError(f"it has {found.width}×{found.height} pixels, not {size[0]}×{size[1]}")
-    if (found.channels, found.spec.channels) != (header.channels, header.spec.channels):
-        raise CorruptStreamError("its channels are not the picture's")
-    if (found.sample_type, found.sample_range) != (header.sample_type, header.sample_range):
-        raise CorruptStreamError("its samples are not of the picture's type and range")
-    return stream

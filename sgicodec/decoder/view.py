@@ -1,4 +1,4 @@
-"""A view: a region of the picture at a scale, and the part of the overview that shows the same."""
+"""A view: a region of the picture at a scale."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ from collections.abc import Sequence
 from numbers import Integral, Real
 from typing import Any, NamedTuple
 
+from sgicodec import _native
+from sgicodec._native import overview_size
 from sgicodec.bitstream.header import MAX_SIDE, Header
 from sgicodec.decoder.levels import Level
 from sgicodec.errors import LimitError, RegionError, UsageError
 
 __all__ = [
     "MAX_OUTPUT_SAMPLES",
-    "OVERVIEW",
     "Region",
     "Size",
     "View",
     "inner_view",
     "level_view",
     "overview_size",
-    "overview_view",
     "region_of_level",
     "view_of",
 ]
@@ -33,11 +33,6 @@ Size = tuple[int | None, int | None]
 
 MAX_OUTPUT_SAMPLES = 1 << 31
 """Most samples (pixels times channels) that one call renders."""
-
-OVERVIEW = 16
-"""Pixels of the picture's side for each of its overview's."""
-
-_ROUNDING = 1e-9
 
 
 class View(NamedTuple):
@@ -109,44 +104,8 @@ def region_of_level(header: Header, levels: Sequence[Level], level: int, region:
 
 def inner_view(view: View, width: int, height: int) -> tuple[View, int, int]:
     """The part of a view whose pixels have their centres in the picture, and its first column and row."""
-    left, columns = _inner(view.x, view.sx, view.columns, width)
-    top, rows = _inner(view.y, view.sy, view.rows, height)
-    if (columns, rows) == (view.columns, view.rows):
-        return view, 0, 0
-    return View(view.x + left / view.sx, view.y + top / view.sy, view.sx, view.sy, columns, rows), left, top
-
-
-def _inner(start: float, scale: float, count: int, size: int) -> tuple[int, int]:
-    first = max(0, math.ceil(-start * scale - 0.5 - _ROUNDING))
-    return first, max(0, min(count, math.ceil((size - start) * scale - 0.5 - _ROUNDING)) - first)
-
-
-def overview_size(width: int, height: int) -> tuple[int, int]:
-    """Columns and rows of a picture's overview."""
-    return max(1, round(width / OVERVIEW)), max(1, round(height / OVERVIEW))
-
-
-def overview_view(header: Header, view: View) -> View | None:
-    """What of the picture's overview a view shows; None for one that shows more than the overview holds, and of an
-    overview that is no smaller than the picture.
-    """
-    columns, rows = overview_size(header.width, header.height)
-    if (columns, rows) == (header.width, header.height):
-        return None
-    across, down = columns / header.width, rows / header.height
-    sx, sy = _near_one(view.sx / across), _near_one(view.sy / down)
-    if _enlarges(view.columns, sx) or _enlarges(view.rows, sy):
-        return None
-    return View(view.x * across, view.y * down, sx, sy, view.columns, view.rows)
-
-
-def _near_one(scale: float) -> float:
-    return 1.0 if abs(scale - 1) < _ROUNDING else scale
-
-
-def _enlarges(count: int, scale: float) -> bool:
-    """Whether `count` output pixels are more than the pixels that they show, rounded up."""
-    return count > math.ceil(count / scale - _ROUNDING)
+    inner, left, top = _native.inner_view(view, width, height)
+    return View(*inner), left, top
 
 
 def _output_size(width: int, height: int, scale: float | None, size: Size | None) -> tuple[int, int]:

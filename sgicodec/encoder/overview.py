@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.decoder.nodata import store_nodata
 from sgicodec.decoder.view import overview_size
+from sgicodec.encoder.nodata import store_nodata
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.model.tile_grid import Rect

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec._native import from_luma_space
 from sgicodec.model.gaussians import colour_matrix
 
 __all__ = ["from_luma_space", "to_luma_space"]
@@ -28,8 +29,3 @@ def to_luma_space(channels: int) -> F64:
     wanted = [3**0.5 * LUMA, 0.5**0.5 * np.array([1.0, 0.0, -1.0]), 1.5**0.5 * (2 * LUMA - ends)]
     matrix[:3, :3] = opponent.T @ (np.array([1.0, *DIFFERENCES])[:, None] * wanted)
     return matrix
-
-
-def from_luma_space(channels: int) -> F64:
-    """The inverse of `to_luma_space`."""
-    return np.asarray(np.linalg.inv(to_luma_space(channels)), np.float64)

@@ -19,7 +19,6 @@ import torch
 from sgicodec import EncodeSettings, Picture, Stream, encode_picture, read
 from sgicodec.bitstream.parts import tile
 from sgicodec.bitstream.parts.attributes import AttributeWriter
-from sgicodec.decoder import tile_renderer as drawn_tile
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.metrics.psnr import psnr
@@ -174,12 +173,12 @@ def test_a_region_is_the_crop_of_the_picture(stream: Stream, region: tuple[int, 
 
 
 @pytest.mark.parametrize("scale", [None, 0.37, 2.0])
-def test_blocks_do_not_show(stream: Stream, scale: float | None, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_blocks_do_not_show(data: bytes, stream: Stream, scale: float | None, monkeypatch: pytest.MonkeyPatch) -> None:
     whole, pixels = stream.render(scale=scale), stream.picture(scale=scale).pixels
-    monkeypatch.setattr(drawn_tile, "BLOCK_SAMPLES", 2000)
-    monkeypatch.setattr(drawn_tile, "BLOCK_COLUMNS", 50)
-    np.testing.assert_array_equal(stream.render(scale=scale), whole)
-    np.testing.assert_array_equal(stream.picture(scale=scale).pixels, pixels)
+    monkeypatch.setattr("sgicodec.decoder.stream.BLOCK_SAMPLES", 2000)
+    blocks = open_stream(data)
+    np.testing.assert_array_equal(blocks.render(scale=scale), whole)
+    np.testing.assert_array_equal(blocks.picture(scale=scale).pixels, pixels)
 
 
 def test_enlarging_keeps_the_values_at_the_old_pixels(stream: Stream) -> None:

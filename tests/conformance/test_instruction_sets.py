@@ -27,7 +27,7 @@ def test_symbols_and_pixels(name: str) -> None:
         assert np.abs(stream.render(scale=0.7) - scaled).max() < 1 / 255
         assert np.abs(stream.render(scale=1 / 16) - usual.render(scale=1 / 16)).max() < 1 / 255
         for number in range(stream.grid.count):
-            ours, theirs = (one._tiles.decoded(number).model for one in (stream, usual))
+            ours, theirs = (one.tile_model(number) for one in (stream, usual))
             assert ours is not None
             assert theirs is not None
             np.testing.assert_array_equal(ours.decoded, theirs.decoded)

@@ -111,7 +111,7 @@ def test_an_index_decodes_only_the_tiles_that_it_touches(data: bytes) -> None:
     with sgicodec.open(data) as stream:
         assert stream.grid.count == 4
         _ = stream[:8, :8]
-        assert len(stream._tiles) == 1
+        assert stream._open_native().tiles()[0] == 1
 
 
 def test_regions_may_reach_over_the_picture(data: bytes, whole: np.ndarray) -> None:
@@ -180,7 +180,7 @@ def test_closed(data: bytes, tmp_path: Path) -> None:
     stream.close()
     stream.close()
     assert stream.closed
-    for use in (stream.read, stream.survey, lambda: stream[0], lambda: stream.tile(0), lambda: stream.payload(0)):
+    for use in (stream.read, stream.survey, lambda: stream[0], lambda: stream.overview, lambda: stream.payload(0)):
         with pytest.raises(UsageError, match="the stream is closed"):
             use()
     assert stream.shape == (64, 96, 3)
@@ -193,7 +193,7 @@ def test_several_threads_may_use_a_stream_at_once(
     path = tmp_path / "a.sgi"
     sgicodec.imwrite(path, pixels, steps=1, tile=32)
     whole = sgicodec.imread(path)
-    monkeypatch.setattr("sgicodec.decoder.tile_cache.CACHE_BYTES", 0)
+    monkeypatch.setattr("sgicodec.decoder.stream.CACHE_BYTES", 0)
     rng, interval = np.random.default_rng(0), sys.getswitchinterval()
     corners = [(int(x), int(y)) for x, y in zip(rng.integers(0, 56, 60), rng.integers(0, 30, 60), strict=True)]
     sys.setswitchinterval(1e-6)

@@ -6,8 +6,6 @@ import io
 import zlib
 from dataclasses import replace
 from pathlib import Path
-from threading import get_ident
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +14,7 @@ from sgicodec import Encoded, EncodeSettings, Picture, encode_picture, read
 from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.bitstream.varint import decode_varint
 from sgicodec.decoder.stream import open_stream
-from sgicodec.decoder.tile_renderer import TileRenderer
+from sgicodec.decoder.view import view_of
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.errors import CorruptStreamError, UsageError
 from sgicodec.metrics.psnr import psnr
@@ -92,10 +90,10 @@ def test_bands_are_the_picture(
 def test_few_tiles_are_kept(coded: tuple[Picture, Encoded], monkeypatch: pytest.MonkeyPatch) -> None:
     stream = open_stream(coded[1].data)
     whole = stream.picture().pixels
-    monkeypatch.setattr("sgicodec.decoder.tile_cache.CACHE_BYTES", 0)
+    monkeypatch.setattr("sgicodec.decoder.stream.CACHE_BYTES", 0)
     again = open_stream(coded[1].data)
     np.testing.assert_array_equal(again.picture().pixels, whole)
-    assert len(again._tiles) <= 4
+    assert again._open_native().tiles()[0] <= 4
 
 
 def test_scaled_views_agree_with_averages(coded: tuple[Picture, Encoded]) -> None:
@@ -116,44 +114,36 @@ def test_tiles_without_a_base_layer_are_drawn(coded: tuple[Picture, Encoded]) ->
 
 
 @pytest.mark.parametrize("scale", [None, 1 / 5])
-def test_tiles_are_decoded_side_by_side(
-    coded: tuple[Picture, Encoded], scale: float | None, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    alone = open_stream(coded[1].data, ONE_THREAD).picture(scale=scale).pixels
-    used: set[int] = set()
-    init = TileRenderer.__init__
-
-    def noted(self: TileRenderer, *arguments: Any) -> None:
-        used.add(get_ident())
-        init(self, *arguments)
-
-    monkeypatch.setattr(TileRenderer, "__init__", noted)
-    np.testing.assert_array_equal(open_stream(coded[1].data, Device(3)).picture(scale=scale).pixels, alone)
-    assert used
-    assert get_ident() not in used
-    used.clear()
-    open_stream(coded[1].data, ONE_THREAD).picture(scale=scale)
-    assert used == {get_ident()}
+def test_tiles_are_decoded_side_by_side(coded: tuple[Picture, Encoded], scale: float | None) -> None:
+    alone, side_by_side = (open_stream(coded[1].data, device) for device in (ONE_THREAD, Device(3)))
+    pixels = alone.picture(scale=scale).pixels
+    np.testing.assert_array_equal(side_by_side.picture(scale=scale).pixels, pixels)
+    assert alone._open_native().tiles() == (6, 6, 0)
+    assert side_by_side._open_native().tiles() == (6, 6, 6)
 
 
-def test_few_tiles_are_decoded_ahead(coded: tuple[Picture, Encoded], monkeypatch: pytest.MonkeyPatch) -> None:
-    """No more than there are threads, and one: the first of six tiles is not drawn before the last is begun."""
-    begun: list[int] = []
-    stream = open_stream(coded[1].data, Device(2))
-    payload = stream._chunks.tile
-    monkeypatch.setattr(stream._chunks, "tile", lambda number: begun.append(number) or payload(number))
-    drawn_after: list[int] = []
-    draw = TileRenderer.draw
+@pytest.mark.parametrize(("missing", "drawn"), [(3, False), (4, True)])
+def test_few_tiles_are_read_ahead(coded: tuple[Picture, Encoded], missing: int, drawn: bool) -> None:
+    """No more than there are threads, and one: of six tiles the first four are read before the first is drawn."""
+    middle = sum(_tile_chunks(coded[1].data)[missing]) // 2
 
-    def noted(self: TileRenderer, *arguments: Any) -> None:
-        drawn_after.append(len(begun))
-        draw(self, *arguments)
+    class Failing(io.BytesIO):
+        is_gone = False
 
-    monkeypatch.setattr(TileRenderer, "draw", noted)
-    stream.picture()
-    assert begun == list(range(6))
-    assert drawn_after[0] == 4
-    assert drawn_after[-1] == 6
+        def read(self, size: int | None = -1) -> bytes:
+            start = self.tell()
+            data = super().read(size)
+            if self.is_gone and start <= middle < start + len(data):
+                raise OSError("gone")
+            return data
+
+    source = Failing(coded[1].data)
+    stream = open_stream(source, Device(2))
+    source.is_gone = True
+    samples = np.full((256, 336, 3), np.nan, np.float32)
+    with pytest.raises(OSError, match="gone"):
+        stream._draw(view_of(stream.header, None, None, None), samples, mapped=False)
+    assert np.isfinite(samples[0, 0]).all() == drawn
 
 
 class Counting(io.BytesIO):
@@ -185,6 +175,7 @@ def test_a_region_reads_its_tiles_alone(coded: tuple[Picture, Encoded]) -> None:
     source = Counting(coded[1].data)
     stream = open_stream(source)
     opening = sum(end - begin for begin, end in source.ranges)
+    source.ranges.clear()
     stream.picture((10, 10, 50, 50))
     read_bytes = np.zeros(len(coded[1].data), bool)
     for begin, end in source.ranges:
@@ -192,8 +183,9 @@ def test_a_region_reads_its_tiles_alone(coded: tuple[Picture, Encoded]) -> None:
     chunks = _tile_chunks(coded[1].data)
     assert read_bytes[slice(*chunks[0])].all()
     for number in range(1, 6):
-        assert not read_bytes[slice(*chunks[number])].any()
-    assert opening < 400
+        begin, end = chunks[number]
+        assert not read_bytes[begin + 16 : end].any()
+    assert opening < 4096 + 400
 
 
 def test_a_pipe_is_enough(coded: tuple[Picture, Encoded]) -> None:

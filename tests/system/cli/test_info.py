@@ -69,7 +69,7 @@ def test_cells_of_texture_are_counted_by_size(sgi: Run, tmp_path: Path) -> None:
         assert sgi("encode", tmp_path / "a.png", path, "--steps", 2, "--tile", tile, "-q", 60).exit_code == 0
         facts = json.loads(sgi("info", path, "--survey", "--json").stdout)
         with open_stream(path) as opened:
-            models = [opened._tiles.decoded(number).model for number in range(opened.grid.count)]
+            models = [opened.tile_model(number) for number in range(opened.grid.count)]
         counts = [model.texture.counts for model in models if model is not None and model.texture is not None]
         cells = {str(side): sum(each[side] for each in counts) for side in (8, 16, 32)}
         assert facts["texture_cells"] == cells

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sgicodec.device import ONE_THREAD, Device
+from sgicodec._native import base_view
 from sgicodec.model.base import base_shape, render_base
-from sgicodec.model.base_view import base_view
 
 CELL = 32
 WIDTH, HEIGHT = 150, 70
@@ -25,12 +24,12 @@ def drawn(
     scale: tuple[float, float],
     start: tuple[int, int] = (0, 0),
     first: tuple[int, int] = (0, 0),
-    device: Device = ONE_THREAD,
+    threads: int = 1,
 ) -> np.ndarray:
-    view = base_view(grid, CELL, start, scale, first, size, device)
+    lines, top, down = base_view(grid, CELL, start, scale, first, size, threads)
     image = np.zeros((2, size[1], size[0]))
-    for tap in range(view.down.shape[1]):
-        image += view.lines[:, view.top + tap] * view.down[:, tap, None]
+    for tap in range(down.shape[1]):
+        image += lines[:, top + tap] * down[:, tap, None]
     return image
 
 
@@ -67,5 +66,5 @@ def test_blocks_are_parts_of_the_whole(grid: np.ndarray, scale: float) -> None:
     size = (max(2, int(WIDTH * scale)), max(2, int(HEIGHT * scale)))
     whole = drawn(grid, size, (scale, scale), (3, 1))
     for left, top in ((0, 0), (1, 1), (size[0] // 2, size[1] // 3)):
-        block = drawn(grid, (size[0] - left, size[1] - top), (scale, scale), (3, 1), (left, top), device=Device(2))
+        block = drawn(grid, (size[0] - left, size[1] - top), (scale, scale), (3, 1), (left, top), threads=2)
         np.testing.assert_array_equal(block, whole[:, top:, left:])
