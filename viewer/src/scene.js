@@ -130,7 +130,7 @@ export class Scene extends EventTarget {
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.clearRect(0, 0, canvas.width, canvas.height);
     context.imageSmoothingEnabled = true;
-    context.imageSmoothingQuality = "medium";
+    context.imageSmoothingQuality = "low"; // tiles have at most twice the screen's pixels; more costs frames
     const edge = Math.round(this.split * canvas.width);
     for (const [number, layer] of this.layers.entries()) {
       context.save();

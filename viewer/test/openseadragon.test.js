@@ -1,0 +1,78 @@
+/** SgiTileSource in OpenSeadragon, on the demo's page. */
+
+import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
+import { once } from "node:events";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { launch, pageOf, shot } from "./browser.js";
+import { GOLDEN, PYTHON, ROOT, decoded } from "./command.js";
+import { rgba } from "./png.js";
+import { serve } from "./server.js";
+
+let browser, server, command, address;
+
+before(async () => {
+  server = await serve({ "/files/": GOLDEN, "/": join(ROOT, "viewer") });
+  browser = await launch();
+  command = spawn(PYTHON, ["-m", "sgicodec", "serve", GOLDEN, "--port", "0"], { stdio: ["ignore", "ignore", "pipe"] });
+  const [line] = await once(command.stderr, "data");
+  address = /http:\/\/[\d.]+:\d+/.exec(line)[0];
+});
+
+after(async () => {
+  await browser?.close();
+  await server?.close();
+  command?.kill();
+});
+
+const drawn = () => globalThis.viewer?.world.getItemCount() === 1 && viewer.world.getItemAt(0).getFullyLoaded();
+
+test("a stream in OpenSeadragon, beyond its own pixels", async () => {
+  const page = await pageOf(browser, `${server.address}/demo/openseadragon.html?file=/files/rgb8-texture.sgi`);
+  await page.waitForFunction(drawn, null, { polling: 50 });
+  const size = await page.evaluate(() => viewer.world.getItemAt(0).getContentSize());
+  assert.deepEqual([size.x, size.y], [192, 128]);
+  await page.evaluate(() => {
+    viewer.navigator.element.remove();
+    document.querySelectorAll(".openseadragon-container > div:not(.openseadragon-canvas)").forEach((part) => part.remove());
+    const box = viewer.viewport.imageToViewportRectangle(20, 10, 100, 75); // at 8 pixels for each
+    viewer.viewport.fitBounds(box, true);
+  });
+  const sharp = () => viewer.world.getItemAt(0).viewer.world.getItemAt(0).lastDrawn.every(({ tile }) => tile.level === 3 && tile.opacity === 1) && viewer.world.getItemAt(0).getFullyLoaded();
+  await page.waitForFunction(sharp, null, { polling: 50 });
+  const expected = rgba(decoded(join(GOLDEN, "rgb8-texture.sgi"), "--region", "20,10,100,75", "--scale", 8));
+  const found = await shot(page, 800, 600);
+  const apart = found.reduce((sum, value, at) => sum + Math.abs(value - expected[at]), 0) / found.length;
+  assert.ok(apart < 0.5, `${apart} levels apart on average`);
+  assert.deepEqual(page.errors, []);
+  await page.context().close();
+});
+
+test("what cannot be opened", async () => {
+  const page = await pageOf(browser, `${server.address}/demo/openseadragon.html?file=/files/absent.sgi`);
+  await page.waitForSelector(".openseadragon-message");
+  assert.match(await page.textContent(".openseadragon-message"), /no such file/);
+  await page.context().close();
+});
+
+for (const place of ["/iiif/3/rgb8-texture.sgi/info.json", "/dzi/rgb8-texture.sgi.dzi"]) {
+  test(`what sgi serve draws, in OpenSeadragon: ${place}`, async () => {
+    const page = await pageOf(browser, `${server.address}/demo/openseadragon.html?file=/files/rgb8.sgi`);
+    await page.waitForFunction(drawn, null, { polling: 50 });
+    await page.evaluate((url) => viewer.open(url), `${address}${place}`);
+    await page.waitForFunction(
+      () => {
+        const item = viewer.world.getItemAt(0);
+        return item && !("decoder" in item.source) && item.lastDrawn.length > 0;
+      },
+      null,
+      { polling: 50 },
+    );
+    await page.waitForFunction(drawn, null, { polling: 50 });
+    const size = await page.evaluate(() => viewer.world.getItemAt(0).getContentSize());
+    assert.deepEqual([size.x, size.y], [192, 128]);
+    assert.deepEqual(page.errors, []);
+    await page.context().close();
+  });
+}
