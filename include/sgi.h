@@ -70,6 +70,9 @@ typedef struct sgi_options {
   uint64_t cache_bytes; /* what decoded tiles may take between calls; 0: 256 MiB */
   sgi_proceed proceed;  /* may be null */
   void *proceed_user;   /* what it is called with */
+  /* What one tile may take while it is decoded, besides 64 MiB: one that may take more is SGI_ERROR_LIMIT before it
+   * does. As many tiles as there are threads are decoded at once. 0: the caps of the format. */
+  uint64_t tile_bytes;
 } sgi_options;
 
 typedef struct sgi_info {

@@ -16,10 +16,10 @@ constexpr int64_t kMaxSamples = int64_t(1) << 31;
 constexpr int64_t kMaxBaseValues = 1 << 22, kMaxBaseLines = 1 << 20;
 constexpr int64_t kMaxWeights = 1 << 22;  // of all networks together
 constexpr int64_t kMaxSigns = 1 << 22;
-// Numbers (about 24 bytes each) that seeds may take while they are decoded, however short the payload, and how many
+// Numbers (kValueBytes each, about) that seeds may take while they are decoded, however short the payload, and how many
 // more for each of its bytes; real seeds take two to ten bytes, and a hundred values each.
-constexpr int64_t kFreeValues = 1 << 25, kValuesPerByte = 128;
-constexpr int64_t kMaxTextureSamples = 1 << 26;  // whole roots counted: up to twelve bytes each while it is decoded
+constexpr int64_t kFreeValues = 1 << 25, kValuesPerByte = 128, kValueBytes = 24;
+constexpr int64_t kMaxTextureSamples = 1 << 26, kTextureBytes = 12;  // whole roots counted; each while it is decoded
 
 void limit(int64_t count, int64_t most, const std::string &what) {
   if (count > most)
@@ -75,14 +75,23 @@ void check_model(const ModelSpec &spec, int64_t width, int64_t height) {
   limit(signs, kMaxSigns, "hash grid: signs");
 }
 
-int64_t max_seeds(const ModelSpec &spec, int64_t width, int64_t height, int64_t payload_bytes) {
-  const int64_t values = (kFreeValues + kValuesPerByte * payload_bytes) / values_per_seed(spec);
-  return std::min(values, std::max(int64_t(64), 2 * width * height));
+int64_t max_seeds(const ModelSpec &spec, int64_t width, int64_t height, int64_t payload_bytes, int64_t memory) {
+  const int64_t values = std::min(kFreeValues + kValuesPerByte * payload_bytes, memory / kValueBytes);
+  return std::min(values / values_per_seed(spec), std::max(int64_t(64), 2 * width * height));
 }
 
-void check_texture(int channels, int64_t width, int64_t height) {
-  limit(texture_roots(width) * texture_roots(height) * channels * (1 << 2 * kTextureRoot), kMaxTextureSamples,
-        pixels(width, height) + "samples with texture");
+int64_t left_by_base(int64_t values, int64_t memory) {
+  limit(values, memory / kValueBytes, "base layer: values");
+  return memory - kValueBytes * values;
+}
+
+int64_t left_by_seeds(const ModelSpec &spec, int64_t count, int64_t memory) {
+  return memory - kValueBytes * values_per_seed(spec) * count;
+}
+
+void check_texture(int channels, int64_t width, int64_t height, int64_t memory) {
+  limit(texture_roots(width) * texture_roots(height) * channels * (1 << 2 * kTextureRoot),
+        std::min(kMaxTextureSamples, memory / kTextureBytes), pixels(width, height) + "samples with texture");
 }
 
 }  // namespace sgi

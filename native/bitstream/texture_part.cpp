@@ -58,9 +58,10 @@ const BitModels &shipped_texture_models(bool dependent) {
   return models[dependent];
 }
 
-std::optional<CodedTexture> read_texture_part(SymbolReader &reader, int64_t width, int64_t height, int channels) {
+std::optional<CodedTexture> read_texture_part(SymbolReader &reader, int64_t width, int64_t height, int channels,
+                                              int64_t memory) {
   if (!reader.number(1)) return std::nullopt;
-  check_texture(channels, width, height);
+  check_texture(channels, width, height, memory);
   const int models = reader.number(kModelsBits);
   if (models != kIndependent && models != kDependent)
     throw Error(Fault::unsupported, "texture: models " + std::to_string(models) + "; this program has models 1 and 2");

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "bitstream/limits.hpp"
 #include "bitstream/symbol_reader.hpp"
 #include "bitstream/texture_cells.hpp"
 #include "bitstream/texture_models.hpp"
@@ -32,8 +33,9 @@ struct CodedTexture {
 // The state of the adaptive models with which a layer begins.
 const BitModels &shipped_texture_models(bool dependent);
 
-// A tile's layer, none where it has none. Throws Error: limit for a tile that is too large, unsupported for models of
-// another number, corrupt.
-std::optional<CodedTexture> read_texture_part(SymbolReader &reader, int64_t width, int64_t height, int channels);
+// A tile's layer, none where it has none. Throws Error: limit for a tile that is too large or takes more memory,
+// unsupported for models of another number, corrupt.
+std::optional<CodedTexture> read_texture_part(SymbolReader &reader, int64_t width, int64_t height, int channels,
+                                              int64_t memory = kAnyMemory);
 
 }  // namespace sgi

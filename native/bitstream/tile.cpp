@@ -32,9 +32,9 @@ Part part_of(GroupName name) {
 // One reading of a payload, part after part.
 class TileReader {
  public:
-  TileReader(const Header &header, Bytes payload, int threads, Isa isa)
+  TileReader(const Header &header, Bytes payload, int threads, Isa isa, int64_t memory)
       : header_(header), spec_(header.spec), threads_(threads), isa_(isa), reader_(payload),
-        most_seeds_(max_seeds(spec_, header.width, header.height, int64_t(payload.size))) {}
+        payload_bytes_(int64_t(payload.size)), memory_(memory) {}
 
   TileModel read(bool checked) {
     read_part(Part::steps, &TileReader::read_plan);
@@ -75,20 +75,23 @@ class TileReader {
     columns_ = (header_.width + spec_.base_cell - 1) / spec_.base_cell;
     model_.base_step = reader_.number(kBaseStepBits);
     if (model_.base_step >= kStepCount) throw Error(Fault::corrupt, "base layer: a step outside the table of steps");
+    memory_ = left_by_base(spec_.channels * rows_ * columns_, memory_);
     model_.base = read_base(reader_, spec_.channels, rows_, columns_);
   }
 
   void read_seeds() {
     Seeds seeds;
+    const int64_t most = max_seeds(spec_, header_.width, header_.height, payload_bytes_, memory_);
     if (spec_.predicted_seeds) {
       const auto scenery =
           std::make_shared<const TreeScenery>(header_.width, header_.height, model_.base.data(), spec_.channels, rows_,
                                               columns_, spec_.base_cell, header_.quality);
-      seeds = read_predicted_positions(reader_, scenery, most_seeds_, threads_, isa_);
+      seeds = read_predicted_positions(reader_, scenery, most, threads_, isa_);
     } else {
       const int least = spec_.layout == SeedLayoutKind::uniform ? 0 : 1;
-      seeds = read_positions(reader_, {header_.width, header_.height, kTreeRoot, least}, most_seeds_);
+      seeds = read_positions(reader_, {header_.width, header_.height, kTreeRoot, least}, most);
     }
+    memory_ = left_by_seeds(spec_, int64_t(seeds.log_size.size()), memory_);
     model_.corner = std::move(seeds.corner), model_.log_size = std::move(seeds.log_size);
   }
 
@@ -130,7 +133,7 @@ class TileReader {
   }
 
   void read_texture() {
-    model_.coding.texture = read_texture_part(reader_, header_.width, header_.height, spec_.channels);
+    model_.coding.texture = read_texture_part(reader_, header_.width, header_.height, spec_.channels, memory_);
   }
 
   const Header &header_;
@@ -138,7 +141,7 @@ class TileReader {
   int threads_;
   Isa isa_;
   SymbolReader reader_;
-  int64_t most_seeds_;
+  int64_t payload_bytes_, memory_;  // bytes, what is left
   int64_t rows_ = 0, columns_ = 0;  // of the base layer
   std::optional<HashGrid> grid_;
   TileModel model_;
@@ -151,9 +154,9 @@ std::optional<TextureCells> TileModel::texture() const {
   return coding.texture->cells();
 }
 
-TileModel read_tile(const Header &header, Bytes payload, int threads, Isa isa, bool checked) {
+TileModel read_tile(const Header &header, Bytes payload, int threads, Isa isa, bool checked, int64_t memory) {
   check_model(header.spec, header.width, header.height);
-  return TileReader(header, payload, threads, isa).read(checked);
+  return TileReader(header, payload, threads, isa, memory).read(checked);
 }
 
 }  // namespace sgi

@@ -9,6 +9,7 @@
 #include "base/bytes.hpp"
 #include "base/isa.hpp"
 #include "bitstream/header.hpp"
+#include "bitstream/limits.hpp"
 #include "bitstream/mask.hpp"
 #include "bitstream/part.hpp"
 #include "bitstream/shipped_networks.hpp"
@@ -49,8 +50,9 @@ struct TileModel {
 
 // The model of a payload; `header` is the tile's own (Header::of_tile). Throws Error: corrupt where the symbols are not
 // those that were written, limit before it takes memory for a model beyond the caps. Without `checked` the checksum of
-// symbols is not compared: for tests, which forge payloads.
-TileModel read_tile(const Header &header, Bytes payload, int threads, Isa isa, bool checked = true);
+// symbols is not compared: for tests, which forge payloads. `memory`: bytes that the tile may take, besides some MiB.
+TileModel read_tile(const Header &header, Bytes payload, int threads, Isa isa, bool checked = true,
+                    int64_t memory = kAnyMemory);
 
 // The payload of a chunk T.
 struct TileChunk {

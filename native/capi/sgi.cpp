@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <locale>
 #include <memory>
@@ -85,33 +86,39 @@ void require(bool ok, const char *text) {
   if (!ok) misuse(text);
 }
 
-size_t size_of(const void *given, size_t known, const char *name) {
+// Up to the last fields of the first version, 0.1: a program may know no later one.
+constexpr size_t kLeastOptions = offsetof(sgi_options, tile_bytes) + sizeof(sgi_options::tile_bytes);
+constexpr size_t kLeastInfo = offsetof(sgi_info, file_bytes) + sizeof(sgi_info::file_bytes);
+constexpr size_t kLeastView = offsetof(sgi_view, no_dither) + sizeof(sgi_view::no_dither);
+
+size_t size_of(const void *given, size_t least, const char *name) {
   require(given, "a null pointer");
   size_t size;
   std::memcpy(&size, given, sizeof size);
-  if (size < known || size > kMostStruct)
+  if (size < least || size > kMostStruct)
     misuse(std::string(name) + ".struct_size is " + std::to_string(size) + "; set it to sizeof(" + name + ")");
   return size;
 }
 
-// What a caller gave, who may know a later version of the structure: what is beyond this one must be 0.
+// What a caller gave, who may know an earlier version of the structure, or a later one: what is beyond this one must be
+// 0.
 template <class T>
-T taken(const T *given, const char *name) {
-  const size_t size = size_of(given, sizeof(T), name);
+T taken(const T *given, size_t least, const char *name) {
+  const size_t size = size_of(given, least, name), known = std::min(size, sizeof(T));
   const auto *bytes = reinterpret_cast<const unsigned char *>(given);
-  if (std::any_of(bytes + sizeof(T), bytes + size, [](unsigned char byte) { return byte; }))
+  if (std::any_of(bytes + known, bytes + size, [](unsigned char byte) { return byte; }))
     misuse(std::string(name) + " asks for what this version of the library does not know");
-  T copy;
-  std::memcpy(&copy, given, sizeof copy);
+  T copy{};
+  std::memcpy(&copy, given, known);
   return copy;
 }
 
-// Fills what a caller wants filled, who may know a later version.
+// Fills what a caller wants filled, who may know an earlier or a later version.
 template <class T>
-void give(T *wanted, T found, const char *name) {
-  found.struct_size = size_of(wanted, sizeof(T), name);
+void give(T *wanted, T found, size_t least, const char *name) {
+  found.struct_size = size_of(wanted, least, name);
   std::memset(static_cast<void *>(wanted), 0, found.struct_size);
-  std::memcpy(static_cast<void *>(wanted), &found, sizeof found);
+  std::memcpy(static_cast<void *>(wanted), &found, std::min(found.struct_size, sizeof found));
 }
 
 // Reads by the caller's function.
@@ -150,10 +157,12 @@ sgi::DecoderSettings settings_of(const sgi_options *given) {
   sgi::DecoderSettings settings;
   settings.isa = sgi::choose_isa("auto");
   if (!given) return settings;
-  const sgi_options options = taken(given, "sgi_options");
+  const sgi_options options = taken(given, kLeastOptions, "sgi_options");
   require(options.threads >= 0, "options.threads must not be negative");
   settings.threads = std::min(options.threads, kMostThreads);
-  if (options.cache_bytes) settings.cache_bytes = int64_t(std::min(options.cache_bytes, uint64_t(INT64_MAX)));
+  const auto bytes = [](uint64_t given) { return int64_t(std::min(given, uint64_t(INT64_MAX))); };
+  if (options.cache_bytes) settings.cache_bytes = bytes(options.cache_bytes);
+  if (options.tile_bytes) settings.tile_memory = bytes(options.tile_bytes);
   if (options.proceed)
     settings.between = [options] {
       if (!options.proceed(options.proceed_user)) throw Stopped{};
@@ -282,7 +291,7 @@ const char *sgi_status_text(sgi_status status) {
 }
 
 sgi_status sgi_get_info(sgi_stream *stream, sgi_info *info) {
-  return guarded([&] { give(info, info_of(checked(stream)), "sgi_info"); });
+  return guarded([&] { give(info, info_of(checked(stream)), kLeastInfo, "sgi_info"); });
 }
 
 sgi_status sgi_get_level(sgi_stream *stream, uint32_t level, uint32_t *width, uint32_t *height) {
@@ -312,7 +321,7 @@ sgi_status sgi_get_metadata(sgi_stream *stream, sgi_metadata kind, const void **
 sgi_status sgi_draw(sgi_stream *stream, const sgi_view *view, void *buffer, size_t stride) {
   return guarded([&] {
     sgi::Stream &drawn = checked(stream).stream;
-    const sgi_view wanted = taken(view, "sgi_view");
+    const sgi_view wanted = taken(view, kLeastView, "sgi_view");
     const sgi::PictureView shown = picture_view(wanted, drawn.header());
     check_buffer(buffer, stride, wanted, drawn.header());
     constexpr sgi::Output outputs[] = {sgi::Output::u8, sgi::Output::u16, sgi::Output::f32};

@@ -82,7 +82,8 @@ TileRenderer::TileRenderer(const Header &header, Bytes payload, int threads, con
   mask_ = chunk.mask;
   facts_.mask_bytes = int64_t(payload.size - (is_empty_ ? 0 : chunk.model.size));
   gaussians_.channels = header_.spec.channels;
-  if (!is_empty_) take(read_tile(header_, chunk.model, threads, settings.isa, settings.checked), threads);
+  if (is_empty_) return;
+  take(read_tile(header_, chunk.model, threads, settings.isa, settings.checked, settings.tile_memory), threads);
 }
 
 void TileRenderer::take(const TileModel &model, int threads) {
@@ -157,8 +158,8 @@ void TileRenderer::draw_blocks(const PictureView &view, int64_t x, int64_t y, co
   const int64_t height = std::max<int64_t>(1, most / (width * header_.spec.channels));
   for (int64_t top = 0; top < block.rows; top += height)
     for (int64_t left = 0; left < block.columns; left += width) {
-      const PixelBlock part = format.part(block, left, top, std::min(width, block.columns - left),
-                                          std::min(height, block.rows - top));
+      const PixelBlock part =
+          format.part(block, left, top, std::min(width, block.columns - left), std::min(height, block.rows - top));
       draw_block(raster, gaussians, view, x + left, y + top, part, format, threads);
     }
 }
@@ -180,8 +181,13 @@ void TileRenderer::draw_block(Rasterizer &raster, const GaussianSet &gaussians, 
   }
   if (texture_) {
     planes.reset(new float[spec.channels * block.rows * block.columns]);
-    const Texture texture{texture_->corner.data(), texture_->log_size.data(), texture_->amplitudes.data(),
-                          int64_t(texture_->log_size.size()), spec.channels, header_.width, header_.height};
+    const Texture texture{texture_->corner.data(),
+                          texture_->log_size.data(),
+                          texture_->amplitudes.data(),
+                          int64_t(texture_->log_size.size()),
+                          spec.channels,
+                          header_.width,
+                          header_.height};
     draw_texture(texture, across, down, texture_mix_.empty() ? nullptr : texture_mix_.data(), threads, settings_.isa,
                  planes.get());
     behind.planes = planes.get(), behind.height = block.rows, behind.plane_width = block.columns;

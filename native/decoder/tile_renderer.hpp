@@ -21,6 +21,7 @@ struct DecoderSettings {
   int64_t block_samples = int64_t(1) << 27;  // drawn at a time; with texture, which is drawn to floats, a sixteenth
   std::function<void()> between = nullptr;   // called between tiles by who draws them; what it throws ends the call
   bool checked = true;                       // as of `read_tile`
+  int64_t tile_memory = kAnyMemory;          // as of `read_tile`
 };
 
 // What is known of a decoded tile besides what it draws.

@@ -118,7 +118,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   Numbers numbers(data, size);
   sgi_options options = {};
   options.struct_size = sizeof options, options.threads = 1 + int(numbers.below(3));
-  options.cache_bytes = numbers.below(2) ? 1 : 0;
+  options.cache_bytes = numbers.below(2) ? 1 : 0, options.tile_bytes = numbers.below(3) ? 0 : 1 << 24;
   sgi_stream *stream;
   const sgi_status status = told(sgi_open_memory(data, size, &options, &stream));
   EXPECT((status == SGI_OK) == (stream != nullptr));

@@ -64,6 +64,7 @@ class Options(ctypes.Structure):
         ("cache_bytes", ctypes.c_uint64),
         ("proceed", Proceed),
         ("proceed_user", ctypes.c_void_p),
+        ("tile_bytes", ctypes.c_uint64),
     )
 
 
