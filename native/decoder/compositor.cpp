@@ -157,9 +157,9 @@ void draw_view(const Header &header, TileCache &tiles, const PictureView &view, 
       if (drawing.between) drawing.between();
       std::vector<TileRenderer *> here;
       for (const int64_t number : tiles_of(grid, {row, column})) here.push_back(&tiles.tile(number));
-      compositor.draw({row, column}, here, column.first, top + row.first,
-                      drawing.format.part(block, column.first, row.first, column.last - column.first,
-                                          row.last - row.first));
+      compositor.draw(
+          {row, column}, here, column.first, top + row.first,
+          drawing.format.part(block, column.first, row.first, column.last - column.first, row.last - row.first));
     }
 }
 

@@ -7,7 +7,7 @@ namespace sgi {
 namespace {
 
 constexpr double kRounding = 1e-9;
-constexpr int64_t kOverview = 16;      // pixels of the picture's side for each of its overview's
+constexpr int64_t kOverview = 16;       // pixels of the picture's side for each of its overview's
 constexpr int64_t kSmallestSide = 256;  // the last level is the first one whose longer side is no longer
 
 // Half to even.

@@ -10,9 +10,9 @@ namespace sgi {
 
 // Row i of a block is the sum over t < taps of down[i][t] times line top[i] + t.
 struct BaseView {
-  std::vector<float> lines;   // [C, count, width]
-  std::vector<int32_t> top;   // [height]
-  std::vector<float> down;    // [height, taps]
+  std::vector<float> lines;  // [C, count, width]
+  std::vector<int32_t> top;  // [height]
+  std::vector<float> down;   // [height, taps]
   int64_t count;
   int taps;
 };
