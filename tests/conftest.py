@@ -77,7 +77,7 @@ def pyramid(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("pyramid") / "pyramid.sgi"
     y, x = np.mgrid[:300, :520]
     pixels = np.stack([x % 256, y % 256, (x + y) // 5], axis=2).astype(np.uint8)
-    imwrite(path, pixels, steps=3, tile=256, overview=False)
+    imwrite(path, pixels, steps=2, tile=256, rdoq=False, overview=False)
     return path
 
 
@@ -93,5 +93,5 @@ def on_map(tmp_path_factory: pytest.TempPathFactory) -> Path:
     place = rasterio.transform.from_origin(500000, 5400000, 10, 10)
     with rasterio.open(folder / "map.tif", "w", driver="GTiff", transform=place, **profile) as file:
         file.write(heights, 1)
-    imwrite(folder / "map.sgi", folder / "map.tif", steps=4, tile=256)
+    imwrite(folder / "map.sgi", folder / "map.tif", steps=2, tile=256, rdoq=False)
     return folder / "map.sgi"
