@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any
 
 from sgicodec.errors import require
@@ -88,7 +90,14 @@ class SgiCodec(ArrayBytesCodec, ArrayBytesCodecPartialDecodeMixin):
             with open_stream(source) as stream:
                 return read_selection(stream, chunk_spec.shape, chunk_spec.dtype.to_native_dtype(), selection)
 
-        return chunk_spec.prototype.nd_buffer.from_numpy_array(await asyncio.to_thread(read))
+        pixels = await asyncio.get_running_loop().run_in_executor(_decoders(), read)
+        return chunk_spec.prototype.nd_buffer.from_numpy_array(pixels)
+
+
+@cache
+def _decoders() -> ThreadPoolExecutor:
+    """Threads that decode while they wait for a store, which may need all of the loop's own."""
+    return ThreadPoolExecutor(thread_name_prefix="sgicodec")
 
 
 async def _source(byte_getter: Any, chunk_spec: ArraySpec) -> bytes | RangeFile | None:

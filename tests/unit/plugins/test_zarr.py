@@ -92,6 +92,19 @@ def test_a_part_costs_its_tiles(store: MemoryStore) -> None:
     np.testing.assert_array_equal(array[:192], whole)
 
 
+def test_many_parts_at_once(store: MemoryStore, tmp_path: Path) -> None:
+    """Reading from a disk takes threads, which decoders that wait for it must not hold."""
+    count = 24
+    options = {"shape": (count * 192, 256, 3), "chunks": (192, 256, 3), "dtype": "uint8"}
+    array = zarr.create_array(LocalStore(tmp_path), serializer=SgiCodec(**SETTINGS), compressors=None, **options)
+    for row in range(count):
+        path = tmp_path / "c" / str(row) / "0" / "0"
+        path.parent.mkdir(parents=True)
+        path.write_bytes(chunk_of(store))
+    expected = sgicodec.decode(chunk_of(store), region=(7, 100, 1, 1))[0, 0]
+    np.testing.assert_array_equal(array[100::192, 7], np.tile(expected, (count, 1)))
+
+
 def test_a_chunk_that_is_not_there_is_filled(store: MemoryStore) -> None:
     array = zarr.open_array(store, mode="r")
     assert not array[300:310, :5].any()
