@@ -13,6 +13,7 @@ from sgicodec.cli.options import complete_files, threads_option
 from sgicodec.cli.paths import display
 from sgicodec.device import Device
 from sgicodec.errors import StreamError, UsageError, require
+from sgicodec.remote.url import file_name, is_url
 
 __all__ = ["view"]
 
@@ -49,8 +50,10 @@ def view(source: str, other: str | None, no_browser: bool, port: int, threads: i
     if viewer is None:
         raise UsageError("this installation has no viewer")
     files: dict[str, Path] = {}
-    query = {"file": _place(source, files)} | ({"other": _place(other, files)} if other else {})
-    settings = Settings(device=Device(threads), public=False, hosts=(_HOST, "localhost"), viewer=viewer, max_age=0)
+    urls: dict[str, str] = {}
+    query = {"file": _place(source, files, urls)} | ({"other": _place(other, files, urls)} if other else {})
+    hosts = (_HOST, "localhost")
+    settings = Settings(device=Device(threads), public=False, hosts=hosts, viewer=viewer, max_age=0, remote=urls)
     app = application(Chosen(files), settings)
     place = listening(_HOST, port)
     address = f"{address_of(place)}/viewer/?{urlencode(query)}"
@@ -63,10 +66,13 @@ def view(source: str, other: str | None, no_browser: bool, port: int, threads: i
     serve(app, place, show, quiet=True)
 
 
-def _place(source: str, files: dict[str, Path]) -> str:
-    """What the viewer's page calls a file, which is added to those that are served; a URL is its own name."""
-    if source.startswith(("http://", "https://")):
-        return source
+def _place(source: str, files: dict[str, Path], urls: dict[str, str]) -> str:
+    """What the viewer's page calls a file or a URL, which is added to what is served."""
+    if is_url(source):
+        require("fsspec", "sgi view of a URL", "remote")
+        name = f"{len(urls)}-{file_name(source)}"
+        urls[name] = source
+        return f"/remote/{quote(name, safe='')}"
     path = Path(source)
     if not path.is_file():
         raise StreamError(f"{display(source)}: {'it is a folder' if path.is_dir() else 'there is no such file'}")

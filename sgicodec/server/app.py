@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import asynccontextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from email.utils import formatdate
 from pathlib import Path
 from typing import TypeVar
@@ -28,6 +28,7 @@ from sgicodec.server.drawing import FORMATS, Drawing, drawn
 from sgicodec.server.listing_page import listing_page
 from sgicodec.server.open_streams import OpenStreams, identity
 from sgicodec.server.refusal import Refusal
+from sgicodec.server.remote_files import RemoteFiles
 from sgicodec.server.shelf import Shelf
 from sgicodec.server.workers import Workers
 from sgicodec.version import __version__
@@ -48,7 +49,8 @@ class Settings:
     most_pixels: of one answer. jobs: pictures that are drawn at a time, each by the threads of `device`. waiting:
     requests that may wait for that. streams: that stay open. max_age: seconds that answers may be kept elsewhere.
     public: whether pages of other sites may read. hosts: names under which the server answers. address: the part of
-    its URLs before the path, if it is not that of the request. viewer: folder of the viewer's page.
+    its URLs before the path, if it is not that of the request. viewer: folder of the viewer's page. remote:
+    URLs that are passed on, by their names.
     """
 
     most_pixels: int = 1 << 24
@@ -61,6 +63,7 @@ class Settings:
     hosts: tuple[str, ...] = ("*",)
     address: str | None = None
     viewer: Path | None = None
+    remote: Mapping[str, str] = field(default_factory=dict)
 
 
 def application(shelf: Shelf, settings: Settings) -> Starlette:
@@ -75,6 +78,7 @@ def application(shelf: Shelf, settings: Settings) -> Starlette:
     routes: list[Route | Mount] = [
         Route("/", service.top),
         Route("/files/{name:path}", service.file),
+        Route("/remote/{name}", service.remote),
         Route("/iiif/3/{name:path}/info.json", service.info),
         Route("/iiif/3/{name:path}/manifest.json", service.manifest),
         Route("/iiif/3/{name:path}/{region}/{size}/{rotation}/{quality}.{format}", service.image),
@@ -99,9 +103,11 @@ class _Service:
         self._shelf, self._settings = shelf, settings
         self._streams = OpenStreams(settings.streams, settings.device)
         self._workers = Workers(settings.jobs, settings.waiting)
+        self._remote = RemoteFiles(settings.remote)
 
     def close(self) -> None:
         self._workers.close()
+        self._remote.close()
         self._streams.close()
 
     async def top(self, request: Request) -> Response:
@@ -118,6 +124,12 @@ class _Service:
         if request.headers.get("if-none-match") == response.headers["etag"]:
             return Response(status_code=304, headers={"etag": response.headers["etag"]})
         return response
+
+    async def remote(self, request: Request) -> Response:
+        name, asked = request.path_params["name"], request.headers.get("range")
+        part = await self._workers.run(lambda: self._remote.read(name, asked), request.is_disconnected)
+        headers = {"content-range": part.place, "accept-ranges": "bytes", "cache-control": "no-store"}
+        return Response(part.data, 206, headers, media_type="application/octet-stream")
 
     async def base(self, request: Request) -> Response:
         name = request.path_params["name"]

@@ -44,6 +44,10 @@ async function get(url, range) {
     throw new SgiError(`The file cannot be fetched: its server does not answer, or lets no other site read it (CORS).`);
   }
   if (answer.ok) return answer;
+  if (answer.headers.get("content-type")?.startsWith("text/plain") && Number(answer.headers.get("content-length")) < 500) {
+    const text = (await answer.text()).trim(); // of sgi serve and sgi view: a sentence
+    if (text) throw new SgiError(text);
+  }
   answer.body?.cancel();
   if (answer.status === 416) throw new SgiError("The file is empty.");
   if (answer.status === 404) throw new SgiError("The server has no such file.");

@@ -3,6 +3,8 @@
 const TILE = 256;
 const FINEST = 5; // tiles are drawn up to 2^5 pixels for each of the picture's
 const MOST_TILES = 800;
+const OVERVIEW = -4; // the level that a stream's overview has the pixels of
+const MOST_SEEN = 64; // tiles of the file that a view reads where the overview is nearly as sharp
 const REFINE = 1000; // priorities from here on: after all tiles
 
 export class Layer {
@@ -47,6 +49,7 @@ export class Layer {
   /** Asks for the view at its true scale, unless the tiles show it pixel by pixel. */
   refine(camera) {
     if (this.cells?.key === keyOf(camera) || !this.decoder.isContinuous || this.isExact(camera)) return;
+    if (this.isTooMuch(camera)) return;
     this.forgetCells();
     const { width, height } = this.decoder.info;
     const [left, top] = camera.toScreen(0, 0);
@@ -82,9 +85,17 @@ export class Layer {
     return !waits && !(this.cells?.parts ?? []).some(({ bitmap }) => !bitmap);
   }
 
-  /** The level of tiles that has no fewer pixels than the screen. */
+  /** The level of tiles that has no fewer pixels than the screen, or that of the overview where it has to do. */
   levelOf(camera) {
-    return Math.min(FINEST, Math.max(this.coarsest, Math.ceil(Math.log2(camera.scale) - 1e-6)));
+    const level = Math.min(FINEST, Math.max(this.coarsest, Math.ceil(Math.log2(camera.scale) - 1e-6)));
+    return this.isTooMuch(camera) ? Math.min(level, OVERVIEW) : level;
+  }
+
+  /** Whether a view would read a great part of a large file, to be at most twice as sharp as the overview. */
+  isTooMuch({ scale, seen }) {
+    const { hasOverview, tileSize } = this.decoder.info;
+    const beyond = hasOverview && scale > 2 ** OVERVIEW && scale < 2 ** (OVERVIEW + 1);
+    return beyond && seen.width * seen.height > MOST_SEEN * tileSize ** 2;
   }
 
   isExact(camera) {

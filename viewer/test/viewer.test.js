@@ -59,7 +59,7 @@ for (const name of STREAMS) {
 
 test("a large file: the first view reads a small part of it", async (context) => {
   good.sent.delete("/files/mosaic.sgi");
-  const page = await pageOf(browser, address("mosaic.sgi"));
+  const page = await pageOf(browser, address("mosaic.sgi"), { viewport: { width: 1920, height: 1080 } });
   await settled(page);
   const size = readFileSync(join(folder, "mosaic.sgi")).length;
   const first = good.sent.get("/files/mosaic.sgi");

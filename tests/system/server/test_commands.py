@@ -8,11 +8,13 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from urllib.parse import unquote
 
 import pytest
 from click.testing import CliRunner, Result
 from http_server import Client, running
 
+from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.cli.main import cli
 from sgicodec.server.app import Settings, application
 from sgicodec.server.run import listening
@@ -96,6 +98,30 @@ def test_without_the_extra(sgi: Callable[..., Result], folder: Path, monkeypatch
         result = sgi(*command)
         assert result.exit_code == 2
         assert "pip install 'sgicodec[serve]'" in result.stderr
+
+
+def test_a_url_is_passed_on_in_parts(get: Client, folder: Path) -> None:
+    data = (folder / "wide.sgi").read_bytes()
+    urls = {"far": f"{get.address}/files/wide.sgi", "gone": f"{get.address}/files/absent.sgi"}
+    with running(application(Chosen({}), Settings(public=False, remote=urls))) as near:
+        answer = near("/remote/far", Range="bytes=10-99")
+        assert (answer.status, answer.body) == (206, data[10:100])
+        assert answer.headers["content-range"] == f"bytes 10-99/{len(data)}"
+        assert near("/remote/far", Range="bytes=100-").body == data[100:]
+        assert near("/remote/far", Range=f"bytes={len(data)}-").status == 416
+        assert near("/remote/far").status == 400
+        assert near("/remote/other", Range="bytes=0-9").status == 404
+        assert near("/remote/gone", Range="bytes=0-9").status == 500
+
+
+def test_viewing_a_url(get: Client) -> None:
+    process, line = start("view", f"{get.address}/files/wide.sgi", "--no-browser")
+    found = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/viewer/\?file=(\S+)", line)
+    assert found, line
+    assert Client(int(found[1]))(unquote(found[2]), Range="bytes=0-7").body == SIGNATURE
+    process.send_signal(signal.SIGTERM)
+    process.communicate()
+    assert process.returncode == 0
 
 
 def test_files_that_were_chosen(folder: Path) -> None:
