@@ -64,10 +64,11 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
     grid = settings.grid(shape.width, shape.height)
     profile = settings.chosen_profile
     profile.check_installed()
+    _check_shape(shape)
     spec = _with_texture_that_fits(profile.spec(settings, shape.bands), grid)
     if settings.tuned_for == "visual" and shape.channels in COLOURED_LAYOUTS:
         spec = replace(spec, luma_space=True)
-    _check(shape, spec, grid)
+    _check_model(spec, grid)
     fit = settings.fit_settings()
     header = Header(
         *(shape.width, shape.height, shape.channels, str(shape.dtype), shape.sample_range, settings.profile, spec),
@@ -97,19 +98,22 @@ def _with_texture_that_fits(spec: ModelSpec, grid: TileGrid) -> ModelSpec:
     return spec
 
 
-def _check(shape: Shape, spec: ModelSpec, grid: TileGrid) -> None:
+def _check_shape(shape: Shape) -> None:
     bands, sides = shape.bands, (shape.width, shape.height)
     if bands > MAX_CHANNELS or max(sides) > MAX_SIDE:
         size = f"{sides[0]}×{sides[1]} pixels of {bands} channels"
         raise PictureError(f"{size}; a stream holds at most {MAX_CHANNELS} channels and {MAX_SIDE} pixels a side")
+    if shape.dtype.kind == "u" and shape.sample_range != full_range(shape.dtype):
+        raise UsageError("integer samples span their whole type; only floating-point pictures have another range")
+
+
+def _check_model(spec: ModelSpec, grid: TileGrid) -> None:
     if grid.count > MAX_TILES:
         raise UsageError(f"tile {grid.tile}: {grid.count} tiles; a stream holds at most {MAX_TILES}")
     try:
         check_model(spec, *grid.rect(0)[2:])
     except LimitError as error:
         raise PictureError(str(error)) from error
-    if shape.dtype.kind == "u" and shape.sample_range != full_range(shape.dtype):
-        raise UsageError("integer samples span their whole type; only floating-point pictures have another range")
 
 
 def _software(settings: EncodeSettings, fit: FitSettings) -> bytes:
