@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
 import os
 import shutil
@@ -33,12 +34,15 @@ Run = Callable[..., "subprocess.CompletedProcess[str]"]
 
 @pytest.fixture(scope="session")
 def gdal() -> Run:
-    """Runs a program of GDAL that knows the driver."""
+    """Runs a program of GDAL that knows the driver, which one process at a time compiles where its sources changed."""
     prefix, build = installed("library"), ROOT / "build" / "gdal"
+    build.mkdir(exist_ok=True)
     configure = ["cmake", "-S", ROOT / "gdal", "-B", build, f"-DCMAKE_PREFIX_PATH={prefix}"]
-    for command in ([*configure, "-DCMAKE_BUILD_TYPE=Release"], ["cmake", "--build", build]):
-        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-        assert done.returncode == 0, done.stdout
+    with (build / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        for command in ([*configure, "-DCMAKE_BUILD_TYPE=Release"], ["cmake", "--build", build]):
+            done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+            assert done.returncode == 0, done.stdout
     places = os.environ | {"GDAL_DRIVER_PATH": str(build), "GDAL_PAM_ENABLED": "NO"}
 
     def run(*command: object, fails: bool = False) -> subprocess.CompletedProcess[str]:
