@@ -26,7 +26,7 @@ Fetch = Callable[[int, int], bytes]
 class RangeFile(io.RawIOBase):
     """A file of `size` bytes that `fetch` gives parts of.
 
-    Each read is one request for what it misses. From the third request on that goes on where the one before ended, it
+    Each read is one request for what it misses. From the fourth request on that goes on where the one before ended, it
     fetches as much again ahead: a file that is read from end to end takes few requests, one of which parts are read
     costs few bytes.
     """
@@ -96,7 +96,7 @@ class RangeFile(io.RawIOBase):
         if first != self._next:
             self._requests = self._bytes = 0
         start, end = first * BLOCK, min(stop * BLOCK, self._size)
-        if self._requests > 1:
+        if self._requests > 2:
             end = min(end + min(self._bytes // BLOCK * BLOCK, _MOST_AHEAD), self._size)
         data = self._fetch(start, end)
         self._next, self._requests, self._bytes = -(-end // BLOCK), self._requests + 1, self._bytes + len(data)
