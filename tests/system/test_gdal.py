@@ -115,6 +115,16 @@ def test_metadata(gdal: Run, tmp_path: Path) -> None:
     assert found["IMAGE_STRUCTURE"]["COMPRESSION"] == "SGICODEC"
 
 
+def test_rational_polynomials(gdal: Run, tmp_path: Path) -> None:
+    """RPCCoefficient: 92 doubles, of which the third and fourth are offsets of line and sample."""
+    values = np.arange(1.0, 93.0, dtype="<f8").tobytes()
+    row = bytes.fromhex("0100 9cc6 0c00 5c00 0000 1a00 0000 0000 0000")
+    picture = Picture(np.zeros((8, 9, 1), np.uint8), "gray", (0, 255), Metadata(geo=b"II*\0\x08\0\0\0" + row + values))
+    (tmp_path / "a.sgi").write_bytes(sgicodec.encode(picture, steps=1))
+    found = info(gdal, tmp_path / "a.sgi")["metadata"]["RPC"]
+    assert [float(found[name]) for name in ("LINE_OFF", "SAMP_OFF", "HEIGHT_SCALE")] == [3, 4, 12]
+
+
 def test_ranges_of_a_server(gdal: Run, tmp_path: Path) -> None:
     noise = np.random.default_rng(1).integers(0, 256, (64, 1024, 3), np.uint8)
     data = sgicodec.encode(noise, quality=95, steps=2, tile=64, rdoq=False)

@@ -12,11 +12,13 @@ import pytest
 import rasterio
 import tifffile
 from click.testing import CliRunner
+from PIL import ImageCms
 from rasterio.transform import from_origin
 
 import sgicodec
 from sgicodec.cli.main import cli
 from sgicodec.errors import MissingExtraError, PictureError
+from sgicodec.picture import Metadata, Picture
 from sgicodec.plugins.cog import write_cog
 
 PLACE = from_origin(500000, 5400000, 10, 10)
@@ -49,6 +51,15 @@ def test_directories_come_first_and_small_levels_before_large_ones(stream: sgico
         assert directories == sorted(directories)
         assert directories[-1] < min(map(min, tiles))
         assert all(max(small) < min(large) for large, small in pairwise(tiles))
+
+
+def test_profile_and_xmp(tmp_path: Path) -> None:
+    icc = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
+    xmp = b"<x:xmpmeta xmlns:x='adobe:ns:meta/'/>"
+    picture = Picture(np.zeros((20, 30, 3), np.uint8), "rgb", (0, 255), Metadata(icc=icc, xmp=xmp))
+    write_cog(sgicodec.open(sgicodec.encode(picture, steps=1)), tmp_path / "a.tif")
+    again = sgicodec.read(tmp_path / "a.tif")
+    assert (again.metadata.icc, again.metadata.xmp) == (icc, xmp)
 
 
 def test_the_command_cuts_a_part(stream: sgicodec.Stream, on_map: Path, tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import openslide
 import pytest
 import rasterio
 import tifffile
@@ -83,6 +84,14 @@ def test_gdal_reads_a_pyramid(stream: sgicodec.Stream, tmp_path: Path) -> None:
         np.testing.assert_array_equal(np.moveaxis(file.read(), 0, 2), stream.read())
     with rasterio.open(tmp_path / "a.tif", overview_level=1) as file:
         np.testing.assert_array_equal(np.moveaxis(file.read(), 0, 2), stream.read(size=(130, 75)))
+
+
+def test_openslide_reads_a_pyramid(stream: sgicodec.Stream, tmp_path: Path) -> None:
+    write_pyramid(stream, tmp_path / "a.tif")
+    with openslide.OpenSlide(tmp_path / "a.tif") as slide:
+        assert slide.level_dimensions == ((520, 300), (260, 150), (130, 75))
+        region = np.asarray(slide.read_region((0, 0), 1, (260, 150)))
+        np.testing.assert_array_equal(region[..., :3], stream.read(size=(260, 150)))
 
 
 @pytest.mark.parametrize("name", ["rgba8", "gray16", "gray8-alpha", "float", "multi8"])
