@@ -245,6 +245,16 @@ class StreamReader:
 
     def tile(self, number: int) -> bytes: ...
 
+def summarize(source: object) -> tuple:
+    """
+    Of a stream's start: payloads by letter, bytes of all chunks by letter, and of the file. No tile is read.
+    """
+
+def read_chunks(source: object, known: str, with_payloads: bool = ...) -> list:
+    """
+    Letters and payloads of the known chunks of a file; without payloads these are empty.
+    """
+
 def decode_header(payload: bytes) -> dict:
     """The fields of chunk H; enumerations as their numbers."""
 

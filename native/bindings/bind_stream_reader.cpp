@@ -10,9 +10,11 @@
 #include "bindings/arrays.hpp"
 #include "bindings/bindings.hpp"
 #include "bindings/python_source.hpp"
+#include "bitstream/container.hpp"
 #include "bitstream/header.hpp"
 #include "bitstream/shipped.hpp"
 #include "bitstream/stream_reader.hpp"
+#include "bitstream/stream_summary.hpp"
 #include "model/tile_grid.hpp"
 
 namespace nb = nanobind;
@@ -77,16 +79,15 @@ nb::list segments(int64_t length, int64_t count, int64_t apron, double start, do
   return found;
 }
 
-nb::dict blobs_of(const sgi::StreamReader &reader) {
+nb::dict blobs_of(const std::map<char, std::vector<uint8_t>> &held) {
   nb::dict blobs;
-  for (const auto &[kind, payload] : reader.blobs())
-    blobs[nb::str(&kind, 1)] = as_bytes({payload.data(), payload.size()});
+  for (const auto &[kind, payload] : held) blobs[nb::str(&kind, 1)] = as_bytes({payload.data(), payload.size()});
   return blobs;
 }
 
-nb::dict chunk_bytes_of(const sgi::StreamReader &reader) {
+nb::dict chunk_bytes_of(const std::map<std::string, int64_t> &chunk_bytes) {
   nb::dict found;
-  for (const auto &[kind, bytes] : reader.chunk_bytes()) found[kind.c_str()] = bytes;
+  for (const auto &[kind, bytes] : chunk_bytes) found[kind.c_str()] = bytes;
   return found;
 }
 
@@ -101,8 +102,8 @@ void bind_reader(nb::module_ &m) {
           "source"_a, "is_overview"_a = false)
       .def_prop_ro("header", [](const Reader &self) { return header_of(self.header()); })
       .def_prop_ro("size", &Reader::size)
-      .def_prop_ro("blobs", &blobs_of)
-      .def_prop_ro("chunk_bytes", &chunk_bytes_of)
+      .def_prop_ro("blobs", [](const Reader &self) { return blobs_of(self.blobs()); })
+      .def_prop_ro("chunk_bytes", [](const Reader &self) { return chunk_bytes_of(self.chunk_bytes()); })
       .def_prop_ro("has_overview", &Reader::has_overview)
       .def("overview",
            [](Reader &self) -> nb::object {
@@ -118,10 +119,29 @@ void bind_reader(nb::module_ &m) {
           "number"_a);
 }
 
+nb::tuple summarize(nb::object source) {
+  const sgi::StreamSummary found = sgi::summarize(sgi::python_source(std::move(source)));
+  return nb::make_tuple(blobs_of(found.blobs), chunk_bytes_of(found.chunk_bytes), found.size);
+}
+
+nb::list read_chunks(nb::object source, const std::string &known, bool with_payloads) {
+  sgi::ChunkReader reader(sgi::python_source(std::move(source)), known);
+  nb::list chunks;
+  for (sgi::Chunk chunk; reader.next(chunk);) {
+    const auto payload = with_payloads ? reader.payload(chunk) : std::vector<uint8_t>();
+    chunks.append(nb::make_tuple(nb::str(&chunk.kind, 1), as_bytes({payload.data(), payload.size()})));
+  }
+  return chunks;
+}
+
 }  // namespace
 
 void bind_stream_reader(nb::module_ &m) {
   bind_reader(m);
+  m.def("summarize", &summarize, "source"_a,
+        "Of a stream's start: payloads by letter, bytes of all chunks by letter, and of the file. No tile is read.");
+  m.def("read_chunks", &read_chunks, "source"_a, "known"_a, "with_payloads"_a = true,
+        "Letters and payloads of the known chunks of a file; without payloads these are empty.");
   m.def(
       "decode_header", [](const nb::bytes &payload) { return header_of(sgi::decode_header(bytes_of(payload))); },
       "payload"_a, "The fields of chunk H; enumerations as their numbers.");

@@ -19,7 +19,7 @@ Bytes view(const std::vector<uint8_t> &bytes) { return {bytes.data(), bytes.size
 
 struct StreamReader::Parts {
   Parts(std::unique_ptr<ByteSource> source, bool is_overview)
-      : chunks(std::move(source), is_overview ? "TXgicxs" : "TXogicxs") {
+      : chunks(std::move(source), is_overview ? "TXgicxs" : kKnownChunks) {
     read();
     size = chunks.size() ? *chunks.size() : chunks.end();
     if (places.empty()) corrupt("there is no tile: nothing to draw");

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import struct
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
-from sgicodec.bitstream.varint import decode_varint, encode_varint
-from sgicodec.errors import CorruptStreamError, LimitError, UnsupportedStreamError
+from sgicodec import _native
+from sgicodec.bitstream.varint import encode_varint
 from sgicodec.model.spec import ContextSpec, ModelSpec
 from sgicodec.model.tile_grid import TileGrid
 
@@ -42,11 +42,6 @@ _PROFILES = ("default", "paper")
 
 MAX_SIDE = 1 << 24
 MAX_CHANNELS = 64
-MAX_FEATURES = 1 << 13
-MAX_HIDDEN = 1 << 12
-MAX_HASH_LEVELS = 32
-MAX_HASH_RESOLUTION = 1 << 14
-
 MAX_TILES = 1 << 20
 MIN_TILE, MAX_APRON = 32, 256
 
@@ -128,127 +123,32 @@ def encode_header(header: Header) -> bytes:
     return payload
 
 
-class _Fields:
-    def __init__(self, data: bytes) -> None:
-        self.data, self.at = data, 0
-
-    def take(self, what: str, low: int, high: int) -> int:
-        if self.at >= len(self.data):
-            raise CorruptStreamError(f"header: ends before {what}")
-        try:
-            value, self.at = decode_varint(self.data, self.at)
-        except CorruptStreamError as error:
-            raise CorruptStreamError(f"header: {what}: {error}") from error
-        if not low <= value <= high:
-            raise LimitError(f"header: {what} is {value}; this version takes {low} to {high}")
-        return value
-
-    def unpack(self, what: str, layout: str) -> tuple[float, ...]:
-        start, self.at = self.at, self.at + struct.calcsize(layout)
-        if self.at > len(self.data):
-            raise CorruptStreamError(f"header: ends before {what}")
-        return struct.unpack_from(layout, self.data, start)
-
-
 def decode_header(payload: bytes) -> Header:
     """Reads chunk H. Raises UnsupportedStreamError for a newer version, LimitError for a field beyond its cap and
     CorruptStreamError for fields that contradict each other.
     """
-    fields = _Fields(payload)
-    version = fields.take("the format version", 0, 1 << 20)
-    if version not in _FLAGS_OF:
-        raise UnsupportedStreamError(f"header: format version {version}; this program reads 1 to {FORMAT_VERSION}")
-    width, height = fields.take("the width", 1, MAX_SIDE), fields.take("the height", 1, MAX_SIDE)
-    channels = fields.take("the number of channels", 1, MAX_CHANNELS)
-    layout_name = LAYOUT_NAMES[fields.take("the channel layout", 0, len(LAYOUT_NAMES) - 1)]
-    sample_type = SAMPLE_TYPES[fields.take("the sample type", 0, len(SAMPLE_TYPES) - 1)]
-    profile = _PROFILES[fields.take("the profile", 0, len(_PROFILES) - 1)]
-    flags, spec, quality, family = _model(fields, channels, _FLAGS_OF[version])
-    if version > 2 and flags <= _FLAGS_OF[version - 1]:
-        raise CorruptStreamError(f"header: format version {version} without anything that needs it")
-    if spec.luma_space and layout_name not in COLOURED_LAYOUTS:
-        raise CorruptStreamError(f"header: {layout_name} has no luma space")
-    expected = {"multi": channels, "gray": 1, "gray+alpha": 2, "rgb": 3, "rgba": 4}[layout_name]
-    if expected != channels:
-        raise CorruptStreamError(f"header: {channels} channels cannot be {layout_name}")
-    tile = fields.take("the tile size", MIN_TILE, MAX_SIDE) if flags & _TILED else 0
-    apron = fields.take("the apron", 0, min(tile // 4, MAX_APRON)) if flags & _TILED else 0
-    sample_range = {"uint8": (0.0, 255.0), "uint16": (0.0, 65535.0)}.get(sample_type) or _range(fields)
-    masked = _masked(flags, layout_name)
-    nodata = fields.unpack("the nodata value", "<d")[0] if masked == "nodata" else 0.0
-    if fields.at != len(payload):
-        raise CorruptStreamError("header: longer than its fields")
-    if masked == "nodata":
-        nodata = _sample(nodata, sample_type)
-    header = Header(
-        *(width, height, layout_name, sample_type, sample_range, profile, spec, quality, family),
-        *(tile, apron, masked, nodata),
+    fields = _native.decode_header(payload)
+    low, high = fields.pop("low"), fields.pop("high")
+    return Header(
+        **fields
+        | {
+            "channels": LAYOUT_NAMES[fields["channels"]],
+            "sample_type": SAMPLE_TYPES[fields["sample_type"]],
+            "sample_range": (low, high),
+            "profile": _PROFILES[fields["profile"]],
+            "masked": tuple(_MASKED)[fields["masked"]],
+            "spec": _spec(fields["spec"]),
+        }
     )
-    _check_tiles(header)
-    return header
 
 
-def _model(fields: _Fields, channels: int, all_flags: int) -> tuple[int, ModelSpec, int, int]:
-    """From the seed layout to the hash entries: flags, spec, index of the base colour step, family of tables."""
-    layout, shape = _LAYOUTS[fields.take("the seed layout", 0, 1)], _SHAPES[fields.take("the shape", 0, 1)]
-    flags = fields.take("the flags", 0, all_flags)
-    per_seed = fields.take("K", 1, 64)
-    features = fields.take("D", 1, MAX_FEATURES)
-    hidden = fields.take("the decoders' width", 0, MAX_HIDDEN)
-    base_cell = fields.take("the base cell", 0, 1 << 12)
-    quality, family = fields.take("the base step", 0, 255), fields.take("the table family", 0, 1)
-    prior = fields.take("the prior", 0, 255)
-    context_hidden = fields.take("the context model's width", 1, MAX_HIDDEN)
-    neighbours = fields.take("the neighbours", 0, 6)
-    levels = fields.take("the hash levels", 0, MAX_HASH_LEVELS)
-    resolutions = tuple(fields.take("a hash resolution", 1, MAX_HASH_RESOLUTION) for _ in range(levels))
-    hash_features = fields.take("the hash features", 1, 64) if levels else ContextSpec.hash_features
-    hash_entries = fields.take("the hash entries", 1, 20) if levels else ContextSpec.hash_log2_entries
-    grouped, skip, seed_scales = bool(flags & _GROUPED), bool(flags & _SKIP), bool(flags & _SEED_SCALES)
-    if skip != grouped or (skip and features < per_seed * (channels + 3)) or (neighbours and not skip):
-        raise CorruptStreamError("header: settings that contradict each other")
-    coarse_first = bool(flags & _COARSE_FIRST)
-    if coarse_first and not neighbours:
-        raise CorruptStreamError("header: an order of passes without neighbours")
-    predicted = bool(flags & _PREDICTED)
-    if predicted and layout != "adaptive":
-        raise CorruptStreamError("header: predicted places of seeds that lie on a grid")
-    context = ContextSpec(prior, (), context_hidden, neighbours, resolutions, hash_features, hash_entries, coarse_first)
-    spec = ModelSpec(channels, layout, shape, per_seed, features, hidden, skip, seed_scales, base_cell, context)  # type: ignore[arg-type]
+def _spec(fields: dict[str, Any]) -> ModelSpec:
+    """From the fields as native code gives them: enumerations as numbers."""
+    context = fields.pop("context")
+    grouped = context.pop("grouped")
+    context["hash_resolutions"] = tuple(context["hash_resolutions"])
+    fields |= {"layout": _LAYOUTS[fields["layout"]], "shape": _SHAPES[fields["shape"]]}
+    spec = ModelSpec(**fields, context=ContextSpec(steps=(), **context))
     names = tuple(group.name for group in spec.groups)
     steps = tuple((name,) for name in names) if grouped else (names,)
-    context = replace(context, steps=steps)
-    textured, luma_space = bool(flags & _TEXTURE), bool(flags & _LUMA)
-    spec = replace(spec, context=context, predicted_seeds=predicted, texture=textured, luma_space=luma_space)
-    return flags, spec, quality, family
-
-
-def _check_tiles(header: Header) -> None:
-    if header.tile and header.grid.count == 1:
-        raise CorruptStreamError(f"header: a picture of one tile states a tile size of {header.tile}")
-    if header.grid.count > MAX_TILES:
-        raise LimitError(f"header: {header.grid.count} tiles; this version takes at most {MAX_TILES}")
-
-
-def _masked(flags: int, layout_name: str) -> Masked | None:
-    for masked, flag in _MASKED.items():
-        if flags & (_MASKED["transparent"] | _MASKED["nodata"]) == flag:
-            if masked == "transparent" and layout_name not in ("gray+alpha", "rgba"):
-                raise CorruptStreamError(f"header: {layout_name} has no transparent pixels")
-            return masked
-    raise CorruptStreamError("header: pixels are either transparent or without data")
-
-
-def _sample(value: float, sample_type: str) -> float:
-    if sample_type != "float32":
-        largest = {"uint8": 255, "uint16": 65535}[sample_type]
-        if not (0 <= value <= largest and value == int(value)):
-            raise CorruptStreamError(f"header: no sample of {sample_type} is {value:g}")
-    return value
-
-
-def _range(fields: _Fields) -> tuple[float, float]:
-    low, high = fields.unpack("the sample range", "<2f")
-    if not (abs(low) < 1e38 and abs(high) < 1e38 and low < high):
-        raise CorruptStreamError(f"header: a sample range of {low:g} to {high:g}")
-    return low, high
+    return replace(spec, context=replace(spec.context, steps=steps))

@@ -6,11 +6,12 @@ from collections.abc import Callable
 
 import numpy as np
 from absurd import absurd_stream
+from page_varint import decode_varint
 from surgery import Parts, join, split, with_fields
 
 from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.bitstream.header import decode_header
-from sgicodec.bitstream.varint import decode_varint, encode_varint
+from sgicodec.bitstream.varint import encode_varint
 from sgicodec.errors import SgiError
 
 __all__ = ["mutated"]

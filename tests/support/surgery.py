@@ -6,8 +6,10 @@ import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from page_varint import decode_varint
+
 from sgicodec.bitstream.container import SIGNATURE
-from sgicodec.bitstream.varint import decode_varint, encode_varint
+from sgicodec.bitstream.varint import encode_varint
 
 __all__ = ["HEADER_FIELDS", "Parts", "flipped", "frame", "join", "split", "with_fields", "with_hash"]
 

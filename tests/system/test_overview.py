@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from surgery import split
 
 from sgicodec import Encoded, EncodeSettings, Picture, encode_picture, read
-from sgicodec.bitstream.container import CHUNKS, SIGNATURE, ChunkReader, ChunkWriter
+from sgicodec.bitstream.container import SIGNATURE, ChunkWriter
 from sgicodec.decoder.stream import Stream, open_stream
 from sgicodec.encoder.overview import overview_picture, takes_overview
 from sgicodec.encoder.plan import Shape, stream_plan
@@ -207,7 +208,7 @@ def test_it_counts_in_a_goal(photo: Picture) -> None:
 
 
 def _overview(data: bytes) -> bytes:
-    return next(chunk.payload() for chunk in ChunkReader(data, CHUNKS) if chunk.kind == "o")
+    return next(payload for letter, payload in split(data) if letter == "o")
 
 
 def _chunks_with(data: bytes, overviews: list[bytes], behind: bool = False) -> bytes:
@@ -215,13 +216,13 @@ def _chunks_with(data: bytes, overviews: list[bytes], behind: bool = False) -> b
     file = io.BytesIO()
     writer = ChunkWriter(file)
     late = not behind
-    for chunk in ChunkReader(data, CHUNKS):
-        if chunk.kind == "T" and late:
+    for letter, body in split(data):
+        if letter == "T" and late:
             late = False
             for payload in overviews:
                 writer.write("o", payload)
-        if chunk.kind not in "oX":
-            writer.write(chunk.kind, chunk.payload())
+        if letter not in "oXE":
+            writer.write(letter, body)
     for payload in overviews if behind else []:
         writer.write("o", payload)
     writer.finish()

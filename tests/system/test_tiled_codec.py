@@ -9,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from page_varint import decode_varint
 
 from sgicodec import Encoded, EncodeSettings, Picture, encode_picture, read
 from sgicodec.bitstream.container import SIGNATURE
-from sgicodec.bitstream.varint import decode_varint
 from sgicodec.decoder.stream import open_stream
 from sgicodec.decoder.view import view_of
 from sgicodec.device import ONE_THREAD, Device

@@ -10,7 +10,7 @@ import numpy as np
 
 import sgicodec
 from sgicodec.bitstream.stream_writer import write_stream
-from sgicodec.bitstream.varint import decode_varint, encode_varint
+from sgicodec.bitstream.varint import encode_varint
 
 DATA = Path(__file__).parents[2] / "tests" / "data"
 SIDE, ACROSS = 512, 24
@@ -28,7 +28,7 @@ def main(target: str) -> None:
     pair = photographs()
     data = sgicodec.encode(pair, quality=75, steps=40, tile=SIDE, apron=0, overview=False)
     with sgicodec.open(data) as stream:
-        models = [payload[decode_varint(payload, 0)[1] :] for payload in map(stream.payload, range(2))]
+        models = [stream.payload(number)[1:] for number in range(2)]  # without their numbers, of one byte
         header = replace(stream.header, width=SIDE * ACROSS, height=SIDE * ACROSS)
     small = pair.reshape(SIDE // 16, 16, 2 * SIDE // 16, 16, 3).mean(axis=(1, 3)).astype(np.uint8)
     overview = sgicodec.encode(np.tile(small, (ACROSS, ACROSS // 2, 1)), quality=50, steps=20, tile=0)

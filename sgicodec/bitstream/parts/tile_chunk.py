@@ -11,10 +11,9 @@ from sgicodec import _native
 from sgicodec._native import MaskTree
 from sgicodec.bitstream.header import Header, encode_header
 from sgicodec.bitstream.parts.mask import write_mask
-from sgicodec.bitstream.varint import decode_varint, encode_varint
-from sgicodec.errors import CorruptStreamError
+from sgicodec.bitstream.varint import encode_varint
 
-__all__ = ["TileChunk", "decode_tile_chunk", "encode_tile_chunk", "tile_number"]
+__all__ = ["TileChunk", "decode_tile_chunk", "encode_tile_chunk"]
 
 Mask = NDArray[np.bool_]
 
@@ -46,14 +45,6 @@ def encode_tile_chunk(header: Header, number: int, empty: Mask | None, model: by
             mask = write_mask(empty)
             payload += encode_varint(_SOME_VALID) + encode_varint(len(mask)) + mask
     return payload + (model or b"")
-
-
-def tile_number(header: Header, start: bytes) -> int:
-    """The number of the tile whose payload begins so. Raises CorruptStreamError."""
-    number = decode_varint(start, 0)[0] if header.tile else 0
-    if number >= header.grid.count:
-        raise CorruptStreamError(f"tile {number} in a stream of {header.grid.count}")
-    return number
 
 
 def decode_tile_chunk(header: Header, payload: bytes) -> TileChunk:

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from page_varint import decode_varint
 from surgery import flipped, join, split
 
 from sgicodec import EncodeSettings, encode_picture, read
 from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.bitstream.index import Place, encode_index
-from sgicodec.bitstream.varint import decode_varint
 from sgicodec.decoder.stream import open_stream
 from sgicodec.errors import CorruptStreamError, StreamError
 

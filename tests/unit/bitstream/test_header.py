@@ -7,10 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from page_varint import decode_varint
 from surgery import HEADER_FIELDS, split, with_fields
 
 from sgicodec.bitstream.header import decode_header, encode_header
-from sgicodec.bitstream.varint import decode_varint
 from sgicodec.errors import CorruptStreamError, LimitError, UnsupportedStreamError
 
 GOLDEN = sorted((Path(__file__).parents[2] / "conformance" / "golden").glob("*.sgi"))

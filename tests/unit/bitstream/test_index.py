@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from page_stream import TRAILER_BYTES, decode_index, index_offset
 
-from sgicodec.bitstream.index import TRAILER_BYTES, Place, decode_index, encode_index, index_offset
-from sgicodec.errors import CorruptStreamError
+from sgicodec.bitstream.index import Place, encode_index
 
 END = bytes.fromhex("4500bfa9d7cc")
 
@@ -22,16 +21,3 @@ def test_places_come_back(pairs: list[tuple[int, int]], offset: int) -> None:
 
 def test_bytes() -> None:
     assert encode_index([Place(10, 300), Place(320, 5)], 400).hex(" ") == "02 0a ac 02 c0 02 05 90 01 00 00 00 00 00 00"
-
-
-@pytest.mark.parametrize("tail", [b"", END, b"x" * TRAILER_BYTES, bytes(12) + b"E\0\0\0\0\0"])
-def test_other_ends_have_none(tail: bytes) -> None:
-    assert index_offset(tail) is None
-
-
-@pytest.mark.parametrize(
-    "payload", [b"", bytes(7), bytes(8), encode_index([Place(1, 2)], 3), b"\x02\x01\x01\x01" + bytes(8)]
-)
-def test_damage_is_found(payload: bytes) -> None:
-    with pytest.raises(CorruptStreamError):
-        decode_index(payload, 2)

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sgicodec._native import tile_segments
 from sgicodec.errors import UsageError
 from sgicodec.model.tile_grid import Axis, TileGrid
 
@@ -42,14 +43,12 @@ def _shares(axis: Axis, start: int, scale: float, first: int, count: int) -> np.
     """How much each tile gives to each output pixel [tiles, count]."""
     shares = np.zeros((axis.count, count))
     drawn = np.zeros(count, int)
-    for segment in axis.segments(start, scale, first, count):
-        run = slice(segment.first, segment.last)
-        assert segment.last > segment.first
-        drawn[run] += 1
-        weight = 0.0 if segment.weight is None else segment.weight
-        shares[segment.tile, run] += 1 - np.asarray(weight)
-        if segment.weight is not None:
-            shares[segment.tile + 1, run] += weight
+    for begin, end, tile, weight in tile_segments(axis.length, axis.count, axis.apron, start, scale, first, count):
+        assert end > begin
+        drawn[begin:end] += 1
+        shares[tile, begin:end] += 1 - np.asarray(0.0 if weight is None else weight)
+        if weight is not None:
+            shares[tile + 1, begin:end] += weight
     assert (drawn == 1).all()
     return shares
 

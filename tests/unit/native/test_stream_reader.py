@@ -1,4 +1,4 @@
-"""The native reader of chunks against the package's: equal payloads, and for damaged streams the same errors."""
+"""The native reader of chunks against one from docs/format.md: equal payloads, equal errors of damaged streams."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from typing import Any, BinaryIO
 import numpy as np
 import pytest
 from mutate import mutated
+from page_stream import StreamReader, StreamSummary
 from surgery import flipped, frame, join, split
 
 from sgicodec import _native
 from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.bitstream.index import Place, encode_index
-from sgicodec.bitstream.stream_reader import StreamReader
 from sgicodec.errors import CorruptStreamError, LimitError, SgiError
 
 GOLDEN = sorted((Path(__file__).parents[2] / "conformance" / "golden").glob("*.sgi"))
@@ -68,8 +68,22 @@ def outcome(reader: Any, source: bytes | BinaryIO, is_overview: bool = False) ->
         return [*facts, type(error), str(error)]
 
 
+def summary(data: bytes | BinaryIO) -> Any:
+    found = StreamSummary(data)
+    return found.blobs, found.chunk_bytes, found.size
+
+
+def told(summarize: Callable[[bytes | BinaryIO], Any], source: bytes | BinaryIO) -> Any:
+    """What is said before the tiles, or the error."""
+    try:
+        return summarize(source)
+    except SgiError as error:
+        return type(error), str(error)
+
+
 def check(data: bytes, source: Source = bytes, is_overview: bool = False) -> Any:
     """What both of them make of it."""
+    assert told(_native.summarize, source(data)) == told(summary, source(data))
     found = outcome(_native.StreamReader, source(data), is_overview)
     assert found == outcome(StreamReader, source(data), is_overview)
     return found

@@ -1,4 +1,4 @@
-"""The chunks of an opened stream: header and metadata at once, tiles on demand."""
+"""The chunks of a stream, read as docs/format.md says: what the native reader is compared with."""
 
 from __future__ import annotations
 
@@ -6,17 +6,64 @@ from typing import BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
+from page_chunks import CHUNKS, Chunk, ChunkReader
+from page_header import decode_header
+from page_varint import decode_varint, decode_varints
 
-from sgicodec.bitstream.container import CHUNKS, SIGNATURE, Chunk, ChunkReader
-from sgicodec.bitstream.header import Header, decode_header
-from sgicodec.bitstream.index import TRAILER_BYTES, check_unlisted, decode_index, index_offset, longest_index
-from sgicodec.bitstream.parts.tile_chunk import tile_number
-from sgicodec.errors import CorruptStreamError
+from sgicodec.bitstream.container import SIGNATURE
+from sgicodec.bitstream.header import Header
+from sgicodec.bitstream.varint import MAX_VARINT_BYTES
+from sgicodec.errors import CorruptStreamError, LimitError
 
-__all__ = ["StreamReader"]
+__all__ = ["TRAILER_BYTES", "StreamReader", "StreamSummary", "decode_index", "index_offset"]
 
 _NUMBER_BYTES = 9
 """Of a varint."""
+
+_END = bytes.fromhex("4500bfa9d7cc")
+"""Chunk E."""
+
+_OFFSET_BYTES, _CRC_BYTES = 8, 4
+TRAILER_BYTES = _OFFSET_BYTES + _CRC_BYTES + len(_END)
+"""Of a file with an index: where the index begins, its CRC, the end mark."""
+
+
+_MOST_UNLISTED = 1 << 15
+"""Tiles that are looked for one by one in a file without an index; every encoder writes one."""
+
+
+def decode_index(payload: bytes, count: int) -> NDArray[np.int64]:
+    """Offset and length of the `count` tiles [count, 2]. Raises CorruptStreamError."""
+    fields = decode_varints(payload[: max(0, len(payload) - _OFFSET_BYTES)])
+    if len(payload) < _OFFSET_BYTES or len(fields) != 2 * count + 1 or fields[0] != count:
+        raise CorruptStreamError(f"index: it does not list the {count} tiles; the file is damaged")
+    return fields[1:].reshape(count, 2)
+
+
+def check_unlisted(count: int) -> None:
+    """Raises LimitError if n tiles are too many for a file without an index."""
+    if count > _MOST_UNLISTED:
+        raise LimitError(f"there are {count} tiles and no sound index; at most {_MOST_UNLISTED} are sought without one")
+
+
+def longest_index(count: int) -> int:
+    """Bytes that the payload of an index of n tiles cannot exceed."""
+    return _OFFSET_BYTES + MAX_VARINT_BYTES * (2 * count + 1)
+
+
+def index_offset(tail: bytes) -> int | None:
+    """Where the index of a file that ends in these `TRAILER_BYTES` begins, if it has one."""
+    if len(tail) != TRAILER_BYTES or not tail.endswith(_END):
+        return None
+    return int.from_bytes(tail[:_OFFSET_BYTES], "little")
+
+
+def tile_number(header: Header, start: bytes) -> int:
+    """The number of the tile whose payload begins so. Raises CorruptStreamError."""
+    number = decode_varint(start, 0)[0] if header.tile else 0
+    if number >= header.grid.count:
+        raise CorruptStreamError(f"tile {number} in a stream of {header.grid.count}")
+    return number
 
 
 class StreamReader:
@@ -134,4 +181,45 @@ class StreamReader:
         self._places = decode_index(chunk.payload(), header.grid.count)
         self.chunk_bytes["X"] = chunk.end - chunk.offset
         self.chunk_bytes["T"] = offset - int(self._places[:, 0].min())
+        return True
+
+
+class StreamSummary:
+    """header, blobs (payloads by letter, without T, X and o), size of the file, chunk_bytes: that of every chunk by its
+    letter, frame included. A source that cannot seek is read to its end. Raises StreamError.
+    """
+
+    def __init__(self, source: bytes | BinaryIO) -> None:
+        self._reader = ChunkReader(source, CHUNKS)
+        self.blobs: dict[str, bytes] = {}
+        self.chunk_bytes: dict[str, int] = {"signature": len(SIGNATURE)}
+        self.header = self._read()
+        self.size = self._reader.size or self._reader.end
+        if "T" not in self.chunk_bytes:
+            raise CorruptStreamError("there is no tile: nothing to draw")
+
+    def _read(self) -> Header:
+        header: Header | None = None
+        for chunk in self._reader:
+            if chunk.kind == "T" and header is not None and header.tile and self._reader.size is not None:
+                if self._jump(chunk, self._reader.size):
+                    return header
+                check_unlisted(header.grid.count)
+            self.chunk_bytes[chunk.kind] = self.chunk_bytes.get(chunk.kind, 0) + chunk.end - chunk.offset
+            if chunk.kind not in "TXo":
+                self.blobs[chunk.kind] = chunk.payload()
+                header = header or decode_header(self.blobs["H"])
+        if header is None:
+            raise CorruptStreamError("there is no header")
+        return header
+
+    def _jump(self, first: Chunk, size: int) -> bool:
+        """Counts all tiles at once, from the first one to the index that the end of the file names, if it does."""
+        offset = index_offset(self._reader.peek(max(0, size - TRAILER_BYTES), TRAILER_BYTES))
+        if offset is None or not first.end <= offset < size:
+            return False
+        index = self._reader.chunk_at(offset)
+        if index.kind != "X" or index.end != size - 6:
+            return False
+        self.chunk_bytes |= {"T": offset - first.offset, "X": index.end - index.offset}
         return True
