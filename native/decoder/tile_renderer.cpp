@@ -151,27 +151,26 @@ const TileRenderer::Whole *TileRenderer::whole(const PictureView &view, int thre
 
 void TileRenderer::draw_blocks(const PictureView &view, int64_t x, int64_t y, const PixelBlock &block,
                                const SampleFormat &format, int threads) {
-  const GaussianSet &gaussians = seen(view, threads);
-  Rasterizer raster(settings_.isa, threads, kMostPairs);
   const int64_t most = std::max<int64_t>(1, settings_.block_samples / (texture_ ? 16 : 1));
   const int64_t width = std::min(block.columns, int64_t(std::ceil(4 * std::sqrt(double(most)))));  // flat blocks
   const int64_t height = std::max<int64_t>(1, most / (width * header_.spec.channels));
+  Tools tools{Rasterizer(settings_.isa, threads, kMostPairs), seen(view, threads), nullptr};
+  if (texture_) tools.planes.reset(new float[header_.spec.channels * std::min(height, block.rows) * width]);
   for (int64_t top = 0; top < block.rows; top += height)
     for (int64_t left = 0; left < block.columns; left += width) {
       const PixelBlock part =
           format.part(block, left, top, std::min(width, block.columns - left), std::min(height, block.rows - top));
-      draw_block(raster, gaussians, view, x + left, y + top, part, format, threads);
+      draw_block(tools, view, x + left, y + top, part, format, threads);
     }
 }
 
-void TileRenderer::draw_block(Rasterizer &raster, const GaussianSet &gaussians, const PictureView &view, int64_t x,
-                              int64_t y, const PixelBlock &block, const SampleFormat &format, int threads) const {
+void TileRenderer::draw_block(Tools &tools, const PictureView &view, int64_t x, int64_t y, const PixelBlock &block,
+                              const SampleFormat &format, int threads) const {
   const ModelSpec &spec = header_.spec;
   const OutputAxis across{view.x - double(place_.x), view.sx, x, block.columns};
   const OutputAxis down{view.y - double(place_.y), view.sy, y, block.rows};
   Background behind{};
   BaseView base;
-  std::unique_ptr<float[]> planes;
   if (!base_.empty()) {
     const int64_t cell = spec.base_cell, columns = (header_.width + cell - 1) / cell;
     const BaseGrid grid{base_.data(), spec.channels, int64_t(base_.size()) / (spec.channels * columns), columns};
@@ -180,7 +179,6 @@ void TileRenderer::draw_block(Rasterizer &raster, const GaussianSet &gaussians, 
     behind.top = base.top.data(), behind.down = base.down.data(), behind.taps = base.taps;
   }
   if (texture_) {
-    planes.reset(new float[spec.channels * block.rows * block.columns]);
     const Texture texture{texture_->corner.data(),
                           texture_->log_size.data(),
                           texture_->amplitudes.data(),
@@ -189,14 +187,14 @@ void TileRenderer::draw_block(Rasterizer &raster, const GaussianSet &gaussians, 
                           header_.width,
                           header_.height};
     draw_texture(texture, across, down, texture_mix_.empty() ? nullptr : texture_mix_.data(), threads, settings_.isa,
-                 planes.get());
-    behind.planes = planes.get(), behind.height = block.rows, behind.plane_width = block.columns;
+                 tools.planes.get());
+    behind.planes = tools.planes.get(), behind.height = block.rows, behind.plane_width = block.columns;
   }
   const bool plain = view.is_plain();
   const View crop{int(x + (plain ? int64_t(across.start) : 0)), int(y + (plain ? int64_t(down.start) : 0)),
                   int(block.columns), int(block.rows)};
   try {
-    raster.draw(gaussians.view(), crop, kCutoff, behind, format.samples(block));
+    tools.raster.draw(tools.gaussians.view(), crop, kCutoff, behind, format.samples(block));
   } catch (const std::overflow_error &) {
     throw Error(Fault::limit, "the Gaussians cover too much of the picture; decode smaller regions");
   }

@@ -66,12 +66,19 @@ class TileRenderer {
     GaussianSet gaussians;
   };
 
+  // What all blocks of a view are drawn with.
+  struct Tools {
+    Rasterizer raster;
+    const GaussianSet &gaussians;
+    std::unique_ptr<float[]> planes;  // of texture, as large as a block
+  };
+
   void take(const TileModel &model, int threads);
   const Whole *whole(const PictureView &view, int threads);
   void draw_blocks(const PictureView &view, int64_t x, int64_t y, const PixelBlock &block, const SampleFormat &format,
                    int threads);
-  void draw_block(Rasterizer &raster, const GaussianSet &gaussians, const PictureView &view, int64_t x, int64_t y,
-                  const PixelBlock &block, const SampleFormat &format, int threads) const;
+  void draw_block(Tools &tools, const PictureView &view, int64_t x, int64_t y, const PixelBlock &block,
+                  const SampleFormat &format, int threads) const;
   const GaussianSet &seen(const PictureView &view, int threads);
 
   const DecoderSettings &settings_;
