@@ -49,13 +49,13 @@ $(USER_STAMP): $(INPUTS)
 	@# the build back end knows whether this machine's cmake and ninja will do
 	@$(PIP) install -c constraints.txt nanobind click $$($(BIN)/python -c \
 	  'from scikit_build_core.build import get_requires_for_build_editable as missing; print(*missing())')
-	@$(call install,bench)
+	@$(call install,bench$(comma)serve)
 	@touch $@
 
 # Builds on the one above: what is compiled stays, the extras are added. torch is large.
 $(DEV_STAMP): $(USER_STAMP)
 	@echo "Adding what tests and lint need to $(VENV)."
-	@$(call install,bench$(comma)cluster$(comma)lint$(comma)paper$(comma)peers$(comma)test)
+	@$(call install,bench$(comma)cluster$(comma)lint$(comma)paper$(comma)peers$(comma)serve$(comma)test)
 	@touch $@
 
 comma := ,
@@ -117,6 +117,7 @@ bench: setup
 FRESH := dist/venv/bin/python
 
 wheel:
+	@if command -v emcmake >/dev/null; then $(MAKE) viewer; else echo "No Emscripten: the viewer will have the server draw"; fi
 	rm -rf dist
 	$(PYTHON) -m venv dist/venv
 	$(FRESH) -m pip --disable-pip-version-check -q wheel --no-deps -w dist .
@@ -126,7 +127,7 @@ wheel:
 	PATH=$(CURDIR)/dist/venv/bin $(FRESH) tests/support/installed.py
 
 clean:
-	rm -rf $(VENV) build dist demo-out bench-out fuzz-out .pytest_cache .hypothesis .mypy_cache .ruff_cache
+	rm -rf $(VENV) build dist viewer/src/wasm viewer/node_modules demo-out bench-out fuzz-out .pytest_cache .hypothesis .mypy_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # The viewer's decoder: libsgi as WebAssembly, with vectors and, for browsers without them, with scalars.

@@ -38,6 +38,7 @@ def main() -> int:
             place = python("-c", "import sgicodec; print(sgicodec.__file__)").strip()
             if TESTS.parent / "sgicodec" in Path(place).resolve().parents:
                 sys.exit(f"{place} is the source, not what a wheel installs")
+            python("-c", "from sgicodec.server.viewer import viewer_folder as page; assert page().name == 'web'")
             for command in COMMANDS:
                 python("-m", "sgicodec", *command)
             python("-m", "pytest", "-p", "no:cacheprovider", *(f"tests/{name}" for name in CHOSEN))
