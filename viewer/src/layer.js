@@ -68,7 +68,13 @@ export class Layer {
         const part = { column, row, bitmap: null };
         cells.parts.push(part);
         cells.jobs.push(job);
-        job.promise.then((bitmap) => this.arrived(part, bitmap, cells), (error) => this.lost(error));
+        job.promise.then(
+          (bitmap) => this.arrived(part, bitmap, cells),
+          (error) => {
+            part.failed = true;
+            this.lost(error);
+          },
+        );
       }
     }
   }
@@ -82,7 +88,7 @@ export class Layer {
   /** Whether nothing is being drawn: the screen shows the best there is. */
   get isDone() {
     const waits = [...this.tiles.values()].some(({ job }) => job);
-    return !waits && !(this.cells?.parts ?? []).some(({ bitmap }) => !bitmap);
+    return !waits && !(this.cells?.parts ?? []).some(({ bitmap, failed }) => !bitmap && !failed);
   }
 
   /** The level of tiles that has no fewer pixels than the screen, or that of the overview where it has to do. */

@@ -51,6 +51,8 @@ function showState() {
 function showNumbers() {
   if (!scene.decoder) return;
   const { scale } = scene.camera;
+  const tooMany = scene.showsEllipses && scene.ellipses?.total === null;
+  part("ellipses").textContent = tooMany ? "Ellipses: zoom in" : "Ellipses";
   part("scale").textContent = scale >= 1 ? `${round(scale)}×` : `1/${round(1 / scale)}`;
   if (scene.decoder.info.kind === "server") {
     part("bytes").textContent = `${megabytes(scene.bytes)}, drawn by the server`;

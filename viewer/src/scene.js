@@ -15,7 +15,7 @@ export class Scene extends EventTarget {
     this.camera = new Camera();
     this.layers = [];
     this.split = 0.5; // where the second picture begins, of the canvas's width
-    this.ellipses = null; // {key, shapes, count, total} while they are shown
+    this.ellipses = null; // {key, shapes, count, total} while they are shown; total null: too many to read
     this.showsEllipses = false;
     this.frame = this.timer = 0;
     this.watcher = new ResizeObserver((entries) => this.resize(entries.at(-1)));
@@ -159,7 +159,7 @@ export class Scene extends EventTarget {
     if (!decoder || this.ellipses?.key === key) return;
     try {
       const found = await decoder.ellipses(region);
-      this.ellipses = found ? { ...found, key } : { key, count: 0, total: 0, shapes: new Float32Array(0) };
+      this.ellipses = found ? { ...found, key } : { key, count: 0, total: null, shapes: new Float32Array(0) };
     } catch (error) {
       if (error.name !== "AbortError") this.dispatchEvent(new CustomEvent("failed", { detail: error }));
     }

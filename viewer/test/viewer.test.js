@@ -66,6 +66,11 @@ test("a large file: the first view reads a small part of it", async (context) =>
   context.diagnostic(`first view of 151 megapixels: ${first} of ${size} bytes (${((100 * first) / size).toFixed(2)} %)`);
   assert.ok(first <= FIRST_VIEW * size);
   assert.equal(await page.evaluate(() => sgiViewer.scene.fetched), first);
+  await page.click("#ellipses");
+  await settled(page);
+  assert.equal(await page.textContent("#ellipses"), "Ellipses: zoom in");
+  assert.equal(good.sent.get("/files/mosaic.sgi"), first);
+  await page.click("#ellipses");
   await show(page, 5000, 7000, 1);
   const expected = decoded(join(folder, "mosaic.sgi"), "--region", "5000,7000,300,200");
   assert.ok(farthest(await shot(page, 300, 200), rgba(expected)) <= 1);
@@ -160,6 +165,21 @@ test("a file from the disk", async () => {
   await show(page, 0, 0, 4);
   assert.ok(farthest(await shot(page, 360, 240), rgba(expected)) <= 1);
   assert.equal(await page.evaluate(() => sgiViewer.scene.fetched), 0);
+  await page.context().close();
+});
+
+test("a damaged tile: the others are shown, and a sentence", async () => {
+  const bytes = readFileSync(join(folder, "mosaic.sgi"));
+  bytes[bytes.length - 100_000] ^= 255;
+  writeFileSync(join(folder, "scratched.sgi"), bytes);
+  const page = await pageOf(browser, address("scratched.sgi"));
+  await settled(page);
+  assert.equal(await page.isVisible("#message"), false);
+  await show(page, 11000, 11600, 0.5);
+  assert.match(await message(page), /^Chunk T at byte \d+: wrong CRC; the file is damaged\.$/);
+  await show(page, 512, 1024, 1);
+  const expected = decoded(join(folder, "mosaic.sgi"), "--region", "512,1024,100,200"); // beside the sentence
+  assert.ok(farthest(await shot(page, 100, 200), rgba(expected)) <= 1);
   await page.context().close();
 });
 
