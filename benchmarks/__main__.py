@@ -14,7 +14,7 @@ __all__ = ["BENCHMARKS", "main"]
 BENCHMARKS = {
     "speed": ("benchmarks.speed", "Seconds to encode, decode and start, on pictures."),
     "decode": ("benchmarks.decode", "What decoding costs, next to another version of the package."),
-    "profile": ("benchmarks.profile", "Where the time of an encode or a decode goes, by module."),
+    "profile": ("benchmarks.profile", "Where the time of an encode goes, by module."),
     "raster": ("benchmarks.raster", "The native rasteriser's passes, next to the peak of the cores."),
     "texture": ("benchmarks.texture", "The drawing of texture layers."),
     "views": ("benchmarks.views", "What small views cost, and how near they are to the whole model."),

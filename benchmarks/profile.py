@@ -1,4 +1,4 @@
-"""Where the time of an encode or a decode goes, by module of the package.
+"""Where the time of an encode goes, by module of the package. A decode is native code, which perf looks into.
 
 The profiler of the standard library sees the thread that it runs in, and Python functions alone: what a native kernel
 takes counts for the function that calls it.
@@ -16,7 +16,6 @@ import click
 
 import sgicodec
 from sgicodec import EncodeSettings, encode_picture, read
-from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
 
 __all__ = ["OTHER", "by_module", "main", "profiled"]
@@ -45,21 +44,18 @@ def by_module(stats: pstats.Stats, repeat: int = 1) -> dict[str, float]:
 
 
 @click.command()
-@click.argument("path", type=click.Path(exists=True, dir_okay=False, path_type=Path), metavar="PICTURE|STREAM.sgi")
-@click.option("--quality", default=50.0, show_default=True, type=click.FloatRange(1, 100), help="Of an encode.")
-@click.option("--steps", default=200, show_default=True, type=click.IntRange(1), help="Of the fit of an encode.")
+@click.argument("path", type=click.Path(exists=True, dir_okay=False, path_type=Path), metavar="PICTURE")
+@click.option("--quality", default=50.0, show_default=True, type=click.FloatRange(1, 100), help="As of `sgi encode`.")
+@click.option("--steps", default=200, show_default=True, type=click.IntRange(1), help="Of the fit.")
 @click.option("--threads", default=2, show_default=True, type=click.IntRange(1))
 @click.option(
     "--repeat", default=5, show_default=True, type=click.IntRange(1), help="Runs, of which means are printed."
 )
 @click.option("--functions", default=0, show_default=True, type=click.IntRange(0), help="Functions to list besides.")
 def main(path: Path, quality: float, steps: int, threads: int, repeat: int, functions: int) -> None:
-    """Decode STREAM.sgi, or encode PICTURE, and print milliseconds by module."""
-    if path.suffix == ".sgi":
-        stats = profiled(lambda: open_stream(path, Device(threads)).picture(), repeat)
-    else:
-        picture, settings = read(path), EncodeSettings(quality=quality, steps=steps)
-        stats = profiled(lambda: encode_picture(picture, settings, device=Device(threads)), repeat)
+    """Encode PICTURE, and print milliseconds by module."""
+    picture, settings = read(path), EncodeSettings(quality=quality, steps=steps)
+    stats = profiled(lambda: encode_picture(picture, settings, device=Device(threads)), repeat)
     modules = by_module(stats, repeat)
     total = sum(modules.values())
     click.echo(f"{1e3 * total:.1f} ms, mean of {repeat}\n\n| module | ms | share |\n|---|---:|---:|")
