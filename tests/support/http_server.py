@@ -49,7 +49,8 @@ class Client:
 def running(app: Any) -> Iterator[Client]:
     """The application on a free port, until the block ends."""
     place = listening("127.0.0.1", 0)
-    server = uvicorn.Server(uvicorn.Config(app, log_config=None, ws="none"))
+    config = uvicorn.Config(app, log_config=None, ws="none", timeout_graceful_shutdown=_LAST_ANSWERS)
+    server = uvicorn.Server(config)
     thread = threading.Thread(target=server.run, args=([place],))
     thread.start()
     try:
@@ -58,3 +59,7 @@ def running(app: Any) -> Iterator[Client]:
         server.should_exit = True
         thread.join()
         place.close()
+
+
+_LAST_ANSWERS = 2
+"""Seconds that answers get which nobody reads to their end, before the server ends: as in `sgi serve`."""
