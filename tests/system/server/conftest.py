@@ -42,8 +42,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return shown
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def get(folder: Path) -> Iterator[Client]:
-    """Asks a server of that folder."""
+    """Asks a server of that folder. It ends before other tests begin, which may let clocks jump."""
     with running(application(Folder(folder), Settings(most_pixels=1 << 17, streams=3))) as client:
         yield client
