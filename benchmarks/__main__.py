@@ -20,6 +20,7 @@ BENCHMARKS = {
     "views": ("benchmarks.views", "What small views cost, and how near they are to the whole model."),
     "variants": ("benchmarks.variants", "How a change of settings changes J = D + λR of whole streams."),
     "distortion": ("benchmarks.distortion", "What a distortion gains, and through which stage."),
+    "look": ("benchmarks.look", "What each quality looks like, over the pictures of a benchmark."),
     "scores": ("benchmarks.scores", "SSIMULACRA 2 of JPEG and JPEG XL, next to published scores."),
     "targets": ("benchmarks.targets", "How near encodes come to a size or a PSNR, and what that costs."),
     "limits": ("benchmarks.limits", "How well time limits are kept, and what they give."),
