@@ -45,11 +45,12 @@ def missing_steps(scores: Scores) -> dict[str, float]:
     """By how many steps of quality each picture is off the mean score, mean over the qualities that can tell."""
     qualities = sorted(set.intersection(*(set(points) for points in scores.values())))
     curves = {name: np.array([points[quality][0] for quality in qualities]) for name, points in scores.items()}
-    wanted = np.mean(list(curves.values()), axis=0)
-    return {
-        name: float(np.mean(np.interp(wanted, curve, qualities, left=np.nan, right=np.nan)[1:-1] - qualities[1:-1]))
-        for name, curve in curves.items()
-    }
+    wanted: F64 = np.mean(list(curves.values()), axis=0)
+    found = {}
+    for name, curve in curves.items():
+        needed: F64 = np.interp(wanted, curve, qualities, left=np.nan, right=np.nan)
+        found[name] = float(np.mean((needed - qualities)[1:-1]))
+    return found
 
 
 def _refined(missing: dict[str, float], pictures: tuple[Path, ...]) -> list[str]:
