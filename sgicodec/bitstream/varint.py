@@ -7,12 +7,10 @@ from __future__ import annotations
 
 from sgicodec.errors import UsageError
 
-__all__ = ["MAX_VARINT", "MAX_VARINT_BYTES", "encode_varint"]
+__all__ = ["MAX_VARINT", "encode_varint"]
 
 MAX_VARINT = 2**63 - 1
 """Largest value: every reader can hold it in a signed 64-bit integer."""
-
-MAX_VARINT_BYTES = 9
 
 
 def encode_varint(value: int) -> bytes:

@@ -8,11 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from page_chunks import CHUNKS, Chunk, ChunkReader
 from page_header import decode_header
-from page_varint import decode_varint, decode_varints
+from page_varint import MAX_VARINT_BYTES, decode_varint, decode_varints
 
 from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.bitstream.header import Header
-from sgicodec.bitstream.varint import MAX_VARINT_BYTES
 from sgicodec.errors import CorruptStreamError, LimitError
 
 __all__ = ["TRAILER_BYTES", "StreamReader", "StreamSummary", "decode_index", "index_offset"]

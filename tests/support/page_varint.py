@@ -7,11 +7,11 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.bitstream.varint import MAX_VARINT_BYTES
 from sgicodec.errors import CorruptStreamError
 
-__all__ = ["decode_varint", "decode_varints", "read_varint"]
+__all__ = ["MAX_VARINT_BYTES", "decode_varint", "decode_varints", "read_varint"]
 
+MAX_VARINT_BYTES = 9
 _BLOCK = 1 << 16
 """Bytes of which `decode_varints` makes integers at a time."""
 

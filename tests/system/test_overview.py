@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pipe import Pipe
 from surgery import split
 
 from sgicodec import Encoded, EncodeSettings, Picture, encode_picture, read
@@ -154,10 +155,6 @@ def test_it_alone_is_read_for_them(coded: Encoded) -> None:
 
 
 def test_a_pipe_keeps_it(coded: Encoded) -> None:
-    class Pipe(io.BytesIO):
-        def seekable(self) -> bool:
-            return False
-
     piped = open_stream(Pipe(coded.data)).picture(scale=1 / 20).pixels
     np.testing.assert_array_equal(piped, open_stream(coded.data).picture(scale=1 / 20).pixels)
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from page_varint import decode_varint
+from pipe import Pipe
 
 from sgicodec import Encoded, EncodeSettings, Picture, encode_picture, read
 from sgicodec.bitstream.container import SIGNATURE
@@ -189,16 +190,6 @@ def test_a_region_reads_its_tiles_alone(coded: tuple[Picture, Encoded]) -> None:
 
 
 def test_a_pipe_is_enough(coded: tuple[Picture, Encoded]) -> None:
-    class Pipe(io.RawIOBase):
-        def __init__(self, data: bytes) -> None:
-            self._data = io.BytesIO(data)
-
-        def read(self, size: int = -1) -> bytes:
-            return self._data.read(size)
-
-        def seekable(self) -> bool:
-            return False
-
     piped = open_stream(Pipe(coded[1].data))  # type: ignore[arg-type]
     np.testing.assert_array_equal(piped.picture().pixels, open_stream(coded[1].data).picture().pixels)
 

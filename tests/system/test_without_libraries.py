@@ -67,3 +67,17 @@ def test_streams_are_looked_at_without_the_libraries_of_encodes() -> None:
     done = run(SGI, ("constriction", "OpenImageIO", "rich", "torch"), "verify", GOLDEN / "rgb8.sgi")
     assert (done.returncode, done.stderr) == (0, "")
     assert "ok" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("plugin", "missing", "complaint"),
+    [
+        ("imageio", "imageio", "needs imageio: pip install 'sgicodec[viewers]'"),
+        ("numcodecs", "numcodecs", "needs numcodecs: pip install 'sgicodec[zarr]'"),
+        ("pillow", "PIL", "the plugin for Pillow needs pillow: pip install pillow"),
+        ("xarray", "xarray", "needs xarray: pip install 'sgicodec[arrays]'"),
+        ("zarr", "zarr", "needs zarr: pip install 'sgicodec[zarr]'"),
+    ],
+)
+def test_a_plugin_names_its_library(plugin: str, missing: str, complaint: str) -> None:
+    assert complaint in run(f"import sgicodec.plugins.{plugin}", (missing,)).stderr

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import io
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from pipe import Pipe
 from surgery import HEADER_FIELDS, flipped, join, split, with_fields
 
 from sgicodec import SgiError
@@ -55,10 +55,6 @@ def test_every_cut_is_found(coded: Any) -> None:
 
 
 def test_cuts_are_found_in_pipes_too(coded: Any) -> None:
-    class Pipe(io.BytesIO):
-        def seekable(self) -> bool:
-            return False
-
     def read(data: bytes) -> np.ndarray:
         with open_stream(Pipe(data)) as stream:
             return stream.picture().pixels

@@ -6,6 +6,7 @@ from typing import BinaryIO
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pipe import trickle
 
 from sgicodec._native import read_chunks
 from sgicodec.bitstream.container import MAX_PAYLOAD, SIGNATURE, ChunkWriter
@@ -20,20 +21,7 @@ GOLDEN = bytes.fromhex(
 )
 
 
-class Pipe(io.RawIOBase):
-    """A source that cannot seek and gives at most three bytes at a time."""
-
-    def __init__(self, data: bytes) -> None:
-        self._data = io.BytesIO(data)
-
-    def read(self, size: int = -1) -> bytes:
-        return self._data.read(min(size, 3))
-
-    def seekable(self) -> bool:
-        return False
-
-
-SOURCES: list[Callable[[bytes], bytes | BinaryIO]] = [bytes, io.BytesIO, Pipe]
+SOURCES: list[Callable[[bytes], bytes | BinaryIO]] = [bytes, io.BytesIO, trickle]
 
 
 def file_of(*chunks: tuple[str, bytes]) -> bytes:

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from mutate import mutated
 from page_stream import StreamReader, StreamSummary
+from pipe import trickle
 from surgery import flipped, frame, join, split
 
 from sgicodec import _native
@@ -26,19 +27,6 @@ SINGLE = next(path for path in GOLDEN if path.stem == "rgb8").read_bytes()
 Source = Callable[[bytes], bytes | BinaryIO]
 
 
-class Pipe(io.RawIOBase):
-    """A source that cannot seek and gives at most three bytes at a time."""
-
-    def __init__(self, data: bytes) -> None:
-        self._data = io.BytesIO(data)
-
-    def read(self, size: int = -1) -> bytes:
-        return self._data.read(min(size, 3))
-
-    def seekable(self) -> bool:
-        return False
-
-
 def in_the_middle(data: bytes) -> BinaryIO:
     """A file that stands where the stream begins."""
     file = io.BytesIO(b"before" + data)
@@ -46,7 +34,7 @@ def in_the_middle(data: bytes) -> BinaryIO:
     return file
 
 
-SOURCES: list[Source] = [bytes, io.BytesIO, in_the_middle, Pipe]  # type: ignore[list-item]
+SOURCES: list[Source] = [bytes, io.BytesIO, in_the_middle, trickle]
 
 
 def outcome(reader: Any, source: bytes | BinaryIO, is_overview: bool = False) -> Any:
@@ -95,7 +83,7 @@ def test_golden_streams_are_read_from_every_source(path: Path, source: Source) -
     data = path.read_bytes()
     found = check(data, source)
     assert isinstance(found, list)
-    if source is not Pipe:
+    if source is not trickle:
         check(data, source, True)
     tile = next(payload for letter, payload in split(data) if letter == "T")
     assert tile in found
@@ -107,7 +95,7 @@ def test_mutated_streams_are_judged_alike(source: Source) -> None:
     errors = set()
     for _ in range(250):
         data = mutated(STREAMS[int(rng.integers(len(STREAMS)))], STREAMS, rng)
-        found = check(data, source, bool(rng.random() < 0.2) and source is not Pipe)
+        found = check(data, source, bool(rng.random() < 0.2) and source is not trickle)
         errors.add(found[0] if isinstance(found, tuple) else None)
     assert errors >= {None, CorruptStreamError, LimitError}
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from pathlib import Path
 
 import imageio.v3 as iio
@@ -65,9 +63,3 @@ def test_what_goes_wrong() -> None:
         iio.imread(GOLDEN / "rgb8.sgi", index=1)
     with pytest.raises(OSError, match="can not handle"):
         iio.imread(PICTURES / "hopper.sgi", plugin="sgicodec")
-
-
-def test_without_imageio() -> None:
-    code = "import sys; sys.modules['imageio'] = None\nimport sgicodec.plugins.imageio"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert "needs imageio: pip install 'sgicodec[viewers]'" in done.stderr

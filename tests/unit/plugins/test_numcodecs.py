@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
-
 import numcodecs
 import numpy as np
 import pytest
@@ -61,9 +58,3 @@ def test_what_goes_wrong() -> None:
         Sgi(qualty=3)
     with pytest.raises(UsageError, match="chunks of int64"):
         Sgi().encode(np.zeros((8, 8), np.int64))
-
-
-def test_without_numcodecs() -> None:
-    code = "import sys; sys.modules['numcodecs'] = None\nimport sgicodec.plugins.numcodecs"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert "needs numcodecs: pip install 'sgicodec[zarr]'" in done.stderr

@@ -180,12 +180,6 @@ print(Image.registered_extensions()[".sgi"])
     assert done.stdout.split() == [FORMAT, "SGI", "SGI"]
 
 
-def test_without_pillow() -> None:
-    code = "import sys; sys.modules['PIL'] = None\nimport sgicodec.plugins.pillow"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert "the plugin for Pillow needs pillow: pip install pillow" in done.stderr
-
-
 def test_a_picture_of_the_package_and_pillow_agree() -> None:
     picture = sgicodec.read(GOLDEN / "rgb8.png")
     data = sgicodec.encode(replace(picture, metadata=Metadata()), steps=4)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -71,9 +69,3 @@ def test_what_goes_wrong(pyramid: Path) -> None:
         xarray.open_dataset(pyramid, engine="sgicodec", level=3)
     with pytest.raises(StreamError, match="Silicon Graphics"):
         xarray.open_dataset(PICTURES / "hopper.sgi", engine="sgicodec")
-
-
-def test_without_xarray() -> None:
-    code = "import sys; sys.modules['xarray'] = None\nimport sgicodec.plugins.xarray"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert "needs xarray: pip install 'sgicodec[arrays]'" in done.stderr

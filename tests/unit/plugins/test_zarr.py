@@ -155,9 +155,3 @@ UNSUITED = (
 def test_arrays_that_it_does_not_suit(options: dict[str, Any]) -> None:
     with pytest.raises(UsageError, match="chunks of"):
         zarr.create_array(MemoryStore(), serializer=SgiCodec(), compressors=None, **options)
-
-
-def test_without_zarr() -> None:
-    code = "import sys; sys.modules['zarr'] = None\nimport sgicodec.plugins.zarr"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert "needs zarr: pip install 'sgicodec[zarr]'" in done.stderr
