@@ -1,4 +1,4 @@
-"""Pixels without content, as a decoder stores them: nodata, and nothing that looks like it beside them."""
+"""Pixels without content: which they are; and as a decoder stores them, nothing that looks like nodata beside them."""
 
 from __future__ import annotations
 
@@ -7,10 +7,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.bitstream.header import Header
-from sgicodec.picture import equal_samples
+from sgicodec.bitstream.header import Header, Masked
+from sgicodec.picture import Picture, equal_samples, nodata_mask
 
-__all__ = ["store_nodata"]
+__all__ = ["empty_pixels", "store_nodata"]
+
+
+def empty_pixels(picture: Picture, masked: Masked | None) -> NDArray[np.bool_]:
+    """Which pixels [H, W] need not be coded."""
+    if masked == "transparent":
+        return np.asarray(picture.pixels[..., -1] == 0)
+    return nodata_mask(picture)
 
 
 def store_nodata(header: Header, colours: NDArray[Any], empty: NDArray[np.bool_]) -> None:

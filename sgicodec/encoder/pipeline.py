@@ -20,13 +20,14 @@ from sgicodec.encoder.interfaces import Finished, Runner, Store
 from sgicodec.encoder.listener import NullListener, PassReporter
 from sgicodec.encoder.measure import measured_error, measured_psnr
 from sgicodec.encoder.memory import estimate
+from sgicodec.encoder.nodata import empty_pixels
 from sgicodec.encoder.overview import overview_picture, overview_settings, takes_overview
 from sgicodec.encoder.passes import TilePasses
 from sgicodec.encoder.plan import Plan, stream_plan
 from sgicodec.encoder.same_look import with_same_look
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.store import MemoryStore
-from sgicodec.encoder.tile_encoder import Encoding, empty_pixels
+from sgicodec.encoder.tile_encoder import Encoding
 from sgicodec.encoder.tile_weight import tile_weight
 from sgicodec.encoder.tile_work import Start
 from sgicodec.encoder.time_budget import TimeBudget

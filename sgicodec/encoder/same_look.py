@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.bitstream.header import COLOURED_LAYOUTS, Masked
+from sgicodec.encoder.nodata import empty_pixels
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.tile_encoder import empty_pixels
 from sgicodec.encoder.windows import Windows
 from sgicodec.model.steps import quality_index
 from sgicodec.picture import Picture

@@ -4,28 +4,30 @@ from __future__ import annotations
 
 import io
 import math
-import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.bitstream.header import Header, Masked
+from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.prior import load_prior
-from sgicodec.bitstream.parts.tile import DECODER_SHIFT, TileModel, write_tile
+from sgicodec.bitstream.parts.tile import write_tile
 from sgicodec.bitstream.parts.tile_chunk import encode_tile_chunk
 from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ALL_CORES, Device
+from sgicodec.encoder.candidate import Candidate, candidate_of, written
 from sgicodec.encoder.encoded import Encoded
 from sgicodec.encoder.inpainting import inpaint
+from sgicodec.encoder.nodata import empty_pixels
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.texture_handover import HANDOVER, Handover
 from sgicodec.encoder.texture_share import EXACT_STEPS, TextureCosts, seed_share, seed_weights
 from sgicodec.encoder.texture_tuning import TUNINGS, TextureTuning
+from sgicodec.encoder.tile_time import TileTime
 from sgicodec.fit.base_layer import base_layer
 from sgicodec.metrics.choices import DISTORTIONS
 from sgicodec.metrics.distortion import QuadraticReference, Reference, mean_weight
@@ -34,7 +36,7 @@ from sgicodec.metrics.psnr import psnr
 from sgicodec.model.context import input_count
 from sgicodec.model.layout import ROOT_LOG, SeedLayout, adaptive_layout, cell_sums, uniform_layout
 from sgicodec.model.luma_space import to_luma_space
-from sgicodec.picture import Picture, comparable, nodata_mask, to_rgb8, to_unit
+from sgicodec.picture import Picture, comparable, to_rgb8, to_unit
 from sgicodec.rate_control.lambda_controller import LambdaController
 from sgicodec.rate_control.rd_model import RdModel
 from sgicodec.rate_control.target import Measured
@@ -45,23 +47,7 @@ from sgicodec.rdoq.texture import TextureSearch
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Fitted, Progress, Trainer
 
-__all__ = ["Candidate", "Encoding", "empty_pixels", "make_ready", "written"]
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """What a stream would hold, and the λ that it was made for."""
-
-    header: Header
-    model: TileModel
-    lmbda: float
-
-
-def empty_pixels(picture: Picture, masked: Masked | None) -> NDArray[np.bool_]:
-    """Which pixels [H, W] need not be coded."""
-    if masked == "transparent":
-        return np.asarray(picture.pixels[..., -1] == 0)
-    return nodata_mask(picture)
+__all__ = ["Encoding", "make_ready"]
 
 
 class Encoding:
@@ -72,7 +58,8 @@ class Encoding:
     """
 
     def __init__(self, picture: Picture, plan: Plan, started: float, device: Device = ALL_CORES) -> None:
-        self.started, self.picture, self.plan, self.settings = started, picture, plan, plan.settings
+        self.picture, self.plan, self.settings = picture, plan, plan.settings
+        self.time = TileTime(plan.settings.time_limit, started, picture.width * picture.height)
         self.device = device
         self.ending: Callable[[], bool] = lambda: False
         self.stage: Callable[[str], None] = lambda _: None
@@ -103,18 +90,13 @@ class Encoding:
     @cached_property
     def seed_reference(self) -> Reference:
         """What seeds are fitted to: the picture's distortion, less of it where texture follows for less bits."""
-        if not (self.spec.texture and self._can_scout):
+        if not (self.spec.texture and self.time.can_scout):
             return self.reference
         weights, family = self.reference.weights, self.plan.header.family
         share = seed_weights(self.spec, self.fit, self.texture_costs, family)
         if share is None:
             return self.reference
         return QuadraticReference(share if weights is None else share * weights)
-
-    @property
-    def _can_scout(self) -> bool:
-        """Whether the time limit leaves room for that."""
-        return bool(self.end - time.monotonic() > _SCOUTING_SHARE * _SCOUTING_SECONDS * self.target[0].size / 1e6)
 
     def run(self, on_progress: Callable[[Progress], bool] | None) -> Encoded:
         """Fits at a constant λ and writes."""
@@ -157,7 +139,7 @@ class Encoding:
             self.plan.header.family,
             networks,
             controller=controller,
-            seconds=self._seconds(share),
+            seconds=self.time.of_fit(share, self.searches),
             device=self.device,
             weights=weights,
         )
@@ -172,7 +154,7 @@ class Encoding:
                 break
             if hands_over and trainer.schedule.done >= HANDOVER:
                 hands_over = False
-                if self._can_scout:
+                if self.time.can_scout:
                     Handover(trainer, self.texture_costs).run()
                     if trainer.weights is not None:
                         self.__dict__["seed_reference"] = QuadraticReference(trainer.weights)
@@ -183,31 +165,13 @@ class Encoding:
         return adaptive_layout(self.target, self.fit.split_price * self.fit.lmbda, weights=self.seed_reference.weights)
 
     def candidate(self, fitted: Fitted) -> Candidate:
-        """A fit in integers. What few seeds teach the context model is noise, and costs more than they do."""
-        shipped = self.spec.context.prior and len(fitted.layout) < _LEAST_TAUGHT
-        networks = load_prior(self.spec) if shipped else fitted.networks
-        model = TileModel(
-            fitted.layout,
-            fitted.plan,
-            self.base_step,
-            self.base,
-            {name: np.rint(w * 2.0**DECODER_SHIFT).astype(np.int64) for name, w in fitted.decoders.items()},
-            networks,
-            fitted.hash_bits,
-            fitted.attributes,
-        )
-        return Candidate(replace(self.plan.header, quality=fitted.quality), model, fitted.lmbda)
+        """A fit in integers."""
+        return candidate_of(self.plan.header, fitted, self.base_step, self.base)
 
     @property
     def searches(self) -> bool:
         """Whether symbols are searched after the fit."""
         return self.settings.rdoq and can_optimise(self.spec)
-
-    @property
-    def end(self) -> float:
-        """When the time limit is over, a value of time.monotonic()."""
-        limit = self.settings.time_limit
-        return math.inf if limit is None else self.started + limit
 
     def rdoq(self, candidate: Candidate) -> Rdoq:
         """RDOQ from a candidate on."""
@@ -220,7 +184,7 @@ class Encoding:
         """The best that the search finds for the candidate's λ, in at least this many passes."""
         if not self.searches:
             return candidate
-        search, until = self.rdoq(candidate), self.end - 0.5 * self._coding_seconds
+        search, until = self.rdoq(candidate), self.time.search_end
         found = search.at(candidate.lmbda, until=until, ending=lambda: search.passes >= least and self.ending())
         return replace(candidate, model=found.model)
 
@@ -300,41 +264,11 @@ class Encoding:
         blobs = (metadata.icc, metadata.exif, metadata.xmp) if self.settings.metadata else ()
         return sum(len(blob) for blob in blobs if blob)
 
-    def _seconds(self, share: float) -> float | None:
-        """What is left for the fit itself."""
-        if self.settings.time_limit is None:
-            return None
-        coding = self._coding_seconds
-        left: float = self.end - time.monotonic()
-        searching: float = _SEARCHING_SHARE * share * left if self.searches else 0.0
-        return max(0.5 * left, left - coding - searching, 1e-3)
-
-    @property
-    def _coding_seconds(self) -> float:
-        """Of two streams, generously."""
-        return float(_CODING_SECONDS * (0.2 + self.target[0].size / 1e6))
-
     def assembled(self, header: Header, model: bytes | None) -> tuple[bytes, int]:
         """The stream, and the bytes of its tile's payload."""
         buffer, chunk = io.BytesIO(), encode_tile_chunk(header, 0, self.empty, model)
         write_stream(buffer, header, self.plan.software, self.plan.metadata, [chunk])
         return buffer.getvalue(), len(chunk)
-
-
-_LEAST_TAUGHT = 64
-"""Seeds from which on a fit may change the shipped context model; the change takes 20 to 250 bytes."""
-_CODING_SECONDS = 1.2
-"""Of one stream of a megapixel, twice and generously."""
-_SCOUTING_SECONDS, _SCOUTING_SHARE = 2.0, 8.0
-"""Of a megapixel, generously; how many times that must be left."""
-_SEARCHING_SHARE = 0.12
-"""Of the time that is left for fit and search together."""
-
-
-def written(candidate: Candidate) -> tuple[bytes, dict[str, float]]:
-    """The payload of a model, and the bytes of each part."""
-    payload, coder = write_tile(candidate.header, candidate.model)
-    return payload, {name: bits / 8 for name, bits in coder.bits.items()}
 
 
 def make_ready() -> None:

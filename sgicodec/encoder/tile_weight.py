@@ -5,8 +5,9 @@ from __future__ import annotations
 import time
 from dataclasses import replace
 
+from sgicodec.encoder.nodata import empty_pixels
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.tile_encoder import Encoding, empty_pixels
+from sgicodec.encoder.tile_encoder import Encoding
 from sgicodec.model.layout import adaptive_layout
 from sgicodec.picture import Picture
 

@@ -11,8 +11,9 @@ from sgicodec.bitstream.parts.tile import read_tile
 from sgicodec.bitstream.parts.tile_chunk import decode_tile_chunk, encode_tile_chunk
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ALL_CORES, Device
+from sgicodec.encoder.candidate import Candidate, written
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.tile_encoder import Candidate, Encoding, written
+from sgicodec.encoder.tile_encoder import Encoding
 from sgicodec.metrics.distortion import squared_error
 from sgicodec.picture import Picture
 from sgicodec.rate_control.side_information import EMPTY_STREAM_BYTES, tile_side_bytes

@@ -8,8 +8,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from sgicodec.encoder.candidate import Candidate
 from sgicodec.encoder.target_encoder import Stream, TargetEncoder
-from sgicodec.encoder.tile_encoder import Candidate
 from sgicodec.metrics.distortion import decibels
 from sgicodec.model.network import DIFFERENCE_SHIFT
 from sgicodec.rate_control.lambda_controller import LambdaController
@@ -92,7 +92,7 @@ class SeedTargetEncoder(TargetEncoder):
                 if may_end and target.is_met(measured):
                     return candidate, (encoded, measured)
             tries.append((candidate, measured))
-            if encoding.ending() or 2 * time.monotonic() - began > encoding.end:
+            if encoding.ending() or 2 * time.monotonic() - began > encoding.time.end:
                 break
             controller.update(measured)
         met = [candidate for candidate, measured in tries if target.is_met(measured)]
