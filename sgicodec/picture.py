@@ -25,6 +25,7 @@ __all__ = [
     "nodata_mask",
     "to_rgb8",
     "to_unit",
+    "without_opaque_alpha",
 ]
 
 Samples = npt.NDArray[Any]
@@ -127,6 +128,13 @@ def full_range(dtype: npt.DTypeLike) -> tuple[float, float]:
     """
     dtype = np.dtype(dtype)
     return (0.0, float(np.iinfo(dtype).max)) if dtype.kind == "u" else (0.0, 1.0)
+
+
+def without_opaque_alpha(picture: Picture) -> Picture:
+    """The picture without an alpha that is opaque everywhere, which says nothing; else the picture."""
+    if picture.alpha is None or not (picture.pixels[..., -1] >= full_range(picture.pixels.dtype)[1]).all():
+        return picture
+    return replace(picture, pixels=picture.pixels[..., :-1], channels=WITHOUT_ALPHA[picture.channels])
 
 
 def to_unit(picture: Picture) -> npt.NDArray[np.float32]:

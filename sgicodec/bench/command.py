@@ -143,10 +143,13 @@ def compare(
     from sgicodec.metrics.perceptual import perceived
     from sgicodec.metrics.psnr import largest_difference
     from sgicodec.metrics.scores import error_map, scores
+    from sgicodec.picture import without_opaque_alpha
 
     if map_path is not None and map_path.exists() and not force:
         raise OutputExistsError(f"{map_path} exists; give -f to overwrite it")
     reference, other = image.read(a), image.read(b)
+    if reference.channels != other.channels:
+        reference, other = without_opaque_alpha(reference), without_opaque_alpha(other)
     first, second = (_scaled(picture.pixels, reference.sample_range) for picture in (reference, other))
     found = scores(first, second)
     seen = perceived(to_rgb(_eight_bits(first)), to_rgb(_eight_bits(second)))

@@ -98,6 +98,11 @@ class EncodeListener(NullListener):
         """One line, which even --quiet does not keep back."""
         click.echo(f"sgi: {display(self._source)}: {text}", err=True)
 
+    def remark(self, text: str) -> None:
+        """The same, which --quiet keeps back."""
+        if not self._quiet:
+            self.note(text)
+
     def tile(self, state: PassState) -> None:
         """Draws the bar."""
         if state.name != self._pass:

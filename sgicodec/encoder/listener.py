@@ -90,6 +90,9 @@ class NullListener:
     def note(self, text: str) -> None:
         """Something about the picture that its owner should know."""
 
+    def remark(self, text: str) -> None:
+        """Something that was done to the picture and that loses nothing."""
+
     def tile(self, state: PassState) -> None:
         """A pass over the tiles begins, or one more of its tiles is done."""
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, BinaryIO
 from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ALL_CORES, Device, check_device
+from sgicodec.encoder.alpha import without_needless_alpha
 from sgicodec.encoder.checkpoint import fingerprint
 from sgicodec.encoder.encoded import Encoded
 from sgicodec.encoder.interfaces import Finished, Runner, Store
@@ -33,21 +34,20 @@ from sgicodec.encoder.tile_work import Start
 from sgicodec.encoder.time_budget import TimeBudget
 from sgicodec.encoder.to_target import SeedTargetEncoder
 from sgicodec.encoder.to_texture_target import TextureTargetEncoder
-from sgicodec.encoder.windows import Windows, hides_all, tile_window, windows_of, without_alpha
+from sgicodec.encoder.windows import Windows, kept, tile_window, windows_of
 from sgicodec.encoder.worker import TileRunner
 from sgicodec.errors import TargetMissedError, UsageError
-from sgicodec.executors.executor import Executor
+from sgicodec.executors.executor import Executor, Memory
 from sgicodec.executors.serial import SerialExecutor
 from sgicodec.image.files import whole_file
 from sgicodec.image.lock import locked
-from sgicodec.metadata import geo
 from sgicodec.picture import Picture
 
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Progress
     from sgicodec.image import Source
 
-__all__ = ["encode_picture"]
+__all__ = ["encode_all_channels", "encode_picture"]
 
 
 def encode_picture(
@@ -85,19 +85,31 @@ def encode_picture(
     if not isinstance(settings, EncodeSettings | None):
         raise UsageError(f"settings {settings!r}; they must be EncodeSettings")
     plan = stream_plan(windows.shape, settings or EncodeSettings())
-    if plan.header.masked == "transparent" and hides_all(windows, plan.header.grid):
-        listener.note("alpha is 0 everywhere; it is left out, and the colours are kept")
-        windows = without_alpha(windows)
-        plan = stream_plan(windows.shape, plan.settings)
-    elif plan.header.masked == "transparent" and geo.has_place(windows.shape.metadata.geo):
-        listener.note(_BAND_AS_ALPHA)
-    plan = with_same_look(windows, plan)
+    if not plan.header.tile:
+        _memory_of_whole(windows, plan, executor)
+        windows = kept(windows)
+    windows, plan = without_needless_alpha(windows, plan, listener)
     where = Path(output) if isinstance(output, str) else output
-    job = _Job(windows, plan, where, listener, device, verify, started)
     with locked(where) if isinstance(where, Path) else nullcontext():
-        encoded, missed = _encode_tiles(job, executor, store) if plan.header.tile else _encode_whole(job, executor)
-    if plan.header.masked is not None and not encoded.part_bytes.keys() - {"mask", "overview"}:
-        listener.note(_NOTHING[plan.header.masked])
+        job = _Job(windows, with_same_look(windows, plan), where, listener, device, verify, started)
+        return _encoded(job, executor, store)
+
+
+def encode_all_channels(picture: Picture, settings: EncodeSettings, device: Device = ALL_CORES) -> bytes:
+    """The stream of a picture in memory with all its channels, an alpha that says nothing too: for those who promise
+    a shape. Raises as `encode_picture`.
+    """
+    windows = windows_of(picture)
+    plan = with_same_look(windows, stream_plan(windows.shape, settings))
+    return _encoded(_Job(windows, plan, None, NullListener(), device, False, time.monotonic())).data
+
+
+def _encoded(job: _Job, executor: Executor | None = None, store: Store | None = None) -> Encoded:
+    """Raises TargetMissedError, with the nearest stream."""
+    masked = job.plan.header.masked
+    encoded, missed = _encode_tiles(job, executor, store) if job.plan.header.tile else _encode_whole(job, executor)
+    if masked is not None and not encoded.part_bytes.keys() - {"mask", "overview"}:
+        job.listener.note(_NOTHING[masked])
     if missed is not None:
         raise TargetMissedError(missed, encoded)
     return encoded
@@ -145,10 +157,6 @@ class _Job:
         return buffer.getvalue(), size, self.psnr(buffer.getvalue()) if self.verifies else None
 
 
-_BAND_AS_ALPHA = (
-    "the last band is declared as alpha: where it is 0, the others are not kept; if it is a band like them, "
-    "such as near infrared, read it with alpha as a band (--alpha band)"
-)
 _NOTHING = {
     "nodata": "every pixel has the nodata value; the stream holds no picture",
     "transparent": "alpha is 0 everywhere and there are no colours; the stream holds no picture",
@@ -160,9 +168,7 @@ def _encode_whole(job: _Job, executor: Executor | None) -> tuple[Encoded, str | 
     the memory that this takes.
     """
     shape, plan, missed = job.windows.shape, job.plan, None
-    memory = estimate(plan, job.windows.memory(shape.width, shape.height))
-    (executor or SerialExecutor()).within(memory, 1)
-    job.listener.planned(plan, 1, memory)
+    job.listener.planned(plan, 1, _memory_of_whole(job.windows, plan, executor))
     job.listener.stage("load")
     picture = job.windows.read(0, 0, shape.width, shape.height)
     masked = plan.header.masked if empty_pixels(picture, plan.header.masked).any() else None
@@ -190,6 +196,13 @@ def _encode_whole(job: _Job, executor: Executor | None) -> tuple[Encoded, str | 
     if job.output is not None:
         replace(job, verify=False).write(lambda file: file.write(encoded.data))
     return replace(encoded, steps=steps, ended_early=short or ending(), psnr=psnr), missed
+
+
+def _memory_of_whole(windows: Windows, plan: Plan, executor: Executor | None) -> Memory:
+    """What a picture in one tile takes. Raises UsageError for more than an executor may."""
+    memory = estimate(plan, windows.memory(windows.shape.width, windows.shape.height))
+    (executor or SerialExecutor()).within(memory, 1)
+    return memory
 
 
 def _encode_tiles(job: _Job, executor: Executor | None, store: Store | None) -> tuple[Encoded, str | None]:
@@ -256,7 +269,7 @@ class _OverviewTask:
 
     def __call__(self, number: int, window: Picture, start: Start, device: Device) -> bytes:
         """The stream of `window`."""
-        return encode_picture(window, self.settings, device=device).data
+        return encode_all_channels(window, self.settings, device)
 
 
 def _overview_maker(plan: Plan, windows: Windows, runner: Runner) -> Callable[[float], bytes] | None:

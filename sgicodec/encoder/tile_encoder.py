@@ -10,7 +10,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.prior import load_prior
@@ -20,9 +19,8 @@ from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.encoder.candidate import Candidate, candidate_of, written
+from sgicodec.encoder.coded_samples import coded_samples
 from sgicodec.encoder.encoded import Encoded
-from sgicodec.encoder.inpainting import inpaint
-from sgicodec.encoder.nodata import empty_pixels
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.texture_handover import HANDOVER, Handover
 from sgicodec.encoder.texture_share import EXACT_STEPS, TextureCosts, seed_share, seed_weights
@@ -36,7 +34,7 @@ from sgicodec.metrics.psnr import psnr
 from sgicodec.model.context import input_count
 from sgicodec.model.layout import ROOT_LOG, SeedLayout, adaptive_layout, cell_sums, uniform_layout
 from sgicodec.model.luma_space import to_luma_space
-from sgicodec.picture import Picture, comparable, to_rgb8, to_unit
+from sgicodec.picture import Picture, comparable, to_rgb8
 from sgicodec.rate_control.lambda_controller import LambdaController
 from sgicodec.rate_control.rd_model import RdModel
 from sgicodec.rate_control.target import Measured
@@ -64,13 +62,7 @@ class Encoding:
         self.ending: Callable[[], bool] = lambda: False
         self.stage: Callable[[str], None] = lambda _: None
         self.spec = plan.header.spec
-        self.unit = np.ascontiguousarray(to_unit(picture).transpose(2, 0, 1))
-        self.empty: NDArray[np.bool_] | None = None
-        if plan.header.masked is not None:
-            empty = empty_pixels(picture, plan.header.masked)
-            self.empty = empty if empty.any() else None
-            if self.empty is not None:
-                self.unit = inpaint(self.unit, self.empty)
+        self.unit, self.empty = coded_samples(picture, plan.header.masked)
         self._contrast = self.tuning.contrast(self.unit)
         if self.spec.luma_space:
             self.unit = np.tensordot(to_luma_space(self.spec.channels).astype(np.float32), self.unit, axes=1)

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from sgicodec.encoder.plan import Plan, Shape
 from sgicodec.errors import UsageError
-from sgicodec.model.tile_grid import TileGrid
-from sgicodec.picture import WITHOUT_ALPHA, Picture
+from sgicodec.picture import Picture
 
 if TYPE_CHECKING:
     from sgicodec.image import Source
 
-__all__ = ["Windows", "hides_all", "tile_window", "windows_of", "without_alpha"]
+__all__ = ["Windows", "kept", "tile_window", "windows_of"]
 
 _BLOCK = 1 << 20
 
@@ -51,31 +51,9 @@ def tile_window(windows: Windows, plan: Plan, number: int) -> Picture:
     return replace(windows.read(*plan.header.grid.rect(number)), metadata=plan.place_of_windows)
 
 
-def hides_all(windows: Windows, grid: TileGrid) -> bool:
-    """Whether alpha is 0 in every pixel of a picture that has colours. No more is read than it takes to tell."""
-    colours = False
-    for number in range(grid.count):
-        pixels = windows.read(*grid.core(number)).pixels
-        if pixels[..., -1].any():
-            return False
-        colours = colours or bool(pixels.any())
-    return colours
-
-
-def without_alpha(windows: Windows) -> Windows:
-    """The colours alone of a picture that has alpha."""
-    return _Colours(windows)
-
-
-class _Colours:
-    def __init__(self, windows: Windows) -> None:
-        self._windows, shape = windows, windows.shape
-        self.shape = replace(shape, channels=WITHOUT_ALPHA[shape.channels], bands=shape.bands - 1)
-        self.memory, self.digest = windows.memory, windows.digest
-
-    def read(self, x: int, y: int, width: int, height: int) -> Picture:
-        picture = self._windows.read(x, y, width, height)
-        return replace(picture, pixels=picture.pixels[..., :-1], channels=self.shape.channels)
+def kept(windows: Windows) -> Windows:
+    """The same, read whole when a window is first asked for, and then kept."""
+    return windows if isinstance(windows, _PictureWindows) else _Kept(windows)
 
 
 class _PictureWindows:
@@ -93,6 +71,19 @@ class _PictureWindows:
         for row in self._picture.pixels:
             found.update(row.tobytes())
         return found.digest()
+
+
+class _Kept:
+    def __init__(self, windows: Windows) -> None:
+        self._windows, self.shape = windows, windows.shape
+        self.memory, self.digest = windows.memory, windows.digest
+
+    @cached_property
+    def _picture(self) -> Picture:
+        return self._windows.read(0, 0, self.shape.width, self.shape.height)
+
+    def read(self, x: int, y: int, width: int, height: int) -> Picture:
+        return replace(self._picture, pixels=self._picture.pixels[y : y + height, x : x + width])
 
 
 class _SourceWindows:

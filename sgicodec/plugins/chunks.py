@@ -47,12 +47,15 @@ def encode_chunk(chunk: NDArray[Any], channels: str | None, settings: Mapping[st
     """The stream of a chunk. channels: a layout of pictures; by default gray and rgb for one and three channels, and
     bands without a meaning for all others: none of them is taken for alpha.
     """
-    from sgicodec.encoder.one_call import encode
+    from sgicodec.encoder.pipeline import encode_all_channels
+    from sgicodec.encoder.settings import EncodeSettings
+    from sgicodec.image.conversion import as_picture
 
     shape = _picture_shape(chunk.shape)
     count = shape[2] if len(shape) == 3 else 1
     layout = channels or {1: "gray", 3: "rgb"}.get(count, "multi")
-    return encode(np.ascontiguousarray(chunk).reshape(*shape[:2], count), channels=layout, **settings)
+    picture = as_picture(np.ascontiguousarray(chunk).reshape(*shape[:2], count), channels=layout)
+    return encode_all_channels(picture, EncodeSettings(**settings))
 
 
 def decode_chunk(data: bytes, shape: Shape, dtype: np.dtype[Any]) -> NDArray[Any]:

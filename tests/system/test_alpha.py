@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import struct
+import warnings
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from sgicodec import EncodeSettings, NullListener, Picture, encode_picture, open_source, read, write
+from sgicodec import EncodeSettings, NullListener, Picture, decode, encode, encode_picture, open_source, read, write
 from sgicodec.decoder.stream import open_stream
 from sgicodec.executors.processes import ProcessExecutor
 from sgicodec.metadata import geo, ifd
-from sgicodec.picture import Metadata
+from sgicodec.picture import Metadata, full_range
+from sgicodec.plugins.chunks import decode_chunk, encode_chunk
 
 DATA = Path(__file__).parents[1] / "data"
 TILES = [0, 64]
@@ -23,9 +25,13 @@ class Notes(NullListener):
 
     def __init__(self) -> None:
         self.texts: list[str] = []
+        self.remarks: list[str] = []
 
     def note(self, text: str) -> None:
         self.texts.append(text)
+
+    def remark(self, text: str) -> None:
+        self.remarks.append(text)
 
 
 @pytest.fixture(scope="module")
@@ -52,6 +58,57 @@ def test_colours_are_kept_where_alpha_hides_them_all(tmp_path: Path, colours: np
     assert encoded.data == encode_picture(Picture(colours, "rgb", (0.0, 255.0)), settings).data
     with open_stream(encoded.data) as stream:
         assert np.abs(stream.picture().pixels.astype(int) - colours).mean() < 12
+
+
+@pytest.mark.parametrize("tile", TILES)
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32])
+def test_alpha_that_is_opaque_everywhere_is_left_out(colours: np.ndarray, tile: int, dtype: type) -> None:
+    notes, settings, high = Notes(), EncodeSettings(steps=5, tile=tile), full_range(dtype)[1]
+    pixels = (with_alpha(colours, 255) * (high / 255)).astype(dtype)
+    encoded = encode_picture(Picture(pixels, "rgba", (0.0, high)), settings, progress=notes, verify=True)
+    assert notes.remarks == ["alpha is opaque everywhere; it is left out"]
+    assert notes.texts == []
+    assert encoded.data == encode_picture(Picture(pixels[..., :3], "rgb", (0.0, high)), settings).data
+
+
+def test_one_pixel_that_is_not_opaque_keeps_alpha(colours: np.ndarray) -> None:
+    """In the last tile; in the overview, the mean of 36 of them is opaque."""
+    pixels, notes = with_alpha(colours, 255), Notes()
+    pixels[-1, -1, 3] = 254
+    settings = EncodeSettings(steps=5, tile=64, overview=True)
+    with open_stream(encode_picture(Picture(pixels, "rgba", (0.0, 255.0)), settings, progress=notes).data) as stream:
+        assert stream.header.channels == "rgba"
+        assert stream.overview.header.channels == "rgba"
+        assert stream.read(size=(10, 8)).shape == (8, 10, 4)
+    assert notes.remarks == []
+
+
+@pytest.mark.parametrize("tile", TILES)
+def test_what_is_opaque_beside_other_alpha_stays_opaque(colours: np.ndarray, tile: int) -> None:
+    """A soft edge between an empty and an opaque side."""
+    pixels = with_alpha(colours, 255)
+    pixels[..., 3] = np.clip(8 * (np.arange(100) - 40), 0, 255)
+    with open_stream(
+        encode_picture(Picture(pixels, "rgba", (0.0, 255.0)), EncodeSettings(effort=1, tile=tile)).data
+    ) as stream:
+        alpha = stream.picture().pixels[..., 3].astype(int)
+    assert not alpha[:, :41].any()
+    assert (alpha[:, 74:] == 255).mean() > 0.995
+    assert np.abs(alpha[:, 41:72] - pixels[:, 41:72, 3]).mean() < 8
+
+
+def test_a_call_of_python_does_not_warn_of_what_loses_nothing(colours: np.ndarray) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        data = encode(with_alpha(colours, 255), steps=5)
+    assert decode(data).shape == colours.shape
+
+
+@pytest.mark.parametrize("alpha", [0, 255])
+def test_chunks_of_arrays_keep_their_shape(colours: np.ndarray, alpha: int) -> None:
+    chunk = with_alpha(colours, alpha)
+    found = decode_chunk(encode_chunk(chunk, "rgba", {"steps": 5}), chunk.shape, chunk.dtype)
+    assert (found[..., 3] == alpha).mean() > 0.99
 
 
 def test_workers_that_read_for_themselves_leave_the_same_alpha_out(tmp_path: Path, colours: np.ndarray) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from listeners import Steps
 
-from sgicodec import Encoded, EncodeSettings, Picture, encode_picture, read
+from sgicodec import Encoded, EncodeSettings, Picture, encode_picture, open_source, read
 from sgicodec.decoder.stream import open_stream
 from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Metadata
@@ -70,6 +70,20 @@ def test_layout_metadata_and_depth_return(coded: tuple[Picture, dict[int, Encode
     assert decoded.pixels.dtype == picture.pixels.dtype
     assert decoded.channels == picture.channels
     assert decoded.metadata == picture.metadata
+
+
+def test_a_picture_in_one_tile_is_read_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """For the look, the fit and the PSNR."""
+    with open_source(DATA / "kodim23.png") as source:
+        read_window, reads = source.read, list[tuple[int, ...]]()
+
+        def counted(*rect: int) -> Picture:
+            reads.append(rect)
+            return read_window(*rect)
+
+        monkeypatch.setattr(source, "read", counted)
+        encode_picture(source, EncodeSettings(steps=1, rdoq=False, texture=False, tune="visual"), verify=True)
+    assert reads == [(0, 0, 768, 512)]
 
 
 def test_early_end_gives_a_valid_stream() -> None:

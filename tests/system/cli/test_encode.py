@@ -46,6 +46,16 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     return seen
 
 
+def test_opaque_alpha_is_left_out_and_told(sgi: Run, tmp_path: Path, pixels: np.ndarray) -> None:
+    alpha = np.full((*pixels.shape[:2], 1), 255, np.uint8)
+    source = tmp_path / "x.png"
+    write(Picture(np.concatenate([pixels, alpha], axis=2), "rgba", (0.0, 255.0)), source)
+    result = sgi("encode", source, "--steps", 5, "--json")
+    assert result.stderr == f"sgi: {source}: alpha is opaque everywhere; it is left out\n"
+    assert json.loads(result.stdout)["channels"] == "rgb"
+    assert sgi("encode", source, "--steps", 5, "--quiet", "-f").stderr == ""
+
+
 def test_out_is_beside_in_and_the_report_is_true(sgi: Run, picture: Path, pixels: np.ndarray) -> None:
     result = sgi("encode", picture, "--steps", 5)
     assert result.exit_code == 0, result.output

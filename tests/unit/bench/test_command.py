@@ -249,6 +249,14 @@ def test_compare_leaves_alpha_out_of_the_map(tmp_path: Path) -> None:
     assert np.asarray(Image.open(tmp_path / "map.png")).shape == (40, 56, 3)
 
 
+def test_compare_passes_over_an_opaque_alpha_that_one_picture_lacks(tmp_path: Path) -> None:
+    a = save(tmp_path / "a.png", np.dstack([picture(), np.full((40, 56), 255, np.uint8)]))
+    b = save(tmp_path / "b.png", picture() + np.uint8(5))
+    assert call(compare, a, b).stdout == call(compare, save(tmp_path / "c.png", picture()), b).stdout
+    clear = save(tmp_path / "d.png", np.dstack([picture(), np.full((40, 56), 200, np.uint8)]))
+    assert "56x40 with 4 channels" in str(call(compare, clear, b).exception)
+
+
 def test_compare_fails_under_a_target(tmp_path: Path) -> None:
     a = save(tmp_path / "a.png", picture())
     b = save(tmp_path / "b.png", picture() + np.uint8(5))
