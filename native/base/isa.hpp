@@ -7,10 +7,6 @@
 #pragma once
 #include <string>
 
-// For small functions of headers that units of different instruction sets share: a copy of one must never serve
-// another.
-#define SGI_INLINE __attribute__((always_inline)) inline
-
 namespace sgi {
 
 enum class Isa { portable, avx2, avx512 };

@@ -14,18 +14,18 @@ struct Block {
   Block(int64_t begin, int64_t count) : first(begin), live() {
     for (int i = 0; i < LANES; ++i) {
       row[i] = begin + i < count ? begin + i : count - 1;
-      live[i] = begin + i < count ? 1.0f : 0.0f;
+      set_lane(live, i, begin + i < count ? 1.0f : 0.0f);
     }
   }
   template <class T>
   vf gather(const T *rows, int width, int column) const {
     vf v;
-    for (int i = 0; i < LANES; ++i) v[i] = float(rows[row[i] * width + column]);
+    for (int i = 0; i < LANES; ++i) set_lane(v, i, float(rows[row[i] * width + column]));
     return v;
   }
   void scatter(vf v, float *rows, int width, int column) const {
     for (int i = 0; i < LANES; ++i)
-      if (live[i] != 0.0f) rows[row[i] * width + column] = v[i];
+      if (lane(live, i) != 0.0f) rows[row[i] * width + column] = lane(v, i);
   }
   int64_t number() const { return first / LANES; }
 };

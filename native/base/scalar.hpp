@@ -1,5 +1,5 @@
 // Functions of numbers under the names that vector.hpp gives them for vectors: what is written once for both takes
-// either.
+// either. On a GPU, too.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -15,11 +15,15 @@ inline float maxv(float a, float b) { return a > b ? a : b; }
 inline float minv(float a, float b) { return a < b ? a : b; }
 inline float clampv(float x, float limit) { return maxv(minv(x, limit), -limit); }
 inline int64_t clampv(int64_t x, int64_t limit) { return x > limit ? limit : x < -limit ? -limit : x; }
-inline float absv(float x) { return __builtin_fabsf(x); }
+inline float absv(float x) { return std::fabs(x); }
 inline int absv(int x) { return x < 0 ? -x : x; }
 inline float exp2v(float x) { return std::exp2(x); }
 inline float log2v(float x) { return std::log2(x); }
 inline float rootv(float x) { return std::sqrt(x); }
+inline double rootv(double x) { return std::sqrt(x); }
+inline float floorv(float x) { return std::floor(x); }
+inline float signv(float x) { return x > 0.0f ? 1.0f : x < 0.0f ? -1.0f : 0.0f; }
+inline bool is_finite(double x) { return x - x == 0; }
 
 }  // namespace
 }  // namespace sgi

@@ -1,4 +1,5 @@
-// Vectors of LANES floats (compiler vector extensions), for units compiled once per instruction set (isa.hpp).
+// Vectors of LANES floats (compiler vector extensions), for units compiled once per instruction set (isa.hpp). A vector
+// of one lane is a number: what is written for vectors runs on a GPU, where a thread is a lane.
 #pragma once
 #include <cstdint>
 #include <cstring>
@@ -7,6 +8,23 @@
 
 namespace sgi {
 namespace {
+
+#if LANES == 1
+
+using vf = float;
+using vi = int32_t;
+using vu = uint32_t;
+
+inline vf load(const float *p) { return *p; }
+inline void store(float *p, vf v) { *p = v; }
+inline float lane(vf v, int) { return v; }
+template <class V, class T>
+inline void set_lane(V &v, int, T value) {
+  v = value;
+}
+inline vf to_floats(vi v) { return float(v); }
+
+#else
 
 using vf = float __attribute__((vector_size(LANES * 4)));
 using vi = int32_t __attribute__((vector_size(LANES * 4)));
@@ -18,6 +36,12 @@ inline vf load(const float *p) {
   return v;
 }
 inline void store(float *p, vf v) { std::memcpy(p, &v, sizeof v); }
+inline float lane(vf v, int i) { return v[i]; }
+template <class V, class T>
+inline void set_lane(V &v, int i, T value) {
+  v[i] = value;
+}
+inline vf to_floats(vi v) { return __builtin_convertvector(v, vf); }
 
 inline vf iota() {
   vf v;
@@ -82,6 +106,8 @@ inline vf rootv(vf x) {
   for (float &lane : lanes) lane = __builtin_sqrtf(lane);
   return load(lanes);
 }
+
+#endif
 
 }  // namespace
 }  // namespace sgi

@@ -9,12 +9,12 @@ namespace {
 // is "lowbias32" of C. Wellons' hash-prospector. `mirror` is 0, or all ones for the negative.
 inline vf noise(uint32_t key, uint32_t mirror, uint32_t column, int64_t first_seed) {
   vu x;
-  for (int i = 0; i < LANES; ++i) x[i] = static_cast<uint32_t>(first_seed) + i;
+  for (int i = 0; i < LANES; ++i) set_lane(x, i, static_cast<uint32_t>(first_seed) + i);
   x = x * 0x9e3779b9u ^ (key + column * 0x85ebca6bu);
   x = (x ^ (x >> 16)) * 0x7feb352du;
   x = (x ^ (x >> 15)) * 0x846ca68bu;
   x = x ^ (x >> 16) ^ mirror;
-  return __builtin_convertvector((vi)(x >> 8), vf) * 0x1p-24f + (0x1p-25f - 0.5f);
+  return to_floats((vi)(x >> 8)) * 0x1p-24f + (0x1p-25f - 0.5f);
 }
 
 }  // namespace

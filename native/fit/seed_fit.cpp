@@ -1,5 +1,6 @@
 #include "fit/seed_fit.hpp"
 
+#include "base/isa.hpp"
 #include "base/thread_pool.hpp"
 
 namespace sgi {

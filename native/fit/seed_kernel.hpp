@@ -6,7 +6,7 @@
 #pragma once
 #include <cstdint>
 
-#include "base/isa.hpp"
+#include "base/inline.hpp"
 #include "model/context_inputs.hpp"
 
 namespace sgi {

@@ -1,9 +1,8 @@
 // The step, forward and backward.
-#include "fit/noise.hpp"
+#include "fit/seed_descent.hpp"
+#include "fit/seed_forward.hpp"
 #include "fit/seed_gradients.hpp"
 #include "fit/seed_inputs.hpp"
-#include "fit/seed_prediction.hpp"
-#include "model/laplace.hpp"
 
 namespace sgi {
 namespace {
@@ -12,37 +11,8 @@ double forward(const SeedState &s, int64_t begin, int64_t end, const SeedGaussia
   const Scratch scratch(s, memory);
   double bits = 0;
   for (int64_t at = begin; at < end; at += LANES) {
-    const Block block(at, s.count);
-    float *decoded = s.decoded + block.number() * s.attributes() * LANES;
-    vf sum{}, loudness{};
-    for (int g = 0; g < kGroups; ++g) {
-      const int size = s.group_size(g), start = s.group_start(g);
-      Units u;
-      if (s.predicts) {
-        vf own[kMostOwnInputs], outputs[kMostOutputs];
-        own_inputs(s, decoded, g, loudness, own);
-        evaluate(s, block, g, own, scratch.hidden, outputs);
-        u = units_of(s, block, g, outputs, loudness);
-        keep_units(u, g, kept_units(s, block, g));
-      } else if (s.rounding != Rounding::kNone) {
-        load_units(kept_units(s, block, g), g, u);
-      }
-      for (int j = 0; j < size; ++j) {
-        vf value = block.gather(s.value[g], size, j);
-        if (s.rounding != Rounding::kNone) {
-          const Unit &unit = u.unit[unit_of(s, g, j)];
-          value = s.rounding == Rounding::kNoise ? value + unit.step * noise(s.key, s.mirror, start + j, at)
-                                                 : rounded(value, unit);
-          sum += laplace_bits(value - unit.mean, unit.step, unit.scale).bits;
-        }
-        store(decoded + (start + j) * LANES, value);
-      }
-      if (g == 0 && s.predicts) loudness = loudness_of(s, decoded);
-    }
-    block.scatter(sum, s.bits, 1, 0);
-    sum *= block.live;
-    for (int i = 0; i < LANES; ++i) bits += sum[i];
-    write_gaussians(s, s.seeds, block, [&](int column) { return load(decoded + column * LANES); }, out);
+    const vf sum = forward_block(s, Block(at, s.count), out, scratch.hidden);
+    for (int i = 0; i < LANES; ++i) bits += lane(sum, i);
   }
   return bits;
 }
@@ -74,8 +44,6 @@ struct Sums {
     }
   }
 };
-
-constexpr float kLn2 = 0.69314718056f;
 
 // What a batch of blocks keeps between its way down to MLP_p's outputs and its way back through it.
 struct Batch {
@@ -117,59 +85,6 @@ inline void descend(const SeedState &s, const Batch &batch, const float *hidden,
                                               : batch.own[b][c - kCommonInputs]);
       sums.add(row + c, total);
     }
-  }
-}
-
-// One group of a block: gradients of its values, and of MLP_p's outputs `up`.
-inline void descend_group(const SeedState &s, const Block &block, int group, const Units &u, const float *decoded,
-                          const float *grad, const SeedGradients &g, vf *up, const Sums &sums) {
-  const int size = s.group_size(group), start = s.group_start(group), count = kGroupUnits[group];
-  vf mean[3] = {}, scale[3] = {}, step[3] = {};
-  for (int j = 0; j < size; ++j) {
-    const int i = unit_of(s, group, j);
-    const Unit &unit = u.unit[i];
-    const vf above = load(grad + (start + j) * LANES) * block.live;
-    const Bits<vf> b = laplace_bits(load(decoded + (start + j) * LANES) - unit.mean, unit.step, unit.scale);
-    const vf price = g.lmbda * block.live, slope = price * b.deviation;
-    block.scatter(above + slope, g.value[group], size, j);
-    mean[i] -= slope;
-    scale[i] += price * b.scale;
-    if (s.rounding == Rounding::kNoise)
-      step[i] += price * b.step + (above + slope) * noise(s.key, s.mirror, start + j, block.first);
-  }
-  vf refine{}, gamma{};
-  for (int i = 0; i < count; ++i) {
-    const Unit &unit = u.unit[i];
-    step[i] += select(unit.scale_is_free, vf{}, scale[i] * kLeastScale);
-    const vf raw = select(unit.scale_is_free, scale[i] * unit.raw_scale * kLn2, vf{});
-    const vf log_step = select(unit.step_is_free, step[i] * unit.step * kLn2, vf{});
-    const vf log_base = log_step + mean[i] * unit.mean * kLn2 + raw;
-    for (int l = 0; l < LANES; ++l)
-      sums.add_to_lane(sums.base + (kFirstUnit[group] + i) * kLevels + level_of(s.seeds.log_size[block.row[l]]), l,
-                       log_base[l]);
-    refine += log_step;
-    gamma -= log_step * u.loudness;
-    up[i] = mean[i] * unit.base_step;
-    up[count + i] = select(unit.output_is_free, raw, vf{});
-  }
-  up[2 * count] = select(absv(u.refine) < octaves(kRefineLimit), refine, vf{});
-  if (group) sums.add(sums.gamma + group - 1, gamma);
-}
-
-// The same where MLP_p's predictions are constants.
-inline void descend_values(const SeedState &s, const Block &block, int group, const float *decoded, const float *grad,
-                           const SeedGradients &g) {
-  const int size = s.group_size(group), start = s.group_start(group);
-  Units u;
-  if (s.rounding != Rounding::kNone) load_units(kept_units(s, block, group), group, u);
-  for (int j = 0; j < size; ++j) {
-    vf slope = load(grad + (start + j) * LANES);
-    if (s.rounding != Rounding::kNone) {
-      const Unit &unit = u.unit[unit_of(s, group, j)];
-      const vf value = load(decoded + (start + j) * LANES);
-      slope += g.lmbda * laplace_bits(value - unit.mean, unit.step, unit.scale).deviation;
-    }
-    block.scatter(slope, g.value[group], size, j);
   }
 }
 

@@ -56,9 +56,9 @@ inline Units units_of(const SeedState &s, const Block &block, int group, const v
   const float gamma = group ? s.gamma[group - 1] : 0.0f;
   for (int i = 0; i < count; ++i) {
     Unit &v = u.unit[i];
-    vf log_base;
+    vf log_base{};
     for (int l = 0; l < LANES; ++l)
-      log_base[l] = s.base[(kFirstUnit[group] + i) * kLevels + level_of(s.seeds.log_size[block.row[l]])];
+      set_lane(log_base, l, s.base[(kFirstUnit[group] + i) * kLevels + level_of(s.seeds.log_size[block.row[l]])]);
     v.base_step = exp2v(log_base);
     const vf step = exp2v(refined_step(log_base, fall_with(gamma, u.loudness), u.refine));
     v.step_is_free = (step > kLeastStep) & (step < kGreatestStep);

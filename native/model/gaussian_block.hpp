@@ -10,7 +10,7 @@ namespace {
 // Sides of the cells, pixels.
 inline vf cells_of(const SeedsView &seeds, const Block &block) {
   vf v;
-  for (int i = 0; i < LANES; ++i) v[i] = float(1 << seeds.log_size[block.row[i]]);
+  for (int i = 0; i < LANES; ++i) set_lane(v, i, float(1 << seeds.log_size[block.row[i]]));
   return v;
 }
 

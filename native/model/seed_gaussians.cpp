@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/isa.hpp"
 #include "base/thread_pool.hpp"
 
 namespace sgi {

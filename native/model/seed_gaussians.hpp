@@ -2,10 +2,12 @@
 #pragma once
 #include <cstdint>
 
-#include "base/isa.hpp"
+#include "base/inline.hpp"
 #include "model/constants.hpp"
 
 namespace sgi {
+
+enum class Isa;
 
 struct SeedsView {
   const int32_t *half_pixels;  // [N, 2] centres

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <stdexcept>
 
 #include "base/thread_pool.hpp"
@@ -11,81 +10,6 @@ namespace sgi {
 namespace {
 
 constexpr int64_t kChunk = 1024;
-constexpr float kLongestSpan = 8;  // rows; rounding errors grow with the square
-constexpr float kLog2E = 1.44269504f;
-
-// The ellipse of all points within the cutoff, relative to the centre.
-struct Ellipse {
-  float ry;          // half height
-  float lean;        // dx of the axis of widths per dy
-  float half_width;  // half width at the centre row
-  float top_dy;      // dy at which the right end is reached
-
-  // Right and left end of the part with dy in [lo, hi].
-  void extent(float lo, float hi, float &left, float &right) const {
-    right = edge(clamp(top_dy, lo, hi), 1.0f);
-    left = edge(clamp(-top_dy, lo, hi), -1.0f);
-  }
-
- private:
-  float clamp(float dy, float lo, float hi) const {
-    return std::min(std::max(dy, std::max(lo, -ry)), std::min(hi, ry));
-  }
-  float edge(float dy, float side) const {
-    const float u = dy / ry;
-    return lean * dy + side * half_width * std::sqrt(std::max(0.0f, 1.0f - u * u));
-  }
-};
-
-bool prepare(const float *mean, const float *cov, float cutoff, Splat &s, Ellipse &e) {
-  const double xx = cov[0], xy = cov[1], yy = cov[2];
-  const double det = xx * yy - xy * xy;
-  if (!(xx > 0 && yy > 0 && det > 1e-12 * xx * yy) || !std::isfinite(det) || !std::isfinite(mean[0]) ||
-      !std::isfinite(mean[1]))
-    return false;
-  s.x = mean[0];
-  s.y = mean[1];
-  s.a = static_cast<float>(-0.5 * kLog2E * yy / det);
-  s.b = static_cast<float>(kLog2E * xy / det);
-  s.c = static_cast<float>(-0.5 * kLog2E * xx / det);
-  s.k = std::exp2(2.0f * s.c);
-  s.rx = cutoff * std::sqrt(cov[0]);
-  s.ry = e.ry = cutoff * std::sqrt(cov[2]);
-  s.lean = static_cast<float>(xy / xx);
-  s.half_height = static_cast<float>(cutoff * std::sqrt(det / xx));
-  s.low_dx = static_cast<float>(cutoff * xy / std::sqrt(yy));
-  e.lean = static_cast<float>(xy / yy);
-  e.half_width = static_cast<float>(cutoff * std::sqrt(det / yy));
-  e.top_dy = static_cast<float>(cutoff * xy / std::sqrt(xx));
-  // A start must not underflow (2^-126) if a later row of its run lies within the cutoff, 2^-(0.85 cutoff)^2: over
-  // span - 1 rows sqrt(-log2 G) falls by at most sqrt(-c) (span - 1).
-  const float headroom = std::max(0.0f, 11.2f - 0.85f * cutoff), fall = std::sqrt(-s.c);
-  s.span = static_cast<int32_t>(std::min(kLongestSpan - 1.0f, headroom / fall)) + 1;
-  return true;
-}
-
-// Calls visit(tile) for every tile of the view that the ellipse touches, in row-major order.
-template <class Visit>
-void for_each_tile(const Splat &s, const Ellipse &e, const View &view, Visit visit) {
-  const int tx0 = view.tile_x0(), ty0 = view.tile_y0(), nx = view.tiles_x(), ny = view.tiles_y();
-  // Pixel centres sit at +1/2: a tile covers centres from 1/2 to its size less 1/2.
-  const auto first_tile = [](float edge, int size, int base) {
-    return static_cast<int>(std::floor((std::max(-1e8f, std::min(1e8f, edge)) - (size - 0.5f)) / size + 1.0f)) - base;
-  };
-  const auto last_tile = [](float edge, int size, int base) {
-    return static_cast<int>(std::floor((std::max(-1e8f, std::min(1e8f, edge)) - 0.5f) / size)) - base;
-  };
-  const int row0 = std::max(0, first_tile(s.y - e.ry, kTileHeight, ty0));
-  const int row1 = std::min(ny - 1, last_tile(s.y + e.ry, kTileHeight, ty0));
-  for (int row = row0; row <= row1; ++row) {
-    const float lo = (ty0 + row) * float(kTileHeight) + 0.5f - s.y;
-    float left, right;
-    e.extent(lo, lo + (kTileHeight - 1), left, right);
-    const int col0 = std::max(0, first_tile(s.x + left, kTileWidth, tx0));
-    const int col1 = std::min(nx - 1, last_tile(s.x + right, kTileWidth, tx0));
-    for (int col = col0; col <= col1; ++col) visit(static_cast<uint32_t>(row * nx + col));
-  }
-}
 
 // Prepares every Gaussian and lists the tiles that each chunk of them touches; slot_start counts from the chunk's
 // first.

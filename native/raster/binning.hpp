@@ -3,21 +3,12 @@
 #include <cstdint>
 #include <vector>
 
+#include "raster/ellipse.hpp"
 #include "raster/tile_kernel.hpp"
 
 namespace sgi {
 
-// A crop of the plane in whole pixels. Tiles are anchored to the plane, not to the crop, so that a crop of a picture
-// equals the picture's crop to the last bit.
-struct View {
-  int x0 = 0, y0 = 0, width = 0, height = 0;
-  int tile_x0() const { return floor_div(x0, kTileWidth); }
-  int tile_y0() const { return floor_div(y0, kTileHeight); }
-  int tiles_x() const { return floor_div(x0 + width - 1, kTileWidth) - tile_x0() + 1; }
-  int tiles_y() const { return floor_div(y0 + height - 1, kTileHeight) - tile_y0() + 1; }
-  bool operator==(const View &o) const { return x0 == o.x0 && y0 == o.y0 && width == o.width && height == o.height; }
-  static int floor_div(int v, int by) { return v >= 0 ? v / by : -((-v + by - 1) / by); }
-};
+using View = TiledView<kTileWidth, kTileHeight>;
 
 struct Bins {
   int64_t most_pairs;  // (tile, Gaussian) pairs that one call may list

@@ -1,0 +1,46 @@
+// A block of seeds from attributes to Gaussians and bits.
+#pragma once
+#include "fit/noise.hpp"
+#include "fit/seed_prediction.hpp"
+#include "model/gaussian_block.hpp"
+#include "model/laplace.hpp"
+
+namespace sgi {
+namespace {
+
+// Draws or rounds, writes Gaussians, `decoded` and the bits of each seed; returns these, 0 for what is no seed.
+// `hidden`: memory for MLP_p, [hidden][LANES].
+inline vf forward_block(const SeedState &s, const Block &block, const SeedGaussians &out, float *hidden) {
+  float *decoded = s.decoded + block.number() * s.attributes() * LANES;
+  vf sum{}, loudness{};
+  for (int g = 0; g < kGroups; ++g) {
+    const int size = s.group_size(g), start = s.group_start(g);
+    Units u;
+    if (s.predicts) {
+      vf own[kMostOwnInputs], outputs[kMostOutputs];
+      own_inputs(s, decoded, g, loudness, own);
+      evaluate(s, block, g, own, hidden, outputs);
+      u = units_of(s, block, g, outputs, loudness);
+      keep_units(u, g, kept_units(s, block, g));
+    } else if (s.rounding != Rounding::kNone) {
+      load_units(kept_units(s, block, g), g, u);
+    }
+    for (int j = 0; j < size; ++j) {
+      vf value = block.gather(s.value[g], size, j);
+      if (s.rounding != Rounding::kNone) {
+        const Unit &unit = u.unit[unit_of(s, g, j)];
+        value = s.rounding == Rounding::kNoise ? value + unit.step * noise(s.key, s.mirror, start + j, block.first)
+                                               : rounded(value, unit);
+        sum += laplace_bits(value - unit.mean, unit.step, unit.scale).bits;
+      }
+      store(decoded + (start + j) * LANES, value);
+    }
+    if (g == 0 && s.predicts) loudness = loudness_of(s, decoded);
+  }
+  block.scatter(sum, s.bits, 1, 0);
+  write_gaussians(s, s.seeds, block, [&](int column) { return load(decoded + column * LANES); }, out);
+  return sum * block.live;
+}
+
+}  // namespace
+}  // namespace sgi
