@@ -77,7 +77,7 @@ class _Warner(NullListener):
     """Turns notes, as on alpha that hides all, into warnings of Python at the line that called `encode`."""
 
     def note(self, text: str) -> None:
-        warnings.warn(text, stacklevel=5)
+        warnings.warn(text, stacklevel=6)
 
 
 def _settings(given: dict[str, Any]) -> EncodeSettings:

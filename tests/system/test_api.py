@@ -132,6 +132,7 @@ def test_regions_may_reach_over_the_picture(data: bytes, whole: np.ndarray) -> N
 
 def test_outside_is_nodata_or_transparent(pixels: np.ndarray) -> None:
     rgba = np.dstack([pixels, np.full(pixels.shape[:2], 255, np.uint8)])
+    rgba[0, 0, 3] = 0
     with sgicodec.open(sgicodec.encode(rgba, steps=4)) as stream:
         assert (stream.read((90, 60, 20, 20), boundless=True)[5:, 8:] == 0).all()
         inside = stream.read()[60:, 90:]
