@@ -67,9 +67,9 @@ class SeedTargetEncoder(TargetEncoder):
             candidate, found = self._optimised(candidate)
             if target.is_met(found[1]):
                 return found
-        tried: dict[int, Stream] = {}
+        tried: dict[float, Stream] = {}
 
-        def measure(shift: int) -> Measured:
+        def measure(shift: float) -> Measured:
             tried[shift] = encoding.measured(_shifted(candidate, shift))
             return tried[shift][1]
 
@@ -100,7 +100,7 @@ class SeedTargetEncoder(TargetEncoder):
         return candidate, encoding.measured(candidate)
 
 
-def _shifted(candidate: Candidate, shift: int) -> Candidate:
+def _shifted(candidate: Candidate, shift: float) -> Candidate:
     """The candidate with all steps of its attributes coarser by `shift` units."""
     model = candidate.model
     networks = with_coarser_steps(model.networks, shift / 2**DIFFERENCE_SHIFT)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -22,6 +23,9 @@ FAR_OCTAVES = 1.5
 OCTAVES_PER_UNIT = -1 / 16
 """Octaves of λ that a unit of the texture's step stands for: a 32nd of an octave of the step."""
 
+RESOLUTION = 0.25
+"""Of the shift of the step, in its units."""
+
 
 class TextureTargetEncoder(TargetEncoder):
     """Takes an encoding to a rate target. λ of the seeds is what the R-D model predicts; the texture's step does the
@@ -41,7 +45,7 @@ class TextureTargetEncoder(TargetEncoder):
             lmbda = min(max(lmbda * 2.0**octaves, LMBDA_MIN), LMBDA_MAX)
             if self.ended or (target.is_met(stream[1]) and abs(octaves) < FAR_OCTAVES):
                 break
-        return found[target.nearest([measured for _, measured in found])]
+        return found[target.best([measured for _, measured in found])]
 
     def _stream(self, on_progress: Callable[[Progress], bool]) -> tuple[Stream, float]:
         """The best stream with seeds for the encoding's λ, and by how many octaves λ should have been larger."""
@@ -49,14 +53,24 @@ class TextureTargetEncoder(TargetEncoder):
         # Without two passes, the seeds of a fit that was ended early may take more than the whole stream is to have.
         candidate = encoding.searched(encoding.candidate(encoding.fitted(on_progress)), least=2)
         search, first = encoding.texture_search(candidate), encoding.tuning.step(encoding.lmbda)
-        tried: dict[int, Stream] = {}
+        tried: dict[float, Stream] = {}
+        none_from = math.inf  # the shift from which on there is no texture
 
-        def measure(shift: int) -> Measured:
-            step = min(max(first + shift, 0), STEP_COUNT - 1)
-            tried[shift] = encoding.measured(encoding.with_texture(candidate, search, step))
+        def measure(shift: float) -> Measured:
+            nonlocal none_from
+            if shift > none_from:
+                tried[shift] = tried[none_from]
+                return tried[shift][1]
+            # Between two steps, the price of bits moves as much as the step would.
+            step = min(max(first + math.floor(shift), 0), STEP_COUNT - 1)
+            price = encoding.tuning.squared_steps * 2.0 ** (-OCTAVES_PER_UNIT * (shift % 1))
+            textured = encoding.with_texture(candidate, search, step, price)
+            if textured.model.texture is None:
+                none_from = shift
+            tried[shift] = encoding.measured(textured)
             return tried[shift][1]
 
-        shift = step_shift(target, measure, OCTAVES_PER_UNIT)
+        shift = step_shift(target, measure, OCTAVES_PER_UNIT, RESOLUTION)
         octaves = -OCTAVES_PER_UNIT * shift
         if not target.is_met(tried[shift][1]):
             octaves += target.rate_error(tried[shift][1])

@@ -76,6 +76,20 @@ class RateTarget:
         sound = [index for index, measured in enumerate(streams) if not self.is_missed(measured)]
         return min(sound or range(len(streams)), key=lambda index: abs(self.rate_error(streams[index])))
 
+    def best(self, streams: Sequence[Measured]) -> int:
+        """Index of the stream with the fewest bytes for what it shows, among those that meet a PSNR or a score if there
+        are any; else of the nearest.
+        """
+        met = [index for index, measured in enumerate(streams) if self.bytes is None and self.is_met(measured)]
+        if not met:
+            return self.nearest(streams)
+
+        def cost(index: int) -> float:
+            octaves = SIZE_OCTAVES_PER_LMBDA_OCTAVE * self.rate_error(streams[index])
+            return math.log2(max(streams[index].bytes, 1.0)) - octaves
+
+        return min(met, key=cost)
+
     def miss_message(self, measured: Measured) -> str:
         """What to report where the best stream misses the target."""
         if self.bytes is not None:

@@ -31,6 +31,14 @@ def test_the_nearest_is_one_that_does_not_miss_the_target() -> None:
     assert psnr.nearest([Measured(1, p) for p in (28.0, 29.8, 20.0)]) == 1
 
 
+def test_the_best_has_the_fewest_bytes_for_what_it_shows() -> None:
+    streams = [Measured(1000, 32.0), Measured(900, 31.95), Measured(860, 31.91), Measured(950, 32.2)]
+    assert RateTarget(psnr=32.0).best(streams) == 2
+    assert RateTarget(psnr=32.0).best([Measured(1000, 32.05), Measured(999, 31.91)]) == 0
+    assert RateTarget(psnr=32.0).best([*streams[3:], Measured(800, 31.0)]) == 0
+    assert RateTarget(bytes=960).best([Measured(935, 0), Measured(955, 0), Measured(961, 0)]) == 1
+
+
 def test_messages_name_the_target_and_the_stream() -> None:
     assert (
         RateTarget(bytes=90)
