@@ -53,6 +53,10 @@ class TileRenderer {
   int64_t memory() const;                            // bytes, about
   // Those that it sums, in its own pixels.
   const GaussianSet &gaussians() const { return gaussians_; }
+  const std::vector<double> &base() const { return base_; }  // [C, rows, columns] colours of the base layer's cells
+  const std::optional<TextureCells> &texture() const { return texture_; }
+  const std::vector<float> &mix() const { return texture_mix_; }  // of its colours, as `draw_texture` takes it
+  const Header &header() const { return header_; }                        // of the tile as a picture of its own
 
  private:
   // The tile as a reduced view shows it [rows, columns, C], and where that is in the view.
@@ -82,13 +86,13 @@ class TileRenderer {
   const GaussianSet &seen(const PictureView &view, int threads);
 
   const DecoderSettings &settings_;
-  Header header_;  // of the tile as a picture of its own
+  Header header_;
   PixelRect place_;
   bool is_empty_;
   std::shared_ptr<MaskTree> mask_;
   TileFacts facts_;
   GaussianSet gaussians_;
-  std::vector<double> base_;  // [C, rows, columns] colours of the base layer's cells
+  std::vector<double> base_;
   std::optional<TextureCells> texture_;
   std::vector<float> texture_mix_;
   std::optional<Rescaled> rescaled_;

@@ -1,5 +1,7 @@
 /** One picture on the screen: cached tiles are drawn at once, then the view itself at its true scale and place. */
 
+import { TileModels } from "./gpu/tile_models.js";
+
 const TILE = 256;
 const FINEST = 5; // tiles are drawn up to 2^5 pixels for each of the picture's
 const MOST_TILES = 800;
@@ -16,7 +18,35 @@ export class Layer {
     this.tiles = new Map(); // key -> {bitmap} or {job}, the least recently used first
     this.cells = null; // of the refined view: {key, parts}
     const { width, height } = decoder.info;
+    this.models = decoder.info.isPlain ? new TileModels(decoder, changed, failed) : null;
     this.coarsest = Math.floor(Math.log2(TILE / Math.max(width, height)));
+  }
+
+  /** What the GPU draws of a view, as of TileModels.plan; null where workers draw all of it. */
+  plan(camera, renderer) {
+    this.isPlanned = Boolean(renderer && this.models?.covers(camera));
+    return this.isPlanned ? this.models.plan(camera, renderer) : null;
+  }
+
+  /** Draws what there is until the GPU has the tiles that are missing. */
+  drawMissing(context, camera, missing) {
+    this.forgetJobs(new Set());
+    this.forgetCells();
+    this.ask(this.tileOf(this.coarsest, 0, 0), -1);
+    if (!missing.length) return;
+    context.beginPath();
+    for (const { x, y, width, height } of missing) {
+      const [left, top] = camera.toScreen(x, y).map(Math.floor);
+      const [right, bottom] = camera.toScreen(x + width, y + height).map(Math.ceil);
+      context.rect(left, top, right - left, bottom - top);
+    }
+    context.clip();
+    for (const tile of this.visible(camera, this.levelOf(camera))) {
+      const box = this.screenBox(tile, camera);
+      const { bitmap } = this.tiles.get(tile.key) ?? {};
+      if (bitmap) context.drawImage(bitmap, box[0], box[1], box[2] - box[0], box[3] - box[1]);
+      else this.drawAncestor(context, tile, box);
+    }
   }
 
   /** Draws what there is, and asks for what is missing. camera: in this picture's pixels. */
@@ -49,7 +79,7 @@ export class Layer {
   /** Asks for the view at its true scale, unless the tiles show it pixel by pixel. */
   refine(camera) {
     if (this.cells?.key === keyOf(camera) || !this.decoder.isContinuous || this.isExact(camera)) return;
-    if (this.isTooMuch(camera)) return;
+    if (this.isPlanned || this.isTooMuch(camera)) return;
     this.forgetCells();
     const { width, height } = this.decoder.info;
     const [left, top] = camera.toScreen(0, 0);
@@ -88,6 +118,7 @@ export class Layer {
   /** Whether nothing is being drawn: the screen shows the best there is. */
   get isDone() {
     const waits = [...this.tiles.values()].some(({ job }) => job);
+    if (this.isPlanned && !this.models.isDone) return false;
     return !waits && !(this.cells?.parts ?? []).some(({ bitmap, failed }) => !bitmap && !failed);
   }
 
@@ -216,6 +247,7 @@ export class Layer {
       job?.cancel();
     }
     this.tiles.clear();
+    this.models?.forget();
     this.decoder.close();
   }
 }

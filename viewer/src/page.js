@@ -1,9 +1,10 @@
-/** The page: files come by dropping, choosing, or ?file=URL&other=URL; buttons, keys and the line below. */
+/** The page: files come by dropping, choosing, or ?file=URL&other=URL&draw=auto|gpu|cpu; buttons, keys and the line below. */
 
 import { megabytes } from "./bytes.js";
 import { openDecoder } from "./decoder.js";
 import { sentence } from "./errors.js";
 import { listen } from "./gestures.js";
+import { MODES } from "./gpu/stage.js";
 import { Scene } from "./scene.js";
 
 const part = (id) => document.getElementById(id);
@@ -53,6 +54,8 @@ function showNumbers() {
   const { scale } = scene.camera;
   const tooMany = scene.showsEllipses && scene.ellipses?.total === null;
   part("ellipses").textContent = tooMany ? "Ellipses: zoom in" : "Ellipses";
+  part("drawing").textContent = `${scene.stage.mode === "auto" ? "auto: " : ""}${scene.drawnBy}`;
+  part("drawing").title = `${scene.stage.reason} Drawn by the GPU or in workers (g)`.trim();
   part("scale").textContent = scale >= 1 ? `${round(scale)}×` : `1/${round(1 / scale)}`;
   if (scene.decoder.info.kind === "server") {
     part("bytes").textContent = `${megabytes(scene.bytes)}, drawn by the server`;
@@ -104,6 +107,10 @@ function toggleEllipses() {
   scene.toggleEllipses(shown);
 }
 
+function switchDrawing() {
+  scene.stage.choose(MODES[(MODES.indexOf(scene.stage.mode) + 1) % MODES.length]);
+}
+
 function toggleTheme() {
   const isDark = matchMedia("(prefers-color-scheme: dark)").matches;
   const now = document.documentElement.dataset.theme ?? (isDark ? "dark" : "light");
@@ -116,12 +123,13 @@ const actions = {
   ellipses: toggleEllipses,
   compare,
   open: () => choose("first"),
+  drawing: switchDrawing,
   theme: toggleTheme,
   choose: () => choose("first"),
 };
 for (const [id, act] of Object.entries(actions)) part(id).addEventListener("click", act);
 
-const keys = { e: toggleEllipses, c: compare, o: actions.open, d: toggleTheme };
+const keys = { e: toggleEllipses, c: compare, o: actions.open, d: toggleTheme, g: switchDrawing };
 addEventListener("keydown", (event) => {
   if (event.target.matches("input") || event.ctrlKey || event.metaKey || event.altKey) return;
   if (event.key !== "e" || !part("ellipses").disabled) keys[event.key]?.();
@@ -160,6 +168,7 @@ scene.addEventListener("drawn", showNumbers);
 scene.addEventListener("failed", ({ detail }) => say(sentence(detail)));
 
 const query = new URLSearchParams(location.search);
+scene.stage.choose(query.get("draw"));
 if (query.get("file")) {
   await open(query.get("file"));
   if (query.get("other") && scene.decoder) await open(query.get("other"), "second");

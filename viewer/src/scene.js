@@ -2,6 +2,7 @@
 
 import { Camera } from "./camera.js";
 import { drawEllipses } from "./ellipses.js";
+import { Stage } from "./gpu/stage.js";
 import { Layer } from "./layer.js";
 
 const STILL = 120; // milliseconds without movement before the view is refined
@@ -12,11 +13,13 @@ export class Scene extends EventTarget {
     super();
     this.canvas = canvas;
     this.context = canvas.getContext("2d");
+    this.stage = new Stage(canvas, () => this.dirty());
     this.camera = new Camera();
     this.layers = [];
     this.split = 0.5; // where the second picture begins, of the canvas's width
     this.ellipses = null; // {key, shapes, count, total} while they are shown; total null: too many to read
     this.showsEllipses = false;
+    this.drawnBy = ""; // "GPU", "CPU" or both
     this.frame = this.timer = 0;
     this.watcher = new ResizeObserver((entries) => this.resize(entries.at(-1)));
     try {
@@ -56,6 +59,7 @@ export class Scene extends EventTarget {
 
   close() {
     this.closeLayers(0);
+    this.stage.close();
     this.watcher.disconnect();
     cancelAnimationFrame(this.frame);
     clearTimeout(this.timer);
@@ -75,7 +79,7 @@ export class Scene extends EventTarget {
 
   /** Whether the canvas shows the best there is of this view. */
   get isDone() {
-    const still = !this.frame && !this.timer;
+    const still = !this.frame && !this.timer && !this.stage.isComing;
     return still && this.layers.every((layer) => layer.isDone) && (!this.showsEllipses || this.ellipses !== null);
   }
 
@@ -105,6 +109,7 @@ export class Scene extends EventTarget {
   }
 
   dirty() {
+    this.asked = this.frame ? this.asked : performance.now();
     this.frame ||= requestAnimationFrame(() => this.draw());
   }
 
@@ -124,23 +129,59 @@ export class Scene extends EventTarget {
     return Object.assign(camera, { width, height, x: camera.x * factor, y: camera.y * factor, scale: camera.scale / factor });
   }
 
+  /** Which columns of the canvas a layer has: all, or those on its side of the split. */
+  columnsOf(number) {
+    const { width } = this.canvas;
+    const edge = Math.round(this.split * width);
+    if (this.layers.length < 2) return [0, width];
+    return number ? [edge, width] : [0, edge];
+  }
+
+  /** Has the GPU draw what it can. Returns the plan of each layer, null where workers draw. */
+  drawByGpu() {
+    const { renderer } = this.stage;
+    const plans = this.layers.map((layer, number) => layer.plan(this.cameraOf(number), renderer));
+    const parts = [...plans.entries()].filter(([, plan]) => plan?.shown.length).map(([number, { shown }]) => {
+      const [first, stop] = this.columnsOf(number);
+      return { shown, camera: this.cameraOf(number), first, stop };
+    });
+    if (!parts.length) {
+      this.stage.clear();
+      return plans;
+    }
+    const { width, height } = this.canvas;
+    const seen = parts.map(({ shown, camera: { x, y, scale }, first, stop }) => [x, y, scale, first, stop, shown.map(({ tile }) => tile.id)]);
+    try {
+      this.stage.draw(parts, width, height, JSON.stringify([width, height, seen]));
+      this.stage.waited(performance.now() - this.asked);
+    } catch (error) {
+      this.stage.fail(error);
+      return this.drawByGpu();
+    }
+    return plans;
+  }
+
   draw() {
     this.frame = 0;
     const { context, canvas, camera } = this;
+    const plans = this.drawByGpu();
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.clearRect(0, 0, canvas.width, canvas.height);
     context.imageSmoothingEnabled = true;
     context.imageSmoothingQuality = "low"; // tiles have at most twice the screen's pixels; more costs frames
-    const edge = Math.round(this.split * canvas.width);
     for (const [number, layer] of this.layers.entries()) {
       context.save();
       context.beginPath();
-      const [start, stop] = this.layers.length < 2 ? [0, canvas.width] : number ? [edge, canvas.width] : [0, edge];
+      const [start, stop] = this.columnsOf(number);
       context.rect(start, 0, stop - start, canvas.height);
       context.clip();
-      layer.draw(context, this.cameraOf(number));
+      const plan = plans[number];
+      if (plan) layer.drawMissing(context, this.cameraOf(number), plan.missing);
+      else layer.draw(context, this.cameraOf(number));
       context.restore();
     }
+    const kinds = plans.flatMap((plan) => (plan ? ["GPU", ...(plan.missing.length ? ["CPU"] : [])] : ["CPU"]));
+    this.drawnBy = [...new Set(kinds)].sort().reverse().join(" and ");
     if (this.showsEllipses && this.ellipses) drawEllipses(context, camera, this.ellipses);
     this.dispatchEvent(new Event("drawn"));
   }

@@ -37,6 +37,13 @@ export class StreamDecoder {
     return this.pool.run("draw", view, priority, this.lane(view));
   }
 
+  /** What a tile of the file draws (gpu/tile.js). */
+  model(number, priority) {
+    const { width, tileSize } = this.info;
+    const across = tileSize ? Math.ceil(width / tileSize) : 1;
+    return this.pool.run("model", { number }, priority, (number % across) + 2 * Math.floor(number / across));
+  }
+
   /** null where a region has too many tiles to decode for it. */
   async ellipses(region) {
     const { tiles, tileSize } = this.info;

@@ -64,8 +64,9 @@ export class Library {
     return this.within(8 * FACTS, (at) => {
       this.exports.viewer_info(stream, at);
       const facts = new Float64Array(this.exports.memory.buffer, at, FACTS);
-      const [width, height, channels, tiles, tileSize, hasOverview, levels] = facts;
-      return { stream, info: { width, height, channels, tiles, tileSize, hasOverview: Boolean(hasOverview), levels } };
+      const [width, height, channels, tiles, tileSize, hasOverview, levels, isPlain, apron] = facts;
+      const flags = { hasOverview: Boolean(hasOverview), isPlain: Boolean(isPlain) };
+      return { stream, info: { width, height, channels, tiles, tileSize, levels, apron, ...flags } };
     });
   }
 
@@ -84,6 +85,16 @@ export class Library {
       if (total < 0) this.fail();
       const count = Math.min(total, MOST_ELLIPSES);
       return { count, total, shapes: new Float32Array(this.exports.memory.buffer, at, 5 * count).slice() };
+    });
+  }
+
+  /** The numbers of a tile of the file, as wasm/model.cpp tells them. */
+  model(stream, number) {
+    return this.within(4, (at) => {
+      const count = this.exports.viewer_model(stream, number, at);
+      if (count < 0) this.fail();
+      const [first] = new Uint32Array(this.exports.memory.buffer, at, 1);
+      return new Float32Array(this.exports.memory.buffer, first, count).slice();
     });
   }
 

@@ -26,6 +26,10 @@ async function work(task, module, place, view) {
     const found = library.ellipses(stream, view);
     return [found, [found.shapes.buffer]];
   }
+  if (task === "model") {
+    const numbers = library.model(stream, view.number);
+    return [numbers, [numbers.buffer]];
+  }
   const pixels = new ImageData(library.draw(stream, view), view.columns, view.rows);
   const bitmap = await createImageBitmap(pixels);
   return [bitmap, [bitmap]];

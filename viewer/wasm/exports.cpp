@@ -3,14 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
 #include <memory>
-#include <new>
-#include <string>
 #include <vector>
 
 #include "base/error.hpp"
 #include "decoder/stream.hpp"
+#include "guarded.hpp"
 
 // Reads into the memory at `out`: how many bytes, or -1. JavaScript keeps the reason.
 extern "C" int32_t viewer_read(double offset, uint8_t *out, uint32_t count)
@@ -19,21 +17,6 @@ extern "C" int32_t viewer_read(double offset, uint8_t *out, uint32_t count)
 namespace {
 
 using namespace sgi;
-
-std::string last_error;
-
-// Runs body(): what it returns, or `failed` with the error's text kept.
-template <class Result, class Body>
-Result guarded(Result failed, Body body) {
-  try {
-    return body();
-  } catch (const std::bad_alloc &) {
-    last_error = "there is not enough memory for this";
-  } catch (const std::exception &error) {
-    last_error = error.what();
-  }
-  return failed;
-}
 
 class PageSource : public ByteSource {
  public:
@@ -59,6 +42,12 @@ void to_rgba(const uint8_t *samples, int channels, ChannelLayout layout, int64_t
     rgba[2] = samples[is_gray ? 0 : 2];
     rgba[3] = alpha < 0 ? 255 : samples[alpha];
   }
+}
+
+// Whether a sum of the model's parts, clipped, is what is shown.
+bool is_plain(const Header &header) {
+  const bool is_whole = header.sample_type != SampleType::u8 || (header.low == 0 && header.high == 255);
+  return is_whole && alpha_of(header) < 0 && header.masked == Masked::none;
 }
 
 // Which core of an axis a pixel lies in.
@@ -95,7 +84,8 @@ EMSCRIPTEN_KEEPALIVE Stream *viewer_open(double size, double cache_bytes) {
 
 EMSCRIPTEN_KEEPALIVE void viewer_close(Stream *stream) { delete stream; }
 
-// Seven numbers: width, height, channels, tiles, largest side of a tile, whether there is an overview, levels.
+// Width, height, channels, tiles, largest side of a tile, whether there is an overview, levels, whether all pixels hold
+// something, are opaque and have values that eight bits show as they are, and the apron of tiles.
 EMSCRIPTEN_KEEPALIVE void viewer_info(Stream *stream, double *facts) {
   const Header &header = stream->header();
   const double found[] = {double(header.width),
@@ -104,7 +94,9 @@ EMSCRIPTEN_KEEPALIVE void viewer_info(Stream *stream, double *facts) {
                           double(header.grid().count()),
                           double(header.tile),
                           double(stream->has_overview()),
-                          double(levels_of(header.width, header.height).size())};
+                          double(levels_of(header.width, header.height).size()),
+                          double(is_plain(header)),
+                          double(header.apron)};
   std::copy(std::begin(found), std::end(found), facts);
 }
 
