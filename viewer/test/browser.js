@@ -13,13 +13,14 @@ export function launch() {
   return chromium.launch({ executablePath: CHROMIUM, args: ["--no-sandbox"] });
 }
 
-/** A new page of 800×600 pixels. What it throws fails the test that asks `errors`. */
-export async function pageOf(browser, address, options = {}) {
+/** A new page of 800×600 pixels. What it throws fails the test that asks `errors`. script: what runs before its own. */
+export async function pageOf(browser, address, { script, ...options } = {}) {
   const context = await browser.newContext({ viewport: { width: 800, height: 600 }, ...options });
   const page = await context.newPage();
   page.setDefaultTimeout(PATIENCE);
   page.errors = [];
   page.on("pageerror", (error) => page.errors.push(error.message));
+  if (script) await page.addInitScript(script);
   await page.goto(address);
   return page;
 }

@@ -1,4 +1,8 @@
-/** Prints what the viewer takes on this machine: node test/measure.js [FILE.sgi] (by default 151 megapixels). */
+/** Prints what the viewer takes on this machine: node test/measure.js [FILE.sgi [gpu [FRAMES]]].
+ *
+ * The file is by default one of 151 megapixels, which workers draw. Where Chromium emulates the GPU, frames of "gpu" say
+ * nothing about one; what the main thread takes for each does.
+ */
 
 import { execFileSync } from "node:child_process";
 import { mkdtempSync, rmSync, statSync } from "node:fs";
@@ -14,14 +18,15 @@ const WATCH = () => {
 };
 
 const folder = mkdtempSync(join(tmpdir(), "sgi-measure-"));
-const file = process.argv[2] ?? join(folder, "mosaic.sgi");
+const file = process.argv[2] || join(folder, "mosaic.sgi");
+const draw = process.argv[3] ?? "cpu";
 if (!process.argv[2]) execFileSync(PYTHON, [join(ROOT, "viewer/test/mosaic.py"), file]);
 const server = await serve({ "/files/": dirname(file), "/": join(ROOT, "viewer/src") });
 const browser = await launch();
 const page = await pageOf(browser, `${server.address}/?file=/files/none.sgi`, { viewport: { width: 1280, height: 800 } });
 
 await page.addInitScript(WATCH);
-await page.goto(`${server.address}/?file=/files/${basename(file)}`);
+await page.goto(`${server.address}/?draw=${draw}&file=/files/${basename(file)}`);
 await page.waitForFunction(() => globalThis.sgiViewer?.scene.layers[0]?.tiles.get(`${sgiViewer.scene.layers[0].coarsest}/0/0`)?.bitmap, null, { polling: 10 });
 const first = await page.evaluate(() => performance.now());
 await settled(page);
@@ -33,25 +38,34 @@ console.log(`bytes of the first view: ${bytes} of ${size} (${((100 * bytes) / si
 
 const moves = { "pan at 1:1": [1, 1, 6], "zoom 1/8 to 8": [1 / 8, 1.035, 0], "pan at 16:1": [16, 1, 6] };
 for (const [name, [scale, factor, step]] of Object.entries(moves)) {
-  const found = await page.evaluate(
-    ([start, zoom, pan]) =>
+  const { times: found, took, by } = await page.evaluate(
+    ([start, zoom, pan, frames]) =>
       new Promise((resolve) => {
         const { scene } = sgiViewer;
         scene.move((camera) => camera.show({ x: camera.width / 3, y: camera.height / 3, width: camera.columns / start, height: camera.rows / start }));
         const times = [];
+        const took = [];
+        const drawn = scene.draw.bind(scene);
+        scene.draw = () => {
+          const begin = performance.now();
+          drawn();
+          took.push(performance.now() - begin);
+        };
         const tick = (now) => {
           times.push(now);
-          if (times.length > 120) return resolve(times);
+          if (times.length > frames) return resolve({ times, took, by: scene.drawnBy });
           scene.move((camera) => (pan ? camera.pan(-pan, -pan / 2) : camera.zoom(zoom)));
           requestAnimationFrame(tick);
         };
         setTimeout(() => requestAnimationFrame(tick), 3000);
       }),
-    [scale, factor, step],
+    [scale, factor, step, Number(process.argv[4] ?? 120)],
   );
   const gaps = found.slice(1).map((time, at) => time - found[at]);
   gaps.sort((a, b) => a - b);
   const rate = (1000 * gaps.length) / (found.at(-1) - found[0]);
+  took.sort((a, b) => a - b);
+  console.log(`${name}, drawn by ${by}: ${took[took.length >> 1].toFixed(1)} ms of the main thread for each frame`);
   console.log(`${name}: ${rate.toFixed(0)} frames a second, slowest frame ${gaps.at(-1).toFixed(0)} ms, 95 % within ${gaps[Math.floor(0.95 * gaps.length)].toFixed(0)} ms`);
 }
 const long = await page.evaluate(() => globalThis.long);

@@ -59,6 +59,23 @@ for (const build of ["sgi", "sgi-scalar"]) {
     }
   });
 
+  test(`${build}: the model of a tile`, () => {
+    for (const name of ["rgb8", "rgb8-texture", "gray16", "multi8"]) {
+      const { library, stream, info } = opened(module, readFileSync(join(GOLDEN, `${name}.sgi`)));
+      assert.ok(info.isPlain);
+      const numbers = library.model(stream, 0);
+      const [x, y, width, height, gaussians, side, columns, rows, cells, lines, atoms] = numbers;
+      assert.deepEqual([x, y, width, height], [0, 0, info.width, info.height]);
+      assert.equal(gaussians, library.ellipses(stream, { x: -1e4, y: -1e4, width: 2e4, height: 2e4 }).total, name);
+      assert.deepEqual([columns, rows], [Math.ceil(width / side), Math.ceil(height / side)]);
+      assert.equal(numbers.length, 16 + 8 * gaussians + 4 * columns * rows + 8 * cells + 4 * lines + 4 * atoms);
+      assert.equal(atoms > 0, name === "rgb8-texture");
+    }
+    for (const name of ["rgba8", "gray8-alpha"]) {
+      assert.equal(opened(module, readFileSync(join(GOLDEN, `${name}.sgi`))).info.isPlain, false);
+    }
+  });
+
   test(`${build}: errors are the library's`, () => {
     const bytes = readFileSync(join(GOLDEN, "rgb8.sgi"));
     assert.throws(() => opened(module, Buffer.from("no stream at all")), /signature|stream/);

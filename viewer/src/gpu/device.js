@@ -3,6 +3,7 @@
 import { SHADERS } from "./shaders.js";
 
 const NEEDED = ["EXT_color_buffer_float", "EXT_float_blend"];
+const EMULATED = /swiftshader|llvmpipe|software|basic render/i; // names of GPUs that are none
 const LIST_COLUMNS = 1024; // as of `listed` in shaders.js
 
 /** Why a canvas cannot be drawn to is an error with a sentence. slow: a GPU that is emulated will do. */
@@ -11,6 +12,7 @@ export class Device {
     const options = { alpha: true, antialias: false, depth: false, failIfMajorPerformanceCaveat: !slow };
     this.gl = canvas.getContext("webgl2", options);
     if (!this.gl) throw new Error(slow ? "This browser has no WebGL2." : "This browser has no WebGL2 with a GPU.");
+    if (!slow && EMULATED.test(this.name)) throw new Error(`This browser has no WebGL2 with a GPU, but ${this.name}.`);
     for (const name of NEEDED) {
       if (!this.gl.getExtension(name)) throw new Error(`The GPU cannot add floats (${name}).`);
     }
@@ -18,6 +20,11 @@ export class Device {
     this.programs = new Map(Object.entries(SHADERS).map(([name, texts]) => [name, this.begun(texts)]));
     this.quad = this.buffer(new Float32Array([-1, -1, 1, -1, -1, 1, 1, 1]));
     this.fences = [];
+  }
+
+  get name() {
+    const { gl } = this;
+    return gl.getParameter(gl.getExtension("WEBGL_debug_renderer_info")?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER);
   }
 
   /** A program that the browser compiles meanwhile. */

@@ -110,6 +110,7 @@ export class Stage {
 
   close() {
     clearTimeout(this.timer);
+    this.changed = () => {};
     this.canvas.remove();
     this.made?.device.gl.getExtension("WEBGL_lose_context")?.loseContext();
   }

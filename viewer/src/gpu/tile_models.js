@@ -1,9 +1,10 @@
 /** The tiles of a file that a view needs on the GPU: asked for, kept while there is room. */
 
-const LEAST_SCALE = 1 / 8; // below, there is more to sum than to see
+const LEAST_SCALE = 1 / 4; // below, there is much more to sum than to see
 const MOST_SCALE = 32;
-const MOST_TILES = 64; // that a view may need
-const MOST_PIXELS = 32e6; // of the picture that a view may show
+const MOST_TILES = 48; // that a view may need
+const MOST_PIXELS = 12e6; // of the picture that a view may show
+const PATIENCE = 200; // milliseconds that a tile waits for the next ones before it is shown
 const MOST_BYTES = 192 << 20; // that tiles not in view may take
 
 export class TileModels {
@@ -14,6 +15,7 @@ export class TileModels {
     this.counts = [width, height].map((length) => (tileSize ? Math.ceil(length / tileSize) : 1));
     this.entries = new Map(); // number -> {numbers}, {tile}, {job} or {}, the least recently used first
     this.renderer = null;
+    this.timer = 0;
   }
 
   /** Whether the GPU can draw what the camera shows. */
@@ -85,8 +87,21 @@ export class TileModels {
         if (error.name !== "AbortError") return this.failed(error);
         if (this.entries.get(box.number) === entry) this.entries.delete(box.number);
       },
-    ).then(this.changed);
+    ).then(() => this.arrived());
     return entry;
+  }
+
+  /** Has what arrived shown, several tiles at a time: each time all of them are drawn. */
+  arrived() {
+    const waits = [...this.entries.values()].some(({ job }) => job);
+    if (waits && this.timer) return;
+    clearTimeout(this.timer);
+    const show = () => {
+      this.timer = 0;
+      this.changed();
+    };
+    this.timer = waits ? setTimeout(show, PATIENCE) : 0;
+    if (!waits) this.changed();
   }
 
   get isDone() {
@@ -107,6 +122,8 @@ export class TileModels {
 
   /** Begins anew with a renderer, or none: what the old one holds is lost or freed. */
   forget(renderer = null) {
+    clearTimeout(this.timer);
+    this.timer = 0;
     for (const { tile, job } of this.entries.values()) {
       job?.cancel();
       tile?.free();
