@@ -1,4 +1,5 @@
-// What a tile of the file draws, for a page that draws it by itself (viewer/src/gpu/): its Gaussians, base layer, texture.
+// What a tile of the file draws, for a page that draws it by itself (viewer/src/gpu/): its Gaussians, base layer,
+// texture.
 #include <emscripten.h>
 
 #include <algorithm>
@@ -59,8 +60,8 @@ struct TextureLists {
     }
     const size_t count = rows.size() / 4 - first;
     if (count)
-      cells.insert(cells.end(), {float(corner[0]), float(corner[1]), float(side), float(side), float(first),
-                                 float(count), 0, 0});
+      cells.insert(cells.end(),
+                   {float(corner[0]), float(corner[1]), float(side), float(side), float(first), float(count), 0, 0});
   }
 
  private:
@@ -105,13 +106,14 @@ EMSCRIPTEN_KEEPALIVE int viewer_model(Stream *stream, double number, const float
     const bool has_base = !tile.base().empty();
     const TextureLists lists = lists_of(tile);
     const auto cells = [&](int64_t length) { return has_base ? float((length + side - 1) / side) : 0.0f; };
-    model.assign({float(place.x), float(place.y), float(place.width), float(place.height),
-                  0, float(side), cells(place.width), cells(place.height),
-                  float(lists.cells.size() / 8), float(lists.rows.size() / 4), float(lists.atoms.size() / 4)});
+    model.assign({float(place.x), float(place.y), float(place.width), float(place.height), 0, float(side),
+                  cells(place.width), cells(place.height), float(lists.cells.size() / 8), float(lists.rows.size() / 4),
+                  float(lists.atoms.size() / 4)});
     model.resize(kFacts);
     model[4] = float(add_gaussians(tile.gaussians(), model));
     if (has_base) add_base(tile.base(), channels, model);
-    for (const auto *list : {&lists.cells, &lists.rows, &lists.atoms}) model.insert(model.end(), list->begin(), list->end());
+    for (const auto *list : {&lists.cells, &lists.rows, &lists.atoms})
+      model.insert(model.end(), list->begin(), list->end());
     *at = model.data();
     return int(model.size());
   });
