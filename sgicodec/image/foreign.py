@@ -1,4 +1,4 @@
-"""Pictures that need a program of their own first: HEIF, AVIF and the raw files of cameras, known by their content.
+"""Pictures that need a library or a program of their own: HEIF, AVIF and raw files of cameras, known by their content.
 
 A raw file often begins like a TIFF whose first picture is a small preview: read as TIFF, it would lose the photograph.
 """
@@ -7,11 +7,24 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterator
+from typing import Literal, NamedTuple
 
 from sgicodec.metadata import ifd
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["foreign"]
+__all__ = ["Foreign", "foreign"]
+
+
+class Foreign(NamedTuple):
+    """name: that OpenImageIO has for the format; what it is; program: that makes another picture of it; extra: the one
+    whose library reads it, if there is one.
+    """
+
+    name: Literal["heif", "raw"]
+    what: str
+    program: str
+    extra: Literal["heic", "raw"] | None = None
+
 
 _HEIF = (b"heic", b"heix", b"heim", b"heis", b"hevc", b"hevx", b"mif1", b"msf1")
 _AVIF = (b"avif", b"avis")
@@ -34,19 +47,22 @@ _SENSOR = (32803, 34892)
 _MOST_DIRECTORIES = 16
 
 
-def foreign(data: Bytes) -> tuple[str, str] | None:
-    """The name that OpenImageIO has for such a format, and a line on what to do; None for all other files."""
+def foreign(data: Bytes) -> Foreign | None:
+    """What such a file is; None for all other files."""
     head = bytes(data[:16])
     brand = head[8:12] if head[4:8] == b"ftyp" else b""
     if brand in _HEIF:
-        return "heif", "a HEIF picture (HEIC): convert it first, as with heif-convert of libheif: heif-convert IN a.png"
+        program = "convert it first, as with heif-convert of libheif: heif-convert IN a.png"
+        return Foreign("heif", "a HEIF picture (HEIC)", program, "heic")
     if brand in _AVIF:
-        return "heif", "an AVIF picture: convert it first, as with avifdec of libavif: avifdec --depth 16 IN a.png"
+        program = "convert it first, as with avifdec of libavif: avifdec --depth 16 IN a.png"
+        return Foreign("heif", "an AVIF picture", program)
     name = next((name for at, start, name in _RAW if head[at : at + len(start)] == start), None)
     name = name or _tiff_raw(data)
     if name is None:
         return None
-    return "raw", f"a camera's raw file ({name}): develop it first, as with darktable: darktable-cli IN a.tif"
+    program = "develop it first, as with darktable: darktable-cli IN a.tif"
+    return Foreign("raw", f"a camera's raw file ({name})", program, "raw")
 
 
 def _tiff_raw(data: Bytes) -> str | None:

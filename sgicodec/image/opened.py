@@ -12,14 +12,17 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
-from sgicodec.errors import PictureError, UsageError
+from sgicodec.errors import MissingExtraError, PictureError, UsageError, require
 from sgicodec.image.alpha import unassociate
 from sgicodec.image.channels import AsIs, Channels, Last, declared_channels
-from sgicodec.image.foreign import foreign
+from sgicodec.image.decoded_picture import DecodedPicture
+from sgicodec.image.foreign import Foreign, foreign
 from sgicodec.image.header import Probe, has_own_numbers, header, is_associated, number_as_read, orientation
+from sgicodec.image.heif_reader import HeifReader
 from sgicodec.image.library import load_openimageio
 from sgicodec.image.origin import first_line
-from sgicodec.image.second_reader import KIND, SecondReader
+from sgicodec.image.raw_reader import RawReader
+from sgicodec.image.second_reader import SecondReader
 from sgicodec.image.slide_reader import SlideReader, is_slide
 from sgicodec.metadata import embedded, geo, ifd, placement, png
 from sgicodec.metadata.filebytes import FileBytes
@@ -43,7 +46,7 @@ _LIFTING = threading.Lock()
 
 @dataclass
 class Opened:
-    """An open file. `image` is an `ImageInput`, a `SecondReader` or a `SlideReader`; `spec` and `kind` are
+    """An open file. `image` is an `ImageInput`, a `DecodedPicture` or a `SlideReader`; `spec` and `kind` are
     OpenImageIO's header and format name; `header` and `metadata` are those of the upright picture. channels: what the
     file declares of them; associated: whether colours are multiplied by alpha.
     """
@@ -75,8 +78,9 @@ class Opened:
 
     def reopen(self) -> None:
         """Close the file and open it again: OpenImageIO then stands at the first row again."""
-        self.image.close()
-        self.image = _open(self.path, self.kind == KIND)
+        if not isinstance(self.image, DecodedPicture):
+            self.image.close()
+            self.image = _open(self.path)
 
     def samples(self, method: Callable[..., Any], rows: int, *where: int) -> Samples:
         """What a method of `image` reads of the first picture, [rows, columns, C] in the native type.
@@ -127,8 +131,10 @@ def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto") -
         return Opened(path, slide, spec, kind, header(spec, kind), slide.metadata(), AsIs, False)
     with path.open("rb") as file:
         data = FileBytes(file)
-        _check(data)
+        other = _check(data)
         found = embedded.extract(data)
+        if other is not None:
+            return _foreign_picture(path, other, found, alpha)
         with _no_size_limit() if any_size and ifd.layout(data) is not None else nullcontext():
             image = _open(path)
         declared = declared_channels(data, image.format_name())
@@ -146,18 +152,39 @@ def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto") -
     return Opened(path, image, spec, kind, probe, metadata, declared, associated)
 
 
-def _check(data: FileBytes) -> None:
-    """Raise PictureError for what the bytes of a file rule out."""
+def _foreign_picture(path: Path, found: Foreign, metadata: Metadata, alpha: Alpha) -> Opened:
+    """One that the library of an extra decodes. metadata: that in the bytes of the file."""
+    image = {"heic": HeifReader, "raw": RawReader}[found.extra or ""](path)
+    spec, kind, own = image.spec(), image.kind, image.metadata()
+    probe = header(spec, kind, _LAST.get(alpha, "alpha"))
+    icc = _fitting(own.icc, probe.channels)
+    own = Metadata(icc=icc, exif=own.exif or metadata.exif, xmp=own.xmp or metadata.xmp)
+    has_alpha = alpha != "band" and alpha_index(header(spec, kind).channels) is not None
+    return Opened(path, image, spec, kind, probe, own, AsIs, has_alpha and image.associated)
+
+
+_LIBRARIES = {"heic": "pillow_heif", "raw": "rawpy"}
+
+
+def _check(data: FileBytes) -> Foreign | None:
+    """Raise PictureError for what the bytes of a file rule out. Returns what needs the library of an extra."""
     if len(data) == 0:
         raise PictureError("the file is empty")
     if data[:8] == _STREAM_SIGNATURE:
         raise PictureError("this is an encoded stream, not a picture; decode it first")
     found = foreign(data)
-    if found is not None and not _reads(found[0]):
-        raise PictureError(f"it is {found[1]}")
+    if found is not None and not _reads(found.name):
+        if found.extra is None:
+            raise PictureError(f"it is {found.what}: {found.program}")
+        try:
+            require(_LIBRARIES[found.extra], "reading it", found.extra)
+        except MissingExtraError as error:
+            raise PictureError(f"it is {found.what}; {error}, or {found.program}") from None
+        return found
     damage = png.damage(data) if data[:8] == png.SIGNATURE else ifd.damage(data)
     if damage:
         raise PictureError(damage)
+    return None
 
 
 def _reads(name: str) -> bool:
@@ -167,7 +194,7 @@ def _reads(name: str) -> bool:
     return name in oiio.get_string_attribute("format_list").split(",")
 
 
-def _spec(image: ImageInput | SecondReader, data: FileBytes, found: Metadata) -> ImageSpec:
+def _spec(image: ImageInput | DecodedPicture, data: FileBytes, found: Metadata) -> ImageSpec:
     """The header of the first picture. An orientation that stands in XMP alone, OpenImageIO does not see."""
     import OpenImageIO as oiio
 
@@ -190,7 +217,7 @@ def _no_size_limit() -> Iterator[None]:
             oiio.attribute(_SIZE_LIMIT, limit)
 
 
-def _open(path: Path, second: bool = False) -> ImageInput | SecondReader:
+def _open(path: Path, second: bool = False) -> ImageInput | DecodedPicture:
     """The opened file. second: by Pillow, which else is asked for what is in no format that OpenImageIO knows."""
     import OpenImageIO as oiio  # takes 30 ms: not for those who only decode to arrays
 
@@ -215,10 +242,13 @@ def _complaint(speaker: Any, path: Path) -> str:
 
 
 def _icc(spec: ImageSpec, channels: str) -> bytes | None:
-    """The ICC profile if it is for this layout: one for CMYK is void once the pixels are RGB."""
     profile = spec.get("ICCProfile")
-    if profile is None:
+    return _fitting(None if profile is None else np.asarray(profile, np.uint8).tobytes(), channels)
+
+
+def _fitting(icc: bytes | None, channels: str) -> bytes | None:
+    """The ICC profile if it is for this layout: one for CMYK is void once the pixels are RGB."""
+    if icc is None:
         return None
-    icc = np.asarray(profile, np.uint8).tobytes()
     space = b"GRAY" if channels.startswith("gray") else b"RGB "
     return icc if channels == "multi" or icc[16:20] == space else None

@@ -7,9 +7,11 @@ from pathlib import Path
 from sgicodec.errors import PictureError
 from sgicodec.image.access import whole
 from sgicodec.image.extremes import Extremes
+from sgicodec.image.foreign import foreign
 from sgicodec.image.header import MAX_SAMPLES, Probe
 from sgicodec.image.opened import Alpha, Opened, open_picture
 from sgicodec.image.origin import Origin, has_signature, naming, on_disk
+from sgicodec.metadata.filebytes import FileBytes
 from sgicodec.picture import Picture, full_range
 
 __all__ = ["check_whole", "is_picture", "probe", "read"]
@@ -63,7 +65,7 @@ def probe(origin: Origin) -> Probe:
 def is_picture(path: Path) -> bool:
     """Whether a file is a picture, sound or damaged, by its content."""
     with path.open("rb") as file:
-        if has_signature(file.read(16)):
+        if has_signature(file.read(16)) or foreign(FileBytes(file)) is not None:
             return True
     try:
         probe(path)

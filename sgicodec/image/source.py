@@ -14,10 +14,12 @@ from sgicodec.errors import PictureError, UsageError
 from sgicodec.image.access import Access, Tiles, Whole, access
 from sgicodec.image.extremes import Extremes
 from sgicodec.image.header import MAX_SAMPLES, Probe
+from sgicodec.image.heif_reader import HeifReader
 from sgicodec.image.opened import Alpha, Opened, open_picture
 from sgicodec.image.origin import Origin, naming, on_disk
+from sgicodec.image.raw_reader import RawReader
 from sgicodec.image.reader import check_whole
-from sgicodec.image.second_reader import KIND
+from sgicodec.image.second_reader import SecondReader
 from sgicodec.metadata.orientation import Window, stored_window
 from sgicodec.picture import Metadata, Picture, full_range
 
@@ -26,8 +28,11 @@ __all__ = ["Source", "open_source"]
 _SCAN_SAMPLES = 1 << 22
 """Samples of a window by which the range of floats is looked for."""
 
-_IN_LIBRARY = {KIND: 2, "gif": 1, "iff": 1, "jpeg2000": 5, "jpegxl": 6, "pnm": 1, "targa": 1, "webp": 3}
-"""Formats that OpenImageIO's own readers, or Pillow, hold whole, and how many times the size of samples that takes."""
+_IN_LIBRARY = {"gif": 1, "iff": 1, "jpeg2000": 5, "jpegxl": 6, "pnm": 1, "targa": 1, "webp": 3}
+_IN_LIBRARY |= {SecondReader.kind: 2, HeifReader.kind: 4, RawReader.kind: 4}
+"""Formats that OpenImageIO's own readers, or other libraries, hold whole, and how many times the size of samples that
+takes.
+"""
 
 
 class Source:

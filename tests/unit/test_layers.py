@@ -47,6 +47,8 @@ HOMES = {
         "sgicodec/server/",
         "benchmarks/",
     ),
+    "pillow_heif": ("sgicodec/image/heif_reader.py",),
+    "rawpy": ("sgicodec/image/raw_reader.py",),
     "openslide": ("sgicodec/image/slide_reader.py",),
     "imagecodecs": ("sgicodec/bench/", "benchmarks/"),
     "pyjpegli": ("sgicodec/bench/optional_peers.py",),

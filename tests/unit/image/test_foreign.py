@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -57,7 +58,11 @@ def tiff(order: str, photometric: int, below: tuple[int, ...] = (), extra: tuple
         (tiff("<", 2, below=(6, 34892)), "raw file .of the TIFF family"),
     ],
 )
-def test_they_are_named_with_what_reads_them(content: bytes, complaint: str, tmp_path: Path) -> None:
+def test_they_are_named_with_what_reads_them(
+    content: bytes, complaint: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for library in ("pillow_heif", "rawpy"):
+        monkeypatch.setitem(sys.modules, library, None)
     (tmp_path / "a.dat").write_bytes(content)
     with pytest.raises(PictureError, match=complaint):
         read(tmp_path / "a.dat")

@@ -1,0 +1,87 @@
+"""A picture that another library than OpenImageIO decodes whole, behind the interface of an `ImageInput`."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from sgicodec.errors import PictureError
+from sgicodec.picture import Metadata
+
+if TYPE_CHECKING:
+    from OpenImageIO import ImageSpec
+
+__all__ = ["DecodedPicture"]
+
+_NAMES = {1: ("Y",), 2: ("Y", "A"), 3: ("R", "G", "B"), 4: ("R", "G", "B", "A")}
+
+
+class DecodedPicture(ABC):
+    """Its pixels are decoded on first use, upright, and then kept."""
+
+    kind: str
+    """What stands for a format's name in OpenImageIO, which knows none of this name."""
+
+    _pixels: npt.NDArray[Any] | None = None
+
+    @abstractmethod
+    def _shape(self) -> tuple[int, int, int, str]:
+        """Width, height, number of channels, and the type of samples."""
+
+    @abstractmethod
+    def _decoded(self) -> npt.NDArray[Any]:
+        """All samples [H, W, C] or, of gray, [H, W]. May raise what the library raises."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Close the file."""
+
+    def metadata(self) -> Metadata:
+        """That of the upright picture, as far as it is not found in the bytes of the file."""
+        return Metadata()
+
+    @property
+    def associated(self) -> bool:
+        """Whether colours come multiplied by alpha."""
+        return False
+
+    def spec(self) -> ImageSpec:
+        """The header in OpenImageIO's terms."""
+        import OpenImageIO as oiio
+
+        width, height, channels, sample = self._shape()
+        names = _NAMES[channels]
+        spec = oiio.ImageSpec(width, height, channels, oiio.TypeDesc(sample))
+        spec.channelnames = names
+        spec.alpha_channel = names.index("A") if "A" in names else -1
+        return spec
+
+    def format_name(self) -> str:
+        """As `kind`."""
+        return self.kind
+
+    def read_scanlines(self, _: int, __: int, top: int, bottom: int, *___: Any) -> npt.NDArray[Any]:
+        """Rows [bottom − top, W, C]. Raises PictureError."""
+        if self._pixels is None:
+            width, height, channels, sample = self._shape()
+            try:
+                pixels = self._decoded()
+            except (MemoryError, PictureError):
+                raise
+            except Exception as error:  # readers raise what they like
+                raise PictureError(self._damage(error)) from error
+            self._pixels = np.asarray(pixels, sample).reshape(height, width, channels)
+        return self._pixels[top:bottom]
+
+    def geterror(self) -> str:
+        """Nothing: errors are raised."""
+        return ""
+
+    @staticmethod
+    def _damage(error: Exception) -> str:
+        text = error.args[0] if error.args else type(error).__name__
+        said = text.decode("utf-8", "replace") if isinstance(text, bytes) else str(text)
+        return " ".join(f"the file is damaged or cut off: {said}".split())

@@ -1,0 +1,44 @@
+"""Raw files of cameras, developed by LibRaw."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy.typing as npt
+
+from sgicodec.errors import PictureError
+from sgicodec.image.decoded_picture import DecodedPicture
+
+__all__ = ["RawReader"]
+
+_SRGB_CURVE = (2.4, 12.92)
+_SIDEWAYS = 4
+"""Of LibRaw's turns: rows become columns."""
+
+
+class RawReader(DecodedPicture):
+    """An open file, developed plainly: the camera's white balance, sRGB, 16 bits, no automatic brightness."""
+
+    kind = "raw by libraw"
+
+    def __init__(self, path: Path) -> None:
+        """Raises PictureError for what LibRaw does not read."""
+        import rawpy
+
+        try:
+            self._raw = rawpy.imread(str(path))
+        except rawpy.LibRawError as error:
+            raise PictureError(self._damage(error)) from error
+
+    def _shape(self) -> tuple[int, int, int, str]:
+        sizes = self._raw.sizes
+        width, height = sizes.iwidth, sizes.iheight
+        return *((height, width) if sizes.flip & _SIDEWAYS else (width, height)), 3, "uint16"
+
+    def _decoded(self) -> npt.NDArray[Any]:
+        return self._raw.postprocess(use_camera_wb=True, no_auto_bright=True, output_bps=16, gamma=_SRGB_CURVE)
+
+    def close(self) -> None:
+        """Close the file."""
+        self._raw.close()

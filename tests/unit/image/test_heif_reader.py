@@ -1,0 +1,98 @@
+"""HEIF pictures by libheif: samples, turns, alpha and metadata, in files that libheif wrote without loss."""
+
+from __future__ import annotations
+
+import io
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pillow_heif
+import pytest
+from PIL import Image, ImageCms
+
+from sgicodec.errors import PictureError
+from sgicodec.image import open_source, read
+from sgicodec.image.reader import is_picture
+from sgicodec.metadata import exif
+
+PIXELS = np.random.default_rng(3).integers(0, 256, (48, 64, 3), np.uint8)
+XMP = b"<x:xmpmeta xmlns:x='adobe:ns:meta/' tiff:Orientation='6'/>"
+
+
+def saved(image: Image.Image | pillow_heif.HeifFile, **settings: Any) -> bytes:
+    """A file without loss: RGB as it is, at full resolution."""
+    if isinstance(image, Image.Image):
+        image = pillow_heif.from_pillow(image)
+    file = io.BytesIO()
+    image.save(file, quality=-1, chroma=444, matrix_coefficients=0, **settings)
+    return file.getvalue()
+
+
+@pytest.mark.parametrize("alpha", ["auto", "band", "none"])
+def test_colours_and_alpha(alpha: Any) -> None:
+    pixels = np.dstack([PIXELS, np.where(PIXELS[..., 0] > 99, 255, 77).astype(np.uint8)])
+    picture = read(saved(Image.fromarray(pixels)), alpha=alpha)
+    assert picture.channels == {"auto": "rgba", "band": "multi", "none": "rgb"}[alpha]
+    np.testing.assert_array_equal(picture.pixels, pixels[..., : 3 if alpha == "none" else 4])
+
+
+def test_gray() -> None:
+    picture = read(saved(Image.fromarray(PIXELS[..., 0])))
+    assert picture.channels == "gray"
+    assert np.abs(picture.pixels[..., 0].astype(int) - PIXELS[..., 0]).max() <= 1
+
+
+def test_ten_bits_become_sixteen() -> None:
+    deep = np.arange(48 * 64 * 3).reshape(48, 64, 3) % 1024
+    stored = pillow_heif.from_bytes(mode="RGB;10", size=(64, 48), data=deep.astype(np.uint16).tobytes())
+    picture = read(saved(stored))
+    assert picture.pixels.dtype == np.uint16
+    np.testing.assert_array_equal(picture.pixels, deep * 65535 // 1023)
+
+
+def test_turns_and_metadata() -> None:
+    """The file says how to turn it, and so does its EXIF: it is turned once."""
+    tags = Image.Exif()
+    tags[274], tags[271] = 6, "Maker"
+    profile = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
+    data = saved(Image.fromarray(PIXELS), exif=tags.tobytes(), xmp=XMP, icc_profile=profile)
+    picture = read(data)
+    np.testing.assert_array_equal(picture.pixels, np.rot90(PIXELS, -1))
+    assert picture.metadata.xmp == XMP.replace(b"'6'", b"'1'")
+    assert picture.metadata.icc == profile
+    assert picture.metadata.exif == exif.upright(tags.tobytes())
+    kept = Image.Exif()
+    kept.load(picture.metadata.exif)
+    assert (kept[274], kept[271]) == (1, "Maker")
+
+
+def test_windows_in_any_order() -> None:
+    data = saved(Image.fromarray(PIXELS))
+    with open_source(data) as source:
+        for x, y, width, height in ((0, 40, 64, 8), (10, 3, 20, 30), (0, 0, 64, 48)):
+            np.testing.assert_array_equal(
+                source.read(x, y, width, height).pixels, PIXELS[y : y + height, x : x + width]
+            )
+        assert source.memory(8, 8) > 4 * PIXELS.size
+    with pytest.raises(PictureError, match="more than the cap of 9000 samples"):
+        read(data, max_samples=9000)
+
+
+@pytest.mark.parametrize("share", [0.3, 0.9])
+def test_what_is_cut_off_is_refused(share: float, tmp_path: Path) -> None:
+    data = saved(Image.fromarray(PIXELS))
+    (tmp_path / "a.heic").write_bytes(data[: int(share * len(data))])
+    with pytest.raises(PictureError, match=r"a\.heic: the file is damaged or cut off: "):
+        read(tmp_path / "a.heic")
+
+
+def test_a_missing_extra_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "a.heic").write_bytes(saved(Image.fromarray(PIXELS)))
+    monkeypatch.setitem(sys.modules, "pillow_heif", None)
+    with pytest.raises(
+        PictureError, match=r"\(HEIC\); reading it needs pillow-heif: pip install 'sgicodec\[heic\]', or"
+    ):
+        read(tmp_path / "a.heic")
+    assert is_picture(tmp_path / "a.heic")

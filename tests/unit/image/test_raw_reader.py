@@ -1,0 +1,106 @@
+"""Raw files by LibRaw: a DNG of a sensor behind colour filters, made here."""
+
+from __future__ import annotations
+
+import struct
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from PIL import Image
+
+from sgicodec.errors import PictureError
+from sgicodec.image import open_source, read
+from sgicodec.image.reader import probe
+
+BAYER = np.array([[0, 1], [1, 2]])
+"""The channel behind each filter."""
+NEUTRAL = (0.5, 1.0, 0.625)
+"""What the sensor sees of white, which is the camera's white balance."""
+
+
+def mosaic(red: float, green: float, blue: float) -> NDArray[np.uint16]:
+    """What a sensor of 96 × 64 pixels sees of one colour, linear samples in 0..1."""
+    seen = np.array([red, green, blue]) * NEUTRAL
+    return np.tile(np.rint(60000 * seen[BAYER]).astype(np.uint16), (32, 48))
+
+
+def dng(sensor: NDArray[np.uint16], turn: int = 1) -> bytes:
+    """The file of a camera that sees sRGB's own primaries."""
+    height, width = sensor.shape
+    srgb_of_xyz = (3.2406, -1.5372, -0.4986, -0.9689, 1.8758, 0.0415, 0.0557, -0.204, 1.057)
+    camera = [value * seen for row, seen in zip(np.reshape(srgb_of_xyz, (3, 3)), NEUTRAL, strict=True) for value in row]
+
+    def ratios(*values: float) -> bytes:
+        return b"".join(struct.pack("<ii", round(1e4 * value), 10000) for value in values)
+
+    short, long = struct.Struct("<H").pack, struct.Struct("<I").pack
+    rows = {
+        **{254: (4, long(0)), 256: (4, long(width)), 257: (4, long(height)), 258: (3, short(16)), 259: (3, short(1))},
+        **{262: (3, short(32803)), 271: (2, b"Maker\0"), 272: (2, b"Model\0"), 273: (4, b""), 274: (3, short(turn))},
+        **{277: (3, short(1)), 278: (4, long(height)), 279: (4, long(sensor.nbytes)), 284: (3, short(1))},
+        **{33421: (3, short(2) * 2), 33422: (1, bytes(BAYER.ravel().tolist())), 50706: (1, b"\1\4\0\0")},
+        **{50707: (1, b"\1\1\0\0"), 50708: (2, b"Model\0"), 50714: (4, long(0)), 50717: (4, long(60000))},
+        **{50721: (10, ratios(*camera)), 50728: (5, ratios(*NEUTRAL)), 50778: (3, short(21))},
+    }
+    sizes = {1: 1, 2: 1, 3: 2, 4: 4, 5: 8, 10: 8}
+    start, body, table = 8 + 2 + 12 * len(rows) + 4, b"", b""
+    behind = start + sum(len(data) + len(data) % 2 for _, data in rows.values() if len(data) > 4)
+    for tag, (kind, data) in rows.items():
+        data = long(behind) if tag == 273 else data
+        place = data.ljust(4, b"\0")
+        if len(data) > 4:
+            place, body = long(start + len(body)), body + data + bytes(len(data) % 2)
+        table += struct.pack("<HHI", tag, kind, len(data) // sizes[kind]) + place
+    return b"II*\0\x08\0\0\0" + short(len(rows)) + table + bytes(4) + body + sensor.astype("<u2").tobytes()
+
+
+def srgb(linear: float) -> float:
+    return 12.92 * linear if linear <= 0.0031308 else 1.055 * linear ** (1 / 2.4) - 0.055
+
+
+@pytest.mark.parametrize("colour", [(0.3, 0.3, 0.3), (0.5, 0.3, 0.2)])
+def test_colours_are_srgb_in_sixteen_bits(colour: tuple[float, float, float]) -> None:
+    picture = read(dng(mosaic(*colour)))
+    assert (picture.channels, picture.pixels.dtype, picture.pixels.shape) == ("rgb", np.uint16, (64, 96, 3))
+    expected = [65535 * srgb(value) for value in colour]
+    np.testing.assert_allclose(picture.pixels[4:-4, 4:-4].mean(axis=(0, 1)), expected, rtol=0.02)
+
+
+def test_it_is_turned_once_and_keeps_what_its_tags_say() -> None:
+    sensor = mosaic(0.3, 0.3, 0.3)
+    sensor[:32] //= 4
+    data = dng(sensor, turn=6)
+    assert probe(data).width == 64
+    picture = read(data)
+    assert picture.pixels.shape == (96, 64, 3)
+    assert picture.pixels[:, :24].mean() > 1.5 * picture.pixels[:, 40:].mean()
+    kept = Image.Exif()
+    kept.load(picture.metadata.exif)
+    assert (kept.get(274, 1), kept[271], kept[272]) == (1, "Maker", "Model")
+
+
+def test_windows() -> None:
+    sensor = np.random.default_rng(1).integers(1000, 60000, (64, 96), np.uint16)
+    whole = read(dng(sensor)).pixels
+    with open_source(dng(sensor)) as source:
+        np.testing.assert_array_equal(source.read(10, 30, 50, 20).pixels, whole[30:50, 10:60])
+        np.testing.assert_array_equal(source.read(0, 0, 96, 64).pixels, whole)
+    with pytest.raises(PictureError, match="more than the cap of 9000 samples"):
+        read(dng(sensor), max_samples=9000)
+
+
+def test_damage(tmp_path: Path) -> None:
+    (tmp_path / "a.dng").write_bytes(dng(mosaic(0.3, 0.3, 0.3))[:-4000])
+    with pytest.raises(PictureError, match=r"a\.dng: the file is damaged or cut off: Input/output error"):
+        read(tmp_path / "a.dng")
+
+
+def test_a_missing_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "rawpy", None)
+    with pytest.raises(
+        PictureError, match=r"raw file \(DNG\); reading it needs rawpy: pip install 'sgicodec\[raw\]', or"
+    ):
+        read(dng(mosaic(0.3, 0.3, 0.3)))
