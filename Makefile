@@ -11,9 +11,9 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 # Two levels of set-up: what a user has, with `sgi compare` and `sgi bench`; and what tests and lint need besides.
 USER_STAMP := $(VENV)/.user
 DEV_STAMP := $(VENV)/.dev
-CXX_FILES := $(shell find native gdal tests viewer/wasm -name '*.?pp')
+CXX_FILES := $(shell find native gdal tests viewer/wasm cuda -name '*.?pp')
 # What is compiled and what is installed: Python files are used in place.
-INPUTS := pyproject.toml constraints.txt CMakeLists.txt $(shell find native share -type f)
+INPUTS := pyproject.toml constraints.txt CMakeLists.txt $(shell find native cuda share -type f)
 
 .DEFAULT_GOAL := help
 .PHONY: viewer test-viewer help setup setup-dev demo test test-all asan fuzz bench lint format stubs wheel clean
@@ -88,7 +88,7 @@ fuzz: setup-dev
 	PYTHONPATH=tests/support $(BIN)/python $(FUZZ) $(ARGS)
 
 # What native code does. Tests that start processes of other kinds, or bound the address space, skip themselves.
-CHECKED := tests/conformance tests/unit/bitstream tests/unit/decoder tests/unit/fit tests/unit/image \
+CHECKED := tests/conformance tests/unit/bitstream tests/unit/cuda tests/unit/decoder tests/unit/fit tests/unit/image \
   tests/unit/model tests/unit/native tests/unit/raster tests/unit/rdoq
 asan: setup-dev
 	$(BIN)/python tests/support/sanitized.py -m pytest -m 'not slow' --hypothesis-profile fast $(CHECKED) $(ARGS)

@@ -1,4 +1,4 @@
-"""What computes: threads and instruction set of the processor."""
+"""What computes: threads and instruction set of the processor, and a GPU."""
 
 from __future__ import annotations
 
@@ -13,18 +13,23 @@ __all__ = ["ALL_CORES", "ONE_THREAD", "Device", "check_device", "check_room"]
 
 @dataclass(frozen=True)
 class Device:
-    """threads: 0 for one per core. isa: auto, avx512, avx2 or portable. Raises UsageError for what this machine lacks.
+    """threads: 0 for one per core. isa: auto, avx512, avx2 or portable. gpu: the number of an NVIDIA GPU that fits what
+    its kernels can (`cuda.choice.device_of` says which there are); None for the processor alone. Raises UsageError for
+    an instruction set that this machine lacks.
 
-    Neither changes a symbol; pixels differ between instruction sets by less than a level of eight bits. A program makes
-    one where it begins and hands it down to whatever computes.
+    Nothing of it changes what a stream's symbols are when it is decoded; pixels differ between instruction sets by less
+    than a level of eight bits. A program makes one where it begins and hands it down to whatever computes.
     """
 
     threads: int = 0
     isa: str = "auto"
+    gpu: int | None = None
 
     def __post_init__(self) -> None:
         if isinstance(self.threads, bool) or not isinstance(self.threads, Integral) or self.threads < 0:
             raise UsageError(f"threads {self.threads!r}; 0 (all cores) or more")
+        if self.gpu is not None and (isinstance(self.gpu, bool) or not isinstance(self.gpu, Integral) or self.gpu < 0):
+            raise UsageError(f"gpu {self.gpu!r}; 0 or more, or None")
         if self.isa != "auto":
             from sgicodec._native import instruction_set
 

@@ -13,6 +13,7 @@ __all__ = [
     "EncodeInterruptedError",
     "LimitError",
     "MissingExtraError",
+    "NoDeviceError",
     "OutputExistsError",
     "OutputLockedError",
     "PictureError",
@@ -46,6 +47,10 @@ class RegionError(UsageError, IndexError):
 
 class MissingExtraError(UsageError):
     """Something that takes a library of an optional extra, which is not installed (exit 2)."""
+
+
+class NoDeviceError(UsageError):
+    """A GPU that was asked for and is not there, or has no driver (exit 2)."""
 
 
 def require(library: str, what: str, extra: str | None = None) -> None:

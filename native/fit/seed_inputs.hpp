@@ -6,8 +6,8 @@
 namespace sgi {
 namespace {
 
-void summarize(const SeedState &s, int64_t begin, int64_t end, float *memory) {
-  float *rows = Scratch(s, memory).attributes;
+// `rows`: memory for a block's attributes.
+inline void summarize_rows(const SeedState &s, int64_t begin, int64_t end, float *rows) {
   for (int64_t at = begin; at < end; at += LANES) {
     const Block block(at, s.count);
     for (int g = 0; g < 2; ++g)
@@ -21,6 +21,10 @@ void summarize(const SeedState &s, int64_t begin, int64_t end, float *memory) {
   }
 }
 
+inline void summarize(const SeedState &s, int64_t begin, int64_t end, float *memory) {
+  summarize_rows(s, begin, end, Scratch(s, memory).attributes);
+}
+
 // Inputs of one seed in units of one.
 inline void inputs_of_seed(const SeedState &s, int64_t seed, float *out) {
   level_inputs_of<float>(s.seeds.log_size[seed], s.quality, out);
@@ -29,7 +33,7 @@ inline void inputs_of_seed(const SeedState &s, int64_t seed, float *out) {
   for (int c = 0; c < kCommonInputs; ++c) out[c] = clampv(out[c], from_units<float>(kInputLimit));
 }
 
-void gather(const SeedState &s, int64_t begin, int64_t end, float *) {
+inline void gather(const SeedState &s, int64_t begin, int64_t end, float *) {
   float one[kCommonInputs];
   for (int64_t at = begin; at < end; at += LANES) {
     const Block block(at, s.count);
@@ -41,7 +45,7 @@ void gather(const SeedState &s, int64_t begin, int64_t end, float *) {
   }
 }
 
-void multiply(const SeedState &s, int64_t begin, int64_t end, float *) {
+inline void multiply(const SeedState &s, int64_t begin, int64_t end, float *) {
   constexpr int kAtOnce = 4;
   for (int64_t at = begin; at < end; at += LANES) {
     const int64_t number = at / LANES;

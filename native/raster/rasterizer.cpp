@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "base/thread_pool.hpp"
+#include "raster/moments.hpp"
 
 namespace sgi {
 namespace {
@@ -146,22 +147,12 @@ void Rasterizer::reduce(const Gaussians &g, const Gradients &out) {
       for (int64_t slot = bins_.slot_start[i]; slot < bins_.slot_start[i + 1]; ++slot)
         for (int k = 0; k < stride; ++k) sum[k] += partials_[slot * stride + k];
       std::copy(sum.begin() + kMoments, sum.end(), out.colours + i * g.channels);
-      const float xx = g.covariances[3 * i], xy = g.covariances[3 * i + 1], yy = g.covariances[3 * i + 2];
-      const double det = double(xx) * yy - double(xy) * xy;
       if (bins_.slot_start[i] == bins_.slot_start[i + 1]) {
         out.means[2 * i] = out.means[2 * i + 1] = 0;
         out.covariances[3 * i] = out.covariances[3 * i + 1] = out.covariances[3 * i + 2] = 0;
         continue;
       }
-      const float p = float(yy / det), q = float(-xy / det), s = float(xx / det);  // inverse covariance
-      const float wx = sum[1], wxx = sum[2], wy = sum[3], wxy = sum[4], wyy = sum[5];
-      out.means[2 * i] = p * wx + q * wy;
-      out.means[2 * i + 1] = q * wx + s * wy;
-      // dL/dSigma = 1/2 P W P with W the second moments of w
-      const float a0 = p * wxx + q * wxy, a1 = p * wxy + q * wyy, b0 = q * wxx + s * wxy, b1 = q * wxy + s * wyy;
-      out.covariances[3 * i] = 0.5f * (a0 * p + a1 * q);
-      out.covariances[3 * i + 1] = 0.5f * ((a0 * q + a1 * s) + (b0 * p + b1 * q));
-      out.covariances[3 * i + 2] = 0.5f * (b0 * q + b1 * s);
+      carry_moments(g.covariances + 3 * i, sum.data(), out.means + 2 * i, out.covariances + 3 * i);
     }
   });
 }

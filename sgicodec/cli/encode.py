@@ -16,6 +16,7 @@ from sgicodec.cli.options import (
     VERBOSE,
     batch_options,
     complete_files,
+    device_option,
     force_option,
     json_option,
     output_option,
@@ -24,7 +25,7 @@ from sgicodec.cli.options import (
     threads_option,
 )
 from sgicodec.cli.paths import display, with_extension
-from sgicodec.device import Device
+from sgicodec.cuda.choice import device_of
 from sgicodec.errors import UsageError
 
 if TYPE_CHECKING:
@@ -109,6 +110,7 @@ __all__ = ["encode"]
 @output_option
 @batch_options
 @threads_option
+@device_option
 @force_option
 @json_option
 @quiet_option
@@ -132,6 +134,7 @@ def encode(
     send_pixels: bool,
     alpha: Alpha,
     threads: int,
+    device: str,
     **choices: Any,
 ) -> None:
     """Encode picture IN into stream OUT, by default IN's name with .sgi; - stands for stdin or stdout.
@@ -143,7 +146,7 @@ def encode(
     Ctrl-C ends the fit early and writes what it has; a second Ctrl-C writes nothing. A picture of several tiles stops
     at once: OUT.part keeps the finished ones for --resume.
     """
-    device = Device(threads)
+    computes = device_of(device, threads)
     settings = _settings(choices)
     if cluster is None and (source_at is not None or send_pixels):
         raise UsageError("--source-at and --send-pixels go with --cluster")
@@ -159,7 +162,7 @@ def encode(
         options = (float_range, verify, "off" if many else progress, force, as_json, quiet, verbose, resume, max_memory)
         where = (cluster, source_at, send_pixels, alpha)
         named = output is not None
-        return encode_file(Job(source, target, settings, device, started, *options, *where, many, named, associated))
+        return encode_file(Job(source, target, settings, computes, started, *options, *where, many, named, associated))
 
     if output is not None and (many or len(paths) > 1):
         raise UsageError("-o names the OUT of one IN; it does not go with another name, --output-dir or -r")

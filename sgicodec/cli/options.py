@@ -22,6 +22,7 @@ __all__ = [
     "Sized",
     "batch_options",
     "complete_files",
+    "device_option",
     "force_option",
     "json_option",
     "output_option",
@@ -136,6 +137,13 @@ threads_option = click.option(
     type=click.IntRange(0, 1024),
     metavar="N",
     help="Number of threads.",
+)
+device_option = click.option(
+    "--device",
+    default="cpu",
+    show_default=True,
+    metavar="NAME",
+    help="What fits: cpu, cuda or cuda:N for a GPU, auto for one if there is.",
 )
 output_option = click.option("-o", "--output", metavar="OUT", help="Write to this file, whatever it is called.")
 progress_option = click.option(

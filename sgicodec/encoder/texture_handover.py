@@ -46,6 +46,7 @@ class Handover:
 
     def run(self) -> None:
         """Drops the seeds that texture shows for less, and makes the errors of roots without seeds count least."""
+        self.trainer.fetch()
         kept, shares = self.chosen()
         if kept.all():
             return
@@ -78,7 +79,7 @@ class Handover:
         found = np.log(_LEAST + self.texture.estimated_over(self._left(kept)))
         for part, offset in zip((1 - shares, shares), self._offsets, strict=True):
             found += part * offset
-        bits = self.trainer.gradient_step.seed_bits() + POSITION_BITS
+        bits = self.trainer.seed_bits() + POSITION_BITS
         sums = np.bincount(self._root[kept], weights=bits[kept], minlength=found.size)
         return np.asarray(np.exp(found) + self.texture.lmbda * sums.reshape(found.shape), np.float64)
 

@@ -218,7 +218,7 @@ def _scout(spec: ModelSpec, fit: FitSettings, target: F32, family: int, device: 
     trainer = Trainer(spec, fit, target, layout, family, networks, device=device)
     trainer.run()
     drawn = trainer.raster.forward(*trainer.seeds.gaussians(), target.shape[2], target.shape[1])
-    bits = float(trainer.gradient_step.seed_bits().mean()) + POSITION_BITS
+    bits = float(trainer.seed_bits().mean()) + POSITION_BITS
     return Scout(target - drawn, trainer.seeds.layout, bits)
 
 

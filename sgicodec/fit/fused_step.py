@@ -17,17 +17,20 @@ from sgicodec.model.context import neighbour_table
 from sgicodec.model.gaussians import MIN_VARIANCE, colour_matrix
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.neighbours import nearest_seeds
-from sgicodec.model.spec import ModelSpec
+from sgicodec.model.spec import ContextSpec, ModelSpec
 from sgicodec.profiles.fit_settings import Rounding
 from sgicodec.raster.backend import Backend
 
-__all__ = ["FusedStep", "NoiseKey"]
+__all__ = ["REFRESH", "FusedStep", "NoiseKey", "Reuse", "neighbours_of", "reuse_of"]
 
 F32 = NDArray[np.float32]
 
 _ROUNDINGS: dict[Rounding, int] = {"none": 0, "noise": 1, "round": 2}
 _GROUPS = ("colour", "shape", "offset")
 _FLOOR = np.array([MIN_VARIANCE, 0.0, MIN_VARIANCE], np.float32)
+
+REFRESH, PREDICT = 8, 4
+"""How many steps inputs from neighbours stand, and predictions under noise where only MLP_p's difference trains."""
 
 
 class Reuse(Enum):
@@ -49,16 +52,28 @@ class NoiseKey(NamedTuple):
         return cls((seed * 0x9E3779B1 + pair * 0x85EBCA77) & 0xFFFFFFFF, bool(second))
 
 
+def reuse_of(age: int, rounding: Rounding, context: ContextWeights) -> Reuse:
+    """What the step takes over, `age` steps after inputs from neighbours were found."""
+    if age == 0 or rounding == "none":
+        return Reuse.NOTHING
+    lazy = rounding == "noise" and context.difference is not None and age % PREDICT
+    return Reuse.PREDICTIONS if lazy else Reuse.INPUTS
+
+
+def neighbours_of(context: ContextSpec, layout: SeedLayout) -> NDArray[np.int32]:
+    """Seeds that each seed sees, nearest first [N, neighbours]; -1 for none."""
+    table, present = neighbour_table(context, layout, nearest_seeds)
+    return np.where(present, table, -1).astype(np.int32)
+
+
 class FusedStep:
     """A `GradientStep` for squared error and Laplacian bits, for the models that `can_run` names.
 
     Noise is a hash of (its key, column, seed), so that a step does not depend on the number of threads. Inputs from
-    neighbours are found again every `refresh` steps: they move slowly, and all seeds can then be evaluated at once
+    neighbours are found again every `REFRESH` steps: they move slowly, and all seeds can then be evaluated at once
     although coding visits them pass by pass. Under noise, where MLP_p is a prior's and only its difference trains, it
-    runs every `predict` steps: in between, its last outputs and the gradients of its difference and of the steps stand.
+    runs every `PREDICT` steps: in between, its last outputs and the gradients of its difference and of the steps stand.
     """
-
-    refresh, predict = 8, 4
 
     def __init__(self, spec: ModelSpec, seed: int, raster: Backend[F32], device: Device) -> None:
         opponent = np.array(colour_matrix(spec.channels), np.float32)
@@ -76,8 +91,7 @@ class FusedStep:
 
     def set_layout(self, layout: SeedLayout, quality: int) -> None:
         """Prepares everything that depends on where the seeds are."""
-        table, present = neighbour_table(self.spec.context, layout, nearest_seeds)
-        neighbour = np.where(present, table, -1).astype(np.int32)
+        neighbour = neighbours_of(self.spec.context, layout)
         self.native.set_layout(layout.half_pixels, layout.log_size, neighbour, quality)
         self.count = len(layout)
         self.age = 0
@@ -86,7 +100,7 @@ class FusedStep:
         """As `GradientStep.run`."""
         colour, shape, offset = values = [parameters.seeds.values[name] for name in _GROUPS]
         context, noise = parameters.context, NoiseKey.of(self.seed, number)
-        gaussians, reuse = self._gaussian_arrays(), self._reuse(rounding, context)
+        gaussians, reuse = self._gaussian_arrays(), reuse_of(self.age, rounding, context)
         rest = context.effective_rest()  # the backward pass reads it again
         bits = self.native.forward(
             colour,
@@ -102,7 +116,7 @@ class FusedStep:
             context.trains,
             *gaussians,
         )
-        self.age = (self.age + 1) % self.refresh if rounding != "none" else 0
+        self.age = (self.age + 1) % REFRESH if rounding != "none" else 0
         error, slopes = self._draw(gaussians, level)
         d_colour, d_shape, d_offset = (np.empty_like(value) for value in values)
         sums = np.empty(self.native.sums, np.float32)
@@ -113,12 +127,6 @@ class FusedStep:
                 self.standing = self._shared_gradients(sums, len(parameters.steps), context, lmbda)
             gradients |= self.standing
         return StepResult(error, bits, gradients)
-
-    def _reuse(self, rounding: Rounding, context: ContextWeights) -> Reuse:
-        if self.age == 0 or rounding == "none":
-            return Reuse.NOTHING
-        lazy = rounding == "noise" and context.difference is not None and self.age % self.predict
-        return Reuse.PREDICTIONS if lazy else Reuse.INPUTS
 
     @staticmethod
     def _shared_gradients(sums: F32, steps: int, context: ContextWeights, lmbda: float) -> dict[str, F32]:

@@ -9,11 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec.cuda.gpu import opened
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.errors import require
 from sgicodec.fit.adam import Adam
 from sgicodec.fit.context_weights import ContextWeights
 from sgicodec.fit.densification import worthwhile_cells
+from sgicodec.fit.device_fit import DeviceFit
 from sgicodec.fit.fused_step import FusedStep
 from sgicodec.fit.parameters import GradientStep, Parameters, learning_rate_of
 from sgicodec.fit.pyramid import levels_of
@@ -102,6 +104,7 @@ class Trainer:
         self.parameters = Parameters(self.seeds, steps, self.context, trains_context=context is None)
         self.gradients: dict[str, F32] = {}
         self.adam = Adam(settings.rates.betas, settings.rates.epsilon, device)
+        self.on_gpu = self._device_fit(family, device) if context is None else None
         self.gradient_step = self._gradient_step(family, device)
         self._set_layout()
         self.step = 0
@@ -135,12 +138,19 @@ class Trainer:
 
     def _fix_what_is_shared(self) -> None:
         """From the round phase on, everything but the seeds is what the stream will hold."""
+        self.fetch()
         self.context.freeze()
         self.parameters.steps[:] = flat_steps(self.spec, rounded_plan(self.spec, self.parameters.steps))
+        if self.on_gpu is not None:
+            self.on_gpu.put()
 
     def _step(self, phase: Phase) -> tuple[float, float]:
         """Squared error and bits of a step, after which everything that trains has moved."""
         lmbda = self.lmbda if phase.rate else 0.0
+        if self.on_gpu is not None:
+            names = self.parameters.trained()
+            rates = {name: self._learning_rate(learning_rate_of(name), phase) for name in names}
+            return self.on_gpu.run(phase.rounding, self.step, self.levels[phase.level], lmbda, rates)
         found = self.gradient_step.run(self.parameters, phase.rounding, self.step, self.levels[phase.level], lmbda)
         self.gradients = found.gradients
         for name, array in self.parameters.trained().items():
@@ -159,11 +169,12 @@ class Trainer:
         """Drops seeds whose Gaussians hold less squared error than their bits cost; the first time, λ is foreseen from
         the PSNR so far.
         """
+        self.fetch()
         energy = self.seeds.energy(self.weights)
         price = self.settings.prune * self.settings.seed_bits
         floor = price * self.lmbda
         if first_psnr is not None and self.controller is not None:
-            bits, steps = self.gradient_step.seed_bits(), self.schedule.steps
+            bits, steps = self.seed_bits(), self.schedule.steps
             floor = price * self.controller.update_before_pruning(energy, bits, price, first_psnr, steps)
             self.lmbda = self.controller.lmbda
         keep = energy > floor
@@ -174,6 +185,7 @@ class Trainer:
 
     def _grow(self) -> None:
         """Adds seeds where the residual of the exact values is worth more than their bits."""
+        self.fetch()
         target = self.levels[0].samples
         residual = target - self.raster.forward(*self.seeds.gaussians(), target.shape[2], target.shape[1])
         price = self.lmbda * self.settings.seed_bits * self.settings.growth
@@ -184,6 +196,7 @@ class Trainer:
 
     def keep(self, kept: NDArray[np.bool_], weights: F32) -> None:
         """Drops all seeds but those where `kept` [N] holds, and counts squared errors by other weights [H, W]."""
+        self.fetch()
         self.seeds.keep(kept, self.adam)
         self.weights, self.levels = weights, levels_of(self.levels[0].samples, weights, len(self.levels))
         self._set_layout()
@@ -191,10 +204,27 @@ class Trainer:
     def _set_layout(self) -> None:
         """To be called where seeds have come or gone."""
         self.quality = self._quality()
-        self.gradient_step.set_layout(self.seeds.layout, self.quality)
+        (self.on_gpu or self.gradient_step).set_layout(self.seeds.layout, self.quality)
+
+    def seed_bits(self) -> F32:
+        """Bits of every seed in the last step [N]."""
+        return (self.on_gpu or self.gradient_step).seed_bits()
+
+    def fetch(self) -> None:
+        """Makes the arrays of `seeds` and all else that trains those of now, which is to be read or changed."""
+        if self.on_gpu is not None:
+            self.on_gpu.fetch()
 
     def _quality(self) -> int:
         return quality_index(self.lmbda) if self.settings.quality is None else self.settings.quality
+
+    def _device_fit(self, family: int, device: Device) -> DeviceFit | None:
+        """The fit on the GPU that was asked for, if its kernels have this model and loss."""
+        known = family and self.settings.loss == "squared" and DeviceFit.can_run(self.spec)
+        if device.gpu is None or not known:
+            return None
+        gpu, seed = opened(device.gpu), self.settings.seed
+        return DeviceFit(self.spec, seed, gpu, self.parameters, self.adam, self.raster.cutoff)
 
     def _gradient_step(self, family: int, device: Device) -> GradientStep:
         if family and self.settings.loss == "squared" and FusedStep.can_run(self.spec):
@@ -213,6 +243,7 @@ class Trainer:
 
     def result(self) -> Fitted:
         """What the fit has found so far, in the stream's order."""
+        self.fetch()
         order = self.seeds.layout.order()
         return Fitted(
             self.seeds.layout.take(order),

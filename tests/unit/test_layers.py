@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[2]
 FLOORS = (
     {"errors", "version", "_native"},
     {"metadata", "device", "remote"},
-    {"picture"},
+    {"picture", "cuda"},
     {"image", "raster", "model"},
     {"metrics"},
     {"rate_control", "bitstream"},

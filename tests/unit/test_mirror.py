@@ -29,6 +29,7 @@ TESTED_ELSEWHERE = {
     "bitstream/printable": "system/cli/test_info.py",
     "bitstream/stream_*": "unit/bitstream/test_container.py",
     "cli/*": "system/cli",
+    "cuda/tiles": "unit/raster/test_cuda.py",
     "decoder/*": "system/test_tiled_codec.py",
     "device": "conformance/test_instruction_sets.py",
     "encoder/*": "system",

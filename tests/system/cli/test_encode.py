@@ -119,6 +119,7 @@ def test_json_has_no_infinity(sgi: Run, picture: Path, monkeypatch: pytest.Monke
         (["--seed", "11"], {"seed": 11}),
         (["-j", "3"], {"threads": 3}),
         (["--threads", "2"], {"threads": 2}),
+        (["--device", "cpu", "-j", "2"], {"threads": 2, "gpu": None}),
         (["--no-metadata"], {"metadata": False}),
     ],
 )
@@ -168,6 +169,7 @@ def test_options_reach_the_encoder(
         ("--float-range 1,0", "--float-range"),
         ("--float-range 0,1", "only floating-point"),
         ("--progress maybe", "not one of"),
+        ("--device gpu", "auto, cpu, cuda or cuda:N"),
     ],
 )
 def test_settings_that_make_no_sense(sgi: Run, picture: Path, options: str, complaint: str) -> None:

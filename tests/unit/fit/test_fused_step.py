@@ -6,26 +6,22 @@ import math
 import numpy as np
 import pytest
 import torch
+from random_fit import random_fit
 from torch import Tensor
 
 from sgicodec import _native
-from sgicodec.device import ONE_THREAD, Device
+from sgicodec.device import Device
 from sgicodec.fit.autograd.context_net import ContextNet
 from sgicodec.fit.autograd.quantization_proxy import QuantizationProxy
 from sgicodec.fit.autograd.raster_op import squared_error
 from sgicodec.fit.autograd.rate import bits_laplace
 from sgicodec.fit.autograd.step import AutogradStep
-from sgicodec.fit.context_weights import ContextWeights, layer_shapes, shaped
 from sgicodec.fit.fused_step import FusedStep, NoiseKey
-from sgicodec.fit.parameters import Parameters, StepResult
+from sgicodec.fit.parameters import StepResult
 from sgicodec.fit.pyramid import Level
-from sgicodec.fit.seed_set import SeedSet
-from sgicodec.fit.step_sizes import flat_steps
 from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
-from sgicodec.model.layout import adaptive_layout
 from sgicodec.model.quantization import DEAD_ZONE, DEAD_ZONE_LIMIT
 from sgicodec.model.spec import ModelSpec
-from sgicodec.model.steps import default_plan
 from sgicodec.profiles.default import default_spec
 from sgicodec.profiles.fit_settings import FitSettings, Phase, Rounding
 from sgicodec.profiles.paper import paper_spec
@@ -97,26 +93,8 @@ class Problem:
     """A layout, a picture, values of a plausible size, a network of random weights that trains."""
 
     def __init__(self, spec: ModelSpec, frozen: bool = False) -> None:
-        rng = np.random.default_rng(3)
-        detail = (rng.normal(size=(3, HEIGHT, WIDTH)) * np.linspace(0, 1, WIDTH) ** 2).astype(np.float32)
-        self.spec, self.layout = spec, adaptive_layout(detail, 6.0)
-        self.target = rng.normal(size=(spec.channels, HEIGHT, WIDTH)).astype(np.float32) * 0.2
-        seeds = SeedSet(spec, self.layout, self.target, rng, ONE_THREAD)
-        sizes = {"colour": 0.2, "shape": 0.6, "offset": 0.4}
-        for name, value in seeds.values.items():
-            value[:] = rng.normal(size=value.shape) * sizes[name]
-        seeds.values["shape"][:, 0::3] -= 0.7
-        seeds.values["shape"][: len(self.layout) // 8, 1:3] *= 0.01  # nearly round, where differences cancel
-        lean = seeds.values["shape"].reshape(-1, 3)[:, 1:]
-        lean *= np.minimum(1, LONGEST / np.linalg.norm(lean, axis=1, keepdims=True))
-        context = ContextWeights(spec, (), rng)
-        context.rest *= 3.0  # W2; both biases are zero
-        for b2 in shaped([shape for stage in layer_shapes(spec) for shape in stage[1:]], context.rest)[2::3]:
-            b2 += rng.normal(size=b2.shape).astype(np.float32) * 0.2
-        if frozen:
-            context.adapt(context.integers())
-            context.trained()["context.difference"][:] = rng.normal(size=context.rest.shape) * 0.05
-        self.parameters = Parameters(seeds, flat_steps(spec, default_plan(spec, QUALITY)), context)
+        self.spec = spec
+        self.layout, self.target, self.parameters = random_fit(spec, WIDTH, HEIGHT, QUALITY, LONGEST, frozen)
         self.proxy = KnownNoise(spec, FAMILY)
         self.proxy.set_layout(self.layout, QUALITY, WIDTH, HEIGHT)
 

@@ -1,0 +1,139 @@
+// What kernels are called with. Python reads these structs (sgicodec/cuda/structures.py): one field a line, of the
+// types below; no field but these.
+#pragma once
+#include <cstdint>
+
+namespace sgi {
+
+// What a call says of a picture of Gaussians, and the memory that its kernels share. Pairs are (tile, Gaussian); a slot
+// is a pair's place in the Gaussian's order.
+struct RasterArguments {
+  const float *means;
+  const float *covariances;
+  const float *colours;
+  int32_t gaussians;
+  int32_t x0;
+  int32_t y0;
+  int32_t width;
+  int32_t height;
+  float cutoff;
+  float scale;
+  float minimum;
+  float weight;
+  int32_t capacity;
+  int32_t sort_blocks;
+  int32_t shift;
+  void *splats;
+  int32_t *slot_start;
+  int32_t *owner;
+  uint32_t *keys;
+  uint32_t *slots;
+  uint32_t *keys_out;
+  uint32_t *slots_out;
+  int32_t *digits;
+  int32_t *tile_start;
+  float *partials;
+  const float *target;
+  const float *weights;
+  const float *slopes;
+  float *image;
+  double *errors;
+  float *grad_means;
+  float *grad_covariances;
+  float *grad_colours;
+};
+
+// An exclusive sum over `count` numbers in place; behind them their total.
+struct ScanArguments {
+  int32_t *values;
+  int32_t *totals;
+  int32_t count;
+};
+
+// A step of the fit: arrays as in native/fit/seed_kernel.hpp, and what changes from step to step in `numbers`.
+struct FitArguments {
+  int32_t count;
+  int32_t per_seed;
+  int32_t channels;
+  int32_t hidden;
+  int32_t neighbours;
+  int32_t quality;
+  int32_t rounding;
+  int32_t predicts;
+  int32_t trains_first;
+  int32_t chunk;
+  int32_t chunks;
+  int32_t has_difference;
+  int32_t tiles;
+  int32_t capacity;
+  float difference_unit;
+  const void *numbers;
+  const int32_t *pairs;
+  const int32_t *half_pixels;
+  const int8_t *log_size;
+  const int32_t *neighbour;
+  const float *opponent;
+  const float *colour;
+  const float *shape;
+  const float *offset;
+  const float *first;
+  const float *rest;
+  const float *difference;
+  const float *steps;
+  float *effective;
+  float *summary;
+  float *inputs;
+  float *product;
+  float *kept;
+  float *decoded;
+  float *bits;
+  float *means;
+  float *covariances;
+  float *colours;
+  const float *grad_means;
+  const float *grad_covariances;
+  const float *grad_colours;
+  float *slopes;
+  float *grad_colour;
+  float *grad_shape;
+  float *grad_offset;
+  float *partials;
+  float *sums;
+  const double *errors;
+  void *report;
+};
+
+// What a step is told.
+struct StepNumbers {
+  uint32_t key;
+  uint32_t mirror;
+  float lmbda;
+  float none;
+  double beta1;
+  double beta2;
+  double epsilon;
+  double rate[8];
+  double root_correction[8];
+};
+
+// What a step says.
+struct StepReport {
+  double error;
+  double bits;
+  int64_t pairs;
+};
+
+// One step of Adam on up to eight arrays; a step whose pairs had no room moves nothing.
+struct AdamArguments {
+  float *value[8];
+  const float *gradient[8];
+  float *mean[8];
+  float *square[8];
+  int32_t size[8];
+  int32_t arrays;
+  int32_t capacity;
+  const void *numbers;
+  const int32_t *pairs;
+};
+
+}  // namespace sgi

@@ -1,0 +1,72 @@
+// A step's arguments as what native/fit computes with: a thread is a block of one seed.
+#pragma once
+#define LANES 1
+#include "cuda/arguments.hpp"
+#include "cuda/base/block.hpp"
+#include "fit/seed_kernel.hpp"
+
+namespace sgi {
+
+constexpr int kMostHidden = 64;  // width of MLP_p
+constexpr int kSeedThreads = 64;
+
+namespace {
+
+inline const StepNumbers &numbers_of(const FitArguments &a) { return *static_cast<const StepNumbers *>(a.numbers); }
+
+inline SeedState state_of(const FitArguments &a) {
+  SeedState s;
+  s.per_seed = a.per_seed;
+  s.channels = a.channels;
+  s.opponent = a.opponent;
+  s.count = a.count;
+  s.hidden = a.hidden;
+  s.neighbours = a.neighbours;
+  s.quality = a.quality;
+  s.seeds = {a.half_pixels, a.log_size};
+  s.neighbour = a.neighbour;
+  s.value[kColour] = a.colour;
+  s.value[kShape] = a.shape;
+  s.value[kOffset] = a.offset;
+  const float *first = a.first, *rest = a.effective;
+  for (int g = 0; g < kGroups; ++g) {
+    s.first[g] = first;
+    s.rest[g] = rest;
+    first += s.first_size(g);
+    rest += s.rest_size(g);
+  }
+  s.base = a.steps;
+  s.gamma = a.steps + kUnits * kLevels;
+  s.summary = a.summary;
+  s.inputs = a.inputs;
+  s.product = a.product;
+  s.kept = a.kept;
+  s.decoded = a.decoded;
+  s.bits = a.bits;
+  s.rounding = Rounding(a.rounding);
+  s.key = numbers_of(a).key;
+  s.mirror = numbers_of(a).mirror;
+  s.trains_first = a.trains_first != 0;
+  s.predicts = a.predicts != 0;
+  return s;
+}
+
+inline SeedGradients gradients_of(const FitArguments &a) {
+  return {a.grad_means,
+          a.grad_covariances,
+          a.grad_colours,
+          numbers_of(a).lmbda,
+          {a.grad_colour, a.grad_shape, a.grad_offset}};
+}
+
+// Calls visit(seed) for the seed of every thread.
+template <int THREADS, class Visit>
+inline void for_each_seed(const ThreadBlock<THREADS> &block, const FitArguments &a, Visit visit) {
+  block.each([&](int t) {
+    const int seed = block.index() * THREADS + t;
+    if (seed < a.count) visit(seed);
+  });
+}
+
+}  // namespace
+}  // namespace sgi

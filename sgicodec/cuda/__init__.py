@@ -1,0 +1,1 @@
+"""GPUs of NVIDIA: the driver and the compiler through their own interfaces, without a toolkit or a C compiler."""

@@ -1,0 +1,40 @@
+"""From what a user asks for (`auto`, `cpu`, `cuda`, `cuda:1`) to a Device."""
+
+from __future__ import annotations
+
+import re
+
+from sgicodec.device import Device
+from sgicodec.errors import SgiError, UsageError
+
+__all__ = ["CHOICES", "device_of"]
+
+CHOICES = "auto, cpu, cuda or cuda:N"
+
+
+def device_of(name: str = "auto", threads: int = 0) -> Device:
+    """The device of this name, with as many threads of the processor. `auto` is the first GPU that can be used, else
+    the processor alone.
+
+    Raises UsageError for another name; NoDeviceError or MissingExtraError where `cuda` lacks GPU, driver or compiler.
+    """
+    found = re.fullmatch(r"auto|cpu|cuda(?::(\d{1,3}))?", name)
+    if found is None:
+        raise UsageError(f"device {name!r}; it must be {CHOICES}")
+    if name == "cpu":
+        return Device(threads)
+    try:
+        number = int(found[1] or 0)
+        _check(number)
+    except (SgiError, MemoryError):
+        if name != "auto":
+            raise
+        return Device(threads)
+    return Device(threads, gpu=number)
+
+
+def _check(number: int) -> None:
+    """Raises an error if this GPU cannot be used."""
+    from sgicodec.cuda.gpu import opened
+
+    opened(number)

@@ -1,0 +1,153 @@
+"""NVRTC: kernels for one GPU's architecture, compiled at run time and kept in a cache on disk."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import re
+import tempfile
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from sgicodec.cuda import sources
+from sgicodec.errors import MissingExtraError, SgiError
+
+__all__ = ["ARCHITECTURES", "Compiler", "Resources", "compiled", "the_compiler"]
+
+ARCHITECTURES = (75, 80, 86, 89, 90, 100, 120)
+"""Of all families that NVRTC 13 knows, the first; later members of a family run what is compiled for it."""
+
+_NAMES = ("libnvrtc.so.13", "libnvrtc.so.12", "libnvrtc.so")
+_OPTIONS = ("-std=c++17", "-default-device", "-diag-suppress=161", "-diag-suppress=177")
+
+
+class Resources(NamedTuple):
+    """registers: of a thread; shared: bytes of a block; spilled: bytes of a thread that found no register."""
+
+    registers: int
+    shared: int
+    spilled: int
+
+
+class Compiler:
+    """NVRTC from the extra `cuda`, else from a toolkit. Raises MissingExtraError where there is neither."""
+
+    def __init__(self) -> None:
+        for name in (*_packaged(), *_NAMES):
+            try:
+                self._library = ctypes.CDLL(str(name))
+            except OSError:
+                continue
+            self._library.nvrtcGetErrorString.restype = ctypes.c_char_p
+            return
+        raise MissingExtraError("CUDA needs NVRTC: pip install 'sgicodec[cuda]'")
+
+    @property
+    def version(self) -> str:
+        """Such as 13.0."""
+        major, minor = ctypes.c_int(), ctypes.c_int()
+        self._call("nvrtcVersion", ctypes.byref(major), ctypes.byref(minor))
+        return f"{major.value}.{minor.value}"
+
+    def cubin(self, architecture: int) -> bytes:
+        """Machine code for an architecture, such as 90."""
+        return self._compile(f"sm_{architecture}", "CUBIN")
+
+    def resources(self, architecture: int) -> dict[str, Resources]:
+        """What a thread or block of each kernel takes on an architecture, as ptxas says."""
+        return _resources(self._compile(f"sm_{architecture}", "ProgramLog", "--ptxas-options=-v").decode())
+
+    def ptx(self, architecture: int) -> bytes:
+        """PTX, which the driver compiles for that architecture or a later one."""
+        return self._compile(f"compute_{architecture}", "PTX")
+
+    def _compile(self, target: str, kind: str, *more: str) -> bytes:
+        root, program = sources.root(), ctypes.c_void_p()
+        text = (root / "cuda" / "kernels.cu").read_bytes()
+        self._call("nvrtcCreateProgram", ctypes.byref(program), text, b"kernels.cu", ctypes.c_int(0), None, None)
+        folders = (f"-I{place}" for place in (root, root / "native", root / "cuda" / "rtc"))
+        options = [option.encode() for option in (f"-arch={target}", *_OPTIONS, *more, *folders)]
+        try:
+            given = (ctypes.c_char_p * len(options))(*options)
+            if self._library.nvrtcCompileProgram(program, ctypes.c_int(len(options)), given):
+                raise SgiError(f"NVRTC {self.version} does not compile the kernels for {target}: {self._log(program)}")
+            return self._bytes(program, kind)
+        finally:
+            self._call("nvrtcDestroyProgram", ctypes.byref(program))
+
+    def _log(self, program: ctypes.c_void_p) -> str:
+        """The first error."""
+        lines = self._bytes(program, "ProgramLog").rstrip(b"\0").decode(errors="replace").splitlines()
+        return next((line for line in lines if "error" in line), "without saying why")
+
+    def _bytes(self, program: ctypes.c_void_p, kind: str) -> bytes:
+        size = ctypes.c_size_t()
+        self._call(f"nvrtcGet{kind}Size", program, ctypes.byref(size))
+        data = ctypes.create_string_buffer(size.value)
+        self._call(f"nvrtcGet{kind}", program, data)
+        return data.raw
+
+    def _call(self, name: str, *arguments: Any) -> None:
+        status = getattr(self._library, name)(*arguments)
+        if status:
+            raise SgiError(f"{name}: {self._library.nvrtcGetErrorString(status).decode()}")
+
+
+def compiled(architecture: int, folder: Path | None = None) -> bytes:
+    """The kernels for an architecture, from the cache in `folder` if they are there, else compiled into it."""
+    folder = _cache_folder() if folder is None else folder
+    compiler = the_compiler()
+    name = sources.digest(f"{compiler.version} sm_{architecture} {_OPTIONS}")
+    path = folder / f"{name[:32]}.cubin"
+    try:
+        return path.read_bytes()
+    except OSError:
+        pass
+    code = compiler.cubin(architecture)
+    _keep(path, code)
+    return code
+
+
+@cache
+def the_compiler() -> Compiler:
+    """The compiler, loaded once in each process: it takes a tenth of a second."""
+    return Compiler()
+
+
+def _packaged() -> list[Path]:
+    """NVRTC in NVIDIA's Python packages."""
+    try:
+        found = find_spec("nvidia")
+    except (ImportError, ValueError):
+        return []
+    places = [] if found is None else list(found.submodule_search_locations or [])
+    return sorted((path for place in places for path in Path(place).glob("*/lib/libnvrtc.so.*")), reverse=True)
+
+
+def _resources(log: str) -> dict[str, Resources]:
+    found = {}
+    for name, text in re.findall(r"entry function '(\w+)'(.*?Used.*?)$", log, re.MULTILINE | re.DOTALL):
+        numbers = (re.search(pattern, text) for pattern in (r"Used (\d+) registers", r"(\d+) bytes smem", _SPILLED))
+        found[name] = Resources(*(int(number[1]) if number else 0 for number in numbers))
+    return found
+
+
+_SPILLED = r"(\d+) bytes spill stores"
+
+
+def _cache_folder() -> Path:
+    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(base) / "sgicodec" / "cuda"
+
+
+def _keep(path: Path, code: bytes) -> None:
+    """Writes a file of the cache as a whole; where it cannot, the next process compiles again."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:
+            file.write(code)
+        os.replace(file.name, path)
+    except OSError:
+        pass

@@ -1,0 +1,156 @@
+"""One GPU: its memory, the kernels, launches one by one or as a graph."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import DTypeLike, NDArray
+
+from sgicodec.cuda.compiler import compiled
+from sgicodec.cuda.driver import CudaError, Driver, Pointer, the_driver
+
+__all__ = ["Gpu", "GpuArray", "Graph", "opened"]
+
+_NON_BLOCKING, _RELAXED = ctypes.c_uint(1), ctypes.c_int(2)
+"""CU_STREAM_NON_BLOCKING; CU_STREAM_CAPTURE_MODE_RELAXED: other threads may allocate meanwhile."""
+
+
+class Gpu:
+    """GPU `index` with the kernels of `image`, machine code for it. Not safe for use by two threads at once."""
+
+    def __init__(self, driver: Driver, index: int, image: bytes) -> None:
+        self.driver, self.index = driver, index
+        self._context = driver.context(index)
+        self.use()
+        self._module = driver.handle("cuModuleLoadData", ctypes.c_char_p(image))
+        self._functions: dict[str, Pointer] = {}
+        self.stream = driver.handle("cuStreamCreate", _NON_BLOCKING)
+
+    @property
+    def name(self) -> str:
+        """What the GPU is called."""
+        return self.driver.name(self.index)
+
+    def use(self) -> None:
+        """To be called once in every thread that uses it."""
+        self.driver.call("cuCtxSetCurrent", self._context)
+
+    def array(self, shape: int | tuple[int, ...], dtype: DTypeLike = np.float32) -> GpuArray:
+        """Memory for an array, not set."""
+        return GpuArray(self, shape, dtype)
+
+    def put(self, values: NDArray[Any]) -> GpuArray:
+        """A copy of an array."""
+        array = GpuArray(self, values.shape, values.dtype)
+        array.upload(values)
+        return array
+
+    def launch(self, kernel: str, blocks: int, threads: int, arguments: ctypes.Structure) -> None:
+        """Lets `blocks` blocks run, behind what was launched before; while a graph is recorded, adds them to it."""
+        if blocks < 1:
+            return
+        given = (ctypes.c_void_p * 1)(ctypes.addressof(arguments))
+        sizes = [ctypes.c_uint(n) for n in (blocks, 1, 1, threads, 1, 1, 0)]
+        self.driver.call("cuLaunchKernel", self._function(kernel), *sizes, self.stream, given, None)
+
+    @contextmanager
+    def recorded(self) -> Iterator[Graph]:
+        """Makes a graph of all launches within."""
+        graph = Graph(self)
+        self.driver.call("cuStreamBeginCapture_v2", self.stream, _RELAXED)
+        try:
+            yield graph
+        finally:
+            recorded = self.driver.handle_behind("cuStreamEndCapture", self.stream)
+        graph.take(recorded)
+
+    def wait(self) -> None:
+        """Until everything that was launched is done."""
+        self.driver.call("cuStreamSynchronize", self.stream)
+
+    def _function(self, kernel: str) -> Pointer:
+        if kernel not in self._functions:
+            self._functions[kernel] = self.driver.handle("cuModuleGetFunction", self._module, kernel.encode())
+        return self._functions[kernel]
+
+
+class GpuArray:
+    """An array in the memory of a GPU, freed with this object."""
+
+    def __init__(self, gpu: Gpu, shape: int | tuple[int, ...], dtype: DTypeLike) -> None:
+        self.gpu, self.dtype = gpu, np.dtype(dtype)
+        self.shape = (shape,) if isinstance(shape, int) else shape
+        self.bytes = int(np.prod(self.shape, dtype=np.int64)) * self.dtype.itemsize
+        self._memory = gpu.driver.handle("cuMemAlloc_v2", ctypes.c_size_t(max(1, self.bytes)))
+
+    def __del__(self) -> None:
+        with suppress(AttributeError, CudaError):  # no memory was had; or the process ends, and the driver has freed it
+            self.gpu.driver.call("cuMemFree_v2", self._memory)
+
+    @property
+    def address(self) -> int:
+        """Where it begins."""
+        return self._memory.value or 0
+
+    def upload(self, values: NDArray[Any]) -> None:
+        """Takes the values of an array of this shape and type."""
+        if values.shape != self.shape or values.dtype != self.dtype:
+            raise ValueError(f"{values.dtype}{values.shape} is not {self.dtype}{self.shape}")
+        if self.bytes:
+            whole = np.ascontiguousarray(values)
+            self._copy("cuMemcpyHtoDAsync_v2", self._memory, ctypes.c_void_p(whole.ctypes.data))
+            self.gpu.wait()  # the copy must not outlive what it reads
+
+    def download(self) -> NDArray[Any]:
+        """Its values, after everything that was launched."""
+        values = np.empty(self.shape, self.dtype)
+        if self.bytes:
+            self._copy("cuMemcpyDtoHAsync_v2", ctypes.c_void_p(values.ctypes.data), self._memory)
+        self.gpu.wait()
+        return values
+
+    def clear(self) -> None:
+        """Sets all bytes to 0."""
+        size = ctypes.c_size_t(max(1, self.bytes))
+        self.gpu.driver.call("cuMemsetD8Async", self._memory, ctypes.c_ubyte(0), size, self.gpu.stream)
+
+    def _copy(self, name: str, to: Pointer, source: Pointer) -> None:
+        self.gpu.driver.call(name, to, source, ctypes.c_size_t(self.bytes), self.gpu.stream)
+
+
+class Graph:
+    """Launches that run as one."""
+
+    def __init__(self, gpu: Gpu) -> None:
+        self._gpu = gpu
+        self._runs: Pointer | None = None
+
+    def take(self, recorded: Pointer) -> None:
+        """Makes what was recorded ready to run."""
+        driver = self._gpu.driver
+        try:
+            self._runs = driver.handle("cuGraphInstantiateWithFlags", recorded, ctypes.c_ulonglong(0))
+        finally:
+            driver.call("cuGraphDestroy", recorded)
+
+    def launch(self) -> None:
+        """Runs it behind what was launched before."""
+        self._gpu.driver.call("cuGraphLaunch", self._runs, self._gpu.stream)
+
+    def __del__(self) -> None:
+        if self._runs is not None:
+            with suppress(CudaError):
+                self._gpu.driver.call("cuGraphExecDestroy", self._runs)
+
+
+@cache
+def opened(index: int) -> Gpu:
+    """GPU `index`, with kernels for its architecture. Raises NoDeviceError, MissingExtraError."""
+    driver = the_driver()
+    driver.context(index)
+    return Gpu(driver, index, compiled(driver.capability(index)))

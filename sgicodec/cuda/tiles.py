@@ -1,0 +1,123 @@
+"""The rasteriser's kernels in their order: Gaussians to pairs sorted by tile, then a pass over the tiles."""
+
+from __future__ import annotations
+
+import ctypes
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from sgicodec.cuda import sources
+from sgicodec.cuda.gpu import Gpu, GpuArray
+from sgicodec.cuda.scan import Scan
+from sgicodec.cuda.structures import structures
+
+__all__ = ["MOST_CHANNELS", "CudaView", "TilePasses"]
+
+MOST_CHANNELS = 4
+"""The kernels are compiled for 1 to 4 channels."""
+
+_SIZES = {**sources.constants("cuda/raster/tiling.hpp"), **sources.constants("cuda/raster/binning.hpp")}
+_SIZES |= sources.constants("cuda/raster/tiles.hpp")
+TILE_WIDTH, TILE_HEIGHT = _SIZES["kTileColumns"], _SIZES["kTileRows"]
+MOMENTS, DIGIT_BITS = _SIZES["kPairMoments"], _SIZES["kDigitBits"]
+SORT_THREADS, TILE_THREADS = _SIZES["kSortThreads"], _SIZES["kTileThreads"]
+SORTED = SORT_THREADS * _SIZES["kSortItems"]
+SPLAT_BYTES = 9 * 4  # TileSplat
+THREADS, SEARCHERS = 128, 256  # of kernels with a thread for each Gaussian; of `find_tiles`
+
+
+class CudaView(NamedTuple):
+    """A crop of the plane, pixels."""
+
+    width: int
+    height: int
+    x0: int = 0
+    y0: int = 0
+
+    @property
+    def tiles(self) -> int:
+        """How many tiles it touches."""
+        across = (self.x0 + self.width - 1) // TILE_WIDTH - self.x0 // TILE_WIDTH + 1
+        down = (self.y0 + self.height - 1) // TILE_HEIGHT - self.y0 // TILE_HEIGHT + 1
+        return across * down
+
+
+class TilePasses:
+    """Launches of one view of `gaussians` Gaussians with `channels` channels, and the memory that they need for up to
+    `capacity` pairs of tile and Gaussian. `fields` are those of RasterArguments that the caller sets: addresses,
+    cutoff, scale.
+    """
+
+    def __init__(
+        self, gpu: Gpu, view: CudaView, gaussians: int, channels: int, capacity: int, fields: dict[str, Any]
+    ) -> None:
+        self.gpu, self.view, self.channels, self.capacity, self.gaussians = gpu, view, channels, capacity, gaussians
+        self.sort_blocks = -(-capacity // SORTED)
+        self.splats = gpu.array(max(1, gaussians) * SPLAT_BYTES, np.uint8)
+        self.slot_start = gpu.array(gaussians + 1, np.int32)
+        self.owner = gpu.array(capacity, np.int32)
+        self.pairs = [gpu.array(capacity, np.uint32) for _ in range(4)]
+        self.digits = gpu.array((1 << DIGIT_BITS) * self.sort_blocks + 1, np.int32)
+        self.tile_start = gpu.array(view.tiles + 1, np.int32)
+        self.partials = gpu.array((capacity, MOMENTS + channels))
+        self.errors = gpu.array((view.tiles, 2), np.float64)
+        own = {
+            "gaussians": gaussians,
+            "capacity": capacity,
+            "sort_blocks": self.sort_blocks,
+            **view._asdict(),
+            **{
+                name: getattr(self, name).address
+                for name in ("splats", "slot_start", "owner", "digits", "tile_start", "partials", "errors")
+            },
+        }
+        self._fields = {"scale": 1.0, "weight": 1.0} | fields | own
+        self._starts = Scan(gpu, self.slot_start, gaussians)
+        self._digits = Scan(gpu, self.digits, len_of(self.digits) - 1)
+
+    def bin(self) -> None:
+        """Finds the pairs and sorts them by tile."""
+        blocks = -(-self.gaussians // THREADS)
+        given = self._arguments(*self.pairs)
+        self.gpu.launch("prepare_splats", blocks, THREADS, given)
+        self._starts.launch()
+        self.gpu.launch("list_pairs", blocks, THREADS, given)
+        now, then = self.pairs[:2], self.pairs[2:]
+        for shift in range(0, max(1, (self.view.tiles - 1).bit_length()), DIGIT_BITS):
+            given = self._arguments(*now, *then, shift)
+            self.gpu.launch("sort_count", self.sort_blocks, SORT_THREADS, given)
+            self._digits.launch()
+            self.gpu.launch("sort_scatter", self.sort_blocks, SORT_THREADS, given)
+            now, then = then, now
+        self._sorted = self._arguments(*now, *then)
+        self.gpu.launch("find_tiles", -(-(self.capacity + 1) // SEARCHERS), SEARCHERS, self._sorted)
+
+    def over_tiles(self, kernel: str) -> None:
+        """`forward`, `squared_error` or `backward`, a block for each tile, after `bin`."""
+        self.gpu.launch(f"{kernel}_{self.channels}", self.view.tiles, TILE_THREADS, self._sorted)
+
+    def reduce(self) -> None:
+        """Gradients of Gaussians, after a pass that left moments of pairs."""
+        self.gpu.launch(f"reduce_{self.channels}", -(-self.gaussians // THREADS), THREADS, self._sorted)
+
+    def found(self) -> int:
+        """How many pairs there are, more than `capacity` maybe, of which then only some are there."""
+        return int(self.slot_start.download()[-1])
+
+    def set(self, **fields: Any) -> None:
+        """Changes arguments of passes to come."""
+        self._fields |= fields
+        for name, value in fields.items():
+            setattr(self._sorted, name, value)
+
+    def _arguments(self, keys: GpuArray, slots: GpuArray, *rest: Any) -> ctypes.Structure:
+        out_keys, out_slots, *shift = rest
+        places = {"keys": keys, "slots": slots, "keys_out": out_keys, "slots_out": out_slots}
+        addresses = {name: array.address for name, array in places.items()}
+        return structures()["RasterArguments"](**self._fields, **addresses, shift=shift[0] if shift else 0)
+
+
+def len_of(array: GpuArray) -> int:
+    """Of its first axis."""
+    return array.shape[0]

@@ -1,0 +1,256 @@
+"""The launches of a step of the fit on a GPU, and the memory of one layout of seeds."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec.cuda import sources
+from sgicodec.cuda.gpu import Gpu, GpuArray, Graph
+from sgicodec.cuda.structures import structures
+from sgicodec.cuda.tiles import CudaView, TilePasses
+from sgicodec.fit.adam import Adam
+from sgicodec.fit.context_weights import layer_shapes
+from sgicodec.fit.fused_step import NoiseKey, Reuse
+from sgicodec.fit.step_sizes import base_counts, gamma_names
+from sgicodec.model.context import LEVELS, SUMMARY
+from sgicodec.model.gaussians import MIN_VARIANCE, colour_matrix
+from sgicodec.model.layout import SeedLayout
+from sgicodec.model.network import DIFFERENCE_SHIFT
+from sgicodec.model.spec import ModelSpec
+from sgicodec.profiles.fit_settings import Rounding
+
+__all__ = ["ROUNDINGS", "DeviceStep", "StepKind"]
+
+F32 = NDArray[np.float32]
+
+ROUNDINGS: dict[Rounding, int] = {"none": 0, "noise": 1, "round": 2}
+
+_SIZES = sources.constants("cuda/fit/state.hpp") | sources.constants("cuda/fit/update.hpp")
+SEED_THREADS, PRICE_THREADS, REPORT_THREADS = (_SIZES[f"k{name}Threads"] for name in ("Seed", "Price", "Report"))
+ADD_THREADS, SUM_THREADS, MOVE_THREADS = 256, 128, 256
+MOST_CHUNKS = 512
+"""Rows of sums over seeds: enough blocks for any GPU, few enough to be added by one thread for each sum."""
+MOST_ARRAYS = 8
+"""That one step moves (AdamArguments)."""
+
+
+class StepKind(NamedTuple):
+    """What makes two steps launch the same: rounding, what is taken over, whether differences cost, what moves."""
+
+    rounding: int
+    reuse: Reuse
+    priced: bool
+    moved: tuple[str, ...]
+
+
+class DeviceStep:
+    """Steps of N seeds at fixed places. Graphs are recorded when a kind of step is first run."""
+
+    most_hidden = _SIZES["kMostHidden"]
+
+    def __init__(
+        self, gpu: Gpu, spec: ModelSpec, layout: SeedLayout, neighbour: NDArray[np.int32], quality: int, cutoff: float
+    ) -> None:
+        self.gpu, self.spec, self.cutoff, self.count = gpu, spec, cutoff, len(layout)
+        opponent = np.array(colour_matrix(spec.channels), np.float32)
+        self._held = {
+            "half_pixels": gpu.put(layout.half_pixels),
+            "log_size": gpu.put(layout.log_size),
+            "neighbour": gpu.put(neighbour),
+            "opponent": gpu.put(opponent),
+            "numbers": gpu.array(ctypes.sizeof(structures()["StepNumbers"]), np.uint8),
+            "report": gpu.array(ctypes.sizeof(structures()["StepReport"]), np.uint8),
+            **{name: gpu.array(shape) for name, shape in self._shapes().items()},
+        }
+        self._chunk = SEED_THREADS * -(-self.count // (SEED_THREADS * MOST_CHUNKS))
+        self._fixed: dict[str, Any] = {
+            **{"count": self.count, "per_seed": spec.per_seed, "channels": spec.channels, "quality": quality},
+            **{"hidden": spec.context.hidden, "neighbours": neighbour.shape[1], "chunk": self._chunk},
+            **{"chunks": -(-self.count // self._chunk), "difference_unit": 2.0**DIFFERENCE_SHIFT},
+        }
+        self._moments: dict[str, tuple[GpuArray, GpuArray]] = {}
+        self._passes: dict[float, TilePasses] = {}
+        self._graphs: dict[tuple[StepKind, float], Graph] = {}
+
+    def put(self, name: str, values: F32, mean: F32, square: F32) -> None:
+        """Takes an array that trains, and its moments."""
+        place = _PLACES.get(name, name)
+        self._upload(place, values)
+        if name in self._moments:
+            for array, moment in zip(self._moments[name], (mean, square), strict=True):
+                array.upload(moment)
+        else:
+            self._moments[name] = self.gpu.put(mean), self.gpu.put(square)
+
+    def put_shared(self, steps: F32, first: F32, rest: F32, difference: F32 | None, trains: bool) -> None:
+        """Takes what all seeds share. `difference`: what is added to `rest`, None for nothing."""
+        for name, values in {"steps": steps, "first": first, "rest": rest, "difference": difference}.items():
+            if values is not None:
+                self._upload(name, values)
+        self._fixed |= {"has_difference": int(difference is not None), "trains_first": int(trains)}
+        sums = _sums(self.spec, trains)
+        self._held["sums"] = self.gpu.array(sums) if self._size_of("sums") != sums else self._held["sums"]
+        partials = (self._fixed["chunks"], sums)
+        self._held["partials"] = self.gpu.array(partials)
+        self._graphs = {}
+
+    def take(self, name: str) -> tuple[F32, F32, F32]:
+        """An array that trains and its moments, as they are now."""
+        mean, square = self._moments[name]
+        return self._held[_PLACES.get(name, name)].download(), mean.download(), square.download()
+
+    def bits(self) -> F32:
+        """Of every seed in the last step [N]."""
+        return self._held["bits"].download()
+
+    def numbers(
+        self, key: NoiseKey, lmbda: float, adam: Adam, corrected: list[tuple[float, float]]
+    ) -> ctypes.Structure:
+        """What a step is told; `corrected`: rate and root of the arrays that move, in their order."""
+        numbers = structures()["StepNumbers"](
+            key=key.key, mirror=0xFFFFFFFF if key.negative else 0, lmbda=lmbda, epsilon=adam.epsilon
+        )
+        numbers.beta1, numbers.beta2 = adam.betas
+        for place, (rate, root) in enumerate(corrected):
+            numbers.rate[place], numbers.root_correction[place] = rate, root
+        return numbers
+
+    def run(
+        self, kind: StepKind, scale: float, level: dict[str, GpuArray], numbers: ctypes.Structure
+    ) -> tuple[float, float]:
+        """A step against a level of the pyramid: error and bits. One whose pairs have no room is repeated with more."""
+        self._held["numbers"].upload(np.frombuffer(bytes(numbers), np.uint8))
+        while True:
+            passes = self._passes_of(scale, level)
+            if (kind, scale) not in self._graphs:
+                with self.gpu.recorded() as graph:
+                    self._launch(kind, passes)
+                self._graphs[kind, scale] = graph
+            self._graphs[kind, scale].launch()
+            report = structures()["StepReport"].from_buffer_copy(self._held["report"].download().tobytes())
+            if report.pairs <= passes.capacity:
+                return float(report.error), float(report.bits)
+            if report.pairs > MOST_PAIRS:
+                raise OverflowError("too many Gaussians in too many tiles: draw smaller crops")
+            del self._passes[scale], passes
+            self._graphs = {}
+            self._capacity = report.pairs + report.pairs // 4
+
+    _capacity = 0
+
+    def _launch(self, kind: StepKind, passes: TilePasses) -> None:
+        """All kernels of a step, in their order."""
+        given = self._arguments(kind, passes)
+        sums, seeds = self._size_of("sums"), -(-self.count // SEED_THREADS)
+        predicts = bool(given.predicts)
+        if predicts:
+            self.gpu.launch("add_difference", -(-self._size_of("rest") // ADD_THREADS), ADD_THREADS, given)
+        if predicts and kind.reuse is Reuse.NOTHING:
+            for kernel in ("summarize_seeds", "gather_inputs"):
+                self.gpu.launch(kernel, seeds, SEED_THREADS, given)
+        if predicts and (kind.reuse is Reuse.NOTHING or given.trains_first):
+            self.gpu.launch("multiply_inputs", seeds, SEED_THREADS, given)
+        self.gpu.launch("forward_seeds", seeds, SEED_THREADS, given)
+        passes.bin()
+        passes.over_tiles("squared_error")
+        passes.reduce()
+        self.gpu.launch("attribute_slopes", seeds, SEED_THREADS, given)
+        if predicts:
+            self.gpu.launch("descend_networks", 3 * given.chunks, SEED_THREADS, given)
+            self.gpu.launch("sum_chunks", -(-sums // SUM_THREADS), SUM_THREADS, given)
+            if kind.priced:
+                self.gpu.launch("price_differences", 9, PRICE_THREADS, given)
+        else:
+            self.gpu.launch("descend_seeds", seeds, SEED_THREADS, given)
+        self._launch_adam(kind.moved, given)
+        self.gpu.launch("report_step", 1, REPORT_THREADS, given)
+
+    def _launch_adam(self, moved: tuple[str, ...], given: ctypes.Structure) -> None:
+        adam = structures()["AdamArguments"](arrays=len(moved), capacity=given.capacity)
+        adam.numbers, adam.pairs = given.numbers, given.pairs
+        total = 0
+        for place, name in enumerate(moved):
+            adam.value[place], adam.gradient[place] = self._address(_PLACES.get(name, name)), self._gradient(name)
+            adam.mean[place], adam.square[place] = (array.address for array in self._moments[name])
+            adam.size[place] = self._size_of(_PLACES.get(name, name))
+            total += adam.size[place]
+        self.gpu.launch("move_arrays", -(-total // MOVE_THREADS), MOVE_THREADS, adam)
+
+    def _arguments(self, kind: StepKind, passes: TilePasses) -> ctypes.Structure:
+        predicts = kind.rounding != 0 and kind.reuse is not Reuse.PREDICTIONS
+        addresses = {name: array.address for name, array in self._held.items()}
+        return structures()["FitArguments"](
+            **self._fixed,
+            **addresses,
+            rounding=kind.rounding,
+            predicts=int(predicts),
+            tiles=passes.view.tiles,
+            capacity=passes.capacity,
+            pairs=passes.slot_start.address + 4 * passes.gaussians,
+            errors=passes.errors.address,
+        )
+
+    def _passes_of(self, scale: float, level: dict[str, GpuArray]) -> TilePasses:
+        if scale not in self._passes:
+            names = ("means", "covariances", "colours")
+            fields: dict[str, Any] = {name: self._address(name) for name in names}
+            fields |= {f"grad_{name}": self._address(f"grad_{name}") for name in names}
+            fields |= {name: array.address for name, array in level.items()}
+            fields |= {"cutoff": self.cutoff, "scale": scale, "minimum": MIN_VARIANCE}
+            _, height, width = level["target"].shape
+            view, gaussians = CudaView(width, height), self.count * self.spec.per_seed
+            capacity = max(self._capacity, 4 * gaussians + 4 * view.tiles)
+            self._passes[scale] = TilePasses(self.gpu, view, gaussians, self.spec.channels, capacity, fields)
+        return self._passes[scale]
+
+    def _gradient(self, name: str) -> int:
+        rest = self._size_of("rest")
+        offset = {"context.rest": 0, "context.difference": 0, "steps": rest}.get(name)
+        if name == "context.first":
+            offset = rest + self._size_of("steps")
+        return self._address(f"grad_{name}") if offset is None else self._address("sums") + 4 * offset
+
+    def _upload(self, name: str, values: F32) -> None:
+        if name not in self._held or self._held[name].shape != values.shape:
+            self._held[name] = self.gpu.array(values.shape)
+            self._graphs = {}
+        self._held[name].upload(values)
+
+    def _address(self, name: str) -> int:
+        return self._held[name].address
+
+    def _size_of(self, name: str) -> int:
+        return math.prod(self._held[name].shape) if name in self._held else -1
+
+    def _shapes(self) -> dict[str, tuple[int, ...]]:
+        """Of what a step writes."""
+        n, k, channels, hidden = self.count, self.spec.per_seed, self.spec.channels, self.spec.context.hidden
+        attributes, common = k * (channels + 5), layer_shapes(self.spec)[0][0][1]
+        rest = sum(math.prod(shape) for stage in layer_shapes(self.spec) for shape in stage[1:])
+        units = sum(base_counts(self.spec)) // LEVELS
+        gaussians = {"means": (n * k, 2), "covariances": (n * k, 3), "colours": (n * k, channels)}
+        values = {"colour": (n, k * channels), "shape": (n, 3 * k), "offset": (n, 2 * k)}
+        return {
+            **{"summary": (n, SUMMARY), "inputs": (n, common), "product": (n, 3, hidden), "kept": (n, units, 3)},
+            **{"decoded": (n, attributes), "slopes": (n, attributes), "bits": (n,)},
+            **gaussians,
+            **{f"grad_{name}": shape for name, shape in (gaussians | values).items()},
+            "effective": (rest,),
+        }
+
+
+def _sums(spec: ModelSpec, trains_first: bool) -> int:
+    """How many sums over seeds a step has: gradients of b1, W2, b2, of the steps and, if it trains, of W1."""
+    stages = layer_shapes(spec)
+    counted = sum(math.prod(shape) for stage in stages for shape in (stage if trains_first else stage[1:]))
+    return counted + sum(base_counts(spec)) + len(gamma_names(spec))
+
+
+_PLACES = {"context.difference": "difference", "context.first": "first", "context.rest": "rest"}
+"""Where arrays that train lie, if not under their own name."""
+MOST_PAIRS = 1 << 28

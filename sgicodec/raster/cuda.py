@@ -1,0 +1,131 @@
+"""The CUDA back end: numpy arrays in and out, the work on a GPU. A fit keeps its arrays there (`fit/device_fit.py`)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec.cuda.gpu import Gpu, GpuArray
+from sgicodec.cuda.tiles import MOST_CHANNELS, CudaView, TilePasses
+from sgicodec.errors import UsageError
+from sgicodec.raster.backend import DEFAULT_CUTOFF, Background, Mapping
+from sgicodec.raster.cpu import MOST_PAIRS
+
+__all__ = ["CudaRasterizer"]
+
+F32 = NDArray[np.float32]
+Gaussians = tuple[F32, F32, F32]
+
+
+class CudaRasterizer:
+    """Additive splatting on a GPU, a `Backend` of float32 numpy arrays. Same input, same bytes, on one GPU.
+
+    What lies beyond `cutoff` standard deviations is left out. More than `most_pairs` pairs of tile and Gaussian, about
+    60 bytes each, raise OverflowError; more than 4 channels raise UsageError. Not safe for use by two threads at once.
+    """
+
+    def __init__(self, gpu: Gpu, cutoff: float = DEFAULT_CUTOFF, most_pairs: int = MOST_PAIRS) -> None:
+        self.gpu, self.cutoff, self.most_pairs = gpu, cutoff, most_pairs
+        self._drawn: tuple[CudaView, TilePasses, list[GpuArray]] | None = None
+
+    def forward(
+        self, means: F32, covariances: F32, colours: F32, width: int, height: int, origin: tuple[int, int] = (0, 0)
+    ) -> F32:
+        """As in `Backend`."""
+        image = self.gpu.array((colours.shape[1], height, width))
+        passes = self._binned((means, covariances, colours), CudaView(width, height, *origin))
+        passes.set(image=image.address)
+        passes.over_tiles("forward")
+        return image.download()
+
+    def draw(
+        self,
+        means: F32,
+        covariances: F32,
+        colours: F32,
+        out: NDArray[Any],
+        origin: tuple[int, int] = (0, 0),
+        background: Background | None = None,
+        mapping: Mapping | None = None,
+    ) -> None:
+        """As in `Backend`; what lies behind is added, and samples are made, on the CPU."""
+        image = self.forward(means, covariances, colours, out.shape[1], out.shape[0], origin)
+        if background is not None:
+            image = image + background.image
+        values = image.transpose(1, 2, 0)
+        out[...] = values if mapping is None else mapping.samples(values, out.dtype)
+
+    def backward(
+        self, means: F32, covariances: F32, colours: F32, grad: F32, origin: tuple[int, int] = (0, 0)
+    ) -> Gaussians:
+        """As in `Backend`, after `forward` on the same."""
+        view = CudaView(grad.shape[2], grad.shape[1], *origin)
+        if self._drawn is None or self._drawn[0] != view or self._drawn[1].gaussians != len(means):
+            raise ValueError("backward must follow a forward pass of the same Gaussians and view")
+        slopes, (_, passes, _) = self.gpu.put(grad), self._drawn
+        passes.set(slopes=slopes.address)
+        return self._gradients(passes, "backward")
+
+    def squared_error(
+        self, means: F32, covariances: F32, colours: F32, target: F32, weight: float, origin: tuple[int, int] = (0, 0)
+    ) -> tuple[float, Gaussians]:
+        """weight · Σ (I − target)² over target [C, H, W] and its gradients, without storing the image."""
+        errors, gradients = self._squared_error((means, covariances, colours), target, origin, weight=weight)
+        return weight * errors[0], gradients
+
+    def weighted_squared_error(
+        self, means: F32, covariances: F32, colours: F32, target: F32, weights: F32, origin: tuple[int, int] = (0, 0)
+    ) -> tuple[tuple[float, float], Gaussians]:
+        """Σ w (I − target)² with weights [H, W], Σ (I − target)², and the gradients of the former."""
+        held = self.gpu.put(weights)
+        (plain, weighted), gradients = self._squared_error(
+            (means, covariances, colours), target, origin, weights=held.address
+        )
+        return (weighted, plain), gradients
+
+    def _squared_error(
+        self, gaussians: Gaussians, target: F32, origin: tuple[int, int], **fields: Any
+    ) -> tuple[list[float], Gaussians]:
+        held = self.gpu.put(target)
+        passes = self._binned(gaussians, CudaView(target.shape[2], target.shape[1], *origin))
+        passes.set(target=held.address, **fields)
+        gradients = self._gradients(passes, "squared_error")
+        return passes.errors.download().sum(axis=0).tolist(), gradients
+
+    def _binned(self, gaussians: Gaussians, view: CudaView) -> TilePasses:
+        """Passes over the tiles of these Gaussians, with room for all pairs."""
+        channels = gaussians[2].shape[1]
+        if channels > MOST_CHANNELS:
+            raise UsageError(f"{channels} channels; a GPU draws up to {MOST_CHANNELS}")
+        self.gpu.use()
+        count, capacity = len(gaussians[0]), 4 * len(gaussians[0]) + 4 * view.tiles
+        if self._drawn is not None and self._drawn[1].gaussians == count:
+            capacity = max(capacity, self._drawn[1].capacity)
+        self._drawn = None
+        held = [self.gpu.put(np.ascontiguousarray(array)) for array in gaussians]
+        fields = {name: array.address for name, array in zip(_INPUTS, held, strict=True)}
+        while True:
+            passes = TilePasses(self.gpu, view, count, channels, capacity, {"cutoff": self.cutoff} | fields)
+            passes.bin()
+            found = passes.found()
+            if found > self.most_pairs:
+                raise OverflowError("too many Gaussians in too many tiles: draw smaller crops")
+            if found <= capacity:
+                break
+            capacity = found + found // 4
+        self._drawn = view, passes, held
+        return passes
+
+    def _gradients(self, passes: TilePasses, kernel: str) -> Gaussians:
+        shapes = ((passes.gaussians, 2), (passes.gaussians, 3), (passes.gaussians, passes.channels))
+        out = [self.gpu.array(shape) for shape in shapes]
+        passes.set(**{f"grad_{name}": array.address for name, array in zip(_INPUTS, out, strict=True)})
+        passes.over_tiles(kernel)
+        passes.reduce()
+        means, covariances, colours = (array.download() for array in out)
+        return means, covariances, colours
+
+
+_INPUTS = ("means", "covariances", "colours")

@@ -1,0 +1,189 @@
+// A driver of a GPU that is not there: the functions of libcuda that sgicodec calls, with the kernels compiled for the
+// host. Linked as libcuda.so.1, it takes the driver's place. A launch runs its blocks one after the other; memory is
+// the host's. It checks what a driver would: handles, sizes of copies, kernels by name, launches inside captures.
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "cuda/kernels.cu"
+
+namespace {
+
+enum Result {
+  kSuccess = 0,
+  kInvalidValue = 1,
+  kOutOfMemory = 2,
+  kInvalidContext = 201,
+  kInvalidHandle = 400,
+  kNotFound = 500
+};
+
+struct Launch {
+  const sgi::HostKernel *kernel;
+  int blocks;
+  std::vector<char> arguments;
+
+  void run() const {
+    for (int i = 0; i < blocks; ++i) kernel->run(arguments.data(), i, blocks);
+  }
+};
+
+struct Graph {
+  std::vector<Launch> launches;
+};
+
+struct Stream {
+  Graph *capture = nullptr;
+};
+
+bool initialised = false, current = false;
+std::map<uintptr_t, size_t> memory;  // blocks by address
+size_t allocated = 0;
+
+bool holds(uintptr_t at, size_t size) {
+  auto block = memory.upper_bound(at);
+  if (block == memory.begin()) return false;
+  --block;
+  return at + size <= block->first + block->second;
+}
+
+}  // namespace
+
+extern "C" {
+
+int cuInit(unsigned) {
+  initialised = true;
+  return kSuccess;
+}
+int cuDriverGetVersion(int *version) { return *version = 13000, kSuccess; }
+int cuDeviceGetCount(int *count) { return *count = 1, kSuccess; }
+int cuDeviceGet(int *device, int number) {
+  if (!initialised || number) return kInvalidValue;
+  return *device = number, kSuccess;
+}
+int cuDeviceGetName(char *name, int size, int) {
+  std::strncpy(name, "no GPU, but this processor", size_t(size) - 1);
+  return kSuccess;
+}
+int cuDeviceGetAttribute(int *value, int attribute, int) {
+  *value = attribute == 75 ? 9 : 0;  // compute capability 9.0
+  return kSuccess;
+}
+int cuDevicePrimaryCtxRetain(void **context, int) { return *context = &current, kSuccess; }
+int cuDevicePrimaryCtxRelease_v2(int) { return kSuccess; }
+int cuCtxSetCurrent(void *context) { return current = context != nullptr, kSuccess; }
+int cuMemGetInfo_v2(size_t *free, size_t *total) { return *free = *total = size_t(1) << 32, kSuccess; }
+
+int cuModuleLoadData(void **module, const void *image) {
+  if (!current) return kInvalidContext;
+  if (!image) return kInvalidValue;
+  return *module = &memory, kSuccess;
+}
+int cuModuleUnload(void *) { return kSuccess; }
+int cuModuleGetFunction(const sgi::HostKernel **function, void *module, const char *name) {
+  if (module != &memory) return kInvalidHandle;
+  for (*function = sgi::HostKernel::first(); *function; *function = (*function)->next)
+    if (!std::strcmp((*function)->name, name)) return kSuccess;
+  return kNotFound;
+}
+
+int cuMemAlloc_v2(uintptr_t *at, size_t size) {
+  if (!current) return kInvalidContext;
+  if (!size) return kInvalidValue;
+  if (size > (size_t(1) << 32)) return kOutOfMemory;
+  void *block = std::malloc(size);
+  std::memset(block, 0xff, size);  // NaN: nothing may count on zeros
+  *at = reinterpret_cast<uintptr_t>(block);
+  memory[*at] = size;
+  allocated += size;
+  return kSuccess;
+}
+int cuMemFree_v2(uintptr_t at) {
+  const auto block = memory.find(at);
+  if (block == memory.end()) return kInvalidValue;
+  allocated -= block->second;
+  std::free(reinterpret_cast<void *>(at));
+  memory.erase(block);
+  return kSuccess;
+}
+int cuMemcpyHtoDAsync_v2(uintptr_t to, const void *from, size_t size, Stream *stream) {
+  if (!holds(to, size) || (stream && stream->capture)) return kInvalidValue;
+  std::memcpy(reinterpret_cast<void *>(to), from, size);
+  return kSuccess;
+}
+int cuMemcpyDtoHAsync_v2(void *to, uintptr_t from, size_t size, Stream *stream) {
+  if (!holds(from, size) || (stream && stream->capture)) return kInvalidValue;
+  std::memcpy(to, reinterpret_cast<const void *>(from), size);
+  return kSuccess;
+}
+int cuMemsetD8Async(uintptr_t at, unsigned char value, size_t size, Stream *stream) {
+  if (!holds(at, size) || (stream && stream->capture)) return kInvalidValue;
+  std::memset(reinterpret_cast<void *>(at), value, size);
+  return kSuccess;
+}
+
+int cuStreamCreate(Stream **stream, unsigned) { return *stream = new Stream, kSuccess; }
+int cuStreamDestroy_v2(Stream *stream) { return delete stream, kSuccess; }
+int cuStreamSynchronize(Stream *stream) { return stream && stream->capture ? kInvalidValue : kSuccess; }
+int cuStreamBeginCapture_v2(Stream *stream, int) {
+  if (stream->capture) return kInvalidValue;
+  stream->capture = new Graph;
+  return kSuccess;
+}
+int cuStreamEndCapture(Stream *stream, Graph **graph) {
+  if (!stream->capture) return kInvalidValue;
+  *graph = stream->capture;
+  stream->capture = nullptr;
+  return kSuccess;
+}
+int cuGraphInstantiateWithFlags(Graph **runs, Graph *graph, unsigned long long) {
+  return *runs = new Graph(*graph), kSuccess;
+}
+int cuGraphDestroy(Graph *graph) { return delete graph, kSuccess; }
+int cuGraphExecDestroy(Graph *graph) { return delete graph, kSuccess; }
+int cuGraphLaunch(Graph *graph, Stream *) {
+  for (const Launch &launch : graph->launches) launch.run();
+  return kSuccess;
+}
+int cuLaunchKernel(const sgi::HostKernel *function, unsigned x, unsigned y, unsigned z, unsigned threads, unsigned,
+                   unsigned, unsigned, Stream *stream, void **parameters, void **) {
+  if (!function || !x || y != 1 || z != 1 || int(threads) != function->threads) return kInvalidValue;
+  const char *given = static_cast<const char *>(parameters[0]);
+  Launch launch{function, int(x), std::vector<char>(given, given + function->bytes)};
+  if (stream && stream->capture)
+    stream->capture->launches.push_back(launch);
+  else
+    launch.run();
+  return kSuccess;
+}
+int cuEventCreate(void **event, unsigned) { return *event = &memory, kSuccess; }
+int cuEventDestroy_v2(void *) { return kSuccess; }
+int cuEventRecord(void *, Stream *) { return kSuccess; }
+int cuEventSynchronize(void *) { return kSuccess; }
+int cuEventElapsedTime(float *milliseconds, void *, void *) { return *milliseconds = 1.0f, kSuccess; }
+int cuGetErrorString(int error, const char **text) {
+  *text = error == kOutOfMemory ? "out of memory" : "invalid argument";
+  return kSuccess;
+}
+
+// Bytes that nobody has freed.
+size_t sgi_fake_allocated() { return allocated; }
+
+// The size of a struct of cuda/arguments.hpp, and where some of its fields lie.
+int sgi_fake_size(const char *name) {
+  const std::map<std::string, size_t> sizes{
+      {"RasterArguments", sizeof(sgi::RasterArguments)}, {"ScanArguments", sizeof(sgi::ScanArguments)},
+      {"FitArguments", sizeof(sgi::FitArguments)},       {"StepNumbers", sizeof(sgi::StepNumbers)},
+      {"StepReport", sizeof(sgi::StepReport)},           {"AdamArguments", sizeof(sgi::AdamArguments)}};
+  return int(sizes.at(name));
+}
+int sgi_fake_offset(int number) {
+  const size_t offsets[] = {offsetof(sgi::AdamArguments, pairs), offsetof(sgi::FitArguments, report),
+                            offsetof(sgi::StepNumbers, rate)};
+  return int(offsets[number]);
+}
+}

@@ -1,0 +1,66 @@
+"""`sgi encode --device`: a GPU that is asked for, or said to be missing in one line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from fake_cuda import fake_driver
+
+from sgicodec.cuda import compiler, driver, gpu
+
+Run = Any
+
+
+@pytest.fixture(autouse=True)
+def _found_anew() -> Iterator[None]:
+    """Driver, compiler and GPU are looked for once in a process."""
+    kept = (driver.the_driver, compiler.the_compiler, gpu.opened)
+    for found in kept:
+        found.cache_clear()
+    yield
+    for found in kept:
+        found.cache_clear()
+
+
+def test_a_fit_on_the_gpu_that_is_there(
+    sgi: Run, picture: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fake_driver()
+    monkeypatch.setattr(gpu, "compiled", lambda architecture: b"for no machine")
+    streams = {}
+    for name, device in {"a": "cuda", "b": "cuda:0", "auto": "auto", "cpu": "cpu"}.items():
+        result = sgi("encode", picture, tmp_path / name, "--steps", 20, "--device", device)
+        assert result.exit_code == 0, result.output
+        streams[name] = (tmp_path / name).read_bytes()
+    assert streams["a"] == streams["b"] == streams["auto"] != streams["cpu"]
+    assert sgi("decode", tmp_path / "a", tmp_path / "a.png").exit_code == 0
+    result = sgi("encode", picture, tmp_path / "c", "--device", "cuda:1")
+    assert (result.exit_code, result.stderr) == (2, "sgi: no GPU 1: this machine has 1\n")
+
+
+@pytest.mark.parametrize(
+    ("missing", "complaint"),
+    [
+        ("driver", "no NVIDIA driver: libno-such.so cannot be loaded"),
+        ("compiler", "CUDA needs NVRTC: pip install 'sgicodec[cuda]'"),
+    ],
+)
+def test_what_is_missing(
+    missing: str, complaint: str, sgi: Run, picture: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if missing == "driver":
+        monkeypatch.setattr(driver, "LIBRARY", "libno-such.so")
+    else:
+        fake_driver()
+        monkeypatch.setattr(compiler, "_packaged", list)
+        monkeypatch.setattr(compiler, "_NAMES", ("libno-such.so",))
+    result = sgi("encode", picture, tmp_path / "out", "--steps", 3, "--device", "cuda")
+    assert (result.exit_code, result.stderr) == (2, f"sgi: {complaint}\n")
+    assert not (tmp_path / "out").exists()
+    for name, device in (("auto", "auto"), ("cpu", "cpu")):
+        assert sgi("encode", picture, tmp_path / name, "--steps", 3, "--device", device).exit_code == 0
+    assert np.array_equal(*((tmp_path / name).read_bytes() for name in ("auto", "cpu")))

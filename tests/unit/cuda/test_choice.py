@@ -1,0 +1,51 @@
+"""Which device a name means, and one line for what is missing."""
+
+from __future__ import annotations
+
+import pytest
+
+from sgicodec.cuda import choice
+from sgicodec.cuda.choice import device_of
+from sgicodec.device import Device
+from sgicodec.errors import MissingExtraError, NoDeviceError, UsageError
+
+
+@pytest.fixture
+def _two_gpus(monkeypatch: pytest.MonkeyPatch) -> None:
+    def check(number: int) -> None:
+        if number > 1:
+            raise NoDeviceError(f"no GPU {number}: this machine has 2")
+
+    monkeypatch.setattr(choice, "_check", check)
+
+
+@pytest.mark.usefixtures("_two_gpus")
+def test_names() -> None:
+    assert device_of("cpu", 3) == Device(3)
+    assert device_of("auto", 3) == device_of("cuda", 3) == device_of("cuda:0", 3) == Device(3, gpu=0)
+    assert device_of("cuda:1") == Device(gpu=1)
+    with pytest.raises(NoDeviceError, match="no GPU 2"):
+        device_of("cuda:2")
+
+
+@pytest.mark.parametrize("error", [NoDeviceError("no driver"), MissingExtraError("no NVRTC"), MemoryError("full")])
+def test_auto_takes_the_processor_where_cuda_says_why_not(error: Exception, monkeypatch: pytest.MonkeyPatch) -> None:
+    def check(number: int) -> None:
+        raise error
+
+    monkeypatch.setattr(choice, "_check", check)
+    assert device_of("auto", 2) == Device(2)
+    with pytest.raises(type(error), match=str(error)):
+        device_of("cuda")
+
+
+@pytest.mark.parametrize("name", ["", "gpu", "cuda:", "cuda:x", "cuda:-1", "cuda:1 ", "CUDA"])
+def test_other_names(name: str) -> None:
+    with pytest.raises(UsageError, match="auto, cpu, cuda or cuda:N"):
+        device_of(name)
+
+
+@pytest.mark.parametrize("gpu", [-1, 1.5, "0", True])
+def test_a_gpu_is_a_number(gpu: object) -> None:
+    with pytest.raises(UsageError, match="gpu"):
+        Device(gpu=gpu)  # type: ignore[arg-type]

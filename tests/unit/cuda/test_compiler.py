@@ -1,0 +1,108 @@
+"""Every kernel compiles for every architecture, within bounds, without a GPU or a driver."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from sgicodec.cuda import compiler, sources
+from sgicodec.cuda.compiler import ARCHITECTURES, Compiler, Resources, compiled
+from sgicodec.errors import MissingExtraError, SgiError
+
+REGISTERS, TILE_REGISTERS, SHARED, SPILLED = 128, 64, 24 << 10, 16
+"""Bounds. A multiprocessor of sm_75, the least, has 65,536 registers and 64 kB: room for eight blocks of the tile
+kernels' registers, and for two of any kernel's memory.
+"""
+TILES = re.compile(r"(forward|squared_error|backward)_\d")
+
+
+@pytest.fixture(scope="module")
+def nvrtc() -> Compiler:
+    try:
+        return Compiler()
+    except MissingExtraError:
+        pytest.skip("no NVRTC: pip install nvidia-cuda-nvrtc")
+
+
+def names_in_sources() -> set[str]:
+    """All kernels, with those that a macro makes for 1 to 4 channels."""
+    text = "".join(path.read_text("utf-8") for path in (sources.root() / "cuda").rglob("*.hpp"))
+    found = set(re.findall(r"^ *SGI_KERNEL\((\w+?)(?:_##C)?,", text, re.MULTILINE))
+    many = {"forward", "squared_error", "backward", "reduce"}
+    assert many <= found
+    return found - many | {f"{name}_{channels}" for name in many for channels in range(1, 5)}
+
+
+def check(resources: dict[str, Resources]) -> None:
+    assert resources.keys() == names_in_sources()
+    for name, needs in resources.items():
+        assert 0 < needs.registers <= (TILE_REGISTERS if TILES.fullmatch(name) else REGISTERS), (name, needs)
+        assert needs.shared <= SHARED, (name, needs)
+        assert needs.spilled <= SPILLED, (name, needs)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("architecture", ARCHITECTURES)
+def test_every_kernel_compiles_within_bounds(nvrtc: Compiler, architecture: int) -> None:
+    check(nvrtc.resources(architecture))
+    assert nvrtc.cubin(architecture)[:4] == b"\x7fELF"
+
+
+@pytest.mark.slow
+def test_ptx_for_what_comes_later(nvrtc: Compiler) -> None:
+    assert b".target sm_120" in nvrtc.ptx(120)
+
+
+class Pretended:
+    """A compiler that is asked only once for each architecture."""
+
+    def __init__(self, version: str = "13.0") -> None:
+        self.version, self.asked = version, list[int]()
+
+    def cubin(self, architecture: int) -> bytes:
+        self.asked.append(architecture)
+        return b"code %d" % architecture
+
+
+def test_the_cache_holds_what_was_compiled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pretended = Pretended()
+    monkeypatch.setattr(compiler, "the_compiler", lambda: pretended)
+    for architecture in (80, 90, 80, 90):
+        assert compiled(architecture, tmp_path / "new") == b"code %d" % architecture
+    assert pretended.asked == [80, 90]
+    pretended.version = "13.1"
+    compiled(80, tmp_path / "new")
+    assert pretended.asked == [80, 90, 80]
+
+
+def test_a_folder_that_cannot_be_written_costs_time_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "file").write_text("in the way")
+    pretended = Pretended()
+    monkeypatch.setattr(compiler, "the_compiler", lambda: pretended)
+    for _ in range(2):
+        assert compiled(75, tmp_path / "file" / "cache") == b"code 75"
+    assert pretended.asked == [75, 75]
+
+
+def test_the_cache_is_where_caches_are(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(compiler, "the_compiler", Pretended)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    compiled(75)
+    assert [path.suffix for path in (tmp_path / "sgicodec" / "cuda").iterdir()] == [".cubin"]
+
+
+def test_what_does_not_compile_says_where(nvrtc: Compiler, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "cuda").mkdir()
+    (tmp_path / "cuda" / "kernels.cu").write_text("int f() { return nothing; }")
+    monkeypatch.setattr(sources, "root", lambda: tmp_path)
+    with pytest.raises(SgiError, match=r"nothing.*undefined"):
+        nvrtc.cubin(90)
+
+
+def test_without_nvrtc(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(compiler, "_packaged", list)
+    monkeypatch.setattr(compiler, "_NAMES", ("libno-such-library.so.1",))
+    with pytest.raises(MissingExtraError, match=r"pip install 'sgicodec\[cuda\]'"):
+        Compiler()

@@ -1,0 +1,67 @@
+"""Memory, launches and graphs, on a driver that checks them (tests/support/fake_cuda.cpp)."""
+
+from __future__ import annotations
+
+import gc
+
+import numpy as np
+import pytest
+from fake_cuda import fake_driver, fake_gpu
+
+from sgicodec.cuda.driver import CudaError
+from sgicodec.cuda.scan import THREADS
+from sgicodec.cuda.structures import structures
+
+
+def test_arrays_go_and_come() -> None:
+    for values in (np.arange(12, dtype=np.int8).reshape(3, 4), np.zeros((0, 3), np.float32), np.float64([1.5])):
+        held = fake_gpu().put(values)
+        found = held.download()
+        assert (found.shape, found.dtype) == (values.shape, values.dtype)
+        np.testing.assert_array_equal(found, values)
+    with pytest.raises(ValueError, match="is not"):
+        held.upload(np.float32([1.5]))
+    held.clear()
+    assert not held.download().any()
+
+
+def test_memory_is_freed_with_its_array() -> None:
+    gc.collect()
+    allocated = fake_driver().sgi_fake_allocated
+    before = allocated()
+    held = fake_gpu().array((100, 100))
+    assert allocated() == before + 40000
+    del held
+    assert allocated() == before
+
+
+def test_what_fails_says_why() -> None:
+    gpu, given = fake_gpu(), structures()["ScanArguments"]()
+    with pytest.raises(MemoryError, match="too little memory"):
+        gpu.array(1 << 40)
+    with pytest.raises(CudaError, match="cuModuleGetFunction"):
+        gpu.launch("no_such_kernel", 1, 32, given)
+    with pytest.raises(CudaError, match="cuLaunchKernel"):
+        gpu.launch("scan_totals", 1, THREADS - 1, given)
+
+
+def test_a_graph_runs_when_it_is_launched() -> None:
+    gpu = fake_gpu()
+    values, totals = gpu.put(np.ones(9, np.int32)), gpu.array(1, np.int32)
+    given = structures()["ScanArguments"](values.address, totals.address, 8)
+    with gpu.recorded() as graph:
+        gpu.launch("scan_chunks", 1, THREADS, given)
+    assert values.download().tolist() == 9 * [1]
+    given.count = 1  # what was recorded stays
+    graph.launch()
+    assert values.download().tolist() == [*range(8), 1]
+    graph.launch()
+    assert values.download().tolist() == [0, 0, 1, 3, 6, 10, 15, 21, 1]
+
+
+def test_a_recording_that_fails_ends() -> None:
+    gpu = fake_gpu()
+    with pytest.raises(CudaError), gpu.recorded():
+        gpu.launch("no_such_kernel", 1, 32, structures()["ScanArguments"]())
+    with gpu.recorded():
+        pass

@@ -1,0 +1,151 @@
+"""A step on a GPU against the native step, the kernels compiled for the host (tests/support/fake_cuda.cpp)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from fake_cuda import fake_gpu
+from random_fit import random_fit
+
+from sgicodec.device import ONE_THREAD
+from sgicodec.fit.adam import Adam
+from sgicodec.fit.device_fit import DeviceFit
+from sgicodec.fit.fused_step import FusedStep
+from sgicodec.fit.parameters import StepResult
+from sgicodec.fit.pyramid import Level
+from sgicodec.model.spec import ModelSpec
+from sgicodec.profiles.default import default_spec
+from sgicodec.profiles.fit_settings import Rounding
+from sgicodec.profiles.paper import paper_spec
+from sgicodec.raster.cpu import NativeRasterizer
+
+WIDTH, HEIGHT, QUALITY, LMBDA, SEED = 80, 60, 62, 0.004, 12345
+TOLERANCE = 5e-4
+"""Of gradients, relative to their norm: two float32 programs, with Gaussians of axes up to e^(2 · 1.25) apart."""
+RATES = {"colour": 0.028, "shape": 0.085, "offset": 0.085, "steps": 0.03}
+RATES |= {"context.difference": 0.005, "context.first": 0.005, "context.rest": 0.005}
+
+
+class Pair:
+    """The same fit twice, one on each device."""
+
+    def __init__(self, spec: ModelSpec, frozen: bool = False) -> None:
+        self.layout, self.target, self.cpu = random_fit(spec, WIDTH, HEIGHT, QUALITY, 1.25, frozen)
+        _, _, self.gpu = random_fit(spec, WIDTH, HEIGHT, QUALITY, 1.25, frozen)
+        raster = NativeRasterizer(ONE_THREAD, cutoff=6.0)  # where what one draws and the other not is below rounding
+        self.step = FusedStep(spec, SEED, raster, ONE_THREAD)
+        self.adams = Adam((0.9, 0.99), 1e-15), Adam((0.9, 0.99), 1e-15)
+        self.fit = DeviceFit(spec, SEED, fake_gpu(), self.gpu, self.adams[1], raster.cutoff)
+        for one in (self.step, self.fit):
+            one.set_layout(self.layout, QUALITY)
+        self.levels: dict[int, Level] = {}
+
+    def level(self, number: int, weighted: bool = False) -> Level:
+        if number not in self.levels:
+            samples = np.ascontiguousarray(self.target[:, :: 2**number, :: 2**number])
+            weights = np.random.default_rng(9).uniform(0.2, 3.0, samples.shape[1:]).astype(np.float32)
+            self.levels[number] = Level(samples, 0.5**number, weights if weighted else None)
+        return self.levels[number]
+
+    def run(
+        self, rounding: Rounding, number: int = 0, level: int = 0, weighted: bool = False, rate: float = 0.0
+    ) -> None:
+        """A step of both, and that they say the same; their arrays move by `rate` times what a fit takes."""
+        lmbda, at = (0.0 if rounding == "none" else LMBDA), self.level(level, weighted)
+        expected = self.step.run(self.cpu, rounding, number, at, lmbda)
+        rates = {name: rate * RATES[name] for name in self.cpu.trained()}
+        error, bits = self.fit.run(rounding, number, at, lmbda, rates)
+        assert (error, bits) == pytest.approx((expected.error, expected.bits), rel=2e-5)
+        self.compare_gradients(expected)
+        for name, array in self.cpu.trained().items():
+            if name in expected.gradients:
+                self.adams[0].move(name, array, expected.gradients[name], rates[name])
+
+    def compare_gradients(self, expected: StepResult) -> None:
+        held, at = self.fit._held._held, 0
+        sums = held["sums"].download()
+        found = {name: held[f"grad_{name}"].download() for name in ("colour", "shape", "offset")}
+        sizes = [("rest", self.cpu.context.rest), ("steps", self.cpu.steps), ("context.first", self.cpu.context.first)]
+        for name, like in sizes:
+            found[name] = sums[at : at + like.size]
+            at += like.size
+        found |= {"context.rest": found["rest"], "context.difference": found["rest"]}
+        for name, want in expected.gradients.items():
+            assert np.linalg.norm(want) > 0, name
+            assert float(np.linalg.norm(found[name] - want) / np.linalg.norm(want)) < TOLERANCE, name
+
+
+SPECS = {
+    "default": default_spec(3, prior=0),
+    "K = 2": default_spec(3, per_seed=2, prior=0),
+    "gray": default_spec(1, prior=0),
+    "four channels": default_spec(4, prior=0),
+}
+
+
+@pytest.mark.parametrize("frozen", [False, True])
+@pytest.mark.parametrize("rounding", ["none", "noise"])
+@pytest.mark.parametrize("spec", SPECS.values(), ids=SPECS)
+def test_it_is_the_native_step(spec: ModelSpec, rounding: Rounding, frozen: bool) -> None:
+    Pair(spec, frozen).run(rounding)
+
+
+@pytest.mark.parametrize("weighted", [False, True])
+@pytest.mark.parametrize("level", [0, 1])
+def test_levels_and_weights(level: int, weighted: bool) -> None:
+    Pair(SPECS["default"], frozen=True).run("noise", level=level, weighted=weighted)
+
+
+def test_noise_with_its_signs_turned() -> None:
+    Pair(SPECS["default"]).run("noise", number=1)
+
+
+@pytest.mark.parametrize("frozen", [False, True])
+def test_many_steps_with_what_they_take_over(frozen: bool) -> None:
+    """Through a whole cycle of inputs and predictions that stand, with all arrays moving a little."""
+    pair = Pair(SPECS["default"], frozen)
+    for number in range(10):
+        pair.run("noise", number, rate=0.01)
+    pair.fit.fetch()
+    for name, want in pair.cpu.trained().items():
+        assert float(np.linalg.norm(pair.gpu.trained()[name] - want) / np.linalg.norm(want)) < 1e-4, name
+
+
+def test_rounded_values_of_a_frozen_network() -> None:
+    """Decisions at the end of an interval may fall to either side: a few of thousands."""
+    pair = Pair(SPECS["default"], frozen=True)
+    pair.fit.fetch()
+    for parameters in (pair.cpu, pair.gpu):
+        parameters.context.freeze()
+    pair.fit.put()
+    level = pair.level(0)
+    expected = pair.step.run(pair.cpu, "round", 0, level, LMBDA)
+    found = pair.fit.run("round", 0, level, LMBDA, dict.fromkeys(pair.cpu.trained(), 0.0))
+    assert found == pytest.approx((expected.error, expected.bits), rel=1e-3)
+    np.testing.assert_allclose(pair.fit.seed_bits(), pair.step.seed_bits(), rtol=1e-3, atol=1e-3)
+
+
+def test_a_step_whose_pairs_have_no_room_is_repeated() -> None:
+    """With more memory, and from the values that were there before."""
+    pair, plenty = Pair(SPECS["default"], frozen=True), Pair(SPECS["default"], frozen=True)
+    first = pair.fit._held
+    passes = first._passes_of(1.0, pair.fit._level(pair.level(0)))
+    first._passes.clear()
+    first._capacity = -1000000
+    from sgicodec.cuda.tiles import TilePasses
+
+    few = TilePasses(pair.fit.gpu, passes.view, passes.gaussians, 3, 50, {**passes._fields})
+    first._passes[1.0] = few
+    pair.run("noise", rate=1.0)
+    plenty.run("noise", rate=1.0)
+    assert first._passes[1.0].capacity > 50
+    for one in (pair, plenty):
+        one.fit.fetch()
+    for name, want in plenty.gpu.trained().items():
+        np.testing.assert_array_equal(pair.gpu.trained()[name], want)
+
+
+def test_what_it_can_run() -> None:
+    assert DeviceFit.can_run(SPECS["default"])
+    assert not DeviceFit.can_run(default_spec(5, prior=0))
+    assert not DeviceFit.can_run(paper_spec(3))
