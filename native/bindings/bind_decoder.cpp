@@ -146,7 +146,10 @@ void bind_decoder(nb::module_ &m) {
       .def("tiles", &tiles, "Decoded ones that are kept; decoded so far, to be drawn; of these before they were drawn.")
       .def("tile", &tile, "number"_a, "The payload of its chunk.")
       .def("set_blank", &sgi::Stream::set_blank, "sample"_a, Released())
-      .def("prepare", &sgi::Stream::prepare, Released())
+      .def(
+          "prepare",
+          [](sgi::Stream &self, const ViewFields &fields, bool exact) { self.prepare(view_of(fields), exact); },
+          "view"_a, "exact"_a, Released())
       .def("draw", &draw, "view"_a, "top"_a, "out"_a, "mapped"_a, "exact"_a, "dither"_a,
            "Fills out [rows, columns, C] with a view (x, y, sx, sy, columns, rows) from its row `top` on.")
       .def("survey", &survey, "Seeds, bytes of parts in their order, bytes of masks, checksum, cells of texture.");

@@ -137,20 +137,39 @@ class Ahead {
   TileCache &tiles_;
 };
 
-}  // namespace
-
-void draw_view(const Header &header, TileCache &tiles, const PictureView &view, int64_t top, const PixelBlock &block,
-               const Drawing &drawing) {
-  const TileGrid grid = header.grid();
-  const auto down = grid.down().segments(view.y, view.sy, top, block.rows);
-  const auto across = grid.across().segments(view.x, view.sx, 0, view.columns);
+// All tiles of these pieces, in the order in which they are drawn.
+std::vector<int64_t> tiles_of(const TileGrid &grid, const std::vector<TileSegment> &down,
+                              const std::vector<TileSegment> &across) {
   std::vector<int64_t> wanted;
   std::set<int64_t> seen;
   for (const TileSegment &row : down)
     for (const TileSegment &column : across)
       for (const int64_t number : tiles_of(grid, {row, column}))
         if (seen.insert(number).second) wanted.push_back(number);
+  return wanted;
+}
+
+}  // namespace
+
+void decode_tiles(const Header &header, TileCache &tiles, const PictureView &view,
+                  const std::function<void()> &between) {
+  const TileGrid grid = header.grid();
+  const auto wanted = tiles_of(grid, grid.down().segments(view.y, view.sy, 0, view.rows),
+                               grid.across().segments(view.x, view.sx, 0, view.columns));
   const Ahead ahead(tiles, wanted, view);
+  for (const int64_t number : wanted) {
+    if (tiles.is_half_full()) break;
+    if (between) between();
+    tiles.tile(number);
+  }
+}
+
+void draw_view(const Header &header, TileCache &tiles, const PictureView &view, int64_t top, const PixelBlock &block,
+               const Drawing &drawing) {
+  const TileGrid grid = header.grid();
+  const auto down = grid.down().segments(view.y, view.sy, top, block.rows);
+  const auto across = grid.across().segments(view.x, view.sx, 0, view.columns);
+  const Ahead ahead(tiles, tiles_of(grid, down, across), view);
   Compositor compositor(header, view, drawing);
   for (const TileSegment &row : down)
     for (const TileSegment &column : across) {

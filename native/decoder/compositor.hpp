@@ -16,6 +16,10 @@ struct Drawing {
   const std::function<void()> &between;
 };
 
+// Decodes the tiles that the rows of a view touch, as many as are kept while they are drawn.
+void decode_tiles(const Header &header, TileCache &tiles, const PictureView &view,
+                  const std::function<void()> &between);
+
 // Fills a block with the view from its row `top` on.
 void draw_view(const Header &header, TileCache &tiles, const PictureView &view, int64_t top, const PixelBlock &block,
                const Drawing &drawing);

@@ -78,9 +78,14 @@ void Stream::set_blank(double sample) {
   parts_->nodata = sample;
 }
 
-void Stream::prepare() {
+void Stream::prepare(const PictureView &view, bool exact) {
   const Lock lock(parts_->turn);
-  if (header().grid().count() == 1) parts_->tiles.tile(0);
+  const InnerView inner = inner_view(view, header().width, header().height);
+  if (inner.view.rows == 0 || inner.view.columns == 0) return;
+  if (has_overview() && !exact)
+    if (const auto small = overview_view(header().width, header().height, inner.view))
+      return overview().prepare(*small, true);
+  decode_tiles(header(), parts_->tiles, inner.view, parts_->settings.between);
 }
 
 void Stream::draw(const PictureView &view, int64_t top, int64_t rows, Output output, bool exact, bool dither, void *out,

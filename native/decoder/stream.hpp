@@ -33,8 +33,9 @@ class Stream {
 
   // What pixels outside the picture hold, in samples of the source: at first nodata if the header has it, else 0.
   void set_blank(double sample);
-  // Decodes a picture in one tile: so one that is not sound is found before memory is taken for what is drawn.
-  void prepare();
+  // Decodes the tiles of a view, as many as half of the cache holds: so those that are not sound are found before
+  // memory is taken for what is drawn.
+  void prepare(const PictureView &view, bool exact);
   // Fills out [rows, columns, C], rows `stride` bytes apart, with rows top ... top + rows - 1 of a view. exact: never
   // from the overview. dither: of samples of eight bits where the source had more.
   void draw(const PictureView &view, int64_t top, int64_t rows, Output output, bool exact, bool dither, void *out,

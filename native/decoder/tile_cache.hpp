@@ -28,6 +28,7 @@ class TileCache {
   // What is known of all tiles, in their order; several are decoded at a time, none is kept but a single one.
   void for_each_fact(const std::function<void(const TileFacts &)> &body);
 
+  bool is_half_full() const { return bytes_ > settings_.cache_bytes / 2; }
   int64_t held() const { return int64_t(tiles_.size()); }
   int64_t decoded() const { return decoded_; }  // so far, to be drawn
   int64_t ahead() const { return ahead_; }      // of these before they were asked for

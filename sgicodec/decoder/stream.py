@@ -22,7 +22,7 @@ from sgicodec.decoder.bands import Bands
 from sgicodec.decoder.samples import converted, placed
 from sgicodec.decoder.view import MAX_OUTPUT_SAMPLES, Region, Size, View, view_of
 from sgicodec.device import ALL_CORES, Device, check_device
-from sgicodec.errors import StreamError, UsageError
+from sgicodec.errors import RegionError, StreamError, UsageError
 from sgicodec.metadata.geo import nodata as nodata_of
 from sgicodec.picture import Metadata, Picture
 
@@ -155,7 +155,7 @@ class Stream(ArrayView):
         return model
 
     def tile_model(self, number: int) -> TileModel | None:
-        """The model of a tile, None where no pixel holds anything. Raises CorruptStreamError or LimitError."""
+        """The model of a tile, None where no pixel holds anything. Raises StreamError, RegionError."""
         from sgicodec.bitstream.parts.tile import read_tile
         from sgicodec.bitstream.parts.tile_chunk import decode_tile_chunk
 
@@ -188,7 +188,7 @@ class Stream(ArrayView):
         Raises UsageError, RegionError for a region that is not inside the picture, or LimitError.
         """
         view = view_of(self.header, region, scale, size)
-        self._open_native().prepare()
+        self._open_native().prepare(view, self.exact)
         samples = np.empty((view.rows, view.columns, self.header.spec.channels), np.float32)
         self._draw(view, samples, mapped=False)
         return samples
@@ -209,7 +209,7 @@ class Stream(ArrayView):
         """
         view = view_of(self.header, region, scale, size, boundless=boundless)
         header = self._header(dtype)
-        self._open_native().prepare()
+        self._open_native().prepare(view, self.exact)
         pixels = np.empty((view.rows, view.columns, header.spec.channels), header.sample_type)
         self._draw(view, pixels)
         return Picture(pixels, header.channels, header.sample_range, placed(self, header, view))
@@ -253,8 +253,13 @@ class Stream(ArrayView):
         return self._overview
 
     def payload(self, number: int) -> bytes:
-        """What the chunk of a tile holds. Raises CorruptStreamError."""
-        return self._open_native().tile(number)
+        """What the chunk of a tile holds. Raises CorruptStreamError, RegionError for a number that no tile has."""
+        native = self._open_native()
+        if not isinstance(number, int | np.integer):
+            raise UsageError(f"tile {number!r}; tiles have numbers")
+        if not 0 <= number < self.grid.count:
+            raise RegionError(f"tile {number}; there are tiles 0 to {self.grid.count - 1}")
+        return native.tile(int(number))
 
 
 def open_stream(source: str | os.PathLike[str] | BytesLike | BinaryIO, device: Device = ALL_CORES) -> Stream:

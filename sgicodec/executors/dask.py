@@ -101,8 +101,21 @@ def open_cluster(address: str, place: str | None = None) -> AbstractContextManag
     """
     if not isinstance(address, str):
         raise UsageError(f'cluster {address!r}; give the address of a scheduler, or "local:4"')
+    if place is not None and not isinstance(place, str):
+        raise UsageError(f"place {place!r}; give the path or URL at which workers read the picture")
+    _local_processes(address)
     require("distributed", "a cluster", "cluster")
     return _opened(address, place)
+
+
+def _local_processes(address: str) -> int | None:
+    """Of "local:N" the N. Raises UsageError for what no number of processes is."""
+    if not address.startswith("local:"):
+        return None
+    count = address.removeprefix("local:")
+    if not count.isdecimal() or not 1 <= int(count) <= 1024:
+        raise UsageError(f"cluster {address}: a number of processes must follow, as in local:4")
+    return int(count)
 
 
 @contextmanager
@@ -110,11 +123,8 @@ def _opened(address: str, place: str | None) -> Iterator[Cluster]:
     from distributed import Client, LocalCluster
 
     with ExitStack() as stack:
-        if address.startswith("local:"):
-            count = address.removeprefix("local:")
-            if not count.isdecimal() or not 1 <= int(count) <= 1024:
-                raise UsageError(f"cluster {address}: a number of processes must follow, as in local:4")
-            options = {"n_workers": int(count), "threads_per_worker": 1, "dashboard_address": None}
+        if (count := _local_processes(address)) is not None:
+            options = {"n_workers": count, "threads_per_worker": 1, "dashboard_address": None}
             scheduler: Any = stack.enter_context(LocalCluster(**options, memory_limit=0))
         else:
             scheduler = address

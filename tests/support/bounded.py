@@ -25,6 +25,7 @@ looks = {{
     "survey": lambda stream: stream.survey().seeds,
     "region": lambda stream: stream.picture((5, 5, 40, 30)).pixels.shape,
     "scale": lambda stream: stream.picture(size=(12, 9)).pixels.shape,
+    "enlarged": lambda stream: stream.picture(size=(9000, 9000)).pixels.shape,
     "overview": lambda stream: stream.overview.has_overview,
 }}
 with open_stream(Path({warm!r}).read_bytes(), Device(1)) as stream:

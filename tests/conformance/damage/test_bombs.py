@@ -107,6 +107,18 @@ def test_a_million_tiles(tmp_path: Path) -> None:
     assert "another tile" in str(found["scale"])
 
 
+@pytest.mark.parametrize("tile", [0, 64])
+def test_samples_take_no_memory_before_tiles_are_sound(tmp_path: Path, tile: int) -> None:
+    """The last tile's model ends early, with a checksum that fits; enlarged, the picture has 232 MiB."""
+    data = encode_picture(_gray(128, 96), EncodeSettings(steps=1, tile=tile, overview=False)).data
+    parts = [(letter, payload[: -1 if letter == "T" else None]) for letter, payload in split(data) if letter != "X"]
+    sound = [number for number, (letter, _) in enumerate(parts) if letter == "T"][:-1]
+    parts = [split(data)[number] if number in sound else part for number, part in enumerate(parts)]
+    path = tmp_path / "short.sgi"
+    path.write_bytes(join(parts))
+    assert str(within(path, MASKED, "enlarged")["enlarged"]).startswith("CorruptStreamError"), tile
+
+
 def test_many_tiles_without_an_index(tmp_path: Path) -> None:
     """They are looked for one by one, a stranger's 2²⁰ for 14 seconds."""
     for rows, answer in ((129, "LimitError: there are 33024 tiles and no sound index"), (128, [30, 40, 4])):

@@ -6,6 +6,7 @@ import os
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -124,6 +125,12 @@ def test_addresses_without_a_cluster(address: str, monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr("sgicodec.executors.dask._PATIENCE_SECONDS", 0.3)
     with pytest.raises(UsageError, match="cluster"), open_cluster(address):
         pass
+
+
+@pytest.mark.parametrize(("address", "place"), [(3, None), ("local:0", None), ("local:", None), ("tcp://a:1", 3)])
+def test_what_is_no_address_or_place_is_refused_at_the_call(address: Any, place: Any) -> None:
+    with pytest.raises(UsageError, match=r"cluster|place 3"):
+        open_cluster(address, place)
 
 
 def plan_of(photo: Path, settings: EncodeSettings) -> Plan:
