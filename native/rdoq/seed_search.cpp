@@ -23,6 +23,7 @@ void nearest(const CodingModel &model, Group group, const ReconstructionGrid &gr
 struct SeedSearch::Place {
   const Residual &residual;
   const Window &window;
+  Window drawn;  // the part of the window in which the Gaussian as drawn now ends
   float colours[kMostColours];  // as drawn now
   float *g;                     // the Gaussian as drawn now
   float *weighted;              // the same times the pixels' weights; g itself where all are 1
@@ -127,12 +128,17 @@ float SeedSearch::mix(const Place &place, const Coded &coded) const {
   return power;
 }
 
+// Looks at the pixels within the Gaussian as drawn now and those of `two`: beyond, nothing changes.
 void SeedSearch::changes(const Place &place, const Splat *two, float power, float *out) const {
+  Window part = place.drawn;
+  for (int i = 0; i < 2; ++i) part = around_both(part, window_around(two[i], 1, 0, place.residual));
+  part = part_of(place.window, part);
+  const int64_t first = int64_t(part.y - place.window.y) * part.stride + (part.x - place.window.x);
+  const float *mixed = place.mixed + first, *g = place.g + first;
   if (place.residual.weights)
-    kernel_.weighted_changes(two, place.window, place.residual.weights_in(place.window), power, place.mixed, place.g,
-                             out);
+    kernel_.weighted_changes(two, part, place.residual.weights_in(part), power, mixed, g, out);
   else
-    kernel_.changes(two, place.window, power, place.mixed, place.g, out);
+    kernel_.changes(two, part, power, mixed, g, out);
 }
 
 // Starts at the symbols of a group that lie nearest to `values` (shape, then offset) and moves one at a time while
@@ -184,22 +190,18 @@ double SeedSearch::descend(Group group, const ReconstructionGrid &grid, const Pl
 // Chooses shape and offset for the colours of the `chosen` candidates and completes their costs.
 void SeedSearch::follow(const Place &place, const std::vector<int> &chosen) {
   const double *old = seed_->values + model_.channels;
-  std::vector<double> values(chosen.size() * kPlaceAttributes);
-  for (size_t i = 0; i < chosen.size(); ++i) {
-    const int k = chosen[i];
-    double *own = values.data() + i * kPlaceAttributes;
-    std::copy_n(old, kPlaceAttributes, own);
-    descend(kShape, shapes_[k], place, mix(place, candidates_[k]), own, candidates_[k]);
+  for (const int k : chosen) {
+    Coded &coded = candidates_[k];
+    double values[kPlaceAttributes];
+    std::copy_n(old, kPlaceAttributes, values);
+    const float power = mix(place, coded);
+    descend(kShape, shapes_[k], place, power, values, coded);
     int64_t symbols[3];
-    std::copy_n(candidates_[k].symbols + model_.first_column(kShape), 3, symbols);
+    std::copy_n(coded.symbols + model_.first_column(kShape), 3, symbols);
     cost_[k] += settings_.lmbda * bits_of(model_, kShape, shapes_[k], symbols);
-    context_.update(kShape, candidates_[k], int(i));
-  }
-  context_.predict(kOffset, int(chosen.size()), offsets_.data());
-  for (size_t i = 0; i < chosen.size(); ++i) {
-    Coded &coded = candidates_[chosen[i]];
-    cost_[chosen[i]] +=
-        descend(kOffset, offsets_[i], place, mix(place, coded), values.data() + i * kPlaceAttributes, coded);
+    context_.update(kShape, coded, 0);
+    context_.predict(kOffset, 1, offsets_.data());
+    cost_[k] += descend(kOffset, offsets_[0], place, power, values, coded);
   }
 }
 
@@ -223,10 +225,13 @@ double SeedSearch::search(const Seed &seed, const Window &window, const Residual
   const int64_t size = window.size();
   planes_.assign((residual.weights ? 4 : 3) * size, 0.0f);
   float *planes = planes_.data();
-  Place place{residual,      window,           {}, planes, residual.weights ? planes + 3 * size : planes,
+  Place place{residual, window,        {},               {}, planes, residual.weights ? planes + 3 * size : planes,
               planes + size, planes + 2 * size};
   Splat splat;
-  if (splat_of(seed.values + model_.channels, splat)) kernel_.draw(splat, window, place.g);
+  if (splat_of(seed.values + model_.channels, splat)) {
+    kernel_.draw(splat, window, place.g);
+    place.drawn = window_around(splat, 1, 0, residual);
+  }
   if (residual.weights) kernel_.weigh(residual.weights_in(window), window, place.g, place.weighted);
   colours_of(seed.values, place.colours);
   try_colours(place);

@@ -61,6 +61,20 @@ Window window_around(const Splat &s, float reach, float shift, const Residual &r
   return w;
 }
 
+Window around_both(const Window &a, const Window &b) {
+  if (a.empty()) return b;
+  if (b.empty()) return a;
+  const int x = std::min(a.x, b.x), y = std::min(a.y, b.y);
+  return {x, y, std::max(a.x + a.width, b.x + b.width) - x, std::max(a.y + a.height, b.y + b.height) - y, 0};
+}
+
+Window part_of(const Window &w, const Window &inner) {
+  const int left = std::max(inner.x - w.x, 0) / kWindowPadding * kWindowPadding, top = std::max(inner.y - w.y, 0);
+  const int right = std::min(inner.x + inner.width - w.x, w.width);
+  const int bottom = std::min(inner.y + inner.height - w.y, w.height);
+  return {w.x + left, w.y + top, std::max(right - left, 0), std::max(bottom - top, 0), w.stride};
+}
+
 bool holds(const Window &w, const Splat &s, const Residual &r) {
   const Window own = window_around(s, 1, 0, r);
   return own.empty() ||

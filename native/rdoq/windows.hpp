@@ -25,6 +25,12 @@ struct Residual {
 // The pixels whose centres lie within `reach` times a Gaussian's extents, moved by up to `shift` pixels.
 Window window_around(const Splat &splat, float reach, float shift, const Residual &residual);
 
+// The least window around both; an empty one does not count.
+Window around_both(const Window &a, const Window &b);
+
+// The part of a window around `inner`, with the same rows; it begins a whole number of vectors behind the window.
+Window part_of(const Window &w, const Window &inner);
+
 // Whether a Gaussian ends inside a window, or where the picture ends.
 bool holds(const Window &w, const Splat &splat, const Residual &residual);
 

@@ -19,18 +19,22 @@ __all__ = ["with_optimised_base"]
 
 _PASSES = 2
 
+F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 
 
-def with_optimised_base(objective: Objective, model: TileModel, lmbda: float) -> TileModel:
-    """The model with its base layer moved to where error plus λ times bits is least, seeds staying as they are."""
+def with_optimised_base(objective: Objective, model: TileModel, residual: F32, lmbda: float) -> TileModel:
+    """The model with its base layer moved to where error plus λ times bits is least, seeds staying as they are.
+
+    `residual` is what the model leaves, as `Objective.residual` has it.
+    """
     spec, (_, height, width) = objective.header.spec, objective.picture.shape
     if not model.base.size:
         return model
     _, rows, columns = model.base.shape
     down = cubic_weights(np.arange(height) + 0.5, rows, spec.base_cell)
     across = cubic_weights(np.arange(width) + 0.5, columns, spec.base_cell)
-    residual, weights = objective.residual(model)[:, :, :width], objective.reference.weights
+    residual, weights = residual[:, :, :width], objective.reference.weights
     lines = (residual if weights is None else residual * weights) @ across.astype(np.float32)
     pull = np.ascontiguousarray(np.tensordot(np.array(colour_matrix(spec.channels)), down.T @ lines, axes=1))
     footprint = (down.T @ down, across.T @ across, objective.base_gram, pull)

@@ -23,6 +23,7 @@ __all__ = ["Symbols", "descend"]
 
 I16 = NDArray[np.int16]
 I32 = NDArray[np.int32]
+F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 
 
@@ -50,15 +51,18 @@ class Symbols:
         return total
 
 
-def descend(objective: Objective, model: TileModel, lmbda: float, settings: RdoqSettings) -> tuple[TileModel, Symbols]:
+def descend(
+    objective: Objective, model: TileModel, residual: F32, lmbda: float, settings: RdoqSettings
+) -> tuple[TileModel, Symbols]:
     """Searches the symbols of all seeds, pass by pass, each with the others as they are by then.
 
-    The result's attributes lie on the grids on which they will be coded: rounding leaves them alone.
+    `residual` is what the model leaves, as `Objective.residual` has it, and afterwards what the result leaves. The
+    result's attributes lie on the grids on which they will be coded: rounding leaves them alone.
     """
     header, layout, device = objective.header, model.layout, objective.device
     spec, count = header.spec, len(model.layout)
     search, seeds = _search(objective, model), SeedInputs(layout, header.quality, device)
-    residual, values = objective.residual(model), joined(model)
+    values = joined(model)
     centre, cell = layout.centre, layout.cell
     decoded = np.zeros((count, spec.attributes), np.int64)
     found = Symbols.empty(count, spec.attributes, header.family)

@@ -100,13 +100,17 @@ class Objective:
 
     def cost(self, model: TileModel) -> Cost:
         """What the stream costs and what it will show: coded in earnest, drawn from what was coded."""
+        return self.measured(model)[0]
+
+    def measured(self, model: TileModel) -> tuple[Cost, F32]:
+        """The cost, and the residual of what was coded."""
         coded = replace(model, decoded=None)
         payload, _ = write_tile(self.header, coded)
-        width = self.picture.shape[2]
-        residual = self.residual(with_values(self.header.spec, coded, coded.decoded_values))[:, :, :width]
-        distortion = self.reference.value(residual)
-        plain = distortion if self.reference.weights is None else QuadraticReference().value(residual)
-        return Cost(distortion, 8.0 * len(payload), plain)
+        residual = self.residual(with_values(self.header.spec, coded, coded.decoded_values))
+        left = residual[:, :, : self.picture.shape[2]]
+        distortion = self.reference.value(left)
+        plain = distortion if self.reference.weights is None else QuadraticReference().value(left)
+        return Cost(distortion, 8.0 * len(payload), plain), residual
 
 
 def joined(model: TileModel) -> F64:

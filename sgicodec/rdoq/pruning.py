@@ -15,10 +15,13 @@ from sgicodec.rdoq.objective import Objective, joined, with_values
 __all__ = ["without_pruned_seeds"]
 
 
-def without_pruned_seeds(objective: Objective, model: TileModel, price: NDArray[np.float64]) -> TileModel:
+def without_pruned_seeds(
+    objective: Objective, model: TileModel, residual: NDArray[np.float32], price: NDArray[np.float64]
+) -> TileModel:
     """The model without seeds whose going costs less error than their `price` [N].
 
-    The faintest are looked at first, each with those before it gone. One seed stays in any case.
+    `residual` is what the model leaves, as `Objective.residual` has it, and afterwards what the result leaves. The
+    faintest are looked at first, each with those before it gone. One seed stays in any case.
     """
     means, covariances, colours = objective.gaussians(model)
     spread = np.sqrt(np.maximum(covariances[:, 0] * covariances[:, 2] - covariances[:, 1] ** 2, 0))
@@ -26,7 +29,7 @@ def without_pruned_seeds(objective: Objective, model: TileModel, price: NDArray[
     order = np.argsort(energy / np.maximum(price, 1e-30), kind="stable")
     pruned = np.zeros(len(order), bool)
     prune_gaussians(
-        objective.residual(model),
+        residual,
         objective.weights,
         means[order],
         covariances[order],

@@ -58,24 +58,28 @@ class Rdoq:
     def _restart(self) -> None:
         self.model, self.lmbda, self.passes = self.fitted, self.fitted_lmbda, 0
         self._found: Symbols | None = None
+        self._residual: NDArray[np.float32] | None = None
 
     def descend(self, lmbda: float) -> RdoqResult:
         """One pass for λ, on from the last one, after what that taught: scales once, and which seeds are pruned."""
-        objective, settings, model = self.objective, self.settings, self.model
+        objective, settings, model, residual = self.objective, self.settings, self.model, self._residual
+        if residual is None:
+            residual = objective.residual(model)
         if self._found is not None:
             if self.passes == 1:
                 model = replace(model, networks=fitted_scales(objective.header.spec, model.networks, self._found))
             price = lmbda * settings.drop * (self._found.bits + settings.position_bits)
-            model = without_pruned_seeds(objective, model, price)
+            model = without_pruned_seeds(objective, model, residual, price)
         octaves = 0.5 * math.log2(lmbda / self.lmbda) + (settings.coarser if self.passes == 0 else 0.0)
         if octaves:
             model = replace(model, networks=with_coarser_steps(model.networks, octaves))
-        model, self._found = descend(objective, model, lmbda, settings)
+        model, self._found = descend(objective, model, residual, lmbda, settings)
         if settings.base:
-            model = with_optimised_base(objective, model, lmbda)
+            model = with_optimised_base(objective, model, residual, lmbda)
         self.model, self.lmbda = model, lmbda
         self.passes += 1
-        return RdoqResult(model, objective.cost(model))
+        cost, self._residual = objective.measured(model)
+        return RdoqResult(model, cost)
 
     def at(
         self,

@@ -96,7 +96,7 @@ def test_the_stream_gains(stage: Stage, weighted: bool) -> None:
     """From what is really coded and drawn; seeds stay as they are."""
     objective, model = stage(height=150, width=200, weighted=weighted)
     lifted = replace(objective, picture=objective.picture + np.linspace(0, 0.5, 200, dtype=np.float32))
-    changed = with_optimised_base(lifted, model, 1e-3)
+    changed = with_optimised_base(lifted, model, lifted.residual(model), 1e-3)
     assert lifted.cost(changed).at(1e-3) < 0.9 * lifted.cost(model).at(1e-3)
     np.testing.assert_array_equal(joined(changed), joined(model))
     assert changed.base.any()
@@ -106,4 +106,4 @@ def test_the_stream_gains(stage: Stage, weighted: bool) -> None:
 def test_without_a_base_layer_nothing_changes(stage: Stage) -> None:
     objective, model = stage()
     bare = replace(model, base=np.zeros((3, 0, 0), np.int64))
-    assert with_optimised_base(objective, bare, 1e-3) is bare
+    assert with_optimised_base(objective, bare, objective.residual(bare), 1e-3) is bare
