@@ -160,6 +160,8 @@ class SeedFit:
 
 def png_filter(rows: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu', writable=False)], above: Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)], step: int, out: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu')]) -> None: ...
 
+def local_variance(plane: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], radius: int, out: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu')]) -> None: ...
+
 class Drain:
     def __init__(self, source: int, target: int) -> None: ...
 
@@ -170,6 +172,11 @@ class Drain:
 def base_view(grid: Annotated[NDArray[numpy.float64], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], cell: int, start: tuple[float, float], scale: tuple[float, float], first: tuple[int, int], size: tuple[int, int], threads: int) -> tuple:
     """
     Lines [C, L, w], top [h], down [h, T]: row i is the sum over t of down[i, t] * lines[:, top[i] + t].
+    """
+
+def cell_sums(detail: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], weights: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu', writable=False)] | None, root_log: int, threads: int) -> tuple:
+    """
+    Sums over cells of 2 pixels that fill whole roots: values [C, rows, columns], squares and weights.
     """
 
 def from_luma_space(channels: int) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:

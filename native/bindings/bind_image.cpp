@@ -1,6 +1,7 @@
 #include "bindings/arrays.hpp"
 #include "bindings/bindings.hpp"
 #include "image/drain.hpp"
+#include "image/local_variance.hpp"
 #include "image/png_filter.hpp"
 
 namespace nb = nanobind;
@@ -19,10 +20,17 @@ void png_filter(Array<const uint8_t, 2> rows, Array<const uint8_t, 1> above, int
   sgi::png_filter(rows.data(), above.data(), int64_t(count), int64_t(size), step, out.data());
 }
 
+void local_variance(Array<const double, 2> plane, int radius, Array<double, 2> out) {
+  require(has_shape(out, plane.shape(0), plane.shape(1)) && radius >= 0, "out must have the plane's shape");
+  nb::gil_scoped_release release;
+  sgi::local_variance(plane.data(), int64_t(plane.shape(0)), int64_t(plane.shape(1)), radius, out.data());
+}
+
 }  // namespace
 
 void bind_image(nb::module_ &m) {
   m.def("png_filter", &png_filter, "rows"_a, "above"_a, "step"_a, "out"_a);
+  m.def("local_variance", &local_variance, "plane"_a, "radius"_a, "out"_a);
   nb::class_<sgi::Drain>(m, "Drain")
       .def(nb::init<int, int>(), "source"_a, "target"_a)
       .def("error", &sgi::Drain::error)

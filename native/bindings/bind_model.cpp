@@ -9,6 +9,7 @@
 #include "bindings/bindings.hpp"
 #include "bindings/checks.hpp"
 #include "model/base_view.hpp"
+#include "model/cell_sums.hpp"
 #include "model/colours.hpp"
 #include "model/neighbours.hpp"
 #include "model/seed_gaussians.hpp"
@@ -134,6 +135,24 @@ auto base_view(Array<const double, 3> grid, int cell, std::pair<double, double> 
                         sgi::as_array<float>(std::move(found.down), std::array{height, taps}));
 }
 
+auto cell_sums(Array<const float, 3> detail, std::optional<Array<const float, 2>> weights, int root_log, int threads) {
+  const size_t channels = detail.shape(0), height = detail.shape(1), width = detail.shape(2);
+  require(detail.size() > 0 && root_log >= 1 && root_log < 16, "samples must not be empty, roots have two pixels");
+  require(!weights || has_shape(*weights, height, width), "weights must be [H, W]");
+  const size_t side = size_t(1) << root_log, cell = sgi::kSmallestCell;
+  const size_t rows = (height + side - 1) / side * (side / cell), columns = (width + side - 1) / side * (side / cell);
+  std::vector<double> values(channels * rows * columns), squares(rows * columns), every(rows * columns);
+  {
+    const nb::gil_scoped_release release;
+    sgi::cell_sums(
+        {detail.data(), weights ? weights->data() : nullptr, int64_t(channels), int64_t(height), int64_t(width)},
+        int64_t(rows), int64_t(columns), threads, values.data(), squares.data(), every.data());
+  }
+  return nb::make_tuple(sgi::as_array<double>(std::move(values), std::array{channels, rows, columns}),
+                        sgi::as_array<double>(std::move(squares), std::array{rows, columns}),
+                        sgi::as_array<double>(std::move(every), std::array{rows, columns}));
+}
+
 auto from_luma_space(int channels) {
   require(channels >= 3 && channels <= 64, "luma space has 3 channels or more");
   return sgi::as_array<double>(sgi::from_luma_space(channels), std::array{size_t(channels), size_t(channels)});
@@ -173,6 +192,8 @@ void seed_gaussians(Array<const double, 2> values, Array<const int32_t, 2> half_
 void bind_model(nb::module_ &m) {
   m.def("base_view", &base_view, "grid"_a, "cell"_a, "start"_a, "scale"_a, "first"_a, "size"_a, "threads"_a,
         "Lines [C, L, w], top [h], down [h, T]: row i is the sum over t of down[i, t] * lines[:, top[i] + t].");
+  m.def("cell_sums", &cell_sums, "detail"_a, "weights"_a.none(), "root_log"_a, "threads"_a,
+        "Sums over cells of 2 pixels that fill whole roots: values [C, rows, columns], squares and weights.");
   m.def("from_luma_space", &from_luma_space, "channels"_a, "[C, C]; takes samples of luma space to red, green, blue.");
   m.def("nearest_among", &nearest_among, "points"_a, "among"_a, "members"_a, "out"_a, "threads"_a);
   m.def("seed_gaussians", &seed_gaussians, "values"_a, "half_pixels"_a, "log_size"_a, "per_seed"_a, "opponent"_a,

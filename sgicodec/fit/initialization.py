@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.model.gaussians import colour_matrix, decoder_shapes
-from sgicodec.model.layout import SeedLayout
+from sgicodec.model.layout import SeedLayout, cell_sums
 from sgicodec.model.spec import ModelSpec
 
 __all__ = ["cell_means", "fresh_decoders", "fresh_values"]
@@ -55,11 +55,12 @@ def fresh_decoders(spec: ModelSpec, rng: np.random.Generator) -> dict[str, F32]:
 def cell_means(target: F32, layout: SeedLayout) -> F32:
     """Mean of `target` [C, H, W] over each seed's cell, as far as it lies in the picture [N, C]."""
     channels, height, width = target.shape
-    table = np.zeros((channels, height + 1, width + 1))
-    table[:, 1:, 1:] = target.astype(np.float64).cumsum(1).cumsum(2)
-    x0, y0 = layout.corner[:, 0], layout.corner[:, 1]
-    side = layout.cell.astype(np.int64)
-    x1, y1 = np.minimum(x0 + side, width), np.minimum(y0 + side, height)
-    total = table[:, y1, x1] - table[:, y0, x1] - table[:, y1, x0] + table[:, y0, x0]
-    means: F32 = (total / ((x1 - x0) * (y1 - y0))).T.astype(np.float32)
-    return means
+    sums = cell_sums(target, max(int(layout.log_size.max(initial=1)), 1)).values
+    corner, side = layout.corner.astype(np.int64), layout.cell.astype(np.int64)
+    means = np.empty((len(layout), channels), np.float64)
+    for level in np.unique(layout.log_size).tolist():
+        here = layout.log_size == level
+        x, y = (corner[here] >> level).T
+        means[here] = (sums[level] if level else target)[:, y, x].T
+    inside = np.minimum(corner + side[:, None], (width, height)) - corner
+    return np.asarray(means / inside.prod(axis=1)[:, None], np.float32)

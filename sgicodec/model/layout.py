@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec import _native
 from sgicodec.model.morton import canonical_order
 
 __all__ = ["ROOT_LOG", "CellSums", "SeedLayout", "adaptive_layout", "cell_sums", "leaf_sums", "uniform_layout"]
@@ -22,7 +23,8 @@ F64 = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class CellSums:
-    """Sums over the cells of every level, from pixels to roots; cells may reach beyond the picture, where all is zero.
+    """Sums over the cells of every level, from two pixels to roots; cells may reach beyond the picture, where all
+    is zero.
 
     values: Σ w d by channel [C, rows, columns]; squares: Σ w |d|² [rows, columns]; weights: Σ w, a number where every
     weight is 1.
@@ -149,23 +151,16 @@ def cell_sums(detail: F32, root_log: int, weights: F32 | None = None) -> CellSum
 
     Beside the picture pixels count as those of its border do, as if it went on with zeros.
     """
-    channels, height, width = detail.shape
-    side = 1 << root_log
-    beyond = [(0, -height % side), (0, -width % side)]
-    values = np.zeros((channels, height + beyond[0][1], width + beyond[1][1]))
-    values[:, :height, :width] = detail
-    squares = np.sum(values**2, axis=0)
-    if weights is None:
-        counts = {level: 4.0**level for level in range(root_log + 1)}
-        return CellSums(_by_level(values, root_log), _by_level(squares, root_log), counts)
-    every = np.pad(weights.astype(np.float64), beyond, mode="edge")
-    return CellSums(*(_by_level(array, root_log) for array in (values * every, squares * every, every)))
+    values, squares, every = _native.cell_sums(detail, weights, root_log, 1)
+    counts = {level: 4.0**level for level in range(1, root_log + 1)} if weights is None else _by_level(every, root_log)
+    return CellSums(_by_level(values, root_log), _by_level(squares, root_log), counts)
 
 
 def _by_level(plane: F64, root_log: int) -> dict[int, F64]:
-    """Sums of planes [..., H, W] over the cells of every level."""
-    sums = {0: plane}
-    for level in range(1, root_log + 1):
-        s = sums[level - 1]
-        sums[level] = s[..., ::2, ::2] + s[..., 1::2, ::2] + s[..., ::2, 1::2] + s[..., 1::2, 1::2]
+    """Sums of planes [..., rows, columns] of cells of two pixels over the cells of every level."""
+    sums = {1: plane}
+    for level in range(2, root_log + 1):
+        below = sums[level - 1]
+        pairs = below[..., ::2, :] + below[..., 1::2, :]
+        sums[level] = pairs[..., ::2] + pairs[..., 1::2]
     return sums
