@@ -7,6 +7,7 @@ placed and texture shows what they leave; edges and smooth ground keep theirs.
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -129,12 +130,15 @@ class TextureCosts:
 def seed_weights(spec: ModelSpec, fit: FitSettings, costs: TextureCosts, family: int) -> F32 | None:
     """Weights [H, W] up to 1 of the seeds' squared errors in the target of `costs`; None where all are 1."""
     target, lmbda = costs.target, costs.lmbda
-    scout = _scout(spec, replace(fit, lmbda=SCOUT_SHARE * lmbda), target, family, costs.device)
-    alone, nothing = estimated_cost(target, lmbda)
-    if fit.steps >= EXACT_STEPS:
-        full, alone, left = FULL, costs.without_seeds, costs.over(scout.residual)
-    else:
-        full, (left, _) = FULL_ESTIMATED, estimated_cost(scout.residual, lmbda)
+    fit, exact = replace(fit, lmbda=SCOUT_SHARE * lmbda), fit.steps >= EXACT_STEPS
+    device, busy = costs.device, int(exact and costs.device.cores > 1)
+    with ThreadPoolExecutor(1) as beside:
+        if busy:
+            beside.submit(lambda: costs.without_seeds)
+        scout = _scout(spec, fit, target, family, device.with_threads(device.cores - busy))
+        alone, nothing = estimated_cost(target, lmbda)
+        left = costs.over(scout.residual) if exact else costs.estimated_over(scout.residual)
+    full, alone = (FULL, costs.without_seeds) if exact else (FULL_ESTIMATED, alone)
     price, calm = lmbda * scout.root_bits(left.shape), lmbda * CALM_BITS
     weights = cell_weights(np.where(nothing - alone < calm, price, alone - left), price, calm, full)
     return None if weights.min() > _ALL else of_pixels(weights, target.shape[1:])
