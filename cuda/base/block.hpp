@@ -63,6 +63,12 @@ __device__ __forceinline__ int lowest_bit(uint32_t mask) { return __ffs(int(mask
 
 #else
 
+// Whether threads run from the last to the first. What they compute must not depend on it.
+inline bool &backwards() {
+  static bool on = false;
+  return on;
+}
+
 template <class T, int THREADS>
 struct PerThread {
   T value[THREADS];
@@ -78,7 +84,7 @@ class ThreadBlock {
   int count() const { return count_; }
   template <class F>
   void each(const F &f) const {
-    for (int t = 0; t < THREADS; ++t) f(t);
+    for (int t = 0; t < THREADS; ++t) f(backwards() ? THREADS - 1 - t : t);
   }
   template <class F>
   void each_of_warp(const F &f) const {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from typing import Any
@@ -21,7 +21,10 @@ _NON_BLOCKING, _RELAXED = ctypes.c_uint(1), ctypes.c_int(2)
 
 
 class Gpu:
-    """GPU `index` with the kernels of `image`, machine code for it. Not safe for use by two threads at once."""
+    """GPU `index` with the kernels of `image`, machine code for it. Not safe for use by two threads at once.
+
+    launched: what its users have launched once, and may record from now on.
+    """
 
     def __init__(self, driver: Driver, index: int, image: bytes) -> None:
         self.driver, self.index = driver, index
@@ -29,6 +32,7 @@ class Gpu:
         self.use()
         self._module = driver.handle("cuModuleLoadData", ctypes.c_char_p(image))
         self._functions: dict[str, Pointer] = {}
+        self.launched: set[Hashable] = set()
         self.stream = driver.handle("cuStreamCreate", _NON_BLOCKING)
 
     @property
@@ -113,11 +117,6 @@ class GpuArray:
             self._copy("cuMemcpyDtoHAsync_v2", ctypes.c_void_p(values.ctypes.data), self._memory)
         self.gpu.wait()
         return values
-
-    def clear(self) -> None:
-        """Sets all bytes to 0."""
-        size = ctypes.c_size_t(max(1, self.bytes))
-        self.gpu.driver.call("cuMemsetD8Async", self._memory, ctypes.c_ubyte(0), size, self.gpu.stream)
 
     def _copy(self, name: str, to: Pointer, source: Pointer) -> None:
         self.gpu.driver.call(name, to, source, ctypes.c_size_t(self.bytes), self.gpu.stream)

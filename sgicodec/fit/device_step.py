@@ -127,11 +127,7 @@ class DeviceStep:
         self._held["numbers"].upload(np.frombuffer(bytes(numbers), np.uint8))
         while True:
             passes = self._passes_of(scale, level)
-            if (kind, scale) not in self._graphs:
-                with self.gpu.recorded() as graph:
-                    self._launch(kind, passes)
-                self._graphs[kind, scale] = graph
-            self._graphs[kind, scale].launch()
+            self._launched(kind, scale, passes)
             report = structures()["StepReport"].from_buffer_copy(self._held["report"].download().tobytes())
             if report.pairs <= passes.capacity:
                 return float(report.error), float(report.bits)
@@ -142,6 +138,17 @@ class DeviceStep:
             self._capacity = report.pairs + report.pairs // 4
 
     _capacity = 0
+
+    def _launched(self, kind: StepKind, scale: float, passes: TilePasses) -> None:
+        """Launches a step: as a graph, but for the first of its kind, since the driver loads kernels on first use."""
+        if kind not in self.gpu.launched:
+            self.gpu.launched.add(kind)
+            return self._launch(kind, passes)
+        if (kind, scale) not in self._graphs:
+            with self.gpu.recorded() as graph:
+                self._launch(kind, passes)
+            self._graphs[kind, scale] = graph
+        return self._graphs[kind, scale].launch()
 
     def _launch(self, kind: StepKind, passes: TilePasses) -> None:
         """All kernels of a step, in their order."""

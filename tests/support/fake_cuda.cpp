@@ -28,7 +28,7 @@ struct Launch {
   std::vector<char> arguments;
 
   void run() const {
-    for (int i = 0; i < blocks; ++i) kernel->run(arguments.data(), i, blocks);
+    for (int i = 0; i < blocks; ++i) kernel->run(arguments.data(), sgi::backwards() ? blocks - 1 - i : i, blocks);
   }
 };
 
@@ -120,11 +120,6 @@ int cuMemcpyDtoHAsync_v2(void *to, uintptr_t from, size_t size, Stream *stream) 
   std::memcpy(to, reinterpret_cast<const void *>(from), size);
   return kSuccess;
 }
-int cuMemsetD8Async(uintptr_t at, unsigned char value, size_t size, Stream *stream) {
-  if (!holds(at, size) || (stream && stream->capture)) return kInvalidValue;
-  std::memset(reinterpret_cast<void *>(at), value, size);
-  return kSuccess;
-}
 
 int cuStreamCreate(Stream **stream, unsigned) { return *stream = new Stream, kSuccess; }
 int cuStreamDestroy_v2(Stream *stream) { return delete stream, kSuccess; }
@@ -169,6 +164,9 @@ int cuGetErrorString(int error, const char **text) {
   *text = error == kOutOfMemory ? "out of memory" : "invalid argument";
   return kSuccess;
 }
+
+// Lets blocks and threads run from the last to the first, or not.
+void sgi_fake_backwards(int on) { sgi::backwards() = on != 0; }
 
 // Bytes that nobody has freed.
 size_t sgi_fake_allocated() { return allocated; }

@@ -8,6 +8,8 @@ import hashlib
 import os
 import shutil
 import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 
@@ -18,7 +20,7 @@ from sgicodec.cuda.driver import the_driver
 from sgicodec.cuda.gpu import Gpu
 from sgicodec.device import Device
 
-__all__ = ["fake_driver", "fake_gpu", "library", "only_gpu"]
+__all__ = ["backwards", "fake_driver", "fake_gpu", "library", "only_gpu"]
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE = Path(__file__).with_suffix(".cpp")
@@ -55,6 +57,16 @@ def fake_gpu() -> Gpu:
     """The only GPU of the fake driver. What it would run is not looked at."""
     fake_driver()
     return Gpu(the_driver(), 0, b"for no machine")
+
+
+@contextmanager
+def backwards() -> Iterator[None]:
+    """Lets blocks, and threads between two barriers, run from the last to the first."""
+    fake_driver().sgi_fake_backwards(1)
+    try:
+        yield
+    finally:
+        fake_driver().sgi_fake_backwards(0)
 
 
 def only_gpu(monkeypatch: pytest.MonkeyPatch) -> Device:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from pathlib import Path
 
@@ -11,15 +12,17 @@ from sgicodec.cuda import compiler, sources
 from sgicodec.cuda.compiler import ARCHITECTURES, Compiler, Resources, compiled
 from sgicodec.errors import MissingExtraError, SgiError
 
-REGISTERS, TILE_REGISTERS, SHARED, SPILLED = 128, 64, 24 << 10, 16
-"""Bounds. A multiprocessor of sm_75, the least, has 65,536 registers and 64 kB: room for eight blocks of the tile
-kernels' registers, and for two of any kernel's memory.
+REGISTERS, TILE_REGISTERS, SHARED, SPILLED = 168, 96, 24 << 10, 16
+"""Bounds. A multiprocessor of sm_75, the least, has 65,536 registers and 64 kB: room for five blocks of the tile
+kernels, for six of the kernel that takes most registers, and for two of the one that takes most memory.
 """
 TILES = re.compile(r"(forward|squared_error|backward)_\d")
 
 
 @pytest.fixture(scope="module")
 def nvrtc() -> Compiler:
+    if "libasan" in os.environ.get("LD_PRELOAD", ""):
+        pytest.skip("AddressSanitizer's dlopen does not find what lies beside NVRTC")
     try:
         return Compiler()
     except MissingExtraError:
@@ -47,11 +50,11 @@ def check(resources: dict[str, Resources]) -> None:
 @pytest.mark.parametrize("architecture", ARCHITECTURES)
 def test_every_kernel_compiles_within_bounds(nvrtc: Compiler, architecture: int) -> None:
     check(nvrtc.resources(architecture))
-    assert nvrtc.cubin(architecture)[:4] == b"\x7fELF"
 
 
 @pytest.mark.slow
-def test_ptx_for_what_comes_later(nvrtc: Compiler) -> None:
+def test_machine_code_and_ptx(nvrtc: Compiler) -> None:
+    assert nvrtc.cubin(75)[:4] == b"\x7fELF"
     assert b".target sm_120" in nvrtc.ptx(120)
 
 

@@ -21,8 +21,6 @@ def test_arrays_go_and_come() -> None:
         np.testing.assert_array_equal(found, values)
     with pytest.raises(ValueError, match="is not"):
         held.upload(np.float32([1.5]))
-    held.clear()
-    assert not held.download().any()
 
 
 def test_memory_is_freed_with_its_array() -> None:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fake_cuda import only_gpu
+from fake_cuda import backwards, only_gpu
 
 import sgicodec
 from sgicodec.bitstream.parts.prior import load_prior
@@ -65,6 +65,17 @@ def test_two_fits_are_the_same_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
     for name, values in first.attributes.items():
         np.testing.assert_array_equal(values, second.attributes[name])
         assert values.std() > 0
+
+
+@pytest.mark.parametrize("prior", [3, 0])
+def test_the_order_of_threads_and_blocks_changes_nothing(prior: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In all kernels of a fit, with a prior and with a network that trains."""
+    device = only_gpu(monkeypatch)
+    forwards, *_ = fit(default_settings(LMBDA, 30), device, prior)
+    with backwards():
+        other, *_ = fit(default_settings(LMBDA, 30), device, prior)
+    for name, values in forwards.attributes.items():
+        np.testing.assert_array_equal(values, other.attributes[name])
 
 
 def test_seeds_come_and_go(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
-from fake_cuda import fake_gpu
+from fake_cuda import backwards, fake_gpu
 from scenes import Scene, covariances_of, exact, gradient_magnitude, magnitude, random_scene, whitened
 
 from sgicodec.errors import UsageError
@@ -152,6 +152,20 @@ def test_repeated_calls_give_the_same_bytes() -> None:
     scene = random_scene(np.random.default_rng(3), 200, 3, 64, 48)
     target = np.zeros((3, 48, 64), np.float32)
     (first, gradients), (second, again) = (CudaRasterizer(fake_gpu()).squared_error(*scene, target, 1.0) for _ in "ab")
+    assert first == second
+    for a, b in zip(gradients, again, strict=True):
+        np.testing.assert_array_equal(a, b)
+
+
+def test_no_thread_waits_for_what_another_does_in_the_same_phase() -> None:
+    """A race between threads, or blocks, would show when they run in another order."""
+    scene = random_scene(np.random.default_rng(13), 900, 3, 150, 90)
+    target = np.random.default_rng(14).normal(size=(3, 90, 150)).astype(np.float32)
+    first, gradients = CudaRasterizer(fake_gpu()).squared_error(*scene, target, 1.0)
+    image = CudaRasterizer(fake_gpu()).forward(*scene, 150, 90)
+    with backwards():
+        second, again = CudaRasterizer(fake_gpu()).squared_error(*scene, target, 1.0)
+        np.testing.assert_array_equal(image, CudaRasterizer(fake_gpu()).forward(*scene, 150, 90))
     assert first == second
     for a, b in zip(gradients, again, strict=True):
         np.testing.assert_array_equal(a, b)

@@ -1,0 +1,82 @@
+"""The command for a machine with a GPU, run with one whose kernels are compiled for the host."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from fake_cuda import fake_gpu, only_gpu
+
+from benchmarks import cuda
+from benchmarks._cuda_floors import H200, Peak, counts_of, floors
+from benchmarks.raster import Scene
+from sgicodec.cuda import driver
+from sgicodec.cuda.tiles import MOMENTS
+from sgicodec.errors import NoDeviceError, SgiError
+from sgicodec.image import write
+from sgicodec.picture import Picture
+from sgicodec.raster.cuda import CudaRasterizer
+
+FEW = Scene(60, 2.0, 90, 70)
+
+
+def test_everything_in_one_run(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:  # type: ignore[no-untyped-def]
+    device, _ = only_gpu(monkeypatch), fake_gpu()
+    monkeypatch.setattr(cuda, "device_of", lambda name: device)
+    monkeypatch.setattr(cuda, "opened", lambda index: fake_gpu())
+    monkeypatch.setattr(cuda, "the_compiler", lambda: type("", (), {"version": "13.0"}))
+    monkeypatch.setattr(cuda, "SCENES", (FEW,))
+    monkeypatch.setattr(cuda, "SMALL", FEW)
+    monkeypatch.setattr(cuda, "CROP", 24)
+    monkeypatch.setattr(cuda, "J_TOLERANCE", 0.2)  # two fits of eight steps
+    monkeypatch.setattr(cuda.shutil, "which", lambda name: None)
+    monkeypatch.setitem(cuda.EFFORTS, 5, 8)
+    y, x = np.mgrid[:32, :40]
+    pixels = np.stack([x * 6, y * 7, x + y], axis=2).astype(np.uint8)
+    write(Picture(pixels, "rgb", (0, 255)), tmp_path / "a.png")
+    arguments = ["--steps", "8", "--seeds", "1", "--repeat", "1", "--picture", str(tmp_path / "a.png")]
+    done = CliRunner().invoke(cuda.main, arguments, catch_exceptions=False)
+    lines = dict(line.partition(": ")[::2] for line in done.output.splitlines())
+    assert lines.keys() >= {"gradients", "repeated", "streams", "sanitizer"}
+    assert "graph of all 1.000" in done.output
+    assert lines["streams"].startswith("equal bytes twice; J ")
+
+
+def test_without_a_gpu_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(driver, "LIBRARY", "libno-such.so")
+    driver.the_driver.cache_clear()
+    result = CliRunner().invoke(cuda.main, [])
+    driver.the_driver.cache_clear()
+    assert isinstance(result.exception, NoDeviceError)
+    assert result.output == ""
+
+
+def test_a_check_that_fails_ends_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    answers = iter([0.0, 1.0, 2.0])
+    gradients = tuple(np.zeros((1, n), np.float32) for n in (2, 3, 3))
+    monkeypatch.setattr(cuda, "SCENES", (FEW,))
+    monkeypatch.setattr(CudaRasterizer, "squared_error", lambda *_: (next(answers), gradients))
+    with pytest.raises(SgiError, match="repeated passes differ"):
+        cuda.check_repeats(fake_gpu())
+
+
+def test_counts_bound_what_kernels_find() -> None:
+    counts = counts_of(FEW)
+    raster = CudaRasterizer(fake_gpu())
+    raster.forward(*FEW.gaussians(), FEW.width, FEW.height)
+    assert raster._drawn is not None
+    found = raster._drawn[1].found()
+    assert 0.7 * counts.pairs <= found <= counts.pairs
+    assert counts.tiles == raster._drawn[0].tiles
+    assert MOMENTS == 5
+
+
+def test_floors_print_without_a_gpu(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cuda, "SCENES", (FEW,))
+    output = CliRunner().invoke(cuda.main, ["--floors"]).output
+    assert [line.split("|")[3].strip() for line in output.splitlines()[2:]] == [
+        *("prepare, list", "sort", "forward", "backward", "reduce", "**all**"),
+    ]
+    twice = Peak(*(2 * most for most in H200))
+    for part in floors(counts_of(FEW)):
+        assert part.milliseconds(H200) == pytest.approx(2 * part.milliseconds(twice))
