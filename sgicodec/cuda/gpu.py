@@ -6,6 +6,7 @@ import ctypes
 from collections.abc import Hashable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
+from threading import get_ident
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from numpy.typing import DTypeLike, NDArray
 from sgicodec.cuda.compiler import compiled
 from sgicodec.cuda.driver import CudaError, Driver, Pointer, the_driver
 
-__all__ = ["Gpu", "GpuArray", "Graph", "opened"]
+__all__ = ["Gpu", "GpuArray", "Graph", "of_thread", "opened"]
 
 _NON_BLOCKING, _RELAXED = ctypes.c_uint(1), ctypes.c_int(2)
 """CU_STREAM_NON_BLOCKING; CU_STREAM_CAPTURE_MODE_RELAXED: other threads may allocate meanwhile."""
@@ -41,7 +42,7 @@ class Gpu:
         return self.driver.name(self.index)
 
     def use(self) -> None:
-        """To be called once in every thread that uses it."""
+        """Makes it that of this thread: to be called before anything else in it."""
         self.driver.call("cuCtxSetCurrent", self._context)
 
     def array(self, shape: int | tuple[int, ...], dtype: DTypeLike = np.float32) -> GpuArray:
@@ -94,6 +95,7 @@ class GpuArray:
 
     def __del__(self) -> None:
         with suppress(AttributeError, CudaError):  # no memory was had; or the process ends, and the driver has freed it
+            self.gpu.use()  # whatever thread lets go of it last
             self.gpu.driver.call("cuMemFree_v2", self._memory)
 
     @property
@@ -144,12 +146,20 @@ class Graph:
     def __del__(self) -> None:
         if self._runs is not None:
             with suppress(CudaError):
+                self._gpu.use()
                 self._gpu.driver.call("cuGraphExecDestroy", self._runs)
 
 
-@cache
 def opened(index: int) -> Gpu:
-    """GPU `index`, with kernels for its architecture. Raises NoDeviceError, MissingExtraError."""
+    """GPU `index`, with kernels for its architecture; every thread has its own. Raises NoDeviceError,
+    MissingExtraError.
+    """
+    return of_thread(index, get_ident())
+
+
+@cache
+def of_thread(index: int, thread: int) -> Gpu:
+    """That of a thread, which a later thread of this number takes over."""
     driver = the_driver()
     driver.context(index)
     return Gpu(driver, index, compiled(driver.capability(index)))

@@ -55,6 +55,7 @@ class DeviceFit:
 
     def put(self) -> None:
         """Takes the host's arrays."""
+        self.gpu.use()
         step, context = self._held, self.parameters.context
         for name, array in self._arrays().items():
             moments = self.adam.moments(name, array)
@@ -63,6 +64,7 @@ class DeviceFit:
 
     def fetch(self) -> None:
         """Brings what trains back to the host's arrays."""
+        self.gpu.use()
         for name, array in self._arrays().items():
             moments = self.adam.moments(name, array)
             array[:], moments.mean[:], moments.square[:] = self._held.take(name)
@@ -71,6 +73,7 @@ class DeviceFit:
         self, rounding: Rounding, number: int, level: Level, lmbda: float, rates: dict[str, float]
     ) -> tuple[float, float]:
         """Step `number`: squared error without weights, and bits; everything has moved at its learning rate."""
+        self.gpu.use()
         context, key = self.parameters.context, NoiseKey.of(self.seed, number)
         reuse = Reuse.NOTHING if rounding == "none" else reuse_of(self.age, rounding, context)
         self.age = (self.age + 1) % REFRESH if rounding != "none" else 0

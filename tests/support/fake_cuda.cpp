@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <map>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -40,11 +41,14 @@ struct Stream {
   Graph *capture = nullptr;
 };
 
-bool initialised = false, current = false;
+bool initialised = false;
+thread_local bool current = false;
+std::mutex guard;                    // of what follows
 std::map<uintptr_t, size_t> memory;  // blocks by address
 size_t allocated = 0;
 
 bool holds(uintptr_t at, size_t size) {
+  const std::lock_guard<std::mutex> lock(guard);
   auto block = memory.upper_bound(at);
   if (block == memory.begin()) return false;
   --block;
@@ -97,12 +101,15 @@ int cuMemAlloc_v2(uintptr_t *at, size_t size) {
   if (size > (size_t(1) << 32)) return kOutOfMemory;
   void *block = std::malloc(size);
   std::memset(block, 0xff, size);  // NaN: nothing may count on zeros
+  const std::lock_guard<std::mutex> lock(guard);
   *at = reinterpret_cast<uintptr_t>(block);
   memory[*at] = size;
   allocated += size;
   return kSuccess;
 }
 int cuMemFree_v2(uintptr_t at) {
+  if (!current) return kInvalidContext;
+  const std::lock_guard<std::mutex> lock(guard);
   const auto block = memory.find(at);
   if (block == memory.end()) return kInvalidValue;
   allocated -= block->second;
@@ -141,11 +148,13 @@ int cuGraphInstantiateWithFlags(Graph **runs, Graph *graph, unsigned long long) 
 int cuGraphDestroy(Graph *graph) { return delete graph, kSuccess; }
 int cuGraphExecDestroy(Graph *graph) { return delete graph, kSuccess; }
 int cuGraphLaunch(Graph *graph, Stream *) {
+  if (!current) return kInvalidContext;
   for (const Launch &launch : graph->launches) launch.run();
   return kSuccess;
 }
 int cuLaunchKernel(const sgi::HostKernel *function, unsigned x, unsigned y, unsigned z, unsigned threads, unsigned,
                    unsigned, unsigned, Stream *stream, void **parameters, void **) {
+  if (!current) return kInvalidContext;
   if (!function || !x || y != 1 || z != 1 || int(threads) != function->threads) return kInvalidValue;
   const char *given = static_cast<const char *>(parameters[0]);
   Launch launch{function, int(x), std::vector<char>(given, given + function->bytes)};

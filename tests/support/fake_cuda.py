@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
+from threading import get_ident
 
 import pytest
 
@@ -52,9 +53,13 @@ def fake_driver() -> ctypes.CDLL:
     return ctypes.CDLL(str(library()))
 
 
-@cache
 def fake_gpu() -> Gpu:
-    """The only GPU of the fake driver. What it would run is not looked at."""
+    """The only GPU of the fake driver, as this thread has it. What it would run is not looked at."""
+    return _of_thread(get_ident())
+
+
+@cache
+def _of_thread(thread: int) -> Gpu:
     fake_driver()
     return Gpu(the_driver(), 0, b"for no machine")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -76,6 +77,17 @@ def test_the_order_of_threads_and_blocks_changes_nothing(prior: int, monkeypatch
         other, *_ = fit(default_settings(LMBDA, 30), device, prior)
     for name, values in forwards.attributes.items():
         np.testing.assert_array_equal(values, other.attributes[name])
+
+
+def test_fits_in_several_threads(monkeypatch: pytest.MonkeyPatch) -> None:
+    device = only_gpu(monkeypatch)
+    alone, *_ = fit(default_settings(LMBDA, 20), device)
+    with ThreadPoolExecutor(3) as threads:
+        both = [threads.submit(fit, default_settings(LMBDA, 20), device) for _ in range(3)]
+    for done in both:
+        fitted, *_ = done.result()
+        for name, values in alone.attributes.items():
+            np.testing.assert_array_equal(values, fitted.attributes[name])
 
 
 def test_seeds_come_and_go(monkeypatch: pytest.MonkeyPatch) -> None:
