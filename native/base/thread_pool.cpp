@@ -44,7 +44,8 @@ struct Job {
   const std::function<void(int64_t)> *body;
   int64_t n;
   std::atomic<int64_t> next{0};
-  int wanted;
+  int slots;        // helpers that may still join; behind the pool's lock, as is the next
+  int helpers = 0;  // at work
   std::mutex failing;
   std::exception_ptr failure;  // the first; it ends the loop and is thrown again where the loop was called
 
@@ -61,50 +62,53 @@ struct Job {
   }
 };
 
+// Helpers that loops of several callers share: each caller works on its own loop.
 class Pool {
  public:
   void run(Job &job) {
-    std::unique_lock<std::mutex> turn(turn_);  // one loop at a time; callers queue
     {
       std::lock_guard<std::mutex> lock(mutex_);
       try {
-        for (; workers_ < job.wanted; ++workers_) std::thread([this] { loop(); }).detach();
+        for (; workers_ < job.slots; ++workers_) std::thread([this] { loop(); }).detach();
       } catch (const std::system_error &) {  // no more threads to be had: fewer will do
       }
-      job_ = &job;
-      slots_ = job.wanted;
-      ++generation_;
+      jobs_.push_back(&job);
     }
     wake_.notify_all();
     job.work();
     std::unique_lock<std::mutex> lock(mutex_);
-    slots_ = 0;  // helpers that have not started yet are not needed any more
-    done_.wait(lock, [&] { return active_ == 0; });
-    job_ = nullptr;
+    jobs_.erase(std::find(jobs_.begin(), jobs_.end(), &job));  // helpers that have not joined are not needed any more
+    done_.wait(lock, [&] { return job.helpers == 0; });
   }
 
  private:
   void loop() {
-    uint64_t seen = 0;
     std::unique_lock<std::mutex> lock(mutex_);
     for (;;) {
-      wake_.wait(lock, [&] { return generation_ != seen && slots_ > 0; });
-      seen = generation_;
-      --slots_;
-      ++active_;
-      Job *job = job_;
+      Job *job = nullptr;
+      wake_.wait(lock, [&] { return (job = neediest()) != nullptr; });
+      --job->slots;
+      ++job->helpers;
       lock.unlock();
       job->work();
       lock.lock();
-      if (--active_ == 0) done_.notify_all();
+      job->slots = 0;  // nothing is left to begin
+      if (--job->helpers == 0) done_.notify_all();
     }
   }
 
-  std::mutex turn_, mutex_;
+  // The loop with the fewest helpers of those that more may join; null where there is none.
+  Job *neediest() const {
+    Job *found = nullptr;
+    for (Job *job : jobs_)
+      if (job->slots > 0 && (!found || job->helpers < found->helpers)) found = job;
+    return found;
+  }
+
+  std::mutex mutex_;
   std::condition_variable wake_, done_;
-  Job *job_ = nullptr;
-  uint64_t generation_ = 0;
-  int workers_ = 0, slots_ = 0, active_ = 0;
+  std::vector<Job *> jobs_;
+  int workers_ = 0;
 };
 
 Pool &pool() {
@@ -129,8 +133,8 @@ void parallel_for(int64_t n, int threads, const std::function<void(int64_t)> &bo
   Job job;
   job.body = &body;
   job.n = n;
-  job.wanted = static_cast<int>(std::min<int64_t>(resolve_threads(threads), n)) - 1;
-  if (job.wanted <= 0 || in_loop) {  // the pool serves one loop at a time: waiting for it here would never end
+  job.slots = static_cast<int>(std::min<int64_t>(resolve_threads(threads), n)) - 1;
+  if (job.slots <= 0 || in_loop) {
     job.work();
   } else {
     pool().run(job);

@@ -1,6 +1,8 @@
-// Loops within loops, from two threads at once: prints how often innermost bodies ran and what an exception said.
+// Loops within loops, from two threads at once, and loops that wait for each other: prints how often innermost bodies
+// ran and what an exception said.
 #include <atomic>
 #include <cstdio>
+#include <future>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -28,5 +30,21 @@ int main() {
     said = error.what();
   }
   sgi::parallel_for(kInner, kThreads, [&](int64_t) { ++runs; });  // the pool still works
-  std::printf("%d of %d, %s\n", runs.load(), 2 * kOuter * kMiddle * kInner + kInner, said.c_str());
+  // Each of four loops ends only when all have begun: none waits for its turn.
+  constexpr int kCallers = 4;
+  std::atomic<int> begun{0};
+  std::promise<void> all;
+  const std::shared_future<void> go = all.get_future().share();
+  const auto meet = [&] {
+    std::atomic<bool> first{true};
+    sgi::parallel_for(kInner, kThreads, [&](int64_t) {
+      if (first.exchange(false) && ++begun == kCallers) all.set_value();
+      go.wait();
+      ++runs;
+    });
+  };
+  std::thread callers[kCallers];
+  for (std::thread &caller : callers) caller = std::thread(meet);
+  for (std::thread &caller : callers) caller.join();
+  std::printf("%d of %d, %s\n", runs.load(), 2 * kOuter * kMiddle * kInner + kInner + kCallers * kInner, said.c_str());
 }

@@ -13,11 +13,12 @@ HERE = Path(__file__).resolve().parent
 NATIVE = HERE.parents[2] / "native"
 
 
-def test_a_loop_within_a_loop_ends(tmp_path: Path) -> None:
-    """Every body runs once and exceptions come through; a deadlock would run into the time limit."""
+def test_loops_within_loops_and_beside_each_other_end(tmp_path: Path) -> None:
+    """Every body runs once and exceptions come through; a deadlock, or a loop that waits for its turn while others wait
+    for it, would run into the time limit."""
     compiler = next(filter(shutil.which, [os.environ.get("CXX", "c++"), "g++", "clang++"]))
     sources = [HERE / "nested_loops.cpp", NATIVE / "base" / "thread_pool.cpp"]
     program = tmp_path / "nested_loops"
     subprocess.run([compiler, "-std=c++17", "-pthread", f"-I{NATIVE}", *sources, "-o", program], check=True)
     ran = subprocess.run([program], capture_output=True, text=True, timeout=HANGS, check=True)
-    assert ran.stdout == "1028 of 1028, a reason\n"
+    assert ran.stdout == "1044 of 1044, a reason\n"
