@@ -43,6 +43,7 @@ class FileSource : public ByteSource {
     if (!nb::cast<bool>((*file_).attr("seekable")())) return;
     start_ = nb::cast<uint64_t>((*file_).attr("tell")());
     size_ = nb::cast<uint64_t>((*file_).attr("seek")(0, 2)) - start_;
+    expects_ = nb::hasattr(*file_, "expect");
   }
 
   std::optional<uint64_t> size() override { return size_; }
@@ -62,10 +63,19 @@ class FileSource : public ByteSource {
     return found;
   }
 
+  void expect(const std::vector<ByteRange> &ranges) override {
+    if (!expects_) return;
+    const nb::gil_scoped_acquire lock;
+    nb::list told;
+    for (const ByteRange &range : ranges) told.append(nb::make_tuple(start_ + range.offset, range.count));
+    (*file_).attr("expect")(told);
+  }
+
  private:
   const Held file_;
   uint64_t start_ = 0;
   std::optional<uint64_t> size_;
+  bool expects_ = false;
 };
 
 }  // namespace

@@ -4,10 +4,15 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "base/bytes.hpp"
 
 namespace sgi {
+
+struct ByteRange {
+  uint64_t offset, count;
+};
 
 // Throws Error (source), or whatever else its maker expects, where it fails.
 class ByteSource {
@@ -17,6 +22,8 @@ class ByteSource {
   virtual std::optional<uint64_t> size() = 0;
   // Reads up to `count` bytes from `offset` on; fewer only at the end. Without a size, offsets never go back.
   virtual size_t read(uint64_t offset, uint8_t *out, size_t count) = 0;
+  // Tells which bytes are read next: a source that is far away may fetch them together.
+  virtual void expect(const std::vector<ByteRange> &) {}
 };
 
 // Bytes in memory, which must outlive it.

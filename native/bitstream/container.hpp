@@ -43,6 +43,8 @@ class ChunkReader {
   // Reads these bytes of a source that has a size at once, if they are not many; what is asked for next comes from
   // them.
   void hold(uint64_t offset, uint64_t count);
+  // As of the source.
+  void expect(const std::vector<ByteRange> &ranges) { source_->expect(ranges); }
   std::optional<uint64_t> size() const { return size_; }
   uint64_t end() const { return next_; }  // behind the last chunk that `next` came across
   // The chunk that begins at an offset of a source that has a size.

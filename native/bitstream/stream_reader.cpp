@@ -11,6 +11,8 @@ namespace sgi {
 
 namespace {
 
+constexpr uint64_t kExpected = 1 << 23;  // bytes that a source is told of at a time
+
 [[noreturn]] void corrupt(const std::string &text) { throw Error(Fault::corrupt, text); }
 
 Bytes view(const std::vector<uint8_t> &bytes) { return {bytes.data(), bytes.size()}; }
@@ -96,13 +98,31 @@ struct StreamReader::Parts {
     return true;
   }
 
+  // All that a tile's chunk may take.
+  static ByteRange range_of(const ChunkPlace &place) {
+    return {uint64_t(place.offset), sizeof Chunk::head + uint64_t(place.length) + kChunkCrcBytes};
+  }
+
+  size_t expect(const std::vector<int64_t> &numbers, size_t first) {
+    if (!is_lasting()) return numbers.size();
+    std::vector<ByteRange> ranges;
+    uint64_t bytes = 0;
+    for (; first < numbers.size() && bytes < kExpected; ++first) {
+      ranges.push_back(range_of(places[size_t(numbers[first])]));
+      bytes += ranges.back().count;
+    }
+    chunks.expect(ranges);
+    return first;
+  }
+
   std::vector<uint8_t> tile(int64_t number) {
     const ChunkPlace place = places[size_t(number)];
     if (!is_lasting()) {
       const auto first = kept.begin() + place.offset;
       return {first, first + place.length};
     }
-    chunks.hold(uint64_t(place.offset), sizeof Chunk::head + uint64_t(place.length) + kChunkCrcBytes);
+    const ByteRange bytes = range_of(place);
+    chunks.hold(bytes.offset, bytes.count);
     const Chunk chunk = chunks.chunk_at(uint64_t(place.offset));
     if (chunk.kind != 'T' || chunk.length != place.length)
       corrupt("index: " + chunk.name() + " is not tile " + std::to_string(number) + "; the file is damaged");
@@ -137,6 +157,10 @@ bool StreamReader::has_overview() const { return parts_->has_overview; }
 std::vector<uint8_t> StreamReader::overview() {
   if (!parts_->has_overview || !parts_->chunks.size()) return parts_->kept_overview;
   return parts_->chunks.payload(parts_->overview);
+}
+
+size_t StreamReader::expect(const std::vector<int64_t> &numbers, size_t first) {
+  return parts_->expect(numbers, first);
 }
 
 std::vector<uint8_t> StreamReader::tile(int64_t number) {

@@ -26,6 +26,9 @@ class StreamReader {
   bool has_overview() const;
   std::vector<uint8_t> overview();            // empty where there is none
   std::vector<uint8_t> tile(int64_t number);  // the payload of its chunk
+  // Tells the source that tiles are read next, those from place `first` on, up to a few megabytes of them. Returns the
+  // place behind the last one.
+  size_t expect(const std::vector<int64_t> &numbers, size_t first);
 
  private:
   struct Parts;

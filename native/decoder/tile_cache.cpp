@@ -77,7 +77,7 @@ class TileCache::Prefetch {
   // Payloads are read by the thread that takes tiles: sources are used by one at a time.
   void fill() {
     for (; !workers_.empty() && !wanted_.empty() && coming_.size() < most_; wanted_.pop_front()) {
-      Job job{wanted_.front(), cache_.chunks_.tile(wanted_.front()), {}};
+      Job job{wanted_.front(), cache_.payload(wanted_.front()), {}};
       coming_.emplace(job.number, job.tile.get_future());
       std::lock_guard<std::mutex> lock(mutex_);
       jobs_.push_back(std::move(job));
@@ -125,12 +125,18 @@ TileRenderer &TileCache::tile(int64_t number) {
   if (tiles_.find(number) == tiles_.end()) {
     Tile tile = prefetch_ ? prefetch_->take(number) : nullptr;
     ahead_ += tile != nullptr;
-    if (!tile) tile = decoded_tile(chunks_.header(), number, chunks_.tile(number), settings_.threads, settings_);
+    if (!tile) tile = decoded_tile(chunks_.header(), number, payload(number), settings_.threads, settings_);
     keep(number, std::move(tile));
   }
   Kept &kept = tiles_.at(number);
   uses_.splice(uses_.end(), uses_, kept.use);
   return *kept.tile;
+}
+
+// Reads a chunk; the source is told of those that follow.
+std::vector<uint8_t> TileCache::payload(int64_t number) {
+  if (expected_ < wanted_.size() && wanted_[expected_] == number) expected_ = chunks_.expect(wanted_, expected_);
+  return chunks_.tile(number);
 }
 
 void TileCache::keep(int64_t number, Tile tile) {
@@ -153,14 +159,17 @@ void TileCache::weigh(Kept &kept) {
 }
 
 void TileCache::start(const std::vector<int64_t> &numbers, const PictureView &view) {
-  std::deque<int64_t> wanted;
+  wanted_.clear(), expected_ = 0;
   for (const int64_t number : numbers)
-    if (tiles_.find(number) == tiles_.end()) wanted.push_back(number);
-  if (resolve_threads(settings_.threads) > 1 && wanted.size() > 1)
-    prefetch_ = std::make_unique<Prefetch>(*this, std::move(wanted), view);
+    if (tiles_.find(number) == tiles_.end()) wanted_.push_back(number);
+  if (resolve_threads(settings_.threads) > 1 && wanted_.size() > 1)
+    prefetch_ = std::make_unique<Prefetch>(*this, std::deque<int64_t>(wanted_.begin(), wanted_.end()), view);
 }
 
-void TileCache::stop() { prefetch_.reset(); }
+void TileCache::stop() {
+  prefetch_.reset();
+  wanted_.clear(), expected_ = 0;
+}
 
 void TileCache::for_each_fact(const std::function<void(const TileFacts &)> &body) {
   const Header &header = chunks_.header();

@@ -42,6 +42,7 @@ class TileCache {
   };
 
   void keep(int64_t number, std::unique_ptr<TileRenderer> tile);
+  std::vector<uint8_t> payload(int64_t number);
   void weigh(Kept &kept);
 
   StreamReader &chunks_;
@@ -49,6 +50,8 @@ class TileCache {
   std::map<int64_t, Kept> tiles_;
   std::list<int64_t> uses_;  // the least recent one first
   int64_t bytes_ = 0, decoded_ = 0, ahead_ = 0;
+  std::vector<int64_t> wanted_;  // since `start`, in their order
+  size_t expected_ = 0;          // of these those that the source was told of
   std::unique_ptr<Prefetch> prefetch_;
 };
 

@@ -27,7 +27,7 @@ from sgicodec.plugins.chunks import (  # noqa: E402
     encode_chunk,
     read_selection,
 )
-from sgicodec.remote.range_file import BLOCK, RangeFile  # noqa: E402
+from sgicodec.remote.range_file import BLOCK, RangeFile, Span  # noqa: E402
 
 __all__ = ["SgiCodec"]
 
@@ -116,12 +116,17 @@ async def _source(byte_getter: Any, chunk_spec: ArraySpec) -> bytes | RangeFile 
         return None if data is None else bytes(data.to_bytes())
     loop = asyncio.get_running_loop()
 
-    def fetch(start: int, stop: int) -> bytes:
-        """Called by another thread, as it blocks."""
-        asked = byte_getter.get(chunk_spec.prototype, RangeByteRequest(start, stop))
-        found = asyncio.run_coroutine_threadsafe(asked, loop).result()
+    async def part(start: int, stop: int) -> bytes:
+        found = await byte_getter.get(chunk_spec.prototype, RangeByteRequest(start, stop))
         if found is None or len(found) != stop - start:
             raise FileNotFoundError(f"{byte_getter}: it has changed while it was read")
         return bytes(found.to_bytes())
+
+    async def parts(spans: list[Span]) -> list[bytes]:
+        return await asyncio.gather(*(part(start, stop) for start, stop in spans))
+
+    def fetch(spans: list[Span]) -> list[bytes]:
+        """Called by another thread, as it blocks."""
+        return asyncio.run_coroutine_threadsafe(parts(spans), loop).result()
 
     return RangeFile(size, fetch)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import os
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 __all__ = ["BLOCK", "RangeFile"]
@@ -16,19 +16,25 @@ BLOCK = 1 << 15
 _KEPT = 1 << 10
 """Blocks that are kept."""
 
+_GAP = 1
+"""Blocks that are fetched though nobody expects them, if two requests become one so."""
+
 _MOST_AHEAD = 1 << 22
 """Bytes that are fetched at most beyond what is asked for."""
 
-Fetch = Callable[[int, int], bytes]
-"""Gives the bytes from a first one to before a last one, all of them."""
+Span = tuple[int, int]
+"""A first byte, and the one behind the last."""
+
+Fetch = Callable[[list[Span]], list[bytes]]
+"""Gives the bytes of spans, all of them; of several at the same time where it can."""
 
 
 class RangeFile(io.RawIOBase):
     """A file of `size` bytes that `fetch` gives parts of.
 
-    Each read is one request for what it misses. From the fourth request on that goes on where the one before ended, it
-    fetches as much again ahead: a file that is read from end to end takes few requests, one of which parts are read
-    costs few bytes.
+    Each read is one request for what it misses; what `expect` is told of is there already. From the fourth request on
+    that goes on where the one before ended, it fetches as much again ahead: a file that is read from end to end takes
+    few requests, one of which parts are read costs few bytes.
     """
 
     def __init__(self, size: int, fetch: Fetch, close: Callable[[], None] = lambda: None) -> None:
@@ -72,6 +78,24 @@ class RangeFile(io.RawIOBase):
         self._position = stop
         return stop - start
 
+    def expect(self, ranges: Iterable[Span]) -> None:
+        """Fetches at once what is missing of ranges (first byte, number of bytes) that are read next."""
+        missing: set[int] = set()
+        for offset, count in ranges:
+            last = min(offset + count, self._size) - 1
+            missing.update(range(offset // BLOCK, last // BLOCK + 1))
+            if len(missing) > _KEPT // 2:
+                break
+        runs: list[list[int]] = []
+        for number in sorted(missing - self._blocks.keys()):
+            if runs and number - runs[-1][-1] <= _GAP + 1:
+                runs[-1].append(number)
+            else:
+                runs.append([number])
+        spans = [(run[0] * BLOCK, min((run[-1] + 1) * BLOCK, self._size)) for run in runs]
+        for (start, _), data in zip(spans, self._fetch(spans) if spans else [], strict=True):
+            self._keep(start, data)
+
     def close(self) -> None:
         """Closes what it reads from."""
         if not self.closed:
@@ -98,7 +122,10 @@ class RangeFile(io.RawIOBase):
         start, end = first * BLOCK, min(stop * BLOCK, self._size)
         if self._requests > 2:
             end = min(end + min(self._bytes // BLOCK * BLOCK, _MOST_AHEAD), self._size)
-        data = self._fetch(start, end)
+        (data,) = self._fetch([(start, end)])
         self._next, self._requests, self._bytes = -(-end // BLOCK), self._requests + 1, self._bytes + len(data)
+        self._keep(start, data)
+
+    def _keep(self, start: int, data: bytes) -> None:
         for at in range(0, len(data), BLOCK):
-            self._blocks[start // BLOCK + at // BLOCK] = data[at : at + BLOCK]
+            self._blocks[(start + at) // BLOCK] = data[at : at + BLOCK]

@@ -11,9 +11,12 @@ from typing import Any, BinaryIO
 from urllib.parse import unquote
 
 from sgicodec.errors import MissingExtraError, SgiError, StreamError, require
-from sgicodec.remote.range_file import RangeFile
+from sgicodec.remote.range_file import RangeFile, Span
 
 __all__ = ["file_name", "is_url", "open_url"]
+
+_AT_ONCE = 8
+"""Requests to one server."""
 
 _URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+(::[^/]*)?://")
 
@@ -50,6 +53,7 @@ class _Source:
 
     def __init__(self, url: str, failure: type[SgiError], system: Any, path: str, file: Any) -> None:
         self._url, self._failure, self._system, self._path, self._file = url, failure, system, path, file
+        self._is_copy = self._gives_parts = False
 
     def opened(self) -> BinaryIO:
         try:
@@ -59,18 +63,32 @@ class _Source:
             size = self._file.seek(0, 2)
         return RangeFile(size, self._fetch, lambda: self._file.close())  # type: ignore[return-value]
 
-    def _fetch(self, start: int, stop: int) -> bytes:
+    def _fetch(self, spans: list[Span]) -> list[bytes]:
         with _naming(self._url, self._failure):
-            try:
-                data = self._part(start, stop)
-            except ValueError:  # by which fsspec says that the server does not give ranges
-                self._take_copy()
-                data = self._part(start, stop)
-            if len(data) != stop - start:
-                raise self._failure(f"{self._url}: {len(data)} bytes came where {stop - start} were asked for")
-            return data
+            if len(spans) > 1 and self._gives_parts and self._system.async_impl:
+                found = self._together(spans)
+            else:
+                found = [self._part(start, stop) for start, stop in spans]
+            for (start, stop), data in zip(spans, found, strict=True):
+                if len(data) != stop - start:
+                    raise self._failure(f"{self._url}: {len(data)} bytes came where {stop - start} were asked for")
+            return found
+
+    def _together(self, spans: list[Span]) -> list[bytes]:
+        starts, stops = ([span[side] for span in spans] for side in range(2))
+        paths = [self._path] * len(spans)
+        return list(self._system.cat_ranges(paths, starts, stops, batch_size=_AT_ONCE, on_error="raise"))
 
     def _part(self, start: int, stop: int) -> bytes:
+        try:
+            data = self._read(start, stop)
+            self._gives_parts = not self._is_copy
+        except ValueError:  # by which fsspec says that the server does not give ranges
+            self._take_copy()
+            data = self._read(start, stop)
+        return data
+
+    def _read(self, start: int, stop: int) -> bytes:
         self._file.seek(start)
         return bytes(self._file.read(stop - start))
 
@@ -85,6 +103,7 @@ class _Source:
             copy.close()
             raise
         self._file = copy
+        self._is_copy, self._gives_parts = True, False
 
 
 @contextlib.contextmanager

@@ -13,7 +13,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 @dataclass
 class Served:
     """files: by their paths; parts: path, first byte and number of bytes of each answer to GET; ranges: whether it
-    gives parts.
+    gives parts; meeting: where answers wait for each other.
     """
 
     files: dict[str, bytes]
@@ -22,6 +22,7 @@ class Served:
     parts: list[tuple[str, int, int]] = field(default_factory=list)
     heads: int = 0
     gone: bool = False
+    meeting: threading.Barrier | None = None
 
     @property
     def bytes(self) -> int:
@@ -62,6 +63,8 @@ def served(files: dict[str, bytes], ranges: bool = True) -> Iterator[Served]:
                 self.send_header("Content-Range", f"bytes {start}-{start + len(part) - 1}/{len(data)}")
             self.end_headers()
             if with_body:
+                if record.meeting:
+                    record.meeting.wait()
                 record.parts.append((self.path, start, len(part)))
                 with contextlib.suppress(ConnectionError):
                     self.wfile.write(part)

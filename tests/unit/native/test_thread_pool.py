@@ -15,7 +15,8 @@ NATIVE = HERE.parents[2] / "native"
 
 def test_loops_within_loops_and_beside_each_other_end(tmp_path: Path) -> None:
     """Every body runs once and exceptions come through; a deadlock, or a loop that waits for its turn while others wait
-    for it, would run into the time limit."""
+    for it, would run into the time limit.
+    """
     compiler = next(filter(shutil.which, [os.environ.get("CXX", "c++"), "g++", "clang++"]))
     sources = [HERE / "nested_loops.cpp", NATIVE / "base" / "thread_pool.cpp"]
     program = tmp_path / "nested_loops"

@@ -17,11 +17,12 @@ class Log:
     """The ranges that were fetched."""
 
     def __init__(self, data: bytes) -> None:
-        self.data, self.ranges = data, list[tuple[int, int]]()
+        self.data, self.ranges, self.calls = data, list[tuple[int, int]](), 0
 
-    def __call__(self, start: int, stop: int) -> bytes:
-        self.ranges.append((start, stop))
-        return self.data[start:stop]
+    def __call__(self, spans: list[tuple[int, int]]) -> list[bytes]:
+        self.ranges += spans
+        self.calls += 1
+        return [self.data[start:stop] for start, stop in spans]
 
 
 @given(st.lists(st.tuples(st.integers(0, len(DATA) + 9), st.integers(0, 3 * BLOCK)), max_size=12))
@@ -62,6 +63,37 @@ def test_reading_on_takes_ever_longer_parts() -> None:
         pass
     assert len(log.ranges) < 12
     assert sum(stop - start for start, stop in log.ranges) == len(data)
+
+
+def test_what_is_expected_is_fetched_at_once() -> None:
+    data = bytes(range(256)) * (BLOCK // 8)  # 32 blocks
+    log = Log(data)
+    file = RangeFile(len(data), log)
+    file.seek(4 * BLOCK)
+    file.read(1)
+    places = [
+        (5, 10),
+        (BLOCK + 5, BLOCK),
+        (4 * BLOCK + 9, 20),
+        (8 * BLOCK, 1),
+        (10 * BLOCK, 1),
+        (31 * BLOCK, 9 * BLOCK),
+    ]
+    file.expect(places)
+    assert log.calls == 2
+    assert log.ranges[1:] == [(0, 3 * BLOCK), (8 * BLOCK, 11 * BLOCK), (31 * BLOCK, 32 * BLOCK)]
+    for offset, count in places:
+        file.seek(offset)
+        assert file.read(count) == data[offset : offset + count]
+    file.expect([*places, (40 * BLOCK, 5)])
+    assert log.calls == 2
+
+
+def test_not_everything_can_be_expected() -> None:
+    size = 5000 * BLOCK
+    log = Log(bytes(size))
+    RangeFile(size, log).expect((block * BLOCK, 1) for block in range(0, 5000, 4))
+    assert 256 <= len(log.ranges) <= 1000
 
 
 def test_old_blocks_are_forgotten() -> None:

@@ -3,20 +3,26 @@
 from __future__ import annotations
 
 import builtins
+import io
 import json
 import pickle
 import sys
+import threading
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import fsspec
 import numpy as np
 import pytest
+from children import HANGS
 from click.testing import CliRunner
 from range_server import served
 
 import sgicodec
+from sgicodec.bitstream.stream_writer import write_stream
+from sgicodec.bitstream.varint import encode_varint
 from sgicodec.cli.main import cli
 from sgicodec.errors import CorruptStreamError, MissingExtraError, PictureError, StreamError
 from sgicodec.remote.range_file import BLOCK
@@ -61,6 +67,32 @@ def test_a_region_costs_its_tiles(data: bytes) -> None:
         asked = len(server.parts)
         stream.read((100, 100, 20, 20))
         assert len(server.parts) == asked
+
+
+def wide(rows: int, columns: int) -> bytes:
+    """Two tiles of noise over and over."""
+    pixels = np.random.default_rng(2).integers(0, 256, (TILE, 2 * TILE, 3), np.uint8)
+    pair = sgicodec.encode(pixels, quality=95, tune="psnr", steps=2, tile=TILE, apron=0, overview=False, rdoq=False)
+    with sgicodec.open(pair) as stream:
+        models = [stream.payload(number)[1:] for number in range(2)]  # without their numbers, of one byte
+        header = replace(stream.header, width=columns * TILE, height=rows * TILE)
+    file = io.BytesIO()
+    tiles = (encode_varint(number) + models[number % 2] for number in range(rows * columns))
+    write_stream(file, header, b"", None, tiles, None)
+    return file.getvalue()
+
+
+def test_tiles_of_a_region_are_fetched_together() -> None:
+    """Of sixteen columns two lie in the region: one request for each row of tiles, all of them at the same time."""
+    rows = 4
+    data = wide(rows, 16)
+    region = (TILE + 40, 20, TILE // 2, rows * TILE - 40)
+    with served({"a.sgi": data}) as server, sgicodec.open(f"{server.url}/a.sgi") as stream:
+        opening = len(server.parts)
+        server.meeting = threading.Barrier(rows, timeout=HANGS)
+        np.testing.assert_array_equal(stream.read(region), sgicodec.decode(data, region=region))
+        assert len(server.parts) - opening == rows
+        assert sum(count for _, _, count in server.parts[opening:]) <= rows * 2 * BLOCK < len(data) // 2
 
 
 def test_an_overview_costs_no_tile(data: bytes) -> None:
