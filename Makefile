@@ -147,5 +147,5 @@ $(WASM): viewer/src/wasm/%.wasm: $(wildcard viewer/wasm/*) $(filter %pp,$(INPUTS
 
 test-viewer: setup viewer
 	@command -v npm >/dev/null || { echo "The viewer's tests need Node 20 with npm, and Chromium"; exit 1; }
-	cd viewer && npm ci --no-audit --no-fund
+	cd viewer && npm ci --no-audit --no-fund && npm run --silent mirador
 	cd viewer && SGI_PYTHON=$(CURDIR)/$(BIN)/python node --test --test-concurrency=1 test/*.test.js

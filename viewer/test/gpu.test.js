@@ -149,6 +149,24 @@ test("a GPU that is slow is given up in auto", async () => {
   await page.context().close();
 });
 
+test("a GPU without room is given up", async () => {
+  const script = `{
+    const check = WebGL2RenderingContext.prototype.checkFramebufferStatus;
+    WebGL2RenderingContext.prototype.checkFramebufferStatus = function (target) {
+      return globalThis.full ? this.FRAMEBUFFER_INCOMPLETE_ATTACHMENT : check.call(this, target);
+    };
+  }`;
+  const page = await opened("rgb8-texture", { script });
+  assert.equal(await drawnBy(page), "GPU");
+  await page.evaluate(() => (globalThis.full = true));
+  await page.setViewportSize({ width: 700, height: 500 });
+  await page.waitForFunction(() => sgiViewer.scene.drawnBy === "CPU");
+  assert.match(await page.getAttribute("#drawing", "title"), /no buffer of floats of this size/);
+  await matches(page, "rgb8-texture", VIEWS[2]);
+  assert.deepEqual(page.errors, []);
+  await page.context().close();
+});
+
 test("a second picture, ellipses", async () => {
   const page = await opened("rgb8-texture", { rest: "&other=/files/rgb8-tiles-texture.sgi" });
   await show(page, 0, 0, 4);

@@ -148,6 +148,8 @@ export class Device {
     const frame = gl.createFramebuffer();
     gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
     gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
+    const isWhole = gl.checkFramebufferStatus(gl.FRAMEBUFFER) === gl.FRAMEBUFFER_COMPLETE;
+    if (!isWhole && !gl.isContextLost()) throw new Error("The GPU has no buffer of floats of this size.");
     return { texture, frame, columns, rows };
   }
 
