@@ -124,7 +124,7 @@ def decode(
     how = (verbose, as_json, quiet, "off" if many else progress)
     job = DecodeJob(
         view,
-        DecodeLimits(max_pixels, max_memory),
+        DecodeLimits.of(max_pixels, max_memory),
         Output(bits, png_level, threads, "cog" if cog else "tiff" if pyramid else None),
         format_,
         exact,

@@ -79,12 +79,17 @@ class DecodeJob:
 
     def _write(self, stream: Stream, target: str, extension: str) -> Bands | Picture:
         stream.exact, stream.dither = self.exact, self.dither
+        from sgicodec.image.formats import find
+
         view = self.view.of(stream) | {"dtype": _DTYPES[self.output.bits]}
         mode: Mode = "off" if self.quiet else self.progress
         bands = stream.bands(**view)
         pyramid = self.output.pyramid_of(target)
         whole = stream.grid.count == 1 and pyramid is None
-        self.limits.check(bands.width, bands.height, bands.row_bytes * (bands.height if whole else bands.rows))
+        rows = bands.height if whole else bands.rows
+        if pyramid is None:
+            rows += bands.height * find(extension).in_library
+        self.limits.check(bands.width, bands.height, bands.row_bytes * rows)
         if pyramid is not None:
             with row_progress(mode, bands.height) as draw:
                 write_pyramid(stream, view, target, pyramid, draw)

@@ -14,6 +14,7 @@ from sgicodec.cli.paths import STANDARD, display
 from sgicodec.cli.progress import Mode, encode_progress, fit_text, tile_text
 from sgicodec.encoder.listener import NullListener, PassState
 from sgicodec.encoder.stages import StageClock, stage_weights
+from sgicodec.executors.available import group_memory
 from sgicodec.executors.executor import MIB, Memory
 
 if TYPE_CHECKING:
@@ -68,6 +69,10 @@ class EncodeListener(NullListener):
             else:
                 text += f"{workers} worker{'s' * (workers > 1)}, about {memory.total(workers) / MIB:,.0f} MiB of memory"
             click.echo(text, err=True)
+        limit = None if self._on_cluster else group_memory()
+        if limit is not None and memory.total(workers) > limit and not self._quiet:
+            text = f"this takes about {memory.total(workers) / MIB:,.0f} MiB, and its control group may have "
+            self.note(f"{text}{limit / MIB:,.0f}; the system may end it. A smaller --tile takes less")
         self._say = self._stack.enter_context(encode_progress(self._mode, self._stages))
 
     def stage(self, name: str) -> None:

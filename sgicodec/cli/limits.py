@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from sgicodec.errors import LimitError
+from sgicodec.executors.available import group_memory
+from sgicodec.executors.peak import own_peak
 
 __all__ = ["DecodeLimits"]
 
@@ -17,24 +19,37 @@ _MIB = 1 << 20
 
 @dataclass(frozen=True)
 class DecodeLimits:
-    """pixels: that are written at most; memory: bytes beyond what the program takes before it decodes; None for any."""
+    """pixels: that are written at most; memory: bytes beyond what the program takes before it decodes; None for any.
+    asked: whether that was asked for with --max-memory, or is what is left of the control group's.
+    """
 
     pixels: float | None
     memory: float | None
+    asked: bool = True
+
+    @classmethod
+    def of(cls, pixels: float | None, memory: float | None) -> DecodeLimits:
+        """As was asked for; without a limit of memory, that of the control group: it would end the program without a
+        word.
+        """
+        if memory is None and (group := group_memory()) is not None:
+            return cls(pixels, max(0, group - (own_peak() or 0)), asked=False)
+        return cls(pixels, memory)
 
     def check(self, width: int, height: int, sample_bytes: int) -> None:
         """Refuses a picture of this size, of which `sample_bytes` are in memory at a time. Raises LimitError."""
         if self.pixels is not None and width * height > self.pixels:
             raise LimitError(f"{width}×{height} pixels are more than --max-pixels {self.pixels:.0f}")
         if self.memory is not None and sample_bytes > self.memory:
+            allowed = "--max-memory" if self.asked else f"the {self.memory / _MIB:,.0f} MiB left in its control group"
             text = f"{width}×{height} pixels take {sample_bytes / _MIB:,.0f} MiB"
-            raise LimitError(f"{text}, more than --max-memory; decode a --region, or a smaller --scale")
+            raise LimitError(f"{text}, more than {allowed}; decode a --region, or a smaller --scale")
 
     @contextlib.contextmanager
     def held(self) -> Iterator[None]:
         """A block that takes no more memory (Linux), else LimitError."""
         with contextlib.ExitStack() as stack:
-            if self.memory is not None and sys.platform.startswith("linux"):
+            if self.memory is not None and self.asked and sys.platform.startswith("linux"):
                 import resource
 
                 before = resource.getrlimit(resource.RLIMIT_DATA)
@@ -46,7 +61,7 @@ class DecodeLimits:
             try:
                 yield
             except MemoryError:
-                if self.memory is None:
+                if self.memory is None or not self.asked:
                     raise
                 raise LimitError(f"decoding takes more than --max-memory, {self.memory / _MIB:,.0f} MiB") from None
 

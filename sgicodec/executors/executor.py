@@ -35,15 +35,18 @@ class Memory:
         """Of all processes together. A single worker is the main process itself."""
         return self.main + workers * self.worker - (self.shared if workers == 1 else 0)
 
+    def workers_that_fit(self, limit: float | None, most: int) -> int:
+        """The same, but one where not even that stays within `limit`."""
+        fitting = range(1, most + 1) if limit is None else [n for n in range(1, most + 1) if self.total(n) <= limit]
+        return max(fitting, default=1)
+
     def workers_within(self, limit: float | None, most: int) -> int:
         """The largest number of workers, at most `most`, that stay within `limit` bytes. Raises UsageError if none
         do.
         """
-        if limit is None:
-            return most
-        for workers in range(most, 0, -1):
-            if self.total(workers) <= limit:
-                return workers
+        workers = self.workers_that_fit(limit, most)
+        if limit is None or self.total(workers) <= limit:
+            return workers
         needed = math.ceil(self.total(1) / MIB)
         raise UsageError(f"one worker takes about {needed} MiB, more than --max-memory; a smaller --tile takes less")
 

@@ -15,6 +15,7 @@ from typing import Any, Generic, TypeVar
 
 from sgicodec.device import Device
 from sgicodec.errors import TileFailedError, UsageError
+from sgicodec.executors.available import group_memory, machine_memory
 from sgicodec.executors.executor import TRIES, Executor, Failure, Memory
 from sgicodec.executors.peak import Peaks, own_peak
 from sgicodec.executors.serial import SerialExecutor
@@ -41,8 +42,14 @@ class ProcessExecutor:
         self.peaks = peaks or Peaks()
 
     def within(self, memory: Memory, jobs: int) -> Executor:
-        """As in `Executor`; a single worker is this process."""
-        count = memory.workers_within(self._max_memory, min(self.workers, jobs))
+        """As in `Executor`; a single worker is this process. Without `max_memory`, no more than the machine, or the
+        control group of this process, has memory for.
+        """
+        most = min(self.workers, jobs)
+        if self._max_memory is None:
+            count = memory.workers_that_fit(group_memory() or machine_memory(), most)
+        else:
+            count = memory.workers_within(self._max_memory, most)
         return SerialExecutor() if count == 1 else ProcessExecutor(count, self._max_memory, self.peaks)
 
     def device(self, whole: Device, jobs: int) -> Device:

@@ -56,6 +56,17 @@ def test_opaque_alpha_is_left_out_and_told(sgi: Run, tmp_path: Path, pixels: np.
     assert sgi("encode", source, "--steps", 5, "--quiet", "-f").stderr == ""
 
 
+def test_too_little_memory_in_the_control_group_is_told(
+    sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for limit, told in ((50 << 20, True), (50 << 30, False)):
+        monkeypatch.setattr("sgicodec.cli.encode_listener.group_memory", lambda limit=limit: limit)
+        result = sgi("encode", picture, "--steps", 1, "-f")
+        assert ("MiB, and its control group may have 50; the system may end it" in result.stderr) is told
+        assert result.exit_code == 0
+        assert sgi("encode", picture, "--steps", 1, "-f", "--quiet").stderr == ""
+
+
 def test_out_is_beside_in_and_the_report_is_true(sgi: Run, picture: Path, pixels: np.ndarray) -> None:
     result = sgi("encode", picture, "--steps", 5)
     assert result.exit_code == 0, result.output

@@ -12,6 +12,7 @@ from sanitizer import needs_plain_memory
 
 from sgicodec.cli.limits import DecodeLimits
 from sgicodec.errors import LimitError
+from sgicodec.executors.peak import own_peak
 
 Run = Callable[..., Result]
 ATTACKS = Path(__file__).parents[2] / "data" / "attacks"
@@ -49,6 +50,28 @@ def test_the_system_holds_the_limit() -> None:
         bytearray(100 << 20)
     with pytest.raises(MemoryError), DecodeLimits(None, None).held():
         raise MemoryError
+
+
+def test_what_is_left_of_the_control_group(
+    sgi: Run, stream: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whoever takes more is ended without a word: it is refused before, if nobody says another limit."""
+    left = 20 << 20
+    monkeypatch.setattr("sgicodec.cli.limits.group_memory", lambda: (own_peak() or 0) + left)
+    arguments = ("decode", stream, tmp_path / "a.png", "--scale", "100")
+    assert sgi(*arguments).exit_code == 4
+    assert sgi(*arguments, "--max-memory", "900MiB").exit_code == 0
+    left = 100 << 20
+    assert sgi(*arguments, "-f").exit_code == 0
+
+
+def test_what_writers_hold_counts(sgi: Run, stream: Path, tmp_path: Path) -> None:
+    """The writer of JPEG 2000 takes nine times the samples, and crashes where it does not get them."""
+    limit = ("--scale", "20", "--max-memory", "9MiB")
+    assert sgi("decode", stream, tmp_path / "a.ppm", *limit).exit_code == 0
+    result = sgi("decode", stream, tmp_path / "a.jp2", *limit)
+    assert "960×640 pixels take 18 MiB, more than --max-memory" in result.stderr
+    assert result.exit_code == 4
 
 
 def test_a_stream_that_is_not_sound_gets_no_samples(
