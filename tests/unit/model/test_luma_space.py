@@ -38,6 +38,7 @@ def test_greys_stay_what_they_are() -> None:
 def test_pure_colours_come_back(colour: tuple[int, int, int], channels: str) -> None:
     pixels = np.full((40, 56, len(channels)), 255, np.uint8)
     pixels[..., :3] = colour
+    pixels[0, 0, 3:] = 254  # an alpha that is not left out
     pixels[8:30, 10:33, :3] = 255 - np.array(colour)
     data = encode_picture(Picture(pixels, channels, (0.0, 255.0)), EncodeSettings(quality=90, steps=40)).data
     with open_stream(data) as stream:
