@@ -14,8 +14,9 @@ __all__ = ["ALL_CORES", "ONE_THREAD", "Device", "check_device", "check_room"]
 @dataclass(frozen=True)
 class Device:
     """threads: 0 for one per core. isa: auto, avx512, avx2 or portable. gpu: the number of an NVIDIA GPU that fits what
-    its kernels can (`cuda.choice.device_of` says which there are); None for the processor alone. Raises UsageError for
-    an instruction set that this machine lacks.
+    its kernels can (`cuda.choice.device_of` says which there are), None for the processor alone; with `gpus`, the tiles
+    of a picture take so many in turn, from that one on. Raises UsageError for an instruction set that this machine
+    lacks.
 
     Nothing of it changes what a stream's symbols are when it is decoded; pixels differ between instruction sets by less
     than a level of eight bits. A program makes one where it begins and hands it down to whatever computes.
@@ -24,12 +25,15 @@ class Device:
     threads: int = 0
     isa: str = "auto"
     gpu: int | None = None
+    gpus: int = 1
 
     def __post_init__(self) -> None:
         if isinstance(self.threads, bool) or not isinstance(self.threads, Integral) or self.threads < 0:
             raise UsageError(f"threads {self.threads!r}; 0 (all cores) or more")
         if self.gpu is not None and (isinstance(self.gpu, bool) or not isinstance(self.gpu, Integral) or self.gpu < 0):
             raise UsageError(f"gpu {self.gpu!r}; 0 or more, or None")
+        if isinstance(self.gpus, bool) or not isinstance(self.gpus, Integral) or self.gpus < 1:
+            raise UsageError(f"gpus {self.gpus!r}; 1 or more")
         if self.isa != "auto":
             from sgicodec._native import instruction_set
 
@@ -42,6 +46,10 @@ class Device:
     def cores(self) -> int:
         """How many threads that is."""
         return self.threads or os.cpu_count() or 1
+
+    def of_tile(self, number: int) -> Device:
+        """What computes a tile: one of the GPUs."""
+        return replace(self, gpu=self.gpu + number % self.gpus, gpus=1) if self.gpu is not None else self
 
     def with_threads(self, threads: int) -> Device:
         """The same with another number of threads."""

@@ -161,10 +161,16 @@ inline void compare_tile(const ThreadBlock<THREADS> &block, const RasterArgument
     memory.error[0][t] = sum;
     memory.error[1][t] = weighted;
   });
+  block.each([&](int t) {  // in two stages: a chain of all threads would be long
+    if (t >= 2 * kWarp) return;
+    double sum = 0;
+    for (int i = t % kWarp; i < THREADS; i += kWarp) sum += memory.error[t / kWarp][i];
+    memory.error[t / kWarp][t % kWarp] = sum;
+  });
   block.each([&](int t) {
     if (t >= 2) return;
     double sum = 0;
-    for (int i = 0; i < THREADS; ++i) sum += memory.error[t][i];
+    for (int i = 0; i < kWarp; ++i) sum += memory.error[t][i];
     a.errors[2 * v.tile + t] = sum;
   });
 }

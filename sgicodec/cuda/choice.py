@@ -13,8 +13,8 @@ CHOICES = "auto, cpu, cuda or cuda:N"
 
 
 def device_of(name: str = "auto", threads: int = 0) -> Device:
-    """The device of this name, with as many threads of the processor. `auto` is the first GPU that can be used, else
-    the processor alone.
+    """The device of this name, with as many threads of the processor. `cuda` is all GPUs, of which a picture in one
+    tile takes the first; `auto` is the same if they can be used, else the processor alone.
 
     Raises UsageError for another name; NoDeviceError or MissingExtraError where `cuda` lacks GPU, driver or compiler.
     """
@@ -25,16 +25,16 @@ def device_of(name: str = "auto", threads: int = 0) -> Device:
         return Device(threads)
     try:
         number = int(found[1] or 0)
-        _check(number)
+        count = _usable(number)
     except (SgiError, MemoryError):
         if name != "auto":
             raise
         return Device(threads)
-    return Device(threads, gpu=number)
+    return Device(threads, gpu=number, gpus=1 if found[1] else count)
 
 
-def _check(number: int) -> None:
-    """Raises an error if this GPU cannot be used."""
+def _usable(number: int) -> int:
+    """How many GPUs there are. Raises an error if this one cannot be used."""
     from sgicodec.cuda.gpu import opened
 
-    opened(number)
+    return opened(number).driver.count

@@ -103,14 +103,17 @@ class GpuArray:
         """Where it begins."""
         return self._memory.value or 0
 
-    def upload(self, values: NDArray[Any]) -> None:
-        """Takes the values of an array of this shape and type."""
+    def upload(self, values: NDArray[Any], wait: bool = True) -> None:
+        """Takes the values of an array of this shape and type, which without `wait` stays as it is until the next
+        download.
+        """
         if values.shape != self.shape or values.dtype != self.dtype:
             raise ValueError(f"{values.dtype}{values.shape} is not {self.dtype}{self.shape}")
         if self.bytes:
             whole = np.ascontiguousarray(values)
             self._copy("cuMemcpyHtoDAsync_v2", self._memory, ctypes.c_void_p(whole.ctypes.data))
-            self.gpu.wait()  # the copy must not outlive what it reads
+            if wait:
+                self.gpu.wait()  # the copy must not outlive what it reads
 
     def download(self) -> NDArray[Any]:
         """Its values, after everything that was launched."""

@@ -71,7 +71,7 @@ class TileTask(Generic[Result]):
         """What the task makes of the tile. Raises PictureError where no pixels came."""
         if job.window is None:
             raise PictureError("no pixels came")
-        return self.task(number, job.window, job.start, self.device)
+        return self.task(number, job.window, job.start, self.device.of_tile(number))
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager
+from dataclasses import replace
 from typing import Any, TypeVar
 
 from sgicodec.device import Device
@@ -36,8 +37,10 @@ class Cluster:
         return self
 
     def device(self, whole: Device, jobs: int) -> Device:
-        """As many threads for each job as were asked for, one where none were: a worker runs several jobs at once."""
-        return whole.with_threads(max(1, whole.threads))
+        """As many threads for each job as were asked for, one where none were: a worker runs several jobs at once. Its
+        GPU is the one of that number which it sees.
+        """
+        return replace(whole.with_threads(max(1, whole.threads)), gpus=1)
 
     def run(
         self,

@@ -124,7 +124,8 @@ class DeviceStep:
         self, kind: StepKind, scale: float, level: dict[str, GpuArray], numbers: ctypes.Structure
     ) -> tuple[float, float]:
         """A step against a level of the pyramid: error and bits. One whose pairs have no room is repeated with more."""
-        self._held["numbers"].upload(np.frombuffer(bytes(numbers), np.uint8))
+        told = np.frombuffer(bytes(numbers), np.uint8)
+        self._held["numbers"].upload(told, wait=False)
         while True:
             passes = self._passes_of(scale, level)
             self._launched(kind, scale, passes)

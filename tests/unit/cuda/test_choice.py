@@ -12,17 +12,19 @@ from sgicodec.errors import MissingExtraError, NoDeviceError, UsageError
 
 @pytest.fixture
 def _two_gpus(monkeypatch: pytest.MonkeyPatch) -> None:
-    def check(number: int) -> None:
+    def usable(number: int) -> int:
         if number > 1:
             raise NoDeviceError(f"no GPU {number}: this machine has 2")
+        return 2
 
-    monkeypatch.setattr(choice, "_check", check)
+    monkeypatch.setattr(choice, "_usable", usable)
 
 
 @pytest.mark.usefixtures("_two_gpus")
 def test_names() -> None:
     assert device_of("cpu", 3) == Device(3)
-    assert device_of("auto", 3) == device_of("cuda", 3) == device_of("cuda:0", 3) == Device(3, gpu=0)
+    assert device_of("auto", 3) == device_of("cuda", 3) == Device(3, gpu=0, gpus=2)
+    assert device_of("cuda:0", 3) == Device(3, gpu=0)
     assert device_of("cuda:1") == Device(gpu=1)
     with pytest.raises(NoDeviceError, match="no GPU 2"):
         device_of("cuda:2")
@@ -30,10 +32,10 @@ def test_names() -> None:
 
 @pytest.mark.parametrize("error", [NoDeviceError("no driver"), MissingExtraError("no NVRTC"), MemoryError("full")])
 def test_auto_takes_the_processor_where_cuda_says_why_not(error: Exception, monkeypatch: pytest.MonkeyPatch) -> None:
-    def check(number: int) -> None:
+    def usable(number: int) -> int:
         raise error
 
-    monkeypatch.setattr(choice, "_check", check)
+    monkeypatch.setattr(choice, "_usable", usable)
     assert device_of("auto", 2) == Device(2)
     with pytest.raises(type(error), match=str(error)):
         device_of("cuda")
@@ -49,3 +51,15 @@ def test_other_names(name: str) -> None:
 def test_a_gpu_is_a_number(gpu: object) -> None:
     with pytest.raises(UsageError, match="gpu"):
         Device(gpu=gpu)  # type: ignore[arg-type]
+
+
+def test_tiles_take_gpus_in_turn() -> None:
+    assert [Device(2, gpu=1, gpus=3).of_tile(number) for number in range(4)] == [Device(2, gpu=g) for g in (1, 2, 3, 1)]
+    assert Device(2, gpu=1).of_tile(5) == Device(2, gpu=1)
+    assert Device(2).of_tile(5) == Device(2)
+
+
+@pytest.mark.parametrize("gpus", [0, 1.5, True])
+def test_how_many_gpus_is_a_number(gpus: object) -> None:
+    with pytest.raises(UsageError, match="gpus"):
+        Device(gpu=0, gpus=gpus)  # type: ignore[arg-type]

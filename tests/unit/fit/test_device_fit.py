@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fake_cuda import backwards, only_gpu
+from fake_cuda import backwards, fake_gpu, only_gpu
 
 import sgicodec
 from sgicodec.bitstream.parts.prior import load_prior
@@ -88,6 +88,16 @@ def test_fits_in_several_threads(monkeypatch: pytest.MonkeyPatch) -> None:
         fitted, *_ = done.result()
         for name, values in alone.attributes.items():
             np.testing.assert_array_equal(values, fitted.attributes[name])
+
+
+def test_tiles_take_gpus_in_turn(monkeypatch: pytest.MonkeyPatch) -> None:
+    device, asked = replace(only_gpu(monkeypatch), gpus=2), set()
+    monkeypatch.setattr("sgicodec.fit.trainer.opened", lambda index: asked.add(index) or fake_gpu())
+    pixels = np.clip(smooth_picture(200, 64).transpose(1, 2, 0) * 256, 0, 255).astype(np.uint8)
+    settings = EncodeSettings(steps=4, tile=64, texture=False)
+    first, again = (encode_picture(Picture(pixels, "rgb", (0, 255)), settings, device=device).data for _ in "ab")
+    assert asked == {0, 1}
+    assert first == again
 
 
 def test_seeds_come_and_go(monkeypatch: pytest.MonkeyPatch) -> None:
