@@ -6,9 +6,11 @@ What is imported is what was installed: the tests are copied to where no package
 from __future__ import annotations
 
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import urllib.request
 from pathlib import Path
 
 TESTS = Path(__file__).resolve().parents[1]
@@ -19,6 +21,35 @@ COMMANDS = (
     ("verify", "one.sgi"),
     ("info", "one.sgi"),
 )
+
+
+PAGE = "from sgicodec.server.viewer import viewer_folder as page; assert page().name == 'web'; print(page())"
+
+
+def check_viewing(folder: str, page: Path) -> None:
+    """Has `sgi view` show a stream, and asks for all files of its page."""
+    command = [sys.executable, "-m", "sgicodec", "view", "one.sgi", "--no-browser"]
+    with subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as server:
+        assert server.stdout is not None
+        address = server.stdout.readline().strip().partition("/viewer/?")[0]
+
+        def answer(path: str) -> bytes:
+            with urllib.request.urlopen(f"{address}/{path}") as found:
+                return bytes(found.read())
+
+        try:
+            files = [file for file in page.rglob("*") if file.is_file()]
+            for file in files:
+                if answer(f"viewer/{file.relative_to(page).as_posix()}") != file.read_bytes():
+                    sys.exit(f"sgi view gives another {file}")
+            if answer("files/one.sgi") != Path(folder, "one.sgi").read_bytes():
+                sys.exit("sgi view gives another stream")
+        finally:
+            server.send_signal(signal.SIGINT)
+    if server.returncode or not {"index.html", "renderer.js"} <= {file.name for file in files}:
+        sys.exit(f"sgi view: exit code {server.returncode}, {len(files)} files")
+    decoders = sum(file.suffix == ".wasm" for file in files)
+    print(f"sgi view gives {len(files)} files of its page, {decoders} decoders among them", flush=True)
 
 
 def main() -> int:
@@ -38,9 +69,10 @@ def main() -> int:
             place = python("-c", "import sgicodec; print(sgicodec.__file__)").strip()
             if TESTS.parent / "sgicodec" in Path(place).resolve().parents:
                 sys.exit(f"{place} is the source, not what a wheel installs")
-            python("-c", "from sgicodec.server.viewer import viewer_folder as page; assert page().name == 'web'")
+            page = Path(python("-c", PAGE).strip())
             for command in COMMANDS:
                 python("-m", "sgicodec", *command)
+            check_viewing(folder, page)
             python("-m", "pytest", "-p", "no:cacheprovider", *(f"tests/{name}" for name in CHOSEN))
         except subprocess.CalledProcessError as failed:
             return failed.returncode

@@ -11,8 +11,16 @@ export const ROOT = fileURLToPath(new URL("../../", import.meta.url));
 export const GOLDEN = join(ROOT, "tests/conformance/golden/");
 export const PYTHON = process.env.SGI_PYTHON ?? join(ROOT, ".venv/bin/python");
 
+const known = new Map();
+
 /** What the command draws: {width, height, channels, pixels} of 8 bits. */
 export function decoded(stream, ...options) {
+  const key = [stream, ...options].join(" ");
+  if (!known.has(key)) known.set(key, drawn(stream, ...options));
+  return known.get(key);
+}
+
+function drawn(stream, ...options) {
   const folder = mkdtempSync(join(tmpdir(), "sgi-viewer-"));
   try {
     const target = join(folder, "decoded.png");

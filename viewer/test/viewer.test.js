@@ -74,7 +74,7 @@ test("a large file: the first view reads a small part of it", async (context) =>
   await show(page, 5000, 7000, 1);
   const expected = decoded(join(folder, "mosaic.sgi"), "--region", "5000,7000,300,200");
   assert.ok(farthest(await shot(page, 300, 200), rgba(expected)) <= 1);
-  assert.match(await page.textContent("#bytes"), /MB of 29\.\d MB \(\d+(\.\d+)? %\)/);
+  assert.match(await page.textContent("#bytes"), /MB of \d\d\.\d MB \(\d+(\.\d+)? %\)/);
   await page.context().close();
 });
 
