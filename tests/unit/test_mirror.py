@@ -20,7 +20,7 @@ TESTED_ELSEWHERE = {
     "benchmarks/_cuda_floors": "unit/benchmarks/test_cuda.py",
     "benchmarks/_decode_cases": "unit/benchmarks/test_decode.py",
     "benchmarks/figure": "unit/benchmarks/test_runner.py",
-    "benchmarks/large/*": "unit/benchmarks/test_large.py",
+    "benchmarks/large/*": "unit/benchmarks/large/test_trips.py",
     "benchmarks/profile": "unit/benchmarks/test_speed.py",
     "bitstream/entropy/*": "unit/bitstream/entropy/test_symbol_writer.py",
     "bitstream/parts/predicted_tree": "unit/bitstream/parts/test_predicted_positions.py",

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
 from sgicodec.cli.main import cli
+from sgicodec.device import Device
+from sgicodec.encoder import pipeline as encoder
+from sgicodec.errors import SgiError
 from sgicodec.image import write
 from sgicodec.picture import Picture
 
@@ -66,3 +71,20 @@ def stream(shared: Path, tmp_path: Path) -> Path:
     copy = tmp_path / "scene.sgi"
     copy.write_bytes((shared / "scene.sgi").read_bytes())
     return copy
+
+
+class Stopped(SgiError):
+    """Raised in place of a fit."""
+
+
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    """The settings that reach the encoder, which then does nothing."""
+    seen: dict[str, Any] = {}
+
+    def record(source: object, settings: encoder.EncodeSettings, *, device: Device, **_: object) -> None:
+        seen.update(asdict(settings) | asdict(device))
+        raise Stopped("stopped")
+
+    monkeypatch.setattr(encoder, "encode_picture", record)
+    return seen

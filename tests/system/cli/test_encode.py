@@ -1,11 +1,10 @@
-"""`sgi encode` as a user types it."""
+"""`sgi encode` as a user types it: options, targets and reports."""
 
 from __future__ import annotations
 
 import json
 import re
 from collections.abc import Callable
-from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,35 +14,16 @@ from click.testing import Result
 
 from sgicodec.cli.encode_listener import EncodeListener
 from sgicodec.decoder.stream import open_stream
-from sgicodec.device import Device
 from sgicodec.encoder import pipeline as encoder
-from sgicodec.encoder.encoded import Encoded
-from sgicodec.encoder.tile_encoder import Encoding
-from sgicodec.errors import SgiError
 from sgicodec.image import read, write
 from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Picture
 from sgicodec.profiles.default import lmbda_of_quality
 
 Run = Callable[..., Result]
+
+
 ODD = Path(__file__).parents[2] / "data" / "pictures"
-
-
-class Stopped(SgiError):
-    """Raised in place of a fit."""
-
-
-@pytest.fixture
-def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
-    """The settings that reach the encoder, which then does nothing."""
-    seen: dict[str, Any] = {}
-
-    def record(source: object, settings: encoder.EncodeSettings, *, device: Device, **_: object) -> None:
-        seen.update(asdict(settings) | asdict(device))
-        raise Stopped("stopped")
-
-    monkeypatch.setattr(encoder, "encode_picture", record)
-    return seen
 
 
 def test_opaque_alpha_is_left_out_and_told(sgi: Run, tmp_path: Path, pixels: np.ndarray) -> None:
@@ -242,39 +222,6 @@ def test_paper_profile(sgi: Run, picture: Path) -> None:
     assert (facts["settings"]["per_seed"], facts["settings"]["features"]) == (3, 6)
 
 
-def test_an_existing_output_stays(sgi: Run, picture: Path, asked: dict[str, Any]) -> None:
-    target = picture.with_suffix(".sgi")
-    target.write_bytes(b"old")
-    result = sgi("encode", picture)
-    assert result.exit_code == 6
-    assert result.stderr == f"sgi: {target} exists; give -f to overwrite it\n"
-    assert target.read_bytes() == b"old"
-    assert asked == {}
-
-
-def test_force_overwrites(sgi: Run, picture: Path) -> None:
-    target = picture.with_suffix(".sgi")
-    target.write_bytes(b"old")
-    assert sgi("encode", picture, "-f", "--steps", 2).exit_code == 0
-    assert sgi("verify", target).exit_code == 0
-
-
-def test_failure_leaves_nothing(sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    real = Encoding.encoded
-
-    def damaged(*arguments: Any) -> Encoded:
-        whole = real(*arguments)
-        data = bytearray(whole.data)
-        data[len(data) // 2] ^= 1
-        return replace(whole, data=bytes(data))
-
-    monkeypatch.setattr(Encoding, "encoded", damaged)
-    result = sgi("encode", picture, "--steps", 2)
-    assert result.exit_code == 4
-    assert "wrong CRC" in result.stderr
-    assert [path.name for path in picture.parent.iterdir()] == ["scene.png"]
-
-
 def test_no_verify_does_not_decode(sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(encoder, "open_stream", lambda *_: 1 / 0)
     result = sgi("encode", picture, "--steps", 2, "--no-verify")
@@ -321,143 +268,3 @@ def test_float_range_clips(sgi: Run, shared: Path, tmp_path: Path) -> None:
         pixels = stream.picture().pixels
     assert pixels.min() >= -100
     assert pixels.max() <= 500
-
-
-@pytest.mark.parametrize("name", ["x.sgi", "x.SGI"])
-def test_a_silicon_graphics_picture_needs_an_out(sgi: Run, tmp_path: Path, name: str) -> None:
-    source = tmp_path / name
-    source.write_bytes((ODD / "hopper.sgi").read_bytes())
-    result = sgi("encode", source, "-f", "--steps", 2)
-    assert result.exit_code == 2
-    assert result.stderr == f"sgi: {source} already ends in .sgi; name OUT\n"
-    assert source.read_bytes() == (ODD / "hopper.sgi").read_bytes()
-    assert sgi("encode", source, tmp_path / "out.sgi", "--steps", 2).exit_code == 0
-
-
-def test_the_input_is_never_the_output(sgi: Run, picture: Path) -> None:
-    before = picture.read_bytes()
-    link = picture.with_name("link.png")
-    link.symlink_to(picture)
-    for target in (picture, link):
-        result = sgi("encode", picture, target, "-f")
-        assert result.exit_code == 2
-        assert "both input and output" in result.stderr
-    assert picture.read_bytes() == before
-
-
-@pytest.mark.parametrize("source", ["/", ".", ".."])
-def test_a_folder_is_no_picture(sgi: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, source: str) -> None:
-    monkeypatch.chdir(tmp_path)
-    result = sgi("encode", source, "-f")
-    assert (result.exit_code, result.stderr) == (3, f"sgi: {source}: Is a directory\n")
-
-
-def test_an_empty_name_is_no_file(sgi: Run, picture: Path) -> None:
-    assert sgi("encode", "").exit_code == 3
-    assert sgi("encode", picture, "").exit_code == 2
-
-
-@pytest.mark.parametrize("target", ["nowhere/out.sgi", "."])
-def test_targets_that_cannot_be(sgi: Run, picture: Path, asked: dict[str, Any], target: str) -> None:
-    result = sgi("encode", picture, picture.parent / target)
-    assert result.exit_code == 2
-    assert "folder" in result.stderr
-    assert asked == {}
-
-
-def test_a_full_device(sgi: Run, picture: Path) -> None:
-    if not Path("/dev/full").exists():
-        pytest.skip("this system has no /dev/full")
-    result = sgi("encode", picture, "/dev/full", "--steps", 2)
-    assert result.exit_code == 4
-    assert result.stderr == "sgi: /dev/full: No space left on device\n"
-
-
-@pytest.mark.parametrize("name", ["truncated_jpeg.jpg", "xcsn0g01.png", "README.md", "missing.png", "."])
-def test_unreadable_pictures(sgi: Run, tmp_path: Path, name: str) -> None:
-    result = sgi("encode", ODD / name, tmp_path / "out.sgi")
-    assert result.exit_code == 3
-    assert result.stderr.startswith(f"sgi: {ODD / name}: ")
-    assert result.stderr.count("\n") == 1
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_too_many_channels(sgi: Run, tmp_path: Path) -> None:
-    write(Picture(np.zeros((4, 4, 65), np.uint8), "multi", (0.0, 255.0)), tmp_path / "many.tif")
-    result = sgi("encode", tmp_path / "many.tif")
-    assert result.exit_code == 3
-    assert "at most 64 channels" in result.stderr
-
-
-def test_a_stream_is_no_picture(sgi: Run, stream: Path, tmp_path: Path) -> None:
-    result = sgi("encode", stream, tmp_path / "again.sgi")
-    assert result.exit_code == 3
-    assert "decode it first" in result.stderr
-
-
-@pytest.mark.parametrize("more", [[], ["-f"]])
-def test_a_picture_that_was_matched_as_out_is_never_overwritten(sgi: Run, picture: Path, more: list[str]) -> None:
-    """`sgi encode *.png` in a folder of two pictures."""
-    second = picture.with_name("second.png")
-    second.write_bytes(picture.read_bytes())
-    result = sgi("encode", picture, second, *more)
-    assert result.exit_code == 2
-    assert "second.png would be OUT" in result.stderr
-    assert "--output-dir" in result.stderr
-    assert second.read_bytes() == picture.read_bytes()
-
-
-@pytest.mark.parametrize("name", ["hopper.sgi", "icc_profile.png", "truncated_jpeg.jpg", "la.tga"])
-def test_a_picture_is_known_by_its_content(sgi: Run, picture: Path, name: str) -> None:
-    """Whether it is called a stream, is damaged, or is of a format without a signature."""
-    target = picture.with_name("x.sgi")
-    target.write_bytes((ODD / name).read_bytes())
-    result = sgi("encode", picture, target, "-f")
-    assert result.exit_code == 2
-    assert "it is a picture" in result.stderr
-    assert target.read_bytes() == (ODD / name).read_bytes()
-    assert sgi("encode", picture, "-f").exit_code == 0  # scene.sgi
-
-
-def test_the_default_out_is_no_picture_either(sgi: Run, picture: Path) -> None:
-    beside = picture.with_suffix(".sgi")
-    beside.write_bytes((ODD / "hopper.sgi").read_bytes())
-    result = sgi("encode", picture, "-f")
-    assert result.exit_code == 2
-    assert beside.read_bytes() == (ODD / "hopper.sgi").read_bytes()
-
-
-@pytest.mark.parametrize("name", ["x.bin", "x.png", "x.sgi.bak"])
-def test_out_has_the_suffix_of_streams_or_is_named(sgi: Run, picture: Path, name: str) -> None:
-    target = picture.with_name(name)
-    result = sgi("encode", picture, target)
-    assert result.exit_code == 2
-    assert "does not end in .sgi" in result.stderr
-    assert not target.exists()
-    assert sgi("encode", picture, "-o", target, "--steps", 2).exit_code == 0
-    with open_stream(target) as stream:
-        assert stream.width == 48
-
-
-def test_a_named_out_is_overwritten_with_force_alone(sgi: Run, picture: Path) -> None:
-    target = picture.with_name("second.png")
-    target.write_bytes(picture.read_bytes())
-    assert sgi("encode", picture, "-o", target).exit_code == 6
-    assert sgi("encode", picture, "-o", target, "-f", "--steps", 2).exit_code == 0
-    with open_stream(target) as stream:
-        assert stream.width == 48
-
-
-def test_a_stream_and_what_is_left_of_one_are_overwritten(sgi: Run, picture: Path, stream: Path) -> None:
-    for data in (stream.read_bytes(), stream.read_bytes()[:20], b""):
-        target = picture.with_name("x.sgi")
-        target.write_bytes(data)
-        assert sgi("encode", picture, target, "-f", "--steps", 2).exit_code == 0
-
-
-@pytest.mark.parametrize("command", ["encode", "decode"])
-def test_a_named_out_goes_with_one_in(sgi: Run, picture: Path, stream: Path, command: str) -> None:
-    for more in ([picture.with_name("x.sgi")], ["--output-dir", picture.parent]):
-        result = sgi(command, picture if command == "encode" else stream, *more, "-o", picture.with_name("y.sgi"))
-        assert result.exit_code == 2
-        assert "one IN" in result.stderr

@@ -1,0 +1,113 @@
+"""libsgi as other programs find it: built, installed, linked to; the example in C."""
+
+from __future__ import annotations
+
+import ctypes
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from library import ROOT, Info, Library, Options, View
+from PIL import Image
+
+import sgicodec
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not shutil.which("cmake") or not shutil.which("cc"), reason="needs cmake and a C compiler"),
+]
+
+
+GOLDEN = sorted((ROOT / "tests" / "conformance" / "golden").glob("*.sgi"))
+
+
+HEADER = ROOT / "include" / "sgi.h"
+
+
+def golden(name: str) -> bytes:
+    return next(path for path in GOLDEN if path.stem == name).read_bytes()
+
+
+@pytest.mark.skipif(not shutil.which("pkg-config"), reason="needs pkg-config")
+@pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
+def test_the_example_draws_golden_streams(path: Path, decoder: Path, tmp_path: Path) -> None:
+    """What it writes is what `sgi decode` does."""
+    out = tmp_path / "out.ppm"
+    for options in [], ["0.6"]:
+        subprocess.run([decoder, path, out, *options], check=True)
+        shown = np.atleast_3d(np.asarray(Image.open(out)))
+        with sgicodec.open(path) as stream:
+            expected = stream.picture(size=(shown.shape[1], shown.shape[0]), dtype="uint8").pixels
+        np.testing.assert_array_equal(shown, expected[..., : shown.shape[2]])
+
+
+def test_the_example_says_what_is_wrong(decoder: Path, tmp_path: Path) -> None:
+    damaged = tmp_path / "damaged.sgi"
+    damaged.write_bytes(golden("rgb8")[:-1])
+    done = subprocess.run([decoder, damaged, tmp_path / "out.ppm"], capture_output=True, text=True)
+    assert done.returncode == 1
+    assert (
+        done.stderr == f"{damaged}: the file ends inside chunk E at byte {len(golden('rgb8')) - 6}; it was cut short\n"
+    )
+    assert subprocess.run([decoder], capture_output=True).returncode == 2
+
+
+@pytest.mark.parametrize("compiler", [["cc", "-x", "c", "-std=c99"], ["c++", "-x", "c++", "-std=c++11"]])
+def test_the_header_compiles_alone(compiler: list[str], tmp_path: Path) -> None:
+    source = tmp_path / "use"
+    source.write_text('#include "sgi.h"\nint main(void) { return sgi_version()[0] == 0; }\n')
+    command = [*compiler, "-pedantic", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", f"-I{HEADER.parent}", source]
+    subprocess.run(command, check=True)
+
+
+def test_cmake_finds_it(prefix: Path, tmp_path: Path) -> None:
+    (tmp_path / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.18)\nproject(user C)\nfind_package(sgi 0.1 REQUIRED)\n"
+        f"add_executable(user {ROOT / 'examples' / 'decode.c'})\ntarget_link_libraries(user sgi::sgi)\n"
+    )
+    build = tmp_path / "build"
+    subprocess.run(["cmake", "-S", tmp_path, "-B", build, f"-DCMAKE_PREFIX_PATH={prefix}"], check=True)
+    subprocess.run(["cmake", "--build", build], check=True)
+    assert subprocess.run([build / "user"]).returncode == 2
+
+
+def test_nothing_else_is_seen_from_outside(prefix: Path) -> None:
+    listed = subprocess.run(
+        ["nm", "-D", "--defined-only", prefix / "lib" / "libsgi.so"], capture_output=True, text=True, check=True
+    )
+    declared = set(re.findall(r"^SGI_API [^(]*?\b(sgi_\w+)\(", HEADER.read_text(), re.MULTILINE))
+    assert {line.split()[-1] for line in listed.stdout.splitlines()} == declared
+    assert len(declared) >= 12
+
+
+def test_it_needs_neither_python_nor_zlib(prefix: Path) -> None:
+    told = subprocess.run(["ldd", prefix / "lib" / "libsgi.so"], capture_output=True, text=True, check=True).stdout
+    assert "libstdc++" in told
+    assert not re.search(r"python|libz\.|nanobind", told)
+
+
+def test_versions_agree(library: Library) -> None:
+    version = library.c.sgi_version().decode()
+    assert version == re.search(r'^version = "(.*)"', (ROOT / "pyproject.toml").read_text(), re.MULTILINE)[1]  # type: ignore[index]
+    stated = dict(re.findall(r"#define SGI_VERSION_(\w+) (\d+)", HEADER.read_text()))
+    assert version.split(".")[:2] == [stated["MAJOR"], stated["MINOR"]]
+
+
+def test_the_layout_of_structures_is_that_of_the_first_version(library: Library, tmp_path: Path) -> None:
+    """Fields may be added behind the last one; these stay where they are."""
+    source = tmp_path / "layout.c"
+    lines = ["#include <sgi.h>", "#include <stdio.h>", "int main(void) {"]
+    kinds = {"sgi_options": Options, "sgi_info": Info, "sgi_view": View}
+    for name, kind in kinds.items():
+        lines.append(f'  printf("%zu\\n", sizeof({name}));')
+        lines += [f'  printf("%zu\\n", offsetof({name}, {field[0]}));' for field in kind._fields_]
+    source.write_text("\n".join([*lines, "  return 0;", "}"]))
+    subprocess.run(["cc", f"-I{HEADER.parent}", source, "-o", tmp_path / "layout"], check=True)
+    told = subprocess.run([tmp_path / "layout"], capture_output=True, text=True, check=True).stdout.split()
+    expected = []
+    for kind in kinds.values():
+        expected += [ctypes.sizeof(kind), *(getattr(kind, field[0]).offset for field in kind._fields_)]
+    assert [int(number) for number in told] == expected

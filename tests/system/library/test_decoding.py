@@ -1,0 +1,198 @@
+"""libsgi draws and refuses what Python does."""
+
+from __future__ import annotations
+
+import ctypes
+import shutil
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+from library import ROOT, SAMPLES, SIZE_UNKNOWN, Library, LibraryError, Options, Proceed
+from mutate import mutated
+
+import sgicodec
+from sgicodec.errors import CorruptStreamError, LimitError, SgiError, UnsupportedStreamError
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not shutil.which("cmake") or not shutil.which("cc"), reason="needs cmake and a C compiler"),
+]
+
+
+GOLDEN = sorted((ROOT / "tests" / "conformance" / "golden").glob("*.sgi"))
+
+
+METADATA = {"icc": 0, "exif": 1, "xmp": 2, "geo": 3}
+
+
+STATUS_OF = {CorruptStreamError: "corrupt", UnsupportedStreamError: "unsupported", LimitError: "limit"}
+
+
+def golden(name: str) -> bytes:
+    return next(path for path in GOLDEN if path.stem == name).read_bytes()
+
+
+@pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
+def test_it_tells_and_draws_what_python_does(path: Path, library: Library) -> None:
+    handle, info = library.open(path.read_bytes()), library.open(path.read_bytes()).info()
+    with sgicodec.open(path) as stream:
+        header = stream.header
+        assert (info.width, info.height, info.channels) == (stream.width, stream.height, header.spec.channels)
+        assert SAMPLES[info.sample] == header.sample_type
+        np.testing.assert_array_equal([info.low, info.high], np.array(header.sample_range, np.float32))
+        assert (info.tiles, info.tile_size) == (stream.grid.count, header.tile)
+        assert info.has_nodata == (header.masked == "nodata")
+        assert (info.has_overview, info.file_bytes) == (stream.has_overview, path.stat().st_size)
+        assert [handle.level(level) for level in range(info.levels)] == [tuple(level[:2]) for level in stream.levels]
+        for name, kind in METADATA.items():
+            assert handle.metadata(kind) == getattr(stream.metadata, name)
+        assert handle.verify() == stream.symbol_crc
+        for dtype in SAMPLES:
+            whole = handle.draw(sample=SAMPLES.index(dtype))
+            np.testing.assert_array_equal(whole, stream.picture(dtype=dtype).pixels)
+        x, y, width, height = min(5, info.width - 1), 0, max(1, info.width // 2 - 5), max(1, info.height // 3)
+        for scale in (0.4, 1, 2.5):
+            expected = stream.picture((x, y, width, height), scale=scale).pixels
+            rows, columns = expected.shape[:2]
+            size = {"x": x, "y": y, "width": width, "height": height, "columns": columns, "rows": rows}
+            np.testing.assert_array_equal(handle.draw(padding=3, **size), expected)
+        beyond = stream.picture((-3, -2, width + 9, height + 9), boundless=True).pixels
+        size = {"x": -3, "y": -2, "width": width + 9, "height": height + 9}
+        np.testing.assert_array_equal(handle.draw(boundless=1, **size), beyond)
+
+
+def test_a_fraction_of_a_pixel_moves_the_picture(library: Library) -> None:
+    """A region may begin between pixels: a view twice as fine has every second pixel of it."""
+    handle = library.open(golden("rgb8"))
+    fine = handle.draw(x=10, y=10, width=20, height=20, columns=40, rows=40, sample=2)
+    moved = handle.draw(x=10.25, y=10.25, width=19.5, height=19.5, columns=39, rows=39, sample=2)
+    np.testing.assert_allclose((fine[:-1, :-1] + fine[1:, 1:]) / 2, moved, atol=5e-4)
+    assert np.abs(fine[:39, :39] - moved).max() > 2e-3
+
+
+def test_sources_are_read_as_they_can_be(library: Library) -> None:
+    data = golden("rgb8-tiles")
+    expected = library.open(data).draw()
+    reads: list[tuple[int, int]] = []
+
+    def read(offset: int, count: int) -> bytes:
+        reads.append((offset, count))
+        return data[offset : offset + min(count, 1000)]  # fewer than it was asked for, as a pipe does
+
+    np.testing.assert_array_equal(library.open_callback(read, len(data)).draw(), expected)
+    assert max(offset + count for offset, count in reads) <= len(data)
+    reads.clear()
+    np.testing.assert_array_equal(library.open_callback(read, SIZE_UNKNOWN).draw(), expected)
+    offsets = [offset for offset, _ in reads]
+    assert offsets == sorted(offsets)
+
+
+@pytest.mark.parametrize("returned", [-1, -(2**63), 2**62])
+@pytest.mark.parametrize("after", [0, 1, 3])
+def test_a_callback_that_fails_is_an_error_of_the_source(library: Library, returned: int, after: int) -> None:
+    data = golden("rgb8-tiles")
+    calls = []
+
+    def read(offset: int, count: int) -> bytes | int:
+        calls.append(offset)
+        return data[offset : offset + count] if len(calls) <= after else returned
+
+    with pytest.raises(LibraryError, match=r"reading failed at byte \d+") as caught:
+        library.open_callback(read, len(data)).draw()
+    assert caught.value.status == "source"
+
+
+def test_a_file_that_shrinks_is_an_error_of_the_source(library: Library) -> None:
+    data = golden("rgb8-tiles")
+    with pytest.raises(LibraryError, match="reading failed") as caught:
+        library.open_callback(lambda offset, count: data[: len(data) // 2][offset : offset + count], len(data)).draw()
+    assert caught.value.status == "source"
+
+
+def test_a_call_can_be_stopped(library: Library) -> None:
+    data, calls = golden("rgb8-tiles"), []
+
+    def proceed(_: int) -> int:
+        calls.append(threading.get_ident())
+        return len(calls) < stop
+
+    stop = 10**9
+    options = Options(ctypes.sizeof(Options), 0, 0, Proceed(proceed), None)
+    expected = library.open(data, options).draw()
+    assert len(calls) >= 2
+    assert set(calls) == {threading.get_ident()}
+    calls.clear()
+    stop = 2
+    handle = library.open(data, options)
+    with pytest.raises(LibraryError, match="stopped") as caught:
+        handle.draw()
+    assert caught.value.status == "stopped"
+    stop = 10**9
+    np.testing.assert_array_equal(handle.draw(), expected)
+
+
+@pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
+def test_a_tile_takes_no_more_than_it_may(path: Path, library: Library) -> None:
+    """Enough changes nothing; too little is told, and less than that, too."""
+    data = path.read_bytes()
+
+    def draw(tile_bytes: int) -> np.ndarray:
+        return library.open(data, Options(ctypes.sizeof(Options), tile_bytes=tile_bytes)).draw()
+
+    expected = draw(0)
+    for enough in (1 << 30, 2**64 - 1):
+        np.testing.assert_array_equal(draw(enough), expected)
+    for little in (1, 1000):
+        with pytest.raises(LibraryError) as caught:
+            draw(little)
+        assert caught.value.status == "limit"
+
+
+@pytest.mark.parametrize(
+    ("name", "tile_bytes", "text"),
+    [
+        ("rgb8", 1 << 8, "base layer: values are 72; a tile holds at most 10"),
+        ("rgb8", 1 << 20, "positions: more than 330 seeds"),
+        ("rgb8-predicted-seeds", 1 << 20, "positions: more than 330 seeds"),
+        ("rgb8-texture", 1 << 18, "samples with texture are 73728; a tile holds at most"),
+    ],
+)
+def test_what_takes_too_much_is_named(library: Library, name: str, tile_bytes: int, text: str) -> None:
+    with pytest.raises(LibraryError, match=text):
+        library.open(golden(name), Options(ctypes.sizeof(Options), tile_bytes=tile_bytes)).draw()
+
+
+def outcome_in_python(data: bytes) -> tuple[str, str] | np.ndarray:
+    try:
+        with sgicodec.open(data) as stream:
+            if stream.width * stream.height * stream.header.spec.channels > 1 << 22:
+                return "large", ""
+            return stream.picture().pixels
+    except SgiError as error:
+        return STATUS_OF[type(error)], str(error)
+
+
+def outcome_in_c(library: Library, data: bytes) -> tuple[str, str] | np.ndarray:
+    try:
+        return library.open(data).draw()
+    except LibraryError as error:
+        return error.status, str(error)
+
+
+def test_damaged_streams_are_told_as_in_python(library: Library) -> None:
+    """The same samples, or the same kind of error with the same words."""
+    streams, rng, seen = [path.read_bytes() for path in GOLDEN], np.random.default_rng(3), set()
+    for _ in range(150):
+        data = mutated(streams[int(rng.integers(len(streams)))], streams, rng)
+        expected = outcome_in_python(data)
+        if isinstance(expected, tuple) and expected[0] == "large":
+            continue
+        seen.add(expected[0] if isinstance(expected, tuple) else "ok")
+        found = outcome_in_c(library, data)
+        if isinstance(expected, tuple) or isinstance(found, tuple):
+            assert found == expected
+        else:
+            np.testing.assert_array_equal(found, expected)
+    assert seen >= {"ok", "corrupt", "limit"}
