@@ -30,6 +30,21 @@ void for_each_row(const View &view, const TileRect &r, int channels, Row row) {
           r.col1 - r.col0);
 }
 
+// Pixels of a tile, all 0. Rows begin where cache lines do, so that aligned vectors do not cross them.
+class TileBuffer {
+ public:
+  explicit TileBuffer(int channels) : held_(channels * kTilePlane + kLine) {}
+  float *data() {
+    const auto at = reinterpret_cast<uintptr_t>(held_.data());
+    return held_.data() + (-at / sizeof(float)) % kLine;
+  }
+
+ private:
+  static constexpr size_t kLine = 64 / sizeof(float);
+  static_assert(kTileStride % kLine == 0);
+  std::vector<float> held_;
+};
+
 }  // namespace
 
 Rasterizer::Rasterizer(Isa isa, int threads, int64_t most_pairs)
@@ -51,7 +66,7 @@ float *Rasterizer::partials_for(int64_t slots, int channels) {
 void Rasterizer::forward(const Gaussians &g, const View &view, float cutoff, float *image) {
   bin_gaussians(g.means, g.covariances, g.count, view, cutoff, threads_, bins_);
   parallel_for(int64_t(view.tiles_x()) * view.tiles_y(), threads_, [&](int64_t tile) {
-    std::vector<float> buffer(g.channels * kTilePlane, 0.0f);
+    TileBuffer buffer(g.channels);
     const TileRect r = tile_rect(view, tile);
     const int64_t begin = bins_.tile_start[tile];
     kernel_.forward(bins_.entries.data() + begin, bins_.tile_start[tile + 1] - begin, bins_.splats.data(), g.colours,
@@ -67,7 +82,7 @@ void Rasterizer::draw(const Gaussians &g, const View &view, float cutoff, const 
   bin_gaussians(g.means, g.covariances, g.count, view, cutoff, threads_, bins_);
   const auto finish = kernel_for<FinishKernel>(isa_).finish;
   parallel_for(int64_t(view.tiles_x()) * view.tiles_y(), threads_, [&](int64_t tile) {
-    std::vector<float> buffer(g.channels * kTilePlane, 0.0f);
+    TileBuffer buffer(g.channels);
     const TileRect r = tile_rect(view, tile);
     const int64_t begin = bins_.tile_start[tile];
     kernel_.forward(bins_.entries.data() + begin, bins_.tile_start[tile + 1] - begin, bins_.splats.data(), g.colours,
@@ -81,7 +96,7 @@ void Rasterizer::backward(const Gaussians &g, const View &view, const float *gra
     throw std::invalid_argument("backward must follow a forward pass of the same Gaussians and view");
   float *partials = partials_for(pairs(), g.channels);
   parallel_for(int64_t(view.tiles_x()) * view.tiles_y(), threads_, [&](int64_t tile) {
-    std::vector<float> buffer(g.channels * kTilePlane, 0.0f);
+    TileBuffer buffer(g.channels);
     const TileRect r = tile_rect(view, tile);
     const int64_t begin = bins_.tile_start[tile];
     for_each_row(view, r, g.channels,
@@ -98,7 +113,7 @@ void Rasterizer::differentiate(const Gaussians &g, const View &view, float cutof
   bin_gaussians(g.means, g.covariances, g.count, view, cutoff, threads_, bins_);
   float *partials = partials_for(pairs(), g.channels);
   parallel_for(int64_t(view.tiles_x()) * view.tiles_y(), threads_, [&](int64_t tile) {
-    std::vector<float> buffer(g.channels * kTilePlane, 0.0f);
+    TileBuffer buffer(g.channels);
     const TileRect r = tile_rect(view, tile);
     const int64_t begin = bins_.tile_start[tile], n = bins_.tile_start[tile + 1] - begin;
     const Entry *entries = bins_.entries.data() + begin;
