@@ -3,11 +3,13 @@
 Weights of a short fit ([texture_share.py](texture_share.py)) say where seeds begin to show a picture. Once the fit
 itself knows what they show, texture is weighed against them in each root cell of the texture layer: over all of its
 seeds, over fewer and over none. The cheapest stays, squared error plus λ times bits. Over all and none texture is
-searched; in between the estimate of its cost is corrected by what the search found there.
+searched; in between the estimate of its cost is corrected by what the search found there. The search over all seeds
+begins a little ahead, over what they leave then: beside the fit, which goes on.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -21,14 +23,17 @@ from sgicodec.model.texture_symbols import roots_of
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Trainer
 
-__all__ = ["HANDOVER", "Handover"]
+__all__ = ["HANDOVER", "LOOK_AHEAD", "Handover"]
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+Offsets = tuple[F64, F64]
 
 HANDOVER = 0.4
 """Fraction of a fit after which seeds are handed over: those that stay have time to fill in."""
+LOOK_AHEAD = 0.3
+"""Fraction of a fit after which texture is searched over what seeds leave: beside the fit, where there are cores."""
 SHARES = (0.0, 0.6, 1.0)
 """Of a root's seeds, the faintest first: what is tried without them."""
 _NEAR = 1.0
@@ -37,12 +42,22 @@ _LEAST = 1e-9
 """Added to costs, so that they have a logarithm."""
 
 
+def _offsets(texture: TextureCosts, left: F32) -> Offsets:
+    """Logarithms of what the search finds over all seeds, which leave `left`, and over none, less those of the
+    estimates.
+    """
+    pairs = ((texture.over(left), left), (texture.without_seeds, texture.target))
+    all_, none = (np.log((_LEAST + cost) / (_LEAST + texture.estimated_over(some))) for cost, some in pairs)
+    return all_, none
+
+
 @dataclass(frozen=True)
 class Handover:
-    """The choice for one fit, which is to the target of `texture`."""
+    """The choice for one fit, which is to the target of `texture`. ahead: what `offsets_ahead` gave earlier."""
 
     trainer: Trainer
     texture: TextureCosts
+    ahead: Callable[[], Offsets] | None = None
 
     def run(self) -> None:
         """Drops the seeds that texture shows for less, and makes the errors of roots without seeds count least."""
@@ -84,12 +99,22 @@ class Handover:
         return np.asarray(np.exp(found) + self.texture.lmbda * sums.reshape(found.shape), np.float64)
 
     @cached_property
-    def _offsets(self) -> tuple[F64, F64]:
-        """Logarithms of what the search finds over all seeds and over none, less those of the estimates."""
+    def _offsets(self) -> Offsets:
+        return self.ahead() if self.ahead is not None else _offsets(self.texture, self._left_by_all)
+
+    def offsets_ahead(self) -> Callable[[], Offsets]:
+        """What corrects estimates, over what all seeds leave now; a thread of its own begins to search for it."""
+        self.trainer.fetch()
         texture, left = self.texture, self._left_by_all
-        pairs = ((texture.over(left), left), (texture.without_seeds, texture.target))
-        all_, none = (np.log((_LEAST + cost) / (_LEAST + texture.estimated_over(some))) for cost, some in pairs)
-        return all_, none
+        if texture.device.cores == 1:
+            found = _offsets(texture, left)
+            return lambda: found
+        from concurrent.futures import ThreadPoolExecutor
+
+        beside = ThreadPoolExecutor(1)
+        coming = beside.submit(_offsets, texture, left)
+        beside.shutdown(wait=False)
+        return coming.result
 
     def _left(self, kept: Mask) -> F32:
         """What these seeds [N] leave of the target."""

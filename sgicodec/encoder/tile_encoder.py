@@ -22,14 +22,13 @@ from sgicodec.encoder.candidate import Candidate, candidate_of, written
 from sgicodec.encoder.coded_samples import coded_samples
 from sgicodec.encoder.encoded import Encoded
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.texture_handover import HANDOVER, Handover
+from sgicodec.encoder.texture_handover import HANDOVER, LOOK_AHEAD, Handover
 from sgicodec.encoder.texture_share import EXACT_STEPS, TextureCosts, seed_share, seed_weights
 from sgicodec.encoder.texture_tuning import TUNINGS, TextureTuning
 from sgicodec.encoder.tile_time import TileTime
 from sgicodec.fit.base_layer import base_layer
 from sgicodec.metrics.choices import DISTORTIONS
 from sgicodec.metrics.distortion import QuadraticReference, Reference, mean_weight
-from sgicodec.metrics.perceptual import ssimulacra2
 from sgicodec.metrics.psnr import psnr
 from sgicodec.model.context import input_count
 from sgicodec.model.layout import ROOT_LOG, SeedLayout, adaptive_layout, cell_sums, uniform_layout
@@ -140,14 +139,17 @@ class Encoding:
 
     def _run(self, trainer: Trainer, on_progress: Callable[[Progress], bool] | None) -> Fitted:
         """All phases of a fit, in the course of which seeds hand over to texture."""
-        hands_over = self.spec.texture and self.fit.steps >= EXACT_STEPS
+        hands_over, ahead = self.spec.texture and self.fit.steps >= EXACT_STEPS, None
         for progress in trainer.iterate():
             if on_progress is not None and not on_progress(progress):
                 break
-            if hands_over and trainer.schedule.done >= HANDOVER:
+            done = trainer.schedule.done if hands_over else 0.0
+            if done >= LOOK_AHEAD and ahead is None and self.time.can_scout:
+                ahead = Handover(trainer, self.texture_costs).offsets_ahead()
+            if done >= HANDOVER:
                 hands_over = False
-                if self.time.can_scout:
-                    Handover(trainer, self.texture_costs).run()
+                if ahead is not None:
+                    Handover(trainer, self.texture_costs, ahead).run()
                     if trainer.weights is not None:
                         self.__dict__["seed_reference"] = QuadraticReference(trainer.weights)
         return trainer.result()
@@ -234,6 +236,8 @@ class Encoding:
             shown = np.array(True) if self.empty is None else ~self.empty[..., None]
             quality = psnr(*(np.where(shown, comparable(p), 0) for p in (self.picture, decoded)))
         else:
+            from sgicodec.metrics.perceptual import ssimulacra2
+
             score = ssimulacra2(*(to_rgb8(picture) for picture in (self.picture, decoded)))
         return encoded, Measured(len(encoded.data), quality, score)
 

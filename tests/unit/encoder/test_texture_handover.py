@@ -10,7 +10,7 @@ import pytest
 from half_texture import half_texture
 
 from sgicodec.bitstream.parts.prior import load_prior
-from sgicodec.device import ALL_CORES
+from sgicodec.device import ALL_CORES, Device
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.texture_handover import HANDOVER, Handover
@@ -142,3 +142,12 @@ def test_seeds_of_several_gaussians_leave_with_all_of_them() -> None:
     layout = part.candidate(part.fitted(None)).model.layout
     assert len(layout) >= 1
     assert (layout.centre[:, 0] < 48).mean() < 0.2
+
+
+def test_the_stream_does_not_depend_on_what_runs_beside_the_fit() -> None:
+    part = encoding(half_texture(64, 96))
+    streams = []
+    for threads in (1, 2):
+        part = Encoding(part.picture, part.plan, time.monotonic(), Device(threads))
+        streams.append(part.run(None).data)
+    assert streams[0] == streams[1]
