@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import sys
-import tempfile
 import time
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -18,7 +17,6 @@ from sgicodec.cli.progress import Mode
 from sgicodec.cli.report import Report, print_report
 from sgicodec.encoder.checkpoint import Checkpoint
 from sgicodec.errors import EncodeInterruptedError, StreamError, TargetMissedError, UsageError
-from sgicodec.executors.dask import open_cluster
 from sgicodec.executors.executor import MIB
 from sgicodec.executors.peak import own_peak
 from sgicodec.executors.processes import ProcessExecutor
@@ -139,6 +137,8 @@ def _executor(job: Job, source: Source, stack: ExitStack) -> Executor | None:
         return ProcessExecutor(job.device.cores, job.max_memory)
     if count == 1:
         return None
+    from sgicodec.executors.dask import open_cluster
+
     if job.send_pixels or job.source_at is not None:
         return stack.enter_context(open_cluster(job.cluster, job.source_at))
     if job.source == STANDARD or not Path(job.source).is_file():
@@ -150,4 +150,6 @@ def _part(job: Job, stack: ExitStack) -> Path:
     """Where finished tiles are kept: beside OUT, or for a moment where there is none."""
     if job.target != STANDARD:
         return Path(os.path.realpath(job.target) + ".part")
+    import tempfile
+
     return Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="sgicodec-"))) / "part"

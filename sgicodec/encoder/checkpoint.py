@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import sqlite3
 import zlib
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
@@ -71,6 +70,8 @@ class Checkpoint:
             yield from self._opened(fingerprint)
 
     def _opened(self, fingerprint: Callable[[], bytes]) -> Iterator[Checkpoint]:
+        import sqlite3
+
         if self.path.exists() and not self._resume:
             if not self._force:
                 text = "holds an encode that was interrupted; --resume goes on, -f starts over"

@@ -7,7 +7,6 @@ placed and texture shows what they leave; edges and smooth ground keep theirs.
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -131,6 +130,8 @@ def seed_weights(spec: ModelSpec, fit: FitSettings, costs: TextureCosts, family:
     """Weights [H, W] up to 1 of the seeds' squared errors in the target of `costs`; None where all are 1."""
     target, lmbda = costs.target, costs.lmbda
     fit, exact = replace(fit, lmbda=SCOUT_SHARE * lmbda), fit.steps >= EXACT_STEPS
+    from concurrent.futures import ThreadPoolExecutor
+
     device, busy = costs.device, int(exact and costs.device.cores > 1)
     with ThreadPoolExecutor(1) as beside:
         if busy:

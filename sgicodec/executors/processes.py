@@ -8,10 +8,7 @@ import signal
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from multiprocessing import get_context
-from multiprocessing.connection import Connection, wait
-from multiprocessing.process import BaseProcess
-from typing import Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from sgicodec.device import Device
 from sgicodec.errors import TileFailedError, UsageError
@@ -19,6 +16,10 @@ from sgicodec.executors.available import group_memory, machine_memory
 from sgicodec.executors.executor import TRIES, Executor, Failure, Memory
 from sgicodec.executors.peak import Peaks, own_peak
 from sgicodec.executors.serial import SerialExecutor
+
+if TYPE_CHECKING:
+    from multiprocessing.connection import Connection
+    from multiprocessing.process import BaseProcess
 
 __all__ = ["ProcessExecutor"]
 
@@ -88,6 +89,8 @@ class _Pool(Generic[Job, Result]):
     def __init__(
         self, task: Callable[[int, Job], Result], count: int, peaks: Peaks, make_ready: Callable[[], None] | None
     ) -> None:
+        from multiprocessing import get_context
+
         self._task, self._make_ready, self._context = task, make_ready, get_context("spawn")
         self._peaks = peaks
         self._workers = [self._start() for _ in range(count)]
@@ -100,6 +103,8 @@ class _Pool(Generic[Job, Result]):
         return _Worker(process, here)
 
     def run(self, numbers: Iterable[int], job_of: Callable[[int], Job]) -> Iterator[tuple[int, Result]]:
+        from multiprocessing.connection import wait
+
         waiting, failures = deque(numbers), Counter[int]()
         while waiting or any(worker.tile is not None for worker in self._workers):
             for worker in self._workers:

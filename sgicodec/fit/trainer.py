@@ -5,17 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.cuda.gpu import opened
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.errors import require
 from sgicodec.fit.adam import Adam
 from sgicodec.fit.context_weights import ContextWeights
 from sgicodec.fit.densification import worthwhile_cells
-from sgicodec.fit.device_fit import DeviceFit
 from sgicodec.fit.fused_step import FusedStep
 from sgicodec.fit.parameters import GradientStep, Parameters, learning_rate_of
 from sgicodec.fit.pyramid import levels_of
@@ -30,6 +29,9 @@ from sgicodec.model.steps import StepPlan, default_plan, quality_index
 from sgicodec.profiles.fit_settings import SLOWED, FitSettings, Phase
 from sgicodec.raster.cpu import NativeRasterizer
 from sgicodec.rate_control.lambda_controller import LambdaController
+
+if TYPE_CHECKING:
+    from sgicodec.fit.device_fit import DeviceFit
 
 __all__ = ["Fitted", "Progress", "Trainer"]
 
@@ -220,8 +222,12 @@ class Trainer:
 
     def _device_fit(self, family: int, device: Device) -> DeviceFit | None:
         """The fit on the GPU that was asked for, if its kernels have this model and loss."""
-        known = family and self.settings.loss == "squared" and DeviceFit.can_run(self.spec)
-        if device.gpu is None or not known:
+        if device.gpu is None:
+            return None
+        from sgicodec.cuda.gpu import opened
+        from sgicodec.fit.device_fit import DeviceFit
+
+        if not (family and self.settings.loss == "squared" and DeviceFit.can_run(self.spec)):
             return None
         gpu, seed = opened(device.gpu), self.settings.seed
         return DeviceFit(self.spec, seed, gpu, self.parameters, self.adam, self.raster.cutoff)

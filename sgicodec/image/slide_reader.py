@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import struct
-from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -139,6 +138,8 @@ def _on(image: Any, background: str) -> npt.NDArray[np.uint8]:
 
 def _resolution(microns: list[str | None]) -> bytes | None:
     """The `geo` blob of pixels of this size."""
+    from fractions import Fraction
+
     try:
         ratios = [Fraction(_MICRONS) / Fraction(value or "0") for value in microns]
     except (ValueError, ZeroDivisionError):

@@ -76,5 +76,5 @@ def backwards() -> Iterator[None]:
 
 def only_gpu(monkeypatch: pytest.MonkeyPatch) -> Device:
     """A device with the fake GPU, which whoever opens GPU 0 gets."""
-    monkeypatch.setattr("sgicodec.fit.trainer.opened", lambda index: fake_gpu())
+    monkeypatch.setattr("sgicodec.cuda.gpu.opened", lambda index: fake_gpu())
     return Device(threads=1, gpu=0)
