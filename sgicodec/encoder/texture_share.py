@@ -49,9 +49,9 @@ SCOUT_SPLIT = 6.0
 """Its `FitSettings.split`: in so few steps, seeds of larger cells come nearer to what they can be."""
 POSITION_BITS = 3.5
 """What the place of a seed adds to its bits."""
-FULL, FULL_ESTIMATED, POWER, LEAST = 0.8, 0.74, 3.0, 1 / 32
+FULL, FULL_ESTIMATED, POWER, LEAST = 0.5, 0.74, 3.0, 1 / 32
 """ρ of the short fit from which seeds count in full, searched and estimated, how fast they count less below it, and the
-least.
+least. Where texture is searched, seeds are handed over later, so that a fit may begin with more of them.
 """
 EXACT_STEPS = 500
 """Of a fit that is worth searches for texture instead of an estimate of its cost."""

@@ -12,7 +12,8 @@ __all__ = ["WeightedSquaredError"]
 
 
 class WeightedSquaredError:
-    """Σ w e², w = (σ² + 10⁻³)^−½ / 20, with σ² the variance of luma in the window of 11×11 pixels around a pixel.
+    """Σ w e², w = ((σ² + 10⁻³) / 0.0025)^−¼, with σ² the variance of luma in the window of 11×11 pixels around a
+    pixel.
 
     Windows end where the picture or tile ends: a tile that overlaps its neighbours by 5 pixels or more has the weights
     of the whole picture wherever it alone is shown. Empty pixels weigh as little as the busiest pixel could.
@@ -25,12 +26,14 @@ class WeightedSquaredError:
         variance = local_variance(luma(picture.transpose(1, 2, 0), peak=1.0) / 255.0)
         if empty is not None:
             variance[empty] = _MOST_VARIANCE
-        return QuadraticReference(np.asarray(_SCALE * (variance + _FLOOR) ** -0.5, np.float32))
+        return QuadraticReference(np.asarray(((variance + _FLOOR) / _USUAL) ** _POWER, np.float32))
 
 
 _FLOOR = 1e-3
 """Variance below which pixels count as flat, samples²: a standard deviation of 8 levels of 255."""
 _MOST_VARIANCE = 0.25
 """Of samples in 0..1: half of them 0, half 1."""
-_SCALE = 1 / 20
-"""Makes the mean weight about 1: without it, 21.2 over 49 photographs, from 11.1 to 31.5."""
+_USUAL, _POWER = 0.0025, -0.25
+"""The variance, floor included, where an error counts 1, and the power: the mean weight of 26 photographs is 0.89, from
+0.65 to 1.13. Texture shows what is busy, so that the power is half of what serves seeds that are alone.
+"""

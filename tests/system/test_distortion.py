@@ -33,7 +33,7 @@ def test_each_distortion_costs_least_where_it_is_minimised(picture: Picture) -> 
     weights = {name: distortion.reference(unit).weights for name, distortion in DISTORTIONS.items()}
     costs: dict[str, dict[str, float]] = {}
     for made_for in DISTORTIONS:
-        data = encode_picture(picture, EncodeSettings(lmbda=LMBDA, steps=150, distortion=made_for, texture=False)).data
+        data = encode_picture(picture, EncodeSettings(lmbda=LMBDA, steps=300, distortion=made_for, texture=False)).data
         decoded = open_stream(data).picture()
         costs[made_for] = {
             name: squared_error(picture, decoded, weights[name]) + LMBDA * 8 * len(data) for name in DISTORTIONS

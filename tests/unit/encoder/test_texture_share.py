@@ -35,12 +35,13 @@ def encoding(pixels: np.ndarray, channels: Any = "rgb", **settings: Any) -> Enco
     return Encoding(picture, plan, time.monotonic())
 
 
-@pytest.mark.parametrize("effort", [1, 5])
-def test_texture_counts_little_and_lines_count_much(effort: int) -> None:
+@pytest.mark.parametrize(("effort", "most"), [(1, 0.15), (5, 0.25)])
+def test_texture_counts_little_and_lines_count_much(effort: int, most: float) -> None:
+    """At effort 5 seeds of texture count more at first, since they are handed over later."""
     weights = encoding(half_texture(), effort=effort).seed_reference.weights
     assert weights is not None
     assert weights.shape == (128, 256)
-    assert weights[:, :96].max() < 0.15
+    assert weights[:, :96].max() < most
     assert weights[:, 160:].mean() > max(0.35, 8 * weights[:, :96].mean())
     assert weights[:, 160:].max() > 0.8
 

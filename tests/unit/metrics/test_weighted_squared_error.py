@@ -32,15 +32,15 @@ def test_weights_are_those_of_the_windows(channels: int) -> None:
     for y in range(40):
         for x in range(31):
             window = luma[max(0, y - 5) : y + 6, max(0, x - 5) : x + 6]
-            assert weights[y, x] == pytest.approx((np.var(window) + 1e-3) ** -0.5 / 20, rel=1e-5)
+            assert weights[y, x] == pytest.approx(((np.var(window) + 1e-3) / 0.0025) ** -0.25, rel=1e-5)
 
 
 def test_flat_pixels_count_most_and_empty_ones_least() -> None:
     flat, empty = np.full((3, 20, 20), 0.3, np.float32), np.zeros((20, 20), bool)
     empty[3:5] = True
     weights = weights_of(flat, empty)
-    np.testing.assert_allclose(weights[~empty], 1e-3**-0.5 / 20, rtol=1e-6)
-    np.testing.assert_allclose(weights[empty], 0.251**-0.5 / 20, rtol=1e-6)
+    np.testing.assert_allclose(weights[~empty], 0.4**-0.25, rtol=1e-6)
+    np.testing.assert_allclose(weights[empty], 100.4**-0.25, rtol=1e-6)
     loud = np.where(np.indices((20, 20)).sum(0) % 2, 1.0, 0.0).astype(np.float32)[None]
     assert weights_of(loud).min() >= weights[empty].max() - 1e-6
 
