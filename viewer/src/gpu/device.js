@@ -44,19 +44,22 @@ export class Device {
   /** Whether programs are compiled; asking does not wait where the browser can tell. */
   get isReady() {
     const { gl, parallel } = this;
+    if (this.compiled) return true;
     const done = ({ program }) => gl.getProgramParameter(program, parallel.COMPLETION_STATUS_KHR);
-    this.compiled ||= !parallel || [...this.programs.values()].every(done);
-    return this.compiled;
+    if (parallel && ![...this.programs.values()].every(done)) return false;
+    // Now, since every question waits until the GPU has done all that it was told before.
+    for (const [name, entry] of this.programs) entry.places = this.placesOf(name, entry.program);
+    this.compiled = true;
+    return true;
   }
 
   /** Chooses a program and sets its uniforms: numbers, arrays of 2 to 4, {unit, texture}, {integers}. */
   use(name, uniforms) {
     const { gl } = this;
-    const entry = this.programs.get(name);
-    entry.places ??= this.placesOf(name, entry.program);
-    gl.useProgram(entry.program);
+    const { program, places } = this.programs.get(name);
+    gl.useProgram(program);
     for (const [key, value] of Object.entries(uniforms)) {
-      const place = entry.places.get(key);
+      const place = places.get(key);
       if (place === undefined) continue; // one that this program does not need
       if (value.texture !== undefined) {
         gl.activeTexture(gl.TEXTURE0 + value.unit);

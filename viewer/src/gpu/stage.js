@@ -39,7 +39,12 @@ export class Stage {
     if (this.mode === "cpu" || (this.mode === "auto" && this.isSlow) || this.isLost) return null;
     this.make();
     if (!this.made) return null;
-    if (this.made.isReady) return this.made;
+    try {
+      if (this.made.isReady) return this.made;
+    } catch (error) {
+      this.fail(error);
+      return null;
+    }
     this.timer ||= setTimeout(() => {
       this.timer = 0;
       this.changed();
