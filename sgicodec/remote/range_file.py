@@ -6,6 +6,7 @@ import io
 import os
 from collections import OrderedDict
 from collections.abc import Callable, Iterable
+from itertools import islice
 from typing import Any
 
 __all__ = ["BLOCK", "RangeFile"]
@@ -80,12 +81,12 @@ class RangeFile(io.RawIOBase):
 
     def expect(self, ranges: Iterable[Span]) -> None:
         """Fetches at once what is missing of ranges (first byte, number of bytes) that are read next."""
-        missing: set[int] = set()
-        for offset, count in ranges:
-            last = min(offset + count, self._size) - 1
-            missing.update(range(offset // BLOCK, last // BLOCK + 1))
-            if len(missing) > _KEPT // 2:
-                break
+        numbers = (
+            number
+            for offset, count in ranges
+            for number in range(offset // BLOCK, (min(offset + count, self._size) - 1) // BLOCK + 1)
+        )
+        missing = set(islice(numbers, _KEPT // 2))
         runs: list[list[int]] = []
         for number in sorted(missing - self._blocks.keys()):
             if runs and number - runs[-1][-1] <= _GAP + 1:
