@@ -1,4 +1,4 @@
-// The C interface: arguments are checked, exceptions become a status and a text.
+// The C interface: arguments are checked.
 #include <sgi.h>
 
 #include <algorithm>
@@ -7,13 +7,14 @@
 #include <cstring>
 #include <locale>
 #include <memory>
-#include <new>
 #include <optional>
 #include <sstream>
 #include <string>
 
 #include "base/error.hpp"
 #include "bitstream/container.hpp"
+#include "capi/callback_source.hpp"
+#include "capi/status.hpp"
 #include "decoder/stream.hpp"
 
 struct sgi_stream {
@@ -25,66 +26,16 @@ namespace {
 
 using sgi::Error;
 using sgi::Fault;
+using sgi::capi::CallbackSource;
+using sgi::capi::guarded;
+using sgi::capi::misuse;
+using sgi::capi::require;
+using sgi::capi::Stopped;
 
 constexpr size_t kMostStruct = 4096;  // bytes; more is a size that was never set
 constexpr int kMostThreads = 1024;
 constexpr double kFarthest = double(int64_t(1) << 30);  // pixels from the picture's corner
 constexpr int64_t kMostSamples = int64_t(1) << 31;      // of one call
-
-struct Stopped {};
-
-thread_local char last_text[512];  // no string, which threads would have to free when the library is unloaded
-
-void set_text(const char *text) {
-  size_t size = std::min(std::strlen(text), sizeof last_text - 1);
-  if (text[size])
-    while (size && (text[size] & 0xC0) == 0x80) --size;  // no half characters
-  std::memcpy(last_text, text, size);
-  last_text[size] = 0;
-}
-
-sgi_status fail(sgi_status status, const char *text) {
-  set_text(text);
-  return status;
-}
-
-sgi_status status_of(Fault fault) {
-  switch (fault) {
-    case Fault::usage: return SGI_ERROR_USAGE;
-    case Fault::region: return SGI_ERROR_REGION;
-    case Fault::corrupt: return SGI_ERROR_CORRUPT;
-    case Fault::unsupported: return SGI_ERROR_UNSUPPORTED;
-    case Fault::limit: return SGI_ERROR_LIMIT;
-    case Fault::source: return SGI_ERROR_SOURCE;
-  }
-  return SGI_ERROR_INTERNAL;
-}
-
-// Runs a body; what it throws becomes a status.
-template <class Body>
-sgi_status guarded(const Body &body) noexcept {
-  last_text[0] = 0;
-  try {
-    body();
-    return SGI_OK;
-  } catch (const Error &error) {
-    return fail(status_of(error.fault), error.what());
-  } catch (const Stopped &) {
-    return fail(SGI_ERROR_STOPPED, "the call was stopped");
-  } catch (const std::bad_alloc &) {
-    return fail(SGI_ERROR_MEMORY, "the system has no memory left");
-  } catch (const std::exception &error) {
-    return fail(SGI_ERROR_INTERNAL, error.what());
-  } catch (...) {
-    return fail(SGI_ERROR_INTERNAL, "a failure without a text");
-  }
-}
-
-[[noreturn]] void misuse(const std::string &text) { throw Error(Fault::usage, text); }
-
-void require(bool ok, const char *text) {
-  if (!ok) misuse(text);
-}
 
 // Up to the last fields of the first version, 0.1: a program may know no later one.
 constexpr size_t kLeastOptions = offsetof(sgi_options, tile_bytes) + sizeof(sgi_options::tile_bytes);
@@ -120,38 +71,6 @@ void give(T *wanted, T found, size_t least, const char *name) {
   std::memset(static_cast<void *>(wanted), 0, found.struct_size);
   std::memcpy(static_cast<void *>(wanted), &found, std::min(found.struct_size, sizeof found));
 }
-
-// Reads by the caller's function.
-class CallbackSource : public sgi::ByteSource {
- public:
-  CallbackSource(sgi_read read, void *user, uint64_t size) : read_(read), user_(user), size_(size) {}
-
-  std::optional<uint64_t> size() override {
-    return size_ == SGI_SIZE_UNKNOWN ? std::nullopt : std::optional<uint64_t>(size_);
-  }
-
-  size_t read(uint64_t offset, uint8_t *out, size_t count) override {
-    if (size_ != SGI_SIZE_UNKNOWN) count = size_t(std::min<uint64_t>(count, size_ - std::min(size_, offset)));
-    size_t found = 0;
-    while (found < count) {
-      const int64_t more = read_(user_, offset + found, out + found, count - found);
-      if (more < 0 || uint64_t(more) > count - found) fail_at(offset + found);
-      if (!more) break;
-      found += size_t(more);
-    }
-    if (size_ != SGI_SIZE_UNKNOWN && found < count) fail_at(offset + found);
-    return found;
-  }
-
- private:
-  [[noreturn]] static void fail_at(uint64_t offset) {
-    throw Error(Fault::source, "reading failed at byte " + std::to_string(offset));
-  }
-
-  const sgi_read read_;
-  void *const user_;
-  const uint64_t size_;
-};
 
 sgi::DecoderSettings settings_of(const sgi_options *given) {
   sgi::DecoderSettings settings;
@@ -272,7 +191,7 @@ sgi_status sgi_open(sgi_read read, void *user, uint64_t size, const sgi_options 
 
 void sgi_close(sgi_stream *stream) { delete stream; }
 
-const char *sgi_error(void) { return last_text; }
+const char *sgi_error(void) { return sgi::capi::last_text; }
 
 const char *sgi_status_text(sgi_status status) {
   switch (int(status)) {
