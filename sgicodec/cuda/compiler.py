@@ -32,16 +32,24 @@ class Resources(NamedTuple):
 
 
 class Compiler:
-    """NVRTC from the extra `cuda`, else from a toolkit. Raises MissingExtraError where there is neither."""
+    """NVRTC from the extra `cuda`, else from a toolkit, of no later major version than `most`, the driver's. Raises
+    MissingExtraError where there is none.
+    """
 
-    def __init__(self) -> None:
+    def __init__(self, most: int = 1 << 30) -> None:
+        later = ""
         for name in (*_packaged(), *_NAMES):
             try:
                 self._library = ctypes.CDLL(str(name))
             except OSError:
                 continue
             self._library.nvrtcGetErrorString.restype = ctypes.c_char_p
-            return
+            if int(self.version.split(".")[0]) <= most:
+                return
+            later = self.version
+        if later:
+            need = f"NVRTC {later} is later than the driver's CUDA {most}: update the driver"
+            raise MissingExtraError(f"{need}, or pip install nvidia-cuda-nvrtc-cu{most}")
         raise MissingExtraError("CUDA needs NVRTC: pip install 'sgicodec[cuda]'")
 
     @property
@@ -95,10 +103,12 @@ class Compiler:
             raise SgiError(f"{name}: {self._library.nvrtcGetErrorString(status).decode()}")
 
 
-def compiled(architecture: int, folder: Path | None = None) -> bytes:
-    """The kernels for an architecture, from the cache in `folder` if they are there, else compiled into it."""
+def compiled(architecture: int, most: int, folder: Path | None = None) -> bytes:
+    """The kernels for an architecture and a driver of CUDA `most`, from the cache in `folder` if they are there, else
+    compiled into it.
+    """
     folder = _cache_folder() if folder is None else folder
-    compiler = the_compiler()
+    compiler = the_compiler(most)
     name = sources.digest(f"{compiler.version} sm_{architecture} {_OPTIONS}")
     path = folder / f"{name[:32]}.cubin"
     try:
@@ -111,9 +121,9 @@ def compiled(architecture: int, folder: Path | None = None) -> bytes:
 
 
 @cache
-def the_compiler() -> Compiler:
-    """The compiler, loaded once in each process: it takes a tenth of a second."""
-    return Compiler()
+def the_compiler(most: int = 1 << 30) -> Compiler:
+    """The compiler for a driver, loaded once in each process: it takes a tenth of a second."""
+    return Compiler(most)
 
 
 def _packaged() -> list[Path]:

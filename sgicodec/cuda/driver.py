@@ -64,6 +64,11 @@ class Driver:
         self.call(name, first, ctypes.byref(found))
         return found
 
+    @property
+    def cuda(self) -> int:
+        """The major version of CUDA that it knows."""
+        return self._number("cuDriverGetVersion") // 1000
+
     def name(self, index: int) -> str:
         """What the GPU is called."""
         text = ctypes.create_string_buffer(128)

@@ -165,4 +165,4 @@ def of_thread(index: int, thread: int) -> Gpu:
     """That of a thread, which a later thread of this number takes over."""
     driver = the_driver()
     driver.context(index)
-    return Gpu(driver, index, compiled(driver.capability(index)))
+    return Gpu(driver, index, compiled(driver.capability(index), driver.cuda))

@@ -30,7 +30,7 @@ def test_a_fit_on_the_gpu_that_is_there(
     sgi: Run, picture: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     fake_driver()
-    monkeypatch.setattr(gpu, "compiled", lambda architecture: b"for no machine")
+    monkeypatch.setattr(gpu, "compiled", lambda architecture, most: b"for no machine")
     streams = {}
     for name, device in {"a": "cuda", "b": "cuda:0", "auto": "auto", "cpu": "cpu"}.items():
         result = sgi("encode", picture, tmp_path / name, "--steps", 20, "--device", device)

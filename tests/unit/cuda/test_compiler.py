@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -71,28 +73,28 @@ class Pretended:
 
 def test_the_cache_holds_what_was_compiled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pretended = Pretended()
-    monkeypatch.setattr(compiler, "the_compiler", lambda: pretended)
+    monkeypatch.setattr(compiler, "the_compiler", lambda most: pretended)
     for architecture in (80, 90, 80, 90):
-        assert compiled(architecture, tmp_path / "new") == b"code %d" % architecture
+        assert compiled(architecture, 13, tmp_path / "new") == b"code %d" % architecture
     assert pretended.asked == [80, 90]
     pretended.version = "13.1"
-    compiled(80, tmp_path / "new")
+    compiled(80, 13, tmp_path / "new")
     assert pretended.asked == [80, 90, 80]
 
 
 def test_a_folder_that_cannot_be_written_costs_time_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "file").write_text("in the way")
     pretended = Pretended()
-    monkeypatch.setattr(compiler, "the_compiler", lambda: pretended)
+    monkeypatch.setattr(compiler, "the_compiler", lambda most: pretended)
     for _ in range(2):
-        assert compiled(75, tmp_path / "file" / "cache") == b"code 75"
+        assert compiled(75, 13, tmp_path / "file" / "cache") == b"code 75"
     assert pretended.asked == [75, 75]
 
 
 def test_the_cache_is_where_caches_are(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(compiler, "the_compiler", Pretended)
+    monkeypatch.setattr(compiler, "the_compiler", lambda most: Pretended())
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    compiled(75)
+    compiled(75, 13)
     assert [path.suffix for path in (tmp_path / "sgicodec" / "cuda").iterdir()] == [".cubin"]
 
 
@@ -109,3 +111,25 @@ def test_without_nvrtc(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(compiler, "_NAMES", ("libno-such-library.so.1",))
     with pytest.raises(MissingExtraError, match=r"pip install 'sgicodec\[cuda\]'"):
         Compiler()
+
+
+class Library:
+    """NVRTC of a version."""
+
+    def __init__(self, name: str) -> None:
+        self.major = int(name.rpartition(".")[2])
+        self.nvrtcGetErrorString = ctypes.CFUNCTYPE(ctypes.c_char_p, ctypes.c_int)(lambda status: b"")
+
+    def nvrtcVersion(self, major: Any, minor: Any) -> int:
+        major._obj.value, minor._obj.value = self.major, 4
+        return 0
+
+
+def test_the_driver_must_know_what_is_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The latest that it knows; a message where all are later."""
+    monkeypatch.setattr(compiler, "_packaged", list)
+    monkeypatch.setattr(compiler, "_NAMES", ("libnvrtc.so.13", "libnvrtc.so.12"))
+    monkeypatch.setattr(ctypes, "CDLL", Library)
+    assert [Compiler(most).version for most in (14, 13, 12)] == ["13.4", "13.4", "12.4"]
+    with pytest.raises(MissingExtraError, match=r"NVRTC 12.4 is later than the driver's CUDA 11: .*nvrtc-cu11$"):
+        Compiler(11)

@@ -41,6 +41,7 @@ def test_what_there_is() -> None:
     fake_driver()
     found = Driver()
     assert (found.count, found.name(0), found.capability(0)) == (1, "no GPU, but this processor", 90)
+    assert found.cuda == 13
     assert found.context(0).value
     with pytest.raises(NoDeviceError, match="no GPU 1: this machine has 1"):
         found.context(1)

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from fake_cuda import fake_gpu
 from scenes import random_scene
 
 from sgicodec.device import ONE_THREAD, Device
@@ -24,6 +25,15 @@ def test_back_ends_agree(scale: float, origin: tuple[int, int]) -> None:
     assert native.shape == reference.shape == (3, 40, 60)
     np.testing.assert_allclose(native, reference, atol=3e-5 * np.abs(SCENE[2]).sum())
     np.testing.assert_allclose(native, reference, atol=2e-4)
+
+
+def test_a_gpu_draws_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sgicodec.cuda.gpu.opened", lambda index: fake_gpu())
+    cpu, gpu = (
+        rasterize(*SCENE, 60, 40, scale=0.7, cutoff=6.0, device=device) for device in (ONE_THREAD, Device(1, gpu=0))
+    )
+    np.testing.assert_allclose(gpu, cpu, atol=1e-4)
+    assert not np.array_equal(gpu, cpu)  # another order of sums
 
 
 def test_the_origin_is_in_pixels_of_the_scaled_picture() -> None:
