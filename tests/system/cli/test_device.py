@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from fake_cuda import fake_driver
+from children import HANGS
+from fake_cuda import fake_driver, library
+from sanitizer import needs_plain_memory
 
 from sgicodec.cuda import compiler, driver, gpu
 
@@ -64,3 +69,17 @@ def test_what_is_missing(
     for name, device in (("auto", "auto"), ("cpu", "cpu")):
         assert sgi("encode", picture, tmp_path / name, "--steps", 3, "--device", device).exit_code == 0
     assert np.array_equal(*((tmp_path / name).read_bytes() for name in ("auto", "cpu")))
+
+
+@pytest.mark.slow
+def test_processes_compile_load_and_agree(picture: Path, tmp_path: Path) -> None:
+    """As a user has it, with NVRTC and its cache, but for the driver; one process and two make the same bytes."""
+    needs_plain_memory()
+    pytest.importorskip("nvidia", reason="no NVRTC: pip install nvidia-cuda-nvrtc")
+    environment = os.environ | {"LD_LIBRARY_PATH": str(library().parent), "XDG_CACHE_HOME": str(tmp_path)}
+    options = ["--device", "cuda", "--tile", "32", "--steps", "10", "--no-texture"]
+    for workers in ("1", "2"):
+        command = [sys.executable, "-m", "sgicodec", "encode", picture, tmp_path / workers, "-j", workers, *options]
+        subprocess.run(command, env=environment, check=True, timeout=HANGS)
+    assert (tmp_path / "1").read_bytes() == (tmp_path / "2").read_bytes()
+    assert len(list((tmp_path / "sgicodec" / "cuda").iterdir())) == 1

@@ -92,7 +92,7 @@ def test_fits_in_several_threads(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_tiles_take_gpus_in_turn(monkeypatch: pytest.MonkeyPatch) -> None:
     device, asked = replace(only_gpu(monkeypatch), gpus=2), set()
-    monkeypatch.setattr("sgicodec.fit.trainer.opened", lambda index: asked.add(index) or fake_gpu())
+    monkeypatch.setattr("sgicodec.cuda.gpu.opened", lambda index: asked.add(index) or fake_gpu())
     pixels = np.clip(smooth_picture(200, 64).transpose(1, 2, 0) * 256, 0, 255).astype(np.uint8)
     settings = EncodeSettings(steps=4, tile=64, texture=False)
     first, again = (encode_picture(Picture(pixels, "rgb", (0, 255)), settings, device=device).data for _ in "ab")
