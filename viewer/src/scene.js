@@ -19,7 +19,7 @@ export class Scene extends EventTarget {
     this.split = 0.5; // where the second picture begins, of the canvas's width
     this.ellipses = null; // {key, shapes, count, total} while they are shown; total null: too many to read
     this.showsEllipses = false;
-    this.drawnBy = ""; // "GPU", "CPU" or both
+    this.drawnBy = ""; // the streams: "GPU", "CPU" or "GPU, CPU"
     this.frame = this.timer = 0;
     this.watcher = new ResizeObserver((entries) => this.resize(entries.at(-1)));
     try {
@@ -180,8 +180,9 @@ export class Scene extends EventTarget {
       else layer.draw(context, this.cameraOf(number));
       context.restore();
     }
-    const kinds = plans.flatMap((plan) => (plan ? ["GPU", ...(plan.missing.length ? ["CPU"] : [])] : ["CPU"]));
-    this.drawnBy = [...new Set(kinds)].sort().reverse().join(" and ");
+    const streams = plans.filter((_, number) => this.layers[number].decoder.info.kind === "stream");
+    const kinds = streams.flatMap((plan) => [...(plan ? ["GPU"] : []), ...(plan?.missing.length === 0 ? [] : ["CPU"])]);
+    this.drawnBy = [...new Set(kinds)].sort().reverse().join(", ") || "CPU";
     if (this.showsEllipses && this.ellipses) drawEllipses(context, camera, this.ellipses);
     this.dispatchEvent(new Event("drawn"));
   }

@@ -187,7 +187,7 @@ test("a damaged tile: the others are drawn, and a sentence", async () => {
   const page = await opened("scratched");
   await show(page, 0, 0, 4);
   assert.match(await message(page), /damaged/);
-  assert.equal(await drawnBy(page), "GPU and CPU");
+  assert.equal(await drawnBy(page), "GPU, CPU");
   const expected = rgba(decoded(join(folder, "rgb8-tiles-texture.sgi"), "--region", "0,0,40,100", "--scale", 4));
   assert.ok(farthest(await shot(page, 160, 400), expected) <= 1);
   assert.deepEqual(page.errors, []);

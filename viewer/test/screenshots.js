@@ -12,7 +12,7 @@ const server = await serve(folders);
 const browser = await launch();
 
 async function picture(name, query, colorScheme, prepare) {
-  const page = await pageOf(browser, `${server.address}/?${query}`, { viewport: SIZE, colorScheme });
+  const page = await pageOf(browser, `${server.address}/?draw=gpu&${query}`, { viewport: SIZE, colorScheme });
   await settled(page);
   await page.mouse.move(500, 300);
   await prepare?.(page);
