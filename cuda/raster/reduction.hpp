@@ -1,6 +1,6 @@
 // Sums over the tiles: gradients of Gaussians from the moments of their pairs, errors from those of the tiles.
 #pragma once
-#include "cuda/raster/tiles.hpp"
+#include "cuda/raster/tile_memory.hpp"
 #include "raster/moments.hpp"
 
 namespace sgi {

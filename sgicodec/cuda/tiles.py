@@ -18,7 +18,7 @@ MOST_CHANNELS = 4
 """The kernels are compiled for 1 to 4 channels."""
 
 _SIZES = {**sources.constants("cuda/raster/tiling.hpp"), **sources.constants("cuda/raster/binning.hpp")}
-_SIZES |= sources.constants("cuda/raster/tiles.hpp")
+_SIZES |= sources.constants("cuda/raster/tile_memory.hpp")
 TILE_WIDTH, TILE_HEIGHT = _SIZES["kTileColumns"], _SIZES["kTileRows"]
 MOMENTS, DIGIT_BITS = _SIZES["kPairMoments"], _SIZES["kDigitBits"]
 SORT_THREADS, TILE_THREADS = _SIZES["kSortThreads"], _SIZES["kTileThreads"]

@@ -46,6 +46,25 @@ def test_no_includes_are_circular() -> None:
     assert len(list(TopologicalSorter(LAYERS).static_order())) == len(LAYERS)
 
 
+KERNELS = {"base": set(), "raster": {"base"}, "fit": {"base"}}
+"""Folders of cuda/ that each of them may include."""
+USED = {"base", "model", "raster", "fit"}
+"""Folders of native/ that run on a GPU."""
+CUDA = sorted(path.relative_to(NATIVE.parent).as_posix() for path in NATIVE.parent.glob("cuda/*/*.hpp"))
+
+
+@pytest.mark.parametrize("source", CUDA)
+def test_kernels_include_what_lies_below(source: str) -> None:
+    """Their own folders, the arguments, and the headers of native/ that a GPU runs."""
+    folder = source.split("/")[1]
+    names = set(re.findall(r'^#include "([^"]+)"', (NATIVE.parent / source).read_text("utf-8"), re.MULTILINE))
+    ours = {name for name in names if name.startswith("cuda/")} - {"cuda/arguments.hpp"}
+    assert ours <= set(CUDA)
+    assert {name.split("/")[1] for name in ours} - {folder} <= KERNELS[folder]
+    assert {name.split("/")[0] for name in names if not name.startswith("cuda/")} <= USED
+    assert {name for name in names if not name.startswith("cuda/")} <= set(SOURCES)
+
+
 def test_only_bindings_know_python() -> None:
     users = [source for source in SOURCES if "nanobind" in (NATIVE / source).read_text("utf-8")]
     assert users

@@ -9,7 +9,7 @@ from sgicodec.cuda import sources
 
 def test_the_digest_follows_every_file(monkeypatch: pytest.MonkeyPatch) -> None:
     files = sources._all_of("cuda/kernels.cu")
-    assert {"cuda/kernels.cu", "cuda/raster/tiles.hpp", "model/gaussians.hpp", "cmath"} <= files.keys()
+    assert {"cuda/kernels.cu", "cuda/raster/tile_forward.hpp", "model/gaussians.hpp", "cmath"} <= files.keys()
     before = sources.digest("a")
     assert before == sources.digest("a") != sources.digest("b")
     monkeypatch.setattr(sources, "_all_of", lambda path: files | {"model/gaussians.hpp": "another"})

@@ -1,0 +1,102 @@
+// Gaussians onto the pixels of a tile, and the pixels compared with the target.
+#pragma once
+#include "cuda/raster/tile_memory.hpp"
+
+namespace sgi {
+namespace {
+
+// Whether the ellipse reaches the sub-tile at `corner`.
+inline bool reaches(const TileSplat &s, const TileView &v, Place corner) {
+  const float lo = v.top + float(corner.row) - s.y, hi = lo + float(kSubHeight - 1);
+  if (lo > s.ellipse.ry || hi < -s.ellipse.ry) return false;
+  float left, right;
+  s.ellipse.extent(lo, hi, left, right);
+  const float from = v.left + float(corner.column) - s.x, margin = 0.01f;
+  return from <= right + margin && from + float(kSubWidth - 1) >= left - margin;
+}
+
+template <int C>
+struct Pixels {
+  float value[kSubTiles][C];
+};
+
+// Adds the Gaussians of a tile to the pixels of every thread.
+template <int C, int THREADS>
+inline void draw_tile(const ThreadBlock<THREADS> &block, const RasterArguments &a, const TileView &v,
+                      TileMemory<C> &memory, PerThread<Pixels<C>, THREADS> &pixels) {
+  const int begin = a.tile_start[v.tile], end = a.tile_start[v.tile + 1];
+  const float least = least_exponent(a.cutoff);
+  PerThread<bool, THREADS> hit;
+  PerThread<uint32_t, THREADS> mask;
+  block.each([&](int t) {
+    for (int q = 0; q < kSubTiles; ++q)
+      for (int c = 0; c < C; ++c) pixels[t].value[q][c] = 0.0f;
+  });
+  for (int at = begin; at < end; at += kStaged) {
+    const int staged = end - at < kStaged ? end - at : kStaged;
+    block.each([&](int t) {
+      if (t < staged) stage<C>(a, at + t, memory.splat[t]);
+    });
+#pragma unroll
+    for (int q = 0; q < kSubTiles; ++q)
+      for (int some = 0; some < staged; some += kWarp) {
+        block.each_of_warp([&](int t) {
+          const int i = some + t % kWarp;
+          hit[t] = i < staged && reaches(memory.splat[i].s, v, corner_of(t, q));
+        });
+        block.ballot(hit, mask);
+        block.each_of_warp([&](int t) {
+          const Place p = pixel_of(t, q);
+          const float x = v.left + float(p.column), y = v.top + float(p.row);
+          for (uint32_t left = mask[t]; left; left &= left - 1) {
+            const StagedSplat<C> &g = memory.splat[some + lowest_bit(left)];
+            const float power = exponent_at(g.s, x - g.s.x, y - g.s.y);
+            const float height = power >= least ? exp2v(power) : 0.0f;
+            for (int c = 0; c < C; ++c) pixels[t].value[q][c] += height * g.colour[c];
+          }
+        });
+      }
+    block.each([](int) {});
+  }
+}
+
+inline int64_t sample_at(const RasterArguments &a, const TileView &v, Place p, int channel) {
+  return (int64_t(channel) * a.height + v.y + p.row) * a.width + v.x + p.column;
+}
+
+// Turns drawn pixels into dL/dI in shared memory, and leaves the tile's squared error without and with weights.
+template <int C, int THREADS>
+inline void compare_tile(const ThreadBlock<THREADS> &block, const RasterArguments &a, const TileView &v,
+                         TileMemory<C> &memory, PerThread<Pixels<C>, THREADS> &pixels) {
+  block.each([&](int t) {
+    double sum = 0, weighted = 0;
+    for (int q = 0; q < kSubTiles; ++q) {
+      const Place p = pixel_of(t, q);
+      const bool visible = is_visible(v, p);
+      const float weight = a.weights && visible ? a.weights[int64_t(v.y + p.row) * a.width + v.x + p.column] : a.weight;
+      for (int c = 0; c < C; ++c) {
+        const float error = visible ? pixels[t].value[q][c] - a.target[sample_at(a, v, p, c)] : 0.0f;
+        memory.slope[c][p.row][p.column] = 2.0f * weight * error;
+        sum += error * error;
+        weighted += weight * error * error;
+      }
+    }
+    memory.error[0][t] = sum;
+    memory.error[1][t] = weighted;
+  });
+  block.each([&](int t) {  // in two stages: a chain of all threads would be long
+    if (t >= 2 * kWarp) return;
+    double sum = 0;
+    for (int i = t % kWarp; i < THREADS; i += kWarp) sum += memory.error[t / kWarp][i];
+    memory.error[t / kWarp][t % kWarp] = sum;
+  });
+  block.each([&](int t) {
+    if (t >= 2) return;
+    double sum = 0;
+    for (int i = 0; i < kWarp; ++i) sum += memory.error[t][i];
+    a.errors[2 * v.tile + t] = sum;
+  });
+}
+
+}  // namespace
+}  // namespace sgi
