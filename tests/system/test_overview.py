@@ -122,7 +122,7 @@ def test_regions_at_small_scales_lie_where_they_should(coded: Encoded) -> None:
     shown = stream.render(region, size=(12, 11))
     all_of_it = exact.render(region, size=(12, 11))
     aside = exact.render((53, 21, 200, 180), size=(12, 11))
-    assert np.square(shown - all_of_it).mean() < 0.3 * np.square(shown - aside).mean()
+    assert np.square(shown - all_of_it).mean() < 0.4 * np.square(shown - aside).mean()
 
 
 @pytest.mark.parametrize("region", [None, (37, 21, 200, 180)])
