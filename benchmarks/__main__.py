@@ -16,7 +16,7 @@ BENCHMARKS = {
     "decode": ("benchmarks.decode", "What decoding costs, next to another version of the package."),
     "profile": ("benchmarks.profile", "Where the time of an encode goes, by module."),
     "raster": ("benchmarks.raster", "The native rasteriser's passes, next to the peak of the cores."),
-    "cuda": ("benchmarks.cuda", "Checks and measures the kernels on a GPU; counts floors without one."),
+    "cuda": ("benchmarks.cuda", "Check and measure the kernels on a GPU; count floors without."),
     "texture": ("benchmarks.texture", "The drawing of texture layers."),
     "views": ("benchmarks.views", "What small views cost, and how near they are to the whole model."),
     "variants": ("benchmarks.variants", "How a change of settings changes J = D + λR of whole streams."),

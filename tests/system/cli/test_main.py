@@ -155,6 +155,7 @@ def test_exit_codes_of_all_errors() -> None:
         "UsageError": 2,
         "RegionError": 2,
         "MissingExtraError": 2,
+        "NoDeviceError": 2,
         "PictureError": 3,
         "StreamError": 4,
         "CorruptStreamError": 4,
