@@ -23,7 +23,7 @@ void nearest(const CodingModel &model, Group group, const ReconstructionGrid &gr
 struct SeedSearch::Place {
   const Residual &residual;
   const Window &window;
-  Window drawn;  // the part of the window in which the Gaussian as drawn now ends
+  Window drawn;                 // the part of the window in which the Gaussian as drawn now ends
   float colours[kMostColours];  // as drawn now
   float *g;                     // the Gaussian as drawn now
   float *weighted;              // the same times the pixels' weights; g itself where all are 1
@@ -225,7 +225,7 @@ double SeedSearch::search(const Seed &seed, const Window &window, const Residual
   const int64_t size = window.size();
   planes_.assign((residual.weights ? 4 : 3) * size, 0.0f);
   float *planes = planes_.data();
-  Place place{residual, window,        {},               {}, planes, residual.weights ? planes + 3 * size : planes,
+  Place place{residual,      window,           {}, {}, planes, residual.weights ? planes + 3 * size : planes,
               planes + size, planes + 2 * size};
   Splat splat;
   if (splat_of(seed.values + model_.channels, splat)) {
