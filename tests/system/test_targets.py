@@ -176,7 +176,7 @@ def test_pictures_at_the_edge(picture: Picture, target: dict[str, float]) -> Non
 
 
 def test_clipped_floats_are_measured_as_the_stream_spans_them() -> None:
-    picture = replace(drawn(40, 48, "gray", "float32", False), sample_range=(0.0, 500.0))
+    picture = replace(drawn(96, 128, "gray", "float32", False), sample_range=(0.0, 500.0))
     asked = quality(picture, encode_picture(picture, EncodeSettings(quality=40, steps=60)))
     encoded = encode_picture(picture, EncodeSettings(psnr=asked, steps=60))
     assert quality(picture, encoded) == pytest.approx(asked, abs=0.1)
