@@ -88,6 +88,6 @@ def _cases(path: Path, threads: int, python: Path) -> dict[str, float]:
 
 
 def _print(name: str, seconds: list[float]) -> None:
-    cells = [f"{1e3 * one:.2f}" if one < 0.1 else f"{1e3 * one:.0f}" for one in seconds]
+    cells = [f"{1e3 * one:.3g}" if one < 0.1 else f"{1e3 * one:.0f}" for one in seconds]
     ratio = [] if len(seconds) < 2 else [f"{seconds[0] / seconds[1]:.2f}"]
     click.echo(f"| {' | '.join([name, *cells, *ratio])} |")
