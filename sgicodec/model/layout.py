@@ -85,7 +85,9 @@ class SeedLayout:
 
 
 def uniform_layout(width: int, height: int, count: int, rng: np.random.Generator) -> SeedLayout:
-    """`count` seeds of one pixel, one at a random place in each cell of a grid that covers the picture (paper)."""
+    """`count` seeds of one pixel, one at a random place in each cell of a grid that covers the picture (paper); no more
+    than there are pixels, and no two in one.
+    """
     count = min(count, width * height)
     rows = max(1, min(height, round((count * height / width) ** 0.5)))
     per_row = np.diff(np.linspace(0, count, rows + 1).round().astype(np.int64))
@@ -97,8 +99,13 @@ def uniform_layout(width: int, height: int, count: int, rng: np.random.Generator
         x = left + np.floor(rng.random(columns) * np.maximum(1, right - left))
         y = top + np.floor(rng.random(columns) * (bottom - top))
         corners.append(np.stack([np.minimum(x, width - 1), y], axis=1))
-    corner = np.unique(np.concatenate(corners).astype(np.int32), axis=0)
-    layout = SeedLayout(corner, np.zeros(len(corner), np.int8))
+    x, y = np.concatenate(corners).astype(np.int64).T
+    pixel = np.unique(y * width + x)
+    if len(pixel) < count:  # cells narrower than a pixel have met
+        free = np.setdiff1d(np.arange(width * height), pixel, assume_unique=True)
+        pixel = np.concatenate([pixel, rng.choice(free, count - len(pixel), replace=False)])
+    corner = np.stack([pixel % width, pixel // width], axis=1).astype(np.int32)
+    layout = SeedLayout(corner, np.zeros(count, np.int8))
     return layout.take(layout.order())
 
 

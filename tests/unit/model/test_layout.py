@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from examples import examples
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from sgicodec.model.context import passes
@@ -135,6 +135,7 @@ def test_weights_of_one_change_no_leaf_and_scaled_ones_go_with_the_threshold() -
 
 
 @given(st.integers(1, 90), st.integers(1, 90), st.floats(0, 1.1), st.integers(0, 1000))
+@example(width=12, height=3, share=0.6875, seed=0)
 def test_uniform_seeds_are_as_many_as_asked_for_and_inside(width: int, height: int, share: float, seed: int) -> None:
     count = max(1, round(share * width * height))
     layout = uniform_layout(width, height, count, np.random.default_rng(seed))
