@@ -32,9 +32,9 @@ float about_log2(float value) {
   return float(bits) * 0x1p-23f - 126.96f;
 }
 
-// Estimates of a cell's cost as one cell, and divided.
+// A cell's cost without texture, and estimates of it as one cell and divided.
 struct Prospect {
-  float whole = 0, parts = kImpossible;
+  float nothing = 0, whole = 0, parts = kImpossible;
 };
 
 class TextureSearch {
@@ -103,29 +103,21 @@ class TextureSearch {
     return any ? sum : kImpossible;
   }
 
-  float cost_of_nothing(const TextureCell &cell) const {
-    static thread_local CellValues<float> scaled;
-    double sum = 0;
-    for (int channel = 0; channel < found_.field.channels; ++channel) {
-      scale(cell, channel, scaled);
-      for (int i = 0; i < cell.side() * cell.side(); ++i) sum += scaled[i] * scaled[i];
-    }
-    return float(sum);
-  }
-
-  // What a cell would cost if its symbols were coded one by one.
-  float estimate(const TextureCell &cell) const {
+  // What a cell would cost with symbols that are coded one by one, and without any.
+  Prospect estimate(const TextureCell &cell) const {
     static thread_local CellValues<float> scaled;
     const float least = kLeft + settings_.lambda * kSymbolBits, growth = settings_.lambda * kOctaveBits;
     float sum = settings_.lambda * kCellBits;
+    double nothing = 0;
     for (int channel = 0; channel < found_.field.channels; ++channel) {
       scale(cell, channel, scaled);
       for (int i = 0; i < cell.side() * cell.side(); ++i) {
         const float square = scaled[i] * scaled[i];
+        nothing += square;
         sum += std::min(square, least + growth * std::max(about_log2(square), -2.0f));
       }
     }
-    return sum;
+    return {float(nothing), sum};
   }
 
   Prospect &prospect(const TextureCell &cell) {
@@ -137,8 +129,10 @@ class TextureSearch {
   // Estimates a node and all below; what the cheapest division costs.
   float look_ahead(const TextureCell &cell) {
     Prospect &found = prospect(cell);
-    found = {estimate(cell), cell.log > kTextureLeast ? 0.0f : kImpossible};
-    for (int number = 0; number < 4 && cell.log > kTextureLeast; ++number)
+    found = estimate(cell);
+    if (cell.log == kTextureLeast) return found.whole;
+    found.parts = 0;
+    for (int number = 0; number < 4; ++number)
       if (seen(cell.child(number))) found.parts += look_ahead(cell.child(number));
     return std::min(found.whole, found.parts);
   }
@@ -148,12 +142,12 @@ class TextureSearch {
     const BitContext textured = cell_context(field(), cell, CellBit::kTextured);
     const BitContext split = cell_context(field(), cell, CellBit::kSplit);
     const bool splits = cell.log > kTextureLeast;
-    const auto [whole, divided] = prospect(cell);
+    const auto [squares, whole, divided] = prospect(cell);
     std::vector<Choice> choices(field().channels);
     float leaf = kImpossible;
     if (whole <= kDoubt * divided)
       leaf = choose_leaf(cell, choices) + cost(textured, 1) + (splits ? cost(split, 0) : 0);
-    const float nothing = cost_of_nothing(cell) + cost(textured, 0);
+    const float nothing = squares + cost(textured, 0);
     const size_t begin = plan.size();
     plan.push_back(leaf < nothing ? kTextureLeaf : kNoTexture);
     float best = std::min(leaf, nothing);
@@ -191,39 +185,34 @@ class TextureSearch {
     code_inside(root, what);
   }
 
+  // The field has what was decided.
   void code_inside(const TextureCell &cell, int what) {
-    if (what == kNoTexture) return field().clear(cell);
     if (what == kTextureLeaf) return code_leaf(cell);
-    for (int number = 0; number < 4; ++number) {
+    for (int number = 0; number < 4 && what == kSplitNode; ++number) {
       const TextureCell child = cell.child(number);
-      code_inside(child, seen(child) ? coding_.node(child, plan_[at_++]) : kNoTexture);
+      if (seen(child)) code_inside(child, coding_.node(child, plan_[at_++]));
     }
   }
 
   // A choice made with models that have seen all before the root; again with those that have seen more, it costs the
   // same within 0.01 % and a quarter of the time.
   void code_leaf(const TextureCell &cell) {
-    field().mark(cell, cell.log);
-    Choice choice;
+    const int side = cell.side();
+    CellSymbols values;
     for (int channel = 0; channel < field().channels; ++channel) {
-      recall(cell, channel, choice);
-      coding_.block(cell, channel, choice.last, choice.values);
-      account(cell, channel, choice);
+      for (int row = 0; row < side; ++row)
+        std::copy_n(field().at(channel, cell) + row * field().width, side, &values[row * side]);
+      coding_.block(cell, channel, last_diagonal(values.data(), cell.log), values);
+      account(cell, channel, values);
     }
   }
 
-  void recall(const TextureCell &cell, int channel, Choice &choice) {
-    for (int row = 0; row < cell.side(); ++row)
-      std::copy_n(field().at(channel, cell) + row * field().width, cell.side(), &choice.values[row * cell.side()]);
-    choice.last = last_diagonal(choice.values.data(), cell.log);
-  }
-
-  void account(const TextureCell &cell, int channel, const Choice &choice) {
+  void account(const TextureCell &cell, int channel, const CellSymbols &values) {
     static thread_local CellValues<float> scaled;
     scale(cell, channel, scaled);
     QuantizerState state;
     for (const int i : texture_scan(cell.log)) {
-      const int symbol = choice.values[i];
+      const int symbol = values[i];
       if (symbol) {
         const size_t group = std::min(std::abs(symbol), 3) - 1;
         found_.count[group] += 1, found_.excess[group] += scaled[i] - state.magnitude(symbol);
