@@ -28,15 +28,7 @@ inline SeedState state_of(const FitArguments &a) {
   s.value[kColour] = a.colour;
   s.value[kShape] = a.shape;
   s.value[kOffset] = a.offset;
-  const float *first = a.first, *rest = a.effective;
-  for (int g = 0; g < kGroups; ++g) {
-    s.first[g] = first;
-    s.rest[g] = rest;
-    first += s.first_size(g);
-    rest += s.rest_size(g);
-  }
-  s.base = a.steps;
-  s.gamma = a.steps + kUnits * kLevels;
+  s.set_parameters(a.first, a.effective, a.steps);
   s.summary = a.summary;
   s.inputs = a.inputs;
   s.product = a.product;

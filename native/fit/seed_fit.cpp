@@ -1,5 +1,7 @@
 #include "fit/seed_fit.hpp"
 
+#include <algorithm>
+
 #include "base/isa.hpp"
 #include "base/thread_pool.hpp"
 
@@ -69,16 +71,8 @@ void SeedFit::over_runs(const Body &body) {
 double SeedFit::forward(const std::array<const float *, kGroups> &values, const SeedParameters &parameters,
                         Rounding rounding, NoiseKey key, Reuse reuse, bool trains_first, const SeedGaussians &out) {
   SeedState &s = state_;
-  const float *first = parameters.first, *rest = parameters.rest;
-  for (int g = 0; g < kGroups; ++g) {
-    s.value[g] = values[g];
-    s.first[g] = first;
-    s.rest[g] = rest;
-    first += s.first_size(g);
-    rest += s.rest_size(g);
-  }
-  s.base = parameters.steps;
-  s.gamma = parameters.steps + kUnits * kLevels;
+  std::copy_n(values.data(), kGroups, s.value);
+  s.set_parameters(parameters.first, parameters.rest, parameters.steps);
   s.rounding = rounding;
   s.key = key.key;
   s.mirror = key.negative ? ~uint32_t(0) : 0;

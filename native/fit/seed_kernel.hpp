@@ -48,6 +48,17 @@ struct SeedState : SeedModel {
 
   SGI_INLINE int rest_size(int g) const { return hidden * (1 + outputs_of(g)) + outputs_of(g); }
   SGI_INLINE int first_size(int g) const { return hidden * inputs_of(g); }
+  // Takes networks and steps: `first` and `rest` of all groups one behind the other, base and gamma.
+  SGI_INLINE void set_parameters(const float *firsts, const float *rests, const float *steps) {
+    for (int g = 0; g < kGroups; ++g) {
+      first[g] = firsts;
+      rest[g] = rests;
+      firsts += first_size(g);
+      rests += rest_size(g);
+    }
+    base = steps;
+    gamma = steps + kUnits * kLevels;
+  }
   // Sums over seeds, in this order: `rest` of every group, base, gamma and, where it trains, `first` of every group.
   SGI_INLINE int sums() const {
     int total = kUnits * kLevels + kGammas;

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from sgicodec.cuda.gpu import Gpu
 from sgicodec.cuda.tiles import MOST_CHANNELS
 from sgicodec.fit.adam import Adam
-from sgicodec.fit.device_step import ROUNDINGS, DeviceStep, StepKind
-from sgicodec.fit.fused_step import REFRESH, FusedStep, NoiseKey, Reuse, neighbours_of, reuse_of
+from sgicodec.fit.device_step import DeviceStep, StepKind
+from sgicodec.fit.fused_step import REFRESH, ROUNDINGS, FusedStep, NoiseKey, Reuse, neighbours_of, reuse_of
 from sgicodec.fit.parameters import Parameters
 from sgicodec.fit.pyramid import Level
 from sgicodec.model.layout import SeedLayout

@@ -22,13 +22,10 @@ from sgicodec.model.gaussians import MIN_VARIANCE, colour_matrix
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.network import DIFFERENCE_SHIFT
 from sgicodec.model.spec import ModelSpec
-from sgicodec.profiles.fit_settings import Rounding
 
-__all__ = ["ROUNDINGS", "DeviceStep", "StepKind"]
+__all__ = ["DeviceStep", "StepKind"]
 
 F32 = NDArray[np.float32]
-
-ROUNDINGS: dict[Rounding, int] = {"none": 0, "noise": 1, "round": 2}
 
 _SIZES = sources.constants("cuda/fit/state.hpp") | sources.constants("cuda/fit/update.hpp")
 SEED_THREADS, PRICE_THREADS, REPORT_THREADS = (_SIZES[f"k{name}Threads"] for name in ("Seed", "Price", "Report"))

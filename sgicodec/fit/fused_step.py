@@ -21,11 +21,11 @@ from sgicodec.model.spec import ContextSpec, ModelSpec
 from sgicodec.profiles.fit_settings import Rounding
 from sgicodec.raster.backend import Backend
 
-__all__ = ["REFRESH", "FusedStep", "NoiseKey", "Reuse", "neighbours_of", "reuse_of"]
+__all__ = ["REFRESH", "ROUNDINGS", "FusedStep", "NoiseKey", "Reuse", "neighbours_of", "reuse_of"]
 
 F32 = NDArray[np.float32]
 
-_ROUNDINGS: dict[Rounding, int] = {"none": 0, "noise": 1, "round": 2}
+ROUNDINGS: dict[Rounding, int] = {"none": 0, "noise": 1, "round": 2}
 _GROUPS = ("colour", "shape", "offset")
 _FLOOR = np.array([MIN_VARIANCE, 0.0, MIN_VARIANCE], np.float32)
 
@@ -109,7 +109,7 @@ class FusedStep:
             context.first,
             rest,
             parameters.steps,
-            _ROUNDINGS[rounding],
+            ROUNDINGS[rounding],
             noise.key,
             noise.negative,
             reuse.value,
