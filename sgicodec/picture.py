@@ -23,6 +23,7 @@ __all__ = [
     "from_unit",
     "full_range",
     "nodata_mask",
+    "opaque_mask",
     "to_rgb8",
     "to_unit",
     "without_opaque_alpha",
@@ -130,9 +131,14 @@ def full_range(dtype: npt.DTypeLike) -> tuple[float, float]:
     return (0.0, float(np.iinfo(dtype).max)) if dtype.kind == "u" else (0.0, 1.0)
 
 
+def opaque_mask(picture: Picture) -> npt.NDArray[np.bool_]:
+    """Which pixels [H, W] of a picture with alpha are opaque."""
+    return np.asarray(picture.pixels[..., picture.alpha] >= full_range(picture.pixels.dtype)[1])
+
+
 def without_opaque_alpha(picture: Picture) -> Picture:
     """The picture without an alpha that is opaque everywhere, which says nothing; else the picture."""
-    if picture.alpha is None or not (picture.pixels[..., -1] >= full_range(picture.pixels.dtype)[1]).all():
+    if picture.alpha is None or not opaque_mask(picture).all():
         return picture
     return replace(picture, pixels=picture.pixels[..., :-1], channels=WITHOUT_ALPHA[picture.channels])
 

@@ -9,7 +9,7 @@ from sgicodec.encoder.plan import Plan, stream_plan
 from sgicodec.encoder.windows import Windows
 from sgicodec.metadata import geo
 from sgicodec.model.tile_grid import TileGrid
-from sgicodec.picture import WITHOUT_ALPHA, Picture, alpha_index, full_range
+from sgicodec.picture import WITHOUT_ALPHA, Picture, alpha_index, opaque_mask
 
 if TYPE_CHECKING:
     from sgicodec.encoder.listener import NullListener
@@ -42,13 +42,12 @@ def _everywhere(windows: Windows, grid: TileGrid) -> Literal["opaque", "hiding"]
     """What alpha is in every pixel of a picture that has alpha: "opaque", or "hiding" colours that are there; None
     where it differs. No more is read than it takes to tell.
     """
-    last = full_range(windows.shape.dtype)[1]
     opaque = hiding = True
     colours = False
     for number in range(grid.count):
-        pixels = windows.read(*grid.core(number)).pixels
-        alpha = pixels[..., -1]
-        opaque, hiding = opaque and bool((alpha >= last).all()), hiding and not alpha.any()
+        picture = windows.read(*grid.core(number))
+        pixels = picture.pixels
+        opaque, hiding = opaque and bool(opaque_mask(picture).all()), hiding and not pixels[..., -1].any()
         if not (opaque or hiding):
             return None
         colours = colours or bool(pixels[..., :-1].any())

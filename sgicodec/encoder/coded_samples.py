@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from sgicodec.bitstream.header import Masked
 from sgicodec.encoder.inpainting import inpaint
 from sgicodec.encoder.nodata import empty_pixels
-from sgicodec.picture import Picture, full_range, to_unit
+from sgicodec.picture import Picture, opaque_mask, to_unit
 
 __all__ = ["coded_samples"]
 
@@ -22,8 +22,7 @@ def coded_samples(picture: Picture, masked: Masked | None) -> tuple[NDArray[np.f
     """
     samples = to_unit(picture)
     if picture.alpha is not None:
-        opaque = picture.pixels[..., picture.alpha] >= full_range(picture.pixels.dtype)[1]
-        samples[opaque, picture.alpha] = 1.0 + _BEYOND_OPAQUE
+        samples[opaque_mask(picture), picture.alpha] = 1.0 + _BEYOND_OPAQUE
     unit = np.ascontiguousarray(samples.transpose(2, 0, 1))
     empty = None if masked is None else empty_pixels(picture, masked)
     if empty is None or not empty.any():
