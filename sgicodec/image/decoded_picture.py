@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from sgicodec.errors import PictureError
+from sgicodec.metadata import exif
 from sgicodec.picture import Metadata
 
 if TYPE_CHECKING:
     from OpenImageIO import ImageSpec
 
-__all__ = ["DecodedPicture"]
+__all__ = ["DecodedPicture", "stated_metadata", "stretched"]
 
 _NAMES = {1: ("Y",), 2: ("Y", "A"), 3: ("R", "G", "B"), 4: ("R", "G", "B", "A")}
 
@@ -85,3 +87,20 @@ class DecodedPicture(ABC):
         text = error.args[0] if error.args else type(error).__name__
         said = text.decode("utf-8", "replace") if isinstance(text, bytes) else str(text)
         return " ".join(f"the file is damaged or cut off: {said}".split())
+
+
+def stretched(pixels: npt.NDArray[Any], bits: int) -> npt.NDArray[Any]:
+    """Samples of so many bits; those between 8 and 16 as uint16, their largest value 65535."""
+    if bits in (8, 16):
+        return pixels
+    return (pixels.astype(np.uint32) * 65535 // ((1 << bits) - 1)).astype(np.uint16)
+
+
+def stated_metadata(info: Mapping[Any, Any]) -> Metadata:
+    """ICC profile, EXIF and XMP by their names in Pillow, of a picture that its library has turned upright."""
+    blob, xmp = info.get("exif"), info.get("xmp")
+    return Metadata(
+        icc=info.get("icc_profile") or None,
+        exif=exif.upright(blob) if blob else None,
+        xmp=exif.upright_xmp(xmp) if xmp else None,
+    )

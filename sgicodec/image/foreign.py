@@ -1,4 +1,4 @@
-"""Pictures that need a library or a program of their own: HEIF, AVIF and raw files of cameras, known by their content.
+"""Pictures that need a library of their own: HEIF, AVIF and raw files of cameras, known by their content.
 
 A raw file often begins like a TIFF whose first picture is a small preview: read as TIFF, it would lose the photograph.
 """
@@ -10,24 +10,23 @@ from collections.abc import Iterator
 from typing import Literal, NamedTuple
 
 from sgicodec.metadata import ifd
+from sgicodec.metadata.avif import is_avif
 from sgicodec.metadata.filebytes import Bytes
 
 __all__ = ["Foreign", "foreign"]
 
 
 class Foreign(NamedTuple):
-    """name: that OpenImageIO has for the format; what it is; program: that makes another picture of it; extra: the one
-    whose library reads it, if there is one.
+    """name: of the format, for HEIF and raw files that of OpenImageIO; what it is; program: that makes another picture
+    of it.
     """
 
-    name: Literal["heif", "raw"]
+    name: Literal["heif", "avif", "raw"]
     what: str
     program: str
-    extra: Literal["heic", "raw"] | None = None
 
 
 _HEIF = (b"heic", b"heix", b"heim", b"heis", b"hevc", b"hevx", b"mif1", b"msf1")
-_AVIF = (b"avif", b"avis")
 _RAW = (
     (0, b"FUJIFILMCCD-RAW", "RAF"),
     (0, b"IIRO", "ORF"),
@@ -49,20 +48,20 @@ _MOST_DIRECTORIES = 16
 
 def foreign(data: Bytes) -> Foreign | None:
     """What such a file is; None for all other files."""
+    if is_avif(data):
+        program = "convert it first, as with avifdec of libavif: avifdec --depth 16 IN a.png"
+        return Foreign("avif", "an AVIF picture", program)
     head = bytes(data[:16])
     brand = head[8:12] if head[4:8] == b"ftyp" else b""
     if brand in _HEIF:
         program = "convert it first, as with heif-convert of libheif: heif-convert IN a.png"
-        return Foreign("heif", "a HEIF picture (HEIC)", program, "heic")
-    if brand in _AVIF:
-        program = "convert it first, as with avifdec of libavif: avifdec --depth 16 IN a.png"
-        return Foreign("heif", "an AVIF picture", program)
+        return Foreign("heif", "a HEIF picture (HEIC)", program)
     name = next((name for at, start, name in _RAW if head[at : at + len(start)] == start), None)
     name = name or _tiff_raw(data)
     if name is None:
         return None
     program = "develop it first, as with darktable: darktable-cli IN a.tif"
-    return Foreign("raw", f"a camera's raw file ({name})", program, "raw")
+    return Foreign("raw", f"a camera's raw file ({name})", program)
 
 
 def _tiff_raw(data: Bytes) -> str | None:

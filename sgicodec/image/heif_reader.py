@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from sgicodec.errors import PictureError
-from sgicodec.image.decoded_picture import DecodedPicture
-from sgicodec.metadata import exif
+from sgicodec.errors import PictureError, require
+from sgicodec.image.decoded_picture import DecodedPicture, stated_metadata, stretched
 from sgicodec.picture import Metadata
 
 __all__ = ["HeifReader"]
@@ -24,7 +23,8 @@ class HeifReader(DecodedPicture):
     kind = "heif by libheif"
 
     def __init__(self, path: Path) -> None:
-        """Raises PictureError for what libheif does not read."""
+        """Raises PictureError for what libheif does not read, MissingExtraError without it."""
+        require("pillow_heif", "reading it", "heic")
         import pillow_heif
 
         try:
@@ -41,11 +41,7 @@ class HeifReader(DecodedPicture):
         return *self._image.size, self._channels, "uint8" if self._bits == 8 else "uint16"
 
     def _decoded(self) -> npt.NDArray[Any]:
-        pixels = np.asarray(self._image)
-        if self._bits in (8, 16):
-            return pixels
-        most = (1 << self._bits) - 1
-        return (pixels.astype(np.uint32) * 65535 // most).astype(np.uint16)
+        return stretched(np.asarray(self._image), self._bits)
 
     @property
     def associated(self) -> bool:
@@ -54,13 +50,7 @@ class HeifReader(DecodedPicture):
 
     def metadata(self) -> Metadata:
         """ICC profile, EXIF and XMP. The file's own turns count (ISO/IEC 23008-12), not the orientation in these."""
-        info = self._image.info
-        blob, xmp = info.get("exif"), info.get("xmp")
-        return Metadata(
-            icc=info.get("icc_profile") or None,
-            exif=exif.upright(blob) if blob else None,
-            xmp=exif.upright_xmp(xmp) if xmp else None,
-        )
+        return stated_metadata(self._image.info)
 
     def close(self) -> None:
         """Nothing is open: libheif has read the file."""

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
-from sgicodec.errors import MissingExtraError, PictureError, UsageError, require
+from sgicodec.errors import MissingExtraError, PictureError, UsageError
 from sgicodec.image.alpha import unassociate
+from sgicodec.image.avif_reader import AvifReader
 from sgicodec.image.channels import AsIs, Channels, Last, declared_channels
 from sgicodec.image.decoded_picture import DecodedPicture
 from sgicodec.image.foreign import Foreign, foreign
@@ -152,9 +153,15 @@ def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto") -
     return Opened(path, image, spec, kind, probe, metadata, declared, associated)
 
 
+_READERS: dict[str, Callable[[Path], DecodedPicture]] = {"avif": AvifReader, "heif": HeifReader, "raw": RawReader}
+
+
 def _foreign_picture(path: Path, found: Foreign, metadata: Metadata, alpha: Alpha) -> Opened:
-    """One that the library of an extra decodes. metadata: that in the bytes of the file."""
-    image = {"heic": HeifReader, "raw": RawReader}[found.extra or ""](path)
+    """One that a library of its own decodes. metadata: that in the bytes of the file."""
+    try:
+        image = _READERS[found.name](path)
+    except MissingExtraError as error:
+        raise PictureError(f"it is {found.what}; {error}, or {found.program}") from None
     spec, kind, own = image.spec(), image.kind, image.metadata()
     probe = header(spec, kind, _LAST.get(alpha, "alpha"))
     icc = _fitting(own.icc, probe.channels)
@@ -163,23 +170,14 @@ def _foreign_picture(path: Path, found: Foreign, metadata: Metadata, alpha: Alph
     return Opened(path, image, spec, kind, probe, own, AsIs, has_alpha and image.associated)
 
 
-_LIBRARIES = {"heic": "pillow_heif", "raw": "rawpy"}
-
-
 def _check(data: FileBytes) -> Foreign | None:
-    """Raise PictureError for what the bytes of a file rule out. Returns what needs the library of an extra."""
+    """Raise PictureError for what the bytes of a file rule out. Returns what needs a library of its own."""
     if len(data) == 0:
         raise PictureError("the file is empty")
     if data[:8] == _STREAM_SIGNATURE:
         raise PictureError("this is an encoded stream, not a picture; decode it first")
     found = foreign(data)
     if found is not None and not _reads(found.name):
-        if found.extra is None:
-            raise PictureError(f"it is {found.what}: {found.program}")
-        try:
-            require(_LIBRARIES[found.extra], "reading it", found.extra)
-        except MissingExtraError as error:
-            raise PictureError(f"it is {found.what}; {error}, or {found.program}") from None
         return found
     damage = png.damage(data) if data[:8] == png.SIGNATURE else ifd.damage(data)
     if damage:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy.typing as npt
 
-from sgicodec.errors import PictureError
+from sgicodec.errors import PictureError, require
 from sgicodec.image.decoded_picture import DecodedPicture
 
 __all__ = ["RawReader"]
@@ -23,7 +23,8 @@ class RawReader(DecodedPicture):
     kind = "raw by libraw"
 
     def __init__(self, path: Path) -> None:
-        """Raises PictureError for what LibRaw does not read."""
+        """Raises PictureError for what LibRaw does not read, MissingExtraError without it."""
+        require("rawpy", "reading it", "raw")
         import rawpy
 
         try:

@@ -39,6 +39,7 @@ HOMES = {
     "scipy": ("sgicodec/metrics/similarity.py", "sgicodec/bench/bdrate.py"),
     "ssimulacra2": ("sgicodec/metrics/perceptual.py",),
     "PIL": (
+        "sgicodec/image/avif_reader.py",
         "sgicodec/image/second_reader.py",
         "sgicodec/image/conversion.py",
         "sgicodec/image/slide_reader.py",
@@ -50,7 +51,7 @@ HOMES = {
     "pillow_heif": ("sgicodec/image/heif_reader.py",),
     "rawpy": ("sgicodec/image/raw_reader.py",),
     "openslide": ("sgicodec/image/slide_reader.py",),
-    "imagecodecs": ("sgicodec/bench/", "benchmarks/"),
+    "imagecodecs": ("sgicodec/image/avif_reader.py", "sgicodec/bench/", "benchmarks/"),
     "pyjpegli": ("sgicodec/bench/optional_peers.py",),
     "imageio_ffmpeg": ("sgicodec/bench/optional_peers.py",),
     "matplotlib": ("sgicodec/bench/", "benchmarks/"),

@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import Result
+from PIL import Image
 
 from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.encoded import Encoded
 from sgicodec.encoder.tile_encoder import Encoding
-from sgicodec.image import write
+from sgicodec.image import read, write
 from sgicodec.picture import Picture
 
 Run = Callable[..., Result]
@@ -194,3 +195,14 @@ def test_a_named_out_goes_with_one_in(sgi: Run, picture: Path, stream: Path, com
         result = sgi(command, picture if command == "encode" else stream, *more, "-o", picture.with_name("y.sgi"))
         assert result.exit_code == 2
         assert "one IN" in result.stderr
+
+
+def test_a_picture_of_avif_is_encoded_upright(sgi: Run, picture: Path, tmp_path: Path) -> None:
+    source = tmp_path / "photo.avif"
+    tags = Image.Exif()
+    tags[274] = 6
+    Image.fromarray(read(picture).pixels).save(source, exif=tags)
+    result = sgi("encode", source, "-e1")
+    assert result.exit_code == 0, result.output
+    with open_stream(tmp_path / "photo.sgi") as stream:
+        assert (stream.width, stream.height) == (32, 48)

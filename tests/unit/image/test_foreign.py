@@ -47,7 +47,6 @@ def tiff(order: str, photometric: int, below: tuple[int, ...] = (), extra: tuple
     ("content", "complaint"),
     [
         (b"\0\0\0\x18ftypheic\0\0\0\0mif1heic", r"HEIF picture \(HEIC\).*heif-convert"),
-        (b"\0\0\0\x20ftypavif\0\0\0\0avifmif1", "AVIF picture.*avifdec"),
         (b"\0\0\0\x18ftypcrx \0\0\0\x01crx isom", r"raw file \(CR3\).*darktable-cli"),
         (b"II*\0\x10\0\0\0CR\x02\0" + bytes(40), r"raw file \(CR2\)"),
         (b"FUJIFILMCCD-RAW 0201" + bytes(40), r"raw file \(RAF\)"),

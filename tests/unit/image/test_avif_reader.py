@@ -1,0 +1,155 @@
+"""AVIF pictures by libavif: samples, alpha, crop, turns and metadata, in files that libaom wrote, most without loss."""
+
+from __future__ import annotations
+
+import io
+import struct
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image, ImageCms, features
+
+from sgicodec.errors import PictureError
+from sgicodec.image import open_source, probe, read
+from sgicodec.image.reader import is_picture
+from sgicodec.metadata import exif
+from sgicodec.metadata.orientation import upright
+
+PIXELS = np.random.default_rng(3).integers(0, 256, (48, 64, 3), np.uint8)
+SLOPE = (np.mgrid[:48, :64].sum(0)[..., None] + np.array([0, 40, 90])).astype(np.uint8)
+XMP = b"<x:xmpmeta xmlns:x='adobe:ns:meta/' tiff:Orientation='6'/>"
+
+
+def saved(pixels: np.ndarray, **settings: Any) -> bytes:
+    """A file by Pillow: 8 bits, at full resolution, one level off where colours turn to luma and back."""
+    file = io.BytesIO()
+    Image.fromarray(pixels).save(file, "AVIF", quality=100, speed=10, **{"subsampling": "4:4:4"} | settings)
+    return file.getvalue()
+
+
+def exact(pixels: np.ndarray, bits: int) -> bytes:
+    """A file without loss, of any depth."""
+    imagecodecs = pytest.importorskip("imagecodecs")
+    return bytes(imagecodecs.avif_encode(pixels, level=100, bitspersample=bits, speed=10))
+
+
+@pytest.mark.parametrize("bits", [8, 10, 12])
+@pytest.mark.parametrize("layout", ["gray", "gray+alpha", "rgb", "rgba"])
+def test_all_depths_and_layouts(bits: int, layout: str) -> None:
+    count = {"gray": 1, "gray+alpha": 2, "rgb": 3, "rgba": 4}[layout]
+    stored = np.random.default_rng(bits).integers(0, 1 << bits, (48, 64, count)).astype("u1" if bits == 8 else "u2")
+    picture = read(exact(stored.squeeze(), bits))
+    assert picture.channels == layout
+    scale = 255 if bits == 8 else 65535
+    np.testing.assert_array_equal(picture.pixels, stored.astype(np.uint32) * scale // ((1 << bits) - 1))
+
+
+@pytest.mark.parametrize("alpha", ["auto", "band", "none"])
+def test_alpha_is_what_is_asked_for(alpha: Any) -> None:
+    pixels = np.dstack([SLOPE, np.where(SLOPE[..., 0] > 50, 255, 77).astype(np.uint8)])
+    picture = read(saved(pixels), alpha=alpha)
+    assert picture.channels == {"auto": "rgba", "band": "multi", "none": "rgb"}[alpha]
+    assert np.abs(picture.pixels.astype(int) - pixels[..., : picture.pixels.shape[2]]).max() <= 3
+
+
+def test_colours_multiplied_by_alpha_are_divided_by_it() -> None:
+    pixels = np.dstack([SLOPE, np.full(SLOPE.shape[:2], 128, np.uint8)])
+    data = saved(pixels, alpha_premultiplied=True)
+    assert b"prem" in data
+    assert np.abs(read(data).pixels.astype(int) - pixels).max() <= 6
+
+
+@pytest.mark.parametrize("orientation", range(1, 9))
+def test_every_turn_is_applied_once(orientation: int) -> None:
+    """The file says how to turn it, which Pillow has put in from the EXIF."""
+    tags = Image.Exif()
+    tags[274], tags[271] = orientation, "Maker"
+    data = saved(SLOPE, exif=tags.tobytes())
+    picture = read(data)
+    assert np.abs(picture.pixels.astype(int) - upright(SLOPE, orientation)).max() <= 3
+    kept = Image.Exif()
+    kept.load(picture.metadata.exif)
+    assert (kept.get(274, 1), kept[271]) == (1, "Maker")
+    assert (probe(data).width, probe(data).height) == picture.pixels.shape[1::-1]
+
+
+def cropped(data: bytes, window: tuple[int, int, int, int]) -> bytes:
+    """The file with its profile of 28 bytes replaced by a crop: both boxes take 40 bytes."""
+    at = data.index(b"colrprof") - 4
+    assert int.from_bytes(data[at : at + 4], "big") == 40
+    x, y, width, height = window
+    centre = 2 * x + width - 64, 2 * y + height - 48
+    box = struct.pack(">I4sIIIIiIiI", 40, b"clap", width, 1, height, 1, centre[0], 2, centre[1], 2)
+    data = data[:at] + box + data[at + 40 :]
+    place, index = data.index(b"ipco") + 4, 1
+    while place != at:  # which property it is: all readers must know this one
+        place, index = place + int.from_bytes(data[place : place + 4], "big"), index + 1
+    rows = data.index(b"ipma")
+    return data[:rows] + data[rows:].replace(bytes([index]), bytes([0x80 | index]), 1)
+
+
+@pytest.mark.parametrize("orientation", [1, 6, 7])
+def test_the_crop_comes_before_the_turn(orientation: int) -> None:
+    tags = Image.Exif()
+    tags[274] = orientation
+    data = saved(SLOPE, icc_profile=bytes(28), exif=tags.tobytes())
+    pixels = read(cropped(data, (10, 4, 33, 21))).pixels
+    expected = upright(SLOPE[4:25, 10:43], orientation)
+    assert pixels.shape == expected.shape
+    assert np.abs(pixels.astype(int) - expected).max() <= 3
+    with pytest.raises(PictureError, match="its crop is not one of whole pixels inside the picture"):
+        read(cropped(data, (40, 4, 33, 21)))
+
+
+def test_metadata_are_kept() -> None:
+    tags = Image.Exif()
+    tags[271] = "Maker"
+    profile = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
+    metadata = read(saved(SLOPE, exif=tags.tobytes(), xmp=XMP, icc_profile=profile)).metadata
+    assert metadata.xmp == XMP.replace(b"'6'", b"'1'")
+    assert metadata.icc == profile
+    assert metadata.exif == exif.upright(tags.tobytes())
+
+
+def test_of_a_sequence_the_first_is_read() -> None:
+    file = io.BytesIO()
+    images = [Image.fromarray(SLOPE), Image.fromarray(255 - SLOPE)]
+    images[0].save(file, "AVIF", save_all=True, append_images=images[1:], quality=100, subsampling="4:4:4")
+    assert np.abs(read(file.getvalue()).pixels.astype(int) - SLOPE).max() <= 3
+
+
+def test_windows_in_any_order() -> None:
+    whole = read(data := exact(PIXELS, 8)).pixels
+    with open_source(data) as source:
+        for x, y, width, height in ((0, 40, 64, 8), (10, 3, 20, 30), (0, 0, 64, 48)):
+            np.testing.assert_array_equal(source.read(x, y, width, height).pixels, whole[y : y + height, x : x + width])
+        assert source.memory(8, 8) > 4 * PIXELS.size
+    with pytest.raises(PictureError, match="more than the cap of 9000 samples"):
+        read(data, max_samples=9000)
+
+
+@pytest.mark.parametrize("share", [0.01, 0.03, 0.3, 0.9])
+def test_what_is_cut_off_is_refused(share: float, tmp_path: Path) -> None:
+    data = saved(PIXELS)
+    (tmp_path / "a.avif").write_bytes(data[: int(share * len(data))])
+    with pytest.raises(PictureError, match=r"a\.avif: the file is damaged or cut off: "):
+        read(tmp_path / "a.avif")
+    assert is_picture(tmp_path / "a.avif")
+
+
+def test_a_missing_library_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "a.avif").write_bytes(saved(SLOPE))
+    (tmp_path / "deep.avif").write_bytes(exact(SLOPE.astype(np.uint16), 10))
+    monkeypatch.setitem(sys.modules, "imagecodecs", None)
+    assert read(tmp_path / "a.avif").pixels.shape == SLOPE.shape
+    with pytest.raises(
+        PictureError,
+        match=r"AVIF picture; reading its 10 bits needs imagecodecs: pip install 'sgicodec\[avif\]', or .*avifdec",
+    ):
+        read(tmp_path / "deep.avif")
+    monkeypatch.setattr(features, "check", lambda feature: feature != "avif")
+    with pytest.raises(PictureError, match=r"reading it needs a pillow that holds libavif: pip install 'pillow>=11.3'"):
+        read(tmp_path / "a.avif")
