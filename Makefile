@@ -89,7 +89,7 @@ fuzz: setup-dev
 
 # What native code does. Tests that start processes of other kinds, or bound the address space, skip themselves.
 CHECKED := tests/conformance tests/unit/bitstream tests/unit/cuda tests/unit/decoder tests/unit/fit tests/unit/image \
-  tests/unit/model tests/unit/native tests/unit/raster tests/unit/rdoq
+  tests/unit/metrics/test_visual_score.py tests/unit/model tests/unit/native tests/unit/raster tests/unit/rdoq
 asan: setup-dev
 	$(BIN)/python tests/support/sanitized.py -m pytest -m 'not slow' --hypothesis-profile fast $(CHECKED) $(ARGS)
 	$(BIN)/python tests/support/sanitized.py $(FUZZ) --memory 0 --patience 100

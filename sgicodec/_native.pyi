@@ -169,6 +169,13 @@ class Drain:
 
     def join(self) -> int: ...
 
+class VisualReference:
+    def __init__(self, original: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], threads: int, isa: str) -> None: ...
+
+    def score(self, decoded: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)]) -> float: ...
+
+    def gradient(self, decoded: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], out: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu')]) -> float: ...
+
 def base_view(grid: Annotated[NDArray[numpy.float64], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], cell: int, start: tuple[float, float], scale: tuple[float, float], first: tuple[int, int], size: tuple[int, int], threads: int) -> tuple:
     """
     Lines [C, L, w], top [h], down [h, T]: row i is the sum over t of down[i, t] * lines[:, top[i] + t].

@@ -8,6 +8,7 @@ void bind_decoder(nanobind::module_ &m);
 void bind_errors(nanobind::module_ &m);
 void bind_fit(nanobind::module_ &m);
 void bind_image(nanobind::module_ &m);
+void bind_metrics(nanobind::module_ &m);
 void bind_model(nanobind::module_ &m);
 void bind_raster(nanobind::module_ &m);
 void bind_rdoq(nanobind::module_ &m);

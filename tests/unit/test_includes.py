@@ -14,6 +14,7 @@ NATIVE = Path(__file__).resolve().parents[2] / "native"
 LAYERS = {
     "base": set(),
     "image": set(),
+    "metrics": {"base"},
     "model": {"base"},
     "raster": {"base"},
     "bitstream": {"base", "model"},
@@ -21,7 +22,7 @@ LAYERS = {
     "rdoq": {"base", "model", "raster", "bitstream"},
     "decoder": {"base", "model", "raster", "bitstream"},
     "capi": {"base", "model", "raster", "bitstream", "decoder"},
-    "bindings": {"base", "image", "model", "raster", "bitstream", "fit", "rdoq", "decoder"},
+    "bindings": {"base", "image", "metrics", "model", "raster", "bitstream", "fit", "rdoq", "decoder"},
 }
 """What each folder may include besides itself."""
 
