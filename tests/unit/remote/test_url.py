@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import builtins
-import io
 import json
 import pickle
 import sys
 import threading
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,16 +16,15 @@ import pytest
 from children import HANGS
 from click.testing import CliRunner
 from range_server import served
+from repeated_tiles import TILE, repeated_tiles
 
 import sgicodec
-from sgicodec.bitstream.stream_writer import write_stream
-from sgicodec.bitstream.varint import encode_varint
 from sgicodec.cli.main import cli
 from sgicodec.errors import CorruptStreamError, MissingExtraError, PictureError, StreamError
 from sgicodec.remote.range_file import BLOCK
 from sgicodec.remote.url import file_name, is_url, open_url
 
-SIDE, TILE = 256, 64
+SIDE = 256
 
 
 @pytest.fixture(scope="module")
@@ -69,23 +65,10 @@ def test_a_region_costs_its_tiles(data: bytes) -> None:
         assert len(server.parts) == asked
 
 
-def wide(rows: int, columns: int) -> bytes:
-    """Two tiles of noise over and over."""
-    pixels = np.random.default_rng(2).integers(0, 256, (TILE, 2 * TILE, 3), np.uint8)
-    pair = sgicodec.encode(pixels, quality=95, tune="psnr", steps=2, tile=TILE, apron=0, overview=False, rdoq=False)
-    with sgicodec.open(pair) as stream:
-        models = [stream.payload(number)[1:] for number in range(2)]  # without their numbers, of one byte
-        header = replace(stream.header, width=columns * TILE, height=rows * TILE)
-    file = io.BytesIO()
-    tiles = (encode_varint(number) + models[number % 2] for number in range(rows * columns))
-    write_stream(file, header, b"", None, tiles, None)
-    return file.getvalue()
-
-
 def test_tiles_of_a_region_are_fetched_together() -> None:
     """Of sixteen columns two lie in the region: one request for each row of tiles, all of them at the same time."""
     rows = 4
-    data = wide(rows, 16)
+    data = repeated_tiles(rows, 16)
     region = (TILE + 40, 20, TILE // 2, rows * TILE - 40)
     with served({"a.sgi": data}) as server, sgicodec.open(f"{server.url}/a.sgi") as stream:
         opening = len(server.parts)
@@ -187,14 +170,8 @@ def test_missing_libraries(monkeypatch: pytest.MonkeyPatch) -> None:
         patch.setitem(sys.modules, "fsspec", None)
         with pytest.raises(MissingExtraError, match=r"needs fsspec: pip install 'sgicodec\[remote\]'"):
             open_url("https://example.org/a.sgi")
-    original = builtins.__import__
-
-    def blocked(name: str, *rest: Any) -> Any:
-        if name.partition(".")[0] == "s3fs":
-            raise ImportError("no s3fs")
-        return original(name, *rest)
-
-    monkeypatch.setattr(builtins, "__import__", blocked)
+    monkeypatch.setitem(sys.modules, "s3fs", None)
+    monkeypatch.delitem(sys.modules["fsspec.registry"]._registry, "s3", raising=False)  # loaded by another test
     with pytest.raises(MissingExtraError, match="s3fs"):
         open_url("s3://bucket/a.sgi")
 
