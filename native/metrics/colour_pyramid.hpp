@@ -10,7 +10,7 @@
 
 namespace sgi {
 
-constexpr int64_t kBandRows = 32;  // rows that a thread takes at a time: sums are added by bands, whatever the threads
+constexpr int64_t kBandRows = 64;  // rows that a thread takes at a time: sums are added by bands, whatever the threads
 
 // Unset floats.
 using Floats = std::unique_ptr<float[]>;

@@ -13,9 +13,10 @@ struct ReferencePlanes {
   const float *value, *mean, *variance;
 };
 
-// Rows of the blurs of the difference e from the reference r: of e; of e^2 and of r e, which only structure needs.
-struct DifferenceBlurs {
-  float *one, *square, *product;
+// The score's derivatives in the blurs of the difference e from the reference r: of e; of e^2 and of r e, which only
+// structure needs; and in e where it is not blurred.
+struct BlurSlopes {
+  float *one, *square, *product, *direct;
 };
 
 constexpr int kNeighbourRows = 5;  // to each side, that a blurred row takes
@@ -26,17 +27,17 @@ struct StructureKernel {
   // Mean and, if not null, variance around the pixels of a row of the reference. `scratch`: kScratchRows rows.
   void (*describe)(const float *value, MapPlane plane, int64_t y, float *mean, float *variance, float *scratch);
 
-  // Blurs a row of the difference, and adds the maps of this row to the sums.
-  void (*compare)(const ReferencePlanes &reference, const float *difference, MapPlane plane, int64_t y,
-                  const DifferenceBlurs &blurs, MapSums &sums, float *scratch);
+  // Adds the maps of a row to the sums.
+  void (*compare)(const ReferencePlanes &reference, const float *difference, MapPlane plane, int64_t y, MapSums &sums,
+                  float *scratch);
 
-  // The score's derivatives in the blurs of a row, and in the row of differences where it is not blurred.
-  void (*slope)(const ReferencePlanes &reference, const float *difference, const DifferenceBlurs &blurs, MapPlane plane,
-                int64_t y, const MapSlope *slopes, const DifferenceBlurs &out, float *direct);
+  // The score's derivatives in the blurs of a row, to the rows of `out`.
+  void (*slope)(const ReferencePlanes &reference, const float *difference, MapPlane plane, int64_t y,
+                const MapSlope *slopes, const BlurSlopes &out, float *scratch);
 
-  // The gradient in a row of differences. `slopes`: rings of kRingRows rows of what `slope` found; `direct`: the row.
-  void (*gather)(const ReferencePlanes &reference, const float *difference, const DifferenceBlurs &slopes,
-                 const float *direct, MapPlane plane, int64_t y, float *gradient, float *scratch);
+  // The gradient in a row of differences. `slopes`: rings of kRingRows rows of what `slope` found.
+  void (*gather)(const ReferencePlanes &reference, const float *difference, const BlurSlopes &slopes, MapPlane plane,
+                 int64_t y, float *gradient, float *scratch);
 
   static const StructureKernel portable, avx2, avx512;
 };

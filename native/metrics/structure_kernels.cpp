@@ -70,45 +70,52 @@ void describe(const float *value, MapPlane plane, int64_t y, float *mean, float 
   }
 }
 
-// Blurs of a difference downward.
-void blur_down(const BlurRows &difference, const BlurRows *reference, int64_t stride, const BlurColumns *columns) {
-  if (!reference) {
-    for (int64_t x = 0; x < stride; x += LANES) store(columns[0].row + x, difference.sum(x));
-    return;
-  }
-  for (int64_t x = 0; x < stride; x += LANES) {
-    const vf middle = difference.at(0, x), weighted = kTaps[0] * middle;
-    vf one = weighted, square = weighted * middle, product = weighted * reference->at(0, x);
-    for (int i = 1; i <= kReach; ++i) {
-      const vf above = difference.at(-i, x), below = difference.at(i, x);
-      one += kTaps[i] * (above + below);
-      square += kTaps[i] * (above * above + below * below);
-      product += kTaps[i] * (above * reference->at(-i, x) + below * reference->at(i, x));
+// A row of the blurs of a difference e from the reference r, of which `at` gives the last half: of e, e^2 and r e.
+template <bool kWithStructure>
+class DifferenceBlurs {
+ public:
+  DifferenceBlurs(const float *reference, const float *difference, MapPlane plane, int64_t y, float *scratch)
+      : columns_{{scratch, plane.width},
+                 {scratch + scratch_row(plane.width), plane.width},
+                 {scratch + 2 * scratch_row(plane.width), plane.width}} {
+    const BlurRows differences(difference, plane, y), references(reference, plane, y);
+    for (int64_t x = 0; x < padded(plane.width); x += LANES) {
+      if (!kWithStructure) {
+        store(columns_[0].row + x, differences.sum(x));
+        continue;
+      }
+      const vf middle = differences.at(0, x), weighted = kTaps[0] * middle;
+      vf one = weighted, square = weighted * middle, product = weighted * references.at(0, x);
+      for (int i = 1; i <= kReach; ++i) {
+        const vf above = differences.at(-i, x), below = differences.at(i, x);
+        one += kTaps[i] * (above + below);
+        square += kTaps[i] * (above * above + below * below);
+        product += kTaps[i] * (above * references.at(-i, x) + below * references.at(i, x));
+      }
+      store(columns_[0].row + x, one);
+      store(columns_[1].row + x, square);
+      store(columns_[2].row + x, product);
     }
-    store(columns[0].row + x, one);
-    store(columns[1].row + x, square);
-    store(columns[2].row + x, product);
   }
-}
+  vf one(int64_t x) const { return columns_[0].at(x); }
+  vf square(int64_t x) const { return columns_[1].at(x); }
+  vf product(int64_t x) const { return columns_[2].at(x); }
+
+ private:
+  const BlurColumns columns_[3];
+};
 
 template <bool kWithStructure>
-void compare_row(const ReferencePlanes &reference, const float *difference, MapPlane plane, int64_t y,
-                 const DifferenceBlurs &blurs, MapSums &sums, float *scratch) {
-  const int64_t stride = padded(plane.width), at = y * stride, room = scratch_row(plane.width);
-  const BlurColumns columns[3] = {
-      {scratch, plane.width}, {scratch + room, plane.width}, {scratch + 2 * room, plane.width}};
-  const BlurRows values(reference.value, plane, y);
-  blur_down(BlurRows(difference, plane, y), kWithStructure ? &values : nullptr, stride, columns);
+void compare_row(const ReferencePlanes &reference, const float *difference, MapPlane plane, int64_t y, MapSums &sums,
+                 float *scratch) {
+  const int64_t at = y * padded(plane.width);
+  const DifferenceBlurs<kWithStructure> blurs(reference.value, difference, plane, y, scratch);
   RowSums structure, added, lost;
   for (int64_t x = 0; x < plane.width; x += LANES) {
     const vi live = inside(x, plane.width);
-    const vf one = columns[0].at(x), mean = load(reference.mean + at + x);
-    store(blurs.one + x, one);
+    const vf one = blurs.one(x), mean = load(reference.mean + at + x);
     if (kWithStructure) {
-      const vf square = columns[1].at(x), product = columns[2].at(x);
-      store(blurs.square + x, square);
-      store(blurs.product + x, product);
-      const StructureLoss loss(mean, load(reference.variance + at + x), one, square, product);
+      const StructureLoss loss(mean, load(reference.variance + at + x), one, blurs.square(x), blurs.product(x));
       structure.add(zero_unless(live, loss.value));
     }
     const EdgeChange change(load(reference.value + at + x), mean, load(difference + at + x), one);
@@ -121,9 +128,9 @@ void compare_row(const ReferencePlanes &reference, const float *difference, MapP
   lost.add_to(sums, kLost);
 }
 
-void compare(const ReferencePlanes &reference, const float *difference, MapPlane plane, int64_t y,
-             const DifferenceBlurs &blurs, MapSums &sums, float *scratch) {
-  (reference.variance ? compare_row<true> : compare_row<false>)(reference, difference, plane, y, blurs, sums, scratch);
+void compare(const ReferencePlanes &reference, const float *difference, MapPlane plane, int64_t y, MapSums &sums,
+             float *scratch) {
+  (reference.variance ? compare_row<true> : compare_row<false>)(reference, difference, plane, y, sums, scratch);
 }
 
 vf slope_at(const MapSlope &slope, vf value) {
@@ -131,21 +138,21 @@ vf slope_at(const MapSlope &slope, vf value) {
 }
 
 template <bool kWithStructure>
-void slope_row(const ReferencePlanes &reference, const float *difference, const DifferenceBlurs &blurs, MapPlane plane,
-               int64_t y, const MapSlope *slopes, const DifferenceBlurs &out, float *direct) {
+void slope_row(const ReferencePlanes &reference, const float *difference, MapPlane plane, int64_t y,
+               const MapSlope *slopes, const BlurSlopes &out, float *scratch) {
   const int64_t stride = padded(plane.width), at = y * stride;
+  const DifferenceBlurs<kWithStructure> blurs(reference.value, difference, plane, y, scratch);
   for (int64_t x = 0; x < stride; x += LANES) {
     const vi live = inside(x, plane.width);
-    const vf one = load(blurs.one + x), mean = load(reference.mean + at + x);
+    const vf one = blurs.one(x), mean = load(reference.mean + at + x);
     const EdgeChange change(load(reference.value + at + x), mean, load(difference + at + x), one);
     const vf edge =
         zero_unless(live, (slope_at(slopes[kAdded], change.value) - slope_at(slopes[kLost], -change.value)) *
                               signv(change.decoded) / change.strength);
-    store(direct + x, edge);
+    store(out.direct + x, edge);
     vf in_one = -edge;
     if (kWithStructure) {
-      const StructureLoss loss(mean, load(reference.variance + at + x), one, load(blurs.square + x),
-                               load(blurs.product + x));
+      const StructureLoss loss(mean, load(reference.variance + at + x), one, blurs.square(x), blurs.product(x));
       const vf slope = slope_at(slopes[kStructure], loss.value), shared = slope * loss.similar / loss.spread;
       const vf in_variance = shared * (1.0f - loss.ratio), in_covariance = -2.0f * shared * loss.ratio;
       in_one += zero_unless(live, 2.0f * one * (slope * (1.0f - loss.ratio) - in_variance) - mean * in_covariance);
@@ -156,16 +163,15 @@ void slope_row(const ReferencePlanes &reference, const float *difference, const 
   }
 }
 
-void slope(const ReferencePlanes &reference, const float *difference, const DifferenceBlurs &blurs, MapPlane plane,
-           int64_t y, const MapSlope *slopes, const DifferenceBlurs &out, float *direct) {
-  (reference.variance ? slope_row<true> : slope_row<false>)(reference, difference, blurs, plane, y, slopes, out,
-                                                            direct);
+void slope(const ReferencePlanes &reference, const float *difference, MapPlane plane, int64_t y, const MapSlope *slopes,
+           const BlurSlopes &out, float *scratch) {
+  (reference.variance ? slope_row<true> : slope_row<false>)(reference, difference, plane, y, slopes, out, scratch);
 }
 
-void gather(const ReferencePlanes &reference, const float *difference, const DifferenceBlurs &slopes,
-            const float *direct, MapPlane plane, int64_t y, float *gradient, float *scratch) {
-  const int64_t stride = padded(plane.width), at = y * stride;
-  const int64_t room = scratch_row(plane.width);
+void gather(const ReferencePlanes &reference, const float *difference, const BlurSlopes &slopes, MapPlane plane,
+            int64_t y, float *gradient, float *scratch) {
+  const int64_t stride = padded(plane.width), at = y * stride, room = scratch_row(plane.width);
+  const float *const direct = slopes.direct + y % kRingRows * stride;
   const float *const rings[3] = {slopes.one, slopes.square, slopes.product};
   const BlurColumns columns[3] = {
       {scratch, plane.width}, {scratch + room, plane.width}, {scratch + 2 * room, plane.width}};

@@ -11,7 +11,7 @@ int64_t size_of(const MapPlane &plane) { return plane.height * padded(plane.widt
 
 int64_t bands_of(const MapPlane &plane) { return (plane.height + kBandRows - 1) / kBandRows; }
 
-// What `slope` finds in one channel around the rows that a thread is at, in rings.
+// What `slope` finds in one channel around the rows that a thread is at.
 class SlopeRings {
  public:
   SlopeRings(const MapPlane &plane, bool structure)
@@ -19,10 +19,9 @@ class SlopeRings {
         structure_(structure) {}
 
   // Rings where `y` is 0, else their row.
-  DifferenceBlurs blurs(int64_t y = 0) const {
-    return {row(0, y), structure_ ? row(2, y) : nullptr, structure_ ? row(3, y) : nullptr};
+  BlurSlopes slopes(int64_t y = 0) const {
+    return {row(0, y), structure_ ? row(2, y) : nullptr, structure_ ? row(3, y) : nullptr, row(1, y)};
   }
-  float *direct(int64_t y) const { return row(1, y); }
 
   int64_t end = 0;  // behind the last row that is there
 
@@ -73,18 +72,7 @@ ReferencePlanes VisualReference::planes(size_t scale, int channel) const {
   return {original_.xyb(scale, channel), known.mean.get(), known.variance.get()};
 }
 
-VisualReference::Blurs VisualReference::make_blurs() const {
-  Blurs blurs(scales_.size());
-  for (size_t scale = 0; scale < scales_.size(); ++scale)
-    for (int c = 0; c < kVisualChannels; ++c) {
-      const Channel &channel = scales_[scale].channels[c];
-      for (int kind = 0; kind < (channel.variance ? 3 : channel.used ? 1 : 0); ++kind)
-        blurs[scale][c][kind] = floats(size_of(scales_[scale].plane));
-    }
-  return blurs;
-}
-
-std::vector<ChannelSums> VisualReference::compare(const ColourPyramid &decoded, Blurs *blurs) const {
+std::vector<ChannelSums> VisualReference::compare(const ColourPyramid &decoded) const {
   struct Band {
     size_t scale;
     int64_t number;
@@ -94,29 +82,21 @@ std::vector<ChannelSums> VisualReference::compare(const ColourPyramid &decoded, 
     for (int64_t number = 0; number < bands_of(scales_[scale].plane); ++number) bands.push_back({scale, number});
   std::vector<ChannelSums> found(bands.size(), ChannelSums{}), sums(scales_.size(), ChannelSums{});
   parallel_for(int64_t(bands.size()), threads_,
-               [&](int64_t i) { found[i] = compare_band(decoded, bands[i].scale, bands[i].number, blurs); });
+               [&](int64_t i) { found[i] = compare_band(decoded, bands[i].scale, bands[i].number); });
   for (size_t i = 0; i < bands.size(); ++i)
     for (int c = 0; c < kVisualChannels; ++c)
       for (int norm = 0; norm < 2 * kVisualMaps; ++norm) sums[bands[i].scale][c].sum[norm] += found[i][c].sum[norm];
   return sums;
 }
 
-ChannelSums VisualReference::compare_band(const ColourPyramid &decoded, size_t scale, int64_t band,
-                                          Blurs *blurs) const {
+ChannelSums VisualReference::compare_band(const ColourPyramid &decoded, size_t scale, int64_t band) const {
   ChannelSums sums{};
   const MapPlane plane = scales_[scale].plane;
-  const int64_t stride = padded(plane.width);
-  const Floats scratch = floats(kScratchRows * scratch_row(plane.width)), rows = floats(3 * stride);
-  for (int c = 0; c < kVisualChannels; ++c) {
-    if (!scales_[scale].channels[c].used) continue;
-    const ReferencePlanes reference = planes(scale, c);
-    for (int64_t y = band * kBandRows; y < std::min(plane.height, (band + 1) * kBandRows); ++y) {
-      float *out[3];
-      for (int kind = 0; kind < 3; ++kind)
-        out[kind] = blurs ? at((*blurs)[scale][c][kind], y * stride) : at(rows, kind * stride);
-      kernel_.compare(reference, decoded.xyb(scale, c), plane, y, {out[0], out[1], out[2]}, sums[c], scratch.get());
-    }
-  }
+  const Floats scratch = floats(kScratchRows * scratch_row(plane.width));
+  for (int c = 0; c < kVisualChannels; ++c)
+    if (scales_[scale].channels[c].used)
+      for (int64_t y = band * kBandRows; y < std::min(plane.height, (band + 1) * kBandRows); ++y)
+        kernel_.compare(planes(scale, c), decoded.xyb(scale, c), plane, y, sums[c], scratch.get());
   return sums;
 }
 
@@ -128,25 +108,24 @@ double VisualReference::finish(const std::vector<ChannelSums> &sums, std::vector
 
 double VisualReference::score(const float *decoded) const {
   const ColourPyramid pyramid(shaped(decoded), &original_, threads_, colour_kernel_);
-  return finish(compare(pyramid, nullptr), nullptr);
+  return finish(compare(pyramid), nullptr);
 }
 
 double VisualReference::gradient(const float *decoded, float *gradient) const {
   const SrgbPicture picture = shaped(decoded);
   ColourPyramid pyramid(picture, &original_, threads_, colour_kernel_);
-  Blurs blurs = make_blurs();
   std::vector<ChannelSlopes> slopes;
-  const double score = finish(compare(pyramid, &blurs), &slopes);
+  const double score = finish(compare(pyramid), &slopes);
   const int colours = scales_.empty() ? 0 : picture.colours();
   std::fill(gradient + colours * height_ * width_, gradient + channels_ * height_ * width_, 0.0f);
   for (size_t scale = scales_.size(); scale-- > 0;)
     parallel_for(bands_of(scales_[scale].plane), threads_,
-                 [&](int64_t band) { pull_band(pyramid, blurs, slopes[scale], scale, band, picture, gradient); });
+                 [&](int64_t band) { pull_band(pyramid, slopes[scale], scale, band, picture, gradient); });
   return score;
 }
 
-void VisualReference::pull_band(ColourPyramid &decoded, const Blurs &blurs, const ChannelSlopes &slopes, size_t scale,
-                                int64_t band, const SrgbPicture &picture, float *gradient) const {
+void VisualReference::pull_band(ColourPyramid &decoded, const ChannelSlopes &slopes, size_t scale, int64_t band,
+                                const SrgbPicture &picture, float *gradient) const {
   const MapPlane plane = scales_[scale].plane;
   const int64_t stride = padded(plane.width), begin = band * kBandRows;
   std::vector<SlopeRings> rings;
@@ -165,13 +144,10 @@ void VisualReference::pull_band(ColourPyramid &decoded, const Blurs &blurs, cons
       }
       const ReferencePlanes reference = planes(scale, c);
       SlopeRings &ring = rings[c];
-      for (; ring.end <= std::min(y + kNeighbourRows, plane.height - 1); ++ring.end) {
-        const auto &kinds = blurs[scale][c];
-        const int64_t row = ring.end * stride;
-        kernel_.slope(reference, decoded.xyb(scale, c), {at(kinds[0], row), at(kinds[1], row), at(kinds[2], row)},
-                      plane, ring.end, slopes[c].data(), ring.blurs(ring.end), ring.direct(ring.end));
-      }
-      kernel_.gather(reference, decoded.xyb(scale, c), ring.blurs(), ring.direct(y), plane, y, found[c], scratch.get());
+      for (; ring.end <= std::min(y + kNeighbourRows, plane.height - 1); ++ring.end)
+        kernel_.slope(reference, decoded.xyb(scale, c), plane, ring.end, slopes[c].data(), ring.slopes(ring.end),
+                      scratch.get());
+      kernel_.gather(reference, decoded.xyb(scale, c), ring.slopes(), plane, y, found[c], scratch.get());
     }
     decoded.pull_row(original_, scale, y, found, rows.get() + kVisualChannels * stride, picture, gradient);
   }

@@ -9,8 +9,9 @@
 
 namespace sgi {
 
-// What is the same for every decoded picture is computed once: 40 bytes per pixel with three colours. `score` takes 29
-// bytes per pixel more while it runs, `gradient` 53. Both may run at once, and give the same for any number of threads.
+// What is the same for every decoded picture is computed once: 40 bytes per pixel with three colours. Each call takes
+// 20 bytes per pixel more while it runs: blurs are computed again for the gradient, which takes no longer than new
+// memory for them. Calls may run at once, and give the same for any number of threads.
 class VisualReference {
  public:
   // Samples beyond 0..1 are clipped.
@@ -33,19 +34,14 @@ class VisualReference {
     MapPlane plane;
     std::array<Channel, kVisualChannels> channels;
   };
-  // Planes of blurs of a decoded picture: [scale][channel][kind]
-  using Blurs = std::vector<std::array<std::array<Floats, 3>, kVisualChannels>>;
-  struct Slopes;
 
   SrgbPicture shaped(const float *samples) const;
   ReferencePlanes planes(size_t scale, int channel) const;
-  Blurs make_blurs() const;
   void describe(size_t scale, int channel);
-  // Sums of the maps of all scales; keeps the blurs if there is room for them.
-  std::vector<ChannelSums> compare(const ColourPyramid &decoded, Blurs *blurs) const;
-  ChannelSums compare_band(const ColourPyramid &decoded, size_t scale, int64_t band, Blurs *blurs) const;
+  std::vector<ChannelSums> compare(const ColourPyramid &decoded) const;
+  ChannelSums compare_band(const ColourPyramid &decoded, size_t scale, int64_t band) const;
   double finish(const std::vector<ChannelSums> &sums, std::vector<ChannelSlopes> *slopes) const;
-  void pull_band(ColourPyramid &decoded, const Blurs &blurs, const ChannelSlopes &slopes, size_t scale, int64_t band,
+  void pull_band(ColourPyramid &decoded, const ChannelSlopes &slopes, size_t scale, int64_t band,
                  const SrgbPicture &picture, float *gradient) const;
 
   int channels_, threads_;

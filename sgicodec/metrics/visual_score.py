@@ -24,8 +24,8 @@ class VisualReference:
     """An original [C, H, W], sRGB samples in 0..1, that decoded pictures of this shape are compared with.
 
     With one channel or two the first is gray; channels behind the third count nothing. Samples outside 0..1 are
-    clipped. Holds 40 bytes per pixel, and takes at most 53 more during a call. Results are the same for any number of
-    threads; between instruction sets they differ by rounding.
+    clipped. Holds 40 bytes per pixel, and takes 20 more during a call. Results are the same for any number of threads;
+    between instruction sets they differ by rounding.
     """
 
     def __init__(self, original: F32, device: Device = ALL_CORES) -> None:
