@@ -10,7 +10,7 @@ import numpy as np
 from sgicodec.bitstream.header import COLOURED_LAYOUTS, MAX_CHANNELS, MAX_SIDE, MAX_TILES, Header
 from sgicodec.bitstream.limits import check_model, check_texture
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.errors import LimitError, PictureError, UsageError, require
+from sgicodec.errors import LimitError, PictureError, UsageError
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import quality_index
 from sgicodec.model.tile_grid import TileGrid
@@ -81,10 +81,8 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
     )
     if grid.tile and settings.time_limit is not None and settings.asked():
         raise UsageError("a time limit goes with a size, a rate or a PSNR in a single tile only; --tile 0 makes one")
-    if settings.ssimulacra2 is not None:
-        require("ssimulacra2", "a SSIMULACRA 2 score", "bench")
-        if grid.tile:
-            raise UsageError("a SSIMULACRA 2 score goes with a single tile only; --tile 0 makes one")
+    if settings.ssimulacra2 is not None and grid.tile:
+        raise UsageError("a SSIMULACRA 2 score goes with a single tile only; --tile 0 makes one")
     metadata = shape.metadata if settings.metadata else None
     return Plan(header, settings, _software(settings, fit), metadata, Metadata(geo=shape.metadata.geo))
 

@@ -30,6 +30,7 @@ from sgicodec.fit.base_layer import base_layer
 from sgicodec.metrics.choices import DISTORTIONS
 from sgicodec.metrics.distortion import QuadraticReference, Reference, mean_weight
 from sgicodec.metrics.psnr import psnr
+from sgicodec.metrics.visual_score import visual_score
 from sgicodec.model.context import input_count
 from sgicodec.model.layout import ROOT_LOG, SeedLayout, adaptive_layout, cell_sums, uniform_layout
 from sgicodec.model.luma_space import to_luma_space
@@ -236,9 +237,7 @@ class Encoding:
             shown = np.array(True) if self.empty is None else ~self.empty[..., None]
             quality = psnr(*(np.where(shown, comparable(p), 0) for p in (self.picture, decoded)))
         else:
-            from sgicodec.metrics.perceptual import ssimulacra2
-
-            score = ssimulacra2(*(to_rgb8(picture) for picture in (self.picture, decoded)))
+            score = visual_score(to_rgb8(self.picture), to_rgb8(decoded), self.device)
         return encoded, Measured(len(encoded.data), quality, score)
 
     def rd_model(self) -> RdModel:

@@ -15,9 +15,18 @@ from sgicodec import _native
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.errors import UsageError
 
-__all__ = ["VisualReference"]
+__all__ = ["VisualReference", "visual_score"]
 
 F32 = NDArray[np.float32]
+Rgb8 = NDArray[np.uint8]  # [H, W, 3]
+
+
+def visual_score(original: Rgb8, decoded: Rgb8, device: Device = ALL_CORES) -> float:
+    """SSIMULACRA 2 of a decoded picture, what a screen shows of it; `perceptual.ssimulacra2` without the package.
+
+    Raises UsageError for pictures of different shapes.
+    """
+    return VisualReference(_samples(original), device).score(_samples(decoded))
 
 
 class VisualReference:
@@ -55,6 +64,11 @@ class VisualReference:
         if decoded.shape != self._shape:
             raise UsageError(f"a decoded picture of shape {decoded.shape} does not fit the original's {self._shape}")
         return _plain(decoded)
+
+
+def _samples(pixels: Rgb8) -> F32:
+    """8-bit [H, W, C] as [C, H, W] in 0..1."""
+    return pixels.transpose(2, 0, 1).astype(np.float32, order="C") / np.float32(255)
 
 
 def _plain(picture: F32) -> F32:
