@@ -71,11 +71,23 @@ bool RangeDecoder::decode(const SymbolModels &models, const int64_t *start, int6
       std::fill(out + start[k], out + start[k + 1], 0);
       continue;
     }
+    if (models.bucket_[k] < 0) {  // few symbols: products take less time than a division
+      const auto count = int32_t(models.symbols(k));
+      for (int64_t i = start[k]; i < start[k + 1]; ++i) {
+        const uint64_t scale = range_ >> kPrecision;
+        int32_t s = 0;
+        while (s < count && offset_ >= scale * sums[s + 1]) ++s;
+        if (s == count) return false;
+        take(scale, sums[s], sums[s + 1] - sums[s]);
+        out[i] = s;
+      }
+      continue;
+    }
     for (int64_t i = start[k]; i < start[k + 1]; ++i) {
       uint64_t scale;
       uint32_t found;
       if (!quantile(scale, found)) return false;
-      const int32_t s = models.find(k, found);
+      const int32_t s = models.find(models.bucket_[k], sums, found);
       take(scale, sums[s], sums[s + 1] - sums[s]);
       out[i] = s;
     }

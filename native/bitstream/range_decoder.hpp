@@ -19,10 +19,8 @@ class SymbolModels {
  private:
   friend class RangeDecoder;
 
-  int32_t find(int64_t model, uint32_t quantile) const {
-    const int64_t bucket = bucket_[model];
-    const uint32_t *sums = sums_.data() + first_[model];  // sums[s]: frequencies before s
-    int32_t s = bucket < 0 ? 0 : buckets_[bucket + (quantile >> kBucketShift)];
+  int32_t find(int64_t bucket, const uint32_t *sums, uint32_t quantile) const {  // sums[s]: frequencies before s
+    int32_t s = buckets_[bucket + (quantile >> kBucketShift)];
     while (sums[s + 1] <= quantile) ++s;
     return s;
   }

@@ -15,8 +15,8 @@ namespace {
 // Nearest seeds of earlier passes, pass after pass; searched by a thread of its own if `ahead`.
 class NeighboursByPass {
  public:
-  NeighboursByPass(const TileSeeds &seeds, int ranks, bool ahead)
-      : seeds_(seeds), ranks_(ranks), tables_(ahead ? seeds.passes.size() : 0) {
+  NeighboursByPass(const TileSeeds &seeds, int ranks, Isa isa, bool ahead)
+      : seeds_(seeds), ranks_(ranks), isa_(isa), tables_(ahead ? seeds.passes.size() : 0) {
     if (ahead) worker_ = std::async(std::launch::async, [this] { search_all(); });
   }
   ~NeighboursByPass() { stop_ = true; }
@@ -47,7 +47,7 @@ class NeighboursByPass {
     if (!ranks_) return table;
     if (!earlier_.empty())
       nearest_among(seeds_.view.half_pixels, earlier_.data(), int64_t(earlier_.size()), members.data(),
-                    int64_t(members.size()), ranks_, 1, table.data());
+                    int64_t(members.size()), ranks_, 1, isa_, table.data());
     std::vector<int64_t> both;
     both.reserve(earlier_.size() + members.size());
     std::merge(earlier_.begin(), earlier_.end(), members.begin(), members.end(), std::back_inserter(both));
@@ -57,6 +57,7 @@ class NeighboursByPass {
 
   const TileSeeds &seeds_;
   int ranks_;
+  Isa isa_;
   size_t pass_ = 0;
   std::vector<int64_t> earlier_;  // seeds, ascending
   std::atomic<bool> stop_{false};
@@ -78,7 +79,7 @@ class AttributeReader {
   }
 
   Reading read_all() {
-    NeighboursByPass neighbours(seeds_, model_.ranks, resolve_threads(threads_) > 1 && model_.ranks);
+    NeighboursByPass neighbours(seeds_, model_.ranks, model_.isa, resolve_threads(threads_) > 1 && model_.ranks);
     for (const std::vector<int64_t> &members : seeds_.passes) {
       const Reading reading = read_pass(members, neighbours.next());
       if (reading != Reading::kSound) return reading;

@@ -36,8 +36,9 @@ struct AttributeModel {
   std::vector<AttributeStep> steps;
   int64_t attributes;  // d_A
   int per_seed, channels, colour, shape;
-  int quality, ranks;              // of neighbours, 0 for none
-  int16_t first_table;             // of the family
+  int quality, ranks;   // of neighbours, 0 for none
+  int16_t first_table;  // of the family
+  Isa isa;
   const HashGrid *grid = nullptr;  // null for none
   const uint8_t *grid_signs = nullptr;
 };

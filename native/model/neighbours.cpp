@@ -2,132 +2,95 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstring>
 #include <limits>
 #include <utility>
 #include <vector>
 
 #include "base/thread_pool.hpp"
-
-#ifdef SGI_X86
-#include <immintrin.h>
-#endif
+#include "model/neighbour_kernel.hpp"
 
 namespace sgi {
 namespace {
 
-constexpr int kLanes = 16;
-constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();  // neither near nor far
-constexpr float kAnywhere = std::numeric_limits<float>::infinity();
+constexpr double kNowhere = std::numeric_limits<double>::infinity();
 
-using Lanes = std::array<float, kLanes>;
+struct Extent {
+  int64_t low = std::numeric_limits<int32_t>::max(), high = std::numeric_limits<int32_t>::min();
 
-// The small one is quicker and holds 2^28 points with coordinates up to 2^16 either way.
-using SmallKey = uint64_t;
-using LargeKey = unsigned __int128;
-constexpr int kSmallIndexBits = 28;
-constexpr int64_t kSmallCoordinate = 1 << 16;
-
-// Which lanes are at most `limit`, as bits.
-uint32_t at_most(const Lanes &lanes, float limit) {
-  uint32_t mask = 0;
-#ifdef SGI_X86
-  const __m128 most = _mm_set1_ps(limit);
-  for (int i = 0; i < kLanes; i += 4)
-    mask |= uint32_t(_mm_movemask_ps(_mm_cmple_ps(_mm_loadu_ps(lanes.data() + i), most))) << i;
-#else
-  for (int i = 0; i < kLanes; ++i) mask |= uint32_t(lanes[i] <= limit) << i;
-#endif
-  return mask;
-}
-
-// The k nearest so far: squared distances, exact, and below them in the same integer the points' indices, so that a
-// smaller one is nearer or, as near, has the lower index. Key: an integer that holds both.
-template <class Key>
-class Best {
- public:
-  // error: what a coordinate may lose as a float.
-  Best(int k, const int32_t *points, float error) : points_(points), error_(error), keys_(size_t(k), kNone) {}
-
-  // Starts another query. What the last one found bounds what this one can find: queries come in an order that goes
-  // from neighbour to neighbour.
-  void start(const int32_t *query) {
-    query_ = query;
-    Key bound = keys_.back() == kNone ? kNone : 0;
-    if (bound != kNone)
-      for (const Key key : keys_) bound = std::max(bound, key_of(index_of(key)) | kIndex);
-    std::fill(keys_.begin(), keys_.end(), bound);
-    measure();
-  }
-  const int32_t *query() const { return query_; }
-  // Squared distances in floats of all that may be wanted are at most this.
-  float limit() const { return limit_; }
-  void add(int64_t index) {
-    const Key key = key_of(index);
-    for (size_t j = keys_.size() - 1; j > 0; --j) keys_[j] = std::min(std::max(key, keys_[j - 1]), keys_[j]);
-    keys_[0] = std::min(keys_[0], key);
-  }
-  // Brings the limit up to date after points were added.
-  void measure() {
-    if (keys_.back() == kNone) {
-      limit_ = kAnywhere;
-      return;
+  void include(const int32_t *points, const int64_t *chosen, int64_t n) {
+    for (int64_t i = 0; i < n; ++i) {
+      const int64_t x = points[2 * chosen[i]], y = points[2 * chosen[i] + 1];
+      low = std::min({low, x, y}), high = std::max({high, x, y});
     }
-    const float distance = std::sqrt(float(int64_t(keys_.back() >> kIndexBits))) + error_;
-    limit_ = distance * distance * 1.00001f;  // roundings are below 1e-6
   }
-  void write(int32_t *out) const {
-    for (const Key key : keys_) *out++ = key == kNone ? -1 : index_of(key);
-  }
-
- private:
-  static constexpr int kIndexBits = sizeof(Key) == sizeof(SmallKey) ? kSmallIndexBits : 32;
-  static constexpr Key kNone = ~Key(0), kIndex = (Key(1) << kIndexBits) - 1;
-
-  static int32_t index_of(Key key) { return int32_t(key & kIndex); }
-  Key key_of(int64_t index) const {
-    const int64_t dx = int64_t(points_[2 * index]) - query_[0], dy = int64_t(points_[2 * index + 1]) - query_[1];
-    return Key(dx * dx + dy * dy) << kIndexBits | Key(index);
-  }
-
-  const int32_t *points_, *query_ = nullptr;
-  float error_, limit_ = kAnywhere;
-  std::vector<Key> keys_;  // ascending; at first bounds that no point has
+  double most_square() const { return 2 * double(high - low) * double(high - low); }
 };
 
-// Boxes around runs of points, and around runs of boxes up to one node for all. Points in Morton order, as seeds are,
-// make small boxes however they are scattered; any other order is only slower.
-class Tree {
+// Points in Morton order, as seeds are, make small boxes however they are scattered; any other order is only slower.
+class PointTree {
  public:
-  Tree(const int32_t *points, int64_t n) : leaves_(size_t((n + kLanes - 1) / kLanes)) {
-    std::vector<Box> boxes(leaves_.size());
+  PointTree(const int32_t *points, const int64_t *among, int64_t n)
+      : count_(n), points_(size_t(runs_of(n)) * 2 * kRun, kNowhere) {
+    std::vector<Box> boxes(size_t(runs_of(n)));
     for (int64_t i = 0; i < n; ++i) {
-      const auto x = float(points[2 * i]), y = float(points[2 * i + 1]);
-      Leaf &leaf = leaves_[size_t(i / kLanes)];
-      leaf.x[size_t(i % kLanes)] = x, leaf.y[size_t(i % kLanes)] = y;
-      boxes[size_t(i / kLanes)].extend({x, y, x, y});
+      const double x = points[2 * among[i]], y = points[2 * among[i] + 1];
+      double *at = points_.data() + i / kRun * 2 * kRun + i % kRun;
+      at[0] = x, at[kRun] = y;
+      boxes[size_t(i / kRun)].extend({x, y, x, y});
     }
     do {
-      std::vector<Box> above((boxes.size() + kLanes - 1) / kLanes);
-      levels_.emplace_back(above.size());
+      std::vector<Box> above(size_t(runs_of(int64_t(boxes.size()))));
+      levels_.emplace_back(above.size() * 4 * kRun, kNowhere);
       for (size_t i = 0; i < boxes.size(); ++i) {
-        levels_.back()[i / kLanes].set(i % kLanes, boxes[i]);
-        above[i / kLanes].extend(boxes[i]);
+        double *at = levels_.back().data() + i / kRun * 4 * kRun + i % kRun;
+        at[0] = boxes[i].x0, at[kRun] = boxes[i].y0, at[2 * kRun] = boxes[i].x1, at[3 * kRun] = boxes[i].y1;
+        above[i / kRun].extend(boxes[i]);
       }
       boxes = std::move(above);
     } while (boxes.size() > 1);
+    for (const std::vector<double> &level : levels_) starts_.push_back(level.data());
+    while (unit_ < n) unit_ *= 2;
   }
 
-  // Adds to `best` whatever belongs there.
-  template <class Key>
-  void search(Best<Key> &best) const {
-    visit(levels_.size() - 1, 0, float(best.query()[0]), float(best.query()[1]), best);
+  PointRuns runs() const { return {points_.data(), starts_.data(), int(levels_.size()), double(unit_)}; }
+  int64_t unit() const { return unit_; }
+
+  int depth() const { return int(levels_.size()); }
+  int64_t count() const { return count_; }
+  // Where x of a point stands, and kRun further its y.
+  const double *at(int64_t point) const { return points_.data() + point / kRun * 2 * kRun + point % kRun; }
+
+  double key(int64_t point, double x, double y) const {
+    const double dx = at(point)[0] - x, dy = at(point)[kRun] - y;
+    return (dx * dx + dy * dy) * double(unit_) + double(point);
+  }
+
+  // The square of how far (x, y) is from box i of a node.
+  double box_distance(int level, int64_t number, int i, double x, double y) const {
+    const double *box = levels_[size_t(level)].data() + number * 4 * kRun + i;
+    const double dx = std::max({box[0] - x, x - box[2 * kRun], 0.0});
+    const double dy = std::max({box[kRun] - y, y - box[3 * kRun], 0.0});
+    return dx * dx + dy * dy;
+  }
+
+  // Points that are near (x, y), as many as are looked for; false where there are fewer.
+  bool guess(double x, double y, std::array<int64_t, kMostNeighbours> &near) const {
+    if (count_ < kMostNeighbours) return false;
+    int64_t number = 0;
+    for (int level = depth(); level-- > 0;) {
+      int best = 0;
+      for (int i = 1; i < kRun; ++i)
+        if (box_distance(level, number, i, x, y) < box_distance(level, number, best, x, y)) best = i;
+      number = number * kRun + best;
+    }
+    const int64_t first = std::min(number * kRun, count_ - kMostNeighbours);
+    for (int j = 0; j < kMostNeighbours; ++j) near[size_t(j)] = first + j;
+    return true;
   }
 
  private:
   struct Box {
-    float x0 = kAnywhere, y0 = kAnywhere, x1 = -kAnywhere, y1 = -kAnywhere;
+    double x0 = kNowhere, y0 = kNowhere, x1 = -kNowhere, y1 = -kNowhere;
 
     void extend(const Box &other) {
       x0 = std::min(x0, other.x0), y0 = std::min(y0, other.y0);
@@ -135,116 +98,128 @@ class Tree {
     }
   };
 
-  static Lanes nowhere() {
-    Lanes lanes;
-    lanes.fill(kNowhere);
-    return lanes;
-  }
+  static int64_t runs_of(int64_t count) { return (count + kRun - 1) / kRun; }
 
-  struct Node {  // boxes of its children
-    Lanes x0 = nowhere(), y0 = nowhere(), x1 = nowhere(), y1 = nowhere();
-
-    void set(size_t lane, const Box &box) {
-      x0[lane] = box.x0, y0[lane] = box.y0, x1[lane] = box.x1, y1[lane] = box.y1;
-    }
-  };
-
-  struct Leaf {
-    Lanes x = nowhere(), y = nowhere();
-  };
-
-  // levels_[0] holds the nodes above leaves, the last one the node of all.
-  template <class Key>
-  void visit(size_t level, size_t number, float x, float y, Best<Key> &best) const {
-    const Node &node = levels_[level][number];
-    Lanes distance;
-    for (int i = 0; i < kLanes; ++i) {
-      const float dx = std::max(std::max(node.x0[i] - x, x - node.x1[i]), 0.0f);
-      const float dy = std::max(std::max(node.y0[i] - y, y - node.y1[i]), 0.0f);
-      distance[i] = dx * dx + dy * dy;
-    }
-    std::array<uint32_t, kLanes> order;  // a distance's bits are ordered as it is; the last ones make room for the lane
-    size_t count = 0;
-    for (uint32_t mask = at_most(distance, best.limit()); mask; mask &= mask - 1) {
-      const auto lane = uint32_t(__builtin_ctz(mask));
-      uint32_t key;
-      std::memcpy(&key, &distance[lane], sizeof key);
-      key = (key & ~uint32_t(kLanes - 1)) | lane;
-      size_t at = count++;
-      for (; at > 0 && order[at - 1] > key; --at) order[at] = order[at - 1];
-      order[at] = key;
-    }
-    for (size_t i = 0; i < count; ++i) {
-      const size_t lane = order[i] & (kLanes - 1);
-      if (distance[lane] > best.limit()) continue;
-      if (level)
-        visit(level - 1, number * kLanes + lane, x, y, best);
-      else
-        look(number * kLanes + lane, x, y, best);
-    }
-  }
-
-  template <class Key>
-  void look(size_t number, float x, float y, Best<Key> &best) const {
-    const Leaf &leaf = leaves_[number];
-    Lanes distance;
-    for (int i = 0; i < kLanes; ++i) {
-      const float dx = leaf.x[i] - x, dy = leaf.y[i] - y;
-      distance[i] = dx * dx + dy * dy;
-    }
-    for (uint32_t mask = at_most(distance, best.limit()); mask; mask &= mask - 1)
-      best.add(int64_t(number) * kLanes + __builtin_ctz(mask));
-    best.measure();
-  }
-
-  std::vector<Leaf> leaves_;
-  std::vector<std::vector<Node>> levels_;
+  int64_t count_, unit_ = 1;
+  std::vector<double> points_;
+  std::vector<std::vector<double>> levels_;
+  std::vector<const double *> starts_;
 };
 
-int64_t largest(const int32_t *coordinates, int64_t n) {
-  int64_t most = 0;
-  for (int64_t i = 0; i < n; ++i) most = std::max(most, std::abs(int64_t(coordinates[i])));
-  return most;
-}
+// Queries that come one after the other, which they do from neighbour to neighbour: what some have found bounds what
+// the next ones can find.
+class Search {
+ public:
+  Search(const PointTree &tree, const NeighbourKernel &kernel) : tree_(tree), runs_(tree.runs()), kernel_(kernel) {}
 
-template <class Key>
-void search_all(const int32_t *points, int64_t n, const int32_t *queries, int64_t m, int k, float error, int threads,
-                int32_t *out) {
-  const Tree tree(points, n);
+  // Of `count` queries, kQueries at most, their k nearest as numbers in `among`.
+  void answer(const int32_t *points, const int64_t *members, int64_t count, int k, int32_t *out) {
+    for (int q = 0; q < kQueries; ++q) {
+      const int64_t member = members[std::min<int64_t>(q, count - 1)];
+      x_[size_t(q)] = points[2 * member], y_[size_t(q)] = points[2 * member + 1];
+    }
+    set_bounds();
+    kernel_.search(runs_, x_.data(), y_.data(), keys_.data());
+    for (int64_t q = 0; q < count; ++q)
+      for (int j = 0; j < k; ++j) *out++ = number(j, int(q));
+    for (int j = 0; j < kMostNeighbours; ++j) near_[size_t(j)] = number(j, kQueries - 1);
+    is_guessed_ = number(kMostNeighbours - 1, kQueries - 1) >= 0;
+  }
+
+ private:
+  double &key(int rank, int query) { return keys_[size_t(rank * kQueries + query)]; }
+
+  int32_t number(int rank, int query) {
+    return key(rank, query) == kNowhere ? -1 : int32_t(int64_t(key(rank, query)) & (tree_.unit() - 1));
+  }
+
+  void set_bounds() {
+    keys_.fill(kNowhere);
+    if (!is_guessed_ && !tree_.guess(x_[0], y_[0], near_)) return;
+    for (int q = 0; q < kQueries; ++q) {
+      double most = 0;
+      for (const int64_t point : near_) most = std::max(most, tree_.key(point, x_[size_t(q)], y_[size_t(q)]));
+      for (int j = 0; j < kMostNeighbours; ++j) key(j, q) = most + 1;
+    }
+  }
+
+  const PointTree &tree_;
+  const PointRuns runs_;
+  const NeighbourKernel &kernel_;
+  std::array<double, kQueries> x_, y_;
+  std::array<double, kMostNeighbours * kQueries> keys_;
+  std::array<int64_t, kMostNeighbours> near_{};  // points that bound what is next
+  bool is_guessed_ = false;
+};
+
+void search_runs(const PointTree &tree, const int32_t *points, const int64_t *members, int64_t m, int k, int threads,
+                 Isa isa, int32_t *out) {
   constexpr int64_t kChunk = 256;
   parallel_for((m + kChunk - 1) / kChunk, threads, [&](int64_t chunk) {
-    Best<Key> best(k, points, error);
-    for (int64_t i = chunk * kChunk; i < std::min(m, (chunk + 1) * kChunk); ++i) {
-      best.start(queries + 2 * i);
-      tree.search(best);
-      best.write(out + i * k);
-    }
+    Search search(tree, kernel_for<NeighbourKernel>(isa));
+    const int64_t end = std::min(m, (chunk + 1) * kChunk);
+    for (int64_t i = chunk * kChunk; i < end; i += kQueries)
+      search.answer(points, members + i, std::min<int64_t>(kQueries, end - i), k, out + i * k);
   });
 }
 
-// Of each of queries [m, 2] its k nearest of points [n, 2].
-void nearest_points(const int32_t *points, int64_t n, const int32_t *queries, int64_t m, int k, int threads,
-                    int32_t *out) {
-  if (n == 0) {
-    std::fill(out, out + m * k, -1);
-    return;
+// The same for one query, in integers that hold any distance.
+class ExactSearch {
+ public:
+  ExactSearch(const PointTree &tree, int k, const int32_t *query)
+      : tree_(tree), x_(query[0]), y_(query[1]), best_(size_t(k), Found{~uint64_t(0), -1}) {
+    visit(tree.depth() - 1, 0);
   }
-  const int64_t most = std::max(largest(points, 2 * n), largest(queries, 2 * m));
-  const float error = most <= 1 << 24 ? 0.0f : 8 * float(most) * 0x1p-24f;  // four roundings, and to spare
-  const bool small = most <= kSmallCoordinate && n < int64_t(1) << kSmallIndexBits;
-  (small ? search_all<SmallKey> : search_all<LargeKey>)(points, n, queries, m, k, error, threads, out);
-}
+  void write(int32_t *out) const {
+    for (const Found &found : best_) *out++ = found.second;
+  }
+
+ private:
+  using Found = std::pair<uint64_t, int32_t>;  // square of the distance, number
+
+  void visit(int level, int64_t number) {
+    std::array<std::pair<double, int>, kRun> children;
+    for (int i = 0; i < kRun; ++i) children[size_t(i)] = {tree_.box_distance(level, number, i, x_, y_), i};
+    std::sort(children.begin(), children.end());
+    for (const auto &[distance, child] : children) {
+      if (distance == kNowhere || distance * (1 - 1e-12) > double(best_.back().first)) return;
+      if (level)
+        visit(level - 1, number * kRun + child);
+      else
+        look(number * kRun + child);
+    }
+  }
+
+  void look(int64_t leaf) {
+    for (int64_t point = leaf * kRun; point < std::min((leaf + 1) * kRun, tree_.count()); ++point) {
+      const int64_t dx = int64_t(tree_.at(point)[0]) - x_, dy = int64_t(tree_.at(point)[kRun]) - y_;
+      const Found found{uint64_t(dx * dx) + uint64_t(dy * dy), int32_t(point)};
+      if (found >= best_.back()) continue;
+      best_.back() = found;
+      std::inplace_merge(best_.begin(), best_.end() - 1, best_.end());
+    }
+  }
+
+  const PointTree &tree_;
+  const int32_t x_, y_;
+  std::vector<Found> best_;  // ascending
+};
 
 }  // namespace
 
 void nearest_among(const int32_t *points, const int64_t *among, int64_t n, const int64_t *members, int64_t m, int k,
-                   int threads, int32_t *out) {
-  const auto gathered = [&](const int64_t *indices, int64_t count) {
-    std::vector<int32_t> chosen(2 * count);
-    for (int64_t i = 0; i < count; ++i) std::copy_n(points + 2 * indices[i], 2, chosen.begin() + 2 * i);
-    return chosen;
-  };
-  nearest_points(gathered(among, n).data(), n, gathered(members, m).data(), m, k, threads, out);
+                   int threads, Isa isa, int32_t *out) {
+  if (n == 0) {
+    std::fill(out, out + m * k, -1);
+    return;
+  }
+  const PointTree tree(points, among, n);
+  Extent extent;
+  extent.include(points, among, n), extent.include(points, members, m);
+  if (k <= kMostNeighbours && extent.most_square() < 0x1p53 / double(tree.unit()) - 2)
+    search_runs(tree, points, members, m, k, threads, isa, out);
+  else
+    parallel_for(m, threads, [&](int64_t i) { ExactSearch(tree, k, points + 2 * members[i]).write(out + i * k); });
   for (int64_t i = 0; i < m * k; ++i)
     if (out[i] >= 0) out[i] = int32_t(among[out[i]]);
 }

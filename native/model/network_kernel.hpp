@@ -7,7 +7,7 @@
 
 namespace sgi {
 
-constexpr int kNetworkRows = 4;      // evaluated side by side, so that a weight is loaded once for all
+constexpr int kNetworkRows = 8;      // at most, evaluated side by side, so that a weight is loaded once for all
 constexpr int kNetworkPadding = 32;  // hidden units and outputs are padded with zeros to a multiple of it
 
 // The weights transposed so that units lie side by side; biases times 64.

@@ -12,7 +12,7 @@ namespace narrow {
 using vi = int32_t __attribute__((vector_size(LANES * 4)));
 using vs = int16_t __attribute__((vector_size(LANES * 2)));
 
-constexpr int kRows = kNetworkRows;
+constexpr int kRows = LANES == 16 ? kNetworkRows : kNetworkRows / 2;  // with a block the registers that there are
 static_assert(kNetworkPadding % (2 * LANES) == 0, "padding must hold whole blocks");
 
 // Of each lane the product of the lower halves plus that of the upper halves.
@@ -28,6 +28,26 @@ inline vi multiply_pairs(vi a, vi b) {
 #endif
 }
 
+// sum plus those products: FUSED where the processor has one instruction for both.
+template <bool FUSED>
+inline vi add_products(vi sum, vi a, vi b) {
+#if defined(SGI_X86) && LANES == 16
+  if constexpr (FUSED) {
+    asm("vpdpwssd %2, %1, %0" : "+v"(sum) : "v"(a), "v"(b));
+    return sum;
+  }
+#endif
+  return sum + multiply_pairs(a, b);
+}
+
+inline bool has_fused() {
+#if defined(SGI_X86) && LANES == 16
+  return __builtin_cpu_supports("avx512vnni");
+#else
+  return false;
+#endif
+}
+
 inline vi load(const int32_t *p) {
   vi v;
   __builtin_memcpy(&v, p, sizeof v);
@@ -35,7 +55,7 @@ inline vi load(const int32_t *p) {
 }
 
 // sum[r] = bias + sum over pairs of inputs of row r, `stride` apart, for BLOCK vectors of units.
-template <int BLOCK>
+template <bool FUSED, int BLOCK>
 inline void layer(const int32_t *x, int stride, int pairs, const int32_t *w, int width, const int32_t *bias,
                   vi (&sum)[kRows][BLOCK]) {
   for (int r = 0; r < kRows; ++r)
@@ -44,7 +64,7 @@ inline void layer(const int32_t *x, int stride, int pairs, const int32_t *w, int
     vi weight[BLOCK];
     for (int b = 0; b < BLOCK; ++b) weight[b] = load(w + int64_t(i) * width + b * LANES);
     for (int r = 0; r < kRows; ++r)
-      for (int b = 0; b < BLOCK; ++b) sum[r][b] += multiply_pairs(vi{} + x[r * stride + i], weight[b]);
+      for (int b = 0; b < BLOCK; ++b) sum[r][b] = add_products<FUSED>(sum[r][b], vi{} + x[r * stride + i], weight[b]);
   }
 }
 
@@ -64,7 +84,9 @@ inline void read_inputs(const NarrowNetwork &net, const int16_t *rows, int64_t s
   }
 }
 
-void evaluate(const NarrowNetwork &net, const int16_t *rows, int64_t stride, int64_t n, double *scratch, int64_t *out) {
+template <bool FUSED>
+void evaluate_as(const NarrowNetwork &net, const int16_t *rows, int64_t stride, int64_t n, double *scratch,
+                 int64_t *out) {
   const int pairs = (net.inputs + 1) / 2, hidden_pairs = net.wide_hidden / 2;
   int32_t *x = reinterpret_cast<int32_t *>(scratch), *hidden = x + kRows * pairs, *y = hidden + kRows * hidden_pairs;
   for (int64_t first = 0; first < n; first += kRows) {
@@ -72,7 +94,7 @@ void evaluate(const NarrowNetwork &net, const int16_t *rows, int64_t stride, int
     read_inputs(net, rows + first * stride, stride, count, pairs, x);
     for (int at = 0; at < net.wide_hidden; at += 2 * LANES) {
       vi sum[kRows][2];
-      layer(x, pairs, pairs, net.w1 + at, net.wide_hidden, net.b1 + at, sum);
+      layer<FUSED>(x, pairs, pairs, net.w1 + at, net.wide_hidden, net.b1 + at, sum);
       for (int r = 0; r < kRows; ++r)
         for (int b = 0; b < 2; ++b) {
           const vs kept = __builtin_convertvector(clipped(sum[r][b] >> net.shift, 0, kHiddenLimit) - kHiddenMiddle, vs);
@@ -81,13 +103,21 @@ void evaluate(const NarrowNetwork &net, const int16_t *rows, int64_t stride, int
     }
     for (int at = 0; at < net.outputs; at += LANES) {
       vi sum[kRows][1];
-      layer(hidden, hidden_pairs, hidden_pairs, net.w2 + at, net.wide_outputs, net.b2 + at, sum);
+      layer<FUSED>(hidden, hidden_pairs, hidden_pairs, net.w2 + at, net.wide_outputs, net.b2 + at, sum);
       for (int r = 0; r < kRows; ++r) __builtin_memcpy(y + r * net.wide_outputs + at, &sum[r][0], sizeof sum[r][0]);
     }
-    for (int r = 0; r < count; ++r)
-      for (int o = 0; o < net.outputs; ++o)
-        out[(first + r) * net.outputs + o] = as_output(y[r * net.wide_outputs + o], o < net.predicted, net.shift);
+    for (int r = 0; r < count; ++r) {
+      const int32_t *from = y + r * net.wide_outputs;
+      int64_t *to = out + (first + r) * net.outputs;
+      for (int o = 0; o < net.predicted; ++o) to[o] = as_output(from[o], true, net.shift);
+      for (int o = net.predicted; o < net.outputs; ++o) to[o] = as_output(from[o], false, net.shift);
+    }
   }
+}
+
+void evaluate(const NarrowNetwork &net, const int16_t *rows, int64_t stride, int64_t n, double *scratch, int64_t *out) {
+  has_fused() ? evaluate_as<true>(net, rows, stride, n, scratch, out)
+              : evaluate_as<false>(net, rows, stride, n, scratch, out);
 }
 
 }  // namespace narrow
@@ -96,7 +126,7 @@ namespace wide {
 constexpr int kLanes = LANES / 2;
 using vd = double __attribute__((vector_size(kLanes * 8)));
 
-constexpr int kRows = kNetworkRows;
+constexpr int kRows = 4;
 constexpr int kBlock = 2;  // vectors of units side by side; with kRows the chains that hide the latency of a sum
 static_assert(kNetworkPadding % (kBlock * kLanes) == 0, "padding must hold whole blocks");
 

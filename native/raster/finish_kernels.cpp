@@ -13,7 +13,7 @@ using Ints = int32_t __attribute__((vector_size(LANES * 4)));
 using Words = uint16_t __attribute__((vector_size(LANES * 2)));
 using Bytes = uint8_t __attribute__((vector_size(LANES)));
 
-constexpr int kStrip = 16;  // columns that are finished at once
+constexpr int kStrip = 16;  // columns that are interleaved at once
 
 inline Row load(const float *p) {
   Row row;
@@ -21,9 +21,10 @@ inline Row load(const float *p) {
   return row;
 }
 
-// The values of a line from column x on; zeros where there is none.
-inline Row load_part(const float *line, int64_t width, int x) {
-  if (x >= 0 && x + LANES <= width) return load(line + x);
+// The values of a line from column x on, all of them there if INSIDE; zeros where there is none.
+template <bool INSIDE>
+inline Row load_part(const float *line, int64_t width, int64_t x) {
+  if (INSIDE || (x >= 0 && x + LANES <= width)) return load(line + x);
   Row row{};
   for (int i = 0; i < LANES; ++i)
     if (x + i >= 0 && x + i < width) row[i] = line[x + i];
@@ -56,7 +57,7 @@ template <int C, class T>
 inline void interleave(const T *planes, int channels, int first, int last, T *to) {
   const int count = C ? C : channels;
   for (int x = first; x < last; ++x)
-    for (int c = 0; c < count; ++c) *to++ = planes[c * kStrip + x];
+    for (int c = 0; c < count; ++c) *to++ = planes[c * kTileWidth + x];
 }
 
 #ifdef __SSSE3__
@@ -77,7 +78,7 @@ inline void interleave_three(const uint8_t *planes, uint8_t *to) {
   for (int p = 0; p < 3; ++p) {
     __m128i out = _mm_setzero_si128();
     for (int c = 0; c < 3; ++c)
-      out = _mm_or_si128(out, _mm_shuffle_epi8(load_bytes(planes + c * kStrip), load_bytes(kShown.pixel[p][c])));
+      out = _mm_or_si128(out, _mm_shuffle_epi8(load_bytes(planes + c * kTileWidth), load_bytes(kShown.pixel[p][c])));
     _mm_storeu_si128(reinterpret_cast<__m128i *>(to + p * kStrip), out);
   }
 }
@@ -87,7 +88,7 @@ template <class T>
 inline void write_row(const T *planes, int channels, int first, int last, T *to) {
 #ifdef __SSSE3__
   if constexpr (sizeof(T) == 1) {
-    if (channels == 3 && last - first == kStrip) return interleave_three(planes, to);
+    if (channels == 3 && last - first == kStrip) return interleave_three(planes + first, to);
   }
 #endif
   switch (channels) {
@@ -98,36 +99,48 @@ inline void write_row(const T *planes, int channels, int first, int last, T *to)
   }
 }
 
-// A row of one channel: `row` counts in the view, `from` holds the tile's values.
-template <bool PLANES, class T>
-inline void finish_row(const float *from, int channel, int64_t row, int left, const Background &b, const Samples &s,
-                       T *to) {
-  const float *line = b.taps ? b.lines + (channel * b.count + b.top[row]) * b.width : nullptr;
+// A row of one channel, strip after strip: `row` counts in the view, `from` holds the tile's values. TAPS: their
+// number, or 0 for what the background says.
+template <bool PLANES, bool INSIDE, int TAPS, class T>
+inline void finish_row(const float *from, int channel, int64_t row, const TileRect &r, const Background &b,
+                       const Samples &s, T *to) {
+  const int taps = TAPS ? TAPS : b.taps;
+  const float *line = taps ? b.lines + (channel * b.count + b.top[row]) * b.width : nullptr;
   const float *plane = PLANES ? b.planes + (channel * b.height + row) * b.plane_width : nullptr;
-  for (int at = 0; at < kStrip; at += LANES) {
+  const float *down = taps ? b.down + row * taps : nullptr;
+  const float span = s.clip ? s.span[channel] : 1.0f, low = s.clip ? s.low[channel] : 0.0f;
+  for (int at = r.col0 / kStrip * kStrip; at < r.col1; at += LANES) {
     Row values = load(from + at);
-    for (int t = 0; t < b.taps; ++t)
-      values += load_part(line + t * b.width, b.width, left + at) * b.down[row * b.taps + t];
-    if (PLANES) values += load_part(plane, b.plane_width, left + at);
-    if (s.clip) values = clipped(values, 1.0f) * s.span[channel] + s.low[channel];
+    for (int t = 0; t < taps; ++t) values += load_part<INSIDE>(line + t * b.width, b.width, r.x + at) * down[t];
+    if (PLANES) values += load_part<false>(plane, b.plane_width, r.x + at);
+    if (s.clip) values = clipped(values, 1.0f) * span + low;
     convert(values, to + at);
+  }
+}
+
+template <bool PLANES, bool INSIDE, int TAPS, class T>
+void finish_rows(const float *tile, int channels, const TileRect &r, const Background &b, const Samples &s) {
+  T planes[kMostChannels * kTileWidth];
+  for (int y = r.row0; y < r.row1; ++y) {
+    const int64_t row = int64_t(r.y) + y;
+    for (int c = 0; c < channels; ++c)
+      finish_row<PLANES, INSIDE, TAPS>(tile + c * kTilePlane + y * kTileStride, c, row, r, b, s,
+                                       planes + c * kTileWidth);
+    T *to = static_cast<T *>(s.first) + row * s.row_stride + int64_t(r.x) * channels;
+    for (int strip = r.col0 / kStrip * kStrip; strip < r.col1; strip += kStrip) {
+      const int first = strip < r.col0 ? r.col0 : strip, last = r.col1 - strip < kStrip ? r.col1 : strip + kStrip;
+      write_row(planes, channels, first, last, to + first * channels);
+    }
   }
 }
 
 template <bool PLANES, class T>
 void finish_planes_as(const float *tile, int channels, const TileRect &r, const Background &b, const Samples &s) {
-  T planes[kMostChannels * kStrip];
-  for (int y = r.row0; y < r.row1; ++y) {
-    const int64_t row = int64_t(r.y) + y;
-    for (int strip = r.col0 / kStrip * kStrip; strip < r.col1; strip += kStrip) {
-      for (int c = 0; c < channels; ++c)
-        finish_row<PLANES>(tile + c * kTilePlane + y * kTileStride + strip, c, row, r.x + strip, b, s,
-                           planes + c * kStrip);
-      const int first = strip < r.col0 ? r.col0 - strip : 0, last = r.col1 - strip < kStrip ? r.col1 - strip : kStrip;
-      T *to = static_cast<T *>(s.first) + row * s.row_stride + int64_t(r.x + strip + first) * channels;
-      write_row(planes, channels, first, last, to);
-    }
-  }
+  const bool inside = r.x >= 0 && r.x + kTileWidth <= b.width;
+  if (inside && b.taps == 4)
+    finish_rows<PLANES, true, 4, T>(tile, channels, r, b, s);
+  else
+    finish_rows<PLANES, false, 0, T>(tile, channels, r, b, s);
 }
 
 template <class T>

@@ -19,5 +19,5 @@ def nearest_seeds(
     All in one call, which lets other threads run.
     """
     out = np.empty((len(members), k), np.int32)
-    nearest_among(np.ascontiguousarray(points), among, members, out, 1)
+    nearest_among(np.ascontiguousarray(points), among, members, out, 1, "auto")
     return out

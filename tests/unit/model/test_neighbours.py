@@ -5,7 +5,9 @@ import pytest
 from examples import examples
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from scenes import ISAS
 
+from sgicodec._native import nearest_among
 from sgicodec.model.neighbours import nearest_seeds
 
 small = st.tuples(st.integers(0, 8), st.integers(0, 8))  # many ties and coinciding points
@@ -91,3 +93,16 @@ def test_some_seeds_among_others() -> None:
     assert set(few[:, :2].ravel().tolist()) <= set(among[:2].tolist())
     with pytest.raises(ValueError, match="indices of points"):
         nearest_seeds(points, np.array([400]), members, 1)
+
+
+@pytest.mark.parametrize("isa", ISAS)
+def test_every_instruction_set_finds_the_same(isa: str) -> None:
+    """With seeds in Morton order and more of them than a node holds."""
+    rng = np.random.default_rng(4)
+    points = rng.integers(0, 500, (6000, 2)).astype(np.int32)
+    points = points[np.argsort(points[:, 0] // 32 * 100 + points[:, 1] // 32, kind="stable")]
+    among, members = np.arange(0, 6000, 2), np.arange(1, 6000, 20)
+    out = np.empty((len(members), 6), np.int32)
+    nearest_among(points, among, members, out, 2, isa)
+    distance = np.sum((points[members][:, None].astype(np.int64) - points[among]) ** 2, axis=2)
+    np.testing.assert_array_equal(out, among[np.argsort(distance, axis=1, kind="stable")[:, :6]])
