@@ -12,6 +12,7 @@ from sgicodec.bitstream.header import Header
 from sgicodec.decoder.view import View
 from sgicodec.errors import UsageError
 from sgicodec.metadata import geo
+from sgicodec.metadata.exif import rescaled
 from sgicodec.picture import Metadata, full_range
 
 __all__ = ["converted", "placed"]
@@ -51,11 +52,14 @@ def _converted_nodata(header: Header, nodata: float, dtype: str) -> float:
 
 def placed(stream: _Stream, header: Header, view: View) -> Metadata:
     """The metadata of what a view shows, in samples as of `header`."""
-    if stream.metadata.geo is None:
-        return stream.metadata
+    found = stream.metadata
+    if found.exif is not None and (view.sx, view.sy) != (1, 1):
+        found = replace(found, exif=rescaled(found.exif, view.sx, view.sy))
+    if found.geo is None:
+        return found
     from sgicodec.metadata.placement import view as geo_view  # takes long to load
 
-    found = geo_view(stream.metadata.geo, view.x, view.y, view.sx, view.sy)
+    place = geo_view(found.geo, view.x, view.y, view.sx, view.sy)
     if header.sample_type != stream.header.sample_type:
-        found = geo.resampled(found, lambda _: header.nodata)
-    return replace(stream.metadata, geo=found)
+        place = geo.resampled(place, lambda _: header.nodata)
+    return replace(found, geo=place)

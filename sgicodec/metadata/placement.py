@@ -7,13 +7,13 @@ instead if the file says so (GTRasterTypeGeoKey 2, "PixelIsPoint"), and rational
 from __future__ import annotations
 
 import struct
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from sgicodec.metadata import geo, ifd
+from sgicodec.metadata.exif import scaled_ratio
 from sgicodec.metadata.orientation import is_flipped, is_mirrored, is_sideways
 
 __all__ = ["oriented", "transformation", "view"]
@@ -124,9 +124,6 @@ def _resolution(entries: dict[int, ifd.Entry], scale: F64) -> dict[int, ifd.Entr
     for tag, factors in zip((_X_RESOLUTION, _Y_RESOLUTION), scale.tolist(), strict=True):
         for entry, factor in zip(old, factors, strict=True):
             if entry is not None and factor and entry.kind == _RATIONAL and len(entry.data) == 8:
-                numerator, denominator = struct.unpack("<II", entry.data)
-                if denominator:
-                    scaled = (Fraction(numerator, denominator) * Fraction(factor)).limit_denominator(1 << 16)
-                    value = struct.pack("<II", min(scaled.numerator, (1 << 32) - 1), scaled.denominator)
-                    new[tag] = ifd.Entry(_RATIONAL, value)
+                above, below = struct.unpack("<II", entry.data)
+                new[tag] = ifd.Entry(_RATIONAL, struct.pack("<II", *scaled_ratio(above, below, factor)))
     return new

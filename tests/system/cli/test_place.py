@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import tifffile
 from click.testing import Result
 
 from sgicodec.image import read, write
@@ -95,3 +96,23 @@ def test_info_of_a_picture_that_lies_nowhere(sgi: Run, stream: Path) -> None:
     facts = json.loads(sgi("info", stream, "--json").stdout)
     assert (facts["place"], facts["nodata"], facts["resolution"]) == (None, None, None)
     assert "projection" not in sgi("info", stream).stdout
+
+
+@pytest.mark.parametrize("options", [[], ["--pyramid"], ["--cog"]])
+def test_the_size_of_a_pixel_follows_the_scale(sgi: Run, tmp_path: Path, options: list[str]) -> None:
+    """Where the file has descriptive tags too, its resolution lies in the EXIF."""
+    source, target = tmp_path / "a.tif", tmp_path / "b.tif"
+    tifffile.imwrite(
+        source,
+        np.full((24, 40, 3), 90, np.uint8),
+        photometric="rgb",
+        resolution=(20000, 10000),
+        resolutionunit="CENTIMETER",
+        software="scanner",
+    )
+    assert sgi("encode", source, tmp_path / "a.sgi", "-e1").exit_code == 0
+    result = sgi("decode", tmp_path / "a.sgi", target, "--scale", 4, *options)
+    assert result.exit_code == 0, result.output
+    with tifffile.TiffFile(target) as file:
+        tags = file.pages[0].tags
+        assert (tags[282].value, tags[283].value, tags[296].value) == ((80000, 1), (40000, 1), 3)

@@ -72,6 +72,20 @@ def test_upright_changes_the_orientation_and_nothing_else(exif_blob: Blob, order
     assert exif.upright(b"Exif\0\0" + blob) == exif_blob(orientation=1, order=order)
 
 
+@pytest.mark.parametrize("order", ["<", ">"])
+def test_pixels_per_unit_follow_the_scale(order: str) -> None:
+    def blob(across: tuple[int, int], down: tuple[int, int]) -> bytes:
+        rows = [(271, 2, 6, 62), (282, 5, 1, 68), (283, 5, 1, 76), (296, 3, 1, 3 if order == "<" else 3 << 16)]
+        packed = b"".join(struct.pack(order + "HHII", *row) for row in rows)
+        head = struct.pack(order + "2sHIH", b"II" if order == "<" else b"MM", 42, 8, 4)
+        return head + packed + bytes(4) + b"Maker\0" + struct.pack(order + "IIII", *across, *down)
+
+    assert exif.rescaled(blob((20000, 1), (7, 2)), 4.0, 0.5) == blob((80000, 1), (7, 4))
+    assert exif.rescaled(blob((20000, 0), (300, 1)), 4.0, 1 / 3) == blob((20000, 0), (100, 1))
+    for end in range(60):
+        assert len(exif.rescaled(blob((1, 1), (1, 1))[:end], 2.0, 2.0)) == end
+
+
 def test_a_damaged_subdirectory_is_left_out(exif_blob: Blob) -> None:
     assert ifd.load(exif_blob()[:-10]).keys() == {271, 274}
 
