@@ -31,6 +31,10 @@ ColourPyramid::ColourPyramid(const SrgbPicture &picture, const ColourPyramid *le
                  [&](int64_t band) { convert_band(picture, less, scale, band); });
 }
 
+void ColourPyramid::keep_xyb() {
+  for (Scale &scale : scales_) scale.linear = {};
+}
+
 void ColourPyramid::convert_band(const SrgbPicture &picture, const ColourPyramid *less, size_t scale, int64_t band) {
   const auto [width, height] = scales_[scale].plane;
   const int64_t stride = padded(width), end = std::min(height, (band + 1) * kBandRows);

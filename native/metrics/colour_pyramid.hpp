@@ -36,6 +36,9 @@ class ColourPyramid {
   // XYB of the picture; less that of another pyramid of this size, if there is one.
   ColourPyramid(const SrgbPicture &picture, const ColourPyramid *less, int threads, const ColourKernel &kernel);
 
+  // Frees what only gradients need.
+  void keep_xyb();
+
   // Planes of a channel at each scale.
   const float *xyb(size_t scale, int channel) const { return scales_[scale].xyb[channel].get(); }
 

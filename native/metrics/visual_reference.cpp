@@ -39,6 +39,7 @@ VisualReference::VisualReference(const SrgbPicture &original, int threads, Isa i
     : channels_(original.channels), threads_(threads), height_(original.height), width_(original.width),
       colour_kernel_(kernel_for<ColourKernel>(isa)), kernel_(kernel_for<StructureKernel>(isa)),
       original_(original, nullptr, threads, colour_kernel_) {
+  original_.keep_xyb();
   for (const MapPlane &plane : visual_scales(height_, width_)) scales_.push_back({plane, {}});
   const int count = int(scales_.size());
   for (int scale = 0; scale < count; ++scale)
