@@ -59,7 +59,15 @@ class Dataset final : public GDALPamDataset {
   static int identify(GDALOpenInfo *info);
   static GDALDataset *open(GDALOpenInfo *info);
 
-  CPLErr GetGeoTransform(double *transform) override;
+#if GDAL_VERSION_NUM >= GDAL_COMPUTE_VERSION(3, 12, 0)
+  CPLErr GetGeoTransform(GDALGeoTransform &transform) const override {
+    return placed(transform.data()) ? CE_None : GDALPamDataset::GetGeoTransform(transform);
+  }
+#else
+  CPLErr GetGeoTransform(double *transform) override {
+    return placed(transform) ? CE_None : GDALPamDataset::GetGeoTransform(transform);
+  }
+#endif
   const OGRSpatialReference *GetSpatialRef() const override;
   // Fills samples [rows, columns, C] with a block.
   CPLErr draw(int column, int row, int columns, int rows, void *buffer);
@@ -70,6 +78,8 @@ class Dataset final : public GDALPamDataset {
 
  private:
   void describe();
+  // Fills the six numbers of a transform, if the stream has one.
+  bool placed(double *transform) const;
   std::shared_ptr<Source> source_;
   std::vector<std::unique_ptr<Dataset>> overviews_;
 };
@@ -188,10 +198,10 @@ CPLErr Dataset::draw(int column, int row, int columns, int rows, void *buffer) {
   return CE_Failure;
 }
 
-CPLErr Dataset::GetGeoTransform(double *transform) {
-  if (!source_->place.transform) return GDALPamDataset::GetGeoTransform(transform);
+bool Dataset::placed(double *transform) const {
+  if (!source_->place.transform) return false;
   std::copy(source_->place.transform->begin(), source_->place.transform->end(), transform);
-  return CE_None;
+  return true;
 }
 
 const OGRSpatialReference *Dataset::GetSpatialRef() const {

@@ -136,6 +136,11 @@ def test_ranges_of_a_server(gdal: Run, tmp_path: Path) -> None:
 
 
 def test_silicon_graphics_goes_on(gdal: Run) -> None:
+    """As far as GDAL has a driver for it, which 3.13 has no more; that of streams does not take it for its own."""
+    if "SGI -raster-" not in gdal("gdalinfo", "--formats").stdout:
+        refused = gdal("gdalinfo", ROOT / "tests" / "data" / "pictures" / "hopper.sgi", fails=True)
+        assert "not recognized as being in a supported file format" in refused.stderr
+        return
     assert info(gdal, ROOT / "tests" / "data" / "pictures" / "hopper.sgi")["driverShortName"] == "SGI"
 
 

@@ -31,6 +31,11 @@ def golden(name: str) -> bytes:
     return next(path for path in GOLDEN if path.stem == name).read_bytes()
 
 
+def test_nothing_of_python_is_installed(prefix: Path, tmp_path: Path) -> None:
+    subprocess.run(["cmake", "--install", prefix.parent, "--prefix", tmp_path], check=True, capture_output=True)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["include", "lib"]
+
+
 @pytest.mark.skipif(not shutil.which("pkg-config"), reason="needs pkg-config")
 @pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
 def test_the_example_draws_golden_streams(path: Path, decoder: Path, tmp_path: Path) -> None:
