@@ -18,7 +18,8 @@ from sgicodec.cli.paths import STANDARD, display, naming_stream, opened_file, op
 if TYPE_CHECKING:
     from sgicodec.bitstream.header import Header
     from sgicodec.bitstream.stream_summary import StreamSummary
-    from sgicodec.decoder.stream import Stream, Survey
+    from sgicodec.decoder.stream import Stream
+    from sgicodec.decoder.survey import Survey
 
 __all__ = ["info"]
 

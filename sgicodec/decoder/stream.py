@@ -9,7 +9,7 @@ from functools import partial
 from io import BufferedReader
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
@@ -20,6 +20,7 @@ from sgicodec.bitstream.printable import printable
 from sgicodec.decoder.array_view import ArrayView
 from sgicodec.decoder.bands import Bands
 from sgicodec.decoder.samples import converted, placed
+from sgicodec.decoder.survey import Survey, survey_of
 from sgicodec.decoder.view import MAX_OUTPUT_SAMPLES, Region, Size, View, view_of
 from sgicodec.device import ALL_CORES, Device, check_device
 from sgicodec.errors import RegionError, StreamError, UsageError
@@ -29,7 +30,7 @@ from sgicodec.picture import Metadata, Picture
 if TYPE_CHECKING:
     from sgicodec.bitstream.parts.tile import TileModel
 
-__all__ = ["MAX_OUTPUT_SAMPLES", "Bands", "BytesLike", "Region", "Size", "Stream", "Survey", "open_stream"]
+__all__ = ["MAX_OUTPUT_SAMPLES", "Bands", "BytesLike", "Region", "Size", "Stream", "open_stream"]
 
 F32 = NDArray[np.float32]
 
@@ -37,24 +38,6 @@ CACHE_BYTES = 1 << 28
 """What decoded tiles may take before those that were used least recently are released."""
 BLOCK_SAMPLES = 1 << 27
 """A picture is drawn in blocks of no more samples; a sixteenth where there is texture, which is drawn to floats."""
-
-_PARTS = (
-    *("steps", "base", "positions", "decoders", "hash grid", "context model"),
-    *("colour", "shape", "feature", "scales", "offset", "texture", "check"),
-)
-_CELLS = (8, 16, 32)
-
-
-class Survey(NamedTuple):
-    """What all tiles hold together: number of seeds, bytes of each part, checksum of all decoded symbols, and how many
-    cells of texture there are, by their side in pixels.
-    """
-
-    seeds: int
-    part_bytes: dict[str, float]
-    symbol_crc: int
-    texture_cells: dict[int, int]
-
 
 BytesLike = bytes | bytearray | memoryview | Any
 """Whatever has a buffer: also mmap, and arrays of bytes."""
@@ -174,11 +157,7 @@ class Stream(ArrayView):
 
     def survey(self) -> Survey:
         """Decodes all tiles. Raises CorruptStreamError or LimitError."""
-        seeds, parts, mask, crc, cells = self._open_native().survey()
-        part_bytes = {name: size for name, size in zip(_PARTS, parts, strict=True) if size}
-        if self.header.masked is not None:
-            part_bytes["mask"] = mask
-        return Survey(seeds, part_bytes, crc, dict(zip(_CELLS, cells, strict=True)) if any(cells) else {})
+        return survey_of(self._open_native(), self.header.masked is not None)
 
     def render(self, region: Region | None = None, scale: float | None = None, size: Size | None = None) -> F32:
         """Samples [h, w, C] of a region (x, y, width, height in the picture's pixels), nominally 0..1, not clipped.

@@ -1,11 +1,12 @@
-"""Random texture layers, and their atoms as docs/format.md defines them."""
+"""Random texture layers, written and read back, and their atoms as docs/format.md defines them."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from sgicodec._native import SymbolReader
-from sgicodec.bitstream.parts.texture import layer_of
+from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
+from sgicodec.bitstream.parts.texture import layer_of, write_texture
 from sgicodec.model.texture import LEAST_LOG, ROOT_LOG, TextureLayer
 from sgicodec.model.texture_symbols import TextureSteps, TextureSymbols, roots_of
 
@@ -99,3 +100,26 @@ def _edge(t: np.ndarray, hard: bool) -> np.ndarray:
 def read_texture(reader: SymbolReader, size: tuple[int, int], channels: int) -> TextureSymbols | None:
     """The texture of a tile of `size`."""
     return layer_of(reader.read_texture(size, channels), size)
+
+
+def payload_of(texture: TextureSymbols | None, size: tuple[int, int], channels: int) -> bytes:
+    """A payload that holds a layer, or says that there is none, alone."""
+    writer = SymbolWriter()
+    write_texture(writer, size, channels, texture)
+    return writer.finish()
+
+
+def read_back(payload: bytes, size: tuple[int, int], channels: int) -> TextureSymbols | None:
+    """What the native reader finds in it."""
+    reader = SymbolReader(payload)
+    texture = read_texture(reader, size, channels)
+    reader.finish()
+    return texture
+
+
+def assert_same(found: TextureSymbols | None, expected: TextureSymbols) -> None:
+    assert found is not None
+    assert (found.size, found.steps) == (expected.size, expected.steps)
+    for ours, theirs in ((found.log_size, expected.log_size), (found.contrast, expected.contrast)):
+        np.testing.assert_array_equal(ours, theirs)
+    np.testing.assert_array_equal(found.symbols, expected.symbols)

@@ -71,6 +71,7 @@ OF_NO_MODULE = {
     "native/tile_grid": "native code",
     "native/vector": "native code",
     "profiles/profiles": "the package",
+    "raster/bad_numbers": "raster/cpu with numbers of any kind",
     "raster/draw": "native code",
     "raster/rasterize": "the function of sgicodec.raster",
     "tools/programs": "all programs of tools/",

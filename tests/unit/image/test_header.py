@@ -1,9 +1,12 @@
 from __future__ import annotations
 
+import io
+import struct
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import OpenImageIO as oiio
 import pytest
 
 from sgicodec.errors import PictureError
@@ -37,3 +40,42 @@ def test_white_is_zero(tmp_path: Path, save: Save) -> None:
     deep = _white_is_zero(save(tmp_path / "y.tif", ramp.astype(np.uint16)))
     with pytest.raises(PictureError, match="0 is white in its 16-bit samples"):
         read(deep)
+
+
+@pytest.mark.parametrize("name", ["int16", "int8", "double", "half"])
+def test_other_sample_types_become_float(tmp_path: Path, name: str) -> None:
+    stored = np.array([[-3, 0], [5, 100]], {"double": "f8", "half": "f2"}.get(name, name))[..., None]
+    spec = oiio.ImageSpec(2, 2, 1, name)
+    spec.attribute("tiff:half", 1)
+    image = oiio.ImageOutput.create("x.tif")
+    assert image.open(str(tmp_path / "x.tif"), spec)
+    assert image.write_image(stored)
+    image.close()
+    picture = read(tmp_path / "x.tif")
+    assert picture.pixels.dtype == np.float32
+    assert picture.pixels.ravel().tolist() == [-3.0, 0.0, 5.0, 100.0]
+    assert picture.sample_range == (-3.0, 100.0)
+
+
+def test_one_row_of_doubles_is_refused(tmp_path: Path) -> None:
+    image = oiio.ImageOutput.create("x.tif")
+    assert image.open(str(tmp_path / "x.tif"), oiio.ImageSpec(2, 1, 1, "double"))
+    assert image.write_image(np.ones((1, 2, 1)))
+    image.close()
+    with pytest.raises(PictureError, match="64-bit"):
+        read(tmp_path / "x.tif")
+
+
+def test_cielab_is_refused() -> None:
+    image = pytest.importorskip("PIL.Image")
+    file = io.BytesIO()
+    image.new("LAB", (4, 4)).save(file, "TIFF")
+    with pytest.raises(PictureError, match="CIELAB"):
+        read(file.getvalue())
+
+
+def test_few_bits_fill_the_type() -> None:
+    ten_bits = b"P5 3 1 1023\n" + struct.pack(">HHH", 0, 512, 1023)
+    assert read(ten_bits).pixels.ravel().tolist() == pytest.approx([0, 512 / 1023 * 65535, 65535], abs=40)
+    one_bit = b"P4 8 1\n" + bytes([0b10100000])
+    assert read(one_bit).pixels.ravel().tolist() == [0, 255, 0, 255, 255, 255, 255, 255]

@@ -13,10 +13,9 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 
-from sgicodec.errors import PictureError, UsageError
-from sgicodec.image import open_source, probe, read, write
-from sgicodec.metadata import geo, ifd
-from sgicodec.picture import Metadata, Picture, from_unit, to_unit
+from sgicodec.errors import PictureError
+from sgicodec.image import probe, read, write
+from sgicodec.picture import Metadata, Picture
 
 Noise = Callable[..., np.ndarray]
 
@@ -235,76 +234,6 @@ def test_bands_without_a_meaning_stay_bands(noise: Noise) -> None:
         np.testing.assert_array_equal(back.pixels, pixels)
 
 
-def test_float_range_found_or_stated() -> None:
-    samples = np.array([[-2.0, 0.5], [6.0, 1.0]], "<f4")
-    data = b"Pf\n2 2\n-1\n" + samples[::-1].tobytes()
-    found = read(data)
-    assert found.pixels[..., 0].tolist() == samples.tolist()
-    assert found.sample_range == (-2.0, 6.0)
-    stated = read(data, sample_range=(0.0, 1.0))
-    assert stated.sample_range == (0.0, 1.0)
-    assert to_unit(stated)[..., 0].tolist() == [[0.0, 0.5], [1.0, 1.0]]
-    back = from_unit(to_unit(found), "gray", "float32", found.sample_range)
-    np.testing.assert_allclose(back.pixels, found.pixels, atol=1e-6)
-    with pytest.raises(UsageError, match="low before high"):
-        read(data, sample_range=(1.0, 0.0))
-
-
-def test_flat_floats_have_a_range() -> None:
-    assert read(b"Pf\n1 1\n-1\n" + struct.pack("<f", 5.0)).sample_range == (5.0, 10.0)
-
-
-@pytest.mark.parametrize("value", [float("inf"), float("-inf"), float("nan")])
-def test_samples_that_are_not_finite(value: float) -> None:
-    data = b"Pf\n2 1\n-1\n" + struct.pack("<ff", 0.0, value)
-    with pytest.raises(PictureError, match=r"not a number|infinite"):
-        read(data)
-    if np.isnan(value):
-        with pytest.raises(PictureError, match="not a number"):
-            read(data, sample_range=(0.0, 1.0))
-    else:
-        assert to_unit(read(data, sample_range=(0.0, 1.0))).ravel().tolist() == [0.0, float(value > 0)]
-
-
-@pytest.mark.parametrize("name", ["int16", "int8", "double", "half"])
-def test_other_sample_types_become_float(tmp_path: Path, name: str) -> None:
-    stored = np.array([[-3, 0], [5, 100]], {"double": "f8", "half": "f2"}.get(name, name))[..., None]
-    spec = oiio.ImageSpec(2, 2, 1, name)
-    spec.attribute("tiff:half", 1)
-    image = oiio.ImageOutput.create("x.tif")
-    assert image.open(str(tmp_path / "x.tif"), spec)
-    assert image.write_image(stored)
-    image.close()
-    picture = read(tmp_path / "x.tif")
-    assert picture.pixels.dtype == np.float32
-    assert picture.pixels.ravel().tolist() == [-3.0, 0.0, 5.0, 100.0]
-    assert picture.sample_range == (-3.0, 100.0)
-
-
-def test_one_row_of_doubles_is_refused(tmp_path: Path) -> None:
-    image = oiio.ImageOutput.create("x.tif")
-    assert image.open(str(tmp_path / "x.tif"), oiio.ImageSpec(2, 1, 1, "double"))
-    assert image.write_image(np.ones((1, 2, 1)))
-    image.close()
-    with pytest.raises(PictureError, match="64-bit"):
-        read(tmp_path / "x.tif")
-
-
-def test_cielab_is_refused() -> None:
-    image = pytest.importorskip("PIL.Image")
-    file = io.BytesIO()
-    image.new("LAB", (4, 4)).save(file, "TIFF")
-    with pytest.raises(PictureError, match="CIELAB"):
-        read(file.getvalue())
-
-
-def test_few_bits_fill_the_type() -> None:
-    ten_bits = b"P5 3 1 1023\n" + struct.pack(">HHH", 0, 512, 1023)
-    assert read(ten_bits).pixels.ravel().tolist() == pytest.approx([0, 512 / 1023 * 65535, 65535], abs=40)
-    one_bit = b"P4 8 1\n" + bytes([0b10100000])
-    assert read(one_bit).pixels.ravel().tolist() == [0, 255, 0, 255, 255, 255, 255, 255]
-
-
 def test_a_profile_for_other_channels_is_left_behind(pictures: Path) -> None:
     profile = read(pictures / "icc_profile.png").metadata.icc
     assert profile is not None
@@ -327,18 +256,3 @@ def _png(kind: bytes, contents: bytes, width: int = 1, height: int = 1) -> bytes
 def test_importing_the_package_leaves_openimageio_alone() -> None:
     code = "import sys, sgicodec.image; sys.exit('OpenImageIO' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
-
-
-@pytest.mark.parametrize("nodata", [b"-9999", b"nan"])
-def test_samples_without_data_are_outside_the_range(tmp_path: Path, nodata: bytes) -> None:
-    pixels = np.array([[[float(nodata)], [2.0], [4.0]]], np.float32)
-    metadata = Metadata(geo=geo.pack({geo.GDAL_NODATA: ifd.Entry(2, nodata + b"\0")}))
-    write(Picture(pixels, "gray", (2.0, 4.0), metadata), tmp_path / "x.tif")
-    for picture in (read(tmp_path / "x.tif"), open_source(tmp_path / "x.tif").read(0, 0, 3, 1)):
-        np.testing.assert_array_equal(picture.pixels, pixels)
-        assert picture.sample_range == (2.0, 4.0)
-    pixels[0, 1] = np.nan
-    write(Picture(pixels, "gray", (2.0, 4.0), metadata), tmp_path / "x.tif")
-    if nodata == b"-9999":
-        with pytest.raises(PictureError, match="not a number"):
-            read(tmp_path / "x.tif")

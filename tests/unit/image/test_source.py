@@ -4,18 +4,17 @@ import io
 import itertools
 import struct
 import tempfile
-import tracemalloc
 import zlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import OpenImageIO as oiio
 import pytest
 from examples import examples
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
+from window_rows import window_rows
 
 from sgicodec.errors import PictureError, UsageError
 from sgicodec.image import Source, access, open_sink, open_source, read, write
@@ -169,12 +168,6 @@ def test_windows_of_turned_pictures(
             np.testing.assert_array_equal(source.read(x, y, 20, 17).pixels, upright[y : y + 17, x : x + 20])
 
 
-def _raster(width: int, height: int, tile: int, apron: int) -> Iterator[tuple[int, int, int, int]]:
-    for y, x in itertools.product(range(0, height, tile), range(0, width, tile)):
-        left, top = max(x - apron, 0), max(y - apron, 0)
-        yield left, top, min(x + tile + apron, width) - left, min(y + tile + apron, height) - top
-
-
 @pytest.mark.parametrize("kind", ["strips", "strips of planes", "png", "jpeg", "exr"])
 def test_rows_are_decoded_once(files: dict[str, Path], kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[int] = []
@@ -188,7 +181,7 @@ def test_rows_are_decoded_once(files: dict[str, Path], kind: str, monkeypatch: p
     monkeypatch.setattr(Opened, "samples", counted)
     monkeypatch.setattr(Opened, "reopen", lambda _: pytest.fail("went back to the first row"))
     with open_source(files[kind], sample_range=(0.0, 1.0)) as source:
-        for window in _raster(WIDTH, HEIGHT, 16, 4):
+        for window in window_rows(WIDTH, HEIGHT, 16, 4):
             source.read(*window)
     assert sum(asked) == HEIGHT
     assert max(asked) < HEIGHT / 2
@@ -206,51 +199,6 @@ def test_only_the_tiles_of_a_window_are_decoded(files: dict[str, Path], monkeypa
     with open_source(files["tiles"]) as source:
         source.read(17, 30, 15, 4)
     assert asked == [(16, 32, 0, 32), (16, 32, 32, 53)]
-
-
-@pytest.mark.parametrize("extension", ["png", "tif"])
-def test_memory_stays_below_what_is_promised(tmp_path: Path, noise: Noise, extension: str) -> None:
-    path = tmp_path / f"x.{extension}"
-    write(Picture(noise(3000, 1600, 3, "uint8"), "rgb", (0.0, 255.0)), path)
-    with open_source(path) as source:
-        assert type(source._access).__name__ == {"png": "Rows", "tif": "Tiles"}[extension]
-        tracemalloc.start()
-        try:
-            for window in _raster(1600, 3000, 400, 8):
-                source.read(*window)
-            peak = tracemalloc.get_traced_memory()[1]
-        finally:
-            tracemalloc.stop()
-        assert peak < source.memory(416, 416) < 3000 * 1600 * 3
-
-
-def test_the_cap_is_on_what_is_held(tmp_path: Path, save: Save, noise: Noise) -> None:
-    pixels = noise(2000, 1000, 3, "uint8")
-    tiles = save(tmp_path / "x.tif", pixels, tile=(64, 64))
-    turned = save(tmp_path / "y.tif", pixels, Orientation=6)
-    with pytest.raises(PictureError, match=r"x\.tif: .* more than the cap"):
-        read(tiles, max_samples=300_000)
-    with open_source(tiles, max_samples=300_000) as source:
-        np.testing.assert_array_equal(source.read(500, 700, 100, 100).pixels, pixels[700:800, 500:600])
-        with pytest.raises(PictureError, match=r"x\.tif: a window of 300 × 300 pixels .* more than the cap of 300000"):
-            source.read(0, 0, 300, 300)
-    with pytest.raises(PictureError, match=r"y\.tif: 1000 × 2000 pixels of 3 channels are more than the cap"):
-        open_source(turned, max_samples=300_000)
-
-
-def test_openimageios_own_limit_does_not_bind_tiff(tmp_path: Path, save: Save, noise: Noise) -> None:
-    pixels = noise(1000, 1200, 1, "uint8")
-    path = save(tmp_path / "x.tif", pixels, tile=(64, 64))
-    before = oiio.get_int_attribute("limits:imagesize_MB")
-    oiio.attribute("limits:imagesize_MB", 1)
-    try:
-        with pytest.raises(PictureError, match="exceeds"):
-            read(path)
-        with open_source(path) as source:
-            np.testing.assert_array_equal(source.read(1190, 990, 10, 10).pixels, pixels[990:, 1190:])
-        assert oiio.get_int_attribute("limits:imagesize_MB") == 1
-    finally:
-        oiio.attribute("limits:imagesize_MB", before)
 
 
 @pytest.mark.parametrize("kind", ["jpeg", "strips", "tiles"])

@@ -9,41 +9,13 @@ from examples import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+from reference_decoder import ReferenceDecoder
 
 from sgicodec._native import SymbolReader
 from sgicodec.bitstream.entropy.symbol_models import zero_centred_model
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.entropy.tables import MAX_MAGNITUDE, TABLES, TOTAL, bernoulli_frequencies, frequency_tables
 from sgicodec.errors import CorruptStreamError, UsageError
-
-
-class ReferenceDecoder:
-    """The range decoder of docs/format.md, section "Range coder"."""
-
-    def __init__(self, payload: bytes) -> None:
-        self._payload = payload
-        self._next = 0
-        self._range = 2**64 - 1
-        self._offset = self._word() << 32 | self._word()
-
-    def decode(self, frequencies: list[int]) -> int:
-        scale = self._range >> 24
-        quantile = self._offset // scale
-        below, symbol = 0, 0
-        while below + frequencies[symbol] <= quantile:
-            below += frequencies[symbol]
-            symbol += 1
-        self._offset -= scale * below
-        self._range = scale * frequencies[symbol]
-        if self._range < 2**32:
-            self._range <<= 32
-            self._offset = self._offset << 32 | self._word()
-        return symbol
-
-    def _word(self) -> int:
-        word = self._payload[self._next : self._next + 4]
-        self._next += 4
-        return int.from_bytes(word + bytes(4 - len(word)), "big")
 
 
 def crc_of(symbols: NDArray[np.int_]) -> int:

@@ -15,12 +15,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from texture_forger import spelled
 from texture_reader import LOGISTIC, LOGIT, Bits, TextureReader
-from textures import random_symbols, read_texture
+from textures import assert_same, payload_of, random_symbols, read_back, read_texture
 
 from sgicodec import read
 from sgicodec._native import SymbolReader, TextureModels
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
-from sgicodec.bitstream.parts.texture import texture_models, write_texture
+from sgicodec.bitstream.parts.texture import texture_models
 from sgicodec.device import ONE_THREAD
 from sgicodec.errors import CorruptStreamError, LimitError, UnsupportedStreamError
 from sgicodec.model.texture_symbols import TextureSteps, TextureSymbols
@@ -28,27 +28,6 @@ from sgicodec.rdoq.texture import TextureSearch
 
 ROOT = Path(__file__).parents[4]
 MOST = 16390
-
-
-def payload_of(texture: TextureSymbols | None, size: tuple[int, int], channels: int) -> bytes:
-    writer = SymbolWriter()
-    write_texture(writer, size, channels, texture)
-    return writer.finish()
-
-
-def read_back(payload: bytes, size: tuple[int, int], channels: int) -> TextureSymbols | None:
-    reader = SymbolReader(payload)
-    texture = read_texture(reader, size, channels)
-    reader.finish()
-    return texture
-
-
-def assert_same(found: TextureSymbols | None, expected: TextureSymbols) -> None:
-    assert found is not None
-    assert (found.size, found.steps) == (expected.size, expected.steps)
-    for ours, theirs in ((found.log_size, expected.log_size), (found.contrast, expected.contrast)):
-        np.testing.assert_array_equal(ours, theirs)
-    np.testing.assert_array_equal(found.symbols, expected.symbols)
 
 
 def read_from_the_page(payload: bytes, size: tuple[int, int], channels: int) -> TextureSymbols:

@@ -1,0 +1,64 @@
+"""What reading in parts holds in memory, and the caps on it."""
+
+from __future__ import annotations
+
+import tracemalloc
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import OpenImageIO as oiio
+import pytest
+from window_rows import window_rows
+
+from sgicodec.errors import PictureError
+from sgicodec.image import open_source, read, write
+from sgicodec.picture import Picture
+
+Save = Callable[..., Path]
+Noise = Callable[..., np.ndarray]
+
+
+@pytest.mark.parametrize("extension", ["png", "tif"])
+def test_memory_stays_below_what_is_promised(tmp_path: Path, noise: Noise, extension: str) -> None:
+    path = tmp_path / f"x.{extension}"
+    write(Picture(noise(3000, 1600, 3, "uint8"), "rgb", (0.0, 255.0)), path)
+    with open_source(path) as source:
+        assert type(source._access).__name__ == {"png": "Rows", "tif": "Tiles"}[extension]
+        tracemalloc.start()
+        try:
+            for window in window_rows(1600, 3000, 400, 8):
+                source.read(*window)
+            peak = tracemalloc.get_traced_memory()[1]
+        finally:
+            tracemalloc.stop()
+        assert peak < source.memory(416, 416) < 3000 * 1600 * 3
+
+
+def test_the_cap_is_on_what_is_held(tmp_path: Path, save: Save, noise: Noise) -> None:
+    pixels = noise(2000, 1000, 3, "uint8")
+    tiles = save(tmp_path / "x.tif", pixels, tile=(64, 64))
+    turned = save(tmp_path / "y.tif", pixels, Orientation=6)
+    with pytest.raises(PictureError, match=r"x\.tif: .* more than the cap"):
+        read(tiles, max_samples=300_000)
+    with open_source(tiles, max_samples=300_000) as source:
+        np.testing.assert_array_equal(source.read(500, 700, 100, 100).pixels, pixels[700:800, 500:600])
+        with pytest.raises(PictureError, match=r"x\.tif: a window of 300 × 300 pixels .* more than the cap of 300000"):
+            source.read(0, 0, 300, 300)
+    with pytest.raises(PictureError, match=r"y\.tif: 1000 × 2000 pixels of 3 channels are more than the cap"):
+        open_source(turned, max_samples=300_000)
+
+
+def test_openimageios_own_limit_does_not_bind_tiff(tmp_path: Path, save: Save, noise: Noise) -> None:
+    pixels = noise(1000, 1200, 1, "uint8")
+    path = save(tmp_path / "x.tif", pixels, tile=(64, 64))
+    before = oiio.get_int_attribute("limits:imagesize_MB")
+    oiio.attribute("limits:imagesize_MB", 1)
+    try:
+        with pytest.raises(PictureError, match="exceeds"):
+            read(path)
+        with open_source(path) as source:
+            np.testing.assert_array_equal(source.read(1190, 990, 10, 10).pixels, pixels[990:, 1190:])
+        assert oiio.get_int_attribute("limits:imagesize_MB") == 1
+    finally:
+        oiio.attribute("limits:imagesize_MB", before)
