@@ -27,6 +27,7 @@ from sgicodec.cli.options import (
 from sgicodec.cli.paths import display, with_extension
 from sgicodec.cuda.choice import device_of
 from sgicodec.errors import UsageError
+from sgicodec.image.library import begin_to_load
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -147,6 +148,7 @@ def encode(
     at once: OUT.part keeps the finished ones for --resume.
     """
     computes = device_of(device, threads)
+    begin_to_load()
     settings = _settings(choices)
     if cluster is None and (source_at is not None or send_pixels):
         raise UsageError("--source-at and --send-pixels go with --cluster")

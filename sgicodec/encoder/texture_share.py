@@ -7,6 +7,8 @@ placed and texture shows what they leave; edges and smooth ground keep theirs.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -130,12 +132,8 @@ def seed_weights(spec: ModelSpec, fit: FitSettings, costs: TextureCosts, family:
     """Weights [H, W] up to 1 of the seeds' squared errors in the target of `costs`; None where all are 1."""
     target, lmbda = costs.target, costs.lmbda
     fit, exact = replace(fit, lmbda=SCOUT_SHARE * lmbda), fit.steps >= EXACT_STEPS
-    from concurrent.futures import ThreadPoolExecutor
-
     device, busy = costs.device, int(exact and costs.device.cores > 1)
-    with ThreadPoolExecutor(1) as beside:
-        if busy:
-            beside.submit(lambda: costs.without_seeds)
+    with _searched_beside(costs) if busy else nullcontext():
         scout = _scout(spec, fit, target, family, device.with_threads(device.cores - busy))
         alone, nothing = estimated_cost(target, lmbda)
         left = costs.over(scout.residual) if exact else costs.estimated_over(scout.residual)
@@ -143,6 +141,16 @@ def seed_weights(spec: ModelSpec, fit: FitSettings, costs: TextureCosts, family:
     price, calm = lmbda * scout.root_bits(left.shape), lmbda * CALM_BITS
     weights = cell_weights(np.where(nothing - alone < calm, price, alone - left), price, calm, full)
     return None if weights.min() > _ALL else of_pixels(weights, target.shape[1:])
+
+
+@contextmanager
+def _searched_beside(costs: TextureCosts) -> Iterator[None]:
+    """The search over the target runs on a thread of its own meanwhile."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    with ThreadPoolExecutor(1) as beside:
+        beside.submit(lambda: costs.without_seeds)
+        yield
 
 
 def cell_weights(saved: F64, price: F64, calm: float, full: float = FULL) -> F64:

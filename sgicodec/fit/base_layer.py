@@ -30,9 +30,22 @@ def base_layer(
     opponent = np.array(colour_matrix(channels))
     # One colour stands for cell² pixels; half of its energy is its own: q² = 6 λ / (E ln 2).
     index = int(step_index(math.sqrt(12 * lmbda / math.log(2)) / spec.base_cell))
-    colours = np.tensordot(opponent, unit, axes=1).astype(np.float32)
+    colours = _mixed(opponent, unit)
     cell = spec.base_cell
     grid = fit_base(colours, cell) if weights is None else fit_weighted_base(colours, weights, cell)
     base = np.rint(grid / base_step(index)).astype(np.int64)
     drawn = render_base(base_colours(base, index), spec.base_cell, np.arange(width) + 0.5, np.arange(height) + 0.5)
     return index, base, unit - drawn
+
+
+def _mixed(matrix: NDArray[np.float64], unit: F32) -> F32:
+    """matrix [C, C] times a picture [C, H, W], in float64, some rows at a time: they stay in the cache."""
+    mixed, rows = np.empty_like(unit), max(1, _AT_ONCE // unit.shape[2])
+    for top in range(0, unit.shape[1], rows):
+        part = unit[:, top : top + rows].astype(np.float64)
+        mixed[:, top : top + rows] = (matrix @ part.reshape(len(part), -1)).reshape(part.shape)
+    return mixed
+
+
+_AT_ONCE = 1 << 14
+"""Pixels that are mixed at once."""

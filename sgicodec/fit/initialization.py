@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec.model.distinct import distinct
 from sgicodec.model.gaussians import colour_matrix, decoder_shapes
 from sgicodec.model.layout import SeedLayout, cell_sums
 from sgicodec.model.spec import ModelSpec
@@ -58,7 +59,7 @@ def cell_means(target: F32, layout: SeedLayout) -> F32:
     sums = cell_sums(target, max(int(layout.log_size.max(initial=1)), 1)).values
     corner, side = layout.corner.astype(np.int64), layout.cell.astype(np.int64)
     means = np.empty((len(layout), channels), np.float64)
-    for level in np.unique(layout.log_size).tolist():
+    for level in distinct(layout.log_size).tolist():
         here = layout.log_size == level
         x, y = (corner[here] >> level).T
         means[here] = (sums[level] if level else target)[:, y, x].T

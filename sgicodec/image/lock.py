@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-import socket
+import platform
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -61,7 +61,7 @@ def _held(beside: Path, path: Path) -> BinaryIO:
             if not _is_at(file, beside):
                 continue
             file.truncate(0)
-            file.write(f"process {os.getpid()} on {socket.gethostname()}, since {time.ctime()}".encode())
+            file.write(f"process {os.getpid()} on {platform.node()}, since {time.ctime()}".encode())
             file.flush()
             stack.pop_all()
             return file

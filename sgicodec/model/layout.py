@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec import _native
+from sgicodec.model.distinct import distinct
 from sgicodec.model.morton import canonical_order
 
 __all__ = ["ROOT_LOG", "CellSums", "SeedLayout", "adaptive_layout", "cell_sums", "leaf_sums", "uniform_layout"]
@@ -100,7 +101,7 @@ def uniform_layout(width: int, height: int, count: int, rng: np.random.Generator
         y = top + np.floor(rng.random(columns) * (bottom - top))
         corners.append(np.stack([np.minimum(x, width - 1), y], axis=1))
     x, y = np.concatenate(corners).astype(np.int64).T
-    pixel = np.unique(y * width + x)
+    pixel = distinct(y * width + x)
     if len(pixel) < count:  # cells narrower than a pixel have met
         free = np.setdiff1d(np.arange(width * height), pixel, assume_unique=True)
         pixel = np.concatenate([pixel, rng.choice(free, count - len(pixel), replace=False)])

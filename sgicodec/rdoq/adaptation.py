@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from sgicodec.bitstream.entropy.tables import SCALES, frequency_tables
 from sgicodec.model.context import output_columns
+from sgicodec.model.distinct import distinct
 from sgicodec.model.network import DIFFERENCE_SHIFT, IntNetwork
 from sgicodec.model.quantization import PER_OCTAVE
 from sgicodec.model.spec import ModelSpec
@@ -32,7 +33,7 @@ def fitted_scales(spec: ModelSpec, networks: tuple[IntNetwork, ...], found: Symb
         moves = np.arange(-_REACH, _REACH + 1)
         costs = np.stack([_bits(symbols, scale + move, found.family) for move in moves])  # [moves, size]
         more = np.zeros(network.predicted, np.int64)
-        for output in np.unique(by_output):
+        for output in distinct(by_output):
             best = moves[np.argmin(costs[:, by_output == output].sum(axis=1))]
             more[output] = round(best * 2**DIFFERENCE_SHIFT / PER_OCTAVE)
         fitted.append(network.biased(slice(network.predicted, 2 * network.predicted), more))

@@ -35,6 +35,7 @@ from sgicodec.bitstream.entropy.tables import (
     frequency_tables,
 )
 from sgicodec.errors import UsageError
+from sgicodec.model.distinct import distinct
 
 __all__ = ["IntArray", "SymbolWriter"]
 
@@ -155,7 +156,7 @@ class SymbolWriter:
         excess = np.abs(values) - support - 1
         exponent = escape_exponent(excess).astype(np.int32)
         self._run(exponent, symbol_model(escape_alphabet().possible[0]))
-        for e in np.unique(exponent).tolist():
+        for e in distinct(exponent).tolist():
             where = np.flatnonzero(exponent == e)
             self._uniform((excess[where] + 1 - (1 << e)).astype(np.int64), e)
         self._uniform((values < 0).astype(np.int64), 1)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from sgicodec.bitstream.header import MAX_SIDE
 from sgicodec.errors import LimitError, UsageError
+from sgicodec.model.distinct import distinct
 from sgicodec.model.morton import Codes, morton
 
 __all__ = ["MAX_ROOTS", "Flags", "GivenTree", "Seeds", "TreeShape"]
@@ -73,8 +74,8 @@ class GivenTree:
             raise UsageError("positions: a seed is no node of the tree: outside, off its grid, of another size")
         code = morton(corner[:, 0], corner[:, 1])
         levels = range(shape.min_log, shape.root_log + 1)
-        self._seeds = {level: np.unique(code[log_size == level] >> 2 * level) for level in levels}
-        self._splits = {level: np.unique(code[log_size < level] >> 2 * level) for level in levels}
+        self._seeds = {level: distinct(code[log_size == level] >> 2 * level) for level in levels}
+        self._splits = {level: distinct(code[log_size < level] >> 2 * level) for level in levels}
         if sum(codes.size for codes in self._seeds.values()) != len(corner):
             raise UsageError("positions: two seeds share one node")
 
