@@ -14,6 +14,7 @@ __all__ = ["BENCHMARKS", "main"]
 BENCHMARKS = {
     "speed": ("benchmarks.speed", "Seconds to encode, decode and start, on pictures."),
     "decode": ("benchmarks.decode", "What decoding costs, next to another version of the package."),
+    "start": ("benchmarks.start", "What passes until an encode takes its first step."),
     "profile": ("benchmarks.profile", "Where the time of an encode goes, by module."),
     "raster": ("benchmarks.raster", "The native rasteriser's passes, next to the peak of the cores."),
     "cuda": ("benchmarks.cuda", "Check and measure the kernels on a GPU; count floors without."),

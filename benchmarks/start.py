@@ -1,0 +1,75 @@
+"""What passes until an encode takes its first step, next to another version of the package in the same run."""
+
+from __future__ import annotations
+
+import json
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import click
+
+__all__ = ["main"]
+
+_CODE = """
+import json, os, sys, time
+from sgicodec.cli.main import main
+from sgicodec.fit.trainer import Trainer
+
+spawned, found, seen, step = float(sys.argv.pop(1)), [], [], Trainer._step
+
+def measured(self, *phase):
+    taken = step(self, *phase)
+    if self not in seen:
+        seen.append(self)
+        found.extend((time.process_time(), time.time() - spawned))
+    if len(seen) == 2:
+        print(json.dumps(found), flush=True)
+        os._exit(0)
+    return taken
+
+Trainer._step = measured
+main()
+"""
+"""Runs `sgi` to the first step of the second fit: the first one says where seeds should be."""
+
+ROWS = ("first step, processor", "first step, clock", "of the fit itself, processor", "of the fit itself, clock")
+
+
+@click.command()
+@click.argument("picture", type=click.Path(path_type=Path, exists=True, dir_okay=False))
+@click.option(
+    "--against",
+    type=click.Path(path_type=Path, exists=True, dir_okay=False),
+    help="The python of an environment with another version of the package.",
+)
+@click.option("--effort", default=1, show_default=True, type=click.IntRange(1, 9))
+@click.option("--repeat", default=9, show_default=True, type=click.IntRange(1), help="Processes, which take turns.")
+def main(picture: Path, against: Path | None, effort: int, repeat: int) -> None:
+    """Print milliseconds from the start of `sgi encode` with texture to the first step of its fits, least and median;
+    with --against, those of the other version and the ratio of the least.
+    """
+    pythons = [Path(sys.executable), *([] if against is None else [against])]
+    found: list[list[list[float]]] = [[] for _ in pythons]
+    for number in range(repeat):
+        for i in sorted(range(len(pythons)), reverse=bool(number % 2)):
+            found[i].append(_until_steps(pythons[i], picture, effort))
+    click.echo("| | ms | median |" + " other, ms | median | ratio |" * (against is not None))
+    click.echo("|---|---:|---:|" + "---:|---:|---:|" * (against is not None))
+    for row, name in enumerate(ROWS):
+        values = [[run[row] for run in runs] for runs in found]
+        cells = [f"{1e3 * some(of_one):.0f}" for of_one in values for some in (min, statistics.median)]
+        ratio = [] if against is None else [f"{min(values[0]) / min(values[1]):.2f}"]
+        click.echo(f"| {' | '.join([name, *cells, *ratio])} |")
+
+
+def _until_steps(python: Path, picture: Path, effort: int) -> list[float]:
+    with tempfile.TemporaryDirectory(prefix="sgi-start-") as folder:
+        out = Path(folder, "out.sgi")
+        command = [python, "-I", "-c", _CODE, repr(time.time()), "encode", picture, out, "-e", str(effort), "--quiet"]
+        done = subprocess.run(command, check=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+    times: list[float] = json.loads(done.stdout)
+    return times
