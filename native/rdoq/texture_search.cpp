@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <condition_variable>
 #include <cstring>
 #include <limits>
+#include <memory>
+#include <mutex>
 #include <utility>
 
 #include "base/thread_pool.hpp"
@@ -37,56 +40,59 @@ struct Prospect {
   float nothing = 0, whole = 0, parts = kImpossible;
 };
 
-class TextureSearch {
- public:
-  TextureSearch(BitModels &models, const TextureAmplitudes &amplitudes, const int8_t *contrast,
-                const TextureSteps &steps, const TextureSettings &settings)
-      : found_{empty_field(amplitudes.tile_width, amplitudes.tile_height, amplitudes.channels, true), 0, {}, {}, {}},
-        models_(models), coding_(models, found_.field, counter_), amplitudes_(amplitudes), contrast_(contrast),
-        steps_(steps), settings_(settings) {}
+constexpr int64_t kStale = 8;  // roots in which the lower one of two rows of roots gets the models of the upper one
 
-  TextureFound run() {
-    each_root(amplitudes_.tile_width, amplitudes_.tile_height, [&](const TextureCell &root) {
-      plan_.clear();
-      look_ahead(root);
-      found_.cost.push_back(decide(root, plan_));
-      at_ = 0;
-      code_root(root);
-    });
-    found_.bits = counter_.account.total();
-    return std::move(found_);
+// What every part of a search reads.
+struct Sought {
+  const TextureAmplitudes &amplitudes;
+  const int8_t *contrasts;
+  const TextureSteps &steps;
+  const TextureSettings settings;
+
+  int contrast(const TextureField &field, const TextureCell &cell) const {
+    return settings.has_contrast ? contrasts[field.root(cell.x, cell.y)] : 0;
+  }
+  bool seen(const TextureCell &cell) const { return cell.x < amplitudes.tile_width && cell.y < amplitudes.tile_height; }
+
+  // |amplitudes| of a cell in steps.
+  void scale(const TextureField &field, const TextureCell &cell, int channel, CellValues<float> &scaled) const {
+    const float *from = amplitudes.of(cell, channel), step = steps.of(channel, contrast(field, cell));
+    const float *growth = steps.growth(channel, cell.log);
+    for (int v = 0; v < cell.side(); ++v)
+      for (int u = 0; u < cell.side(); ++u)
+        scaled[v * cell.side() + u] = std::abs(from[v * field.width + u]) / (step * growth[v * cell.side() + u]);
+  }
+};
+
+// Decides on one root after the other, by models that learn nothing from it.
+class RootSearch {
+ public:
+  RootSearch(const Sought &sought, TextureField &field) : sought_(sought), field_(field) {}
+
+  // What is best for a root costs so much; the field shows it afterwards, and `plan` has all nodes in coding order.
+  float decide_root(const TextureCell &root, const BitModels &models, std::vector<int> &plan) {
+    models_ = &models;
+    plan.clear();
+    look_ahead(root);
+    return decide(root, plan);
   }
 
  private:
-  TextureField &field() { return found_.field; }
-  int contrast(const TextureCell &cell) const {
-    return settings_.has_contrast ? contrast_[found_.field.root(cell.x, cell.y)] : 0;
-  }
-  bool seen(const TextureCell &cell) const {
-    return cell.x < amplitudes_.tile_width && cell.y < amplitudes_.tile_height;
-  }
+  TextureField &field() { return field_; }
+  bool seen(const TextureCell &cell) const { return sought_.seen(cell); }
   float cost(const BitContext &context, int bit) const {
-    return settings_.lambda * bit_cost(models_.predict(context).one, bit);
-  }
-
-  // |amplitudes| of a cell in steps.
-  void scale(const TextureCell &cell, int channel, CellValues<float> &scaled) const {
-    const float *from = amplitudes_.of(cell, channel), step = steps_.of(channel, contrast(cell));
-    const float *growth = steps_.growth(channel, cell.log);
-    for (int v = 0; v < cell.side(); ++v)
-      for (int u = 0; u < cell.side(); ++u)
-        scaled[v * cell.side() + u] = std::abs(from[v * found_.field.width + u]) / (step * growth[v * cell.side() + u]);
+    return sought_.settings.lambda * bit_cost(models_->predict(context).one, bit);
   }
 
   // Symbols of a channel and their cost.
   void choose(const TextureCell &cell, int channel, Choice &choice) const {
     static thread_local CellValues<float> scaled;
-    scale(cell, channel, scaled);
-    choose_block(models_, found_.field, cell, channel, settings_.lambda, scaled, choice);
-    const float *signs = amplitudes_.of(cell, channel);
+    sought_.scale(field_, cell, channel, scaled);
+    choose_block(*models_, field_, cell, channel, sought_.settings.lambda, scaled, choice);
+    const float *signs = sought_.amplitudes.of(cell, channel);
     for (int v = 0; v < cell.side(); ++v)
       for (int u = 0; u < cell.side(); ++u)
-        if (signs[v * found_.field.width + u] < 0) choice.values[v << cell.log | u] *= -1;
+        if (signs[v * field_.width + u] < 0) choice.values[v << cell.log | u] *= -1;
   }
 
   // All channels of a cell with texture, put into the field.
@@ -106,11 +112,11 @@ class TextureSearch {
   // What a cell would cost with symbols that are coded one by one, and without any.
   Prospect estimate(const TextureCell &cell) const {
     static thread_local CellValues<float> scaled;
-    const float least = kLeft + settings_.lambda * kSymbolBits, growth = settings_.lambda * kOctaveBits;
-    float sum = settings_.lambda * kCellBits;
+    const float least = kLeft + sought_.settings.lambda * kSymbolBits, growth = sought_.settings.lambda * kOctaveBits;
+    float sum = sought_.settings.lambda * kCellBits;
     double nothing = 0;
-    for (int channel = 0; channel < found_.field.channels; ++channel) {
-      scale(cell, channel, scaled);
+    for (int channel = 0; channel < field_.channels; ++channel) {
+      sought_.scale(field_, cell, channel, scaled);
       for (int i = 0; i < cell.side() * cell.side(); ++i) {
         const float square = scaled[i] * scaled[i];
         nothing += square;
@@ -178,10 +184,96 @@ class TextureSearch {
     return best;
   }
 
-  void code_root(const TextureCell &root) {
-    const int what = coding_.node(root, plan_[at_++]);
-    if (what != kNoTexture && settings_.has_contrast)
-      field().contrast[field().root(root.x, root.y)] = int8_t(coding_.contrast(contrast(root)));
+  const Sought &sought_;
+  TextureField &field_;
+  const BitModels *models_ = nullptr;
+  std::array<std::array<Prospect, 1 << 2 * (kTextureRoot - kTextureLeast)>, kTextureSizes> prospects_;  // of a root
+};
+
+// Codes roots in order. Of two rows of roots the upper one is decided on and coded root by root, and the lower one
+// decided on meanwhile: its neighbours above are known, and its models a row behind, however many threads there are.
+class TextureSearch {
+ public:
+  TextureSearch(BitModels &models, const Sought &sought)
+      : found_{
+            empty_field(sought.amplitudes.tile_width, sought.amplitudes.tile_height, sought.amplitudes.channels, true),
+            0,
+            {},
+            {},
+            {}},
+        models_(models), coding_(models, found_.field, counter_), sought_(sought) {}
+
+  TextureFound run() {
+    const int64_t side = 1 << kTextureRoot, height = sought_.amplitudes.tile_height;
+    const int64_t across = found_.field.width / side;
+    upper_.resize(size_t(across)), lower_.resize(size_t(across));
+    for (int64_t y = 0; y < height; y += 2 * side) {
+      const bool both = y + side < height;
+      decided_ = 0, failed_ = false, snapshots_.clear();
+      parallel_for(both ? 2 : 1, sought_.amplitudes.threads,
+                   [&](int64_t row) { row ? decide_lower(y + side) : decide_upper(y, both); });
+      take(upper_);
+      if (!both) continue;
+      for (int64_t i = 0; i < across; ++i) code_root({i * side, y + side, kTextureRoot}, lower_[size_t(i)].plan);
+      take(lower_);
+    }
+    found_.bits = counter_.account.total();
+    return std::move(found_);
+  }
+
+ private:
+  struct Decision {
+    std::vector<int> plan;
+    float cost;
+  };
+
+  void decide_upper(int64_t y, bool both) {
+    try {
+      RootSearch search(sought_, found_.field);
+      for (size_t i = 0; i < upper_.size(); ++i) {
+        const TextureCell root{int64_t(i) << kTextureRoot, y, kTextureRoot};
+        const bool shown = both && i % kStale == 0;
+        const auto models = shown ? std::make_shared<const BitModels>(models_) : nullptr;
+        upper_[i].cost = search.decide_root(root, models_, upper_[i].plan);
+        code_root(root, upper_[i].plan);
+        const std::lock_guard<std::mutex> lock(mutex_);
+        if (shown) snapshots_.push_back(models);
+        decided_ = i + 1;
+        progress_.notify_one();
+      }
+    } catch (...) {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      failed_ = true;
+      progress_.notify_one();
+      throw;
+    }
+  }
+
+  void decide_lower(int64_t y) {
+    RootSearch search(sought_, found_.field);
+    for (size_t i = 0; i < lower_.size(); ++i) {
+      std::shared_ptr<const BitModels> models;
+      {
+        std::unique_lock<std::mutex> lock(mutex_);
+        progress_.wait(lock, [&] { return failed_ || decided_ > i; });
+        if (failed_) return;
+        models = snapshots_[i / kStale];
+      }
+      lower_[i].cost = search.decide_root({int64_t(i) << kTextureRoot, y, kTextureRoot}, *models, lower_[i].plan);
+    }
+  }
+
+  void take(const std::vector<Decision> &row) {
+    for (const Decision &root : row) found_.cost.push_back(root.cost);
+  }
+
+  TextureField &field() { return found_.field; }
+
+  void code_root(const TextureCell &root, const std::vector<int> &plan) {
+    plan_ = &plan, at_ = 0;
+    const int what = coding_.node(root, (*plan_)[at_++]);
+    if (what != kNoTexture && sought_.settings.has_contrast)
+      field().contrast[field().root(root.x, root.y)] = int8_t(coding_.contrast(sought_.contrast(field(), root)));
     code_inside(root, what);
   }
 
@@ -190,7 +282,7 @@ class TextureSearch {
     if (what == kTextureLeaf) return code_leaf(cell);
     for (int number = 0; number < 4 && what == kSplitNode; ++number) {
       const TextureCell child = cell.child(number);
-      if (seen(child)) code_inside(child, coding_.node(child, plan_[at_++]));
+      if (sought_.seen(child)) code_inside(child, coding_.node(child, (*plan_)[at_++]));
     }
   }
 
@@ -209,7 +301,7 @@ class TextureSearch {
 
   void account(const TextureCell &cell, int channel, const CellSymbols &values) {
     static thread_local CellValues<float> scaled;
-    scale(cell, channel, scaled);
+    sought_.scale(field(), cell, channel, scaled);
     QuantizerState state;
     for (const int i : texture_scan(cell.log)) {
       const int symbol = values[i];
@@ -225,20 +317,23 @@ class TextureSearch {
   BitModels &models_;
   BitCounter counter_;
   TextureCoding<BitCounter> coding_;
-  const TextureAmplitudes &amplitudes_;
-  const int8_t *contrast_;
-  const TextureSteps &steps_;
-  const TextureSettings settings_;
-  std::array<std::array<Prospect, 1 << 2 * (kTextureRoot - kTextureLeast)>, kTextureSizes> prospects_;  // of a root
-  std::vector<int> plan_;
+  const Sought &sought_;
+  std::vector<Decision> upper_, lower_;  // of the roots of both rows
+  const std::vector<int> *plan_ = nullptr;
   size_t at_ = 0;
+
+  std::mutex mutex_;
+  std::condition_variable progress_;
+  size_t decided_ = 0;  // roots of the upper row
+  bool failed_ = false;
+  std::vector<std::shared_ptr<const BitModels>> snapshots_;  // before each kStale roots of it
 };
 
 }  // namespace
 
 TextureAmplitudes::TextureAmplitudes(const float *planes, int channels_, int64_t tile_width_, int64_t tile_height_,
-                                     int threads)
-    : channels(channels_), tile_width(tile_width_), tile_height(tile_height_),
+                                     int threads_)
+    : threads(threads_), channels(channels_), tile_width(tile_width_), tile_height(tile_height_),
       width(texture_roots(tile_width_) << kTextureRoot), height(texture_roots(tile_height_) << kTextureRoot) {
   for (auto &plane : sizes_) plane.resize(size_t(width * height * channels));
   parallel_for(kTextureSizes * channels, threads, [&](int64_t job) {
@@ -249,7 +344,8 @@ TextureAmplitudes::TextureAmplitudes(const float *planes, int channels_, int64_t
 
 TextureFound search_texture(BitModels models, const TextureAmplitudes &amplitudes, const int8_t *contrast,
                             const TextureSteps &steps, const TextureSettings &settings) {
-  return TextureSearch(models, amplitudes, contrast, steps, settings).run();
+  const Sought sought{amplitudes, contrast, steps, settings};
+  return TextureSearch(models, sought).run();
 }
 
 }  // namespace sgi

@@ -20,7 +20,7 @@ class TextureAmplitudes {
     return sizes_[cell.log - kTextureLeast].data() + (channel * height + cell.y) * width + cell.x;
   }
 
-  int channels;
+  int threads, channels;
   int64_t tile_width, tile_height, width, height;
 
  private:
