@@ -69,7 +69,19 @@ def main(picture: Path, against: Path | None, effort: int, repeat: int) -> None:
 def _until_steps(python: Path, picture: Path, effort: int) -> list[float]:
     with tempfile.TemporaryDirectory(prefix="sgi-start-") as folder:
         out = Path(folder, "out.sgi")
-        command = [python, "-I", "-c", _CODE, repr(time.time()), "encode", picture, out, "-e", str(effort), "--quiet"]
+        command: list[str | Path] = [
+            python,
+            "-I",
+            "-c",
+            _CODE,
+            repr(time.time()),
+            "encode",
+            picture,
+            out,
+            "-e",
+            str(effort),
+            "--quiet",
+        ]
         done = subprocess.run(command, check=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
     times: list[float] = json.loads(done.stdout)
     return times
