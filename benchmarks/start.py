@@ -69,19 +69,8 @@ def main(picture: Path, against: Path | None, effort: int, repeat: int) -> None:
 def _until_steps(python: Path, picture: Path, effort: int) -> list[float]:
     with tempfile.TemporaryDirectory(prefix="sgi-start-") as folder:
         out = Path(folder, "out.sgi")
-        command: list[str | Path] = [
-            python,
-            "-I",
-            "-c",
-            _CODE,
-            repr(time.time()),
-            "encode",
-            picture,
-            out,
-            "-e",
-            str(effort),
-            "--quiet",
-        ]
+        options = "-e", str(effort), "--quiet"
+        command = [str(python), "-I", "-c", _CODE, repr(time.time()), "encode", str(picture), str(out), *options]
         done = subprocess.run(command, check=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
     times: list[float] = json.loads(done.stdout)
     return times

@@ -28,7 +28,10 @@ def begin_to_load() -> Thread | None:
     """Has the system load the library of OpenImageIO on a thread of its own, so that the import, which comes later,
     finds it there: other modules load meanwhile, for the thread needs no lock of Python's. None where it cannot.
     """
-    spec = None if "OpenImageIO" in sys.modules else find_spec("OpenImageIO")
+    try:
+        spec = None if "OpenImageIO" in sys.modules else find_spec("OpenImageIO")
+    except ImportError:
+        return None
     folders = [] if spec is None else spec.submodule_search_locations or []
     found = (Path(folder, f"OpenImageIO{suffix}") for folder in folders for suffix in EXTENSION_SUFFIXES)
     library = next(filter(Path.exists, found), None)
