@@ -76,14 +76,14 @@ def measured(picture: Picture, encoded: Encoded, device: Device = ALL_CORES) -> 
 def main(
     pictures: tuple[Path, ...], lambdas: tuple[float, ...], variants: tuple[str, ...], steps: int, threads: int
 ) -> None:
-    """Encode PICTURES as they are by default and under each variant, and print how J changes."""
+    """Encode PICTURES with least squared error, plainly and under each variant, and print how J changes."""
     device = Device(threads)
     changes: dict[tuple[str, float], list[float]] = {}
     click.echo("picture\tλ\tvariant\tbytes\tPSNR\tseeds\tpositions\tbase\tseconds\tJ\tchange")
     for path in pictures:
         picture = read(path)
         for lmbda in lambdas:
-            settings = EncodeSettings(lmbda=lmbda, steps=steps)
+            settings = EncodeSettings(lmbda=lmbda, steps=steps, tune="psnr")  # J is of squared error
             plain = whole(picture, settings, device=device)
             for variant in ("", *variants):
                 one = whole(picture, settings, variant, device) if variant else plain

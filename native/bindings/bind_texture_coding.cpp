@@ -83,6 +83,18 @@ sgi::TextureSteps steps_of(const Array<const float, 1> &steps, std::pair<float, 
   return {{steps.data(), steps.data() + steps.size()}, {slope.first, slope.second}};
 }
 
+// Rows and columns of the roots, where the arrays suit them.
+std::array<size_t, 2> require_contrasts(const sgi::TextureAmplitudes &amplitudes, Contrasts contrast,
+                                        Array<const float, 1> steps) {
+  const auto down = size_t(amplitudes.height >> sgi::kTextureRoot);
+  const auto across = size_t(amplitudes.width >> sgi::kTextureRoot);
+  require(has_shape(contrast, down, across) && steps.size() == size_t(amplitudes.channels),
+          "contrast [h, w] of the roots, steps [C]");
+  for (size_t i = 0; i < contrast.size(); ++i)
+    require(std::abs(int(contrast.data()[i])) <= sgi::kContrastLimit, "contrasts must be -15..15");
+  return {down, across};
+}
+
 class TextureModels {
  public:
   explicit TextureModels(bool dependent) : dependent_(dependent), models_(sgi::fresh_texture_models(dependent)) {}
@@ -121,12 +133,7 @@ class TextureModels {
 
   auto search(const sgi::TextureAmplitudes &amplitudes, Contrasts contrast, Array<const float, 1> steps,
               std::pair<float, float> slope, float lmbda, bool has_contrast) const {
-    const auto down = size_t(amplitudes.height >> sgi::kTextureRoot);
-    const auto across = size_t(amplitudes.width >> sgi::kTextureRoot);
-    require(has_shape(contrast, down, across) && steps.size() == size_t(amplitudes.channels),
-            "contrast [h, w] of the roots, steps [C]");
-    for (size_t i = 0; i < contrast.size(); ++i)
-      require(std::abs(int(contrast.data()[i])) <= sgi::kContrastLimit, "contrasts must be -15..15");
+    const auto [down, across] = require_contrasts(amplitudes, contrast, steps);
     require(lmbda >= 0, "lmbda must not be negative");
     require(dependent_, "symbols are searched for as dependent ones alone");
     const sgi::TextureSteps all = steps_of(steps, slope);
@@ -143,13 +150,27 @@ class TextureModels {
   BitModels models_;
 };
 
-sgi::TextureAmplitudes amplitudes_of(Array<const float, 3> planes, Size size, int threads) {
+void require_planes(Array<const float, 3> planes, Size size) {
   require_size(size, planes.shape(0));
   require(planes.shape(1) == size_t(sgi::texture_roots(size.second) * 32) &&
               planes.shape(2) == size_t(sgi::texture_roots(size.first) * 32),
           "planes [C, 32 h, 32 w] of the roots");
+}
+
+sgi::TextureAmplitudes amplitudes_of(Array<const float, 3> planes, Size size, int threads) {
+  require_planes(planes, size);
   nb::gil_scoped_release release;
   return {planes.data(), int(planes.shape(0)), size.first, size.second, threads};
+}
+
+void move_amplitudes(sgi::TextureAmplitudes &amplitudes, Array<const float, 3> gradient, Contrasts contrast,
+                     Array<const float, 1> steps, std::pair<float, float> slope, float mean, float most) {
+  require_planes(gradient, {amplitudes.tile_width, amplitudes.tile_height});
+  require(int(gradient.shape(0)) == amplitudes.channels, "a gradient of as many channels");
+  require_contrasts(amplitudes, contrast, steps);
+  const sgi::TextureSteps all = steps_of(steps, slope);
+  nb::gil_scoped_release release;
+  amplitudes.move(gradient.data(), contrast.data(), all, mean, most);
 }
 
 auto texture_cells(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, Array<const float, 1> steps,
@@ -187,7 +208,10 @@ void bind_texture_coding(nb::module_ &m) {
           [](sgi::TextureAmplitudes *self, Array<const float, 3> planes, Size size, int threads) {
             new (self) sgi::TextureAmplitudes(amplitudes_of(planes, size, threads));
           },
-          "planes"_a, "size"_a, "threads"_a);
+          "planes"_a, "size"_a, "threads"_a)
+      .def("move", &move_amplitudes, "gradient"_a, "contrast"_a, "steps"_a, "slope"_a, "mean"_a, "most"_a,
+           "Moves them up a gradient, [C, 32 h, 32 w] of the roots, in the mean by `mean` of a step, at most by "
+           "`most`.");
   m.def("texture_cells", &texture_cells, "log_size"_a, "contrast"_a, "symbols"_a, "steps"_a, "slope"_a, "excess"_a,
         "dependent"_a, "Corners, log2 of sides, amplitudes.");
 }

@@ -13,7 +13,6 @@
 #include "base/thread_pool.hpp"
 #include "bitstream/texture_coding.hpp"
 #include "bitstream/texture_stream.hpp"
-#include "rdoq/texture_transform.hpp"
 #include "rdoq/texture_trellis.hpp"
 
 namespace sgi {
@@ -330,17 +329,6 @@ class TextureSearch {
 };
 
 }  // namespace
-
-TextureAmplitudes::TextureAmplitudes(const float *planes, int channels_, int64_t tile_width_, int64_t tile_height_,
-                                     int threads_)
-    : threads(threads_), channels(channels_), tile_width(tile_width_), tile_height(tile_height_),
-      width(texture_roots(tile_width_) << kTextureRoot), height(texture_roots(tile_height_) << kTextureRoot) {
-  for (auto &plane : sizes_) plane.resize(size_t(width * height * channels));
-  parallel_for(kTextureSizes * channels, threads, [&](int64_t job) {
-    const int64_t size = job / channels, at = job % channels * width * height;
-    analyse_texture(planes + at, width, height, int(size) + kTextureLeast, sizes_[size].data() + at);
-  });
-}
 
 TextureFound search_texture(BitModels models, const TextureAmplitudes &amplitudes, const int8_t *contrast,
                             const TextureSteps &steps, const TextureSettings &settings) {

@@ -7,25 +7,9 @@
 #include "bitstream/texture_field.hpp"
 #include "bitstream/texture_models.hpp"
 #include "model/texture_steps.hpp"
+#include "rdoq/texture_amplitudes.hpp"
 
 namespace sgi {
-
-// What a tile's layer should show, as the amplitudes that cells of every size would need.
-class TextureAmplitudes {
- public:
-  // planes: [C, height, width] of the roots (multiples of 32); tile_width, tile_height: of the part that is seen.
-  TextureAmplitudes(const float *planes, int channels, int64_t tile_width, int64_t tile_height, int threads);
-
-  const float *of(const TextureCell &cell, int channel) const {
-    return sizes_[cell.log - kTextureLeast].data() + (channel * height + cell.y) * width + cell.x;
-  }
-
-  int threads, channels;
-  int64_t tile_width, tile_height, width, height;
-
- private:
-  std::array<std::vector<float>, kTextureSizes> sizes_;  // [C, height, width]
-};
 
 struct TextureSettings {
   float lambda;  // squared steps per bit

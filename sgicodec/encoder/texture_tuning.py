@@ -33,7 +33,8 @@ class TextureTuning:
     has a smaller step than λ says. growth: slopes of the first channel and of the others (see `TextureSteps`) where the
     lowest step is a grey level; they grow with its square root. ratios: of the second and third of three opponent
     channels. masking: steps grow with this power of the local standard deviation of luma, 0 for not at all. larger: how
-    much larger streams are than the R-D model says, in octaves of λ.
+    much larger streams are than the R-D model says, in octaves of λ. ascends: whether layers are searched again for the
+    eye ([score_ascent.py](score_ascent.py)).
     """
 
     squared_steps: float
@@ -42,6 +43,7 @@ class TextureTuning:
     ratios: tuple[int, int] = (SAME_STEP, SAME_STEP)
     masking: float = 0.0
     larger: float = 0.0
+    ascends: bool = False
 
     def step(self, lmbda: float) -> int:
         """Index of the step for λ."""
@@ -88,5 +90,5 @@ _FLOOR, _USUAL = 7.7e-4, 3.9e-3
 
 TUNINGS = {
     "psnr": TextureTuning(_SQUARED_STEPS),
-    "visual": TextureTuning(0.0927, finer=39, growth=(1.31, 1.64), masking=0.4, larger=1.3),
+    "visual": TextureTuning(0.0927, finer=39, growth=(1.31, 1.64), masking=0.4, larger=1.3, ascends=True),
 }

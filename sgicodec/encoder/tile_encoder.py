@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import math
+import time
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
@@ -22,6 +23,7 @@ from sgicodec.encoder.candidate import Candidate, candidate_of, written
 from sgicodec.encoder.coded_samples import coded_samples
 from sgicodec.encoder.encoded import Encoded
 from sgicodec.encoder.plan import Plan
+from sgicodec.encoder.score_ascent import ScoreAscent, ascent_passes
 from sgicodec.encoder.texture_handover import HANDOVER, LOOK_AHEAD, Handover
 from sgicodec.encoder.texture_share import EXACT_STEPS, TextureCosts, seed_share, seed_weights
 from sgicodec.encoder.texture_tuning import TUNINGS, TextureTuning
@@ -34,6 +36,7 @@ from sgicodec.metrics.visual_score import visual_score
 from sgicodec.model.context import input_count
 from sgicodec.model.layout import ROOT_LOG, SeedLayout, adaptive_layout, cell_sums, uniform_layout
 from sgicodec.model.luma_space import to_luma_space
+from sgicodec.model.texture_symbols import TextureSymbols
 from sgicodec.picture import Picture, comparable, to_rgb8
 from sgicodec.rate_control.lambda_controller import LambdaController
 from sgicodec.rate_control.rd_model import RdModel
@@ -188,7 +191,23 @@ class Encoding:
         if not self.spec.texture:
             return candidate
         tuning, search = self.tuning, self.texture_search(candidate)
-        return self.with_texture(candidate, search, tuning.step(self.lmbda), tuning.price(self.lmbda))
+        step, price = tuning.step(self.lmbda), tuning.price(self.lmbda)
+        self.ascend(candidate, search, step, price)
+        return self.with_texture(candidate, search, step, price)
+
+    def ascend(self, candidate: Candidate, search: TextureSearch, step: int, price: float | None = None) -> None:
+        """Makes layers of these steps better to the eye, where they are to serve it."""
+        if not self.tuning.ascends:
+            return
+        ascent = ScoreAscent(self.unit, self.spec.luma_space, self.empty, self.device)
+
+        def found() -> TextureSymbols | None:
+            return self.with_texture(candidate, search, step, price).model.texture
+
+        def ending() -> bool:
+            return self.ending() or time.monotonic() > self.time.search_end
+
+        ascent.run(search, found, self._contrast, ascent_passes(self.fit.steps), ending)
 
     def texture_search(self, candidate: Candidate) -> TextureSearch:
         """What finds texture over a candidate."""

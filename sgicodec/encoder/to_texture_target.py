@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from sgicodec.encoder.target_encoder import Stream, TargetEncoder
 from sgicodec.model.texture_symbols import STEP_COUNT
 from sgicodec.rate_control.rd_model import initial_lmbda
-from sgicodec.rate_control.step_search import step_shift
+from sgicodec.rate_control.step_search import SHIFT_MAX, step_shift
 from sgicodec.rate_control.target import LMBDA_MAX, LMBDA_MIN, Measured
 
 if TYPE_CHECKING:
@@ -56,21 +56,29 @@ class TextureTargetEncoder(TargetEncoder):
         tried: dict[float, Stream] = {}
         none_from = math.inf  # the shift from which on there is no texture
 
+        def step_at(shift: float) -> int:
+            return min(max(first + math.floor(shift), 0), STEP_COUNT - 1)
+
         def measure(shift: float) -> Measured:
             nonlocal none_from
             if shift > none_from:
                 tried[shift] = tried[none_from]
                 return tried[shift][1]
             # Between two steps, the price of bits moves as much as the step would.
-            step = min(max(first + math.floor(shift), 0), STEP_COUNT - 1)
             price = encoding.tuning.squared_steps * 2.0 ** (-OCTAVES_PER_UNIT * (shift % 1))
-            textured = encoding.with_texture(candidate, search, step, price)
+            textured = encoding.with_texture(candidate, search, step_at(shift), price)
             if textured.model.texture is None:
                 none_from = shift
             tried[shift] = encoding.measured(textured)
             return tried[shift][1]
 
-        shift = step_shift(target, measure, OCTAVES_PER_UNIT, RESOLUTION)
+        near = 0
+        if encoding.tuning.ascends:  # about where the target will be met
+            near = round(min(max(target.rate_error(measure(0.0)) / -OCTAVES_PER_UNIT, -SHIFT_MAX), SHIFT_MAX))
+            encoding.ascend(candidate, search, step_at(near))
+            none_from = math.inf
+            tried.clear()
+        shift = near + step_shift(target, lambda moved: measure(near + moved), OCTAVES_PER_UNIT, RESOLUTION)
         octaves = -OCTAVES_PER_UNIT * shift
         if not target.is_met(tried[shift][1]):
             octaves += target.rate_error(tried[shift][1])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,13 +23,15 @@ _Layer = tuple[NDArray[np.uint8], NDArray[np.int8], NDArray[np.int16]]
 _Found = tuple[_Layer, float, list[float], list[float], F32]
 
 
-def root_planes(residual: F32) -> F32:
-    """A residual [C, H, W] in opponent colours, mirrored to fill whole root cells [C, 32 rows, 32 columns]."""
+def root_planes(residual: F32, beyond: Literal["symmetric", "constant"] = "symmetric") -> F32:
+    """A residual [C, H, W] in opponent colours, mirrored, or with zeros, to fill whole root cells [C, 32 rows, 32
+    columns].
+    """
     channels, height, width = residual.shape
     columns, rows = roots_of(width, height)
     mixed = np.tensordot(np.array(colour_matrix(channels), np.float32), residual, axes=1)
     margins = (0, 0), (0, (rows << ROOT_LOG) - height), (0, (columns << ROOT_LOG) - width)
-    return np.ascontiguousarray(np.pad(mixed, margins, mode="symmetric"), np.float32)
+    return np.ascontiguousarray(np.pad(mixed, margins, mode=beyond), np.float32)
 
 
 class TextureSearch:
@@ -39,7 +42,7 @@ class TextureSearch:
 
     def __init__(self, residual: F32, device: Device = ALL_CORES) -> None:
         _, height, width = residual.shape
-        self.size = width, height
+        self.residual, self.size = residual, (width, height)
         columns, rows = roots_of(width, height)
         self._shape = rows, columns
         self._amplitudes = TextureAmplitudes(root_planes(residual), self.size, device.threads)
@@ -60,21 +63,35 @@ class TextureSearch:
         )
         return None if found.is_empty else found
 
+    def move(
+        self, gradient: F32, steps: TextureSteps, contrast: NDArray[np.int8] | None, mean: float, most: float
+    ) -> None:
+        """Moves what layers should show up the gradient of a score in the samples [C, H, W], a little.
+
+        An amplitude moves by its step times what a step of it gains, in units in which the mean of that is `mean`, at
+        most `most` of them; one below a step moves as much less, for it cannot be shown.
+        """
+        planes = root_planes(gradient, "constant")
+        channels, slope = steps.of_channels, steps.growth
+        self._amplitudes.move(planes, self._contrast(contrast), channels, slope, mean, most)
+
     def costs(self, steps: TextureSteps, squared_steps: float, contrast: NDArray[np.int8] | None = None) -> F32:
         """What each root would cost [rows, columns]: squared error plus λ times bits, in squared steps."""
         costs: F32 = self._search(steps, squared_steps, contrast)[-1]
         return costs
 
     def _search(self, steps: TextureSteps, squared_steps: float, contrast: NDArray[np.int8] | None) -> _Found:
-        contrast = np.zeros(self._shape, np.int8) if contrast is None else contrast
         return texture_models().search(
             self._amplitudes,
-            contrast,
+            self._contrast(contrast),
             steps.of_channels,
             steps.growth,
             squared_steps,
             steps.has_contrast,
         )
+
+    def _contrast(self, contrast: NDArray[np.int8] | None) -> NDArray[np.int8]:
+        return np.zeros(self._shape, np.int8) if contrast is None else contrast
 
 
 def _excess_index(excess: float) -> int:

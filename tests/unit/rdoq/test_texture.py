@@ -164,3 +164,35 @@ def test_bits_that_cost_more_are_fewer(residual: np.ndarray) -> None:
     assert sizes == sorted(sizes, reverse=True)
     assert errors == sorted(errors)
     assert len(set(sizes)) == 4
+
+
+def test_amplitudes_move_up_a_gradient_by_a_part_of_their_steps(residual: np.ndarray) -> None:
+    steps, fine = TextureSteps(400, SAME, (2, 4)), TextureSteps(200, SAME)
+    gradient = np.random.default_rng(0).normal(size=residual.shape).astype(np.float32)
+    mean, most = 0.05, 0.2
+
+    def moved(threads: int, times: int = 1) -> np.ndarray:
+        search = TextureSearch(residual, Device(threads))
+        for _ in range(times):
+            search.move(gradient, steps, None, mean, most)
+        layer = search.at(fine, 0.0)
+        assert layer is not None
+        return layer.layer().draw()
+
+    still, once = moved(1, 0), moved(1)
+    assert np.array_equal(once, moved(3))
+    away = (once - still).astype(np.float64)
+    assert (away * gradient).sum() > 0.3 * np.sqrt((away**2).sum() * (gradient.astype(np.float64) ** 2).sum())
+    # amplitudes are orthonormal: in the mean they move by less than `most` of their largest step
+    largest = steps.of_channels.max() * (1 + max(steps.growth))
+    assert 0.05 * mean * steps.of_channels.min() < np.sqrt((away**2).mean()) < most * largest
+
+
+def test_a_gradient_of_nothing_moves_nothing(residual: np.ndarray) -> None:
+    steps, search = TextureSteps(340, SAME), TextureSearch(residual)
+    before = search.at(steps, PRICE)
+    search.move(np.zeros_like(residual), steps, None, 0.1, 1.0)
+    after = search.at(steps, PRICE)
+    assert before is not None
+    assert after is not None
+    assert np.array_equal(before.symbols, after.symbols)

@@ -1,0 +1,77 @@
+#include "rdoq/texture_amplitudes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/thread_pool.hpp"
+#include "bitstream/texture_stream.hpp"
+#include "rdoq/texture_transform.hpp"
+
+namespace sgi {
+
+namespace {
+
+// body(row, length, step) for each stretch of [height, width] amplitudes with one frequency down and one root:
+// its first sample, how many follow, and the step of each.
+template <class Body>
+void each_stretch(int64_t width, int64_t height, int log, const float *growth, const float *root_steps, Body body) {
+  constexpr int64_t kRoot = 1 << kTextureRoot;
+  const int side = 1 << log;
+  std::array<float, kRoot> steps;
+  for (int64_t y = 0; y < height; ++y) {
+    const float *row_growth = growth + ((y & (side - 1)) << log), *root = root_steps + y / kRoot * (width / kRoot);
+    for (int64_t x = 0; x < width; x += kRoot) {
+      for (int64_t u = 0; u < kRoot; ++u) steps[u] = root[x / kRoot] * row_growth[u & (side - 1)];
+      body(y * width + x, kRoot, steps.data());
+    }
+  }
+}
+
+}  // namespace
+
+TextureAmplitudes::TextureAmplitudes(const float *planes, int channels_, int64_t tile_width_, int64_t tile_height_,
+                                     int threads_)
+    : threads(threads_), channels(channels_), tile_width(tile_width_), tile_height(tile_height_),
+      width(texture_roots(tile_width_) << kTextureRoot), height(texture_roots(tile_height_) << kTextureRoot) {
+  for (auto &plane : sizes_) plane.resize(size_t(width * height * channels));
+  parallel_for(kTextureSizes * channels, threads, [&](int64_t job) {
+    const int64_t size = job / channels, at = job % channels * width * height;
+    analyse_texture(planes + at, width, height, int(size) + kTextureLeast, sizes_[size].data() + at);
+  });
+}
+
+void TextureAmplitudes::move(const float *gradient, const int8_t *contrast, const TextureSteps &steps, float mean,
+                             float most) {
+  const int64_t plane = width * height, roots = plane >> 2 * kTextureRoot;
+  std::vector<float> gains(size_t(plane * channels)), root_steps(size_t(roots * channels));
+  for (int64_t i = 0; i < roots * channels; ++i) root_steps[i] = steps.of(int(i / roots), contrast[i % roots]);
+  for (int size = 0; size < kTextureSizes; ++size) {
+    const int log = size + kTextureLeast;
+    std::vector<double> sums(channels);
+    parallel_for(channels, threads, [&](int64_t channel) {
+      float *gain = &gains[channel * plane];
+      analyse_texture(gradient + channel * plane, width, height, log, gain);
+      each_stretch(width, height, log, steps.growth(int(channel), log), &root_steps[channel * roots],
+                   [&](int64_t at, int64_t count, const float *step) {
+                     for (int64_t i = 0; i < count; ++i) sums[channel] += std::abs(gain[at + i] *= step[i]);
+                   });
+    });
+    double sum = 0;
+    for (const double one : sums) sum += one;
+    const double unit = mean * double(plane * channels) / sum;
+    if (!std::isfinite(unit)) continue;
+    parallel_for(channels, threads, [&](int64_t channel) {
+      const float *gain = &gains[channel * plane];
+      float *amplitude = &sizes_[size][channel * plane];
+      each_stretch(width, height, log, steps.growth(int(channel), log), &root_steps[channel * roots],
+                   [&](int64_t at, int64_t count, const float *step) {
+                     for (int64_t i = at; i < at + count; ++i) {
+                       const float most_of_it = std::min(step[i - at], std::abs(amplitude[i]));
+                       amplitude[i] += most_of_it * std::clamp(float(unit) * gain[i], -most, most);
+                     }
+                   });
+    });
+  }
+}
+
+}  // namespace sgi

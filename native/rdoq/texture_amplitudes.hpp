@@ -1,0 +1,33 @@
+// What a tile's texture layer should show, as the amplitudes that cells of every size would need.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "bitstream/texture_field.hpp"
+#include "model/texture_steps.hpp"
+
+namespace sgi {
+
+class TextureAmplitudes {
+ public:
+  // planes: [C, height, width] of the roots (multiples of 32); tile_width, tile_height: of the part that is seen.
+  TextureAmplitudes(const float *planes, int channels, int64_t tile_width, int64_t tile_height, int threads);
+
+  // Moves them up the gradient of a score, planes like those of the constructor, which a layer should not follow far:
+  // an amplitude moves by its step times what its step gains, in units in which the mean of that is `mean`, and at most
+  // `most`; one below a step moves as much less. contrast: [roots], indices.
+  void move(const float *gradient, const int8_t *contrast, const TextureSteps &steps, float mean, float most);
+
+  const float *of(const TextureCell &cell, int channel) const {
+    return sizes_[cell.log - kTextureLeast].data() + (channel * height + cell.y) * width + cell.x;
+  }
+
+  int threads, channels;
+  int64_t tile_width, tile_height, width, height;
+
+ private:
+  std::array<std::vector<float>, kTextureSizes> sizes_;  // [C, height, width]
+};
+
+}  // namespace sgi

@@ -1,0 +1,84 @@
+"""Gradient ascent of a texture layer on SSIMULACRA 2: what the layer should show moves, then it is searched anew.
+
+The search weighs squared errors by frequency and place alone. The gradient of the score at what is decoded says which
+of the errors that are left are seen. A target that has moved up the gradient makes the same search trade them better:
+squared error to it is a quadratic model of the score, renewed in each pass. The model holds near by only, so that
+amplitudes move by a small part of their steps at a time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec.device import Device
+from sgicodec.metrics.visual_score import VisualReference
+from sgicodec.model.luma_space import to_luma_space
+from sgicodec.model.texture_symbols import TextureSymbols
+from sgicodec.rdoq.texture import TextureSearch
+
+__all__ = ["ScoreAscent", "ascent_passes"]
+
+F32 = NDArray[np.float32]
+
+MEAN_MOVE = 0.005
+"""Of amplitudes in all passes, in steps, times the root of their number."""
+MOST_MOVE = 40.0
+"""Of one amplitude, in means."""
+STEPS_PER_PASS, MOST_PASSES = 125, 8
+
+
+def ascent_passes(steps: int) -> int:
+    """Passes for a fit of this many steps."""
+    return min(1 + steps // STEPS_PER_PASS, MOST_PASSES)
+
+
+@dataclass(frozen=True)
+class ScoreAscent:
+    """The ascent for layers of one picture. unit [C, H, W]: what they are to show, in luma space where `luma_space`;
+    empty [H, W]: pixels that count nothing, None for none.
+    """
+
+    unit: F32
+    luma_space: bool
+    empty: NDArray[np.bool_] | None
+    device: Device
+
+    def run(
+        self,
+        search: TextureSearch,
+        found: Callable[[], TextureSymbols | None],
+        contrast: NDArray[np.int8] | None,
+        passes: int,
+        ending: Callable[[], bool] = lambda: False,
+    ) -> None:
+        """Moves the target of `search`, whose best layer with these contrasts `found` gives, in this many passes, or
+        until `ending`.
+        """
+        reference = VisualReference(self._seen(self.unit), self.device)
+        for _ in range(passes):
+            symbols = None if ending() else found()
+            if symbols is None:
+                return
+            drawn = self.unit - search.residual + symbols.layer().draw(device=self.device)
+            _, gradient = reference.gradient(self._seen(drawn))
+            if self.empty is not None:
+                gradient[:, self.empty] = 0
+            mean = MEAN_MOVE / passes**0.5
+            search.move(self._mixed(gradient), symbols.steps, contrast, mean, MOST_MOVE * mean)
+
+    def _seen(self, planes: F32) -> F32:
+        """Samples as they are seen."""
+        return _times(np.linalg.inv(to_luma_space(len(planes))), planes) if self.luma_space else planes
+
+    def _mixed(self, gradient: F32) -> F32:
+        """A gradient in samples as they are seen, in those of `unit`."""
+        return _times(np.linalg.inv(to_luma_space(len(gradient))).T, gradient) if self.luma_space else gradient
+
+
+def _times(matrix: NDArray[np.floating[Any]], planes: F32) -> F32:
+    return np.ascontiguousarray(np.tensordot(matrix.astype(np.float32), planes, axes=1), np.float32)

@@ -1,0 +1,124 @@
+"""Gradient ascent of texture: a better score for the same bits, nowhere else, and never for longer than asked."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sgicodec import read
+from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
+from sgicodec.bitstream.parts.texture import write_texture
+from sgicodec.device import ONE_THREAD
+from sgicodec.encoder.score_ascent import ScoreAscent, ascent_passes
+from sgicodec.encoder.texture_tuning import TUNINGS
+from sgicodec.metrics.visual_score import VisualReference
+from sgicodec.model.luma_space import from_luma_space, to_luma_space
+from sgicodec.model.texture_symbols import TextureSymbols
+from sgicodec.profiles.default import VISUAL_EFFORTS
+from sgicodec.rdoq.texture import TextureSearch
+
+DATA = Path(__file__).parents[2] / "data"
+TUNING = TUNINGS["visual"]
+STEP = 405
+
+
+class Case:
+    """384×256 pixels of a photograph, texture over their means."""
+
+    def __init__(self, luma_space: bool = False, empty: np.ndarray | None = None) -> None:
+        pixels = read(DATA / "kodim13.png").pixels[230:486, 100:484].astype(np.float32) / 255
+        self.seen = np.ascontiguousarray(pixels.transpose(2, 0, 1))
+        into = to_luma_space(3).astype(np.float32) if luma_space else np.eye(3, dtype=np.float32)
+        self.unit = np.ascontiguousarray(np.tensordot(into, self.seen, axes=1))
+        self.base = np.broadcast_to(self.unit.mean(axis=(1, 2), keepdims=True), self.unit.shape)
+        self.back = from_luma_space(3) if luma_space else np.eye(3)
+        self.contrast = TUNING.contrast(self.seen)
+        self.search = TextureSearch(self.unit - self.base, ONE_THREAD)
+        self.ascent = ScoreAscent(self.unit, luma_space, empty, ONE_THREAD)
+        self.searches = 0
+
+    def found(self) -> TextureSymbols:
+        self.searches += 1
+        layer = self.search.at(TUNING.steps(STEP, 3), TUNING.squared_steps, self.contrast)
+        assert layer is not None
+        return layer
+
+    def ascend(self, passes: int) -> None:
+        self.ascent.run(self.search, self.found, self.contrast, passes)
+
+    def score(self) -> float:
+        decoded = np.tensordot(self.back, self.base + self.found().layer().draw(), axes=1)
+        return VisualReference(self.seen, ONE_THREAD).score(decoded.astype(np.float32))
+
+    def bits(self) -> float:
+        writer = SymbolWriter()
+        with writer.part("texture"):
+            write_texture(writer, self.search.size, 3, self.found())
+        return writer.bits["texture"]
+
+
+@pytest.mark.parametrize("luma_space", [False, True])
+def test_a_layer_scores_more_for_about_the_same_bits(luma_space: bool) -> None:
+    case = Case(luma_space)
+    score, bits = case.score(), case.bits()
+    case.ascend(1)
+    once, after_one = case.score(), case.bits()
+    case.ascend(3)
+    assert score + 2 < once < case.score() - 2
+    assert after_one < 1.02 * bits
+    assert case.bits() < 1.04 * bits
+
+
+def test_pixels_that_count_nothing_move_nothing() -> None:
+    case = Case(empty=np.ones((256, 384), bool))
+    before = case.found()
+    case.ascend(2)
+    assert np.array_equal(case.found().symbols, before.symbols)
+
+    half = np.zeros((256, 384), bool)
+    half[:, 192:] = True
+    case = Case(empty=half)
+    before = case.found()
+    case.ascend(1)
+    moved = (case.found().symbols != before.symbols).any(axis=0)
+    # models adapt, so that a few symbols change elsewhere too
+    assert moved[:, :192].mean() > 3 * moved[:, 224:].mean()
+
+
+def test_it_takes_a_search_for_each_pass_until_it_is_to_end() -> None:
+    case = Case()
+    case.ascend(3)
+    assert case.searches == 3
+    case.ascent.run(case.search, case.found, case.contrast, 3, ending=lambda: case.searches == 4)
+    assert case.searches == 4
+
+
+def test_where_nothing_is_worth_its_bits_nothing_moves() -> None:
+    flat = np.full((3, 40, 40), 0.5, np.float32)
+    search = TextureSearch(np.zeros_like(flat), ONE_THREAD)
+    ScoreAscent(flat, False, None, ONE_THREAD).run(search, lambda: None, None, 2)
+    assert search.at(TUNING.steps(STEP, 3), TUNING.squared_steps) is None
+
+
+@pytest.mark.parametrize("channels", [1, 2, 4])
+def test_other_channels_than_three(channels: int) -> None:
+    seen = Case().seen
+    unit = np.ascontiguousarray(np.concatenate([seen, seen[:1]])[:channels])
+    search = TextureSearch(unit - 0.5, ONE_THREAD)
+    steps = TUNING.steps(STEP, channels)
+
+    def score() -> float:
+        layer = search.at(steps, TUNING.squared_steps)
+        assert layer is not None
+        return VisualReference(unit, ONE_THREAD).score(0.5 + layer.layer().draw())
+
+    before = score()
+    ascent = ScoreAscent(unit, False, None, ONE_THREAD)
+    ascent.run(search, lambda: search.at(steps, TUNING.squared_steps), None, 2)
+    assert score() > before + 1
+
+
+def test_longer_fits_take_more_passes() -> None:
+    assert [ascent_passes(steps) for steps in VISUAL_EFFORTS.values()] == [1, 2, 3, 4, 5, 8, 8, 8, 8]
