@@ -370,7 +370,7 @@ class TextureModels:
         Bits, their P(1) in 2^-16, all symbols in coding order, information content.
         """
 
-    def search(self, amplitudes: TextureAmplitudes, contrast: Annotated[NDArray[numpy.int8], dict(shape=(None, None), order='C', device='cpu', writable=False)], steps: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], slope: tuple[float, float], lmbda: float, has_contrast: bool) -> tuple[tuple[Annotated[NDArray[numpy.uint8], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None, None))], Annotated[NDArray[numpy.int16], dict(shape=(None, None, None))]], float, list[float], list[float], Annotated[NDArray[numpy.float32], dict(shape=(None, None))]]:
+    def search(self, amplitudes: TextureAmplitudes, contrast: Annotated[NDArray[numpy.int8], dict(shape=(None, None), order='C', device='cpu', writable=False)], steps: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], slope: tuple[float, float], lmbda: float, has_contrast: bool, division: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu', writable=False)] | None) -> tuple[tuple[Annotated[NDArray[numpy.uint8], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None, None))], Annotated[NDArray[numpy.int16], dict(shape=(None, None, None))]], float, list[float], list[float], Annotated[NDArray[numpy.float32], dict(shape=(None, None))]]:
         """
         log_size, contrast and symbols; bits; by magnitude 1, 2 and more the symbols and the sum of their excess; cost of each root in squared steps.
         """

@@ -1,9 +1,11 @@
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/tuple.h>
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -132,14 +134,21 @@ class TextureModels {
   }
 
   auto search(const sgi::TextureAmplitudes &amplitudes, Contrasts contrast, Array<const float, 1> steps,
-              std::pair<float, float> slope, float lmbda, bool has_contrast) const {
+              std::pair<float, float> slope, float lmbda, bool has_contrast, std::optional<LogSizes> division) const {
     const auto [down, across] = require_contrasts(amplitudes, contrast, steps);
     require(lmbda >= 0, "lmbda must not be negative");
+    if (division) {
+      require(has_shape(*division, 4 * down, 4 * across), "division [4 h, 4 w] of the roots");
+      TextureField field(int64_t(across), int64_t(down), 1, true);
+      std::copy_n(division->data(), division->size(), field.log_size.begin());
+      require_tree(field);
+    }
     require(dependent_, "symbols are searched for as dependent ones alone");
     const sgi::TextureSteps all = steps_of(steps, slope);
     sgi::TextureFound found = [&] {
       nb::gil_scoped_release release;
-      return sgi::search_texture(models_, amplitudes, contrast.data(), all, {lmbda, has_contrast});
+      return sgi::search_texture(models_, amplitudes, contrast.data(), all, {lmbda, has_contrast},
+                                 division ? division->data() : nullptr);
     }();
     return std::tuple(sgi::field_arrays(std::move(found.field)), found.bits, found.count, found.excess,
                       as_array<float>(std::move(found.cost), std::array{down, across}));
@@ -199,7 +208,7 @@ void bind_texture_coding(nb::module_ &m) {
       .def("write", &TextureModels::write, "log_size"_a, "contrast"_a, "symbols"_a, "size"_a, "has_contrast"_a,
            "Bits, their P(1) in 2^-16, all symbols in coding order, information content.")
       .def("search", &TextureModels::search, "amplitudes"_a, "contrast"_a, "steps"_a, "slope"_a, "lmbda"_a,
-           "has_contrast"_a,
+           "has_contrast"_a, "division"_a.none(),
            "log_size, contrast and symbols; bits; by magnitude 1, 2 and more the symbols and the sum of their excess; "
            "cost of each root in squared steps.");
   nb::class_<sgi::TextureAmplitudes>(m, "TextureAmplitudes")

@@ -24,8 +24,10 @@ struct TextureFound {
   std::vector<float> cost;  // [roots] squared steps plus lambda times bits
 };
 
-// contrast: [roots], indices.
+// contrast: [roots], indices. division: null, or TextureField::log_size of a layer whose cells are taken, which is
+// faster: nothing is tried, and cells go alone whose symbols would all be 0.
 TextureFound search_texture(BitModels models, const TextureAmplitudes &amplitudes, const int8_t *contrast,
-                            const TextureSteps &steps, const TextureSettings &settings);
+                            const TextureSteps &steps, const TextureSettings &settings,
+                            const uint8_t *division = nullptr);
 
 }  // namespace sgi

@@ -51,25 +51,28 @@ class ScoreAscent:
     def run(
         self,
         search: TextureSearch,
-        found: Callable[[], TextureSymbols | None],
+        found: Callable[[TextureSymbols | None], TextureSymbols | None],
         contrast: NDArray[np.int8] | None,
         passes: int,
         ending: Callable[[], bool] = lambda: False,
-    ) -> None:
-        """Moves the target of `search`, whose best layer with these contrasts `found` gives, in this many passes, or
-        until `ending`.
+    ) -> TextureSymbols | None:
+        """Moves the target of `search` in this many passes, or until `ending`. `found` gives its best layer with these
+        contrasts, of the cells of the layer that it is given or, with None, of any.
+
+        Returns the last layer that was found.
         """
         reference = VisualReference(self._seen(self.unit), self.device)
+        symbols = None
         for _ in range(passes):
-            symbols = None if ending() else found()
-            if symbols is None:
-                return
+            if ending() or (symbols := found(symbols)) is None:
+                break
             drawn = self.unit - search.residual + symbols.layer().draw(device=self.device)
             _, gradient = reference.gradient(self._seen(drawn))
             if self.empty is not None:
                 gradient[:, self.empty] = 0
             mean = MEAN_MOVE / passes**0.5
             search.move(self._mixed(gradient), symbols.steps, contrast, mean, MOST_MOVE * mean)
+        return symbols
 
     def _seen(self, planes: F32) -> F32:
         """Samples as they are seen."""

@@ -192,22 +192,24 @@ class Encoding:
             return candidate
         tuning, search = self.tuning, self.texture_search(candidate)
         step, price = tuning.step(self.lmbda), tuning.price(self.lmbda)
-        self.ascend(candidate, search, step, price)
-        return self.with_texture(candidate, search, step, price)
+        cells = self.ascend(candidate, search, step, price)
+        return self.with_texture(candidate, search, step, price, cells)
 
-    def ascend(self, candidate: Candidate, search: TextureSearch, step: int, price: float | None = None) -> None:
-        """Makes layers of these steps better to the eye, where they are to serve it."""
+    def ascend(
+        self, candidate: Candidate, search: TextureSearch, step: int, price: float | None = None
+    ) -> TextureSymbols | None:
+        """Makes layers of these steps better to the eye, where they are to serve it; one of them on the way."""
         if not self.tuning.ascends:
-            return
+            return None
         ascent = ScoreAscent(self.unit, self.spec.luma_space, self.empty, self.device)
 
-        def found() -> TextureSymbols | None:
-            return self.with_texture(candidate, search, step, price).model.texture
+        def found(cells: TextureSymbols | None) -> TextureSymbols | None:
+            return self.with_texture(candidate, search, step, price, cells).model.texture
 
         def ending() -> bool:
             return self.ending() or time.monotonic() > self.time.search_end
 
-        ascent.run(search, found, self._contrast, ascent_passes(self.fit.steps), ending)
+        return ascent.run(search, found, self._contrast, ascent_passes(self.fit.steps), ending)
 
     def texture_search(self, candidate: Candidate) -> TextureSearch:
         """What finds texture over a candidate."""
@@ -224,13 +226,21 @@ class Encoding:
         return TUNINGS[self.settings.tuned_for]
 
     def with_texture(
-        self, candidate: Candidate, search: TextureSearch, step: int, price: float | None = None
+        self,
+        candidate: Candidate,
+        search: TextureSearch,
+        step: int,
+        price: float | None = None,
+        cells: TextureSymbols | None = None,
     ) -> Candidate:
-        """The candidate with texture in steps of this index. price: λ in squared steps, None for what suits them."""
-        tuning = self.tuning
-        found = search.at(
-            tuning.steps(step, self.spec.channels), tuning.squared_steps if price is None else price, self._contrast
+        """The candidate with texture in steps of this index. price: λ in squared steps, None for what suits them;
+        cells: a layer whose cells are taken, None for the best.
+        """
+        steps, price = (
+            self.tuning.steps(step, self.spec.channels),
+            self.tuning.squared_steps if price is None else price,
         )
+        found = search.at(steps, price, self._contrast, cells)
         return replace(candidate, model=replace(candidate.model, texture=found, decoded=None))
 
     def encoded(self, candidate: Candidate) -> Encoded:

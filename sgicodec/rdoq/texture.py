@@ -48,12 +48,17 @@ class TextureSearch:
         self._amplitudes = TextureAmplitudes(root_planes(residual), self.size, device.threads)
 
     def at(
-        self, steps: TextureSteps, squared_steps: float, contrast: NDArray[np.int8] | None = None
+        self,
+        steps: TextureSteps,
+        squared_steps: float,
+        contrast: NDArray[np.int8] | None = None,
+        cells: TextureSymbols | None = None,
     ) -> TextureSymbols | None:
         """The layer for these steps, None where nothing is worth its bits. squared_steps: λ in squared steps; contrast:
-        of each root.
+        of each root; cells: a layer whose cells are taken as they are, which is faster than to choose them.
         """
-        parts, _, counts, excess, _ = self._search(steps, squared_steps, contrast)
+        division = None if cells is None else cells.log_size
+        parts, _, counts, excess, _ = self._search(steps, squared_steps, contrast, division)
         added = tuple(_excess_index(sum_ / count) if count else 8 for count, sum_ in zip(counts, excess, strict=True))
         one, two, more = added
         found = TextureSymbols(
@@ -80,7 +85,13 @@ class TextureSearch:
         costs: F32 = self._search(steps, squared_steps, contrast)[-1]
         return costs
 
-    def _search(self, steps: TextureSteps, squared_steps: float, contrast: NDArray[np.int8] | None) -> _Found:
+    def _search(
+        self,
+        steps: TextureSteps,
+        squared_steps: float,
+        contrast: NDArray[np.int8] | None,
+        division: NDArray[np.uint8] | None = None,
+    ) -> _Found:
         return texture_models().search(
             self._amplitudes,
             self._contrast(contrast),
@@ -88,6 +99,7 @@ class TextureSearch:
             steps.growth,
             squared_steps,
             steps.has_contrast,
+            division,
         )
 
     def _contrast(self, contrast: NDArray[np.int8] | None) -> NDArray[np.int8]:

@@ -39,9 +39,9 @@ class Case:
         self.ascent = ScoreAscent(self.unit, luma_space, empty, ONE_THREAD)
         self.searches = 0
 
-    def found(self) -> TextureSymbols:
+    def found(self, cells: TextureSymbols | None = None) -> TextureSymbols:
         self.searches += 1
-        layer = self.search.at(TUNING.steps(STEP, 3), TUNING.squared_steps, self.contrast)
+        layer = self.search.at(TUNING.steps(STEP, 3), TUNING.squared_steps, self.contrast, cells)
         assert layer is not None
         return layer
 
@@ -98,7 +98,7 @@ def test_it_takes_a_search_for_each_pass_until_it_is_to_end() -> None:
 def test_where_nothing_is_worth_its_bits_nothing_moves() -> None:
     flat = np.full((3, 40, 40), 0.5, np.float32)
     search = TextureSearch(np.zeros_like(flat), ONE_THREAD)
-    ScoreAscent(flat, False, None, ONE_THREAD).run(search, lambda: None, None, 2)
+    ScoreAscent(flat, False, None, ONE_THREAD).run(search, lambda _: None, None, 2)
     assert search.at(TUNING.steps(STEP, 3), TUNING.squared_steps) is None
 
 
@@ -116,7 +116,7 @@ def test_other_channels_than_three(channels: int) -> None:
 
     before = score()
     ascent = ScoreAscent(unit, False, None, ONE_THREAD)
-    ascent.run(search, lambda: search.at(steps, TUNING.squared_steps), None, 2)
+    ascent.run(search, lambda cells: search.at(steps, TUNING.squared_steps, None, cells), None, 2)
     assert score() > before + 1
 
 

@@ -1,0 +1,70 @@
+// The choice of cells and symbols of texture, root by root.
+#pragma once
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "bitstream/texture_field.hpp"
+#include "bitstream/texture_models.hpp"
+#include "rdoq/texture_search.hpp"
+#include "rdoq/texture_trellis.hpp"
+
+namespace sgi {
+
+// What every part of a search for texture reads.
+struct TextureSought {
+  const TextureAmplitudes &amplitudes;
+  const int8_t *contrasts;
+  const TextureSteps &steps;
+  const TextureSettings settings;
+  const uint8_t *division;  // TextureField::log_size of a layer whose cells are taken, or null
+
+  int contrast(const TextureField &field, const TextureCell &cell) const {
+    return settings.has_contrast ? contrasts[field.root(cell.x, cell.y)] : 0;
+  }
+  bool seen(const TextureCell &cell) const { return cell.x < amplitudes.tile_width && cell.y < amplitudes.tile_height; }
+
+  // |amplitudes| of a cell in steps.
+  void scale(const TextureField &field, const TextureCell &cell, int channel, CellValues<float> &scaled) const {
+    const float *from = amplitudes.of(cell, channel), step = steps.of(channel, contrast(field, cell));
+    const float *growth = steps.growth(channel, cell.log);
+    for (int v = 0; v < cell.side(); ++v)
+      for (int u = 0; u < cell.side(); ++u)
+        scaled[v * cell.side() + u] = std::abs(from[v * field.width + u]) / (step * growth[v * cell.side() + u]);
+  }
+};
+
+// A cell's cost without texture, and estimates of it as one cell and divided.
+struct TextureProspect {
+  float nothing = 0, whole = 0, parts = std::numeric_limits<float>::infinity();
+};
+
+// Decides on one root after the other, by models that learn nothing from it.
+class TextureRootSearch {
+ public:
+  TextureRootSearch(const TextureSought &sought, TextureField &field) : sought_(sought), field_(field) {}
+
+  // What is best for a root costs so much; the field shows it afterwards, and `plan` has all nodes in coding order.
+  float decide(const TextureCell &root, const BitModels &models, std::vector<int> &plan);
+
+ private:
+  float cost(const BitContext &context, int bit) const;
+  void choose(const TextureCell &cell, int channel, Choice &choice) const;
+  float choose_leaf(const TextureCell &cell, std::vector<Choice> &choices);
+  TextureProspect estimate(const TextureCell &cell) const;
+  TextureProspect &prospect(const TextureCell &cell);
+  float look_ahead(const TextureCell &cell);
+  float decide_node(const TextureCell &cell, std::vector<int> &plan);
+  int given_log(const TextureCell &cell) const;
+  float follow_node(const TextureCell &cell, std::vector<int> &plan);
+
+  const TextureSought &sought_;
+  TextureField &field_;
+  const BitModels *models_ = nullptr;
+  std::array<std::array<TextureProspect, 1 << 2 * (kTextureRoot - kTextureLeast)>, kTextureSizes>
+      prospects_;  // of a root
+};
+
+}  // namespace sgi
