@@ -32,6 +32,8 @@ _READER = "sgicodec-reader"
 class SgiPlugin(PluginV3):
     """One stream, which is one image."""
 
+    _is_ours = False
+
     def __init__(self, request: Request) -> None:
         """Raises InitializationError for a file that is no stream, StreamError for a damaged one."""
         super().__init__(request)
@@ -40,6 +42,12 @@ class SgiPlugin(PluginV3):
             if request.firstbytes[: len(SIGNATURE)] != SIGNATURE:
                 raise InitializationError("this is no stream of sgicodec")
             self._stream = open_stream(request.get_file())
+        self._is_ours = True
+
+    def close(self) -> None:
+        """Closes the file, unless it was refused: then it is another plugin's."""
+        if self._is_ours:
+            super().close()
 
     def read(self, *, index: Any = 0, **view: Any) -> NDArray[Any]:
         """Samples [h, w] of gray, else [h, w, C]. Raises SgiError.
