@@ -41,7 +41,8 @@ STARTS = {
 @click.option("--repeat", default=9, show_default=True, type=click.IntRange(1), help="Processes, which take turns.")
 def main(paths: tuple[Path, ...], against: Path | None, threads: int, repeat: int) -> None:
     """Print for each stream milliseconds of starts (median of the clock) and of decodes in a running process (least of
-    the processor); with --against, those of the other version and the ratio.
+    the processor, or the median of the clock, of the quickest process); with --against, those of the other version and
+    the ratio.
     """
     pythons = [Path(sys.executable), *([] if against is None else [against])]
     for path in paths:

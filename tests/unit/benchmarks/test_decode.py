@@ -19,7 +19,7 @@ def test_a_row_for_each_case_of_both() -> None:
     result = CliRunner().invoke(main, arguments)
     assert result.exit_code == 0, result.output
     rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in result.output.splitlines()[4:] if line]
-    assert len(rows) == 3 + 7
+    assert len(rows) == 3 + 8
     for _, ours, theirs, ratio in rows:
         assert float(ratio) == pytest.approx(float(ours) / float(theirs), rel=0.2)
 
@@ -28,3 +28,4 @@ def test_cases_take_time(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(decode_cases, "LEAST_SECONDS", 0.0)
     found = decode_cases.measured(str(STREAM.with_name("rgb8.sgi")), 1)
     assert 0 < found["open"] < found["open, whole picture"]
+    assert found["open"] < found["open, whole picture, by the clock"]
