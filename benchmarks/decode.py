@@ -7,12 +7,13 @@ import statistics
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
 import click
+
+from benchmarks._turns import against, in_turn
 
 __all__ = ["main"]
 
@@ -32,11 +33,7 @@ STARTS = {
 
 @click.command()
 @click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path, exists=True, dir_okay=False))
-@click.option(
-    "--against",
-    type=click.Path(path_type=Path, exists=True, dir_okay=False),
-    help="The python of an environment with another version of the package.",
-)
+@against
 @click.option("--threads", default=1, show_default=True, type=click.IntRange(1))
 @click.option("--repeat", default=9, show_default=True, type=click.IntRange(1), help="Processes, which take turns.")
 def main(paths: tuple[Path, ...], against: Path | None, threads: int, repeat: int) -> None:
@@ -57,23 +54,14 @@ def main(paths: tuple[Path, ...], against: Path | None, threads: int, repeat: in
 def _print_starts(path: Path, pythons: list[Path], repeat: int) -> None:
     for name, code in STARTS.items():
         command = "-c", code, str(path)
-        runs = _in_turn(pythons, repeat, partial(_seconds, command))
+        runs = in_turn(pythons, repeat, partial(_seconds, command))
         _print(name, [statistics.median(of_one) for of_one in runs])
 
 
 def _print_decodes(path: Path, pythons: list[Path], repeat: int, threads: int) -> None:
-    decodes = _in_turn(pythons, repeat, partial(_cases, path, threads))
+    decodes = in_turn(pythons, repeat, partial(_cases, path, threads))
     for name in decodes[0][0]:
         _print(name, [min(run[name] for run in of_one) for of_one in decodes])
-
-
-def _in_turn(pythons: list[Path], repeat: int, run: Callable[[Path], Found]) -> list[list[Found]]:
-    """What each of them found, run after run; who comes first changes, too."""
-    found: dict[Path, list[Found]] = {python: [] for python in pythons}
-    for number in range(repeat):
-        for python in pythons if number % 2 else reversed(pythons):
-            found[python].append(run(python))
-    return [found[python] for python in pythons]
 
 
 def _seconds(command: tuple[str, ...], python: Path) -> float:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from pathlib import Path
-from statistics import median
 
 import click
 import numpy as np
 
+from benchmarks._turns import median_seconds
 from sgicodec.bench.codec import Pixels8
 from sgicodec.bench.run import load_sample
 from sgicodec.device import Device
@@ -30,18 +29,6 @@ HEADINGS = (
 )
 
 
-def milliseconds(calls: list[Callable[[], object]], repeat: int) -> list[float]:
-    """Median processor time of each call; they take turns, so that a busy machine slows them alike."""
-    times: list[list[float]] = [[] for _ in calls]
-    for turn in range(repeat + 1):
-        for call, found in zip(calls, times, strict=True):
-            start = time.process_time()
-            call()
-            if turn:  # the first turn finds memory
-                found.append(1e3 * (time.process_time() - start))
-    return [median(found) for found in times]
-
-
 def row(path: Path, device: Device, deviation: float, repeat: int) -> list[str]:
     """The cells of a picture after noise of this deviation, in levels of eight bits."""
     original = load_sample(path).pixels[..., :3]
@@ -49,7 +36,7 @@ def row(path: Path, device: Device, deviation: float, repeat: int) -> list[str]:
     decoded: Pixels8 = np.clip(np.rint(original + noise), 0, 255).astype(np.uint8)
     a, b = (np.float32(1 / 255) * pixels.transpose(2, 0, 1).astype(np.float32) for pixels in (original, decoded))
     reference = VisualReference(a, device)
-    times = milliseconds(
+    times = median_seconds(
         [
             lambda: VisualReference(a, device),
             lambda: reference.score(b),
@@ -57,9 +44,10 @@ def row(path: Path, device: Device, deviation: float, repeat: int) -> list[str]:
             lambda: ssimulacra2(original, decoded),
         ],
         repeat,
+        time.process_time,
     )
     scores = (f"{score:.4f}" for score in (reference.score(b), ssimulacra2(original, decoded)))
-    return [path.name, *scores, *(f"{value:.1f}" for value in times)]
+    return [path.name, *scores, *(f"{1e3 * seconds:.1f}" for seconds in times)]
 
 
 @click.command()

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from statistics import median
 
 import click
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks._turns import median_seconds
 from sgicodec import _native
 from sgicodec.device import Device
 from sgicodec.model.morton import morton
@@ -107,14 +106,7 @@ def measure(scene: Scene, threads: int = 0, isa: str = "auto", repeat: int = 20)
         lambda: raster.backward(*gaussians, target),
         lambda: raster.squared_error(*gaussians, target, 1.0),
     ]
-    seconds: list[list[float]] = [[] for _ in passes]
-    for turn in range(repeat + 1):
-        for one, times in zip(passes, seconds, strict=True):
-            start = time.perf_counter()
-            one()
-            if turn:  # the first turn finds memory
-                times.append(time.perf_counter() - start)
-    forward, backward, fused = (median(times) for times in seconds)
+    forward, backward, fused = median_seconds(passes, repeat)
     pairs = pairs_within(gaussians, DEFAULT_CUTOFF, scene.width, scene.height)
     return Speed(forward, backward, fused, pairs)
 

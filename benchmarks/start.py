@@ -8,9 +8,12 @@ import subprocess
 import sys
 import tempfile
 import time
+from functools import partial
 from pathlib import Path
 
 import click
+
+from benchmarks._turns import against, in_turn
 
 __all__ = ["main"]
 
@@ -41,11 +44,7 @@ ROWS = ("first step, processor", "first step, clock", "of the fit itself, proces
 
 @click.command()
 @click.argument("picture", type=click.Path(path_type=Path, exists=True, dir_okay=False))
-@click.option(
-    "--against",
-    type=click.Path(path_type=Path, exists=True, dir_okay=False),
-    help="The python of an environment with another version of the package.",
-)
+@against
 @click.option("--effort", default=1, show_default=True, type=click.IntRange(1, 9))
 @click.option("--repeat", default=9, show_default=True, type=click.IntRange(1), help="Processes, which take turns.")
 def main(picture: Path, against: Path | None, effort: int, repeat: int) -> None:
@@ -53,10 +52,7 @@ def main(picture: Path, against: Path | None, effort: int, repeat: int) -> None:
     with --against, those of the other version and the ratio of the least.
     """
     pythons = [Path(sys.executable), *([] if against is None else [against])]
-    found: list[list[list[float]]] = [[] for _ in pythons]
-    for number in range(repeat):
-        for i in sorted(range(len(pythons)), reverse=bool(number % 2)):
-            found[i].append(_until_steps(pythons[i], picture, effort))
+    found = in_turn(pythons, repeat, partial(_until_steps, picture, effort))
     click.echo("| | ms | median |" + " other, ms | median | ratio |" * (against is not None))
     click.echo("|---|---:|---:|" + "---:|---:|---:|" * (against is not None))
     for row, name in enumerate(ROWS):
@@ -66,7 +62,7 @@ def main(picture: Path, against: Path | None, effort: int, repeat: int) -> None:
         click.echo(f"| {' | '.join([name, *cells, *ratio])} |")
 
 
-def _until_steps(python: Path, picture: Path, effort: int) -> list[float]:
+def _until_steps(picture: Path, effort: int, python: Path) -> list[float]:
     with tempfile.TemporaryDirectory(prefix="sgi-start-") as folder:
         out = Path(folder, "out.sgi")
         options = "-e", str(effort), "--quiet"

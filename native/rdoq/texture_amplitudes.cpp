@@ -11,18 +11,18 @@ namespace sgi {
 
 namespace {
 
-// body(row, length, step) for each stretch of [height, width] amplitudes with one frequency down and one root:
-// its first sample, how many follow, and the step of each.
+constexpr int64_t kRoot = 1 << kTextureRoot;
+
+// body(at, steps) for the rows of all roots in [height, width] amplitudes: the first of kRoot, and the step of each.
 template <class Body>
-void each_stretch(int64_t width, int64_t height, int log, const float *growth, const float *root_steps, Body body) {
-  constexpr int64_t kRoot = 1 << kTextureRoot;
+void each_row(int64_t width, int64_t height, int log, const float *growth, const float *root_steps, Body body) {
   const int side = 1 << log;
   std::array<float, kRoot> steps;
   for (int64_t y = 0; y < height; ++y) {
     const float *row_growth = growth + ((y & (side - 1)) << log), *root = root_steps + y / kRoot * (width / kRoot);
     for (int64_t x = 0; x < width; x += kRoot) {
       for (int64_t u = 0; u < kRoot; ++u) steps[u] = root[x / kRoot] * row_growth[u & (side - 1)];
-      body(y * width + x, kRoot, steps.data());
+      body(y * width + x, steps.data());
     }
   }
 }
@@ -51,10 +51,10 @@ void TextureAmplitudes::move(const float *gradient, const int8_t *contrast, cons
     parallel_for(channels, threads, [&](int64_t channel) {
       float *gain = &gains[channel * plane];
       analyse_texture(gradient + channel * plane, width, height, log, gain);
-      each_stretch(width, height, log, steps.growth(int(channel), log), &root_steps[channel * roots],
-                   [&](int64_t at, int64_t count, const float *step) {
-                     for (int64_t i = 0; i < count; ++i) sums[channel] += std::abs(gain[at + i] *= step[i]);
-                   });
+      each_row(width, height, log, steps.growth(int(channel), log), &root_steps[channel * roots],
+               [&](int64_t at, const float *step) {
+                 for (int64_t i = 0; i < kRoot; ++i) sums[channel] += std::abs(gain[at + i] *= step[i]);
+               });
     });
     double sum = 0;
     for (const double one : sums) sum += one;
@@ -63,13 +63,13 @@ void TextureAmplitudes::move(const float *gradient, const int8_t *contrast, cons
     parallel_for(channels, threads, [&](int64_t channel) {
       const float *gain = &gains[channel * plane];
       float *amplitude = &sizes_[size][channel * plane];
-      each_stretch(width, height, log, steps.growth(int(channel), log), &root_steps[channel * roots],
-                   [&](int64_t at, int64_t count, const float *step) {
-                     for (int64_t i = at; i < at + count; ++i) {
-                       const float most_of_it = std::min(step[i - at], std::abs(amplitude[i]));
-                       amplitude[i] += most_of_it * std::clamp(float(unit) * gain[i], -most, most);
-                     }
-                   });
+      each_row(width, height, log, steps.growth(int(channel), log), &root_steps[channel * roots],
+               [&](int64_t at, const float *step) {
+                 for (int64_t i = at; i < at + kRoot; ++i) {
+                   const float most_of_it = std::min(step[i - at], std::abs(amplitude[i]));
+                   amplitude[i] += most_of_it * std::clamp(float(unit) * gain[i], -most, most);
+                 }
+               });
     });
   }
 }

@@ -28,7 +28,10 @@ float about_log2(float value) {
 float TextureRootSearch::decide(const TextureCell &root, const BitModels &models, std::vector<int> &plan) {
   models_ = &models;
   plan.clear();
-  if (sought_.division) return follow_node(root, plan);
+  if (sought_.division) {
+    follow_node(root, plan);
+    return 0;
+  }
   look_ahead(root);
   return decide_node(root, plan);
 }
@@ -146,29 +149,25 @@ int TextureRootSearch::given_log(const TextureCell &cell) const {
 }
 
 // The cells of the given layer, but for those whose symbols would all be 0.
-float TextureRootSearch::follow_node(const TextureCell &cell, std::vector<int> &plan) {
+void TextureRootSearch::follow_node(const TextureCell &cell, std::vector<int> &plan) {
   const size_t begin = plan.size();
   const int log = given_log(cell);
   plan.push_back(log == 0 ? kNoTexture : log == cell.log ? kTextureLeaf : kSplitNode);
-  float sum = 0;
   if (plan[begin] == kTextureLeaf) {
     std::vector<Choice> choices(field_.channels);
-    sum = choose_leaf(cell, choices);
-    if (sum == kImpossible) plan[begin] = kNoTexture;
+    if (choose_leaf(cell, choices) == kImpossible) plan[begin] = kNoTexture;
   } else if (plan[begin] == kSplitNode) {
     for (int number = 0; number < 4; ++number) {
       const TextureCell child = cell.child(number);
       if (sought_.seen(child))
-        sum += follow_node(child, plan);
+        follow_node(child, plan);
       else
         field_.clear(child);
     }
     if (std::find(plan.begin() + int64_t(begin), plan.end(), kTextureLeaf) == plan.end())
       plan.resize(begin), plan.push_back(kNoTexture);
   }
-  if (plan[begin] != kNoTexture) return sum;
-  field_.clear(cell);
-  return estimate(cell).nothing;
+  if (plan[begin] == kNoTexture) field_.clear(cell);
 }
 
 }  // namespace sgi

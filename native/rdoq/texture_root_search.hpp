@@ -46,7 +46,8 @@ class TextureRootSearch {
  public:
   TextureRootSearch(const TextureSought &sought, TextureField &field) : sought_(sought), field_(field) {}
 
-  // What is best for a root costs so much; the field shows it afterwards, and `plan` has all nodes in coding order.
+  // What is best for a root costs so much, 0 where cells are given; the field shows it afterwards, and `plan` has all
+  // nodes in coding order.
   float decide(const TextureCell &root, const BitModels &models, std::vector<int> &plan);
 
  private:
@@ -58,7 +59,7 @@ class TextureRootSearch {
   float look_ahead(const TextureCell &cell);
   float decide_node(const TextureCell &cell, std::vector<int> &plan);
   int given_log(const TextureCell &cell) const;
-  float follow_node(const TextureCell &cell, std::vector<int> &plan);
+  void follow_node(const TextureCell &cell, std::vector<int> &plan);
 
   const TextureSought &sought_;
   TextureField &field_;

@@ -10,14 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.device import Device
 from sgicodec.metrics.visual_score import VisualReference
-from sgicodec.model.luma_space import to_luma_space
+from sgicodec.model.luma_space import from_luma_space
 from sgicodec.model.texture_symbols import TextureSymbols
 from sgicodec.rdoq.texture import TextureSearch
 
@@ -30,6 +29,7 @@ MEAN_MOVE = 0.005
 MOST_MOVE = 40.0
 """Of one amplitude, in means."""
 STEPS_PER_PASS, MOST_PASSES = 125, 8
+"""Steps of a fit that are worth another pass, and how many there are at most."""
 
 
 def ascent_passes(steps: int) -> int:
@@ -61,7 +61,7 @@ class ScoreAscent:
 
         Returns the last layer that was found.
         """
-        reference = VisualReference(self._seen(self.unit), self.device)
+        reference, mean = VisualReference(self._seen(self.unit), self.device), MEAN_MOVE / passes**0.5
         symbols = None
         for _ in range(passes):
             if ending() or (symbols := found(symbols)) is None:
@@ -70,18 +70,17 @@ class ScoreAscent:
             _, gradient = reference.gradient(self._seen(drawn))
             if self.empty is not None:
                 gradient[:, self.empty] = 0
-            mean = MEAN_MOVE / passes**0.5
-            search.move(self._mixed(gradient), symbols.steps, contrast, mean, MOST_MOVE * mean)
+            search.move(self._in_unit(gradient), symbols.steps, contrast, mean, MOST_MOVE * mean)
         return symbols
 
     def _seen(self, planes: F32) -> F32:
         """Samples as they are seen."""
-        return _times(np.linalg.inv(to_luma_space(len(planes))), planes) if self.luma_space else planes
+        if not self.luma_space:
+            return planes
+        return np.tensordot(from_luma_space(len(planes)).astype(np.float32), planes, axes=1)
 
-    def _mixed(self, gradient: F32) -> F32:
+    def _in_unit(self, gradient: F32) -> F32:
         """A gradient in samples as they are seen, in those of `unit`."""
-        return _times(np.linalg.inv(to_luma_space(len(gradient))).T, gradient) if self.luma_space else gradient
-
-
-def _times(matrix: NDArray[np.floating[Any]], planes: F32) -> F32:
-    return np.ascontiguousarray(np.tensordot(matrix.astype(np.float32), planes, axes=1), np.float32)
+        if not self.luma_space:
+            return gradient
+        return np.tensordot(from_luma_space(len(gradient)).T.astype(np.float32), gradient, axes=1)

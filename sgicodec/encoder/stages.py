@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.score_ascent import ascent_passes
+from sgicodec.encoder.texture_tuning import TUNINGS
 
 __all__ = ["StageClock", "stage_weights"]
 
@@ -26,7 +27,7 @@ def stage_weights(plan: Plan) -> dict[str, float]:
         again = {"more passes": 0.7} if settings.rate_target(1) is not None else {}
         return {"load": 0.02, "tiles": 1.0, **again, "verify": 0.1}
     steps = settings.fit_settings().steps
-    passes = ascent_passes(steps) if settings.tuned_for == "visual" else 0
+    passes = ascent_passes(steps) if TUNINGS[settings.tuned_for].ascends else 0
     search = {"search": 0.45 + _SEARCH * steps} if settings.rdoq and plan.header.spec.context.prior else {}
     texture = {"texture": _TEXTURE + _ASCENT * passes} if plan.header.spec.texture else {}
     return {

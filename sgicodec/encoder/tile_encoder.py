@@ -236,10 +236,8 @@ class Encoding:
         """The candidate with texture in steps of this index. price: λ in squared steps, None for what suits them;
         cells: a layer whose cells are taken, None for the best.
         """
-        steps, price = (
-            self.tuning.steps(step, self.spec.channels),
-            self.tuning.squared_steps if price is None else price,
-        )
+        steps = self.tuning.steps(step, self.spec.channels)
+        price = self.tuning.squared_steps if price is None else price
         found = search.at(steps, price, self._contrast, cells)
         return replace(candidate, model=replace(candidate.model, texture=found, decoded=None))
 

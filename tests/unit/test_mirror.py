@@ -19,6 +19,7 @@ TESTED_ELSEWHERE = {
     "bench/tables": "unit/bench/test_summary.py",
     "benchmarks/_cuda_floors": "unit/benchmarks/test_cuda.py",
     "benchmarks/_decode_cases": "unit/benchmarks/test_decode.py",
+    "benchmarks/_turns": "unit/benchmarks/test_turns.py",
     "benchmarks/figure": "unit/benchmarks/test_runner.py",
     "benchmarks/large/*": "unit/benchmarks/large/test_trips.py",
     "benchmarks/profile": "unit/benchmarks/test_speed.py",
@@ -53,6 +54,7 @@ its modules are the parts of one thing, which is tested as a whole.
 
 OF_NO_MODULE = {
     "benchmarks/runner": "python -m benchmarks",
+    "benchmarks/turns": "benchmarks/_turns.py, which is no program",
     "bitstream/entropy/range_decoder": "native code",
     "documentation": "all documents",
     "includes": "the folders of native/",
