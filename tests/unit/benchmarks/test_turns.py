@@ -20,7 +20,7 @@ def test_pythons_take_turns_and_change_who_comes_first() -> None:
 
 
 def test_medians_leave_out_the_first_turn() -> None:
-    moments = iter([0.0, 100.0, 100.0, 101.0, 101.0, 103.0, 103.0, 112.0])
+    moments = iter([0.0, 100.0, 101.0, 101.0, 103.0, 103.0, 112.0])
     called: list[int] = []
     assert median_seconds([lambda: called.append(1)], 3, lambda: next(moments)) == [2.0]
     assert len(called) == 4
