@@ -66,6 +66,12 @@ export class Camera {
     this.y = Math.min(this.height, Math.max(0, this.y));
   }
 
+  /** The same for the same view. */
+  get key() {
+    const { x, y, scale, columns, rows } = this;
+    return `${x},${y},${scale},${columns},${rows}`;
+  }
+
   /** The region that is seen, inside the picture: {x, y, width, height}. */
   get seen() {
     const [left, top] = this.toPicture(0, 0);

@@ -7,7 +7,7 @@
  *   isContinuous: whether it can draw between pixels, at any place and scale
  *   draw(view, priority) -> {promise of an ImageBitmap, cancel()}; view: {x, y, width, height, columns, rows}
  *   model(number, priority) -> {promise of the numbers of a tile of the file, cancel()}; streams alone have it
- *   ellipses(region) -> promise of {count, total, shapes: Float32Array of x, y, a, b, angle} or null
+ *   ellipses(region, {left, top, scale, columns, rows}) -> promise of {count, total, bitmap: of the screen} or null
  *   close()
  */
 

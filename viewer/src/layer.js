@@ -67,7 +67,7 @@ export class Layer {
         context.drawImage(bitmap, box[0], box[1], box[2] - box[0], box[3] - box[1]);
       }
     }
-    if (this.cells?.key === keyOf(camera)) {
+    if (this.cells?.key === camera.key) {
       for (const { bitmap, column, row } of this.cells.parts) {
         if (!bitmap) continue;
         context.clearRect(column, row, bitmap.width, bitmap.height); // what is transparent must not show the tiles
@@ -78,13 +78,13 @@ export class Layer {
 
   /** Asks for the view at its true scale, unless the tiles show it pixel by pixel. */
   refine(camera) {
-    if (this.cells?.key === keyOf(camera) || !this.decoder.isContinuous || this.isExact(camera)) return;
+    if (this.cells?.key === camera.key || !this.decoder.isContinuous || this.isExact(camera)) return;
     if (this.isPlanned || this.isTooMuch(camera)) return;
     this.forgetCells();
     const { width, height } = this.decoder.info;
     const [left, top] = camera.toScreen(0, 0);
     const [right, bottom] = camera.toScreen(width, height);
-    const cells = { key: keyOf(camera), parts: [], jobs: [] };
+    const cells = { key: camera.key, parts: [], jobs: [] };
     this.cells = cells;
     const [first, last] = [Math.max(0, Math.ceil(left - 0.5)), Math.min(camera.columns, Math.ceil(right - 0.5))];
     const [above, below] = [Math.max(0, Math.ceil(top - 0.5)), Math.min(camera.rows, Math.ceil(bottom - 0.5))];
@@ -250,8 +250,4 @@ export class Layer {
     this.models?.forget();
     this.decoder.close();
   }
-}
-
-function keyOf({ x, y, scale, columns, rows }) {
-  return `${x},${y},${scale},${columns},${rows}`;
 }

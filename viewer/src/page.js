@@ -52,7 +52,7 @@ function showState() {
 function showNumbers() {
   if (!scene.decoder) return;
   const { scale } = scene.camera;
-  const tooMany = scene.showsEllipses && scene.ellipses?.total === null;
+  const tooMany = scene.ellipses?.total === null;
   part("ellipses").textContent = tooMany ? "Ellipses: zoom in" : "Ellipses";
   part("drawing").textContent = `${scene.stage.mode === "auto" ? "auto: " : ""}${scene.drawnBy}`;
   part("drawing").title = `${scene.stage.reason} Drawn by the GPU or in workers (g)`.trim();
@@ -102,9 +102,9 @@ function compare() {
 }
 
 function toggleEllipses() {
-  const shown = !scene.showsEllipses;
+  const shown = !scene.ellipses;
   part("ellipses").setAttribute("aria-pressed", String(shown));
-  scene.toggleEllipses(shown);
+  scene.showEllipses(shown);
 }
 
 function switchDrawing() {

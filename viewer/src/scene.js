@@ -1,7 +1,7 @@
 /** What the canvas shows: a picture, perhaps a second one beside it, and the ellipses of Gaussians. */
 
 import { Camera } from "./camera.js";
-import { drawEllipses } from "./ellipses.js";
+import { Ellipses } from "./ellipses.js";
 import { Stage } from "./gpu/stage.js";
 import { Layer } from "./layer.js";
 
@@ -16,9 +16,9 @@ export class Scene extends EventTarget {
     this.stage = new Stage(canvas, () => this.dirty());
     this.camera = new Camera();
     this.layers = [];
+    this.failed = (error) => this.dispatchEvent(new CustomEvent("failed", { detail: error }));
     this.split = 0.5; // where the second picture begins, of the canvas's width
-    this.ellipses = null; // {key, shapes, count, total} while they are shown; total null: too many to read
-    this.showsEllipses = false;
+    this.ellipses = null; // while they are shown
     this.drawnBy = ""; // the streams: "GPU", "CPU" or "GPU, CPU"
     this.frame = this.timer = 0;
     this.watcher = new ResizeObserver((entries) => this.resize(entries.at(-1)));
@@ -48,13 +48,12 @@ export class Scene extends EventTarget {
   }
 
   layerOf(decoder) {
-    const failed = (error) => this.dispatchEvent(new CustomEvent("failed", { detail: error }));
-    return new Layer(decoder, () => this.dirty(), failed);
+    return new Layer(decoder, () => this.dirty(), this.failed);
   }
 
   closeLayers(from) {
     for (const layer of this.layers.splice(from)) layer.close();
-    this.ellipses = null;
+    if (!from && this.ellipses) this.showEllipses(true);
   }
 
   close() {
@@ -80,7 +79,7 @@ export class Scene extends EventTarget {
   /** Whether the canvas shows the best there is of this view. */
   get isDone() {
     const still = !this.frame && !this.timer && !this.stage.isComing;
-    return still && this.layers.every((layer) => layer.isDone) && (!this.showsEllipses || this.ellipses !== null);
+    return still && this.layers.every((layer) => layer.isDone) && (this.ellipses?.isDone(this.camera) ?? true);
   }
 
   resize(entry) {
@@ -116,7 +115,7 @@ export class Scene extends EventTarget {
   refine() {
     this.timer = 0;
     for (const [number, layer] of this.layers.entries()) layer.refine(this.cameraOf(number));
-    if (this.showsEllipses) this.askEllipses();
+    if (this.decoder) this.ellipses?.ask(this.decoder, this.camera);
     this.dirty();
   }
 
@@ -163,7 +162,7 @@ export class Scene extends EventTarget {
 
   draw() {
     this.frame = 0;
-    const { context, canvas, camera } = this;
+    const { context, canvas } = this;
     const plans = this.drawByGpu();
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.clearRect(0, 0, canvas.width, canvas.height);
@@ -183,28 +182,14 @@ export class Scene extends EventTarget {
     const streams = plans.filter((_, number) => this.layers[number].decoder.info.kind === "stream");
     const kinds = streams.flatMap((plan) => [...(plan ? ["GPU"] : []), ...(plan?.missing.length === 0 ? [] : ["CPU"])]);
     this.drawnBy = [...new Set(kinds)].sort().reverse().join(", ") || "CPU";
-    if (this.showsEllipses && this.ellipses) drawEllipses(context, camera, this.ellipses);
+    this.ellipses?.draw(context, this.camera);
     this.dispatchEvent(new Event("drawn"));
   }
 
   /** Shows the ellipses of Gaussians, or shows them no more. */
-  toggleEllipses(shown) {
-    this.showsEllipses = shown;
-    this.ellipses = null;
+  showEllipses(shown) {
+    this.ellipses?.close();
+    this.ellipses = shown ? new Ellipses(() => this.dirty(), this.failed) : null;
     this.moved();
-  }
-
-  async askEllipses() {
-    const { decoder } = this;
-    const region = this.camera.seen;
-    const key = JSON.stringify(region);
-    if (!decoder || this.ellipses?.key === key) return;
-    try {
-      const found = await decoder.ellipses(region);
-      this.ellipses = found ? { ...found, key } : { key, count: 0, total: null, shapes: new Float32Array(0) };
-    } catch (error) {
-      if (error.name !== "AbortError") this.dispatchEvent(new CustomEvent("failed", { detail: error }));
-    }
-    this.dirty();
   }
 }

@@ -44,11 +44,11 @@ export class StreamDecoder {
     return this.pool.run("model", { number }, priority, (number % across) + 2 * Math.floor(number / across));
   }
 
-  /** null where a region has too many tiles to decode for it. */
-  async ellipses(region) {
+  /** A picture of a region's ellipses on the screen; null where it has too many tiles to decode for it. */
+  async ellipses(region, place) {
     const { tiles, tileSize } = this.info;
     if (tiles > 1 && region.width * region.height > MOST_TILES * tileSize ** 2) return null;
-    return this.pool.run("ellipses", region, 1e9, this.lane({ ...region, columns: Infinity })).promise;
+    return this.pool.run("ellipses", { region, place }, 1e9, this.lane({ ...region, columns: Infinity })).promise;
   }
 
   close() {

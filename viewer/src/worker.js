@@ -1,6 +1,7 @@
 /** A worker that decodes one stream: one instance of the library, one call at a time. */
 
 import { ByteReader } from "./byte_reader.js";
+import { outlines } from "./ellipses.js";
 import { Library } from "./wasm.js";
 
 let library, reader, stream;
@@ -23,8 +24,9 @@ async function work(task, module, place, view) {
     return [opened.info, []];
   }
   if (task === "ellipses") {
-    const found = library.ellipses(stream, view);
-    return [found, [found.shapes.buffer]];
+    const found = library.ellipses(stream, view.region);
+    const bitmap = outlines(found, view.place);
+    return [{ bitmap, count: found.count, total: found.total }, [bitmap]];
   }
   if (task === "model") {
     const numbers = library.model(stream, view.number);

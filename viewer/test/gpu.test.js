@@ -8,6 +8,7 @@ import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { launch, message, pageOf, settled, shot, show } from "./browser.js";
 import { GOLDEN, PYTHON, ROOT, decoded } from "./command.js";
+import { farthest, part } from "./pixels.js";
 import { rgba } from "./png.js";
 import { serve } from "./server.js";
 
@@ -140,9 +141,9 @@ test("a GPU that is slow is given up in auto", async () => {
   const page = await opened("rgb8-texture", { draw: "auto" });
   const found = await page.evaluate(() => {
     const { stage } = sgiViewer.scene;
-    for (let frame = 0; frame < 12; frame++) stage.waited(30);
+    for (let frame = 0; frame < 12; frame++) stage.waited(33);
     const before = stage.isSlow;
-    for (let frame = 0; frame < 12; frame++) stage.waited(100);
+    for (let frame = 0; frame < 12; frame++) stage.waited(36);
     return [before, stage.isSlow, stage.renderer, stage.reason];
   });
   assert.deepEqual(found, [false, true, null, "The GPU took too long for each frame."]);
@@ -193,17 +194,3 @@ test("a damaged tile: the others are drawn, and a sentence", async () => {
   assert.deepEqual(page.errors, []);
   await page.context().close();
 });
-
-function farthest(found, expected) {
-  assert.equal(found.length, expected.length);
-  return found.reduce((most, value, at) => Math.max(most, Math.abs(value - expected[at])), 0);
-}
-
-/** Columns `first` to before `stop` of pixels. */
-function part(pixels, width, first, stop) {
-  const each = stop - first;
-  return Uint8ClampedArray.from({ length: (pixels.length / width) * each }, (_, at) => {
-    const row = Math.floor(at / (4 * each));
-    return pixels[4 * (row * width + first) + (at % (4 * each))];
-  });
-}

@@ -1,4 +1,4 @@
-/** Prints what the viewer takes on this machine: node test/measure.js [FILE.sgi [gpu [FRAMES]]].
+/** Prints what the viewer takes on this machine: node test/measure.js [FILE.sgi [gpu [FRAMES [WIDTHxHEIGHT]]]].
  *
  * The file is by default one of 151 megapixels, which workers draw. Where Chromium emulates the GPU, frames of "gpu" say
  * nothing about one; what the main thread takes for each does.
@@ -20,10 +20,11 @@ const WATCH = () => {
 const folder = mkdtempSync(join(tmpdir(), "sgi-measure-"));
 const file = process.argv[2] || join(folder, "mosaic.sgi");
 const draw = process.argv[3] ?? "cpu";
+const [width, height] = (process.argv[5] ?? "1280x800").split("x").map(Number);
 if (!process.argv[2]) execFileSync(PYTHON, [join(ROOT, "viewer/test/mosaic.py"), file]);
 const server = await serve({ "/files/": dirname(file), "/": join(ROOT, "viewer/src") });
 const browser = await launch();
-const page = await pageOf(browser, `${server.address}/?file=/files/none.sgi`, { viewport: { width: 1280, height: 800 } });
+const page = await pageOf(browser, `${server.address}/?file=/files/none.sgi`, { viewport: { width, height } });
 
 await page.addInitScript(WATCH);
 await page.goto(`${server.address}/?draw=${draw}&file=/files/${basename(file)}`);

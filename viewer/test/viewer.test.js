@@ -8,6 +8,7 @@ import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { launch, message, pageOf, settled, shot, show } from "./browser.js";
 import { GOLDEN, PYTHON, ROOT, decoded } from "./command.js";
+import { farthest, part } from "./pixels.js";
 import { rgba } from "./png.js";
 import { serve } from "./server.js";
 
@@ -139,13 +140,44 @@ test("ellipses", async () => {
   await page.context().close();
 });
 
+test("what moves is shown from what is kept: no worker is asked, no line is drawn, the ellipses move along", async () => {
+  const script = `{
+    globalThis.strokes = 0;
+    const stroke = CanvasRenderingContext2D.prototype.stroke;
+    CanvasRenderingContext2D.prototype.stroke = function () { strokes++; return stroke.call(this); };
+  }`;
+  const page = await pageOf(browser, address("rgb8-tiles-texture.sgi"), { script });
+  await settled(page);
+  await page.click("#ellipses");
+  await show(page, 0, 0, 4);
+  const before = await shot(page, 400, 300);
+  const asked = await page.evaluate(async () => {
+    const { scene } = sgiViewer;
+    scene.refine = () => (scene.timer = 0);
+    const { pool } = scene.decoder;
+    const run = pool.run.bind(pool);
+    const tasks = [];
+    pool.run = (task, ...rest) => tasks.push(task) && run(task, ...rest);
+    for (let step = 0; step < 8; step++) {
+      scene.move((camera) => camera.pan(-8, 0));
+      await new Promise((drawn) => scene.addEventListener("drawn", drawn, { once: true }));
+    }
+    return tasks;
+  });
+  assert.deepEqual(asked, []);
+  assert.equal(await page.evaluate(() => strokes), 0);
+  const after = await shot(page, 400, 300);
+  assert.ok(farthest(part(after, 400, 0, 320), part(before, 400, 64, 384)) <= 1);
+  await page.context().close();
+});
+
 test("a second picture, with a slider", async () => {
   const page = await pageOf(browser, address("rgb8-texture.sgi", good, "&other=/files/gray16.sgi"));
   await settled(page);
   assert.equal(await page.getAttribute("#divider", "aria-valuenow"), "50");
   await show(page, 0, 0, 4);
   const expected = rgba(decoded(join(folder, "rgb8-texture.sgi"), "--region", "0,0,100,100", "--scale", 4));
-  assert.ok(farthest(await shot(page, 390, 400), cut(expected, 400, 390)) <= 1);
+  assert.ok(farthest(await shot(page, 390, 400), part(expected, 400, 0, 390)) <= 1);
   await page.focus("#divider");
   await page.keyboard.press("ArrowLeft");
   assert.equal(await page.getAttribute("#divider", "aria-valuenow"), "48");
@@ -220,18 +252,6 @@ test("dark and light", async () => {
   await page.context().close();
 });
 
-function farthest(found, expected) {
-  assert.equal(found.length, expected.length);
-  return found.reduce((most, value, at) => Math.max(most, Math.abs(value - expected[at])), 0);
-}
-
 function onBlack(pixels) {
   return pixels.map((value, at) => (at % 4 === 3 ? 255 : Math.round((value * pixels[at - (at % 4) + 3]) / 255)));
-}
-
-function cut(pixels, width, narrower) {
-  return Uint8ClampedArray.from({ length: (pixels.length / width) * narrower }, (_, at) => {
-    const row = Math.floor(at / (4 * narrower));
-    return pixels[row * 4 * width + (at % (4 * narrower))];
-  });
 }

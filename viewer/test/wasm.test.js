@@ -7,6 +7,7 @@ import { test } from "node:test";
 import { brotliCompressSync, constants, gzipSync } from "node:zlib";
 import { Library } from "../src/wasm.js";
 import { GOLDEN, ROOT, decoded } from "./command.js";
+import { farthest } from "./pixels.js";
 import { rgba } from "./png.js";
 
 const MOST_BYTES = 400_000;
@@ -95,9 +96,4 @@ for (const build of ["sgi", "sgi-scalar"]) {
     context.diagnostic(`${build}.wasm: ${file.length} bytes, gzip -9 ${gzip}, brotli ${brotli}`);
     assert.ok(brotli <= MOST_BYTES);
   });
-}
-
-function farthest(found, expected) {
-  assert.equal(found.length, expected.length);
-  return found.reduce((most, value, at) => Math.max(most, Math.abs(value - expected[at])), 0);
 }

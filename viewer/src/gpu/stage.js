@@ -3,7 +3,7 @@
 import { Renderer } from "./renderer.js";
 
 const POLL = 20; // milliseconds between questions whether programs are compiled
-const SLOW = 66; // milliseconds that a frame may wait for the one before
+const SLOW = 34; // milliseconds that a frame may wait for the one before: less than 30 frames a second
 const FRAMES = 12; // whose waits are looked at
 
 export const MODES = ["auto", "gpu", "cpu"];
