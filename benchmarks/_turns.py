@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from pathlib import Path
 from statistics import median
 from typing import TypeVar
@@ -12,6 +12,7 @@ import click
 
 __all__ = ["against", "in_turn", "median_seconds"]
 
+Key = TypeVar("Key", bound=Hashable)
 Found = TypeVar("Found")
 
 against = click.option(
@@ -21,13 +22,13 @@ against = click.option(
 )
 
 
-def in_turn(pythons: Sequence[Path], repeat: int, run: Callable[[Path], Found]) -> list[list[Found]]:
+def in_turn(those: Sequence[Key], repeat: int, run: Callable[[Key], Found]) -> list[list[Found]]:
     """What each of them found, run after run; who comes first changes, too."""
-    found: dict[Path, list[Found]] = {python: [] for python in pythons}
+    found: dict[Key, list[Found]] = {each: [] for each in those}
     for number in range(repeat):
-        for python in pythons if number % 2 else reversed(pythons):
-            found[python].append(run(python))
-    return [found[python] for python in pythons]
+        for each in those if number % 2 else reversed(those):
+            found[each].append(run(each))
+    return [found[each] for each in those]
 
 
 def median_seconds(
