@@ -67,6 +67,18 @@ class _Pattern(click.ParamType):  # type: ignore[type-arg]
         self.fail(f"{value!r} is not {self.name}, as in {self._example}", param, ctx)
 
 
+class _Name(click.ParamType):  # type: ignore[type-arg]
+    """The name of a file or folder to write: not empty, as an unset variable of the shell is."""
+
+    name = "name"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Called by click."""
+        if value == "":
+            self.fail("the name is empty", param, ctx)
+        return value
+
+
 class _Region(_Pattern):
     def read(self, found: re.Match[str]) -> tuple[int, ...]:
         return tuple(int(part) for part in found.groups())
@@ -145,7 +157,9 @@ device_option = click.option(
     metavar="NAME",
     help="What fits: cpu, cuda or cuda:N for a GPU, auto for one if there is.",
 )
-output_option = click.option("-o", "--output", metavar="OUT", help="Write to this file, whatever it is called.")
+output_option = click.option(
+    "-o", "--output", type=_Name(), metavar="OUT", help="Write to this file, whatever it is called."
+)
 progress_option = click.option(
     "--progress",
     type=click.Choice(["auto", "on", "off"]),
@@ -161,7 +175,7 @@ def batch_options(command: Callable[..., None]) -> Callable[..., None]:
     for option in (
         click.option("--skip-existing", is_flag=True, help="Leave out what has its OUT already."),
         click.option("-r", "--recursive", is_flag=True, help="Take all files in folders IN and their subfolders."),
-        click.option("--output-dir", metavar="DIR", help="Take all IN, and write into this folder."),
+        click.option("--output-dir", type=_Name(), metavar="DIR", help="Take all IN, and write into this folder."),
     ):
         command = option(command)
     return command

@@ -91,6 +91,17 @@ def test_an_empty_name_is_no_file(sgi: Run, picture: Path) -> None:
     assert sgi("encode", picture, "").exit_code == 2
 
 
+@pytest.mark.parametrize("options", [("-o", ""), ("--output-dir", "")])
+@pytest.mark.parametrize("command", ["encode", "decode"])
+def test_an_empty_name_is_no_default(
+    sgi: Run, picture: Path, asked: dict[str, Any], command: str, options: Any
+) -> None:
+    result = sgi(command, picture, "-f", *options)
+    assert result.exit_code == 2
+    assert "the name is empty" in result.stderr
+    assert asked == {}
+
+
 @pytest.mark.parametrize("target", ["nowhere/out.sgi", "."])
 def test_targets_that_cannot_be(sgi: Run, picture: Path, asked: dict[str, Any], target: str) -> None:
     result = sgi("encode", picture, picture.parent / target)
