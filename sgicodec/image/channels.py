@@ -21,6 +21,9 @@ _BMP_HEADER, _INFO_HEADER, _LEAST_WITH_ALPHA = 14, 40, 56
 _OPENIMAGEIO_AT = {2: 0, 1: 1, 0: 2, 3: 3}
 """The channel that OpenImageIO makes of each byte of a 32-bit pixel: it takes all for blue, green, red, alpha."""
 
+_CMYK = 12
+"""The enumerated colour space of JPEG 2000, whose four channels OpenImageIO takes for red, green, blue and alpha."""
+
 _EXTENSION, _NO_ALPHA = 494, (b"\0", b"\1")
 """Where the extension area of a Targa file says what alpha is, and what it says of none and of bytes to ignore."""
 
@@ -28,7 +31,7 @@ _EXTENSION, _NO_ALPHA = 494, (b"\0", b"\1")
 class Channels(NamedTuple):
     """last: what the file says of its last channel, if that may be alpha. order: where red, green, blue and the last
     are among the channels that OpenImageIO gives, None for one after the other. second: whether OpenImageIO loses some,
-    so that another library has to read them.
+    or takes them for others, so that another library has to read them.
     """
 
     last: Last = "alpha"
@@ -46,6 +49,10 @@ def declared_channels(data: Bytes, kind: str) -> Channels:
             return _bmp(data)
         if kind == "targa":
             return _targa(data)
+        if kind == "jpeg2000":
+            return Channels(second=_colour_space(data) == _CMYK)
+        if kind == "ico":
+            return Channels(second=True)  # OpenImageIO's first icon is the smallest one, as most programs write them
         if kind == "tiff" and _EXTRA_SAMPLES not in ifd.load(data, {_EXTRA_SAMPLES}):
             return Channels("band")
     except struct.error:
@@ -88,3 +95,20 @@ def _denied(data: Bytes) -> bool:
     footer = bytes(data[len(data) - 26 :])
     place = struct.unpack("<I", footer[:4])[0] if footer[8:24] == b"TRUEVISION-XFILE" else 0
     return place > 0 and bytes(data[place + _EXTENSION : place + _EXTENSION + 1]) in _NO_ALPHA
+
+
+def _colour_space(data: Bytes) -> int | None:
+    """The enumerated colour space of a JP2 file, in the box `colr` of its header; None if it states none."""
+    at, end = 0, len(data)
+    while at + 8 <= end:
+        size, name = struct.unpack(">I4s", data[at : at + 8])
+        if name == b"colr":
+            method, space = struct.unpack(">BxxI", data[at + 8 : at + 15])
+            return int(space) if method == 1 else None
+        if name == b"jp2h":
+            at, end = at + 8, min(end, at + size)
+        elif size < 8:  # the code stream, to the end of the file, and what is damaged
+            break
+        else:
+            at += size
+    return None

@@ -41,6 +41,8 @@ _STREAM_SIGNATURE = b"\x89SGI\r\n\x1a\n"
 Alpha = Literal["auto", "band", "none"]
 _LAST: dict[str, Last] = {"band": "band", "none": "unused"}
 _NUMPY_NAMES = {"half": "float16", "float": "float32", "double": "float64", "int": "int32", "uint": "uint32"}
+_LEFT_TO_PILLOW = ("could not find a format reader", "one, three or four components")
+"""What OpenImageIO says of formats that it does not know, and of gray with alpha in JPEG 2000."""
 _SIZE_LIMIT = "limits:imagesize_MB"
 _LIFTING = threading.Lock()
 
@@ -226,7 +228,7 @@ def _open(path: Path, second: bool = False) -> ImageInput | DecodedPicture:
     image = oiio.ImageInput.open(str(path), hints)
     if image is None:
         complaint = _complaint(oiio, path)
-        if "could not find a format reader" in complaint or path.read_bytes()[:2] == b"BM":
+        if any(text in complaint for text in _LEFT_TO_PILLOW) or path.read_bytes()[:2] == b"BM":
             return SecondReader(path)
         raise PictureError(complaint or "it cannot be opened; the file is damaged or cut off")
     if image.format_name() == "null":

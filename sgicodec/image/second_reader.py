@@ -14,7 +14,7 @@ from sgicodec.image.decoded_picture import DecodedPicture
 
 __all__ = ["SecondReader"]
 
-_FORMATS = ("BMP", "DIB", "QOI", "XBM", "XPM", "PCX", "DCX", "ICO", "CUR", "ICNS", "MSP", "SUN", "TGA")
+_FORMATS = ("BMP", "DIB", "QOI", "XBM", "XPM", "PCX", "DCX", "ICO", "CUR", "ICNS", "MSP", "SUN", "TGA", "JPEG2000")
 """Those that Pillow reads whole and faithfully, in 8 bits. Damage in others is OpenImageIO's to find."""
 
 _COUNTS = {"L": 1, "LA": 2, "RGB": 3, "RGBA": 4}
@@ -41,8 +41,10 @@ class SecondReader(DecodedPicture):
         self._mode = self._mode_of_pixels()
 
     def _mode_of_pixels(self) -> str:
-        """A palette becomes what it shows."""
+        """A palette becomes what it shows, and inks become RGB by the formula that OpenImageIO has for them."""
         mode = self._image.mode
+        if mode == "CMYK":
+            return "RGB"
         if mode == "P":
             return "RGBA" if "transparency" in self._image.info else "RGB"
         mode = "L" if mode == "1" else mode

@@ -64,6 +64,27 @@ def test_icons() -> None:
     np.testing.assert_array_equal(read(saved("ICO", Image.fromarray(pixels))).pixels[..., :3], pixels[..., :3])
 
 
+def test_of_icons_the_largest_is_read() -> None:
+    file = io.BytesIO()
+    Image.fromarray(PIXELS[:32, :20]).save(file, "ICO", sizes=[(8, 8), (16, 16), (20, 32)], bitmap_format="bmp")
+    np.testing.assert_array_equal(read(file.getvalue()).pixels[..., :3], PIXELS[:32, :20])
+
+
+def test_inks_of_jpeg_2000() -> None:
+    inks = np.dstack([PIXELS, PIXELS[..., 0] // 2]).repeat(2, axis=1)
+    picture = read(saved("JPEG2000", Image.fromarray(inks, "CMYK")))
+    left = 1 - inks / 255
+    assert picture.channels == "rgb"
+    np.testing.assert_allclose(picture.pixels, 255 * left[..., :3] * left[..., 3:], atol=1.01)
+
+
+def test_gray_and_alpha_of_jpeg_2000() -> None:
+    pixels = PIXELS[..., :2].repeat(2, axis=1)
+    picture = read(saved("JPEG2000", Image.fromarray(pixels, "LA")))
+    assert picture.channels == "gray+alpha"
+    np.testing.assert_array_equal(picture.pixels, pixels)
+
+
 @pytest.mark.parametrize("window", [(0, 0, 20, 4), (3, 7, 5, 9), (0, 0, 1, 1)])
 def test_windows(tmp_path: Path, window: Window) -> None:
     (tmp_path / "x.qoi").write_bytes(saved("QOI", Image.fromarray(PIXELS)))
