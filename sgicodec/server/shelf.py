@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
+from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.errors import UsageError
 from sgicodec.server.refusal import Refusal
 
@@ -34,8 +35,8 @@ class Shelf(Protocol):
 
 
 class Folder:
-    """The streams in a folder and its subfolders. Links that lead out of it, and names that begin with a dot, do not
-    exist.
+    """The streams in a folder and its subfolders, by suffix and first bytes. Links that lead out of it, and names that
+    begin with a dot, do not exist.
     """
 
     def __init__(self, root: Path) -> None:
@@ -49,7 +50,7 @@ class Folder:
     def find(self, name: str) -> Path:
         """See `Shelf`."""
         path = self._inside(name)
-        if path.suffix.lower() != SUFFIX or not path.is_file():
+        if path.suffix.lower() != SUFFIX or not _is_stream(path):
             raise _absent(name)
         return path
 
@@ -64,9 +65,11 @@ class Folder:
                     return Listing(folders, streams, True)
                 if path.name.startswith(".") or not _printable(path.name):
                     continue
+                if not path.resolve().is_relative_to(self.root):
+                    continue
                 if path.is_dir():
                     folders.append(path.name)
-                elif path.suffix.lower() == SUFFIX:
+                elif path.suffix.lower() == SUFFIX and _is_stream(path):
                     streams.append(path.name)
         except OSError:
             raise _absent(name) from None
@@ -103,6 +106,17 @@ class Chosen:
         if name:
             raise _absent(name)
         return Listing([], sorted(self._files), False)
+
+
+def _is_stream(path: Path) -> bool:
+    """Whether a file begins as streams do: others share their suffix."""
+    if not path.is_file():
+        return False
+    try:
+        with path.open("rb") as file:
+            return file.read(len(SIGNATURE)) == SIGNATURE
+    except OSError:
+        return False
 
 
 def _printable(name: str) -> bool:

@@ -32,6 +32,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     x, y = np.meshgrid(np.arange(1100), np.arange(40))
     wide = np.stack([x * 255 // 1099, y * 6, (x // 20 + y // 20) % 2 * 200], axis=2).astype(np.uint8)
     sgicodec.imwrite(shown / "wide.sgi", wide, steps=2)
+    (shown / "silicon.sgi").write_bytes(b"\x01\xda" + bytes(600))
     (shown / "notes.txt").write_text("not for others")
     shutil.copy(GOLDEN / "rgb8.sgi", shown / ".hidden.sgi")
     shutil.copy(GOLDEN / "rgb8.sgi", top / "outside.sgi")

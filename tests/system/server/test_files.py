@@ -51,7 +51,16 @@ def test_links_inside_are_followed(get: Client) -> None:
         *("outside.sgi", "../outside.sgi", "..%2Foutside.sgi", "%2e%2e/outside.sgi", "%2e%2e%2foutside.sgi"),
         *("link.sgi", "linked/outside.sgi", "linked%2Foutside.sgi", ".hidden.sgi", "notes.txt", "folder.sgi"),
         *("sub dir/../../outside.sgi", "sub%20dir/..%2f..%2foutside.sgi", "%2Fetc%2Fpasswd", "/etc/passwd"),
-        *("rgb8-tiles.sgi%00", "%00", "rgb8-tiles.sgi/", ".", "..", "..\\outside.sgi", "..%5Coutside.sgi"),
+        *(
+            "rgb8-tiles.sgi%00",
+            "%00",
+            "rgb8-tiles.sgi/",
+            "silicon.sgi",
+            ".",
+            "..",
+            "..\\outside.sgi",
+            "..%5Coutside.sgi",
+        ),
         *("%252e%252e%252foutside.sgi", "./rgb8-tiles.sgi", "a" * 5000 + ".sgi", "%ff%fe.sgi", "linked/"),
     ],
 )
@@ -67,7 +76,7 @@ def test_nothing_else_is_served(get: Client, name: str) -> None:
 def test_listing(get: Client) -> None:
     top = get("/files/").text
     assert [name for name in ("rgb8-tiles.sgi", "sub%20dir/", "inner.sgi") if name not in top] == []
-    assert [name for name in ("hidden", "notes", "outside") if name in top] == []
+    assert [name for name in ("hidden", "notes", "outside", "link", "silicon") if name in top] == []
     inside = get("/files/sub%20dir/").text
     assert "räume &amp; &lt;b&gt;.sgi" in inside
     assert "<b>" not in inside
