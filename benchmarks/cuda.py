@@ -21,6 +21,7 @@ from sgicodec.cuda.choice import device_of
 from sgicodec.cuda.compiler import ARCHITECTURES, the_compiler
 from sgicodec.cuda.gpu import Gpu, opened
 from sgicodec.cuda.tiles import TilePasses
+from sgicodec.decoder.one_call import decode
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
 from sgicodec.encoder.pipeline import encode_picture
@@ -39,6 +40,14 @@ SCENES = (Scene(50_000, 4.0), Scene(500_000, 1.3))
 SMALL = Scene(300, 3.0, 150, 100)
 PICTURE = Path(__file__).parents[1] / "tests" / "data" / "kodim23.png"
 CROP = 256
+VIEWS: tuple[dict[str, Any], ...] = (
+    {},
+    {"region": (3, 5, 17, 11)},
+    {"scale": 0.4},
+    {"region": (2, 1, 16, 9), "scale": 2.5},
+    {"dtype": "uint8"},
+)
+"""Of the stream whose decodes are compared."""
 J_TOLERANCE = 5e-3
 """How far J of fits on a GPU may lie from J of the processor's, beside what chance explains."""
 
@@ -89,6 +98,33 @@ def cost(picture: Picture, data: bytes) -> float:
     """J = D + λR of a stream at the default quality; reading it checks the CRCs of its symbols."""
     with open_stream(data) as stream:
         return squared_error(picture, stream.picture()) + lmbda_of_quality(50) * 8 * len(data)
+
+
+def check_decodes(device: Device, data: bytes) -> str:
+    """Views of a stream drawn on the GPU and by the processor: within a level of eight bits, the same bytes again."""
+    most = 0
+    for view in VIEWS:
+        on_gpu, again, on_cpu = (decode(data, device=one, **view) for one in (device, device, device.processor))
+        require(np.array_equal(on_gpu, again), "two decodes differ")
+        most = max(most, int(np.abs(on_gpu.astype(int) - on_cpu).max()))
+    require(most <= 1, f"a pixel is {most} levels from the processor's")
+    return f"{len(VIEWS)} views of {len(data):,} bytes at most {most} level from the processor's pixels"
+
+
+def print_decodes(device: Device, data: bytes, repeat: int) -> None:
+    """Median milliseconds of drawing a decoded stream again, and of a whole decode, on the GPU and on the processor."""
+    for one in (device, device.processor):
+        drawings, decodes = [], []
+        for _ in range(repeat):
+            started = time.monotonic()
+            with open_stream(data, one) as stream:
+                stream.picture()
+                decodes.append(time.monotonic() - started)
+                started = time.monotonic()
+                stream.picture()
+                drawings.append(time.monotonic() - started)
+        where = "processor" if one.gpu is None else "GPU"
+        click.echo(f"decode, {where}: {1e3 * median(decodes):.1f} ms, of which {1e3 * median(drawings):.1f} ms draw")
 
 
 def check_sanitizer() -> str:
@@ -240,6 +276,11 @@ def main(
     print_times(gpu, repeat)
     whole = read(picture)
     print_encodes(device, whole)
+    for texture in (False, True):
+        settings = EncodeSettings(steps=steps, texture=texture)
+        data = encode_picture(whole, settings, device=device.processor).data
+        click.echo(f"decodes: {check_decodes(device, data)}")
+        print_decodes(device, data, repeat)
     click.echo(f"streams: {check_streams(device, whole.pixels, steps, seeds)}")
     click.echo(f"sanitizer: {check_sanitizer()}")
     return None

@@ -5,4 +5,5 @@
 #include "cuda/fit/update.hpp"
 #include "cuda/raster/binning.hpp"
 #include "cuda/raster/reduction.hpp"
+#include "cuda/raster/samples.hpp"
 #include "cuda/raster/tiles.hpp"

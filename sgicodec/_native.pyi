@@ -84,7 +84,8 @@ def own_input_count(step: int) -> int:
     """Inputs that a seed's own earlier groups add at a coding step."""
 
 class Stream:
-    def __init__(self, source: object, threads: int, isa: str, cache_bytes: int, block_samples: int = ..., checked: bool = ...) -> None: ...
+    def __init__(self, source: object, threads: int, isa: str, cache_bytes: int, block_samples: int = ..., checked: bool = ..., painter: object | None = ...) -> None:
+        """painter: draws in the processor's place (sgicodec.raster.painter)."""
 
     @property
     def size(self) -> int: ...

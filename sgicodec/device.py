@@ -13,13 +13,14 @@ __all__ = ["ALL_CORES", "ONE_THREAD", "Device", "check_device", "check_room"]
 
 @dataclass(frozen=True)
 class Device:
-    """threads: 0 for one per core. isa: auto, avx512, avx2 or portable. gpu: the number of an NVIDIA GPU that fits what
-    its kernels can (`cuda.choice.device_of` says which there are), None for the processor alone; with `gpus`, the tiles
-    of a picture take so many in turn, from that one on. Raises UsageError for an instruction set that this machine
-    lacks.
+    """threads: 0 for one per core. isa: auto, avx512, avx2 or portable. gpu: the number of an NVIDIA GPU that fits, or
+    draws what is decoded, as far as its kernels can (`cuda.choice.device_of` says which there are), None for the
+    processor alone; with `gpus`, the tiles of a fit take so many in turn, from that one on. Raises UsageError for an
+    instruction set that this machine lacks.
 
-    Nothing of it changes what a stream's symbols are when it is decoded; pixels differ between instruction sets by less
-    than a level of eight bits. A program makes one where it begins and hands it down to whatever computes.
+    Nothing of it changes what a stream's symbols are when it is decoded; pixels differ between instruction sets, and
+    from a GPU's, by less than a level of eight bits. A program makes one where it begins and hands it down to whatever
+    computes.
     """
 
     threads: int = 0
@@ -50,6 +51,11 @@ class Device:
     def of_tile(self, number: int) -> Device:
         """What computes a tile: one of the GPUs."""
         return replace(self, gpu=self.gpu + number % self.gpus, gpus=1) if self.gpu is not None else self
+
+    @property
+    def processor(self) -> Device:
+        """The same without a GPU."""
+        return replace(self, gpu=None, gpus=1)
 
     def with_threads(self, threads: int) -> Device:
         """The same with another number of threads."""

@@ -4,26 +4,13 @@
 #include <cstring>
 #include <utility>
 
+#include "bindings/held.hpp"
+
 namespace nb = nanobind;
 
 namespace sgi {
 
 namespace {
-
-// Drops a reference on whatever thread the source ends.
-class Held {
- public:
-  explicit Held(nb::object object) : object_(std::move(object)) {}
-  Held(const Held &) = delete;
-  ~Held() {
-    const nb::gil_scoped_acquire lock;
-    object_.reset();
-  }
-  const nb::object &operator*() const { return object_; }
-
- private:
-  nb::object object_;
-};
 
 class BytesSource : public ByteSource {
  public:

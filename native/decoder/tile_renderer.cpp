@@ -194,7 +194,12 @@ void TileRenderer::draw_block(Tools &tools, const PictureView &view, int64_t x, 
   const View crop{int(x + (plain ? int64_t(across.start) : 0)), int(y + (plain ? int64_t(down.start) : 0)),
                   int(block.columns), int(block.rows)};
   try {
-    tools.raster.draw(tools.gaussians.view(), crop, kCutoff, behind, format.samples(block));
+    const bool by_other = settings_.painter && spec.channels <= settings_.painter->most_channels();
+    const Gaussians gaussians = tools.gaussians.view();
+    if (by_other)
+      settings_.painter->draw(gaussians, crop, kCutoff, behind, format.samples(block));
+    else
+      tools.raster.draw(gaussians, crop, kCutoff, behind, format.samples(block));
   } catch (const std::overflow_error &) {
     throw Error(Fault::limit, "the Gaussians cover too much of the picture; decode smaller regions");
   }

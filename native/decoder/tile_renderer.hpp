@@ -10,6 +10,7 @@
 #include "bitstream/tile.hpp"
 #include "decoder/samples.hpp"
 #include "decoder/view.hpp"
+#include "raster/painter.hpp"
 #include "raster/rescaling.hpp"
 
 namespace sgi {
@@ -22,6 +23,7 @@ struct DecoderSettings {
   std::function<void()> between = nullptr;   // called between tiles by who draws them; what it throws ends the call
   bool checked = true;                       // as of `read_tile`
   int64_t tile_memory = kAnyMemory;          // as of `read_tile`
+  std::shared_ptr<Painter> painter;          // draws what has no more channels than it can; null for the processor
 };
 
 // What is known of a decoded tile besides what it draws.

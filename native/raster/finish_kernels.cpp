@@ -4,6 +4,7 @@
 #endif
 
 #include "raster/finish_kernel.hpp"
+#include "raster/sample_values.hpp"
 
 namespace sgi {
 namespace {
@@ -31,23 +32,15 @@ inline Row load_part(const float *line, int64_t width, int64_t x) {
   return row;
 }
 
-inline Row clipped(Row row, float most) {
-  row = row > 0.0f ? row : Row{};  // also not-a-number
-  return row < most ? row : Row{} + most;
-}
-
-inline Ints rounded(Row row, float most) {
-  constexpr float kMagic = 12582912.0f;  // 1.5 * 2^23: adding it leaves no fraction
-  return __builtin_convertvector(clipped((row + kMagic) - kMagic, most), Ints);
-}
+inline Ints integers(Row row, float most) { return __builtin_convertvector(rounded(row, most), Ints); }
 
 inline void convert(Row row, uint8_t *to) {
-  const Bytes samples = __builtin_convertvector(rounded(row, 255.0f), Bytes);
+  const Bytes samples = __builtin_convertvector(integers(row, 255.0f), Bytes);
   __builtin_memcpy(to, &samples, sizeof samples);
 }
 
 inline void convert(Row row, uint16_t *to) {
-  const Words samples = __builtin_convertvector(rounded(row, 65535.0f), Words);
+  const Words samples = __builtin_convertvector(integers(row, 65535.0f), Words);
   __builtin_memcpy(to, &samples, sizeof samples);
 }
 
@@ -113,7 +106,7 @@ inline void finish_row(const float *from, int channel, int64_t row, const TileRe
     Row values = load(from + at);
     for (int t = 0; t < taps; ++t) values += load_part<INSIDE>(line + t * b.width, b.width, r.x + at) * down[t];
     if (PLANES) values += load_part<false>(plane, b.plane_width, r.x + at);
-    if (s.clip) values = clipped(values, 1.0f) * span + low;
+    if (s.clip) values = mapped(values, low, span);
     convert(values, to + at);
   }
 }

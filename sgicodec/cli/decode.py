@@ -21,6 +21,7 @@ from sgicodec.cli.options import (
     Sized,
     batch_options,
     complete_files,
+    decoding_device_option,
     force_option,
     json_option,
     output_option,
@@ -30,6 +31,7 @@ from sgicodec.cli.options import (
 )
 from sgicodec.cli.pictures import Output
 from sgicodec.cli.views import ViewOptions
+from sgicodec.cuda.choice import decoding_device_of
 from sgicodec.errors import UsageError
 
 if TYPE_CHECKING:
@@ -78,6 +80,7 @@ __all__ = ["decode"]
 @output_option
 @batch_options
 @threads_option
+@decoding_device_option
 @force_option
 @progress_option
 @json_option
@@ -103,6 +106,7 @@ def decode(
     recursive: bool,
     skip_existing: bool,
     threads: int,
+    device: str,
     force: bool,
     progress: Mode,
     as_json: bool,
@@ -126,6 +130,7 @@ def decode(
         view,
         DecodeLimits.of(max_pixels, max_memory),
         Output(bits, png_level, threads, "cog" if cog else "tiff" if pyramid else None),
+        decoding_device_of(device, threads),
         format_,
         exact,
         dither,

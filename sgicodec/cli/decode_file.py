@@ -37,6 +37,7 @@ class DecodeJob:
     view: ViewOptions
     limits: DecodeLimits
     output: Output
+    device: Device
     format_: str | None
     exact: bool
     dither: bool
@@ -58,7 +59,7 @@ class DecodeJob:
     def run(self, source: str, target: str | None) -> int:
         """Decodes one stream; returns the bytes of the picture, 0 if it went to stdout."""
         started = time.monotonic()
-        with opened_stream(source, Device(self.output.threads)) as stream, self.limits.held():
+        with opened_stream(source, self.device) as stream, self.limits.held():
             extension = self._extension(stream, target)
             target = with_extension(source, extension) if target is None else target
             if self.as_json and target == STANDARD:

@@ -7,7 +7,7 @@ import re
 from sgicodec.device import Device
 from sgicodec.errors import SgiError, UsageError
 
-__all__ = ["CHOICES", "device_of"]
+__all__ = ["CHOICES", "decoding_device_of", "device_of"]
 
 CHOICES = "auto, cpu, cuda or cuda:N"
 
@@ -31,6 +31,14 @@ def device_of(name: str = "auto", threads: int = 0) -> Device:
             raise
         return Device(threads)
     return Device(threads, gpu=number, gpus=1 if found[1] else count)
+
+
+def decoding_device_of(name: str = "auto", threads: int = 0) -> Device:
+    """The device that decodes: as `device_of`, but `auto` is the processor, which has drawn most pictures before a GPU
+    is ready (docs/performance.md), and `cuda` one GPU.
+    """
+    device = device_of("cpu" if name == "auto" else name, threads)
+    return device if device.gpu is None else Device(threads, gpu=device.gpu)
 
 
 def _usable(number: int) -> int:

@@ -6,7 +6,7 @@ import ctypes
 from collections.abc import Hashable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
-from threading import get_ident
+from threading import Lock, get_ident
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from numpy.typing import DTypeLike, NDArray
 from sgicodec.cuda.compiler import compiled
 from sgicodec.cuda.driver import CudaError, Driver, Pointer, the_driver
 
-__all__ = ["Gpu", "GpuArray", "Graph", "of_thread", "opened"]
+__all__ = ["Gpu", "GpuArray", "Graph", "of_thread", "opened", "shared"]
 
 _NON_BLOCKING, _RELAXED = ctypes.c_uint(1), ctypes.c_int(2)
 """CU_STREAM_NON_BLOCKING; CU_STREAM_CAPTURE_MODE_RELAXED: other threads may allocate meanwhile."""
@@ -24,7 +24,7 @@ _NON_BLOCKING, _RELAXED = ctypes.c_uint(1), ctypes.c_int(2)
 class Gpu:
     """GPU `index` with the kernels of `image`, machine code for it. Not safe for use by two threads at once.
 
-    launched: what its users have launched once, and may record from now on.
+    launched: what its users have launched once, and may record from now on. turn: held by threads that share it.
     """
 
     def __init__(self, driver: Driver, index: int, image: bytes) -> None:
@@ -34,6 +34,7 @@ class Gpu:
         self._module = driver.handle("cuModuleLoadData", ctypes.c_char_p(image))
         self._functions: dict[str, Pointer] = {}
         self.launched: set[Hashable] = set()
+        self.turn = Lock()
         self.stream = driver.handle("cuStreamCreate", _NON_BLOCKING)
 
     @property
@@ -115,9 +116,11 @@ class GpuArray:
             if wait:
                 self.gpu.wait()  # the copy must not outlive what it reads
 
-    def download(self) -> NDArray[Any]:
-        """Its values, after everything that was launched."""
-        values = np.empty(self.shape, self.dtype)
+    def download(self, into: NDArray[Any] | None = None) -> NDArray[Any]:
+        """Its values, after everything that was launched: in `into`, a contiguous array of this shape and type."""
+        values = np.empty(self.shape, self.dtype) if into is None else into
+        if values.shape != self.shape or values.dtype != self.dtype or not values.flags.c_contiguous:
+            raise ValueError(f"{values.dtype}{values.shape} cannot take {self.dtype}{self.shape}")
         if self.bytes:
             self._copy("cuMemcpyDtoHAsync_v2", ctypes.c_void_p(values.ctypes.data), self._memory)
         self.gpu.wait()
@@ -160,9 +163,14 @@ def opened(index: int) -> Gpu:
     return of_thread(index, get_ident())
 
 
+def shared(index: int) -> Gpu:
+    """The same for all threads, which take turns."""
+    return of_thread(index, 0)
+
+
 @cache
 def of_thread(index: int, thread: int) -> Gpu:
-    """That of a thread, which a later thread of this number takes over."""
+    """That of a thread, which a later thread of this number takes over; no thread has the number 0."""
     driver = the_driver()
     driver.context(index)
     return Gpu(driver, index, compiled(driver.capability(index), driver.cuda))

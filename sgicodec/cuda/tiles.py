@@ -46,11 +46,18 @@ class CudaView(NamedTuple):
 class TilePasses:
     """Launches of one view of `gaussians` Gaussians with `channels` channels, and the memory that they need for up to
     `capacity` pairs of tile and Gaussian. `fields` are those of RasterArguments that the caller sets: addresses,
-    cutoff, scale.
+    cutoff, scale. Only passes that differentiate need room for what pairs add to gradients.
     """
 
     def __init__(
-        self, gpu: Gpu, view: CudaView, gaussians: int, channels: int, capacity: int, fields: dict[str, Any]
+        self,
+        gpu: Gpu,
+        view: CudaView,
+        gaussians: int,
+        channels: int,
+        capacity: int,
+        fields: dict[str, Any],
+        differentiates: bool = True,
     ) -> None:
         self.gpu, self.view, self.channels, self.capacity, self.gaussians = gpu, view, channels, capacity, gaussians
         self.sort_blocks = -(-capacity // SORTED)
@@ -60,7 +67,7 @@ class TilePasses:
         self.pairs = [gpu.array(capacity, np.uint32) for _ in range(4)]
         self.digits = gpu.array((1 << DIGIT_BITS) * self.sort_blocks + 1, np.int32)
         self.tile_start = gpu.array(view.tiles + 1, np.int32)
-        self.partials = gpu.array((capacity, MOMENTS + channels))
+        self.partials = gpu.array((capacity if differentiates else 0, MOMENTS + channels))
         self.errors = gpu.array((view.tiles, 2), np.float64)
         own = {
             "gaussians": gaussians,

@@ -38,6 +38,8 @@ CACHE_BYTES = 1 << 28
 """What decoded tiles may take before those that were used least recently are released."""
 BLOCK_SAMPLES = 1 << 27
 """A picture is drawn in blocks of no more samples; a sixteenth where there is texture, which is drawn to floats."""
+GPU_BLOCK_SAMPLES = 1 << 25
+"""The same on a GPU, where every block is floats, too: 128 MiB."""
 
 BytesLike = bytes | bytearray | memoryview | Any
 """Whatever has a buffer: also mmap, and arrays of bytes."""
@@ -257,7 +259,13 @@ def open_stream(source: str | os.PathLike[str] | BytesLike | BinaryIO, device: D
 
 
 def _opened(source: bytes | BinaryIO | int, device: Device) -> _native.Stream:
-    return _native.Stream(source, device.threads, device.isa, CACHE_BYTES, BLOCK_SAMPLES)
+    if device.gpu is None:
+        return _native.Stream(source, device.threads, device.isa, CACHE_BYTES, BLOCK_SAMPLES)
+    from sgicodec.cuda import gpu
+    from sgicodec.raster.painter import GpuPainter
+
+    painter = GpuPainter(gpu.shared(device.gpu))
+    return _native.Stream(source, device.threads, device.isa, CACHE_BYTES, GPU_BLOCK_SAMPLES, painter=painter)
 
 
 def _is_url(path: str) -> bool:

@@ -135,7 +135,7 @@ class _Job:
     def psnr(self, stream: bytes | Path) -> float:
         """Of a finished stream, in dB. Raises StreamError if it does not decode."""
         self.listener.stage("verify")
-        with open_stream(stream, self.device) as opened:
+        with open_stream(stream, self.device.processor) as opened:
             return measured_psnr(opened, self.windows)
 
     def write(self, to: Callable[[BinaryIO], int]) -> tuple[bytes, int, float | None]:
@@ -215,7 +215,7 @@ def _encode_tiles(job: _Job, executor: Executor | None, store: Store | None) -> 
     runner = TileRunner(job.windows, plan, executor, job.device)
 
     def error_of(file: BinaryIO) -> float:
-        with open_stream(file, job.device) as stream:
+        with open_stream(file, job.device.processor) as stream:
             return measured_error(stream, job.windows)
 
     tiles = store or MemoryStore()

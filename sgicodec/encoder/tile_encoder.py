@@ -258,7 +258,7 @@ class Encoding:
         encoded, quality, score = self.encoded(candidate), math.inf, math.nan
         if self.settings.psnr is None and self.settings.ssimulacra2 is None:
             return encoded, Measured(len(encoded.data), quality)
-        with open_stream(encoded.data, self.device) as stream:
+        with open_stream(encoded.data, self.device.processor) as stream:
             decoded = stream.picture()
         if self.settings.psnr is not None:
             shown = np.array(True) if self.empty is None else ~self.empty[..., None]

@@ -168,7 +168,7 @@ def _finished(tile: Encoding, plan: Plan, number: int, candidate: Candidate | No
     if header.masked is not None:
         parts["mask"] = len(payload) - len(model or b"")
     coded = time.monotonic()
-    with open_stream(tile.assembled(tile.plan.header, model)[0], tile.device) as stream:
+    with open_stream(tile.assembled(tile.plan.header, model)[0], tile.device.processor) as stream:
         decoded = stream.picture()
     decoding = time.monotonic() - coded
     core, weights = _core(plan, number), tile.reference.weights

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from sgicodec.cuda.gpu import Gpu, GpuArray
 from sgicodec.cuda.tiles import MOST_CHANNELS, CudaView, TilePasses
 from sgicodec.errors import UsageError
-from sgicodec.raster.backend import DEFAULT_CUTOFF, Background, Mapping
+from sgicodec.raster.backend import DEFAULT_CUTOFF, Background, Mapping, nothing_behind
 from sgicodec.raster.cpu import MOST_PAIRS
+from sgicodec.raster.cuda_samples import stored_samples
 
 __all__ = ["CudaRasterizer"]
 
@@ -34,11 +35,7 @@ class CudaRasterizer:
         self, means: F32, covariances: F32, colours: F32, width: int, height: int, origin: tuple[int, int] = (0, 0)
     ) -> F32:
         """As in `Backend`."""
-        image = self.gpu.array((colours.shape[1], height, width))
-        passes = self._binned((means, covariances, colours), CudaView(width, height, *origin))
-        passes.set(image=image.address)
-        passes.over_tiles("forward")
-        return image.download()
+        return self._image((means, covariances, colours), CudaView(width, height, *origin), True).download()
 
     def draw(
         self,
@@ -50,12 +47,13 @@ class CudaRasterizer:
         background: Background | None = None,
         mapping: Mapping | None = None,
     ) -> None:
-        """As in `Backend`; what lies behind is added, and samples are made, on the CPU."""
-        image = self.forward(means, covariances, colours, out.shape[1], out.shape[0], origin)
-        if background is not None:
-            image = image + background.image
-        values = image.transpose(1, 2, 0)
-        out[...] = values if mapping is None else mapping.samples(values, out.dtype)
+        """As in `Backend`."""
+        image = self._image((means, covariances, colours), CudaView(out.shape[1], out.shape[0], *origin), False)
+        samples = stored_samples(image, background or nothing_behind(colours.shape[1]), mapping, out.dtype)
+        if out.flags.c_contiguous:
+            samples.download(out)
+        else:
+            out[...] = samples.download()
 
     def backward(
         self, means: F32, covariances: F32, colours: F32, grad: F32, origin: tuple[int, int] = (0, 0)
@@ -85,6 +83,13 @@ class CudaRasterizer:
         )
         return (weighted, plain), gradients
 
+    def _image(self, gaussians: Gaussians, view: CudaView, differentiates: bool) -> GpuArray:
+        passes = self._binned(gaussians, view, differentiates)
+        image = self.gpu.array((passes.channels, view.height, view.width))
+        passes.set(image=image.address)
+        passes.over_tiles("forward")
+        return image
+
     def _squared_error(
         self, gaussians: Gaussians, target: F32, origin: tuple[int, int], **fields: Any
     ) -> tuple[list[float], Gaussians]:
@@ -94,7 +99,7 @@ class CudaRasterizer:
         gradients = self._gradients(passes, "squared_error")
         return passes.errors.download().sum(axis=0).tolist(), gradients
 
-    def _binned(self, gaussians: Gaussians, view: CudaView) -> TilePasses:
+    def _binned(self, gaussians: Gaussians, view: CudaView, differentiates: bool = True) -> TilePasses:
         """Passes over the tiles of these Gaussians, with room for all pairs."""
         channels = gaussians[2].shape[1]
         if channels > MOST_CHANNELS:
@@ -105,9 +110,10 @@ class CudaRasterizer:
             capacity = max(capacity, self._drawn[1].capacity)
         self._drawn = None
         held = [self.gpu.put(np.ascontiguousarray(array)) for array in gaussians]
-        fields = {name: array.address for name, array in zip(_INPUTS, held, strict=True)}
+        fields: dict[str, Any] = {name: array.address for name, array in zip(_INPUTS, held, strict=True)}
         while True:
-            passes = TilePasses(self.gpu, view, count, channels, capacity, {"cutoff": self.cutoff} | fields)
+            fields["cutoff"] = self.cutoff
+            passes = TilePasses(self.gpu, view, count, channels, capacity, fields, differentiates)
             passes.bin()
             found = passes.found()
             if found > self.most_pairs:
@@ -115,7 +121,7 @@ class CudaRasterizer:
             if found <= capacity:
                 break
             capacity = found + found // 4
-        self._drawn = view, passes, held
+        self._drawn = view, passes, held  # what is drawn alone is not differentiated: `Backend.backward`
         return passes
 
     def _gradients(self, passes: TilePasses, kernel: str) -> Gaussians:

@@ -43,6 +43,7 @@ TESTED_ELSEWHERE = {
     "metrics/*": "unit/metrics/test_distortion.py",
     "profiles/*": "unit/profiles/test_profiles.py",
     "rate_control/*": "system/test_targets.py",
+    "raster/cuda_samples": "unit/raster/test_cuda.py",
     "rdoq/settings": "unit/rdoq/test_rdoq.py",
     "server/*": "system/server",
     "tools/*": "unit/tools/test_programs.py",

@@ -1,4 +1,4 @@
-"""`sgi encode --device`: a GPU that is asked for, or said to be missing in one line."""
+"""`--device` of `sgi encode` and `sgi decode`: a GPU that is asked for, or said to be missing in one line."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from fake_cuda import fake_driver, library
 from sanitizer import needs_plain_memory
 
 from sgicodec.cuda import compiler, driver, gpu
+from sgicodec.image import read
 
 Run = Any
 
@@ -42,7 +43,16 @@ def test_a_fit_on_the_gpu_that_is_there(
         assert result.exit_code == 0, result.output
         streams[name] = (tmp_path / name).read_bytes()
     assert streams["a"] == streams["b"] == streams["auto"] != streams["cpu"]
-    assert sgi("decode", tmp_path / "a", tmp_path / "a.png").exit_code == 0
+    pictures = {}
+    for device in ("cuda", "cuda:0", "auto", "cpu"):
+        result = sgi("decode", tmp_path / "a", tmp_path / "a.png", "--device", device, "-f")
+        assert result.exit_code == 0, result.output
+        pictures[device] = read(tmp_path / "a.png").pixels.astype(int)
+    assert np.array_equal(pictures["cuda"], pictures["cuda:0"])
+    assert np.array_equal(pictures["auto"], pictures["cpu"])
+    assert 0 < np.abs(pictures["cuda"] - pictures["cpu"]).max() <= 1
+    result = sgi("decode", tmp_path / "a", tmp_path / "b.png", "--device", "cuda:1")
+    assert (result.exit_code, result.stderr) == (2, "sgi: no GPU 1: this machine has 1\n")
     result = sgi("encode", picture, tmp_path / "c", "--device", "cuda:1")
     assert (result.exit_code, result.stderr) == (2, "sgi: no GPU 1: this machine has 1\n")
 
@@ -66,6 +76,11 @@ def test_what_is_missing(
     result = sgi("encode", picture, tmp_path / "out", "--steps", 3, "--device", "cuda")
     assert (result.exit_code, result.stderr) == (2, f"sgi: {complaint}\n")
     assert not (tmp_path / "out").exists()
+    stream = Path(__file__).parents[2] / "conformance" / "golden" / "rgb8.sgi"
+    result = sgi("decode", stream, tmp_path / "out.png", "--device", "cuda")
+    assert (result.exit_code, result.stderr) == (2, f"sgi: {complaint}\n")
+    assert not (tmp_path / "out.png").exists()
+    assert sgi("decode", stream, tmp_path / "out.png").exit_code == 0
     for name, device in (("auto", "auto"), ("cpu", "cpu")):
         assert sgi("encode", picture, tmp_path / name, "--steps", 3, "--device", device).exit_code == 0
     assert np.array_equal(*((tmp_path / name).read_bytes() for name in ("auto", "cpu")))

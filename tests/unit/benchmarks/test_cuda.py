@@ -12,6 +12,7 @@ from benchmarks._cuda_floors import H200, Peak, counts_of, floors
 from benchmarks.raster import Scene
 from sgicodec.cuda import driver
 from sgicodec.cuda.tiles import MOMENTS
+from sgicodec.device import Device
 from sgicodec.errors import NoDeviceError, SgiError
 from sgicodec.image import write
 from sgicodec.picture import Picture
@@ -37,7 +38,16 @@ def test_everything_in_one_run(tmp_path, monkeypatch: pytest.MonkeyPatch) -> Non
     arguments = ["--steps", "8", "--seeds", "1", "--repeat", "1", "--picture", str(tmp_path / "a.png")]
     done = CliRunner().invoke(cuda.main, arguments, catch_exceptions=False)
     lines = dict(line.partition(": ")[::2] for line in done.output.splitlines())
-    assert lines.keys() >= {"gradients", "repeated", "streams", "sanitizer"}
+    assert lines.keys() >= {
+        "gradients",
+        "repeated",
+        "decodes",
+        "decode, GPU",
+        "decode, processor",
+        "streams",
+        "sanitizer",
+    }
+    assert lines["decodes"].endswith("at most 1 level from the processor's pixels")
     assert "graph of all 1.000" in done.output
     assert lines["streams"].startswith("equal bytes twice; J ")
 
@@ -58,6 +68,13 @@ def test_a_check_that_fails_ends_the_run(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(CudaRasterizer, "squared_error", lambda *_: (next(answers), gradients))
     with pytest.raises(SgiError, match="repeated passes differ"):
         cuda.check_repeats(fake_gpu())
+
+
+def test_a_pixel_that_is_two_levels_off_ends_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    shown = {None: 0, 0: 2}
+    monkeypatch.setattr(cuda, "decode", lambda data, device, **view: np.full((2, 2), shown[device.gpu], np.uint8))
+    with pytest.raises(SgiError, match="2 levels from the processor's"):
+        cuda.check_decodes(Device(gpu=0), b"")
 
 
 def test_counts_bound_what_kernels_find() -> None:

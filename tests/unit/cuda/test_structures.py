@@ -11,7 +11,10 @@ from fake_cuda import fake_driver
 from sgicodec.cuda import sources
 from sgicodec.cuda.structures import structures
 
-NAMES = ("RasterArguments", "ScanArguments", "FitArguments", "StepNumbers", "StepReport", "AdamArguments")
+NAMES = (
+    *("RasterArguments", "SampleArguments", "ScanArguments"),
+    *("FitArguments", "StepNumbers", "StepReport", "AdamArguments"),
+)
 
 
 def test_every_struct_is_read() -> None:

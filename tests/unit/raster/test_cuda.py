@@ -10,7 +10,7 @@ from fake_cuda import backwards, fake_gpu
 from scenes import Scene, covariances_of, exact, gradient_magnitude, magnitude, random_scene, whitened
 
 from sgicodec.errors import UsageError
-from sgicodec.raster.backend import Background, Mapping
+from sgicodec.raster.backend import Background, Mapping, nothing_behind
 from sgicodec.raster.cpu import NativeRasterizer
 from sgicodec.raster.cuda import CudaRasterizer
 from sgicodec.raster.reference import ReferenceRasterizer, rasterize_reference, rasterize_reference_backward
@@ -171,14 +171,38 @@ def test_no_thread_waits_for_what_another_does_in_the_same_phase() -> None:
         np.testing.assert_array_equal(a, b)
 
 
-def test_samples_on_a_background() -> None:
+@pytest.mark.parametrize("behind", ["planes", "lines", "both"])
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32])
+def test_samples_on_a_background(dtype: type, behind: str) -> None:
+    """As the processor makes them: clipped, mapped, rounded to nearest; not-a-number is 0."""
     rng = np.random.default_rng(9)
     scene = random_scene(rng, 30, 3, 24, 16)
-    planes = rng.uniform(size=(3, 16, 24)).astype(np.float32)
-    nothing = np.zeros((3, 0, 24), np.float32), np.zeros(16, np.int32), np.zeros((16, 0), np.float32)
-    mapping = Mapping(np.zeros(3, np.float32), np.full(3, 255, np.float32))
-    ours, cpu = np.empty((2, 16, 24, 3), np.uint8)
-    for raster, out in ((CudaRasterizer(fake_gpu()), ours), (NativeRasterizer(), cpu)):
-        raster.draw(*scene, out, background=Background(*nothing, planes), mapping=mapping)
-    assert np.abs(ours.astype(int) - cpu).max() <= 1
-    assert ours.std() > 10
+    planes = rng.uniform(-1, 1, size=(3, 16, 24)).astype(np.float32)
+    planes[1, 2, 3] = np.nan
+    lines = rng.uniform(-1, 1, (3, 7, 24)).astype(np.float32), rng.integers(0, 4, 16).astype(np.int32)
+    weights = rng.uniform(0, 1, (16, 4)).astype(np.float32)
+    background = nothing_behind(3, planes) if behind == "planes" else Background(*lines, weights)
+    background = background._replace(planes=planes) if behind == "both" else background
+    top = {np.uint8: 255, np.uint16: 60000, np.float32: 2.5}[dtype]
+    mapping = Mapping(np.array([0, 3, 0], np.float32) * (dtype != np.uint8), np.full(3, top, np.float32))
+    held = np.zeros((2, 16, 30, 3), dtype)
+    ours, cpu = held[:, :, :24]  # rows of a larger picture
+    for raster, out in ((CudaRasterizer(fake_gpu(), WIDE), ours), (NativeRasterizer(cutoff=WIDE), cpu)):
+        raster.draw(*scene, out, background=background, mapping=mapping)
+    assert np.abs(ours.astype(float) - cpu).max() <= top / 255
+    assert ours.std() > top / 25
+    assert not held[:, :, 24:].any()
+    whole = np.ascontiguousarray(ours)
+    CudaRasterizer(fake_gpu(), WIDE).draw(*scene, whole, background=background, mapping=mapping)
+    np.testing.assert_array_equal(whole, ours)
+
+
+def test_values_as_they_are() -> None:
+    scene = random_scene(np.random.default_rng(10), 30, 2, 24, 16)
+    ours, cpu = np.empty((2, 16, 24, 2), np.float32)
+    for raster, out in ((CudaRasterizer(fake_gpu(), WIDE), ours), (NativeRasterizer(cutoff=WIDE), cpu)):
+        raster.draw(*scene, out)
+    assert np.abs(ours - cpu).max() < 1e-4
+    assert ours.min() < 0
+    with pytest.raises(ValueError, match="float32"):
+        CudaRasterizer(fake_gpu()).draw(*scene, np.empty((16, 24, 2), np.uint8))

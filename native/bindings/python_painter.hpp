@@ -1,0 +1,13 @@
+// A painter that is written in Python: it calls `paint` of an object (sgicodec/raster/painter.py).
+#pragma once
+#include <nanobind/nanobind.h>
+
+#include <memory>
+
+#include "raster/painter.hpp"
+
+namespace sgi {
+
+std::shared_ptr<Painter> python_painter(nanobind::object painter);
+
+}  // namespace sgi
