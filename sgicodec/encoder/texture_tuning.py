@@ -31,16 +31,16 @@ class TextureTuning:
 
     squared_steps: λ in squared steps, where steps do not grow. finer: 32nds of an octave by which the lowest frequency
     has a smaller step than λ says. growth: slopes of the first channel and of the others (see `TextureSteps`) where the
-    lowest step is a grey level; they grow with its square root. ratios: of the second and third of three opponent
-    channels. masking: steps grow with this power of the local standard deviation of luma, 0 for not at all. larger: how
-    much larger streams are than the R-D model says, in octaves of λ. ascends: whether layers are searched again for the
-    eye ([score_ascent.py](score_ascent.py)).
+    lowest step is a grey level; they grow with its square root. colours: steps of colour differences grow with this
+    power of the first channel's. masking: steps grow with this power of the local standard deviation of luma, 0 for
+    not at all. larger: how much larger streams are than the R-D model says, in octaves of λ. ascends: whether layers
+    are searched again for the eye ([score_ascent.py](score_ascent.py)).
     """
 
     squared_steps: float
     finer: int = 0
     growth: tuple[float, float] = (0.0, 0.0)
-    ratios: tuple[int, int] = (SAME_STEP, SAME_STEP)
+    colours: float = 1.0
     masking: float = 0.0
     larger: float = 0.0
     ascends: bool = False
@@ -56,9 +56,9 @@ class TextureTuning:
 
     def steps(self, step: int, channels: int) -> TextureSteps:
         """Steps of all channels, of which the lowest is of this index."""
-        colours = self.ratios if channels >= 3 else (SAME_STEP,) * min(channels - 1, 2)
-        ratios = colours + (SAME_STEP,) * (channels - 1 - len(colours))
         step = min(max(step, 0), STEP_COUNT - 1)
+        colour = SAME_STEP + round((1.0 - self.colours) * (_EQUAL_STEPS - step) / 4)
+        ratios = (colour,) * 2 + (SAME_STEP,) * (channels - 3) if channels >= 3 else (SAME_STEP,) * (channels - 1)
         root = min((255.0 * TextureSteps(step).of_channels.item()) ** 0.5, _MOST_ROOT)
         luma, chroma = (round(2 * growth * root) for growth in self.growth)
         return TextureSteps(step, ratios, (luma, chroma), has_contrast=self.masking > 0)
@@ -85,10 +85,12 @@ _SQUARED_STEPS = 0.085
 """λ in squared steps; measured on eight pictures."""
 _MOST_ROOT = 7.6
 """Square root of a step, grey levels, above which slopes stay: by eye, steeper ones soften."""
+_EQUAL_STEPS = 428
+"""Index of the step at which colour differences have the same, whatever power they follow: 83 grey levels."""
 _FLOOR, _USUAL = 7.7e-4, 3.9e-3
 """Variances of luma, samples²: what counts as flat, and where steps are what λ says."""
 
 TUNINGS = {
     "psnr": TextureTuning(_SQUARED_STEPS),
-    "visual": TextureTuning(0.0927, finer=39, growth=(1.31, 1.64), masking=0.4, larger=1.3, ascends=True),
+    "visual": TextureTuning(0.0927, 39, growth=(1.0, 1.64), colours=7 / 8, masking=0.4, larger=1.3, ascends=True),
 }
