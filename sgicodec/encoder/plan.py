@@ -44,7 +44,9 @@ class Shape:
 
 @dataclass(frozen=True)
 class Plan:
-    """What the tiles of a stream have in common. settings: those of each tile; software: what chunk `s` says."""
+    """What the tiles of a stream have in common. settings: those of each tile; software: what chunk `s` says; look: the
+    quality whose look the only tile is brought to, None where λ alone says what it looks like.
+    """
 
     header: Header
     settings: EncodeSettings
@@ -52,6 +54,7 @@ class Plan:
     metadata: Metadata | None
     place_of_windows: Metadata
     """The metadata that give windows their nodata value."""
+    look: float | None = None
 
     def at(self, lmbda: float, quality: int) -> Plan:
         """The same for tiles that are fitted at λ, whatever the goal, with this index of the base colour step."""

@@ -8,6 +8,7 @@ linear fit to 69 pictures (docs/notes/2026-11-same-look.md).
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from itertools import product
 from math import ceil
 
@@ -21,7 +22,7 @@ from sgicodec.encoder.windows import Windows
 from sgicodec.model.steps import quality_index
 from sgicodec.picture import Picture
 
-__all__ = ["log_gradients", "quality_offset", "with_same_look"]
+__all__ = ["LookSteps", "log_gradients", "quality_offset", "with_same_look"]
 
 F64 = NDArray[np.float64]
 
@@ -31,6 +32,14 @@ _FEATURES = ((_LUMA, 0, 5.7, -5.56), (_LUMA, 2, -5.2, -5.09), (_GREEN, 2, 2.2, -
 _MOST_OFFSET = 10.0
 _LAST_QUALITY, _SPAN = 100.0, 44.0
 """The offset fades towards the highest quality, where all pictures look alike."""
+
+_QUALITIES = (1.0, 10.0, 20.0, 30.0, 44.0, 57.0, 70.0, 83.0, 90.0, 97.0, 100.0)
+_SCORES = (-45.0, -21.0, 3.0, 25.5, 51.5, 68.7, 80.3, 87.9, 90.5, 92.7, 93.6)
+"""SSIMULACRA 2 that a quality has in the mean of pictures (docs/notes/2026-11-same-look.md)."""
+_PER_QUALITY, _MOST_MOVED = 2.5, 24
+"""Indices of texture's steps for a step of quality, which would be 2 if seeds followed, and the most that they move."""
+_NEARLY, _GAIN = 1.5, 1.1
+"""Steps of quality that a score may be off, and that a pass gains; several gain with the root of their number."""
 
 _BLOCK, _WINDOW, _MOST_WINDOWS = 64, 512, 16
 """Pixels of the sides of blocks, and of the windows that are looked at."""
@@ -51,7 +60,37 @@ def with_same_look(windows: Windows, plan: Plan) -> Plan:
     blocks = np.concatenate(found)
     offset = quality_offset(blocks.mean(axis=0), settings.quality) if len(blocks) else 0.0
     lmbda = settings.fit_settings().lmbda * 2.0 ** (-offset / 8.0)
-    return plan.at(lmbda, quality_index(lmbda))
+    planned = plan.at(lmbda, quality_index(lmbda))
+    return planned if header.tile else replace(planned, look=settings.quality)
+
+
+@dataclass
+class LookSteps:
+    """The index of texture's steps on the way to the look of a quality, `quality` None for none, in the course of so
+    many passes of gradient ascent.
+
+    What a pass gains belongs to its steps. So they stay in the last pass, if there are two; and a score that
+    is nearly right is left alone.
+    """
+
+    quality: float | None
+    step: int
+    passes: int
+
+    def __post_init__(self) -> None:
+        self._begin, self._stay_from, self._scores = self.step, max(1, self.passes - 1), 0
+
+    def after(self, score: float | None) -> int:
+        """The index for the next layer, if the last one had this SSIMULACRA 2 score; None where there was none."""
+        if self.quality is None or score is None or self._scores == self._stay_from:
+            return self.step
+        to_come = _GAIN * (self.passes - self._scores) ** 0.5
+        self._scores += 1
+        off = float(np.interp(score, _SCORES, _QUALITIES)) + to_come - self.quality
+        too_far = off - float(np.clip(off, -_NEARLY, _NEARLY))
+        moved = self.step - self._begin + round(_PER_QUALITY * too_far)
+        self.step = self._begin + min(max(moved, -_MOST_MOVED), _MOST_MOVED)
+        return self.step
 
 
 def quality_offset(gradients: F64, quality: float) -> float:

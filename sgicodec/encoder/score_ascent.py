@@ -24,6 +24,8 @@ __all__ = ["ScoreAscent", "ascent_passes"]
 
 F32 = NDArray[np.float32]
 
+Found = Callable[[TextureSymbols | None, float | None], TextureSymbols | None]
+
 MEAN_MOVE = 0.005
 """Of amplitudes in all passes, in steps, times the root of their number."""
 MOST_MOVE = 40.0
@@ -51,27 +53,29 @@ class ScoreAscent:
     def run(
         self,
         search: TextureSearch,
-        found: Callable[[TextureSymbols | None], TextureSymbols | None],
+        found: Found,
         contrast: NDArray[np.int8] | None,
         passes: int,
         ending: Callable[[], bool] = lambda: False,
-    ) -> TextureSymbols | None:
+    ) -> tuple[TextureSymbols | None, float | None]:
         """Moves the target of `search` in this many passes, or until `ending`. `found` gives its best layer with these
-        contrasts, of the cells of the layer that it is given or, with None, of any.
+        contrasts, of the cells of the layer before or, with None, of any; it is told the score of that layer, too.
 
-        Returns the last layer that was found.
+        Returns the last layer that was found, and its score if it has one.
         """
         reference, mean = VisualReference(self._seen(self.unit), self.device), MEAN_MOVE / passes**0.5
-        symbols = None
+        symbols = score = None
         for _ in range(passes):
-            if ending() or (symbols := found(symbols)) is None:
+            if ending() or (symbols := found(symbols, score)) is None:
                 break
             drawn = self.unit - search.residual + symbols.layer().draw(device=self.device)
-            _, gradient = reference.gradient(self._seen(drawn))
+            if self.empty is not None:
+                drawn[:, self.empty] = self.unit[:, self.empty]
+            score, gradient = reference.gradient(self._seen(drawn))
             if self.empty is not None:
                 gradient[:, self.empty] = 0
             search.move(self._in_unit(gradient), symbols.steps, contrast, mean, MOST_MOVE * mean)
-        return symbols
+        return symbols, score
 
     def _seen(self, planes: F32) -> F32:
         """Samples as they are seen."""

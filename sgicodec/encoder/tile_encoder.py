@@ -23,6 +23,7 @@ from sgicodec.encoder.candidate import Candidate, candidate_of, written
 from sgicodec.encoder.coded_samples import coded_samples
 from sgicodec.encoder.encoded import Encoded
 from sgicodec.encoder.plan import Plan
+from sgicodec.encoder.same_look import LookSteps
 from sgicodec.encoder.score_ascent import ScoreAscent, ascent_passes
 from sgicodec.encoder.texture_handover import HANDOVER, LOOK_AHEAD, Handover
 from sgicodec.encoder.texture_share import EXACT_STEPS, TextureCosts, seed_share, seed_weights
@@ -187,29 +188,31 @@ class Encoding:
         return replace(candidate, model=found.model)
 
     def textured(self, candidate: Candidate) -> Candidate:
-        """The candidate with texture over what its seeds leave, for the λ of the encode."""
+        """The candidate with texture over what its seeds leave, for the λ of the encode or the look of its plan."""
         if not self.spec.texture:
             return candidate
-        tuning, search = self.tuning, self.texture_search(candidate)
-        step, price = tuning.step(self.lmbda), tuning.price(self.lmbda)
-        cells = self.ascend(candidate, search, step, price)
+        search, price = self.texture_search(candidate), self.tuning.price(self.lmbda)
+        cells, step = self.ascend(candidate, search, self.tuning.step(self.lmbda), price)
         return self.with_texture(candidate, search, step, price, cells)
 
     def ascend(
         self, candidate: Candidate, search: TextureSearch, step: int, price: float | None = None
-    ) -> TextureSymbols | None:
-        """Makes layers of these steps better to the eye, where they are to serve it; one of them on the way."""
+    ) -> tuple[TextureSymbols | None, int]:
+        """Makes layers better to the eye, where they are to serve it; the last of them, and the step of the next."""
         if not self.tuning.ascends:
-            return None
+            return None, step
+        passes = ascent_passes(self.fit.steps)
         ascent = ScoreAscent(self.unit, self.spec.luma_space, self.empty, self.device)
+        steps = LookSteps(self.plan.look, step, passes)
 
-        def found(cells: TextureSymbols | None) -> TextureSymbols | None:
-            return self.with_texture(candidate, search, step, price, cells).model.texture
+        def found(cells: TextureSymbols | None, score: float | None) -> TextureSymbols | None:
+            return self.with_texture(candidate, search, steps.after(score), price, cells).model.texture
 
         def ending() -> bool:
             return self.ending() or time.monotonic() > self.time.search_end
 
-        return ascent.run(search, found, self._contrast, ascent_passes(self.fit.steps), ending)
+        cells, score = ascent.run(search, found, self._contrast, passes, ending)
+        return cells, steps.after(score)
 
     def texture_search(self, candidate: Candidate) -> TextureSearch:
         """What finds texture over a candidate."""

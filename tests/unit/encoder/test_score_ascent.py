@@ -38,9 +38,11 @@ class Case:
         self.search = TextureSearch(self.unit - self.base, ONE_THREAD)
         self.ascent = ScoreAscent(self.unit, luma_space, empty, ONE_THREAD)
         self.searches = 0
+        self.told: list[float | None] = []
 
-    def found(self, cells: TextureSymbols | None = None) -> TextureSymbols:
+    def found(self, cells: TextureSymbols | None = None, score: float | None = None) -> TextureSymbols:
         self.searches += 1
+        self.told.append(score)
         layer = self.search.at(TUNING.steps(STEP, 3), TUNING.squared_steps, self.contrast, cells)
         assert layer is not None
         return layer
@@ -81,10 +83,29 @@ def test_pixels_that_count_nothing_move_nothing() -> None:
     half[:, 192:] = True
     case = Case(empty=half)
     before = case.found()
-    case.ascend(1)
+    case.ascend(3)
     moved = (case.found().symbols != before.symbols).any(axis=0)
     # models adapt, so that a few symbols change elsewhere too
     assert moved[:, :192].mean() > 3 * moved[:, 224:].mean()
+
+
+@pytest.mark.parametrize("luma_space", [False, True])
+def test_each_search_is_told_the_score_of_the_layer_before(luma_space: bool) -> None:
+    case = Case(luma_space)
+    first = case.score()
+    case.told.clear()
+    layer, last = case.ascent.run(case.search, case.found, case.contrast, 2)
+    assert case.told[0] is None
+    assert case.told[1] == pytest.approx(first, abs=0.05)
+    assert layer is not None
+    drawn = np.tensordot(case.back, case.base + layer.layer().draw(), axes=1).astype(np.float32)
+    assert last == pytest.approx(VisualReference(case.seen, ONE_THREAD).score(drawn), abs=0.05)
+
+
+def test_pixels_that_count_nothing_are_as_they_should_be_to_the_score() -> None:
+    case = Case(empty=np.ones((256, 384), bool))
+    _, score = case.ascent.run(case.search, case.found, case.contrast, 1)
+    assert score == pytest.approx(100)
 
 
 def test_it_takes_a_search_for_each_pass_until_it_is_to_end() -> None:
@@ -98,7 +119,7 @@ def test_it_takes_a_search_for_each_pass_until_it_is_to_end() -> None:
 def test_where_nothing_is_worth_its_bits_nothing_moves() -> None:
     flat = np.full((3, 40, 40), 0.5, np.float32)
     search = TextureSearch(np.zeros_like(flat), ONE_THREAD)
-    ScoreAscent(flat, False, None, ONE_THREAD).run(search, lambda _: None, None, 2)
+    ScoreAscent(flat, False, None, ONE_THREAD).run(search, lambda *_: None, None, 2)
     assert search.at(TUNING.steps(STEP, 3), TUNING.squared_steps) is None
 
 
@@ -116,7 +137,7 @@ def test_other_channels_than_three(channels: int) -> None:
 
     before = score()
     ascent = ScoreAscent(unit, False, None, ONE_THREAD)
-    ascent.run(search, lambda cells: search.at(steps, TUNING.squared_steps, None, cells), None, 2)
+    ascent.run(search, lambda cells, _: search.at(steps, TUNING.squared_steps, None, cells), None, 2)
     assert score() > before + 1
 
 
