@@ -123,6 +123,39 @@ struct FitArguments {
   void *report;
 };
 
+// What the Gaussians of each seed draw alone.
+struct EnergyArguments {
+  const float *covariances;
+  const float *colours;
+  float *energy;
+  int32_t count;
+  int32_t per_seed;
+  int32_t channels;
+};
+
+// Rows of an array in another order, with fresh ones between them.
+struct RowArguments {
+  const float *source;
+  const float *fresh;
+  float *to;
+  const int32_t *rows;
+  int32_t count;
+  int32_t width;
+};
+
+// What an image lacks of its target, over cells.
+struct ResidualArguments {
+  const float *image;
+  const float *target;
+  const float *weights;
+  float *sums;
+  int32_t channels;
+  int32_t height;
+  int32_t width;
+  int32_t rows;
+  int32_t columns;
+};
+
 // What a step is told.
 struct StepNumbers {
   uint32_t key;

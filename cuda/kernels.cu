@@ -2,6 +2,7 @@
 #include "cuda/base/scan.hpp"
 #include "cuda/fit/descent.hpp"
 #include "cuda/fit/forward.hpp"
+#include "cuda/fit/seeds.hpp"
 #include "cuda/fit/update.hpp"
 #include "cuda/raster/binning.hpp"
 #include "cuda/raster/reduction.hpp"

@@ -126,8 +126,17 @@ class GpuArray:
         self.gpu.wait()
         return values
 
-    def _copy(self, name: str, to: Pointer, source: Pointer) -> None:
-        self.gpu.driver.call(name, to, source, ctypes.c_size_t(self.bytes), self.gpu.stream)
+    def last(self) -> Any:
+        """The last of its values, after everything that was launched."""
+        value = np.empty((), self.dtype)
+        end = ctypes.c_void_p(self.address + self.bytes - self.dtype.itemsize)
+        self._copy("cuMemcpyDtoHAsync_v2", ctypes.c_void_p(value.ctypes.data), end, self.dtype.itemsize)
+        self.gpu.wait()
+        return value[()]
+
+    def _copy(self, name: str, to: Pointer, source: Pointer, count: int | None = None) -> None:
+        size = ctypes.c_size_t(self.bytes if count is None else count)
+        self.gpu.driver.call(name, to, source, size, self.gpu.stream)
 
 
 class Graph:

@@ -110,7 +110,7 @@ class TilePasses:
 
     def found(self) -> int:
         """How many pairs there are, more than `capacity` maybe, of which then only some are there."""
-        return int(self.slot_start.download()[-1])
+        return int(self.slot_start.last())
 
     def set(self, **fields: Any) -> None:
         """Changes arguments of passes to come."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.model.layout import ROOT_LOG, SeedLayout, cell_sums
+from sgicodec.model.layout import ROOT_LOG, CellSums, SeedLayout
 
 __all__ = ["worthwhile_cells"]
 
@@ -13,19 +13,16 @@ F32 = NDArray[np.float32]
 Mask = NDArray[np.bool_]
 
 
-def worthwhile_cells(
-    residual: F32, layout: SeedLayout, price: float, min_log: int = 1, weights: F32 | None = None
-) -> tuple[SeedLayout, F32]:
-    """New seeds for residual [C, H, W], and the residual's mean in each one's cell [n, C].
+def worthwhile_cells(sums: CellSums, layout: SeedLayout, price: float, min_log: int = 1) -> tuple[SeedLayout, F32]:
+    """New seeds for a residual with these sums, of which squares are not looked at, and the residual's mean in each
+    one's cell [n, C].
 
     A Gaussian in a cell of n pixels with mean residual m can remove up to n·|m|² of squared error, or |Σ w r|² / Σ w
-    with weights [H, W]; its Lagrangian gain is that less `price`. Among a cell and its descendants the better of "one
+    with weights w; its Lagrangian gain is that less `price`. Among a cell and its descendants the better of "one
     here" and "the best below" is taken, as in choosing a best basis, so that no two new seeds overlap. Cells that
-    already hold a seed take no second one.
+    already hold a seed take no second one; cells beside the picture, where there is no residual, take none.
     """
-    channels, height, width = residual.shape
-    sums = cell_sums(residual, ROOT_LOG, weights)
-    taken = _occupied(layout, {level: squares.shape for level, squares in sums.squares.items()})
+    taken = _occupied(layout, {level: values.shape[1:] for level, values in sums.values.items()})
     gain = {level: np.where(taken[level], 0.0, sums.held(level)) - price for level in range(min_log, ROOT_LOG + 1)}
     best, here = {min_log: np.maximum(gain[min_log], 0)}, {min_log: gain[min_log] > 0}
     for level in range(min_log + 1, ROOT_LOG + 1):
@@ -41,10 +38,7 @@ def worthwhile_cells(
         sizes.append(np.full(len(x), level, np.int8))
         means.append((sums.values[level] / sums.weights[level])[:, y, x].T.astype(np.float32))
         free = (free & ~here[level]).repeat(2, axis=0).repeat(2, axis=1)
-    corner = np.concatenate(corners)
-    inside = (corner[:, 0] < width) & (corner[:, 1] < height)
-    chosen = SeedLayout(corner[inside], np.concatenate(sizes)[inside])
-    return chosen, np.concatenate(means)[inside].reshape(-1, channels)
+    return SeedLayout(np.concatenate(corners), np.concatenate(sizes)), np.concatenate(means)
 
 
 def _occupied(layout: SeedLayout, shapes: dict[int, tuple[int, ...]]) -> dict[int, Mask]:

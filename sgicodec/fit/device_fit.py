@@ -10,11 +10,13 @@ from numpy.typing import NDArray
 from sgicodec.cuda.gpu import Gpu
 from sgicodec.cuda.tiles import MOST_CHANNELS
 from sgicodec.fit.adam import Adam
+from sgicodec.fit.device_seeds import energy_of, moved, residual_sums
 from sgicodec.fit.device_step import DeviceStep, StepKind
 from sgicodec.fit.fused_step import REFRESH, ROUNDINGS, FusedStep, NoiseKey, Reuse, neighbours_of, reuse_of
+from sgicodec.fit.initialization import cell_means
 from sgicodec.fit.parameters import Parameters
 from sgicodec.fit.pyramid import Level
-from sgicodec.model.layout import SeedLayout
+from sgicodec.model.layout import ROOT_LOG, CellSums, SeedLayout, cell_sums, sums_by_level
 from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.fit_settings import Rounding
 
@@ -26,15 +28,16 @@ F32 = NDArray[np.float32]
 class DeviceFit:
     """What moves all that trains of `parameters`, on `gpu`, as `FusedStep` and `Adam` do on the CPU.
 
-    The host's arrays are as old as the last `fetch`. Who changes them calls `put`, or `set_layout` where seeds have
-    come or gone. Same input, same bytes, on one GPU.
+    The host's arrays are as old as the last `fetch`. Who changes them calls `put`; where seeds have come or gone,
+    `rearrange`. Same input, same bytes, on one GPU.
     """
 
     def __init__(self, spec: ModelSpec, seed: int, gpu: Gpu, parameters: Parameters, adam: Adam, cutoff: float) -> None:
         self.spec, self.seed, self.gpu, self.cutoff = spec, seed, gpu, cutoff
         self.parameters, self.adam = parameters, adam
         self.age = 0
-        self._levels: dict[int, tuple[Level, dict[str, Any]]] = {}
+        self._levels: dict[float, tuple[Level, dict[str, Any]]] = {}
+        self._counted: tuple[Level, dict[int, Any]] | None = None
         self._step: DeviceStep | None = None
 
     @staticmethod
@@ -46,12 +49,36 @@ class DeviceFit:
     def set_layout(self, layout: SeedLayout, quality: int) -> None:
         """Prepares everything that depends on where the seeds are, and takes the host's arrays."""
         self.gpu.use()
-        self._step = None  # its memory is free before there is more
-        self._levels = {}
-        neighbour = neighbours_of(self.spec.context, layout)
-        self._step = DeviceStep(self.gpu, self.spec, layout, neighbour, quality, self.cutoff)
+        self._step = self._step_of(layout, quality)
         self.put()
         self.age = 0
+
+    def rearrange(self, layout: SeedLayout, quality: int, rows: NDArray[np.intp], fresh: dict[str, F32]) -> None:
+        """Other seeds: those of `rows`, and for −1 − i row i of `fresh`. What stays does not leave the GPU; the host's
+        arrays have as many rows already, and are as old as before.
+        """
+        self.gpu.use()
+        trained = moved(self._held.trained(), rows.astype(np.int32), fresh)
+        self._step = None  # its memory is free before there is more
+        self._step = self._step_of(layout, quality)
+        self._step.adopt(trained)
+        self.age = 0
+
+    def energy(self, weights: F32 | None) -> F32:
+        """`SeedSet.energy` of the values of now."""
+        self.gpu.use()
+        layout = self.parameters.seeds.layout
+        energy = energy_of(self.gpu, *self._held.exact_gaussians(), len(layout))
+        return energy if weights is None else energy * cell_means(weights[None], layout)[:, 0]
+
+    def residual_sums(self, level: Level) -> CellSums:
+        """`cell_sums` of what the values of now lack of a level at full scale, but for the squares."""
+        self.gpu.use()
+        held = self._level(level)
+        values = residual_sums(self._held.exact_image(held), held["target"], held.get("weights"))
+        if self._counted is None or self._counted[0] is not level:
+            self._counted = level, cell_sums(level.samples[:1], ROOT_LOG, level.weights).weights
+        return CellSums(sums_by_level(values.astype(np.float64), ROOT_LOG), {}, self._counted[1])
 
     def put(self) -> None:
         """Takes the host's arrays."""
@@ -96,11 +123,15 @@ class DeviceFit:
     def _arrays(self) -> dict[str, F32]:
         return self.parameters.trained()
 
+    def _step_of(self, layout: SeedLayout, quality: int) -> DeviceStep:
+        neighbour = neighbours_of(self.spec.context, layout)
+        return DeviceStep(self.gpu, self.spec, layout, neighbour, quality, self.cutoff)
+
     def _level(self, level: Level) -> dict[str, Any]:
-        """A level's samples and weights on the GPU, kept from step to step."""
-        if id(level) not in self._levels:
+        """A level's samples and weights on the GPU, kept from step to step; others of its scale go."""
+        if level.scale not in self._levels or self._levels[level.scale][0] is not level:
             held = {"target": self.gpu.put(level.samples)}
             if level.weights is not None:
                 held["weights"] = self.gpu.put(level.weights)
-            self._levels[id(level)] = level, held
-        return self._levels[id(level)][1]
+            self._levels[level.scale] = level, held
+        return self._levels[level.scale][1]

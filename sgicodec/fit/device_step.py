@@ -15,6 +15,7 @@ from sgicodec.cuda.structures import structures
 from sgicodec.cuda.tiles import CudaView, TilePasses
 from sgicodec.fit.adam import Adam
 from sgicodec.fit.context_weights import layer_shapes
+from sgicodec.fit.device_seeds import Trained
 from sgicodec.fit.fused_step import NoiseKey, Reuse
 from sgicodec.fit.step_sizes import base_counts, gamma_names
 from sgicodec.model.context import LEVELS, SUMMARY
@@ -89,7 +90,10 @@ class DeviceStep:
         for name, values in {"steps": steps, "first": first, "rest": rest, "difference": difference}.items():
             if values is not None:
                 self._upload(name, values)
-        self._fixed |= {"has_difference": int(difference is not None), "trains_first": int(trains)}
+        self._make_sums(difference is not None, trains)
+
+    def _make_sums(self, has_difference: bool, trains: bool) -> None:
+        self._fixed |= {"has_difference": int(has_difference), "trains_first": int(trains)}
         sums = _sums(self.spec, trains)
         self._held["sums"] = self.gpu.array(sums) if self._size_of("sums") != sums else self._held["sums"]
         partials = (self._fixed["chunks"], sums)
@@ -100,6 +104,38 @@ class DeviceStep:
         """An array that trains and its moments, as they are now."""
         mean, square = self._moments[name]
         return self._held[_PLACES.get(name, name)].download(), mean.download(), square.download()
+
+    def trained(self) -> Trained:
+        """What trains, which another step may adopt."""
+        names = {_PLACES.get(name, name) for name in self._moments} | {"steps", "first", "rest", "difference"}
+        held = {name: array for name, array in self._held.items() if name in names}
+        has_difference, trains_first = (bool(self._fixed[name]) for name in ("has_difference", "trains_first"))
+        return Trained(held, self._moments, has_difference, trains_first, self._capacity)
+
+    def adopt(self, trained: Trained) -> None:
+        """Takes what trains of a step before, of as many seeds as this one has."""
+        self._held |= trained.held
+        self._moments, self._capacity = trained.moments, trained.pairs
+        self._make_sums(trained.has_difference, trained.trains_first)
+
+    def exact_gaussians(self) -> tuple[GpuArray, GpuArray]:
+        """Covariances and colours of the values as they are. What the last step has said of bits stays."""
+        given = self._arguments(StepKind(0, Reuse.NOTHING, False, ()))
+        given.decoded, given.bits = self._address("slopes"), self._address("grad_shape")  # nobody reads these any more
+        self.gpu.launch("forward_seeds", -(-self.count // SEED_THREADS), SEED_THREADS, given)
+        return self._held["covariances"], self._held["colours"]
+
+    def exact_image(self, level: dict[str, GpuArray]) -> GpuArray:
+        """The picture of the values as they are, of a level at scale 1."""
+        self.exact_gaussians()
+        image = self.gpu.array(level["target"].shape)
+        while True:
+            passes = self._passes_of(1.0, level)
+            passes.bin()
+            if self._had_room(1.0, passes.found()):
+                passes.set(image=image.address)
+                passes.over_tiles("forward")
+                return image
 
     def bits(self) -> F32:
         """Of every seed in the last step [N]."""
@@ -127,15 +163,22 @@ class DeviceStep:
             passes = self._passes_of(scale, level)
             self._launched(kind, scale, passes)
             report = structures()["StepReport"].from_buffer_copy(self._held["report"].download().tobytes())
-            if report.pairs <= passes.capacity:
+            del passes
+            if self._had_room(scale, report.pairs):
                 return float(report.error), float(report.bits)
-            if report.pairs > MOST_PAIRS:
-                raise OverflowError("too many Gaussians in too many tiles: draw smaller crops")
-            del self._passes[scale], passes
-            self._graphs = {}
-            self._capacity = report.pairs + report.pairs // 4
 
     _capacity = 0
+
+    def _had_room(self, scale: float, pairs: int) -> bool:
+        """Whether there was room for so many pairs; if not, there will be."""
+        if pairs <= self._passes[scale].capacity:
+            return True
+        if pairs > MOST_PAIRS:
+            raise OverflowError("too many Gaussians in too many tiles: draw smaller crops")
+        del self._passes[scale]
+        self._graphs = {}
+        self._capacity = pairs + pairs // 4
+        return False
 
     def _launched(self, kind: StepKind, scale: float, passes: TilePasses) -> None:
         """Launches a step: as a graph, but for the first of its kind, since the driver loads kernels on first use."""
@@ -186,19 +229,13 @@ class DeviceStep:
             total += adam.size[place]
         self.gpu.launch("move_arrays", -(-total // MOVE_THREADS), MOVE_THREADS, adam)
 
-    def _arguments(self, kind: StepKind, passes: TilePasses) -> ctypes.Structure:
+    def _arguments(self, kind: StepKind, passes: TilePasses | None = None) -> ctypes.Structure:
         predicts = kind.rounding != 0 and kind.reuse is not Reuse.PREDICTIONS
-        addresses = {name: array.address for name, array in self._held.items()}
-        return structures()["FitArguments"](
-            **self._fixed,
-            **addresses,
-            rounding=kind.rounding,
-            predicts=int(predicts),
-            tiles=passes.view.tiles,
-            capacity=passes.capacity,
-            pairs=passes.slot_start.address + 4 * passes.gaussians,
-            errors=passes.errors.address,
-        )
+        fields: dict[str, Any] = {name: array.address for name, array in self._held.items()}
+        if passes is not None:
+            fields |= {"tiles": passes.view.tiles, "capacity": passes.capacity, "errors": passes.errors.address}
+            fields["pairs"] = passes.slot_start.address + 4 * passes.gaussians
+        return structures()["FitArguments"](**self._fixed, **fields, rounding=kind.rounding, predicts=int(predicts))
 
     def _passes_of(self, scale: float, level: dict[str, GpuArray]) -> TilePasses:
         if scale not in self._passes:

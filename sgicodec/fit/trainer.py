@@ -22,7 +22,7 @@ from sgicodec.fit.schedule import Schedule, evenly, passed
 from sgicodec.fit.seed_set import SeedSet
 from sgicodec.fit.step_sizes import flat_steps, rounded_plan
 from sgicodec.model.context import HashGrid
-from sgicodec.model.layout import SeedLayout
+from sgicodec.model.layout import ROOT_LOG, CellSums, SeedLayout, cell_sums
 from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import StepPlan, default_plan, quality_index
@@ -108,7 +108,7 @@ class Trainer:
         self.adam = Adam(settings.rates.betas, settings.rates.epsilon, device)
         self.on_gpu = self._device_fit(family, device) if context is None else None
         self.gradient_step = self._gradient_step(family, device)
-        self._set_layout()
+        (self.on_gpu or self.gradient_step).set_layout(self.seeds.layout, self.quality)
         self.step = 0
 
     def run(self, on_progress: Callable[[Progress], bool] | None = None) -> Fitted:
@@ -171,8 +171,7 @@ class Trainer:
         """Drops seeds whose Gaussians hold less squared error than their bits cost; the first time, λ is foreseen from
         the PSNR so far.
         """
-        self.fetch()
-        energy = self.seeds.energy(self.weights)
+        energy = self.seeds.energy(self.weights) if self.on_gpu is None else self.on_gpu.energy(self.weights)
         price = self.settings.prune * self.settings.seed_bits
         floor = price * self.lmbda
         if first_psnr is not None and self.controller is not None:
@@ -182,31 +181,44 @@ class Trainer:
         keep = energy > floor
         keep[energy.argmax()] = True  # a model without seeds has no gradients
         if not keep.all():
-            self.seeds.keep(keep, self.adam)
-            self._set_layout()
+            self._keep(keep)
 
     def _grow(self) -> None:
         """Adds seeds where the residual of the exact values is worth more than their bits."""
-        self.fetch()
+        price = self.lmbda * self.settings.seed_bits * self.settings.growth
+        added, means = worthwhile_cells(self._residual_sums(), self.seeds.layout, price)
+        if not len(added):
+            return
+        old = len(self.seeds)
+        self.seeds.add(added, means, self.adam)
+        self._rearrange(np.concatenate([np.arange(old), -1 - np.arange(len(added))]), old)
+
+    def _residual_sums(self) -> CellSums:
+        if self.on_gpu is not None:
+            return self.on_gpu.residual_sums(self.levels[0])
         target = self.levels[0].samples
         residual = target - self.raster.forward(*self.seeds.gaussians(), target.shape[2], target.shape[1])
-        price = self.lmbda * self.settings.seed_bits * self.settings.growth
-        added, means = worthwhile_cells(residual, self.seeds.layout, price, weights=self.weights)
-        if len(added):
-            self.seeds.add(added, means, self.adam)
-            self._set_layout()
+        return cell_sums(residual, ROOT_LOG, self.weights)
 
     def keep(self, kept: NDArray[np.bool_], weights: F32) -> None:
         """Drops all seeds but those where `kept` [N] holds, and counts squared errors by other weights [H, W]."""
-        self.fetch()
-        self.seeds.keep(kept, self.adam)
         self.weights, self.levels = weights, levels_of(self.levels[0].samples, weights, len(self.levels))
-        self._set_layout()
+        self._keep(kept)
 
-    def _set_layout(self) -> None:
-        """To be called where seeds have come or gone."""
+    def _keep(self, kept: NDArray[np.bool_]) -> None:
+        self.seeds.keep(kept, self.adam)
+        self._rearrange(np.flatnonzero(kept), len(self.seeds))
+
+    def _rearrange(self, rows: NDArray[np.intp], old: int) -> None:
+        """To be called where seeds have come or gone. `rows` [N]: which seed of before each is; −1 − i for row
+        `old` + i of the host's arrays, which is new.
+        """
         self.quality = self._quality()
-        (self.on_gpu or self.gradient_step).set_layout(self.seeds.layout, self.quality)
+        if self.on_gpu is None:
+            self.gradient_step.set_layout(self.seeds.layout, self.quality)
+        else:
+            fresh = {name: values[old:] for name, values in self.seeds.values.items()}
+            self.on_gpu.rearrange(self.seeds.layout, self.quality, rows, fresh)
 
     def seed_bits(self) -> F32:
         """Bits of every seed in the last step [N]."""

@@ -12,7 +12,16 @@ from sgicodec import _native
 from sgicodec.model.distinct import distinct
 from sgicodec.model.morton import canonical_order
 
-__all__ = ["ROOT_LOG", "CellSums", "SeedLayout", "adaptive_layout", "cell_sums", "leaf_sums", "uniform_layout"]
+__all__ = [
+    "ROOT_LOG",
+    "CellSums",
+    "SeedLayout",
+    "adaptive_layout",
+    "cell_sums",
+    "leaf_sums",
+    "sums_by_level",
+    "uniform_layout",
+]
 
 ROOT_LOG = 6
 """log2 of the side in pixels of the quadtree's root cells."""
@@ -160,11 +169,13 @@ def cell_sums(detail: F32, root_log: int, weights: F32 | None = None) -> CellSum
     Beside the picture pixels count as those of its border do, as if it went on with zeros.
     """
     values, squares, every = _native.cell_sums(detail, weights, root_log, 1)
-    counts = {level: 4.0**level for level in range(1, root_log + 1)} if weights is None else _by_level(every, root_log)
-    return CellSums(_by_level(values, root_log), _by_level(squares, root_log), counts)
+    counts = (
+        {level: 4.0**level for level in range(1, root_log + 1)} if weights is None else sums_by_level(every, root_log)
+    )
+    return CellSums(sums_by_level(values, root_log), sums_by_level(squares, root_log), counts)
 
 
-def _by_level(plane: F64, root_log: int) -> dict[int, F64]:
+def sums_by_level(plane: F64, root_log: int) -> dict[int, F64]:
     """Sums of planes [..., rows, columns] of cells of two pixels over the cells of every level."""
     sums = {1: plane}
     for level in range(2, root_log + 1):

@@ -186,9 +186,10 @@ size_t sgi_fake_allocated() { return allocated; }
 int sgi_fake_size(const char *name) {
   const std::map<std::string, size_t> sizes{
       {"RasterArguments", sizeof(sgi::RasterArguments)}, {"ScanArguments", sizeof(sgi::ScanArguments)},
-      {"SampleArguments", sizeof(sgi::SampleArguments)}, {"FitArguments", sizeof(sgi::FitArguments)},
-      {"StepNumbers", sizeof(sgi::StepNumbers)},         {"StepReport", sizeof(sgi::StepReport)},
-      {"AdamArguments", sizeof(sgi::AdamArguments)}};
+      {"SampleArguments", sizeof(sgi::SampleArguments)}, {"EnergyArguments", sizeof(sgi::EnergyArguments)},
+      {"RowArguments", sizeof(sgi::RowArguments)},       {"ResidualArguments", sizeof(sgi::ResidualArguments)},
+      {"FitArguments", sizeof(sgi::FitArguments)},       {"StepNumbers", sizeof(sgi::StepNumbers)},
+      {"StepReport", sizeof(sgi::StepReport)},           {"AdamArguments", sizeof(sgi::AdamArguments)}};
   return int(sizes.at(name));
 }
 int sgi_fake_offset(int number) {

@@ -7,6 +7,7 @@ import pytest
 from click.testing import CliRunner
 from fake_cuda import fake_gpu, only_gpu
 
+from benchmarks import _cuda_checks as checks
 from benchmarks import cuda
 from benchmarks._cuda_floors import H200, Peak, counts_of, floors
 from benchmarks.raster import Scene
@@ -27,10 +28,10 @@ def test_everything_in_one_run(tmp_path, monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(cuda, "opened", lambda index: fake_gpu())
     monkeypatch.setattr(cuda, "the_compiler", lambda: type("", (), {"version": "13.0"}))
     monkeypatch.setattr(cuda, "SCENES", (FEW,))
-    monkeypatch.setattr(cuda, "SMALL", FEW)
-    monkeypatch.setattr(cuda, "CROP", 24)
-    monkeypatch.setattr(cuda, "J_TOLERANCE", 0.2)  # two fits of eight steps
-    monkeypatch.setattr(cuda.shutil, "which", lambda name: None)
+    monkeypatch.setattr(checks, "SMALL", FEW)
+    monkeypatch.setattr(checks, "CROP", 24)
+    monkeypatch.setattr(checks, "J_TOLERANCE", 0.2)  # two fits of eight steps
+    monkeypatch.setattr(checks.shutil, "which", lambda name: None)
     monkeypatch.setitem(cuda.EFFORTS, 5, 8)
     y, x = np.mgrid[:32, :40]
     pixels = np.stack([x * 6, y * 7, x + y], axis=2).astype(np.uint8)
@@ -67,14 +68,14 @@ def test_a_check_that_fails_ends_the_run(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(cuda, "SCENES", (FEW,))
     monkeypatch.setattr(CudaRasterizer, "squared_error", lambda *_: (next(answers), gradients))
     with pytest.raises(SgiError, match="repeated passes differ"):
-        cuda.check_repeats(fake_gpu())
+        checks.check_repeats(fake_gpu(), FEW)
 
 
 def test_a_pixel_that_is_two_levels_off_ends_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
     shown = {None: 0, 0: 2}
-    monkeypatch.setattr(cuda, "decode", lambda data, device, **view: np.full((2, 2), shown[device.gpu], np.uint8))
+    monkeypatch.setattr(checks, "decode", lambda data, device, **view: np.full((2, 2), shown[device.gpu], np.uint8))
     with pytest.raises(SgiError, match="2 levels from the processor's"):
-        cuda.check_decodes(Device(gpu=0), b"")
+        checks.check_decodes(Device(gpu=0), b"")
 
 
 def test_counts_bound_what_kernels_find() -> None:

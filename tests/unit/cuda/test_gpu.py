@@ -22,6 +22,8 @@ def test_arrays_go_and_come() -> None:
         taken = np.zeros_like(values)
         assert held.download(taken) is taken
         np.testing.assert_array_equal(taken, values)
+    assert held.last() == 1.5
+    assert fake_gpu().put(np.arange(12, dtype=np.int8).reshape(3, 4)).last() == 11
     with pytest.raises(ValueError, match="cannot take"):
         held.download(np.zeros(1, np.float32))
     with pytest.raises(ValueError, match="is not"):

@@ -14,6 +14,7 @@ from sgicodec.cuda.structures import structures
 NAMES = (
     *("RasterArguments", "SampleArguments", "ScanArguments"),
     *("FitArguments", "StepNumbers", "StepReport", "AdamArguments"),
+    *("EnergyArguments", "RowArguments", "ResidualArguments"),
 )
 
 

@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from sgicodec.fit.densification import worthwhile_cells
-from sgicodec.model.layout import SeedLayout
+from sgicodec.model.layout import ROOT_LOG, SeedLayout, cell_sums
 
 F64 = NDArray[np.float64]
 
@@ -36,7 +36,7 @@ def test_the_cells_gain_the_most(weighted: bool) -> None:
         cells = (SIDE >> level, 1 << level) * 2
         sums = (w * residual).reshape(2, *cells).sum(axis=(2, 4))
         gains[level] = (sums**2).sum(0) / w.reshape(cells).sum(axis=(1, 3)) - price
-    added, means = worthwhile_cells(residual, NONE, price, weights=weights)
+    added, means = worthwhile_cells(cell_sums(residual, ROOT_LOG, weights), NONE, price)
     total = 0.0
     for (x, y), k, mean in zip(added.corner, added.log_size, means, strict=True):
         total += gains[k][y >> k, x >> k]
@@ -48,8 +48,17 @@ def test_the_cells_gain_the_most(weighted: bool) -> None:
 
 
 def test_taken_cells_take_no_second_seed() -> None:
-    residual = np.ones((1, SIDE, SIDE), np.float32)
-    first, _ = worthwhile_cells(residual, NONE, 1.0)
+    sums = cell_sums(np.ones((1, SIDE, SIDE), np.float32), ROOT_LOG)
+    first, _ = worthwhile_cells(sums, NONE, 1.0)
     assert [tuple(corner) for corner in first.corner] == [(0, 0)]
-    second, _ = worthwhile_cells(residual, first, 1.0)
+    second, _ = worthwhile_cells(sums, first, 1.0)
     assert sorted(second.log_size) == [5] * 4
+
+
+def test_no_seed_lies_beside_the_picture() -> None:
+    """Where there is no error to be removed, for no price either."""
+    residual = np.random.default_rng(3).normal(size=(1, 70, 30)).astype(np.float32)
+    for price in (0.0, 2.0):
+        added, _ = worthwhile_cells(cell_sums(residual, ROOT_LOG), NONE, price)
+        assert len(added) > 5
+        assert (added.corner < (30, 70)).all()
