@@ -6,6 +6,7 @@ const TILE = 256;
 const FINEST = 5; // tiles are drawn up to 2^5 pixels for each of the picture's
 const MOST_TILES = 800;
 const OVERVIEW = -4; // the level that a stream's overview has the pixels of
+const SOFTEST = 3; // of the screen's pixels, before the device's ratio, that one of the overview's may fill
 const MOST_SEEN = 64; // tiles of the file that a view reads where the overview is nearly as sharp
 const REFINE = 1000; // priorities from here on: after all tiles
 
@@ -128,10 +129,11 @@ export class Layer {
     return this.isTooMuch(camera) ? Math.min(level, OVERVIEW) : level;
   }
 
-  /** Whether a view would read a great part of a large file, to be at most twice as sharp as the overview. */
+  /** Whether a view would read a great part of a large file, to be little sharper than the overview. */
   isTooMuch({ scale, seen }) {
     const { hasOverview, tileSize } = this.decoder.info;
-    const beyond = hasOverview && scale > 2 ** OVERVIEW && scale < 2 ** (OVERVIEW + 1);
+    const ratio = Math.max(1, globalThis.devicePixelRatio || 1);
+    const beyond = hasOverview && scale > 2 ** OVERVIEW && scale < SOFTEST * ratio * 2 ** OVERVIEW;
     return beyond && seen.width * seen.height > MOST_SEEN * tileSize ** 2;
   }
 

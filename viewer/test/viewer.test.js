@@ -58,15 +58,28 @@ for (const name of STREAMS) {
   });
 }
 
-test("a large file: the first view reads a small part of it", async (context) => {
+/** A page that shows all of a large file, and the bytes that were read for it. */
+async function firstView(context, width, height, deviceScaleFactor) {
   good.sent.delete("/files/mosaic.sgi");
-  const page = await pageOf(browser, address("mosaic.sgi"), { viewport: { width: 1920, height: 1080 } });
+  const page = await pageOf(browser, address("mosaic.sgi"), { viewport: { width, height }, deviceScaleFactor });
   await settled(page);
   const size = readFileSync(join(folder, "mosaic.sgi")).length;
   const first = good.sent.get("/files/mosaic.sgi");
   context.diagnostic(`first view of 151 megapixels: ${first} of ${size} bytes (${((100 * first) / size).toFixed(2)} %)`);
   assert.ok(first <= FIRST_VIEW * size);
   assert.equal(await page.evaluate(() => sgiViewer.scene.fetched), first);
+  return { page, first };
+}
+
+for (const [width, height, ratio] of [[3840, 2160, 1], [1440, 900, 2]]) {
+  test(`a large file: the first view reads a small part of it, ${width}×${height} at ${ratio}`, async (context) => {
+    const { page } = await firstView(context, width, height, ratio);
+    await page.context().close();
+  });
+}
+
+test("a large file: the first view reads a small part of it", async (context) => {
+  const { page, first } = await firstView(context, 1920, 1080, 1);
   await page.click("#ellipses");
   await settled(page);
   assert.equal(await page.textContent("#ellipses"), "Ellipses: zoom in");
