@@ -26,7 +26,15 @@ from sgicodec.profiles.default import default_settings, default_spec, lmbda_of_q
 from sgicodec.raster.cuda import CudaRasterizer
 from sgicodec.raster.reference import ReferenceRasterizer
 
-__all__ = ["check_decodes", "check_gradients", "check_repeats", "check_sanitizer", "check_seeds", "check_streams"]
+__all__ = [
+    "check_decodes",
+    "check_gradients",
+    "check_repeats",
+    "check_sanitizer",
+    "check_seeds",
+    "check_streams",
+    "require",
+]
 
 SMALL = Scene(300, 3.0, 150, 100)
 CROP = 256

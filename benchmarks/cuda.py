@@ -19,6 +19,7 @@ from benchmarks._cuda_checks import (
     check_sanitizer,
     check_seeds,
     check_streams,
+    require,
 )
 from benchmarks._cuda_floors import H200, counts_of, floors
 from benchmarks.raster import Scene
@@ -30,6 +31,8 @@ from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
 from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.settings import EncodeSettings
+from sgicodec.executors.serial import SerialExecutor
+from sgicodec.executors.threads import ThreadExecutor
 from sgicodec.image import read
 from sgicodec.picture import Picture
 from sgicodec.profiles.default import EFFORTS
@@ -38,6 +41,7 @@ from sgicodec.raster.cuda import CudaRasterizer
 __all__ = ["main"]
 
 SCENES = (Scene(50_000, 4.0), Scene(500_000, 1.3))
+TILE = 256
 PICTURE = Path(__file__).parents[1] / "tests" / "data" / "kodim23.png"
 
 
@@ -55,6 +59,18 @@ def print_decodes(device: Device, data: bytes, repeat: int) -> None:
                 drawings.append(time.monotonic() - started)
         where = "processor" if one.gpu is None else "GPU"
         click.echo(f"decode, {where}: {1e3 * median(decodes):.1f} ms, of which {1e3 * median(drawings):.1f} ms draw")
+
+
+def print_tiles(device: Device, picture: Picture, steps: int) -> None:
+    """Seconds of an encode in tiles, one tile at a time and several in threads, whose bytes must be the same."""
+    settings = EncodeSettings(steps=steps, tile=TILE)
+    streams = set()
+    for executor in (SerialExecutor(), ThreadExecutor(2), ThreadExecutor(device.cores + 1)):
+        started = time.monotonic()
+        streams.add(encode_picture(picture, settings, executor=executor, device=device).data)
+        seconds = time.monotonic() - started
+        click.echo(f"tiles of {TILE}, {executor.workers} at a time: {seconds:.2f} s, whole encode")
+    require(len(streams) == 1, "tiles at a time change the stream")
 
 
 def timed(gpu: Gpu, launch: Callable[[], None], repeat: int) -> float:
@@ -187,6 +203,7 @@ def main(
     whole = read(picture)
     click.echo(f"seeds: {check_seeds(device, whole.pixels)}")
     print_encodes(device, whole)
+    print_tiles(device, whole, steps)
     for texture in (False, True):
         settings = EncodeSettings(steps=steps, texture=texture)
         data = encode_picture(whole, settings, device=device.processor).data

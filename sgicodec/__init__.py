@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from sgicodec.encoder.settings import EncodeSettings
     from sgicodec.executors.dask import open_cluster
     from sgicodec.executors.processes import ProcessExecutor
+    from sgicodec.executors.threads import ThreadExecutor
     from sgicodec.image import open_source, read, write
     from sgicodec.picture import Picture
 
@@ -43,6 +44,7 @@ __all__ = [
     "ProcessExecutor",
     "SgiError",
     "Stream",
+    "ThreadExecutor",
     "__version__",
     "decode",
     "encode",
@@ -65,6 +67,7 @@ _HOMES = {
     "Picture": "picture.Picture",
     "ProcessExecutor": "executors.processes.ProcessExecutor",
     "Stream": "decoder.stream.Stream",
+    "ThreadExecutor": "executors.threads.ThreadExecutor",
     "decode": "decoder.one_call.decode",
     "encode": "encoder.one_call.encode",
     "encode_picture": "encoder.pipeline.encode_picture",

@@ -20,6 +20,7 @@ from sgicodec.errors import EncodeInterruptedError, StreamError, TargetMissedErr
 from sgicodec.executors.executor import MIB
 from sgicodec.executors.peak import own_peak
 from sgicodec.executors.processes import ProcessExecutor
+from sgicodec.executors.threads import ThreadExecutor
 from sgicodec.image import open_source
 
 if TYPE_CHECKING:
@@ -134,7 +135,9 @@ def _executor(job: Job, source: Source, stack: ExitStack) -> Executor | None:
         side = next((side for side in (1024, 512, 256) if max(source.width, source.height) > side), None)
         raise UsageError(text + (f", or cut the picture into tiles with --tile {side}" if side else ""))
     if job.cluster is None:
-        return ProcessExecutor(job.device.cores, job.max_memory)
+        if job.device.gpu is None or job.device.gpus > 1:  # one process feeds a GPU, not several
+            return ProcessExecutor(job.device.cores, job.max_memory)
+        return ThreadExecutor(job.device.cores + 1, job.max_memory)
     if count == 1:
         return None
     from sgicodec.executors.dask import open_cluster

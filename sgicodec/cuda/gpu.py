@@ -182,4 +182,10 @@ def of_thread(index: int, thread: int) -> Gpu:
     """That of a thread, which a later thread of this number takes over; no thread has the number 0."""
     driver = the_driver()
     driver.context(index)
-    return Gpu(driver, index, compiled(driver.capability(index), driver.cuda))
+    return Gpu(driver, index, machine_code(driver.capability(index), driver.cuda))
+
+
+@cache
+def machine_code(architecture: int, cuda: int) -> bytes:
+    """The kernels for an architecture and a driver of CUDA `cuda`, read or compiled once in each process."""
+    return compiled(architecture, cuda)

@@ -14,6 +14,7 @@ from sgicodec.device import ALL_CORES, Device
 from sgicodec.encoder.candidate import Candidate, written
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tile_encoder import Encoding
+from sgicodec.executors.threads import stopping
 from sgicodec.metrics.distortion import squared_error
 from sgicodec.picture import Picture
 from sgicodec.rate_control.side_information import EMPTY_STREAM_BYTES, tile_side_bytes
@@ -140,8 +141,9 @@ def encode_tile(
     def watch(progress: Progress) -> bool:
         nonlocal steps
         steps = progress.step
-        return True
+        return not stopping()
 
+    tile.ending = stopping
     candidate = None if tile.holds_nothing else tile.textured(tile.searched(tile.candidate(tile.fitted(watch))))
     return replace(_finished(tile, plan, number, candidate, started), steps=steps)
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from sgicodec.device import Device
 from sgicodec.errors import TileFailedError, UsageError
-from sgicodec.executors.available import group_memory, machine_memory
+from sgicodec.executors.available import workers_that_fit
 from sgicodec.executors.executor import TRIES, Executor, Failure, Memory
 from sgicodec.executors.peak import Peaks, own_peak
 from sgicodec.executors.serial import SerialExecutor
@@ -46,11 +46,7 @@ class ProcessExecutor:
         """As in `Executor`; a single worker is this process. Without `max_memory`, no more than the machine, or the
         control group of this process, has memory for.
         """
-        most = min(self.workers, jobs)
-        if self._max_memory is None:
-            count = memory.workers_that_fit(group_memory() or machine_memory(), most)
-        else:
-            count = memory.workers_within(self._max_memory, most)
+        count = workers_that_fit(memory, min(self.workers, jobs), self._max_memory)
         return SerialExecutor() if count == 1 else ProcessExecutor(count, self._max_memory, self.peaks)
 
     def device(self, whole: Device, jobs: int) -> Device:

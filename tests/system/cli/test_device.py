@@ -24,7 +24,7 @@ Run = Any
 @pytest.fixture(autouse=True)
 def _found_anew() -> Iterator[None]:
     """Driver, compiler and GPU are looked for once in a process."""
-    kept = (driver.the_driver, compiler.the_compiler, gpu.of_thread)
+    kept = (driver.the_driver, compiler.the_compiler, gpu.of_thread, gpu.machine_code)
     for found in kept:
         found.cache_clear()
     yield

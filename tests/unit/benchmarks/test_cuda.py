@@ -30,6 +30,7 @@ def test_everything_in_one_run(tmp_path, monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(cuda, "SCENES", (FEW,))
     monkeypatch.setattr(checks, "SMALL", FEW)
     monkeypatch.setattr(checks, "CROP", 24)
+    monkeypatch.setattr(cuda, "TILE", 32)
     monkeypatch.setattr(checks, "J_TOLERANCE", 0.2)  # two fits of eight steps
     monkeypatch.setattr(checks.shutil, "which", lambda name: None)
     monkeypatch.setitem(cuda.EFFORTS, 5, 8)
@@ -50,6 +51,8 @@ def test_everything_in_one_run(tmp_path, monkeypatch: pytest.MonkeyPatch) -> Non
     }
     assert lines["decodes"].endswith("at most 1 level from the processor's pixels")
     assert "graph of all 1.000" in done.output
+    assert "tiles of 32, 1 at a time" in done.output
+    assert "tiles of 32, 2 at a time" in done.output
     assert lines["streams"].startswith("equal bytes twice; J ")
 
 

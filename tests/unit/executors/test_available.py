@@ -72,6 +72,6 @@ def test_only_as_many_workers_start_as_the_group_holds(monkeypatch: pytest.Monke
     """Where nobody says how much memory they may take; a single one always starts."""
     memory = Memory(main=100, worker=200, shared=100)
     for limit, workers in ((None, 4), (10_000, 4), (800, 3), (600, 2), (100, 1)):
-        monkeypatch.setattr("sgicodec.executors.processes.group_memory", lambda limit=limit: limit)
+        monkeypatch.setattr("sgicodec.executors.available.group_memory", lambda limit=limit: limit)
         assert ProcessExecutor(4).within(memory, 9).workers == workers
     assert ProcessExecutor(4, max_memory=900).within(memory, 9).workers == 4

@@ -1,0 +1,96 @@
+"""Tiles over several threads of this process: while one is searched on the processor, a GPU fits others."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter, deque
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from contextlib import contextmanager
+from contextvars import ContextVar
+from threading import Event
+from typing import TypeVar
+
+from sgicodec.device import Device
+from sgicodec.errors import TileFailedError, UsageError
+from sgicodec.executors.available import workers_that_fit
+from sgicodec.executors.executor import TRIES, Executor, Failure, Memory
+from sgicodec.executors.serial import SerialExecutor
+
+__all__ = ["ThreadExecutor", "stopping"]
+
+Job = TypeVar("Job")
+Result = TypeVar("Result")
+
+_stop: ContextVar[Event | None] = ContextVar("stop", default=None)
+
+
+def stopping() -> bool:
+    """Whether nobody waits any more for the job that this thread is doing."""
+    event = _stop.get()
+    return event is not None and event.is_set()
+
+
+class ThreadExecutor:
+    """An `Executor` with threads of this process, for tiles that a GPU fits: their steps share it, each thread with
+    launches in an order of its own. On the processor alone, processes are faster.
+
+    workers: at most; 0 for one per core and one that waits for the GPU. max_memory: bytes that they may take together.
+    A run that ends early lets the tiles under way end: they see that they are `stopping`.
+    """
+
+    place = None
+
+    def __init__(self, workers: int = 0, max_memory: float | None = None) -> None:
+        if not isinstance(workers, int) or workers < 0:
+            raise UsageError(f"workers {workers!r}; 0 (one per core, and one) or more")
+        self.workers, self._max_memory = workers or (os.cpu_count() or 1) + 1, max_memory
+
+    def within(self, memory: Memory, jobs: int) -> Executor:
+        """As in `Executor`; without `max_memory`, no more than there is memory for."""
+        count = workers_that_fit(memory, min(self.workers, jobs), self._max_memory)
+        return SerialExecutor() if count == 1 else ThreadExecutor(count, self._max_memory)
+
+    def device(self, whole: Device, jobs: int) -> Device:
+        """The threads are shared among the workers."""
+        return whole.with_threads(max(1, whole.cores // max(1, min(self.workers, jobs))))
+
+    def run(
+        self,
+        task: Callable[[int, Job], Result],
+        numbers: Iterable[int],
+        job_of: Callable[[int], Job],
+        make_ready: Callable[[], None] | None = None,
+    ) -> Iterator[tuple[int, Result]]:
+        """As in `Executor`."""
+        if make_ready is not None:
+            make_ready()
+        waiting, failures = deque(numbers), Counter[int]()
+        running = dict[Future[Result], int]()
+        with _pool(self.workers) as pool:
+            while waiting or running:
+                while waiting and len(running) < self.workers:
+                    number = waiting.popleft()
+                    running[pool.submit(task, number, job_of(number))] = number
+                for done in wait(running, return_when=FIRST_COMPLETED).done:
+                    number, error = running.pop(done), done.exception()
+                    if error is None:
+                        yield number, done.result()
+                        continue
+                    if not isinstance(error, Exception):
+                        raise error
+                    failure, failures[number] = Failure.of(error), failures[number] + 1
+                    if failure.final or failures[number] == TRIES:
+                        raise TileFailedError(number, failure.message) from error
+                    waiting.appendleft(number)
+
+
+@contextmanager
+def _pool(workers: int) -> Iterator[ThreadPoolExecutor]:
+    event = Event()
+    with ThreadPoolExecutor(workers, initializer=_stop.set, initargs=(event,)) as pool:
+        try:
+            yield pool
+        finally:
+            event.set()
+            pool.shutdown(wait=False, cancel_futures=True)
