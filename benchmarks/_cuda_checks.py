@@ -54,10 +54,13 @@ def check_gradients(gpu: Gpu) -> str:
     """Against the float64 reference, relative to their norm."""
     scene = SMALL.gaussians()
     target = np.random.default_rng(1).random((3, SMALL.height, SMALL.width), np.float32)
-    error, found = CudaRasterizer(gpu, cutoff=6.0).squared_error(*scene, target, 1.0)
+    raster = CudaRasterizer(gpu, cutoff=6.0)
+    error, found = raster.squared_error(*scene, target, 1.0)
+    again = raster.backward(*scene, 2 * (raster.forward(*scene, SMALL.width, SMALL.height) - target))
     means, covariances, colours = (array.astype(np.float64) for array in scene)
     value, expected = ReferenceRasterizer().squared_error(means, covariances, colours, target.astype(np.float64), 1.0)
-    apart = max(float(np.linalg.norm(a - b) / np.linalg.norm(b)) for a, b in zip(found, expected, strict=True))
+    pairs = (*zip(found, expected, strict=True), *zip(again, expected, strict=True))
+    apart = max(float(np.linalg.norm(a - b) / np.linalg.norm(b)) for a, b in pairs)
     require(abs(error / value - 1) < 1e-5 and apart < 1e-4, "gradients are not those of the reference")
     return f"{apart:.1e} from the float64 reference"
 
@@ -134,12 +137,14 @@ def check_decodes(device: Device, data: bytes) -> str:
 
 
 def check_sanitizer() -> str:
-    """compute-sanitizer over the checks of gradients: memory, and races in shared memory."""
+    """compute-sanitizer over gradients, steps of a fit, seeds that come and go, and a decode: memory, and races in
+    shared memory.
+    """
     command = shutil.which("compute-sanitizer")
     if command is None:
         return "not run: compute-sanitizer is not on the path"
     for tool in ("memcheck", "racecheck", "initcheck", "synccheck"):
-        program = [sys.executable, "-m", "benchmarks", "cuda", "--gradients-alone"]
+        program = [sys.executable, "-m", "benchmarks", "cuda", "--kernels-alone"]
         done = subprocess.run(
             [command, "--tool", tool, "--error-exitcode", "1", *program], capture_output=True, text=True
         )

@@ -41,6 +41,7 @@ from sgicodec.raster.cuda import CudaRasterizer
 __all__ = ["main"]
 
 SCENES = (Scene(50_000, 4.0), Scene(500_000, 1.3))
+STREAM = Path(__file__).parents[1] / "tests" / "conformance" / "golden" / "rgb8-texture.sgi"
 TILE = 256
 PICTURE = Path(__file__).parents[1] / "tests" / "data" / "kodim23.png"
 
@@ -170,7 +171,7 @@ def print_encodes(device: Device, picture: Picture) -> None:
 @click.option("--device", "name", default="cuda", show_default=True, help="cuda or cuda:N.")
 @click.option("--floors", "only_floors", is_flag=True, help="Only count and print the floors; needs no GPU.")
 @click.option("--resources", is_flag=True, help="Only compile for all architectures; needs NVRTC and no GPU.")
-@click.option("--gradients-alone", is_flag=True, help="Only the check that compute-sanitizer runs.")
+@click.option("--kernels-alone", is_flag=True, help="Only what compute-sanitizer runs: each kernel once.")
 @click.option("--steps", default=200, show_default=True, help="Steps of the encodes that are compared.")
 @click.option("--seeds", default=8, show_default=True, help="How often each crop is encoded.")
 @click.option("--repeat", default=20, show_default=True, help="How often each pass is timed.")
@@ -179,7 +180,7 @@ def main(
     name: str,
     only_floors: bool,
     resources: bool,
-    gradients_alone: bool,
+    kernels_alone: bool,
     steps: int,
     seeds: int,
     repeat: int,
@@ -195,17 +196,18 @@ def main(
         raise click.UsageError("--device must be cuda or cuda:N")
     gpu = opened(device.gpu)
     click.echo(f"{gpu.name}, NVRTC {the_compiler().version}")
+    whole = read(picture)
     click.echo(f"gradients: {check_gradients(gpu)}")
-    if gradients_alone:
+    click.echo(f"seeds: {check_seeds(device, whole.pixels)}")
+    click.echo(f"a stream: {check_decodes(device, STREAM.read_bytes())}")
+    if kernels_alone:
         return None
     click.echo(f"repeated: {check_repeats(gpu, SCENES[0])}")
     print_times(gpu, repeat)
-    whole = read(picture)
-    click.echo(f"seeds: {check_seeds(device, whole.pixels)}")
     print_encodes(device, whole)
     print_tiles(device, whole, steps)
     for texture in (False, True):
-        settings = EncodeSettings(steps=steps, texture=texture)
+        settings = EncodeSettings(steps=steps, texture=texture, tune="psnr")
         data = encode_picture(whole, settings, device=device.processor).data
         click.echo(f"decodes: {check_decodes(device, data)}")
         print_decodes(device, data, repeat)

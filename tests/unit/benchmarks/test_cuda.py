@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from typing import Any
+
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -11,7 +14,8 @@ from benchmarks import _cuda_checks as checks
 from benchmarks import cuda
 from benchmarks._cuda_floors import H200, Peak, counts_of, floors
 from benchmarks.raster import Scene
-from sgicodec.cuda import driver
+from sgicodec.cuda import driver, sources
+from sgicodec.cuda.gpu import Gpu
 from sgicodec.cuda.tiles import MOMENTS
 from sgicodec.device import Device
 from sgicodec.errors import NoDeviceError, SgiError
@@ -54,6 +58,27 @@ def test_everything_in_one_run(tmp_path, monkeypatch: pytest.MonkeyPatch) -> Non
     assert "tiles of 32, 1 at a time" in done.output
     assert "tiles of 32, 2 at a time" in done.output
     assert lines["streams"].startswith("equal bytes twice; J ")
+
+
+def test_what_the_sanitizer_looks_at_is_every_kernel(monkeypatch: pytest.MonkeyPatch) -> None:
+    """But for those of other numbers of channels."""
+    device, launched = only_gpu(monkeypatch), set[str]()
+    launch = Gpu.launch
+
+    def noted(self: Gpu, kernel: str, *rest: Any) -> None:
+        launched.add(kernel)
+        launch(self, kernel, *rest)
+
+    monkeypatch.setattr(Gpu, "launch", noted)
+    monkeypatch.setattr(cuda, "device_of", lambda name: device)
+    monkeypatch.setattr(cuda, "opened", lambda index: fake_gpu())
+    monkeypatch.setattr(cuda, "the_compiler", lambda: type("", (), {"version": "13.0"}))
+    monkeypatch.setattr(checks, "CROP", 64)
+    done = CliRunner().invoke(cuda.main, ["--kernels-alone"], catch_exceptions=False)
+    assert [line.split(":")[0] for line in done.output.splitlines()[1:]] == ["gradients", "seeds", "a stream"]
+    text = "".join(path.read_text("utf-8") for path in (sources.root() / "cuda").rglob("*.hpp"))
+    found = re.findall(r"^ *SGI_KERNEL\((\w+?)(_##C)?,", text, re.MULTILINE)
+    assert launched == {f"{name}_3" if channels else name for name, channels in found}
 
 
 def test_without_a_gpu_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
