@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import time
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,6 +21,7 @@ from sgicodec.cli.progress import Mode, row_progress
 from sgicodec.cli.views import ViewOptions
 from sgicodec.device import Device
 from sgicodec.errors import PictureError, UsageError
+from sgicodec.image.library import load_openimageio
 
 if TYPE_CHECKING:
     from sgicodec.decoder.stream import Bands, Stream
@@ -59,14 +62,16 @@ class DecodeJob:
     def run(self, source: str, target: str | None) -> int:
         """Decodes one stream; returns the bytes of the picture, 0 if it went to stdout."""
         started = time.monotonic()
-        with opened_stream(source, self.device) as stream, self.limits.held():
+        with opened_stream(source, self.device) as stream:
             extension = self._extension(stream, target)
             target = with_extension(source, extension) if target is None else target
             if self.as_json and target == STANDARD:
                 raise UsageError("stdout cannot take both the picture and --json; name OUT")
             check_output(target, source, self.force)
             lost = "" if extension == "tif" else lost_outside_tiff(stream.metadata.geo)
-            shown, channels = self._write(stream, target, extension), stream.header.channels
+            self._load_writer(target, extension)
+            with self.limits.held():
+                shown, channels = self._write(stream, target, extension), stream.header.channels
         if lost and not self.quiet:
             click.echo(f"sgi: {display(target, 'stdout')}: .{extension} does not hold its {lost}; .tif does", err=True)
         size = 0 if target == STANDARD else Path(target).stat().st_size
@@ -77,6 +82,18 @@ class DecodeJob:
         elif self.verbose:
             click.echo(f"{display(target, 'stdout')}: {shown.width}×{shown.height}, {channels}", err=True)
         return size
+
+    def _load_writer(self, target: str, extension: str) -> None:
+        """Loads the library that writes OUT, where memory will be bound."""
+        if self.limits.memory is None or not self.limits.asked:
+            return
+        pyramid = self.output.pyramid_of(target)
+        if pyramid is not None:
+            with contextlib.suppress(ImportError):  # told by what writes it
+                import_module("rasterio" if pyramid == "cog" else "tifffile")
+        elif extension != "png":
+            load_openimageio("writing pictures")
+            import_module("OpenImageIO")
 
     def _write(self, stream: Stream, target: str, extension: str) -> Bands | Picture:
         stream.exact, stream.dither = self.exact, self.dither

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from sgicodec.cli.texts import NO_MEMORY
 from sgicodec.errors import LimitError
 from sgicodec.executors.available import group_memory
 from sgicodec.executors.peak import own_peak
@@ -47,7 +48,9 @@ class DecodeLimits:
 
     @contextlib.contextmanager
     def held(self) -> Iterator[None]:
-        """A block that takes no more memory (Linux), else LimitError."""
+        """A block that takes no more memory (Linux), else LimitError. Libraries have to be loaded before it: some end
+        the process where they get none.
+        """
         with contextlib.ExitStack() as stack:
             if self.memory is not None and self.asked and sys.platform.startswith("linux"):
                 import resource
@@ -60,8 +63,9 @@ class DecodeLimits:
                 stack.callback(resource.setrlimit, resource.RLIMIT_DATA, before)
             try:
                 yield
-            except MemoryError:
-                if self.memory is None or not self.asked:
+            except (MemoryError, RuntimeError, OSError, ImportError) as error:
+                lacks = isinstance(error, MemoryError) or any(text in str(error) for text in NO_MEMORY)
+                if self.memory is None or not self.asked or not lacks:
                     raise
                 raise LimitError(f"decoding takes more than --max-memory, {self.memory / _MIB:,.0f} MiB") from None
 

@@ -13,7 +13,7 @@ import click
 from sgicodec.cli.command import examples_text
 from sgicodec.cli.options import VERBOSE, verbose_option
 from sgicodec.cli.standard_streams import drop, repair
-from sgicodec.cli.texts import EXAMPLES, EXIT_CODES
+from sgicodec.cli.texts import EXAMPLES, EXIT_CODES, NO_MEMORY
 from sgicodec.device import check_room
 from sgicodec.errors import SgiError
 from sgicodec.version import __version__
@@ -39,9 +39,6 @@ _COMMANDS = {
 
 _ROOM_MIB = {"encode": 200, "decode": 136, "verify": 136, "view": 200, "serve": 200, "compare": 200, "bench": 200}
 """Address space that the libraries of a command take as they load; some end the process where there is less."""
-
-_NO_MEMORY = ("failed to map segment", "annot allocate memory", "can't start new thread", "temporarily unavailable")
-"""What libraries, the loader and threads say where there is not enough."""
 
 
 class Cli(click.Group):
@@ -119,7 +116,7 @@ class Cli(click.Group):
             what = f": {error}" if "(ulimit -v)" in str(error) else " for this picture"
             ctx.exit(_complain(f"there is not enough memory{what}", _INTERNAL))
         except Exception as error:
-            if any(text in str(error) for text in _NO_MEMORY):
+            if any(text in str(error) for text in NO_MEMORY):
                 ctx.exit(_complain(f"there is not enough memory: {str(error).splitlines()[-1]}", _INTERNAL))
             if ctx.meta.get(VERBOSE):
                 import traceback

@@ -1,8 +1,8 @@
-"""What the help of the group and the manual page say: examples and exit codes."""
+"""What the help of the group and the manual page say, examples and exit codes; what others say of too little memory."""
 
 from __future__ import annotations
 
-__all__ = ["EXAMPLES", "EXIT_CODES"]
+__all__ = ["EXAMPLES", "EXIT_CODES", "NO_MEMORY"]
 
 EXAMPLES = (
     ("sgi encode photo.jpg", "photo.sgi beside it"),
@@ -21,3 +21,9 @@ EXIT_CODES = (
     (130, "interrupted, nothing written"),
     (141, "the reader of a pipe went away"),
 )
+
+NO_MEMORY = (
+    *("failed to map segment", "cannot map zero-fill pages", "cannot change memory protections"),
+    *("annot allocate memory", "can't start new thread", "temporarily unavailable"),
+)
+"""What libraries, the loader and threads say where there is not enough."""

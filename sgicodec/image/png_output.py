@@ -127,16 +127,25 @@ class _Deflating(Thread):
         super().__init__(daemon=True)
         self._data, self._window, self._level, self._last = data, window, level, last
         self._deflated = b""
+        self._error: Exception | None = None
 
     def run(self) -> None:
         """As `Thread` says."""
+        try:
+            self._deflated = self._work()
+        except Exception as error:  # of this thread; `result` raises it in the caller's
+            self._error = error
+
+    def _work(self) -> bytes:
         raw, memory = -zlib.MAX_WBITS, zlib.DEF_MEM_LEVEL
         coder = zlib.compressobj(self._level, zlib.DEFLATED, raw, memory, zlib.Z_DEFAULT_STRATEGY, self._window)
         whole = coder.compress(self._data)
-        self._deflated = whole + coder.flush(zlib.Z_FINISH if self._last else zlib.Z_SYNC_FLUSH)
+        return whole + coder.flush(zlib.Z_FINISH if self._last else zlib.Z_SYNC_FLUSH)
 
     def result(self) -> bytes:
-        """The deflated strip, once it is done."""
+        """The deflated strip, once it is done. Raises what the work raised."""
         if self.ident is not None:
             self.join()
+        if self._error is not None:
+            raise self._error
         return self._deflated

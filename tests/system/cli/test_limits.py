@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -10,7 +11,9 @@ import pytest
 from click.testing import Result
 from sanitizer import needs_plain_memory
 
+import sgicodec
 from sgicodec.cli.limits import DecodeLimits
+from sgicodec.cli.texts import NO_MEMORY
 from sgicodec.errors import LimitError
 from sgicodec.executors.peak import own_peak
 
@@ -50,6 +53,36 @@ def test_the_system_holds_the_limit() -> None:
         bytearray(100 << 20)
     with pytest.raises(MemoryError), DecodeLimits(None, None).held():
         raise MemoryError
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the system holds the limit")
+@pytest.mark.parametrize("name", ["a.png", "a.jpg", "a.tif"])
+def test_a_small_limit_leaves_a_picture_or_a_line(stream: Path, tmp_path: Path, name: str) -> None:
+    """Processes of their own: a library that gets no memory may end its own."""
+    needs_plain_memory()
+    endings = set()
+    for size in ("1MiB", "10MiB", "30MiB", "200MiB"):
+        command = (sys.executable, "-m", "sgicodec", "decode", stream, tmp_path / name, "-f", "--max-memory", size)
+        done = subprocess.run(command, capture_output=True, text=True)
+        endings.add(done.returncode)
+        if done.returncode == 0:
+            assert sgicodec.read(tmp_path / name).pixels.shape == (32, 48, 3)
+            (tmp_path / name).unlink()
+        else:
+            assert (done.returncode, done.stderr[:5], done.stderr.count("\n")) == (4, "sgi: ", 1), done.stderr
+            assert list(tmp_path.glob("*a.*")) == []
+    assert 0 in endings
+
+
+@pytest.mark.parametrize("text", NO_MEMORY)
+def test_what_libraries_say_of_too_little_memory(text: str) -> None:
+    with pytest.raises(LimitError, match="takes more than --max-memory"), DecodeLimits(None, 1e9).held():
+        raise ImportError(f"libx.so: {text}")
+
+
+def test_other_failures_pass_through() -> None:
+    with pytest.raises(RuntimeError, match="something else"), DecodeLimits(None, 1e9).held():
+        raise RuntimeError("something else")
 
 
 def test_what_is_left_of_the_control_group(

@@ -140,3 +140,17 @@ def test_rows_that_do_not_fit_are_refused() -> None:
     for wrong in ((rows, above[:5], 3, np.zeros((2, 7), np.uint8)), (rows, above, 3, np.zeros((2, 6), np.uint8))):
         with pytest.raises(ValueError, match="rows must be"):
             png_filter(*wrong)
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_what_fails_on_a_thread_fails_the_picture(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, threads: int
+) -> None:
+    def refuse(*arguments: object) -> None:
+        raise MemoryError("Can't allocate memory for compression object")
+
+    monkeypatch.setattr("sgicodec.image.png_output.zlib.compressobj", refuse)
+    picture = Picture(smooth(40, 30, 3), "rgb", full_range(np.dtype(np.uint8)), Metadata())
+    with pytest.raises(MemoryError):
+        write(picture, tmp_path / "a.png", threads=threads)
+    assert list(tmp_path.iterdir()) == []
