@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import platform
-from importlib.metadata import PackageNotFoundError, version
+import re
+from importlib.metadata import PackageNotFoundError, requires, version
 
 __all__ = ["version_lines"]
 
-_LIBRARIES = ("numpy", "constriction", "OpenImageIO", "click", "rich")
-_EXTRAS = ("pillow", "scipy", "torch", "dask", "ssimulacra2", "imagecodecs")
+_LIBRARIES = ("numpy", "constriction", "OpenImageIO", "pillow", "click", "rich")
+_FOR_DEVELOPERS = {"test", "lint", "wheel"}
+_REQUIREMENT = re.compile(r"""([\w.-]+).*\bextra == ['"](\w+)""")
 
 
 def version_lines() -> list[str]:
@@ -16,7 +18,7 @@ def version_lines() -> list[str]:
     from sgicodec._native import instruction_set, resolve_threads
     from sgicodec.bitstream.header import FORMAT_VERSION
 
-    extras = [f"{name} {found}" for name in _EXTRAS if (found := _version(name))]
+    extras = [f"{name} {found}" for name in _extras() if (found := _version(name))]
     return [
         f"Python {platform.python_version()}, {platform.system()} {platform.machine()}",
         ", ".join(f"{name} {_version(name) or 'is missing'}" for name in _LIBRARIES),
@@ -24,6 +26,12 @@ def version_lines() -> list[str]:
         f"instruction set {instruction_set('auto')}, {resolve_threads(0)} threads",
         f"reads format versions 1 to {FORMAT_VERSION}",
     ]
+
+
+def _extras() -> list[str]:
+    """The libraries of all extras that users install."""
+    found = filter(None, map(_REQUIREMENT.match, requires("sgicodec") or ()))
+    return list(dict.fromkeys(one[1] for one in found if one[2] not in _FOR_DEVELOPERS))
 
 
 def _version(name: str) -> str | None:

@@ -49,6 +49,9 @@ def test_version(sgi: Run) -> None:
         lines = sgi(*arguments).stdout.splitlines()
         assert lines[0] == f"sgi {__version__}"
         assert f"numpy {np.__version__}" in lines[2]
+        assert {"pillow", "OpenImageIO"} <= set(lines[2].replace(",", "").split())
+        assert {"fsspec", "zarr", "rasterio", "pillow-heif"} <= set(lines[3].replace(",", "").split())
+        assert "pytest" not in lines[3]
         assert re.search(r"^instruction set (portable|avx2|avx512), \d+ threads$", lines[4])
         assert lines[5] == f"reads format versions 1 to {FORMAT_VERSION}"
 
