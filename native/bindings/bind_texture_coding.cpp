@@ -134,9 +134,11 @@ class TextureModels {
   }
 
   auto search(const sgi::TextureAmplitudes &amplitudes, Contrasts contrast, Array<const float, 1> steps,
-              std::pair<float, float> slope, float lmbda, bool has_contrast, std::optional<LogSizes> division) const {
+              std::pair<float, float> slope, float lmbda, bool has_contrast, float doubt,
+              std::optional<LogSizes> division) const {
     const auto [down, across] = require_contrasts(amplitudes, contrast, steps);
     require(lmbda >= 0, "lmbda must not be negative");
+    require(doubt >= 1, "doubt must be at least 1");
     if (division) {
       require(has_shape(*division, 4 * down, 4 * across), "division [4 h, 4 w] of the roots");
       TextureField field(int64_t(across), int64_t(down), 1, true);
@@ -147,7 +149,7 @@ class TextureModels {
     const sgi::TextureSteps all = steps_of(steps, slope);
     sgi::TextureFound found = [&] {
       nb::gil_scoped_release release;
-      return sgi::search_texture(models_, amplitudes, contrast.data(), all, {lmbda, has_contrast},
+      return sgi::search_texture(models_, amplitudes, contrast.data(), all, {lmbda, has_contrast, doubt},
                                  division ? division->data() : nullptr);
     }();
     return std::tuple(sgi::field_arrays(std::move(found.field)), found.bits, found.count, found.excess,
@@ -208,7 +210,7 @@ void bind_texture_coding(nb::module_ &m) {
       .def("write", &TextureModels::write, "log_size"_a, "contrast"_a, "symbols"_a, "size"_a, "has_contrast"_a,
            "Bits, their P(1) in 2^-16, all symbols in coding order, information content.")
       .def("search", &TextureModels::search, "amplitudes"_a, "contrast"_a, "steps"_a, "slope"_a, "lmbda"_a,
-           "has_contrast"_a, "division"_a.none(),
+           "has_contrast"_a, "doubt"_a, "division"_a.none(),
            "log_size, contrast and symbols; bits; by magnitude 1, 2 and more the symbols and the sum of their excess; "
            "cost of each root in squared steps.");
   nb::class_<sgi::TextureAmplitudes>(m, "TextureAmplitudes")

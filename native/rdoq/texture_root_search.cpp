@@ -13,8 +13,6 @@ constexpr float kImpossible = std::numeric_limits<float>::infinity();
 // What a symbol costs about: the squared error that it leaves, in squared steps, its bits where the amplitude is a
 // step, and their growth for each octave of the squared amplitude; bits of a cell beside its symbols.
 constexpr float kLeft = 0.05f, kSymbolBits = 2.7f, kOctaveBits = 0.68f, kCellBits = 4;
-// A cell is tried whole, or divided, where the estimate says that it costs this much more than the other at most.
-constexpr float kDoubt = 1.06f;
 
 // log2 of a positive value, within 0.05.
 float about_log2(float value) {
@@ -107,12 +105,12 @@ float TextureRootSearch::decide_node(const TextureCell &cell, std::vector<int> &
   const auto [squares, whole, divided] = prospect(cell);
   std::vector<Choice> choices(field_.channels);
   float leaf = kImpossible;
-  if (whole <= kDoubt * divided) leaf = choose_leaf(cell, choices) + cost(textured, 1) + (splits ? cost(split, 0) : 0);
+  if (whole <= sought_.settings.doubt * divided) leaf = choose_leaf(cell, choices) + cost(textured, 1) + (splits ? cost(split, 0) : 0);
   const float nothing = squares + cost(textured, 0);
   const size_t begin = plan.size();
   plan.push_back(leaf < nothing ? kTextureLeaf : kNoTexture);
   float best = std::min(leaf, nothing);
-  if (splits && divided <= kDoubt * whole) {
+  if (splits && divided <= sought_.settings.doubt * whole) {
     std::vector<int> parts{kSplitNode};
     float sum = cost(textured, 1) + cost(split, 1);
     for (int number = 0; number < 4 && sum < best; ++number) {

@@ -14,6 +14,8 @@ namespace sgi {
 struct TextureSettings {
   float lambda;  // squared steps per bit
   bool has_contrast;
+  // A cell is tried whole, or divided, where an estimate says that it costs this much more than the other at most.
+  float doubt;
 };
 
 struct TextureFound {

@@ -58,7 +58,8 @@ class Plan:
 
     def at(self, lmbda: float, quality: int) -> Plan:
         """The same for tiles that are fitted at λ, whatever the goal, with this index of the base colour step."""
-        settings = replace(self.settings, lmbda=lmbda, psnr=None, ssimulacra2=None, size=None, bpp=None)
+        hurry = self.settings.hurries
+        settings = replace(self.settings, lmbda=lmbda, psnr=None, ssimulacra2=None, size=None, bpp=None, hurry=hurry)
         return replace(self, header=replace(self.header, quality=quality), settings=settings)
 
 

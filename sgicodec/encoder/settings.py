@@ -44,7 +44,8 @@ class EncodeSettings:
     profile. time_limit: seconds that the encode may take, instead of a number of
     steps. tile: largest side of a tile in pixels, 0 for a single one, None for what suits the picture; apron: pixels
     that a tile reaches over its neighbours. overview: whether a stream of several tiles carries the picture in small,
-    None for what suits its size.
+    None for what suits its size. hurry: whether fits of few steps beneath texture leave out what gains little for its
+    time; None for those without a target or a time limit, whose estimates follow longer fits.
     """
 
     quality: float = 50.0
@@ -71,6 +72,7 @@ class EncodeSettings:
     tile: int | None = None
     apron: int | None = None
     overview: bool | None = None
+    hurry: bool | None = None
 
     @property
     def chosen_profile(self) -> Profile:
@@ -113,6 +115,12 @@ class EncodeSettings:
         if self.bpp is not None:
             return RateTarget(bytes=self.bpp * pixels / 8)
         return None if self.size is None else RateTarget(bytes=self.size)
+
+    @property
+    def hurries(self) -> bool:
+        """Whether fits of few steps beneath texture leave out what gains little for its time."""
+        goals = self.psnr, self.ssimulacra2, self.bpp, self.size, self.time_limit
+        return all(goal is None for goal in goals) if self.hurry is None else self.hurry
 
     def asked(self) -> str:
         """The goal in a word, empty without one."""

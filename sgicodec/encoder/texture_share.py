@@ -22,17 +22,19 @@ from sgicodec.model.spec import ModelSpec
 from sgicodec.model.texture import ROOT_LOG
 from sgicodec.model.texture_symbols import TextureSteps
 from sgicodec.profiles.fit_settings import FitSettings, Phase
-from sgicodec.rdoq.texture import TextureSearch, root_planes
+from sgicodec.rdoq.texture import NO_DOUBT, TextureSearch, root_planes
 
 __all__ = [
     "BLEND",
     "EXACT_STEPS",
     "LEAST",
     "POSITION_BITS",
+    "UNSHARED",
     "Scout",
     "TextureCosts",
     "cell_weights",
     "estimated_cost",
+    "is_scouted",
     "of_pixels",
     "searched_cost",
     "seed_roots",
@@ -55,8 +57,12 @@ FULL, FULL_ESTIMATED, POWER, LEAST = 0.5, 0.74, 3.0, 1 / 32
 """ρ of the short fit from which seeds count in full, searched and estimated, how fast they count less below it, and the
 least. Where texture is searched, seeds are handed over later, so that a fit may begin with more of them.
 """
-EXACT_STEPS = 500
-"""Of a fit that is worth searches for texture instead of an estimate of its cost."""
+EXACT_STEPS, SCOUT_STEPS = 500, 150
+"""Of a fit that is worth searches for texture instead of an estimate of its cost, and of a hurried one that is worth a
+short one before it.
+"""
+UNSHARED = 6.0
+"""λ of seeds that no short fit has placed, in the λ of the encode: fewer of them, and texture over all."""
 HANDED_OVER = 0.7
 """Factor of their λ where seeds are handed over in the course of the fit."""
 CALM_BITS = 8.0
@@ -88,14 +94,21 @@ def seed_roots(layout: SeedLayout, shape: tuple[int, int]) -> NDArray[np.int64]:
     return root
 
 
-def seed_share(steps: int) -> float:
-    """λ of seeds that count in full, in the λ of an encode whose fit has this many steps.
+def is_scouted(fit: FitSettings) -> bool:
+    """Whether a short fit comes before this one."""
+    return not (fit.hurried and fit.steps < SCOUT_STEPS)
+
+
+def seed_share(fit: FitSettings) -> float:
+    """λ of seeds that count in full, in the λ of the encode.
 
     What seeds leave costs less as texture than as more seeds; the shorter the fit, the more of it. Where a fit hands
     seeds over ([texture_handover.py](texture_handover.py)), it may begin with more of them.
     """
-    share = float(np.clip(2.8 * (200 / steps) ** 0.3, 1.4, 2.8))
-    return share if steps < EXACT_STEPS else max(1.0, HANDED_OVER * share)
+    if not is_scouted(fit):
+        return UNSHARED
+    share = float(np.clip(2.8 * (200 / fit.steps) ** 0.3, 1.4, 2.8))
+    return share if fit.steps < EXACT_STEPS else max(1.0, HANDED_OVER * share)
 
 
 @dataclass(frozen=True)
@@ -177,7 +190,7 @@ def smoothed(plane: F64, sigma: float) -> F64:
 
 def searched_cost(residual: F32, steps: TextureSteps, squared_steps: float, device: Device) -> F64:
     """What texture in these steps costs over each root [rows, columns], squared error plus λ times bits."""
-    costs = TextureSearch(residual, device).costs(steps, squared_steps)
+    costs = TextureSearch(residual, device, NO_DOUBT).costs(steps, squared_steps)
     return np.asarray(costs * np.square(steps.of_channels[0]), np.float64)
 
 

@@ -26,7 +26,7 @@ from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.same_look import LookSteps
 from sgicodec.encoder.score_ascent import ScoreAscent, ascent_passes
 from sgicodec.encoder.texture_handover import HANDOVER, LOOK_AHEAD, Handover
-from sgicodec.encoder.texture_share import EXACT_STEPS, TextureCosts, seed_share, seed_weights
+from sgicodec.encoder.texture_share import EXACT_STEPS, TextureCosts, is_scouted, seed_share, seed_weights
 from sgicodec.encoder.texture_tuning import TUNINGS, TextureTuning
 from sgicodec.encoder.tile_time import TileTime
 from sgicodec.fit.base_layer import base_layer
@@ -44,7 +44,7 @@ from sgicodec.rate_control.rd_model import RdModel
 from sgicodec.rate_control.target import Measured
 from sgicodec.rdoq import Objective, Rdoq, RdoqSettings, can_optimise
 from sgicodec.rdoq.objective import with_values
-from sgicodec.rdoq.texture import TextureSearch
+from sgicodec.rdoq.texture import DOUBT, NO_DOUBT, TextureSearch
 
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Fitted, Progress, Trainer
@@ -77,7 +77,7 @@ class Encoding:
     def begin(self, lmbda: float) -> None:
         """Makes ready for a fit at λ."""
         self.lmbda = lmbda
-        self.fit = replace(self.fit, lmbda=lmbda * (seed_share(self.fit.steps) if self.spec.texture else 1.0))
+        self.fit = replace(self.fit, lmbda=lmbda * (seed_share(self.fit) if self.spec.texture else 1.0))
         self.__dict__.pop("seed_reference", None)
         lmbda = self.fit.lmbda
         self.base_step, self.base, self.target = base_layer(self.spec, self.unit, lmbda, self.reference.weights)
@@ -86,7 +86,7 @@ class Encoding:
     @cached_property
     def seed_reference(self) -> Reference:
         """What seeds are fitted to: the picture's distortion, less of it where texture follows for less bits."""
-        if not (self.spec.texture and self.time.can_scout):
+        if not (self.spec.texture and is_scouted(self.fit) and self.time.can_scout):
             return self.reference
         weights, family = self.reference.weights, self.plan.header.family
         share = seed_weights(self.spec, self.fit, self.texture_costs, family)
@@ -175,7 +175,7 @@ class Encoding:
     def rdoq(self, candidate: Candidate) -> Rdoq:
         """RDOQ from a candidate on."""
         self.stage("search")
-        settings = RdoqSettings.for_steps(self.fit.steps)
+        settings = RdoqSettings.for_fit(self.fit)
         reference = self.seed_reference
         return Rdoq(candidate.header, candidate.model, self.unit, candidate.lmbda, settings, self.device, reference)
 
@@ -184,7 +184,10 @@ class Encoding:
         if not self.searches:
             return candidate
         search, until = self.rdoq(candidate), self.time.search_end
-        found = search.at(candidate.lmbda, until=until, ending=lambda: search.passes >= least and self.ending())
+        if search.settings.passes == 1 and not self.ending():
+            return replace(candidate, model=search.once(candidate.lmbda))
+        passes = max(search.settings.passes, least)
+        found = search.at(candidate.lmbda, passes, until, lambda: search.passes >= least and self.ending())
         return replace(candidate, model=found.model)
 
     def textured(self, candidate: Candidate) -> Candidate:
@@ -221,7 +224,8 @@ class Encoding:
         write_tile(candidate.header, model)
         objective = Objective(candidate.header, self.unit, self.device)
         left = objective.residual(with_values(self.spec, model, model.decoded_values))
-        return TextureSearch(left[:, :, : self.unit.shape[2]], self.device)
+        doubt = NO_DOUBT if self.fit.hurried else DOUBT
+        return TextureSearch(left[:, :, : self.unit.shape[2]], self.device, doubt)
 
     @property
     def tuning(self) -> TextureTuning:

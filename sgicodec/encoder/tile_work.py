@@ -115,7 +115,7 @@ class SearchTask:
             octaves = 0.5 * math.log2(lmbda / start.lmbda)
             model = replace(model, networks=with_coarser_steps(model.networks, octaves))
             return _finished(tile, self.plan, number, Candidate(header, model, lmbda), started)
-        settings = RdoqSettings.for_steps(tile.fit.steps)
+        settings = RdoqSettings.for_fit(tile.fit)
         settings = replace(settings, coarser=0.0, passes=max(_LEAST_PASSES, settings.passes // _PASSES_SHARE))
         rdoq = Rdoq(header, model, tile.unit, start.lmbda, settings, device, tile.reference)
         for _ in range(settings.passes):

@@ -148,7 +148,7 @@ class Trainer:
 
     def _step(self, phase: Phase) -> tuple[float, float]:
         """Squared error and bits of a step, after which everything that trains has moved."""
-        lmbda = self.lmbda if phase.rate else 0.0
+        lmbda = self.lmbda * 0.25**phase.level if phase.rate else 0.0  # a level has a quarter of the pixels
         if self.on_gpu is not None:
             names = self.parameters.trained()
             rates = {name: self._learning_rate(learning_rate_of(name), phase) for name in names}

@@ -67,6 +67,7 @@ class FitSettings:
     many times that price. rate_sample: share of the seeds whose bits are counted each step. seeds: their number in the
     uniform layout. seed: of every random number. reference_steps: the number of steps that the rates of `SLOWED` are
     meant for; more steps go with smaller ones. quality: index of the base colour step, where it is not to follow λ.
+    hurried: whether what gains little for its time is left out, in the fit and after it.
     """
 
     lmbda: float
@@ -82,6 +83,7 @@ class FitSettings:
     seed: int = 0
     reference_steps: int | None = None
     quality: int | None = None
+    hurried: bool = False
 
     @property
     def steps(self) -> int:

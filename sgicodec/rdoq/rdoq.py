@@ -62,6 +62,16 @@ class Rdoq:
 
     def descend(self, lmbda: float) -> RdoqResult:
         """One pass for λ, on from the last one, after what that taught: scales once, and which seeds are pruned."""
+        model = self._pass(lmbda)
+        cost, self._residual = self.objective.measured(model)
+        return RdoqResult(model, cost)
+
+    def once(self, lmbda: float) -> TileModel:
+        """What one pass from the start finds for λ, without a look at what it costs: a pass after a fit gains."""
+        self._restart()
+        return self._pass(lmbda)
+
+    def _pass(self, lmbda: float) -> TileModel:
         objective, settings, model, residual = self.objective, self.settings, self.model, self._residual
         if residual is None:
             residual = objective.residual(model)
@@ -78,8 +88,7 @@ class Rdoq:
             model = with_optimised_base(objective, model, residual, lmbda)
         self.model, self.lmbda = model, lmbda
         self.passes += 1
-        cost, self._residual = objective.measured(model)
-        return RdoqResult(model, cost)
+        return model
 
     def at(
         self,

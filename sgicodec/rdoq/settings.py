@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from sgicodec.profiles.fit_settings import FitSettings
+
 __all__ = ["RdoqSettings"]
 
 
@@ -27,6 +29,8 @@ class RdoqSettings:
     position_bits: float = 3.0
 
     @classmethod
-    def for_steps(cls, steps: int) -> RdoqSettings:
-        """Settings whose number of passes suits a fit of `steps` steps: from the fifth on they gain next to nothing."""
-        return cls(passes=min(32, max(2, round(steps / 250))))
+    def for_fit(cls, fit: FitSettings) -> RdoqSettings:
+        """Settings whose number of passes suits the steps of a fit: from the fifth on they gain next to nothing."""
+        if fit.hurried:
+            return cls(passes=1, deep=1, rounds=2)
+        return cls(passes=min(32, max(2, round(fit.steps / 250))))

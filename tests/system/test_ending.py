@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -32,13 +33,16 @@ class Ending(NullListener):
 def passes(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     """λ of each pass of RDOQ that is made."""
     made: list[float] = []
-    descend = Rdoq.descend
 
-    def count(self: Rdoq, lmbda: float) -> object:
-        made.append(lmbda)
-        return descend(self, lmbda)
+    def counted(method: Callable[[Rdoq, float], object]) -> Callable[[Rdoq, float], object]:
+        def count(self: Rdoq, lmbda: float) -> object:
+            made.append(lmbda)
+            return method(self, lmbda)
 
-    monkeypatch.setattr(Rdoq, "descend", count)
+        return count
+
+    monkeypatch.setattr(Rdoq, "descend", counted(Rdoq.descend))
+    monkeypatch.setattr(Rdoq, "once", counted(Rdoq.once))
     return made
 
 
@@ -69,4 +73,6 @@ def test_a_size_holds_nevertheless(picture: Picture, passes: list[float], textur
 
 def test_nothing_ends_unasked(picture: Picture, passes: list[float]) -> None:
     assert not encode_picture(picture, EncodeSettings(steps=5)).ended_early
-    assert len(passes) == 2
+    assert len(passes) == 1
+    assert not encode_picture(picture, EncodeSettings(steps=5, texture=False)).ended_early
+    assert len(passes) == 1 + 2

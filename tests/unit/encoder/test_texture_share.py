@@ -15,6 +15,7 @@ from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.texture_share import (
     FULL,
     LEAST,
+    UNSHARED,
     cell_weights,
     estimated_cost,
     searched_cost,
@@ -24,18 +25,19 @@ from sgicodec.encoder.texture_share import (
 from sgicodec.encoder.texture_tuning import TUNINGS
 from sgicodec.encoder.tile_encoder import Encoding
 from sgicodec.picture import Picture
+from sgicodec.profiles.default import default_settings
 
 LMBDA = 0.002
 
 
 def encoding(pixels: np.ndarray, channels: Any = "rgb", **settings: Any) -> Encoding:
     picture = Picture(pixels, channels, (0.0, 255.0))
-    every: dict[str, Any] = {"lmbda": LMBDA, "effort": 1, "tune": "psnr"} | settings
+    every: dict[str, Any] = {"lmbda": LMBDA, "effort": 2, "tune": "psnr"} | settings
     plan = stream_plan(Shape.of(picture), EncodeSettings(**every))
     return Encoding(picture, plan, time.monotonic())
 
 
-@pytest.mark.parametrize(("effort", "most"), [(1, 0.15), (5, 0.25)])
+@pytest.mark.parametrize(("effort", "most"), [(2, 0.15), (5, 0.25)])
 def test_texture_counts_little_and_lines_count_much(effort: int, most: float) -> None:
     """At effort 5 seeds of texture count more at first, since they are handed over later."""
     weights = encoding(half_texture(), effort=effort).seed_reference.weights
@@ -96,6 +98,12 @@ def test_another_lmbda_is_scouted_again() -> None:
     assert part.seed_reference is not first
 
 
+def test_the_shortest_fits_have_no_shorter_one_before_them() -> None:
+    part = encoding(half_texture(), effort=1)
+    assert part.seed_reference is part.reference
+    assert part.fit.lmbda == UNSHARED * LMBDA
+
+
 def test_a_short_time_limit_leaves_no_time_to_scout() -> None:
     part = encoding(half_texture(), time_limit=0.01)
     assert part.seed_reference is part.reference
@@ -137,7 +145,8 @@ def test_where_there_is_nothing_to_show_seeds_count_in_full() -> None:
 
 
 def test_short_fits_leave_more_to_texture() -> None:
-    shares = [seed_share(steps) for steps in (1, 120, 350, 1000, 100_000)]
+    hurried = default_settings(LMBDA, 120, hurried=True)
+    shares = [seed_share(fit) for fit in (hurried, *(default_settings(LMBDA, steps) for steps in (3, 350, 1000, 9000)))]
     assert shares == sorted(shares, reverse=True)
     assert shares[-1] >= 1
 

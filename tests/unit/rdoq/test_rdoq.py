@@ -11,6 +11,7 @@ from sgicodec import EncodeSettings, encode_picture, read
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.decoder.stream import open_stream
 from sgicodec.picture import to_unit
+from sgicodec.profiles.default import default_settings
 from sgicodec.rdoq import Objective, Rdoq, RdoqResult, RdoqSettings
 from sgicodec.rdoq.objective import joined
 
@@ -49,7 +50,16 @@ def test_it_stops_when_time_is_up(stage: Stage) -> None:
 
 
 def test_longer_fits_are_searched_longer() -> None:
-    assert [RdoqSettings.for_steps(steps).passes for steps in (50, 600, 1000, 8000)] == [2, 2, 4, 32]
+    fits = [default_settings(1.0, steps) for steps in (50, 600, 1000, 8000)]
+    assert [RdoqSettings.for_fit(fit).passes for fit in fits] == [2, 2, 4, 32]
+    assert RdoqSettings.for_fit(replace(fits[0], hurried=True)).passes == 1
+
+
+def test_one_pass_is_the_same_without_a_look(stage: Stage) -> None:
+    objective, model = stage()
+    search = Rdoq(objective.header, model, objective.picture, 1e-3, device=objective.device)
+    expected = search.at(1e-3, passes=1)
+    np.testing.assert_array_equal(joined(search.once(1e-3)), joined(expected.model))
 
 
 def test_what_would_cost_is_not_taken(stage: Stage) -> None:
