@@ -20,6 +20,7 @@ __all__ = ["main"]
 _CODE = """
 import json, os, sys, time
 from sgicodec.cli.main import main
+from sgicodec.encoder.texture_share import SCOUT_PHASES
 from sgicodec.fit.trainer import Trainer
 
 spawned, found, seen, step = float(sys.argv.pop(1)), [], [], Trainer._step
@@ -29,15 +30,15 @@ def measured(self, *phase):
     if self not in seen:
         seen.append(self)
         found.extend((time.process_time(), time.time() - spawned))
-    if len(seen) == 2:
-        print(json.dumps(found), flush=True)
+    if self.settings.phases != SCOUT_PHASES:
+        print(json.dumps([*found[:2], *found[-2:]]), flush=True)
         os._exit(0)
     return taken
 
 Trainer._step = measured
 main()
 """
-"""Runs `sgi` to the first step of the second fit: the first one says where seeds should be."""
+"""Runs `sgi` to the first step of the fit itself. From effort 2 on, a short one says before where seeds should be."""
 
 ROWS = ("first step, processor", "first step, clock", "of the fit itself, processor", "of the fit itself, clock")
 

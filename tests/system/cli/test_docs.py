@@ -14,7 +14,7 @@ from click.testing import Result
 from sgicodec.cli.main import cli
 from sgicodec.encoder.score_ascent import ascent_passes
 from sgicodec.image.formats import FORMATS
-from sgicodec.profiles.default import EFFORTS, VISUAL_EFFORTS
+from sgicodec.profiles.default import EFFORTS, TEXTURE_EFFORTS, VISUAL_EFFORTS
 
 Run = Callable[..., Result]
 TEXT = (Path(__file__).parents[3] / "docs" / "cli.md").read_text("utf-8")
@@ -38,8 +38,9 @@ def test_every_option_is_in_its_table(command: str) -> None:
 
 def test_efforts() -> None:
     rows = [line.split("|")[1:-1] for line in TEXT.splitlines() if re.match(r"\| (effort|steps|passes)\b", line)]
-    efforts, psnr, visual, passes = ([int(cell) for cell in row[1:]] for row in rows)
-    assert dict(zip(efforts, psnr, strict=True)) == EFFORTS
+    efforts, plain, psnr, visual, passes = ([int(cell) for cell in row[1:]] for row in rows)
+    assert dict(zip(efforts, plain, strict=True)) == EFFORTS
+    assert dict(zip(efforts, psnr, strict=True)) == TEXTURE_EFFORTS
     assert dict(zip(efforts, visual, strict=True)) == VISUAL_EFFORTS
     assert passes == [ascent_passes(steps) for steps in visual]
 

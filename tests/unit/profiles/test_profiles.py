@@ -5,7 +5,7 @@ import pytest
 from sgicodec import EncodeSettings
 from sgicodec.errors import UsageError
 from sgicodec.profiles import PROFILES
-from sgicodec.profiles.default import EFFORTS, VISUAL_EFFORTS, default_settings
+from sgicodec.profiles.default import EFFORTS, TEXTURE_EFFORTS, VISUAL_EFFORTS, default_settings
 from sgicodec.profiles.fit_settings import LearningRates
 from sgicodec.profiles.paper import paper_settings
 
@@ -29,9 +29,10 @@ def test_scales_of_the_default_profile() -> None:
     coarse, fine = (EncodeSettings(quality=quality, effort=2, seed=7).fit_settings() for quality in (40, 56))
     assert coarse.lmbda == pytest.approx(4 * fine.lmbda)
     assert (coarse.steps, coarse.seed) == (VISUAL_EFFORTS[2], 7)
-    plain = (EncodeSettings(effort=5, tune="psnr"), EncodeSettings(effort=5, psnr=35), EncodeSettings(texture=False))
-    assert [settings.fit_settings().steps for settings in plain] == [EFFORTS[5]] * 3
-    assert EncodeSettings(effort=5).fit_settings().steps == VISUAL_EFFORTS[5] < EFFORTS[5]
+    plain = (EncodeSettings(effort=5, tune="psnr"), EncodeSettings(effort=5, psnr=35))
+    assert [settings.fit_settings().steps for settings in plain] == [TEXTURE_EFFORTS[5]] * 2
+    assert EncodeSettings(texture=False).fit_settings().steps == EFFORTS[5]
+    assert EncodeSettings(effort=5).fit_settings().steps == VISUAL_EFFORTS[5] < TEXTURE_EFFORTS[5]
     direct = EncodeSettings(lmbda=0.25, steps=77).fit_settings()
     assert (direct.lmbda, direct.steps) == (0.25, 77)
 
