@@ -63,6 +63,22 @@ struct SampleArguments {
   void *out;
 };
 
+// Texture on planes [channels, height, width], from native/model/texture_tables.hpp.
+struct TextureArguments {
+  const float *amplitudes;
+  const float *across;
+  const float *down;
+  const int32_t *cells;
+  const int32_t *start;
+  const int32_t *shown;
+  const float *mix;
+  float *planes;
+  int32_t blocks_across;
+  int32_t channels;
+  int32_t width;
+  int32_t height;
+};
+
 // An exclusive sum over `count` numbers in place; behind them their total.
 struct ScanArguments {
   int32_t *values;

@@ -7,4 +7,5 @@
 #include "cuda/raster/binning.hpp"
 #include "cuda/raster/reduction.hpp"
 #include "cuda/raster/samples.hpp"
+#include "cuda/raster/texture.hpp"
 #include "cuda/raster/tiles.hpp"

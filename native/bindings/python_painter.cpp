@@ -46,6 +46,14 @@ nb::object background_of(const Background &b, const View &view, int channels) {
                         shown(b.down, {view.height, b.taps}), planes);
 }
 
+nb::object texture_of(const TextureTables *t) {
+  if (!t) return nb::none();
+  const auto all = [](const auto &values) { return shown(values.data(), {int64_t(values.size())}); };
+  const nb::object mix = t->mix ? shown(t->mix, {9}) : nb::object(nb::none());
+  return nb::make_tuple(shown(t->amplitudes, {t->amplitude_count}), all(t->across), all(t->down), all(t->cells),
+                        all(t->start), all(t->shown), t->blocks_across, mix);
+}
+
 class PythonPainter : public Painter {
  public:
   explicit PythonPainter(nb::object painter)
@@ -54,7 +62,7 @@ class PythonPainter : public Painter {
   int most_channels() const override { return most_channels_; }
 
   void draw(const Gaussians &g, const View &view, float cutoff, const Background &background,
-            const Samples &samples) override {
+            const TextureTables *texture, const Samples &samples) override {
     const nb::gil_scoped_acquire lock;
     const nb::object mapping =
         samples.clip ? nb::object(nb::make_tuple(shown(samples.low, {g.channels}), shown(samples.span, {g.channels})))
@@ -63,7 +71,7 @@ class PythonPainter : public Painter {
       (*painter_).attr("paint")(shown(g.means, {g.count, 2}), shown(g.covariances, {g.count, 3}),
                                 shown(g.colours, {g.count, g.channels}), shown_samples(samples, view, g.channels),
                                 nb::make_tuple(view.x0, view.y0), cutoff, background_of(background, view, g.channels),
-                                mapping);
+                                texture_of(texture), mapping);
     } catch (const nb::python_error &error) {
       if (error.matches(PyExc_OverflowError)) throw std::overflow_error(error.what());
       throw;

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "raster/painter.hpp"
+#include "decoder/painter.hpp"
 
 namespace sgi {
 

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "bitstream/tile.hpp"
+#include "decoder/painter.hpp"
 #include "decoder/samples.hpp"
 #include "decoder/view.hpp"
-#include "raster/painter.hpp"
 #include "raster/rescaling.hpp"
 
 namespace sgi {
@@ -19,7 +19,7 @@ struct DecoderSettings {
   int threads = 0;  // 0: one for each core
   Isa isa = Isa::portable;
   int64_t cache_bytes = int64_t(1) << 28;    // what decoded tiles may take before those used least recently go
-  int64_t block_samples = int64_t(1) << 27;  // drawn at a time; with texture, which is drawn to floats, a sixteenth
+  int64_t block_samples = int64_t(1) << 27;  // drawn at a time; a sixteenth where the processor has texture as floats
   std::function<void()> between = nullptr;   // called between tiles by who draws them; what it throws ends the call
   bool checked = true;                       // as of `read_tile`
   int64_t tile_memory = kAnyMemory;          // as of `read_tile`
@@ -76,9 +76,11 @@ class TileRenderer {
   struct Tools {
     Rasterizer raster;
     const GaussianSet &gaussians;
-    std::unique_ptr<float[]> planes;  // of texture, as large as a block
+    const int64_t columns, rows;      // of the largest block
+    std::unique_ptr<float[]> planes;  // of texture in one, where the processor draws it
   };
 
+  bool is_painted() const;  // by another than the processor
   void take(const TileModel &model, int threads);
   const Whole *whole(const PictureView &view, int threads);
   void draw_blocks(const PictureView &view, int64_t x, int64_t y, const PixelBlock &block, const SampleFormat &format,

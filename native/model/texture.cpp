@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/thread_pool.hpp"
+#include "model/texture_bins.hpp"
 #include "model/texture_kernel.hpp"
 
 namespace sgi {
@@ -37,43 +38,6 @@ Extent extent_of(const float *amplitudes, int side) {
   return {uint8_t((down + 3) / 4 * 4), uint8_t(across)};  // the kernel takes four rows at a time
 }
 
-// Which cells each block of pixels shows, in their order, and what drawing needs of them.
-class TextureBins {
- public:
-  TextureBins(const Texture &texture, const TextureAxis &x, const TextureAxis &y, int64_t columns, int64_t rows)
-      : across((columns + kBlockWidth - 1) / kBlockWidth), down((rows + kBlockHeight - 1) / kBlockHeight),
-        begin_(texture.count + 1), start_(across * down + 1) {
-    for (int64_t i = 0; i < texture.count; ++i)
-      begin_[i + 1] = begin_[i] + (int64_t(texture.channels) << 2 * texture.log_size[i]);
-    for_each_pair(texture, x, y, [&](int64_t block, int64_t) { ++start_[block + 1]; });
-    for (size_t block = 1; block < start_.size(); ++block) start_[block] += start_[block - 1];
-    cells_.resize(start_.back());
-    std::vector<int64_t> to(start_.begin(), start_.end() - 1);
-    for_each_pair(texture, x, y, [&](int64_t block, int64_t cell) { cells_[to[block]++] = cell; });
-  }
-
-  const int64_t across, down;
-  // Where a cell's amplitudes begin.
-  int64_t begin(int64_t cell) const { return begin_[cell]; }
-  const int64_t *first(int64_t block) const { return cells_.data() + start_[block]; }
-  const int64_t *last(int64_t block) const { return cells_.data() + start_[block + 1]; }
-
- private:
-  template <class Body>
-  void for_each_pair(const Texture &texture, const TextureAxis &x, const TextureAxis &y, Body body) {
-    for (int64_t i = 0; i < texture.count; ++i) {
-      const CellAxis *h = x.cells(texture.corner[2 * i], texture.log_size[i]);
-      const CellAxis *v = y.cells(texture.corner[2 * i + 1], texture.log_size[i]);
-      if (!h || !v) continue;
-      for (int64_t r = v->first / kBlockHeight; r <= (v->first + v->count - 1) / kBlockHeight; ++r)
-        for (int64_t c = h->first / kBlockWidth; c <= (h->first + h->count - 1) / kBlockWidth; ++c)
-          body(r * across + c, i);
-    }
-  }
-
-  std::vector<int64_t> begin_, start_, cells_;
-};
-
 // Adds what a cell has in the block of columns x0 ... x1 and rows y0 ... y1 to its planes.
 void add_cell(const Texture &texture, const float *amplitudes, const Extent *extents, int side, const TextureAxis &x,
               const TextureAxis &y, const CellAxis &h, const CellAxis &v, int64_t x0, int64_t x1, int64_t y0,
@@ -103,7 +67,7 @@ void draw_texture(const Texture &texture, const OutputAxis &x, const OutputAxis 
   const TextureKernel &kernel = kernel_for<TextureKernel>(isa);
   const TextureAxis along(x, texture.width, true, {texture.corner, texture.log_size, texture.count});
   const TextureAxis downward(y, texture.height, false, {texture.corner + 1, texture.log_size, texture.count});
-  const TextureBins bins(texture, along, downward, x.count, y.count);
+  const TextureBins bins(texture, along, downward, {kBlockWidth, kBlockHeight, x.count, y.count});
   const int channels = texture.channels;
   std::vector<Extent> extents(texture.count * channels);
   parallel_for((texture.count + kRun - 1) / kRun, threads, [&](int64_t run) {

@@ -53,6 +53,7 @@ class TextureAxis {
     return &all.axes[index];
   }
   const float *values() const { return values_.data(); }
+  const std::vector<float> &all() const { return values_; }
 
  private:
   struct Cells {

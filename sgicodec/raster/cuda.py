@@ -46,10 +46,11 @@ class CudaRasterizer:
         origin: tuple[int, int] = (0, 0),
         background: Background | None = None,
         mapping: Mapping | None = None,
+        planes: GpuArray | None = None,
     ) -> None:
-        """As in `Backend`."""
+        """As in `Backend`; `planes` [C, height, width] on the GPU stand for those of the background."""
         image = self._image((means, covariances, colours), CudaView(out.shape[1], out.shape[0], *origin), False)
-        samples = stored_samples(image, background or nothing_behind(colours.shape[1]), mapping, out.dtype)
+        samples = stored_samples(image, background or nothing_behind(colours.shape[1]), mapping, out.dtype, planes)
         if out.flags.c_contiguous:
             samples.download(out)
         else:

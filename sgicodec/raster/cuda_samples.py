@@ -19,9 +19,11 @@ _TYPES = {np.dtype(np.uint8): 0, np.dtype(np.uint16): 1, np.dtype(np.float32): 2
 """As SampleType numbers them (native/base/sample.hpp)."""
 
 
-def stored_samples(image: GpuArray, behind: Background, mapping: Mapping | None, dtype: np.dtype[Any]) -> GpuArray:
+def stored_samples(
+    image: GpuArray, behind: Background, mapping: Mapping | None, dtype: np.dtype[Any], planes: GpuArray | None = None
+) -> GpuArray:
     """Samples [height, width, C] of this type, of an image [C, height, width] on what is behind it. Values as they are
-    without a mapping, then of float32.
+    without a mapping, then of float32. `planes` on the GPU stand for those of `behind`.
     """
     gpu, (channels, height, width) = image.gpu, image.shape
     if mapping is None and dtype != np.float32:
@@ -33,6 +35,8 @@ def stored_samples(image: GpuArray, behind: Background, mapping: Mapping | None,
     if mapping is not None:
         given |= {"low": mapping.low, "span": mapping.span}
     held = {name: gpu.put(array) for name, array in given.items() if array is not None}
+    if planes is not None:
+        held["planes"] = planes
     arguments = structures()["SampleArguments"](
         **{name: array.address for name, array in held.items()},
         **{"image": image.address, "channels": channels, "width": width, "height": height, "out": out.address},

@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.cuda.gpu import Gpu
+from sgicodec.cuda.gpu import Gpu, GpuArray
 from sgicodec.cuda.tiles import MOST_CHANNELS
 from sgicodec.raster.backend import Background, Mapping, nothing_behind
 from sgicodec.raster.cuda import CudaRasterizer
+from sgicodec.raster.cuda_texture import TextureTables, drawn_texture
 
 __all__ = ["GpuPainter"]
 
@@ -21,7 +22,7 @@ MOST_PAIRS = 1 << 26
 
 
 class GpuPainter:
-    """Gaussians, base layer, texture that was drawn and samples, on a GPU that all painters of a process share: threads
+    """Gaussians, base layer, texture and samples, on a GPU that all painters of a process share: threads
     take turns. The decoder calls it (native/bindings/python_painter.cpp).
     """
 
@@ -39,6 +40,7 @@ class GpuPainter:
         origin: tuple[int, int],
         cutoff: float,
         background: tuple[F32 | None, NDArray[np.int32] | None, F32 | None, F32 | None],
+        texture: tuple[Any, ...] | None,
         mapping: tuple[F32, F32] | None,
     ) -> None:
         """As `Backend.draw`; of a background, None is what there is none of. Raises OverflowError for too many pairs of
@@ -51,4 +53,8 @@ class GpuPainter:
             behind = Background(lines, top, down, planes)
         with self._gpu.turn:
             raster = CudaRasterizer(self._gpu, cutoff, MOST_PAIRS)
-            raster.draw(means, covariances, colours, out, origin, behind, mapping and Mapping(*mapping))
+            drawn: GpuArray | None = None
+            if texture is not None:
+                self._gpu.use()
+                drawn = drawn_texture(self._gpu, TextureTables(*texture), (colours.shape[1], *out.shape[:2]))
+            raster.draw(means, covariances, colours, out, origin, behind, mapping and Mapping(*mapping), drawn)

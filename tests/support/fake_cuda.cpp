@@ -184,12 +184,17 @@ size_t sgi_fake_allocated() { return allocated; }
 
 // The size of a struct of cuda/arguments.hpp, and where some of its fields lie.
 int sgi_fake_size(const char *name) {
-  const std::map<std::string, size_t> sizes{
-      {"RasterArguments", sizeof(sgi::RasterArguments)}, {"ScanArguments", sizeof(sgi::ScanArguments)},
-      {"SampleArguments", sizeof(sgi::SampleArguments)}, {"EnergyArguments", sizeof(sgi::EnergyArguments)},
-      {"RowArguments", sizeof(sgi::RowArguments)},       {"ResidualArguments", sizeof(sgi::ResidualArguments)},
-      {"FitArguments", sizeof(sgi::FitArguments)},       {"StepNumbers", sizeof(sgi::StepNumbers)},
-      {"StepReport", sizeof(sgi::StepReport)},           {"AdamArguments", sizeof(sgi::AdamArguments)}};
+  const std::map<std::string, size_t> sizes{{"RasterArguments", sizeof(sgi::RasterArguments)},
+                                            {"ScanArguments", sizeof(sgi::ScanArguments)},
+                                            {"SampleArguments", sizeof(sgi::SampleArguments)},
+                                            {"TextureArguments", sizeof(sgi::TextureArguments)},
+                                            {"EnergyArguments", sizeof(sgi::EnergyArguments)},
+                                            {"RowArguments", sizeof(sgi::RowArguments)},
+                                            {"ResidualArguments", sizeof(sgi::ResidualArguments)},
+                                            {"FitArguments", sizeof(sgi::FitArguments)},
+                                            {"StepNumbers", sizeof(sgi::StepNumbers)},
+                                            {"StepReport", sizeof(sgi::StepReport)},
+                                            {"AdamArguments", sizeof(sgi::AdamArguments)}};
   return int(sizes.at(name));
 }
 int sgi_fake_offset(int number) {

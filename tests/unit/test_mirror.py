@@ -45,6 +45,7 @@ TESTED_ELSEWHERE = {
     "profiles/*": "unit/profiles/test_profiles.py",
     "rate_control/*": "system/test_targets.py",
     "raster/cuda_samples": "unit/raster/test_cuda.py",
+    "raster/cuda_texture": "unit/raster/test_painter.py",
     "rdoq/settings": "unit/rdoq/test_rdoq.py",
     "server/*": "system/server",
     "tools/*": "unit/tools/test_programs.py",

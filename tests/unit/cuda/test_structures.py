@@ -12,7 +12,7 @@ from sgicodec.cuda import sources
 from sgicodec.cuda.structures import structures
 
 NAMES = (
-    *("RasterArguments", "SampleArguments", "ScanArguments"),
+    *("RasterArguments", "SampleArguments", "TextureArguments", "ScanArguments"),
     *("FitArguments", "StepNumbers", "StepReport", "AdamArguments"),
     *("EnergyArguments", "RowArguments", "ResidualArguments"),
 )

@@ -11,12 +11,14 @@ import pytest
 from fake_cuda import backwards, fake_driver, only_gpu, shared_gpu
 
 from sgicodec import decode
+from sgicodec.cuda.gpu import GpuArray
 from sgicodec.decoder import stream as streams
 from sgicodec.decoder.stream import Stream, open_stream
 from sgicodec.device import Device
 from sgicodec.errors import LimitError
 from sgicodec.raster import painter
 from sgicodec.raster.cuda import CudaRasterizer
+from sgicodec.raster.cuda_texture import drawn_texture
 
 GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
 LEVELS = {"uint8": 1.0, "uint16": 257.0}
@@ -77,6 +79,29 @@ def test_any_view(name: str, view: dict[str, Any], gpu: Device, drawn: list[tupl
     with open_stream(path, gpu) as ours, open_stream(path, Device(1)) as theirs:
         check(ours, theirs, **view)
     assert drawn
+
+
+@pytest.mark.parametrize("view", [{}, {"region": (20, 9, 70, 60)}, {"scale": 0.7}, {"scale": 3.0}], ids=str)
+@pytest.mark.parametrize("name", ["rgb8-texture", "gray16-texture", "rgba8-texture"])
+def test_texture_is_drawn_where_it_is_shown(
+    name: str, view: dict[str, Any], gpu: Device, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By blocks of pixels whose threads run in any order, to what the processor draws, rounding apart."""
+    planes = list[np.ndarray[Any, Any]]()
+
+    def noted(*arguments: Any) -> GpuArray:
+        drawn = drawn_texture(*arguments)
+        planes.append(drawn.download())
+        return drawn
+
+    monkeypatch.setattr(painter, "drawn_texture", noted)
+    with open_stream(GOLDEN / f"{name}.sgi", gpu) as ours, open_stream(GOLDEN / f"{name}.sgi", Device(1)) as theirs:
+        found, expected = ours.render(**view), theirs.render(**view)
+        with backwards():
+            np.testing.assert_array_equal(ours.render(**view), found)
+    assert all(plane.std() > 1e-3 and np.isfinite(plane).all() for plane in planes)
+    assert planes[0].shape == (found.shape[2], *found.shape[:2])
+    assert np.abs(found - expected).max() < 0.004
 
 
 def test_decode_and_bands(gpu: Device, drawn: list[tuple[int, ...]], monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,5 +1,6 @@
 // Who draws in the processor's place, such as a GPU.
 #pragma once
+#include "model/texture_tables.hpp"
 #include "raster/rasterizer.hpp"
 
 namespace sgi {
@@ -10,9 +11,10 @@ class Painter {
   virtual ~Painter() = default;
   // Of what it draws; the processor draws what has more.
   virtual int most_channels() const = 0;
-  // As Rasterizer::draw. Throws std::overflow_error for too many pairs of tile and Gaussian.
+  // As Rasterizer::draw, on texture too, unless that is null. Throws std::overflow_error for too many pairs of tile and
+  // Gaussian.
   virtual void draw(const Gaussians &g, const View &view, float cutoff, const Background &background,
-                    const Samples &samples) = 0;
+                    const TextureTables *texture, const Samples &samples) = 0;
 };
 
 }  // namespace sgi

@@ -1,0 +1,52 @@
+// Which cells of texture each block of pixels shows.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "model/texture.hpp"
+
+namespace sgi {
+
+// In their order, and where their amplitudes begin.
+class TextureBins {
+ public:
+  struct Blocks {
+    int64_t width, height, columns, rows;  // of a block, of all pixels
+  };
+
+  TextureBins(const Texture &texture, const TextureAxis &x, const TextureAxis &y, const Blocks &blocks)
+      : across((blocks.columns + blocks.width - 1) / blocks.width),
+        down((blocks.rows + blocks.height - 1) / blocks.height), width_(blocks.width), height_(blocks.height),
+        begin_(texture.count + 1), start_(across * down + 1) {
+    for (int64_t i = 0; i < texture.count; ++i)
+      begin_[i + 1] = begin_[i] + (int64_t(texture.channels) << 2 * texture.log_size[i]);
+    for_each_pair(texture, x, y, [&](int64_t block, int64_t) { ++start_[block + 1]; });
+    for (size_t block = 1; block < start_.size(); ++block) start_[block] += start_[block - 1];
+    cells_.resize(start_.back());
+    std::vector<int64_t> to(start_.begin(), start_.end() - 1);
+    for_each_pair(texture, x, y, [&](int64_t block, int64_t cell) { cells_[to[block]++] = cell; });
+  }
+
+  const int64_t across, down;
+  // Where a cell's amplitudes begin.
+  int64_t begin(int64_t cell) const { return begin_[cell]; }
+  const int64_t *first(int64_t block) const { return cells_.data() + start_[block]; }
+  const int64_t *last(int64_t block) const { return cells_.data() + start_[block + 1]; }
+
+ private:
+  template <class Body>
+  void for_each_pair(const Texture &texture, const TextureAxis &x, const TextureAxis &y, Body body) {
+    for (int64_t i = 0; i < texture.count; ++i) {
+      const CellAxis *h = x.cells(texture.corner[2 * i], texture.log_size[i]);
+      const CellAxis *v = y.cells(texture.corner[2 * i + 1], texture.log_size[i]);
+      if (!h || !v) continue;
+      for (int64_t r = v->first / height_; r <= (v->first + v->count - 1) / height_; ++r)
+        for (int64_t c = h->first / width_; c <= (h->first + h->count - 1) / width_; ++c) body(r * across + c, i);
+    }
+  }
+
+  const int64_t width_, height_;
+  std::vector<int64_t> begin_, start_, cells_;
+};
+
+}  // namespace sgi
