@@ -105,7 +105,8 @@ float TextureRootSearch::decide_node(const TextureCell &cell, std::vector<int> &
   const auto [squares, whole, divided] = prospect(cell);
   std::vector<Choice> choices(field_.channels);
   float leaf = kImpossible;
-  if (whole <= sought_.settings.doubt * divided) leaf = choose_leaf(cell, choices) + cost(textured, 1) + (splits ? cost(split, 0) : 0);
+  if (whole <= sought_.settings.doubt * divided)
+    leaf = choose_leaf(cell, choices) + cost(textured, 1) + (splits ? cost(split, 0) : 0);
   const float nothing = squares + cost(textured, 0);
   const size_t begin = plan.size();
   plan.push_back(leaf < nothing ? kTextureLeaf : kNoTexture);
