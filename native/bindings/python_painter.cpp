@@ -3,11 +3,13 @@
 #include <nanobind/ndarray.h>
 
 #include <initializer_list>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
 #include "bindings/held.hpp"
+#include "model/texture_tables.hpp"
 
 namespace nb = nanobind;
 
@@ -46,7 +48,7 @@ nb::object background_of(const Background &b, const View &view, int channels) {
                         shown(b.down, {view.height, b.taps}), planes);
 }
 
-nb::object texture_of(const TextureTables *t) {
+nb::object shown_texture(const std::optional<TextureTables> &t) {
   if (!t) return nb::none();
   const auto all = [](const auto &values) { return shown(values.data(), {int64_t(values.size())}); };
   const nb::object mix = t->mix ? shown(t->mix, {9}) : nb::object(nb::none());
@@ -62,7 +64,10 @@ class PythonPainter : public Painter {
   int most_channels() const override { return most_channels_; }
 
   void draw(const Gaussians &g, const View &view, float cutoff, const Background &background,
-            const TextureTables *texture, const Samples &samples) override {
+            const TextureView *texture, const Samples &samples) override {
+    std::optional<TextureTables> tables;
+    if (texture) tables = texture_tables(texture->texture, texture->x, texture->y, texture->mix);
+    if (texture && !tables) throw std::overflow_error("more texture than 32 bits count");
     const nb::gil_scoped_acquire lock;
     const nb::object mapping =
         samples.clip ? nb::object(nb::make_tuple(shown(samples.low, {g.channels}), shown(samples.span, {g.channels})))
@@ -71,7 +76,7 @@ class PythonPainter : public Painter {
       (*painter_).attr("paint")(shown(g.means, {g.count, 2}), shown(g.covariances, {g.count, 3}),
                                 shown(g.colours, {g.count, g.channels}), shown_samples(samples, view, g.channels),
                                 nb::make_tuple(view.x0, view.y0), cutoff, background_of(background, view, g.channels),
-                                texture_of(texture), mapping);
+                                shown_texture(tables), mapping);
     } catch (const nb::python_error &error) {
       if (error.matches(PyExc_OverflowError)) throw std::overflow_error(error.what());
       throw;

@@ -158,8 +158,9 @@ void TileRenderer::draw_blocks(const PictureView &view, int64_t x, int64_t y, co
   const int64_t most = std::max<int64_t>(1, settings_.block_samples / (texture_ && !is_painted() ? 16 : 1));
   const int64_t width = std::min(block.columns, int64_t(std::ceil(4 * std::sqrt(double(most)))));  // flat blocks
   const int64_t height = std::max<int64_t>(1, most / (width * header_.spec.channels));
-  Tools tools{Rasterizer(settings_.isa, threads, kMostPairs), seen(view, threads), width, std::min(height, block.rows),
-              nullptr};
+  Tools tools{Rasterizer(settings_.isa, threads, kMostPairs), seen(view, threads), nullptr};
+  if (texture_ && !is_painted())
+    tools.planes.reset(new float[header_.spec.channels * std::min(height, block.rows) * width]);
   for (int64_t top = 0; top < block.rows; top += height)
     for (int64_t left = 0; left < block.columns; left += width) {
       const PixelBlock part =
@@ -182,7 +183,7 @@ void TileRenderer::draw_block(Tools &tools, const PictureView &view, int64_t x, 
     behind.lines = base.lines.data(), behind.count = base.count, behind.width = block.columns;
     behind.top = base.top.data(), behind.down = base.down.data(), behind.taps = base.taps;
   }
-  std::optional<TextureTables> tables;
+  std::optional<TextureView> textured;
   if (texture_) {
     const Texture texture{texture_->corner.data(),
                           texture_->log_size.data(),
@@ -192,9 +193,8 @@ void TileRenderer::draw_block(Tools &tools, const PictureView &view, int64_t x, 
                           header_.width,
                           header_.height};
     const float *mix = texture_mix_.empty() ? nullptr : texture_mix_.data();
-    if (is_painted()) tables = texture_tables(texture, across, down, mix);
-    if (!tables) {
-      if (!tools.planes) tools.planes.reset(new float[spec.channels * tools.rows * tools.columns]);
+    textured = TextureView{texture, across, down, mix};
+    if (!is_painted()) {
       draw_texture(texture, across, down, mix, threads, settings_.isa, tools.planes.get());
       behind.planes = tools.planes.get(), behind.height = block.rows, behind.plane_width = block.columns;
     }
@@ -205,7 +205,7 @@ void TileRenderer::draw_block(Tools &tools, const PictureView &view, int64_t x, 
   try {
     const Gaussians gaussians = tools.gaussians.view();
     if (is_painted())
-      settings_.painter->draw(gaussians, crop, kCutoff, behind, tables ? &*tables : nullptr, format.samples(block));
+      settings_.painter->draw(gaussians, crop, kCutoff, behind, textured ? &*textured : nullptr, format.samples(block));
     else
       tools.raster.draw(gaussians, crop, kCutoff, behind, format.samples(block));
   } catch (const std::overflow_error &) {

@@ -76,8 +76,7 @@ class TileRenderer {
   struct Tools {
     Rasterizer raster;
     const GaussianSet &gaussians;
-    const int64_t columns, rows;      // of the largest block
-    std::unique_ptr<float[]> planes;  // of texture in one, where the processor draws it
+    std::unique_ptr<float[]> planes;  // of texture, as large as a block, where the processor draws it
   };
 
   bool is_painted() const;  // by another than the processor
