@@ -57,7 +57,7 @@ def followed(path: Path, lmbda: float, steps: int, device: Device) -> Followed:
         states.append(state)
         return True
 
-    settings = EncodeSettings(lmbda=lmbda, steps=steps)
+    settings = EncodeSettings(lmbda=lmbda, steps=steps, hurry=False)  # as those with a target
     encoding = Encoding(picture, stream_plan(Shape.of(picture), settings), time.monotonic(), device)
     candidate = encoding.candidate(encoding.fitted(on_progress))
     streams = [encoding.encoded(one) for one in (candidate, encoding.searched(candidate))]

@@ -56,7 +56,8 @@ def outcomes(path: Path, qualities: list[float], effort: int, threads: int) -> l
         sums = cell_sums(base_layer(spec, unit, lmbda)[2], ROOT_LOG)
         price = default_settings(lmbda, EFFORTS[effort]).split_price
         rd_model = RdModel(sums, len(unit), unit[0].size, price)
-        data = encode_picture(picture, EncodeSettings(quality=quality, effort=effort), device=Device(threads)).data
+        settings = EncodeSettings(quality=quality, effort=effort, hurry=False)
+        data = encode_picture(picture, settings, device=Device(threads)).data
         decoded = open_stream(data, Device(threads)).picture()
         error = 10 ** (-0.1 * psnr(comparable(picture), comparable(decoded)))
         seeds = lmbda, *rd_model.seeds(lmbda), *rd_model.seeds(lmbda, HIGHER_PRICE)

@@ -16,7 +16,7 @@ from sgicodec.executors.processes import ProcessExecutor
 from sgicodec.image import open_source
 from sgicodec.metrics.psnr import psnr
 
-GOALS: tuple[dict[str, float], ...] = ({"bpp": 1.0}, {"psnr": 27.0})
+GOALS: tuple[dict[str, float], ...] = ({"bpp": 1.5}, {"psnr": 27.0})
 
 
 @pytest.fixture(params=GOALS, ids=["bpp", "psnr"], scope="module")
