@@ -57,6 +57,10 @@ class Device:
         """The same without a GPU."""
         return replace(self, gpu=None, gpus=1)
 
+    def shared_among(self, workers: int) -> Device:
+        """What each of so many workers has, who compute at the same time."""
+        return self.with_threads(max(1, self.cores // max(1, workers)))
+
     def with_threads(self, threads: int) -> Device:
         """The same with another number of threads."""
         return replace(self, threads=threads)

@@ -37,8 +37,7 @@ def decoding_device_of(name: str = "auto", threads: int = 0) -> Device:
     """The device that decodes: as `device_of`, but `auto` is the processor, which has drawn most pictures before a GPU
     is ready (docs/performance.md), and `cuda` one GPU.
     """
-    device = device_of("cpu" if name == "auto" else name, threads)
-    return device if device.gpu is None else Device(threads, gpu=device.gpu)
+    return device_of("cpu" if name == "auto" else name, threads).of_tile(0)
 
 
 def _usable(number: int) -> int:

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections import Counter, deque
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import replace
 from typing import Any, TypeVar
 
 from sgicodec.device import Device
-from sgicodec.errors import TileFailedError, UsageError, require
-from sgicodec.executors.executor import TRIES, Failure, Memory
+from sgicodec.errors import UsageError, require
+from sgicodec.executors.executor import Failure, Memory, Tries
 
 __all__ = ["Cluster", "open_cluster"]
 
@@ -54,7 +54,7 @@ class Cluster:
         """
         from distributed import as_completed
 
-        waiting, failures, tiles = deque(numbers), Counter[int](), dict[Any, int]()
+        waiting, tries, tiles = deque(numbers), Tries(), dict[Any, int]()
         done, ahead = as_completed(), self.workers
         if make_ready is None:
             ahead *= _AHEAD
@@ -73,9 +73,7 @@ class Cluster:
             number = tiles.pop(future)
             outcome = future.result() if future.status == "finished" else _lost(future)
             if isinstance(outcome, Failure):
-                failures[number] += 1
-                if outcome.final or failures[number] == TRIES:
-                    raise TileFailedError(number, outcome.message)
+                tries.failed(number, outcome)
                 waiting.appendleft(number)
             else:
                 yield number, outcome

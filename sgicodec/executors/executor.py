@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
 from sgicodec.device import Device
-from sgicodec.errors import SgiError, UsageError
+from sgicodec.errors import SgiError, TileFailedError, UsageError
 
-__all__ = ["MIB", "TRIES", "Executor", "Failure", "Memory"]
+__all__ = ["MIB", "TRIES", "Executor", "Failure", "Memory", "Tries"]
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
@@ -94,3 +95,16 @@ class Failure:
     def of(cls, error: Exception) -> Failure:
         """An error of the input's is final; others may be the machine's."""
         return cls(str(error) or type(error).__name__, isinstance(error, SgiError))
+
+
+class Tries:
+    """How often jobs have failed in a run."""
+
+    def __init__(self) -> None:
+        self._failed = Counter[int]()
+
+    def failed(self, number: int, failure: Failure, cause: Exception | None = None) -> None:
+        """Counts a failure. Raises TileFailedError unless the job is to be tried again."""
+        self._failed[number] += 1
+        if failure.final or self._failed[number] == TRIES:
+            raise TileFailedError(number, failure.message) from cause

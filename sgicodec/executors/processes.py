@@ -5,15 +5,15 @@ from __future__ import annotations
 import contextlib
 import os
 import signal
-from collections import Counter, deque
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from sgicodec.device import Device
-from sgicodec.errors import TileFailedError, UsageError
+from sgicodec.errors import UsageError
 from sgicodec.executors.available import workers_that_fit
-from sgicodec.executors.executor import TRIES, Executor, Failure, Memory
+from sgicodec.executors.executor import Executor, Failure, Memory, Tries
 from sgicodec.executors.peak import Peaks, own_peak
 from sgicodec.executors.serial import SerialExecutor
 
@@ -51,7 +51,7 @@ class ProcessExecutor:
 
     def device(self, whole: Device, jobs: int) -> Device:
         """The threads are shared among the workers."""
-        return whole.with_threads(max(1, whole.cores // max(1, min(self.workers, jobs))))
+        return whole.shared_among(min(self.workers, jobs))
 
     def run(
         self,
@@ -101,7 +101,7 @@ class _Pool(Generic[Job, Result]):
     def run(self, numbers: Iterable[int], job_of: Callable[[int], Job]) -> Iterator[tuple[int, Result]]:
         from multiprocessing.connection import wait
 
-        waiting, failures = deque(numbers), Counter[int]()
+        waiting, tries = deque(numbers), Tries()
         while waiting or any(worker.tile is not None for worker in self._workers):
             for worker in self._workers:
                 if worker.tile is None and waiting:
@@ -119,9 +119,7 @@ class _Pool(Generic[Job, Result]):
                 if not isinstance(outcome, Failure):
                     yield number, outcome
                     continue
-                failures[number] += 1
-                if outcome.final or failures[number] == TRIES:
-                    raise TileFailedError(number, outcome.message)
+                tries.failed(number, outcome)
                 waiting.appendleft(number)
 
     def _send(self, worker: _Worker, job_of: Callable[[int], Job]) -> None:

@@ -6,8 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import TypeVar
 
 from sgicodec.device import Device
-from sgicodec.errors import TileFailedError
-from sgicodec.executors.executor import TRIES, Failure, Memory
+from sgicodec.executors.executor import TRIES, Failure, Memory, Tries
 
 __all__ = ["SerialExecutor"]
 
@@ -39,14 +38,13 @@ class SerialExecutor:
         """As in `Executor`."""
         if make_ready is not None:
             make_ready()
+        tries = Tries()
         for number in numbers:
-            for attempt in range(TRIES):
+            for _ in range(TRIES):
                 try:
                     result = task(number, job_of(number))
                 except Exception as error:
-                    failure = Failure.of(error)
-                    if failure.final or attempt == TRIES - 1:
-                        raise TileFailedError(number, failure.message) from error
+                    tries.failed(number, Failure.of(error), error)
                 else:
                     yield number, result
                     break

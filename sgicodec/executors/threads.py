@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections import Counter, deque
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
@@ -12,9 +12,9 @@ from threading import Event
 from typing import TypeVar
 
 from sgicodec.device import Device
-from sgicodec.errors import TileFailedError, UsageError
+from sgicodec.errors import UsageError
 from sgicodec.executors.available import workers_that_fit
-from sgicodec.executors.executor import TRIES, Executor, Failure, Memory
+from sgicodec.executors.executor import Executor, Failure, Memory, Tries
 from sgicodec.executors.serial import SerialExecutor
 
 __all__ = ["ThreadExecutor", "stopping"]
@@ -53,7 +53,7 @@ class ThreadExecutor:
 
     def device(self, whole: Device, jobs: int) -> Device:
         """The threads are shared among the workers."""
-        return whole.with_threads(max(1, whole.cores // max(1, min(self.workers, jobs))))
+        return whole.shared_among(min(self.workers, jobs))
 
     def run(
         self,
@@ -65,7 +65,7 @@ class ThreadExecutor:
         """As in `Executor`."""
         if make_ready is not None:
             make_ready()
-        waiting, failures = deque(numbers), Counter[int]()
+        waiting, tries = deque(numbers), Tries()
         running = dict[Future[Result], int]()
         with _pool(self.workers) as pool:
             while waiting or running:
@@ -79,9 +79,7 @@ class ThreadExecutor:
                         continue
                     if not isinstance(error, Exception):
                         raise error
-                    failure, failures[number] = Failure.of(error), failures[number] + 1
-                    if failure.final or failures[number] == TRIES:
-                        raise TileFailedError(number, failure.message) from error
+                    tries.failed(number, Failure.of(error), error)
                     waiting.appendleft(number)
 
 
