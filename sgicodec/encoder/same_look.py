@@ -8,7 +8,7 @@ linear fit to 69 pictures (docs/notes/2026-11-same-look.md).
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import product
 from math import ceil
 
@@ -76,13 +76,15 @@ class LookSteps:
     quality: float | None
     step: int
     passes: int
+    _begin: int = field(init=False)
+    _scores: int = field(init=False, default=0)
 
     def __post_init__(self) -> None:
-        self._begin, self._stay_from, self._scores = self.step, max(1, self.passes - 1), 0
+        self._begin = self.step
 
     def after(self, score: float | None) -> int:
         """The index for the next layer, if the last one had this SSIMULACRA 2 score; None where there was none."""
-        if self.quality is None or score is None or self._scores == self._stay_from:
+        if self.quality is None or score is None or self._scores == max(1, self.passes - 1):
             return self.step
         to_come = _GAIN * (self.passes - self._scores) ** 0.5
         self._scores += 1

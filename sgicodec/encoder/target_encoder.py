@@ -29,7 +29,7 @@ class TargetEncoder(ABC):
     def run(self, on_progress: Callable[[Progress], bool] | None) -> Encoded:
         """Fits and writes. Raises TargetMissedError, with the nearest stream, where the target cannot be reached."""
         if self.encoding.holds_nothing:
-            return self.encoding.nothing()
+            return self.encoding.stream.nothing(self.encoding.lmbda)
 
         def watch(state: Progress) -> bool:
             self.ended = on_progress is not None and not on_progress(state)
@@ -46,4 +46,5 @@ class TargetEncoder(ABC):
 
     def _extra(self) -> float:
         """Bytes of metadata and of networks that travel in the stream."""
-        return self.encoding.blob_bytes() + network_bytes(self.encoding.network_weights)
+        stream = self.encoding.stream
+        return stream.blob_bytes + network_bytes(stream.network_weights)

@@ -1,9 +1,7 @@
-"""One picture, or one tile, on its way to a stream: fit, RDOQ, chunks."""
+"""One picture, or one tile, on its way to a stream: fit, RDOQ, texture."""
 
 from __future__ import annotations
 
-import io
-import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -12,14 +10,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.bitstream.parts.tile import write_tile
-from sgicodec.bitstream.parts.tile_chunk import encode_tile_chunk
-from sgicodec.bitstream.stream_writer import write_stream
-from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ALL_CORES, Device
-from sgicodec.encoder.candidate import Candidate, candidate_of, written
+from sgicodec.encoder.candidate import Candidate, candidate_of
 from sgicodec.encoder.coded_samples import coded_samples
 from sgicodec.encoder.encoded import Encoded
 from sgicodec.encoder.plan import Plan
@@ -28,17 +22,15 @@ from sgicodec.encoder.score_ascent import ScoreAscent, ascent_passes
 from sgicodec.encoder.texture_handover import HANDOVER, LOOK_AHEAD, Handover
 from sgicodec.encoder.texture_share import EXACT_STEPS, TextureCosts, is_scouted, seed_share, seed_weights
 from sgicodec.encoder.texture_tuning import TUNINGS, TextureTuning
+from sgicodec.encoder.tile_stream import TileStream
 from sgicodec.encoder.tile_time import TileTime
 from sgicodec.fit.base_layer import base_layer
 from sgicodec.metrics.choices import DISTORTIONS
 from sgicodec.metrics.distortion import QuadraticReference, Reference, mean_weight
-from sgicodec.metrics.psnr import psnr
-from sgicodec.metrics.visual_score import visual_score
-from sgicodec.model.context import input_count
 from sgicodec.model.layout import ROOT_LOG, SeedLayout, adaptive_layout, cell_sums, uniform_layout
 from sgicodec.model.luma_space import to_luma_space
 from sgicodec.model.texture_symbols import TextureSymbols
-from sgicodec.picture import Picture, comparable, to_rgb8
+from sgicodec.picture import Picture
 from sgicodec.rate_control.lambda_controller import LambdaController
 from sgicodec.rate_control.rd_model import RdModel
 from sgicodec.rate_control.target import Measured
@@ -56,7 +48,7 @@ class Encoding:
     """The parts of an encode, for those who put them in order. `started`: a value of time.monotonic(); `ending` says
     whether the caller wants what is there; `stage` is called when a stage begins.
 
-    `fit` holds the settings of the next fit; `begin` sets its λ, which the base layer follows.
+    `fit` holds the settings of the next fit; `begin` sets its λ, which the base layer follows. `stream` writes.
     """
 
     def __init__(self, picture: Picture, plan: Plan, started: float, device: Device = ALL_CORES) -> None:
@@ -67,6 +59,7 @@ class Encoding:
         self.stage: Callable[[str], None] = lambda _: None
         self.spec = plan.header.spec
         self.unit, self.empty = coded_samples(picture, plan.header.masked)
+        self.stream = TileStream(picture, plan, self.empty, device)
         self._contrast = self.tuning.contrast(self.unit)
         if self.spec.luma_space:
             self.unit = np.tensordot(to_luma_space(self.spec.channels).astype(np.float32), self.unit, axes=1)
@@ -97,17 +90,13 @@ class Encoding:
     def run(self, on_progress: Callable[[Progress], bool] | None) -> Encoded:
         """Fits at a constant λ and writes."""
         if self.holds_nothing:
-            return self.nothing()
+            return self.stream.nothing(self.lmbda)
         return self.encoded(self.textured(self.searched(self.candidate(self.fitted(on_progress)))))
 
     @property
     def holds_nothing(self) -> bool:
         """Whether no pixel needs to be coded."""
         return self.empty is not None and bool(self.empty.all())
-
-    def nothing(self) -> Encoded:
-        """The stream of a picture that holds nothing."""
-        return Encoded(self.assembled(self.plan.header, None)[0], {}, 0, 0, self.lmbda)
 
     def fitted(
         self,
@@ -249,55 +238,18 @@ class Encoding:
         return replace(candidate, model=replace(candidate.model, texture=found, decoded=None))
 
     def encoded(self, candidate: Candidate) -> Encoded:
-        """The stream."""
-        if self.spec.texture and candidate.model.texture is None:
-            spec = replace(self.spec, texture=False)
-            candidate = replace(candidate, header=replace(candidate.header, spec=spec))
-        payload, parts = written(candidate)
-        data, chunk_bytes = self.assembled(candidate.header, payload)
-        if candidate.header.masked is not None:
-            parts["mask"] = chunk_bytes - len(payload)
-        seeds = len(candidate.model.layout)
-        return Encoded(data, parts, seeds, seeds * self.spec.per_seed, self.lmbda)
+        """The stream of a candidate."""
+        return self.stream.encoded(candidate, self.lmbda)
 
     def measured(self, candidate: Candidate) -> tuple[Encoded, Measured]:
-        """The stream and what it is; of its PSNR and score, only what is asked for."""
-        encoded, quality, score = self.encoded(candidate), math.inf, math.nan
-        if self.settings.psnr is None and self.settings.ssimulacra2 is None:
-            return encoded, Measured(len(encoded.data), quality)
-        with open_stream(encoded.data, self.device.processor) as stream:
-            decoded = stream.picture()
-        if self.settings.psnr is not None:
-            shown = np.array(True) if self.empty is None else ~self.empty[..., None]
-            quality = psnr(*(np.where(shown, comparable(p), 0) for p in (self.picture, decoded)))
-        else:
-            score = visual_score(to_rgb8(self.picture), to_rgb8(decoded), self.device)
-        return encoded, Measured(len(encoded.data), quality, score)
+        """The stream of a candidate and what it is."""
+        encoded = self.encoded(candidate)
+        return encoded, self.stream.measured(encoded)
 
     def rd_model(self) -> RdModel:
         """The R-D model that predicts the outcome of fits."""
         sums, weight = cell_sums(self.target, ROOT_LOG), mean_weight(self.reference, self.target)
         return RdModel(sums, len(self.target), self.target[0].size, self.fit.split_price, weight)
-
-    @property
-    def network_weights(self) -> int:
-        """Number of weights of a network that travels in the stream."""
-        spec = self.spec
-        if spec.context.prior:
-            return 0
-        return spec.context.hidden * sum(input_count(spec, step) for step in range(len(spec.context.steps)))
-
-    def blob_bytes(self) -> int:
-        """Bytes of the metadata that the stream keeps."""
-        metadata = self.picture.metadata
-        blobs = (metadata.icc, metadata.exif, metadata.xmp) if self.settings.metadata else ()
-        return sum(len(blob) for blob in blobs if blob)
-
-    def assembled(self, header: Header, model: bytes | None) -> tuple[bytes, int]:
-        """The stream, and the bytes of its tile's payload."""
-        buffer, chunk = io.BytesIO(), encode_tile_chunk(header, 0, self.empty, model)
-        write_stream(buffer, header, self.plan.software, self.plan.metadata, [chunk])
-        return buffer.getvalue(), len(chunk)
 
 
 def make_ready() -> None:

@@ -75,7 +75,7 @@ class LookaheadTask:
             return RdTable((0.0,) * len(LMBDA_GRID), (0.0,) * len(LMBDA_GRID))
         _, _, width, height = self.plan.header.grid.core(number)
         samples = width * height * self.plan.header.spec.channels
-        rd_model, side = tile.rd_model(), tile_side_bytes(tile.network_weights)
+        rd_model, side = tile.rd_model(), tile_side_bytes(tile.stream.network_weights)
         found = [rd_model.predict(lmbda) for lmbda in LMBDA_GRID]
         sizes = tuple(max(size - EMPTY_STREAM_BYTES, 0.0) + side for size, _ in found)
         return RdTable(sizes, tuple(samples * error for _, error in found))
@@ -170,7 +170,7 @@ def _finished(tile: Encoding, plan: Plan, number: int, candidate: Candidate | No
     if header.masked is not None:
         parts["mask"] = len(payload) - len(model or b"")
     coded = time.monotonic()
-    with open_stream(tile.assembled(tile.plan.header, model)[0], tile.device.processor) as stream:
+    with open_stream(tile.stream.assembled(tile.plan.header, model)[0], tile.device.processor) as stream:
         decoded = stream.picture()
     decoding = time.monotonic() - coded
     core, weights = _core(plan, number), tile.reference.weights
