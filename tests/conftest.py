@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 import time
 from collections.abc import Iterator
 from dataclasses import replace
@@ -35,9 +36,12 @@ hypothesis_settings.load_profile("full")
 def _interruptible() -> Iterator[None]:
     """SIGINT raises KeyboardInterrupt, even if pytest was started with it ignored; processes inherit that."""
     handler = signal.signal(signal.SIGINT, signal.default_int_handler)
-    blocked = signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+    has_mask = sys.platform != "win32"
+    if has_mask:
+        blocked = signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     yield
-    signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
+    if has_mask:
+        signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
     signal.signal(signal.SIGINT, handler)
 
 

@@ -1,7 +1,12 @@
 #include "image/drain.hpp"
 
+#ifdef _WIN32
+#include <io.h>
+#else
 #include <unistd.h>
+#endif
 
+#include <algorithm>
 #include <cerrno>
 #include <vector>
 
@@ -14,7 +19,7 @@ constexpr size_t BLOCK = size_t(1) << 16;
 // Returns the number of an error, 0 for none.
 int write_all(int to, const char *data, size_t size) {
   while (size > 0) {
-    const ssize_t done = write(to, data, size);
+    const auto done = write(to, data, unsigned(std::min(size, BLOCK)));
     if (done < 0 && errno != EINTR) return errno;
     if (done > 0) {
       data += done;
@@ -27,7 +32,7 @@ int write_all(int to, const char *data, size_t size) {
 void drain(int from, int to, std::shared_ptr<std::atomic<int>> error) {
   std::vector<char> block(BLOCK);
   for (;;) {
-    const ssize_t size = read(from, block.data(), block.size());
+    const auto size = read(from, block.data(), unsigned(block.size()));
     if (size < 0 && errno == EINTR) continue;
     if (size < 0 && *error == 0) *error = errno;
     if (size <= 0) break;
