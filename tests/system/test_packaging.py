@@ -121,6 +121,7 @@ def test_the_metadata() -> None:
     about = metadata("sgicodec")
     assert about["License-Expression"] == "BSD-3-Clause"
     assert "Operating System :: POSIX :: Linux" in about.get_all("Classifier", [])
+    assert about.get_all("Project-URL") == ["Paper of the method, https://arxiv.org/abs/2603.07789"]
 
 
 @pytest.fixture(scope="module")
