@@ -6,7 +6,6 @@
 #include <unistd.h>
 #endif
 
-#include <algorithm>
 #include <cerrno>
 #include <vector>
 
@@ -14,16 +13,16 @@ namespace sgi {
 
 namespace {
 
-constexpr size_t BLOCK = size_t(1) << 16;
+constexpr unsigned BLOCK = 1 << 16;
 
 // Returns the number of an error, 0 for none.
-int write_all(int to, const char *data, size_t size) {
+int write_all(int to, const char *data, unsigned size) {
   while (size > 0) {
-    const auto done = write(to, data, unsigned(std::min(size, BLOCK)));
+    const auto done = write(to, data, size);
     if (done < 0 && errno != EINTR) return errno;
     if (done > 0) {
       data += done;
-      size -= size_t(done);
+      size -= unsigned(done);
     }
   }
   return 0;
@@ -32,11 +31,11 @@ int write_all(int to, const char *data, size_t size) {
 void drain(int from, int to, std::shared_ptr<std::atomic<int>> error) {
   std::vector<char> block(BLOCK);
   for (;;) {
-    const auto size = read(from, block.data(), unsigned(block.size()));
+    const auto size = read(from, block.data(), BLOCK);
     if (size < 0 && errno == EINTR) continue;
     if (size < 0 && *error == 0) *error = errno;
     if (size <= 0) break;
-    if (*error == 0) *error = write_all(to, block.data(), size_t(size));
+    if (*error == 0) *error = write_all(to, block.data(), unsigned(size));
   }
   close(from);
   if (to >= 0) close(to);

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -45,3 +46,5 @@ def test_what_is_asked_for_is_measured(asked: dict[str, float]) -> None:
     assert found.bytes == len(stream.nothing(0.5).data)
     assert math.isinf(found.psnr)
     assert math.isnan(found.score) == ("ssimulacra2" not in asked)
+    whole = replace(stream, empty=None).measured(stream.nothing(0.5))
+    assert math.isfinite(whole.psnr) == ("psnr" in asked)
