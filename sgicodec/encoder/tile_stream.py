@@ -56,14 +56,18 @@ class TileStream:
         settings, quality, score = self.plan.settings, math.inf, math.nan
         if settings.psnr is None and settings.ssimulacra2 is None:
             return Measured(len(encoded.data), quality)
-        with open_stream(encoded.data, self.device.processor) as stream:
-            decoded = stream.picture()
+        decoded = self.decoded(encoded.data)
         if settings.psnr is not None:
             shown = np.array(True) if self.empty is None else ~self.empty[..., None]
             quality = psnr(*(np.where(shown, comparable(p), 0) for p in (self.picture, decoded)))
         else:
             score = visual_score(to_rgb8(self.picture), to_rgb8(decoded), self.device)
         return Measured(len(encoded.data), quality, score)
+
+    def decoded(self, data: bytes) -> Picture:
+        """The picture of a stream."""
+        with open_stream(data, self.device.processor) as stream:
+            return stream.picture()
 
     def assembled(self, header: Header, model: bytes | None) -> tuple[bytes, int]:
         """The stream of a payload, None for nothing, and the bytes of its tile's chunk."""

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from sgicodec.bitstream.parts.tile import read_tile
 from sgicodec.bitstream.parts.tile_chunk import decode_tile_chunk, encode_tile_chunk
-from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.encoder.candidate import Candidate, written
 from sgicodec.encoder.plan import Plan
@@ -170,8 +169,7 @@ def _finished(tile: Encoding, plan: Plan, number: int, candidate: Candidate | No
     if header.masked is not None:
         parts["mask"] = len(payload) - len(model or b"")
     coded = time.monotonic()
-    with open_stream(tile.stream.assembled(tile.plan.header, model)[0], tile.device.processor) as stream:
-        decoded = stream.picture()
+    decoded = tile.stream.decoded(tile.stream.assembled(tile.plan.header, model)[0])
     decoding = time.monotonic() - coded
     core, weights = _core(plan, number), tile.reference.weights
     own, shown = (replace(picture, pixels=picture.pixels[core]) for picture in (tile.picture, decoded))

@@ -11,14 +11,14 @@ from typing import Protocol, TypeVar
 from sgicodec.device import Device
 from sgicodec.errors import SgiError, TileFailedError, UsageError
 
-__all__ = ["MIB", "TRIES", "Executor", "Failure", "Memory", "Tries"]
+__all__ = ["MIB", "Executor", "Failure", "Memory", "Tries"]
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
 
 MIB = 1 << 20
 
-TRIES = 2
+_TRIES = 2
 """How often a job is tried that fails for a reason which may be the machine's."""
 
 
@@ -106,5 +106,5 @@ class Tries:
     def failed(self, number: int, failure: Failure, cause: Exception | None = None) -> None:
         """Counts a failure. Raises TileFailedError unless the job is to be tried again."""
         self._failed[number] += 1
-        if failure.final or self._failed[number] == TRIES:
+        if failure.final or self._failed[number] == _TRIES:
             raise TileFailedError(number, failure.message) from cause

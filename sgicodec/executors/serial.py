@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import TypeVar
 
 from sgicodec.device import Device
-from sgicodec.executors.executor import TRIES, Failure, Memory, Tries
+from sgicodec.executors.executor import Failure, Memory, Tries
 
 __all__ = ["SerialExecutor"]
 
@@ -40,7 +40,7 @@ class SerialExecutor:
             make_ready()
         tries = Tries()
         for number in numbers:
-            for _ in range(TRIES):
+            while True:
                 try:
                     result = task(number, job_of(number))
                 except Exception as error:
