@@ -4,55 +4,16 @@
 #endif
 
 #include "model/network_kernel.hpp"
+#include "model/pair_products.hpp"
 
 namespace sgi {
 namespace {
 namespace narrow {
 
-using vi = int32_t __attribute__((vector_size(LANES * 4)));
 using vs = int16_t __attribute__((vector_size(LANES * 2)));
 
 constexpr int kRows = LANES == 16 ? kNetworkRows : kNetworkRows / 2;  // with a block the registers that there are
 static_assert(kNetworkPadding % (2 * LANES) == 0, "padding must hold whole blocks");
-
-// Of each lane the product of the lower halves plus that of the upper halves.
-inline vi multiply_pairs(vi a, vi b) {
-#if defined(SGI_X86) && LANES == 16
-  return (vi)_mm512_madd_epi16((__m512i)a, (__m512i)b);
-#elif defined(SGI_X86) && LANES == 8
-  return (vi)_mm256_madd_epi16((__m256i)a, (__m256i)b);
-#elif defined(SGI_X86)
-  return (vi)_mm_madd_epi16((__m128i)a, (__m128i)b);
-#else
-  return ((a << 16) >> 16) * ((b << 16) >> 16) + (a >> 16) * (b >> 16);
-#endif
-}
-
-// sum plus those products: FUSED where the processor has one instruction for both.
-template <bool FUSED>
-inline vi add_products(vi sum, vi a, vi b) {
-#if defined(SGI_X86) && LANES == 16
-  if constexpr (FUSED) {
-    asm("vpdpwssd %2, %1, %0" : "+v"(sum) : "v"(a), "v"(b));
-    return sum;
-  }
-#endif
-  return sum + multiply_pairs(a, b);
-}
-
-inline bool has_fused() {
-#if defined(SGI_X86) && LANES == 16
-  return __builtin_cpu_supports("avx512vnni");
-#else
-  return false;
-#endif
-}
-
-inline vi load(const int32_t *p) {
-  vi v;
-  __builtin_memcpy(&v, p, sizeof v);
-  return v;
-}
 
 // sum[r] = bias + sum over pairs of inputs of row r, `stride` apart, for BLOCK vectors of units.
 template <bool FUSED, int BLOCK>
@@ -66,12 +27,6 @@ inline void layer(const int32_t *x, int stride, int pairs, const int32_t *w, int
     for (int r = 0; r < kRows; ++r)
       for (int b = 0; b < BLOCK; ++b) sum[r][b] = add_products<FUSED>(sum[r][b], vi{} + x[r * stride + i], weight[b]);
   }
-}
-
-inline vi clipped(vi v, int32_t low, int32_t high) {
-  const vi least = vi{} + low, most = vi{} + high;
-  v = v < least ? least : v;
-  return v > most ? most : v;
 }
 
 inline void read_inputs(const NarrowNetwork &net, const int16_t *rows, int64_t stride, int count, int pairs,
