@@ -13,7 +13,8 @@ USER_STAMP := $(VENV)/.user
 DEV_STAMP := $(VENV)/.dev
 CXX_FILES := $(shell find native gdal tests viewer/wasm cuda -name '*.?pp')
 # What is compiled and what is installed: Python files are used in place.
-INPUTS := pyproject.toml constraints.txt CMakeLists.txt $(shell find native cuda share -type f)
+INPUTS := pyproject.toml constraints.txt CMakeLists.txt $(shell find native cuda share -type f) \
+  $(shell find sgicodec/bitstream -name '*.bin')
 
 .DEFAULT_GOAL := help
 .PHONY: viewer test-viewer help setup setup-dev demo test test-all asan fuzz bench lint format stubs wheel clean

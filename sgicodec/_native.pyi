@@ -236,6 +236,11 @@ def prune_gaussians(residual: Annotated[NDArray[numpy.float32], dict(shape=(None
 
 def search_base(planes: Annotated[NDArray[numpy.int64], dict(shape=(None, None, None), order='C', device='cpu')], predictor: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], weights: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], table: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], support: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], start: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], bits: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], down: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], across: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], gram: Annotated[NDArray[numpy.float64], dict(shape=(None, None, None, None), order='C', device='cpu', writable=False)] | None, pull: Annotated[NDArray[numpy.float64], dict(shape=(None, None, None), order='C', device='cpu')], step: float, lmbda: float, passes: int) -> int: ...
 
+def restoration_correction(drawn: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], network: int, step: int, threads: int, isa: str) -> Annotated[NDArray[numpy.float32], dict(shape=(None, None, None))]:
+    """
+    What restoration adds to a tile drawn as [C, H, W]. Raises UnsupportedStreamError for an unknown network.
+    """
+
 class StreamReader:
     """The chunks of a stream: bytes, or a binary file."""
 
@@ -282,7 +287,7 @@ def crc32(data: bytes, before: int = ...) -> int: ...
 
 def shipped(kind: str, number: int) -> bytes:
     """
-    The tables, positions, prior or texture of this number; empty where there is none.
+    The tables, positions, prior, texture or restoration of this number; empty where there is none.
     """
 
 def tile_segments(length: int, count: int, apron: int, start: float, scale: float, first: int, n: int) -> list:
@@ -430,6 +435,10 @@ class TileModel:
     @property
     def texture(self) -> tuple[tuple[int, list[int], tuple[int, int], tuple[int, int, int], bool, bool], Annotated[NDArray[numpy.uint8], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None, None))], Annotated[NDArray[numpy.int16], dict(shape=(None, None, None))]] | None:
         """Steps, log_size, contrast and symbols of the layer; None for none."""
+
+    @property
+    def restoration(self) -> tuple[int, int] | None:
+        """Numbers of network and step; None for none."""
 
     @property
     def bits(self) -> dict[str, float]:

@@ -20,9 +20,9 @@ using sgi::require;
 
 namespace {
 
-constexpr const char *kPartNames[sgi::kParts] = {"steps",         "base",    "positions", "decoders", "hash grid",
-                                                 "context model", "colour",  "shape",     "feature",  "scales",
-                                                 "offset",        "texture", "check"};
+constexpr const char *kPartNames[sgi::kParts] = {"steps",         "base",    "positions",   "decoders", "hash grid",
+                                                 "context model", "colour",  "shape",       "feature",  "scales",
+                                                 "offset",        "texture", "restoration", "check"};
 constexpr const char *kGroupNames[] = {"colour", "shape", "feature", "scales", "offset"};
 
 sgi::Bytes bytes_of(const nb::bytes &bytes) { return {static_cast<const uint8_t *>(bytes.data()), bytes.size()}; }
@@ -111,6 +111,11 @@ auto texture_of(const ReadTile &tile) {
   return texture ? std::optional(sgi::texture_arrays(*texture)) : std::nullopt;
 }
 
+std::optional<std::pair<int, int>> restoration_of(const ReadTile &tile) {
+  const sgi::RestorationChoice &choice = tile.model.restoration;
+  return choice.network ? std::optional(std::pair(choice.network, choice.step)) : std::nullopt;
+}
+
 using Bits = nb::typed<nb::dict, nb::str, double>;
 
 Bits bits_of(const ReadTile &tile) {
@@ -181,6 +186,7 @@ void bind_tile_model(nb::module_ &m) {
           arrays, "Those of the hash grid, 0 or 1, level after level.")
       .def_prop_ro("texture", &texture_of, nb::rv_policy::move,
                    "Steps, log_size, contrast and symbols of the layer; None for none.")
+      .def_prop_ro("restoration", &restoration_of, "Numbers of network and step; None for none.")
       .def_prop_ro("bits", &bits_of, "Information content of the parts, by name.")
       .def_prop_ro(
           "crc", [](const ReadTile &tile) { return tile.model.symbol_crc; },

@@ -11,6 +11,15 @@ import zlib
 from pathlib import Path
 
 BITSTREAM = Path(__file__).resolve().parents[2] / "sgicodec" / "bitstream"
+HEAD = """#include "bitstream/byte_planes.hpp"
+#include "bitstream/shipped.hpp"
+
+namespace sgi {
+
+namespace {
+
+Bytes held(const std::vector<uint8_t> &bytes) { return {bytes.data(), bytes.size()}; }
+"""
 _COLUMNS = 64
 _OCTAL = [f"\\{byte:03o}" for byte in range(256)]
 
@@ -26,24 +35,48 @@ def array(name: str, data: bytes) -> str:
     return f"alignas(16) const unsigned char {name}[] =\n" + "\n".join(f'    "{line}"' for line in lines) + ";\n"
 
 
+def planes(data: bytes, width: int) -> bytes:
+    """The bytes of integers as joined_planes (byte_planes.hpp) takes them."""
+    if width == 1:
+        return data
+    values = [int.from_bytes(data[at : at + width], "little", signed=width == 2) for at in range(0, len(data), width)]
+    if width == 2:
+        values = [2 * value if value >= 0 else -2 * value - 1 for value in values]
+    return bytes(value >> 8 * byte & 255 for byte in range(width) for value in values)
+
+
+def joined(name: str, held: str, width: int) -> str:
+    """The function that joins an array of planes when it is first asked for."""
+    return (
+        f"static const std::vector<uint8_t> &{name}_joined() {{\n"
+        f"  static const std::vector<uint8_t> all = joined_planes({held}, {width});\n"
+        "  return all;\n}\n"
+    )
+
+
 def source() -> str:
     """All of shipped.cpp."""
     arrays, functions = [], []
 
-    def add(function: str, parameter: str, blocks: dict[int, bytes]) -> None:
+    def add(function: str, parameter: str, blocks: dict[int, bytes], width: int = 1) -> None:
         cases, otherwise = "", "  return {};\n" if parameter else ""
         for number, data in sorted(blocks.items()):
-            arrays.append(array(f"{function}{number}", data))
+            name = f"{function}{number}"
+            arrays.append(array(name, planes(data, width)))
             condition = f"if (number == {number}) " if parameter else ""
-            cases += f"  {condition}return {{{function}{number}, {len(data)}}};\n"
+            held = f"{{{name}, {len(data)}}}"
+            if width > 1:
+                functions.append(joined(name, held, width))
+                held = f"held({name}_joined())"
+            cases += f"  {condition}return {held};\n"
         functions.append(f"Bytes shipped_{function}({parameter}) {{\n{cases}{otherwise}}}\n")
 
-    add("tables", "", {0: (BITSTREAM / "entropy" / "tables.bin").read_bytes()})
-    add("positions", "", {0: numbered("positions")[1]})
-    add("prior", "int number", numbered("prior"))
+    add("tables", "", {0: (BITSTREAM / "entropy" / "tables.bin").read_bytes()}, 4)
+    add("positions", "", {0: numbered("positions")[1]}, 2)
+    add("prior", "int number", numbered("prior"), 2)
     add("texture", "int number", {number: zlib.decompress(data) for number, data in numbered("texture").items()})
-    head = '#include "bitstream/shipped.hpp"\n\nnamespace sgi {\n\nnamespace {\n\n'
-    return head + "\n".join(arrays) + "\n}  // namespace\n\n" + "\n".join(functions) + "\n}  // namespace sgi\n"
+    add("restoration", "int number", numbered("restoration"))
+    return "\n".join([HEAD, *arrays, "}  // namespace\n", *functions, "}  // namespace sgi\n"])
 
 
 if __name__ == "__main__":

@@ -14,9 +14,9 @@ namespace sgi {
 
 namespace {
 
-constexpr int kNewest = 4;
+constexpr int kNewest = 5;
 // The flags that each version may set; a header states the least version that has its flags.
-constexpr int64_t kFlagsOf[kNewest + 1] = {0, 15, 255, 511, 1023};
+constexpr int64_t kFlagsOf[kNewest + 1] = {0, 15, 255, 511, 1023, 2047};
 constexpr int64_t kMaxFeatures = 1 << 13, kMaxHidden = 1 << 12, kMaxHashLevels = 32, kMaxHashResolution = 1 << 14;
 enum Flag : int64_t {
   kSkip = 1,
@@ -28,7 +28,8 @@ enum Flag : int64_t {
   kNodata = 64,
   kPredicted = 128,
   kTexture = 256,
-  kLuma = 512
+  kLuma = 512,
+  kRestoration = 1024
 };
 
 constexpr const char *kLayouts[] = {"multi", "gray", "gray+alpha", "rgb", "rgba"};
@@ -110,6 +111,7 @@ int64_t take_model(Fields &fields, int64_t all_flags, Header &header) {
   spec.context.grouped = flags & kGrouped, spec.context.coarse_first = flags & kCoarseFirst;
   spec.skip = flags & kSkip, spec.seed_scales = flags & kSeedScales, spec.predicted_seeds = flags & kPredicted;
   spec.texture = flags & kTexture, spec.luma_space = flags & kLuma;
+  spec.restoration = flags & kRestoration;
   const bool too_few = spec.skip && spec.features < spec.per_seed * (spec.channels + 3);
   if (spec.skip != spec.context.grouped || too_few || (spec.context.neighbours && !spec.skip))
     corrupt("settings that contradict each other");

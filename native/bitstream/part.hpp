@@ -16,8 +16,9 @@ enum class Part {
   scales,
   offset,
   texture,
+  restoration,
   check
 };
-constexpr int kParts = 13;
+constexpr int kParts = 14;
 
 }  // namespace sgi

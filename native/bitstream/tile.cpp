@@ -45,6 +45,7 @@ class TileReader {
     read_part(Part::context_model, &TileReader::read_context_model);
     read_attributes();
     if (spec_.texture) read_part(Part::texture, &TileReader::read_texture);
+    if (spec_.restoration) read_part(Part::restoration, &TileReader::read_restoration);
     reader_.finish(checked);
     model_.bits = reader_.bits(), model_.symbol_crc = reader_.crc();
     return std::move(model_);
@@ -135,6 +136,8 @@ class TileReader {
   void read_texture() {
     model_.coding.texture = read_texture_part(reader_, header_.width, header_.height, spec_.channels, memory_);
   }
+
+  void read_restoration() { model_.restoration = read_restoration_part(reader_); }
 
   const Header &header_;
   const ModelSpec &spec_;

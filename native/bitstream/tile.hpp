@@ -12,6 +12,7 @@
 #include "bitstream/limits.hpp"
 #include "bitstream/mask.hpp"
 #include "bitstream/part.hpp"
+#include "bitstream/restoration_part.hpp"
 #include "bitstream/shipped_networks.hpp"
 #include "bitstream/texture_part.hpp"
 #include "model/step_plan.hpp"
@@ -39,6 +40,7 @@ struct TileModel {
   std::vector<int64_t> base;     // [C, rows, columns] in steps of index `base_step`
   int base_step = 0;
   AttributeDecoder colours, shapes;
+  RestorationChoice restoration;
   TileCoding coding;
   std::array<double, kParts> bits{};  // information content of each part
   uint32_t symbol_crc = 0;            // CRC-32 of all symbols: equal on every machine

@@ -94,9 +94,12 @@ void TileRenderer::take(const TileModel &model, int threads) {
   gaussians_ = gaussians_of(spec, model, threads, settings_.isa);
   base_ = base_colours(spec, model);
   if (spec.luma_space) leave_luma_space(gaussians_);
+  texture_mix_ = texture_mix(spec.channels, spec.luma_space);
+  if (const auto [network, step] = model.restoration; network)
+    restoration_.emplace(restoration_network(network), step, spec.channels, texture_mix_, header_.width, header_.height,
+                         settings_.isa);
   texture_ = model.texture();
   if (!texture_) return;
-  texture_mix_ = texture_mix(spec.channels, spec.luma_space);
   for (const uint8_t log_size : texture_->log_size) ++facts_.texture_cells[log_size - kTextureLeast];
 }
 
@@ -149,31 +152,74 @@ const TileRenderer::Whole *TileRenderer::whole(const PictureView &view, int thre
   return &whole_.emplace(std::move(drawn));
 }
 
+void TileRenderer::Tools::make_room(int64_t samples) {
+  if (samples <= size) return;
+  planes.reset();
+  planes.reset(new float[samples]);
+  size = samples;
+}
+
 bool TileRenderer::is_painted() const {
   return settings_.painter && header_.spec.channels <= settings_.painter->most_channels();
 }
 
 void TileRenderer::draw_blocks(const PictureView &view, int64_t x, int64_t y, const PixelBlock &block,
                                const SampleFormat &format, int threads) {
-  const int64_t most = std::max<int64_t>(1, settings_.block_samples / (texture_ && !is_painted() ? 16 : 1));
+  const bool restores = restoration_ && std::min(view.sx, view.sy) >= 1;
+  const int64_t share = restores ? 64 : texture_ && !is_painted() ? 16 : 1;  // as much more is held of a block
+  const int64_t most = std::max<int64_t>(1, settings_.block_samples / share);
   const int64_t width = std::min(block.columns, int64_t(std::ceil(4 * std::sqrt(double(most)))));  // flat blocks
   const int64_t height = std::max<int64_t>(1, most / (width * header_.spec.channels));
-  Tools tools{Rasterizer(settings_.isa, threads, kMostPairs), seen(view, threads), nullptr};
-  if (texture_ && !is_painted())
-    tools.planes.reset(new float[header_.spec.channels * std::min(height, block.rows) * width]);
+  const auto tools_for = [&](const GaussianSet &gaussians) {
+    return Tools{Rasterizer(settings_.isa, threads, kMostPairs), gaussians, nullptr};
+  };
+  Tools plain = tools_for(gaussians_), tools = tools_for(seen(view, threads));
   for (int64_t top = 0; top < block.rows; top += height)
     for (int64_t left = 0; left < block.columns; left += width) {
       const PixelBlock part =
           format.part(block, left, top, std::min(width, block.columns - left), std::min(height, block.rows - top));
-      draw_block(tools, view, x + left, y + top, part, format, threads);
+      if (restores)
+        draw_restored(plain, tools, view, x + left, y + top, part, format, threads);
+      else
+        draw_block(tools, view, x + left, y + top, part, format, threads);
     }
+}
+
+void TileRenderer::draw_restored(Tools &plain, Tools &tools, const PictureView &view, int64_t x, int64_t y,
+                                 const PixelBlock &block, const SampleFormat &format, int threads) const {
+  const int64_t channels = header_.spec.channels;
+  const SampleFormat values(header_, Output::values, std::nullopt);
+  const OutputAxis columns = across(view, x, block.columns), rows = down(view, y, block.rows);
+  const TileBlock needed = restoration_->needed(columns, rows);
+  const PictureView own{double(place_.x), double(place_.y), 1, 1, place_.width, place_.height};
+  std::vector<float> drawn(needed.columns * needed.rows * channels), restored(block.columns * block.rows * channels);
+  draw_block(plain, own, needed.left, needed.top,
+             {drawn.data(), needed.columns, needed.rows, needed.columns * channels}, values, threads);
+  if (view.is_plain())
+    for (int64_t row = 0; row < block.rows; ++row)
+      std::copy_n(&drawn[((y + int64_t(rows.start) - needed.top + row) * needed.columns + x + int64_t(columns.start) -
+                          needed.left) *
+                         channels],
+                  block.columns * channels, &restored[row * block.columns * channels]);
+  else
+    draw_block(tools, view, x, y, {restored.data(), block.columns, block.rows, block.columns * channels}, values,
+               threads);
+  restoration_->add(drawn.data(), columns, rows, threads, restored.data());
+  format.store(restored.data(), block, threads);
+}
+
+OutputAxis TileRenderer::across(const PictureView &view, int64_t x, int64_t count) const {
+  return {view.x - double(place_.x), view.sx, x, count};
+}
+
+OutputAxis TileRenderer::down(const PictureView &view, int64_t y, int64_t count) const {
+  return {view.y - double(place_.y), view.sy, y, count};
 }
 
 void TileRenderer::draw_block(Tools &tools, const PictureView &view, int64_t x, int64_t y, const PixelBlock &block,
                               const SampleFormat &format, int threads) const {
   const ModelSpec &spec = header_.spec;
-  const OutputAxis across{view.x - double(place_.x), view.sx, x, block.columns};
-  const OutputAxis down{view.y - double(place_.y), view.sy, y, block.rows};
+  const OutputAxis across = this->across(view, x, block.columns), down = this->down(view, y, block.rows);
   Background behind{};
   BaseView base;
   if (!base_.empty()) {
@@ -195,6 +241,7 @@ void TileRenderer::draw_block(Tools &tools, const PictureView &view, int64_t x, 
     const float *mix = texture_mix_.empty() ? nullptr : texture_mix_.data();
     textured = TextureView{texture, across, down, mix};
     if (!is_painted()) {
+      tools.make_room(block.columns * block.rows * spec.channels);
       draw_texture(texture, across, down, mix, threads, settings_.isa, tools.planes.get());
       behind.planes = tools.planes.get(), behind.height = block.rows, behind.plane_width = block.columns;
     }

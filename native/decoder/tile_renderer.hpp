@@ -11,6 +11,7 @@
 #include "decoder/painter.hpp"
 #include "decoder/samples.hpp"
 #include "decoder/view.hpp"
+#include "model/restoration.hpp"
 #include "raster/rescaling.hpp"
 
 namespace sgi {
@@ -19,7 +20,8 @@ struct DecoderSettings {
   int threads = 0;  // 0: one for each core
   Isa isa = Isa::portable;
   int64_t cache_bytes = int64_t(1) << 28;    // what decoded tiles may take before those used least recently go
-  int64_t block_samples = int64_t(1) << 27;  // drawn at a time; a sixteenth where the processor has texture as floats
+  int64_t block_samples = int64_t(1) << 27;  // drawn at a time; a sixteenth where the processor has texture as floats,
+                                             // a quarter of that where it restores
   std::function<void()> between = nullptr;   // called between tiles by who draws them; what it throws ends the call
   bool checked = true;                       // as of `read_tile`
   int64_t tile_memory = kAnyMemory;          // as of `read_tile`
@@ -77,6 +79,9 @@ class TileRenderer {
     Rasterizer raster;
     const GaussianSet &gaussians;
     std::unique_ptr<float[]> planes;  // of texture, as large as a block, where the processor draws it
+    int64_t size = 0;                 // of these
+
+    void make_room(int64_t samples);
   };
 
   bool is_painted() const;  // by another than the processor
@@ -86,6 +91,11 @@ class TileRenderer {
                    int threads);
   void draw_block(Tools &tools, const PictureView &view, int64_t x, int64_t y, const PixelBlock &block,
                   const SampleFormat &format, int threads) const;
+  // The same with the correction of restoration.
+  void draw_restored(Tools &plain, Tools &tools, const PictureView &view, int64_t x, int64_t y, const PixelBlock &block,
+                     const SampleFormat &format, int threads) const;
+  OutputAxis across(const PictureView &view, int64_t x, int64_t count) const;
+  OutputAxis down(const PictureView &view, int64_t y, int64_t count) const;
   const GaussianSet &seen(const PictureView &view, int threads);
 
   const DecoderSettings &settings_;
@@ -98,6 +108,7 @@ class TileRenderer {
   std::vector<double> base_;
   std::optional<TextureCells> texture_;
   std::vector<float> texture_mix_;
+  std::optional<Restoration> restoration_;
   std::optional<Rescaled> rescaled_;
   std::optional<Whole> whole_;
 };

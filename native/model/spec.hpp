@@ -36,7 +36,7 @@ struct ModelSpec {
   bool skip = true, seed_scales = false;
   int base_cell = 0;  // pixels; 0: no base layer
   ContextSpec context;
-  bool predicted_seeds = false, texture = false, luma_space = false;
+  bool predicted_seeds = false, texture = false, luma_space = false, restoration = false;
 
   // In coding order; their sizes sum to `attributes`.
   std::vector<SeedGroup> groups() const;

@@ -27,8 +27,8 @@ __all__ = [
     "encode_header",
 ]
 
-FORMAT_VERSION = 4
-_FLAGS_OF = {1: 15, 2: 255, 3: 511, 4: 1023}
+FORMAT_VERSION = 5
+_FLAGS_OF = {1: 15, 2: 255, 3: 511, 4: 1023, 5: 2047}
 """The versions that can be read, and the flags that each may set; a header states the least that has its flags."""
 
 Masked = Literal["transparent", "nodata"]
@@ -46,6 +46,7 @@ MAX_TILES = 1 << 20
 MIN_TILE, MAX_APRON = 32, 256
 
 _SKIP, _SEED_SCALES, _GROUPED, _COARSE_FIRST, _TILED, _PREDICTED, _TEXTURE, _LUMA = 1, 2, 4, 8, 16, 128, 256, 512
+_RESTORATION = 1024
 _MASKED: dict[Masked | None, int] = {None: 0, "transparent": 32, "nodata": 64}
 
 
@@ -88,8 +89,9 @@ def encode_header(header: Header) -> bytes:
     flags = _SKIP * spec.skip + _SEED_SCALES * spec.seed_scales + _GROUPED * (len(context.steps) > 1)
     flags += _COARSE_FIRST * context.coarse_first + _TILED * bool(header.tile) + _MASKED[header.masked]
     flags += _PREDICTED * spec.predicted_seeds + _TEXTURE * spec.texture + _LUMA * spec.luma_space
+    flags += _RESTORATION * spec.restoration
     fields = [
-        next(version for version in (2, 3, FORMAT_VERSION) if flags <= _FLAGS_OF[version]),
+        next(version for version in (2, 3, 4, FORMAT_VERSION) if flags <= _FLAGS_OF[version]),
         header.width,
         header.height,
         spec.channels,

@@ -44,7 +44,19 @@ __all__ = ["encode"]
     short_help="Encode pictures.",
     common=("quality", "size", "psnr", "effort", "tune", "output", "output_dir", "threads", "force", "quiet"),
     research=(
-        *("lmbda", "profile", "seeds", "per_seed", "distortion", "texture", "features", "levels", "steps", "seed"),
+        *(
+            "lmbda",
+            "profile",
+            "seeds",
+            "per_seed",
+            "distortion",
+            "texture",
+            "restoration",
+            "features",
+            "levels",
+            "steps",
+            "seed",
+        ),
     ),
     examples=(
         ("sgi encode photo.jpg", "photo.sgi beside it"),
@@ -82,6 +94,12 @@ __all__ = ["encode"]
     "[default: as --tune needs it]",
 )
 @click.option("--texture/--no-texture", default=True, show_default=True, help="Code texture as cosines where it pays.")
+@click.option(
+    "--restoration/--no-restoration",
+    default=True,
+    show_default=True,
+    help="Let decoders restore what texture shows by a shipped network.",
+)
 @click.option("--features", type=int, metavar="D", help="Size of a seed's feature; paper profile.")
 @click.option("--levels", type=int, metavar="M", help="Levels of the pyramid; paper profile.")
 @click.option("--steps", type=int, metavar="N", help="Optimisation steps, instead of what -e says.")

@@ -96,7 +96,7 @@ def _with_texture_that_fits(spec: ModelSpec, grid: TileGrid) -> ModelSpec:
     try:
         check_texture(spec.channels, *grid.rect(0)[2:])
     except LimitError:
-        return replace(spec, texture=False)
+        return replace(spec, texture=False, restoration=False)
     return spec
 
 

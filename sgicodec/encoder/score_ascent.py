@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from sgicodec.device import Device
 from sgicodec.metrics.visual_score import VisualReference
 from sgicodec.model.luma_space import from_luma_space
+from sgicodec.model.restoration import Restoration
 from sgicodec.model.texture_symbols import TextureSymbols
 from sgicodec.rdoq.texture import TextureSearch
 
@@ -42,13 +43,15 @@ def ascent_passes(steps: int) -> int:
 @dataclass(frozen=True)
 class ScoreAscent:
     """The ascent for layers of one picture. unit [C, H, W]: what they are to show, in luma space where `luma_space`;
-    empty [H, W]: pixels that count nothing, None for none.
+    empty [H, W]: pixels that count nothing, None for none; network: number of that which restores what is drawn, 0 for
+    none.
     """
 
     unit: F32
     luma_space: bool
     empty: NDArray[np.bool_] | None
     device: Device
+    network: int = 0
 
     def run(
         self,
@@ -69,6 +72,8 @@ class ScoreAscent:
             if ending() or (symbols := found(symbols, score)) is None:
                 break
             drawn = self.unit - search.residual + symbols.layer().draw(device=self.device)
+            if self.network:
+                drawn += Restoration(self.network, symbols.steps.step).correction(drawn, self.device)
             if self.empty is not None:
                 drawn[:, self.empty] = self.unit[:, self.empty]
             score, gradient = reference.gradient(self._seen(drawn))

@@ -39,6 +39,7 @@ class EncodeSettings:
     the model. tune: for what, least squared error or the eye; None for the eye, but for squared error towards a PSNR.
     distortion: what seeds minimise besides bits, a name in `metrics.choices`, None for what goes with `tune`; PSNR and
     its targets stay plain. texture: whether the default profile lays cosines over its seeds where that is cheaper.
+    restoration: whether a shipped network restores pixels with texture where that is nearer to the picture.
     metadata: whether ICC, EXIF, XMP and the place on earth are kept. psnr in dB, ssimulacra2 (a score up to
     100, for a picture in one tile with texture), size in bytes or bpp in bits per pixel: what to end at, in the default
     profile. time_limit: seconds that the encode may take, instead of a number of
@@ -61,6 +62,7 @@ class EncodeSettings:
     rdoq: bool = True
     distortion: str | None = None
     texture: bool = True
+    restoration: bool = True
     tune: Tune | None = None
     seed: int = 0
     metadata: bool = True

@@ -29,8 +29,9 @@ F32 = NDArray[np.float32]
 class TextureTuning:
     """How steps follow from λ.
 
-    squared_steps: λ in squared steps, where steps do not grow. finer: 32nds of an octave by which the lowest frequency
-    has a smaller step than λ says. growth: slopes of the first channel and of the others (see `TextureSteps`) where the
+    squared_steps: λ in squared steps, where steps do not grow. network: number of the shipped one that restores what is
+    drawn for the same end. finer: 32nds of an octave by which the lowest frequency has a smaller step than λ says.
+    growth: slopes of the first channel and of the others (see `TextureSteps`) where the
     lowest step is a grey level; they grow with its square root. colours: steps of colour differences grow with this
     power of the first channel's. masking: steps grow with this power of the local standard deviation of luma, 0 for
     not at all. larger: how much larger streams are than the R-D model says, in octaves of λ. ascends: whether layers
@@ -38,6 +39,7 @@ class TextureTuning:
     """
 
     squared_steps: float
+    network: int
     finer: int = 0
     growth: tuple[float, float] = (0.0, 0.0)
     colours: float = 1.0
@@ -91,6 +93,6 @@ _FLOOR, _USUAL = 7.7e-4, 3.9e-3
 """Variances of luma, samples²: what counts as flat, and where steps are what λ says."""
 
 TUNINGS = {
-    "psnr": TextureTuning(_SQUARED_STEPS),
-    "visual": TextureTuning(0.0927, 39, growth=(1.0, 1.64), colours=7 / 8, masking=0.4, larger=1.3, ascends=True),
+    "psnr": TextureTuning(_SQUARED_STEPS, network=1),
+    "visual": TextureTuning(0.0927, 2, 39, growth=(1.0, 1.64), colours=7 / 8, masking=0.4, larger=1.3, ascends=True),
 }

@@ -17,6 +17,7 @@ from sgicodec.encoder.candidate import Candidate, candidate_of
 from sgicodec.encoder.coded_samples import coded_samples
 from sgicodec.encoder.encoded import Encoded
 from sgicodec.encoder.plan import Plan
+from sgicodec.encoder.restoring import Restorer
 from sgicodec.encoder.same_look import LookSteps
 from sgicodec.encoder.score_ascent import ScoreAscent, ascent_passes
 from sgicodec.encoder.texture_handover import HANDOVER, LOOK_AHEAD, Handover
@@ -29,6 +30,7 @@ from sgicodec.metrics.choices import DISTORTIONS
 from sgicodec.metrics.distortion import QuadraticReference, Reference, mean_weight
 from sgicodec.model.layout import ROOT_LOG, SeedLayout, adaptive_layout, cell_sums, uniform_layout
 from sgicodec.model.luma_space import to_luma_space
+from sgicodec.model.restoration import Restoration
 from sgicodec.model.texture_symbols import TextureSymbols
 from sgicodec.picture import Picture
 from sgicodec.rate_control.lambda_controller import LambdaController
@@ -65,6 +67,7 @@ class Encoding:
             self.unit = np.tensordot(to_luma_space(self.spec.channels).astype(np.float32), self.unit, axes=1)
         self.reference = DISTORTIONS[self.settings.minimised].reference(self.unit, self.empty)
         self.fit = self.settings.fit_settings()
+        self.network = 0  # that restores what is drawn for the eye
         self.begin(self.fit.lmbda)
 
     def begin(self, lmbda: float) -> None:
@@ -193,12 +196,14 @@ class Encoding:
         """Makes layers better to the eye, where they are to serve it; the last of them, and the step of the next."""
         if not self.tuning.ascends:
             return None, step
+        first = self._layer(search, step, price, None)
+        self.network = self._network_for(search, first)
         passes = ascent_passes(self.fit.steps)
-        ascent = ScoreAscent(self.unit, self.spec.luma_space, self.empty, self.device)
+        ascent = ScoreAscent(self.unit, self.spec.luma_space, self.empty, self.device, self.network)
         steps = LookSteps(self.plan.look, step, passes)
 
         def found(cells: TextureSymbols | None, score: float | None) -> TextureSymbols | None:
-            return self.with_texture(candidate, search, steps.after(score), price, cells).model.texture
+            return first if score is None else self._layer(search, steps.after(score), price, cells)
 
         def ending() -> bool:
             return self.ending() or time.monotonic() > self.time.search_end
@@ -232,10 +237,28 @@ class Encoding:
         """The candidate with texture in steps of this index. price: λ in squared steps, None for what suits them;
         cells: a layer whose cells are taken, None for the best.
         """
+        found, network = self._layer(search, step, price, cells), self.network
+        if found is not None and not self.tuning.ascends and (network := self._network_for(search, found)):
+            search = search.beside(self._restorer.correction(search, found))
+            found = self._layer(search, step, price, found) or found  # for what the correction leaves
+        restoration = Restoration(network, found.steps.step) if found is not None and network else None
+        return replace(candidate, model=replace(candidate.model, texture=found, restoration=restoration, decoded=None))
+
+    def _layer(
+        self, search: TextureSearch, step: int, price: float | None, cells: TextureSymbols | None
+    ) -> TextureSymbols | None:
         steps = self.tuning.steps(step, self.spec.channels)
         price = self.tuning.squared_steps if price is None else price
-        found = search.at(steps, price, self._contrast, cells)
-        return replace(candidate, model=replace(candidate.model, texture=found, decoded=None))
+        return search.at(steps, price, self._contrast, cells)
+
+    @cached_property
+    def _restorer(self) -> Restorer:
+        return Restorer(self.unit, self.empty, self.tuning.network, self.device)
+
+    def _network_for(self, search: TextureSearch, layer: TextureSymbols | None) -> int:
+        """Number of the network that restores what this layer shows, 0 if it is better without."""
+        restores = self.spec.restoration and layer is not None and self._restorer.helps(search, layer, self.lmbda)
+        return self.tuning.network if restores else 0
 
     def encoded(self, candidate: Candidate) -> Encoded:
         """The stream of a candidate."""

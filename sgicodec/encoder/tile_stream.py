@@ -41,9 +41,11 @@ class TileStream:
 
     def encoded(self, candidate: Candidate, lmbda: float) -> Encoded:
         """The stream of a candidate; lmbda: of the encode."""
-        if candidate.header.spec.texture and candidate.model.texture is None:
-            spec = replace(candidate.header.spec, texture=False)
-            candidate = replace(candidate, header=replace(candidate.header, spec=spec))
+        model, spec = candidate.model, candidate.header.spec
+        texture = spec.texture and model.texture is not None
+        restoration = spec.restoration and model.restoration is not None
+        spec = replace(spec, texture=texture, restoration=restoration)
+        candidate = replace(candidate, header=replace(candidate.header, spec=spec))
         payload, parts = written(candidate)
         data, chunk_bytes = self.assembled(candidate.header, payload)
         if candidate.header.masked is not None:

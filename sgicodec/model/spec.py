@@ -55,7 +55,8 @@ class ModelSpec:
     are colours in an opponent space and the next 3K are shapes. `hidden` is the width of MLP_c and MLP_Σ; 0 leaves
     only the skip. `seed_scales` says whether s_o and s_a are carried. `base_cell` is the side in pixels of the base
     layer's cells, 0 for none. With `predicted_seeds` a shipped network predicts where seeds are. `texture` says whether
-    tiles may hold a texture layer, `luma_space` whether samples are those of luma space.
+    tiles may hold a texture layer, `luma_space` whether samples are those of luma space, `restoration` whether tiles
+    may name a network that restores what is drawn.
     """
 
     channels: int
@@ -71,6 +72,7 @@ class ModelSpec:
     predicted_seeds: bool = False
     texture: bool = False
     luma_space: bool = False
+    restoration: bool = False
 
     @cached_property
     def groups(self) -> tuple[Group, ...]:

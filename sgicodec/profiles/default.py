@@ -94,7 +94,8 @@ def lmbda_of_quality(quality: float) -> float:
 
 def _spec(choices: Choices, channels: int) -> ModelSpec:
     prior = max(PRIORS, default=0) if choices.prior is None else choices.prior
-    return default_spec(channels, choices.per_seed or 1, prior, texture=choices.texture)
+    spec = default_spec(channels, choices.per_seed or 1, prior, texture=choices.texture)
+    return replace(spec, restoration=choices.texture and choices.restoration)
 
 
 def _fit_settings(choices: Choices) -> FitSettings:

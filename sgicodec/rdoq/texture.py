@@ -41,15 +41,22 @@ class TextureSearch:
     """Searches layers for what a tile leaves over.
 
     residual [C, H, W]: the picture less what is drawn, samples in 0..1. doubt: a cell is tried whole, or divided, where
-    an estimate says that it costs this much more than the other at most.
+    an estimate says that it costs this much more than the other at most. correction [C, H, W]: what is shown anyhow.
     """
 
-    def __init__(self, residual: F32, device: Device = ALL_CORES, doubt: float = DOUBT) -> None:
+    def __init__(
+        self, residual: F32, device: Device = ALL_CORES, doubt: float = DOUBT, correction: F32 | None = None
+    ) -> None:
         _, height, width = residual.shape
-        self.residual, self.size, self.doubt = residual, (width, height), doubt
+        self.residual, self.size, self.doubt, self.device = residual, (width, height), doubt, device
         columns, rows = roots_of(width, height)
         self._shape = rows, columns
-        self._amplitudes = TextureAmplitudes(root_planes(residual), self.size, device.threads)
+        wanted = residual if correction is None else residual - correction
+        self._amplitudes = TextureAmplitudes(root_planes(wanted), self.size, device.threads)
+
+    def beside(self, correction: F32) -> TextureSearch:
+        """The search for layers to which restoration adds this correction [C, H, W]."""
+        return TextureSearch(self.residual, self.device, self.doubt, correction)
 
     def at(
         self,

@@ -27,8 +27,9 @@ __all__ = ["decode_header"]
 
 MAX_FEATURES, MAX_HIDDEN, MAX_HASH_LEVELS, MAX_HASH_RESOLUTION = 1 << 13, 1 << 12, 32, 1 << 14
 _LAYOUTS, _SHAPES, _PROFILES = ("adaptive", "uniform"), ("log", "rotation"), ("default", "paper")
-_FLAGS_OF = {1: 15, 2: 255, 3: 511, 4: 1023}
+_FLAGS_OF = {1: 15, 2: 255, 3: 511, 4: 1023, 5: 2047}
 _SKIP, _SEED_SCALES, _GROUPED, _COARSE_FIRST, _TILED, _PREDICTED, _TEXTURE, _LUMA = 1, 2, 4, 8, 16, 128, 256, 512
+_RESTORATION = 1024
 _MASKED: dict[Masked | None, int] = {None: 0, "transparent": 32, "nodata": 64}
 
 
@@ -124,6 +125,7 @@ def _model(fields: _Fields, channels: int, all_flags: int) -> tuple[int, ModelSp
     context = replace(context, steps=steps)
     textured, luma_space = bool(flags & _TEXTURE), bool(flags & _LUMA)
     spec = replace(spec, context=context, predicted_seeds=predicted, texture=textured, luma_space=luma_space)
+    spec = replace(spec, restoration=bool(flags & _RESTORATION))
     return flags, spec, quality, family
 
 

@@ -20,6 +20,7 @@ from sgicodec.bitstream.parts.positions import write_positions
 from sgicodec.bitstream.parts.predicted_positions import write_predicted_positions
 from sgicodec.bitstream.parts.predicted_tree import TreeContext
 from sgicodec.bitstream.parts.prior import load_prior
+from sgicodec.bitstream.parts.restoration import write_restoration
 from sgicodec.bitstream.parts.seed_tree import TreeShape
 from sgicodec.bitstream.parts.texture import layer_of, write_texture
 from sgicodec.device import ONE_THREAD, Device
@@ -29,6 +30,7 @@ from sgicodec.model.gaussians import decoder_shapes
 from sgicodec.model.layout import ROOT_LOG, SeedLayout
 from sgicodec.model.network import DIFFERENCE_SHIFT, IntNetwork
 from sgicodec.model.quantization import FRACTION_BITS
+from sgicodec.model.restoration import Restoration
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import StepPlan, default_plan, follows_amplitude
 from sgicodec.model.texture_symbols import TextureSymbols
@@ -46,7 +48,8 @@ _SHIFT_BITS, _GAMMA_BITS, _STEP_BITS = 5, 6, 8
 @dataclass
 class TileModel:
     """A model as the stream holds it. attributes: float by group [N, size] on the way in; decoded: [N, d_A] in units of
-    2^-24 on the way out. base: integer grid [C, rows, columns] in steps of index `base_step`. texture: None for none.
+    2^-24 on the way out. base: integer grid [C, rows, columns] in steps of index `base_step`. texture, restoration:
+    None for none.
     """
 
     layout: SeedLayout
@@ -59,6 +62,7 @@ class TileModel:
     attributes: dict[str, F64] | None = None
     decoded: I64 | None = None
     texture: TextureSymbols | None = None
+    restoration: Restoration | None = None
 
     @property
     def decoded_values(self) -> F64:
@@ -99,6 +103,9 @@ def write_tile(header: Header, model: TileModel) -> tuple[bytes, SymbolWriter]:
     if spec.texture:
         with writer.part("texture"):
             write_texture(writer, size, spec.channels, model.texture)
+    if spec.restoration:
+        with writer.part("restoration"):
+            write_restoration(writer, model.restoration)
     payload = writer.finish()  # ends with the CRC of all symbols
     seeds = len(model.layout)
     if seeds > max_seeds(spec, *size, len(payload)):
@@ -124,6 +131,7 @@ def read_tile(header: Header, payload: bytes, device: Device = ONE_THREAD) -> tu
         [part.reshape(-1, header.spec.context.hash_features) for part in signs],
         decoded=read.decoded,
         texture=layer_of(read.texture, (header.width, header.height)),
+        restoration=None if read.restoration is None else Restoration(*read.restoration),
     )
     return model, read
 

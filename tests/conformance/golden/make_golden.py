@@ -39,10 +39,13 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
     predicted = replace(quick, prior=2)
     paper = EncodeSettings(profile="paper", seeds=60, per_seed=3, features=12, steps=80)
     # those named -texture were made before symbols were dependent, and these before there was luma space
-    textured = EncodeSettings(quality=75, steps=60, prior=3, texture=True)
+    textured = EncodeSettings(quality=75, steps=60, prior=3, texture=True, restoration=False)
+    restored = replace(textured, restoration=True)
+    restored_psnr = replace(restored, tune="psnr")
     forest = np.ascontiguousarray(read(HERE.parents[1] / "data" / "kodim13.png").pixels[CROP])
     few = forest[:75, :109]
     dark = few.astype(np.uint16) @ np.array([77, 150, 29], np.uint16)
+    leaves = forest.astype(np.uint16) @ np.array([77, 150, 29], np.uint16)
     alpha = np.concatenate([small, 255 - small[..., :1]], axis=2)
     crop_with_alpha = Picture(np.concatenate([crop.pixels, forest[..., :1]], axis=2), "rgba", (0.0, 255.0))
     return {
@@ -73,6 +76,10 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
         "rgb8-any-dependent": (Picture(small, "rgb", (0.0, 255.0)), textured),
         "rgb8-luma": (Picture(forest, "rgb", (0.0, 255.0)), textured),
         "rgba8-tiles-luma": (crop_with_alpha, replace(textured, quality=40, tile=100, overview=True)),
+        "rgb8-restored": (Picture(forest, "rgb", (0.0, 255.0)), restored),
+        "rgb8-restored-psnr": (Picture(forest, "rgb", (0.0, 255.0)), restored_psnr),
+        "gray16-restored": (Picture(leaves[..., None], "gray", (0.0, 65535.0)), restored_psnr),
+        "rgba8-tiles-restored": (crop_with_alpha, replace(restored, quality=40, tile=100, overview=True)),
         "one-pixel": (Picture(small[:1, :1], "rgb", (0.0, 255.0)), quick),
     }
 

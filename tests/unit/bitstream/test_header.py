@@ -14,7 +14,7 @@ from sgicodec.bitstream.header import decode_header, encode_header
 from sgicodec.errors import CorruptStreamError, LimitError, UnsupportedStreamError
 
 GOLDEN = sorted((Path(__file__).parents[2] / "conformance" / "golden").glob("*.sgi"))
-TEXTURE, LUMA = 256, 512
+TEXTURE, LUMA, RESTORATION = 256, 512, 1024
 
 
 def header_of(path: Path, **changes: int | Callable[[int], int]) -> bytes:
@@ -34,35 +34,44 @@ def test_headers_come_back_byte_by_byte(path: Path) -> None:
     payload = header_of(path)
     header = decode_header(payload)
     assert encode_header(header)[1:] == payload[1:]
-    newer = 4 if header.spec.luma_space else 3 if header.spec.texture else 2
+    newer = 5 if header.spec.restoration else 4 if header.spec.luma_space else 3 if header.spec.texture else 2
     assert payload[0] == newer or (newer, payload[0]) == (2, 1)
     assert encode_header(header)[0] == newer
 
 
 def test_there_are_headers_of_each_version() -> None:
-    assert {header_of(path)[0] for path in GOLDEN} == {1, 2, 3, 4}
+    assert {header_of(path)[0] for path in GOLDEN} == {1, 2, 3, 4, 5}
 
 
 @pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
 def test_texture_makes_it_version_3(path: Path) -> None:
     header = decode_header(header_of(path))
-    textured = replace(header, spec=replace(header.spec, texture=True, luma_space=False))
+    textured = replace(header, spec=replace(header.spec, texture=True, luma_space=False, restoration=False))
     payload = encode_header(textured)
-    assert payload == header_of(path, version=3, flags=lambda flags: flags & ~LUMA | TEXTURE)
+    assert payload == header_of(path, version=3, flags=lambda flags: flags & ~(LUMA | RESTORATION) | TEXTURE)
     assert decode_header(payload) == textured
 
 
 @pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
 def test_luma_space_makes_it_version_4(path: Path) -> None:
     header = decode_header(header_of(path))
-    mixed = replace(header, spec=replace(header.spec, luma_space=True))
+    mixed = replace(header, spec=replace(header.spec, luma_space=True, restoration=False))
     payload = encode_header(mixed)
-    assert payload == header_of(path, version=4, flags=lambda flags: flags | LUMA)
+    assert payload == header_of(path, version=4, flags=lambda flags: flags & ~RESTORATION | LUMA)
     if header.channels in ("rgb", "rgba"):
         assert decode_header(payload) == mixed
     else:
         with pytest.raises(CorruptStreamError, match="has no luma space"):
             decode_header(payload)
+
+
+@pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
+def test_restoration_makes_it_version_5(path: Path) -> None:
+    header = decode_header(header_of(path))
+    restored = replace(header, spec=replace(header.spec, restoration=True))
+    payload = encode_header(restored)
+    assert payload == header_of(path, version=5, flags=lambda flags: flags | RESTORATION)
+    assert decode_header(payload) == restored
 
 
 def test_versions_have_their_flags() -> None:
@@ -77,6 +86,10 @@ def test_versions_have_their_flags() -> None:
     with pytest.raises(CorruptStreamError, match="without anything that needs it"):
         decode_header(header_of(path, version=4, flags=flags | TEXTURE))
     with pytest.raises(LimitError, match="the flags"):
-        decode_header(header_of(path, version=4, flags=flags | 2 * LUMA))
-    with pytest.raises(UnsupportedStreamError, match="reads 1 to 4"):
-        decode_header(header_of(path, version=5))
+        decode_header(header_of(path, version=4, flags=flags | RESTORATION))
+    with pytest.raises(CorruptStreamError, match="without anything that needs it"):
+        decode_header(header_of(path, version=5, flags=flags | LUMA))
+    with pytest.raises(LimitError, match="the flags"):
+        decode_header(header_of(path, version=5, flags=flags | 2 * RESTORATION))
+    with pytest.raises(UnsupportedStreamError, match="reads 1 to 5"):
+        decode_header(header_of(path, version=6))

@@ -45,6 +45,7 @@ def fields(header: Header) -> dict[str, Any]:
             "layout": ("adaptive", "uniform").index(spec.layout),
             "shape": ("log", "rotation").index(spec.shape),
             "luma_space": spec.luma_space,
+            "restoration": spec.restoration,
             "context": {
                 "grouped": len(context.steps) > 1,
                 "hash_resolutions": list(context.hash_resolutions),

@@ -25,10 +25,16 @@ def test_every_file_is_in_the_library(path: Path) -> None:
 
 
 def test_there_are_files() -> None:
-    assert {path.stem.rstrip("0123456789") for path in FILES} == {"tables", "positions", "prior", "texture"}
+    assert {path.stem.rstrip("0123456789") for path in FILES} == {
+        "tables",
+        "positions",
+        "prior",
+        "texture",
+        "restoration",
+    }
 
 
-@pytest.mark.parametrize("kind", ["prior", "texture"])
+@pytest.mark.parametrize("kind", ["prior", "texture", "restoration"])
 @pytest.mark.parametrize("number", [-1, 0, 4, 255])
 def test_there_is_nothing_of_other_numbers(kind: str, number: int) -> None:
     assert _native.shipped(kind, number) == b""

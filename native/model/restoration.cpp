@@ -1,0 +1,181 @@
+#include "model/restoration.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/thread_pool.hpp"
+
+namespace sgi {
+namespace {
+
+constexpr int kStepOfOne = 480, kStepsPerOctave = 32, kInputUnits = 128;
+constexpr int64_t kStripRows = 64;
+constexpr int kCubicBefore = 1, kCubicTaps = 4;
+
+bool is_plain(const OutputAxis &axis) { return axis.scale == 1 && axis.start == std::floor(axis.start); }
+
+// The first and last pixel and one on of an axis of `size` that its output pixels show.
+std::array<int64_t, 2> shown_of(const OutputAxis &axis, int64_t size) {
+  const int64_t first = int64_t(std::floor(axis.start)) + axis.first;
+  if (is_plain(axis))
+    return {std::clamp<int64_t>(first, 0, size - 1), std::clamp<int64_t>(first + axis.count, 1, size)};
+  const auto cell = [&](int64_t i) {
+    return int64_t(std::floor(axis.start + (double(axis.first + i) + 0.5) / axis.scale - 0.5)) - kCubicBefore;
+  };
+  return {std::clamp<int64_t>(cell(0), 0, size - 1), std::clamp<int64_t>(cell(axis.count - 1) + kCubicTaps, 1, size)};
+}
+
+// Catmull-Rom weights of the four pixels around each output pixel, and their places in `shown`, from `begin` on.
+struct Cubic {
+  std::array<int32_t, kCubicTaps> at;
+  std::array<float, kCubicTaps> weight;
+};
+
+std::vector<Cubic> cubics(const OutputAxis &axis, int64_t begin, int64_t size) {
+  std::vector<Cubic> found(axis.count);
+  for (int64_t i = 0; i < axis.count; ++i) {
+    const double place = axis.start + (double(axis.first + i) + 0.5) / axis.scale - 0.5, low = std::floor(place);
+    for (int tap = 0; tap < kCubicTaps; ++tap) {
+      const double d = std::abs(place - (low + tap - kCubicBefore));
+      const double near = (1.5 * d - 2.5) * d * d + 1.0, far = ((-0.5 * d + 2.5) * d - 4.0) * d + 2.0;
+      found[i].weight[tap] = float(d <= 1 ? near : far);
+      found[i].at[tap] = int32_t(std::clamp<int64_t>(int64_t(low) + tap - kCubicBefore - begin, 0, size - 1));
+    }
+  }
+  return found;
+}
+
+// The transpose of [n, n], and its inverse, for n of 1 or 3.
+std::vector<double> transposed(const std::vector<double> &m) {
+  if (m.size() == 1) return m;
+  return {m[0], m[3], m[6], m[1], m[4], m[7], m[2], m[5], m[8]};
+}
+
+std::vector<double> inverse(const std::vector<double> &m) {
+  if (m.size() == 1) return {1 / m[0]};
+  const auto minor = [&](int a, int b, int c, int d) { return m[a] * m[d] - m[b] * m[c]; };
+  const double determinant = m[0] * minor(4, 5, 7, 8) - m[1] * minor(3, 5, 6, 8) + m[2] * minor(3, 4, 6, 7);
+  std::vector<double> found{minor(4, 5, 7, 8), minor(2, 1, 8, 7), minor(1, 2, 4, 5),
+                            minor(5, 3, 8, 6), minor(0, 2, 6, 8), minor(2, 0, 5, 3),
+                            minor(3, 4, 6, 7), minor(1, 0, 7, 6), minor(0, 1, 3, 4)};
+  for (double &value : found) value /= determinant;
+  return found;
+}
+
+std::vector<float> scaled(const std::vector<double> &m, double factor) {
+  std::vector<float> found;
+  for (const double value : m) found.push_back(float(value * factor));
+  return found;
+}
+
+}  // namespace
+
+// Those of a drawn block, [rows, columns] each: a pair of channels, and the third one.
+struct Restoration::Inputs {
+  std::vector<int32_t> first, second;
+};
+
+Restoration::Restoration(const RestorationNetwork &network, int step, int channels, const std::vector<float> &mix,
+                         int64_t width, int64_t height, Isa isa)
+    : network_(network), channels_(channels), mixed_(channels >= 3 ? 3 : 1), width_(width), height_(height), isa_(isa) {
+  const double size = std::pow(2.0, double(step - kStepOfOne) / kStepsPerOctave);
+  std::vector<double> out{1};
+  if (mixed_ == 3) out = transposed({mix.begin(), mix.end()});
+  into_ = scaled(inverse(out), kInputUnits / size);
+  out_ = scaled(out, std::ldexp(size, -network.shift));
+}
+
+TileBlock Restoration::shown(const OutputAxis &x, const OutputAxis &y) const {
+  const auto across = shown_of(x, width_), down = shown_of(y, height_);
+  return {across[0], down[0], across[1] - across[0], down[1] - down[0]};
+}
+
+TileBlock Restoration::needed(const OutputAxis &x, const OutputAxis &y) const {
+  const TileBlock seen = shown(x, y);
+  const int64_t reach = network_.reach();
+  const int64_t left = std::max<int64_t>(0, seen.left - reach), top = std::max<int64_t>(0, seen.top - reach);
+  return {left, top, std::min(width_, seen.left + seen.columns + reach) - left,
+          std::min(height_, seen.top + seen.rows + reach) - top};
+}
+
+void Restoration::add(const float *drawn, const OutputAxis &x, const OutputAxis &y, int threads, float *values) const {
+  const TileBlock from = needed(x, y), seen = shown(x, y);
+  if (is_plain(x) && is_plain(y) && seen.columns == x.count && seen.rows == y.count)
+    return correct(drawn, from, seen, threads, values);
+  std::vector<float> correction(size_t(seen.columns) * seen.rows * channels_, 0.0f);
+  correct(drawn, from, seen, threads, correction.data());
+  const std::vector<Cubic> across = cubics(x, seen.left, seen.columns), down = cubics(y, seen.top, seen.rows);
+  parallel_for(y.count, threads, [&](int64_t row) {
+    std::vector<float> line(size_t(seen.columns) * channels_, 0.0f);
+    for (int tap = 0; tap < kCubicTaps; ++tap) {
+      const float *source = &correction[size_t(down[row].at[tap]) * line.size()], weight = down[row].weight[tap];
+      for (size_t i = 0; i < line.size(); ++i) line[i] += source[i] * weight;
+    }
+    float *to = values + row * x.count * channels_;
+    for (int64_t i = 0; i < x.count; ++i)
+      for (int c = 0; c < mixed_; ++c)
+        for (int tap = 0; tap < kCubicTaps; ++tap)
+          to[i * channels_ + c] += line[size_t(across[i].at[tap]) * channels_ + c] * across[i].weight[tap];
+  });
+}
+
+void Restoration::correct(const float *drawn, int threads, float *values) const {
+  const TileBlock all{0, 0, width_, height_};
+  correct(drawn, all, all, threads, values);
+}
+
+// Adds the correction of a block of the tile's own pixels to values [rows, columns, C].
+void Restoration::correct(const float *drawn, const TileBlock &from, const TileBlock &block, int threads,
+                          float *values) const {
+  const RestorationMix mix{into_.data(), channels_, mixed_};
+  const RestorationKernel &kernel = kernel_for<RestorationKernel>(isa_);
+  Inputs inputs{std::vector<int32_t>(from.columns * from.rows), std::vector<int32_t>(from.columns * from.rows)};
+  parallel_for(from.rows, threads, [&](int64_t row) {
+    const int64_t at = row * from.columns;
+    kernel.inputs(drawn + at * channels_, from.columns, mix, &inputs.first[at], &inputs.second[at]);
+  });
+  const int64_t columns = kRestorationColumns - 2 * (network_.reach() - 1);
+  const int64_t across = (block.columns + columns - 1) / columns, down = (block.rows + kStripRows - 1) / kStripRows;
+  parallel_for(across * down, threads, [&](int64_t i) {
+    const int64_t left = i % across * columns, top = i / across * kStripRows;
+    correct_strip(inputs, from, block,
+                  {block.left + left, block.top + top, std::min(columns, block.columns - left),
+                   std::min(kStripRows, block.rows - top)},
+                  values);
+  });
+}
+
+void Restoration::correct_strip(const Inputs &inputs, const TileBlock &from, const TileBlock &block,
+                                const TileBlock &strip, float *values) const {
+  const RestorationKernel &kernel = kernel_for<RestorationKernel>(isa_);
+  const int64_t reach = network_.reach();
+  int64_t rows = strip.rows + 2 * reach, most = 2;
+  for (const RestorationLayer &layer : network_.layers)
+    most = std::max<int64_t>(most, layer.blocks * (&layer == &network_.layers.back() ? kRestorationBlock : 2));
+  // Behind what a layer reads at the end of its last row there is a number more.
+  std::vector<int32_t> one(most * rows * kRestorationStride), other(one.size());
+  const int64_t plane = rows * kRestorationStride;
+  for (int64_t row = 0; row < rows; ++row) {
+    const int64_t y = std::clamp<int64_t>(strip.top - reach + row, 0, height_ - 1) - from.top;
+    for (int64_t i = 0; i < kRestorationColumns + 2; ++i) {
+      // beyond the strip's own margin nothing that is sound depends on it
+      const int64_t x = std::clamp<int64_t>(strip.left - reach + i, 0, width_ - 1) - from.left;
+      const int64_t at = y * from.columns + std::min(x, from.columns - 1);
+      one[row * kRestorationStride + i] = inputs.first[at];
+      one[plane + row * kRestorationStride + i] = inputs.second[at];
+    }
+  }
+  for (const RestorationLayer &layer : network_.layers) {
+    rows -= 2;
+    (&layer == &network_.layers.back() ? kernel.last : kernel.hidden)(layer.view(), one.data(), rows, other.data());
+    one.swap(other);
+  }
+  const RestorationMix mix{out_.data(), channels_, mixed_};
+  for (int64_t row = 0; row < rows; ++row) {
+    const int64_t at = (strip.top - block.top + row) * block.columns + strip.left - block.left;
+    kernel.add(&one[row * kRestorationStride], rows * kRestorationStride, strip.columns, mix, values + at * channels_);
+  }
+}
+
+}  // namespace sgi

@@ -1,0 +1,54 @@
+// Restoration of drawn pixels by a network (docs/format.md, "Restoration").
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "base/isa.hpp"
+#include "model/restoration_network.hpp"
+#include "model/texture_axis.hpp"
+
+namespace sgi {
+
+// Pixels of a tile.
+struct TileBlock {
+  int64_t left, top, columns, rows;
+};
+
+// What a tile states.
+struct RestorationChoice {
+  int network = 0;  // number of a shipped one; 0: none
+  int step = 0;     // index of the step in whose units it sees pixels
+};
+
+// Restores a tile of `width` times `height` pixels of C channels. Safe for use by several threads at once.
+class Restoration {
+ public:
+  // The network must outlive it. mix [3, 3], as `texture_mix` gives it; empty for fewer than three channels.
+  Restoration(const RestorationNetwork &network, int step, int channels, const std::vector<float> &mix, int64_t width,
+              int64_t height, Isa isa);
+
+  // What must be drawn of the tile for what these axes show of it, at scales of 1 and above.
+  TileBlock needed(const OutputAxis &x, const OutputAxis &y) const;
+  // Adds the correction to values [y.count, x.count, C] of what the axes show. drawn: the needed block, [rows, columns,
+  // C]. The same values for any block that is asked for, number of threads and instruction set.
+  void add(const float *drawn, const OutputAxis &x, const OutputAxis &y, int threads, float *values) const;
+  // Adds the correction of the whole tile to values, both [height, width, C].
+  void correct(const float *drawn, int threads, float *values) const;
+
+ private:
+  struct Inputs;
+
+  TileBlock shown(const OutputAxis &x, const OutputAxis &y) const;
+  void correct(const float *drawn, const TileBlock &from, const TileBlock &block, int threads, float *values) const;
+  void correct_strip(const Inputs &inputs, const TileBlock &from, const TileBlock &block, const TileBlock &strip,
+                     float *values) const;
+
+  const RestorationNetwork &network_;
+  const int channels_, mixed_;     // how many of them the network sees
+  std::vector<float> into_, out_;  // [mixed, mixed], with the units of inputs and sums
+  const int64_t width_, height_;
+  const Isa isa_;
+};
+
+}  // namespace sgi

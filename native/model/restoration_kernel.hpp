@@ -1,0 +1,39 @@
+// What restoration needs of an instruction set: its layers, and colours on their way in and out.
+#pragma once
+#include <cstdint>
+
+namespace sgi {
+
+constexpr int kRestorationMost = 32767;   // of an input or a hidden value
+constexpr int kRestorationColumns = 128;  // of a strip; layers compute whole strips, of which fewer and fewer are sound
+constexpr int kRestorationStride = kRestorationColumns + 16;  // of a row: what is read behind a strip is there
+
+constexpr int kRestorationTaps = 9, kRestorationBlock = 4;  // outputs are padded to whole blocks
+
+// Two consecutive inputs have one 32-bit number, the first in its lower half; so do their weights.
+struct LayerView {
+  int pairs, blocks, shift;
+  const int32_t *weights;  // [blocks, pairs, kRestorationTaps, kRestorationBlock]
+  const int32_t *biases;   // [blocks * kRestorationBlock], times 64
+};
+
+// C channels of a pixel of which the first `count`, 1 or 3, are mixed: those of a pixel p are p[0] ... p[C - 1].
+struct RestorationMix {
+  const float *matrix;  // [count, count]
+  int channels, count;
+};
+
+// Operations are rounded by themselves, none fused: all instruction sets give the same.
+struct RestorationKernel {
+  // The inputs of the network for pixels side by side: the first two in one number, the third in the other.
+  void (*inputs)(const float *values, int64_t pixels, const RestorationMix &mix, int32_t *first, int32_t *second);
+  // in [pairs, rows + 2, stride]: pairs of values; out [2 blocks, rows, stride]: pairs of hidden values.
+  void (*hidden)(const LayerView &layer, const int32_t *in, int64_t rows, int32_t *out);
+  // The same for the last layer; out [4 blocks, rows, stride]: sums.
+  void (*last)(const LayerView &layer, const int32_t *in, int64_t rows, int32_t *out);
+  // Adds sums, `plane` apart, times the matrix to values.
+  void (*add)(const int32_t *sums, int64_t plane, int64_t pixels, const RestorationMix &mix, float *values);
+  static const RestorationKernel portable, avx2, avx512;
+};
+
+}  // namespace sgi

@@ -1,0 +1,137 @@
+// Restoration over vectors of LANES pixels. CMake turns fused multiply-adds off for this file.
+#ifdef SGI_X86
+#include <immintrin.h>
+#endif
+
+#include "model/pair_products.hpp"
+#include "model/restoration_kernel.hpp"
+
+namespace sgi {
+namespace {
+
+using narrow::clipped;
+using narrow::vi;
+
+constexpr int kVectors = LANES == 16 ? 4 : 2;  // with a block of outputs the registers that there are
+constexpr int kColumns = kVectors * LANES;
+static_assert(kRestorationColumns % kColumns == 0, "a strip must hold whole vectors");
+static_assert(kRestorationStride >= kRestorationColumns + 2, "rows must hold what is beside a strip");
+
+using Sums = vi[kRestorationBlock][kVectors];
+
+inline void store(int32_t *p, vi v) { __builtin_memcpy(p, &v, sizeof v); }
+
+// Has sums added to in this order: g++ would add up the products first, for which there are no registers.
+inline void keep_order(vi &sum) {
+#ifdef SGI_X86
+  asm("" : "+v"(sum));
+#endif
+  (void)sum;
+}
+
+// Of a block of outputs at kColumns pixels. in: the pixel above and to the left of the first one; `plane` from one pair
+// of inputs to the next.
+template <bool FUSED>
+inline void convolve(const LayerView &layer, const int32_t *weight, const int32_t *bias, const int32_t *in,
+                     int64_t plane, Sums &sum) {
+  for (int o = 0; o < kRestorationBlock; ++o)
+    for (int v = 0; v < kVectors; ++v) sum[o][v] = vi{} + bias[o];
+  for (int pair = 0; pair < layer.pairs; ++pair, in += plane)
+    for (int tap = 0; tap < kRestorationTaps; ++tap, weight += kRestorationBlock) {
+      const int32_t *row = in + (tap / 3) * kRestorationStride + tap % 3;
+      vi value[kVectors];
+      for (int v = 0; v < kVectors; ++v) value[v] = narrow::load(row + v * LANES);
+      for (int o = 0; o < kRestorationBlock; ++o)
+        for (int v = 0; v < kVectors; ++v) {
+          sum[o][v] = narrow::add_products<FUSED>(sum[o][v], value[v], vi{} + weight[o]);
+          keep_order(sum[o][v]);
+        }
+    }
+}
+
+inline vi activation(vi sum, int shift) { return clipped(sum >> shift, 0, kRestorationMost); }
+
+template <bool FUSED, bool LAST>
+void layer_as(const LayerView &layer, const int32_t *in, int64_t rows, int32_t *out) {
+  const int64_t plane_in = (rows + 2) * kRestorationStride, plane = rows * kRestorationStride;
+  for (int64_t row = 0; row < rows; ++row)
+    for (int block = 0; block < layer.blocks; ++block) {
+      const int32_t *weights = layer.weights + int64_t(block) * layer.pairs * kRestorationTaps * kRestorationBlock;
+      for (int x = 0; x < kRestorationColumns; x += kColumns) {
+        const int64_t at = row * kRestorationStride + x;
+        Sums sum;
+        convolve<FUSED>(layer, weights, layer.biases + block * kRestorationBlock, in + at, plane_in, sum);
+        for (int v = 0; v < kVectors; ++v)
+          if constexpr (LAST) {
+            for (int o = 0; o < kRestorationBlock; ++o)
+              store(out + (block * kRestorationBlock + o) * plane + at + v * LANES, sum[o][v]);
+          } else {
+            for (int o = 0; o < kRestorationBlock; o += 2)
+              store(out + (block * kRestorationBlock + o) / 2 * plane + at + v * LANES,
+                    activation(sum[o][v], layer.shift) | activation(sum[o + 1][v], layer.shift) << 16);
+          }
+      }
+    }
+}
+
+void hidden_layer(const LayerView &layer, const int32_t *in, int64_t rows, int32_t *out) {
+  narrow::has_fused() ? layer_as<true, false>(layer, in, rows, out) : layer_as<false, false>(layer, in, rows, out);
+}
+
+void last_layer(const LayerView &layer, const int32_t *in, int64_t rows, int32_t *out) {
+  narrow::has_fused() ? layer_as<true, true>(layer, in, rows, out) : layer_as<false, true>(layer, in, rows, out);
+}
+
+// The nearest integer, ties to even, within the limits; 0 for not-a-number.
+inline int32_t input_of(float value) {
+  constexpr float kMost = float(kRestorationMost), kMagic = 12582912.0f;  // 1.5 * 2^23: adding it leaves no fraction
+  value = value == value ? value : 0.0f;
+  value = value > -kMost ? value : -kMost;
+  value = value < kMost ? value : kMost;
+  return int32_t((value + kMagic) - kMagic);
+}
+
+template <int COUNT>
+inline void inputs_of(const float *values, int64_t pixels, const RestorationMix &mix, int32_t *first, int32_t *second) {
+  for (int64_t i = 0; i < pixels; ++i) {
+    const float *p = values + i * mix.channels, *m = mix.matrix;
+    if constexpr (COUNT == 1) {
+      first[i] = input_of(p[0] * m[0]) & 0xffff, second[i] = 0;
+    } else {
+      const int32_t a = input_of(p[0] * m[0] + p[1] * m[1] + p[2] * m[2]);
+      const int32_t b = input_of(p[0] * m[3] + p[1] * m[4] + p[2] * m[5]);
+      const int32_t c = input_of(p[0] * m[6] + p[1] * m[7] + p[2] * m[8]);
+      first[i] = int32_t(uint32_t(a & 0xffff) | uint32_t(b) << 16), second[i] = c & 0xffff;
+    }
+  }
+}
+
+void to_inputs(const float *values, int64_t pixels, const RestorationMix &mix, int32_t *first, int32_t *second) {
+  mix.count == 1 ? inputs_of<1>(values, pixels, mix, first, second) : inputs_of<3>(values, pixels, mix, first, second);
+}
+
+template <int COUNT>
+inline void add_sums(const int32_t *sums, int64_t plane, int64_t pixels, const RestorationMix &mix, float *values) {
+  for (int64_t i = 0; i < pixels; ++i) {
+    float *p = values + i * mix.channels;
+    const float *m = mix.matrix;
+    if constexpr (COUNT == 1) {
+      p[0] += float(sums[i]) * m[0];
+    } else {
+      const float a = float(sums[i]), b = float(sums[plane + i]), c = float(sums[2 * plane + i]);
+      p[0] += a * m[0] + b * m[1] + c * m[2];
+      p[1] += a * m[3] + b * m[4] + c * m[5];
+      p[2] += a * m[6] + b * m[7] + c * m[8];
+    }
+  }
+}
+
+void add_correction(const int32_t *sums, int64_t plane, int64_t pixels, const RestorationMix &mix, float *values) {
+  mix.count == 1 ? add_sums<1>(sums, plane, pixels, mix, values) : add_sums<3>(sums, plane, pixels, mix, values);
+}
+
+}  // namespace
+
+const RestorationKernel RestorationKernel::SGI_ISA{to_inputs, hidden_layer, last_layer, add_correction};
+
+}  // namespace sgi

@@ -1,0 +1,17 @@
+"""The restoration part of a tile: a network, and the step in which it sees pixels (docs/format.md, "Restoration")."""
+
+from __future__ import annotations
+
+from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
+from sgicodec.model.restoration import Restoration
+
+__all__ = ["write_restoration"]
+
+_NETWORK_BITS, _STEP_BITS = 4, 9
+
+
+def write_restoration(writer: SymbolWriter, restoration: Restoration | None) -> None:
+    """A tile's restoration, None where it has none."""
+    writer.code_int(0 if restoration is None else restoration.network, _NETWORK_BITS)
+    if restoration is not None:
+        writer.code_int(restoration.step, _STEP_BITS)

@@ -1,0 +1,32 @@
+"""Restoration: a shipped network that takes from drawn pixels what quantisation added to them (docs/format.md)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec._native import restoration_correction
+from sgicodec.device import ONE_THREAD, Device
+
+__all__ = ["Restoration"]
+
+F32 = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Restoration:
+    """What a tile's pixels pass through. network: number of a shipped one; step: index of the step in whose units it
+    sees them, 2^((step − 480) / 32).
+    """
+
+    network: int
+    step: int
+
+    def correction(self, drawn: F32, device: Device = ONE_THREAD) -> F32:
+        """What is added to a whole tile [C, H, W] at its own pixels, in the channels that the stream codes.
+
+        Equal for any number of threads and instruction set.
+        """
+        return restoration_correction(np.ascontiguousarray(drawn), self.network, self.step, device.threads, device.isa)

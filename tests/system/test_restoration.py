@@ -1,0 +1,136 @@
+"""Restored streams: nearer to the picture, the same in every region, as docs/format.md says."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from restoration_reader import corrected
+from scenes import ISAS
+
+from sgicodec import EncodeSettings, Picture, encode_picture, read
+from sgicodec.bitstream.parts.tile import write_tile
+from sgicodec.bitstream.parts.tile_chunk import encode_tile_chunk
+from sgicodec.bitstream.stream_writer import write_stream
+from sgicodec.decoder.stream import Stream, open_stream
+from sgicodec.device import Device
+from sgicodec.encoder.restoring import Restorer
+from sgicodec.model.luma_space import from_luma_space, to_luma_space
+from sgicodec.model.texture_symbols import TextureSteps
+from sgicodec.rdoq.objective import with_values
+from sgicodec.rdoq.texture import TextureSearch
+
+PHOTO = Path(__file__).parents[1] / "data" / "kodim13.png"
+QUICK = EncodeSettings(quality=45, steps=60, tune="psnr")
+
+
+@pytest.fixture(scope="module")
+def crop() -> Picture:
+    photo = read(PHOTO)
+    return replace(photo, pixels=np.ascontiguousarray(photo.pixels[300:428, 80:280]))
+
+
+@pytest.fixture(scope="module")
+def streams(crop: Picture) -> dict[str, bytes]:
+    kinds = {
+        "psnr": QUICK,
+        "visual": replace(QUICK, tune="visual"),
+        "tiled": replace(QUICK, tile=100),
+        "plain": replace(QUICK, restoration=False),
+    }
+    return {name: encode_picture(crop, settings).data for name, settings in kinds.items()}
+
+
+def unrestored(stream: Stream) -> bytes:
+    """The same stream of one tile without restoration."""
+    from io import BytesIO
+
+    header, model = stream.header, stream.model
+    header = replace(header, spec=replace(header.spec, restoration=False))
+    model = with_values(header.spec, model, model.decoded_values)
+    payload, _ = write_tile(header, replace(model, decoded=None, restoration=None))
+    buffer = BytesIO()
+    write_stream(buffer, header, b"", None, [encode_tile_chunk(header, 0, None, payload)])
+    return buffer.getvalue()
+
+
+@pytest.mark.parametrize("name", ["psnr", "visual"])
+def test_pixels_are_what_the_page_says(streams: dict[str, bytes], name: str) -> None:
+    with open_stream(streams[name]) as stream:
+        assert stream.header.spec.restoration
+        restoration = stream.model.restoration
+        found = stream.render().transpose(2, 0, 1)
+        with open_stream(unrestored(stream)) as plain:
+            drawn = plain.render().transpose(2, 0, 1).astype(np.float64)
+    assert restoration is not None
+    assert restoration.network == {"psnr": 1, "visual": 2}[name]
+    coded = np.tensordot(to_luma_space(3), drawn, axes=1) if name == "visual" else drawn
+    added = corrected(coded, restoration.network, restoration.step)
+    if name == "visual":
+        added = np.tensordot(from_luma_space(3), added, axes=1)
+    assert np.abs(added).max() > 2 / 255
+    # an input that lies near the middle of two integers may be rounded to the other one
+    assert np.abs(found - (drawn + added)).max() < 1 / 255
+    assert np.mean(np.abs(found - (drawn + added)) > 1e-4) < 0.05
+
+
+def test_it_brings_pixels_nearer(crop: Picture, streams: dict[str, bytes]) -> None:
+    restored, plain = (open_stream(streams[name]).picture() for name in ("psnr", "plain"))
+    assert len(streams["psnr"]) < 1.01 * len(streams["plain"])
+    errors = [np.square(one.pixels.astype(float) - crop.pixels).mean() for one in (restored, plain)]
+    assert errors[0] < 0.97 * errors[1]
+
+
+@pytest.mark.parametrize("name", ["psnr", "visual", "tiled"])
+def test_regions_are_parts_of_the_whole(streams: dict[str, bytes], name: str) -> None:
+    with open_stream(streams[name]) as stream:
+        whole, large = stream.render(), stream.render(scale=2.5)
+        for x, y, width, height in [(0, 0, 1, 1), (37, 21, 90, 70), (199, 127, 1, 1), (96, 60, 8, 9)]:
+            part = stream.render(region=(x, y, width, height))
+            np.testing.assert_array_equal(part, whole[y : y + height, x : x + width])
+        part = stream.render(region=(40, 20, 60, 40), scale=2.5)
+        assert np.abs(part - large[50:150, 100:250]).max() < 0.5 / 255  # Gaussians end elsewhere
+
+
+def test_threads_and_instruction_sets_agree(streams: dict[str, bytes]) -> None:
+    with open_stream(streams["visual"]) as stream:
+        expected = stream.render()
+    for isa in ISAS:
+        for threads in (1, 2, 3):
+            with open_stream(streams["visual"], Device(threads=threads, isa=isa)) as stream:
+                assert np.abs(stream.render() - expected).max() < 1 / 255
+
+
+def test_small_views_have_none(streams: dict[str, bytes]) -> None:
+    with open_stream(streams["psnr"]) as stream, open_stream(unrestored(stream)) as plain:
+        np.testing.assert_array_equal(stream.render(scale=0.5), plain.render(scale=0.5))
+        assert np.abs(stream.render(scale=3.0) - plain.render(scale=3.0)).max() > 1 / 255
+
+
+def test_a_large_view_interpolates_it(streams: dict[str, bytes]) -> None:
+    """At scale 3 the middle pixel of three has the centre of the picture's."""
+    with open_stream(streams["psnr"]) as stream, open_stream(unrestored(stream)) as plain:
+        own = stream.render() - plain.render()
+        large = stream.render(scale=3.0) - plain.render(scale=3.0)
+    np.testing.assert_allclose(large[1::3, 1::3], own, atol=1e-5)
+
+
+def test_without_it_streams_are_as_before(crop: Picture, streams: dict[str, bytes]) -> None:
+    with open_stream(streams["plain"]) as stream:
+        assert not stream.header.spec.restoration
+        assert stream.model.restoration is None
+
+
+def test_what_it_would_make_worse_stays(crop: Picture) -> None:
+    """A picture that is drawn without an error gets no correction where that is large."""
+    unit = np.ascontiguousarray(crop.pixels.transpose(2, 0, 1), np.float32) / 255
+    layer = TextureSearch(unit, Device(threads=1)).at(TextureSteps(420, (16, 16)), 0.1)
+    assert layer is not None
+    drawn = layer.layer().draw()
+    exact = TextureSearch(drawn, Device(threads=1))
+    for network in (1, 2):
+        assert not Restorer(drawn, None, network, Device(threads=1)).helps(exact, layer)
+    wrong = TextureSearch(unit, Device(threads=1))
+    assert Restorer(unit, None, 1, Device(threads=1)).helps(wrong, layer)

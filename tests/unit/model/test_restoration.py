@@ -1,0 +1,86 @@
+"""Restoration is what docs/format.md says, for tiles of any size and any channels, on all instruction sets."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from restoration_reader import OPPONENT, PARTS, corrected
+from scenes import ISAS
+
+from sgicodec._native import restoration_correction
+from sgicodec.device import Device
+from sgicodec.errors import UnsupportedStreamError
+from sgicodec.model.restoration import Restoration
+
+ROOT = Path(__file__).parents[3]
+NETWORKS = sorted(int(path.stem.removeprefix("restoration")) for path in PARTS.glob("restoration*.bin"))
+SHAPES = [(3, 70, 130), (3, 1, 1), (3, 2, 200), (3, 200, 3), (1, 40, 50), (2, 40, 50), (4, 67, 125), (5, 64, 120)]
+
+
+def tile(shape: tuple[int, int, int], step: int, seed: int = 0) -> np.ndarray:
+    """Edges and noise, at places where no input of the network lies near the middle of two integers."""
+    rng, (channels, rows, columns) = np.random.default_rng(seed), shape
+    x, y = np.arange(columns) / 9, np.arange(rows)[:, None] / 7
+    waves = np.sign(np.sin(x + y)) * 0.3 + 0.5 + rng.normal(size=shape) * 0.05
+    waves[:, :1, :1] = 40.0  # far beyond white
+    delta = 2.0 ** ((step - 480) / 32)
+    if channels < 3:
+        return np.asarray((np.rint(128 * waves / delta) + rng.uniform(-0.2, 0.2, shape)) * delta / 128, np.float32)
+    seen = np.tensordot(OPPONENT, waves[:3], axes=1)
+    seen = (np.rint(128 * seen / delta) + rng.uniform(-0.2, 0.2, seen.shape)) * delta / 128
+    waves[:3] = np.tensordot(OPPONENT.T, seen, axes=1)
+    return np.asarray(waves, np.float32)
+
+
+@pytest.mark.parametrize("network", NETWORKS)
+@pytest.mark.parametrize("shape", SHAPES, ids=str)
+@pytest.mark.parametrize("step", [511, 360, 290])
+def test_it_is_what_the_page_says(network: int, shape: tuple[int, int, int], step: int) -> None:
+    drawn = tile(shape, step)
+    found, expected = Restoration(network, step).correction(drawn), corrected(drawn.astype(np.float64), network, step)
+    assert found.shape == shape
+    assert np.abs(expected).max() > 0
+    np.testing.assert_allclose(found, expected, rtol=1e-5, atol=2e-6)
+
+
+@pytest.mark.parametrize("network", NETWORKS)
+@pytest.mark.parametrize("shape", [(3, 131, 250), (1, 65, 129)], ids=str)
+def test_all_machines_and_threads_agree(network: int, shape: tuple[int, int, int]) -> None:
+    drawn, restoration = tile(shape, 400), Restoration(network, 400)
+    first = restoration.correction(drawn, Device(threads=1, isa="portable"))
+    for isa in ISAS:
+        for threads in (1, 2, 3):
+            np.testing.assert_array_equal(first, restoration.correction(drawn, Device(threads=threads, isa=isa)))
+
+
+def test_no_number_stops_it() -> None:
+    drawn = tile((3, 30, 30), 400)
+    drawn[0, 3, 3], drawn[1, 8, 9], drawn[2, 20, 20] = np.nan, np.inf, -np.inf
+    correction = Restoration(1, 400).correction(drawn)
+    assert np.isfinite(correction).all()
+    calm = Restoration(1, 400).correction(tile((3, 30, 30), 400))
+    np.testing.assert_array_equal(correction[:, 25:, 25:], calm[:, 25:, 25:])
+
+
+def test_a_flat_picture_stays() -> None:
+    """What has no structure has no error that shows; what is added is less than a fifth of a step."""
+    for level in (0.0, 0.3, 1.0):
+        for network in NETWORKS:
+            correction = Restoration(network, 400).correction(np.full((3, 40, 40), level, np.float32))
+            assert np.abs(correction).max() < 0.2 * 2.0 ** ((400 - 480) / 32)
+            assert np.ptp(correction, axis=(1, 2)).max() == 0
+
+
+@pytest.mark.parametrize("network", [0, 3, 15, -1])
+def test_other_networks_are_refused(network: int) -> None:
+    with pytest.raises(UnsupportedStreamError, match="this program has networks 1 and 2"):
+        restoration_correction(np.zeros((3, 4, 4), np.float32), network, 400, 1, "auto")
+
+
+@pytest.mark.parametrize("network", NETWORKS)
+def test_the_page_names_the_networks(network: int) -> None:
+    data = (PARTS / f"restoration{network}.bin").read_bytes()
+    assert hashlib.sha256(data).hexdigest() in (ROOT / "docs" / "format.md").read_text()
