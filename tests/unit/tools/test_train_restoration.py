@@ -1,0 +1,125 @@
+"""Short trainings of networks of restoration on streams of two small crops."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from sgicodec.decoder.stream import open_stream
+from sgicodec.device import ONE_THREAD
+from sgicodec.encoder.pipeline import encode_picture
+from sgicodec.encoder.settings import EncodeSettings, Tune
+from sgicodec.image import read
+
+torch = pytest.importorskip("torch")
+from tools.restoration_file import RestorationNet, file_of, network_of  # noqa: E402
+from tools.train_restoration import (  # noqa: E402
+    TRAININGS,
+    Example,
+    Loss,
+    examples_of,
+    loss_of,
+    make_streams,
+    shown,
+    train,
+    with_slopes,
+    without_correction,
+)
+
+DATA = Path(__file__).parents[2] / "data"
+
+
+@pytest.fixture(scope="module")
+def pictures(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("pictures")
+    for name in ("kodim13", "kodim23"):
+        with Image.open(DATA / f"{name}.png") as picture:
+            picture.crop((200, 100, 328, 228)).save(folder / f"{name}.png")
+    return folder
+
+
+SHORT = {
+    "psnr": replace(TRAININGS["psnr"], qualities=(60, 80), effort=1, side=48, batch=4, rate=1e-2),
+    "visual": replace(TRAININGS["visual"], qualities=(60, 80), effort=1, side=128, batch=2),
+}
+"""For the eye, crops are whole: scores of small ones are others."""
+
+
+def taught(pictures: Path, streams: Path, tune: Tune) -> list[Example]:
+    make_streams(pictures, streams, tune, SHORT[tune], ONE_THREAD)
+    return examples_of(pictures, streams, ONE_THREAD)
+
+
+def mean_loss(network: RestorationNet, examples: list[Example], loss: Loss) -> float:
+    with torch.no_grad():
+        return float(np.mean([float(loss(own, shown(network, [own])[0])) for own in examples]))
+
+
+def lowered(network: RestorationNet, examples: list[Example], tune: Tune, steps: int) -> float:
+    """How much lower a short training makes the loss of whole pictures, in the integers of the file."""
+    loss = loss_of(tune)
+    before = mean_loss(network, examples, loss)
+    gains = train(network, examples, loss, SHORT[tune], steps, rounds=0.5)
+    assert len(gains) == steps
+    trained = network_of(file_of(network))
+    trained.rounds = True
+    return before - mean_loss(trained, examples, loss)
+
+
+def test_training_for_squared_error_lowers_it(pictures: Path, tmp_path: Path) -> None:
+    torch.manual_seed(1)
+    examples = taught(pictures, tmp_path, "psnr")
+    assert [example.name for example in examples] == ["kodim13"] * 2 + ["kodim23"] * 2
+    assert lowered(RestorationNet(8, 2), examples, "psnr", 100) > 0.005
+
+
+def test_training_for_the_eye_lowers_its_loss(pictures: Path, tmp_path: Path) -> None:
+    torch.manual_seed(1)
+    examples = with_slopes(taught(pictures, tmp_path, "visual"), ONE_THREAD)
+    assert len(examples) == 4
+    assert all(example.slope > 2 for example in examples)
+    assert lowered(RestorationNet(8, 2), examples, "visual", 20) > 0.005
+
+
+def test_pictures_may_be_too_small_for_crops(pictures: Path, tmp_path: Path) -> None:
+    training = replace(SHORT["psnr"], side=129)
+    with pytest.raises(ValueError, match="129 pixels"):
+        train(RestorationNet(), taught(pictures, tmp_path, "psnr"), loss_of("psnr"), training, 1, rounds=0.5)
+
+
+def test_streams_that_are_there_stay(pictures: Path, tmp_path: Path) -> None:
+    kept = tmp_path / "kodim13-60.sgi"
+    kept.write_bytes(b"")
+    make_streams(pictures, tmp_path, "psnr", SHORT["psnr"], ONE_THREAD)
+    assert kept.read_bytes() == b""
+    assert sorted(path.name for path in tmp_path.iterdir())[1:] == [
+        "kodim13-80.sgi",
+        "kodim23-60.sgi",
+        "kodim23-80.sgi",
+    ]
+
+
+def test_streams_lose_nothing_but_the_correction(pictures: Path) -> None:
+    settings = EncodeSettings(quality=45, effort=1, tune="psnr", tile=0)
+    data = encode_picture(read(pictures / "kodim23.png"), settings, device=ONE_THREAD).data
+    with open_stream(data) as whole, open_stream(without_correction(data)) as bare:
+        restoration = whole.model.restoration
+        assert restoration is not None
+        assert bare.model.restoration is None
+        drawn = np.ascontiguousarray(bare.render().transpose(2, 0, 1))
+        restored = drawn + restoration.correction(drawn, ONE_THREAD)
+        assert np.abs(restored - whole.render().transpose(2, 0, 1)).max() < 1e-5
+
+
+def test_crops_of_both_pictures_are_turned_alike() -> None:
+    planes = torch.arange(3 * 9 * 11.0).reshape(3, 9, 11)
+    example = Example("", planes, 2 * planes, torch.eye(3), 1.0, 1)
+    source = random.Random(2)
+    crops = [example.crop(5, source) for _ in range(20)]
+    assert all(torch.equal(2 * crop.original, crop.drawn) for crop in crops)
+    assert len({tuple((crop.original[0, 0, 1] - crop.original[0, 0, :1]).tolist()) for crop in crops}) == 4
