@@ -85,7 +85,8 @@ EMSCRIPTEN_KEEPALIVE Stream *viewer_open(double size, double cache_bytes) {
 EMSCRIPTEN_KEEPALIVE void viewer_close(Stream *stream) { delete stream; }
 
 // Width, height, channels, tiles, largest side of a tile, whether there is an overview, levels, whether all pixels hold
-// something, are opaque and have values that eight bits show as they are, and the apron of tiles.
+// something, are opaque and have values that eight bits show as they are, the apron of tiles, whether they are
+// restored.
 EMSCRIPTEN_KEEPALIVE void viewer_info(Stream *stream, double *facts) {
   const Header &header = stream->header();
   const double found[] = {double(header.width),
@@ -96,7 +97,8 @@ EMSCRIPTEN_KEEPALIVE void viewer_info(Stream *stream, double *facts) {
                           double(stream->has_overview()),
                           double(levels_of(header.width, header.height).size()),
                           double(is_plain(header)),
-                          double(header.apron)};
+                          double(header.apron),
+                          double(header.spec.restoration)};
   std::copy(std::begin(found), std::end(found), facts);
 }
 

@@ -20,8 +20,9 @@ export class TileModels {
 
   /** Whether the GPU can draw what the camera shows. */
   covers({ scale, seen }) {
-    const { isPlain } = this.decoder.info;
+    const { isPlain, isRestored } = this.decoder.info;
     if (!isPlain || scale < LEAST_SCALE || scale > MOST_SCALE) return false;
+    if (isRestored && scale >= 1) return false; // the network runs in workers
     return seen.width * seen.height <= MOST_PIXELS && this.needed(seen).length <= MOST_TILES;
   }
 
