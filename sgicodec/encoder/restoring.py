@@ -1,4 +1,4 @@
-"""Whether a tile is restored: where the network of its tuning brings what is drawn nearer to the picture."""
+"""How a tile is restored: with the strength that brings what is drawn nearest to the picture, or not at all."""
 
 from __future__ import annotations
 
@@ -9,17 +9,33 @@ from numpy.typing import NDArray
 
 from sgicodec.device import Device
 from sgicodec.model.restoration import Restoration
-from sgicodec.model.texture_symbols import TextureSymbols
+from sgicodec.model.texture_symbols import STEP_COUNT, TextureSymbols
 from sgicodec.rdoq.texture import TextureSearch
 
-__all__ = ["Restorer"]
+__all__ = ["Restorer", "Strength"]
 
 F32 = NDArray[np.float32]
 
-_LARGER = {1: 1.0, 2: 1.04}
+_OFFSETS, _APART = (-40, -24, -8, 8), 16
+"""Steps that are tried, from texture's own, in 32nds of an octave."""
+_STRONGER = {1: 0, 2: 8}
+"""By network, how far above the step of least squared error it does best."""
+_LARGER = {1: 1.0, 2: 1.02}
 """By network, what squared error may grow by: the one for the eye gains by what squared error does not tell."""
 _BITS = 21
 """That a stream takes for it: the part, and a byte of the header."""
+
+
+@dataclass(frozen=True)
+class Strength:
+    """A network, and how far its step is above texture's: the larger the step, the more it takes away."""
+
+    network: int
+    offset: int
+
+    def over(self, texture: TextureSymbols) -> Restoration:
+        """Restoration of what is drawn with a layer."""
+        return Restoration(self.network, min(max(texture.steps.step + self.offset, 0), STEP_COUNT - 1))
 
 
 @dataclass(frozen=True)
@@ -33,24 +49,42 @@ class Restorer:
     network: int
     device: Device
 
-    def correction(self, search: TextureSearch, texture: TextureSymbols) -> F32:
+    def correction(self, search: TextureSearch, texture: TextureSymbols, strength: Strength) -> F32:
         """What restoration adds to a layer over the seeds of `search`."""
-        return self._restoration(texture).correction(self._drawn(search, texture), self.device)
+        return strength.over(texture).correction(self._drawn(search, texture), self.device)
 
-    def helps(self, search: TextureSearch, texture: TextureSymbols, lmbda: float = 0.0) -> bool:
-        """Whether restoration makes a layer over the seeds of `search` better by what its bits are worth."""
+    def strength(self, search: TextureSearch, texture: TextureSymbols, lmbda: float = 0.0) -> Strength | None:
+        """What makes a layer over the seeds of `search` best, None where none makes it better by what its bits are
+        worth.
+        """
         drawn = self._drawn(search, texture)
-        restored = drawn + self._restoration(texture).correction(drawn, self.device)
-        if self.empty is not None:
-            restored[:, self.empty] = self.unit[:, self.empty]
-        error, before = (np.square(self.unit - one).sum(dtype=np.float64) for one in (restored, drawn))
-        return bool(error + _BITS * lmbda < _LARGER[self.network] * before)
 
-    def _restoration(self, texture: TextureSymbols) -> Restoration:
-        return Restoration(self.network, texture.steps.step)
+        def error(offset: int) -> float:
+            return self._error(drawn + Strength(self.network, offset).over(texture).correction(drawn, self.device))
+
+        least = _least([error(offset) for offset in _OFFSETS])
+        found = Strength(self.network, least + _STRONGER[self.network])
+        if error(found.offset) + _BITS * lmbda < _LARGER[self.network] * self._error(drawn):
+            return found
+        return None
+
+    def _error(self, shown: F32) -> float:
+        if self.empty is not None:
+            shown[:, self.empty] = self.unit[:, self.empty]
+        return float(np.square(self.unit - shown).sum(dtype=np.float64))
 
     def _drawn(self, search: TextureSearch, texture: TextureSymbols) -> F32:
         drawn = self.unit - search.residual + texture.layer().draw(device=self.device)
         if self.empty is not None:
             drawn[:, self.empty] = self.unit[:, self.empty]
         return drawn
+
+
+def _least(errors: list[float]) -> int:
+    """Where a parabola through the least of the errors at _OFFSETS and those beside it is lowest."""
+    best = int(np.argmin(errors))
+    if not 0 < best < len(errors) - 1:
+        return _OFFSETS[best]
+    before, here, after = errors[best - 1 : best + 2]
+    curvature = before - 2.0 * here + after
+    return _OFFSETS[best] + (round(_APART / 2 * (before - after) / curvature) if curvature > 0 else 0)

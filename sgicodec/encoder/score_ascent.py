@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.device import Device
+from sgicodec.encoder.restoring import Strength
 from sgicodec.metrics.visual_score import VisualReference
 from sgicodec.model.luma_space import from_luma_space
-from sgicodec.model.restoration import Restoration
 from sgicodec.model.texture_symbols import TextureSymbols
 from sgicodec.rdoq.texture import TextureSearch
 
@@ -43,15 +43,15 @@ def ascent_passes(steps: int) -> int:
 @dataclass(frozen=True)
 class ScoreAscent:
     """The ascent for layers of one picture. unit [C, H, W]: what they are to show, in luma space where `luma_space`;
-    empty [H, W]: pixels that count nothing, None for none; network: number of that which restores what is drawn, 0 for
-    none.
+    empty [H, W]: pixels that count nothing, None for none; strength: with which what is drawn is restored, None for not
+    at all.
     """
 
     unit: F32
     luma_space: bool
     empty: NDArray[np.bool_] | None
     device: Device
-    network: int = 0
+    strength: Strength | None = None
 
     def run(
         self,
@@ -72,8 +72,8 @@ class ScoreAscent:
             if ending() or (symbols := found(symbols, score)) is None:
                 break
             drawn = self.unit - search.residual + symbols.layer().draw(device=self.device)
-            if self.network:
-                drawn += Restoration(self.network, symbols.steps.step).correction(drawn, self.device)
+            if self.strength is not None:
+                drawn += self.strength.over(symbols).correction(drawn, self.device)
             if self.empty is not None:
                 drawn[:, self.empty] = self.unit[:, self.empty]
             score, gradient = reference.gradient(self._seen(drawn))

@@ -17,7 +17,7 @@ from sgicodec.encoder.candidate import Candidate, candidate_of
 from sgicodec.encoder.coded_samples import coded_samples
 from sgicodec.encoder.encoded import Encoded
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.restoring import Restorer
+from sgicodec.encoder.restoring import Restorer, Strength
 from sgicodec.encoder.same_look import LookSteps
 from sgicodec.encoder.score_ascent import ScoreAscent, ascent_passes
 from sgicodec.encoder.texture_handover import HANDOVER, LOOK_AHEAD, Handover
@@ -30,7 +30,6 @@ from sgicodec.metrics.choices import DISTORTIONS
 from sgicodec.metrics.distortion import QuadraticReference, Reference, mean_weight
 from sgicodec.model.layout import ROOT_LOG, SeedLayout, adaptive_layout, cell_sums, uniform_layout
 from sgicodec.model.luma_space import to_luma_space
-from sgicodec.model.restoration import Restoration
 from sgicodec.model.texture_symbols import TextureSymbols
 from sgicodec.picture import Picture
 from sgicodec.rate_control.lambda_controller import LambdaController
@@ -67,7 +66,7 @@ class Encoding:
             self.unit = np.tensordot(to_luma_space(self.spec.channels).astype(np.float32), self.unit, axes=1)
         self.reference = DISTORTIONS[self.settings.minimised].reference(self.unit, self.empty)
         self.fit = self.settings.fit_settings()
-        self.network = 0  # that restores what is drawn for the eye
+        self.strength: Strength | None = None  # of what restores pixels for the eye
         self.begin(self.fit.lmbda)
 
     def begin(self, lmbda: float) -> None:
@@ -197,9 +196,9 @@ class Encoding:
         if not self.tuning.ascends:
             return None, step
         first = self._layer(search, step, price, None)
-        self.network = self._network_for(search, first)
+        self.strength = self._strength(search, first)
         passes = ascent_passes(self.fit.steps)
-        ascent = ScoreAscent(self.unit, self.spec.luma_space, self.empty, self.device, self.network)
+        ascent = ScoreAscent(self.unit, self.spec.luma_space, self.empty, self.device, self.strength)
         steps = LookSteps(self.plan.look, step, passes)
 
         def found(cells: TextureSymbols | None, score: float | None) -> TextureSymbols | None:
@@ -237,11 +236,11 @@ class Encoding:
         """The candidate with texture in steps of this index. price: λ in squared steps, None for what suits them;
         cells: a layer whose cells are taken, None for the best.
         """
-        found, network = self._layer(search, step, price, cells), self.network
-        if found is not None and not self.tuning.ascends and (network := self._network_for(search, found)):
-            search = search.beside(self._restorer.correction(search, found))
+        found, strength = self._layer(search, step, price, cells), self.strength
+        if found is not None and not self.tuning.ascends and (strength := self._strength(search, found)):
+            search = search.beside(self._restorer.correction(search, found, strength))
             found = self._layer(search, step, price, found) or found  # for what the correction leaves
-        restoration = Restoration(network, found.steps.step) if found is not None and network else None
+        restoration = strength.over(found) if found is not None and strength is not None else None
         return replace(candidate, model=replace(candidate.model, texture=found, restoration=restoration, decoded=None))
 
     def _layer(
@@ -255,10 +254,11 @@ class Encoding:
     def _restorer(self) -> Restorer:
         return Restorer(self.unit, self.empty, self.tuning.network, self.device)
 
-    def _network_for(self, search: TextureSearch, layer: TextureSymbols | None) -> int:
-        """Number of the network that restores what this layer shows, 0 if it is better without."""
-        restores = self.spec.restoration and layer is not None and self._restorer.helps(search, layer, self.lmbda)
-        return self.tuning.network if restores else 0
+    def _strength(self, search: TextureSearch, layer: TextureSymbols | None) -> Strength | None:
+        """Of what restores the pixels that this layer shows, None if they are better without."""
+        if layer is None or not self.spec.restoration:
+            return None
+        return self._restorer.strength(search, layer, self.lmbda)
 
     def encoded(self, candidate: Candidate) -> Encoded:
         """The stream of a candidate."""

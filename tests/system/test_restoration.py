@@ -16,7 +16,7 @@ from sgicodec.bitstream.parts.tile_chunk import encode_tile_chunk
 from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import Stream, open_stream
 from sgicodec.device import Device
-from sgicodec.encoder.restoring import Restorer
+from sgicodec.encoder.restoring import Restorer, Strength
 from sgicodec.model.luma_space import from_luma_space, to_luma_space
 from sgicodec.model.texture_symbols import TextureSteps
 from sgicodec.rdoq.objective import with_values
@@ -131,6 +131,19 @@ def test_what_it_would_make_worse_stays(crop: Picture) -> None:
     drawn = layer.layer().draw()
     exact = TextureSearch(drawn, Device(threads=1))
     for network in (1, 2):
-        assert not Restorer(drawn, None, network, Device(threads=1)).helps(exact, layer)
+        assert Restorer(drawn, None, network, Device(threads=1)).strength(exact, layer) is None
     wrong = TextureSearch(unit, Device(threads=1))
-    assert Restorer(unit, None, 1, Device(threads=1)).helps(wrong, layer)
+    assert Restorer(unit, None, 1, Device(threads=1)).strength(wrong, layer) is not None
+
+
+@pytest.mark.parametrize("offset", [-30, -13, 5])
+def test_its_strength_is_that_of_least_error(crop: Picture, offset: int) -> None:
+    """A picture that is what restoration with a step makes of a layer is restored with nearly this step."""
+    unit = np.ascontiguousarray(crop.pixels.transpose(2, 0, 1), np.float32) / 255
+    layer = TextureSearch(unit, Device(threads=1)).at(TextureSteps(420, (16, 16)), 0.1)
+    assert layer is not None
+    drawn = layer.layer().draw()
+    wanted = drawn + Strength(1, offset).over(layer).correction(drawn)
+    found = Restorer(wanted, None, 1, Device(threads=1)).strength(TextureSearch(wanted, Device(threads=1)), layer)
+    assert found is not None
+    assert abs(found.offset - offset) <= 6
