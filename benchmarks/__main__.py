@@ -25,7 +25,7 @@ BENCHMARKS = {
     "distortion": ("benchmarks.distortion", "What a distortion gains, and through which stage."),
     "look": ("benchmarks.look", "What each quality looks like, over the pictures of a benchmark."),
     "scores": ("benchmarks.scores", "SSIMULACRA 2 of JPEG and JPEG XL, next to published scores."),
-    "gradient": ("benchmarks.gradient", "The native SSIMULACRA 2 and its gradient, next to the package."),
+    "gradient": ("benchmarks.gradient", "The native SSIMULACRA 2, Butteraugli and their gradients."),
     "targets": ("benchmarks.targets", "How near encodes come to a size or a PSNR, and what that costs."),
     "limits": ("benchmarks.limits", "How well time limits are kept, and what they give."),
     "unsuited": ("benchmarks.unsuited", "What is left of text, line art, screenshots and fine texture."),

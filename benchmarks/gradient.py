@@ -1,4 +1,4 @@
-"""What the native SSIMULACRA 2 and its gradient cost, next to the package of that name, and how they differ."""
+"""What the native SSIMULACRA 2, Butteraugli and their gradients cost, next to the package of the first."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from sgicodec.bench.codec import Pixels8
 from sgicodec.bench.run import load_sample
 from sgicodec.device import Device
 from sgicodec.errors import require
+from sgicodec.metrics.butteraugli import ButteraugliReference
 from sgicodec.metrics.perceptual import ssimulacra2
 from sgicodec.metrics.visual_score import VisualReference
 
@@ -26,6 +27,10 @@ HEADINGS = (
     "score ms",
     "gradient ms",
     "package ms",
+    "distance",
+    "its reference ms",
+    "distance ms",
+    "its gradient ms",
 )
 
 
@@ -35,19 +40,23 @@ def row(path: Path, device: Device, deviation: float, repeat: int) -> list[str]:
     noise = np.random.default_rng(0).normal(0, deviation, original.shape)
     decoded: Pixels8 = np.clip(np.rint(original + noise), 0, 255).astype(np.uint8)
     a, b = (np.float32(1 / 255) * pixels.transpose(2, 0, 1).astype(np.float32) for pixels in (original, decoded))
-    reference = VisualReference(a, device)
+    reference, butteraugli = VisualReference(a, device), ButteraugliReference(a, device)
     times = median_seconds(
         [
             lambda: VisualReference(a, device),
             lambda: reference.score(b),
             lambda: reference.gradient(b),
             lambda: ssimulacra2(original, decoded),
+            lambda: ButteraugliReference(a, device),
+            lambda: butteraugli.distance(b),
+            lambda: butteraugli.gradient(b),
         ],
         repeat,
         time.process_time,
     )
     scores = (f"{score:.4f}" for score in (reference.score(b), ssimulacra2(original, decoded)))
-    return [path.name, *scores, *(f"{1e3 * seconds:.1f}" for seconds in times)]
+    first, second = ([f"{1e3 * seconds:.1f}" for seconds in part] for part in (times[:4], times[4:]))
+    return [path.name, *scores, *first, f"{butteraugli.distance(b)[0]:.4f}", *second]
 
 
 @click.command()
@@ -57,7 +66,7 @@ def row(path: Path, device: Device, deviation: float, repeat: int) -> list[str]:
 @click.option("--deviation", default=6.0, show_default=True, help="Of the noise, in levels of eight bits.")
 @click.option("--repeat", default=5, show_default=True, type=click.IntRange(1), help="Runs; medians are printed.")
 def main(pictures: tuple[Path, ...], threads: int, isa: str, deviation: float, repeat: int) -> None:
-    """Time the native score and its gradient on PICTURES with noise, in processor time of all threads."""
+    """Time the native scores and their gradients on PICTURES with noise, in processor time of all threads."""
     require("ssimulacra2", "the benchmark", "bench")
     device = Device(threads, isa)
     click.echo("\t".join(HEADINGS))

@@ -177,6 +177,13 @@ class VisualReference:
 
     def gradient(self, decoded: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], out: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu')]) -> float: ...
 
+class ButteraugliReference:
+    def __init__(self, original: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], threads: int, isa: str) -> None: ...
+
+    def distance(self, decoded: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], map: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu')]) -> float: ...
+
+    def gradient(self, decoded: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], map: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order='C', device='cpu')], out: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu')]) -> float: ...
+
 def base_view(grid: Annotated[NDArray[numpy.float64], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], cell: int, start: tuple[float, float], scale: tuple[float, float], first: tuple[int, int], size: tuple[int, int], threads: int) -> tuple:
     """
     Lines [C, L, w], top [h], down [h, T]: row i is the sum over t of down[i, t] * lines[:, top[i] + t].

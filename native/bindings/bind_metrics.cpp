@@ -2,6 +2,7 @@
 
 #include "bindings/arrays.hpp"
 #include "bindings/bindings.hpp"
+#include "metrics/butteraugli.hpp"
 #include "metrics/visual_reference.hpp"
 
 namespace nb = nanobind;
@@ -15,12 +16,33 @@ sgi::SrgbPicture shape_of(const Array<const float, 3> &picture) {
   return {picture.data(), int(picture.shape(0)), int64_t(picture.shape(1)), int64_t(picture.shape(2))};
 }
 
-// The reference with the shape that decoded pictures must have.
+// A reference, and the shape that decoded pictures must have.
+template <class Native>
 class Reference {
  public:
   Reference(Array<const float, 3> original, int threads, const std::string &isa)
-      : shape_{original.shape(0), original.shape(1), original.shape(2)},
-        reference_(shape_of(original), threads, sgi::choose_isa(isa)) {}
+      : reference_(shape_of(original), threads, sgi::choose_isa(isa)),
+        shape_{original.shape(0), original.shape(1), original.shape(2)} {}
+
+ protected:
+  template <class A>
+  void require_shape(const A &array) const {
+    for (size_t i = 0; i < 3; ++i) require(array.shape(i) == shape_[i], "a picture has not the original's shape");
+  }
+  template <class A>
+  void require_map(const A &map) const {
+    for (size_t i = 0; i < 2; ++i) require(map.shape(i) == shape_[i + 1], "a map has not the original's sides");
+  }
+
+  Native reference_;
+
+ private:
+  size_t shape_[3];
+};
+
+class VisualReference : public Reference<sgi::VisualReference> {
+ public:
+  using Reference::Reference;
 
   double score(Array<const float, 3> decoded) const {
     require_shape(decoded);
@@ -33,22 +55,36 @@ class Reference {
     nb::gil_scoped_release release;
     return reference_.gradient(decoded.data(), out.data());
   }
+};
 
- private:
-  template <class A>
-  void require_shape(const A &array) const {
-    for (size_t i = 0; i < 3; ++i) require(array.shape(i) == shape_[i], "a picture has not the original's shape");
+class ButteraugliReference : public Reference<sgi::ButteraugliReference> {
+ public:
+  using Reference::Reference;
+
+  double distance(Array<const float, 3> decoded, Array<float, 2> map) const {
+    require_shape(decoded);
+    require_map(map);
+    nb::gil_scoped_release release;
+    return reference_.distance(decoded.data(), map.data());
   }
-
-  size_t shape_[3];
-  sgi::VisualReference reference_;
+  double gradient(Array<const float, 3> decoded, Array<float, 2> map, Array<float, 3> out) const {
+    require_shape(decoded);
+    require_map(map);
+    require_shape(out);
+    nb::gil_scoped_release release;
+    return reference_.gradient(decoded.data(), map.data(), out.data());
+  }
 };
 
 }  // namespace
 
 void bind_metrics(nb::module_ &m) {
-  nb::class_<Reference>(m, "VisualReference")
+  nb::class_<VisualReference>(m, "VisualReference")
       .def(nb::init<Array<const float, 3>, int, const std::string &>(), "original"_a, "threads"_a, "isa"_a)
-      .def("score", &Reference::score, "decoded"_a)
-      .def("gradient", &Reference::gradient, "decoded"_a, "out"_a);
+      .def("score", &VisualReference::score, "decoded"_a)
+      .def("gradient", &VisualReference::gradient, "decoded"_a, "out"_a);
+  nb::class_<ButteraugliReference>(m, "ButteraugliReference")
+      .def(nb::init<Array<const float, 3>, int, const std::string &>(), "original"_a, "threads"_a, "isa"_a)
+      .def("distance", &ButteraugliReference::distance, "decoded"_a, "map"_a)
+      .def("gradient", &ButteraugliReference::gradient, "decoded"_a, "map"_a, "out"_a);
 }

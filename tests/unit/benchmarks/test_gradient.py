@@ -1,4 +1,4 @@
-"""The benchmark of the native SSIMULACRA 2: both scores agree, and everything is timed."""
+"""The benchmark of the native scores: both of SSIMULACRA 2 agree, and everything is timed."""
 
 from pathlib import Path
 

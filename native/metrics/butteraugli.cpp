@@ -1,0 +1,176 @@
+#include "metrics/butteraugli.hpp"
+
+#include <cmath>
+
+#include "base/thread_pool.hpp"
+
+namespace sgi {
+namespace {
+
+constexpr int64_t kSmallestHalved = 15;  // pixels of a side from which on half the size is looked at, too
+constexpr double kFullShare = 0.85, kHalfShare = 0.5;
+constexpr int kNorms = 3;
+constexpr int kPower[kNorms] = {3, 6, 12};
+
+// Means of powers of differences, and what their norms are.
+struct Norms {
+  std::array<double, kNorms> mean{};
+
+  static std::array<double, kNorms> powers(double value) {
+    const double three = value * value * value, six = three * three;
+    return {three, six, six * six};
+  }
+  double norm(int i) const { return std::pow(mean[size_t(i)], 1.0 / kPower[i]); }
+  double value() const { return (norm(0) + norm(1) + norm(2)) / kNorms; }
+};
+
+template <class Body>
+void each_band(int64_t height, int threads, Body body) {
+  parallel_for((height + kBandRows - 1) / kBandRows, threads,
+               [&](int64_t band) { body(band, band * kBandRows, std::min(height, (band + 1) * kBandRows)); });
+}
+
+Norms norms_of(const float *map, MapPlane size, int threads) {
+  std::vector<Norms> bands(size_t((size.height + kBandRows - 1) / kBandRows));
+  each_band(size.height, threads, [&](int64_t band, int64_t begin, int64_t end) {
+    Norms sum;
+    for (int64_t i = begin * size.width; i < end * size.width; ++i) {
+      const std::array<double, kNorms> powers = Norms::powers(double(map[i]));
+      for (size_t n = 0; n < kNorms; ++n) sum.mean[n] += powers[n];
+    }
+    bands[size_t(band)] = sum;
+  });
+  Norms norms;
+  for (const Norms &band : bands)
+    for (size_t n = 0; n < kNorms; ++n) norms.mean[n] += band.mean[n] / double(size.width * size.height);
+  return norms;
+}
+
+}  // namespace
+
+ButteraugliReference::ButteraugliReference(const SrgbPicture &original, int threads, Isa isa)
+    : channels_(original.channels), threads_(threads), size_{original.width, original.height},
+      colour_kernel_(kernel_for<ColourKernel>(isa)) {
+  const int64_t least = std::min(size_.width, size_.height);
+  if (least < kSmallestSeen) return;
+  const BorderedPlanes<3> light = linear(original.samples);
+  full_ = std::make_unique<ButteraugliLevel>(light, size_, threads, isa);
+  if (least < kSmallestHalved) return;
+  const BorderedPlanes<3> half = halved(light);
+  half_ = std::make_unique<ButteraugliLevel>(half, half[0].size(), threads, isa);
+}
+
+// Light of all three colours: of gray pictures, three times the same.
+BorderedPlanes<3> ButteraugliReference::linear(const float *samples) const {
+  const SrgbPicture picture = shaped(samples);
+  BorderedPlanes<3> light;
+  for (int c = 0; c < 3; ++c) {
+    BorderedPlane &plane = light[size_t(c)] = BorderedPlane(size_);
+    const int from = std::min(c, picture.colours() - 1);
+    each_band(size_.height, threads_, [&](int64_t, int64_t begin, int64_t end) {
+      for (int64_t y = begin; y < end; ++y) colour_kernel_.linearize(picture.row(from, y), size_.width, plane.row(y));
+    });
+    plane.mirror_border(ButteraugliLevel::kLightReach);
+  }
+  return light;
+}
+
+BorderedPlanes<3> ButteraugliReference::halved(const BorderedPlanes<3> &light) const {
+  const MapPlane size{(size_.width + 1) / 2, (size_.height + 1) / 2};
+  BorderedPlanes<3> half;
+  for (size_t c = 0; c < 3; ++c) {
+    half[c] = BorderedPlane(size);
+    each_band(size.height, threads_, [&](int64_t, int64_t begin, int64_t end) {
+      for (int64_t y = begin; y < end; ++y)
+        colour_kernel_.halve(light[c].row(2 * y), 2 * y + 1 < size_.height ? light[c].row(2 * y + 1) : nullptr,
+                             size_.width, half[c].row(y));
+    });
+    half[c].mirror_border(ButteraugliLevel::kLightReach);
+  }
+  return half;
+}
+
+ButteraugliReference::Seen ButteraugliReference::see(const ButteraugliLevel &level, BorderedPlanes<3> light) const {
+  Seen seen{std::move(light), {}, BorderedPlane(level.size())};
+  seen.planes = level.see(seen.light);
+  level.compare(seen.planes, seen.differences);
+  return seen;
+}
+
+// The map of both sizes, and its norm.
+double ButteraugliReference::join(const Seen &full, const Seen *half, float *map) const {
+  each_band(size_.height, threads_, [&](int64_t, int64_t begin, int64_t end) {
+    for (int64_t y = begin; y < end; ++y) {
+      const float *fine = full.differences.row(y), *coarse = half ? half->differences.row(y / 2) : nullptr;
+      for (int64_t x = 0; x < size_.width; ++x)
+        map[y * size_.width + x] = coarse ? float(kFullShare) * fine[x] + float(kHalfShare) * coarse[x / 2] : fine[x];
+    }
+  });
+  return norms_of(map, size_, threads_).value();
+}
+
+double ButteraugliReference::distance(const float *decoded, float *map) const {
+  if (!full_) return std::fill_n(map, size_.width * size_.height, 0.0f), 0;
+  BorderedPlanes<3> light = linear(decoded);
+  const std::unique_ptr<Seen> half = half_ ? std::make_unique<Seen>(see(*half_, halved(light))) : nullptr;
+  return join(see(*full_, std::move(light)), half.get(), map);
+}
+
+double ButteraugliReference::gradient(const float *decoded, float *map, float *gradient) const {
+  const int64_t pixels = size_.width * size_.height;
+  std::fill_n(gradient, channels_ * pixels, 0.0f);
+  if (!full_) return std::fill_n(map, pixels, 0.0f), 0;
+  BorderedPlanes<3> light = linear(decoded);
+  const std::unique_ptr<Seen> half = half_ ? std::make_unique<Seen>(see(*half_, halved(light))) : nullptr;
+  Seen full = see(*full_, std::move(light));
+  const double norm = join(full, half.get(), map);
+  pull(full, half.get(), map, decoded, gradient);
+  return norm;
+}
+
+void ButteraugliReference::pull(Seen &full, Seen *half, const float *map, const float *decoded, float *gradient) const {
+  const Norms norms = norms_of(map, size_, threads_);
+  std::array<double, kNorms> factor;
+  for (int i = 0; i < kNorms; ++i)
+    factor[size_t(i)] =
+        1 / (kNorms * std::pow(norms.norm(i), kPower[i] - 1) * double(size_.width) * double(size_.height));
+  BorderedPlane slope(size_), half_slope;
+  if (half) half_slope = BorderedPlane(half_->size());
+  if (half) half_slope.clear();
+  each_band((size_.height + 1) / 2, threads_, [&](int64_t, int64_t begin, int64_t end) {
+    for (int64_t y = 2 * begin; y < std::min(2 * end, size_.height); ++y)
+      for (int64_t x = 0; x < size_.width; ++x) {
+        const double value = double(map[y * size_.width + x]);
+        const std::array<double, kNorms> powers = Norms::powers(value);
+        double sum = 0;
+        for (size_t n = 0; n < kNorms; ++n) sum += factor[n] * powers[n];
+        sum /= std::max(value, 1e-6);
+        slope.row(y)[x] = float(half ? kFullShare * sum : sum);
+        if (half) half_slope.row(y / 2)[x / 2] += float(kHalfShare * sum);
+      }
+  });
+  const SrgbPicture picture = shaped(decoded);
+  BorderedPlanes<3> in_light = full_->pull(full.light, full.planes, full.differences, slope), in_half;
+  if (half) in_half = half_->pull(half->light, half->planes, half->differences, half_slope);
+  each_band(size_.height, threads_, [&](int64_t, int64_t begin, int64_t end) {
+    for (int64_t y = begin; y < end; ++y)
+      for (int c = 0; c < 3; ++c) {
+        float *const row = in_light[size_t(c)].row(y);
+        if (half)
+          colour_kernel_.add_doubled(in_half[size_t(c)].row(y / 2), y / 2 * 2 + 1 < size_.height ? 2 : 1, size_.width,
+                                     row);
+        if (picture.colours() == 1 && c > 0) {  // all three are of one gray
+          float *const gray = in_light[0].row(y);
+          for (int64_t x = 0; x < size_.width; ++x) gray[x] += row[x];
+        }
+      }
+  });
+  each_band(size_.height, threads_, [&](int64_t, int64_t begin, int64_t end) {
+    for (int64_t y = begin; y < end; ++y)
+      for (int c = 0; c < picture.colours(); ++c)
+        colour_kernel_.to_sample_gradient(picture.row(c, y), in_light[size_t(c)].row(y), size_.width,
+                                          gradient + (c * size_.height + y) * size_.width);
+  });
+}
+
+}  // namespace sgi
