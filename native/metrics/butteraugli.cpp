@@ -9,6 +9,7 @@ namespace {
 
 constexpr int64_t kSmallestHalved = 15;  // pixels of a side from which on half the size is looked at, too
 constexpr double kFullShare = 0.85, kHalfShare = 0.5;
+constexpr double kLeastDifference = 1e-6;
 constexpr int kNorms = 3;
 constexpr int kPower[kNorms] = {3, 6, 12};
 
@@ -90,18 +91,28 @@ BorderedPlanes<3> ButteraugliReference::halved(const BorderedPlanes<3> &light) c
   return half;
 }
 
-ButteraugliReference::Seen ButteraugliReference::see(const ButteraugliLevel &level, BorderedPlanes<3> light) const {
-  Seen seen{std::move(light), {}, BorderedPlane(level.size())};
-  seen.planes = level.see(seen.light);
+ButteraugliReference::Seen ButteraugliReference::see(const ButteraugliLevel &level, const BorderedPlanes<3> &light,
+                                                     bool keep) {
+  Seen seen{level.see(light), BorderedPlane(level.size())};
   level.compare(seen.planes, seen.differences);
+  if (!keep) seen.planes = {};
+  return seen;
+}
+
+// At full and at half the size, where that is looked at.
+std::array<ButteraugliReference::Seen, 2> ButteraugliReference::see_both(const float *decoded, bool keep) const {
+  const BorderedPlanes<3> light = linear(decoded);
+  std::array<Seen, 2> seen;
+  if (half_) seen[1] = see(*half_, halved(light), keep);
+  seen[0] = see(*full_, light, keep);
   return seen;
 }
 
 // The map of both sizes, and its norm.
-double ButteraugliReference::join(const Seen &full, const Seen *half, float *map) const {
+double ButteraugliReference::join(const std::array<Seen, 2> &seen, float *map) const {
   each_band(size_.height, threads_, [&](int64_t, int64_t begin, int64_t end) {
     for (int64_t y = begin; y < end; ++y) {
-      const float *fine = full.differences.row(y), *coarse = half ? half->differences.row(y / 2) : nullptr;
+      const float *fine = seen[0].differences.row(y), *coarse = half_ ? seen[1].differences.row(y / 2) : nullptr;
       for (int64_t x = 0; x < size_.width; ++x)
         map[y * size_.width + x] = coarse ? float(kFullShare) * fine[x] + float(kHalfShare) * coarse[x / 2] : fine[x];
     }
@@ -110,33 +121,21 @@ double ButteraugliReference::join(const Seen &full, const Seen *half, float *map
 }
 
 double ButteraugliReference::distance(const float *decoded, float *map) const {
-  if (!full_) return std::fill_n(map, size_.width * size_.height, 0.0f), 0;
-  BorderedPlanes<3> light = linear(decoded);
-  const std::unique_ptr<Seen> half = half_ ? std::make_unique<Seen>(see(*half_, halved(light))) : nullptr;
-  return join(see(*full_, std::move(light)), half.get(), map);
+  if (full_) return join(see_both(decoded, false), map);
+  std::fill_n(map, size_.width * size_.height, 0.0f);
+  return 0;
 }
 
-double ButteraugliReference::gradient(const float *decoded, float *map, float *gradient) const {
-  const int64_t pixels = size_.width * size_.height;
-  std::fill_n(gradient, channels_ * pixels, 0.0f);
-  if (!full_) return std::fill_n(map, pixels, 0.0f), 0;
-  BorderedPlanes<3> light = linear(decoded);
-  const std::unique_ptr<Seen> half = half_ ? std::make_unique<Seen>(see(*half_, halved(light))) : nullptr;
-  Seen full = see(*full_, std::move(light));
-  const double norm = join(full, half.get(), map);
-  pull(full, half.get(), map, decoded, gradient);
-  return norm;
-}
-
-void ButteraugliReference::pull(Seen &full, Seen *half, const float *map, const float *decoded, float *gradient) const {
+// Gradients in the differences of both sizes.
+std::array<BorderedPlane, 2> ButteraugliReference::slopes(const float *map) const {
   const Norms norms = norms_of(map, size_, threads_);
   std::array<double, kNorms> factor;
   for (int i = 0; i < kNorms; ++i)
     factor[size_t(i)] =
         1 / (kNorms * std::pow(norms.norm(i), kPower[i] - 1) * double(size_.width) * double(size_.height));
-  BorderedPlane slope(size_), half_slope;
-  if (half) half_slope = BorderedPlane(half_->size());
-  if (half) half_slope.clear();
+  std::array<BorderedPlane, 2> found{BorderedPlane(size_), {}};
+  if (half_) found[1] = BorderedPlane(half_->size());
+  if (half_) found[1].clear();
   each_band((size_.height + 1) / 2, threads_, [&](int64_t, int64_t begin, int64_t end) {
     for (int64_t y = 2 * begin; y < std::min(2 * end, size_.height); ++y)
       for (int64_t x = 0; x < size_.width; ++x) {
@@ -144,33 +143,48 @@ void ButteraugliReference::pull(Seen &full, Seen *half, const float *map, const 
         const std::array<double, kNorms> powers = Norms::powers(value);
         double sum = 0;
         for (size_t n = 0; n < kNorms; ++n) sum += factor[n] * powers[n];
-        sum /= std::max(value, 1e-6);
-        slope.row(y)[x] = float(half ? kFullShare * sum : sum);
-        if (half) half_slope.row(y / 2)[x / 2] += float(kHalfShare * sum);
+        sum /= std::max(value, kLeastDifference);
+        found[0].row(y)[x] = float(half_ ? kFullShare * sum : sum);
+        if (half_) found[1].row(y / 2)[x / 2] += float(kHalfShare * sum);
       }
   });
+  return found;
+}
+
+double ButteraugliReference::gradient(const float *decoded, float *map, float *gradient) const {
+  std::fill_n(gradient, channels_ * size_.width * size_.height, 0.0f);
+  if (!full_) return distance(decoded, map);
+  std::array<Seen, 2> seen = see_both(decoded, true);
+  const double norm = join(seen, map);
+  BorderedPlanes<3> in_opsin, in_light, in_half;
+  {
+    std::array<BorderedPlane, 2> slope = slopes(map);
+    in_opsin = full_->pull(std::move(seen[0].planes), std::move(seen[0].differences), std::move(slope[0]));
+    const BorderedPlanes<3> light = linear(decoded);
+    in_light = full_->pull_opsin(light, in_opsin);
+    if (half_) {
+      in_opsin = half_->pull(std::move(seen[1].planes), std::move(seen[1].differences), std::move(slope[1]));
+      in_half = half_->pull_opsin(halved(light), in_opsin);
+    }
+  }
   const SrgbPicture picture = shaped(decoded);
-  BorderedPlanes<3> in_light = full_->pull(full.light, full.planes, full.differences, slope), in_half;
-  if (half) in_half = half_->pull(half->light, half->planes, half->differences, half_slope);
   each_band(size_.height, threads_, [&](int64_t, int64_t begin, int64_t end) {
-    for (int64_t y = begin; y < end; ++y)
+    for (int64_t y = begin; y < end; ++y) {
+      float *row[3];
       for (int c = 0; c < 3; ++c) {
-        float *const row = in_light[size_t(c)].row(y);
-        if (half)
+        row[c] = in_light[size_t(c)].row(y);
+        if (half_)
           colour_kernel_.add_doubled(in_half[size_t(c)].row(y / 2), y / 2 * 2 + 1 < size_.height ? 2 : 1, size_.width,
-                                     row);
-        if (picture.colours() == 1 && c > 0) {  // all three are of one gray
-          float *const gray = in_light[0].row(y);
-          for (int64_t x = 0; x < size_.width; ++x) gray[x] += row[x];
-        }
+                                     row[c]);
       }
-  });
-  each_band(size_.height, threads_, [&](int64_t, int64_t begin, int64_t end) {
-    for (int64_t y = begin; y < end; ++y)
+      if (picture.colours() == 1)  // all three are of one gray
+        for (int64_t x = 0; x < size_.width; ++x) row[0][x] += row[1][x] + row[2][x];
       for (int c = 0; c < picture.colours(); ++c)
-        colour_kernel_.to_sample_gradient(picture.row(c, y), in_light[size_t(c)].row(y), size_.width,
+        colour_kernel_.to_sample_gradient(picture.row(c, y), row[c], size_.width,
                                           gradient + (c * size_.height + y) * size_.width);
+    }
   });
+  return norm;
 }
 
 }  // namespace sgi

@@ -13,7 +13,7 @@ namespace sgi {
 
 constexpr int64_t kSmallestSeen = 8;  // pixels of a side below which nothing differs
 
-// Holds 65 bytes per pixel of the original and takes 125 more while a gradient is asked for. Calls may run at once, and
+// Holds 65 bytes per pixel of the original and takes 115 more while a gradient is asked for. Calls may run at once, and
 // give the same for any number of threads.
 class ButteraugliReference {
  public:
@@ -30,18 +30,18 @@ class ButteraugliReference {
   double gradient(const float *decoded, float *map, float *gradient) const;
 
  private:
-  // A decoded picture at one size.
+  // A decoded picture at one size; what is seen is kept for gradients alone.
   struct Seen {
-    BorderedPlanes<3> light;
     SeenPlanes planes;
     BorderedPlane differences;
   };
 
   BorderedPlanes<3> linear(const float *samples) const;
   BorderedPlanes<3> halved(const BorderedPlanes<3> &light) const;
-  Seen see(const ButteraugliLevel &level, BorderedPlanes<3> light) const;
-  double join(const Seen &full, const Seen *half, float *map) const;
-  void pull(Seen &full, Seen *half, const float *map, const float *decoded, float *gradient) const;
+  static Seen see(const ButteraugliLevel &level, const BorderedPlanes<3> &light, bool keep);
+  std::array<Seen, 2> see_both(const float *decoded, bool keep) const;
+  double join(const std::array<Seen, 2> &seen, float *map) const;
+  std::array<BorderedPlane, 2> slopes(const float *map) const;
   SrgbPicture shaped(const float *samples) const { return {samples, channels_, size_.height, size_.width}; }
 
   int channels_, threads_;

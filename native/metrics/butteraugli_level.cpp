@@ -206,25 +206,26 @@ void ButteraugliLevel::pull_malta(const MaltaPart &part, const BorderedPlane &sl
   });
 }
 
-BorderedPlanes<3> ButteraugliLevel::pull(const BorderedPlanes<3> &light, SeenPlanes &seen,
-                                         const BorderedPlane &differences, BorderedPlane &slope) const {
+BorderedPlanes<3> ButteraugliLevel::pull(SeenPlanes seen, BorderedPlane differences, BorderedPlane slope) const {
   const int64_t width = size_.width;
   BorderedPlane moved = plane(), in_mask = plane();
   each_row([&](int64_t y) {
     kernel_.start_gradient(original(y), seen.rows(y), differences.row(y), width, slope.row(y), moved.row(y));
   });
+  differences = {};
   in_mask.clear();
   mask_blur_.pull(moved, in_mask);
   const std::array<MaltaPart, 6> parts = malta_parts(seen);
-  BorderedPlanes<3> found = planes<3>();
-  for (int c = 0; c < 2; ++c) pull_malta(parts[size_t(c)], slope, moved, found[size_t(c)]);
+  BorderedPlanes<3> found{plane(), plane(), {}};
+  for (size_t c = 0; c < 2; ++c) pull_malta(parts[c], slope, moved, found[c]);
   each_row([&](int64_t y) {
-    kernel_.mf_gradient(original(y), slope.row(y), rows_at(std::as_const(found), y), width, rows_at(seen.mf, y));
+    const float *const lines[2] = {found[0].row(y), found[1].row(y)};
+    kernel_.mf_gradient(original(y), slope.row(y), lines, width, rows_at(seen.mf, y));
   });
   BorderedPlanes<2> in_hf = planes<2>(), in_uhf = planes<2>();
-  for (int c = 0; c < 2; ++c) {
-    pull_malta(parts[size_t(2 + c)], slope, moved, in_hf[size_t(c)]);
-    pull_malta(parts[size_t(4 + c)], slope, moved, in_uhf[size_t(c)]);
+  for (size_t c = 0; c < 2; ++c) {
+    pull_malta(parts[2 + c], slope, moved, in_hf[c]);
+    pull_malta(parts[4 + c], slope, moved, in_uhf[c]);
   }
   each_row([&](int64_t y) {
     const DetailGradients gradients{
@@ -233,6 +234,7 @@ BorderedPlanes<3> ButteraugliLevel::pull(const BorderedPlanes<3> &light, SeenPla
                           found[1].row(y));
   });
   for (size_t c = 0; c < 2; ++c) high_blur_.pull(in_hf[c], found[c]);
+  found[2] = std::move(moved);
   found[2].clear();
   each_row([&](int64_t y) {
     kernel_.suppression_gradient(seen.rest[0].row(y), seen.rest[1].row(y), width, two_rows_at<float>(found, y),
@@ -247,11 +249,16 @@ BorderedPlanes<3> ButteraugliLevel::pull(const BorderedPlanes<3> &light, SeenPla
     });
     low_blur_.pull(seen.lf[c], found[c]);
   }
+  return found;
+}
+
+BorderedPlanes<3> ButteraugliLevel::pull_opsin(const BorderedPlanes<3> &light,
+                                               const BorderedPlanes<3> &gradient) const {
   const BorderedPlanes<3> near = around(light);
-  BorderedPlanes<3> in_light = planes<3>(), &in_around = seen.mf;
+  BorderedPlanes<3> in_light = planes<3>(), in_around = planes<3>();
   each_row([&](int64_t y) {
-    kernel_.opsin_gradient(rows_at(light, y), rows_at(near, y), rows_at(std::as_const(found), y), width,
-                           rows_at(in_light, y), rows_at(in_around, y));
+    kernel_.opsin_gradient(rows_at(light, y), rows_at(near, y), rows_at(gradient, y), size_.width, rows_at(in_light, y),
+                           rows_at(in_around, y));
   });
   for (size_t c = 0; c < 3; ++c) {
     in_around[c].mirror_border(kLightReach);

@@ -35,9 +35,10 @@ class ButteraugliLevel {
   SeenPlanes see(const BorderedPlanes<3> &light) const;
   // How much each pixel differs.
   void compare(const SeenPlanes &seen, BorderedPlane &differences) const;
-  // The gradient in light from that in differences, which is lost as `seen` is.
-  BorderedPlanes<3> pull(const BorderedPlanes<3> &light, SeenPlanes &seen, const BorderedPlane &differences,
-                         BorderedPlane &gradient) const;
+  // The gradient in what the opsin stage gives of light, from that in differences.
+  BorderedPlanes<3> pull(SeenPlanes seen, BorderedPlane differences, BorderedPlane slope) const;
+  // From there, the gradient in light.
+  BorderedPlanes<3> pull_opsin(const BorderedPlanes<3> &light, const BorderedPlanes<3> &gradient) const;
 
  private:
   // Malta's differences of one channel of one band of frequencies.

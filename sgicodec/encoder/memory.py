@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from sgicodec.encoder.plan import Plan
+from sgicodec.encoder.texture_tuning import TUNINGS
 from sgicodec.executors.executor import MIB, Memory
 
 __all__ = ["estimate"]
@@ -19,12 +20,14 @@ PIXEL_BYTES, CHANNEL_BYTES = 52, 16
 """Of images in a fit for each pixel, and for each of its channels."""
 SEED_BYTES = 1400
 """Of a fit for each seed that it starts with."""
+SCORED_PIXEL_BYTES, SCORED_CHANNEL_BYTES = 320, 50
+"""For each pixel, and for each of its channels, while scores say what texture should show; 180 are Butteraugli's."""
 MOST_SEEDS, USUAL_SEEDS, USUAL_LMBDA = 0.25, 0.1, 0.5 * 2 ** (-49 / 8)
 """Seeds for each pixel: cells have four pixels at least; dense texture starts with a tenth at quality 50."""
 
 
 def estimate(plan: Plan, reading: int) -> Memory:
-    """For dense texture; `reading` is what the source holds while its windows are read."""
+    """For dense detail; `reading` is what the source holds while its windows are read."""
     header = plan.header
     _, _, width, height = header.grid.rect(0)
     pixels, channels = (width + 2 * header.apron) * (height + 2 * header.apron), header.spec.channels
@@ -34,5 +37,7 @@ def estimate(plan: Plan, reading: int) -> Memory:
         share = min(MOST_SEEDS, USUAL_SEEDS * math.sqrt(USUAL_LMBDA / lmbda))
     window = pixels * channels * {"uint8": 1, "uint16": 2, "float32": 4}[header.sample_type]
     each_pixel = PIXEL_BYTES + CHANNEL_BYTES * channels + SEED_BYTES * share
+    if header.spec.texture and TUNINGS[plan.settings.tuned_for].ascends:
+        each_pixel = max(each_pixel, SCORED_PIXEL_BYTES + SCORED_CHANNEL_BYTES * channels)
     fixed = WORKER + (LIBRARY if plan.settings.chosen_profile.needs else 0)
     return Memory(MAIN + reading + 2 * window, fixed + window + round(pixels * each_pixel), MAIN)

@@ -1,13 +1,15 @@
-"""Gradient ascent of a texture layer on SSIMULACRA 2: what the layer should show moves, then it is searched anew.
+"""Gradient ascent of a texture layer on two scores: what the layer should show moves, then it is searched anew.
 
-The search weighs squared errors by frequency and place alone. The gradient of the score at what is decoded says which
-of the errors that are left are seen. A target that has moved up the gradient makes the same search trade them better:
-squared error to it is a quadratic model of the score, renewed in each pass. The model holds near by only, so that
-amplitudes move by a small part of their steps at a time.
+The search weighs squared errors by frequency and place alone. The gradient of a score at what is decoded says which of
+the errors that are left are seen. SSIMULACRA 2 looks at structure; Butteraugli looks at differences, the largest most
+of all, and holds back what the other would overdo in places. A target that has moved up the gradient makes the same
+search trade errors better: squared error to it is a quadratic model of the scores, renewed in each pass. The model
+holds near by only, so that amplitudes move by a small part of their steps at a time.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -16,6 +18,7 @@ from numpy.typing import NDArray
 
 from sgicodec.device import Device
 from sgicodec.encoder.restoring import Strength
+from sgicodec.metrics.butteraugli import ButteraugliReference
 from sgicodec.metrics.visual_score import VisualReference
 from sgicodec.model.luma_space import from_luma_space
 from sgicodec.model.texture_symbols import TextureSymbols
@@ -27,10 +30,16 @@ F32 = NDArray[np.float32]
 
 Found = Callable[[TextureSymbols | None, float | None], TextureSymbols | None]
 
-MEAN_MOVE = 0.005
+BUTTERAUGLI = 60.0
+"""Points of SSIMULACRA 2 for which the logarithm of Butteraugli's 3-norm falls by one."""
+MEAN_MOVE = 0.0125
 """Of amplitudes in all passes, in steps, times the root of their number."""
-MOST_MOVE = 40.0
+MOST_MOVE = 12.0
 """Of one amplitude, in means."""
+FINER_STEPS = 40.0
+"""Points that steps so fine as to take e times the bits would gain."""
+SHORTER = 0.5
+"""What moves are to the ones before, where those gained less than finer steps would for their bits."""
 STEPS_PER_PASS, MOST_PASSES = 125, 8
 """Steps of a fit that are worth another pass, and how many there are at most."""
 
@@ -38,6 +47,50 @@ STEPS_PER_PASS, MOST_PASSES = 125, 8
 def ascent_passes(steps: int) -> int:
     """Passes for a fit of this many steps."""
     return min(1 + steps // STEPS_PER_PASS, MOST_PASSES)
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """What both scores say of a picture. score: SSIMULACRA 2; points: of both; gradient [C, H, W]: of these."""
+
+    score: float
+    points: float
+    gradient: F32
+
+
+class _Scores:
+    """Both scores of pictures [C, H, W] next to one original, as samples in 0..1."""
+
+    def __init__(self, original: F32, device: Device) -> None:
+        self._structure, self._differences = VisualReference(original, device), ButteraugliReference(original, device)
+
+    def of(self, decoded: F32) -> _Seen:
+        """Of one picture."""
+        score, gradient = self._structure.gradient(decoded)
+        distance, _, farther = self._differences.gradient(decoded)
+        if distance == 0:  # it has a side of a few pixels
+            return _Seen(score, score, gradient)
+        return _Seen(
+            score,
+            score - BUTTERAUGLI * math.log(distance),
+            gradient - np.float32(BUTTERAUGLI / distance) * farther,
+        )
+
+
+@dataclass
+class _Pace:
+    """How far amplitudes move in a pass: less once moves gain no more than their bits. mean: in steps."""
+
+    mean: float
+    _last: tuple[int, float] | None = None
+
+    def after(self, step: int, bits: float, points: float) -> float:
+        """The mean of the moves that follow a layer of this step."""
+        gained = points - FINER_STEPS * math.log(max(bits, 1.0))
+        if self._last is not None and self._last[0] == step and gained < self._last[1]:
+            self.mean *= SHORTER
+        self._last = step, gained
+        return self.mean
 
 
 @dataclass(frozen=True)
@@ -62,11 +115,11 @@ class ScoreAscent:
         ending: Callable[[], bool] = lambda: False,
     ) -> tuple[TextureSymbols | None, float | None]:
         """Moves the target of `search` in this many passes, or until `ending`. `found` gives its best layer with these
-        contrasts, of the cells of the layer before or, with None, of any; it is told the score of that layer, too.
+        contrasts, of the cells of the layer before or, with None, of any; it is told SSIMULACRA 2 of that layer, too.
 
-        Returns the last layer that was found, and its score if it has one.
+        Returns the last layer that was found, and its SSIMULACRA 2 if it has one.
         """
-        reference, mean = VisualReference(self._seen(self.unit), self.device), MEAN_MOVE / passes**0.5
+        scores, pace = _Scores(self._seen(self.unit), self.device), _Pace(MEAN_MOVE / passes**0.5)
         symbols = score = None
         for _ in range(passes):
             if ending() or (symbols := found(symbols, score)) is None:
@@ -76,10 +129,12 @@ class ScoreAscent:
                 drawn += self.strength.over(symbols).correction(drawn, self.device)
             if self.empty is not None:
                 drawn[:, self.empty] = self.unit[:, self.empty]
-            score, gradient = reference.gradient(self._seen(drawn))
+            seen = scores.of(self._seen(drawn))
+            score, gradient = seen.score, self._in_unit(seen.gradient)
             if self.empty is not None:
                 gradient[:, self.empty] = 0
-            search.move(self._in_unit(gradient), symbols.steps, contrast, mean, MOST_MOVE * mean)
+            mean = pace.after(symbols.steps.step, search.bits, seen.points)
+            search.move(gradient, symbols.steps, contrast, mean, MOST_MOVE * mean)
         return symbols, score
 
     def _seen(self, planes: F32) -> F32:

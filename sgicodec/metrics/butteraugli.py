@@ -23,7 +23,7 @@ class ButteraugliReference:
     """An original [C, H, W], sRGB samples in 0..1, that decoded pictures of this shape are compared with.
 
     With one channel or two the first is gray; channels behind the third count nothing. Samples outside 0..1 are
-    clipped; white has 80 nits. Holds 65 bytes per pixel, and takes 125 more during a call. Results are the same for any
+    clipped; white has 80 nits. Holds 65 bytes per pixel, and takes 115 more during a call. Results are the same for any
     number of threads; between instruction sets they differ by rounding.
     """
 

@@ -53,6 +53,8 @@ class TextureSearch:
         self._shape = rows, columns
         wanted = residual if correction is None else residual - correction
         self._amplitudes = TextureAmplitudes(root_planes(wanted), self.size, device.threads)
+        self.bits = 0.0
+        """Of the layer that was found last, its information content."""
 
     def beside(self, correction: F32) -> TextureSearch:
         """The search for layers to which restoration adds this correction [C, H, W]."""
@@ -69,7 +71,7 @@ class TextureSearch:
         of each root; cells: a layer whose cells are taken as they are, which is faster than to choose them.
         """
         division = None if cells is None else cells.log_size
-        parts, _, counts, excess, _ = self._search(steps, squared_steps, contrast, division)
+        parts, self.bits, counts, excess, _ = self._search(steps, squared_steps, contrast, division)
         added = tuple(_excess_index(sum_ / count) if count else 8 for count, sum_ in zip(counts, excess, strict=True))
         one, two, more = added
         found = TextureSymbols(

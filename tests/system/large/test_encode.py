@@ -139,3 +139,12 @@ def test_the_estimate_depends_on_the_tile_not_on_the_picture(photo: Path, settin
     assert estimate(wide, 0).total(2) == pytest.approx(estimate(near, 0).total(2), rel=0.01)
     larger = replace(plan, header=replace(plan.header, width=7500, height=7500, tile=750))
     assert estimate(larger, 0).worker > estimate(near, 0).worker + 50 * MIB
+
+
+def test_scores_take_memory_for_the_eye_alone(photo: Path, settings: EncodeSettings) -> None:
+    with open_source(photo) as source:
+        shape = windows_of(source).shape
+    plans = [stream_plan(shape, replace(settings, tune=tune)) for tune in ("psnr", "visual")]
+    headers = [replace(plan.header, width=900, height=900, tile=900) for plan in plans]
+    least, eye = (estimate(replace(plan, header=h), 0).worker for plan, h in zip(plans, headers, strict=True))
+    assert eye > least + 50 * MIB

@@ -1,4 +1,4 @@
-"""Gradient ascent of texture: a better score for the same bits, nowhere else, and never for longer than asked."""
+"""Gradient ascent of texture: better scores for the same bits, nowhere else, and never for longer than asked."""
 
 from __future__ import annotations
 
@@ -6,13 +6,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from sgicodec import read
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.parts.texture import write_texture
 from sgicodec.device import ONE_THREAD
-from sgicodec.encoder.score_ascent import ScoreAscent, ascent_passes
+from sgicodec.encoder.score_ascent import ScoreAscent, _Pace, ascent_passes
 from sgicodec.encoder.texture_tuning import TUNINGS
+from sgicodec.metrics.butteraugli import ButteraugliReference
 from sgicodec.metrics.visual_score import VisualReference
 from sgicodec.model.luma_space import from_luma_space, to_luma_space
 from sgicodec.model.texture_symbols import TextureSymbols
@@ -27,7 +29,8 @@ STEP = 405
 class Case:
     """384×256 pixels of a photograph, texture over their means."""
 
-    def __init__(self, luma_space: bool = False, empty: np.ndarray | None = None) -> None:
+    def __init__(self, luma_space: bool = False, empty: np.ndarray | None = None, step: int = STEP) -> None:
+        self.step = step
         pixels = read(DATA / "kodim13.png").pixels[230:486, 100:484].astype(np.float32) / 255
         self.seen = np.ascontiguousarray(pixels.transpose(2, 0, 1))
         into = to_luma_space(3).astype(np.float32) if luma_space else np.eye(3, dtype=np.float32)
@@ -43,16 +46,22 @@ class Case:
     def found(self, cells: TextureSymbols | None = None, score: float | None = None) -> TextureSymbols:
         self.searches += 1
         self.told.append(score)
-        layer = self.search.at(TUNING.steps(STEP, 3), TUNING.squared_steps, self.contrast, cells)
+        layer = self.search.at(TUNING.steps(self.step, 3), TUNING.squared_steps, self.contrast, cells)
         assert layer is not None
         return layer
 
     def ascend(self, passes: int) -> None:
         self.ascent.run(self.search, self.found, self.contrast, passes)
 
+    def decoded(self) -> NDArray[np.float32]:
+        seen: NDArray[np.float32] = np.tensordot(self.back, self.base + self.found().layer().draw(), axes=1)
+        return seen.astype(np.float32)
+
     def score(self) -> float:
-        decoded = np.tensordot(self.back, self.base + self.found().layer().draw(), axes=1)
-        return VisualReference(self.seen, ONE_THREAD).score(decoded.astype(np.float32))
+        return VisualReference(self.seen, ONE_THREAD).score(self.decoded())
+
+    def distance(self) -> float:
+        return ButteraugliReference(self.seen, ONE_THREAD).distance(self.decoded())[0]
 
     def bits(self) -> float:
         writer = SymbolWriter()
@@ -62,15 +71,13 @@ class Case:
 
 
 @pytest.mark.parametrize("luma_space", [False, True])
-def test_a_layer_scores_more_for_about_the_same_bits(luma_space: bool) -> None:
-    case = Case(luma_space)
-    score, bits = case.score(), case.bits()
-    case.ascend(1)
-    once, after_one = case.score(), case.bits()
-    case.ascend(3)
-    assert score + 2 < once < case.score() - 2
-    assert after_one < 1.02 * bits
-    assert case.bits() < 1.04 * bits
+@pytest.mark.parametrize(("passes", "finer", "points"), [(1, 2, 0.7), (4, 4, 1.8)])
+def test_a_layer_scores_more_than_one_of_finer_steps(luma_space: bool, passes: int, finer: int, points: float) -> None:
+    case, other = Case(luma_space), Case(luma_space, step=STEP - finer)
+    case.ascend(passes)
+    assert case.bits() < other.bits() < 1.1 * case.bits()
+    assert case.score() > other.score() + points
+    assert case.distance() < 1.01 * other.distance()
 
 
 def test_pixels_that_count_nothing_move_nothing() -> None:
@@ -139,6 +146,15 @@ def test_other_channels_than_three(channels: int) -> None:
     ascent = ScoreAscent(unit, False, None, ONE_THREAD)
     ascent.run(search, lambda cells, _: search.at(steps, TUNING.squared_steps, None, cells), None, 2)
     assert score() > before + 1
+
+
+def test_moves_that_are_not_worth_their_bits_become_shorter() -> None:
+    pace = _Pace(0.01)
+    assert pace.after(400, 1000, 50) == 0.01
+    assert pace.after(400, 1010, 52) == 0.01  # bits of 0.4 points
+    assert pace.after(400, 1080, 54) == 0.005  # of 2.7
+    assert pace.after(399, 1200, 54) == 0.005  # finer steps say nothing
+    assert pace.after(399, 1210, 54.2) == 0.0025  # bits of 0.3
 
 
 def test_longer_fits_take_more_passes() -> None:
