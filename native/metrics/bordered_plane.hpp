@@ -25,15 +25,6 @@ class BorderedPlane {
 
   void clear() { std::fill_n(memory_.get(), count(), 0.0f); }
 
-  void clear_border() {
-    std::fill_n(memory_.get(), kBorder * stride_, 0.0f);
-    for (int64_t y = 0; y < size_.height; ++y) {
-      std::fill_n(row(y) - kBorder, kBorder, 0.0f);
-      std::fill_n(row(y) + size_.width, padded(size_.width) - size_.width + kBorder, 0.0f);
-    }
-    std::fill_n(row(size_.height) - kBorder, kBorder * stride_, 0.0f);
-  }
-
   // Makes the nearest rows and columns of the border mirror those inside, the outermost included.
   void mirror_border(int64_t reach) {
     const auto [width, height] = size_;
@@ -46,6 +37,15 @@ class BorderedPlane {
   }
 
  private:
+  void clear_border() {
+    std::fill_n(memory_.get(), kBorder * stride_, 0.0f);
+    for (int64_t y = 0; y < size_.height; ++y) {
+      std::fill_n(row(y) - kBorder, kBorder, 0.0f);
+      std::fill_n(row(y) + size_.width, padded(size_.width) - size_.width + kBorder, 0.0f);
+    }
+    std::fill_n(row(size_.height) - kBorder, kBorder * stride_, 0.0f);
+  }
+
   int64_t count() const { return (size_.height + 2 * kBorder) * stride_; }
 
   MapPlane size_{0, 0};

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "base/thread_pool.hpp"
+#include "metrics/bands.hpp"
 
 namespace sgi {
 namespace {
@@ -13,41 +13,20 @@ constexpr double kLeastDifference = 1e-6;
 constexpr int kNorms = 3;
 constexpr int kPower[kNorms] = {3, 6, 12};
 
-// Means of powers of differences, and what their norms are.
-struct Norms {
-  std::array<double, kNorms> mean{};
-
-  static std::array<double, kNorms> powers(double value) {
-    const double three = value * value * value, six = three * three;
-    return {three, six, six * six};
-  }
-  double norm(int i) const { return std::pow(mean[size_t(i)], 1.0 / kPower[i]); }
-  double value() const { return (norm(0) + norm(1) + norm(2)) / kNorms; }
-};
-
-template <class Body>
-void each_band(int64_t height, int threads, Body body) {
-  parallel_for((height + kBandRows - 1) / kBandRows, threads,
-               [&](int64_t band) { body(band, band * kBandRows, std::min(height, (band + 1) * kBandRows)); });
-}
-
-Norms norms_of(const float *map, MapPlane size, int threads) {
-  std::vector<Norms> bands(size_t((size.height + kBandRows - 1) / kBandRows));
-  each_band(size.height, threads, [&](int64_t band, int64_t begin, int64_t end) {
-    Norms sum;
-    for (int64_t i = begin * size.width; i < end * size.width; ++i) {
-      const std::array<double, kNorms> powers = Norms::powers(double(map[i]));
-      for (size_t n = 0; n < kNorms; ++n) sum.mean[n] += powers[n];
-    }
-    bands[size_t(band)] = sum;
-  });
-  Norms norms;
-  for (const Norms &band : bands)
-    for (size_t n = 0; n < kNorms; ++n) norms.mean[n] += band.mean[n] / double(size.width * size.height);
-  return norms;
+// Powers of a difference, as in kPower.
+std::array<double, kNorms> powers(double value) {
+  const double three = value * value * value, six = three * three;
+  return {three, six, six * six};
 }
 
 }  // namespace
+
+// Of a map.
+struct ButteraugliReference::Norms {
+  std::array<double, kNorms> norm{};
+
+  double mean() const { return (norm[0] + norm[1] + norm[2]) / kNorms; }
+};
 
 ButteraugliReference::ButteraugliReference(const SrgbPicture &original, int threads, Isa isa)
     : channels_(original.channels), threads_(threads), size_{original.width, original.height},
@@ -108,31 +87,43 @@ std::array<ButteraugliReference::Seen, 2> ButteraugliReference::see_both(const f
   return seen;
 }
 
-// The map of both sizes, and its norm.
-double ButteraugliReference::join(const std::array<Seen, 2> &seen, float *map) const {
-  each_band(size_.height, threads_, [&](int64_t, int64_t begin, int64_t end) {
+// The map of both sizes, and its norms.
+ButteraugliReference::Norms ButteraugliReference::join(const std::array<Seen, 2> &seen, float *map) const {
+  std::vector<std::array<double, kNorms>> bands(size_t(bands_of(size_.height)));
+  each_band(size_.height, threads_, [&](int64_t band, int64_t begin, int64_t end) {
+    std::array<double, kNorms> sums{};
     for (int64_t y = begin; y < end; ++y) {
       const float *fine = seen[0].differences.row(y), *coarse = half_ ? seen[1].differences.row(y / 2) : nullptr;
-      for (int64_t x = 0; x < size_.width; ++x)
-        map[y * size_.width + x] = coarse ? float(kFullShare) * fine[x] + float(kHalfShare) * coarse[x / 2] : fine[x];
+      for (int64_t x = 0; x < size_.width; ++x) {
+        float &value = map[y * size_.width + x];
+        value = coarse ? float(kFullShare) * fine[x] + float(kHalfShare) * coarse[x / 2] : fine[x];
+        const std::array<double, kNorms> power = powers(double(value));
+        for (size_t n = 0; n < kNorms; ++n) sums[n] += power[n];
+      }
     }
+    bands[size_t(band)] = sums;
   });
-  return norms_of(map, size_, threads_).value();
+  Norms found;
+  for (size_t n = 0; n < kNorms; ++n) {
+    double mean = 0;
+    for (const auto &sums : bands) mean += sums[n] / double(size_.width * size_.height);
+    found.norm[n] = std::pow(mean, 1.0 / kPower[n]);
+  }
+  return found;
 }
 
 double ButteraugliReference::distance(const float *decoded, float *map) const {
-  if (full_) return join(see_both(decoded, false), map);
+  if (full_) return join(see_both(decoded, false), map).mean();
   std::fill_n(map, size_.width * size_.height, 0.0f);
   return 0;
 }
 
 // Gradients in the differences of both sizes.
-std::array<BorderedPlane, 2> ButteraugliReference::slopes(const float *map) const {
-  const Norms norms = norms_of(map, size_, threads_);
+std::array<BorderedPlane, 2> ButteraugliReference::slopes(const float *map, const Norms &norms) const {
   std::array<double, kNorms> factor;
   for (int i = 0; i < kNorms; ++i)
     factor[size_t(i)] =
-        1 / (kNorms * std::pow(norms.norm(i), kPower[i] - 1) * double(size_.width) * double(size_.height));
+        1 / (kNorms * std::pow(norms.norm[size_t(i)], kPower[i] - 1) * double(size_.width) * double(size_.height));
   std::array<BorderedPlane, 2> found{BorderedPlane(size_), {}};
   if (half_) found[1] = BorderedPlane(half_->size());
   if (half_) found[1].clear();
@@ -140,9 +131,9 @@ std::array<BorderedPlane, 2> ButteraugliReference::slopes(const float *map) cons
     for (int64_t y = 2 * begin; y < std::min(2 * end, size_.height); ++y)
       for (int64_t x = 0; x < size_.width; ++x) {
         const double value = double(map[y * size_.width + x]);
-        const std::array<double, kNorms> powers = Norms::powers(value);
+        const std::array<double, kNorms> power = powers(value);
         double sum = 0;
-        for (size_t n = 0; n < kNorms; ++n) sum += factor[n] * powers[n];
+        for (size_t n = 0; n < kNorms; ++n) sum += factor[n] * power[n];
         sum /= std::max(value, kLeastDifference);
         found[0].row(y)[x] = float(half_ ? kFullShare * sum : sum);
         if (half_) found[1].row(y / 2)[x / 2] += float(kHalfShare * sum);
@@ -155,12 +146,12 @@ double ButteraugliReference::gradient(const float *decoded, float *map, float *g
   std::fill_n(gradient, channels_ * size_.width * size_.height, 0.0f);
   if (!full_) return distance(decoded, map);
   std::array<Seen, 2> seen = see_both(decoded, true);
-  const double norm = join(seen, map);
+  const Norms norms = join(seen, map);
   BorderedPlanes<3> in_opsin, in_light, in_half;
   {
-    std::array<BorderedPlane, 2> slope = slopes(map);
+    std::array<BorderedPlane, 2> slope = slopes(map, norms);
     in_opsin = full_->pull(std::move(seen[0].planes), std::move(seen[0].differences), std::move(slope[0]));
-    const BorderedPlanes<3> light = linear(decoded);
+    const BorderedPlanes<3> light = linear(decoded);  // again: until here its memory serves others
     in_light = full_->pull_opsin(light, in_opsin);
     if (half_) {
       in_opsin = half_->pull(std::move(seen[1].planes), std::move(seen[1].differences), std::move(slope[1]));
@@ -184,7 +175,7 @@ double ButteraugliReference::gradient(const float *decoded, float *map, float *g
                                           gradient + (c * size_.height + y) * size_.width);
     }
   });
-  return norm;
+  return norms.mean();
 }
 
 }  // namespace sgi

@@ -36,12 +36,14 @@ class ButteraugliReference {
     BorderedPlane differences;
   };
 
+  struct Norms;
+
   BorderedPlanes<3> linear(const float *samples) const;
   BorderedPlanes<3> halved(const BorderedPlanes<3> &light) const;
   static Seen see(const ButteraugliLevel &level, const BorderedPlanes<3> &light, bool keep);
   std::array<Seen, 2> see_both(const float *decoded, bool keep) const;
-  double join(const std::array<Seen, 2> &seen, float *map) const;
-  std::array<BorderedPlane, 2> slopes(const float *map) const;
+  Norms join(const std::array<Seen, 2> &seen, float *map) const;
+  std::array<BorderedPlane, 2> slopes(const float *map, const Norms &norms) const;
   SrgbPicture shaped(const float *samples) const { return {samples, channels_, size_.height, size_.width}; }
 
   int channels_, threads_;

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "base/thread_pool.hpp"
+#include "metrics/bands.hpp"
 
 namespace sgi {
 namespace {
@@ -60,8 +60,8 @@ SeenRows<float> SeenPlanes::rows(int64_t y) { return seen_rows<float>(*this, y);
 
 template <class Body>
 void ButteraugliLevel::each_row(Body body) const {
-  parallel_for((size_.height + kBandRows - 1) / kBandRows, threads_, [&](int64_t band) {
-    for (int64_t y = band * kBandRows; y < std::min(size_.height, (band + 1) * kBandRows); ++y) body(y);
+  each_band(size_.height, threads_, [&](int64_t, int64_t begin, int64_t end) {
+    for (int64_t y = begin; y < end; ++y) body(y);
   });
 }
 
@@ -181,7 +181,7 @@ void ButteraugliLevel::pull_malta(const MaltaPart &part, const BorderedPlane &sl
   move(part, moved);
   const auto [width, height] = size_;
   const int64_t stride = BorderedPlane::stride_of(width), room = kMostMaltaLines * kMaltaRingRows * stride;
-  parallel_for((height + kBandRows - 1) / kBandRows, threads_, [&](int64_t band) {
+  each_band(height, threads_, [&](int64_t, int64_t begin, int64_t end) {
     const Floats memory = floats(room);
     for (int64_t row = 0; row < kMostMaltaLines * kMaltaRingRows; ++row) {  // borders
       float *const first = memory.get() + row * stride;
@@ -189,8 +189,8 @@ void ButteraugliLevel::pull_malta(const MaltaPart &part, const BorderedPlane &sl
       std::fill_n(first + kBorder + width, stride - kBorder - width, 0.0f);
     }
     float *const rings = memory.get() + kBorder;
-    int64_t next = band * kBandRows - kMaltaReach;
-    for (int64_t y = band * kBandRows; y < std::min(height, (band + 1) * kBandRows); ++y) {
+    int64_t next = begin - kMaltaReach;
+    for (int64_t y = begin; y < end; ++y) {
       for (; next <= y + kMaltaReach; ++next) {
         if (next >= 0 && next < height) {
           malta_.slopes(part.lines, moved.row(next), moved.stride(), width, slope.row(next), rings, next, stride);

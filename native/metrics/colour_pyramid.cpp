@@ -27,7 +27,7 @@ ColourPyramid::ColourPyramid(const SrgbPicture &picture, const ColourPyramid *le
     scales_.push_back(std::move(scale));
   }
   for (size_t scale = 0; scale < scales_.size(); ++scale)
-    parallel_for((scales_[scale].plane.height + kBandRows - 1) / kBandRows, threads,
+    parallel_for(bands_of(scales_[scale].plane.height), threads,
                  [&](int64_t band) { convert_band(picture, less, scale, band); });
 }
 

@@ -4,13 +4,12 @@
 #include <memory>
 #include <vector>
 
+#include "metrics/bands.hpp"
 #include "metrics/colour_kernel.hpp"
 #include "metrics/maps.hpp"
 #include "metrics/ssimulacra2.hpp"
 
 namespace sgi {
-
-constexpr int64_t kBandRows = 64;  // rows that a thread takes at a time: sums are added by bands, whatever the threads
 
 // Unset floats.
 using Floats = std::unique_ptr<float[]>;

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "base/thread_pool.hpp"
+#include "metrics/bands.hpp"
 
 namespace sgi {
 namespace {
@@ -45,10 +45,10 @@ void PlaneBlur::pull(const BorderedPlane &gradient, BorderedPlane &to) const { r
 
 void PlaneBlur::run(const BorderedPlane &from, BorderedPlane &to, bool transposed) const {
   const float *const columns = columns_.data() + kBorder, *const ones = ones_.data() + kBorder;
-  parallel_for((size_.height + kBandRows - 1) / kBandRows, threads_, [&](int64_t band) {
+  each_band(size_.height, threads_, [&](int64_t, int64_t begin, int64_t end) {
     const Floats scratch = floats(from.stride());
     std::vector<float> down(size_t(2 * reach() + 1));
-    for (int64_t y = band * kBandRows; y < std::min(size_.height, (band + 1) * kBandRows); ++y) {
+    for (int64_t y = begin; y < end; ++y) {
       for (int i = -reach(); i <= reach(); ++i) {
         const int64_t counted = std::clamp<int64_t>(transposed ? y + i : y, 0, size_.height - 1);
         down[size_t(i + reach())] = taps_[size_t(std::abs(i))] * rows_[size_t(kBorder + counted)];

@@ -9,8 +9,6 @@ namespace {
 
 int64_t size_of(const MapPlane &plane) { return plane.height * padded(plane.width); }
 
-int64_t bands_of(const MapPlane &plane) { return (plane.height + kBandRows - 1) / kBandRows; }
-
 // What `slope` finds in one channel around the rows that a thread is at.
 class SlopeRings {
  public:
@@ -56,9 +54,9 @@ VisualReference::VisualReference(const SrgbPicture &original, int threads, Isa i
 void VisualReference::describe(size_t scale, int channel) {
   const MapPlane plane = scales_[scale].plane;
   Channel &described = scales_[scale].channels[channel];
-  parallel_for(bands_of(plane), threads_, [&](int64_t band) {
+  each_band(plane.height, threads_, [&](int64_t, int64_t begin, int64_t end) {
     const Floats scratch = floats(kScratchRows * scratch_row(plane.width));
-    for (int64_t y = band * kBandRows; y < std::min(plane.height, (band + 1) * kBandRows); ++y) {
+    for (int64_t y = begin; y < end; ++y) {
       const int64_t row = y * padded(plane.width);
       kernel_.describe(original_.xyb(scale, channel), plane, y, at(described.mean, row), at(described.variance, row),
                        scratch.get());
@@ -80,7 +78,7 @@ std::vector<ChannelSums> VisualReference::compare(const ColourPyramid &decoded) 
   };
   std::vector<Band> bands;
   for (size_t scale = 0; scale < scales_.size(); ++scale)
-    for (int64_t number = 0; number < bands_of(scales_[scale].plane); ++number) bands.push_back({scale, number});
+    for (int64_t number = 0; number < bands_of(scales_[scale].plane.height); ++number) bands.push_back({scale, number});
   std::vector<ChannelSums> found(bands.size(), ChannelSums{}), sums(scales_.size(), ChannelSums{});
   parallel_for(int64_t(bands.size()), threads_,
                [&](int64_t i) { found[i] = compare_band(decoded, bands[i].scale, bands[i].number); });
@@ -120,7 +118,7 @@ double VisualReference::gradient(const float *decoded, float *gradient) const {
   const int colours = scales_.empty() ? 0 : picture.colours();
   std::fill(gradient + colours * height_ * width_, gradient + channels_ * height_ * width_, 0.0f);
   for (size_t scale = scales_.size(); scale-- > 0;)
-    parallel_for(bands_of(scales_[scale].plane), threads_,
+    parallel_for(bands_of(scales_[scale].plane.height), threads_,
                  [&](int64_t band) { pull_band(pyramid, slopes[scale], scale, band, picture, gradient); });
   return score;
 }

@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 
 from sgicodec import _native
 from sgicodec.device import ALL_CORES, Device
-from sgicodec.errors import UsageError
+from sgicodec.metrics.native_reference import NativeReference
 
 __all__ = ["ButteraugliReference"]
 
 F32 = NDArray[np.float32]
 
 
-class ButteraugliReference:
+class ButteraugliReference(NativeReference[_native.ButteraugliReference]):
     """An original [C, H, W], sRGB samples in 0..1, that decoded pictures of this shape are compared with.
 
     With one channel or two the first is gray; channels behind the third count nothing. Samples outside 0..1 are
@@ -29,10 +29,7 @@ class ButteraugliReference:
 
     def __init__(self, original: F32, device: Device = ALL_CORES) -> None:
         """Raises UsageError unless `original` has three dimensions and samples."""
-        if original.ndim != 3 or original.size == 0:
-            raise UsageError(f"a picture must be a filled array [C, H, W], not of shape {original.shape}")
-        self._shape = original.shape
-        self._native = _native.ButteraugliReference(_plain(original), device.threads, device.isa)
+        super().__init__(_native.ButteraugliReference, original, device)
 
     def distance(self, decoded: F32) -> tuple[float, F32]:
         """The 3-norm that `butteraugli_main` prints, and how much each pixel [H, W] differs: 0 for equal pictures but
@@ -53,12 +50,3 @@ class ButteraugliReference:
 
     def _map(self) -> F32:
         return np.empty(self._shape[1:], np.float32)
-
-    def _checked(self, decoded: F32) -> F32:
-        if decoded.shape != self._shape:
-            raise UsageError(f"a decoded picture of shape {decoded.shape} does not fit the original's {self._shape}")
-        return _plain(decoded)
-
-
-def _plain(picture: F32) -> F32:
-    return np.ascontiguousarray(picture, np.float32)

@@ -2,40 +2,18 @@
 
 from __future__ import annotations
 
-import io
-from pathlib import Path
-
 import numpy as np
 import pytest
-from numpy.typing import NDArray
-from PIL import Image
 from scenes import ISAS
+from seen_pictures import F32, by_jpeg, difference, photo, unit
 
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.errors import UsageError
 from sgicodec.metrics.butteraugli import ButteraugliReference
 from sgicodec.metrics.perceptual import Perceived, butteraugli
 
-DATA = Path(__file__).parents[2] / "data"
-F32 = NDArray[np.float32]
-Rgb8 = NDArray[np.uint8]
-
 # Sides under 15, where half the size is not looked at; odd ones; more rows than a thread takes at a time.
 SHAPES = [(8, 9), (14, 20), (17, 33), (64, 64), (150, 107)]
-
-
-def photo(name: str) -> Rgb8:
-    return np.asarray(Image.open(DATA / f"{name}.png").convert("RGB"))[20:181, 60:275]
-
-
-def by_jpeg(pixels: Rgb8, quality: int) -> Rgb8:
-    buffer = io.BytesIO()
-    Image.fromarray(pixels).save(buffer, "JPEG", quality=quality)
-    return np.asarray(Image.open(buffer))
-
-
-def unit(pixels: Rgb8) -> F32:
-    return pixels.transpose(2, 0, 1).astype(np.float32, order="C") / np.float32(255)
 
 
 def noisy_pair(height: int, width: int, channels: int = 3) -> tuple[F32, F32]:
@@ -44,11 +22,6 @@ def noisy_pair(height: int, width: int, channels: int = 3) -> tuple[F32, F32]:
     original = np.resize(unit(photo("kodim13"))[:, :height, :width], (channels, height, width))
     decoded = (original + rng.normal(0, 0.03, original.shape)).clip(0.001, 0.999)
     return np.ascontiguousarray(original), decoded.astype(np.float32)
-
-
-def difference(a: NDArray[np.floating], b: NDArray[np.floating]) -> float:
-    """Norm of a - b, relative to that of b."""
-    return float(np.linalg.norm(a - b) / np.linalg.norm(b))
 
 
 @pytest.mark.skipif("butteraugli" not in Perceived.available(), reason="needs butteraugli_main of libjxl")

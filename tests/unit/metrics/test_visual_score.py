@@ -2,27 +2,15 @@
 
 from __future__ import annotations
 
-import io
-from pathlib import Path
-
 import numpy as np
 import pytest
-from numpy.typing import NDArray
-from PIL import Image
 from scenes import ISAS
+from seen_pictures import F32, Rgb8, by_jpeg, difference, photo, unit
 
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.errors import UsageError
 from sgicodec.metrics.perceptual import ssimulacra2
 from sgicodec.metrics.visual_score import VisualReference, visual_score
-
-DATA = Path(__file__).parents[2] / "data"
-Rgb8 = NDArray[np.uint8]
-F32 = NDArray[np.float32]
-
-
-def photo(name: str) -> Rgb8:
-    return np.asarray(Image.open(DATA / f"{name}.png").convert("RGB"))[20:181, 60:275]
 
 
 def noisy(pixels: Rgb8, deviation: float) -> Rgb8:
@@ -37,12 +25,6 @@ def blurred(pixels: Rgb8) -> Rgb8:
     return np.rint(np.mean(shifted, 0)).astype(np.uint8)
 
 
-def by_jpeg(pixels: Rgb8, quality: int) -> Rgb8:
-    buffer = io.BytesIO()
-    Image.fromarray(pixels).save(buffer, "JPEG", quality=quality)
-    return np.asarray(Image.open(buffer))
-
-
 DISTORTIONS = {
     "faint noise": lambda pixels: noisy(pixels, 1),
     "noise": lambda pixels: noisy(pixels, 12),
@@ -52,19 +34,10 @@ DISTORTIONS = {
 }
 
 
-def unit(pixels: Rgb8) -> F32:
-    return pixels.transpose(2, 0, 1).astype(np.float32, order="C") / np.float32(255)
-
-
 def random_pair(height: int, width: int, channels: int = 3) -> tuple[F32, F32]:
     rng = np.random.default_rng(height + width)
     original = rng.uniform(0.1, 0.9, (channels, height, width)).astype(np.float32)
     return original, original + rng.uniform(-0.1, 0.1, original.shape).astype(np.float32)
-
-
-def difference(a: NDArray[np.floating], b: NDArray[np.floating]) -> float:
-    """Norm of a - b, relative to that of b."""
-    return float(np.linalg.norm(a - b) / np.linalg.norm(b))
 
 
 @pytest.mark.parametrize("name", ["kodim13", "kodim23"])
