@@ -396,6 +396,11 @@ class TextureAmplitudes:
         Moves them up a gradient, [C, 32 h, 32 w] of the roots, in the mean by `mean` of a step, at most by `most`.
         """
 
+    def shown(self, log_size: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu', writable=False)], symbols: Annotated[NDArray[numpy.int16], dict(shape=(None, None, None), order='C', device='cpu', writable=False)]) -> Annotated[NDArray[numpy.float32], dict(shape=(None, None, None))]:
+        """
+        Those for which a layer has symbols that are not 0 [C, 32 h, 32 w], where its cells have their pixels.
+        """
+
 def texture_cells(log_size: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu', writable=False)], contrast: Annotated[NDArray[numpy.int8], dict(shape=(None, None), order='C', device='cpu', writable=False)], symbols: Annotated[NDArray[numpy.int16], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], steps: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], slope: tuple[float, float], excess: Sequence[float], dependent: bool) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None, None))], Annotated[NDArray[numpy.uint8], dict(shape=(None,))], Annotated[NDArray[numpy.float32], dict(shape=(None,))]]:
     """Corners, log2 of sides, amplitudes."""
 

@@ -184,6 +184,15 @@ void move_amplitudes(sgi::TextureAmplitudes &amplitudes, Array<const float, 3> g
   amplitudes.move(gradient.data(), contrast.data(), all, mean, most);
 }
 
+auto shown_amplitudes(const sgi::TextureAmplitudes &amplitudes, LogSizes log_size, SymbolPlanes symbols) {
+  const size_t channels = size_t(amplitudes.channels), height = size_t(amplitudes.height),
+               width = size_t(amplitudes.width);
+  require(has_shape(log_size, height / sgi::kUnit, width / sgi::kUnit), "log_size [4 h, 4 w] of the roots");
+  require(symbols.shape(0) == channels && symbols.shape(1) == height && symbols.shape(2) == width,
+          "symbols [C, 32 h, 32 w] of the roots");
+  return as_array<float>(amplitudes.shown(log_size.data(), symbols.data()), std::array{channels, height, width});
+}
+
 auto texture_cells(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, Array<const float, 1> steps,
                    std::pair<float, float> slope, std::array<float, 3> excess, bool dependent) {
   require(steps.size() == symbols.shape(0), "steps [C]");
@@ -222,7 +231,9 @@ void bind_texture_coding(nb::module_ &m) {
           "planes"_a, "size"_a, "threads"_a)
       .def("move", &move_amplitudes, "gradient"_a, "contrast"_a, "steps"_a, "slope"_a, "mean"_a, "most"_a,
            "Moves them up a gradient, [C, 32 h, 32 w] of the roots, in the mean by `mean` of a step, at most by "
-           "`most`.");
+           "`most`.")
+      .def("shown", &shown_amplitudes, "log_size"_a, "symbols"_a,
+           "Those for which a layer has symbols that are not 0 [C, 32 h, 32 w], where its cells have their pixels.");
   m.def("texture_cells", &texture_cells, "log_size"_a, "contrast"_a, "symbols"_a, "steps"_a, "slope"_a, "excess"_a,
         "dependent"_a, "Corners, log2 of sides, amplitudes.");
 }

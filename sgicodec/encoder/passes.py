@@ -141,6 +141,7 @@ class TilePasses:
         """Corrections of the fits until an allocation of codings meets the target."""
         versions = {number: [base[number]] for number in self.all}
         tried: list[tuple[float, float]] = []
+        moved: dict[int, tuple[float, float]] = {}  # by how many octaves a tile was corrected last, and what it took
         for count in range(MAX_CORRECTIONS + 1):
             chosen, measured = self._allocation(target, plan, versions)
             if target.is_met(measured) or count == MAX_CORRECTIONS:
@@ -153,9 +154,12 @@ class TilePasses:
             octaves, numbers = kind.next(left, fits, fresh, tried)
             if not self._correct(kind, plan, base, octaves, numbers, index):
                 break
-            found = sum(bound.of(self.store.tiles[Version(number, index)]) for number in numbers)
-            others = sum(fits.values()) / max(sum(fits[number] for number in numbers), 1e-9)
-            tried.append((octaves, bound.error(found * others)))
+            found = {number: bound.of(self.store.tiles[Version(number, index)]) for number in numbers}
+            moved |= {number: (octaves, taken) for number, taken in found.items()}
+            change = sum(found.values()) / max(sum(fits[number] for number in numbers), 1e-9)
+            like = {number: taken for number, (by, taken) in moved.items() if by == octaves}
+            all_ = sum(like.get(number, change * fits[number]) for number in self.all)
+            tried.append((octaves, bound.error(all_)))
             for number in numbers:
                 versions[number].append(Version(number, index))
             index += 1

@@ -7,13 +7,15 @@ from collections.abc import Mapping
 
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.score_ascent import ascent_passes
+from sgicodec.encoder.settling import settling_rounds
 from sgicodec.encoder.texture_tuning import TUNINGS
 
 __all__ = ["StageClock", "stage_weights"]
 
-_PREPARE, _FIT, _SEARCH, _TEXTURE, _ASCENT, _VERIFY = 0.5, 5e-3, 1e-3, 0.4, 0.2, 0.1
-"""Seconds of each stage, of the fit and the search for each step, of texture for each pass of ascent besides, relative
-to the others: of a photograph of 0.4 megapixels. Machines and pictures differ in the sum far more than in the shares.
+_PREPARE, _FIT, _SEARCH, _TEXTURE, _ASCENT, _SETTLING, _VERIFY = 0.5, 5e-3, 1e-3, 0.4, 0.2, 0.6, 0.1
+"""Seconds of each stage, of the fit and the search for each step, of texture for each pass of ascent or round of
+settling besides, relative to the others: of a photograph of 0.4 megapixels. Machines and pictures differ in the sum far
+more than in the shares.
 """
 
 _MOST_ESTIMATED = 0.97
@@ -27,9 +29,10 @@ def stage_weights(plan: Plan) -> dict[str, float]:
         again = {"more passes": 0.7} if settings.rate_target(1) is not None else {}
         return {"load": 0.02, "tiles": 1.0, **again, "verify": 0.1}
     steps = settings.fit_settings().steps
-    passes = ascent_passes(steps) if TUNINGS[settings.tuned_for].ascends else 0
+    ascends = TUNINGS[settings.tuned_for].ascends
+    beside = _ASCENT * ascent_passes(steps) if ascends else _SETTLING * settling_rounds(steps)
     search = {"search": 0.45 + _SEARCH * steps} if settings.rdoq and plan.header.spec.context.prior else {}
-    texture = {"texture": _TEXTURE + _ASCENT * passes} if plan.header.spec.texture else {}
+    texture = {"texture": _TEXTURE + beside} if plan.header.spec.texture else {}
     return {
         "load": 0.05,
         "prepare": _PREPARE,

@@ -20,6 +20,7 @@ from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.restoring import Restorer, Strength
 from sgicodec.encoder.same_look import LookSteps
 from sgicodec.encoder.score_ascent import ScoreAscent, ascent_passes
+from sgicodec.encoder.settling import settling_rounds, with_settled_seeds
 from sgicodec.encoder.texture_handover import HANDOVER, LOOK_AHEAD, Handover
 from sgicodec.encoder.texture_share import EXACT_STEPS, TextureCosts, is_scouted, seed_share, seed_weights
 from sgicodec.encoder.texture_tuning import TUNINGS, TextureTuning
@@ -93,7 +94,7 @@ class Encoding:
         """Fits at a constant λ and writes."""
         if self.holds_nothing:
             return self.stream.nothing(self.lmbda)
-        return self.encoded(self.textured(self.searched(self.candidate(self.fitted(on_progress)))))
+        return self.encoded(self.textured(self.settled(self.searched(self.candidate(self.fitted(on_progress))))))
 
     @property
     def holds_nothing(self) -> bool:
@@ -181,6 +182,32 @@ class Encoding:
         found = search.at(candidate.lmbda, passes, until, lambda: search.passes >= least and self.ending())
         return replace(candidate, model=found.model)
 
+    def settled(self, candidate: Candidate, step: int | None = None) -> Candidate:
+        """The candidate with seeds that allow for the texture over them, in steps of this index, None for those of its
+        λ. Where texture is to serve the eye, seeds stay: errors that are least to them are not to it.
+        """
+        rounds = settling_rounds(self.fit.steps)
+        if not (rounds and self.searches and self.spec.texture) or self.tuning.ascends:
+            return candidate
+        self.stage("texture")
+        step, correction = self.tuning.step(self.lmbda) if step is None else step, None
+        for _ in range(rounds):
+            began = time.monotonic()
+            search = self._texture_search(candidate)
+            beside = search if correction is None else search.beside(correction)
+            layer = self._layer(beside, step, None, None)
+            if layer is None or self.ending():
+                break
+            shown = beside.exact(layer).draw(device=self.device)
+            if strength := self._strength(search, layer):
+                correction = self._restorer.correction(search, layer, strength)
+                shown += correction
+            left = self.unit - shown
+            candidate = with_settled_seeds(candidate, left, self.lmbda, self.device, self.reference)
+            if 2 * time.monotonic() - began > self.time.search_end:
+                break
+        return candidate
+
     def textured(self, candidate: Candidate) -> Candidate:
         """The candidate with texture over what its seeds leave, for the λ of the encode or the look of its plan."""
         if not self.spec.texture:
@@ -213,6 +240,9 @@ class Encoding:
     def texture_search(self, candidate: Candidate) -> TextureSearch:
         """What finds texture over a candidate."""
         self.stage("texture")
+        return self._texture_search(candidate)
+
+    def _texture_search(self, candidate: Candidate) -> TextureSearch:
         model = replace(candidate.model, decoded=None, texture=None)
         write_tile(candidate.header, model)
         objective = Objective(candidate.header, self.unit, self.device)
@@ -238,8 +268,9 @@ class Encoding:
         """
         found, strength = self._layer(search, step, price, cells), self.strength
         if found is not None and not self.tuning.ascends and (strength := self._strength(search, found)):
-            search = search.beside(self._restorer.correction(search, found, strength))
-            found = self._layer(search, step, price, found) or found  # for what the correction leaves
+            beside = search.beside(self._restorer.correction(search, found, strength))
+            found = self._layer(beside, step, price, found) or found  # for what the correction leaves
+            strength = self._strength(search, found)
         restoration = strength.over(found) if found is not None and strength is not None else None
         return replace(candidate, model=replace(candidate.model, texture=found, restoration=restoration, decoded=None))
 

@@ -143,7 +143,9 @@ def encode_tile(
         return not stopping()
 
     tile.ending = stopping
-    candidate = None if tile.holds_nothing else tile.textured(tile.searched(tile.candidate(tile.fitted(watch))))
+    candidate = None
+    if not tile.holds_nothing:
+        candidate = tile.textured(tile.settled(tile.searched(tile.candidate(tile.fitted(watch)))))
     return replace(_finished(tile, plan, number, candidate, started), steps=steps)
 
 

@@ -72,12 +72,15 @@ class TextureTargetEncoder(TargetEncoder):
             tried[shift] = encoding.measured(textured)
             return tried[shift][1]
 
-        near = 0
-        if encoding.tuning.ascends:  # about where the target will be met
-            near = round(min(max(target.rate_error(measure(0.0)) / -OCTAVES_PER_UNIT, -SHIFT_MAX), SHIFT_MAX))
+        # What follows is for the texture about where the target will be met.
+        near = round(min(max(target.rate_error(measure(0.0)) / -OCTAVES_PER_UNIT, -SHIFT_MAX), SHIFT_MAX))
+        if encoding.tuning.ascends:
             encoding.ascend(candidate, search, step_at(near))
-            none_from = math.inf
-            tried.clear()
+        else:
+            candidate = encoding.settled(candidate, step_at(near))
+            search = encoding.texture_search(candidate)
+        none_from = math.inf
+        tried.clear()
         shift = near + step_shift(target, lambda moved: measure(near + moved), OCTAVES_PER_UNIT, RESOLUTION)
         octaves = -OCTAVES_PER_UNIT * shift
         if not target.is_met(tried[shift][1]):

@@ -12,7 +12,7 @@ from sgicodec._native import TextureAmplitudes
 from sgicodec.bitstream.parts.texture import texture_models
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.model.gaussians import colour_matrix
-from sgicodec.model.texture import ROOT_LOG
+from sgicodec.model.texture import ROOT_LOG, TextureLayer
 from sgicodec.model.texture_symbols import TextureSteps, TextureSymbols, roots_of
 
 __all__ = ["DOUBT", "NO_DOUBT", "TextureSearch", "root_planes"]
@@ -80,6 +80,15 @@ class TextureSearch:
             *parts,
         )
         return None if found.is_empty else found
+
+    def exact(self, symbols: TextureSymbols) -> TextureLayer:
+        """A layer that was found here with the amplitudes that its symbols stand for as they were before they were
+        rounded.
+        """
+        layer, shown = symbols.layer(), self._amplitudes.shown(symbols.log_size, symbols.symbols)
+        cells = zip(layer.corner.tolist(), layer.log_size.tolist(), strict=True)
+        parts = [shown[:, y : y + (1 << log), x : x + (1 << log)].ravel() for (x, y), log in cells]
+        return replace(layer, amplitudes=np.concatenate(parts))
 
     def move(
         self, gradient: F32, steps: TextureSteps, contrast: NDArray[np.int8] | None, mean: float, most: float

@@ -63,6 +63,25 @@ def test_bits_and_costs_are_those_of_the_stream(residual: np.ndarray, has_contra
         assert costs.sum() == pytest.approx(error + PRICE * bits, rel=0.03)
 
 
+def test_exact_amplitudes_leave_what_no_symbol_shows(residual: np.ndarray) -> None:
+    """Rounding them gives the layer, within what dependent symbols may be off; what is left is orthogonal to them."""
+    search = TextureSearch(residual)
+    layer = search.at(TextureSteps(380, SAME), PRICE)
+    assert layer is not None
+    rounded, exact = layer.layer(), search.exact(layer)
+    assert (exact.corner == rounded.corner).all()
+    assert (exact.log_size == rounded.log_size).all()
+    assert ((exact.amplitudes != 0) == (rounded.amplitudes != 0)).all()
+    step = layer.steps.of_channels[0]
+    off = np.abs(exact.amplitudes - rounded.amplitudes) / step
+    assert 0.1 < off[rounded.amplitudes != 0].mean() < 0.35
+    shown, left = exact.draw(), squared_error(residual, layer)
+    energy = float(np.square(shown, dtype=np.float64).sum())
+    assert abs(float(((residual - shown) * shown).sum(dtype=np.float64))) < 1e-3 * energy
+    noise = float(np.square((exact.amplitudes - rounded.amplitudes).astype(np.float64)).sum())
+    assert float(np.square(residual - shown, dtype=np.float64).sum()) == pytest.approx(left - noise, rel=0.02)
+
+
 def test_what_is_found_pays(residual: np.ndarray) -> None:
     """Less error than nothing by more than λ times the bits; finer steps leave less, for more bytes."""
     search, nothing = TextureSearch(residual), float((residual.astype(np.float64) ** 2).sum())
