@@ -111,9 +111,15 @@ auto texture_of(const ReadTile &tile) {
   return texture ? std::optional(sgi::texture_arrays(*texture)) : std::nullopt;
 }
 
-std::optional<std::pair<int, int>> restoration_of(const ReadTile &tile) {
+auto restoration_of(const ReadTile &tile) {
   const sgi::RestorationChoice &choice = tile.model.restoration;
-  return choice.network ? std::optional(std::pair(choice.network, choice.step)) : std::nullopt;
+  std::vector<Numbers<int32_t>> changes;
+  for (const sgi::LayerChange &change : choice.changes) {
+    const size_t outputs = sgi::restoration_network(choice)->layers[changes.size()].outputs;
+    changes.push_back(change.empty() ? copy(change, {0, 0}) : copy(change, {outputs, change.size() / outputs}));
+  }
+  using Stated = std::tuple<int, int, std::vector<Numbers<int32_t>>>;
+  return choice.network ? std::optional(Stated(choice.network, choice.step, std::move(changes))) : std::nullopt;
 }
 
 using Bits = nb::typed<nb::dict, nb::str, double>;
@@ -186,7 +192,8 @@ void bind_tile_model(nb::module_ &m) {
           arrays, "Those of the hash grid, 0 or 1, level after level.")
       .def_prop_ro("texture", &texture_of, nb::rv_policy::move,
                    "Steps, log_size, contrast and symbols of the layer; None for none.")
-      .def_prop_ro("restoration", &restoration_of, "Numbers of network and step; None for none.")
+      .def_prop_ro("restoration", &restoration_of, nb::rv_policy::move,
+                   "Numbers of network and step, and by layer what is added to it; None for none.")
       .def_prop_ro("bits", &bits_of, "Information content of the parts, by name.")
       .def_prop_ro(
           "crc", [](const ReadTile &tile) { return tile.model.symbol_crc; },

@@ -5,8 +5,9 @@
 
 namespace sgi {
 
-// The shipped network of a number from 1 on. Throws Error (unsupported) for one that this version does not have.
-const RestorationNetwork &restoration_network(int number);
+// The network of a choice. Throws Error: unsupported for one that this version does not have, corrupt for changes that
+// it cannot have.
+std::shared_ptr<const RestorationNetwork> restoration_network(const RestorationChoice &choice);
 
 // What a tile states. Throws as above.
 RestorationChoice read_restoration_part(SymbolReader &reader);

@@ -95,9 +95,9 @@ void TileRenderer::take(const TileModel &model, int threads) {
   base_ = base_colours(spec, model);
   if (spec.luma_space) leave_luma_space(gaussians_);
   texture_mix_ = texture_mix(spec.channels, spec.luma_space);
-  if (const auto [network, step] = model.restoration; network)
-    restoration_.emplace(restoration_network(network), step, spec.channels, texture_mix_, header_.width, header_.height,
-                         settings_.isa);
+  if (const RestorationChoice &choice = model.restoration; choice.network)
+    restoration_.emplace(restoration_network(choice), choice.step, spec.channels, texture_mix_, header_.width,
+                         header_.height, settings_.isa);
   texture_ = model.texture();
   if (!texture_) return;
   for (const uint8_t log_size : texture_->log_size) ++facts_.texture_cells[log_size - kTextureLeast];

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "base/thread_pool.hpp"
 
@@ -76,14 +77,15 @@ struct Restoration::Inputs {
   std::vector<int32_t> first, second;
 };
 
-Restoration::Restoration(const RestorationNetwork &network, int step, int channels, const std::vector<float> &mix,
-                         int64_t width, int64_t height, Isa isa)
-    : network_(network), channels_(channels), mixed_(channels >= 3 ? 3 : 1), width_(width), height_(height), isa_(isa) {
+Restoration::Restoration(std::shared_ptr<const RestorationNetwork> network, int step, int channels,
+                         const std::vector<float> &mix, int64_t width, int64_t height, Isa isa)
+    : network_(std::move(network)), channels_(channels), mixed_(channels >= 3 ? 3 : 1), width_(width), height_(height),
+      isa_(isa) {
   const double size = std::pow(2.0, double(step - kStepOfOne) / kStepsPerOctave);
   std::vector<double> out{1};
   if (mixed_ == 3) out = transposed({mix.begin(), mix.end()});
   into_ = scaled(inverse(out), kInputUnits / size);
-  out_ = scaled(out, std::ldexp(size, -network.shift));
+  out_ = scaled(out, std::ldexp(size, -network_->shift));
 }
 
 TileBlock Restoration::shown(const OutputAxis &x, const OutputAxis &y) const {
@@ -93,7 +95,7 @@ TileBlock Restoration::shown(const OutputAxis &x, const OutputAxis &y) const {
 
 TileBlock Restoration::needed(const OutputAxis &x, const OutputAxis &y) const {
   const TileBlock seen = shown(x, y);
-  const int64_t reach = network_.reach();
+  const int64_t reach = network_->reach();
   const int64_t left = std::max<int64_t>(0, seen.left - reach), top = std::max<int64_t>(0, seen.top - reach);
   return {left, top, std::min(width_, seen.left + seen.columns + reach) - left,
           std::min(height_, seen.top + seen.rows + reach) - top};
@@ -125,21 +127,50 @@ void Restoration::correct(const float *drawn, int threads, float *values) const 
   correct(drawn, all, all, threads, values);
 }
 
+std::vector<int16_t> Restoration::last_inputs(const float *drawn, int64_t top, int64_t rows, int threads) const {
+  const int64_t reach = network_->reach(), stride = width_ + 2, plane = (rows + 2) * stride;
+  const int64_t first = std::max<int64_t>(0, top - reach), end = std::min(height_, top + rows + reach);
+  const TileBlock from{0, first, width_, end - first};
+  const Inputs seen = inputs(drawn + first * width_ * channels_, from, threads);
+  const int channels = network_->layers.back().inputs;
+  std::vector<int16_t> found(size_t(channels) * plane);
+  const int64_t columns = strip_columns();
+  parallel_for((width_ + columns - 1) / columns, threads, [&](int64_t i) {
+    const TileBlock strip{i * columns, top, std::min(columns, width_ - i * columns), rows};
+    const std::vector<int32_t> pairs = run(seen, from, strip, network_->layers.size() - 1);
+    // each strip writes its own pixels, those at an edge what is beyond it, too
+    const int64_t begin = strip.left ? 1 : 0, last = strip.columns + (strip.left + strip.columns == width_ ? 2 : 1);
+    for (int c = 0; c < channels; ++c)
+      for (int64_t row = 0; row < rows + 2; ++row)
+        for (int64_t x = begin; x < last; ++x)
+          found[c * plane + row * stride + strip.left + x] =
+              int16_t(pairs[(c / 2 * (rows + 2) + row) * kRestorationStride + x] >> (c % 2 ? 16 : 0));
+  });
+  return found;
+}
+
+int64_t Restoration::strip_columns() const { return kRestorationColumns - 2 * (network_->reach() - 1); }
+
+Restoration::Inputs Restoration::inputs(const float *drawn, const TileBlock &from, int threads) const {
+  const RestorationMix mix{into_.data(), channels_, mixed_};
+  const RestorationKernel &kernel = kernel_for<RestorationKernel>(isa_);
+  Inputs found{std::vector<int32_t>(from.columns * from.rows), std::vector<int32_t>(from.columns * from.rows)};
+  parallel_for(from.rows, threads, [&](int64_t row) {
+    const int64_t at = row * from.columns;
+    kernel.inputs(drawn + at * channels_, from.columns, mix, &found.first[at], &found.second[at]);
+  });
+  return found;
+}
+
 // Adds the correction of a block of the tile's own pixels to values [rows, columns, C].
 void Restoration::correct(const float *drawn, const TileBlock &from, const TileBlock &block, int threads,
                           float *values) const {
-  const RestorationMix mix{into_.data(), channels_, mixed_};
-  const RestorationKernel &kernel = kernel_for<RestorationKernel>(isa_);
-  Inputs inputs{std::vector<int32_t>(from.columns * from.rows), std::vector<int32_t>(from.columns * from.rows)};
-  parallel_for(from.rows, threads, [&](int64_t row) {
-    const int64_t at = row * from.columns;
-    kernel.inputs(drawn + at * channels_, from.columns, mix, &inputs.first[at], &inputs.second[at]);
-  });
-  const int64_t columns = kRestorationColumns - 2 * (network_.reach() - 1);
+  const Inputs seen = inputs(drawn, from, threads);
+  const int64_t columns = strip_columns();
   const int64_t across = (block.columns + columns - 1) / columns, down = (block.rows + kStripRows - 1) / kStripRows;
   parallel_for(across * down, threads, [&](int64_t i) {
     const int64_t left = i % across * columns, top = i / across * kStripRows;
-    correct_strip(inputs, from, block,
+    correct_strip(seen, from, block,
                   {block.left + left, block.top + top, std::min(columns, block.columns - left),
                    std::min(kStripRows, block.rows - top)},
                   values);
@@ -148,11 +179,23 @@ void Restoration::correct(const float *drawn, const TileBlock &from, const TileB
 
 void Restoration::correct_strip(const Inputs &inputs, const TileBlock &from, const TileBlock &block,
                                 const TileBlock &strip, float *values) const {
+  const std::vector<int32_t> sums = run(inputs, from, strip, network_->layers.size());
+  const RestorationMix mix{out_.data(), channels_, mixed_};
+  for (int64_t row = 0; row < strip.rows; ++row) {
+    const int64_t at = (strip.top - block.top + row) * block.columns + strip.left - block.left;
+    kernel_for<RestorationKernel>(isa_).add(&sums[row * kRestorationStride], strip.rows * kRestorationStride,
+                                            strip.columns, mix, values + at * channels_);
+  }
+}
+
+// What these layers, from the first one on, give for a strip and one pixel around it for each layer that is left.
+std::vector<int32_t> Restoration::run(const Inputs &inputs, const TileBlock &from, const TileBlock &strip,
+                                      size_t layers) const {
   const RestorationKernel &kernel = kernel_for<RestorationKernel>(isa_);
-  const int64_t reach = network_.reach();
+  const int64_t reach = network_->reach();
   int64_t rows = strip.rows + 2 * reach, most = 2;
-  for (const RestorationLayer &layer : network_.layers)
-    most = std::max<int64_t>(most, layer.blocks * (&layer == &network_.layers.back() ? kRestorationBlock : 2));
+  for (const RestorationLayer &layer : network_->layers)
+    most = std::max<int64_t>(most, layer.view().blocks * (&layer == &network_->layers.back() ? kRestorationBlock : 2));
   // Behind what a layer reads at the end of its last row there is a number more.
   std::vector<int32_t> one(most * rows * kRestorationStride), other(one.size());
   const int64_t plane = rows * kRestorationStride;
@@ -166,16 +209,13 @@ void Restoration::correct_strip(const Inputs &inputs, const TileBlock &from, con
       one[plane + row * kRestorationStride + i] = inputs.second[at];
     }
   }
-  for (const RestorationLayer &layer : network_.layers) {
+  for (size_t i = 0; i < layers; ++i) {
+    const RestorationLayer &layer = network_->layers[i];
     rows -= 2;
-    (&layer == &network_.layers.back() ? kernel.last : kernel.hidden)(layer.view(), one.data(), rows, other.data());
+    (&layer == &network_->layers.back() ? kernel.last : kernel.hidden)(layer.view(), one.data(), rows, other.data());
     one.swap(other);
   }
-  const RestorationMix mix{out_.data(), channels_, mixed_};
-  for (int64_t row = 0; row < rows; ++row) {
-    const int64_t at = (strip.top - block.top + row) * block.columns + strip.left - block.left;
-    kernel.add(&one[row * kRestorationStride], rows * kRestorationStride, strip.columns, mix, values + at * channels_);
-  }
+  return one;
 }
 
 }  // namespace sgi

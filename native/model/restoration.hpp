@@ -17,22 +17,25 @@ struct TileBlock {
 
 // What a tile states.
 struct RestorationChoice {
-  int network = 0;  // number of a shipped one; 0: none
-  int step = 0;     // index of the step in whose units it sees pixels
+  int network = 0;                   // number of a shipped one; 0: none
+  int step = 0;                      // index of the step in whose units it sees pixels
+  std::vector<LayerChange> changes;  // what is added to its layers, none for nothing
 };
 
 // Restores a tile of `width` times `height` pixels of C channels. Safe for use by several threads at once.
 class Restoration {
  public:
-  // The network must outlive it. mix [3, 3], as `texture_mix` gives it; empty for fewer than three channels.
-  Restoration(const RestorationNetwork &network, int step, int channels, const std::vector<float> &mix, int64_t width,
-              int64_t height, Isa isa);
+  // mix [3, 3], as `texture_mix` gives it; empty for fewer than three channels.
+  Restoration(std::shared_ptr<const RestorationNetwork> network, int step, int channels, const std::vector<float> &mix,
+              int64_t width, int64_t height, Isa isa);
 
   // What must be drawn of the tile for what these axes show of it, at scales of 1 and above.
   TileBlock needed(const OutputAxis &x, const OutputAxis &y) const;
   // Adds the correction to values [y.count, x.count, C] of what the axes show. drawn: the needed block, [rows, columns,
   // C]. The same values for any block that is asked for, number of threads and instruction set.
   void add(const float *drawn, const OutputAxis &x, const OutputAxis &y, int threads, float *values) const;
+  // What the last layer sees around these rows of a tile drawn as [height, width, C]: [channels, rows + 2, width + 2].
+  std::vector<int16_t> last_inputs(const float *drawn, int64_t top, int64_t rows, int threads) const;
   // Adds the correction of the whole tile to values, both [height, width, C].
   void correct(const float *drawn, int threads, float *values) const;
 
@@ -41,10 +44,13 @@ class Restoration {
 
   TileBlock shown(const OutputAxis &x, const OutputAxis &y) const;
   void correct(const float *drawn, const TileBlock &from, const TileBlock &block, int threads, float *values) const;
+  int64_t strip_columns() const;
+  Inputs inputs(const float *drawn, const TileBlock &from, int threads) const;
   void correct_strip(const Inputs &inputs, const TileBlock &from, const TileBlock &block, const TileBlock &strip,
                      float *values) const;
+  std::vector<int32_t> run(const Inputs &inputs, const TileBlock &from, const TileBlock &strip, size_t layers) const;
 
-  const RestorationNetwork &network_;
+  const std::shared_ptr<const RestorationNetwork> network_;
   const int channels_, mixed_;     // how many of them the network sees
   std::vector<float> into_, out_;  // [mixed, mixed], with the units of inputs and sums
   const int64_t width_, height_;

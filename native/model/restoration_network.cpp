@@ -2,11 +2,14 @@
 
 #include <cstdlib>
 #include <stdexcept>
+#include <utility>
+
+#include "base/error.hpp"
 
 namespace sgi {
 namespace {
 
-constexpr int kMostLayers = 6, kMostWidth = 64, kInputs = 3;
+constexpr int kMostLayers = 6, kMostWidth = 64, kInputs = 3, kBiasUnit = 64;
 
 void require(bool holds) {
   if (!holds) throw std::logic_error("a network of restoration that cannot be");
@@ -32,28 +35,80 @@ class Reader {
   size_t at_ = 0;
 };
 
-void read_weights(Reader &reader, int inputs, int outputs, RestorationLayer &layer) {
-  layer.pairs = (inputs + 1) / 2, layer.blocks = (outputs + kRestorationBlock - 1) / kRestorationBlock;
-  layer.weights.assign(size_t(layer.blocks) * layer.pairs * kRestorationTaps * kRestorationBlock, 0);
-  layer.biases.assign(size_t(layer.blocks) * kRestorationBlock, 0);
-  std::vector<int64_t> most(outputs, 0);
-  for (int o = 0; o < outputs; ++o)
-    for (int i = 0; i < inputs; ++i)
-      for (int tap = 0; tap < kRestorationTaps; ++tap) {
-        const int weight = reader.weight();
-        const size_t block = o / kRestorationBlock, lane = o % kRestorationBlock;
-        int32_t &pair =
-            layer.weights[((block * layer.pairs + i / 2) * kRestorationTaps + tap) * kRestorationBlock + lane];
-        pair = int32_t(uint32_t(pair) | uint32_t(uint16_t(weight)) << (i % 2 ? 16 : 0));
-        most[o] += std::abs(weight) * int64_t(kRestorationMost);
-      }
-  for (int o = 0; o < outputs; ++o) {
-    layer.biases[o] = 64 * reader.bias();
-    require(most[o] + std::abs(layer.biases[o]) < int64_t(1) << 31);
+int blocks_of(int outputs) { return (outputs + kRestorationBlock - 1) / kRestorationBlock; }
+int pairs_of(int inputs) { return (inputs + 1) / 2; }
+
+// The number that holds a weight, in its upper half where the input is odd.
+size_t place_of(const RestorationLayer &layer, int output, int input, int tap) {
+  const size_t block = output / kRestorationBlock, lane = output % kRestorationBlock;
+  return ((block * pairs_of(layer.inputs) + input / 2) * kRestorationTaps + tap) * kRestorationBlock + lane;
+}
+
+void set_weight(RestorationLayer &layer, int output, int input, int tap, int weight) {
+  int32_t &pair = layer.weights[place_of(layer, output, input, tap)];
+  const int shift = input % 2 ? 16 : 0;
+  pair = int32_t((uint32_t(pair) & ~(0xffffu << shift)) | uint32_t(uint16_t(weight)) << shift);
+}
+
+// Whether no sum of an output can reach 2^31.
+bool sums_fit(const RestorationLayer &layer, int output) {
+  int64_t most = std::abs(int64_t(layer.biases[output]));
+  for (int input = 0; input < layer.inputs; ++input)
+    for (int tap = 0; tap < kRestorationTaps; ++tap)
+      most += std::abs(layer.weight(output, input, tap)) * int64_t(kRestorationMost);
+  return most < int64_t(1) << 31;
+}
+
+void read_weights(Reader &reader, RestorationLayer &layer) {
+  const int blocks = blocks_of(layer.outputs);
+  layer.weights.assign(size_t(blocks) * pairs_of(layer.inputs) * kRestorationTaps * kRestorationBlock, 0);
+  layer.biases.assign(size_t(blocks) * kRestorationBlock, 0);
+  for (int o = 0; o < layer.outputs; ++o)
+    for (int i = 0; i < layer.inputs; ++i)
+      for (int tap = 0; tap < kRestorationTaps; ++tap) set_weight(layer, o, i, tap, reader.weight());
+  for (int o = 0; o < layer.outputs; ++o) {
+    layer.biases[o] = kBiasUnit * reader.bias();
+    require(sums_fit(layer, o));
+  }
+}
+
+// Numbers must stay within those of 16 bits.
+int added(int value, int64_t change) {
+  if (std::abs(value + change) > kRestorationMost)
+    throw Error(Fault::corrupt, "restoration: a weight of more than 16 bits; the stream is damaged");
+  return int(value + change);
+}
+
+void change_layer(RestorationLayer &layer, const LayerChange &change) {
+  const int32_t *next = change.data();
+  for (int o = 0; o < layer.outputs; ++o) {
+    for (int i = 0; i < layer.inputs; ++i)
+      for (int tap = 0; tap < kRestorationTaps; ++tap)
+        set_weight(layer, o, i, tap, added(layer.weight(o, i, tap), *next++));
+    layer.biases[o] = kBiasUnit * added(layer.bias(o), *next++);
+    if (!sums_fit(layer, o)) throw Error(Fault::corrupt, "restoration: sums of 32 bits; the stream is damaged");
   }
 }
 
 }  // namespace
+
+LayerView RestorationLayer::view() const {
+  return {pairs_of(inputs), blocks_of(outputs), shift, weights.data(), biases.data()};
+}
+
+int RestorationLayer::weight(int output, int input, int tap) const {
+  const auto pair = uint32_t(weights[place_of(*this, output, input, tap)]);
+  return int16_t(input % 2 ? pair >> 16 : pair);
+}
+
+int RestorationLayer::bias(int output) const { return biases[output] / kBiasUnit; }
+
+RestorationNetwork changed(const RestorationNetwork &network, const std::vector<LayerChange> &changes) {
+  RestorationNetwork found = network;
+  for (size_t i = 0; i < changes.size(); ++i)
+    if (!changes[i].empty()) change_layer(found.layers[i], changes[i]);
+  return found;
+}
 
 RestorationNetwork parse_restoration(Bytes file) {
   Reader reader(file);
@@ -61,15 +116,17 @@ RestorationNetwork parse_restoration(Bytes file) {
   const int count = reader.byte();
   network.shift = reader.byte();
   require(count >= 2 && count <= kMostLayers && network.shift < 31);
-  std::vector<int> inputs, outputs;
+  int inputs = kInputs;
   for (int i = 0; i < count; ++i) {
-    inputs.push_back(reader.byte()), outputs.push_back(reader.byte());
-    network.layers.push_back({0, 0, reader.byte(), {}, {}});
-    require(outputs[i] <= kMostWidth && network.layers[i].shift < 31);
-    require(inputs[i] == (i ? outputs[i - 1] : kInputs) && outputs[i] && (i + 1 == count || outputs[i] % 4 == 0));
+    RestorationLayer layer{};
+    layer.inputs = reader.byte(), layer.outputs = reader.byte(), layer.shift = reader.byte();
+    require(layer.inputs == inputs && layer.outputs && layer.outputs <= kMostWidth && layer.shift < 31);
+    require(i + 1 == count || layer.outputs % kRestorationBlock == 0);
+    inputs = layer.outputs;
+    network.layers.push_back(std::move(layer));
   }
-  require(outputs.back() == kInputs);
-  for (int i = 0; i < count; ++i) read_weights(reader, inputs[i], outputs[i], network.layers[i]);
+  require(inputs == kInputs);
+  for (RestorationLayer &layer : network.layers) read_weights(reader, layer);
   require(reader.at_end());
   return network;
 }

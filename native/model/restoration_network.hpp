@@ -9,11 +9,17 @@
 namespace sgi {
 
 struct RestorationLayer {
-  int pairs, blocks, shift;
-  std::vector<int32_t> weights, biases;
+  int inputs, outputs, shift;
+  std::vector<int32_t> weights, biases;  // as a LayerView has them
 
-  LayerView view() const { return {pairs, blocks, shift, weights.data(), biases.data()}; }
+  LayerView view() const;
+  int weight(int output, int input, int tap) const;
+  int bias(int output) const;  // in units of 64
 };
+
+// What is added to a layer [outputs, inputs * kRestorationTaps + 1]: to the weights of an output, then to its bias.
+// Empty for nothing.
+using LayerChange = std::vector<int32_t>;
 
 struct RestorationNetwork {
   std::vector<RestorationLayer> layers;
@@ -21,6 +27,9 @@ struct RestorationNetwork {
 
   int reach() const { return int(layers.size()); }  // pixels on each side that a correction depends on
 };
+
+// The network with such changes of each layer. Throws Error (corrupt) where a weight or a sum might not fit.
+RestorationNetwork changed(const RestorationNetwork &network, const std::vector<LayerChange> &changes);
 
 // Of such a file. Throws std::logic_error for one that does not hold a network, or whose sums might not fit.
 RestorationNetwork parse_restoration(Bytes file);

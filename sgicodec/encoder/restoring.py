@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.device import Device
+from sgicodec.encoder.adapting import adapted
 from sgicodec.model.restoration import Restoration
 from sgicodec.model.texture_symbols import STEP_COUNT, TextureSymbols
 from sgicodec.rdoq.texture import TextureSearch
@@ -28,14 +29,18 @@ _BITS = 21
 
 @dataclass(frozen=True)
 class Strength:
-    """A network, and how far its step is above texture's: the larger the step, the more it takes away."""
+    """A network, how far its step is above texture's (the larger the step, the more it takes away), and what is added
+    to its layers.
+    """
 
     network: int
     offset: int
+    changes: tuple[NDArray[np.int32], ...] = ()
 
     def over(self, texture: TextureSymbols) -> Restoration:
         """Restoration of what is drawn with a layer."""
-        return Restoration(self.network, min(max(texture.steps.step + self.offset, 0), STEP_COUNT - 1))
+        step = min(max(texture.steps.step + self.offset, 0), STEP_COUNT - 1)
+        return Restoration(self.network, step, self.changes)
 
 
 @dataclass(frozen=True)
@@ -67,6 +72,12 @@ class Restorer:
         if error(found.offset) + _BITS * lmbda < _LARGER[self.network] * self._error(drawn):
             return found
         return None
+
+    def adapted(self, search: TextureSearch, texture: TextureSymbols, strength: Strength, lmbda: float) -> Strength:
+        """The same with a last layer that suits what a layer over the seeds of `search` shows."""
+        drawn = self._drawn(search, texture)
+        found = adapted(strength.over(texture), drawn, self.unit, self.empty, lmbda, self.device)
+        return replace(strength, changes=found.changes)
 
     def _error(self, shown: F32) -> float:
         if self.empty is not None:

@@ -13,6 +13,7 @@ import numpy as np
 from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.bitstream.parts.tile import write_tile
 from sgicodec.device import ALL_CORES, Device
+from sgicodec.encoder.adapting import adapts
 from sgicodec.encoder.candidate import Candidate, candidate_of
 from sgicodec.encoder.coded_samples import coded_samples
 from sgicodec.encoder.encoded import Encoded
@@ -271,6 +272,8 @@ class Encoding:
             beside = search.beside(self._restorer.correction(search, found, strength))
             found = self._layer(beside, step, price, found) or found  # for what the correction leaves
             strength = self._strength(search, found)
+            if strength and adapts(self.fit.steps):
+                strength = self._restorer.adapted(search, found, strength, self.lmbda)
         restoration = strength.over(found) if found is not None and strength is not None else None
         return replace(candidate, model=replace(candidate.model, texture=found, restoration=restoration, decoded=None))
 

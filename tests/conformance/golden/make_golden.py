@@ -10,14 +10,17 @@ import argparse
 import hashlib
 import json
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from sgicodec import EncodeSettings, Picture, encode_picture, read, write
-from sgicodec.bitstream.parts.tile import write_tile
+from sgicodec.bitstream.header import Header
+from sgicodec.bitstream.parts.tile import TileModel, write_tile
 from sgicodec.decoder.stream import open_stream
+from sgicodec.rdoq.objective import with_values
 
 HERE = Path(__file__).parent
 sys.path.append(str(HERE.parents[1] / "support"))
@@ -78,23 +81,38 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
         "rgba8-tiles-luma": (crop_with_alpha, replace(textured, quality=40, tile=100, overview=True)),
         "rgb8-restored": (Picture(forest, "rgb", (0.0, 255.0)), restored),
         "rgb8-restored-psnr": (Picture(forest, "rgb", (0.0, 255.0)), restored_psnr),
+        "rgb8-adapted": (Picture(forest, "rgb", (0.0, 255.0)), replace(restored_psnr, steps=400)),
+        "rgb8-any-adapted": (Picture(forest, "rgb", (0.0, 255.0)), restored),
         "gray16-restored": (Picture(leaves[..., None], "gray", (0.0, 65535.0)), restored_psnr),
         "rgba8-tiles-restored": (crop_with_alpha, replace(restored, quality=40, tile=100, overview=True)),
         "one-pixel": (Picture(small[:1, :1], "rgb", (0.0, 255.0)), quick),
     }
 
 
-def with_any_texture(data: bytes) -> bytes:
-    """The stream of a single tile with texture that no search finds: contrasts, large symbols, cells of all sizes."""
-    with open_stream(data) as stream:
-        header, model, spec = stream.header, stream.model, stream.header.spec
-        values = model.decoded_values
-    texture = random_symbols(spec.channels, header.width, header.height, seed=2)
+def with_any_texture(header: Header, model: TileModel) -> TileModel:
+    """The model with texture that no search finds: contrasts, large symbols, cells of all sizes."""
+    texture = random_symbols(header.spec.channels, header.width, header.height, seed=2)
     np.multiply(texture.symbols, 100, out=texture.symbols, where=np.abs(texture.symbols) == 5)
     steps = replace(texture.steps, step=250, has_contrast=True, dependent=True)
-    attributes = {group.name: values[:, group.columns] for group in spec.groups}
-    model = replace(model, attributes=attributes, decoded=None, texture=replace(texture, steps=steps))
-    payload, _ = write_tile(header, model)
+    return replace(model, texture=replace(texture, steps=steps))
+
+
+def with_any_changes(header: Header, model: TileModel) -> TileModel:
+    """The model with changes of all layers of its restoration, in several units."""
+    if model.restoration is None:
+        raise SystemExit(f"{header.width}×{header.height} pixels without restoration")
+    rng, shapes = np.random.default_rng(5), [(16, 28), (16, 145), (16, 145), (3, 145)]
+    changes = [unit * rng.integers(-2, 3, shape) for unit, shape in zip((2, 1, 4, 8), shapes, strict=True)]
+    ours = tuple(change.astype(np.int32) for change in changes)
+    return replace(model, restoration=replace(model.restoration, changes=ours))
+
+
+def with_any(data: bytes, alter: Callable[[Header, TileModel], TileModel]) -> bytes:
+    """The stream of a single tile with an altered model."""
+    with open_stream(data) as stream:
+        header, model = stream.header, stream.model
+        model = with_values(header.spec, model, model.decoded_values)
+    payload, _ = write_tile(header, replace(alter(header, model), decoded=None))
     return join([(letter, payload if letter == "T" else chunk) for letter, chunk in split(data)])
 
 
@@ -102,7 +120,9 @@ def made(name: str, picture: Picture, settings: EncodeSettings) -> dict[str, obj
     """Writes a stream and what it decodes to; its entry in the manifest."""
     path = HERE / f"{name}.sgi"
     data = encode_picture(picture, settings).data
-    path.write_bytes(with_any_texture(data) if "-any-" in name else data)
+    if "-any-" in name:
+        data = with_any(data, with_any_changes if name.endswith("adapted") else with_any_texture)
+    path.write_bytes(data)
     reference = "png" if picture.channels != "multi" and picture.pixels.dtype != np.float32 else "tif"
     with open_stream(path) as stream:
         write(stream.picture(), HERE / f"{name}.{reference}")

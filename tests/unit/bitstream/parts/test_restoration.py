@@ -5,15 +5,17 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from surgery import join, split
 
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
+from sgicodec.bitstream.entropy.tables import frequency_tables
 from sgicodec.bitstream.header import encode_header
 from sgicodec.bitstream.parts.restoration import write_restoration
 from sgicodec.bitstream.parts.tile import read_tile, write_tile
 from sgicodec.decoder.stream import open_stream
-from sgicodec.errors import UnsupportedStreamError
+from sgicodec.errors import CorruptStreamError, UnsupportedStreamError
 from sgicodec.model.restoration import Restoration
 from sgicodec.rdoq.objective import with_values
 
@@ -49,11 +51,52 @@ def test_what_it_takes() -> None:
     assert writer.bits["restoration"] == 13
 
 
-@pytest.mark.parametrize("network", [3, 15])
+def changes_of(unit: int, layers: tuple[int, ...]) -> tuple[np.ndarray, ...]:
+    shapes = [(16, 28), (16, 145), (16, 145), (3, 145)]
+    rng = np.random.default_rng(unit)
+    some = [shape if layer in layers else (0, 0) for layer, shape in enumerate(shapes)]
+    return tuple(unit * rng.integers(-2, 3, shape).astype(np.int32) for shape in some)
+
+
+@pytest.mark.parametrize("unit", [1, 4, 64])
+@pytest.mark.parametrize("layers", [(3,), (0, 2), (0, 1, 2, 3)])
+@pytest.mark.parametrize("network", [1, 2])
+def test_round_trip_of_changes(unit: int, layers: tuple[int, ...], network: int) -> None:
+    changes = changes_of(unit, layers)
+    data = with_restoration((GOLDEN / "rgb8-luma.sgi").read_bytes(), Restoration(network, 300, changes))
+    with open_stream(data) as stream:
+        restoration = stream.model.restoration
+        stream.picture()
+    assert restoration is not None
+    assert (restoration.network, restoration.step) == (network, 300)
+    for own, other in zip(restoration.changes, changes, strict=True):
+        np.testing.assert_array_equal(own, other)
+
+
+def test_what_changes_take() -> None:
+    """A number of 3 bits for each layer; a changed one has a table for each output, and its symbols."""
+    writer = SymbolWriter()
+    with writer.part("restoration"):
+        write_restoration(writer, Restoration(1, 300, changes_of(8, (3,))))
+    symbols = changes_of(8, (3,))[3] // 8
+    bits = sum(frequency_tables().bits(own, frequency_tables().best(own)).sum() for own in symbols)
+    assert writer.bits["restoration"] == pytest.approx(13 + 4 * 3 + 3 * 7 + bits)
+
+
+@pytest.mark.parametrize("change", [1000, 1 << 18])
+def test_changes_that_cannot_be_are_refused(change: int) -> None:
+    changes = changes_of(1, (3,))
+    changes[3][:] = change
+    data = with_restoration((GOLDEN / "rgb8-luma.sgi").read_bytes(), Restoration(1, 300, changes))
+    with open_stream(data) as stream, pytest.raises(CorruptStreamError, match="restoration: "):
+        stream.picture()
+
+
+@pytest.mark.parametrize("network", [3, 7, 8])
 def test_unknown_networks_are_refused(network: int) -> None:
     data = with_restoration((GOLDEN / "rgb8-luma.sgi").read_bytes(), Restoration(network, 300))
     with (
         open_stream(data) as stream,
-        pytest.raises(UnsupportedStreamError, match=f"restoration: network {network}; this"),
+        pytest.raises(UnsupportedStreamError, match=f"restoration: network {network % 8}; this"),
     ):
         stream.picture()
