@@ -30,11 +30,14 @@ sgi::Restoration restoration_of(const Tile &drawn, const sgi::RestorationChoice 
           sgi::choose_isa(isa)};
 }
 
-std::vector<float> interleaved(const Tile &planes) {
-  const size_t channels = planes.shape(0), pixels = planes.shape(1) * planes.shape(2);
+// Some rows of planes, pixel by pixel.
+std::vector<float> interleaved(const Tile &planes, size_t top, size_t rows) {
+  const size_t channels = planes.shape(0), width = planes.shape(2), pixels = rows * width;
   std::vector<float> values(channels * pixels);
-  for (size_t c = 0; c < channels; ++c)
-    for (size_t i = 0; i < pixels; ++i) values[i * channels + c] = planes.data()[c * pixels + i];
+  for (size_t c = 0; c < channels; ++c) {
+    const float *plane = planes.data() + (c * planes.shape(1) + top) * width;
+    for (size_t i = 0; i < pixels; ++i) values[i * channels + c] = plane[i];
+  }
   return values;
 }
 
@@ -61,7 +64,7 @@ auto restoration_correction(Tile drawn, int network, int step, const std::vector
   {
     nb::gil_scoped_release release;
     std::vector<float> correction(channels * pixels, 0.0f);
-    restoration.correct(interleaved(drawn).data(), threads, correction.data());
+    restoration.correct(interleaved(drawn, 0, drawn.shape(1)).data(), threads, correction.data());
     for (size_t c = 0; c < channels; ++c)
       for (size_t i = 0; i < pixels; ++i) planes[c * pixels + i] = correction[i * channels + c];
   }
@@ -76,7 +79,9 @@ auto restoration_last_inputs(Tile drawn, int network, int step, int64_t top, int
   std::vector<int16_t> found;
   {
     nb::gil_scoped_release release;
-    found = restoration.last_inputs(interleaved(drawn).data(), top, rows, threads);
+    const sgi::TileBlock block = restoration.around(top, rows);
+    found =
+        restoration.last_inputs(interleaved(drawn, size_t(block.top), size_t(block.rows)).data(), top, rows, threads);
   }
   const size_t height = size_t(rows) + 2, width = drawn.shape(2) + 2, channels = found.size() / (height * width);
   return sgi::as_array<int16_t>(std::move(found), std::array{channels, height, width});

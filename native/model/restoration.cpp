@@ -127,11 +127,15 @@ void Restoration::correct(const float *drawn, int threads, float *values) const 
   correct(drawn, all, all, threads, values);
 }
 
+TileBlock Restoration::around(int64_t top, int64_t rows) const {
+  const int64_t first = std::max<int64_t>(0, top - network_->reach());
+  return {0, first, width_, std::min(height_, top + rows + network_->reach()) - first};
+}
+
 std::vector<int16_t> Restoration::last_inputs(const float *drawn, int64_t top, int64_t rows, int threads) const {
-  const int64_t reach = network_->reach(), stride = width_ + 2, plane = (rows + 2) * stride;
-  const int64_t first = std::max<int64_t>(0, top - reach), end = std::min(height_, top + rows + reach);
-  const TileBlock from{0, first, width_, end - first};
-  const Inputs seen = inputs(drawn + first * width_ * channels_, from, threads);
+  const int64_t stride = width_ + 2, plane = (rows + 2) * stride;
+  const TileBlock from = around(top, rows);
+  const Inputs seen = inputs(drawn, from, threads);
   const int channels = network_->layers.back().inputs;
   std::vector<int16_t> found(size_t(channels) * plane);
   const int64_t columns = strip_columns();

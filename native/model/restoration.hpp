@@ -34,7 +34,9 @@ class Restoration {
   // Adds the correction to values [y.count, x.count, C] of what the axes show. drawn: the needed block, [rows, columns,
   // C]. The same values for any block that is asked for, number of threads and instruction set.
   void add(const float *drawn, const OutputAxis &x, const OutputAxis &y, int threads, float *values) const;
-  // What the last layer sees around these rows of a tile drawn as [height, width, C]: [channels, rows + 2, width + 2].
+  // What must be drawn of the tile for what the last layer sees around these rows.
+  TileBlock around(int64_t top, int64_t rows) const;
+  // That [channels, rows + 2, width + 2]. drawn: the block around these rows, [rows, columns, C].
   std::vector<int16_t> last_inputs(const float *drawn, int64_t top, int64_t rows, int threads) const;
   // Adds the correction of the whole tile to values, both [height, width, C].
   void correct(const float *drawn, int threads, float *values) const;

@@ -21,7 +21,7 @@ __all__ = [
 
 EFFORTS: dict[int, int] = {1: 120, 2: 200, 3: 350, 4: 600, 5: 1000, 6: 1600, 7: 2500, 8: 4000, 9: 8000}
 """Optimisation steps of the default profile for each effort, without texture."""
-TEXTURE_EFFORTS: dict[int, int] = EFFORTS | {5: 800}
+TEXTURE_EFFORTS: dict[int, int] = EFFORTS | {4: 500, 5: 600, 6: 1200}
 """The same towards least squared error with texture, which needs fewer seeds."""
 VISUAL_EFFORTS: dict[int, int] = {1: 120, 2: 200, 3: 300, 4: 400, 5: 600, 6: 1000, 7: 1600, 8: 2500, 9: 5000}
 """The same for the eye with texture, which sees more of texture than of what more steps give to seeds."""

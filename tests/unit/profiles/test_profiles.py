@@ -32,7 +32,7 @@ def test_scales_of_the_default_profile() -> None:
     plain = (EncodeSettings(effort=5, tune="psnr"), EncodeSettings(effort=5, psnr=35))
     assert [settings.fit_settings().steps for settings in plain] == [TEXTURE_EFFORTS[5]] * 2
     assert EncodeSettings(texture=False).fit_settings().steps == EFFORTS[5]
-    assert EncodeSettings(effort=5).fit_settings().steps == VISUAL_EFFORTS[5] < TEXTURE_EFFORTS[5]
+    assert EncodeSettings(effort=4).fit_settings().steps == VISUAL_EFFORTS[4] < TEXTURE_EFFORTS[4]
     direct = EncodeSettings(lmbda=0.25, steps=77).fit_settings()
     assert (direct.lmbda, direct.steps) == (0.25, 77)
 
