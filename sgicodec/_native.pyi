@@ -343,7 +343,7 @@ class SymbolReader:
     def read_predicted_positions(self, scenery: TreeScenery, most: int, threads: int, isa: str) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None,))]]:
         """The same of a tree whose flags are predicted."""
 
-    def read_texture(self, size: tuple[int, int], channels: int) -> tuple[tuple[int, list[int], tuple[int, int], tuple[int, int, int], bool, bool], Annotated[NDArray[numpy.uint8], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None, None))], Annotated[NDArray[numpy.int16], dict(shape=(None, None, None))]] | None:
+    def read_texture(self, size: tuple[int, int], channels: int) -> tuple[tuple[int, list[int], tuple[int, int], tuple[int, int, int], bool, bool, tuple[int, int, int]], Annotated[NDArray[numpy.uint8], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None, None))], Annotated[NDArray[numpy.int16], dict(shape=(None, None, None))]] | None:
         """
         Steps, log_size, contrast and symbols of a tile's texture, None for none.
         """
@@ -399,7 +399,8 @@ class TextureModels:
         """
 
 class TextureAmplitudes:
-    def __init__(self, planes: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], size: tuple[int, int], threads: int) -> None: ...
+    def __init__(self, planes: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], size: tuple[int, int], threads: int, colours: Sequence[int]) -> None:
+        """planes [C, 32 h, 32 w] in opponent colours."""
 
     def move(self, gradient: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], contrast: Annotated[NDArray[numpy.int8], dict(shape=(None, None), order='C', device='cpu', writable=False)], steps: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], slope: tuple[float, float], mean: float, most: float) -> None:
         """
@@ -411,8 +412,13 @@ class TextureAmplitudes:
         Those for which a layer has symbols that are not 0 [C, 32 h, 32 w], where its cells have their pixels.
         """
 
-def texture_cells(log_size: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu', writable=False)], contrast: Annotated[NDArray[numpy.int8], dict(shape=(None, None), order='C', device='cpu', writable=False)], symbols: Annotated[NDArray[numpy.int16], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], steps: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], slope: tuple[float, float], excess: Sequence[float], dependent: bool) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None, None))], Annotated[NDArray[numpy.uint8], dict(shape=(None,))], Annotated[NDArray[numpy.float32], dict(shape=(None,))]]:
-    """Corners, log2 of sides, amplitudes."""
+def texture_cells(log_size: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu', writable=False)], contrast: Annotated[NDArray[numpy.int8], dict(shape=(None, None), order='C', device='cpu', writable=False)], symbols: Annotated[NDArray[numpy.int16], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], steps: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], slope: tuple[float, float], excess: Sequence[float], dependent: bool, colours: Sequence[int]) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None, None))], Annotated[NDArray[numpy.uint8], dict(shape=(None,))], Annotated[NDArray[numpy.float32], dict(shape=(None,))]]:
+    """Corners, log2 of sides, amplitudes in opponent colours."""
+
+def cheapest_colours(planes: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], contrast: Annotated[NDArray[numpy.int8], dict(shape=(None, None), order='C', device='cpu', writable=False)], steps: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], slope: tuple[float, float], lmbda: float, threads: int) -> tuple[int, int, int]:
+    """
+    Indices of the colours in which texture that shows these planes, in opponent colours, costs least, about.
+    """
 
 class TileModel:
     """A tile's model as it was read; arrays are views of it."""
@@ -455,7 +461,7 @@ class TileModel:
         """Those of the hash grid, 0 or 1, level after level."""
 
     @property
-    def texture(self) -> tuple[tuple[int, list[int], tuple[int, int], tuple[int, int, int], bool, bool], Annotated[NDArray[numpy.uint8], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None, None))], Annotated[NDArray[numpy.int16], dict(shape=(None, None, None))]] | None:
+    def texture(self) -> tuple[tuple[int, list[int], tuple[int, int], tuple[int, int, int], bool, bool, tuple[int, int, int]], Annotated[NDArray[numpy.uint8], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None, None))], Annotated[NDArray[numpy.int16], dict(shape=(None, None, None))]] | None:
         """Steps, log_size, contrast and symbols of the layer; None for none."""
 
     @property

@@ -15,6 +15,7 @@
 #include "bindings/textures.hpp"
 #include "bitstream/texture_cells.hpp"
 #include "bitstream/texture_stream.hpp"
+#include "rdoq/texture_colour_search.hpp"
 #include "rdoq/texture_search.hpp"
 
 namespace nb = nanobind;
@@ -168,10 +169,32 @@ void require_planes(Array<const float, 3> planes, Size size) {
           "planes [C, 32 h, 32 w] of the roots");
 }
 
-sgi::TextureAmplitudes amplitudes_of(Array<const float, 3> planes, Size size, int threads) {
+using Colours = std::array<int, 3>;
+
+sgi::TextureColours colours_of(Colours indices, size_t channels) {
+  const sgi::TextureColours colours{{indices[0], indices[1]}, indices[2]};
+  require(colours.same() || channels >= 3, "colours are of three channels or more");
+  return colours;
+}
+
+sgi::TextureAmplitudes amplitudes_of(Array<const float, 3> planes, Size size, int threads, Colours colours) {
   require_planes(planes, size);
+  const sgi::TextureColours mixed = colours_of(colours, planes.shape(0));
   nb::gil_scoped_release release;
-  return {planes.data(), int(planes.shape(0)), size.first, size.second, threads};
+  return {planes.data(), int(planes.shape(0)), size.first, size.second, threads, mixed};
+}
+
+auto cheapest_colours(Array<const float, 3> planes, Contrasts contrast, Array<const float, 1> steps,
+                      std::pair<float, float> slope, float lmbda, int threads) {
+  const size_t down = contrast.shape(0), across = contrast.shape(1);
+  require(down && across && planes.shape(1) == 32 * down && planes.shape(2) == 32 * across,
+          "contrast [h, w] of the roots, planes [C, 32 h, 32 w]");
+  require(planes.shape(0) >= 3 && steps.size() == planes.shape(0), "three channels or more, steps [C]");
+  const sgi::TextureSteps all = steps_of(steps, slope);
+  nb::gil_scoped_release release;
+  const sgi::TextureColours found = sgi::cheapest_colours(planes.data(), int64_t(32 * across), int64_t(32 * down),
+                                                          contrast.data(), all, lmbda, threads);
+  return std::tuple(found.shares[0], found.shares[1], found.turn);
 }
 
 void move_amplitudes(sgi::TextureAmplitudes &amplitudes, Array<const float, 3> gradient, Contrasts contrast,
@@ -194,10 +217,11 @@ auto shown_amplitudes(const sgi::TextureAmplitudes &amplitudes, LogSizes log_siz
 }
 
 auto texture_cells(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, Array<const float, 1> steps,
-                   std::pair<float, float> slope, std::array<float, 3> excess, bool dependent) {
+                   std::pair<float, float> slope, std::array<float, 3> excess, bool dependent, Colours colours) {
   require(steps.size() == symbols.shape(0), "steps [C]");
-  sgi::TextureCells cells =
-      sgi::texture_cells(field_of(log_size, contrast, symbols, dependent), steps_of(steps, slope), excess.data());
+  const sgi::TextureColours mixed = colours_of(colours, steps.size());
+  sgi::TextureCells cells = sgi::texture_cells(field_of(log_size, contrast, symbols, dependent), steps_of(steps, slope),
+                                               excess.data(), mixed);
   const size_t count = cells.log_size.size(), values = cells.amplitudes.size();
   return std::tuple(as_array<int32_t>(std::move(cells.corner), std::array{count, size_t(2)}),
                     as_array<uint8_t>(std::move(cells.log_size), std::array{count}),
@@ -225,15 +249,17 @@ void bind_texture_coding(nb::module_ &m) {
   nb::class_<sgi::TextureAmplitudes>(m, "TextureAmplitudes")
       .def(
           "__init__",
-          [](sgi::TextureAmplitudes *self, Array<const float, 3> planes, Size size, int threads) {
-            new (self) sgi::TextureAmplitudes(amplitudes_of(planes, size, threads));
+          [](sgi::TextureAmplitudes *self, Array<const float, 3> planes, Size size, int threads, Colours colours) {
+            new (self) sgi::TextureAmplitudes(amplitudes_of(planes, size, threads, colours));
           },
-          "planes"_a, "size"_a, "threads"_a)
+          "planes"_a, "size"_a, "threads"_a, "colours"_a, "planes [C, 32 h, 32 w] in opponent colours.")
       .def("move", &move_amplitudes, "gradient"_a, "contrast"_a, "steps"_a, "slope"_a, "mean"_a, "most"_a,
            "Moves them up a gradient, [C, 32 h, 32 w] of the roots, in the mean by `mean` of a step, at most by "
            "`most`.")
       .def("shown", &shown_amplitudes, "log_size"_a, "symbols"_a,
            "Those for which a layer has symbols that are not 0 [C, 32 h, 32 w], where its cells have their pixels.");
   m.def("texture_cells", &texture_cells, "log_size"_a, "contrast"_a, "symbols"_a, "steps"_a, "slope"_a, "excess"_a,
-        "dependent"_a, "Corners, log2 of sides, amplitudes.");
+        "dependent"_a, "colours"_a, "Corners, log2 of sides, amplitudes in opponent colours.");
+  m.def("cheapest_colours", &cheapest_colours, "planes"_a, "contrast"_a, "steps"_a, "slope"_a, "lmbda"_a, "threads"_a,
+        "Indices of the colours in which texture that shows these planes, in opponent colours, costs least, about.");
 }

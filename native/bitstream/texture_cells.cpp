@@ -11,8 +11,8 @@ namespace {
 
 class Collection {
  public:
-  Collection(const TextureField &field, const TextureSteps &steps, const float *excess)
-      : field_(field), steps_(steps), excess_(excess) {
+  Collection(const TextureField &field, const TextureSteps &steps, const float *excess, const TextureColours &colours)
+      : field_(field), steps_(steps), excess_(excess), mixed_(!colours.same()), mix_(colours.matrix()) {
     const auto free = std::count(field.log_size.begin(), field.log_size.end(), 0);
     found.amplitudes.resize(size_t(field.channels) * size_t(field.unit_count() - free) * kUnit * kUnit);
   }
@@ -30,7 +30,9 @@ class Collection {
   void leaf(const TextureCell &cell) {
     found.corner.insert(found.corner.end(), {int32_t(cell.x), int32_t(cell.y)});
     found.log_size.push_back(uint8_t(cell.log));
+    float *first = found.amplitudes.data() + at_;
     for (int channel = 0; channel < field_.channels; ++channel) amplitudes(cell, channel);
+    if (mixed_) mix_colours(mix_, first, int64_t(cell.side()) * cell.side());
   }
 
   void amplitudes(const TextureCell &cell, int channel) {
@@ -54,13 +56,16 @@ class Collection {
   const TextureField &field_;
   const TextureSteps &steps_;
   const float *excess_;
+  const bool mixed_;
+  const std::array<double, 9> mix_;
   int64_t at_ = 0;  // of the next amplitude
 };
 
 }  // namespace
 
-TextureCells texture_cells(const TextureField &field, const TextureSteps &steps, const float *excess) {
-  Collection all(field, steps, excess);
+TextureCells texture_cells(const TextureField &field, const TextureSteps &steps, const float *excess,
+                           const TextureColours &colours) {
+  Collection all(field, steps, excess, colours);
   for (int64_t y = 0; y < field.height; y += 1 << kTextureRoot)
     for (int64_t x = 0; x < field.width; x += 1 << kTextureRoot) all.node({x, y, kTextureRoot});
   return std::move(all.found);

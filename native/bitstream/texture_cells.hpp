@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "bitstream/texture_field.hpp"
+#include "model/texture_colours.hpp"
 #include "model/texture_steps.hpp"
 
 namespace sgi {
@@ -11,10 +12,11 @@ namespace sgi {
 struct TextureCells {
   std::vector<int32_t> corner;    // [N, 2]
   std::vector<uint8_t> log_size;  // [N]
-  std::vector<float> amplitudes;  // of each cell [C, n, n]
+  std::vector<float> amplitudes;  // of each cell [C, n, n], in opponent colours
 };
 
 // Cells in coding order. excess: what is added to the magnitude of symbols ±1, ±2, and all larger ones.
-TextureCells texture_cells(const TextureField &field, const TextureSteps &steps, const float *excess);
+TextureCells texture_cells(const TextureField &field, const TextureSteps &steps, const float *excess,
+                           const TextureColours &colours);
 
 }  // namespace sgi

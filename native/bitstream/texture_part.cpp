@@ -14,9 +14,11 @@
 namespace sgi {
 namespace {
 
-constexpr int kModelsBits = 4, kStepBits = 9, kRatioBits = 5, kSlopeBits = 5, kExcessBits = 4;
+constexpr int kModelsBits = 4, kStepBits = 9, kRatioBits = 5, kSlopeBits = 5, kExcessBits = 4, kShareBits = 6,
+              kTurnBits = 4;
 constexpr int kStepOfOne = 480, kSameStep = 16, kNoExcess = 8;
-constexpr int kIndependent = 1, kDependent = 2;  // numbers of the shipped models
+// Numbers of the models; what is coded in colours of its own has those of dependent symbols, too.
+constexpr int kIndependent = 1, kDependent = 2, kColoured = 3;
 
 BitModels models_of(bool dependent) {
   BitModels models = fresh_texture_models(dependent);
@@ -36,6 +38,13 @@ TextureIndices read_indices(SymbolReader &reader, int channels) {
   return indices;
 }
 
+TextureColours read_colours(SymbolReader &reader) {
+  const std::vector<int32_t> shares = reader.values(kShareBits, 2);
+  const TextureColours colours{{shares[0], shares[1]}, reader.number(kTurnBits)};
+  if (colours.same()) throw Error(Fault::corrupt, "texture: colours that are no others than those without");
+  return colours;
+}
+
 }  // namespace
 
 TextureSteps TextureIndices::steps() const {
@@ -51,7 +60,9 @@ std::array<float, 3> TextureIndices::added() const {
   return added;
 }
 
-TextureCells CodedTexture::cells() const { return texture_cells(field, indices.steps(), indices.added().data()); }
+TextureCells CodedTexture::cells() const {
+  return texture_cells(field, indices.steps(), indices.added().data(), indices.colours);
+}
 
 const BitModels &shipped_texture_models(bool dependent) {
   static const BitModels models[2] = {models_of(false), models_of(true)};
@@ -63,10 +74,14 @@ std::optional<CodedTexture> read_texture_part(SymbolReader &reader, int64_t widt
   if (!reader.number(1)) return std::nullopt;
   check_texture(channels, width, height, memory);
   const int models = reader.number(kModelsBits);
-  if (models != kIndependent && models != kDependent)
-    throw Error(Fault::unsupported, "texture: models " + std::to_string(models) + "; this program has models 1 and 2");
-  const bool dependent = models == kDependent;
+  if (models < kIndependent || models > kColoured)
+    throw Error(Fault::unsupported, "texture: models " + std::to_string(models) + "; this program has models 1 to 3");
+  const bool dependent = models != kIndependent;
   TextureIndices indices = read_indices(reader, channels);
+  if (models == kColoured) {
+    if (channels < 3) throw Error(Fault::corrupt, "texture: colours of " + std::to_string(channels) + " channels");
+    indices.colours = read_colours(reader);
+  }
   TextureRead read = read_texture(shipped_texture_models(dependent), reader.decoder(),
                                   empty_field(width, height, channels, dependent), width, height, indices.has_contrast);
   if (!read.sound) throw Error(Fault::corrupt, "texture: the payload does not decode; it is damaged");

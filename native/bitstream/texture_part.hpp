@@ -8,6 +8,7 @@
 #include "bitstream/symbol_reader.hpp"
 #include "bitstream/texture_cells.hpp"
 #include "bitstream/texture_models.hpp"
+#include "model/texture_colours.hpp"
 
 namespace sgi {
 
@@ -18,6 +19,7 @@ struct TextureIndices {
   std::array<int, 2> slopes{};
   std::array<int, 3> excess{};
   bool has_contrast = false;
+  TextureColours colours;
 
   TextureSteps steps() const;
   std::array<float, 3> added() const;  // to magnitudes 1, 2 and larger ones

@@ -30,9 +30,14 @@ void each_row(int64_t width, int64_t height, int log, const float *growth, const
 }  // namespace
 
 TextureAmplitudes::TextureAmplitudes(const float *planes, int channels_, int64_t tile_width_, int64_t tile_height_,
-                                     int threads_)
+                                     int threads_, const TextureColours &colours)
     : threads(threads_), channels(channels_), tile_width(tile_width_), tile_height(tile_height_),
-      width(texture_roots(tile_width_) << kTextureRoot), height(texture_roots(tile_height_) << kTextureRoot) {
+      width(texture_roots(tile_width_) << kTextureRoot), height(texture_roots(tile_height_) << kTextureRoot),
+      colours_(colours) {
+  const std::array<double, 9> into = colours.inverse();
+  if (!colours.same()) shares_ = {0, float(-into[3]), float(-into[6])};
+  const std::vector<float> mixed = in_colours(planes, into);
+  if (!mixed.empty()) planes = mixed.data();
   for (auto &plane : sizes_) plane.resize(size_t(width * height * channels));
   parallel_for(kTextureSizes * channels, threads, [&](int64_t job) {
     const int64_t size = job / channels, at = job % channels * width * height;
@@ -40,8 +45,18 @@ TextureAmplitudes::TextureAmplitudes(const float *planes, int channels_, int64_t
   });
 }
 
+// Planes [C, height, width] that are mixed so, none where they may stay as they are.
+std::vector<float> TextureAmplitudes::in_colours(const float *planes, const std::array<double, 9> &mix) const {
+  if (colours_.same()) return {};
+  std::vector<float> mixed(planes, planes + width * height * channels);
+  mix_colours(mix, mixed.data(), width * height);
+  return mixed;
+}
+
 void TextureAmplitudes::move(const float *gradient, const int8_t *contrast, const TextureSteps &steps, float mean,
                              float most) {
+  const std::vector<float> mixed = in_colours(gradient, transposed(colours_.matrix()));
+  if (!mixed.empty()) gradient = mixed.data();
   const int64_t plane = width * height, roots = plane >> 2 * kTextureRoot;
   std::vector<float> gains(size_t(plane * channels)), root_steps(size_t(roots * channels));
   for (int64_t i = 0; i < roots * channels; ++i) root_steps[i] = steps.of(int(i / roots), contrast[i % roots]);
@@ -79,9 +94,13 @@ std::vector<float> TextureAmplitudes::shown(const uint8_t *log_size, const int16
   for (int64_t row = 0; row < height * channels; ++row)
     for (int64_t x = 0; x < width; ++x) {
       const int log = log_size[row % height / kUnit * (width / kUnit) + x / kUnit];
-      const int64_t at = row * width + x;
-      if (log && symbols[at]) found[at] = sizes_[log - kTextureLeast][at];
+      const int64_t at = row * width + x, first = at % (width * height);
+      if (!log || !symbols[at]) continue;
+      const std::vector<float> &amplitudes = sizes_[log - kTextureLeast];
+      found[at] = amplitudes[at];
+      if (at != first && !symbols[first]) found[at] += share(int(row / height)) * amplitudes[first];
     }
+  if (!colours_.same()) mix_colours(colours_.matrix(), found.data(), width * height);
   return found;
 }
 

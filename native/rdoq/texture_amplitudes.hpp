@@ -5,32 +5,42 @@
 #include <vector>
 
 #include "bitstream/texture_field.hpp"
+#include "model/texture_colours.hpp"
 #include "model/texture_steps.hpp"
 
 namespace sgi {
 
 class TextureAmplitudes {
  public:
-  // planes: [C, height, width] of the roots (multiples of 32); tile_width, tile_height: of the part that is seen.
-  TextureAmplitudes(const float *planes, int channels, int64_t tile_width, int64_t tile_height, int threads);
+  // planes: [C, height, width] of the roots (multiples of 32) in opponent colours; tile_width, tile_height: of the part
+  // that is seen; colours: in which amplitudes are.
+  TextureAmplitudes(const float *planes, int channels, int64_t tile_width, int64_t tile_height, int threads,
+                    const TextureColours &colours);
 
   // Moves them up the gradient of a score, planes like those of the constructor, which a layer should not follow far:
   // an amplitude moves by its step times what its step gains, in units in which the mean of that is `mean`, and at most
   // `most`; one below a step moves as much less. contrast: [roots], indices.
   void move(const float *gradient, const int8_t *contrast, const TextureSteps &steps, float mean, float most);
 
-  // [C, height, width]: those for which a layer has symbols that are not 0, where these are, and 0. log_size, symbols:
-  // as in TextureField.
+  // [C, height, width] in opponent colours: those for which a layer has symbols that are not 0, where these are, and 0.
+  // log_size, symbols: as in TextureField.
   std::vector<float> shown(const uint8_t *log_size, const int16_t *symbols) const;
 
   const float *of(const TextureCell &cell, int channel) const {
     return sizes_[cell.log - kTextureLeast].data() + (channel * height + cell.y) * width + cell.x;
   }
 
+  // By which a channel, but the first, should make good what symbols leave of the first one.
+  float share(int channel) const { return channel < 3 ? shares_[channel] : 0; }
+
   int threads, channels;
   int64_t tile_width, tile_height, width, height;
 
  private:
+  std::vector<float> in_colours(const float *planes, const std::array<double, 9> &mix) const;
+
+  TextureColours colours_;
+  std::array<float, 3> shares_{};
   std::array<std::vector<float>, kTextureSizes> sizes_;  // [C, height, width]
 };
 

@@ -1,8 +1,10 @@
 #include "rdoq/texture_root_search.hpp"
 
 #include <algorithm>
-#include <cstring>
+#include <cmath>
 #include <limits>
+
+#include "rdoq/texture_estimate.hpp"
 
 namespace sgi {
 
@@ -10,18 +12,38 @@ namespace {
 
 constexpr float kImpossible = std::numeric_limits<float>::infinity();
 
-// What a symbol costs about: the squared error that it leaves, in squared steps, its bits where the amplitude is a
-// step, and their growth for each octave of the squared amplitude; bits of a cell beside its symbols.
-constexpr float kLeft = 0.05f, kSymbolBits = 2.7f, kOctaveBits = 0.68f, kCellBits = 4;
-
-// log2 of a positive value, within 0.05.
-float about_log2(float value) {
-  int32_t bits;
-  std::memcpy(&bits, &value, sizeof bits);
-  return float(bits) * 0x1p-23f - 126.96f;
-}
+constexpr float kCellBits = 4;  // of a cell beside its symbols, about
 
 }  // namespace
+
+void TextureSought::scale(const TextureField &field, const TextureCell &cell, int channel,
+                          CellValues<float> &scaled) const {
+  const float *from = amplitudes.of(cell, channel), step = steps.of(channel, contrast(field, cell));
+  const float *growth = steps.growth(channel, cell.log);
+  for (int v = 0; v < cell.side(); ++v)
+    for (int u = 0; u < cell.side(); ++u)
+      scaled[v * cell.side() + u] = from[v * field.width + u] / (step * growth[v * cell.side() + u]);
+}
+
+void TextureSought::scale_beside(const TextureField &field, const TextureCell &cell, int channel,
+                                 CellValues<float> &scaled) const {
+  scale(field, cell, channel, scaled);
+  const float share = amplitudes.share(channel);
+  if (share == 0) return;
+  static thread_local CellValues<float> first;
+  scale(field, cell, 0, first);
+  const int at_contrast = contrast(field, cell);
+  const float ratio = share * steps.of(0, at_contrast) / steps.of(channel, at_contrast);
+  const float *ours = steps.growth(channel, cell.log), *theirs = steps.growth(0, cell.log);
+  const int16_t *symbols = field.at(0, cell);
+  QuantizerState state;
+  for (const int i : texture_scan(cell.log)) {
+    const int symbol = symbols[(i >> cell.log) * field.width + (i & (cell.side() - 1))];
+    const float shown = symbol ? std::copysign(state.magnitude(symbol), float(symbol)) : 0;
+    scaled[i] += ratio * (first[i] - shown) * theirs[i] / ours[i];
+    state = state.after(symbol);
+  }
+}
 
 float TextureRootSearch::decide(const TextureCell &root, const BitModels &models, std::vector<int> &plan) {
   models_ = &models;
@@ -38,15 +60,15 @@ float TextureRootSearch::cost(const BitContext &context, int bit) const {
   return sought_.settings.lambda * bit_cost(models_->predict(context).one, bit);
 }
 
-// Symbols of a channel and their cost.
+// Symbols of a channel and their cost; the field has those of the first one.
 void TextureRootSearch::choose(const TextureCell &cell, int channel, Choice &choice) const {
-  static thread_local CellValues<float> scaled;
-  sought_.scale(field_, cell, channel, scaled);
-  choose_block(*models_, field_, cell, channel, sought_.settings.lambda, scaled, choice);
-  const float *signs = sought_.amplitudes.of(cell, channel);
-  for (int v = 0; v < cell.side(); ++v)
-    for (int u = 0; u < cell.side(); ++u)
-      if (signs[v * field_.width + u] < 0) choice.values[v << cell.log | u] *= -1;
+  static thread_local CellValues<float> scaled, magnitudes;
+  const int count = cell.side() * cell.side();
+  sought_.scale_beside(field_, cell, channel, scaled);
+  for (int i = 0; i < count; ++i) magnitudes[i] = std::abs(scaled[i]);
+  choose_block(*models_, field_, cell, channel, sought_.settings.lambda, magnitudes, choice);
+  for (int i = 0; i < count; ++i)
+    if (scaled[i] < 0) choice.values[i] *= -1;
 }
 
 // All channels of a cell with texture, put into the field.
@@ -66,7 +88,7 @@ float TextureRootSearch::choose_leaf(const TextureCell &cell, std::vector<Choice
 // What a cell would cost with symbols that are coded one by one, and without any.
 TextureProspect TextureRootSearch::estimate(const TextureCell &cell) const {
   static thread_local CellValues<float> scaled;
-  const float least = kLeft + sought_.settings.lambda * kSymbolBits, growth = sought_.settings.lambda * kOctaveBits;
+  const SymbolEstimate symbol(sought_.settings.lambda);
   float sum = sought_.settings.lambda * kCellBits;
   double nothing = 0;
   for (int channel = 0; channel < field_.channels; ++channel) {
@@ -74,7 +96,7 @@ TextureProspect TextureRootSearch::estimate(const TextureCell &cell) const {
     for (int i = 0; i < cell.side() * cell.side(); ++i) {
       const float square = scaled[i] * scaled[i];
       nothing += square;
-      sum += std::min(square, least + growth * std::max(about_log2(square), -2.0f));
+      sum += symbol.of(square);
     }
   }
   return {float(nothing), sum};

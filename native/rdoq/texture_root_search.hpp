@@ -26,14 +26,10 @@ struct TextureSought {
   }
   bool seen(const TextureCell &cell) const { return cell.x < amplitudes.tile_width && cell.y < amplitudes.tile_height; }
 
-  // |amplitudes| of a cell in steps.
-  void scale(const TextureField &field, const TextureCell &cell, int channel, CellValues<float> &scaled) const {
-    const float *from = amplitudes.of(cell, channel), step = steps.of(channel, contrast(field, cell));
-    const float *growth = steps.growth(channel, cell.log);
-    for (int v = 0; v < cell.side(); ++v)
-      for (int u = 0; u < cell.side(); ++u)
-        scaled[v * cell.side() + u] = std::abs(from[v * field.width + u]) / (step * growth[v * cell.side() + u]);
-  }
+  // Amplitudes of a cell in steps.
+  void scale(const TextureField &field, const TextureCell &cell, int channel, CellValues<float> &scaled) const;
+  // The same with what a channel has to make good of the first one, whose symbols the field has.
+  void scale_beside(const TextureField &field, const TextureCell &cell, int channel, CellValues<float> &scaled) const;
 };
 
 // A cell's cost without texture, and estimates of it as one cell and divided.

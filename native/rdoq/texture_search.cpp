@@ -1,6 +1,7 @@
 #include "rdoq/texture_search.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <condition_variable>
 #include <memory>
 #include <mutex>
@@ -128,13 +129,13 @@ class TextureSearch {
 
   void account(const TextureCell &cell, int channel, const CellSymbols &values) {
     static thread_local CellValues<float> scaled;
-    sought_.scale(field(), cell, channel, scaled);
+    sought_.scale_beside(field(), cell, channel, scaled);
     QuantizerState state;
     for (const int i : texture_scan(cell.log)) {
       const int symbol = values[i];
       if (symbol) {
         const size_t group = std::min(std::abs(symbol), 3) - 1;
-        found_.count[group] += 1, found_.excess[group] += scaled[i] - state.magnitude(symbol);
+        found_.count[group] += 1, found_.excess[group] += std::abs(scaled[i]) - state.magnitude(symbol);
       }
       state = state.after(symbol);
     }

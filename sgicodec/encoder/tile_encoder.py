@@ -39,7 +39,7 @@ from sgicodec.rate_control.rd_model import RdModel
 from sgicodec.rate_control.target import Measured
 from sgicodec.rdoq import Objective, Rdoq, RdoqSettings, can_optimise
 from sgicodec.rdoq.objective import with_values
-from sgicodec.rdoq.texture import DOUBT, NO_DOUBT, TextureSearch
+from sgicodec.rdoq.texture import DOUBT, NO_DOUBT, TextureSearch, colours_for
 
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Fitted, Progress, Trainer
@@ -248,8 +248,11 @@ class Encoding:
         write_tile(candidate.header, model)
         objective = Objective(candidate.header, self.unit, self.device)
         left = objective.residual(with_values(self.spec, model, model.decoded_values))
+        left = left[:, :, : self.unit.shape[2]]
+        steps = self.tuning.steps(self.tuning.step(self.lmbda), self.spec.channels)
+        colours = colours_for(left, steps, self.tuning.price(self.lmbda), self._contrast, self.device)
         doubt = NO_DOUBT if self.fit.hurried else DOUBT
-        return TextureSearch(left[:, :, : self.unit.shape[2]], self.device, doubt)
+        return TextureSearch(left, self.device, doubt, colours=colours)
 
     @property
     def tuning(self) -> TextureTuning:

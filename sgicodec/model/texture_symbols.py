@@ -12,6 +12,7 @@ from sgicodec.model.texture import LEAST_LOG, ROOT_LOG, TextureLayer
 
 __all__ = [
     "CONTRAST_LIMIT",
+    "SAME_COLOURS",
     "SAME_STEP",
     "STEP_COUNT",
     "STEP_ZERO",
@@ -23,6 +24,9 @@ __all__ = [
 
 F32 = NDArray[np.float32]
 
+SAME_COLOURS = 32, 32, 8
+"""Of a layer in opponent colours."""
+
 
 @dataclass(frozen=True)
 class TextureSteps:
@@ -32,7 +36,9 @@ class TextureSteps:
     to that, 2^((ratio − 16) / 8). slopes: by which steps grow towards the highest frequency, in halves, of the first
     channel and of the others. excess: what is added to the magnitude of symbols ±1, ±2 and larger ones, (index − 8) /
     32. has_contrast: whether roots have a contrast, which scales their steps by 2^(contrast / 4). dependent: whether a
-    symbol is of one of two quantisers, as the symbols before it in its block say.
+    symbol is of one of two quantisers, as the symbols before it in its block say. colours: in which the layer is coded:
+    shares of its first channel in the two opponent colours, (index − 32) / 64, and the turn of its others, (index − 8)
+    π / 32.
     """
 
     step: int
@@ -41,6 +47,7 @@ class TextureSteps:
     excess: tuple[int, int, int] = (8, 8, 8)
     has_contrast: bool = False
     dependent: bool = True
+    colours: tuple[int, int, int] = SAME_COLOURS
 
     @property
     def of_channels(self) -> F32:
@@ -113,5 +120,6 @@ class TextureSymbols:
             steps.growth,
             steps.added,
             steps.dependent,
+            steps.colours,
         )
         return TextureLayer(self.size, len(self.symbols), *parts)

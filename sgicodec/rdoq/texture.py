@@ -8,14 +8,14 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec._native import TextureAmplitudes
+from sgicodec._native import TextureAmplitudes, cheapest_colours
 from sgicodec.bitstream.parts.texture import texture_models
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.model.gaussians import colour_matrix
 from sgicodec.model.texture import ROOT_LOG, TextureLayer
-from sgicodec.model.texture_symbols import TextureSteps, TextureSymbols, roots_of
+from sgicodec.model.texture_symbols import SAME_COLOURS, TextureSteps, TextureSymbols, roots_of
 
-__all__ = ["DOUBT", "NO_DOUBT", "TextureSearch", "root_planes"]
+__all__ = ["DOUBT", "NO_DOUBT", "TextureSearch", "colours_for", "root_planes"]
 
 F32 = NDArray[np.float32]
 
@@ -37,28 +37,52 @@ def root_planes(residual: F32, beyond: Literal["symmetric", "constant"] = "symme
     return np.ascontiguousarray(np.pad(mixed, margins, mode=beyond), np.float32)
 
 
+def colours_for(
+    residual: F32,
+    steps: TextureSteps,
+    squared_steps: float,
+    contrast: NDArray[np.int8] | None = None,
+    device: Device = ALL_CORES,
+) -> tuple[int, int, int]:
+    """The colours in which a layer for a residual [C, H, W] costs least, about; the others: see `TextureSearch.at`."""
+    channels, height, width = residual.shape
+    if channels < 3:
+        return SAME_COLOURS
+    columns, rows = roots_of(width, height)
+    shown = np.zeros((rows, columns), np.int8) if contrast is None else contrast
+    planes, grown = root_planes(residual), (steps.of_channels, steps.growth)
+    return cheapest_colours(planes, shown, *grown, squared_steps, device.threads)
+
+
 class TextureSearch:
     """Searches layers for what a tile leaves over.
 
     residual [C, H, W]: the picture less what is drawn, samples in 0..1. doubt: a cell is tried whole, or divided, where
     an estimate says that it costs this much more than the other at most. correction [C, H, W]: what is shown anyhow.
+    colours: of the layers (see `TextureSteps`).
     """
 
     def __init__(
-        self, residual: F32, device: Device = ALL_CORES, doubt: float = DOUBT, correction: F32 | None = None
+        self,
+        residual: F32,
+        device: Device = ALL_CORES,
+        doubt: float = DOUBT,
+        correction: F32 | None = None,
+        colours: tuple[int, int, int] = SAME_COLOURS,
     ) -> None:
         _, height, width = residual.shape
         self.residual, self.size, self.doubt, self.device = residual, (width, height), doubt, device
+        self.colours = colours
         columns, rows = roots_of(width, height)
         self._shape = rows, columns
         wanted = residual if correction is None else residual - correction
-        self._amplitudes = TextureAmplitudes(root_planes(wanted), self.size, device.threads)
+        self._amplitudes = TextureAmplitudes(root_planes(wanted), self.size, device.threads, colours)
         self.bits = 0.0
         """Of the layer that was found last, its information content."""
 
     def beside(self, correction: F32) -> TextureSearch:
         """The search for layers to which restoration adds this correction [C, H, W]."""
-        return TextureSearch(self.residual, self.device, self.doubt, correction)
+        return TextureSearch(self.residual, self.device, self.doubt, correction, self.colours)
 
     def at(
         self,
@@ -76,7 +100,7 @@ class TextureSearch:
         one, two, more = added
         found = TextureSymbols(
             self.size,
-            replace(steps, excess=(one, two, more)),
+            replace(steps, excess=(one, two, more), colours=self.colours),
             *parts,
         )
         return None if found.is_empty else found

@@ -102,7 +102,11 @@ class TextureReader:
             "excess": (4, 3),
             "contrasts": (1, 1),
         }
+        if self.number == 3:
+            assert self.channels >= 3
+            widths |= {"shares": (6, 2), "turn": (4, 1)}
         self.steps = {name: [self.bits.raw(n) for _ in range(count)] for name, (n, count) in widths.items()}
+        assert (self.steps.get("shares"), self.steps.get("turn")) != ([32, 32], [8])
         for y in range(0, self.size[1], 32):
             for x in range(0, self.size[0], 32):
                 self.node(Cell(x, y, 32))
@@ -110,8 +114,9 @@ class TextureReader:
 
     def begin(self) -> None:
         """Section "Start"."""
-        state = zlib.decompress(files("sgicodec.bitstream.parts").joinpath(f"texture{self.number}.bin").read_bytes())
-        models, sets = MODELS[self.number], SETS[self.number]
+        number = min(self.number, 2)
+        state = zlib.decompress(files("sgicodec.bitstream.parts").joinpath(f"texture{number}.bin").read_bytes())
+        models, sets = MODELS[number], SETS[number]
         assert len(state) == 3 * models + 16 * sets
         self.probability = [
             low | high << 8 for low, high in zip(state[:models], state[models : 2 * models], strict=True)
@@ -219,7 +224,7 @@ class TextureReader:
             for u in range(max(0, diagonal - side + 1), min(diagonal, side - 1) + 1):
                 v = diagonal - u
                 q[v][u] = self.symbol(self.context(cell, channel, extent, v, u), state % 2)
-                if self.number == 2:
+                if self.number >= 2:
                     state = AFTER[state][q[v][u] % 2]
         if extent:
             assert any(q[extent - 1 - u][u] for u in range(side) if 0 <= extent - 1 - u < side)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from sgicodec._native import SymbolReader
@@ -77,6 +79,9 @@ def random_symbols(channels: int, width: int, height: int, seed: int = 0, most: 
         has_contrast,
         bool(rng.random() < 0.5),
     )
+    if steps.dependent and channels >= 3 and rng.random() < 0.7:
+        one, two, turn = rng.integers(0, (64, 64, 16)).tolist()
+        steps = replace(steps, colours=(one, two, turn))
     return TextureSymbols((width, height), steps, log_size, contrast.astype(np.int8), symbols)
 
 

@@ -10,16 +10,18 @@ from numpy.typing import NDArray
 from sgicodec._native import TextureModels
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.limits import check_texture
-from sgicodec.model.texture_symbols import TextureSteps, TextureSymbols
+from sgicodec.model.texture_symbols import SAME_COLOURS, TextureSteps, TextureSymbols
 
 __all__ = ["layer_of", "texture_models", "write_texture"]
 
-Steps = tuple[int, list[int], tuple[int, int], tuple[int, int, int], bool, bool]
+Steps = tuple[int, list[int], tuple[int, int], tuple[int, int, int], bool, bool, tuple[int, int, int]]
 Read = tuple[Steps, NDArray[np.uint8], NDArray[np.int8], NDArray[np.int16]]
 
 MODELS = {False: 1, True: 2}
 """Number of the shipped models for symbols that are dependent or not; the file of a number never changes."""
-_MODELS_BITS, _STEP_BITS, _RATIO_BITS, _SLOPE_BITS, _EXCESS_BITS = 4, 9, 5, 5, 4
+COLOURED = 3
+"""Those of dependent symbols, for layers in colours of their own."""
+_MODELS_BITS, _STEP_BITS, _RATIO_BITS, _SLOPE_BITS, _EXCESS_BITS, _SHARE_BITS, _TURN_BITS = 4, 9, 5, 5, 4, 6, 4
 
 
 @cache
@@ -38,7 +40,10 @@ def write_texture(writer: SymbolWriter, size: tuple[int, int], channels: int, te
         return
     check_texture(channels, *size)
     steps = texture.steps
-    writer.code_int(MODELS[steps.dependent], _MODELS_BITS)
+    coloured = steps.colours != SAME_COLOURS
+    if coloured and not (steps.dependent and channels >= 3):
+        raise ValueError("colours are for dependent symbols of three channels or more")
+    writer.code_int(COLOURED if coloured else MODELS[steps.dependent], _MODELS_BITS)
     _write_steps(writer, steps)
     parts = texture.log_size, texture.contrast, texture.symbols
     writer.flags(*texture_models(steps.dependent).write(*parts, size, steps.has_contrast))
@@ -51,12 +56,15 @@ def _write_steps(writer: SymbolWriter, steps: TextureSteps) -> None:
     writer.code_bits(steps.slopes, _SLOPE_BITS)
     writer.code_bits(steps.excess, _EXCESS_BITS)
     writer.code_int(int(steps.has_contrast), 1)
+    if steps.colours != SAME_COLOURS:
+        writer.code_bits(steps.colours[:2], _SHARE_BITS)
+        writer.code_int(steps.colours[2], _TURN_BITS)
 
 
 def layer_of(read: Read | None, size: tuple[int, int]) -> TextureSymbols | None:
     """The layer of a tile of `size` as native code read it."""
     if read is None:
         return None
-    (step, ratios, slopes, excess, has_contrast, dependent), log_size, contrast, symbols = read
-    steps = TextureSteps(step, tuple(ratios), slopes, excess, has_contrast, dependent)
+    (step, ratios, slopes, excess, has_contrast, dependent, colours), log_size, contrast, symbols = read
+    steps = TextureSteps(step, tuple(ratios), slopes, excess, has_contrast, dependent, colours)
     return TextureSymbols(size, steps, log_size, contrast, symbols)

@@ -20,6 +20,7 @@ from sgicodec import EncodeSettings, Picture, encode_picture, read, write
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.tile import TileModel, write_tile
 from sgicodec.decoder.stream import open_stream
+from sgicodec.model.texture_symbols import SAME_COLOURS
 from sgicodec.rdoq.objective import with_values
 
 HERE = Path(__file__).parent
@@ -83,6 +84,9 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
         "rgb8-restored-psnr": (Picture(forest, "rgb", (0.0, 255.0)), restored_psnr),
         "rgb8-adapted": (Picture(forest, "rgb", (0.0, 255.0)), replace(restored_psnr, steps=400)),
         "rgb8-any-adapted": (Picture(forest, "rgb", (0.0, 255.0)), restored),
+        "rgb8-colours": (Picture(forest, "rgb", (0.0, 255.0)), replace(textured, steps=400)),
+        "rgb8-any-colours": (Picture(small, "rgb", (0.0, 255.0)), textured),
+        "rgba8-tiles-colours": (crop_with_alpha, replace(restored_psnr, quality=60, tile=100, overview=True)),
         "gray16-restored": (Picture(leaves[..., None], "gray", (0.0, 65535.0)), restored_psnr),
         "rgba8-tiles-restored": (crop_with_alpha, replace(restored, quality=40, tile=100, overview=True)),
         "one-pixel": (Picture(small[:1, :1], "rgb", (0.0, 255.0)), quick),
@@ -93,8 +97,16 @@ def with_any_texture(header: Header, model: TileModel) -> TileModel:
     """The model with texture that no search finds: contrasts, large symbols, cells of all sizes."""
     texture = random_symbols(header.spec.channels, header.width, header.height, seed=2)
     np.multiply(texture.symbols, 100, out=texture.symbols, where=np.abs(texture.symbols) == 5)
-    steps = replace(texture.steps, step=250, has_contrast=True, dependent=True)
+    steps = replace(texture.steps, step=250, has_contrast=True, dependent=True, colours=SAME_COLOURS)
     return replace(model, texture=replace(texture, steps=steps))
+
+
+def with_any_colours(header: Header, model: TileModel) -> TileModel:
+    """The same in colours that no search finds."""
+    model = with_any_texture(header, model)
+    if model.texture is None:
+        raise SystemExit("there is no texture")
+    return replace(model, texture=replace(model.texture, steps=replace(model.texture.steps, colours=(63, 0, 15))))
 
 
 def with_any_changes(header: Header, model: TileModel) -> TileModel:
@@ -105,6 +117,9 @@ def with_any_changes(header: Header, model: TileModel) -> TileModel:
     changes = [unit * rng.integers(-2, 3, shape) for unit, shape in zip((2, 1, 4, 8), shapes, strict=True)]
     ours = tuple(change.astype(np.int32) for change in changes)
     return replace(model, restoration=replace(model.restoration, changes=ours))
+
+
+ANY = {"adapted": with_any_changes, "colours": with_any_colours}
 
 
 def with_any(data: bytes, alter: Callable[[Header, TileModel], TileModel]) -> bytes:
@@ -121,7 +136,7 @@ def made(name: str, picture: Picture, settings: EncodeSettings) -> dict[str, obj
     path = HERE / f"{name}.sgi"
     data = encode_picture(picture, settings).data
     if "-any-" in name:
-        data = with_any(data, with_any_changes if name.endswith("adapted") else with_any_texture)
+        data = with_any(data, ANY.get(name.rpartition("-")[2], with_any_texture))
     path.write_bytes(data)
     reference = "png" if picture.channels != "multi" and picture.pixels.dtype != np.float32 else "tif"
     with open_stream(path) as stream:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from texture_reader import AFTER
 from textures import random_symbols
 
-from sgicodec.model.texture_symbols import STEP_COUNT, TextureSteps, roots_of, step_index
+from sgicodec.model.texture_symbols import SAME_COLOURS, STEP_COUNT, TextureSteps, roots_of, step_index
 
 
 def test_steps_by_their_formulas() -> None:
@@ -42,9 +44,33 @@ def odd_quantisers(q: np.ndarray) -> np.ndarray:
     return odd
 
 
-@pytest.mark.parametrize(("channels", "size", "seed"), [(1, (40, 70), 1), (3, (90, 33), 2), (4, (64, 64), 3)])
-def test_amplitudes_by_their_formula(channels: int, size: tuple[int, int], seed: int) -> None:
+def in_opponent_colours(cell: np.ndarray, colours: tuple[int, int, int]) -> np.ndarray:
+    """Amplitudes [C, n, n] of a layer that is coded in these colours."""
+    if len(cell) < 3:
+        return cell
+    angle = np.pi * (colours[2] - 8) / 32
+    one, two = (share * cell[0] for share in ((colours[0] - 32) / 64, (colours[1] - 32) / 64))
+    one, two = (
+        one + np.cos(angle) * cell[1] - np.sin(angle) * cell[2],
+        two + np.sin(angle) * cell[1] + np.cos(angle) * cell[2],
+    )
+    return np.stack([cell[0], one, two, *cell[3:]])
+
+
+@pytest.mark.parametrize(
+    ("channels", "size", "seed", "colours"),
+    [
+        (1, (40, 70), 1, SAME_COLOURS),
+        (3, (90, 33), 2, SAME_COLOURS),
+        (3, (90, 33), 2, (0, 63, 0)),
+        (4, (64, 64), 3, (40, 29, 15)),
+    ],
+)
+def test_amplitudes_by_their_formula(
+    channels: int, size: tuple[int, int], seed: int, colours: tuple[int, int, int]
+) -> None:
     symbols = random_symbols(channels, *size, seed)
+    symbols = replace(symbols, steps=replace(symbols.steps, colours=colours))
     layer, steps = symbols.layer(), symbols.steps
     assert (layer.size, layer.channels) == (size, channels)
     counts, at = {8: 0, 16: 0, 32: 0}, 0
@@ -54,6 +80,7 @@ def test_amplitudes_by_their_formula(channels: int, size: tuple[int, int], seed:
         assert symbols.log_size[y // 8, x // 8] == log
         share = (np.arange(side) + 0.5) / side
         squared = np.add.outer(share**2, share**2) / 2
+        coded = []
         for channel in range(channels):
             q = symbols.symbols[channel, y : y + side, x : x + side].astype(np.float64)
             excess = np.choose(np.minimum(np.abs(q), 3).astype(int), [0, *((np.array(steps.excess) - 8) / 32)])
@@ -61,10 +88,11 @@ def test_amplitudes_by_their_formula(channels: int, size: tuple[int, int], seed:
             step = 2 ** ((steps.step - 480) / 32 + ratio / 8 + symbols.contrast[y // 32, x // 32] / 4)
             slope = steps.slopes[channel > 0] / 2
             half = 0.5 * odd_quantisers(q.astype(int)) if steps.dependent else 0.0
-            expected = np.sign(q) * (np.abs(q) - half + excess) * step * (1 + slope * squared)
-            found = layer.amplitudes[at : at + side * side].reshape(side, side)
-            np.testing.assert_allclose(found, expected, rtol=2e-6)
-            at += side * side
+            coded.append(np.sign(q) * (np.abs(q) - half + excess) * step * (1 + slope * squared))
+        expected = in_opponent_colours(np.array(coded), colours)
+        found = layer.amplitudes[at : at + expected.size].reshape(expected.shape)
+        np.testing.assert_allclose(found, expected, rtol=2e-6, atol=2e-7 * np.abs(expected).max())
+        at += expected.size
     assert at == len(layer.amplitudes)
     assert counts == symbols.counts
     assert not symbols.is_empty

@@ -17,11 +17,13 @@ from sgicodec._native import SymbolReader
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.parts.texture import texture_models, write_texture
 from sgicodec.device import Device
-from sgicodec.model.texture_symbols import SAME_STEP, TextureSteps, TextureSymbols, roots_of
-from sgicodec.rdoq.texture import TextureSearch
+from sgicodec.model.gaussians import colour_matrix
+from sgicodec.model.texture_symbols import SAME_COLOURS, SAME_STEP, TextureSteps, TextureSymbols, roots_of
+from sgicodec.rdoq.texture import TextureSearch, colours_for
 
 DATA = Path(__file__).parents[2] / "data"
 SAME = SAME_STEP, SAME_STEP
+OTHERS = 44, 24, 13
 PRICE = 0.11
 """λ in squared steps, about what is right at high rates."""
 
@@ -46,14 +48,17 @@ def squared_error(residual: np.ndarray, layer: TextureSymbols) -> float:
 
 
 @pytest.mark.parametrize("has_contrast", [False, True])
-def test_bits_and_costs_are_those_of_the_stream(residual: np.ndarray, has_contrast: bool) -> None:
+@pytest.mark.parametrize("colours", [SAME_COLOURS, OTHERS])
+def test_bits_and_costs_are_those_of_the_stream(
+    residual: np.ndarray, has_contrast: bool, colours: tuple[int, int, int]
+) -> None:
     contrast = np.zeros((3, 5), np.int8)
     if has_contrast:
         contrast[:] = np.random.default_rng(0).integers(-3, 4, contrast.shape)
-    steps = TextureSteps(340, SAME, (0, 0), (8, 8, 8), has_contrast)
-    parts, bits, counts, _, costs = TextureSearch(residual)._search(steps, PRICE, contrast)
+    steps = TextureSteps(340, SAME, (0, 0), (8, 8, 8), has_contrast, colours=colours)
+    parts, bits, counts, _, costs = TextureSearch(residual, colours=colours)._search(steps, PRICE, contrast)
     layer = TextureSymbols((160, 96), steps, *parts)
-    fields = 1 + 4 + 9 + 2 * 5 + 2 * 5 + 3 * 4 + 1
+    fields = 1 + 4 + 9 + 2 * 5 + 2 * 5 + 3 * 4 + 1 + (2 * 6 + 4) * (colours != SAME_COLOURS)
     assert payload_of(layer)[1] == pytest.approx(bits + fields, rel=1e-9)
     magnitude = np.abs(layer.symbols)
     assert counts == [(magnitude == 1).sum(), (magnitude == 2).sum(), (magnitude > 2).sum()]
@@ -61,6 +66,71 @@ def test_bits_and_costs_are_those_of_the_stream(residual: np.ndarray, has_contra
         error = squared_error(residual, layer) / steps.of_channels[0] ** 2
         assert costs.shape == (3, 5)
         assert costs.sum() == pytest.approx(error + PRICE * bits, rel=0.03)
+
+
+def test_colours_take_what_channels_share() -> None:
+    """A picture whose red and blue follow its grey, and one whose two colour differences are one."""
+    rng, steps = np.random.default_rng(3), TextureSteps(300, SAME)
+    own = rng.normal(0, (0.1, 0.01, 0.01), (96, 128, 3)).transpose(2, 0, 1)
+    opponent = np.array(colour_matrix(3))
+    follows, turned = own.copy(), own.copy()
+    follows[1] += 0.25 * own[0]
+    turned[1], turned[2] = 0.8 * own[0] - 0.6 * own[2], 0.6 * own[0] + 0.8 * own[2]
+    turned[0] = rng.normal(0, 0.1, own[0].shape)
+    found, cheaper = [], []
+    for planes in (own, follows, turned):
+        residual = np.ascontiguousarray(np.tensordot(opponent.T, planes, 1), np.float32)
+        colours = colours_for(residual, steps, PRICE)
+        found.append(colours)
+        costs = [TextureSearch(residual, colours=taken).costs(steps, PRICE).sum() for taken in (SAME_COLOURS, colours)]
+        cheaper.append(costs[1] / costs[0])
+    assert found[0][:2] == (32, 32)
+    assert found[1][0] == pytest.approx(32 + 16, abs=1)
+    assert found[1][1] == 32
+    assert found[2] == (32, 32, round(8 + 32 * np.arctan2(0.6, 0.8) / np.pi))
+    assert cheaper[0] < 1.002
+    assert max(cheaper[1:]) < 0.95
+
+
+def test_a_share_must_hold_at_all_frequencies() -> None:
+    """Otherwise what is grey would have coloured edges."""
+    rng, steps = np.random.default_rng(3), TextureSteps(300, SAME)
+    own = rng.normal(0, (0.1, 0.005, 0.005), (96, 128, 3)).transpose(2, 0, 1)
+    smooth = np.kron(rng.normal(0, 0.5, (6, 8)), np.ones((16, 16)))
+    residual = own + smooth * np.array([1.0, 0.3, 0.0])[:, None, None]
+    planes = np.ascontiguousarray(np.tensordot(np.array(colour_matrix(3)).T, residual, 1), np.float32)
+    assert colours_for(planes, steps, PRICE)[:2] == (32, 32)
+
+
+def test_colours_are_of_three_channels(residual: np.ndarray) -> None:
+    assert colours_for(residual[:2], TextureSteps(300, SAME[:1]), PRICE) == SAME_COLOURS
+    with pytest.raises(ValueError, match="three channels"):
+        TextureSearch(residual[:2], colours=OTHERS)
+
+
+def test_colours_follow_the_grey_that_is_shown(residual: np.ndarray) -> None:
+    """What symbols leave of the first channel spills into no other one, which fine steps of these would show."""
+    steps, errors = TextureSteps(400, (0, 0)), []
+    for colours in (SAME_COLOURS, (50, 14, 8)):
+        layer = TextureSearch(residual, colours=colours).at(steps, PRICE)
+        assert layer is not None
+        assert layer.steps.colours == colours
+        left = np.tensordot(np.array(colour_matrix(3)), residual - layer.layer().draw(), 1)
+        errors.append(np.square(left).sum(axis=(1, 2)))
+    spilt = (18 / 64) ** 2 * errors[0][0]
+    assert spilt > errors[0][1:].max()
+    assert (errors[1][1:] < errors[0][1:] + 0.4 * spilt).all()
+
+
+def test_exact_amplitudes_in_other_colours(residual: np.ndarray) -> None:
+    """Less is left than by rounded ones, and nothing at all where all symbols are."""
+    search, steps = TextureSearch(residual, colours=OTHERS), TextureSteps(380, SAME)
+    layer = search.at(steps, PRICE)
+    assert layer is not None
+    left = float(np.square(residual - search.exact(layer).draw(), dtype=np.float64).sum())
+    assert left < 0.98 * squared_error(residual, layer)
+    full = replace(layer, symbols=np.ones_like(layer.symbols), log_size=np.full_like(layer.log_size, 3))
+    np.testing.assert_allclose(search.exact(full).draw(), residual, atol=1e-5)
 
 
 def test_exact_amplitudes_leave_what_no_symbol_shows(residual: np.ndarray) -> None:
@@ -186,13 +256,16 @@ def test_bits_that_cost_more_are_fewer(residual: np.ndarray) -> None:
     assert len(set(sizes)) == 4
 
 
-def test_amplitudes_move_up_a_gradient_by_a_part_of_their_steps(residual: np.ndarray) -> None:
+@pytest.mark.parametrize("colours", [SAME_COLOURS, OTHERS])
+def test_amplitudes_move_up_a_gradient_by_a_part_of_their_steps(
+    residual: np.ndarray, colours: tuple[int, int, int]
+) -> None:
     steps, fine = TextureSteps(400, SAME, (2, 4)), TextureSteps(200, SAME)
     gradient = np.random.default_rng(0).normal(size=residual.shape).astype(np.float32)
     mean, most = 0.05, 0.2
 
     def moved(threads: int, times: int = 1) -> np.ndarray:
-        search = TextureSearch(residual, Device(threads))
+        search = TextureSearch(residual, Device(threads), colours=colours)
         for _ in range(times):
             search.move(gradient, steps, None, mean, most)
         layer = search.at(fine, 0.0)

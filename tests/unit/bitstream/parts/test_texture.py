@@ -23,7 +23,7 @@ from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.parts.texture import texture_models
 from sgicodec.device import ONE_THREAD
 from sgicodec.errors import CorruptStreamError, LimitError, UnsupportedStreamError
-from sgicodec.model.texture_symbols import TextureSteps, TextureSymbols
+from sgicodec.model.texture_symbols import SAME_COLOURS, TextureSteps, TextureSymbols
 from sgicodec.rdoq.texture import TextureSearch
 
 ROOT = Path(__file__).parents[4]
@@ -54,7 +54,8 @@ def read_from_the_page(payload: bytes, size: tuple[int, int], channels: int) -> 
         (luma, chroma),
         (one, two, more),
         bool(read["contrasts"][0]),
-        reader.number == 2,
+        reader.number >= 2,
+        (*read.get("shares", SAME_COLOURS[:2]), *read.get("turn", SAME_COLOURS[2:])),
     )
     return TextureSymbols(size, steps, log_size, contrast, symbols)
 
@@ -118,12 +119,59 @@ def test_the_tables_can_be_computed_anywhere() -> None:
 
 
 def test_models_of_another_number_are_refused() -> None:
-    for number in (0, 3, 15):
+    for number in (0, 4, 15):
         writer = SymbolWriter()
         writer.code_int(1, 1)
         writer.code_int(number, 4)
         with pytest.raises(UnsupportedStreamError, match=f"texture: models {number}"):
             read_texture(SymbolReader(writer.finish()), (64, 64), 3)
+
+
+def test_colours_are_stated_where_they_are_others(found: TextureSymbols) -> None:
+    for colours in ((0, 63, 15), (32, 32, 9), (33, 32, 8), (32, 0, 8)):
+        layer = replace(found, steps=replace(found.steps, colours=colours))
+        payload = payload_of(layer, layer.size, 3)
+        assert_same(read_back(payload, layer.size, 3), layer)
+        assert_same(read_from_the_page(payload, layer.size, 3), layer)
+        assert len(payload) <= len(payload_of(found, found.size, 3)) + 4
+
+
+def coloured(colours: tuple[int, int, int]) -> bytes:
+    """The beginning of a layer of three channels of models 3 in these colours."""
+    writer = SymbolWriter()
+    for value, bits in ((1, 1), (3, 4), (300, 9)):
+        writer.code_int(value, bits)
+    for values, bits in (((16, 16), 5), ((0, 0), 5), ((8, 8, 8), 4)):
+        writer.code_bits(values, bits)
+    writer.code_int(0, 1)
+    writer.code_bits(colours[:2], 6)
+    writer.code_int(colours[2], 4)
+    return writer.finish()
+
+
+def test_colours_that_say_nothing_are_refused() -> None:
+    with pytest.raises(CorruptStreamError, match="texture: colours that are no others"):
+        read_back(coloured(SAME_COLOURS), (64, 64), 3)
+    with pytest.raises(CorruptStreamError, match="texture: the payload does not decode"):
+        read_back(coloured((32, 33, 8)), (64, 64), 3)
+
+
+@pytest.mark.parametrize("channels", [1, 2])
+def test_colours_of_two_channels_are_refused(channels: int) -> None:
+    layer = random_symbols(channels, 64, 64, 4)
+    steps = replace(layer.steps, dependent=True, colours=(32, 32, 9))
+    with pytest.raises(ValueError, match="three channels"):
+        payload_of(replace(layer, steps=steps), layer.size, channels)
+    with pytest.raises(ValueError, match="three channels"):
+        replace(layer, steps=steps).layer()
+    with pytest.raises(CorruptStreamError, match=f"texture: colours of {channels} channels"):
+        read_back(spelled("0", models=3), (32, 32), channels)
+
+
+def test_colours_are_for_dependent_symbols() -> None:
+    layer = random_symbols(3, 64, 64, 4)
+    with pytest.raises(ValueError, match="dependent"):
+        payload_of(replace(layer, steps=replace(layer.steps, dependent=False, colours=(32, 32, 9))), layer.size, 3)
 
 
 def test_no_texture_takes_a_bit() -> None:
@@ -273,9 +321,9 @@ def test_the_largest_numbers() -> None:
 
 
 @settings(max_examples=examples(200))
-@given(st.sampled_from([0x8C, 0x94]), st.binary(max_size=300), *(st.integers(1, most) for most in (4, 200, 100)))
+@given(st.sampled_from([0x8C, 0x94, 0x9C]), st.binary(max_size=300), *(st.integers(1, most) for most in (4, 200, 100)))
 def test_any_bytes_are_a_layer_or_refused(first: int, payload: bytes, channels: int, width: int, height: int) -> None:
-    """What is accepted can be written. `first`: there is texture, of models 1 or 2."""
+    """What is accepted can be written. `first`: there is texture, of models 1, 2 or 3."""
     reader = SymbolReader(bytes([first]) + payload.rstrip(b"\0"))
     try:
         layer = read_texture(reader, (width, height), channels)

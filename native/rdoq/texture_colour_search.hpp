@@ -1,0 +1,15 @@
+// The colours in which a tile's texture is cheapest.
+#pragma once
+#include <cstdint>
+
+#include "model/texture_colours.hpp"
+#include "rdoq/texture_search.hpp"
+
+namespace sgi {
+
+// By an estimate over some of the roots, in cells of 16 pixels. planes: [C, height, width] of the roots in opponent
+// colours, C at least 3; contrast: [roots], indices.
+TextureColours cheapest_colours(const float *planes, int64_t width, int64_t height, const int8_t *contrast,
+                                const TextureSteps &steps, float lambda, int threads);
+
+}  // namespace sgi
