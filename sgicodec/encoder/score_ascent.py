@@ -4,7 +4,8 @@ The search weighs squared errors by frequency and place alone. The gradient of a
 the errors that are left are seen. SSIMULACRA 2 looks at structure; Butteraugli looks at differences, the largest most
 of all, and holds back what the other would overdo in places. A target that has moved up the gradient makes the same
 search trade errors better: squared error to it is a quadratic model of the scores, renewed in each pass. The model
-holds near by only, so that amplitudes move by a small part of their steps at a time.
+holds near by only, so that amplitudes move by a small part of their steps at a time. Between roots, steps are traded
+by the same gradient ([score_contrast.py](score_contrast.py)).
 """
 
 from __future__ import annotations
@@ -12,23 +13,26 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.device import Device
 from sgicodec.encoder.restoring import Strength
+from sgicodec.encoder.score_contrast import better_contrasts
 from sgicodec.metrics.butteraugli import ButteraugliReference
 from sgicodec.metrics.visual_score import VisualReference
 from sgicodec.model.luma_space import from_luma_space
 from sgicodec.model.texture_symbols import TextureSymbols
 from sgicodec.rdoq.texture import TextureSearch
 
-__all__ = ["ScoreAscent", "ascent_passes"]
+__all__ = ["Ascended", "ScoreAscent", "ascent_passes"]
 
 F32 = NDArray[np.float32]
 
-Found = Callable[[TextureSymbols | None, float | None], TextureSymbols | None]
+Contrast = NDArray[np.int8] | None
+Found = Callable[[TextureSymbols | None, float | None, Contrast], TextureSymbols | None]
 
 BUTTERAUGLI = 60.0
 """Points of SSIMULACRA 2 for which the logarithm of Butteraugli's 3-norm falls by one."""
@@ -93,6 +97,16 @@ class _Pace:
         return self.mean
 
 
+class Ascended(NamedTuple):
+    """What an ascent ends with. symbols: the last layer that was found; score: its SSIMULACRA 2 if it has one;
+    contrast: with which the next is to be found.
+    """
+
+    symbols: TextureSymbols | None
+    score: float | None
+    contrast: Contrast
+
+
 @dataclass(frozen=True)
 class ScoreAscent:
     """The ascent for layers of one picture. unit [C, H, W]: what they are to show, in luma space where `luma_space`;
@@ -110,32 +124,39 @@ class ScoreAscent:
         self,
         search: TextureSearch,
         found: Found,
-        contrast: NDArray[np.int8] | None,
+        usual: Contrast,
         passes: int,
         ending: Callable[[], bool] = lambda: False,
-    ) -> tuple[TextureSymbols | None, float | None]:
-        """Moves the target of `search` in this many passes, or until `ending`. `found` gives its best layer with these
-        contrasts, of the cells of the layer before or, with None, of any; it is told SSIMULACRA 2 of that layer, too.
-
-        Returns the last layer that was found, and its SSIMULACRA 2 if it has one.
+    ) -> Ascended:
+        """Moves the target of `search` in this many passes, or until `ending`. `found` gives its best layer of the
+        cells of the layer before or, with None, of any, with these contrasts; it is told SSIMULACRA 2 of the layer
+        before, too. usual [rows, columns]: contrasts of the first layer, None where roots have none.
         """
         scores, pace = _Scores(self._seen(self.unit), self.device), _Pace(MEAN_MOVE / passes**0.5)
-        symbols = score = None
+        symbols, score, contrast = None, None, usual
         for _ in range(passes):
-            if ending() or (symbols := found(symbols, score)) is None:
+            if ending() or (symbols := found(symbols, score, contrast)) is None:
                 break
-            drawn = self.unit - search.residual + symbols.layer().draw(device=self.device)
-            if self.strength is not None:
-                drawn += self.strength.over(symbols).correction(drawn, self.device)
-            if self.empty is not None:
-                drawn[:, self.empty] = self.unit[:, self.empty]
+            drawn = self._drawn(search, symbols)
             seen = scores.of(self._seen(drawn))
             score, gradient = seen.score, self._in_unit(seen.gradient)
             if self.empty is not None:
                 gradient[:, self.empty] = 0
             mean = pace.after(symbols.steps.step, search.bits, seen.points)
             search.move(gradient, symbols.steps, contrast, mean, MOST_MOVE * mean)
-        return symbols, score
+            if contrast is not None and usual is not None:
+                gain = (gradient * (self.unit - drawn)).sum(axis=0)
+                contrast = better_contrasts(contrast, usual, gain, symbols)
+        return Ascended(symbols, score, contrast)
+
+    def _drawn(self, search: TextureSearch, symbols: TextureSymbols) -> F32:
+        """What a layer shows over the seeds of `search`, restored."""
+        drawn: F32 = self.unit - search.residual + symbols.layer().draw(device=self.device)
+        if self.strength is not None:
+            drawn += self.strength.over(symbols).correction(drawn, self.device)
+        if self.empty is not None:
+            drawn[:, self.empty] = self.unit[:, self.empty]
+        return drawn
 
     def _seen(self, planes: F32) -> F32:
         """Samples as they are seen."""

@@ -12,6 +12,7 @@ from sgicodec.metrics.psnr import luma
 from sgicodec.model.texture import ROOT_LOG
 from sgicodec.model.texture_symbols import (
     CONTRAST_LIMIT,
+    MOST_SLOPE,
     SAME_STEP,
     STEP_COUNT,
     STEP_ZERO,
@@ -31,8 +32,8 @@ class TextureTuning:
 
     squared_steps: λ in squared steps, where steps do not grow. network: number of the shipped one that restores what is
     drawn for the same end. finer: 32nds of an octave by which the lowest frequency has a smaller step than λ says.
-    growth: slopes of the first channel and of the others (see `TextureSteps`) where the
-    lowest step is a grey level; they grow with its square root. colours: steps of colour differences grow with this
+    growth: slopes of the first channel and of the others (see `TextureSteps`) where the lowest step is a grey level;
+    they grow with its square root, as far as a stream can say. colours: steps of colour differences grow with this
     power of the first channel's. masking: steps grow with this power of the local standard deviation of luma, 0 for
     not at all. larger: how much larger streams are than the R-D model says, in octaves of λ. ascends: whether layers
     are searched again for the eye ([score_ascent.py](score_ascent.py)).
@@ -62,7 +63,7 @@ class TextureTuning:
         colour = SAME_STEP + round((1.0 - self.colours) * (_EQUAL_STEPS - step) / 4)
         ratios = (colour,) * 2 + (SAME_STEP,) * (channels - 3) if channels >= 3 else (SAME_STEP,) * (channels - 1)
         root = min((255.0 * TextureSteps(step).of_channels.item()) ** 0.5, _MOST_ROOT)
-        luma, chroma = (round(2 * growth * root) for growth in self.growth)
+        luma, chroma = (min(round(2 * growth * root), MOST_SLOPE) for growth in self.growth)
         return TextureSteps(step, ratios, (luma, chroma), has_contrast=self.masking > 0)
 
     def contrast(self, picture: F32) -> NDArray[np.int8] | None:
@@ -94,5 +95,5 @@ _FLOOR, _USUAL = 7.7e-4, 3.9e-3
 
 TUNINGS = {
     "psnr": TextureTuning(_SQUARED_STEPS, network=1),
-    "visual": TextureTuning(0.0927, 2, 39, growth=(1.0, 1.64), colours=7 / 8, masking=0.4, larger=1.3, ascends=True),
+    "visual": TextureTuning(0.0927, 2, 39, growth=(1.0, 4.0), colours=7 / 8, masking=0.4, larger=1.3, ascends=True),
 }

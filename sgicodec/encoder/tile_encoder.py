@@ -20,7 +20,7 @@ from sgicodec.encoder.encoded import Encoded
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.restoring import Restorer, Strength
 from sgicodec.encoder.same_look import LookSteps
-from sgicodec.encoder.score_ascent import ScoreAscent, ascent_passes
+from sgicodec.encoder.score_ascent import Contrast, ScoreAscent, ascent_passes
 from sgicodec.encoder.settling import settling_rounds, with_settled_seeds
 from sgicodec.encoder.texture_handover import HANDOVER, LOOK_AHEAD, Handover
 from sgicodec.encoder.texture_share import EXACT_STEPS, TextureCosts, is_scouted, seed_share, seed_weights
@@ -63,7 +63,7 @@ class Encoding:
         self.spec = plan.header.spec
         self.unit, self.empty = coded_samples(picture, plan.header.masked)
         self.stream = TileStream(picture, plan, self.empty, device)
-        self._contrast = self.tuning.contrast(self.unit)
+        self._usual_contrast = self.tuning.contrast(self.unit)
         if self.spec.luma_space:
             self.unit = np.tensordot(to_luma_space(self.spec.channels).astype(np.float32), self.unit, axes=1)
         self.reference = DISTORTIONS[self.settings.minimised].reference(self.unit, self.empty)
@@ -73,7 +73,7 @@ class Encoding:
 
     def begin(self, lmbda: float) -> None:
         """Makes ready for a fit at λ."""
-        self.lmbda = lmbda
+        self.lmbda, self._contrast = lmbda, self._usual_contrast
         self.fit = replace(self.fit, lmbda=lmbda * (seed_share(self.fit) if self.spec.texture else 1.0))
         self.__dict__.pop("seed_reference", None)
         lmbda = self.fit.lmbda
@@ -229,13 +229,14 @@ class Encoding:
         ascent = ScoreAscent(self.unit, self.spec.luma_space, self.empty, self.device, self.strength)
         steps = LookSteps(self.plan.look, step, passes)
 
-        def found(cells: TextureSymbols | None, score: float | None) -> TextureSymbols | None:
+        def found(cells: TextureSymbols | None, score: float | None, contrast: Contrast) -> TextureSymbols | None:
+            self._contrast = contrast
             return first if score is None else self._layer(search, steps.after(score), price, cells)
 
         def ending() -> bool:
             return self.ending() or time.monotonic() > self.time.search_end
 
-        cells, score = ascent.run(search, found, self._contrast, passes, ending)
+        cells, score, self._contrast = ascent.run(search, found, self._usual_contrast, passes, ending)
         return cells, steps.after(score)
 
     def texture_search(self, candidate: Candidate) -> TextureSearch:

@@ -12,6 +12,7 @@ from sgicodec.model.texture import LEAST_LOG, ROOT_LOG, TextureLayer
 
 __all__ = [
     "CONTRAST_LIMIT",
+    "MOST_SLOPE",
     "SAME_COLOURS",
     "SAME_STEP",
     "STEP_COUNT",
@@ -70,6 +71,8 @@ class TextureSteps:
 STEP_ZERO, STEP_COUNT = 480, 512
 SAME_STEP = 16
 """Ratio of a channel with the steps of the first."""
+MOST_SLOPE = 31
+"""That a stream can state."""
 
 
 def step_index(step: float) -> int:

@@ -1,0 +1,64 @@
+"""Contrasts of roots by what errors cost of a score: where symbols leave more of it, steps become finer.
+
+Steps are best where a bit more gains as much everywhere. To first order, the errors of a root take from a score what
+its gradient says of them. That falls with the square of the step, while each symbol that is not 0 takes about a bit
+more for half the step. So all roots should lose as much of the score for each of their symbols.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec.encoder.texture_share import smoothed
+from sgicodec.model.texture import ROOT_LOG
+from sgicodec.model.texture_symbols import CONTRAST_LIMIT, TextureSymbols
+
+__all__ = ["better_contrasts"]
+
+F32 = NDArray[np.float32]
+F64 = NDArray[np.float64]
+
+_PART = 0.25
+"""Of the way to equal losses that contrasts go at a time: a gradient is noisy, and holds near by only."""
+_MOST = 4
+"""Quarters of an octave that they may be away from those of the tuning."""
+_SIGMA = 0.5
+"""Over which losses and symbols are smoothed, in roots: neighbours that differ cost bits."""
+_FEWEST_SYMBOLS = 128
+"""Of a root that tells something. Where seeds do most of the work, contrasts stay."""
+_MORE_SYMBOLS = 40
+"""That count for what else a root's bits are."""
+_LEAST_LOSS = 0.2
+"""Of a root, in means."""
+
+
+def better_contrasts(
+    contrast: NDArray[np.int8], usual: NDArray[np.int8], gain: F32, symbols: TextureSymbols
+) -> NDArray[np.int8]:
+    """The contrasts [rows, columns] of the next layer. contrast: of this one; usual: of the tuning; gain [H, W]: what
+    the score would grow by, to first order, without the error of each pixel.
+
+    Their mean over symbols stays, so that a layer takes about as many bits.
+    """
+    lost = _root_sums(gain.astype(np.float64), contrast.shape)
+    counts = lost != 0  # where no pixel counts, contrasts do not
+    lost = smoothed(lost, _SIGMA)
+    count = smoothed(_root_sums((symbols.symbols != 0).sum(axis=0, dtype=np.float64), contrast.shape), _SIGMA)
+    tells = counts & (count >= _FEWEST_SYMBOLS)
+    least = _LEAST_LOSS * float(lost.mean())
+    if least <= 0 or not tells.any():
+        return contrast
+    weight = np.where(tells, count + _MORE_SYMBOLS, 0.0)
+    octaves = 0.5 * np.log2(np.maximum(lost, least) / (count + _MORE_SYMBOLS))
+    octaves = np.where(tells, octaves - np.average(octaves, weights=weight), 0.0)
+    wanted = np.clip(contrast - 4 * _PART * octaves, usual - float(_MOST), usual + float(_MOST))
+    return np.clip(np.rint(wanted), -CONTRAST_LIMIT, CONTRAST_LIMIT).astype(np.int8)
+
+
+def _root_sums(plane: F64, shape: tuple[int, ...]) -> F64:
+    """Sums of a plane over each root [rows, columns]; what is missing beyond its borders is nothing."""
+    side, (rows, columns) = 1 << ROOT_LOG, shape
+    padded = np.pad(plane, [(0, (n << ROOT_LOG) - have) for n, have in zip(shape, plane.shape, strict=True)])
+    sums: F64 = padded.reshape(rows, side, columns, side).sum(axis=(1, 3))
+    return sums
