@@ -37,11 +37,11 @@ from sgicodec.device import ONE_THREAD, Device
 from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.settings import EncodeSettings, Tune
 from sgicodec.image import read
+from sgicodec.metrics.butteraugli import ButteraugliReference
 from sgicodec.metrics.visual_score import VisualReference
 from sgicodec.model.gaussians import colour_matrix
 from sgicodec.model.luma_space import to_luma_space
 from sgicodec.rdoq.objective import with_values
-from tools.butteraugli import Reference
 from tools.restoration_file import RestorationNet, file_of, network_of
 
 __all__ = ["TRAININGS", "Example", "Training", "Weights", "examples_of", "loss_of", "make_streams", "train"]
@@ -71,7 +71,7 @@ class Training:
 
 TRAININGS: dict[Tune, Training] = {
     "psnr": Training((30, 42, 54, 66), 2, 64, 16, 2e-3, 0.3),
-    "visual": Training((30, 44, 57, 70, 83), 3, 256, 3, 1e-3, 0.1, 0.5),
+    "visual": Training((70, 83), 3, 256, 4, 6e-4, 0.1, 0.5),
 }
 
 
@@ -122,11 +122,12 @@ def squared_loss(crop: Example, shown: Tensor) -> Tensor:
 
 def visual_loss(crop: Example, shown: Tensor, weights: Weights) -> Tensor:
     """What a crop as it is shown lacks for the eye, in logarithms of bytes."""
-    pixels = shown.detach().contiguous()
-    score, slopes = VisualReference(crop.original.numpy(), ONE_THREAD).gradient(pixels.numpy())
+    pixels, original = shown.detach().contiguous(), crop.original.numpy()
+    score, slopes = VisualReference(original, ONE_THREAD).gradient(pixels.numpy())
     loss = -(score + ((shown - pixels) * torch.from_numpy(slopes)).sum()) / crop.slope
-    if weights.butteraugli:
-        loss = loss + weights.butteraugli * torch.log(Reference(crop.original).norm(shown.clamp(0, 1)))
+    distance, _, slopes = ButteraugliReference(original, ONE_THREAD).gradient(pixels.numpy())
+    farther = ((shown - pixels) * torch.from_numpy(slopes)).sum() / distance
+    loss = loss + weights.butteraugli * (math.log(distance) + farther)
     return loss + weights.squared * torch.log((shown - crop.original).square().mean() + 1e-12)
 
 

@@ -12,12 +12,12 @@
 namespace sgi {
 namespace {
 
-constexpr int kNetworkBits = 4, kStepBits = 9, kUnitBits = 3, kNetworks = 2, kChanged = 8;
+constexpr int kNetworkBits = 4, kStepBits = 9, kUnitBits = 3, kNetworks = 3, kChanged = 8;
 
 const std::shared_ptr<const RestorationNetwork> &shipped(int number) {
   if (number < 1 || number > kNetworks)
-    throw Error(Fault::unsupported,
-                "restoration: network " + std::to_string(number) + "; this program has networks 1 and 2");
+    throw Error(Fault::unsupported, "restoration: network " + std::to_string(number) +
+                                        "; this program has networks 1 to " + std::to_string(kNetworks));
   static std::array<std::once_flag, kNetworks> once;
   static std::array<std::shared_ptr<const RestorationNetwork>, kNetworks> all;
   const auto index = size_t(number - 1);

@@ -95,5 +95,5 @@ _FLOOR, _USUAL = 7.7e-4, 3.9e-3
 
 TUNINGS = {
     "psnr": TextureTuning(_SQUARED_STEPS, network=1),
-    "visual": TextureTuning(0.0927, 2, 39, growth=(1.0, 4.0), colours=7 / 8, masking=0.4, larger=1.3, ascends=True),
+    "visual": TextureTuning(0.0927, 3, 39, growth=(1.0, 4.0), colours=7 / 8, masking=0.4, larger=1.3, ascends=True),
 }

@@ -67,7 +67,7 @@ def test_pixels_are_what_the_page_says(streams: dict[str, bytes], name: str) -> 
         with open_stream(unrestored(stream)) as plain:
             drawn = plain.render().transpose(2, 0, 1).astype(np.float64)
     assert restoration is not None
-    assert restoration.network == (2 if name == "visual" else 1)
+    assert restoration.network == (3 if name == "visual" else 1)
     assert bool(restoration.changes) == (name == "adapted")
     coded = np.tensordot(to_luma_space(3), drawn, axes=1) if name == "visual" else drawn
     added = corrected(coded, restoration.network, restoration.step, restoration.changes)
@@ -133,7 +133,7 @@ def test_what_it_would_make_worse_stays(crop: Picture) -> None:
     assert layer is not None
     drawn = layer.layer().draw()
     exact = TextureSearch(drawn, Device(threads=1))
-    for network in (1, 2):
+    for network in (1, 2, 3):
         assert Restorer(drawn, None, network, Device(threads=1)).strength(exact, layer) is None
     wrong = TextureSearch(unit, Device(threads=1))
     assert Restorer(unit, None, 1, Device(threads=1)).strength(wrong, layer) is not None

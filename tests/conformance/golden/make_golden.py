@@ -87,6 +87,7 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
         "rgb8-colours": (Picture(forest, "rgb", (0.0, 255.0)), replace(textured, steps=400)),
         "rgb8-any-colours": (Picture(small, "rgb", (0.0, 255.0)), textured),
         "rgba8-tiles-colours": (crop_with_alpha, replace(restored_psnr, quality=60, tile=100, overview=True)),
+        "rgb8-restored-visual": (Picture(forest, "rgb", (0.0, 255.0)), replace(restored, steps=400)),
         "gray16-restored": (Picture(leaves[..., None], "gray", (0.0, 65535.0)), restored_psnr),
         "rgba8-tiles-restored": (crop_with_alpha, replace(restored, quality=40, tile=100, overview=True)),
         "one-pixel": (Picture(small[:1, :1], "rgb", (0.0, 255.0)), quick),

@@ -131,9 +131,9 @@ def test_last_inputs_are_what_the_last_layer_sees(network: int, shape: tuple[int
     np.testing.assert_allclose(found[:3], expected, atol=1e-6)
 
 
-@pytest.mark.parametrize("network", [0, 3, 15, -1])
+@pytest.mark.parametrize("network", [0, 4, 15, -1])
 def test_other_networks_are_refused(network: int) -> None:
-    with pytest.raises(UnsupportedStreamError, match="this program has networks 1 and 2"):
+    with pytest.raises(UnsupportedStreamError, match="this program has networks 1 to 3"):
         restoration_correction(np.zeros((3, 4, 4), np.float32), network, 400, [], 1, "auto")
 
 

@@ -11,7 +11,7 @@ from sgicodec import _native
 from sgicodec.model.gaussians import colour_matrix
 
 torch = pytest.importorskip("torch")
-from tools.restoration_file import RestorationNet, file_of, network_of  # noqa: E402
+from tools.restoration_file import RestorationNet, file_of, mean_of, network_of  # noqa: E402
 
 PARTS = Path(__file__).parents[3] / "sgicodec" / "bitstream" / "parts"
 SHIPPED = sorted(int(path.stem.removeprefix("restoration")) for path in PARTS.glob("restoration*.bin"))
@@ -93,3 +93,13 @@ def test_it_begins_without_a_correction() -> None:
 def test_a_file_of_another_length_is_refused() -> None:
     with pytest.raises(ValueError, match="bytes"):
         network_of(shipped(SHIPPED[0]) + b"\0")
+
+
+def test_a_mean_lies_between_two_networks() -> None:
+    one, other = random_network(4, 3), random_network(4, 3)
+    with torch.no_grad():
+        for values in other.parameters():
+            values += 2.0
+    for share in (0.0, 0.25, 1.0):
+        for own, first in zip(mean_of(one, other, share).parameters(), one.parameters(), strict=True):
+            torch.testing.assert_close(own, first + 2.0 * share)
