@@ -142,8 +142,8 @@ def test_steps_of_texture_become_finer_where_the_score_is_too_low() -> None:
 
 def test_steps_move_so_far_and_no_farther() -> None:
     steps = LookSteps(57.0, 400, passes=8)
-    assert [steps.after(95.0) for _ in range(3)] == [424] * 3
-    assert [steps.after(-90.0) for _ in range(3)] == [376] * 3
+    assert [steps.after(95.0) for _ in range(3)] == [432] * 3
+    assert [steps.after(-90.0) for _ in range(3)] == [368] * 3
 
 
 @pytest.mark.parametrize("passes", [1, 2])
