@@ -27,7 +27,7 @@ from sgicodec.model.luma_space import from_luma_space
 from sgicodec.model.texture_symbols import TextureSymbols
 from sgicodec.rdoq.texture import TextureSearch
 
-__all__ = ["Ascended", "ScoreAscent", "ascent_passes"]
+__all__ = ["Ascended", "Contrast", "ScoreAscent", "ascent_passes"]
 
 F32 = NDArray[np.float32]
 

@@ -11,13 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.encoder.texture_share import smoothed
-from sgicodec.model.texture import ROOT_LOG
-from sgicodec.model.texture_symbols import CONTRAST_LIMIT, TextureSymbols
+from sgicodec.model.texture_symbols import CONTRAST_LIMIT, TextureSymbols, root_blocks
 
 __all__ = ["better_contrasts"]
 
 F32 = NDArray[np.float32]
-F64 = NDArray[np.float64]
 
 _PART = 0.25
 """Of the way to equal losses that contrasts go at a time: a gradient is noisy, and holds near by only."""
@@ -41,10 +39,11 @@ def better_contrasts(
 
     Their mean over symbols stays, so that a layer takes about as many bits.
     """
-    lost = _root_sums(gain.astype(np.float64), contrast.shape)
+    lost = root_blocks(gain.astype(np.float64), "constant").sum(axis=(1, 3))
     counts = lost != 0  # where no pixel counts, contrasts do not
     lost = smoothed(lost, _SIGMA)
-    count = smoothed(_root_sums((symbols.symbols != 0).sum(axis=0, dtype=np.float64), contrast.shape), _SIGMA)
+    coded = root_blocks((symbols.symbols != 0).sum(axis=0), "constant").sum(axis=(1, 3), dtype=np.float64)
+    count = smoothed(coded, _SIGMA)
     tells = counts & (count >= _FEWEST_SYMBOLS)
     least = _LEAST_LOSS * float(lost.mean())
     if least <= 0 or not tells.any():
@@ -54,11 +53,3 @@ def better_contrasts(
     octaves = np.where(tells, octaves - np.average(octaves, weights=weight), 0.0)
     wanted = np.clip(contrast - 4 * _PART * octaves, usual - float(_MOST), usual + float(_MOST))
     return np.clip(np.rint(wanted), -CONTRAST_LIMIT, CONTRAST_LIMIT).astype(np.int8)
-
-
-def _root_sums(plane: F64, shape: tuple[int, ...]) -> F64:
-    """Sums of a plane over each root [rows, columns]; what is missing beyond its borders is nothing."""
-    side, (rows, columns) = 1 << ROOT_LOG, shape
-    padded = np.pad(plane, [(0, (n << ROOT_LOG) - have) for n, have in zip(shape, plane.shape, strict=True)])
-    sums: F64 = padded.reshape(rows, side, columns, side).sum(axis=(1, 3))
-    return sums

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from sgicodec.metrics.local_variance import local_variance
 from sgicodec.metrics.psnr import luma
-from sgicodec.model.texture import ROOT_LOG
 from sgicodec.model.texture_symbols import (
     CONTRAST_LIMIT,
     MOST_SLOPE,
@@ -17,7 +16,7 @@ from sgicodec.model.texture_symbols import (
     STEP_COUNT,
     STEP_ZERO,
     TextureSteps,
-    roots_of,
+    root_blocks,
     step_index,
 )
 
@@ -73,13 +72,9 @@ class TextureTuning:
         """
         if not self.masking:
             return None
-        _, height, width = picture.shape
         variance = local_variance(luma(picture.transpose(1, 2, 0), peak=1.0) / 255.0)
         octaves = 0.5 * self.masking * np.log2((variance + _FLOOR) / _USUAL)
-        columns, rows = roots_of(width, height)
-        margins = (0, (rows << ROOT_LOG) - height), (0, (columns << ROOT_LOG) - width)
-        padded = np.pad(octaves, margins, mode="edge")
-        means = padded.reshape(rows, 1 << ROOT_LOG, columns, 1 << ROOT_LOG).mean(axis=(1, 3))
+        means = root_blocks(octaves, "edge").mean(axis=(1, 3))
         indices = np.clip(np.rint(4 * means), -CONTRAST_LIMIT, CONTRAST_LIMIT)
         return np.asarray(indices, np.int8)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,11 +20,14 @@ __all__ = [
     "STEP_ZERO",
     "TextureSteps",
     "TextureSymbols",
+    "root_blocks",
     "roots_of",
     "step_index",
+    "whole_roots",
 ]
 
 F32 = NDArray[np.float32]
+Beyond = Literal["constant", "edge", "symmetric"]
 
 SAME_COLOURS = 32, 32, 8
 """Of a layer in opponent colours."""
@@ -84,6 +88,20 @@ def roots_of(width: int, height: int) -> tuple[int, int]:
     """Columns and rows of root cells of a tile."""
     side = 1 << ROOT_LOG
     return -(-width // side), -(-height // side)
+
+
+def whole_roots(planes: NDArray[Any], beyond: Beyond) -> NDArray[Any]:
+    """Planes [..., H, W] that fill whole root cells [..., 32 rows, 32 columns]; beyond: what is there, as in np.pad."""
+    *others, height, width = planes.shape
+    columns, rows = roots_of(width, height)
+    margins = (0, (rows << ROOT_LOG) - height), (0, (columns << ROOT_LOG) - width)
+    return np.pad(planes, [(0, 0)] * len(others) + list(margins), mode=beyond)
+
+
+def root_blocks(plane: NDArray[Any], beyond: Beyond) -> NDArray[Any]:
+    """A plane [H, W] by its root cells [rows, 32, columns, 32]."""
+    whole, side = whole_roots(plane, beyond), 1 << ROOT_LOG
+    return whole.reshape(len(whole) >> ROOT_LOG, side, whole.shape[1] >> ROOT_LOG, side)
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,8 @@ from sgicodec._native import TextureAmplitudes, cheapest_colours
 from sgicodec.bitstream.parts.texture import texture_models
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.model.gaussians import colour_matrix
-from sgicodec.model.texture import ROOT_LOG, TextureLayer
-from sgicodec.model.texture_symbols import SAME_COLOURS, TextureSteps, TextureSymbols, roots_of
+from sgicodec.model.texture import TextureLayer
+from sgicodec.model.texture_symbols import SAME_COLOURS, TextureSteps, TextureSymbols, roots_of, whole_roots
 
 __all__ = ["DOUBT", "NO_DOUBT", "TextureSearch", "colours_for", "root_planes"]
 
@@ -30,11 +30,8 @@ def root_planes(residual: F32, beyond: Literal["symmetric", "constant"] = "symme
     """A residual [C, H, W] in opponent colours, mirrored, or with zeros, to fill whole root cells [C, 32 rows, 32
     columns].
     """
-    channels, height, width = residual.shape
-    columns, rows = roots_of(width, height)
-    mixed = np.tensordot(np.array(colour_matrix(channels), np.float32), residual, axes=1)
-    margins = (0, 0), (0, (rows << ROOT_LOG) - height), (0, (columns << ROOT_LOG) - width)
-    return np.ascontiguousarray(np.pad(mixed, margins, mode=beyond), np.float32)
+    mixed = np.tensordot(np.array(colour_matrix(len(residual)), np.float32), residual, axes=1)
+    return np.ascontiguousarray(whole_roots(mixed, beyond), np.float32)
 
 
 def colours_for(

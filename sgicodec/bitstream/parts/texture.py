@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from sgicodec._native import TextureModels
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.limits import check_texture
-from sgicodec.model.texture_symbols import SAME_COLOURS, TextureSteps, TextureSymbols
+from sgicodec.model.texture_symbols import MOST_SLOPE, SAME_COLOURS, TextureSteps, TextureSymbols
 
 __all__ = ["layer_of", "texture_models", "write_texture"]
 
@@ -21,7 +21,8 @@ MODELS = {False: 1, True: 2}
 """Number of the shipped models for symbols that are dependent or not; the file of a number never changes."""
 COLOURED = 3
 """Those of dependent symbols, for layers in colours of their own."""
-_MODELS_BITS, _STEP_BITS, _RATIO_BITS, _SLOPE_BITS, _EXCESS_BITS, _SHARE_BITS, _TURN_BITS = 4, 9, 5, 5, 4, 6, 4
+_MODELS_BITS, _STEP_BITS, _RATIO_BITS, _EXCESS_BITS, _SHARE_BITS, _TURN_BITS = 4, 9, 5, 4, 6, 4
+_SLOPE_BITS = MOST_SLOPE.bit_length()
 
 
 @cache
