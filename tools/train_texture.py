@@ -20,6 +20,7 @@ import numpy as np
 from sgicodec._native import TextureModels
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
+from sgicodec.encoder.texture_contrast import TextureContrasts
 from sgicodec.encoder.texture_tuning import TUNINGS
 from sgicodec.encoder.tile_encoder import Encoding
 from sgicodec.image import read
@@ -46,7 +47,8 @@ def layers(picture: Picture, quality: float) -> list[TextureSymbols]:
     for tune in ("psnr", "visual"):
         tuning = TUNINGS[tune]
         steps = tuning.steps(tuning.step(encoding.lmbda), encoding.spec.channels)
-        layer = search.at(steps, tuning.squared_steps, tuning.contrast(encoding.unit))
+        contrast = TextureContrasts(tuning, encoding.unit).at(steps)
+        layer = search.at(steps, tuning.squared_steps, contrast)
         found += [] if layer is None else [layer]
     return found
 

@@ -4,25 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
-from sgicodec.metrics.local_variance import local_variance
-from sgicodec.metrics.psnr import luma
-from sgicodec.model.texture_symbols import (
-    CONTRAST_LIMIT,
-    MOST_SLOPE,
-    SAME_STEP,
-    STEP_COUNT,
-    STEP_ZERO,
-    TextureSteps,
-    root_blocks,
-    step_index,
-)
+from sgicodec.model.texture_symbols import MOST_SLOPE, SAME_STEP, STEP_COUNT, STEP_ZERO, TextureSteps, step_index
 
 __all__ = ["TUNINGS", "TextureTuning"]
-
-F32 = NDArray[np.float32]
 
 
 @dataclass(frozen=True)
@@ -34,8 +18,9 @@ class TextureTuning:
     growth: slopes of the first channel and of the others (see `TextureSteps`) where the lowest step is a grey level;
     they grow with its square root, as far as a stream can say. colours: steps of colour differences grow with this
     power of the first channel's. masking: steps grow with this power of the local standard deviation of luma, 0 for
-    not at all. larger: how much larger streams are than the R-D model says, in octaves of λ. ascends: whether layers
-    are searched again for the eye ([score_ascent.py](score_ascent.py)).
+    not at all ([texture_contrast.py](texture_contrast.py)). larger: how much larger streams are than the R-D model
+    says, in octaves of λ. ascends: whether layers are searched again for the eye
+    ([score_ascent.py](score_ascent.py)).
     """
 
     squared_steps: float
@@ -65,19 +50,6 @@ class TextureTuning:
         luma, chroma = (min(round(2 * growth * root), MOST_SLOPE) for growth in self.growth)
         return TextureSteps(step, ratios, (luma, chroma), has_contrast=self.masking > 0)
 
-    def contrast(self, picture: F32) -> NDArray[np.int8] | None:
-        """Contrast of each root [rows, columns] of a picture [C, H, W], None where it plays no part.
-
-        It depends on the pixels near a root alone and on no mean, so that tiles look the same.
-        """
-        if not self.masking:
-            return None
-        variance = local_variance(luma(picture.transpose(1, 2, 0), peak=1.0) / 255.0)
-        octaves = 0.5 * self.masking * np.log2((variance + _FLOOR) / _USUAL)
-        means = root_blocks(octaves, "edge").mean(axis=(1, 3))
-        indices = np.clip(np.rint(4 * means), -CONTRAST_LIMIT, CONTRAST_LIMIT)
-        return np.asarray(indices, np.int8)
-
 
 _SQUARED_STEPS = 0.085
 """λ in squared steps; measured on eight pictures."""
@@ -85,8 +57,6 @@ _MOST_ROOT = 7.6
 """Square root of a step, grey levels, above which slopes stay: by eye, steeper ones soften."""
 _EQUAL_STEPS = 428
 """Index of the step at which colour differences have the same, whatever power they follow: 83 grey levels."""
-_FLOOR, _USUAL = 7.7e-4, 3.9e-3
-"""Variances of luma, samples²: what counts as flat, and where steps are what λ says."""
 
 TUNINGS = {
     "psnr": TextureTuning(_SQUARED_STEPS, network=1),

@@ -22,6 +22,7 @@ from sgicodec.encoder.restoring import Restorer, Strength
 from sgicodec.encoder.same_look import LookSteps
 from sgicodec.encoder.score_ascent import Contrast, ScoreAscent, ascent_passes
 from sgicodec.encoder.settling import settling_rounds, with_settled_seeds
+from sgicodec.encoder.texture_contrast import TextureContrasts
 from sgicodec.encoder.texture_handover import HANDOVER, LOOK_AHEAD, Handover
 from sgicodec.encoder.texture_share import EXACT_STEPS, TextureCosts, is_scouted, seed_share, seed_weights
 from sgicodec.encoder.texture_tuning import TUNINGS, TextureTuning
@@ -32,7 +33,7 @@ from sgicodec.metrics.choices import DISTORTIONS
 from sgicodec.metrics.distortion import QuadraticReference, Reference, mean_weight
 from sgicodec.model.layout import ROOT_LOG, SeedLayout, adaptive_layout, cell_sums, uniform_layout
 from sgicodec.model.luma_space import to_luma_space
-from sgicodec.model.texture_symbols import TextureSymbols
+from sgicodec.model.texture_symbols import TextureSteps, TextureSymbols
 from sgicodec.picture import Picture
 from sgicodec.rate_control.lambda_controller import LambdaController
 from sgicodec.rate_control.rd_model import RdModel
@@ -63,7 +64,7 @@ class Encoding:
         self.spec = plan.header.spec
         self.unit, self.empty = coded_samples(picture, plan.header.masked)
         self.stream = TileStream(picture, plan, self.empty, device)
-        self._usual_contrast = self.tuning.contrast(self.unit)
+        self._contrasts = TextureContrasts(self.tuning, self.unit)
         if self.spec.luma_space:
             self.unit = np.tensordot(to_luma_space(self.spec.channels).astype(np.float32), self.unit, axes=1)
         self.reference = DISTORTIONS[self.settings.minimised].reference(self.unit, self.empty)
@@ -73,7 +74,8 @@ class Encoding:
 
     def begin(self, lmbda: float) -> None:
         """Makes ready for a fit at λ."""
-        self.lmbda, self._contrast = lmbda, self._usual_contrast
+        self.lmbda = lmbda
+        self._contrast = self._usual_contrast = self._contrasts.at(self._steps(self.tuning.step(lmbda)))
         self.fit = replace(self.fit, lmbda=lmbda * (seed_share(self.fit) if self.spec.texture else 1.0))
         self.__dict__.pop("seed_reference", None)
         lmbda = self.fit.lmbda
@@ -250,7 +252,7 @@ class Encoding:
         objective = Objective(candidate.header, self.unit, self.device)
         left = objective.residual(with_values(self.spec, model, model.decoded_values))
         left = left[:, :, : self.unit.shape[2]]
-        steps = self.tuning.steps(self.tuning.step(self.lmbda), self.spec.channels)
+        steps = self._steps(self.tuning.step(self.lmbda))
         colours = colours_for(left, steps, self.tuning.price(self.lmbda), self._contrast, self.device)
         doubt = NO_DOUBT if self.fit.hurried else DOUBT
         return TextureSearch(left, self.device, doubt, colours=colours)
@@ -284,9 +286,12 @@ class Encoding:
     def _layer(
         self, search: TextureSearch, step: int, price: float | None, cells: TextureSymbols | None
     ) -> TextureSymbols | None:
-        steps = self.tuning.steps(step, self.spec.channels)
         price = self.tuning.squared_steps if price is None else price
-        return search.at(steps, price, self._contrast, cells)
+        return search.at(self._steps(step), price, self._contrast, cells)
+
+    def _steps(self, step: int) -> TextureSteps:
+        """Steps of all channels, of which the lowest is of this index."""
+        return self.tuning.steps(step, self.spec.channels)
 
     @cached_property
     def _restorer(self) -> Restorer:

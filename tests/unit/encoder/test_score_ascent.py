@@ -13,6 +13,7 @@ from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.parts.texture import write_texture
 from sgicodec.device import ONE_THREAD
 from sgicodec.encoder.score_ascent import ScoreAscent, _Pace, ascent_passes
+from sgicodec.encoder.texture_contrast import TextureContrasts
 from sgicodec.encoder.texture_tuning import TUNINGS
 from sgicodec.metrics.butteraugli import ButteraugliReference
 from sgicodec.metrics.visual_score import VisualReference
@@ -37,7 +38,7 @@ class Case:
         self.unit = np.ascontiguousarray(np.tensordot(into, self.seen, axes=1))
         self.base = np.broadcast_to(self.unit.mean(axis=(1, 2), keepdims=True), self.unit.shape)
         self.back = from_luma_space(3) if luma_space else np.eye(3)
-        self.contrast = TUNING.contrast(self.seen)
+        self.contrast = TextureContrasts(TUNING, self.seen).at(TUNING.steps(step, 3))
         self.search = TextureSearch(self.unit - self.base, ONE_THREAD)
         self.ascent = ScoreAscent(self.unit, luma_space, empty, ONE_THREAD)
         self.searches = 0
