@@ -25,7 +25,7 @@ from sgicodec.cli.options import (
     threads_option,
 )
 from sgicodec.cli.paths import display, with_extension
-from sgicodec.cuda.choice import device_of
+from sgicodec.cuda.choice import check_name, device_of
 from sgicodec.errors import UsageError
 from sgicodec.image.library import begin_to_load
 
@@ -165,7 +165,8 @@ def encode(
     Ctrl-C ends the fit early and writes what it has; a second Ctrl-C writes nothing. A picture of several tiles stops
     at once: OUT.part keeps the finished ones for --resume.
     """
-    computes = device_of(device, threads)
+    check_name(device)
+    computes = device_of(device if cluster is None else "cpu", threads)
     begin_to_load()
     settings = _settings(choices)
     if cluster is None and (source_at is not None or send_pixels):
@@ -180,7 +181,7 @@ def encode(
         from sgicodec.cli.encode_file import Job, encode_file
 
         options = (float_range, verify, "off" if many else progress, force, as_json, quiet, verbose, resume, max_memory)
-        where = (cluster, source_at, send_pixels, alpha)
+        where = (cluster, device, source_at, send_pixels, alpha)
         named = output is not None
         return encode_file(Job(source, target, settings, computes, started, *options, *where, many, named, associated))
 

@@ -15,6 +15,7 @@ from sgicodec.cli.encode_listener import EncodeListener
 from sgicodec.cli.paths import STANDARD, check_output, display
 from sgicodec.cli.progress import Mode
 from sgicodec.cli.report import Report, print_report
+from sgicodec.cuda.choice import device_of
 from sgicodec.encoder.checkpoint import Checkpoint
 from sgicodec.errors import EncodeInterruptedError, StreamError, TargetMissedError, UsageError
 from sgicodec.executors.executor import MIB
@@ -36,7 +37,8 @@ __all__ = ["Job", "encode_file"]
 @dataclass(frozen=True)
 class Job:
     """What the options say of one picture. target: a path, or - for stdout; started: a value of time.monotonic();
-    named: whether target was named with -o.
+    device: without a cluster; cluster_device: its name, for each worker to find; named: whether target was named with
+    -o.
     """
 
     source: str
@@ -54,6 +56,7 @@ class Job:
     resume: bool
     max_memory: float | None
     cluster: str | None
+    cluster_device: str
     source_at: str | None
     send_pixels: bool
     alpha: Alpha
@@ -109,6 +112,7 @@ def _encode(
     from sgicodec.encoder.pipeline import encode_picture
 
     output: Path | BinaryIO = sys.stdout.buffer if job.target == STANDARD else Path(job.target)
+    device = device_of(job.cluster_device, job.device.threads) if executor is None else job.device
     try:
         return encode_picture(
             source,
@@ -117,7 +121,7 @@ def _encode(
             executor=executor,
             store=checkpoint,
             progress=listener,
-            device=job.device,
+            device=device,
             verify=job.verify,
             started=job.started,
         )
@@ -128,7 +132,9 @@ def _encode(
 
 
 def _executor(job: Job, source: Source, stack: ExitStack) -> Executor | None:
-    """What works on the tiles; a cluster is open while `stack` is. Raises UsageError for what one tile cannot have."""
+    """What works on the tiles; a cluster is open while `stack` is, and None for a single tile, which it does not take.
+    Raises UsageError for what one tile cannot have.
+    """
     count = job.settings.grid(source.width, source.height).count
     if count == 1 and job.resume and not job.batch:
         text = "a picture in one tile keeps no checkpoint; leave --resume out"
@@ -143,10 +149,10 @@ def _executor(job: Job, source: Source, stack: ExitStack) -> Executor | None:
     from sgicodec.executors.dask import open_cluster
 
     if job.send_pixels or job.source_at is not None:
-        return stack.enter_context(open_cluster(job.cluster, job.source_at))
+        return stack.enter_context(open_cluster(job.cluster, job.source_at, job.cluster_device))
     if job.source == STANDARD or not Path(job.source).is_file():
         raise UsageError(f"a cluster cannot read {display(job.source)}, which is no file; add --send-pixels")
-    return stack.enter_context(open_cluster(job.cluster, str(Path(job.source).resolve())))
+    return stack.enter_context(open_cluster(job.cluster, str(Path(job.source).resolve()), job.cluster_device))
 
 
 def _part(job: Job, stack: ExitStack) -> Path:

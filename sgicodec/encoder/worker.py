@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Generic, NamedTuple, TypeVar
 
+from sgicodec.cuda.choice import NamedDevice
 from sgicodec.device import Device
 from sgicodec.encoder.interfaces import Task
 from sgicodec.encoder.plan import Plan
@@ -65,7 +66,7 @@ class TileTask(Generic[Result]):
     """Does a task to the pixels that come with the tile's number."""
 
     task: Task[Result]
-    device: Device
+    device: Device | NamedDevice
 
     def __call__(self, number: int, job: Job) -> Result:
         """What the task makes of the tile. Raises PictureError where no pixels came."""
@@ -81,7 +82,7 @@ class ReadingTask(Generic[Result]):
     plan: Plan
     place: str
     task: Task[Result]
-    device: Device
+    device: Device | NamedDevice
 
     def __call__(self, number: int, job: Job) -> Result:
         """What the task makes of the tile. Raises PictureError for another picture than the plan's."""

@@ -8,8 +8,9 @@ from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import replace
 from typing import Any, TypeVar
 
+from sgicodec.cuda.choice import NamedDevice, check_name
 from sgicodec.device import Device
-from sgicodec.errors import UsageError, require
+from sgicodec.errors import MissingExtraError, NoDeviceError, UsageError, require
 from sgicodec.executors.executor import Failure, Memory, Tries
 
 __all__ = ["Cluster", "open_cluster"]
@@ -22,10 +23,12 @@ _AHEAD = 2
 
 
 class Cluster:
-    """An `Executor` on an open cluster. place: path or URL where its workers read the picture; None to send pixels."""
+    """An `Executor` on an open cluster. place: path or URL where its workers read the picture; None to send pixels.
+    device: the name of what computes, which each worker finds at its own machine; None for what the encode is given.
+    """
 
-    def __init__(self, client: Any, place: str | None) -> None:
-        self._client, self.place = client, place
+    def __init__(self, client: Any, place: str | None, device: str | None = None) -> None:
+        self._client, self.place, self._device = client, place, device
 
     @property
     def workers(self) -> int:
@@ -36,11 +39,10 @@ class Cluster:
         """As it is: what its workers have is the cluster's to say."""
         return self
 
-    def device(self, whole: Device, jobs: int) -> Device:
-        """As many threads for each job as were asked for, one where none were: a worker runs several jobs at once. Its
-        GPU is the one of that number which it sees.
-        """
-        return replace(whole.with_threads(max(1, whole.threads)), gpus=1)
+    def device(self, whole: Device, jobs: int) -> Device | NamedDevice:
+        """As many threads for each job as were asked for, one where none were: a worker runs several jobs at once."""
+        own = whole.with_threads(max(1, whole.threads))
+        return replace(own, gpus=1) if self._device is None else NamedDevice(self._device, own.processor)
 
     def run(
         self,
@@ -84,6 +86,10 @@ class Cluster:
 def _outcome(task: Callable[[int, Job], Result], number: int, job: Job) -> Result | Failure:
     try:
         return task(number, job)
+    except (MissingExtraError, NoDeviceError) as error:
+        from distributed import get_worker
+
+        return Failure(f"worker {get_worker().address}: {error}", True)
     except Exception as error:
         return Failure.of(error)
 
@@ -94,19 +100,22 @@ def _lost(future: Any) -> Failure:
     return Failure(f"the cluster gave it up ({error or future.status})", False)
 
 
-def open_cluster(address: str, place: str | None = None) -> AbstractContextManager[Cluster]:
-    """A cluster by the address of its scheduler, or "local:N": one of N processes on this machine. place: as in
+def open_cluster(address: str, place: str | None = None, device: str | None = None) -> AbstractContextManager[Cluster]:
+    """A cluster by the address of its scheduler, or "local:N": one of N processes on this machine. place, device: as in
     `Cluster`.
 
-    Raises UsageError for what is no address, if Dask is not installed, or, on entering, if no cluster answers.
+    Raises UsageError for what is no address or device, if Dask is not installed, or, on entering, if no cluster
+    answers.
     """
     if not isinstance(address, str):
         raise UsageError(f'cluster {address!r}; give the address of a scheduler, or "local:4"')
     if place is not None and not isinstance(place, str):
         raise UsageError(f"place {place!r}; give the path or URL at which workers read the picture")
+    if device is not None:
+        check_name(device)
     _local_processes(address)
     require("distributed", "a cluster", "cluster")
-    return _opened(address, place)
+    return _opened(address, place, device)
 
 
 def _local_processes(address: str) -> int | None:
@@ -120,7 +129,7 @@ def _local_processes(address: str) -> int | None:
 
 
 @contextmanager
-def _opened(address: str, place: str | None) -> Iterator[Cluster]:
+def _opened(address: str, place: str | None, device: str | None) -> Iterator[Cluster]:
     from distributed import Client, LocalCluster
 
     with ExitStack() as stack:
@@ -133,7 +142,7 @@ def _opened(address: str, place: str | None) -> Iterator[Cluster]:
             client = stack.enter_context(Client(scheduler, timeout=_PATIENCE_SECONDS))
         except (OSError, ValueError) as error:
             raise UsageError(f"cluster {address}: {error or 'no scheduler answers there'}") from error
-        yield Cluster(client, place)
+        yield Cluster(client, place, device)
 
 
 _PATIENCE_SECONDS = 10

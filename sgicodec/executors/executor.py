@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
+from sgicodec.cuda.choice import NamedDevice
 from sgicodec.device import Device
 from sgicodec.errors import SgiError, TileFailedError, UsageError
 
@@ -66,8 +67,8 @@ class Executor(Protocol):
     def within(self, memory: Memory, jobs: int) -> Executor:
         """The same for n jobs: with no more workers than there are jobs, or than its memory limit allows."""
 
-    def device(self, whole: Device, jobs: int) -> Device:
-        """What computes each of n jobs, if `whole` computes all of them."""
+    def device(self, whole: Device, jobs: int) -> Device | NamedDevice:
+        """What computes each of n jobs, if `whole` computes all of them; asked where a job is done."""
 
     def run(
         self,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from sgicodec.cuda import choice
-from sgicodec.cuda.choice import decoding_device_of, device_of
+from sgicodec.cuda.choice import NamedDevice, decoding_device_of, device_of, own_device_of
 from sgicodec.device import Device
 from sgicodec.errors import MissingExtraError, NoDeviceError, UsageError
 
@@ -31,6 +31,19 @@ def test_names() -> None:
     assert decoding_device_of("auto", 3) == decoding_device_of("cpu", 3) == Device(3)
     assert decoding_device_of("cuda", 3) == Device(3, gpu=0)
     assert decoding_device_of("cuda:1") == Device(gpu=1)
+
+
+@pytest.mark.usefixtures("_two_gpus")
+def test_names_for_one_of_several_processes(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sgicodec.cuda.claim.claimed_gpu", lambda: 1)
+    assert own_device_of("cpu", 3) == Device(3)
+    assert own_device_of("auto", 3) == own_device_of("cuda", 3) == Device(3, gpu=1)
+    assert own_device_of("cuda:0") == Device(gpu=0)
+    assert NamedDevice("cuda", Device(2, "portable")).of_tile(7) == Device(2, "portable", gpu=1)
+    monkeypatch.setattr("sgicodec.cuda.claim.claimed_gpu", lambda: 2)
+    assert NamedDevice("auto", Device(2, "portable")).of_tile(7) == Device(2, "portable")
+    with pytest.raises(NoDeviceError, match="no GPU 2"):
+        NamedDevice("cuda", Device(2)).of_tile(7)
 
 
 @pytest.mark.parametrize("error", [NoDeviceError("no driver"), MissingExtraError("no NVRTC"), MemoryError("full")])
