@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from sgicodec.encoder.pipeline import encode_picture
     from sgicodec.encoder.settings import EncodeSettings
     from sgicodec.executors.dask import open_cluster
+    from sgicodec.executors.gpus import GpuExecutor
     from sgicodec.executors.processes import ProcessExecutor
     from sgicodec.executors.threads import ThreadExecutor
     from sgicodec.image import open_source, read, write
@@ -39,6 +40,7 @@ __all__ = [
     "Device",
     "EncodeSettings",
     "Encoded",
+    "GpuExecutor",
     "NullListener",
     "Picture",
     "ProcessExecutor",
@@ -65,6 +67,7 @@ _HOMES = {
     "Encoded": "encoder.encoded.Encoded",
     "NullListener": "encoder.listener.NullListener",
     "Picture": "picture.Picture",
+    "GpuExecutor": "executors.gpus.GpuExecutor",
     "ProcessExecutor": "executors.processes.ProcessExecutor",
     "Stream": "decoder.stream.Stream",
     "ThreadExecutor": "executors.threads.ThreadExecutor",

@@ -19,6 +19,7 @@ from sgicodec.cuda.choice import device_of
 from sgicodec.encoder.checkpoint import Checkpoint
 from sgicodec.errors import EncodeInterruptedError, StreamError, TargetMissedError, UsageError
 from sgicodec.executors.executor import MIB
+from sgicodec.executors.gpus import GpuExecutor
 from sgicodec.executors.peak import own_peak
 from sgicodec.executors.processes import ProcessExecutor
 from sgicodec.executors.threads import ThreadExecutor
@@ -96,7 +97,7 @@ def encode_file(job: Job) -> int:
     if not job.quiet or job.as_json:
         report = Report.of(listener.plan, encoded)
         seconds, own = time.monotonic() - job.started, own_peak()
-        workers = executor.peaks.bytes if isinstance(executor, ProcessExecutor) else 0
+        workers = executor.peaks.bytes if isinstance(executor, ProcessExecutor | GpuExecutor) else 0
         peak = None if own is None else (own + workers) / MIB
         print_report(report, job.source, job.target, seconds, peak, job.as_json, job.verbose)
     if missed is not None:
@@ -141,9 +142,7 @@ def _executor(job: Job, source: Source, stack: ExitStack) -> Executor | None:
         side = next((side for side in (1024, 512, 256) if max(source.width, source.height) > side), None)
         raise UsageError(text + (f", or cut the picture into tiles with --tile {side}" if side else ""))
     if job.cluster is None:
-        if job.device.gpu is None or job.device.gpus > 1:  # one process feeds a GPU, not several
-            return ProcessExecutor(job.device.cores, job.max_memory)
-        return ThreadExecutor(job.device.cores + 1, job.max_memory)
+        return _local_executor(job.device, job.max_memory)
     if count == 1:
         return None
     from sgicodec.executors.dask import open_cluster
@@ -153,6 +152,15 @@ def _executor(job: Job, source: Source, stack: ExitStack) -> Executor | None:
     if job.source == STANDARD or not Path(job.source).is_file():
         raise UsageError(f"a cluster cannot read {display(job.source)}, which is no file; add --send-pixels")
     return stack.enter_context(open_cluster(job.cluster, str(Path(job.source).resolve()), job.cluster_device))
+
+
+def _local_executor(device: Device, max_memory: float | None) -> Executor:
+    """Processes for the processor; threads for a GPU, which one process feeds best; for several, a process for each."""
+    if device.gpu is None:
+        return ProcessExecutor(device.cores, max_memory)
+    if device.gpus == 1:
+        return ThreadExecutor(device.cores + 1, max_memory)
+    return GpuExecutor(device.gpus, device.cores + device.gpus, max_memory, device.gpu)
 
 
 def _part(job: Job, stack: ExitStack) -> Path:

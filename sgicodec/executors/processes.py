@@ -6,8 +6,10 @@ import contextlib
 import os
 import signal
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from threading import Lock
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from sgicodec.device import Device
@@ -21,7 +23,7 @@ if TYPE_CHECKING:
     from multiprocessing.connection import Connection
     from multiprocessing.process import BaseProcess
 
-__all__ = ["ProcessExecutor"]
+__all__ = ["ProcessExecutor", "process_pool"]
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
@@ -63,37 +65,41 @@ class ProcessExecutor:
         """As in `Executor`. `task`, jobs and results are pickled."""
         numbers = list(numbers)
         self.peaks.begin()
-        with _pool(task, min(self.workers, len(numbers)), self.peaks, make_ready) as pool:
+        with process_pool(task, min(self.workers, len(numbers)), self.peaks, make_ready) as pool:
             yield from pool.run(numbers, job_of)
-
-
-class _Ready:
-    """The message of a process that can begin."""
 
 
 @dataclass
 class _Worker:
-    """A process and the tile that is its. ready: whether it can begin, or has begun."""
+    """A process and the tiles that are its. ready: whether it can begin, or has begun."""
 
     process: BaseProcess
     pipe: Connection
-    tile: int | None = None
+    tiles: set[int] = field(default_factory=set)
     ready: bool = False
 
 
 class _Pool(Generic[Job, Result]):
     def __init__(
-        self, task: Callable[[int, Job], Result], count: int, peaks: Peaks, make_ready: Callable[[], None] | None
+        self,
+        task: Callable[[int, Job], Result],
+        count: int,
+        peaks: Peaks,
+        make_ready: Callable[[], None] | None,
+        threads: int,
+        environments: Sequence[Mapping[str, str]],
     ) -> None:
         from multiprocessing import get_context
 
         self._task, self._make_ready, self._context = task, make_ready, get_context("spawn")
-        self._peaks = peaks
-        self._workers = [self._start() for _ in range(count)]
+        self._peaks, self._threads, self._environments = peaks, threads, environments
+        self._workers = [self._start(number) for number in range(count)]
 
-    def _start(self) -> _Worker:
+    def _start(self, number: int) -> _Worker:
         here, there = self._context.Pipe()
-        process = self._context.Process(target=_work, args=(there, self._task, self._make_ready), daemon=True)
+        environment = self._environments[number] if self._environments else {}
+        given = there, self._task, self._make_ready, self._threads, environment
+        process = self._context.Process(target=_work, args=given, daemon=True)
         process.start()
         there.close()
         return _Worker(process, here)
@@ -102,45 +108,52 @@ class _Pool(Generic[Job, Result]):
         from multiprocessing.connection import wait
 
         waiting, tries = deque(numbers), Tries()
-        while waiting or any(worker.tile is not None for worker in self._workers):
-            for worker in self._workers:
-                if worker.tile is None and waiting:
-                    worker.tile = waiting.popleft()
-                    if worker.ready:
-                        self._send(worker, job_of)
-            busy = {worker.pipe: worker for worker in self._workers if worker.tile is not None}
+        while waiting or any(worker.tiles for worker in self._workers):
+            self._hand_out(waiting, job_of)
+            busy = {worker.pipe: worker for worker in self._workers if worker.tiles}
             for pipe in wait(list(busy)):
-                worker = busy[pipe]  # type: ignore[index]
-                number, outcome = self._outcome(worker)
-                if isinstance(outcome, _Ready):
-                    worker.tile, worker.ready = number, True
-                    self._send(worker, job_of)
-                    continue
-                if not isinstance(outcome, Failure):
-                    yield number, outcome
-                    continue
-                tries.failed(number, outcome)
-                waiting.appendleft(number)
+                for number, outcome in self._outcomes(busy[pipe], job_of):  # type: ignore[index]
+                    if not isinstance(outcome, Failure):
+                        yield number, outcome
+                        continue
+                    tries.failed(number, outcome)
+                    waiting.appendleft(number)
 
-    def _send(self, worker: _Worker, job_of: Callable[[int], Job]) -> None:
-        number = worker.tile or 0
+    def _hand_out(self, waiting: deque[int], job_of: Callable[[int], Job]) -> None:
+        """Gives tiles to whoever can take one, to those that have fewest first."""
+        while waiting:
+            worker = min(self._workers, key=lambda worker: len(worker.tiles))
+            if len(worker.tiles) == self._threads:
+                return
+            number = waiting.popleft()
+            worker.tiles.add(number)
+            if worker.ready:
+                self._send(worker, number, job_of)
+
+    def _send(self, worker: _Worker, number: int, job_of: Callable[[int], Job]) -> None:
         job = job_of(number)
         with contextlib.suppress(OSError):  # it died while it was idle: the pipe reports it to the waiting reader
             worker.pipe.send((number, job))
 
-    def _outcome(self, worker: _Worker) -> tuple[int, Result | Failure | _Ready]:
-        number, worker.tile = worker.tile or 0, None
-        outcome: Result | Failure | _Ready
+    def _outcomes(self, worker: _Worker, job_of: Callable[[int], Job]) -> list[tuple[int, Result | Failure]]:
+        """What a worker has to say: that it is ready, what became of a tile, or of all of its tiles where it died."""
+        place = self._workers.index(worker)
         try:
-            peak, outcome = worker.pipe.recv()
-            self._peaks.add(self._workers.index(worker), peak)
+            peak, number, outcome = worker.pipe.recv()
         except (EOFError, OSError):
             worker.process.join()
-            outcome = Failure(f"its process ended with status {worker.process.exitcode}", False)
+            failure = Failure(f"its process ended with status {worker.process.exitcode}", False)
             worker.pipe.close()
-            fresh = self._start()
-            worker.process, worker.pipe, worker.ready = fresh.process, fresh.pipe, False
-        return number, outcome
+            self._workers[place] = self._start(place)
+            return [(number, failure) for number in sorted(worker.tiles, reverse=True)]
+        self._peaks.add(place, peak)
+        if number is None:
+            worker.ready = True
+            for number in sorted(worker.tiles):
+                self._send(worker, number, job_of)
+            return []
+        worker.tiles.remove(number)
+        return [(number, outcome)]
 
     def stop(self) -> None:
         """Ends all processes, whatever they are doing."""
@@ -152,34 +165,57 @@ class _Pool(Generic[Job, Result]):
 
 
 @contextlib.contextmanager
-def _pool(
-    task: Callable[[int, Job], Result], count: int, peaks: Peaks, make_ready: Callable[[], None] | None
+def process_pool(
+    task: Callable[[int, Job], Result],
+    count: int,
+    peaks: Peaks,
+    make_ready: Callable[[], None] | None,
+    threads: int = 1,
+    environments: Sequence[Mapping[str, str]] = (),
 ) -> Iterator[_Pool[Job, Result]]:
-    pool = _Pool(task, count, peaks, make_ready)
+    """As many processes, each of which does `threads` jobs at once, with variables added to its environment."""
+    pool = _Pool(task, count, peaks, make_ready, threads, environments)
     try:
         yield pool
     finally:
         pool.stop()
 
 
-def _work(pipe: Connection, task: Callable[[int, Any], Any], make_ready: Callable[[], None] | None) -> None:
+def _work(
+    pipe: Connection,
+    task: Callable[[int, Any], Any],
+    make_ready: Callable[[], None] | None,
+    threads: int,
+    environment: Mapping[str, str],
+) -> None:
     """The life of a worker. It leaves Ctrl-C to the process that started it, whose end ends it too."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    os.environ.update(environment)
     if make_ready is not None:
         make_ready()
-    with contextlib.suppress(OSError):
-        pipe.send((own_peak(), _Ready()))
-    while True:
-        try:
-            number, job = pipe.recv()
-        except (EOFError, OSError):
-            return
+    turn = Lock()
+
+    def tell(number: int | None, outcome: object) -> None:
+        with turn, contextlib.suppress(OSError):  # nobody listens any more: the pipe ends
+            pipe.send((own_peak(), number, outcome))
+
+    def attempt(number: int, job: Any) -> None:
         try:
             outcome = task(number, job)
         except Exception as error:
             outcome = Failure.of(error)
         del job
-        try:
-            pipe.send((own_peak(), outcome))
-        except OSError:
-            return
+        tell(number, outcome)
+
+    tell(None, None)
+    with ThreadPoolExecutor(threads) as pool:
+        while True:
+            try:
+                given = pipe.recv()
+            except (EOFError, OSError):
+                return
+            if threads > 1:
+                pool.submit(attempt, *given)
+            else:
+                attempt(*given)
+            del given

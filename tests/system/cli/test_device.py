@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from children import HANGS
-from fake_cuda import fake_driver, library
+from fake_cuda import contexts_in, fake_driver, fake_machine, library
 from sanitizer import needs_plain_memory
 
 from sgicodec.cuda import compiler, driver, gpu
@@ -98,3 +98,23 @@ def test_processes_compile_load_and_agree(picture: Path, tmp_path: Path) -> None
         subprocess.run(command, env=environment, check=True, timeout=HANGS)
     assert (tmp_path / "1").read_bytes() == (tmp_path / "2").read_bytes()
     assert len(list((tmp_path / "sgicodec" / "cuda").iterdir())) == 1
+
+
+def test_several_gpus_have_a_process_each_and_give_the_bytes_of_one(
+    picture: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """No process but the one that looks for GPUs has a context on another than its own."""
+    needs_plain_memory()
+    contexts = fake_machine(monkeypatch, tmp_path, 2)
+    options = ["--tile", "32", "--steps", "10", "--no-texture", "-j", "2"]
+    streams = []
+    for device in ("cuda", "cuda:1"):
+        out = tmp_path / f"{device}.sgi"
+        command = [sys.executable, "-m", "sgicodec", "encode", str(picture), str(out), *options, "--device", device]
+        subprocess.run(command, check=True, timeout=HANGS)
+        streams.append(out.read_bytes())
+        found = contexts_in(contexts)
+        assert sorted(map(sorted, found.values())) == ([[0], [0], [1]] if device == "cuda" else [[1]])
+        for file in contexts.iterdir():
+            file.unlink()
+    assert streams[0] == streams[1]

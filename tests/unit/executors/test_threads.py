@@ -195,4 +195,4 @@ def test_the_command_line_uses_threads_for_one_gpu() -> None:
         source = type("Source", (), {"width": 90, "height": 90})
         executor = encode_file._executor(job, source, None)  # type: ignore[arg-type]
         given.append((type(executor).__name__, executor.workers))  # type: ignore[union-attr]
-    assert given == [("ProcessExecutor", 2), ("ThreadExecutor", 3), ("ProcessExecutor", 2)]
+    assert given == [("ProcessExecutor", 2), ("ThreadExecutor", 3), ("GpuExecutor", 3)]

@@ -1,0 +1,91 @@
+"""Tiles over several GPUs of this machine: a process for each, and threads within it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
+from typing import TypeVar
+
+from sgicodec.device import Device
+from sgicodec.errors import NoDeviceError, UsageError
+from sgicodec.executors.available import workers_that_fit
+from sgicodec.executors.executor import Executor, Memory
+from sgicodec.executors.peak import Peaks
+from sgicodec.executors.processes import process_pool
+from sgicodec.executors.serial import SerialExecutor
+
+__all__ = ["GpuExecutor"]
+
+Job = TypeVar("Job")
+Result = TypeVar("Result")
+
+_VISIBLE = "CUDA_VISIBLE_DEVICES"
+"""Names the GPUs that NVIDIA's driver shows to a process; there they are numbered from 0."""
+
+
+class GpuExecutor:
+    """An `Executor` with a process of this machine for each of several GPUs, which sees that one alone. Tiles within a
+    process are done in threads, whose steps share the GPU as with `ThreadExecutor`.
+
+    gpus: how many, from number `first` on. workers: tiles at once over all of them, at most; 0 for one per core and one
+    for each GPU. max_memory: bytes that all processes together may take at their peak. peaks: where they tell what they
+    took.
+    """
+
+    place = None
+
+    def __init__(
+        self,
+        gpus: int,
+        workers: int = 0,
+        max_memory: float | None = None,
+        first: int = 0,
+        peaks: Peaks | None = None,
+    ) -> None:
+        if not isinstance(gpus, int) or gpus < 1:
+            raise UsageError(f"gpus {gpus!r}; 1 or more")
+        if not isinstance(workers, int) or workers < 0:
+            raise UsageError(f"workers {workers!r}; 0 (one per core, and one for each GPU) or more")
+        most = workers or (os.cpu_count() or 1) + gpus
+        self._gpus, self._first, self._max_memory = min(gpus, most), first, max_memory
+        self._threads = most // self._gpus
+        self.workers, self.peaks = self._gpus * self._threads, peaks or Peaks()
+
+    def within(self, memory: Memory, jobs: int) -> Executor:
+        """As in `Executor`; without `max_memory`, no more than there is memory for."""
+        count = workers_that_fit(memory, min(self.workers, jobs), self._max_memory)
+        if count == 1:
+            return SerialExecutor()
+        return GpuExecutor(self._gpus, count, self._max_memory, self._first, self.peaks)
+
+    def device(self, whole: Device, jobs: int) -> Device:
+        """The only GPU of its process, and a share of the threads."""
+        own = whole.shared_among(min(self.workers, jobs))
+        return own if own.gpu is None else replace(own, gpu=0, gpus=1)
+
+    def run(
+        self,
+        task: Callable[[int, Job], Result],
+        numbers: Iterable[int],
+        job_of: Callable[[int], Job],
+        make_ready: Callable[[], None] | None = None,
+    ) -> Iterator[tuple[int, Result]]:
+        """As in `Executor`. `task`, jobs and results are pickled."""
+        numbers = list(numbers)
+        count = min(self._gpus, len(numbers))
+        environments = [{_VISIBLE: _name_of(self._first + gpu)} for gpu in range(count)]
+        self.peaks.begin()
+        with process_pool(task, count, self.peaks, make_ready, self._threads, environments) as pool:
+            yield from pool.run(numbers, job_of)
+
+
+def _name_of(gpu: int) -> str:
+    """What the driver calls a GPU that this process numbers so."""
+    named = os.environ.get(_VISIBLE)
+    if named is None:
+        return str(gpu)
+    names = named.split(",")
+    if gpu >= len(names):
+        raise NoDeviceError(f"no GPU {gpu}: {_VISIBLE} names {len(names)}")
+    return names[gpu].strip()
