@@ -166,7 +166,9 @@ bool TileRenderer::is_painted() const {
 void TileRenderer::draw_blocks(const PictureView &view, int64_t x, int64_t y, const PixelBlock &block,
                                const SampleFormat &format, int threads) {
   const bool restores = restoration_ && std::min(view.sx, view.sy) >= 1;
-  const int64_t share = restores ? 64 : texture_ && !is_painted() ? 16 : 1;  // as much more is held of a block
+  // As much more is held of a block. A painter takes all Gaussians again for each, so that floats of a whole block are
+  // held, drawn and restored.
+  const int64_t share = is_painted() ? (restores ? 2 : 1) : restores ? 64 : texture_ ? 16 : 1;
   const int64_t most = std::max<int64_t>(1, settings_.block_samples / share);
   const int64_t width = std::min(block.columns, int64_t(std::ceil(4 * std::sqrt(double(most)))));  // flat blocks
   const int64_t height = std::max<int64_t>(1, most / (width * header_.spec.channels));

@@ -21,7 +21,8 @@ struct DecoderSettings {
   Isa isa = Isa::portable;
   int64_t cache_bytes = int64_t(1) << 28;    // what decoded tiles may take before those used least recently go
   int64_t block_samples = int64_t(1) << 27;  // drawn at a time; a sixteenth where the processor has texture as floats,
-                                             // a quarter of that where it restores
+                                             // a quarter of that where it restores; half where a painter draws
+                                             // what is restored
   std::function<void()> between = nullptr;   // called between tiles by who draws them; what it throws ends the call
   bool checked = true;                       // as of `read_tile`
   int64_t tile_memory = kAnyMemory;          // as of `read_tile`

@@ -39,7 +39,7 @@ CACHE_BYTES = 1 << 28
 BLOCK_SAMPLES = 1 << 27
 """A picture is drawn in blocks of no more samples; a sixteenth where there is texture, which is drawn to floats."""
 GPU_BLOCK_SAMPLES = 1 << 25
-"""The same on a GPU, where every block is floats, too: 128 MiB."""
+"""The same on a GPU, where every block is floats, too: 128 MiB; half where the processor restores what it draws."""
 
 BytesLike = bytes | bytearray | memoryview | Any
 """Whatever has a buffer: also mmap, and arrays of bytes."""

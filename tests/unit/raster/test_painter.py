@@ -119,6 +119,31 @@ def test_decode_and_bands(gpu: Device, drawn: list[tuple[int, ...]], monkeypatch
         np.testing.assert_array_equal(decode(data, device=gpu), whole)
 
 
+@pytest.mark.parametrize("name", ["rgb8-restored", "rgb8-restored-visual", "gray16-restored"])
+@pytest.mark.parametrize(("view", "draws"), [({}, 1), ({"region": (9, 7, 101, 83)}, 1), ({"scale": 2.5}, 2)], ids=str)
+def test_what_is_restored_is_drawn_at_once(
+    name: str,
+    view: dict[str, Any],
+    draws: int,
+    gpu: Device,
+    drawn: list[tuple[int, ...]],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """In its own pixels, and once more as it is shown; blocks, where there are any, do not show."""
+    path = GOLDEN / f"{name}.sgi"
+    with open_stream(path, Device(1)) as stream:
+        theirs = stream.render(**view)
+    monkeypatch.setattr(streams, "GPU_BLOCK_SAMPLES", 2 * theirs.size)
+    with open_stream(path, gpu) as stream:
+        ours = stream.render(**view)
+    assert len(drawn) == draws
+    assert np.abs(ours - theirs).max() < 0.004
+    monkeypatch.setattr(streams, "GPU_BLOCK_SAMPLES", theirs.size // 2)
+    with open_stream(path, gpu) as stream:
+        np.testing.assert_array_equal(stream.render(**view), ours)
+    assert len(drawn) >= 5 * draws
+
+
 def test_threads_take_turns(gpu: Device) -> None:
     """Of one stream and of several, and those that decode ahead."""
     path = GOLDEN / "rgb8-tiles.sgi"
