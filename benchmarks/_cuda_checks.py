@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import copy
 import shutil
 import subprocess
 import sys
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchmarks.raster import Scene
 from sgicodec.bitstream.parts.prior import load_prior
@@ -18,6 +20,11 @@ from sgicodec.device import Device
 from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.errors import SgiError
+from sgicodec.errors import require as need
+from sgicodec.fit.adam import Adam, Moments
+from sgicodec.fit.device_fit import DeviceFit
+from sgicodec.fit.fused_step import NoiseKey
+from sgicodec.fit.parameters import Parameters
 from sgicodec.fit.trainer import Trainer
 from sgicodec.metrics.distortion import squared_error
 from sgicodec.model.layout import ROOT_LOG, adaptive_layout, cell_sums
@@ -27,14 +34,20 @@ from sgicodec.raster.cuda import CudaRasterizer
 from sgicodec.raster.reference import ReferenceRasterizer
 
 __all__ = [
+    "NotRunError",
+    "Tuning",
     "check_decodes",
     "check_gradients",
+    "check_rate",
     "check_repeats",
     "check_sanitizer",
     "check_seeds",
     "check_streams",
     "require",
 ]
+
+F64 = NDArray[np.float64]
+Tuning = Literal["visual", "psnr"]
 
 SMALL = Scene(300, 3.0, 150, 100)
 CROP = 256
@@ -60,9 +73,82 @@ def check_gradients(gpu: Gpu) -> str:
     means, covariances, colours = (array.astype(np.float64) for array in scene)
     value, expected = ReferenceRasterizer().squared_error(means, covariances, colours, target.astype(np.float64), 1.0)
     pairs = (*zip(found, expected, strict=True), *zip(again, expected, strict=True))
-    apart = max(float(np.linalg.norm(a - b) / np.linalg.norm(b)) for a, b in pairs)
+    apart = max(_apart(a, b) for a, b in pairs)
     require(abs(error / value - 1) < 1e-5 and apart < 1e-4, "gradients are not those of the reference")
     return f"{apart:.1e} from the float64 reference"
+
+
+def check_rate(device: Device, pixels: np.ndarray) -> str:
+    """Bits and the gradients of a context network that trains, of values and steps, against automatic differentiation
+    in float64; what Adam makes of them against its formula in float64. In the midst of a fit, where only bits count.
+
+    Raises MissingExtraError where there is no torch.
+    """
+    need("torch", "gradients in float64", "paper")
+    from benchmarks._cuda_reference import rate_gradients
+
+    spec, target = default_spec(3, prior=0), _samples(pixels)
+    layout = adaptive_layout(target, 0.03)
+    trainer = Trainer(spec, default_settings(1e-3, 60), target, layout, 1, device=device)
+    for progress in trainer.iterate():
+        if progress.step == 40:
+            break
+    fit, parameters, adam = trainer.on_gpu, trainer.parameters, trainer.adam
+    require(fit is not None and trainer.context.trains, "the processor fits, or no network trains")
+    assert fit is not None
+    trainer.fetch()
+    fit.set_layout(trainer.seeds.layout, trainer.quality)
+    number, rates = 40, dict.fromkeys(parameters.trained(), 1e-2)
+    key, size = NoiseKey.of(fit.seed, number), (target.shape[2], target.shape[1])
+    value, expected = rate_gradients(spec, parameters, trainer.quality, key, size)
+    before = {name: array.astype(np.float64) for name, array in parameters.trained().items()}
+    kept = {name: copy.deepcopy(adam.moments(name, array)) for name, array in parameters.trained().items()}
+    _, bits = fit.run("noise", number, trainer.levels[0], _RATE_ALONE, rates)
+    found = {name: gradient / _RATE_ALONE for name, gradient in _gradients(fit, parameters).items()}
+    apart = {name: _apart(found[name].reshape(want.shape), want) for name, want in expected.items()}
+    require(abs(bits / value - 1) < 1e-4 and max(apart.values()) < 1e-4, f"bits and gradients are {apart} off")
+    trainer.fetch()
+    moved = {}
+    for name, array in parameters.trained().items():
+        gradient = _RATE_ALONE * found[name].astype(np.float64).reshape(array.shape)
+        step = _adam(kept[name], gradient, rates[name], adam)
+        moved[name] = _apart(array - before[name], step)
+    require(max(moved.values()) < 1e-3, f"what Adam moves is {moved} off")
+    return f"gradients {max(apart.values()):.1e}, Adam {max(moved.values()):.1e} from float64"
+
+
+def _gradients(fit: DeviceFit, parameters: Parameters) -> dict[str, np.ndarray]:
+    """Of the last step, by the name of what trains: those that all seeds share lie behind each other."""
+    held, context = fit._held._held, parameters.context
+    shared = {"context.rest": context.rest.size, "steps": parameters.steps.size, "context.first": context.first.size}
+    sums = np.split(held["sums"].download(), np.cumsum(list(shared.values()))[:-1])
+    return dict(zip(shared, sums, strict=True)) | {
+        name: held[f"grad_{name}"].download() for name in parameters.seeds.values
+    }
+
+
+_RATE_ALONE = 2.0**30
+"""λ of a step whose gradients are those of the bits, as far as float32 tells."""
+
+
+def _adam(moments: Moments, gradient: F64, rate: float, adam: Adam) -> F64:
+    """By how much an array moves in the next step (Kingma and Ba 2015, algorithm 1)."""
+    (beta1, beta2), count = adam.betas, moments.count + 1
+    mean = beta1 * moments.mean.astype(np.float64) + (1 - beta1) * gradient
+    square = beta2 * moments.square.astype(np.float64) + (1 - beta2) * gradient**2
+    moved: F64 = -rate * mean / (1 - beta1**count) / (np.sqrt(square / (1 - beta2**count)) + adam.epsilon)
+    return moved
+
+
+def _apart(found: np.ndarray, expected: np.ndarray) -> float:
+    """Relative to the norm of what is expected."""
+    return float(np.linalg.norm(found - expected) / np.linalg.norm(expected))
+
+
+def _samples(pixels: np.ndarray) -> np.ndarray:
+    """Of a crop [3, H, W], around zero."""
+    samples = pixels[:CROP, :CROP].transpose(2, 0, 1).astype(np.float32) / np.float32(255) - np.float32(0.5)
+    return np.ascontiguousarray(samples)
 
 
 def check_repeats(gpu: Gpu, size: Scene) -> str:
@@ -77,8 +163,7 @@ def check_repeats(gpu: Gpu, size: Scene) -> str:
 
 def check_seeds(device: Device, pixels: np.ndarray) -> str:
     """What decides which seeds go and come, in the midst of a fit, beside the processor's from the same values."""
-    samples = pixels[:CROP, :CROP].transpose(2, 0, 1).astype(np.float32) / np.float32(255) - np.float32(0.5)
-    spec, target, lmbda = default_spec(3, prior=3), np.ascontiguousarray(samples), 1e-3
+    spec, target, lmbda = default_spec(3, prior=3), _samples(pixels), 1e-3
     networks, layout = load_prior(spec), adaptive_layout(target, 30 * lmbda)
     trainer = Trainer(spec, default_settings(lmbda, 60), target, layout, 1, networks, device=device)
     for progress in trainer.iterate():
@@ -94,19 +179,19 @@ def check_seeds(device: Device, pixels: np.ndarray) -> str:
     )
     expected = trainer.seeds.energy(), cell_sums(target - drawn, ROOT_LOG).values[1]
     pairs: list[tuple[np.ndarray, np.ndarray]] = list(zip((energy, lacks), expected, strict=True))
-    apart = [float(np.linalg.norm(a - b) / np.linalg.norm(b)) for a, b in pairs]
+    apart = [_apart(a, b) for a, b in pairs]
     require(max(apart) < 1e-4, f"energies and residuals are {apart} from the processor's")
     return f"energies {apart[0]:.1e}, residuals {apart[1]:.1e} from the processor's"
 
 
-def check_streams(device: Device, pixels: np.ndarray, steps: int, seeds: int) -> str:
+def check_streams(device: Device, pixels: np.ndarray, steps: int, seeds: int, tune: Tuning) -> str:
     """Encodes of crops: the same bytes twice, CRCs that hold when the processor decodes, J beside the processor's."""
     crops = [pixels[y : y + CROP, x : x + CROP] for y, x in ((0, 0), (pixels.shape[0] - CROP, pixels.shape[1] - CROP))]
     ratios = []
     for number in range(seeds):
         for crop in crops:
             picture = Picture(np.ascontiguousarray(crop), "rgb", (0, 255))
-            settings = EncodeSettings(steps=steps, seed=number, tune="psnr")
+            settings = EncodeSettings(steps=steps, seed=number, tune=tune)
             on_gpu, again, on_cpu = (
                 encode_picture(picture, settings, device=one).data for one in (device, device, Device(device.threads))
             )
@@ -136,20 +221,24 @@ def check_decodes(device: Device, data: bytes) -> str:
     return f"{len(VIEWS)} views of {len(data):,} bytes at most {most} level from the processor's pixels"
 
 
-def check_sanitizer() -> str:
-    """compute-sanitizer over gradients, steps of a fit, seeds that come and go, and a decode: memory, and races in
-    shared memory.
+def check_sanitizer(name: str) -> str:
+    """compute-sanitizer over gradients, steps of a fit, seeds that come and go, and a decode on the device of this
+    name: memory, and races in shared memory. Raises NotRunError where there is none.
     """
     command = shutil.which("compute-sanitizer")
     if command is None:
-        return "not run: compute-sanitizer is not on the path"
+        raise NotRunError("compute-sanitizer is not on the path")
     for tool in ("memcheck", "racecheck", "initcheck", "synccheck"):
-        program = [sys.executable, "-m", "benchmarks", "cuda", "--kernels-alone"]
+        program = [sys.executable, "-m", "benchmarks", "cuda", "--kernels-alone", "--device", name]
         done = subprocess.run(
             [command, "--tool", tool, "--error-exitcode", "1", *program], capture_output=True, text=True
         )
         require(done.returncode == 0, f"compute-sanitizer {tool}: {done.stdout[-300:]}")
     return "memcheck, racecheck, initcheck and synccheck are clean"
+
+
+class NotRunError(SgiError):
+    """A check for which something is missing."""
 
 
 def require(holds: bool, complaint: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,9 +10,10 @@ from numpy.typing import NDArray
 
 from benchmarks.raster import Scene, pairs_within
 from sgicodec.cuda import tiles
+from sgicodec.cuda.gpu import Gpu
 from sgicodec.raster import DEFAULT_CUTOFF
 
-__all__ = ["H200", "Counts", "Floor", "Peak", "counts_of", "floors"]
+__all__ = ["H200", "Counts", "Floor", "Peak", "counts_of", "floors", "peak_of"]
 
 
 class Peak(NamedTuple):
@@ -26,6 +28,21 @@ class Peak(NamedTuple):
 
 H200 = Peak(66.9e12, 132 * 16 * 1.98e9, 4.8e12)
 """NVIDIA's data sheet of the SXM module: 132 multiprocessors at 1.98 GHz."""
+
+
+def peak_of(gpu: Gpu) -> Peak:
+    """By the properties that the driver states of a GPU: multiprocessors, and clocks at their highest."""
+    processors, clock, memory_clock, width = (
+        gpu.driver.attribute(gpu.index, number) for number in (_PROCESSORS, _CLOCK, _MEMORY_CLOCK, _BUS_WIDTH)
+    )
+    capability = gpu.driver.capability(gpu.index)
+    lanes = 64 if capability in (75, 80) else 128
+    hertz = 1e3 * processors * clock
+    return Peak(2 * lanes * hertz, 16 * hertz, 2 * 1e3 * memory_clock * width / 8 or math.inf)
+
+
+_PROCESSORS, _CLOCK, _MEMORY_CLOCK, _BUS_WIDTH = 16, 13, 36, 37
+"""CU_DEVICE_ATTRIBUTE_*: how many, kHz, kHz (two transfers a clock), bits."""
 
 
 class Counts(NamedTuple):

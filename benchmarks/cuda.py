@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import ctypes
+import json
+import subprocess
+import sys
+import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -13,15 +17,18 @@ import click
 import numpy as np
 
 from benchmarks._cuda_checks import (
+    NotRunError,
+    Tuning,
     check_decodes,
     check_gradients,
+    check_rate,
     check_repeats,
     check_sanitizer,
     check_seeds,
     check_streams,
     require,
 )
-from benchmarks._cuda_floors import H200, counts_of, floors
+from benchmarks._cuda_floors import H200, Floor, counts_of, floors, peak_of
 from benchmarks.raster import Scene
 from sgicodec.cuda.choice import device_of
 from sgicodec.cuda.compiler import ARCHITECTURES, the_compiler
@@ -30,9 +37,14 @@ from sgicodec.cuda.tiles import TilePasses
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
 from sgicodec.encoder.pipeline import encode_picture
+from sgicodec.encoder.plan import stream_plan
 from sgicodec.encoder.settings import EncodeSettings
+from sgicodec.encoder.tile_encoder import Encoding
+from sgicodec.encoder.windows import windows_of
+from sgicodec.errors import MissingExtraError, TargetMissedError
 from sgicodec.executors.serial import SerialExecutor
 from sgicodec.executors.threads import ThreadExecutor
+from sgicodec.fit.trainer import Progress
 from sgicodec.image import read
 from sgicodec.picture import Picture
 from sgicodec.profiles.default import EFFORTS
@@ -149,12 +161,56 @@ def print_resources() -> None:
 
 
 def print_times(gpu: Gpu, repeat: int) -> None:
-    """Milliseconds of the passes over each scene."""
+    """Milliseconds of the passes over each scene, and what share of them the device would take at its peak."""
     for scene in SCENES:
-        floor = sum(part.milliseconds(H200) for part in floors(counts_of(scene)))
-        times = measure_scene(gpu, scene, repeat)
-        listed = ", ".join(f"{part} {milliseconds:.3f}" for part, milliseconds in times.items())
-        click.echo(f"{scene.count:,} Gaussians of σ {scene.sigma:g}, ms: {listed}; floor of an H200 {floor:.3f}")
+        times, peak = measure_scene(gpu, scene, repeat), peak_of(gpu)
+        parts: dict[str, Floor] = {part.name: part for part in floors(counts_of(scene))}
+        listed = []
+        for name, milliseconds in times.items():
+            least = sum(parts[part].milliseconds(peak) for part in PARTS.get(name, parts))
+            listed.append(f"{name} {milliseconds:.3f} ({100 * least / milliseconds:.0f} %)")
+        click.echo(f"{scene.count:,} Gaussians of σ {scene.sigma:g}, ms (share of the peak): {', '.join(listed)}")
+
+
+PARTS = {
+    "binning": ("prepare, list", "sort"),
+    "forward, error, backward": ("forward", "backward"),
+    "reduce": ("reduce",),
+}
+"""Whose floors a measured pass has; others have all."""
+
+
+def print_fit(device: Device, picture: Picture) -> None:
+    """Seconds of a fit alone at the default effort, and of each of its steps."""
+    plan = stream_plan(windows_of(picture).shape, EncodeSettings(steps=EFFORTS[5], tile=0))
+    encoding = Encoding(picture, plan, time.monotonic(), device)
+    times = [time.monotonic()]
+
+    def noted(_: Progress) -> bool:
+        times.append(time.monotonic())
+        return True
+
+    encoding.fitted(noted)
+    each, steps = 1e3 * median(np.diff(times[1:])), len(times) - 1
+    seconds = time.monotonic() - times[0]
+    click.echo(f"fit of {picture.width}×{picture.height}: {seconds:.2f} s, {steps} steps of {each:.3f} ms")
+
+
+def print_large(name: str, picture: str | None) -> None:
+    """Seconds of whole processes that encode a large picture to two targets."""
+    if picture is None:
+        click.echo("large: not run: give a picture, such as one of 51 megapixels, with --large")
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        for target in ("31", "36"):
+            out, started = Path(folder, f"{target}.sgi"), time.monotonic()
+            command = [sys.executable, "-m", "sgicodec", "encode", picture, str(out), "--psnr", target, "--json"]
+            done = subprocess.run([*command, "--device", name], stdout=subprocess.PIPE, text=True)
+            require(done.returncode in (0, TargetMissedError.exit_code), f"{' '.join(command)}: {done.returncode}")
+            seconds, said = time.monotonic() - started, json.loads(done.stdout)
+            size = f"{said['width'] * said['height'] / 1e6:.1f} megapixels in {said['tiles']} tiles"
+            reached = f"{said['psnr']:.2f} dB, {said['bytes']:,} bytes"
+            click.echo(f"large, {target} dB: {size}, {seconds:.1f} s, whole process: {reached}")
 
 
 def print_encodes(device: Device, picture: Picture) -> None:
@@ -172,9 +228,11 @@ def print_encodes(device: Device, picture: Picture) -> None:
 @click.option("--floors", "only_floors", is_flag=True, help="Only count and print the floors; needs no GPU.")
 @click.option("--resources", is_flag=True, help="Only compile for all architectures; needs NVRTC and no GPU.")
 @click.option("--kernels-alone", is_flag=True, help="Only what compute-sanitizer runs: each kernel once.")
-@click.option("--steps", default=200, show_default=True, help="Steps of the encodes that are compared.")
+@click.option("--steps", default=EFFORTS[5], show_default=True, help="Steps of the encodes that are compared.")
 @click.option("--seeds", default=8, show_default=True, help="How often each crop is encoded.")
 @click.option("--repeat", default=20, show_default=True, help="How often each pass is timed.")
+@click.option("--large", type=click.Path(exists=True), help="A large picture, encoded to 31 and to 36 dB.")
+@click.option("--sanitizer/--no-sanitizer", default=True, show_default=True, help="Run compute-sanitizer.")
 @click.option("--picture", default=str(PICTURE), type=click.Path(exists=True), help="What is encoded.")
 def main(
     name: str,
@@ -184,9 +242,13 @@ def main(
     steps: int,
     seeds: int,
     repeat: int,
+    large: str | None,
+    sanitizer: bool,
     picture: str,
 ) -> None:
-    """Check and time the kernels on a GPU of NVIDIA; without one, say what is missing in one line."""
+    """Check and time the kernels on a GPU of NVIDIA; without one, say what is missing in one line. A check that could
+    not be run makes the exit status 1.
+    """
     if only_floors:
         return print_floors()
     if resources:
@@ -203,7 +265,9 @@ def main(
     if kernels_alone:
         return None
     click.echo(f"repeated: {check_repeats(gpu, SCENES[0])}")
+    complete = run_check("rate", lambda: check_rate(device, whole.pixels))
     print_times(gpu, repeat)
+    print_fit(device, whole)
     print_encodes(device, whole)
     print_tiles(device, whole, steps)
     for texture in (False, True):
@@ -211,6 +275,24 @@ def main(
         data = encode_picture(whole, settings, device=device.processor).data
         click.echo(f"decodes: {check_decodes(device, data)}")
         print_decodes(device, data, repeat)
-    click.echo(f"streams: {check_streams(device, whole.pixels, steps, seeds)}")
-    click.echo(f"sanitizer: {check_sanitizer()}")
+    for tune in TUNINGS:
+        click.echo(f"streams, {tune}: {check_streams(device, whole.pixels, steps, seeds, tune)}")
+    print_large(name, large)
+    if sanitizer:
+        complete = run_check("sanitizer", lambda: check_sanitizer(name)) and complete
+    if not complete:
+        sys.exit(1)
     return None
+
+
+TUNINGS: tuple[Tuning, ...] = ("visual", "psnr")
+
+
+def run_check(name: str, check: Callable[[], str]) -> bool:
+    """Prints what a check says, or that something is missing for it; whether it was run."""
+    try:
+        click.echo(f"{name}: {check()}")
+    except (MissingExtraError, NotRunError) as error:
+        click.echo(f"{name}: not run: {error}")
+        return False
+    return True

@@ -77,11 +77,12 @@ class Driver:
 
     def capability(self, index: int) -> int:
         """Its compute capability: 90 for 9.0."""
-        major, minor = (
-            self._number("cuDeviceGetAttribute", ctypes.c_int(attribute), self._device(index))
-            for attribute in (_MAJOR, _MINOR)
-        )
+        major, minor = (self.attribute(index, number) for number in (_MAJOR, _MINOR))
         return 10 * major + minor
+
+    def attribute(self, index: int, number: int) -> int:
+        """A property of it, by its number in CUdevice_attribute."""
+        return self._number("cuDeviceGetAttribute", ctypes.c_int(number), self._device(index))
 
     def identity(self, index: int) -> str:
         """What tells it from all other GPUs, whatever number it has in this process."""

@@ -105,8 +105,13 @@ int cuDeviceGetName(char *name, int size, int) {
   return kSuccess;
 }
 int cuDeviceGetAttribute(int *value, int attribute, int) {
-  *value = attribute == 75 ? 9 : 0;  // compute capability 9.0
-  return kSuccess;
+  const std::map<int, int> stated{{75, 9},
+                                  {13, 1000000},
+                                  {16, 4},  // compute capability 9.0, kHz, multiprocessors
+                                  {36, 2000000},
+                                  {37, 512}};  // kHz and bits of memory
+  const auto found = stated.find(attribute);
+  return *value = found == stated.end() ? 0 : found->second, kSuccess;
 }
 int cuDeviceGetUuid_v2(char *bytes, int device) {
   std::memset(bytes, 0, 16);

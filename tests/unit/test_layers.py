@@ -33,7 +33,7 @@ FLOORS = (
 HOMES = {
     "constriction": ("sgicodec/bitstream/entropy/",),
     "OpenImageIO": ("sgicodec/image/",),
-    "torch": ("sgicodec/fit/autograd/", "tools/"),
+    "torch": ("sgicodec/fit/autograd/", "tools/", "benchmarks/_cuda_reference.py"),
     "rich": ("sgicodec/cli/", "sgicodec/bench/", "benchmarks/"),
     "click": ("sgicodec/cli/", "sgicodec/bench/", "benchmarks/", "tools/"),
     "scipy": ("sgicodec/metrics/similarity.py", "sgicodec/bench/bdrate.py"),

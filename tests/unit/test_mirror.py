@@ -18,6 +18,7 @@ TESTED_ELSEWHERE = {
     "bench/plots": "unit/bench/test_summary.py",
     "bench/tables": "unit/bench/test_summary.py",
     "benchmarks/_cuda_checks": "unit/benchmarks/test_cuda.py",
+    "benchmarks/_cuda_reference": "unit/benchmarks/test_cuda.py",
     "benchmarks/_cuda_floors": "unit/benchmarks/test_cuda.py",
     "benchmarks/_decode_cases": "unit/benchmarks/test_decode.py",
     "benchmarks/_turns": "unit/benchmarks/test_turns.py",
