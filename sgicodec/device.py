@@ -8,7 +8,7 @@ from numbers import Integral
 
 from sgicodec.errors import UsageError
 
-__all__ = ["ALL_CORES", "ONE_THREAD", "Device", "check_device", "check_room"]
+__all__ = ["ALL_CORES", "ONE_THREAD", "PROCESSOR", "Device", "check_device", "check_room"]
 
 
 @dataclass(frozen=True)
@@ -93,4 +93,6 @@ def check_room(mebibytes: int, what: str) -> None:
 
 
 ALL_CORES = Device()
+PROCESSOR = "processor"
+"""What reports call it, where they have the names of GPUs."""
 ONE_THREAD = Device(threads=1)

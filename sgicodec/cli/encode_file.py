@@ -38,8 +38,8 @@ __all__ = ["Job", "encode_file"]
 @dataclass(frozen=True)
 class Job:
     """What the options say of one picture. target: a path, or - for stdout; started: a value of time.monotonic();
-    device: without a cluster; cluster_device: its name, for each worker to find; named: whether target was named with
-    -o.
+    device: without a cluster; device_name: what was asked for, which workers of a cluster find; named: whether target
+    was named with -o.
     """
 
     source: str
@@ -57,7 +57,7 @@ class Job:
     resume: bool
     max_memory: float | None
     cluster: str | None
-    cluster_device: str
+    device_name: str
     source_at: str | None
     send_pixels: bool
     alpha: Alpha
@@ -95,7 +95,7 @@ def encode_file(job: Job) -> int:
             raise EncodeInterruptedError(f"interrupted; {text}, --resume goes on") from None
     write_associated(pictures)
     if not job.quiet or job.as_json:
-        report = Report.of(listener.plan, encoded)
+        report = Report.of(listener.plan, encoded, job.device_name)
         seconds, own = time.monotonic() - job.started, own_peak()
         workers = executor.peaks.bytes if isinstance(executor, ProcessExecutor | GpuExecutor) else 0
         peak = None if own is None else (own + workers) / MIB
@@ -113,7 +113,7 @@ def _encode(
     from sgicodec.encoder.pipeline import encode_picture
 
     output: Path | BinaryIO = sys.stdout.buffer if job.target == STANDARD else Path(job.target)
-    device = device_of(job.cluster_device, job.device.threads) if executor is None else job.device
+    device = device_of(job.device_name, job.device.threads) if executor is None else job.device
     try:
         return encode_picture(
             source,
@@ -148,10 +148,10 @@ def _executor(job: Job, source: Source, stack: ExitStack) -> Executor | None:
     from sgicodec.executors.dask import open_cluster
 
     if job.send_pixels or job.source_at is not None:
-        return stack.enter_context(open_cluster(job.cluster, job.source_at, job.cluster_device))
+        return stack.enter_context(open_cluster(job.cluster, job.source_at, job.device_name))
     if job.source == STANDARD or not Path(job.source).is_file():
         raise UsageError(f"a cluster cannot read {display(job.source)}, which is no file; add --send-pixels")
-    return stack.enter_context(open_cluster(job.cluster, str(Path(job.source).resolve()), job.cluster_device))
+    return stack.enter_context(open_cluster(job.cluster, str(Path(job.source).resolve()), job.device_name))
 
 
 def _local_executor(device: Device, max_memory: float | None) -> Executor:

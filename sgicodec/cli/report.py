@@ -11,6 +11,8 @@ import click
 from sgicodec.cli.json_output import print_json
 from sgicodec.cli.parts import all_parts, print_parts, whole_bytes
 from sgicodec.cli.paths import STANDARD, display
+from sgicodec.cuda.tiles import MOST_CHANNELS
+from sgicodec.device import PROCESSOR
 
 if TYPE_CHECKING:
     from sgicodec.encoder.encoded import Encoded
@@ -25,7 +27,8 @@ class Report:
 
     bpp: bits per pixel of the whole stream. psnr: dB over all samples, None if not measured, infinite for no error.
     parts: bytes of each part, metadata counted as container; they sum to `bytes`.
-    time_limit: seconds that were allowed.
+    time_limit: seconds that were allowed. devices: how many tiles each fitted, by the name of a GPU or the processor.
+    fallback: why the processor fitted although a GPU was asked for.
     """
 
     width: int
@@ -44,10 +47,12 @@ class Report:
     parts: dict[str, float]
     tiles: int
     time_limit: float | None
+    devices: dict[str, int]
+    fallback: str | None
 
     @classmethod
-    def of(cls, plan: Plan, encoded: Encoded) -> Report:
-        """Of a finished encode."""
+    def of(cls, plan: Plan, encoded: Encoded, device: str = "cpu") -> Report:
+        """Of a finished encode; device: the name of what was asked for."""
         header = plan.header
         return cls(
             width=header.width,
@@ -66,7 +71,29 @@ class Report:
             parts=all_parts(encoded.part_bytes, {}, encoded.size),
             tiles=header.grid.count,
             time_limit=plan.settings.time_limit,
+            devices=encoded.devices,
+            fallback=_fallback(plan, device) if PROCESSOR in encoded.devices else None,
         )
+
+
+def _fallback(plan: Plan, device: str) -> str | None:
+    """Why the processor fits although this device was asked for; None where it was that."""
+    header = plan.header
+    if device == "cpu":
+        return None
+    if header.profile == "paper":
+        return "no GPU fits the paper profile"
+    if header.spec.channels > MOST_CHANNELS:
+        return f"a GPU fits up to {MOST_CHANNELS} channels, not {header.spec.channels}"
+    return "there was no GPU that could be used"
+
+
+def _fitted(report: Report) -> str:
+    """Which devices fitted, in words."""
+    names = [f"the {name}" if name == PROCESSOR else name for name in report.devices]
+    counts = [f" ({count} tiles)" if len(names) > 1 else "" for count in report.devices.values()]
+    listed = ", ".join(name + count for name, count in zip(names, counts, strict=True))
+    return f"fitted by {listed}" + (f": {report.fallback}" if report.fallback else "")
 
 
 def print_report(
@@ -87,6 +114,8 @@ def print_report(
         line += f" ({seconds - report.time_limit:.1f} s beyond the time limit)"
     line += f", {peak_mib:.0f} MiB" if peak_mib is not None else ""
     click.echo(line, err=target == STANDARD)
+    if report.devices and (verbose or report.fallback or PROCESSOR not in report.devices):
+        click.echo(_fitted(report), err=target == STANDARD)
     if verbose:
         print_parts(report.parts, err=target == STANDARD)
         click.echo(f"{report.steps:,} steps, λ {report.lmbda:.3g}", err=target == STANDARD)

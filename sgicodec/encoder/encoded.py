@@ -14,7 +14,7 @@ class Encoded:
     data: the stream; empty if its tiles went straight to an output. part_bytes: what each part of the tiles costs.
     seeds, gaussians: how many there are. steps: of the fit, the mean over the tiles that had one. ended_early: whether
     the caller ended the fit. psnr: dB over all samples of what was decoded, but for colours where alpha is 0; None if
-    it was not measured.
+    it was not measured. devices: by the name of what fitted, a GPU or the processor, how many tiles it did.
     """
 
     data: bytes = field(repr=False)
@@ -25,6 +25,7 @@ class Encoded:
     steps: int = 0
     ended_early: bool = False
     psnr: float | None = None
+    devices: dict[str, int] = field(default_factory=dict, repr=False)
     written: int = 0
     """Bytes of a stream whose data are not here."""
 

@@ -195,7 +195,8 @@ def _encode_whole(job: _Job, executor: Executor | None) -> tuple[Encoded, str | 
     psnr = job.psnr(encoded.data) if job.verify else None
     if job.output is not None:
         replace(job, verify=False).write(lambda file: file.write(encoded.data))
-    return replace(encoded, steps=steps, ended_early=short or ending(), psnr=psnr), missed
+    devices = {encoding.fitted_by: 1} if encoding.fitted_by else {}
+    return replace(encoded, steps=steps, ended_early=short or ending(), psnr=psnr, devices=devices), missed
 
 
 def _memory_of_whole(windows: Windows, plan: Plan, executor: Executor | None) -> Memory:
@@ -258,7 +259,9 @@ def _summary(data: bytes, size: int, found: Finished, store: Store) -> Encoded:
     steps = [tile.steps for tile in tiles if tile.steps]
     mean = round(sum(steps) / max(1, len(steps)))
     gaussians = seeds * found.plan.header.spec.per_seed
-    return Encoded(data, dict(parts), seeds, gaussians, found.lmbda, mean, written=size)
+    by_tile = {version.tile: tile.fitted_by for version, tile in store.tiles.items() if tile.fitted_by}
+    devices = dict(Counter(by_tile.values()))
+    return Encoded(data, dict(parts), seeds, gaussians, found.lmbda, mean, devices=devices, written=size)
 
 
 @dataclass(frozen=True)

@@ -53,6 +53,7 @@ class Encoding:
     whether the caller wants what is there; `stage` is called when a stage begins.
 
     `fit` holds the settings of the next fit; `begin` sets its λ, which the base layer follows. `stream` writes.
+    `fitted_by`: the name of what made the last fit, empty before.
     """
 
     def __init__(self, picture: Picture, plan: Plan, started: float, device: Device = ALL_CORES) -> None:
@@ -69,6 +70,7 @@ class Encoding:
             self.unit = np.tensordot(to_luma_space(self.spec.channels).astype(np.float32), self.unit, axes=1)
         self.reference = DISTORTIONS[self.settings.minimised].reference(self.unit, self.empty)
         self.fit = self.settings.fit_settings()
+        self.fitted_by = ""
         self.strength: Strength | None = None  # of what restores pixels for the eye
         self.begin(self.fit.lmbda)
 
@@ -134,6 +136,7 @@ class Encoding:
             device=self.device,
             weights=weights,
         )
+        self.fitted_by = trainer.device_name
         self.stage("fit")
         return self._run(trainer, on_progress)
 

@@ -31,7 +31,8 @@ __all__ = ["EncodedTile", "FitTask", "LookaheadTask", "SearchTask", "Start", "en
 class EncodedTile:
     """A finished tile. payload: of its chunk; part_bytes, seeds as in `Encoded`; squared_error: of what is decoded, in
     the tile's core, over `samples` of them in 0..1; distortion: what λ trades for bytes, of the same; seconds: that it
-    took, `decoding` of them to decode it; length: of the payload; lmbda: its λ; steps: of its fit.
+    took, `decoding` of them to decode it; length: of the payload; lmbda: its λ; steps: of its fit; fitted_by: the name
+    of what made that, empty without a fit.
     """
 
     payload: bytes
@@ -45,6 +46,7 @@ class EncodedTile:
     lmbda: float
     decoding: float = 0.0
     steps: int = 0
+    fitted_by: str = ""
 
 
 class Start(NamedTuple):
@@ -146,7 +148,7 @@ def encode_tile(
     candidate = None
     if not tile.holds_nothing:
         candidate = tile.textured(tile.settled(tile.searched(tile.candidate(tile.fitted(watch)))))
-    return replace(_finished(tile, plan, number, candidate, started), steps=steps)
+    return replace(_finished(tile, plan, number, candidate, started), steps=steps, fitted_by=tile.fitted_by)
 
 
 def _encoding(window: Picture, plan: Plan, number: int, device: Device, seconds: float | None = None) -> Encoding:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.device import ALL_CORES, Device
+from sgicodec.device import ALL_CORES, PROCESSOR, Device
 from sgicodec.errors import require
 from sgicodec.fit.adam import Adam
 from sgicodec.fit.context_weights import ContextWeights
@@ -110,6 +110,11 @@ class Trainer:
         self.gradient_step = self._gradient_step(family, device)
         (self.on_gpu or self.gradient_step).set_layout(self.seeds.layout, self.quality)
         self.step = 0
+
+    @property
+    def device_name(self) -> str:
+        """What fits: the name of a GPU, or the processor."""
+        return PROCESSOR if self.on_gpu is None else self.on_gpu.gpu.name
 
     def run(self, on_progress: Callable[[Progress], bool] | None = None) -> Fitted:
         """All phases. `on_progress` is called after each step; False from it ends the fit with what is there."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
@@ -16,7 +17,8 @@ from fake_cuda import contexts_in, fake_driver, fake_machine, library
 from sanitizer import needs_plain_memory
 
 from sgicodec.cuda import compiler, driver, gpu
-from sgicodec.image import read
+from sgicodec.image import read, write
+from sgicodec.picture import Picture
 
 Run = Any
 
@@ -55,6 +57,40 @@ def test_a_fit_on_the_gpu_that_is_there(
     assert (result.exit_code, result.stderr) == (2, "sgi: no GPU 1: this machine has 1\n")
     result = sgi("encode", picture, tmp_path / "c", "--device", "cuda:1")
     assert (result.exit_code, result.stderr) == (2, "sgi: no GPU 1: this machine has 1\n")
+
+
+FAKE = "no GPU, but this processor"
+"""What the fake driver calls its GPU."""
+
+
+def test_the_report_says_what_fitted(sgi: Run, picture: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    fake_driver()
+    monkeypatch.setattr(gpu, "compiled", lambda architecture, most: b"for no machine")
+    out, steps = tmp_path / "out.sgi", ("--steps", 4, "--no-texture", "-f")
+
+    def said(*options: object) -> list[str]:
+        result = sgi("encode", picture, out, *steps, *options)
+        assert result.exit_code == 0, result.output
+        return [line for line in result.stdout.splitlines() if "fitted by" in line]
+
+    assert said() == []
+    assert said("-v") == ["fitted by the processor"]
+    assert said("--device", "cuda") == said("--device", "auto", "--tile", 32, "-j", 1) == [f"fitted by {FAKE}"]
+    needed = said("--device", "cuda", "--profile", "paper", "--levels", 1, "--seeds", 9)
+    assert needed == ["fitted by the processor: no GPU fits the paper profile"]
+    for device in ("cuda", "cuda:0"):
+        figures = json.loads(sgi("encode", picture, out, *steps, "--device", device, "--tile", 32, "--json").stdout)
+        assert (figures["devices"], figures["fallback"]) == ({FAKE: figures["tiles"]}, None)
+    many = tmp_path / "many.tif"
+    write(Picture(np.arange(6 * 32 * 32, dtype=np.uint8).reshape(32, 32, 6), "multi", (0, 255)), many)
+    result = sgi("encode", many, out, *steps, "--device", "cuda", "--json")
+    figures = json.loads(result.stdout)
+    assert figures["devices"] == {"processor": 1}
+    assert figures["fallback"] == "a GPU fits up to 4 channels, not 6"
+    monkeypatch.setattr(driver, "LIBRARY", "libno-such.so")
+    driver.the_driver.cache_clear()
+    gpu.of_thread.cache_clear()
+    assert said("--device", "auto") == ["fitted by the processor: there was no GPU that could be used"]
 
 
 @pytest.mark.parametrize(

@@ -76,6 +76,7 @@ def test_json(sgi: Run, picture: Path, tmp_path: Path, pixels: np.ndarray) -> No
         "uint8",
     )
     assert figures["ended_early"] is False
+    assert (figures["devices"], figures["fallback"]) == ({"processor": 1}, None)
     assert figures["lmbda"] == pytest.approx(lmbda_of_quality(50))
     assert 1 <= figures["seeds"] == figures["gaussians"]
     assert figures["peak_mib"] > 10
