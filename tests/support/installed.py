@@ -5,6 +5,7 @@ What is imported is what was installed: the tests are copied to where no package
 
 from __future__ import annotations
 
+import runpy
 import shutil
 import signal
 import subprocess
@@ -21,6 +22,27 @@ COMMANDS = (
     ("verify", "one.sgi"),
     ("info", "one.sgi"),
 )
+
+
+KERNELS = """
+from sgicodec.cuda import sources
+print(sources.root(), sources.digest(""), *sources._all_of("cuda/kernels.cu"), sep="\\n")
+"""
+
+
+def check_kernels(package: Path, place: Path, digest: str, names: list[str]) -> None:
+    """Holds the kernels at `place`, with a digest of all that they include, by names, against those of this tree; they
+    must lie in the package.
+    """
+    own = runpy.run_path(str(TESTS.parent / "sgicodec" / "cuda" / "sources.py"))
+    expected: dict[str, str] = own["_all_of"]("cuda/kernels.cu")
+    if package not in place.resolve().parents:
+        sys.exit(f"the kernels are taken from {place}, not from what was installed")
+    if missing := expected.keys() - names:
+        sys.exit(f"the kernels lack {', '.join(sorted(missing))}")
+    if digest != own["digest"](""):
+        sys.exit("the kernels that were installed are others than those here")
+    print(f"{len(names)} files of kernels are complete", flush=True)
 
 
 PAGE = "from sgicodec.server.viewer import viewer_folder as page; assert page().name == 'web'; print(page())"
@@ -69,6 +91,8 @@ def main() -> int:
             place = python("-c", "import sgicodec; print(sgicodec.__file__)").strip()
             if TESTS.parent / "sgicodec" in Path(place).resolve().parents:
                 sys.exit(f"{place} is the source, not what a wheel installs")
+            kernels, digest, *names = python("-c", KERNELS).splitlines()
+            check_kernels(Path(place).resolve().parent, Path(kernels), digest, names)
             page = Path(python("-c", PAGE).strip())
             for command in COMMANDS:
                 python("-m", "sgicodec", *command)

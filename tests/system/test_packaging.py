@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import configparser
+import runpy
 import shutil
 import subprocess
 import sys
@@ -13,6 +14,7 @@ from importlib.metadata import files, metadata
 from pathlib import Path
 
 import pytest
+from installed import check_kernels
 from PIL import Image
 
 from sgicodec.bitstream.container import SIGNATURE
@@ -24,6 +26,30 @@ GOLDEN = sorted((TESTS / "conformance" / "golden").glob("*.sgi"))
 SILICON_GRAPHICS = [TESTS / "data" / "pictures" / name for name in ("hopper.sgi", "corrupt_rle.sgi")]
 OURS, THEIRS = "image/x-sgicodec", "image/x-sgi"
 MIME = "{http://www.freedesktop.org/standards/shared-mime-info}"
+
+
+def test_kernels_that_lack_a_header_are_no_sound_installation(tmp_path: Path) -> None:
+    package = tmp_path / "sgicodec"
+    place = package / "cuda" / "sources"
+    for folder in ("cuda", "native/base", "native/model", "native/fit", "native/raster"):
+        shutil.copytree(ROOT / folder, place / folder)
+    shutil.copy(ROOT / "sgicodec" / "cuda" / "sources.py", package / "cuda" / "sources.py")
+
+    def check() -> None:
+        found = runpy.run_path(str(package / "cuda" / "sources.py"))
+        assert found["root"]() == place
+        check_kernels(package, place, found["digest"](""), list(found["_all_of"]("cuda/kernels.cu")))
+
+    check()
+    with pytest.raises(SystemExit, match="not from what was installed"):
+        check_kernels(tmp_path / "elsewhere", place, "", [])
+    header = place / "native" / "model" / "gaussians.hpp"
+    header.write_text(header.read_text("utf-8") + "//", "utf-8")
+    with pytest.raises(SystemExit, match="are others than those here"):
+        check()
+    header.unlink()
+    with pytest.raises(SystemExit, match=r"the kernels lack model/gaussians\.hpp$"):
+        check()
 
 
 def matches(rule: ET.Element, data: bytes) -> bool:
