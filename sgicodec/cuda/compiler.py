@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from sgicodec.cuda import sources
-from sgicodec.errors import MissingExtraError, SgiError
+from sgicodec.errors import MissingExtraError, NoDeviceError, SgiError
 
 __all__ = ["ARCHITECTURES", "Compiler", "Resources", "compiled", "the_compiler"]
 
@@ -58,6 +58,26 @@ class Compiler:
         major, minor = ctypes.c_int(), ctypes.c_int()
         self._call("nvrtcVersion", ctypes.byref(major), ctypes.byref(minor))
         return f"{major.value}.{minor.value}"
+
+    @property
+    def architectures(self) -> list[int]:
+        """Those that it knows, the earliest first."""
+        count = ctypes.c_int()
+        self._call("nvrtcGetNumSupportedArchs", ctypes.byref(count))
+        found = (ctypes.c_int * count.value)()
+        self._call("nvrtcGetSupportedArchs", found)
+        return sorted(found)
+
+    def code(self, architecture: int) -> bytes:
+        """Machine code for an architecture; for one that came after this compiler, PTX of the latest before it, which
+        the driver compiles further.
+        """
+        if architecture in (known := self.architectures):
+            return self.cubin(architecture)
+        if not (earlier := [one for one in known if one < architecture]):
+            least, given = (f"{one // 10}.{one % 10}" for one in (known[0], architecture))
+            raise NoDeviceError(f"a GPU of compute capability {given}; NVRTC {self.version} needs {least} or more")
+        return self.ptx(earlier[-1])
 
     def cubin(self, architecture: int) -> bytes:
         """Machine code for an architecture, such as 90."""
@@ -115,7 +135,7 @@ def compiled(architecture: int, most: int, folder: Path | None = None) -> bytes:
         return path.read_bytes()
     except OSError:
         pass
-    code = compiler.cubin(architecture)
+    code = compiler.code(architecture)
     _keep(path, code)
     return code
 

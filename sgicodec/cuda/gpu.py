@@ -6,7 +6,7 @@ import ctypes
 from collections.abc import Hashable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
-from threading import Lock, get_ident
+from threading import Lock, local
 from typing import Any
 
 import numpy as np
@@ -15,14 +15,15 @@ from numpy.typing import DTypeLike, NDArray
 from sgicodec.cuda.compiler import compiled
 from sgicodec.cuda.driver import CudaError, Driver, Pointer, the_driver
 
-__all__ = ["Gpu", "GpuArray", "Graph", "of_thread", "opened", "shared"]
+__all__ = ["Gpu", "GpuArray", "Graph", "opened", "own_gpus", "shared"]
 
 _NON_BLOCKING, _RELAXED = ctypes.c_uint(1), ctypes.c_int(2)
 """CU_STREAM_NON_BLOCKING; CU_STREAM_CAPTURE_MODE_RELAXED: other threads may allocate meanwhile."""
 
 
 class Gpu:
-    """GPU `index` with the kernels of `image`, machine code for it. Not safe for use by two threads at once.
+    """GPU `index` with the kernels of `image`, machine code for it or PTX. Not safe for use by two threads at once.
+    Kernels and stream go with it.
 
     launched: what its users have launched once, and may record from now on. turn: held by threads that share it.
     """
@@ -36,6 +37,13 @@ class Gpu:
         self.launched: set[Hashable] = set()
         self.turn = Lock()
         self.stream = driver.handle("cuStreamCreate", _NON_BLOCKING)
+
+    def __del__(self) -> None:
+        with suppress(AttributeError, CudaError):  # it was not opened; or the process ends, and the driver has done so
+            self.use()
+            self.wait()
+            self.driver.call("cuStreamDestroy_v2", self.stream)
+            self.driver.call("cuModuleUnload", self._module)
 
     @property
     def name(self) -> str:
@@ -166,20 +174,35 @@ class Graph:
 
 
 def opened(index: int) -> Gpu:
-    """GPU `index`, with kernels for its architecture; every thread has its own. Raises NoDeviceError,
+    """GPU `index`, with kernels for its architecture; every thread has its own, until it ends. Raises NoDeviceError,
     MissingExtraError.
     """
-    return of_thread(index, get_ident())
-
-
-def shared(index: int) -> Gpu:
-    """The same for all threads, which take turns."""
-    return of_thread(index, 0)
+    held = own_gpus().held
+    if index not in held:
+        held[index] = _open(index)
+    return held[index]
 
 
 @cache
-def of_thread(index: int, thread: int) -> Gpu:
-    """That of a thread, which a later thread of this number takes over; no thread has the number 0."""
+def shared(index: int) -> Gpu:
+    """The same for all threads, which take turns."""
+    return _open(index)
+
+
+class _Own(local):
+    """The GPUs of a thread by number, which nothing but their arrays holds when it has ended."""
+
+    def __init__(self) -> None:
+        self.held: dict[int, Gpu] = {}
+
+
+@cache
+def own_gpus() -> _Own:
+    """Those of this thread."""
+    return _Own()
+
+
+def _open(index: int) -> Gpu:
     driver = the_driver()
     driver.context(index)
     return Gpu(driver, index, machine_code(driver.capability(index), driver.cuda))

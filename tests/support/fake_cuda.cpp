@@ -7,6 +7,7 @@
 // a folder that gets an empty file PROCESS-GPU for each context of a process on a GPU.
 #include <unistd.h>
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -74,6 +75,7 @@ std::vector<int> visible() {
 std::mutex guard;                    // of what follows
 std::map<uintptr_t, size_t> memory;  // blocks by address
 size_t allocated = 0;
+std::atomic<int> loaded{0};  // modules and streams
 
 bool holds(uintptr_t at, size_t size) {
   const std::lock_guard<std::mutex> lock(guard);
@@ -131,9 +133,10 @@ int cuMemGetInfo_v2(size_t *free, size_t *total) { return *free = *total = size_
 int cuModuleLoadData(void **module, const void *image) {
   if (!current) return kInvalidContext;
   if (!image) return kInvalidValue;
+  ++loaded;
   return *module = &memory, kSuccess;
 }
-int cuModuleUnload(void *) { return kSuccess; }
+int cuModuleUnload(void *) { return --loaded, current ? kSuccess : kInvalidContext; }
 int cuModuleGetFunction(const sgi::HostKernel **function, void *module, const char *name) {
   if (module != &memory) return kInvalidHandle;
   for (*function = sgi::HostKernel::first(); *function; *function = (*function)->next)
@@ -174,8 +177,8 @@ int cuMemcpyDtoHAsync_v2(void *to, uintptr_t from, size_t size, Stream *stream) 
   return kSuccess;
 }
 
-int cuStreamCreate(Stream **stream, unsigned) { return *stream = new Stream, kSuccess; }
-int cuStreamDestroy_v2(Stream *stream) { return delete stream, kSuccess; }
+int cuStreamCreate(Stream **stream, unsigned) { return ++loaded, *stream = new Stream, kSuccess; }
+int cuStreamDestroy_v2(Stream *stream) { return --loaded, delete stream, kSuccess; }
 int cuStreamSynchronize(Stream *stream) { return stream && stream->capture ? kInvalidValue : kSuccess; }
 int cuStreamBeginCapture_v2(Stream *stream, int) {
   if (stream->capture) return kInvalidValue;
@@ -225,6 +228,9 @@ void sgi_fake_backwards(int on) { sgi::backwards() = on != 0; }
 
 // Bytes that nobody has freed.
 size_t sgi_fake_allocated() { return allocated; }
+
+// Modules and streams that are there.
+int sgi_fake_loaded() { return loaded; }
 
 // The size of a struct of cuda/arguments.hpp, and where some of its fields lie.
 int sgi_fake_size(const char *name) {

@@ -60,7 +60,7 @@ def fake_machine(monkeypatch: pytest.MonkeyPatch, folder: Path, gpus: int) -> Pa
     pytest.importorskip("nvidia", reason="no NVRTC: pip install nvidia-cuda-nvrtc")
     contexts = folder / "contexts"
     contexts.mkdir()
-    monkeypatch.setattr(compiler.Compiler, "cubin", lambda self, architecture: b"for no machine")
+    monkeypatch.setattr(compiler.Compiler, "code", lambda self, architecture: b"for no machine")
     compiler.compiled(90, 13, folder / "sgicodec" / "cuda")
     monkeypatch.setenv("LD_LIBRARY_PATH", str(library().parent))
     monkeypatch.setenv("XDG_CACHE_HOME", str(folder))

@@ -26,7 +26,7 @@ Run = Any
 @pytest.fixture(autouse=True)
 def _found_anew() -> Iterator[None]:
     """Driver, compiler and GPU are looked for once in a process."""
-    kept = (driver.the_driver, compiler.the_compiler, gpu.of_thread, gpu.machine_code)
+    kept = (driver.the_driver, compiler.the_compiler, gpu.own_gpus, gpu.shared, gpu.machine_code)
     for found in kept:
         found.cache_clear()
     yield
@@ -89,7 +89,7 @@ def test_the_report_says_what_fitted(sgi: Run, picture: Path, tmp_path: Path, mo
     assert figures["fallback"] == "a GPU fits up to 4 channels, not 6"
     monkeypatch.setattr(driver, "LIBRARY", "libno-such.so")
     driver.the_driver.cache_clear()
-    gpu.of_thread.cache_clear()
+    gpu.own_gpus.cache_clear()
     assert said("--device", "auto") == ["fitted by the processor: there was no GPU that could be used"]
 
 

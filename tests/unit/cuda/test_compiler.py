@@ -12,11 +12,12 @@ import pytest
 
 from sgicodec.cuda import compiler, sources
 from sgicodec.cuda.compiler import ARCHITECTURES, Compiler, Resources, compiled
-from sgicodec.errors import MissingExtraError, SgiError
+from sgicodec.errors import MissingExtraError, NoDeviceError, SgiError
 
 REGISTERS, TILE_REGISTERS, SHARED, SPILLED = 168, 96, 24 << 10, 16
-"""Bounds. A multiprocessor of sm_75, the least, has 65,536 registers and 64 kB: room for five blocks of the tile
-kernels, for six of the kernel that takes most registers, and for two of the one that takes most memory.
+"""Bounds. A multiprocessor of sm_75, the least, has 65,536 registers and 64 kB of shared memory. Registers are enough
+for five blocks of the tile kernels (128 threads) and for six of the others that take most (64 threads); memory for two
+blocks of the kernel that takes most of it, and, at 15 kB, for four of the tile kernels of three channels.
 """
 TILES = re.compile(r"(forward|squared_error|backward)_\d")
 
@@ -60,13 +61,33 @@ def test_machine_code_and_ptx(nvrtc: Compiler) -> None:
     assert b".target sm_120" in nvrtc.ptx(120)
 
 
+@pytest.mark.slow
+def test_an_architecture_that_came_later_gets_ptx(nvrtc: Compiler) -> None:
+    """Of the latest before it, which drivers compile further."""
+    assert set(ARCHITECTURES) <= set(nvrtc.architectures)
+    latest = nvrtc.architectures[-1]
+    code = nvrtc.code(latest + 10)
+    assert f".target sm_{latest}".encode() in code
+    assert code.endswith(b"\0")
+    assert nvrtc.code(75)[:4] == b"\x7fELF"
+
+
+def test_which_code_an_architecture_gets(nvrtc: Compiler, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Compiler, "architectures", [75, 90, 120])
+    monkeypatch.setattr(Compiler, "_compile", lambda self, target, kind, *more: f"{target} {kind}".encode())
+    found = [nvrtc.code(architecture) for architecture in (75, 120, 89, 130)]
+    assert found == [b"sm_75 CUBIN", b"sm_120 CUBIN", b"compute_75 PTX", b"compute_120 PTX"]
+    with pytest.raises(NoDeviceError, match=r"compute capability 7\.0; NVRTC .* needs 7\.5 or more"):
+        nvrtc.code(70)
+
+
 class Pretended:
     """A compiler that is asked only once for each architecture."""
 
     def __init__(self, version: str = "13.0") -> None:
         self.version, self.asked = version, list[int]()
 
-    def cubin(self, architecture: int) -> bytes:
+    def code(self, architecture: int) -> bytes:
         self.asked.append(architecture)
         return b"code %d" % architecture
 

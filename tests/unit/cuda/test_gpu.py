@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import gc
+from threading import Thread
 
 import numpy as np
 import pytest
 from fake_cuda import fake_driver, fake_gpu
 
+from sgicodec.cuda import gpu as gpus
 from sgicodec.cuda.driver import CudaError
+from sgicodec.cuda.gpu import GpuArray
 from sgicodec.cuda.scan import THREADS
 from sgicodec.cuda.structures import structures
 
@@ -38,6 +41,32 @@ def test_memory_is_freed_with_its_array() -> None:
     assert allocated() == before + 40000
     del held
     assert allocated() == before
+
+
+def test_what_a_thread_opened_goes_with_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Kernels and stream; where arrays of it are left, after these."""
+    monkeypatch.setattr(gpus, "compiled", lambda architecture, most: b"for no machine")
+    loaded, held, seen = fake_driver().sgi_fake_loaded, list[GpuArray](), list[int]()
+    before = loaded()
+
+    def work(keeps: bool) -> None:
+        gpu = gpus.opened(0)
+        assert gpus.opened(0) is gpu
+        seen.append(loaded())
+        array = gpu.put(np.arange(5))
+        if keeps:
+            held.append(array)
+
+    for keeps in (False, True):
+        thread = Thread(target=work, args=(keeps,))
+        thread.start()
+        thread.join()
+        gc.collect()
+        assert loaded() == before + 2 * keeps
+    assert seen == [before + 2, before + 2]
+    assert held.pop().download().tolist() == list(range(5))
+    gc.collect()
+    assert loaded() == before
 
 
 def test_what_fails_says_why() -> None:
