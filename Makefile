@@ -17,7 +17,7 @@ INPUTS := pyproject.toml constraints.txt CMakeLists.txt $(shell find native cuda
   $(shell find sgicodec/bitstream -name '*.bin')
 
 .DEFAULT_GOAL := help
-.PHONY: viewer test-viewer help setup setup-dev demo test test-all asan fuzz bench lint format stubs wheel clean
+.PHONY: viewer test-viewer help setup setup-dev demo test test-all asan asan-kernels fuzz bench lint format stubs wheel clean
 
 help:
 	@echo "make demo       encode and decode a bundled photograph and measure the difference"
@@ -26,6 +26,7 @@ help:
 	@echo "make viewer     compile the viewer's decoder to WebAssembly; make test-viewer: and test the viewer in Chromium"
 	@echo "make fuzz       decode hostile streams for a minute: make fuzz SECONDS=3600"
 	@echo "make asan       compile with AddressSanitizer and UBSan, run tests and fuzz with all instruction sets"
+	@echo "make asan-kernels  the same of the GPU's kernels alone, in a minute"
 	@echo "make lint       check with ruff, mypy and clang-format"
 	@echo "make stubs      write sgicodec/_native.pyi, the types of the extension, anew"
 	@echo "make format     let ruff format"
@@ -95,6 +96,14 @@ asan: setup-dev
 	$(BIN)/python tests/support/sanitized.py -m pytest -m 'not slow' --hypothesis-profile fast $(CHECKED) $(ARGS)
 	$(BIN)/python tests/support/sanitized.py $(FUZZ) --memory 0 --patience 100
 	PYTHONPATH=tests/support $(BIN)/python tests/support/fuzz_library.py --seconds $(SECONDS)
+
+# The same of the GPU's kernels alone, which need no other build of the extension: a minute.
+KERNELS := tests/unit/cuda/test_gpu.py tests/unit/cuda/test_scan.py tests/unit/raster/test_cuda.py \
+  tests/unit/fit/test_device_step.py
+asan-kernels: setup-dev
+	LD_PRELOAD="$$(g++ -print-file-name=libasan.so):$$(g++ -print-file-name=libstdc++.so)" CXX=g++ \
+	  ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1 \
+	  $(BIN)/python -m pytest -q -p no:cacheprovider -m 'not slow' --hypothesis-profile fast $(KERNELS) $(ARGS)
 
 lint: setup-dev
 	$(BIN)/ruff check .
