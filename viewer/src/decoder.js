@@ -2,8 +2,7 @@
  * A decoder gives parts of a picture at any scale. There are three: streams in workers, pictures that the browser
  * reads, and pictures that a IIIF server draws. Each has
  *
- *   info: {width, height, name, kind, bytes, tileSize, hasOverview}; of streams also apron; isPlain:
- *     the GPU can draw it; isRestored: it can where a pixel of the screen is larger than one of the picture
+ *   info: {width, height, name, kind, bytes, tileSize, hasOverview}; of streams also apron; isPlain: the GPU can draw it
  *   fetched: bytes that came over the network so far
  *   isContinuous: whether it can draw between pixels, at any place and scale
  *   draw(view, priority) -> {promise of an ImageBitmap, cancel()}; view: {x, y, width, height, columns, rows}

@@ -1,5 +1,7 @@
-/** One picture on the screen: cached tiles are drawn at once, then the view itself at its true scale and place. */
+/** One picture on the screen: what is kept is drawn at once, then the view itself at its true scale and place. */
 
+import { Camera } from "./camera.js";
+import { Cells } from "./cells.js";
 import { TileModels } from "./gpu/tile_models.js";
 
 const TILE = 256;
@@ -8,7 +10,7 @@ const MOST_TILES = 800;
 const OVERVIEW = -4; // the level that a stream's overview has the pixels of
 const SOFTEST = 3; // of the screen's pixels, before the device's ratio, that one of the overview's may fill
 const MOST_SEEN = 64; // tiles of the file that a view reads where the overview is nearly as sharp
-const REFINE = 1000; // priorities from here on: after all tiles
+const FINER = 2; // levels of finer tiles that stand in for one
 
 export class Layer {
   /** decoder: of decoder.js; changed(): something can be drawn; failed(error): a part cannot. */
@@ -17,24 +19,46 @@ export class Layer {
     this.changed = changed;
     this.failed = failed;
     this.tiles = new Map(); // key -> {bitmap} or {job}, the least recently used first
-    this.cells = null; // of the refined view: {key, parts}
+    this.cells = new Cells(decoder, changed, (error) => this.lost(error));
     const { width, height } = decoder.info;
     this.models = decoder.info.isPlain ? new TileModels(decoder, changed, failed) : null;
     this.coarsest = Math.floor(Math.log2(TILE / Math.max(width, height)));
+    this.planned = null; // {plan, camera}: what the GPU draws
+    this.frame = null; // {canvas, camera, first}: the last that the GPU drew, until workers have drawn as much
+    this.still = ""; // the last view that stood still
   }
 
   /** What the GPU draws of a view, as of TileModels.plan; null where workers draw all of it. */
   plan(camera, renderer) {
-    this.isPlanned = Boolean(renderer && this.models?.covers(camera));
-    return this.isPlanned ? this.models.plan(camera, renderer) : null;
+    const covers = renderer && this.models && !this.models.refusal(camera);
+    this.planned = covers ? { plan: this.models.plan(camera, renderer), camera: Object.assign(new Camera(), camera) } : null;
+    return this.planned?.plan ?? null;
   }
 
-  /** Draws what there is until the GPU has the tiles that are missing. */
-  drawMissing(context, camera, missing) {
+  /** Whether what the GPU draws is a preview: workers restore it. */
+  get isPreview() {
+    return Boolean(this.planned?.plan.shown.some(({ tile }) => tile.isRestored)) && this.planned.camera.scale >= 1;
+  }
+
+  /** Keeps what the GPU drew last: columns from `first` on of a camera's view. */
+  keepFrame(canvas, camera, first) {
+    this.frame = { canvas, camera, first };
+  }
+
+  /** Draws over what the GPU draws: what there is until it has the tiles that are missing, and what workers restored. */
+  drawOver(context, camera) {
+    const { missing } = this.planned.plan;
+    this.frame = null;
     this.forgetJobs(new Set());
-    this.forgetCells();
     this.ask(this.tileOf(this.coarsest, 0, 0), -1);
-    if (!missing.length) return;
+    if (missing.length) this.drawMissing(context, camera, missing);
+    if (!missing.length && !this.isPreview) this.cells.forget();
+    if (this.still === camera.key) this.refine(camera);
+    this.cells.draw(context, camera);
+  }
+
+  drawMissing(context, camera, missing) {
+    context.save();
     context.beginPath();
     for (const { x, y, width, height } of missing) {
       const [left, top] = camera.toScreen(x, y).map(Math.floor);
@@ -43,11 +67,9 @@ export class Layer {
     }
     context.clip();
     for (const tile of this.visible(camera, this.levelOf(camera))) {
-      const box = this.screenBox(tile, camera);
-      const { bitmap } = this.tiles.get(tile.key) ?? {};
-      if (bitmap) context.drawImage(bitmap, box[0], box[1], box[2] - box[0], box[3] - box[1]);
-      else this.drawAncestor(context, tile, box);
+      if (!this.drawTile(context, tile, camera)) this.drawOthers(context, tile, camera);
     }
+    context.restore();
   }
 
   /** Draws what there is, and asks for what is missing. camera: in this picture's pixels. */
@@ -57,70 +79,41 @@ export class Layer {
     this.forgetJobs(new Set(wanted.map(({ key }) => key)));
     this.ask(this.tileOf(this.coarsest, 0, 0), -1);
     const middle = [camera.columns / 2, camera.rows / 2];
-    for (const tile of wanted) {
-      const { bitmap } = this.tiles.get(tile.key) ?? {};
-      const box = this.screenBox(tile, camera);
-      if (!bitmap) {
-        this.ask(tile, Math.hypot((box[0] + box[2]) / 2 - middle[0], (box[1] + box[3]) / 2 - middle[1]) / 1e4);
-        this.drawAncestor(context, tile, box);
-      } else {
-        this.touch(tile.key);
-        context.drawImage(bitmap, box[0], box[1], box[2] - box[0], box[3] - box[1]);
-      }
+    for (const tile of wanted.filter(({ key }) => !this.tiles.get(key)?.bitmap)) {
+      const [left, top, right, bottom] = this.screenBox(tile, camera);
+      this.ask(tile, Math.hypot((left + right) / 2 - middle[0], (top + bottom) / 2 - middle[1]) / 1e4);
+      this.drawOthers(context, tile, camera);
     }
-    if (this.cells?.key === camera.key) {
-      for (const { bitmap, column, row } of this.cells.parts) {
-        if (!bitmap) continue;
-        context.clearRect(column, row, bitmap.width, bitmap.height); // what is transparent must not show the tiles
-        context.drawImage(bitmap, column, row);
-      }
-    }
+    if (this.frame) this.drawFrame(context, camera, wanted);
+    for (const tile of wanted) if (this.drawTile(context, tile, camera)) this.touch(tile.key);
+    this.cells.draw(context, camera);
   }
 
-  /** Asks for the view at its true scale, unless the tiles show it pixel by pixel. */
+  /** Draws the last frame of the GPU where the camera shows it now, while tiles are waited for. */
+  drawFrame(context, camera, wanted) {
+    if (!wanted.some(({ key }) => this.tiles.get(key)?.job)) {
+      this.frame = null;
+      return;
+    }
+    const { canvas, camera: before, first } = this.frame;
+    const [left, top] = camera.toScreen(...before.toPicture(first, 0));
+    const factor = camera.scale / before.scale;
+    context.drawImage(canvas, left, top, canvas.width * factor, canvas.height * factor);
+  }
+
+  /** Asks for the view at its true scale, unless the tiles or the GPU show it pixel by pixel. It stands still. */
   refine(camera) {
-    if (this.cells?.key === camera.key || !this.decoder.isContinuous || this.isExact(camera)) return;
-    if (this.isPlanned || this.isTooMuch(camera)) return;
-    this.forgetCells();
-    const { width, height } = this.decoder.info;
-    const [left, top] = camera.toScreen(0, 0);
-    const [right, bottom] = camera.toScreen(width, height);
-    const cells = { key: camera.key, parts: [], jobs: [] };
-    this.cells = cells;
-    const [first, last] = [Math.max(0, Math.ceil(left - 0.5)), Math.min(camera.columns, Math.ceil(right - 0.5))];
-    const [above, below] = [Math.max(0, Math.ceil(top - 0.5)), Math.min(camera.rows, Math.ceil(bottom - 0.5))];
-    for (let row = above; row < below; row += TILE) {
-      for (let column = first; column < last; column += TILE) {
-        const columns = Math.min(TILE, last - column);
-        const rows = Math.min(TILE, below - row);
-        const [x, y] = camera.toPicture(column, row);
-        const view = { x, y, width: columns / camera.scale, height: rows / camera.scale, columns, rows };
-        const job = this.decoder.draw(view, REFINE);
-        const part = { column, row, bitmap: null };
-        cells.parts.push(part);
-        cells.jobs.push(job);
-        job.promise.then(
-          (bitmap) => this.arrived(part, bitmap, cells),
-          (error) => {
-            part.failed = true;
-            this.lost(error);
-          },
-        );
-      }
-    }
-  }
-
-  arrived(part, bitmap, cells) {
-    if (this.cells !== cells) return bitmap.close();
-    part.bitmap = bitmap;
-    this.changed();
+    this.still = camera.key;
+    if (!this.decoder.isContinuous || this.cells.isOf(camera)) return;
+    if (this.planned ? !this.isPreview : this.isExact(camera) || this.isTooMuch(camera)) this.cells.forget();
+    else if (!this.planned || this.models.isDone) this.cells.ask(camera);
   }
 
   /** Whether nothing is being drawn: the screen shows the best there is. */
   get isDone() {
     const waits = [...this.tiles.values()].some(({ job }) => job);
-    if (this.isPlanned && !this.models.isDone) return false;
-    return !waits && !(this.cells?.parts ?? []).some(({ bitmap, failed }) => !bitmap && !failed);
+    if (this.planned && !this.models.isDone) return false;
+    return !waits && this.cells.isDone;
   }
 
   /** The level of tiles that has no fewer pixels than the screen, or that of the overview where it has to do. */
@@ -176,7 +169,21 @@ export class Layer {
     return [...camera.toScreen(x, y), ...camera.toScreen(x + width, y + height)].map(Math.round);
   }
 
-  /** Draws the tile's part of the nearest coarser tile that is there. */
+  /** Draws a tile; false where it is not there. */
+  drawTile(context, tile, camera) {
+    const { bitmap } = this.tiles.get(tile.key) ?? {};
+    if (!bitmap) return false;
+    const [left, top, right, bottom] = this.screenBox(tile, camera);
+    context.drawImage(bitmap, left, top, right - left, bottom - top);
+    return true;
+  }
+
+  /** Draws instead of a tile its part of the nearest coarser one that is there, and finer ones over it. */
+  drawOthers(context, tile, camera) {
+    this.drawAncestor(context, tile, this.screenBox(tile, camera));
+    this.drawFiner(context, tile, camera, FINER);
+  }
+
   drawAncestor(context, tile, [left, top, right, bottom]) {
     const view = this.viewOf(tile);
     for (let up = 1; tile.level - up >= this.coarsest; up++) {
@@ -188,6 +195,14 @@ export class Layer {
       const source = [(view.x - from.x) * scale, (view.y - from.y) * scale, view.width * scale, view.height * scale];
       context.drawImage(bitmap, ...source, left, top, right - left, bottom - top);
       return;
+    }
+  }
+
+  drawFiner(context, { level, column, row }, camera, levels) {
+    if (!levels || level === FINEST) return;
+    for (const at of [0, 1, 2, 3]) {
+      const tile = this.tileOf(level + 1, 2 * column + (at & 1), 2 * row + (at >> 1));
+      if (!this.drawTile(context, tile, camera)) this.drawFiner(context, tile, camera, levels - 1);
     }
   }
 
@@ -236,14 +251,9 @@ export class Layer {
     }
   }
 
-  forgetCells() {
-    for (const job of this.cells?.jobs ?? []) job.cancel();
-    for (const { bitmap } of this.cells?.parts ?? []) bitmap?.close();
-    this.cells = null;
-  }
-
   close() {
-    this.forgetCells();
+    this.cells.forget();
+    this.frame = null;
     for (const { bitmap, job } of this.tiles.values()) {
       bitmap?.close();
       job?.cancel();

@@ -54,8 +54,7 @@ function showNumbers() {
   const { scale } = scene.camera;
   const tooMany = scene.ellipses?.total === null;
   part("ellipses").textContent = tooMany ? "Ellipses: zoom in" : "Ellipses";
-  part("drawing").textContent = `${scene.stage.mode === "auto" ? "auto: " : ""}${scene.drawnBy}`;
-  part("drawing").title = `${scene.stage.reason} Drawn by the GPU or in workers (g)`.trim();
+  showDrawing();
   part("scale").textContent = scale >= 1 ? `${round(scale)}×` : `1/${round(1 / scale)}`;
   if (scene.decoder.info.kind === "server") {
     part("bytes").textContent = `${megabytes(scene.bytes)}, drawn by the server`;
@@ -64,6 +63,14 @@ function showNumbers() {
   const share = (100 * scene.fetched) / scene.bytes;
   const fetched = scene.fetched ? `${megabytes(scene.fetched)} of ` : "";
   part("bytes").textContent = fetched + megabytes(scene.bytes) + (fetched ? ` (${round(share)} %)` : "");
+}
+
+/** Which of both draws and why; in the open, where it is not the one that was chosen. */
+function showDrawing() {
+  const { stage, drawnBy, why } = scene;
+  const instead = stage.mode === "gpu" && drawnBy === "CPU" && why ? " instead of GPU" : "";
+  part("drawing").textContent = `${stage.mode === "auto" ? "auto: " : ""}${drawnBy}${instead}`;
+  part("drawing").title = `${why || "The GPU draws."} Drawn by the GPU or in workers (g)`;
 }
 
 function round(value) {

@@ -20,6 +20,7 @@ export class Scene extends EventTarget {
     this.split = 0.5; // where the second picture begins, of the canvas's width
     this.ellipses = null; // while they are shown
     this.drawnBy = ""; // the streams: "GPU", "CPU" or "GPU, CPU"
+    this.why = ""; // a sentence: why the GPU does not draw all of them
     this.frame = this.timer = 0;
     this.watcher = new ResizeObserver((entries) => this.resize(entries.at(-1)));
     try {
@@ -139,7 +140,9 @@ export class Scene extends EventTarget {
   /** Has the GPU draw what it can. Returns the plan of each layer, null where workers draw. */
   drawByGpu() {
     const { renderer } = this.stage;
+    const before = this.layers.map(({ planned }) => planned);
     const plans = this.layers.map((layer, number) => layer.plan(this.cameraOf(number), renderer));
+    for (const [number, plan] of plans.entries()) if (before[number] && !plan) this.keepFrame(number, before[number]);
     const parts = [...plans.entries()].filter(([, plan]) => plan?.shown.length).map(([number, { shown }]) => {
       const [first, stop] = this.columnsOf(number);
       return { shown, camera: this.cameraOf(number), first, stop };
@@ -160,6 +163,22 @@ export class Scene extends EventTarget {
     return plans;
   }
 
+  /** Has a layer that the GPU draws no more keep what it drew last. */
+  keepFrame(number, { camera }) {
+    const [first, stop] = this.columnsOf(number);
+    const copy = this.stage.copy(first, stop);
+    if (copy) this.layers[number].keepFrame(copy, camera, first);
+  }
+
+  /** Why the GPU does not draw all of a stream, as a sentence; empty where it does. */
+  whyOf({ decoder, models, planned, isPreview }, camera) {
+    if (decoder.info.kind !== "stream") return "";
+    if (!models) return "Workers draw: the picture has alpha, nodata, or 8-bit samples of another range.";
+    if (!planned) return this.stage.refusal || `Workers draw: ${models.refusal(camera)}.`;
+    if (isPreview) return "The GPU draws a preview: workers restore the picture.";
+    return planned.plan.missing.length ? "Workers draw until the GPU has all tiles of the file that are seen." : "";
+  }
+
   draw() {
     this.frame = 0;
     const { context, canvas } = this;
@@ -174,16 +193,24 @@ export class Scene extends EventTarget {
       const [start, stop] = this.columnsOf(number);
       context.rect(start, 0, stop - start, canvas.height);
       context.clip();
-      const plan = plans[number];
-      if (plan) layer.drawMissing(context, this.cameraOf(number), plan.missing);
+      if (plans[number]) layer.drawOver(context, this.cameraOf(number));
       else layer.draw(context, this.cameraOf(number));
       context.restore();
     }
-    const streams = plans.filter((_, number) => this.layers[number].decoder.info.kind === "stream");
-    const kinds = streams.flatMap((plan) => [...(plan ? ["GPU"] : []), ...(plan?.missing.length === 0 ? [] : ["CPU"])]);
-    this.drawnBy = [...new Set(kinds)].sort().reverse().join(", ") || "CPU";
+    this.say(plans);
     this.ellipses?.draw(context, this.camera);
     this.dispatchEvent(new Event("drawn"));
+  }
+
+  /** Notes which of both draws the streams, and why. */
+  say(plans) {
+    const streams = [...this.layers.entries()].filter(([, { decoder }]) => decoder.info.kind === "stream");
+    const kinds = streams.flatMap(([number, layer]) => {
+      const plan = plans[number];
+      return [...(plan ? ["GPU"] : []), ...(plan?.missing.length === 0 && !layer.isPreview ? [] : ["CPU"])];
+    });
+    this.drawnBy = [...new Set(kinds)].sort().reverse().join(", ") || "CPU";
+    this.why = streams.map(([number, layer]) => this.whyOf(layer, this.cameraOf(number))).find(Boolean) ?? "";
   }
 
   /** Shows the ellipses of Gaussians, or shows them no more. */

@@ -64,8 +64,8 @@ export class Library {
     return this.within(8 * FACTS, (at) => {
       this.exports.viewer_info(stream, at);
       const facts = new Float64Array(this.exports.memory.buffer, at, FACTS);
-      const [width, height, channels, tiles, tileSize, hasOverview, levels, isPlain, apron, isRestored] = facts;
-      const flags = { hasOverview: Boolean(hasOverview), isPlain: Boolean(isPlain), isRestored: Boolean(isRestored) };
+      const [width, height, channels, tiles, tileSize, hasOverview, levels, isPlain, apron] = facts;
+      const flags = { hasOverview: Boolean(hasOverview), isPlain: Boolean(isPlain) };
       return { stream, info: { width, height, channels, tiles, tileSize, levels, apron, ...flags } };
     });
   }

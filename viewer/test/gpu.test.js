@@ -8,22 +8,26 @@ import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { launch, message, pageOf, settled, shot, show } from "./browser.js";
 import { GOLDEN, PYTHON, ROOT, decoded } from "./command.js";
-import { farthest, part } from "./pixels.js";
+import { contrasts } from "./frames.js";
+import { farthest, onBlack, part } from "./pixels.js";
 import { rgba } from "./png.js";
 import { serve } from "./server.js";
 
 const VIEWS = [[4, 16, 8, 60, 40], [1, 3, 5, 70, 50], [2.5, 10, 6, 40, 30], [0.7, 0, 0, 80, 60], [0.25, 0, 0, 80, 60], [32, 20, 20, 20, 15]];
 const NAMES = ["rgb8-texture", "rgb8-tiles-texture", "rgb8-tiles", "gray16-texture", "float", "paper-rgb8", "rgba8-tiles-luma"];
+const SHARP = 0.7; // of the contrast of what stands still, that moving has at least
+const RESTORED = ["rgb8-restored-visual", "rgba8-tiles-restored", "gray16-restored"];
 
 let browser, folder, server;
 
 before(async () => {
   folder = mkdtempSync(join(tmpdir(), "sgi-files-"));
-  for (const name of NAMES) copyFileSync(join(GOLDEN, `${name}.sgi`), join(folder, `${name}.sgi`));
+  for (const name of [...NAMES, ...RESTORED]) copyFileSync(join(GOLDEN, `${name}.sgi`), join(folder, `${name}.sgi`));
   const bytes = readFileSync(join(GOLDEN, "rgb8-tiles-texture.sgi"));
   const last = bytes.lastIndexOf("T");
   writeFileSync(join(folder, "scratched.sgi"), bytes.fill(bytes[last + 60] ^ 255, last + 60, last + 61));
   execFileSync(PYTHON, [join(ROOT, "viewer/test/hole.py"), join(folder, "hole.sgi")]);
+  execFileSync(PYTHON, [join(ROOT, "viewer/test/mosaic.py"), join(folder, "mosaic.sgi")]);
   server = await serve({ "/files/": folder, "/": join(ROOT, "viewer/src") });
   browser = await launch();
 });
@@ -34,8 +38,8 @@ after(async () => {
   rmSync(folder, { recursive: true });
 });
 
-async function opened(name, { draw = "gpu", script, rest = "" } = {}) {
-  const page = await pageOf(browser, `${server.address}/?draw=${draw}&file=/files/${name}.sgi${rest}`, { script });
+async function opened(name, { draw = "gpu", rest = "", ...options } = {}) {
+  const page = await pageOf(browser, `${server.address}/?draw=${draw}&file=/files/${name}.sgi${rest}`, options);
   await settled(page);
   return page;
 }
@@ -44,9 +48,11 @@ async function matches(page, name, [scale, ...region]) {
   const options = ["--region", region.join(","), "--scale", scale, "--no-dither"];
   const expected = decoded(join(folder, `${name}.sgi`), ...options);
   await show(page, region[0], region[1], scale);
+  await page.evaluate(() => (document.body.style.background = "black"));
   const found = await shot(page, expected.width, expected.height);
-  const most = farthest(found, rgba(expected));
-  assert.ok(most <= 1, `${name} at scale ${scale}: ${most} levels apart`);
+  const most = farthest(found, onBlack(rgba(expected)));
+  const allowed = expected.channels % 2 ? 1 : 2; // one of the colour, and one of alpha times the colour
+  assert.ok(most <= allowed, `${name} at scale ${scale}: ${most} levels apart`);
 }
 
 const drawnBy = (page) => page.textContent("#drawing");
@@ -83,13 +89,13 @@ const hide = (what) => `{
 }`;
 
 const FALLBACKS = {
-  "a picture with alpha": ["rgba8-tiles-luma", {}, /^Drawn/, "CPU"],
-  "a picture with pixels that hold nothing": ["hole", {}, /^Drawn/, "CPU"],
+  "a picture with alpha": ["rgba8-tiles-luma", {}, /has alpha/, "CPU instead of GPU"],
+  "a picture with pixels that hold nothing": ["hole", {}, /nodata/, "CPU instead of GPU"],
   "a GPU that is emulated, in auto": ["rgb8-texture", { draw: "auto" }, /no WebGL2 with a GPU/, "auto: CPU"],
-  "no WebGL2": ["rgb8-texture", { script: hide("webgl2") }, /no WebGL2\./, "CPU"],
-  "no buffers of floats": ["rgb8-texture", { script: hide("EXT_color_buffer_float") }, /EXT_color_buffer_float/, "CPU"],
-  "no sums of floats": ["rgb8-texture", { script: hide("EXT_float_blend") }, /EXT_float_blend/, "CPU"],
-  "who asks for it": ["rgb8-texture", { draw: "cpu" }, /^Drawn/, "CPU"],
+  "no WebGL2": ["rgb8-texture", { script: hide("webgl2") }, /no WebGL2\./, "CPU instead of GPU"],
+  "no buffers of floats": ["rgb8-texture", { script: hide("EXT_color_buffer_float") }, /EXT_color_buffer_float/, "CPU instead of GPU"],
+  "no sums of floats": ["rgb8-texture", { script: hide("EXT_float_blend") }, /EXT_float_blend/, "CPU instead of GPU"],
+  "who asks for it": ["rgb8-texture", { draw: "cpu" }, /as chosen/, "CPU"],
 };
 for (const [why, [name, options, reason, shown]] of Object.entries(FALLBACKS)) {
   test(`workers draw: ${why}`, async () => {
@@ -105,9 +111,81 @@ for (const [why, [name, options, reason, shown]] of Object.entries(FALLBACKS)) {
 test("workers draw what shows a great part of a picture at once", async () => {
   const page = await opened("rgb8-texture");
   await show(page, 0, 0, 0.2);
-  assert.equal(await drawnBy(page), "CPU");
+  assert.equal(await drawnBy(page), "CPU instead of GPU");
+  assert.match(await page.getAttribute("#drawing", "title"), /^Workers draw: the scale is below 1\/4\./);
   await show(page, 0, 0, 1);
   assert.equal(await drawnBy(page), "GPU");
+  assert.match(await page.getAttribute("#drawing", "title"), /^The GPU draws\./);
+  await page.context().close();
+});
+
+for (const name of RESTORED) {
+  test(`${name}: restored at scales from 1 on, on both sides of 1 and of 1/4`, async () => {
+    const page = await opened(name);
+    const isPlain = !name.startsWith("rgba");
+    for (const scale of [0.9, 1, 2.5, 0.99, 4, 0.26, 0.24, 0.3, 1]) {
+      await matches(page, name, [scale, 3, 5, 100, 100]);
+      const by = !isPlain || scale < 0.25 ? "CPU instead of GPU" : scale < 1 ? "GPU" : "GPU, CPU";
+      assert.equal(await drawnBy(page), by);
+    }
+    const title = await page.getAttribute("#drawing", "title");
+    assert.match(title, isPlain ? /^The GPU draws a preview: workers restore/ : /has alpha/);
+    assert.deepEqual(page.errors, []);
+    await page.context().close();
+  });
+}
+
+/** Whether all frames are about as sharp as the view when all is drawn, as which it begins. */
+function assertSharp(frames, before, what) {
+  const { contrast } = frames.at(-1);
+  const least = Math.min(...frames.map((frame) => frame.contrast));
+  assert.ok(contrast > 3);
+  assert.ok(least >= SHARP * Math.min(before, contrast), `${what}: ${least} of ${contrast} and ${before} before`);
+}
+
+test("a large, restored file: no blurred frame where the GPU begins or ends to draw", async (context) => {
+  const page = await opened("mosaic", { viewport: { width: 320, height: 280 } });
+  let before = (await contrasts(page, 0.9)).at(-1).contrast;
+  for (const [scale, by] of [[1.1, "GPU, CPU"], [0.9, "GPU"], [2, "GPU, CPU"], [0.26, "GPU"], [0.24, "CPU instead of GPU"], [0.3, "GPU"]]) {
+    const frames = await contrasts(page, scale);
+    context.diagnostic(`to scale ${scale}: ${frames.map(({ time, contrast }) => `${time} ms ${contrast.toFixed(1)}`).join(", ")}`);
+    assertSharp(frames, before, `to scale ${scale}`);
+    assert.equal(await drawnBy(page), by);
+    before = frames.at(-1).contrast;
+  }
+  assertSharp(await contrasts(page, 0.3, "cpu"), before, "from the GPU to workers");
+  assert.equal(await drawnBy(page), "CPU");
+  assert.deepEqual(page.errors, []);
+  await page.context().close();
+});
+
+test("workers alone: zooming out shows finer tiles until coarser ones are there", async () => {
+  const page = await opened("mosaic", { draw: "cpu", viewport: { width: 320, height: 280 } });
+  const before = (await contrasts(page, 1)).at(-1).contrast;
+  assertSharp(await contrasts(page, 0.49), before, "to scale 0.49");
+  await page.context().close();
+});
+
+test("restored squares move along with the preview", async () => {
+  const page = await opened("rgb8-restored-visual");
+  await show(page, 0, 0, 4);
+  const before = await shot(page, 400, 300);
+  const asked = await page.evaluate(async () => {
+    const { scene } = sgiViewer;
+    scene.refine = () => (scene.timer = 0);
+    const tasks = [];
+    const { pool } = scene.decoder;
+    const run = pool.run.bind(pool);
+    pool.run = (task, ...rest) => tasks.push(task) && run(task, ...rest);
+    for (let step = 0; step < 8; step++) {
+      scene.move((camera) => camera.pan(-8, 0));
+      await new Promise((drawn) => scene.addEventListener("drawn", drawn, { once: true }));
+    }
+    return tasks;
+  });
+  assert.deepEqual(asked, []);
+  const after = await shot(page, 400, 300);
+  assert.equal(farthest(part(after, 400, 0, 320), part(before, 400, 64, 384)), 0);
   await page.context().close();
 });
 

@@ -13,3 +13,8 @@ export function part(pixels, width, first, stop) {
   const each = 4 * (stop - first);
   return Uint8ClampedArray.from({ length: (pixels.length / width / 4) * each }, (_, at) => pixels[4 * (Math.floor(at / each) * width + first) + (at % each)]);
 }
+
+/** Pixels as they are seen on black. */
+export function onBlack(pixels) {
+  return pixels.map((value, at) => (at % 4 === 3 ? 255 : Math.round((value * pixels[at - (at % 4) + 3]) / 255)));
+}

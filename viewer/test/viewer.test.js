@@ -8,7 +8,7 @@ import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { launch, message, pageOf, settled, shot, show } from "./browser.js";
 import { GOLDEN, PYTHON, ROOT, decoded } from "./command.js";
-import { farthest, part } from "./pixels.js";
+import { farthest, onBlack, part } from "./pixels.js";
 import { rgba } from "./png.js";
 import { serve } from "./server.js";
 
@@ -264,7 +264,3 @@ test("dark and light", async () => {
   assert.equal(await ground(), dark);
   await page.context().close();
 });
-
-function onBlack(pixels) {
-  return pixels.map((value, at) => (at % 4 === 3 ? 255 : Math.round((value * pixels[at - (at % 4) + 3]) / 255)));
-}

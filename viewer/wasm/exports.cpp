@@ -85,8 +85,7 @@ EMSCRIPTEN_KEEPALIVE Stream *viewer_open(double size, double cache_bytes) {
 EMSCRIPTEN_KEEPALIVE void viewer_close(Stream *stream) { delete stream; }
 
 // Width, height, channels, tiles, largest side of a tile, whether there is an overview, levels, whether all pixels hold
-// something, are opaque and have values that eight bits show as they are, the apron of tiles, whether they are
-// restored.
+// something, are opaque and have values that eight bits show as they are, the apron of tiles.
 EMSCRIPTEN_KEEPALIVE void viewer_info(Stream *stream, double *facts) {
   const Header &header = stream->header();
   const double found[] = {double(header.width),
@@ -97,8 +96,7 @@ EMSCRIPTEN_KEEPALIVE void viewer_info(Stream *stream, double *facts) {
                           double(stream->has_overview()),
                           double(levels_of(header.width, header.height).size()),
                           double(is_plain(header)),
-                          double(header.apron),
-                          double(header.spec.restoration)};
+                          double(header.apron)};
   std::copy(std::begin(found), std::end(found), facts);
 }
 

@@ -97,7 +97,7 @@ extern "C" {
 
 // Numbers of a tile, at `*at` until the next call: how many there are, or -1 for an error. The first sixteen: its place
 // (x, y, width, height), Gaussians, side of the base layer's cells, columns and rows of these, cells, rows and atoms of
-// texture; behind them the lists in this order.
+// texture, whether a network restores it; behind them the lists in this order.
 EMSCRIPTEN_KEEPALIVE int viewer_model(Stream *stream, double number, const float **at) {
   return guarded(-1, [&] {
     const TileRenderer &tile = stream->renderer(int64_t(number));
@@ -108,7 +108,7 @@ EMSCRIPTEN_KEEPALIVE int viewer_model(Stream *stream, double number, const float
     const auto cells = [&](int64_t length) { return has_base ? float((length + side - 1) / side) : 0.0f; };
     model.assign({float(place.x), float(place.y), float(place.width), float(place.height), 0, float(side),
                   cells(place.width), cells(place.height), float(lists.cells.size() / 8), float(lists.rows.size() / 4),
-                  float(lists.atoms.size() / 4)});
+                  float(lists.atoms.size() / 4), float(tile.is_restored())});
     model.resize(kFacts);
     model[4] = float(add_gaussians(tile.gaussians(), model));
     if (has_base) add_base(tile.base(), channels, model);

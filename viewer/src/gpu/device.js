@@ -9,7 +9,9 @@ const LIST_COLUMNS = 1024; // as of `listed` in shaders.js
 /** Why a canvas cannot be drawn to is an error with a sentence. slow: a GPU that is emulated will do. */
 export class Device {
   constructor(canvas, slow) {
-    const options = { alpha: true, antialias: false, depth: false, failIfMajorPerformanceCaveat: !slow };
+    // preserveDrawingBuffer: the last frame can be read after it was shown.
+    const shown = { alpha: true, antialias: false, depth: false, preserveDrawingBuffer: true };
+    const options = { ...shown, failIfMajorPerformanceCaveat: !slow };
     this.gl = canvas.getContext("webgl2", options);
     if (!this.gl) throw new Error(slow ? "This browser has no WebGL2." : "This browser has no WebGL2 with a GPU.");
     if (!slow && EMULATED.test(this.name)) throw new Error(`This browser has no WebGL2 with a GPU, but ${this.name}.`);

@@ -13,7 +13,7 @@ export class Stage {
   constructor(above, changed) {
     this.changed = changed;
     this.mode = "auto";
-    this.reason = ""; // a sentence, where the GPU does not draw though it might
+    this.reason = ""; // a sentence, where there is no GPU to draw though it might
     this.waits = [];
     this.isSlow = false;
     this.canvas = document.createElement("canvas");
@@ -57,6 +57,12 @@ export class Stage {
     return Boolean(this.timer);
   }
 
+  /** Why there is no renderer, as a sentence. */
+  get refusal() {
+    if (this.mode === "cpu") return "Workers draw, as chosen.";
+    return this.reason || (this.isComing ? "The GPU is getting ready." : "");
+  }
+
   make() {
     if (this.made || this.tried === this.mode) return;
     try {
@@ -80,6 +86,14 @@ export class Stage {
     this.made.begin(columns, rows);
     for (const { shown, camera, first, stop } of parts) this.made.draw(shown, camera, first, stop);
     this.shows = key;
+  }
+
+  /** A copy of columns `first` to before `stop` of what it shows; null where it shows nothing. */
+  copy(first, stop) {
+    if (!this.shows || !this.made || stop <= first) return null;
+    const copy = new OffscreenCanvas(stop - first, this.canvas.height);
+    copy.getContext("2d").drawImage(this.canvas, -first, 0);
+    return copy;
   }
 
   clear() {

@@ -8,8 +8,9 @@ let made = 0;
 export class Tile {
   /** numbers: of `viewer_model`. */
   constructor(device, numbers) {
-    const [x, y, width, height, gaussians, side, baseColumns, baseRows, cells, rows, atoms] = numbers;
+    const [x, y, width, height, gaussians, side, baseColumns, baseRows, cells, rows, atoms, restored] = numbers;
     Object.assign(this, { x, y, width, height, gaussians, side, base: [baseColumns, baseRows], cellCount: cells });
+    this.isRestored = Boolean(restored); // by a network, which runs in workers
     let at = FACTS;
     const next = (count) => numbers.subarray(at, (at += count));
     this.id = ++made;

@@ -18,12 +18,12 @@ export class TileModels {
     this.timer = 0;
   }
 
-  /** Whether the GPU can draw what the camera shows. */
-  covers({ scale, seen }) {
-    const { isPlain, isRestored } = this.decoder.info;
-    if (!isPlain || scale < LEAST_SCALE || scale > MOST_SCALE) return false;
-    if (isRestored && scale >= 1) return false; // the network runs in workers
-    return seen.width * seen.height <= MOST_PIXELS && this.needed(seen).length <= MOST_TILES;
+  /** Why the GPU does not draw what the camera shows, as a few words; empty where it does. */
+  refusal({ scale, seen }) {
+    if (scale < LEAST_SCALE) return "the scale is below 1/4";
+    if (scale > MOST_SCALE) return "the scale is above 32";
+    if (seen.width * seen.height > MOST_PIXELS) return "more than 12 megapixels are seen";
+    return this.needed(seen).length > MOST_TILES ? "more than 48 tiles of the file are seen" : "";
   }
 
   /** What to draw of a view, {shown: [{tile, fades}], missing: [boxes]}; asks for what is not there. */
