@@ -161,12 +161,12 @@ addEventListener("dragover", (event) => {
   document.body.classList.add("dropping");
 });
 addEventListener("dragleave", () => document.body.classList.remove("dropping"));
-addEventListener("drop", (event) => {
+addEventListener("drop", async (event) => {
   event.preventDefault();
   document.body.classList.remove("dropping");
   const [file, other] = event.dataTransfer.files;
-  if (file) open(file, event.shiftKey && scene.layers.length ? "second" : "first");
-  if (other) open(other, "second");
+  if (file) await open(file, event.shiftKey && scene.layers.length ? "second" : "first");
+  if (other && scene.decoder) await open(other, "second");
 });
 
 part("canvas").addEventListener("pointermove", showPlace);

@@ -1,6 +1,7 @@
-/** A picture that the browser itself can read, to compare a stream with. */
+/** A picture that the browser itself can read, to compare a stream with; a worker reads and draws it. */
 
 import { SgiError } from "./errors.js";
+import { WorkerPool } from "./worker_pool.js";
 
 export class PictureDecoder {
   static async open(source, place, fetched, name) {
@@ -9,30 +10,24 @@ export class PictureDecoder {
       blob = await (await fetch(place.url)).blob();
       fetched = blob.size;
     }
+    const pool = new WorkerPool(1, { place: blob }, drawer);
     try {
-      const picture = await createImageBitmap(blob);
-      return new PictureDecoder(picture, { name, kind: "picture", bytes: blob.size }, fetched);
+      const { width, height } = await pool.opened;
+      const info = { width, height, name, kind: "picture", bytes: blob.size, tileSize: 0, tiles: 1, hasOverview: false };
+      return new PictureDecoder(pool, info, fetched);
     } catch {
+      pool.close();
       throw new SgiError("The file is no .sgi stream, and no picture that this browser can show.");
     }
   }
 
-  constructor(picture, info, fetched) {
-    this.picture = picture;
-    this.fetched = fetched;
+  constructor(pool, info, fetched) {
+    Object.assign(this, { pool, info, fetched });
     this.isContinuous = true;
-    const { width, height } = picture;
-    this.info = { ...info, width, height, tileSize: 0, tiles: 1, hasOverview: false };
   }
 
-  draw({ x, y, width, height, columns, rows }) {
-    const canvas = new OffscreenCanvas(columns, rows);
-    const context = canvas.getContext("2d");
-    context.imageSmoothingQuality = "high";
-    const [sx, sy] = [columns / width, rows / height];
-    context.setTransform(sx, 0, 0, sy, -x * sx, -y * sy);
-    context.drawImage(this.picture, 0, 0);
-    return { promise: Promise.resolve(canvas.transferToImageBitmap()), cancel: () => {} };
+  draw(view, priority) {
+    return this.pool.run("draw", view, priority);
   }
 
   async ellipses() {
@@ -40,6 +35,11 @@ export class PictureDecoder {
   }
 
   close() {
-    this.picture.close();
+    this.pool.close();
   }
+}
+
+/** One for each picture: it holds all pixels, and the page stays free. */
+function drawer() {
+  return new Worker(new URL("./picture_worker.js", import.meta.url), { type: "module" });
 }

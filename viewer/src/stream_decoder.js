@@ -12,7 +12,7 @@ export class StreamDecoder {
     const module = await loadModule();
     if (!module) throw new SgiError("The decoder's WebAssembly is missing from this installation, or this browser has none.");
     const count = workers ?? Math.max(1, Math.min(4, (navigator.hardwareConcurrency ?? 2) - 1));
-    const pool = new WorkerPool(count, module, place);
+    const pool = new WorkerPool(count, { module, place }, decoder);
     try {
       const info = await pool.opened;
       return new StreamDecoder(pool, { ...info, name, kind: "stream", bytes: place.size }, fetched);
@@ -65,4 +65,8 @@ export class StreamDecoder {
     const row = place(y + height / 2, this.info.height);
     return Math.max(0, column + 2 * row);
   }
+}
+
+function decoder() {
+  return new Worker(new URL("./worker.js", import.meta.url), { type: "module" });
 }

@@ -1,14 +1,16 @@
-/** Workers that decode one stream. Jobs wait here, so that those which nobody needs any more are dropped. */
+/** Workers that decode one file. Jobs wait here, so that those which nobody needs any more are dropped. */
 
 import { SgiError, sentence } from "./errors.js";
 
 /** Calls of `run` are done by priority, the lowest number first; those of one lane by the same worker. */
 export class WorkerPool {
-  constructor(count, module, place) {
+  /** opening: {module, place}, what each worker needs to begin; make(): a new worker. */
+  constructor(count, opening, make) {
     this.fetched = 0;
     this.queue = [];
     this.running = new Map();
-    this.opening = { module, place };
+    this.opening = opening;
+    this.make = make;
     this.workers = [];
     this.most = count;
     this.add();
@@ -20,7 +22,7 @@ export class WorkerPool {
   }
 
   add() {
-    const worker = new Worker(new URL("./worker.js", import.meta.url), { type: "module" });
+    const worker = this.make();
     const entry = { worker, job: null, fetched: 0 };
     worker.onmessage = ({ data }) => this.done(entry, data);
     worker.onerror = (event) => {
