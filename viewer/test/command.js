@@ -20,12 +20,33 @@ export function decoded(stream, ...options) {
   return known.get(key);
 }
 
+/** The first three bands of what the command draws of a picture in bands, which PNG cannot hold. */
+export function decodedBands(stream, ...options) {
+  const script = "import sys, sgicodec; bands = sgicodec.read(sys.argv[1]).pixels[..., :3]; print(*bands.shape, bands.tobytes().hex())";
+  return within((folder) => {
+    const target = join(folder, "decoded.tif");
+    decode(stream, target, options);
+    const [height, width, channels, pixels] = execFileSync(PYTHON, ["-c", script, target]).toString().trim().split(" ");
+    return { width: Number(width), height: Number(height), channels: Number(channels), pixels: Buffer.from(pixels, "hex") };
+  });
+}
+
 function drawn(stream, ...options) {
+  return within((folder) => {
+    const target = join(folder, "decoded.png");
+    decode(stream, target, options);
+    return readPng(readFileSync(target));
+  });
+}
+
+function decode(stream, target, options) {
+  execFileSync(PYTHON, ["-m", "sgicodec", "decode", stream, target, "--depth", "8", "--quiet", ...options.map(String)]);
+}
+
+function within(work) {
   const folder = mkdtempSync(join(tmpdir(), "sgi-viewer-"));
   try {
-    const target = join(folder, "decoded.png");
-    execFileSync(PYTHON, ["-m", "sgicodec", "decode", stream, target, "--depth", "8", "--quiet", ...options.map(String)]);
-    return readPng(readFileSync(target));
+    return work(folder);
   } finally {
     rmSync(folder, { recursive: true });
   }
