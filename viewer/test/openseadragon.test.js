@@ -1,8 +1,10 @@
 /** SgiTileSource in OpenSeadragon, on the demo's page. */
 
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
+import { execFileSync, spawn } from "node:child_process";
 import { once } from "node:events";
+import { mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { launch, pageOf, shot } from "./browser.js";
@@ -61,6 +63,23 @@ test("a stream in OpenSeadragon, beyond its own pixels", async () => {
   assert.ok(mean < 0.5, `${mean} levels apart on average`);
   assert.deepEqual(page.errors, []);
   await page.context().close();
+});
+
+test("the demo's page of an installed package", async () => {
+  const folder = mkdtempSync(join(tmpdir(), "sgi-package-"));
+  const npm = (...args) => execFileSync("npm", [...args, "--silent"], { cwd: folder }).toString().trim();
+  const packed = ["viewer", "viewer/node_modules/openseadragon"].map((from) => npm("pack", "--ignore-scripts", join(ROOT, from)));
+  npm("install", "--offline", "--no-audit", "--no-fund", ...packed.map((name) => `./${name}`));
+  const installed = await serve({ "/files/": GOLDEN, "/": folder });
+  const place = "/node_modules/sgi-viewer/demo/openseadragon.html?file=/files/rgb8-texture.sgi";
+  const page = await pageOf(browser, `${installed.address}${place}`);
+  await page.waitForFunction(drawn, null, { polling: 50 });
+  assert.ok(installed.sent.has("/node_modules/openseadragon/build/openseadragon/openseadragon.min.js"));
+  assert.ok(installed.sent.has("/node_modules/sgi-viewer/src/wasm/sgi.wasm"));
+  assert.deepEqual(page.errors, []);
+  await page.context().close();
+  await installed.close();
+  rmSync(folder, { recursive: true });
 });
 
 test("what cannot be opened", async () => {
