@@ -1,4 +1,4 @@
-/** Draws the pictures of the documentation: node test/screenshots.js SLIDE.sgi SEEDS.sgi PHOTO.sgi PHOTO.png */
+/** Draws the pictures of the documentation: node test/screenshots.js LARGE.sgi SEEDS.sgi PHOTO.sgi PHOTO.png */
 
 import { dirname, basename, join } from "node:path";
 import { launch, pageOf, settled } from "./browser.js";
@@ -6,13 +6,13 @@ import { ROOT } from "./command.js";
 import { serve } from "./server.js";
 
 const SIZE = { width: 960, height: 640 };
-const [slide, seeds, photo, original] = process.argv.slice(2);
-const folders = { "/slide/": dirname(slide), "/seeds/": dirname(seeds), "/photo/": dirname(photo), "/original/": dirname(original), "/": join(ROOT, "viewer/src") };
+const [large, seeds, photo, original] = process.argv.slice(2);
+const folders = { "/large/": dirname(large), "/seeds/": dirname(seeds), "/photo/": dirname(photo), "/original/": dirname(original), "/": join(ROOT, "viewer/src") };
 const server = await serve(folders);
 const browser = await launch();
 
 async function picture(name, query, colorScheme, prepare) {
-  const page = await pageOf(browser, `${server.address}/?draw=gpu&${query}`, { viewport: SIZE, colorScheme });
+  const page = await pageOf(browser, `${server.address}/?${query}`, { viewport: SIZE, colorScheme });
   await settled(page);
   await page.mouse.move(500, 300);
   await prepare?.(page);
@@ -24,14 +24,14 @@ async function picture(name, query, colorScheme, prepare) {
 
 const show = (page, region) => page.evaluate((box) => sgiViewer.scene.move((camera) => camera.show(box)), region);
 
-await picture("slide", `file=/slide/${basename(slide)}`, "dark");
-await picture("ellipses", `file=/seeds/${basename(seeds)}`, "light", async (page) => {
+await picture("large", `file=/large/${basename(large)}`, "dark");
+await picture("ellipses", `draw=gpu&file=/seeds/${basename(seeds)}`, "light", async (page) => {
   await show(page, { x: 132, y: 218, width: 60, height: 37.75 });
   await settled(page);
   await page.click("#ellipses");
   await page.mouse.move(500, 300);
 });
-await picture("compare", `file=/photo/${basename(photo)}&other=/original/${basename(original)}`, "dark", (page) =>
+await picture("compare", `draw=gpu&file=/photo/${basename(photo)}&other=/original/${basename(original)}`, "dark", (page) =>
   show(page, { x: 430, y: 90, width: 240, height: 150 }),
 );
 await browser.close();
