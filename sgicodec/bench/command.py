@@ -13,6 +13,8 @@ import click
 
 from sgicodec.bench.options import numbers, variant
 from sgicodec.errors import OutputExistsError, SgiError, TargetMissedError, UsageError, require
+from sgicodec.remote.upload import check_writable, is_there
+from sgicodec.remote.url import is_url
 
 if TYPE_CHECKING:
     import numpy as np
@@ -30,7 +32,7 @@ _FILE = click.Path(path_type=Path)
 
 
 @click.command()
-@click.argument("places", nargs=-1, required=True, type=_FILE, metavar="DIR|FILES...")
+@click.argument("places", nargs=-1, required=True, metavar="DIR|FILES...")
 @click.option("--codecs", help=f"Some of {','.join(_CODECS)}.  [default: all that are installed]")
 @click.option("--qualities", default="20,35,50,65,80", show_default=True, help="Points of sgi.")
 @click.option("--efforts", default="", help="Efforts of sgi, one curve each.  [default: sgi's own]")
@@ -44,7 +46,7 @@ _FILE = click.Path(path_type=Path)
 @click.option("--plots/--no-plots", default=True, show_default=True, help="Draw the curves as PNG files.")
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON instead of tables.")
 def bench(
-    places: tuple[Path, ...],
+    places: tuple[str, ...],
     codecs: str | None,
     qualities: str,
     efforts: str,
@@ -77,7 +79,9 @@ def bench(
     chosen = _choose_codecs(wanted, codecs is not None, threads)
     if "sgi" in wanted:
         chosen = [*_sgi_curves(qualities, efforts, variants, threads), *chosen]
-    pictures = find_pictures(places)
+    if remote := [place for place in places if is_url(place)]:
+        raise UsageError(f"{remote[0]}: sgi bench measures files, not URLs; fetch it first")
+    pictures = find_pictures([Path(place) for place in places])
     cache = None if cache_folder is None else PeerCache(cache_folder)
     if sheets is not None:
         from sgicodec.bench.sheets import write_sheets
@@ -123,17 +127,17 @@ def _measure_curves(
 
 
 @click.command()
-@click.argument("a", type=_FILE)
-@click.argument("b", type=_FILE)
-@click.option("--map", "map_path", type=_FILE, help="Write the error B - A around mid-gray as a picture.")
+@click.argument("a")
+@click.argument("b")
+@click.option("--map", "map_path", help="Write the error B - A around mid-gray as a picture.")
 @click.option("--gain", default=8.0, show_default=True, help="Amplification of the error in that picture.")
 @click.option("-f", "--force", is_flag=True, help="Overwrite an existing error picture.")
 @click.option("--fail-under", type=float, metavar="DB", help="Exit with status 5 if the PSNR is below DB.")
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
 def compare(
-    a: Path, b: Path, map_path: Path | None, gain: float, force: bool, fail_under: float | None, as_json: bool
+    a: str, b: str, map_path: str | None, gain: float, force: bool, fail_under: float | None, as_json: bool
 ) -> None:
-    """Print how far picture B is from picture A: PSNR, luma PSNR, SSIM and MS-SSIM.
+    """Print how far picture B is from picture A, files or URLs: PSNR, luma PSNR, SSIM and MS-SSIM.
 
     SSIMULACRA 2 and Butteraugli follow where they are installed, of the pictures as 8-bit RGB.
     """
@@ -145,7 +149,7 @@ def compare(
     from sgicodec.metrics.scores import error_map, scores
     from sgicodec.picture import without_opaque_alpha
 
-    if map_path is not None and map_path.exists() and not force:
+    if map_path is not None and _exists(map_path) and not force:
         raise OutputExistsError(f"{map_path} exists; give -f to overwrite it")
     reference, other = image.read(a), image.read(b)
     if reference.channels != other.channels:
@@ -188,7 +192,14 @@ def _eight_bits(pixels: npt.NDArray[Any]) -> npt.NDArray[np.uint8]:
     return np.clip(np.rint(pixels * (255.0 / peak)), 0, 255).astype(np.uint8)
 
 
-def _write_map(path: Path, pixels: npt.NDArray[np.uint8]) -> None:
+def _exists(path: str) -> bool:
+    if not is_url(path):
+        return Path(path).exists()
+    check_writable(path)
+    return is_there(path, UsageError)
+
+
+def _write_map(path: str, pixels: npt.NDArray[np.uint8]) -> None:
     from sgicodec import image
     from sgicodec.picture import Picture
 

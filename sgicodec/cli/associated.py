@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sgicodec.cli.paths import STANDARD, check_output
@@ -22,12 +21,14 @@ def associated_pictures(source: str, target: str, force: bool) -> Associated:
     """Those of the slide `source`, as OUT.label.png, OUT.macro.png. Raises UsageError, PictureError for what is no
     slide, OutputExistsError.
     """
+    from sgicodec.image.origin import naming, on_disk
     from sgicodec.image.slide_reader import associated
 
     if STANDARD in (source, target):
         raise UsageError("--associated goes with files, not with stdin or stdout")
     stem = os.path.splitext(target)[0]
-    found = [(f"{stem}.{name}.png", picture) for name, picture in associated(Path(source)).items()]
+    with naming(source), on_disk(source) as slide:
+        found = [(f"{stem}.{name}.png", picture) for name, picture in associated(slide).items()]
     for path, _ in found:
         check_output(path, source, force)
     return found

@@ -13,7 +13,7 @@ import click
 
 from sgicodec.cli.files import complain
 from sgicodec.cli.json_output import print_json
-from sgicodec.cli.paths import STANDARD, display, local_name
+from sgicodec.cli.paths import STANDARD, display, is_remote, local_name, output_exists
 from sgicodec.cli.progress import Mode, batch_progress
 from sgicodec.errors import BatchError, SgiError, UsageError
 
@@ -89,7 +89,7 @@ class Batch:
                 draw(number, display(item.source), time_left(len(items) - number, finished, time.monotonic() - started))
                 try:
                     target = self._target(item, extension_of)
-                    if self.skip_existing and os.path.exists(target):
+                    if self.skip_existing and output_exists(target):
                         skipped += 1
                         continue
                     _make_folder(os.path.dirname(target))
@@ -129,6 +129,8 @@ def time_left(files: int, finished: int, seconds: float) -> str:
 
 
 def _make_folder(folder: str) -> None:
+    if is_remote(folder):
+        return
     try:
         os.makedirs(folder or ".", exist_ok=True)
     except OSError as error:

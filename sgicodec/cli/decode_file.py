@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import os
 import time
 from dataclasses import dataclass
 from importlib import import_module
@@ -14,7 +13,16 @@ import click
 
 from sgicodec.cli.json_output import print_json
 from sgicodec.cli.limits import DecodeLimits
-from sgicodec.cli.paths import STANDARD, check_output, display, opened_stream, with_extension
+from sgicodec.cli.paths import (
+    STANDARD,
+    check_output,
+    display,
+    local_name,
+    opened_stream,
+    output_exists,
+    with_extension,
+    written_file,
+)
 from sgicodec.cli.pictures import Output, write_bands, write_picture, write_pyramid
 from sgicodec.cli.place import lost_outside_tiff
 from sgicodec.cli.progress import Mode, row_progress
@@ -57,7 +65,7 @@ class DecodeJob:
 
     def is_there(self, source: str, target: str | None) -> bool:
         """Whether the picture exists already."""
-        return os.path.exists(target or with_extension(source, self.extension_of(source)))
+        return output_exists(target or with_extension(source, self.extension_of(source)))
 
     def run(self, source: str, target: str | None) -> int:
         """Decodes one stream; returns the bytes of the picture, 0 if it went to stdout."""
@@ -70,11 +78,11 @@ class DecodeJob:
             check_output(target, source, self.force)
             lost = "" if extension == "tif" else lost_outside_tiff(stream.metadata.geo)
             self._load_writer(target, extension)
-            with self.limits.held():
-                shown, channels = self._write(stream, target, extension), stream.header.channels
+            with written_file(target, PictureError) as place, self.limits.held():
+                shown, channels = self._write(stream, place, extension), stream.header.channels
+                size = 0 if target == STANDARD else Path(place).stat().st_size
         if lost and not self.quiet:
             click.echo(f"sgi: {display(target, 'stdout')}: .{extension} does not hold its {lost}; .tif does", err=True)
-        size = 0 if target == STANDARD else Path(target).stat().st_size
         if self.as_json:
             names = {"input": display(source), "output": display(target)}
             facts = {"width": shown.width, "height": shown.height, "channels": channels, "format": extension}
@@ -131,7 +139,7 @@ class DecodeJob:
             is_float = bits == 32 or (bits is None and header.sample_type == "float32")
             lost = header.channels == "multi" or lost_outside_tiff(stream.metadata.geo)
             return "tif" if self.output.pyramid or is_float or lost else "png"
-        suffix = "" if target is None else Path(target).suffix.removeprefix(".")
+        suffix = "" if target is None else Path(local_name(target)).suffix.removeprefix(".")
         if format_ is None and not suffix:
             raise UsageError(f"{display(target or '')} has no extension that names a format; add one or give --format")
         if format_ is None and suffix.lower() == "sgi":

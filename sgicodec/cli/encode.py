@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +23,7 @@ from sgicodec.cli.options import (
     quiet_option,
     threads_option,
 )
-from sgicodec.cli.paths import display, with_extension
+from sgicodec.cli.paths import display, output_exists, with_extension
 from sgicodec.cuda.choice import check_name, device_of
 from sgicodec.errors import UsageError
 from sgicodec.image.library import begin_to_load
@@ -195,7 +194,7 @@ def encode(
         raise click.UsageError(f"{len(paths)} names; give IN and OUT, or --output-dir for many pictures")
     named = output or (paths[1] if len(paths) == 2 else None)
     target = _default_target(paths[0]) if named is None else named
-    if not (skip_existing and os.path.exists(target)):
+    if not (skip_existing and output_exists(target)):
         run(paths[0], target)
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, BinaryIO
 
 from sgicodec.cli.associated import associated_pictures, write_associated
 from sgicodec.cli.encode_listener import EncodeListener
-from sgicodec.cli.paths import STANDARD, check_output, display
+from sgicodec.cli.paths import STANDARD, check_output, display, local_name
 from sgicodec.cli.progress import Mode
 from sgicodec.cli.report import Report, print_report
 from sgicodec.cuda.choice import device_of
@@ -24,6 +24,8 @@ from sgicodec.executors.peak import own_peak
 from sgicodec.executors.processes import ProcessExecutor
 from sgicodec.executors.threads import ThreadExecutor
 from sgicodec.image import open_source
+from sgicodec.remote.upload import Upload
+from sgicodec.remote.url import is_url
 
 if TYPE_CHECKING:
     from sgicodec.device import Device
@@ -37,9 +39,9 @@ __all__ = ["Job", "encode_file"]
 
 @dataclass(frozen=True)
 class Job:
-    """What the options say of one picture. target: a path, or - for stdout; started: a value of time.monotonic();
-    device: without a cluster; device_name: what was asked for, which workers of a cluster find; named: whether target
-    was named with -o.
+    """What the options say of one picture. target: a path, a URL, or - for stdout; started: a value of
+    time.monotonic(); device: without a cluster; device_name: what was asked for, which workers of a cluster find;
+    named: whether target was named with -o.
     """
 
     source: str
@@ -81,18 +83,21 @@ def encode_file(job: Job) -> int:
         source = stack.enter_context(open_source(origin, sample_range=job.float_range, alpha=job.alpha))
         executor = _executor(job, source, stack)
         checkpoint = Checkpoint(_part(job, stack), job.resume, job.force)
+        upload = stack.enter_context(Upload(job.target, StreamError)) if is_url(job.target) else None
         listener = EncodeListener("off" if job.quiet else job.progress, job.quiet, job.cluster is not None, job.source)
         try:
             with listener:
-                encoded = _encode(job, source, executor, checkpoint, listener)
+                encoded = _encode(job, source, executor, checkpoint, listener, None if upload is None else upload.path)
         except TargetMissedError as error:
             missed, encoded = str(error), error.nearest
         except KeyboardInterrupt:
             if not checkpoint.is_open or job.target == STANDARD:
                 raise
             done = len({version.tile for version in checkpoint.tiles})
-            text = f"{done} of {listener.tiles} tiles are in {display(job.target)}.part"
+            text = f"{done} of {listener.tiles} tiles are in {display(local_name(job.target))}.part"
             raise EncodeInterruptedError(f"interrupted; {text}, --resume goes on") from None
+        if upload is not None:
+            upload.send()
     write_associated(pictures)
     if not job.quiet or job.as_json:
         report = Report.of(listener.plan, encoded, job.device_name)
@@ -108,11 +113,17 @@ def encode_file(job: Job) -> int:
 
 
 def _encode(
-    job: Job, source: Source, executor: Executor | None, checkpoint: Checkpoint, listener: EncodeListener
+    job: Job,
+    source: Source,
+    executor: Executor | None,
+    checkpoint: Checkpoint,
+    listener: EncodeListener,
+    instead: Path | None,
 ) -> Encoded:
+    """instead: where the stream is written before it is sent to a URL."""
     from sgicodec.encoder.pipeline import encode_picture
 
-    output: Path | BinaryIO = sys.stdout.buffer if job.target == STANDARD else Path(job.target)
+    output: Path | BinaryIO = instead or (sys.stdout.buffer if job.target == STANDARD else Path(job.target))
     device = device_of(job.device_name, job.device.threads) if executor is None else job.device
     try:
         return encode_picture(
@@ -164,9 +175,11 @@ def _local_executor(device: Device, max_memory: float | None) -> Executor:
 
 
 def _part(job: Job, stack: ExitStack) -> Path:
-    """Where finished tiles are kept: beside OUT, or for a moment where there is none."""
+    """Where finished tiles are kept: beside OUT, of a URL in the working folder, or for a moment where there is no
+    OUT.
+    """
     if job.target != STANDARD:
-        return Path(os.path.realpath(job.target) + ".part")
+        return Path(os.path.realpath(local_name(job.target)) + ".part")
     import tempfile
 
     return Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="sgicodec-"))) / "part"

@@ -21,12 +21,15 @@ __all__ = [
     "STANDARD",
     "check_output",
     "display",
+    "is_remote",
     "local_name",
     "naming_stream",
     "opened_file",
     "opened_stream",
+    "output_exists",
     "with_extension",
     "write_output",
+    "written_file",
 ]
 
 STANDARD = "-"
@@ -42,6 +45,15 @@ def with_extension(path: str, extension: str) -> str:
     stdout.
     """
     return STANDARD if path == STANDARD else f"{os.path.splitext(local_name(path))[0]}.{extension}"
+
+
+def is_remote(path: str) -> bool:
+    """Whether it is a URL."""
+    if "://" not in path:
+        return False
+    from sgicodec.remote.url import is_url  # takes long to load
+
+    return is_url(path)
 
 
 def local_name(path: str) -> str:
@@ -96,6 +108,9 @@ def check_output(target: str, source: str, force: bool, as_stream: bool = False)
         if sys.stdout.isatty() and not force:
             raise UsageError("stdout is a terminal; name OUT, redirect, or give -f to write to it all the same")
         return
+    if is_remote(target):
+        _check_url(target, source, force, as_stream)
+        return
     from pathlib import Path  # takes long to load
 
     path, name = Path(target), display(target)
@@ -122,6 +137,28 @@ def check_output(target: str, source: str, force: bool, as_stream: bool = False)
         raise OutputExistsError(f"{name} exists; give -f to overwrite it")
 
 
+def output_exists(target: str) -> bool:
+    """Whether the file of this path or URL is there. Raises UsageError where a URL cannot be asked."""
+    if not is_remote(target):
+        return os.path.exists(target)
+    from sgicodec.remote.upload import check_writable, is_there
+
+    check_writable(target)
+    return is_there(target, UsageError)
+
+
+def _check_url(target: str, source: str, force: bool, as_stream: bool) -> None:
+    """The same as `check_output` for a URL."""
+    suffix = os.path.splitext(local_name(target))[1].lower()
+    if as_stream and suffix not in ("", ".sgi"):
+        raise UsageError(f"{target} would be OUT, but does not end in .sgi; name OUT with -o")
+    there = output_exists(target)
+    if there and target == source:
+        raise UsageError(f"{target} is both input and output; name another OUT")
+    if there and not force:
+        raise OutputExistsError(f"{target} exists; give -f to overwrite it")
+
+
 def _check_stream(path: Path) -> None:
     """Raises UsageError for a picture, and for a name that streams do not have. A pattern like *.png gives names by
     position, and -f must not destroy the picture that came second.
@@ -133,6 +170,18 @@ def _check_stream(path: Path) -> None:
         raise UsageError(f"{name} would be OUT, but does not end in .sgi; {remedy}")
     if path.exists() and is_picture(path):
         raise UsageError(f"{name} would be OUT, but it is a picture; {remedy}")
+
+
+@contextlib.contextmanager
+def written_file(target: str, failure: type[SgiError]) -> Iterator[str]:
+    """The same target, or of a URL a file which is sent after the block. Raises `failure` if it cannot be sent."""
+    if not is_remote(target):
+        yield target
+        return
+    from sgicodec.remote.upload import local_file
+
+    with local_file(target, failure) as path:
+        yield str(path)
 
 
 def write_output(target: str, data: bytes, failure: type[SgiError]) -> None:

@@ -16,6 +16,8 @@ from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.errors import PictureError, UsageError
 from sgicodec.image.conversion import as_picture
 from sgicodec.image.source import open_source
+from sgicodec.remote.upload import Upload
+from sgicodec.remote.url import is_url
 
 __all__ = ["encode", "imwrite"]
 
@@ -47,9 +49,19 @@ def imwrite(
     device: Device = ALL_CORES,
     **settings: Any,
 ) -> None:
-    """The same into a file, which appears whole or not at all. Raises PictureError too if it cannot be written."""
+    """The same into a file or to a URL, where it appears whole or not at all. Raises PictureError too if it cannot be
+    written.
+    """
     if not isinstance(path, str | os.PathLike):
         raise UsageError(f"a {type(path).__name__} is no path")
+    if isinstance(path, str) and is_url(path):
+        with Upload(path, PictureError) as upload:
+            try:
+                _encode(image, upload.path, channels, sample_range, device, settings)
+            finally:
+                if upload.path.exists():  # also where a target was missed
+                    upload.send()
+        return
     try:
         _encode(image, Path(path), channels, sample_range, device, settings)
     except OSError as error:

@@ -12,13 +12,16 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from sgicodec.errors import PictureError, UsageError
-from sgicodec.remote.url import is_url, open_url
+from sgicodec.remote.url import file_name, is_url, open_url
 
 __all__ = ["Origin", "display_name", "first_line", "has_signature", "is_utf8", "naming", "on_disk"]
 
 Origin = str | Path | BinaryIO | bytes
 
 _HEAD = 8
+_SLIDES = (".ndpi", ".scn", ".bif", ".svs", ".svslide", ".czi")
+"""Files of slides, whose copies are known by their names; of one file each."""
+
 _SUFFIXES = {
     b"\x89PNG": ".png",
     b"\xff\xd8\xff": ".jpg",
@@ -70,8 +73,10 @@ def on_disk(origin: Origin) -> Iterator[Path]:
     OpenImageIO has no streams in Python, and takes no file name that is not UTF-8.
     """
     with contextlib.ExitStack() as stack:
+        suffix = ""
         if isinstance(origin, str) and is_url(origin):
             stream: BinaryIO = stack.enter_context(open_url(origin, PictureError))
+            suffix = Path(file_name(origin)).suffix.lower()
         elif isinstance(origin, str | Path):
             if Path(origin).is_file() and is_utf8(origin):
                 yield Path(origin)
@@ -83,7 +88,8 @@ def on_disk(origin: Origin) -> Iterator[Path]:
                 kind = type(origin).__name__
                 raise UsageError(f"{kind} is no picture file; give a path, bytes or a binary file object")
         head = stream.read(_HEAD)
-        copy = stack.enter_context(tempfile.NamedTemporaryFile(prefix="sgicodec-", suffix=_suffix(head)))
+        suffix = suffix if suffix in _SLIDES else _suffix(head)
+        copy = stack.enter_context(tempfile.NamedTemporaryFile(prefix="sgicodec-", suffix=suffix))
         copy.write(head)
         shutil.copyfileobj(stream, copy)
         copy.flush()

@@ -20,6 +20,8 @@ from sgicodec.image.png_output import PngOutput
 from sgicodec.image.scratch import scratch_folder
 from sgicodec.metadata import embedded
 from sgicodec.picture import LAYOUTS, Metadata
+from sgicodec.remote.upload import check_writable, send
+from sgicodec.remote.url import file_name, is_url
 
 __all__ = ["Sink", "Target", "open_sink"]
 
@@ -35,7 +37,7 @@ class Sink:
     """A picture that is being written. A context manager: leaving it finishes the file, an exception leaves nothing.
 
     The file is made in a folder of its own beside the target, whose old contents stay until all is written, and then
-    renamed. For streams and devices it is made in the folder for temporary files and copied.
+    renamed. For streams, devices and URLs it is made in the folder for temporary files and copied.
     """
 
     def __init__(
@@ -50,7 +52,10 @@ class Sink:
     ) -> None:
         self._target, self._header, self._metadata = target, header, metadata
         with naming(target), ExitStack() as stack:
-            self._holder = formats.find(format or (Path(target).suffix if isinstance(target, str | Path) else ""))
+            self._url = target if isinstance(target, str) and is_url(target) else None
+            if self._url is not None:
+                check_writable(self._url)
+            self._holder = formats.find(format or _suffix_of(target))
             self._holder.check(header)
             samples = header.width * header.height * header.count
             if self._holder.in_library and samples > max_samples:
@@ -123,6 +128,8 @@ class Sink:
             if path is not None:
                 os.fsync(file.fileno())
                 os.replace(self._part, path)
+            elif self._url is not None:
+                send(self._part, self._url, PictureError)
             elif isinstance(self._target, str | Path):
                 with Path(self._target).open("wb") as device:
                     shutil.copyfileobj(file, device)
@@ -175,8 +182,16 @@ def open_sink(
     return Sink(target, header, metadata or Metadata(), format, max_samples, png_level, threads)
 
 
+def _suffix_of(target: Target) -> str:
+    if not isinstance(target, str | Path):
+        return ""
+    return Path(file_name(target) if isinstance(target, str) and is_url(target) else target).suffix
+
+
 def _file_of(target: Target) -> Path | None:
-    """The file that will be put in place, its links followed; None for streams and devices."""
-    if not isinstance(target, str | Path) or (Path(target).exists() and not Path(target).is_file()):
+    """The file that will be put in place, its links followed; None for streams, devices and URLs."""
+    if not isinstance(target, str | Path) or (isinstance(target, str) and is_url(target)):
+        return None
+    if Path(target).exists() and not Path(target).is_file():
         return None
     return Path(os.path.realpath(target))

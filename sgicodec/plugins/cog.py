@@ -12,6 +12,7 @@ from sgicodec.errors import PictureError, require
 from sgicodec.image.files import whole_file
 from sgicodec.image.scratch import scratch_folder
 from sgicodec.plugins.pyramid import write_levels
+from sgicodec.remote.upload import local_file
 
 __all__ = ["write_cog"]
 
@@ -30,7 +31,8 @@ _OPTIONS = {
 def write_cog(
     stream: Stream, path: str | Path, *, done: Callable[[int], None] = lambda rows: None, **view: Any
 ) -> None:
-    """Writes a stream, or a part of it, with place, nodata and overviews, to a file, which appears whole or not at all.
+    """Writes a stream, or a part of it, with place, nodata and overviews, to a file or URL, where it appears whole
+    or not at all.
 
     Overviews are rendered by the decoder; a pyramid is written beside the file first, which GDAL puts in order.
     Parameters and errors are those of `write_pyramid`.
@@ -40,9 +42,8 @@ def write_cog(
     import rasterio.shutil
     from rasterio.errors import RasterioError
 
-    target = Path(path)
     try:
-        with scratch_folder(target.resolve().parent) as folder:
+        with local_file(path, PictureError) as target, scratch_folder(target.resolve().parent) as folder:
             unordered, ordered = folder / "pyramid.tif", folder / "cog.tif"
             with unordered.open("wb") as file:
                 write_levels(stream, file, False, view, done)

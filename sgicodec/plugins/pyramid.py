@@ -19,6 +19,7 @@ from sgicodec.metadata import geo
 from sgicodec.metadata.georeference import resolution
 from sgicodec.metadata.tiff import DESCRIPTION, XMP, described
 from sgicodec.picture import Metadata, alpha_index
+from sgicodec.remote.upload import local_file
 
 __all__ = ["TILE", "is_ome_name", "write_levels", "write_pyramid"]
 
@@ -47,7 +48,8 @@ def write_pyramid(
     done: Callable[[int], None] = lambda rows: None,
     **view: Any,
 ) -> None:
-    """Writes a stream, or a part of it, and its half, its quarter … to a file, which appears whole or not at all.
+    """Writes a stream, or a part of it, and its half, its quarter … to a file or URL, where it appears whole or not at
+    all.
 
     ome: whether it is OME-TIFF; by default if it is called `.ome.tif` or `.ome.tiff`. view: region, scale, size, dtype
     and boundless, as of `Stream.read`. done: called with the rows of the first level that are rendered. Every level is
@@ -55,7 +57,7 @@ def write_pyramid(
     """
     ome = is_ome_name(str(path)) if ome is None else ome
     try:
-        with whole_file(Path(path)) as file:
+        with local_file(path, PictureError) as place, whole_file(place) as file:
             write_levels(stream, file, ome, view, done)
     except OSError as error:
         raise PictureError(f"{path}: {error.strerror or error}") from error

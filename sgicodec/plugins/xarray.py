@@ -21,6 +21,7 @@ from sgicodec.decoder.stream import Stream, open_stream  # noqa: E402
 from sgicodec.metadata.georeference import georeference, resolution  # noqa: E402
 from sgicodec.metadata.placement import transformation  # noqa: E402
 from sgicodec.plugins.level_array import LevelArray  # noqa: E402
+from sgicodec.remote.url import file_name, is_url  # noqa: E402
 
 __all__ = ["SgiBackend"]
 
@@ -53,7 +54,11 @@ class SgiBackend(BackendEntrypoint):
         return xarray.DataTree.from_dict(self.open_groups_as_dict(filename_or_obj, drop_variables=drop_variables))
 
     def guess_can_open(self, filename_or_obj: Any) -> bool:
-        """Whether it begins as a stream does; pictures of Silicon Graphics are called alike."""
+        """Whether it begins as a stream does; pictures of Silicon Graphics are called alike. Of a URL, whether its name
+        ends in .sgi: nothing is fetched.
+        """
+        if isinstance(filename_or_obj, str) and is_url(filename_or_obj):
+            return file_name(filename_or_obj).lower().endswith(".sgi")
         with suppress(OSError, TypeError, ValueError), open(filename_or_obj, "rb") as file:
             return file.read(len(SIGNATURE)) == SIGNATURE
         return False

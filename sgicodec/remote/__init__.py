@@ -1,1 +1,1 @@
-"""Files behind URLs (`https://`, `s3://` …), of which only what is read is fetched. The only user of fsspec."""
+"""Files behind URLs (`https://`, `s3://` …), fetched as far as they are read, or sent. The only user of fsspec."""

@@ -1,4 +1,4 @@
-"""URLs where a path can stand: what is one, and the file behind it."""
+"""URLs where a path can stand: what is one, and the file behind it to read."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from urllib.parse import unquote
 from sgicodec.errors import MissingExtraError, SgiError, StreamError, require
 from sgicodec.remote.range_file import RangeFile, Span
 
-__all__ = ["file_name", "is_url", "open_url"]
+__all__ = ["file_name", "is_url", "naming_url", "open_url"]
 
 _AT_ONCE = 8
 """Requests to one server."""
@@ -41,7 +41,7 @@ def open_url(url: str, failure: type[SgiError] = StreamError) -> BinaryIO:
     require("fsspec", f"{url}: opening URLs", "remote")
     import fsspec
 
-    with _naming(url, failure):
+    with naming_url(url, failure):
         system, path = fsspec.url_to_fs(url)
         file = system.open(path, "rb", cache_type="none")
         source = _Source(url, failure, system, path, file)
@@ -64,7 +64,7 @@ class _Source:
         return RangeFile(size, self._fetch, lambda: self._file.close())  # type: ignore[return-value]
 
     def _fetch(self, spans: list[Span]) -> list[bytes]:
-        with _naming(self._url, self._failure):
+        with naming_url(self._url, self._failure):
             if len(spans) > 1 and self._gives_parts and self._system.async_impl:
                 found = self._together(spans)
             else:
@@ -107,8 +107,10 @@ class _Source:
 
 
 @contextlib.contextmanager
-def _naming(url: str, failure: type[SgiError]) -> Iterator[None]:
-    """Turns whatever a file system raises into `failure` with the URL; they have no errors in common."""
+def naming_url(url: str, failure: type[SgiError], missing: str = "there is no such file") -> Iterator[None]:
+    """Turns whatever a file system raises into `failure` with the URL; they have no errors in common. missing: what is
+    said of what is not found.
+    """
     try:
         yield
     except (SgiError, MemoryError):
@@ -116,7 +118,7 @@ def _naming(url: str, failure: type[SgiError]) -> Iterator[None]:
     except ImportError as error:
         raise MissingExtraError(f"{url}: {error}") from error
     except FileNotFoundError as error:
-        raise failure(f"{url}: there is no such file") from error
+        raise failure(f"{url}: {missing}") from error
     except Exception as error:
         text = getattr(error, "strerror", None) or str(error) or type(error).__name__
         raise failure(f"{url}: {' '.join(str(text).split())}") from error

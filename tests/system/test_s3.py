@@ -19,7 +19,10 @@ from s3_server import Store, stored
 import sgicodec
 from sgicodec.cli.main import cli
 from sgicodec.errors import PictureError, StreamError
+from sgicodec.remote import upload
 from sgicodec.remote.range_file import BLOCK
+
+s3fs = pytest.importorskip("s3fs", reason="S3 is tested by s3fs and moto: pip install 'sgicodec[test]'")
 
 ROWS, COLUMNS = 4, 16
 SHAPE = ROWS * TILE, COLUMNS * TILE, 3
@@ -99,6 +102,50 @@ def test_pictures_are_encoded(store: Store, sgi: Callable[..., Any], tmp_path: P
     assert sgicodec.imread(tmp_path / "photo.sgi").shape == (100, 150, 3)
     with pytest.raises(PictureError, match=r"^s3://pictures/no\.png: (?!s3)"):
         sgicodec.read(f"{store.url}/no.png")
+
+
+def test_streams_and_pictures_are_written(
+    store: Store, sgi: Callable[..., Any], tmp_path: Path, photo: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    url, picture = f"{store.url}/written/a b.sgi", f"{store.url}/written/a.png"
+    result = sgi("encode", photo, url, "--steps", 2, "--quiet")
+    assert result.exit_code == 0, result.output
+    refused = sgi("encode", photo, url, "--steps", 2)
+    assert (refused.exit_code, refused.output) == (6, f"sgi: {url} exists; give -f to overwrite it\n")
+    assert sgi("decode", url, picture, "--quiet").exit_code == 0
+    np.testing.assert_array_equal(sgicodec.read(picture).pixels, sgicodec.imread(url))
+    assert sgi("compare", url.replace("a b.sgi", "a.png"), picture, "--fail-under", 99).exit_code == 0
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    failed = sgi("decode", url, "s3://nobody/a.png", "--quiet")
+    assert (failed.exit_code, failed.output.count("\n")) == (3, 1)
+    assert failed.output.startswith("sgi: s3://nobody/a.png: there is no such place; the file is kept in ")
+
+
+def test_what_is_written_appears_when_it_is_whole(
+    store: Store, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of three parts the last one fails: the old object stays, and no upload is left open."""
+    system = fsspec.filesystem("s3")
+    system.pipe_file("pictures/old.sgi", b"old")
+    (tmp_path / "new").write_bytes(bytes(11 << 20))
+    with monkeypatch.context() as patch:
+        patch.setattr("s3fs.S3FileSystem.default_block_size", 5 << 20)
+        send = s3fs.S3File._upload_chunk
+
+        def fail(file: s3fs.S3File, final: bool = False) -> Any:
+            if final:
+                raise OSError(5, "the line is cut")
+            return send(file, final)
+
+        patch.setattr(s3fs.S3File, "_upload_chunk", fail)
+        with pytest.raises(StreamError, match=r"^s3://pictures/old\.sgi: the line is cut$"):
+            upload.send(tmp_path / "new", f"{store.url}/old.sgi", StreamError)
+    system.invalidate_cache()
+    assert system.cat("pictures/old.sgi") == b"old"
+    assert not system.call_s3("list_multipart_uploads", Bucket="pictures").get("Uploads")
+    upload.send(tmp_path / "new", f"{store.url}/old.sgi", StreamError)
+    system.invalidate_cache()
+    assert system.size("pictures/old.sgi") == 11 << 20
 
 
 @pytest.mark.parametrize("url", ["s3://pictures/none.sgi", "s3://nobody/a.sgi"])

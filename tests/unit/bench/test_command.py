@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
+from range_server import served
 
 from sgicodec.bench.command import bench, compare
-from sgicodec.errors import OutputExistsError, SgiError, TargetMissedError, UsageError
+from sgicodec.errors import OutputExistsError, PictureError, SgiError, TargetMissedError, UsageError
 from sgicodec.metrics.perceptual import Perceived
 
 Image = pytest.importorskip("PIL.Image")
@@ -212,6 +213,29 @@ def test_compare_prints_the_figures(tmp_path: Path) -> None:
     assert lines[0].endswith(expected)
     assert lines[1].endswith(expected)
     assert lines[-1] == "largest difference  5"
+
+
+def test_compare_takes_urls(tmp_path: Path) -> None:
+    files = {
+        name: save(tmp_path / name, picture() + level).read_bytes() for name, level in (("a.png", 0), ("b.png", 1))
+    }
+    with served(files) as server:
+        a, b = (f"{server.url}/{name}" for name in files)
+        assert json.loads(call(compare, a, b, "--json").stdout)["largest_difference"] == 1
+        missing = call(compare, a, f"{server.url}/none.png")
+        assert (type(missing.exception), str(missing.exception)) == (
+            PictureError,
+            f"{server.url}/none.png: there is no such file",
+        )
+        target = call(compare, a, b, "--map", f"{server.url}/map.png")
+        assert isinstance(target.exception, UsageError)
+        assert "can be read, not written" in str(target.exception)
+
+
+def test_bench_takes_no_urls() -> None:
+    failed = call(bench, "https://example.org/a.png").exception
+    assert isinstance(failed, UsageError)
+    assert str(failed) == "https://example.org/a.png: sgi bench measures files, not URLs; fetch it first"
 
 
 def test_compare_as_json(tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ import pytest
 import tifffile
 from click.testing import CliRunner, Result
 from PIL import Image
+from range_server import served
 
 import sgicodec
 from sgicodec.cli.main import cli
@@ -93,6 +94,17 @@ def test_label_and_macro_as_files(slide: Path, tmp_path: Path) -> None:
     assert not (tmp_path / "b.sgi").exists()
     no_slide = CliRunner().invoke(cli, ["encode", str(tmp_path / "b.label.png"), "--associated"])
     assert (no_slide.exit_code, "no slide that OpenSlide reads" in no_slide.output) == (3, True)
+
+
+def test_slides_behind_urls(slide: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A copy keeps the ending by which a slide is known."""
+    monkeypatch.chdir(tmp_path)
+    with served({"a.svs": slide.read_bytes()}) as server:
+        url = f"{server.url}/a.svs"
+        np.testing.assert_array_equal(sgicodec.read(url).pixels, sgicodec.read(slide).pixels)
+        done = CliRunner().invoke(cli, ["encode", url, "--steps", "1", "--quiet", "--associated"])
+    assert done.exit_code == 0, done.output
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.label.png", "a.macro.png", "a.sgi"]
 
 
 def test_other_compressions_are_left_to_openimageio(tmp_path: Path, pixels: np.ndarray) -> None:

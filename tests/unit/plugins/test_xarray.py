@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
+from range_server import served
 
 import sgicodec
 from sgicodec.errors import RegionError, StreamError
@@ -34,6 +35,17 @@ def test_the_content_chooses_the_engine(pyramid: Path) -> None:
     assert not backend.guess_can_open(str(PICTURES / "hopper.sgi"))
     assert not backend.guess_can_open(str(pyramid.parent / "none.sgi"))
     assert not backend.guess_can_open({})
+
+
+def test_the_name_of_a_url_chooses_the_engine(pyramid: Path) -> None:
+    backend = SgiBackend()
+    assert backend.guess_can_open("s3://bucket/A%20B.SGI")
+    assert backend.guess_can_open("https://example.org/a.sgi?signature=b/c")
+    assert not backend.guess_can_open("https://example.org/a.nc?like=a.sgi")
+    with served({"a.sgi": pyramid.read_bytes()}) as server:
+        assert not server.parts
+        with xarray.open_dataset(f"{server.url}/a.sgi") as data, sgicodec.open(pyramid) as stream:
+            np.testing.assert_array_equal(data["image"].values, stream.read())
 
 
 def test_chunks_are_those_of_dask(pyramid: Path) -> None:
