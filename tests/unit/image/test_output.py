@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import resource
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -19,13 +20,15 @@ from sgicodec.picture import Picture
 MOST = 1 << 14
 
 
-@pytest.fixture
+@contextmanager
 def limited() -> Iterator[None]:
-    """No file of this process may grow beyond 16 KiB."""
+    """A block in which no file of this process may grow beyond 16 KiB. No fixture: pytest may report into a file."""
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (MOST, before[1]))
-    yield
-    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
 def picture(extension: str) -> Picture:
@@ -35,17 +38,17 @@ def picture(extension: str) -> Picture:
 
 
 @pytest.mark.parametrize("extension", [holder.extensions[0] for holder in FORMATS])
-def test_a_file_that_cannot_grow(tmp_path: Path, limited: None, extension: str) -> None:
+def test_a_file_that_cannot_grow(tmp_path: Path, extension: str) -> None:
     target = tmp_path / f"x.{extension}"
     target.write_bytes(b"what was there")
-    with pytest.raises(PictureError, match=rf"x\.{extension}: ") as caught:
+    with limited(), pytest.raises(PictureError, match=rf"x\.{extension}: ") as caught:
         write(picture(extension), target)
     assert ".sgicodec-" not in str(caught.value)
     assert [path.read_bytes() for path in tmp_path.iterdir()] == [b"what was there"]
 
 
 @pytest.mark.parametrize("extension", ["jpg", "webp"])
-def test_rows_that_cannot_be_written_end_the_picture(tmp_path: Path, limited: None, extension: str) -> None:
+def test_rows_that_cannot_be_written_end_the_picture(tmp_path: Path, extension: str) -> None:
     whole = picture(extension)
 
     def fill() -> None:
@@ -53,7 +56,7 @@ def test_rows_that_cannot_be_written_end_the_picture(tmp_path: Path, limited: No
             for part in range(50):
                 sink.write_rows(120 * part, whole.pixels)
 
-    with pytest.raises(PictureError, match="too large"):
+    with limited(), pytest.raises(PictureError, match="too large"):
         fill()
     assert list(tmp_path.iterdir()) == []
 
