@@ -63,7 +63,12 @@ def pixels(gdal: Run, path: object, out: Path, *options: object) -> np.ndarray:
     return tifffile.imread(out)
 
 
-@pytest.mark.parametrize("name", ["rgb8", "rgb8-tiles", "rgba8", "gray8-alpha", "gray16", "float", "multi8"])
+NAMES = ("rgb8", "rgb8-tiles", "rgba8", "gray8-alpha", "gray16", "float", "multi8")
+TEXTURE = ("rgb8-texture", "rgb8-tiles-texture", "rgb8-any-texture", "rgba8-tiles-colours", "gray16-texture")
+RESTORED = ("rgb8-restored", "rgb8-restored-visual", "rgb8-restored-psnr", "rgba8-tiles-restored", "gray16-restored")
+
+
+@pytest.mark.parametrize("name", [*NAMES, *TEXTURE, *RESTORED])
 def test_samples_are_those_of_the_decoder(name: str, gdal: Run, tmp_path: Path) -> None:
     path = GOLDEN / f"{name}.sgi"
     with sgicodec.open(path) as stream:
