@@ -197,17 +197,19 @@ class _Service:
         media_type = FORMATS[drawing.format]
         if request.method == "HEAD":
             return Response(media_type=media_type, headers=headers)
-        data = await self._with_stream(request, path, lambda stream: drawn(stream, drawing))
+        data = await self._with_stream(request, path, lambda stream: drawn(stream, drawing), admitted=True)
         return Response(data, media_type=media_type, headers=headers)
 
-    async def _with_stream(self, request: Request, path: Path, work: Callable[[Stream], _Result]) -> _Result:
-        """What `work` makes of the opened stream, on a thread."""
+    async def _with_stream(
+        self, request: Request, path: Path, work: Callable[[Stream], _Result], admitted: bool = False
+    ) -> _Result:
+        """What `work` makes of the opened stream, on a thread. admitted: as of `Workers.run`."""
 
         def run() -> _Result:
             with self._streams.opened(path) as stream:
                 return work(stream)
 
-        return await self._workers.run(run, request.is_disconnected)
+        return await self._workers.run(run, request.is_disconnected, admitted)
 
     def _image(self, stream: Stream) -> iiif.Image:
         bands = stream.shape[2] if stream.ndim == 3 else 1

@@ -22,9 +22,13 @@ class Workers:
         self._room = asyncio.Semaphore(jobs)
         self._most, self._waiting = waiting, 0
 
-    async def run(self, work: Callable[[], _Result], is_gone: Callable[[], Awaitable[bool]]) -> _Result:
-        """What `work` returns. Its turn may come when nobody waits for it any more: then it is not begun."""
-        if self._waiting >= self._most:
+    async def run(
+        self, work: Callable[[], _Result], is_gone: Callable[[], Awaitable[bool]], admitted: bool = False
+    ) -> _Result:
+        """What `work` returns. Its turn may come when nobody waits for it any more: then it is not begun. admitted:
+        whether the same request had a turn before; it is not refused then, or under load none would ever be answered.
+        """
+        if self._waiting >= self._most and not admitted:
             raise Refusal(503, "too many requests are waiting; try again")
         self._waiting += 1
         try:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import http.client
+import subprocess
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -43,6 +45,14 @@ class Client:
             return Answer(answer.status, names, answer.read())
         finally:
             connection.close()
+
+
+def start(*arguments: object) -> tuple[subprocess.Popen[str], str]:
+    """A process of the command with these arguments, and the line with the address that it prints."""
+    command = [sys.executable, "-m", "sgicodec", *map(str, arguments)]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    assert process.stdout is not None
+    return process, process.stdout.readline().strip()
 
 
 @contextmanager

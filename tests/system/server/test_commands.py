@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import signal
-import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -12,7 +11,7 @@ from urllib.parse import unquote
 
 import pytest
 from click.testing import CliRunner, Result
-from http_server import Client, running
+from http_server import Client, running, start
 
 from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.cli.main import cli
@@ -24,14 +23,6 @@ from sgicodec.server.shelf import Chosen
 @pytest.fixture
 def sgi() -> Callable[..., Result]:
     return lambda *arguments: CliRunner().invoke(cli, [str(argument) for argument in arguments])
-
-
-def start(*arguments: object) -> tuple[subprocess.Popen[str], str]:
-    """A process of the command, and the address that it prints."""
-    command = [sys.executable, "-m", "sgicodec", *map(str, arguments)]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-    assert process.stdout is not None
-    return process, process.stdout.readline().strip()
 
 
 @pytest.mark.parametrize("end", [signal.SIGTERM, signal.SIGINT])

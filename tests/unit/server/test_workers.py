@@ -41,6 +41,24 @@ def test_a_few_at_a_time() -> None:
     assert most == 2
 
 
+def test_a_second_turn_is_not_refused() -> None:
+    """A full queue lets in nobody new, but those that it let in come to their end."""
+
+    async def scenario() -> list[object]:
+        workers = Workers(1, 2)
+
+        async def request() -> int:
+            return await workers.run(lambda: 1, here) + await workers.run(lambda: 1, here, admitted=True)
+
+        found = await asyncio.gather(*(request() for _ in range(9)), return_exceptions=True)
+        workers.close()
+        return list(found)
+
+    found = asyncio.run(scenario())
+    assert found[:3] == [2, 2, 2]
+    assert all(isinstance(error, Refusal) for error in found[3:])
+
+
 def test_a_full_queue_refuses() -> None:
     async def scenario() -> list[object]:
         go = threading.Event()
