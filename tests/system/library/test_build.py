@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import os
 import re
 import shutil
 import subprocess
@@ -10,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from library import ROOT, Info, Library, Options, View
+from library import ROOT, Info, Library, Options, View, installed
 from PIL import Image
 
 import sgicodec
@@ -47,6 +48,22 @@ def test_the_example_draws_golden_streams(path: Path, decoder: Path, tmp_path: P
         with sgicodec.open(path) as stream:
             expected = stream.picture(size=(shown.shape[1], shown.shape[0]), dtype="uint8").pixels
         np.testing.assert_array_equal(shown, expected[..., : shown.shape[2]])
+
+
+@pytest.mark.skipif(not shutil.which("pkg-config"), reason="needs pkg-config")
+def test_the_static_library_is_linked_from_c(tmp_path: Path) -> None:
+    """By the compiler for C, which knows no library of C++ but what pkg-config names."""
+    prefix = installed("static-library", BUILD_SHARED_LIBS="OFF")
+    places = os.environ | {"PKG_CONFIG_PATH": str(prefix / "lib" / "pkgconfig")}
+    asked = ["pkg-config", "--static", "--cflags", "--libs", "sgi"]
+    flags = subprocess.run(asked, env=places, capture_output=True, check=True, text=True).stdout.split()
+    program, stream, out = tmp_path / "decode", ROOT / "tests/conformance/golden/rgb8.sgi", tmp_path / "out.ppm"
+    subprocess.run(["cc", ROOT / "examples" / "decode.c", *flags, "-o", program], check=True)
+    needed = subprocess.run(["ldd", program], capture_output=True, text=True, check=True).stdout
+    assert "libsgi" not in needed
+    subprocess.run([program, stream, out], check=True)
+    with sgicodec.open(stream) as opened:
+        np.testing.assert_array_equal(np.asarray(Image.open(out)), opened.read(dtype="uint8"))
 
 
 def test_the_example_says_what_is_wrong(decoder: Path, tmp_path: Path) -> None:
