@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import struct
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +14,7 @@ import numpy.typing as npt
 from sgicodec.errors import PictureError, require
 from sgicodec.metadata import geo, ifd
 from sgicodec.metadata.filebytes import FileBytes
+from sgicodec.metadata.tiff import DESCRIPTION
 from sgicodec.picture import Metadata, Picture
 
 if TYPE_CHECKING:
@@ -26,7 +29,7 @@ _COMPRESSION, _JPEG_2000 = 259, (33003, 33005)
 """Of Aperio's files, which OpenImageIO reads otherwise."""
 
 _TILE = 512
-_SHORT, _RATIONAL = 3, 5
+_ASCII, _SHORT, _RATIONAL = 2, 3, 5
 _CENTIMETRE = 3
 _MICRONS = 10000
 _MOST = 10**8
@@ -63,11 +66,14 @@ class SlideReader:
         self._background = "#" + properties.get("openslide.background-color", "ffffff")
 
     def metadata(self) -> Metadata:
-        """Size of a pixel, and the ICC profile. Label, macro and texts stay behind: they may name the patient."""
+        """Size of a pixel, magnification of the objective, vendor, and the ICC profile. Label, macro and texts stay
+        behind: they may name the patient.
+        """
         properties = self._slide.properties
         sizes = [properties.get(f"openslide.mpp-{axis}") for axis in "xy"]
         profile = self._slide.color_profile
-        return Metadata(icc=None if profile is None else profile.tobytes(), geo=_resolution(sizes))
+        icc = None if profile is None else profile.tobytes()
+        return Metadata(icc=icc, exif=_description(properties), geo=_resolution(sizes))
 
     def spec(self) -> ImageSpec:
         """The header in OpenImageIO's terms."""
@@ -134,6 +140,16 @@ def _on(image: Any, background: str) -> npt.NDArray[np.uint8]:
     ground = Image.new("RGB", image.size, background)
     ground.paste(image, None, image)
     return np.asarray(ground)
+
+
+def _description(properties: Mapping[str, str]) -> bytes | None:
+    """An EXIF blob whose description states the magnification as Aperio's does, or None where it is not known."""
+    power = properties.get("openslide.objective-power", "")
+    if not re.fullmatch(r"[0-9]{1,4}(\.[0-9]{1,4})?", power):
+        return None
+    vendor = re.sub(r"[^a-z0-9-]", "", properties.get("openslide.vendor", ""))[:40]
+    text = f"{vendor}|AppMag = {power}".encode() + b"\0"
+    return b"II*\0\x08\0\0\0" + ifd.dump({DESCRIPTION: ifd.Entry(_ASCII, text)}, 8)
 
 
 def _resolution(microns: list[str | None]) -> bytes | None:

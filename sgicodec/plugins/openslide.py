@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Slide"]
 
+_POWER = re.compile(r"""(?:\bAppMag\s*=\s*|\bNominalMagnification=")([0-9]+(?:\.[0-9]+)?)""")
+"""The magnification of the objective in a description, as Aperio and OME write it."""
+
 
 class Slide:
     """A stream as `openslide.OpenSlide` shows one. A context manager.
@@ -97,7 +100,10 @@ class Slide:
             found |= {f"openslide.mpp-{axis}": f"{size:.15g}" for axis, size in zip("xy", scale.microns, strict=True)}
         comment = described(metadata.exif).get(DESCRIPTION)
         if comment is not None:
-            found["openslide.comment"] = comment.data.rstrip(b"\0").decode("utf-8", "replace")
+            text = found["openslide.comment"] = comment.data.rstrip(b"\0").decode("utf-8", "replace")
+            power = _POWER.search(text)
+            if power is not None:
+                found["openslide.objective-power"] = power[1]
         return MappingProxyType(found)
 
     @property

@@ -20,7 +20,9 @@ from sgicodec.errors import MissingExtraError, PictureError
 from sgicodec.image import slide_reader
 from sgicodec.image.slide_reader import is_slide
 from sgicodec.metadata.georeference import resolution
+from sgicodec.metadata.tiff import DESCRIPTION, described
 from sgicodec.plugins.openslide import Slide
+from sgicodec.plugins.pyramid import write_pyramid
 
 WIDTH, HEIGHT = 700, 300
 
@@ -60,7 +62,28 @@ def test_pixels_and_their_size(slide: Path, pixels: np.ndarray) -> None:
     found = resolution(picture.metadata.geo, picture.metadata.exif)
     assert found is not None
     assert found.microns == pytest.approx((0.2525, 0.2525), rel=1e-8)
-    assert picture.metadata.exif is None
+    assert described(picture.metadata.exif)[DESCRIPTION].data == b"aperio|AppMag = 40\0"
+
+
+def test_the_objective_is_kept_and_texts_are_not(slide: Path, tmp_path: Path) -> None:
+    sgicodec.imwrite(tmp_path / "a.sgi", slide, steps=1)
+    with Slide(tmp_path / "a.sgi") as found, openslide.OpenSlide(slide) as original:
+        name = "openslide.objective-power"
+        assert found.properties[name] == original.properties[name] == "40"
+        assert found.properties["openslide.comment"] == "aperio|AppMag = 40"
+    with sgicodec.open(tmp_path / "a.sgi") as stream:
+        write_pyramid(stream, tmp_path / "a.tif")
+    with openslide.OpenSlide(tmp_path / "a.tif") as pyramid:
+        assert pyramid.properties["openslide.comment"] == "aperio|AppMag = 40"
+    sgicodec.imwrite(tmp_path / "b.sgi", tmp_path / "a.tif", steps=1)
+    with Slide(tmp_path / "b.sgi") as again:
+        assert again.properties[name] == "40"
+
+
+@pytest.mark.parametrize("power", ["", "none", "40x", "1e3", "John Doe", "40000", "-4"])
+def test_magnifications_that_are_none(power: str) -> None:
+    given = {"openslide.vendor": "aperio", "openslide.objective-power": power}
+    assert slide_reader._description(given) is None
 
 
 def test_windows(slide: Path) -> None:
