@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sgicodec.bench.options import numbers, variant
+from sgicodec.bench.options import numbers, place, variant
 from sgicodec.errors import OutputExistsError, SgiError, TargetMissedError, UsageError, require
 from sgicodec.remote.upload import check_writable, is_there
 from sgicodec.remote.url import is_url
@@ -42,6 +42,7 @@ _FILE = click.Path(path_type=Path)
 @click.option("--cache", "cache_folder", type=_FILE, help="Folder that keeps what peers code for other runs.")
 @click.option("--sheets", type=_FILE, metavar="FOLDER", help="Draw details by all codecs at equal bytes as PNG files.")
 @click.option("--sheet-rates", default="0.25,0.5,0.8", show_default=True, help="Bits per pixel of these sheets.")
+@click.option("--sheet-place", "sheet_places", multiple=True, metavar="X,Y", help="Show this place, repeatable.")
 @click.option("--curves/--no-curves", default=True, show_default=True, help="Measure curves; without, only --sheets.")
 @click.option("--plots/--no-plots", default=True, show_default=True, help="Draw the curves as PNG files.")
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON instead of tables.")
@@ -56,6 +57,7 @@ def bench(
     cache_folder: Path | None,
     sheets: Path | None,
     sheet_rates: str,
+    sheet_places: tuple[str, ...],
     curves: bool,
     plots: bool,
     as_json: bool,
@@ -67,7 +69,7 @@ def bench(
     A point that a codec fails on is reported, does not stop the run, and makes the command end with status 1.
 
     With --sheets every picture has a sheet for each rate: its busiest place, and that where the codecs differ
-    most, by every codec in the same number of bytes.
+    most, or those of --sheet-place, by every codec in the same number of bytes.
     """
     for library in ("scipy", "matplotlib") if plots and curves else ("scipy",):
         require(library, "sgi bench", "bench")
@@ -76,17 +78,18 @@ def bench(
 
     wanted = _wanted(codecs)
     rates = [] if sheets is None else numbers(sheet_rates, "--sheet-rates")
+    shown = [place(text, "--sheet-place") for text in sheet_places]
     chosen = _choose_codecs(wanted, codecs is not None, threads)
     if "sgi" in wanted:
         chosen = [*_sgi_curves(qualities, efforts, variants, threads), *chosen]
-    if remote := [place for place in places if is_url(place)]:
+    if remote := [name for name in places if is_url(name)]:
         raise UsageError(f"{remote[0]}: sgi bench measures files, not URLs; fetch it first")
-    pictures = find_pictures([Path(place) for place in places])
+    pictures = find_pictures([Path(name) for name in places])
     cache = None if cache_folder is None else PeerCache(cache_folder)
     if sheets is not None:
         from sgicodec.bench.sheets import write_sheets
 
-        write_sheets(pictures, chosen, rates, sheets, cache=cache, report=_report)
+        write_sheets(pictures, chosen, rates, sheets, places=shown, cache=cache, report=_report)
     if curves:
         published = [name for name in wanted if name in _PUBLISHED]
         _measure_curves(pictures, chosen, published, cache, out, plots, as_json)

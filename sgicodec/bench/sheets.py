@@ -35,10 +35,12 @@ def write_sheets(
     rates: Sequence[float],
     folder: Path,
     *,
+    places: Sequence[Place] = (),
     cache: PeerCache | None = None,
     report: Callable[[str], None] = lambda line: None,
 ) -> list[Path]:
     """A PNG for each picture and rate in bpp; returns their paths. A codec that fails has an empty panel and a note.
+    places: what to show, instead of what is found.
 
     Raises PictureError for an unreadable picture.
     """
@@ -51,20 +53,24 @@ def write_sheets(
             size = int(rate * width * height / 8)
             versions = [coded_to_size(codec, sample, size, cache) for codec in codecs]
             paths.append(folder / f"{Path(sample.name).stem}-{sample.crc}-{rate:g}bpp.png")
-            draw_sheet(sample, versions, f"{sample.name}, {rate:g} bpp: {size:,} bytes").save(paths[-1])
+            draw_sheet(sample, versions, f"{sample.name}, {rate:g} bpp: {size:,} bytes", places).save(paths[-1])
             sizes = ", ".join(f"{version.codec} {version.bytes}" for version in versions)
             report(f"{paths[-1].name}: {size} bytes; {sizes}")
     return paths
 
 
-def draw_sheet(sample: Sample, versions: Sequence[Sized], title: str) -> Picture:
-    """The original and all versions at the busiest and at the most different place, a block of panels for each."""
+def draw_sheet(sample: Sample, versions: Sequence[Sized], title: str, places: Sequence[Place] = ()) -> Picture:
+    """The original and all versions at these places, or at the busiest and at the most different one, a block of panels
+    for each. A place that would reach beyond the picture is moved inside.
+    """
     from PIL import Image, ImageDraw, ImageFont
 
     width, height = (min(side, whole) for side, whole in zip(_CROP, sample.pixels.shape[1::-1], strict=True))
     labels = ["original", *(_label(sample.pixels, version) for version in versions)]
     pictures = [sample.pixels, *(version.pixels for version in versions)]
-    blocks = _blocks(sample.pixels, versions, width, height)
+    most = sample.pixels.shape[1] - width, sample.pixels.shape[0] - height
+    chosen = [("chosen", (min(x, most[0]), min(y, most[1]))) for x, y in places]
+    blocks = chosen or _blocks(sample.pixels, versions, width, height)
     columns = min(_COLUMNS, len(pictures))
     lines = math.ceil(len(pictures) / columns)
     panel_width, panel_height = 2 * width + _GAP, 2 * height + _LABEL + _GAP

@@ -51,6 +51,13 @@ def test_panels_are_the_same_places_of_all_pictures() -> None:
     assert [x for _, x in found[:3]] == [x for _, x in found[3:]] == sorted(x for _, x in found[:3])
 
 
+def test_chosen_places_are_shown_instead_and_lie_inside() -> None:
+    original = noise()
+    sheet = draw_sheet(Sample("p.png", "0f", original), [Sized("some", 900, original)], "title", [(40, 8), (999, 999)])
+    for x, y in ((40, 8), (240, 72)):
+        assert len(holds(np.asarray(sheet), doubled(original, x, y))) == 2
+
+
 def test_a_codec_that_failed_leaves_its_panel_white() -> None:
     versions = [Sized("none", 0, None, "needs 1,234 bytes"), Sized("some", 900, noise())]
     sheet = np.asarray(draw_sheet(Sample("p.png", "0f", noise()), versions, "title"))
