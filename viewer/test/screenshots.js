@@ -1,4 +1,4 @@
-/** Draws the pictures of the documentation: node test/screenshots.js LARGE.sgi SEEDS.sgi PHOTO.sgi PHOTO.png */
+/** Draws the pictures of the documentation: node test/screenshots.js LARGE.sgi SLIDE.sgi SEEDS.sgi PHOTO.sgi PHOTO.png */
 
 import { dirname, basename, join } from "node:path";
 import { launch, pageOf, settled } from "./browser.js";
@@ -6,8 +6,8 @@ import { ROOT } from "./command.js";
 import { serve } from "./server.js";
 
 const SIZE = { width: 960, height: 640 };
-const [large, seeds, photo, original] = process.argv.slice(2);
-const folders = { "/large/": dirname(large), "/seeds/": dirname(seeds), "/photo/": dirname(photo), "/original/": dirname(original), "/": join(ROOT, "viewer/src") };
+const [large, slide, seeds, photo, original] = process.argv.slice(2);
+const folders = { "/large/": dirname(large), "/slide/": dirname(slide), "/seeds/": dirname(seeds), "/photo/": dirname(photo), "/original/": dirname(original), "/": join(ROOT, "viewer/src") };
 const server = await serve(folders);
 const browser = await launch();
 
@@ -25,6 +25,7 @@ async function picture(name, query, colorScheme, prepare) {
 const show = (page, region) => page.evaluate((box) => sgiViewer.scene.move((camera) => camera.show(box)), region);
 
 await picture("large", `file=/large/${basename(large)}`, "dark");
+await picture("slide", `file=/slide/${basename(slide)}`, "light");
 await picture("ellipses", `draw=gpu&file=/seeds/${basename(seeds)}`, "light", async (page) => {
   await show(page, { x: 132, y: 218, width: 60, height: 37.75 });
   await settled(page);
