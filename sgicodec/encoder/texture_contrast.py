@@ -15,6 +15,7 @@ from sgicodec.encoder.texture_tuning import TextureTuning
 from sgicodec.metrics.local_variance import local_variance
 from sgicodec.metrics.psnr import luma
 from sgicodec.metrics.regular_pattern import BLOCK, regular_patterns
+from sgicodec.model.texture import ROOT_LOG
 from sgicodec.model.texture_symbols import CONTRAST_LIMIT, TextureSteps, root_blocks
 
 __all__ = ["TextureContrasts"]
@@ -63,8 +64,7 @@ class TextureContrasts:
 
     def _finer(self, steps: TextureSteps, masked: Contrasts) -> F64:
         """Octaves [rows, columns] by which the steps of these contrasts are too coarse for patterns."""
-        step = steps.of_channels.item(0) * (1 + 0.5 * steps.growth[0] * self._frequency**2)
-        step = step * 2.0 ** (masked[..., None] / 4)
+        step = steps.at_frequency(self._frequency) * 2.0 ** (masked[..., None] / 4)
         octaves = np.log2(np.maximum(step / (_KEPT * np.maximum(self._deviation, _LEAST_DEVIATION)), 1.0))
         wanted = np.minimum(octaves, np.maximum(0.0, _MOST * (_LEFT - octaves) / (_LEFT - _MOST)))
         return np.asarray(np.sort(self._certainty * wanted)[..., -_BLOCKS:].mean(axis=-1))
@@ -78,6 +78,6 @@ def _indices(quarters: NDArray[np.floating] | Contrasts) -> Contrasts:
 def _by_roots(blocks: F64, shape: tuple[int, ...]) -> F64:
     """Values of blocks [rows of blocks, columns of blocks] by root [rows, columns, 16], 0 beyond the picture."""
     rows, columns = shape
-    side = 32 // BLOCK
+    side = (1 << ROOT_LOG) // BLOCK
     whole = np.pad(blocks, [(0, count * side - length) for count, length in zip(shape, blocks.shape, strict=True)])
     return whole.reshape(rows, side, columns, side).transpose(0, 2, 1, 3).reshape(rows, columns, side * side)

@@ -65,6 +65,10 @@ class TextureSteps:
         """The slopes as numbers."""
         return self.slopes[0] / 2, self.slopes[1] / 2
 
+    def at_frequency(self, frequency: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Steps of the first channel at frequencies (1 at a period of two pixels), samples in 0..1."""
+        return np.asarray(self.of_channels.item(0) * (1 + 0.5 * self.growth[0] * frequency**2))
+
     @property
     def added(self) -> tuple[float, float, float]:
         """The excess as numbers."""
