@@ -8,13 +8,15 @@ more elsewhere.
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.encoder.texture_tuning import TextureTuning
 from sgicodec.metrics.local_variance import local_variance
 from sgicodec.metrics.psnr import luma
-from sgicodec.metrics.regular_pattern import BLOCK, regular_patterns
+from sgicodec.metrics.regular_pattern import BLOCK, RegularPatterns, regular_patterns
 from sgicodec.model.texture import ROOT_LOG
 from sgicodec.model.texture_symbols import CONTRAST_LIMIT, TextureSteps, root_blocks
 
@@ -43,31 +45,37 @@ class TextureContrasts:
     """
 
     def __init__(self, tuning: TextureTuning, picture: F32) -> None:
-        self._has_contrast = tuning.masking > 0
-        if not self._has_contrast:
-            return
-        plane = luma(picture.transpose(1, 2, 0), peak=1.0)
-        octaves = 0.5 * tuning.masking * np.log2((local_variance(plane / 255.0) + _FLOOR) / _USUAL)
-        self._masked = 4 * root_blocks(octaves, "edge").mean(axis=(1, 3))
-        patterns = regular_patterns(plane)
-        self._certainty, self._frequency = (
-            _by_roots(part, self._masked.shape) for part in (patterns.certainty, patterns.frequency)
-        )
-        self._deviation = _by_roots(patterns.deviation, self._masked.shape) / 255.0
+        self._masking = tuning.masking
+        self._plane = luma(picture.transpose(1, 2, 0), peak=1.0) if self._masking else None
 
     def at(self, steps: TextureSteps) -> Contrasts | None:
         """Contrasts [rows, columns] for these steps, None where they play no part."""
-        if not self._has_contrast:
+        if not self._masking:
             return None
-        masked = _indices(self._masked)
-        return _indices(masked - 4 * self._finer(steps, masked))
+        masked, patterns = self._found
+        return _indices(masked - 4 * _finer(patterns, steps, masked))
 
-    def _finer(self, steps: TextureSteps, masked: Contrasts) -> F64:
-        """Octaves [rows, columns] by which the steps of these contrasts are too coarse for patterns."""
-        step = steps.at_frequency(self._frequency) * 2.0 ** (masked[..., None] / 4)
-        octaves = np.log2(np.maximum(step / (_KEPT * np.maximum(self._deviation, _LEAST_DEVIATION)), 1.0))
-        wanted = np.minimum(octaves, np.maximum(0.0, _MOST * (_LEFT - octaves) / (_LEFT - _MOST)))
-        return np.asarray(np.sort(self._certainty * wanted)[..., -_BLOCKS:].mean(axis=-1))
+    @cached_property
+    def _found(self) -> tuple[Contrasts, RegularPatterns]:
+        """What masking says, and the patterns of each root [rows, columns, 16]: looked for when they are needed first,
+        which is not at the start of a fit.
+        """
+        plane, self._plane = self._plane, None
+        assert plane is not None
+        octaves = 0.5 * self._masking * np.log2((local_variance(plane / 255.0) + _FLOOR) / _USUAL)
+        masked = _indices(4 * root_blocks(octaves, "edge").mean(axis=(1, 3)))
+        found = regular_patterns(plane)
+        blocks = (found.certainty, found.deviation, found.frequency)
+        return masked, RegularPatterns(*(_by_roots(part, masked.shape) for part in blocks))
+
+
+def _finer(patterns: RegularPatterns, steps: TextureSteps, masked: Contrasts) -> F64:
+    """Octaves [rows, columns] by which the steps of these contrasts are too coarse for patterns."""
+    step = steps.at_frequency(patterns.frequency) * 2.0 ** (masked[..., None] / 4)
+    deviation = np.maximum(patterns.deviation / 255.0, _LEAST_DEVIATION)
+    octaves = np.log2(np.maximum(step / (_KEPT * deviation), 1.0))
+    wanted = np.minimum(octaves, np.maximum(0.0, _MOST * (_LEFT - octaves) / (_LEFT - _MOST)))
+    return np.asarray(np.sort(patterns.certainty * wanted)[..., -_BLOCKS:].mean(axis=-1))
 
 
 def _indices(quarters: NDArray[np.floating] | Contrasts) -> Contrasts:

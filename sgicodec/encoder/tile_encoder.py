@@ -77,9 +77,9 @@ class Encoding:
     def begin(self, lmbda: float) -> None:
         """Makes ready for a fit at λ."""
         self.lmbda = lmbda
-        self._contrast = self._usual_contrast = self._contrasts.at(self._steps(self.tuning.step(lmbda)))
         self.fit = replace(self.fit, lmbda=lmbda * (seed_share(self.fit) if self.spec.texture else 1.0))
-        self.__dict__.pop("seed_reference", None)
+        for held in ("seed_reference", "_usual_contrast", "_contrast"):
+            self.__dict__.pop(held, None)
         lmbda = self.fit.lmbda
         self.base_step, self.base, self.target = base_layer(self.spec, self.unit, lmbda, self.reference.weights)
         self.texture_costs = TextureCosts(self.target, self.lmbda, self.device)
@@ -295,6 +295,16 @@ class Encoding:
     def _steps(self, step: int) -> TextureSteps:
         """Steps of all channels, of which the lowest is of this index."""
         return self.tuning.steps(step, self.spec.channels)
+
+    @cached_property
+    def _usual_contrast(self) -> Contrast:
+        """Of the tuning, for this λ."""
+        return self._contrasts.at(self._steps(self.tuning.step(self.lmbda)))
+
+    @cached_property
+    def _contrast(self) -> Contrast:
+        """Of the next layer: that of the tuning, until an ascent has a better one."""
+        return self._usual_contrast
 
     @cached_property
     def _restorer(self) -> Restorer:
