@@ -13,7 +13,7 @@ import click
 
 from sgicodec.bench.options import numbers, place, variant
 from sgicodec.errors import OutputExistsError, SgiError, TargetMissedError, UsageError, require
-from sgicodec.remote.upload import check_writable, is_there
+from sgicodec.remote.upload import is_there
 from sgicodec.remote.url import is_url
 
 if TYPE_CHECKING:
@@ -196,10 +196,7 @@ def _eight_bits(pixels: npt.NDArray[Any]) -> npt.NDArray[np.uint8]:
 
 
 def _exists(path: str) -> bool:
-    if not is_url(path):
-        return Path(path).exists()
-    check_writable(path)
-    return is_there(path, UsageError)
+    return is_there(path, UsageError) if is_url(path) else Path(path).exists()
 
 
 def _write_map(path: str, pixels: npt.NDArray[np.uint8]) -> None:

@@ -141,9 +141,8 @@ def output_exists(target: str) -> bool:
     """Whether the file of this path or URL is there. Raises UsageError where a URL cannot be asked."""
     if not is_remote(target):
         return os.path.exists(target)
-    from sgicodec.remote.upload import check_writable, is_there
+    from sgicodec.remote.upload import is_there
 
-    check_writable(target)
     return is_there(target, UsageError)
 
 

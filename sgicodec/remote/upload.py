@@ -29,7 +29,8 @@ def check_writable(url: str) -> None:
 
 
 def is_there(url: str, failure: type[SgiError]) -> bool:
-    """Whether there is such a file. Raises `failure` where that cannot be found out."""
+    """Whether there is such a file. Raises `failure` where that cannot be found out, and as `check_writable`."""
+    check_writable(url)
     import fsspec
 
     with naming_url(url, failure):
