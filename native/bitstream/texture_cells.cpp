@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <cstring>
 
 #include "model/texture_quantizer.hpp"
 
@@ -39,10 +40,12 @@ class Collection {
     const float step = steps_.of(channel, field_.contrast[field_.root(cell.x, cell.y)]);
     const float *growth = steps_.growth(channel, cell.log);
     const int16_t *symbols = field_.at(channel, cell);
+    const int diagonals = coded_diagonals(symbols, cell.side());
     float *to = found.amplitudes.data() + at_;
     QuantizerState state;
     for (const int index : texture_scan(cell.log)) {
       const int u = index & (cell.side() - 1), v = index >> cell.log;
+      if (u + v >= diagonals) break;
       const int symbol = symbols[v * field_.width + u];
       if (symbol) {
         const float magnitude = state.magnitude(symbol) + excess_[std::min(std::abs(symbol), 3) - 1];
@@ -51,6 +54,19 @@ class Collection {
       if (field_.dependent) state = state.after(symbol);
     }
     at_ += int64_t(cell.side()) * cell.side();
+  }
+
+  // One more than the last diagonal that may have a symbol.
+  int coded_diagonals(const int16_t *symbols, int side) const {
+    constexpr int kAtOnce = 4;
+    int found = 0;
+    for (int v = 0; v < side; ++v)
+      for (int end = side; v + end > found; end -= kAtOnce) {
+        uint64_t some;
+        std::memcpy(&some, symbols + v * field_.width + end - kAtOnce, sizeof some);
+        if (some) found = v + end;
+      }
+    return found;
   }
 
   const TextureField &field_;

@@ -100,7 +100,7 @@ inline void BitModels::update_by(const BitContext &context, const Prediction &pr
   int32_t *second = &weights_[context.weights[1] * kMostMixed];
   const int32_t error = bit * kCertain - prediction.one;
   for (int i = 0; i < (MOST ? MOST : count); ++i) {
-    const auto change = int32_t((int64_t(prediction.logits[i]) * error) >> 16);
+    const int32_t change = (prediction.logits[i] * error) >> 16;  // logits are within 2307 either way
     first[i] = std::clamp(first[i] + change, -kWeightLimit, kWeightLimit);
     second[i] = std::clamp(second[i] + change, -kWeightLimit, kWeightLimit);
     BitModel &model = models_[context.model[i]];

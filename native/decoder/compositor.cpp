@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "base/kept_floats.hpp"
 #include "base/thread_pool.hpp"
 
 namespace sgi {
@@ -53,7 +54,7 @@ class Compositor {
     if (alone && !drawing_.dither) {
       tiles[0]->draw(view_, x, y, block, format_, drawing_.threads);
     } else {
-      const PixelBlock drawn = held(drawn_, drawn_size_, block);
+      const PixelBlock drawn = held(drawn_, block);
       if (alone)
         tiles[0]->draw(view_, x, y, drawn, values_, drawing_.threads);
       else
@@ -68,20 +69,15 @@ class Compositor {
   }
 
  private:
-  // Floats of the size of a block, in memory that is used again.
-  PixelBlock held(std::unique_ptr<float[]> &memory, int64_t &size, const PixelBlock &block) const {
-    const int64_t stride = block.columns * format_.channels, wanted = stride * block.rows;
-    if (wanted > size) {
-      memory.reset();
-      memory.reset(new float[wanted]);
-      size = wanted;
-    }
-    return {memory.get(), block.columns, block.rows, stride};
+  // Floats of the size of a block.
+  PixelBlock held(KeptFloats &memory, const PixelBlock &block) const {
+    const int64_t stride = block.columns * format_.channels;
+    return {memory.room(stride * block.rows), block.columns, block.rows, stride};
   }
 
   void blend(const Piece &piece, const std::vector<TileRenderer *> &tiles, int64_t x, int64_t y,
              const PixelBlock &total) {
-    const PixelBlock one = held(one_, one_size_, total);
+    const PixelBlock one = held(one_, total);
     const int across = piece.across.weight.empty() ? 1 : 2;
     float *sums = static_cast<float *>(total.first);
     std::fill_n(sums, total.stride * total.rows, 0.0f);
@@ -121,8 +117,7 @@ class Compositor {
   const Drawing &drawing_;
   const SampleFormat &format_;
   const SampleFormat values_;
-  std::unique_ptr<float[]> drawn_, one_;
-  int64_t drawn_size_ = 0, one_size_ = 0;
+  KeptFloats drawn_, one_;
 };
 
 // Decodes ahead while it lives.

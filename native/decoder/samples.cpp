@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "base/thread_pool.hpp"
@@ -111,19 +112,33 @@ float rounded(float value) { return (value + 12582912.0f) - 12582912.0f; }
 
 float clipped(float value) { return value > 0 ? std::min(value, 1.0f) : 0.0f; }  // not-a-number becomes 0
 
+template <class T>
+T stored(float sample) {
+  return std::is_floating_point_v<T> ? T(sample) : T(rounded(sample));
+}
+
+bool all_equal(const std::vector<float> &values) {
+  return std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) == values.end();
+}
+
 }  // namespace
 
 void SampleFormat::store(const float *values, const PixelBlock &block, int threads) const {
   as_type(type, [&](auto *kind) {
     using T = std::remove_pointer_t<decltype(kind)>;
+    const bool is_same = !is_mapped_ || (all_equal(low_) && all_equal(span_));
+    const float low = low_[0], span = span_[0];
     for_each_row(block, threads, [&](int64_t row) {
-      const float *from = values + row * block.columns * channels;
+      const int64_t count = block.columns * channels;
+      const float *from = values + row * count;
       T *to = static_cast<T *>(block.first) + row * block.stride;
-      for (int64_t i = 0; i < block.columns; ++i)
-        for (int c = 0; c < channels; ++c, ++from, ++to) {
-          const float sample = is_mapped_ ? low_[c] + span_[c] * clipped(*from) : *from;
-          *to = std::is_floating_point_v<T> ? T(sample) : T(rounded(sample));
-        }
+      if (!is_mapped_)
+        for (int64_t i = 0; i < count; ++i) to[i] = stored<T>(from[i]);
+      else if (is_same)
+        for (int64_t i = 0; i < count; ++i) to[i] = stored<T>(low + span * clipped(from[i]));
+      else
+        for (int64_t i = 0; i < count; ++i)
+          to[i] = stored<T>(low_[i % channels] + span_[i % channels] * clipped(from[i]));
     });
   });
 }

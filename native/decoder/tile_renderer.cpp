@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "base/error.hpp"
+#include "base/thread_pool.hpp"
 #include "model/base_view.hpp"
 #include "model/colours.hpp"
 #include "model/constants.hpp"
@@ -19,6 +20,7 @@ constexpr int64_t kMostPairs = 1 << 24;  // (tile, Gaussian) pairs of a block; a
 // A tile of a reduced view that has no more samples is drawn at once, whatever part is asked for: each part would have
 // to look at all of its Gaussians again.
 constexpr int64_t kWholeSamples = 1 << 18;
+constexpr int64_t kRestoredSamples = 1 << 17;  // that each thread draws and restores while they are in the cache
 constexpr float kCutoff = 3.5f;
 constexpr int kDecoderShift = 10;
 
@@ -152,13 +154,6 @@ const TileRenderer::Whole *TileRenderer::whole(const PictureView &view, int thre
   return &whole_.emplace(std::move(drawn));
 }
 
-void TileRenderer::Tools::make_room(int64_t samples) {
-  if (samples <= size) return;
-  planes.reset();
-  planes.reset(new float[samples]);
-  size = samples;
-}
-
 bool TileRenderer::is_painted() const {
   return settings_.painter && header_.spec.channels <= settings_.painter->most_channels();
 }
@@ -169,34 +164,36 @@ void TileRenderer::draw_blocks(const PictureView &view, int64_t x, int64_t y, co
   // As much more is held of a block. A painter takes all Gaussians again for each, so that floats of a whole block are
   // held, drawn and restored.
   const int64_t share = is_painted() ? (restores ? 2 : 1) : restores ? 64 : texture_ ? 16 : 1;
-  const int64_t most = std::max<int64_t>(1, settings_.block_samples / share);
+  int64_t most = std::max<int64_t>(1, settings_.block_samples / share);
+  if (restores && !is_painted()) most = std::min(most, kRestoredSamples * resolve_threads(threads));
   const int64_t width = std::min(block.columns, int64_t(std::ceil(4 * std::sqrt(double(most)))));  // flat blocks
   const int64_t height = std::max<int64_t>(1, most / (width * header_.spec.channels));
   const auto tools_for = [&](const GaussianSet &gaussians) {
-    return Tools{Rasterizer(settings_.isa, threads, kMostPairs), gaussians, nullptr};
+    return Tools{Rasterizer(settings_.isa, threads, kMostPairs), gaussians};
   };
-  Tools plain = tools_for(gaussians_), tools = tools_for(seen(view, threads));
+  Restored tools{tools_for(gaussians_), tools_for(seen(view, threads))};
   for (int64_t top = 0; top < block.rows; top += height)
     for (int64_t left = 0; left < block.columns; left += width) {
       const PixelBlock part =
           format.part(block, left, top, std::min(width, block.columns - left), std::min(height, block.rows - top));
       if (restores)
-        draw_restored(plain, tools, view, x + left, y + top, part, format, threads);
+        draw_restored(tools, view, x + left, y + top, part, format, threads);
       else
-        draw_block(tools, view, x + left, y + top, part, format, threads);
+        draw_block(tools.shown, view, x + left, y + top, part, format, threads);
     }
 }
 
-void TileRenderer::draw_restored(Tools &plain, Tools &tools, const PictureView &view, int64_t x, int64_t y,
+void TileRenderer::draw_restored(Restored &tools, const PictureView &view, int64_t x, int64_t y,
                                  const PixelBlock &block, const SampleFormat &format, int threads) const {
   const int64_t channels = header_.spec.channels;
   const SampleFormat values(header_, Output::values, std::nullopt);
   const OutputAxis columns = across(view, x, block.columns), rows = down(view, y, block.rows);
   const TileBlock needed = restoration_->needed(columns, rows);
   const PictureView own{double(place_.x), double(place_.y), 1, 1, place_.width, place_.height};
-  std::vector<float> drawn(needed.columns * needed.rows * channels), restored(block.columns * block.rows * channels);
-  draw_block(plain, own, needed.left, needed.top,
-             {drawn.data(), needed.columns, needed.rows, needed.columns * channels}, values, threads);
+  float *drawn = tools.drawn.room(needed.columns * needed.rows * channels);
+  float *restored = tools.values.room(block.columns * block.rows * channels);
+  draw_block(tools.own, own, needed.left, needed.top, {drawn, needed.columns, needed.rows, needed.columns * channels},
+             values, threads);
   if (view.is_plain())
     for (int64_t row = 0; row < block.rows; ++row)
       std::copy_n(&drawn[((y + int64_t(rows.start) - needed.top + row) * needed.columns + x + int64_t(columns.start) -
@@ -204,10 +201,10 @@ void TileRenderer::draw_restored(Tools &plain, Tools &tools, const PictureView &
                          channels],
                   block.columns * channels, &restored[row * block.columns * channels]);
   else
-    draw_block(tools, view, x, y, {restored.data(), block.columns, block.rows, block.columns * channels}, values,
+    draw_block(tools.shown, view, x, y, {restored, block.columns, block.rows, block.columns * channels}, values,
                threads);
-  restoration_->add(drawn.data(), columns, rows, threads, restored.data());
-  format.store(restored.data(), block, threads);
+  restoration_->add(drawn, columns, rows, threads, restored);
+  format.store(restored, block, threads);
 }
 
 OutputAxis TileRenderer::across(const PictureView &view, int64_t x, int64_t count) const {
@@ -243,9 +240,9 @@ void TileRenderer::draw_block(Tools &tools, const PictureView &view, int64_t x, 
     const float *mix = texture_mix_.empty() ? nullptr : texture_mix_.data();
     textured = TextureView{texture, across, down, mix};
     if (!is_painted()) {
-      tools.make_room(block.columns * block.rows * spec.channels);
-      draw_texture(texture, across, down, mix, threads, settings_.isa, tools.planes.get());
-      behind.planes = tools.planes.get(), behind.height = block.rows, behind.plane_width = block.columns;
+      float *planes = tools.planes.room(block.columns * block.rows * spec.channels);
+      draw_texture(texture, across, down, mix, threads, settings_.isa, planes);
+      behind.planes = planes, behind.height = block.rows, behind.plane_width = block.columns;
     }
   }
   const bool plain = view.is_plain();

@@ -72,11 +72,6 @@ std::vector<float> scaled(const std::vector<double> &m, double factor) {
 
 }  // namespace
 
-// Those of a drawn block, [rows, columns] each: a pair of channels, and the third one.
-struct Restoration::Inputs {
-  std::vector<int32_t> first, second;
-};
-
 Restoration::Restoration(std::shared_ptr<const RestorationNetwork> network, int step, int channels,
                          const std::vector<float> &mix, int64_t width, int64_t height, Isa isa)
     : network_(std::move(network)), channels_(channels), mixed_(channels >= 3 ? 3 : 1), width_(width), height_(height),
@@ -135,13 +130,12 @@ TileBlock Restoration::around(int64_t top, int64_t rows) const {
 std::vector<int16_t> Restoration::last_inputs(const float *drawn, int64_t top, int64_t rows, int threads) const {
   const int64_t stride = width_ + 2, plane = (rows + 2) * stride;
   const TileBlock from = around(top, rows);
-  const Inputs seen = inputs(drawn, from, threads);
   const int channels = network_->layers.back().inputs;
   std::vector<int16_t> found(size_t(channels) * plane);
   const int64_t columns = strip_columns();
   parallel_for((width_ + columns - 1) / columns, threads, [&](int64_t i) {
     const TileBlock strip{i * columns, top, std::min(columns, width_ - i * columns), rows};
-    const std::vector<int32_t> pairs = run(seen, from, strip, network_->layers.size() - 1);
+    const int32_t *pairs = run(drawn, from, strip, network_->layers.size() - 1);
     // each strip writes its own pixels, those at an edge what is beyond it, too
     const int64_t begin = strip.left ? 1 : 0, last = strip.columns + (strip.left + strip.columns == width_ ? 2 : 1);
     for (int c = 0; c < channels; ++c)
@@ -155,71 +149,73 @@ std::vector<int16_t> Restoration::last_inputs(const float *drawn, int64_t top, i
 
 int64_t Restoration::strip_columns() const { return kRestorationColumns - 2 * (network_->reach() - 1); }
 
-Restoration::Inputs Restoration::inputs(const float *drawn, const TileBlock &from, int threads) const {
-  const RestorationMix mix{into_.data(), channels_, mixed_};
-  const RestorationKernel &kernel = kernel_for<RestorationKernel>(isa_);
-  Inputs found{std::vector<int32_t>(from.columns * from.rows), std::vector<int32_t>(from.columns * from.rows)};
-  parallel_for(from.rows, threads, [&](int64_t row) {
-    const int64_t at = row * from.columns;
-    kernel.inputs(drawn + at * channels_, from.columns, mix, &found.first[at], &found.second[at]);
-  });
-  return found;
-}
-
 // Adds the correction of a block of the tile's own pixels to values [rows, columns, C].
 void Restoration::correct(const float *drawn, const TileBlock &from, const TileBlock &block, int threads,
                           float *values) const {
-  const Inputs seen = inputs(drawn, from, threads);
   const int64_t columns = strip_columns();
   const int64_t across = (block.columns + columns - 1) / columns, down = (block.rows + kStripRows - 1) / kStripRows;
   parallel_for(across * down, threads, [&](int64_t i) {
     const int64_t left = i % across * columns, top = i / across * kStripRows;
-    correct_strip(seen, from, block,
+    correct_strip(drawn, from, block,
                   {block.left + left, block.top + top, std::min(columns, block.columns - left),
                    std::min(kStripRows, block.rows - top)},
                   values);
   });
 }
 
-void Restoration::correct_strip(const Inputs &inputs, const TileBlock &from, const TileBlock &block,
+void Restoration::correct_strip(const float *drawn, const TileBlock &from, const TileBlock &block,
                                 const TileBlock &strip, float *values) const {
-  const std::vector<int32_t> sums = run(inputs, from, strip, network_->layers.size());
+  const int32_t *sums = run(drawn, from, strip, network_->layers.size());
   const RestorationMix mix{out_.data(), channels_, mixed_};
   for (int64_t row = 0; row < strip.rows; ++row) {
     const int64_t at = (strip.top - block.top + row) * block.columns + strip.left - block.left;
-    kernel_for<RestorationKernel>(isa_).add(&sums[row * kRestorationStride], strip.rows * kRestorationStride,
+    kernel_for<RestorationKernel>(isa_).add(sums + row * kRestorationStride, strip.rows * kRestorationStride,
                                             strip.columns, mix, values + at * channels_);
   }
 }
 
-// What these layers, from the first one on, give for a strip and one pixel around it for each layer that is left.
-std::vector<int32_t> Restoration::run(const Inputs &inputs, const TileBlock &from, const TileBlock &strip,
-                                      size_t layers) const {
+// What these layers, from the first one on, give for a strip and one pixel around it for each layer that is left. It
+// lasts until the thread runs another strip.
+const int32_t *Restoration::run(const float *drawn, const TileBlock &from, const TileBlock &strip,
+                                size_t layers) const {
+  thread_local std::vector<int32_t> memory;
   const RestorationKernel &kernel = kernel_for<RestorationKernel>(isa_);
-  const int64_t reach = network_->reach();
-  int64_t rows = strip.rows + 2 * reach, most = 2;
+  int64_t rows = strip.rows + 2 * network_->reach(), most = 2;
   for (const RestorationLayer &layer : network_->layers)
     most = std::max<int64_t>(most, layer.view().blocks * (&layer == &network_->layers.back() ? kRestorationBlock : 2));
-  // Behind what a layer reads at the end of its last row there is a number more.
-  std::vector<int32_t> one(most * rows * kRestorationStride), other(one.size());
-  const int64_t plane = rows * kRestorationStride;
-  for (int64_t row = 0; row < rows; ++row) {
-    const int64_t y = std::clamp<int64_t>(strip.top - reach + row, 0, height_ - 1) - from.top;
-    for (int64_t i = 0; i < kRestorationColumns + 2; ++i) {
-      // beyond the strip's own margin nothing that is sound depends on it
-      const int64_t x = std::clamp<int64_t>(strip.left - reach + i, 0, width_ - 1) - from.left;
-      const int64_t at = y * from.columns + std::min(x, from.columns - 1);
-      one[row * kRestorationStride + i] = inputs.first[at];
-      one[plane + row * kRestorationStride + i] = inputs.second[at];
-    }
-  }
+  // Behind the columns of a layer there are what inputs or zeros were there before: nothing sound depends on them.
+  const size_t size = most * rows * kRestorationStride;
+  if (memory.size() < 2 * size) memory.resize(2 * size);
+  int32_t *one = memory.data(), *other = one + size;
+  read_inputs(drawn, from, strip, rows, one);
   for (size_t i = 0; i < layers; ++i) {
     const RestorationLayer &layer = network_->layers[i];
     rows -= 2;
-    (&layer == &network_->layers.back() ? kernel.last : kernel.hidden)(layer.view(), one.data(), rows, other.data());
-    one.swap(other);
+    (&layer == &network_->layers.back() ? kernel.last : kernel.hidden)(layer.view(), one, rows, other);
+    std::swap(one, other);
   }
   return one;
+}
+
+// Those of a strip and what is around it: beyond the tile, its nearest pixels.
+void Restoration::read_inputs(const float *drawn, const TileBlock &from, const TileBlock &strip, int64_t rows,
+                              int32_t *inputs) const {
+  const RestorationMix mix{into_.data(), channels_, mixed_};
+  const RestorationKernel &kernel = kernel_for<RestorationKernel>(isa_);
+  const int64_t reach = network_->reach(), first = strip.left - reach;
+  // of those columns that are drawn; beyond the strip's own margin nothing that is sound depends on others
+  const int64_t begin = std::max<int64_t>(0, -first);
+  const int64_t end = std::min<int64_t>(kRestorationColumns + 2, from.left + from.columns - first);
+  for (int64_t row = 0; row < rows; ++row) {
+    const int64_t y = std::clamp<int64_t>(strip.top - reach + row, 0, height_ - 1) - from.top;
+    int32_t *to[] = {inputs + row * kRestorationStride, inputs + (rows + row) * kRestorationStride};
+    kernel.inputs(drawn + (y * from.columns + first + begin - from.left) * channels_, end - begin, mix, to[0] + begin,
+                  to[1] + begin);
+    for (int32_t *line : to) {
+      std::fill(line, line + begin, line[begin]);
+      std::fill(line + end, line + kRestorationColumns + 2, line[end - 1]);
+    }
+  }
 }
 
 }  // namespace sgi

@@ -42,15 +42,14 @@ class Restoration {
   void correct(const float *drawn, int threads, float *values) const;
 
  private:
-  struct Inputs;
-
   TileBlock shown(const OutputAxis &x, const OutputAxis &y) const;
   void correct(const float *drawn, const TileBlock &from, const TileBlock &block, int threads, float *values) const;
   int64_t strip_columns() const;
-  Inputs inputs(const float *drawn, const TileBlock &from, int threads) const;
-  void correct_strip(const Inputs &inputs, const TileBlock &from, const TileBlock &block, const TileBlock &strip,
+  void correct_strip(const float *drawn, const TileBlock &from, const TileBlock &block, const TileBlock &strip,
                      float *values) const;
-  std::vector<int32_t> run(const Inputs &inputs, const TileBlock &from, const TileBlock &strip, size_t layers) const;
+  const int32_t *run(const float *drawn, const TileBlock &from, const TileBlock &strip, size_t layers) const;
+  void read_inputs(const float *drawn, const TileBlock &from, const TileBlock &strip, int64_t rows,
+                   int32_t *inputs) const;
 
   const std::shared_ptr<const RestorationNetwork> network_;
   const int channels_, mixed_;     // how many of them the network sees

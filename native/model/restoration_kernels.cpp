@@ -91,10 +91,13 @@ inline int32_t input_of(float value) {
   return int32_t((value + kMagic) - kMagic);
 }
 
-template <int COUNT>
+// CHANNELS: how many there are, or 0 for what the mix says.
+template <int COUNT, int CHANNELS>
 inline void inputs_of(const float *values, int64_t pixels, const RestorationMix &mix, int32_t *first, int32_t *second) {
+  float m[COUNT * COUNT];
+  for (int i = 0; i < COUNT * COUNT; ++i) m[i] = mix.matrix[i];
   for (int64_t i = 0; i < pixels; ++i) {
-    const float *p = values + i * mix.channels, *m = mix.matrix;
+    const float *p = values + i * (CHANNELS ? CHANNELS : mix.channels);
     if constexpr (COUNT == 1) {
       first[i] = input_of(p[0] * m[0]) & 0xffff, second[i] = 0;
     } else {
@@ -107,14 +110,16 @@ inline void inputs_of(const float *values, int64_t pixels, const RestorationMix 
 }
 
 void to_inputs(const float *values, int64_t pixels, const RestorationMix &mix, int32_t *first, int32_t *second) {
-  mix.count == 1 ? inputs_of<1>(values, pixels, mix, first, second) : inputs_of<3>(values, pixels, mix, first, second);
+  const auto inputs = mix.count == 1 ? inputs_of<1, 0> : mix.channels == 3 ? inputs_of<3, 3> : inputs_of<3, 0>;
+  inputs(values, pixels, mix, first, second);
 }
 
-template <int COUNT>
+template <int COUNT, int CHANNELS>
 inline void add_sums(const int32_t *sums, int64_t plane, int64_t pixels, const RestorationMix &mix, float *values) {
+  float m[COUNT * COUNT];
+  for (int i = 0; i < COUNT * COUNT; ++i) m[i] = mix.matrix[i];
   for (int64_t i = 0; i < pixels; ++i) {
-    float *p = values + i * mix.channels;
-    const float *m = mix.matrix;
+    float *p = values + i * (CHANNELS ? CHANNELS : mix.channels);
     if constexpr (COUNT == 1) {
       p[0] += float(sums[i]) * m[0];
     } else {
@@ -127,7 +132,8 @@ inline void add_sums(const int32_t *sums, int64_t plane, int64_t pixels, const R
 }
 
 void add_correction(const int32_t *sums, int64_t plane, int64_t pixels, const RestorationMix &mix, float *values) {
-  mix.count == 1 ? add_sums<1>(sums, plane, pixels, mix, values) : add_sums<3>(sums, plane, pixels, mix, values);
+  const auto add = mix.count == 1 ? add_sums<1, 0> : mix.channels == 3 ? add_sums<3, 3> : add_sums<3, 0>;
+  add(sums, plane, pixels, mix, values);
 }
 
 }  // namespace

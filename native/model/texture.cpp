@@ -73,6 +73,7 @@ void draw_texture(const Texture &texture, const OutputAxis &x, const OutputAxis 
   parallel_for((texture.count + kRun - 1) / kRun, threads, [&](int64_t run) {
     for (int64_t i = run * kRun; i < std::min(texture.count, (run + 1) * kRun); ++i) {
       const int side = 1 << texture.log_size[i];
+      if (!bins.has(i)) continue;
       for (int c = 0; c < channels; ++c)
         extents[i * channels + c] = extent_of(texture.amplitudes + bins.begin(i) + c * side * side, side);
     }

@@ -17,10 +17,10 @@ class TextureBins {
   TextureBins(const Texture &texture, const TextureAxis &x, const TextureAxis &y, const Blocks &blocks)
       : across((blocks.columns + blocks.width - 1) / blocks.width),
         down((blocks.rows + blocks.height - 1) / blocks.height), width_(blocks.width), height_(blocks.height),
-        begin_(texture.count + 1), start_(across * down + 1) {
+        begin_(texture.count + 1), start_(across * down + 1), shown_(texture.count) {
     for (int64_t i = 0; i < texture.count; ++i)
       begin_[i + 1] = begin_[i] + (int64_t(texture.channels) << 2 * texture.log_size[i]);
-    for_each_pair(texture, x, y, [&](int64_t block, int64_t) { ++start_[block + 1]; });
+    for_each_pair(texture, x, y, [&](int64_t block, int64_t cell) { ++start_[block + 1], shown_[cell] = 1; });
     for (size_t block = 1; block < start_.size(); ++block) start_[block] += start_[block - 1];
     cells_.resize(start_.back());
     std::vector<int64_t> to(start_.begin(), start_.end() - 1);
@@ -30,6 +30,8 @@ class TextureBins {
   const int64_t across, down;
   // Where a cell's amplitudes begin.
   int64_t begin(int64_t cell) const { return begin_[cell]; }
+  // Whether any block shows it.
+  bool has(int64_t cell) const { return shown_[cell]; }
   const int64_t *first(int64_t block) const { return cells_.data() + start_[block]; }
   const int64_t *last(int64_t block) const { return cells_.data() + start_[block + 1]; }
 
@@ -47,6 +49,7 @@ class TextureBins {
 
   const int64_t width_, height_;
   std::vector<int64_t> begin_, start_, cells_;
+  std::vector<uint8_t> shown_;
 };
 
 }  // namespace sgi
