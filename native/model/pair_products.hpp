@@ -50,6 +50,8 @@ inline vi load(const int32_t *p) {
   return v;
 }
 
+inline void store(int32_t *p, vi v) { __builtin_memcpy(p, &v, sizeof v); }
+
 inline vi clipped(vi v, int32_t low, int32_t high) {
   const vi least = vi{} + low, most = vi{} + high;
   v = v < least ? least : v;

@@ -188,10 +188,14 @@ const int32_t *Restoration::run(const float *drawn, const TileBlock &from, const
   if (memory.size() < 2 * size) memory.resize(2 * size);
   int32_t *one = memory.data(), *other = one + size;
   read_inputs(drawn, from, strip, rows, one);
+  bool small = false;
   for (size_t i = 0; i < layers; ++i) {
     const RestorationLayer &layer = network_->layers[i];
     rows -= 2;
-    (&layer == &network_->layers.back() ? kernel.last : kernel.hidden)(layer.view(), one, rows, other);
+    if (&layer == &network_->layers.back())
+      kernel.last(layer.view(), one, rows, other);
+    else
+      small = kernel.hidden(layer.view(), one, rows, small, other);
     std::swap(one, other);
   }
   return one;

@@ -10,11 +10,16 @@ constexpr int kRestorationStride = kRestorationColumns + 16;  // of a row: what 
 
 constexpr int kRestorationTaps = 9, kRestorationBlock = 4;  // outputs are padded to whole blocks
 
+// Of squares of two rows and columns of outputs (model/restoration_squares.hpp): their places, what the inputs of a
+// layer and its outputs must be whole groups of, and the most inputs; and what inputs may be.
+constexpr int kSquarePlaces = 16, kSquareOutputs = 8, kSquareInputs = 32, kRestorationSmall = 8191;
+
 // Two consecutive inputs have one 32-bit number, the first in its lower half; so do their weights.
 struct LayerView {
   int pairs, blocks, shift;
   const int32_t *weights;  // [blocks, pairs, kRestorationTaps, kRestorationBlock]
   const int32_t *biases;   // [blocks * kRestorationBlock], times 64
+  const int32_t *squares;  // [kSquarePlaces, pairs, blocks * kRestorationBlock], null where there are none
 };
 
 // C channels of a pixel of which the first `count`, 1 or 3, are mixed: those of a pixel p are p[0] ... p[C - 1].
@@ -27,8 +32,9 @@ struct RestorationMix {
 struct RestorationKernel {
   // The inputs of the network for pixels side by side: the first two in one number, the third in the other.
   void (*inputs)(const float *values, int64_t pixels, const RestorationMix &mix, int32_t *first, int32_t *second);
-  // in [pairs, rows + 2, stride]: pairs of values; out [2 blocks, rows, stride]: pairs of hidden values.
-  void (*hidden)(const LayerView &layer, const int32_t *in, int64_t rows, int32_t *out);
+  // in [pairs, rows + 2, stride]: pairs of values; out [2 blocks, rows, stride]: pairs of hidden values. small: whether
+  // inputs are within 0 ... kRestorationSmall. Returns whether outputs are; rows must be two at least.
+  bool (*hidden)(const LayerView &layer, const int32_t *in, int64_t rows, bool small, int32_t *out);
   // The same for the last layer; out [4 blocks, rows, stride]: sums.
   void (*last)(const LayerView &layer, const int32_t *in, int64_t rows, int32_t *out);
   // Adds sums, `plane` apart, times the matrix to values.

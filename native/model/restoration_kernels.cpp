@@ -3,8 +3,9 @@
 #include <immintrin.h>
 #endif
 
-#include "model/pair_products.hpp"
+#include "model/hidden_values.hpp"
 #include "model/restoration_kernel.hpp"
+#include "model/restoration_squares.hpp"
 
 namespace sgi {
 namespace {
@@ -18,16 +19,6 @@ static_assert(kRestorationColumns % kColumns == 0, "a strip must hold whole vect
 static_assert(kRestorationStride >= kRestorationColumns + 2, "rows must hold what is beside a strip");
 
 using Sums = vi[kRestorationBlock][kVectors];
-
-inline void store(int32_t *p, vi v) { __builtin_memcpy(p, &v, sizeof v); }
-
-// Has sums added to in this order: g++ would add up the products first, for which there are no registers.
-inline void keep_order(vi &sum) {
-#ifdef SGI_X86
-  asm("" : "+v"(sum));
-#endif
-  (void)sum;
-}
 
 // Of a block of outputs at kColumns pixels. in: the pixel above and to the left of the first one; `plane` from one pair
 // of inputs to the next.
@@ -49,11 +40,10 @@ inline void convolve(const LayerView &layer, const int32_t *weight, const int32_
     }
 }
 
-inline vi activation(vi sum, int shift) { return clipped(sum >> shift, 0, kRestorationMost); }
-
 template <bool FUSED, bool LAST>
-void layer_as(const LayerView &layer, const int32_t *in, int64_t rows, int32_t *out) {
+bool layer_as(const LayerView &layer, const int32_t *in, int64_t rows, int32_t *out) {
   const int64_t plane_in = (rows + 2) * kRestorationStride, plane = rows * kRestorationStride;
+  vi bits{};
   for (int64_t row = 0; row < rows; ++row)
     for (int block = 0; block < layer.blocks; ++block) {
       const int32_t *weights = layer.weights + int64_t(block) * layer.pairs * kRestorationTaps * kRestorationBlock;
@@ -64,18 +54,28 @@ void layer_as(const LayerView &layer, const int32_t *in, int64_t rows, int32_t *
         for (int v = 0; v < kVectors; ++v)
           if constexpr (LAST) {
             for (int o = 0; o < kRestorationBlock; ++o)
-              store(out + (block * kRestorationBlock + o) * plane + at + v * LANES, sum[o][v]);
+              narrow::store(out + (block * kRestorationBlock + o) * plane + at + v * LANES, sum[o][v]);
           } else {
-            for (int o = 0; o < kRestorationBlock; o += 2)
-              store(out + (block * kRestorationBlock + o) / 2 * plane + at + v * LANES,
-                    activation(sum[o][v], layer.shift) | activation(sum[o + 1][v], layer.shift) << 16);
+            for (int o = 0; o < kRestorationBlock; o += 2) {
+              const vi pairs = pair_of(activation(sum[o][v], layer.shift), activation(sum[o + 1][v], layer.shift));
+              bits |= pairs;
+              narrow::store(out + (block * kRestorationBlock + o) / 2 * plane + at + v * LANES, pairs);
+            }
           }
       }
     }
+  return is_small(bits);
 }
 
-void hidden_layer(const LayerView &layer, const int32_t *in, int64_t rows, int32_t *out) {
-  narrow::has_fused() ? layer_as<true, false>(layer, in, rows, out) : layer_as<false, false>(layer, in, rows, out);
+template <bool FUSED>
+bool hidden_as(const LayerView &layer, const int32_t *in, int64_t rows, bool small, int32_t *out) {
+  return small && layer.squares ? squares::layer_as<FUSED>(layer, in, rows, out)
+                                : layer_as<FUSED, false>(layer, in, rows, out);
+}
+
+bool hidden_layer(const LayerView &layer, const int32_t *in, int64_t rows, bool small, int32_t *out) {
+  return narrow::has_fused() ? hidden_as<true>(layer, in, rows, small, out)
+                             : hidden_as<false>(layer, in, rows, small, out);
 }
 
 void last_layer(const LayerView &layer, const int32_t *in, int64_t rows, int32_t *out) {

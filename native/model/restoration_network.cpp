@@ -59,6 +59,52 @@ bool sums_fit(const RestorationLayer &layer, int output) {
   return most < int64_t(1) << 31;
 }
 
+// Four times what a place of squares multiplies an input by (model/restoration_squares.hpp).
+int square_weight(const RestorationLayer &layer, int output, int input, int place) {
+  constexpr int kShares[4][3] = {{2, 0, 0}, {1, 1, 1}, {1, -1, 1}, {0, 0, 2}};
+  int sum = 0;
+  for (int tap = 0; tap < kRestorationTaps; ++tap)
+    sum += kShares[place / 4][tap / 3] * kShares[place % 4][tap % 3] * layer.weight(output, input, tap);
+  return sum;
+}
+
+// Whether an output's weights at a place have 16 bits, and its sums 32, whatever small inputs there are.
+bool square_fits(const RestorationLayer &layer, int output, int place) {
+  int64_t most = 4 * std::abs(int64_t(layer.biases[output]));
+  for (int input = 0; input < layer.inputs; ++input) {
+    const int weight = std::abs(square_weight(layer, output, input, place));
+    if (weight > kRestorationMost) return false;
+    most += weight * int64_t(4 * kRestorationSmall);
+  }
+  return most < int64_t(1) << 31;
+}
+
+bool squares_fit(const RestorationLayer &layer, int output) {
+  int64_t most = 4 * std::abs(int64_t(layer.biases[output]));
+  for (int input = 0; input < layer.inputs; ++input)
+    for (int tap = 0; tap < kRestorationTaps; ++tap)
+      most += std::abs(layer.weight(output, input, tap)) * int64_t(4 * kRestorationSmall);
+  for (int place = 0; place < kSquarePlaces; ++place)
+    if (!square_fits(layer, output, place)) return false;
+  return most < int64_t(1) << 31;
+}
+
+// Of a hidden layer with so many inputs that squares pay; none where they do not fit.
+std::vector<int32_t> squares_of(const RestorationLayer &layer) {
+  if (layer.inputs % kSquareOutputs || layer.inputs > kSquareInputs || layer.outputs % kSquareOutputs) return {};
+  for (int output = 0; output < layer.outputs; ++output)
+    if (!squares_fit(layer, output)) return {};
+  std::vector<int32_t> found;
+  for (int place = 0; place < kSquarePlaces; ++place)
+    for (int input = 0; input < layer.inputs; input += 2)
+      for (int output = 0; output < layer.outputs; ++output) {
+        const int low = square_weight(layer, output, input, place);
+        const int high = square_weight(layer, output, input + 1, place);
+        found.push_back(int32_t(uint32_t(uint16_t(low)) | uint32_t(uint16_t(high)) << 16));
+      }
+  return found;
+}
+
 void read_weights(Reader &reader, RestorationLayer &layer) {
   const int blocks = blocks_of(layer.outputs);
   layer.weights.assign(size_t(blocks) * pairs_of(layer.inputs) * kRestorationTaps * kRestorationBlock, 0);
@@ -70,6 +116,7 @@ void read_weights(Reader &reader, RestorationLayer &layer) {
     layer.biases[o] = kBiasUnit * reader.bias();
     require(sums_fit(layer, o));
   }
+  layer.squares = squares_of(layer);
 }
 
 // Numbers must stay within those of 16 bits.
@@ -88,12 +135,14 @@ void change_layer(RestorationLayer &layer, const LayerChange &change) {
     layer.biases[o] = kBiasUnit * added(layer.bias(o), *next++);
     if (!sums_fit(layer, o)) throw Error(Fault::corrupt, "restoration: sums of 32 bits; the stream is damaged");
   }
+  layer.squares = squares_of(layer);
 }
 
 }  // namespace
 
 LayerView RestorationLayer::view() const {
-  return {pairs_of(inputs), blocks_of(outputs), shift, weights.data(), biases.data()};
+  return {pairs_of(inputs), blocks_of(outputs), shift,
+          weights.data(),   biases.data(),      squares.empty() ? nullptr : squares.data()};
 }
 
 int RestorationLayer::weight(int output, int input, int tap) const {

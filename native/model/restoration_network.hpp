@@ -10,7 +10,7 @@ namespace sgi {
 
 struct RestorationLayer {
   int inputs, outputs, shift;
-  std::vector<int32_t> weights, biases;  // as a LayerView has them
+  std::vector<int32_t> weights, biases, squares;  // as a LayerView has them; no squares where they are not used
 
   LayerView view() const;
   int weight(int output, int input, int tap) const;

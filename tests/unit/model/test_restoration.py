@@ -48,6 +48,19 @@ def test_it_is_what_the_page_says(network: int, shape: tuple[int, int, int], ste
 
 
 @pytest.mark.parametrize("network", NETWORKS)
+@pytest.mark.parametrize("size", [0.01, 1.0, 8.0, 20.0, 60.0, 200.0, 1000.0])
+def test_values_may_have_any_size(network: int, size: float) -> None:
+    """Layers with small inputs are computed in squares of four outputs, others are not: sums are the same."""
+    rng = np.random.default_rng(7)
+    drawn = np.float32(rng.uniform(-1, 1, (1, 45, 130)) * np.linspace(0, size, 130))
+    drawn = np.float32(np.rint(128 * drawn) / 128)
+    expected = corrected(drawn.astype(np.float64), network, 480)
+    for isa in ISAS:
+        found = Restoration(network, 480).correction(drawn, Device(threads=1, isa=isa))
+        np.testing.assert_allclose(found, expected, rtol=1e-5, atol=1e-4)
+
+
+@pytest.mark.parametrize("network", NETWORKS)
 @pytest.mark.parametrize("shape", [(3, 131, 250), (1, 65, 129)], ids=str)
 def test_all_machines_and_threads_agree(network: int, shape: tuple[int, int, int]) -> None:
     drawn, restoration = tile(shape, 400), Restoration(network, 400)

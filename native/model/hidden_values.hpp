@@ -1,0 +1,33 @@
+// What hidden layers of restoration give: pairs of 16 bits, for restoration_kernels.cpp.
+#pragma once
+#include <cstdint>
+
+#include "model/pair_products.hpp"
+#include "model/restoration_kernel.hpp"
+
+namespace sgi {
+namespace {
+
+// Has sums added to in this order: g++ would add up the products first, for which there are no registers.
+inline void keep_order(narrow::vi &sum) {
+#ifdef SGI_X86
+  asm("" : "+v"(sum));
+#endif
+  (void)sum;
+}
+
+inline narrow::vi activation(narrow::vi sum, int shift) { return narrow::clipped(sum >> shift, 0, kRestorationMost); }
+
+inline narrow::vi pair_of(narrow::vi even, narrow::vi odd) { return even | odd << 16; }
+
+// Whether all pairs with these bits have two small values.
+inline bool is_small(narrow::vi bits) {
+  int32_t any = 0;
+  for (int i = 0; i < LANES; ++i) any |= bits[i];
+  constexpr uint32_t kLarge = ~uint32_t(kRestorationSmall) & 0xffff;
+  static_assert((kRestorationSmall & (kRestorationSmall + 1)) == 0);
+  return !(uint32_t(any) & (kLarge | kLarge << 16));
+}
+
+}  // namespace
+}  // namespace sgi
