@@ -30,16 +30,7 @@ sgi::Restoration restoration_of(const Tile &drawn, const sgi::RestorationChoice 
           sgi::choose_isa(isa)};
 }
 
-// Some rows of planes, pixel by pixel.
-std::vector<float> interleaved(const Tile &planes, size_t top, size_t rows) {
-  const size_t channels = planes.shape(0), width = planes.shape(2), pixels = rows * width;
-  std::vector<float> values(channels * pixels);
-  for (size_t c = 0; c < channels; ++c) {
-    const float *plane = planes.data() + (c * planes.shape(1) + top) * width;
-    for (size_t i = 0; i < pixels; ++i) values[i * channels + c] = plane[i];
-  }
-  return values;
-}
+sgi::TileBlock whole(const Tile &drawn) { return {0, 0, int64_t(drawn.shape(2)), int64_t(drawn.shape(1))}; }
 
 sgi::RestorationChoice choice_of(int network, int step, const std::vector<Change> &changes) {
   sgi::RestorationChoice choice{network, step, {}};
@@ -59,16 +50,14 @@ sgi::RestorationChoice choice_of(int network, int step, const std::vector<Change
 auto restoration_correction(Tile drawn, int network, int step, const std::vector<Change> &changes, int threads,
                             const std::string &isa) {
   const sgi::Restoration restoration = restoration_of(drawn, choice_of(network, step, changes), isa);
-  const size_t channels = drawn.shape(0), pixels = drawn.shape(1) * drawn.shape(2);
-  std::vector<float> planes(channels * pixels);
+  std::vector<float> planes(drawn.size());
   {
     nb::gil_scoped_release release;
-    std::vector<float> correction(channels * pixels, 0.0f);
-    restoration.correct(interleaved(drawn, 0, drawn.shape(1)).data(), threads, correction.data());
-    for (size_t c = 0; c < channels; ++c)
-      for (size_t i = 0; i < pixels; ++i) planes[c * pixels + i] = correction[i * channels + c];
+    restoration.correct(sgi::in_planes(drawn.data(), whole(drawn)), threads,
+                        sgi::in_planes(planes.data(), whole(drawn)));
   }
-  return sgi::as_array<float>(std::move(planes), std::array{channels, size_t(drawn.shape(1)), size_t(drawn.shape(2))});
+  return sgi::as_array<float>(std::move(planes),
+                              std::array{size_t(drawn.shape(0)), size_t(drawn.shape(1)), size_t(drawn.shape(2))});
 }
 
 // What the last layer of the shipped network sees around some rows of a tile.
@@ -79,9 +68,7 @@ auto restoration_last_inputs(Tile drawn, int network, int step, int64_t top, int
   std::vector<int16_t> found;
   {
     nb::gil_scoped_release release;
-    const sgi::TileBlock block = restoration.around(top, rows);
-    found =
-        restoration.last_inputs(interleaved(drawn, size_t(block.top), size_t(block.rows)).data(), top, rows, threads);
+    found = restoration.last_inputs(sgi::in_planes(drawn.data(), whole(drawn)), top, rows, threads);
   }
   const size_t height = size_t(rows) + 2, width = drawn.shape(2) + 2, channels = found.size() / (height * width);
   return sgi::as_array<int16_t>(std::move(found), std::array{channels, height, width});

@@ -97,11 +97,12 @@ TileBlock Restoration::needed(const OutputAxis &x, const OutputAxis &y) const {
 }
 
 void Restoration::add(const float *drawn, const OutputAxis &x, const OutputAxis &y, int threads, float *values) const {
-  const TileBlock from = needed(x, y), seen = shown(x, y);
+  const TileBlock seen = shown(x, y);
+  const TilePixels<const float> from = interleaved(drawn, needed(x, y), channels_);
   if (is_plain(x) && is_plain(y) && seen.columns == x.count && seen.rows == y.count)
-    return correct(drawn, from, seen, threads, values);
+    return correct(from, threads, interleaved(values, seen, channels_));
   std::vector<float> correction(size_t(seen.columns) * seen.rows * channels_, 0.0f);
-  correct(drawn, from, seen, threads, correction.data());
+  correct(from, threads, interleaved(correction.data(), seen, channels_));
   const std::vector<Cubic> across = cubics(x, seen.left, seen.columns), down = cubics(y, seen.top, seen.rows);
   parallel_for(y.count, threads, [&](int64_t row) {
     std::vector<float> line(size_t(seen.columns) * channels_, 0.0f);
@@ -117,25 +118,15 @@ void Restoration::add(const float *drawn, const OutputAxis &x, const OutputAxis 
   });
 }
 
-void Restoration::correct(const float *drawn, int threads, float *values) const {
-  const TileBlock all{0, 0, width_, height_};
-  correct(drawn, all, all, threads, values);
-}
-
-TileBlock Restoration::around(int64_t top, int64_t rows) const {
-  const int64_t first = std::max<int64_t>(0, top - network_->reach());
-  return {0, first, width_, std::min(height_, top + rows + network_->reach()) - first};
-}
-
-std::vector<int16_t> Restoration::last_inputs(const float *drawn, int64_t top, int64_t rows, int threads) const {
+std::vector<int16_t> Restoration::last_inputs(const TilePixels<const float> &drawn, int64_t top, int64_t rows,
+                                              int threads) const {
   const int64_t stride = width_ + 2, plane = (rows + 2) * stride;
-  const TileBlock from = around(top, rows);
   const int channels = network_->layers.back().inputs;
   std::vector<int16_t> found(size_t(channels) * plane);
   const int64_t columns = strip_columns();
   parallel_for((width_ + columns - 1) / columns, threads, [&](int64_t i) {
     const TileBlock strip{i * columns, top, std::min(columns, width_ - i * columns), rows};
-    const int32_t *pairs = run(drawn, from, strip, network_->layers.size() - 1);
+    const int32_t *pairs = run(drawn, strip, network_->layers.size() - 1);
     // each strip writes its own pixels, those at an edge what is beyond it, too
     const int64_t begin = strip.left ? 1 : 0, last = strip.columns + (strip.left + strip.columns == width_ ? 2 : 1);
     for (int c = 0; c < channels; ++c)
@@ -149,35 +140,25 @@ std::vector<int16_t> Restoration::last_inputs(const float *drawn, int64_t top, i
 
 int64_t Restoration::strip_columns() const { return kRestorationColumns - 2 * (network_->reach() - 1); }
 
-// Adds the correction of a block of the tile's own pixels to values [rows, columns, C].
-void Restoration::correct(const float *drawn, const TileBlock &from, const TileBlock &block, int threads,
-                          float *values) const {
+void Restoration::correct(const TilePixels<const float> &drawn, int threads, const TilePixels<float> &values) const {
+  const TileBlock &block = values.block;
+  const RestorationMix mix{out_.data(), mixed_, values.pixel, values.channel};
   const int64_t columns = strip_columns();
   const int64_t across = (block.columns + columns - 1) / columns, down = (block.rows + kStripRows - 1) / kStripRows;
   parallel_for(across * down, threads, [&](int64_t i) {
     const int64_t left = i % across * columns, top = i / across * kStripRows;
-    correct_strip(drawn, from, block,
-                  {block.left + left, block.top + top, std::min(columns, block.columns - left),
-                   std::min(kStripRows, block.rows - top)},
-                  values);
+    const TileBlock strip{block.left + left, block.top + top, std::min(columns, block.columns - left),
+                          std::min(kStripRows, block.rows - top)};
+    const int32_t *sums = run(drawn, strip, network_->layers.size());
+    for (int64_t row = 0; row < strip.rows; ++row)
+      kernel_for<RestorationKernel>(isa_).add(sums + row * kRestorationStride, strip.rows * kRestorationStride,
+                                              strip.columns, mix, values.at(strip.left, strip.top + row));
   });
-}
-
-void Restoration::correct_strip(const float *drawn, const TileBlock &from, const TileBlock &block,
-                                const TileBlock &strip, float *values) const {
-  const int32_t *sums = run(drawn, from, strip, network_->layers.size());
-  const RestorationMix mix{out_.data(), channels_, mixed_};
-  for (int64_t row = 0; row < strip.rows; ++row) {
-    const int64_t at = (strip.top - block.top + row) * block.columns + strip.left - block.left;
-    kernel_for<RestorationKernel>(isa_).add(sums + row * kRestorationStride, strip.rows * kRestorationStride,
-                                            strip.columns, mix, values + at * channels_);
-  }
 }
 
 // What these layers, from the first one on, give for a strip and one pixel around it for each layer that is left. It
 // lasts until the thread runs another strip.
-const int32_t *Restoration::run(const float *drawn, const TileBlock &from, const TileBlock &strip,
-                                size_t layers) const {
+const int32_t *Restoration::run(const TilePixels<const float> &drawn, const TileBlock &strip, size_t layers) const {
   thread_local std::vector<int32_t> memory;
   const RestorationKernel &kernel = kernel_for<RestorationKernel>(isa_);
   int64_t rows = strip.rows + 2 * network_->reach(), most = 2;
@@ -187,7 +168,7 @@ const int32_t *Restoration::run(const float *drawn, const TileBlock &from, const
   const size_t size = most * rows * kRestorationStride;
   if (memory.size() < 2 * size) memory.resize(2 * size);
   int32_t *one = memory.data(), *other = one + size;
-  read_inputs(drawn, from, strip, rows, one);
+  read_inputs(drawn, strip, rows, one);
   bool small = false;
   for (size_t i = 0; i < layers; ++i) {
     const RestorationLayer &layer = network_->layers[i];
@@ -202,19 +183,18 @@ const int32_t *Restoration::run(const float *drawn, const TileBlock &from, const
 }
 
 // Those of a strip and what is around it: beyond the tile, its nearest pixels.
-void Restoration::read_inputs(const float *drawn, const TileBlock &from, const TileBlock &strip, int64_t rows,
+void Restoration::read_inputs(const TilePixels<const float> &drawn, const TileBlock &strip, int64_t rows,
                               int32_t *inputs) const {
-  const RestorationMix mix{into_.data(), channels_, mixed_};
+  const RestorationMix mix{into_.data(), mixed_, drawn.pixel, drawn.channel};
   const RestorationKernel &kernel = kernel_for<RestorationKernel>(isa_);
   const int64_t reach = network_->reach(), first = strip.left - reach;
   // of those columns that are drawn; beyond the strip's own margin nothing that is sound depends on others
   const int64_t begin = std::max<int64_t>(0, -first);
-  const int64_t end = std::min<int64_t>(kRestorationColumns + 2, from.left + from.columns - first);
+  const int64_t end = std::min<int64_t>(kRestorationColumns + 2, drawn.block.left + drawn.block.columns - first);
   for (int64_t row = 0; row < rows; ++row) {
-    const int64_t y = std::clamp<int64_t>(strip.top - reach + row, 0, height_ - 1) - from.top;
+    const int64_t y = std::clamp<int64_t>(strip.top - reach + row, 0, height_ - 1);
     int32_t *to[] = {inputs + row * kRestorationStride, inputs + (rows + row) * kRestorationStride};
-    kernel.inputs(drawn + (y * from.columns + first + begin - from.left) * channels_, end - begin, mix, to[0] + begin,
-                  to[1] + begin);
+    kernel.inputs(drawn.at(first + begin, y), end - begin, mix, to[0] + begin, to[1] + begin);
     for (int32_t *line : to) {
       std::fill(line, line + begin, line[begin]);
       std::fill(line + end, line + kRestorationColumns + 2, line[end - 1]);

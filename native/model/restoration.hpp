@@ -15,6 +15,27 @@ struct TileBlock {
   int64_t left, top, columns, rows;
 };
 
+// Samples of pixels of a tile: channel c of the one at (x, y) of the block is at x * pixel + y * row + c * channel.
+template <class T>
+struct TilePixels {
+  T *first;
+  TileBlock block;
+  int64_t pixel, row, channel;
+
+  // Those of a place in the tile.
+  T *at(int64_t x, int64_t y) const { return first + (x - block.left) * pixel + (y - block.top) * row; }
+};
+
+// The same pixel by pixel, or plane by plane.
+template <class T>
+TilePixels<T> interleaved(T *first, const TileBlock &block, int64_t channels) {
+  return {first, block, channels, channels * block.columns, 1};
+}
+template <class T>
+TilePixels<T> in_planes(T *first, const TileBlock &block) {
+  return {first, block, 1, block.columns, block.columns * block.rows};
+}
+
 // What a tile states.
 struct RestorationChoice {
   int network = 0;                   // number of a shipped one; 0: none
@@ -34,22 +55,16 @@ class Restoration {
   // Adds the correction to values [y.count, x.count, C] of what the axes show. drawn: the needed block, [rows, columns,
   // C]. The same values for any block that is asked for, number of threads and instruction set.
   void add(const float *drawn, const OutputAxis &x, const OutputAxis &y, int threads, float *values) const;
-  // What must be drawn of the tile for what the last layer sees around these rows.
-  TileBlock around(int64_t top, int64_t rows) const;
-  // That [channels, rows + 2, width + 2]. drawn: the block around these rows, [rows, columns, C].
-  std::vector<int16_t> last_inputs(const float *drawn, int64_t top, int64_t rows, int threads) const;
-  // Adds the correction of the whole tile to values, both [height, width, C].
-  void correct(const float *drawn, int threads, float *values) const;
+  // What the last layer sees around these rows [channels, rows + 2, width + 2]. drawn: the whole tile.
+  std::vector<int16_t> last_inputs(const TilePixels<const float> &drawn, int64_t top, int64_t rows, int threads) const;
+  // Adds the correction of a block of the tile's own pixels to it. drawn: the block and what is around it.
+  void correct(const TilePixels<const float> &drawn, int threads, const TilePixels<float> &values) const;
 
  private:
   TileBlock shown(const OutputAxis &x, const OutputAxis &y) const;
-  void correct(const float *drawn, const TileBlock &from, const TileBlock &block, int threads, float *values) const;
   int64_t strip_columns() const;
-  void correct_strip(const float *drawn, const TileBlock &from, const TileBlock &block, const TileBlock &strip,
-                     float *values) const;
-  const int32_t *run(const float *drawn, const TileBlock &from, const TileBlock &strip, size_t layers) const;
-  void read_inputs(const float *drawn, const TileBlock &from, const TileBlock &strip, int64_t rows,
-                   int32_t *inputs) const;
+  const int32_t *run(const TilePixels<const float> &drawn, const TileBlock &strip, size_t layers) const;
+  void read_inputs(const TilePixels<const float> &drawn, const TileBlock &strip, int64_t rows, int32_t *inputs) const;
 
   const std::shared_ptr<const RestorationNetwork> network_;
   const int channels_, mixed_;     // how many of them the network sees

@@ -22,10 +22,12 @@ struct LayerView {
   const int32_t *squares;  // [kSquarePlaces, pairs, blocks * kRestorationBlock], null where there are none
 };
 
-// C channels of a pixel of which the first `count`, 1 or 3, are mixed: those of a pixel p are p[0] ... p[C - 1].
+// How the first `count` channels, 1 or 3, of pixels side by side are mixed: channel c of pixel i is at
+// i * pixel + c * channel.
 struct RestorationMix {
   const float *matrix;  // [count, count]
-  int channels, count;
+  int count;
+  int64_t pixel, channel;
 };
 
 // Operations are rounded by themselves, none fused: all instruction sets give the same.
