@@ -20,6 +20,7 @@ BENCHMARKS = {
     "raster": ("benchmarks.raster", "The native rasteriser's passes, next to the peak of the cores."),
     "cuda": ("benchmarks.cuda", "Check and measure the kernels on a GPU; count floors without."),
     "texture": ("benchmarks.texture", "The drawing of texture layers."),
+    "restoration": ("benchmarks.restoration", "The networks that restore what is drawn."),
     "views": ("benchmarks.views", "What small views cost, and how near they are to the whole model."),
     "variants": ("benchmarks.variants", "How a change of settings changes J = D + λR of whole streams."),
     "distortion": ("benchmarks.distortion", "What a distortion gains, and through which stage."),
