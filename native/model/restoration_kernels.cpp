@@ -69,10 +69,19 @@ bool layer_as(const LayerView &layer, const int32_t *in, int64_t rows, int32_t *
   return is_small(bits);
 }
 
+// Scalar WebAssembly, for browsers of before 2021, must stay small.
+#if defined(__wasm__) && !defined(__wasm_simd128__)
+constexpr bool kHasSquares = false;
+#else
+constexpr bool kHasSquares = true;
+#endif
+
 template <bool FUSED>
 bool hidden_as(const LayerView &layer, const int32_t *in, int64_t rows, bool small, int32_t *out) {
-  return small && layer.squares ? squares::layer_as<FUSED>(layer, in, rows, out)
-                                : layer_as<FUSED, false>(layer, in, rows, out);
+  if constexpr (kHasSquares) {
+    if (small && layer.squares) return squares::layer_as<FUSED>(layer, in, rows, out);
+  }
+  return layer_as<FUSED, false>(layer, in, rows, out);
 }
 
 bool hidden_layer(const LayerView &layer, const int32_t *in, int64_t rows, bool small, int32_t *out) {
