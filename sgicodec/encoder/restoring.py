@@ -13,7 +13,7 @@ from sgicodec.model.restoration import Restoration
 from sgicodec.model.texture_symbols import STEP_COUNT, TextureSymbols
 from sgicodec.rdoq.texture import TextureSearch
 
-__all__ = ["Restorer", "Strength"]
+__all__ = ["Restorer", "Strength", "drawn_over"]
 
 F32 = NDArray[np.float32]
 
@@ -25,6 +25,9 @@ _LARGER = {1: 1.0, 2: 1.02, 3: 1.02}
 """By network, what squared error may grow by: the one for the eye gains by what squared error does not tell."""
 _BITS = 21
 """That a stream takes for it: the part, and a byte of the header."""
+_LOOKED_AT, _BAND, _MARGIN = 1 << 17, 64, 4
+"""Pixels that strengths are compared on, in bands of so many rows; rows at their edges that depend on what lies beyond.
+"""
 
 
 @dataclass(frozen=True)
@@ -60,18 +63,22 @@ class Restorer:
 
     def strength(self, search: TextureSearch, texture: TextureSymbols, lmbda: float = 0.0) -> Strength | None:
         """What makes a layer over the seeds of `search` best, None where none makes it better by what its bits are
-        worth.
+        worth. Of a large tile, bands of rows are looked at.
         """
-        drawn = self._drawn(search, texture)
+        rows, counted = _bands(*self.unit.shape[1:])
+        drawn, wanted = self._drawn(search, texture)[:, rows], self.unit[:, rows]
 
-        def error(offset: int) -> float:
-            return self._error(drawn + Strength(self.network, offset).over(texture).correction(drawn, self.device))
+        def error(strength: Strength | None) -> float:
+            shown = drawn if strength is None else drawn + strength.over(texture).correction(drawn, self.device)
+            left = (wanted - shown)[:, counted]
+            if self.empty is not None:
+                left[:, self.empty[rows[counted]]] = 0
+            return float(np.square(left).sum(dtype=np.float64))
 
-        least = _least([error(offset) for offset in _OFFSETS])
+        least = _least([error(Strength(self.network, offset)) for offset in _OFFSETS])
         found = Strength(self.network, least + _STRONGER[self.network])
-        if error(found.offset) + _BITS * lmbda < _LARGER[self.network] * self._error(drawn):
-            return found
-        return None
+        bits = _BITS * counted.sum() / self.unit.shape[1]
+        return found if error(found) + bits * lmbda < _LARGER[self.network] * error(None) else None
 
     def adapted(self, search: TextureSearch, texture: TextureSymbols, strength: Strength, lmbda: float) -> Strength:
         """The same with a last layer that suits what a layer over the seeds of `search` shows."""
@@ -79,16 +86,25 @@ class Restorer:
         found = adapted(strength.over(texture), drawn, self.unit, self.empty, lmbda, self.device)
         return replace(strength, changes=found.changes)
 
-    def _error(self, shown: F32) -> float:
-        if self.empty is not None:
-            shown[:, self.empty] = self.unit[:, self.empty]
-        return float(np.square(self.unit - shown).sum(dtype=np.float64))
-
     def _drawn(self, search: TextureSearch, texture: TextureSymbols) -> F32:
-        drawn = self.unit - search.residual + texture.layer().draw(device=self.device)
-        if self.empty is not None:
-            drawn[:, self.empty] = self.unit[:, self.empty]
-        return drawn
+        return drawn_over(search, self.unit, texture, self.device)
+
+
+def drawn_over(search: TextureSearch, unit: F32, texture: TextureSymbols, device: Device) -> F32:
+    """What a layer over the seeds of `search` shows of `unit` [C, H, W], before restoration."""
+    drawn: F32 = unit - search.residual + texture.layer().draw(device=device)
+    return drawn
+
+
+def _bands(height: int, width: int) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """Rows to look at, and which of them count: bands with a margin, evenly apart, or all of a small tile."""
+    count = -(-_LOOKED_AT // (width * _BAND))
+    if count * (_BAND + 2 * _MARGIN) >= height:
+        return np.arange(height), np.ones(height, bool)
+    places = (np.arange(count) * 2 + 1) * height // (2 * count)
+    around = np.arange(-_MARGIN, _BAND + _MARGIN) - _BAND // 2
+    counted = (around >= -(_BAND // 2)) & (around < _BAND // 2)
+    return (places[:, None] + around).ravel(), np.tile(counted, count)
 
 
 def _least(errors: list[float]) -> int:

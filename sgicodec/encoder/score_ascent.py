@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.device import Device
-from sgicodec.encoder.restoring import Strength
+from sgicodec.encoder.restoring import Strength, drawn_over
 from sgicodec.encoder.score_contrast import better_contrasts
 from sgicodec.metrics.butteraugli import ButteraugliReference
 from sgicodec.metrics.visual_score import VisualReference
@@ -151,7 +151,7 @@ class ScoreAscent:
 
     def _drawn(self, search: TextureSearch, symbols: TextureSymbols) -> F32:
         """What a layer shows over the seeds of `search`, restored."""
-        drawn: F32 = self.unit - search.residual + symbols.layer().draw(device=self.device)
+        drawn = drawn_over(search, self.unit, symbols, self.device)
         if self.strength is not None:
             drawn += self.strength.over(symbols).correction(drawn, self.device)
         if self.empty is not None:

@@ -16,6 +16,7 @@ from sgicodec.bitstream.parts.tile_chunk import encode_tile_chunk
 from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import Stream, open_stream
 from sgicodec.device import Device
+from sgicodec.encoder import restoring
 from sgicodec.encoder.adapting import LEAST_STEPS
 from sgicodec.encoder.restoring import Restorer, Strength
 from sgicodec.model.luma_space import from_luma_space, to_luma_space
@@ -150,3 +151,20 @@ def test_its_strength_is_that_of_least_error(crop: Picture, offset: int) -> None
     found = Restorer(wanted, None, 1, Device(threads=1)).strength(TextureSearch(wanted, Device(threads=1)), layer)
     assert found is not None
     assert abs(found.offset - offset) <= 6
+
+
+def test_of_a_large_tile_bands_are_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What they say is nearly what all pixels say."""
+    unit = np.ascontiguousarray(read(PHOTO).pixels.transpose(2, 0, 1), np.float32) / 255
+    search = TextureSearch(unit, Device(threads=2))
+    layer = search.at(TextureSteps(420, (16, 16)), 0.1)
+    assert layer is not None
+    wanted = layer.layer().draw()
+    wanted += Strength(1, -11).over(layer).correction(wanted)
+    restorer, search = Restorer(wanted, None, 1, Device(threads=2)), TextureSearch(wanted, Device(threads=2))
+    few = restorer.strength(search, layer)
+    monkeypatch.setattr(restoring, "_LOOKED_AT", wanted[0].size)
+    every = restorer.strength(search, layer)
+    assert few is not None
+    assert every is not None
+    assert abs(few.offset - every.offset) <= 2
