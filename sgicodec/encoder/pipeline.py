@@ -15,6 +15,7 @@ from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ALL_CORES, Device, check_device
 from sgicodec.encoder.alpha import without_needless_alpha
+from sgicodec.encoder.blas_threads import one_blas_thread
 from sgicodec.encoder.checkpoint import fingerprint
 from sgicodec.encoder.encoded import Encoded
 from sgicodec.encoder.interfaces import Finished, Runner, Store
@@ -107,7 +108,8 @@ def encode_all_channels(picture: Picture, settings: EncodeSettings, device: Devi
 def _encoded(job: _Job, executor: Executor | None = None, store: Store | None = None) -> Encoded:
     """Raises TargetMissedError, with the nearest stream."""
     masked = job.plan.header.masked
-    encoded, missed = _encode_tiles(job, executor, store) if job.plan.header.tile else _encode_whole(job, executor)
+    with one_blas_thread():
+        encoded, missed = _encode_tiles(job, executor, store) if job.plan.header.tile else _encode_whole(job, executor)
     if masked is not None and not encoded.part_bytes.keys() - {"mask", "overview"}:
         job.listener.note(_NOTHING[masked])
     if missed is not None:

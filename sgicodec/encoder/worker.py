@@ -12,6 +12,7 @@ from typing import Generic, NamedTuple, TypeVar
 
 from sgicodec.cuda.choice import NamedDevice
 from sgicodec.device import Device
+from sgicodec.encoder.blas_threads import one_blas_thread
 from sgicodec.encoder.interfaces import Task
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tile_encoder import make_ready
@@ -72,7 +73,8 @@ class TileTask(Generic[Result]):
         """What the task makes of the tile. Raises PictureError where no pixels came."""
         if job.window is None:
             raise PictureError("no pixels came")
-        return self.task(number, job.window, job.start, self.device.of_tile(number))
+        with one_blas_thread():
+            return self.task(number, job.window, job.start, self.device.of_tile(number))
 
 
 @dataclass(frozen=True)
