@@ -20,7 +20,9 @@ constexpr int64_t kMostPairs = 1 << 24;  // (tile, Gaussian) pairs of a block; a
 // A tile of a reduced view that has no more samples is drawn at once, whatever part is asked for: each part would have
 // to look at all of its Gaussians again.
 constexpr int64_t kWholeSamples = 1 << 18;
-constexpr int64_t kRestoredSamples = 1 << 17;  // that each thread draws and restores while they are in the cache
+// What is restored is drawn in bands: large ones draw less of their margins twice, small ones stay in the cache and in
+// memory that is there. An eighth of a view within these limits, and more where many threads share it.
+constexpr int64_t kLeastBand = 1 << 18, kMostBand = 1 << 20, kBandOfThread = 1 << 17;
 constexpr float kCutoff = 3.5f;
 constexpr int kDecoderShift = 10;
 
@@ -66,6 +68,10 @@ std::vector<double> base_colours(const ModelSpec &spec, const TileModel &model) 
   values = mixed_planes(colour_matrix(spec.channels), true, values, spec.channels, cells);
   if (spec.luma_space) values = mixed_planes(from_luma_space(spec.channels), false, values, spec.channels, cells);
   return values;
+}
+
+int64_t band_samples(int64_t samples, int threads) {
+  return std::max(std::clamp(samples / 8, kLeastBand, kMostBand), kBandOfThread * resolve_threads(threads));
 }
 
 template <class T>
@@ -165,7 +171,8 @@ void TileRenderer::draw_blocks(const PictureView &view, int64_t x, int64_t y, co
   // held, drawn and restored.
   const int64_t share = is_painted() ? (restores ? 2 : 1) : restores ? 64 : texture_ ? 16 : 1;
   int64_t most = std::max<int64_t>(1, settings_.block_samples / share);
-  if (restores && !is_painted()) most = std::min(most, kRestoredSamples * resolve_threads(threads));
+  if (restores && !is_painted())
+    most = std::min(most, band_samples(block.columns * block.rows * header_.spec.channels, threads));
   const int64_t width = std::min(block.columns, int64_t(std::ceil(4 * std::sqrt(double(most)))));  // flat blocks
   const int64_t height = std::max<int64_t>(1, most / (width * header_.spec.channels));
   const auto tools_for = [&](const GaussianSet &gaussians) {
