@@ -22,8 +22,8 @@ struct DecoderSettings {
   Isa isa = Isa::portable;
   int64_t cache_bytes = int64_t(1) << 28;    // what decoded tiles may take before those used least recently go
   int64_t block_samples = int64_t(1) << 27;  // drawn at a time; a sixteenth where the processor has texture as floats,
-                                             // a quarter of that where it restores, and less with few threads; half
-                                             // where a painter draws what is restored
+                                             // a quarter of that at most where it restores; half where a painter
+                                             // draws what is restored
   std::function<void()> between = nullptr;   // called between tiles by who draws them; what it throws ends the call
   bool checked = true;                       // as of `read_tile`
   int64_t tile_memory = kAnyMemory;          // as of `read_tile`
@@ -98,7 +98,7 @@ class TileRenderer {
   void draw_block(Tools &tools, const PictureView &view, int64_t x, int64_t y, const PixelBlock &block,
                   const SampleFormat &format, int threads) const;
   // The same with the correction of restoration.
-  void draw_restored(Restored &restored, const PictureView &view, int64_t x, int64_t y, const PixelBlock &block,
+  void draw_restored(Restored &tools, const PictureView &view, int64_t x, int64_t y, const PixelBlock &block,
                      const SampleFormat &format, int threads) const;
   OutputAxis across(const PictureView &view, int64_t x, int64_t count) const;
   OutputAxis down(const PictureView &view, int64_t y, int64_t count) const;

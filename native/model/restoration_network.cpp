@@ -68,17 +68,18 @@ int square_weight(const RestorationLayer &layer, int output, int input, int plac
   return sum;
 }
 
-// Whether an output's weights at a place have 16 bits, and its sums 32, whatever small inputs there are.
+// Whether an output's weights at a place have 16 bits, and its sums 32, whatever 16 bits they multiply.
 bool square_fits(const RestorationLayer &layer, int output, int place) {
   int64_t most = 4 * std::abs(int64_t(layer.biases[output]));
   for (int input = 0; input < layer.inputs; ++input) {
     const int weight = std::abs(square_weight(layer, output, input, place));
     if (weight > kRestorationMost) return false;
-    most += weight * int64_t(4 * kRestorationSmall);
+    most += weight * (int64_t(1) << 15);
   }
   return most < int64_t(1) << 31;
 }
 
+// Whether all of an output's places do, and four times its own sums.
 bool squares_fit(const RestorationLayer &layer, int output) {
   int64_t most = 4 * std::abs(int64_t(layer.biases[output]));
   for (int input = 0; input < layer.inputs; ++input)

@@ -15,7 +15,7 @@ namespace {
 namespace squares {
 
 using narrow::vi;
-using Halves = int16_t __attribute__((vector_size(LANES * 4)));
+using Halves = uint16_t __attribute__((vector_size(LANES * 4)));  // of two's complement
 using Wrapping = uint32_t __attribute__((vector_size(LANES * 4)));
 
 constexpr int kVectors = 2, kOutputs = LANES == 16 ? 8 : 4;  // computed at once: what there are registers for
