@@ -55,3 +55,20 @@ export async function message(page) {
   await page.waitForSelector("#message:not([hidden])");
   return page.textContent("#message");
 }
+
+/** What workers were asked while the picture moved by 8 pixels of the screen to the right, eight times. */
+export function askedWhilePanning(page) {
+  return page.evaluate(async () => {
+    const { scene } = sgiViewer;
+    scene.refine = () => (scene.timer = 0);
+    const tasks = [];
+    const { pool } = scene.decoder;
+    const run = pool.run.bind(pool);
+    pool.run = (task, ...rest) => tasks.push(task) && run(task, ...rest);
+    for (let step = 0; step < 8; step++) {
+      scene.move((camera) => camera.pan(-8, 0));
+      await new Promise((drawn) => scene.addEventListener("drawn", drawn, { once: true }));
+    }
+    return tasks;
+  });
+}

@@ -6,7 +6,7 @@ import { copyFileSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { launch, message, pageOf, settled, shot, show } from "./browser.js";
+import { askedWhilePanning, launch, message, pageOf, settled, shot, show } from "./browser.js";
 import { GOLDEN, PYTHON, ROOT, decoded } from "./command.js";
 import { contrasts } from "./frames.js";
 import { farthest, onBlack, part } from "./pixels.js";
@@ -170,20 +170,7 @@ test("restored squares move along with the preview", async () => {
   const page = await opened("rgb8-restored-visual");
   await show(page, 0, 0, 4);
   const before = await shot(page, 400, 300);
-  const asked = await page.evaluate(async () => {
-    const { scene } = sgiViewer;
-    scene.refine = () => (scene.timer = 0);
-    const tasks = [];
-    const { pool } = scene.decoder;
-    const run = pool.run.bind(pool);
-    pool.run = (task, ...rest) => tasks.push(task) && run(task, ...rest);
-    for (let step = 0; step < 8; step++) {
-      scene.move((camera) => camera.pan(-8, 0));
-      await new Promise((drawn) => scene.addEventListener("drawn", drawn, { once: true }));
-    }
-    return tasks;
-  });
-  assert.deepEqual(asked, []);
+  assert.deepEqual(await askedWhilePanning(page), []);
   const after = await shot(page, 400, 300);
   assert.equal(farthest(part(after, 400, 0, 320), part(before, 400, 64, 384)), 0);
   await page.context().close();

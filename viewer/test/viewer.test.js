@@ -6,7 +6,7 @@ import { copyFileSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { launch, message, pageOf, settled, shot, show } from "./browser.js";
+import { askedWhilePanning, launch, message, pageOf, settled, shot, show } from "./browser.js";
 import { GOLDEN, PYTHON, ROOT, decoded } from "./command.js";
 import { farthest, onBlack, part } from "./pixels.js";
 import { readPng, rgba } from "./png.js";
@@ -244,20 +244,7 @@ test("what moves is shown from what is kept: no worker is asked, no line is draw
   await page.click("#ellipses");
   await show(page, 0, 0, 4);
   const before = await shot(page, 400, 300);
-  const asked = await page.evaluate(async () => {
-    const { scene } = sgiViewer;
-    scene.refine = () => (scene.timer = 0);
-    const { pool } = scene.decoder;
-    const run = pool.run.bind(pool);
-    const tasks = [];
-    pool.run = (task, ...rest) => tasks.push(task) && run(task, ...rest);
-    for (let step = 0; step < 8; step++) {
-      scene.move((camera) => camera.pan(-8, 0));
-      await new Promise((drawn) => scene.addEventListener("drawn", drawn, { once: true }));
-    }
-    return tasks;
-  });
-  assert.deepEqual(asked, []);
+  assert.deepEqual(await askedWhilePanning(page), []);
   assert.equal(await page.evaluate(() => strokes), 0);
   const after = await shot(page, 400, 300);
   assert.ok(farthest(part(after, 400, 0, 320), part(before, 400, 64, 384)) <= 1);

@@ -40,7 +40,7 @@ def test_the_distance_is_what_libjxl_prints(name: str, quality: int) -> None:
 @pytest.mark.parametrize("shape", SHAPES)
 def test_maps_and_gradients_are_those_of_torch(shape: tuple[int, int], isa: str) -> None:
     torch = pytest.importorskip("torch")
-    from tools.butteraugli import Reference
+    from torch_butteraugli import Reference
 
     original, decoded = noisy_pair(*shape)
     pixels = torch.from_numpy(decoded).double().requires_grad_()

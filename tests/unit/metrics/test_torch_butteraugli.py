@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 
 torch = pytest.importorskip("torch")
-from tools.butteraugli import Reference  # noqa: E402
+from torch_butteraugli import Reference  # noqa: E402
 
 DATA = Path(__file__).parents[2] / "data"
 
