@@ -13,7 +13,7 @@ from PIL import Image
 torch = pytest.importorskip("torch")
 from torch_butteraugli import Reference  # noqa: E402
 
-DATA = Path(__file__).parents[2] / "data"
+DATA = Path(__file__).parents[1] / "data"
 
 
 def crop(name: str, box: tuple[int, int, int, int], quality: int, folder: Path) -> list[Path]:
