@@ -37,7 +37,7 @@ class Output:
 
     def pyramid_of(self, target: str) -> Pyramid | None:
         """The kind of pyramid that the file is, by its name too."""
-        from sgicodec.plugins.pyramid import is_ome_name
+        from sgicodec.plugins.ome_name import is_ome_name
 
         return "ome" if self.pyramid != "cog" and is_ome_name(target) else self.pyramid
 

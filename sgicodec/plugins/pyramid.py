@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import IO, Any
@@ -19,9 +18,10 @@ from sgicodec.metadata import geo
 from sgicodec.metadata.georeference import resolution
 from sgicodec.metadata.tiff import DESCRIPTION, XMP, described
 from sgicodec.picture import Metadata, alpha_index
+from sgicodec.plugins.ome_name import is_ome_name
 from sgicodec.remote.upload import local_file
 
-__all__ = ["TILE", "is_ome_name", "write_levels", "write_pyramid"]
+__all__ = ["TILE", "write_levels", "write_pyramid"]
 
 TILE = 256
 """Side of tiles, in pixels."""
@@ -33,11 +33,6 @@ _BATCH_BYTES = 1 << 26
 """Of tiles that are compressed at a time."""
 
 _BYTE = 1
-
-
-def is_ome_name(name: str) -> bool:
-    """Whether a file of this name is OME-TIFF."""
-    return re.search(r"\.ome\.tiff?$", name, re.IGNORECASE) is not None
 
 
 def write_pyramid(

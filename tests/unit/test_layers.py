@@ -152,6 +152,18 @@ except SystemExit as end:
     assert not end.code
 """
 
+DECODE = """
+import sys, tempfile
+from pathlib import Path
+from sgicodec.__main__ import main
+with tempfile.TemporaryDirectory() as folder:
+    sys.argv = ["sgi", "decode", "tests/conformance/golden/rgb8-tiles.sgi", str(Path(folder, "a.png"))]
+    try:
+        main()
+    except SystemExit as end:
+        assert not end.code
+"""
+
 ENCODE = """
 import numpy as np, sgicodec
 pixels = np.random.default_rng(1).integers(0, 256, (48, 64, 3), np.uint8)
@@ -168,6 +180,7 @@ sgicodec.encode_picture(sgicodec.Picture(pixels, "rgb", (0, 255)), sgicodec.Enco
         ("import sgicodec; sgicodec.read", {"torch", "constriction", "click", "rich"}),
         ("import sgicodec.encoder.pipeline", {"torch", "OpenImageIO", "click", "rich"}),
         (INFO, {"numpy", "torch", "OpenImageIO", "constriction", "rich"}),
+        (DECODE, {"torch", "OpenImageIO", "constriction", "rich", "sgicodec.plugins.pyramid"}),
         (ENCODE, {"torch", "OpenImageIO", "click", "rich"}),
     ],
 )

@@ -18,7 +18,8 @@ from sgicodec.cli.main import cli
 from sgicodec.decoder import bands
 from sgicodec.errors import MissingExtraError, PictureError
 from sgicodec.picture import Metadata, Picture
-from sgicodec.plugins.pyramid import is_ome_name, write_pyramid
+from sgicodec.plugins.ome_name import is_ome_name
+from sgicodec.plugins.pyramid import write_pyramid
 
 GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
 WIDTH, HEIGHT = 520, 300

@@ -1,0 +1,12 @@
+"""Names of OME-TIFF files, known without what writes them."""
+
+from __future__ import annotations
+
+import re
+
+__all__ = ["is_ome_name"]
+
+
+def is_ome_name(name: str) -> bool:
+    """Whether a file of this name is OME-TIFF."""
+    return re.search(r"\.ome\.tiff?$", name, re.IGNORECASE) is not None
