@@ -1,5 +1,6 @@
 #include "model/restoration_network.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <stdexcept>
 #include <utility>
@@ -50,14 +51,15 @@ void set_weight(RestorationLayer &layer, int output, int input, int tap, int wei
   pair = int32_t((uint32_t(pair) & ~(0xffffu << shift)) | uint32_t(uint16_t(weight)) << shift);
 }
 
-// Whether no sum of an output can reach 2^31.
-bool sums_fit(const RestorationLayer &layer, int output) {
+// Whether so many times a sum of an output cannot reach 2^31, of inputs up to this size.
+bool sums_fit(const RestorationLayer &layer, int output, int64_t largest, int64_t times) {
   int64_t most = std::abs(int64_t(layer.biases[output]));
   for (int input = 0; input < layer.inputs; ++input)
-    for (int tap = 0; tap < kRestorationTaps; ++tap)
-      most += std::abs(layer.weight(output, input, tap)) * int64_t(kRestorationMost);
-  return most < int64_t(1) << 31;
+    for (int tap = 0; tap < kRestorationTaps; ++tap) most += std::abs(layer.weight(output, input, tap)) * largest;
+  return times * most < int64_t(1) << 31;
 }
+
+bool sums_fit(const RestorationLayer &layer, int output) { return sums_fit(layer, output, kRestorationMost, 1); }
 
 // Four times what a place of squares multiplies an input by (model/restoration_squares.hpp).
 int square_weight(const RestorationLayer &layer, int output, int input, int place) {
@@ -68,41 +70,27 @@ int square_weight(const RestorationLayer &layer, int output, int input, int plac
   return sum;
 }
 
-// Whether an output's weights at a place have 16 bits, and its sums 32, whatever 16 bits they multiply.
-bool square_fits(const RestorationLayer &layer, int output, int place) {
-  int64_t most = 4 * std::abs(int64_t(layer.biases[output]));
-  for (int input = 0; input < layer.inputs; ++input) {
-    const int weight = std::abs(square_weight(layer, output, input, place));
-    if (weight > kRestorationMost) return false;
-    most += weight * (int64_t(1) << 15);
-  }
-  return most < int64_t(1) << 31;
-}
-
-// Whether all of an output's places do, and four times its own sums.
-bool squares_fit(const RestorationLayer &layer, int output) {
-  int64_t most = 4 * std::abs(int64_t(layer.biases[output]));
-  for (int input = 0; input < layer.inputs; ++input)
-    for (int tap = 0; tap < kRestorationTaps; ++tap)
-      most += std::abs(layer.weight(output, input, tap)) * int64_t(4 * kRestorationSmall);
-  for (int place = 0; place < kSquarePlaces; ++place)
-    if (!square_fits(layer, output, place)) return false;
-  return most < int64_t(1) << 31;
-}
-
-// Of a hidden layer with so many inputs that squares pay; none where they do not fit.
+// Of a hidden layer with so many inputs that squares pay. None where weights would not have 16 bits, or sums 32,
+// whatever 16 bits they multiply.
 std::vector<int32_t> squares_of(const RestorationLayer &layer) {
   if (layer.inputs % kSquareOutputs || layer.inputs > kSquareInputs || layer.outputs % kSquareOutputs) return {};
-  for (int output = 0; output < layer.outputs; ++output)
-    if (!squares_fit(layer, output)) return {};
-  std::vector<int32_t> found;
-  for (int place = 0; place < kSquarePlaces; ++place)
-    for (int input = 0; input < layer.inputs; input += 2)
-      for (int output = 0; output < layer.outputs; ++output) {
-        const int low = square_weight(layer, output, input, place);
-        const int high = square_weight(layer, output, input + 1, place);
-        found.push_back(int32_t(uint32_t(uint16_t(low)) | uint32_t(uint16_t(high)) << 16));
+  const int pairs = pairs_of(layer.inputs);
+  std::vector<int32_t> found(size_t(kSquarePlaces) * pairs * layer.outputs);
+  for (int output = 0; output < layer.outputs; ++output) {
+    if (!sums_fit(layer, output, kRestorationSmall, 4)) return {};
+    for (int place = 0; place < kSquarePlaces; ++place) {
+      int64_t most = 4 * std::abs(int64_t(layer.biases[output]));
+      for (int pair = 0; pair < pairs; ++pair) {
+        const int low = square_weight(layer, output, 2 * pair, place);
+        const int high = square_weight(layer, output, 2 * pair + 1, place);
+        if (std::max(std::abs(low), std::abs(high)) > kRestorationMost) return {};
+        most += int64_t(std::abs(low) + std::abs(high)) << 15;
+        found[(size_t(place) * pairs + pair) * layer.outputs + output] =
+            int32_t(uint32_t(uint16_t(low)) | uint32_t(uint16_t(high)) << 16);
       }
+      if (most >= int64_t(1) << 31) return {};
+    }
+  }
   return found;
 }
 

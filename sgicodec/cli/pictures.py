@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from sgicodec.cli.paths import STANDARD, write_output
 from sgicodec.errors import PictureError
 from sgicodec.image.scratch import scratch_folder
+from sgicodec.plugins.ome_name import is_ome_name
 
 if TYPE_CHECKING:
     from sgicodec.bitstream.header import Header
@@ -37,8 +38,6 @@ class Output:
 
     def pyramid_of(self, target: str) -> Pyramid | None:
         """The kind of pyramid that the file is, by its name too."""
-        from sgicodec.plugins.ome_name import is_ome_name
-
         return "ome" if self.pyramid != "cog" and is_ome_name(target) else self.pyramid
 
 
