@@ -11,7 +11,7 @@ from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.decoder.stream import Stream, open_stream
 from sgicodec.metadata.georeference import resolution
 from sgicodec.plugins.dask import levels
-from sgicodec.remote.url import file_name, is_url
+from sgicodec.remote.url import has_stream_name, is_url
 
 __all__ = ["get_reader", "read"]
 
@@ -26,7 +26,7 @@ def get_reader(path: str | list[str]) -> Callable[[str | list[str]], list[Layer]
 
 def _is_stream(path: str) -> bool:
     if is_url(path):
-        return file_name(path).lower().endswith(".sgi")
+        return has_stream_name(path)
     with suppress(OSError), open(path, "rb") as file:
         return file.read(len(SIGNATURE)) == SIGNATURE
     return False

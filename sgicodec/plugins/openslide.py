@@ -21,7 +21,7 @@ from sgicodec.errors import RegionError, UsageError, require
 from sgicodec.metadata.georeference import resolution
 from sgicodec.metadata.tiff import DESCRIPTION, described
 from sgicodec.picture import WITHOUT_ALPHA, Picture, nodata_mask, to_rgb8
-from sgicodec.remote.url import file_name, is_url
+from sgicodec.remote.url import has_stream_name, is_url
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -57,7 +57,7 @@ class Slide:
     def detect_format(cls, filename: str | os.PathLike[str]) -> str | None:
         """The name of this package for a stream, None for all else. Of a URL, by its name: nothing is fetched."""
         if isinstance(filename, str) and is_url(filename):
-            return "sgicodec" if file_name(filename).lower().endswith(".sgi") else None
+            return "sgicodec" if has_stream_name(filename) else None
         with suppress(OSError), open(filename, "rb") as file:
             return "sgicodec" if file.read(len(SIGNATURE)) == SIGNATURE else None
         return None

@@ -21,7 +21,7 @@ from sgicodec.decoder.stream import Stream, open_stream  # noqa: E402
 from sgicodec.metadata.georeference import georeference, resolution  # noqa: E402
 from sgicodec.metadata.placement import transformation  # noqa: E402
 from sgicodec.plugins.level_array import LevelArray  # noqa: E402
-from sgicodec.remote.url import file_name, is_url  # noqa: E402
+from sgicodec.remote.url import has_stream_name, is_url  # noqa: E402
 
 __all__ = ["SgiBackend"]
 
@@ -58,7 +58,7 @@ class SgiBackend(BackendEntrypoint):
         ends in .sgi: nothing is fetched.
         """
         if isinstance(filename_or_obj, str) and is_url(filename_or_obj):
-            return file_name(filename_or_obj).lower().endswith(".sgi")
+            return has_stream_name(filename_or_obj)
         with suppress(OSError, TypeError, ValueError), open(filename_or_obj, "rb") as file:
             return file.read(len(SIGNATURE)) == SIGNATURE
         return False

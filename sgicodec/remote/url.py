@@ -13,7 +13,7 @@ from urllib.parse import unquote
 from sgicodec.errors import MissingExtraError, SgiError, StreamError, require
 from sgicodec.remote.range_file import RangeFile, Span
 
-__all__ = ["file_name", "is_url", "naming_url", "open_url"]
+__all__ = ["file_name", "has_stream_name", "is_url", "naming_url", "open_url"]
 
 _AT_ONCE = 8
 """Requests to one server."""
@@ -30,6 +30,11 @@ def file_name(url: str) -> str:
     """The last part of its path, which a file made of it is named after."""
     path = re.split(r"[?#]", url)[0] if url.startswith("http") else url
     return unquote(path.rstrip("/").rpartition("/")[2]).replace("/", "_") or "stream"
+
+
+def has_stream_name(url: str) -> bool:
+    """Whether its name, or that of a path, is a stream's; nothing is fetched."""
+    return file_name(url).lower().endswith(".sgi")
 
 
 def open_url(url: str, failure: type[SgiError] = StreamError) -> BinaryIO:

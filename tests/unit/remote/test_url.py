@@ -22,7 +22,7 @@ import sgicodec
 from sgicodec.cli.main import cli
 from sgicodec.errors import CorruptStreamError, MissingExtraError, PictureError, StreamError
 from sgicodec.remote.range_file import BLOCK
-from sgicodec.remote.url import file_name, is_url, open_url
+from sgicodec.remote.url import file_name, has_stream_name, is_url, open_url
 
 SIDE = 256
 
@@ -182,3 +182,13 @@ def test_missing_libraries(monkeypatch: pytest.MonkeyPatch) -> None:
 )
 def test_what_a_file_made_of_it_is_called(url: str, name: str) -> None:
     assert file_name(url) == name
+
+
+@pytest.mark.parametrize("name", ["https://a.org/b.sgi?c=d.png", "s3://bucket/a.SGI", "folder/a.sgi"])
+def test_names_of_streams(name: str) -> None:
+    assert has_stream_name(name)
+
+
+@pytest.mark.parametrize("name", ["https://a.org/b.png?c=d.sgi", "s3://bucket.sgi/a.tif", "folder.sgi/a"])
+def test_names_of_other_files(name: str) -> None:
+    assert not has_stream_name(name)
