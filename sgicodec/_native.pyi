@@ -2,6 +2,7 @@ from collections.abc import Callable, Sequence
 from typing import Annotated, overload
 
 import numpy
+import numpy.typing
 from numpy.typing import NDArray
 
 
@@ -117,9 +118,9 @@ class Stream:
 
     def prepare(self, view: tuple[float, float, float, float, int, int], exact: bool) -> None: ...
 
-    def draw(self, view: tuple[float, float, float, float, int, int], top: int, out: Annotated[NDArray, dict(shape=(None, None, None), device='cpu')], mapped: bool, exact: bool, dither: bool) -> None:
+    def draw(self, view: tuple[float, float, float, float, int, int], top: int, rows: int, sample_type: str, mapped: bool, exact: bool, dither: bool) -> numpy.typing.NDArray:
         """
-        Fills out [rows, columns, C] with a view (x, y, sx, sy, columns, rows) from its row `top` on.
+        Samples [rows, columns, C] of a view (x, y, sx, sy, columns, rows) from its row `top` on. numpy is not needed before they are drawn.
         """
 
     def survey(self) -> tuple[int, list[float], int, int, list[int]]:

@@ -11,13 +11,11 @@ import numpy.typing as npt
 from sgicodec.errors import UsageError
 from sgicodec.metadata import geo
 from sgicodec.metadata.blobs import Metadata
+from sgicodec.metadata.layouts import LAYOUTS, WITHOUT_ALPHA, alpha_index
 
 __all__ = [
-    "LAYOUTS",
-    "WITHOUT_ALPHA",
     "Metadata",
     "Picture",
-    "alpha_index",
     "convert",
     "equal_samples",
     "from_unit",
@@ -30,12 +28,6 @@ __all__ = [
 ]
 
 Samples = npt.NDArray[Any]
-
-LAYOUTS = {"gray": 1, "gray+alpha": 2, "rgb": 3, "rgba": 4}
-"""Channel count of each layout with a meaning; any other stack of bands is "multi"."""
-
-WITHOUT_ALPHA = {"gray+alpha": "gray", "rgba": "rgb"}
-"""What layouts with alpha are without it."""
 
 _DTYPE_OF_DEPTH: dict[int, np.dtype[Any]] = {
     8: np.dtype(np.uint8),
@@ -103,11 +95,6 @@ class Picture:
     def nodata(self) -> float | None:
         """The sample value that stands for "nothing was measured here", or None. It may be not-a-number."""
         return geo.nodata(self.metadata.geo, self.pixels.dtype)
-
-
-def alpha_index(channels: str) -> int | None:
-    """Index of the alpha channel in a layout, or None."""
-    return LAYOUTS[channels] - 1 if channels in ("gray+alpha", "rgba") else None
 
 
 def equal_samples(pixels: Samples, value: float) -> npt.NDArray[np.bool_]:

@@ -23,7 +23,6 @@ using sgi::require;
 namespace {
 
 using Released = nb::call_guard<nb::gil_scoped_release>;
-using Pixels = nb::ndarray<nb::ndim<3>, nb::device::cpu>;
 using ViewFields = std::tuple<double, double, double, double, int64_t, int64_t>;
 
 sgi::PictureView view_of(const ViewFields &fields) {
@@ -93,27 +92,30 @@ auto tiles(sgi::Stream &self) {
   return std::tuple(found.held, found.decoded, found.ahead);
 }
 
-sgi::Output output_of(const Pixels &out, bool mapped) {
-  const nb::dlpack::dtype type = out.dtype();
-  require(mapped || type == nb::dtype<float>(), "values are float32");
-  if (type == nb::dtype<uint8_t>()) return sgi::Output::u8;
-  if (type == nb::dtype<uint16_t>()) return sgi::Output::u16;
-  require(type == nb::dtype<float>(), "samples must be uint8, uint16 or float32");
-  return mapped ? sgi::Output::f32 : sgi::Output::values;
+template <class T>
+nb::object drawn(sgi::Stream &self, const sgi::PictureView &view, int64_t top, int64_t rows, sgi::Output output,
+                 bool exact, bool dither) {
+  const size_t channels = size_t(self.header().spec.channels);
+  const size_t shape[] = {size_t(rows), size_t(view.columns), channels};
+  std::unique_ptr<T[]> samples(new T[shape[0] * shape[1] * channels]);
+  {
+    const nb::gil_scoped_release release;
+    self.draw(view, top, rows, output, exact, dither, samples.get(), view.columns * int64_t(channels * sizeof(T)));
+  }
+  T *data = samples.get();
+  const nb::capsule owner(samples.release(), [](void *held) noexcept { delete[] static_cast<T *>(held); });
+  return nb::cast(nb::ndarray<nb::numpy, T, nb::ndim<3>>(data, 3, shape, owner));
 }
 
-void draw(sgi::Stream &self, const ViewFields &fields, int64_t top, const Pixels &out, bool mapped, bool exact,
-          bool dither) {
+nb::object draw(sgi::Stream &self, const ViewFields &fields, int64_t top, int64_t rows, const std::string &type,
+                bool mapped, bool exact, bool dither) {
   const sgi::PictureView view = view_of(fields);
-  const sgi::Output output = output_of(out, mapped);
-  const int64_t height = int64_t(out.shape(0)), channels = int64_t(out.shape(2));
-  require(top >= 0 && height > 0 && int64_t(out.shape(1)) == view.columns && channels == self.header().spec.channels,
-          "out must be [rows, columns, C]");
-  require((channels < 2 || out.stride(2) == 1) && (view.columns < 2 || out.stride(1) == channels),
-          "a row of samples must be contiguous");
-  const int64_t stride = out.stride(0) * int64_t(out.itemsize());
-  const nb::gil_scoped_release release;
-  self.draw(view, top, height, output, exact, dither, out.data(), stride);
+  require(top >= 0 && rows > 0 && rows <= sgi::kMaxSide, "top and rows must be rows of the view");
+  require(mapped || type == "float32", "values are float32");
+  if (type == "uint8") return drawn<uint8_t>(self, view, top, rows, sgi::Output::u8, exact, dither);
+  if (type == "uint16") return drawn<uint16_t>(self, view, top, rows, sgi::Output::u16, exact, dither);
+  require(type == "float32", "samples must be uint8, uint16 or float32");
+  return drawn<float>(self, view, top, rows, mapped ? sgi::Output::f32 : sgi::Output::values, exact, dither);
 }
 
 auto survey(sgi::Stream &self) {
@@ -153,8 +155,11 @@ void bind_decoder(nb::module_ &m) {
           "prepare",
           [](sgi::Stream &self, const ViewFields &fields, bool exact) { self.prepare(view_of(fields), exact); },
           "view"_a, "exact"_a, Released())
-      .def("draw", &draw, "view"_a, "top"_a, "out"_a, "mapped"_a, "exact"_a, "dither"_a,
-           "Fills out [rows, columns, C] with a view (x, y, sx, sy, columns, rows) from its row `top` on.")
+      .def("draw", &draw, "view"_a, "top"_a, "rows"_a, "sample_type"_a, "mapped"_a, "exact"_a, "dither"_a,
+           nb::sig("def draw(self, view: tuple[float, float, float, float, int, int], top: int, rows: int, "
+                   "sample_type: str, mapped: bool, exact: bool, dither: bool) -> numpy.typing.NDArray"),
+           "Samples [rows, columns, C] of a view (x, y, sx, sy, columns, rows) from its row `top` on. numpy is not "
+           "needed before they are drawn.")
       .def("survey", &survey, "Seeds, bytes of parts in their order, bytes of masks, checksum, cells of texture.");
   m.def("levels", &levels, "width"_a, "height"_a, "Width, height and downsampling of the levels of a pyramid.");
   m.def(

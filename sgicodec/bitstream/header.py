@@ -37,6 +37,7 @@ LAYOUT_NAMES = ("multi", "gray", "gray+alpha", "rgb", "rgba")
 COLOURED_LAYOUTS = ("rgb", "rgba")
 """Those that can be in luma space."""
 SAMPLE_TYPES = ("uint8", "uint16", "float32")
+_SAMPLE_BYTES = (1, 2, 4)
 _LAYOUTS, _SHAPES = ("adaptive", "uniform"), ("log", "rotation")
 _PROFILES = ("default", "paper")
 
@@ -76,6 +77,11 @@ class Header:
     def grid(self) -> TileGrid:
         """Where the tiles are."""
         return TileGrid(self.width, self.height, self.tile, self.apron)
+
+    @property
+    def sample_bytes(self) -> int:
+        """Of a sample."""
+        return _SAMPLE_BYTES[SAMPLE_TYPES.index(self.sample_type)]
 
     def of_tile(self, number: int) -> Header:
         """The header that a tile's model would have as a picture of its own."""

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import time
+from collections.abc import Iterable
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
+from threading import Thread
 from typing import TYPE_CHECKING
 
 import click
@@ -36,6 +38,7 @@ if TYPE_CHECKING:
     from sgicodec.picture import Picture
 
 __all__ = ["DecodeJob"]
+
 
 _DTYPES = {None: None, 8: "uint8", 16: "uint16", 32: "float32"}
 """Samples of so many bits, which are rendered as such."""
@@ -92,16 +95,18 @@ class DecodeJob:
         return size
 
     def _load_writer(self, target: str, extension: str) -> None:
-        """Loads the library that writes OUT, where memory will be bound."""
-        if self.limits.memory is None or not self.limits.asked:
-            return
+        """Loads what writes OUT: where memory will be bound at once, else while the picture is read and drawn."""
         pyramid = self.output.pyramid_of(target)
         if pyramid is not None:
-            with contextlib.suppress(ImportError):  # told by what writes it
-                import_module("rasterio" if pyramid == "cog" else "tifffile")
-        elif extension != "png":
+            names = ["sgicodec.plugins.pyramid", "rasterio" if pyramid == "cog" else "tifffile"]
+        else:
+            names = ["sgicodec.image.writer", *["OpenImageIO"] * (extension != "png")]
+        if self.limits.memory is None or not self.limits.asked:
+            Thread(target=_load, args=(names,)).start()
+            return
+        if "OpenImageIO" in names:
             load_openimageio("writing pictures")
-            import_module("OpenImageIO")
+        _load(names)
 
     def _write(self, stream: Stream, target: str, extension: str) -> Bands | Picture:
         stream.exact, stream.dither = self.exact, self.dither
@@ -152,3 +157,9 @@ class DecodeJob:
         if self.output.pyramid and extension != "tif":
             raise UsageError(f"--pyramid and --cog write TIFF, not .{extension}")
         return extension
+
+
+def _load(names: Iterable[str]) -> None:
+    with contextlib.suppress(Exception):  # whoever needs them tells
+        for name in names:
+            import_module(name)

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from typing import TYPE_CHECKING, Any
 
 from sgicodec.bitstream.header import Header
 from sgicodec.decoder.indexing import indexed_region
 from sgicodec.decoder.levels import Level, levels_of
 from sgicodec.decoder.view import Region, Size, View, level_view, region_of_level
 from sgicodec.errors import UsageError
-from sgicodec.picture import Picture
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import DTypeLike, NDArray
+
+    from sgicodec.picture import Picture
 
 __all__ = ["ArrayView"]
 
@@ -37,6 +39,8 @@ class ArrayView:
     @property
     def dtype(self) -> np.dtype[Any]:
         """Of the source's samples: uint8, uint16 or float32."""
+        import numpy as np
+
         return np.dtype(self.header.sample_type)
 
     @property
@@ -61,9 +65,7 @@ class ArrayView:
         The location counts pixels of the picture. What lies outside it is nodata, else 0. An array as of `read`.
         """
         view = level_view(self.header, self.levels, location, level, size)
-        pixels = np.empty((view.rows, view.columns, self.header.spec.channels), self.dtype)
-        self._draw(view, pixels)
-        return self._array(pixels)
+        return self._array(self._draw(view, self.header.sample_type, 0, view.rows))
 
     def read_level(self, level: int, region: Region | None = None) -> NDArray[Any]:
         """A level in `levels`, or a region (x, y, width, height) of it in its own pixels, as of `read`.
@@ -71,14 +73,14 @@ class ArrayView:
         Parts differ from the whole by roundings.
         """
         view = region_of_level(self.header, self.levels, level, region)
-        pixels = np.empty((view.rows, view.columns, self.header.spec.channels), self.dtype)
-        self._draw(view, pixels)
-        return self._array(pixels)
+        return self._array(self._draw(view, self.header.sample_type, 0, view.rows))
 
     def __getitem__(self, key: Any) -> NDArray[Any]:
         """Integers and slices as into an array of `shape`; only the region that they touch is decoded."""
         region, index = indexed_region(key, self.shape)
         if 0 in region[2:]:
+            import numpy as np
+
             return np.empty((region[3], region[2], *self.shape[2:]), self.dtype)[index]
         return self.read(region)[index]
 
@@ -103,5 +105,5 @@ class ArrayView:
         """See `Stream`."""
         raise NotImplementedError
 
-    def _draw(self, view: View, out: NDArray[Any], top: int = 0, mapped: bool = True) -> None:
+    def _draw(self, view: View, sample_type: str, top: int, rows: int) -> NDArray[Any]:
         raise NotImplementedError

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, Any
 
 from sgicodec.bitstream.header import Header
 from sgicodec.decoder.view import View
-from sgicodec.picture import Metadata, Picture
+from sgicodec.metadata.blobs import Metadata
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from sgicodec.picture import Picture
 
 __all__ = ["Bands"]
 
@@ -18,8 +20,8 @@ BAND_SAMPLES = 1 << 25
 MIN_BAND_ROWS = 16
 """A band has about BAND_SAMPLES samples, and at least MIN_BAND_ROWS rows."""
 
-Draw = Callable[[NDArray[Any], int], None]
-"""Fills pixels [rows, columns, C] of the stream's sample type with what a view shows from a row on."""
+Draw = Callable[[int, int], "NDArray[Any]"]
+"""Gives pixels [rows, columns, C] of what a view shows, from a row on and so many rows."""
 
 
 class Bands:
@@ -33,7 +35,7 @@ class Bands:
     @property
     def row_bytes(self) -> int:
         """Of the samples of a row."""
-        return self.width * self._header.spec.channels * np.dtype(self._header.sample_type).itemsize
+        return self.width * self._header.spec.channels * self._header.sample_bytes
 
     @property
     def rows(self) -> int:
@@ -45,7 +47,7 @@ class Bands:
         """First row and picture of each band."""
         header = self._header
         for top in range(0, self.height, self.rows):
-            shape = (min(self.rows, self.height - top), self.width, header.spec.channels)
-            pixels = np.empty(shape, header.sample_type)
-            self._draw(pixels, top)
+            pixels = self._draw(top, min(self.rows, self.height - top))
+            from sgicodec.picture import Picture  # loads numpy, and another thread may do so while it is drawn
+
             yield top, Picture(pixels, header.channels, header.sample_range, self.metadata)

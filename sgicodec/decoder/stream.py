@@ -7,32 +7,34 @@ from collections.abc import Mapping as Lookup
 from contextlib import suppress
 from functools import partial
 from io import BufferedReader
+from numbers import Integral
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, BinaryIO
-
-import numpy as np
-from numpy.typing import DTypeLike, NDArray
 
 from sgicodec import _native
 from sgicodec.bitstream.header import Header, decode_header
 from sgicodec.bitstream.printable import printable
 from sgicodec.decoder.array_view import ArrayView
 from sgicodec.decoder.bands import Bands
-from sgicodec.decoder.samples import converted, placed
 from sgicodec.decoder.survey import Survey, survey_of
 from sgicodec.decoder.view import MAX_OUTPUT_SAMPLES, Region, Size, View, view_of
+from sgicodec.decoder.view_metadata import view_metadata
 from sgicodec.device import ALL_CORES, Device, check_device
 from sgicodec.errors import RegionError, StreamError, UsageError
+from sgicodec.metadata.blobs import Metadata
 from sgicodec.metadata.geo import nodata as nodata_of
-from sgicodec.picture import Metadata, Picture
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import DTypeLike, NDArray
+
     from sgicodec.bitstream.parts.tile import TileModel
+    from sgicodec.picture import Picture
+
+    F32 = NDArray[np.float32]
 
 __all__ = ["MAX_OUTPUT_SAMPLES", "Bands", "BytesLike", "Region", "Size", "Stream", "open_stream"]
-
-F32 = NDArray[np.float32]
 
 CACHE_BYTES = 1 << 28
 """What decoded tiles may take before those that were used least recently are released."""
@@ -116,8 +118,9 @@ class Stream(ArrayView):
     @property
     def nodata(self) -> float | None:
         """The sample value that stands for "nothing was measured here", or None."""
-        header = self.header
-        return header.nodata if header.masked == "nodata" else nodata_of(self.metadata.geo, self.dtype)
+        if self.header.masked == "nodata":
+            return self.header.nodata
+        return None if self.metadata.geo is None else nodata_of(self.metadata.geo, self.dtype)
 
     @property
     def width(self) -> int:
@@ -170,9 +173,7 @@ class Stream(ArrayView):
         """
         view = view_of(self.header, region, scale, size)
         self._open_native().prepare(view, self.exact)
-        samples = np.empty((view.rows, view.columns, self.header.spec.channels), np.float32)
-        self._draw(view, samples, mapped=False)
-        return samples
+        return self._draw(view, "float32", 0, view.rows, mapped=False)
 
     def picture(
         self,
@@ -191,9 +192,10 @@ class Stream(ArrayView):
         view = view_of(self.header, region, scale, size, boundless=boundless)
         header = self._header(dtype)
         self._open_native().prepare(view, self.exact)
-        pixels = np.empty((view.rows, view.columns, header.spec.channels), header.sample_type)
-        self._draw(view, pixels)
-        return Picture(pixels, header.channels, header.sample_range, placed(self, header, view))
+        pixels = self._draw(view, header.sample_type, 0, view.rows)
+        from sgicodec.picture import Picture  # loads numpy, and another thread may do so while it is drawn
+
+        return Picture(pixels, header.channels, header.sample_range, view_metadata(self, header, view))
 
     def bands(
         self,
@@ -206,7 +208,7 @@ class Stream(ArrayView):
         """The same picture in bands of rows from the top down, for what need not fit into memory."""
         view = view_of(self.header, region, scale, size, most=None, boundless=boundless)
         header = self._header(dtype)
-        return Bands(header, view, placed(self, header, view), partial(self._draw, view))
+        return Bands(header, view, view_metadata(self, header, view), partial(self._draw, view, header.sample_type))
 
     def _open_native(self) -> _native.Stream:
         native = self._native
@@ -216,13 +218,17 @@ class Stream(ArrayView):
 
     def _header(self, dtype: DTypeLike | None) -> Header:
         """The header of a picture in another type of samples."""
-        return self.header if dtype is None else converted(self.header, self.nodata, dtype)
+        if dtype is None:
+            return self.header
+        from sgicodec.decoder.samples import converted  # loads numpy
 
-    def _draw(self, view: View, out: NDArray[Any], top: int = 0, mapped: bool = True) -> None:
-        """Fills out [rows, columns, C] with samples of its type, of the view from its row `top` on. Values as they are
-        where they are not `mapped`.
+        return converted(self.header, self.nodata, dtype)
+
+    def _draw(self, view: View, sample_type: str, top: int, rows: int, mapped: bool = True) -> NDArray[Any]:
+        """Samples [rows, columns, C] of the view from its row `top` on. Values as they are where they are not
+        `mapped`.
         """
-        self._open_native().draw(view, top, out, mapped, self.exact, self.dither)
+        return self._open_native().draw(view, top, rows, sample_type, mapped, self.exact, self.dither)
 
     @property
     def overview(self) -> Stream:
@@ -236,7 +242,7 @@ class Stream(ArrayView):
     def payload(self, number: int) -> bytes:
         """What the chunk of a tile holds. Raises CorruptStreamError, RegionError for a number that no tile has."""
         native = self._open_native()
-        if not isinstance(number, int | np.integer):
+        if not isinstance(number, Integral):
             raise UsageError(f"tile {number!r}; tiles have numbers")
         if not 0 <= number < self.grid.count:
             raise RegionError(f"tile {number}; there are tiles 0 to {self.grid.count - 1}")

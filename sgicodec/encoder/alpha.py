@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Literal
 from sgicodec.encoder.plan import Plan, stream_plan
 from sgicodec.encoder.windows import Windows
 from sgicodec.metadata import geo
+from sgicodec.metadata.layouts import WITHOUT_ALPHA, alpha_index
 from sgicodec.model.tile_grid import TileGrid
-from sgicodec.picture import WITHOUT_ALPHA, Picture, alpha_index, opaque_mask
+from sgicodec.picture import Picture, opaque_mask
 
 if TYPE_CHECKING:
     from sgicodec.encoder.listener import NullListener

@@ -13,8 +13,9 @@ from sgicodec.decoder.view import overview_size
 from sgicodec.encoder.nodata import store_nodata
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.settings import EncodeSettings
+from sgicodec.metadata.layouts import alpha_index
 from sgicodec.model.tile_grid import Rect
-from sgicodec.picture import Picture, alpha_index, from_unit, nodata_mask, to_unit
+from sgicodec.picture import Picture, from_unit, nodata_mask, to_unit
 
 __all__ = ["overview_picture", "overview_settings", "takes_overview"]
 

@@ -11,10 +11,11 @@ from sgicodec.bitstream.header import COLOURED_LAYOUTS, MAX_CHANNELS, MAX_SIDE, 
 from sgicodec.bitstream.limits import check_model, check_texture
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.errors import LimitError, PictureError, UsageError
+from sgicodec.metadata.layouts import alpha_index
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import quality_index
 from sgicodec.model.tile_grid import TileGrid
-from sgicodec.picture import Metadata, Picture, alpha_index, full_range
+from sgicodec.picture import Metadata, Picture, full_range
 from sgicodec.profiles.fit_settings import FitSettings
 from sgicodec.version import __version__
 

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from sgicodec.errors import PictureError, UsageError
 from sgicodec.image.extremes import Extremes
 from sgicodec.image.reader import read
-from sgicodec.picture import LAYOUTS, Metadata, Picture, full_range
+from sgicodec.metadata.layouts import LAYOUTS
+from sgicodec.picture import Metadata, Picture, full_range
 
 __all__ = ["array_picture", "as_picture"]
 

@@ -8,7 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from sgicodec.errors import PictureError
-from sgicodec.picture import alpha_index, equal_samples
+from sgicodec.metadata.layouts import alpha_index
+from sgicodec.picture import equal_samples
 
 __all__ = ["Extremes"]
 

@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 from sgicodec.errors import PictureError
-from sgicodec.image.header import Probe
-from sgicodec.picture import LAYOUTS
+from sgicodec.metadata.layouts import LAYOUTS
+
+if TYPE_CHECKING:
+    from sgicodec.image.header import Probe
 
 __all__ = ["FORMATS", "Format", "find"]
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from sgicodec.errors import PictureError
 from sgicodec.image.channels import Last
+from sgicodec.metadata.layouts import WITHOUT_ALPHA, alpha_index
 from sgicodec.metadata.orientation import is_sideways
-from sgicodec.picture import WITHOUT_ALPHA, alpha_index
 
 if TYPE_CHECKING:
     from OpenImageIO import ImageSpec

@@ -27,8 +27,9 @@ from sgicodec.image.second_reader import SecondReader
 from sgicodec.image.slide_reader import SlideReader, is_slide
 from sgicodec.metadata import embedded, geo, ifd, placement, png
 from sgicodec.metadata.filebytes import FileBytes
+from sgicodec.metadata.layouts import alpha_index
 from sgicodec.metadata.orientation import upright
-from sgicodec.picture import Metadata, alpha_index
+from sgicodec.picture import Metadata
 
 if TYPE_CHECKING:
     from OpenImageIO import ImageInput, ImageSpec

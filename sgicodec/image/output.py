@@ -17,7 +17,7 @@ from sgicodec.image.formats import Format
 from sgicodec.image.header import Probe
 from sgicodec.image.library import load_openimageio
 from sgicodec.image.origin import first_line
-from sgicodec.picture import alpha_index
+from sgicodec.metadata.layouts import alpha_index
 
 if TYPE_CHECKING:
     from OpenImageIO import ImageSpec

@@ -19,7 +19,8 @@ from sgicodec.image.origin import is_utf8, naming
 from sgicodec.image.png_output import PngOutput
 from sgicodec.image.scratch import scratch_folder
 from sgicodec.metadata import embedded
-from sgicodec.picture import LAYOUTS, Metadata
+from sgicodec.metadata.layouts import LAYOUTS
+from sgicodec.picture import Metadata
 from sgicodec.remote.upload import check_writable, send
 from sgicodec.remote.url import file_name, is_url
 

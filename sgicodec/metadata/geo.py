@@ -9,11 +9,12 @@ from __future__ import annotations
 import contextlib
 import struct
 from collections.abc import Callable
-from typing import Any
-
-import numpy as np
+from typing import TYPE_CHECKING, Any
 
 from sgicodec.metadata import ifd
+
+if TYPE_CHECKING:
+    import numpy as np
 
 __all__ = ["PLACE", "RESOLUTION", "TAGS", "has_place", "load", "nodata", "pack", "resampled"]
 
@@ -64,6 +65,8 @@ def nodata(blob: bytes | None, dtype: np.dtype[Any]) -> float | None:
     entry = load(blob).get(GDAL_NODATA)
     if entry is None:
         return None
+    import numpy as np
+
     try:
         value = float(entry.data.split(b"\0", 1)[0].decode("ascii"))
     except ValueError:
@@ -84,6 +87,8 @@ def resampled(blob: bytes | None, convert: Callable[[float], float | None]) -> b
     entries.pop(GDAL_METADATA, None)
     entry = entries.pop(GDAL_NODATA, None)
     if isinstance(entry, ifd.Entry):
+        import numpy as np
+
         old = nodata(blob, np.dtype(np.float64))
         new = None if old is None else convert(old)
         if new is not None:

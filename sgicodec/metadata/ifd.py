@@ -13,8 +13,6 @@ from collections.abc import Container
 from dataclasses import dataclass
 from typing import NamedTuple, Union
 
-import numpy as np
-
 from sgicodec.metadata.filebytes import Bytes
 
 __all__ = [
@@ -189,7 +187,10 @@ def _little(values: bytes, kind: int, spelling: Layout) -> bytes:
     size = 4 if kind in _RATIONALS else _VALUE_SIZE[kind]
     if spelling.order == "<" or size == 1:
         return values
-    return np.frombuffer(values, f">u{size}").astype(f"<u{size}").tobytes()
+    found = bytearray(len(values))
+    for place in range(size):
+        found[place::size] = values[size - 1 - place :: size]
+    return bytes(found)
 
 
 def dump(directory: Directory, start: int, *, big: bool = False) -> bytes:

@@ -19,8 +19,9 @@ from sgicodec.decoder.stream import Stream, open_stream
 from sgicodec.decoder.view import inner_view, level_view
 from sgicodec.errors import RegionError, UsageError, require
 from sgicodec.metadata.georeference import resolution
+from sgicodec.metadata.layouts import WITHOUT_ALPHA
 from sgicodec.metadata.tiff import DESCRIPTION, described
-from sgicodec.picture import WITHOUT_ALPHA, Picture, nodata_mask, to_rgb8
+from sgicodec.picture import Picture, nodata_mask, to_rgb8
 from sgicodec.remote.url import has_stream_name, is_url
 
 if TYPE_CHECKING:

@@ -16,8 +16,9 @@ from sgicodec.errors import PictureError, require
 from sgicodec.image.files import whole_file
 from sgicodec.metadata import geo
 from sgicodec.metadata.georeference import resolution
+from sgicodec.metadata.layouts import alpha_index
 from sgicodec.metadata.tiff import DESCRIPTION, XMP, described
-from sgicodec.picture import Metadata, alpha_index
+from sgicodec.picture import Metadata
 from sgicodec.plugins.ome_name import is_ome_name
 from sgicodec.remote.upload import local_file
 

@@ -12,9 +12,10 @@ import pytest
 from page_varint import decode_varint
 from pipe import Pipe
 
-from sgicodec import Encoded, EncodeSettings, Picture, encode_picture, read
+from sgicodec import Encoded, EncodeSettings, Picture, _native, encode_picture, read
 from sgicodec.bitstream.container import SIGNATURE
-from sgicodec.decoder.stream import open_stream
+from sgicodec.bitstream.header import decode_header
+from sgicodec.decoder.stream import BLOCK_SAMPLES, CACHE_BYTES, open_stream
 from sgicodec.decoder.view import view_of
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.errors import CorruptStreamError, UsageError
@@ -138,13 +139,20 @@ def test_few_tiles_are_read_ahead(coded: tuple[Picture, Encoded], missing: int, 
                 raise OSError("gone")
             return data
 
-    source = Failing(coded[1].data)
-    stream = open_stream(source, Device(2))
+    class Painter:
+        most_channels = 3
+        calls = 0
+
+        def paint(self, *arguments: object) -> None:
+            self.calls += 1
+
+    source, painter = Failing(coded[1].data), Painter()
+    native = _native.Stream(source, 2, "auto", CACHE_BYTES, BLOCK_SAMPLES, painter=painter)
+    view = view_of(decode_header(native.blobs["H"]), None, None, None)
     source.is_gone = True
-    samples = np.full((256, 336, 3), np.nan, np.float32)
     with pytest.raises(OSError, match="gone"):
-        stream._draw(view_of(stream.header, None, None, None), samples, mapped=False)
-    assert np.isfinite(samples[0, 0]).all() == drawn
+        native.draw(view, 0, view.rows, "uint8", True, False, False)
+    assert (painter.calls > 0) == drawn
 
 
 class Counting(io.BytesIO):

@@ -152,6 +152,12 @@ except SystemExit as end:
     assert not end.code
 """
 
+BANDS = """
+import sgicodec
+with sgicodec.open("tests/conformance/golden/rgb8-tiles.sgi") as stream:
+    bands = stream.bands(scale=0.5)  # numpy is needed for what they draw
+"""
+
 DECODE = """
 import sys, tempfile
 from pathlib import Path
@@ -175,7 +181,8 @@ sgicodec.encode_picture(sgicodec.Picture(pixels, "rgb", (0, 255)), sgicodec.Enco
     ("code", "absent"),
     [
         ("import sgicodec", {"numpy", "torch", "OpenImageIO", "constriction", "click", "rich"}),
-        ("import sgicodec; sgicodec.open", {"torch", "OpenImageIO", "click", "rich"}),
+        ("import sgicodec; sgicodec.open", {"numpy", "torch", "OpenImageIO", "click", "rich"}),
+        (BANDS, {"numpy", "torch", "OpenImageIO", "click", "rich"}),
         ("import sgicodec; sgicodec.decode", {"torch", "OpenImageIO", "click", "rich"}),
         ("import sgicodec; sgicodec.read", {"torch", "constriction", "click", "rich"}),
         ("import sgicodec.encoder.pipeline", {"torch", "OpenImageIO", "click", "rich"}),

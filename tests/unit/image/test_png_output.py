@@ -14,7 +14,8 @@ import pytest
 from sgicodec._native import png_filter
 from sgicodec.errors import UsageError
 from sgicodec.image import open_sink, png_output, write
-from sgicodec.picture import LAYOUTS, Metadata, Picture, full_range
+from sgicodec.metadata.layouts import LAYOUTS
+from sgicodec.picture import Metadata, Picture, full_range
 
 Noise = Callable[..., np.ndarray]
 

@@ -16,7 +16,8 @@ from sgicodec.errors import PictureError, UsageError
 from sgicodec.image import open_sink, output, read, sink, write
 from sgicodec.image.formats import FORMATS
 from sgicodec.metadata import geo, ifd
-from sgicodec.picture import LAYOUTS, Metadata, Picture, full_range
+from sgicodec.metadata.layouts import LAYOUTS
+from sgicodec.picture import Metadata, Picture, full_range
 
 Noise = Callable[..., np.ndarray]
 

@@ -16,7 +16,8 @@ import pytest
 from sgicodec.errors import PictureError, UsageError
 from sgicodec.image import read, sink, write
 from sgicodec.image.formats import FORMATS, find
-from sgicodec.picture import LAYOUTS, Picture, full_range
+from sgicodec.metadata.layouts import LAYOUTS
+from sgicodec.picture import Picture, full_range
 
 Noise = Callable[..., np.ndarray]
 

@@ -1,0 +1,35 @@
+"""The metadata of what a view shows: its place on the map, and its pixels per inch."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Protocol
+
+from sgicodec.bitstream.header import Header
+from sgicodec.decoder.view import View
+from sgicodec.metadata.blobs import Metadata
+
+__all__ = ["view_metadata"]
+
+
+class _Stream(Protocol):
+    header: Header
+    metadata: Metadata
+
+
+def view_metadata(stream: _Stream, header: Header, view: View) -> Metadata:
+    """The metadata of what a view shows, in samples as of `header`."""
+    found = stream.metadata
+    if found.exif is not None and (view.sx, view.sy) != (1, 1):
+        from sgicodec.metadata.exif import rescaled
+
+        found = replace(found, exif=rescaled(found.exif, view.sx, view.sy))
+    if found.geo is None:
+        return found
+    from sgicodec.metadata import geo
+    from sgicodec.metadata.placement import view as geo_view  # takes long to load
+
+    place = geo_view(found.geo, view.x, view.y, view.sx, view.sy)
+    if header.sample_type != stream.header.sample_type:
+        place = geo.resampled(place, lambda _: header.nodata)
+    return replace(found, geo=place)
