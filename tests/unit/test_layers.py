@@ -35,6 +35,7 @@ HOMES = {
     "OpenImageIO": ("sgicodec/image/",),
     "torch": ("sgicodec/fit/autograd/", "tools/", "benchmarks/_cuda_reference.py"),
     "rich": ("sgicodec/cli/", "sgicodec/bench/", "benchmarks/"),
+    "isal": ("sgicodec/image/png_output.py",),
     "threadpoolctl": ("sgicodec/encoder/blas_threads.py",),
     "click": ("sgicodec/cli/", "sgicodec/bench/", "benchmarks/", "tools/"),
     "scipy": ("sgicodec/metrics/similarity.py", "sgicodec/bench/bdrate.py"),
