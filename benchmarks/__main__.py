@@ -14,6 +14,7 @@ __all__ = ["BENCHMARKS", "main"]
 BENCHMARKS = {
     "speed": ("benchmarks.speed", "Seconds to encode, decode and start, on pictures."),
     "decode": ("benchmarks.decode", "What decoding costs, next to another version of the package."),
+    "commands": ("benchmarks.commands", "Seconds of sgi decode, next to another version at equal bytes."),
     "pace": ("benchmarks.pace", "Seconds and bytes of encodes, next to another version."),
     "start": ("benchmarks.start", "What passes until an encode takes its first step."),
     "profile": ("benchmarks.profile", "Where the time of an encode goes, by module."),

@@ -13,6 +13,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from threading import Event, Thread
 
 _EVERY_SECONDS = 0.1
 
@@ -33,12 +34,19 @@ def used() -> tuple[float, float] | None:
 def run(command: list[str]) -> tuple[int, float]:
     """Runs a command; its exit status, and the most MiB that several of its processes held at a time, 0 for one."""
     together = runpy.run_path(str(Path(__file__).with_name("peak.py")))["together"]  # isolated, it imports no package
-    process, most = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL), 0.0
-    while True:
-        try:
-            return process.wait(_EVERY_SECONDS), most
-        except subprocess.TimeoutExpired:
+    process, ended, most = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL), Event(), 0.0
+
+    def sample() -> None:
+        nonlocal most
+        while not ended.wait(_EVERY_SECONDS):
             most = max(most, together(process.pid))
+
+    sampling = Thread(target=sample)
+    sampling.start()
+    status = process.wait()  # without a time limit, with which it would look but every 50 ms
+    ended.set()
+    sampling.join()
+    return status, most
 
 
 if __name__ == "__main__":
