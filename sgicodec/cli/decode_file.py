@@ -31,7 +31,6 @@ from sgicodec.cli.progress import Mode, row_progress
 from sgicodec.cli.views import ViewOptions
 from sgicodec.device import Device
 from sgicodec.errors import PictureError, UsageError
-from sgicodec.image.library import load_openimageio
 
 if TYPE_CHECKING:
     from sgicodec.decoder.stream import Bands, Stream
@@ -105,6 +104,8 @@ class DecodeJob:
             Thread(target=_load, args=(names,)).start()
             return
         if "OpenImageIO" in names:
+            from sgicodec.image.library import load_openimageio  # takes long to load
+
             load_openimageio("writing pictures")
         _load(names)
 

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
-import shutil
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from sgicodec.cli.paths import STANDARD, write_output
 from sgicodec.errors import PictureError
-from sgicodec.image.scratch import scratch_folder
 from sgicodec.plugins.ome_name import is_ome_name
 
 if TYPE_CHECKING:
@@ -61,10 +60,8 @@ def write_pyramid(
     if target != STANDARD:
         _write_pyramid(stream, view, Path(target), kind, draw)
         return
-    with scratch_folder() as folder:
-        path = folder / "pyramid.tif"
+    with _copied_out("pyramid.tif") as path:
         _write_pyramid(stream, view, path, kind, draw)
-        _copy_out(path)
 
 
 def _write_pyramid(
@@ -89,16 +86,23 @@ def write_bands(
     if target != STANDARD:
         _write_bands(header, bands, Path(target), extension, output, draw)
         return
-    with scratch_folder() as folder:
-        path = folder / f"picture.{extension}"
+    with _copied_out(f"picture.{extension}") as path:
         _write_bands(header, bands, path, extension, output, draw)
-        _copy_out(path)
 
 
-def _copy_out(path: Path) -> None:
-    with path.open("rb") as file:
-        shutil.copyfileobj(file, sys.stdout.buffer)
-        sys.stdout.buffer.flush()
+@contextlib.contextmanager
+def _copied_out(name: str) -> Iterator[Path]:
+    """A file of this name to be written, which goes to stdout after the block."""
+    from shutil import copyfileobj  # takes long to load, as does the other
+
+    from sgicodec.image.scratch import scratch_folder
+
+    with scratch_folder() as folder:
+        path = folder / name
+        yield path
+        with path.open("rb") as file:
+            copyfileobj(file, sys.stdout.buffer)
+            sys.stdout.buffer.flush()
 
 
 def _write_bands(

@@ -60,6 +60,8 @@ def place_lines(facts: Mapping[str, Any]) -> dict[str, str]:
 
 def lost_outside_tiff(blob: bytes | None) -> str:
     """What of a picture's place no other format than TIFF holds, in words; empty if nothing."""
+    if blob is None:
+        return ""
     from sgicodec.metadata import geo
 
     tags = geo.load(blob).keys()

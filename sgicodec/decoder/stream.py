@@ -23,7 +23,6 @@ from sgicodec.decoder.view_metadata import view_metadata
 from sgicodec.device import ALL_CORES, Device, check_device
 from sgicodec.errors import RegionError, StreamError, UsageError
 from sgicodec.metadata.blobs import Metadata
-from sgicodec.metadata.geo import nodata as nodata_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -120,7 +119,11 @@ class Stream(ArrayView):
         """The sample value that stands for "nothing was measured here", or None."""
         if self.header.masked == "nodata":
             return self.header.nodata
-        return None if self.metadata.geo is None else nodata_of(self.metadata.geo, self.dtype)
+        if self.metadata.geo is None:
+            return None
+        from sgicodec.metadata.geo import nodata
+
+        return nodata(self.metadata.geo, self.dtype)
 
     @property
     def width(self) -> int:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from sgicodec.executors.executor import Memory
+if TYPE_CHECKING:
+    from sgicodec.executors.executor import Memory
 
 __all__ = ["group_memory", "machine_memory", "workers_that_fit"]
 
