@@ -221,11 +221,12 @@ auto texture_cells(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, 
   require(steps.size() == symbols.shape(0), "steps [C]");
   const sgi::TextureColours mixed = colours_of(colours, steps.size());
   sgi::TextureCells cells = sgi::texture_cells(field_of(log_size, contrast, symbols, dependent), steps_of(steps, slope),
-                                               excess.data(), mixed);
-  const size_t count = cells.log_size.size(), values = cells.amplitudes.size();
-  return std::tuple(as_array<int32_t>(std::move(cells.corner), std::array{count, size_t(2)}),
-                    as_array<uint8_t>(std::move(cells.log_size), std::array{count}),
-                    as_array<float>(std::move(cells.amplitudes), std::array{values}));
+                                               excess.data(), mixed, 1);
+  const size_t count = cells.log_size.size(), values = size_t(cells.amplitude_count);
+  return std::tuple(
+      as_array<int32_t>(std::move(cells.corner), std::array{count, size_t(2)}),
+      as_array<uint8_t>(std::move(cells.log_size), std::array{count}),
+      as_array<float>(std::vector(cells.amplitudes.get(), cells.amplitudes.get() + values), std::array{values}));
 }
 
 }  // namespace

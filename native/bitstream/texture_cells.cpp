@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "base/thread_pool.hpp"
 #include "model/texture_quantizer.hpp"
 
 namespace sgi {
@@ -14,34 +15,52 @@ class Collection {
  public:
   Collection(const TextureField &field, const TextureSteps &steps, const float *excess, const TextureColours &colours)
       : field_(field), steps_(steps), excess_(excess), mixed_(!colours.same()), mix_(colours.matrix()) {
-    const auto free = std::count(field.log_size.begin(), field.log_size.end(), 0);
-    found.amplitudes.resize(size_t(field.channels) * size_t(field.unit_count() - free) * kUnit * kUnit);
+    for (int64_t y = 0; y < field.height; y += 1 << kTextureRoot)
+      for (int64_t x = 0; x < field.width; x += 1 << kTextureRoot) node({x, y, kTextureRoot});
+    found.amplitudes.reset(new float[size_t(count_)]);
+    found.amplitude_count = count_;
   }
 
-  void node(const TextureCell &cell) {
-    const int log = field_.log_size[field_.unit(cell.x, cell.y)];
-    if (log == cell.log) return leaf(cell);
-    if (cell.log == kTextureLeast) return;
-    for (int number = 0; number < 4; ++number) node(cell.child(number));
+  // Finds the amplitudes of all cells.
+  void fill(int threads) {
+    const auto cells = int64_t(found.log_size.size());
+    parallel_for((cells + kAtOnce - 1) / kAtOnce, threads, [&](int64_t part) {
+      for (int64_t i = part * kAtOnce; i < std::min(cells, (part + 1) * kAtOnce); ++i) cell(size_t(i));
+    });
   }
 
   TextureCells found;
 
  private:
-  void leaf(const TextureCell &cell) {
-    found.corner.insert(found.corner.end(), {int32_t(cell.x), int32_t(cell.y)});
-    found.log_size.push_back(uint8_t(cell.log));
-    float *first = found.amplitudes.data() + at_;
-    for (int channel = 0; channel < field_.channels; ++channel) amplitudes(cell, channel);
-    if (mixed_) mix_colours(mix_, first, int64_t(cell.side()) * cell.side());
+  static constexpr int64_t kAtOnce = 32;  // cells
+
+  void node(const TextureCell &cell) {
+    const int log = field_.log_size[field_.unit(cell.x, cell.y)];
+    if (log == cell.log) {
+      found.corner.insert(found.corner.end(), {int32_t(cell.x), int32_t(cell.y)});
+      found.log_size.push_back(uint8_t(cell.log));
+      first_.push_back(count_);
+      count_ += int64_t(field_.channels) << 2 * cell.log;
+      return;
+    }
+    if (cell.log == kTextureLeast) return;
+    for (int number = 0; number < 4; ++number) node(cell.child(number));
   }
 
-  void amplitudes(const TextureCell &cell, int channel) {
+  void cell(size_t number) const {
+    const TextureCell cell{found.corner[2 * number], found.corner[2 * number + 1], found.log_size[number]};
+    const int64_t size = int64_t(1) << 2 * cell.log;
+    float *first = found.amplitudes.get() + first_[number];
+    std::fill_n(first, field_.channels * size, 0.0f);
+    for (int channel = 0; channel < field_.channels; ++channel) amplitudes(cell, channel, first + channel * size);
+    if (mixed_) mix_colours(mix_, first, size);
+  }
+
+  void amplitudes(const TextureCell &cell, int channel, float *to) const {
     const float step = steps_.of(channel, field_.contrast[field_.root(cell.x, cell.y)]);
     const float *growth = steps_.growth(channel, cell.log);
     const int16_t *symbols = field_.at(channel, cell);
     const int diagonals = coded_diagonals(symbols, cell.side());
-    float *to = found.amplitudes.data() + at_;
     QuantizerState state;
     for (const int index : texture_scan(cell.log)) {
       const int u = index & (cell.side() - 1), v = index >> cell.log;
@@ -53,17 +72,16 @@ class Collection {
       }
       if (field_.dependent) state = state.after(symbol);
     }
-    at_ += int64_t(cell.side()) * cell.side();
   }
 
   // One more than the last diagonal that may have a symbol.
   int coded_diagonals(const int16_t *symbols, int side) const {
-    constexpr int kAtOnce = 4;
+    constexpr int kColumns = 4;
     int found = 0;
     for (int v = 0; v < side; ++v)
-      for (int end = side; v + end > found; end -= kAtOnce) {
+      for (int end = side; v + end > found; end -= kColumns) {
         uint64_t some;
-        std::memcpy(&some, symbols + v * field_.width + end - kAtOnce, sizeof some);
+        std::memcpy(&some, symbols + v * field_.width + end - kColumns, sizeof some);
         if (some) found = v + end;
       }
     return found;
@@ -74,16 +92,16 @@ class Collection {
   const float *excess_;
   const bool mixed_;
   const std::array<double, 9> mix_;
-  int64_t at_ = 0;  // of the next amplitude
+  std::vector<int64_t> first_;  // amplitude of each cell
+  int64_t count_ = 0;           // of amplitudes
 };
 
 }  // namespace
 
 TextureCells texture_cells(const TextureField &field, const TextureSteps &steps, const float *excess,
-                           const TextureColours &colours) {
+                           const TextureColours &colours, int threads) {
   Collection all(field, steps, excess, colours);
-  for (int64_t y = 0; y < field.height; y += 1 << kTextureRoot)
-    for (int64_t x = 0; x < field.width; x += 1 << kTextureRoot) all.node({x, y, kTextureRoot});
+  all.fill(threads);
   return std::move(all.found);
 }
 

@@ -1,6 +1,7 @@
 // A texture layer's cells and amplitudes, as what draws takes them.
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "bitstream/texture_field.hpp"
@@ -10,13 +11,14 @@
 namespace sgi {
 
 struct TextureCells {
-  std::vector<int32_t> corner;    // [N, 2]
-  std::vector<uint8_t> log_size;  // [N]
-  std::vector<float> amplitudes;  // of each cell [C, n, n], in opponent colours
+  std::vector<int32_t> corner;          // [N, 2]
+  std::vector<uint8_t> log_size;        // [N]
+  std::unique_ptr<float[]> amplitudes;  // of each cell [C, n, n], in opponent colours
+  int64_t amplitude_count;
 };
 
 // Cells in coding order. excess: what is added to the magnitude of symbols ±1, ±2, and all larger ones.
 TextureCells texture_cells(const TextureField &field, const TextureSteps &steps, const float *excess,
-                           const TextureColours &colours);
+                           const TextureColours &colours, int threads);
 
 }  // namespace sgi

@@ -24,27 +24,30 @@ BitTables::BitTables() {
     logistic[i] = std::clamp(int(std::lrint(p)), kLeast, kCertain - 1 - kLeast);
   }
   for (int i = 0; i <= kSeenLimit; ++i) rate[i] = 10 * kCertain / (10 * i + 16);
+  rate[kSeenLimit + 1] = 0;
   for (int i = 0; i <= kLogits; ++i) cost[i] = float(-std::log2(std::max(i, 1) / double(kLogits)));
 }
 
 BitModels::BitModels(int64_t models, int64_t sets) : models_(models, BitModel{kCertain / 2, 0}) {
+  models_.push_back({kCertain / 2, kSeenLimit + 1});
   weights_.assign(sets * kMostMixed, kWeightSum / kMostMixed);
 }
 
 std::vector<uint8_t> BitModels::state() const {
   std::vector<uint8_t> bytes;
-  bytes.reserve(3 * models_.size() + 4 * weights_.size());
-  for (const BitModel &model : models_) bytes.push_back(uint8_t(model.probability & 255));
-  for (const BitModel &model : models_) bytes.push_back(uint8_t(model.probability >> 8));
-  for (const BitModel &model : models_) bytes.push_back(model.seen);
+  const auto models = size_t(count());
+  bytes.reserve(3 * models + 4 * weights_.size());
+  for (size_t i = 0; i < models; ++i) bytes.push_back(uint8_t(models_[i].probability & 255));
+  for (size_t i = 0; i < models; ++i) bytes.push_back(uint8_t(models_[i].probability >> 8));
+  for (size_t i = 0; i < models; ++i) bytes.push_back(models_[i].seen);
   for (const int32_t weight : weights_)
     for (int byte = 0; byte < 4; ++byte) bytes.push_back(uint8_t(uint32_t(weight) >> (8 * byte)));
   return bytes;
 }
 
-bool BitModels::set_state(const uint8_t *bytes, int64_t count) {
-  const auto models = int64_t(models_.size()), weights = int64_t(weights_.size());
-  if (count != 3 * models + 4 * weights) return false;
+bool BitModels::set_state(const uint8_t *bytes, int64_t size) {
+  const auto models = count(), weights = int64_t(weights_.size());
+  if (size != 3 * models + 4 * weights) return false;
   for (int64_t i = 0; i < models; ++i) {
     models_[i].probability = uint16_t(bytes[i] | bytes[models + i] << 8);
     models_[i].seen = std::min<uint8_t>(bytes[2 * models + i], kSeenLimit);
@@ -58,7 +61,7 @@ bool BitModels::set_state(const uint8_t *bytes, int64_t count) {
 }
 
 void BitModels::settle(int most) {
-  for (BitModel &model : models_) model.seen = uint8_t(std::min(int(model.seen), most));
+  for (int64_t i = 0; i < count(); ++i) models_[i].seen = uint8_t(std::min(int(models_[i].seen), most));
 }
 
 }  // namespace sgi

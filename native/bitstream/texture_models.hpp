@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstring>
 #include <vector>
 
 namespace sgi {
@@ -14,6 +15,9 @@ constexpr int kSeenLimit = 150;        // of the bits that a model counts
 constexpr int kWeightLimit = 1 << 20;  // either way
 
 constexpr int kMostMixed = 4;  // models that one bit has
+
+using MixedIntegers = int32_t __attribute__((vector_size(4 * kMostMixed)));
+using MixedNaturals = uint32_t __attribute__((vector_size(4 * kMostMixed)));
 
 // P(1) in 2^-16, and how many bits the model has seen, up to a limit.
 struct BitModel {
@@ -30,7 +34,7 @@ struct BitContext {
 
 // What a prediction leaves for the update.
 struct Prediction {
-  std::array<int32_t, kMostMixed> logits;
+  MixedIntegers logits;
   int32_t one;  // P(1) in 2^-16
 };
 
@@ -40,7 +44,7 @@ struct BitTables {
   BitTables();
   std::array<int16_t, kLogits> logit;               // 256 log(p / (1 - p)) for p = (index + 1/2) / 4096
   std::array<int32_t, 2 * kLogisticHalf> logistic;  // 65536 / (1 + exp(-x / 256)), x = index - 3072; 16 ... 65519
-  std::array<int32_t, kSeenLimit + 1> rate;         // 65536 / (bits seen + 1.6)
+  std::array<int32_t, kSeenLimit + 2> rate;         // 65536 / (bits seen + 1.6); 0 for one that never moves
   std::array<float, kLogits + 1> cost;              // bits, by P(bit) in 2^-12
 };
 extern const BitTables kBitTables;
@@ -51,61 +55,73 @@ class BitModels {
   BitModels(int64_t models, int64_t sets);
 
   Prediction predict(const BitContext &context) const {
-    return context.count == kMostMixed ? predict_by<kMostMixed>(context, kMostMixed)
-                                       : predict_by<0>(context, context.count);
+    return predict_by(context.count == kMostMixed ? context.model : padded(context), context);
   }
   void update(const BitContext &context, const Prediction &prediction, int bit) {
-    if (context.count == kMostMixed) return update_by<kMostMixed>(context, prediction, bit, kMostMixed);
-    update_by<0>(context, prediction, bit, context.count);
+    update_by(context.count == kMostMixed ? context.model : padded(context), context, prediction, bit);
   }
 
   // Bytes of all models and weights, and models and weights of such bytes; false if these are not of this size.
   std::vector<uint8_t> state() const;
-  bool set_state(const uint8_t *bytes, int64_t count);
+  bool set_state(const uint8_t *bytes, int64_t size);
   // Forgets beyond `most` bits how sure models are, so that they adapt to another picture.
   void settle(int most);
 
  private:
-  // MOST: how many models there are, if that is known when this is compiled.
-  template <int MOST>
-  Prediction predict_by(const BitContext &context, int count) const;
-  template <int MOST>
-  void update_by(const BitContext &context, const Prediction &prediction, int bit, int count);
+  using Numbers = std::array<uint32_t, kMostMixed>;
 
-  std::vector<BitModel> models_;
+  // The models of a context, and for those that it lacks the one that says nothing.
+  Numbers padded(const BitContext &context) const;
+  Prediction predict_by(const Numbers &numbers, const BitContext &context) const;
+  void update_by(const Numbers &numbers, const BitContext &context, const Prediction &prediction, int bit);
+  int64_t count() const { return int64_t(models_.size()) - 1; }
+
+  std::vector<BitModel> models_;  // behind all others, one whose logit is 0 and stays so
   std::vector<int32_t> weights_;  // [sets, kMostMixed] in 2^-16
 };
 
 // Information content of a bit, from the table of its probability's first twelve bits: for decisions, not for accounts.
 inline float bit_cost(int32_t one, int bit) { return kBitTables.cost[(bit ? one : kCertain - one) >> 4]; }
 
-template <int MOST>
-inline Prediction BitModels::predict_by(const BitContext &context, int count) const {
-  const int32_t *first = &weights_[context.weights[0] * kMostMixed];
-  const int32_t *second = &weights_[context.weights[1] * kMostMixed];
-  Prediction found;
-  int64_t sum = 0;
-  for (int i = 0; i < (MOST ? MOST : count); ++i) {
-    found.logits[i] = kBitTables.logit[models_[context.model[i]].probability >> 4];
-    sum += int64_t(first[i] + second[i]) * found.logits[i];
-  }
-  const auto mixed = int32_t(std::clamp<int64_t>(sum >> 17, -kLogisticHalf, kLogisticHalf - 1));
-  found.one = kBitTables.logistic[mixed + kLogisticHalf];
+inline BitModels::Numbers BitModels::padded(const BitContext &context) const {
+  Numbers found;
+  for (int i = 0; i < kMostMixed; ++i) found[i] = i < context.count ? context.model[i] : uint32_t(models_.size() - 1);
   return found;
 }
 
-template <int MOST>
-inline void BitModels::update_by(const BitContext &context, const Prediction &prediction, int bit, int count) {
-  int32_t *first = &weights_[context.weights[0] * kMostMixed];
-  int32_t *second = &weights_[context.weights[1] * kMostMixed];
+inline Prediction BitModels::predict_by(const Numbers &numbers, const BitContext &context) const {
+  const int32_t *first = &weights_[context.weights[0] * kMostMixed];
+  const int32_t *second = &weights_[context.weights[1] * kMostMixed];
+  const auto logit = [&](int i) { return int32_t(kBitTables.logit[models_[numbers[i]].probability >> 4]); };
+  const auto weighted = [&](int i, int32_t one) { return int64_t(first[i] + second[i]) * one; };
+  const int32_t a = logit(0), b = logit(1), c = logit(2), d = logit(3);
+  const int64_t sum = (weighted(0, a) + weighted(1, b)) + (weighted(2, c) + weighted(3, d));
+  const auto mixed = int32_t(std::clamp<int64_t>(sum >> 17, -kLogisticHalf, kLogisticHalf - 1));
+  return {MixedIntegers{a, b, c, d}, kBitTables.logistic[mixed + kLogisticHalf]};
+}
+
+inline void BitModels::update_by(const Numbers &numbers, const BitContext &context, const Prediction &prediction,
+                                 int bit) {
   const int32_t error = bit * kCertain - prediction.one;
-  for (int i = 0; i < (MOST ? MOST : count); ++i) {
-    const int32_t change = (prediction.logits[i] * error) >> 16;  // logits are within 2307 either way
-    first[i] = std::clamp(first[i] + change, -kWeightLimit, kWeightLimit);
-    second[i] = std::clamp(second[i] + change, -kWeightLimit, kWeightLimit);
-    BitModel &model = models_[context.model[i]];
-    const int64_t far = bit * (kCertain - 1) - int32_t(model.probability);
-    model.probability = uint16_t(model.probability + ((far * kBitTables.rate[model.seen]) >> 16));
+  const MixedIntegers change = (prediction.logits * error) >> 16;  // logits are within 2307 either way
+  for (const uint32_t set : context.weights) {
+    MixedIntegers weights;
+    std::memcpy(&weights, &weights_[set * kMostMixed], sizeof weights);
+    weights += change;
+    weights = weights < kWeightLimit ? weights : MixedIntegers{} + kWeightLimit;
+    weights = weights > -kWeightLimit ? weights : MixedIntegers{} - kWeightLimit;
+    std::memcpy(&weights_[set * kMostMixed], &weights, sizeof weights);
+  }
+  const auto probability = [&](int i) { return uint32_t(models_[numbers[i]].probability); };
+  const auto rate_of = [&](int i) { return uint32_t(kBitTables.rate[models_[numbers[i]].seen]); };
+  const MixedNaturals old{probability(0), probability(1), probability(2), probability(3)};
+  const MixedNaturals rate{rate_of(0), rate_of(1), rate_of(2), rate_of(3)};
+  const MixedNaturals far = bit ? kCertain - 1 - old : old;
+  const MixedNaturals step = (far * rate + (bit ? 0u : 0xffffu)) >> 16;  // downwards rounded up
+  const MixedNaturals found = bit ? old + step : old - step;
+  for (int i = 0; i < kMostMixed; ++i) {
+    BitModel &model = models_[numbers[i]];
+    model.probability = uint16_t(found[i]);
     model.seen = uint8_t(model.seen + (model.seen < kSeenLimit));
   }
 }

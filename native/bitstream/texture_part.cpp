@@ -60,8 +60,8 @@ std::array<float, 3> TextureIndices::added() const {
   return added;
 }
 
-TextureCells CodedTexture::cells() const {
-  return texture_cells(field, indices.steps(), indices.added().data(), indices.colours);
+TextureCells CodedTexture::cells(int threads) const {
+  return texture_cells(field, indices.steps(), indices.added().data(), indices.colours, threads);
 }
 
 const BitModels &shipped_texture_models(bool dependent) {

@@ -29,7 +29,7 @@ struct CodedTexture {
   TextureIndices indices;
   TextureField field;
 
-  TextureCells cells() const;
+  TextureCells cells(int threads) const;
 };
 
 // The state of the adaptive models with which a layer begins.

@@ -152,9 +152,9 @@ class TileReader {
 
 }  // namespace
 
-std::optional<TextureCells> TileModel::texture() const {
+std::optional<TextureCells> TileModel::texture(int threads) const {
   if (!coding.texture) return std::nullopt;
-  return coding.texture->cells();
+  return coding.texture->cells(threads);
 }
 
 TileModel read_tile(const Header &header, Bytes payload, int threads, Isa isa, bool checked, int64_t memory) {

@@ -47,7 +47,7 @@ struct TileModel {
 
   int64_t seeds() const { return int64_t(log_size.size()); }
   // The texture layer as it is drawn.
-  std::optional<TextureCells> texture() const;
+  std::optional<TextureCells> texture(int threads) const;
 };
 
 // The model of a payload; `header` is the tile's own (Header::of_tile). Throws Error: corrupt where the symbols are not

@@ -106,7 +106,7 @@ void TileRenderer::take(const TileModel &model, int threads) {
   if (const RestorationChoice &choice = model.restoration; choice.network)
     restoration_.emplace(restoration_network(choice), choice.step, spec.channels, texture_mix_, header_.width,
                          header_.height, settings_.isa);
-  texture_ = model.texture();
+  texture_ = model.texture(threads);
   if (!texture_) return;
   for (const uint8_t log_size : texture_->log_size) ++facts_.texture_cells[log_size - kTextureLeast];
 }
@@ -115,7 +115,9 @@ int64_t TileRenderer::memory() const {
   int64_t bytes = gaussians_.memory() + bytes_of(base_);
   if (rescaled_) bytes += rescaled_->gaussians.memory();
   if (whole_) bytes += bytes_of(whole_->samples);
-  if (texture_) bytes += bytes_of(texture_->corner) + bytes_of(texture_->log_size) + bytes_of(texture_->amplitudes);
+  if (texture_)
+    bytes +=
+        bytes_of(texture_->corner) + bytes_of(texture_->log_size) + texture_->amplitude_count * int64_t(sizeof(float));
   return bytes + (mask_ ? mask_->memory() : 0);
 }
 
@@ -239,7 +241,7 @@ void TileRenderer::draw_block(Tools &tools, const PictureView &view, int64_t x, 
   if (texture_) {
     const Texture texture{texture_->corner.data(),
                           texture_->log_size.data(),
-                          texture_->amplitudes.data(),
+                          texture_->amplitudes.get(),
                           int64_t(texture_->log_size.size()),
                           spec.channels,
                           header_.width,

@@ -80,7 +80,7 @@ TextureLists lists_of(const TileRenderer &tile) {
   if (!tile.texture()) return lists;
   const TextureCells &texture = *tile.texture();
   const int channels = tile.header().spec.channels;
-  const float *values = texture.amplitudes.data(), *mix = tile.mix().empty() ? nullptr : tile.mix().data();
+  const float *values = texture.amplitudes.get(), *mix = tile.mix().empty() ? nullptr : tile.mix().data();
   for (size_t i = 0; i < texture.log_size.size(); ++i) {
     const int side = 1 << texture.log_size[i];
     lists.add(&texture.corner[2 * i], side, values, channels, mix);
