@@ -38,7 +38,6 @@ if TYPE_CHECKING:
 
 __all__ = ["DecodeJob"]
 
-
 _DTYPES = {None: None, 8: "uint8", 16: "uint16", 32: "float32"}
 """Samples of so many bits, which are rendered as such."""
 
@@ -97,11 +96,13 @@ class DecodeJob:
         """Loads what writes OUT: where memory will be bound at once, else while the picture is read and drawn."""
         pyramid = self.output.pyramid_of(target)
         if pyramid is not None:
-            names = ["sgicodec.plugins.pyramid", "rasterio" if pyramid == "cog" else "tifffile"]
+            is_cog = pyramid == "cog"
+            names = [f"sgicodec.plugins.{'cog' if is_cog else 'pyramid'}", "rasterio" if is_cog else "tifffile"]
         else:
             names = ["sgicodec.image.writer", *["OpenImageIO"] * (extension != "png")]
         if self.limits.memory is None or not self.limits.asked:
-            Thread(target=_load, args=(names,)).start()
+            with contextlib.suppress(RuntimeError):  # no thread to be had: they load when they are needed
+                Thread(target=_load, args=(names,)).start()
             return
         if "OpenImageIO" in names:
             from sgicodec.image.library import load_openimageio  # takes long to load

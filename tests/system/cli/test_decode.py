@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from threading import Thread
 
 import numpy as np
 import pytest
@@ -24,6 +25,17 @@ def test_out_is_a_png_beside_in(sgi: Run, stream: Path) -> None:
     written = read(stream.with_suffix(".png"))
     assert written.channels == "rgb"
     np.testing.assert_array_equal(written.pixels, expected.pixels)
+
+
+def test_without_a_thread_that_loads(sgi: Run, stream: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As under a limit of processes: what writes loads when it is needed."""
+
+    def refuse(thread: Thread) -> None:
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr("sgicodec.cli.decode_file.Thread.start", refuse)
+    assert sgi("decode", stream, tmp_path / "a.png", "--threads", "1").exit_code == 0
+    assert read(tmp_path / "a.png").width == 48
 
 
 def test_out_is_a_tiff_for_floats(sgi: Run, shared: Path, tmp_path: Path) -> None:
