@@ -13,7 +13,7 @@ NATIVE = Path(__file__).resolve().parents[2] / "native"
 
 LAYERS = {
     "base": set(),
-    "image": set(),
+    "image": {"base"},
     "metrics": {"base"},
     "model": {"base"},
     "raster": {"base"},

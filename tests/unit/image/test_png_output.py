@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scenes import ISAS
 
 from sgicodec._native import png_filter
 from sgicodec.errors import UsageError
@@ -134,6 +135,19 @@ def test_the_filter_with_the_smallest_differences_is_taken() -> None:
     png_filter(rows, np.zeros(120, np.uint8), 1, out)
     assert out[::8, 0].tolist() == [1, 0, 1]  # from the left; nothing to do; from the left, as above is far away
     assert np.all(out[:, 0].reshape(3, 8) == out[::8, :1])
+
+
+@pytest.mark.parametrize("step", [1, 3, 8])
+def test_instruction_sets_filter_alike(step: int) -> None:
+    rows = np.random.default_rng(step).integers(0, 256, (40, 331 * step), np.uint8)
+    rows[10:20] = np.arange(331 * step, dtype=np.uint8)
+    found = []
+    for isa in ISAS:
+        out = np.empty((40, 1 + 331 * step), np.uint8)
+        png_filter(rows, np.zeros(331 * step, np.uint8), step, out, isa)
+        found.append(out)
+    for other in found[1:]:
+        np.testing.assert_array_equal(other, found[0])
 
 
 def test_rows_that_do_not_fit_are_refused() -> None:

@@ -1,6 +1,4 @@
-#include "image/png_filter.hpp"
-
-#include <cstdlib>
+#include "image/png_filter_kernel.hpp"
 
 namespace sgi {
 namespace {
@@ -20,9 +18,10 @@ struct Average {
   static int of(int left, int up, int) { return (left + up) >> 1; }
 };
 struct Paeth {
+  static int magnitude(int value) { return value < 0 ? -value : value; }
   static int of(int left, int up, int corner) {
-    const int by_left = std::abs(up - corner), by_up = std::abs(left - corner),
-              by_corner = std::abs(left + up - 2 * corner);
+    const int by_left = magnitude(up - corner), by_up = magnitude(left - corner),
+              by_corner = magnitude(left + up - 2 * corner);
     const int other = by_up <= by_corner ? up : corner;
     return by_left <= by_up && by_left <= by_corner ? left : other;
   }
@@ -71,18 +70,20 @@ int best_filter(const uint8_t *row, const uint8_t *above, int64_t size, int step
   return best;
 }
 
-}  // namespace
-
-void png_filter(const uint8_t *rows, const uint8_t *above, int64_t count, int64_t size, int step, uint8_t *out) {
-  int filter = 0;
+void filter(const uint8_t *rows, const uint8_t *above, int64_t count, int64_t size, int step, uint8_t *out) {
+  int chosen = 0;
   for (int64_t y = 0; y < count; ++y) {
     const uint8_t *row = rows + y * size;
     uint8_t *to = out + y * (size + 1);
-    if (y % kRowsOfOneFilter == 0) filter = best_filter(row, above, size, step, to + 1);
-    to[0] = uint8_t(filter);
-    apply(filter, row, above, size, step, to + 1);
+    if (y % kRowsOfOneFilter == 0) chosen = best_filter(row, above, size, step, to + 1);
+    to[0] = uint8_t(chosen);
+    apply(chosen, row, above, size, step, to + 1);
     above = row;
   }
 }
+
+}  // namespace
+
+const PngFilterKernel PngFilterKernel::SGI_ISA{sgi::filter};
 
 }  // namespace sgi
