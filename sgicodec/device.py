@@ -8,7 +8,7 @@ from numbers import Integral
 
 from sgicodec.errors import UsageError
 
-__all__ = ["ALL_CORES", "ONE_THREAD", "PROCESSOR", "Device", "check_device", "check_room"]
+__all__ = ["ALL_CORES", "ONE_THREAD", "PROCESSOR", "Device", "check_device", "check_room", "room_left"]
 
 
 @dataclass(frozen=True)
@@ -72,23 +72,28 @@ def check_device(device: object) -> None:
         raise UsageError(f"device {device!r}; it must be a Device")
 
 
-def check_room(mebibytes: int, what: str) -> None:
-    """Raises MemoryError if a limit of the address space (ulimit -v) leaves less than `what` takes."""
+def room_left() -> int | None:
+    """MiB of address space that its limit (ulimit -v) leaves; None without one."""
     try:
         import resource
 
         limit = resource.getrlimit(resource.RLIMIT_AS)[0]
     except (ImportError, AttributeError, OSError):
-        return
+        return None
     if limit == resource.RLIM_INFINITY:
-        return
+        return None
     try:
         with open("/proc/self/statm", "rb") as file:
             used = int(file.read().split()[0]) * resource.getpagesize()
     except OSError:
         used = 0
-    left = max(0, limit - used) >> 20
-    if left < mebibytes:
+    return max(0, limit - used) >> 20
+
+
+def check_room(mebibytes: int, what: str) -> None:
+    """Raises MemoryError if a limit of the address space (ulimit -v) leaves less than `what` takes."""
+    left = room_left()
+    if left is not None and left < mebibytes:
         raise MemoryError(f"{what} takes {mebibytes} MiB of address space to begin, and {left} are left (ulimit -v)")
 
 

@@ -29,7 +29,7 @@ from sgicodec.cli.pictures import Output, write_bands, write_picture, write_pyra
 from sgicodec.cli.place import lost_outside_tiff
 from sgicodec.cli.progress import Mode, row_progress
 from sgicodec.cli.views import ViewOptions
-from sgicodec.device import Device
+from sgicodec.device import Device, room_left
 from sgicodec.errors import PictureError, UsageError
 
 if TYPE_CHECKING:
@@ -93,22 +93,24 @@ class DecodeJob:
         return size
 
     def _load_writer(self, target: str, extension: str) -> None:
-        """Loads what writes OUT: where memory will be bound at once, else while the picture is read and drawn."""
+        """Loads what writes OUT: at once where memory is bound or will be, else while the picture is read and drawn."""
         pyramid = self.output.pyramid_of(target)
         if pyramid is not None:
             is_cog = pyramid == "cog"
             names = [f"sgicodec.plugins.{'cog' if is_cog else 'pyramid'}", "rasterio" if is_cog else "tifffile"]
         else:
             names = ["sgicodec.image.writer", *["OpenImageIO"] * (extension != "png")]
-        if self.limits.memory is None or not self.limits.asked:
+        if room_left() is None and (self.limits.memory is None or not self.limits.asked):
             with contextlib.suppress(RuntimeError):  # no thread to be had: they load when they are needed
                 Thread(target=_load, args=(names,)).start()
             return
+        import_module(names[0])
         if "OpenImageIO" in names:
             from sgicodec.image.library import load_openimageio  # takes long to load
 
             load_openimageio("writing pictures")
-        _load(names)
+        with contextlib.suppress(ImportError):  # told by what writes it
+            import_module(names[-1])
 
     def _write(self, stream: Stream, target: str, extension: str) -> Bands | Picture:
         stream.exact, stream.dither = self.exact, self.dither

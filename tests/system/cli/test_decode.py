@@ -38,6 +38,16 @@ def test_without_a_thread_that_loads(sgi: Run, stream: Path, tmp_path: Path, mon
     assert read(tmp_path / "a.png").width == 48
 
 
+@pytest.mark.parametrize("limit", [(), ("--max-memory", "1GiB")])
+def test_what_writes_loads_at_once_where_memory_is_bound(
+    sgi: Run, stream: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, limit: tuple[str, ...]
+) -> None:
+    """Where a library lacks memory, two threads that load it would not say so."""
+    monkeypatch.setattr("sgicodec.cli.decode_file.Thread.start", lambda thread: pytest.fail("a thread"))
+    monkeypatch.setattr("sgicodec.cli.decode_file.room_left", lambda: None if limit else 1000)
+    assert sgi("decode", stream, tmp_path / "a.png", "--threads", "1", *limit).exit_code == 0
+
+
 def test_out_is_a_tiff_for_floats(sgi: Run, shared: Path, tmp_path: Path) -> None:
     source = tmp_path / "f.sgi"
     source.write_bytes((shared / "float.sgi").read_bytes())
