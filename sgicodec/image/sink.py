@@ -117,9 +117,13 @@ class Sink:
         UsageError if rows are missing.
         """
         with self._stack, naming(self._target):
-            if self._output.row < self._header.height:
-                raise UsageError(f"only {self._output.row} of {self._header.height} rows were written")
-            self._output.close()
+            try:
+                if self._output.row < self._header.height:
+                    raise UsageError(f"only {self._output.row} of {self._header.height} rows were written")
+                self._output.close()
+            except BaseException:
+                self._output.abandon()
+                raise
             embedded.embed(self._part, self._holder.name, self._metadata)
             self._deliver()
 

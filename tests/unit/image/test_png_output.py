@@ -7,6 +7,7 @@ import struct
 import zlib
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -166,6 +167,10 @@ def test_what_fails_on_a_thread_fails_the_picture(
 
     monkeypatch.setattr("sgicodec.image.png_output.isal_zlib.compressobj", refuse)
     picture = Picture(smooth(40, 30, 3), "rgb", full_range(np.dtype(np.uint8)), Metadata())
+    opened: list[Any] = []
+    real = Path.open
+    monkeypatch.setattr(Path, "open", lambda *arguments: opened.append(real(*arguments)) or opened[-1])
     with pytest.raises(MemoryError):
         write(picture, tmp_path / "a.png", threads=threads)
+    assert [file.closed for file in opened] == [True]
     assert list(tmp_path.iterdir()) == []
