@@ -85,7 +85,7 @@ inline float bit_cost(int32_t one, int bit) { return kBitTables.cost[(bit ? one 
 
 inline BitModels::Numbers BitModels::padded(const BitContext &context) const {
   Numbers found;
-  for (int i = 0; i < kMostMixed; ++i) found[i] = i < context.count ? context.model[i] : uint32_t(models_.size() - 1);
+  for (int i = 0; i < kMostMixed; ++i) found[i] = i < context.count ? context.model[i] : uint32_t(count());
   return found;
 }
 

@@ -100,7 +100,7 @@ class DecodeJob:
             names = [f"sgicodec.plugins.{'cog' if is_cog else 'pyramid'}", "rasterio" if is_cog else "tifffile"]
         else:
             names = ["sgicodec.image.writer", *["OpenImageIO"] * (extension != "png")]
-        if room_left() is None and (self.limits.memory is None or not self.limits.asked):
+        if room_left() is None and self.limits.bound is None:
             with contextlib.suppress(RuntimeError):  # no thread to be had: they load when they are needed
                 Thread(target=_load, args=(names,)).start()
             return

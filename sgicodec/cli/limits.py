@@ -37,6 +37,11 @@ class DecodeLimits:
             return cls(pixels, max(0, group - (own_peak() or 0)), asked=False)
         return cls(pixels, memory)
 
+    @property
+    def bound(self) -> float | None:
+        """Bytes that `held` allows; None for any."""
+        return self.memory if self.asked else None
+
     def check(self, width: int, height: int, sample_bytes: int) -> None:
         """Refuses a picture of this size, of which `sample_bytes` are in memory at a time. Raises LimitError."""
         if self.pixels is not None and width * height > self.pixels:
@@ -52,11 +57,11 @@ class DecodeLimits:
         the process where they get none.
         """
         with contextlib.ExitStack() as stack:
-            if self.memory is not None and self.asked and sys.platform.startswith("linux"):
+            if self.bound is not None and sys.platform.startswith("linux"):
                 import resource
 
                 before = resource.getrlimit(resource.RLIMIT_DATA)
-                most = _data_bytes() + int(self.memory)
+                most = _data_bytes() + int(self.bound)
                 if before[1] != resource.RLIM_INFINITY:
                     most = min(most, before[1])
                 resource.setrlimit(resource.RLIMIT_DATA, (most, before[1]))
@@ -65,9 +70,9 @@ class DecodeLimits:
                 yield
             except (MemoryError, RuntimeError, OSError, ImportError) as error:
                 lacks = isinstance(error, MemoryError) or any(text in str(error) for text in NO_MEMORY)
-                if self.memory is None or not self.asked or not lacks:
+                if self.bound is None or not lacks:
                     raise
-                raise LimitError(f"decoding takes more than --max-memory, {self.memory / _MIB:,.0f} MiB") from None
+                raise LimitError(f"decoding takes more than --max-memory, {self.bound / _MIB:,.0f} MiB") from None
 
 
 def _data_bytes() -> int:

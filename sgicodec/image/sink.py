@@ -75,6 +75,7 @@ class Sink:
                 from sgicodec.image.output import Output
 
                 self._output = Output(self._part, self._holder, header, metadata.icc)
+            stack.callback(self._output.abandon)
             self._stack = stack.pop_all()
 
     def _check_folder(self, folder: Path, size: int) -> None:
@@ -117,13 +118,9 @@ class Sink:
         UsageError if rows are missing.
         """
         with self._stack, naming(self._target):
-            try:
-                if self._output.row < self._header.height:
-                    raise UsageError(f"only {self._output.row} of {self._header.height} rows were written")
-                self._output.close()
-            except BaseException:
-                self._output.abandon()
-                raise
+            if self._output.row < self._header.height:
+                raise UsageError(f"only {self._output.row} of {self._header.height} rows were written")
+            self._output.close()
             embedded.embed(self._part, self._holder.name, self._metadata)
             self._deliver()
 
@@ -143,7 +140,6 @@ class Sink:
 
     def abort(self) -> None:
         """Give up; nothing is left but what was there."""
-        self._output.abandon()
         self._stack.close()
 
 
