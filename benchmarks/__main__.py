@@ -30,6 +30,7 @@ BENCHMARKS = {
     "gradient": ("benchmarks.gradient", "The native SSIMULACRA 2, Butteraugli and their gradients."),
     "targets": ("benchmarks.targets", "How near encodes come to a size or a PSNR, and what that costs."),
     "limits": ("benchmarks.limits", "How well time limits are kept, and what they give."),
+    "depths": ("benchmarks.depths", "The same picture at several depths and ranges, at one quality."),
     "unsuited": ("benchmarks.unsuited", "What is left of text, line art, screenshots and fine texture."),
     "large": ("benchmarks.large.command", "sgi and its peers on pictures of many megapixels."),
     "crops": ("benchmarks.crops", "Cut pictures for a benchmark out of larger ones."),

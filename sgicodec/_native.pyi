@@ -517,10 +517,11 @@ class MaskTree:
 
 def read_mask(payload: bytes, width: int, height: int) -> MaskTree: ...
 
-def decode_tile_chunk(header: bytes, payload: bytes) -> tuple[int, bool, MaskTree, bytes]:
+def decode_tile_chunk(header: bytes, payload: bytes) -> tuple[int, bool, list[tuple[bool, MaskTree]], list[tuple[int, float]], bytes]:
     """
-    Of the payload of a chunk T: the tile's number, whether no pixel of it holds anything, its mask or None where
-    all or none do, and the payload of its model.
+    Of the payload of a chunk T: the tile's number; whether no pixel of it holds anything; masks, one for all bands
+    or one for each (whether it holds nothing, and its tree or None), none where all pixels hold something; exact
+    samples (place, value); the payload of its model.
     """
 
 def tree_input_count(child: int) -> int: ...

@@ -11,16 +11,19 @@ import numpy.typing as npt
 from sgicodec.errors import UsageError
 from sgicodec.metadata import geo
 from sgicodec.metadata.blobs import Metadata
-from sgicodec.metadata.layouts import LAYOUTS, WITHOUT_ALPHA, alpha_index
+from sgicodec.metadata.layouts import LAYOUTS, WITHOUT_ALPHA, SampleRange, alpha_index, band_ranges, range_text
 
 __all__ = [
     "Metadata",
     "Picture",
+    "check_range",
     "convert",
     "equal_samples",
+    "exact_samples",
     "from_unit",
     "full_range",
     "nodata_mask",
+    "nodata_samples",
     "opaque_mask",
     "to_rgb8",
     "to_unit",
@@ -28,6 +31,9 @@ __all__ = [
 ]
 
 Samples = npt.NDArray[Any]
+
+MAX_SAMPLE = 1e38
+"""Of a sample range, either way: floats hold differences of samples."""
 
 _DTYPE_OF_DEPTH: dict[int, np.dtype[Any]] = {
     8: np.dtype(np.uint8),
@@ -43,16 +49,25 @@ class Picture:
     pixels:       [H, W, C], uint8, uint16 or float32.
     channels:     a name in `LAYOUTS`, or "multi" for bands without a meaning; "gray+alpha" and "rgba" end in
                   alpha.
-    sample_range: the values of a colour sample that stand for 0 and 1. Alpha always spans its type: 0 to 255,
-                  65535 or 1.0.
+    sample_range: the values of a colour sample that stand for 0 and 1; of "multi" maybe two tuples with one for each
+                  band. Alpha always spans its type: 0 to 255, 65535 or 1.0.
+    blank:        the sample value that stands for "nothing was measured here" where the metadata do not say it.
+    exact:        whether samples outside the range (dead pixels, not-a-number) are to be kept as they are; else they
+                  are clipped.
+    eight_bits:   whether colours are those of a picture of eight bits that was stretched to the range and rounded.
+    remark:       what its owner should know of how its samples were understood.
 
     Raises UsageError when the parts contradict each other.
     """
 
     pixels: Samples
     channels: str
-    sample_range: tuple[float, float]
+    sample_range: SampleRange
     metadata: Metadata = field(default_factory=Metadata)
+    blank: float | None = None
+    exact: bool = False
+    eight_bits: bool = False
+    remark: str | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.pixels, np.ndarray):
@@ -63,17 +78,11 @@ class Picture:
             raise UsageError(f"pixels must be uint8, uint16 or float32, not {self.pixels.dtype}")
         if self.channels != "multi" and LAYOUTS.get(self.channels) != self.pixels.shape[2]:
             raise UsageError(f"{self.pixels.shape[2]} channels cannot be {self.channels!r}")
-        try:
-            low, high = (float(value) for value in self.sample_range)
-        except (TypeError, ValueError):
-            raise UsageError(f"sample_range {self.sample_range!r}; it must be two numbers") from None
-        if not (np.isfinite(low) and np.isfinite(high) and low < high <= low + np.finfo(np.float32).max):
-            raise UsageError(f"the sample range must be two finite numbers, low before high, not {low:g} to {high:g}")
+        check_range(self.sample_range, self.pixels.shape[2] - (self.alpha is not None), self.pixels.dtype)
 
     def __repr__(self) -> str:
-        low, high = self.sample_range
         kept = [name for name in ("icc", "exif", "xmp", "geo") if getattr(self.metadata, name) is not None]
-        what = f"{self.width}×{self.height} {self.channels} {self.pixels.dtype}, {low:g} to {high:g}"
+        what = f"{self.width}×{self.height} {self.channels} {self.pixels.dtype}, {range_text(self.sample_range)}"
         return f"<sgicodec.Picture {', '.join((what, *kept))}>"
 
     @property
@@ -94,7 +103,24 @@ class Picture:
     @property
     def nodata(self) -> float | None:
         """The sample value that stands for "nothing was measured here", or None. It may be not-a-number."""
-        return geo.nodata(self.metadata.geo, self.pixels.dtype)
+        return geo.nodata(self.metadata.geo, self.pixels.dtype) if self.blank is None else self.blank
+
+
+def check_range(sample_range: SampleRange, colours: int, dtype: np.dtype[Any]) -> None:
+    """Raise UsageError for what is no range of so many colours of a type."""
+    try:
+        ranges = [(float(low), float(high)) for low, high in band_ranges(sample_range, colours)]
+    except (TypeError, ValueError):
+        numbers = "two numbers, or two tuples with one number for each band"
+        raise UsageError(f"sample_range {sample_range!r}; it must be {numbers}") from None
+    for low, high in ranges:
+        if not (abs(low) <= MAX_SAMPLE and abs(high) <= MAX_SAMPLE and low < high):
+            raise UsageError(
+                f"the sample range must be two numbers up to {MAX_SAMPLE:g}, low before high, not {low:g} to {high:g}"
+            )
+        if dtype.kind == "u" and not (low >= 0 and high <= full_range(dtype)[1] and low % 1 == high % 1 == 0):
+            most = f"{full_range(dtype)[1]:g}"
+            raise UsageError(f"the range of {dtype} samples is two integers from 0 to {most}, not {low:g} to {high:g}")
 
 
 def equal_samples(pixels: Samples, value: float) -> npt.NDArray[np.bool_]:
@@ -102,12 +128,25 @@ def equal_samples(pixels: Samples, value: float) -> npt.NDArray[np.bool_]:
     return np.isnan(pixels) if np.isnan(value) else pixels == pixels.dtype.type(value)
 
 
+def nodata_samples(picture: Picture) -> npt.NDArray[np.bool_]:
+    """Which colour samples [H, W, colours] were not measured: those that have the nodata value."""
+    colours, nodata = picture.pixels[..., : picture.alpha], picture.nodata
+    return np.zeros(colours.shape, np.bool_) if nodata is None else equal_samples(colours, nodata)
+
+
 def nodata_mask(picture: Picture) -> npt.NDArray[np.bool_]:
-    """Which pixels [H, W] were not measured: those whose samples, but for alpha, all have the nodata value."""
-    nodata = picture.nodata
-    if nodata is None:
-        return np.zeros(picture.pixels.shape[:2], np.bool_)
-    return np.asarray(equal_samples(picture.pixels[..., : picture.alpha], nodata).all(axis=-1))
+    """Which pixels [H, W] were not measured: those whose colour samples all have the nodata value."""
+    return np.asarray(nodata_samples(picture).all(axis=-1))
+
+
+def exact_samples(picture: Picture) -> npt.NDArray[np.bool_]:
+    """Which colour samples [H, W, colours] are kept as they are: those outside the range, nodata aside."""
+    colours = picture.pixels[..., : picture.alpha]
+    if not picture.exact:
+        return np.zeros(colours.shape, np.bool_)
+    low, high = (np.asarray(level, np.float32) for level in picture.sample_range)
+    inside = (colours >= low) & (colours <= high)  # false for not-a-number
+    return ~inside & ~nodata_samples(picture)
 
 
 def full_range(dtype: npt.DTypeLike) -> tuple[float, float]:
@@ -134,17 +173,23 @@ def to_unit(picture: Picture) -> npt.NDArray[np.float32]:
     """Samples as float32 [H, W, C] in 0..1; what lies outside the sample range is clipped, not-a-number becomes 0."""
     low, span = _affine(picture.channels, picture.pixels.shape[2], picture.pixels.dtype, picture.sample_range)
     unit = picture.pixels.astype(np.float32)
-    unit -= low
-    unit /= span
-    np.clip(unit, 0.0, 1.0, out=unit)
-    if picture.nodata is not None and np.isnan(picture.nodata):
+    with np.errstate(over="ignore", invalid="ignore"):
+        unit -= low
+        unit /= span
+        np.clip(unit, 0.0, 1.0, out=unit)
+    if picture.pixels.dtype.kind == "f":
         unit[np.isnan(unit)] = 0.0
+    if picture.eight_bits:
+        colours = unit[..., : picture.alpha]
+        np.rint(colours * np.float32(255), out=colours)
+        colours /= np.float32(255)
     return unit
 
 
 def comparable(picture: Picture) -> Samples:
-    """What an error is measured on: integers as they are, floats on the scale where their range is 0..1."""
-    return picture.pixels if picture.pixels.dtype.kind == "u" else to_unit(picture)
+    """What an error is measured on: integers that span their type as they are, others where their range is 0..1."""
+    spans_type = picture.pixels.dtype.kind == "u" and picture.sample_range == full_range(picture.pixels.dtype)
+    return picture.pixels if spans_type else to_unit(picture)
 
 
 def to_rgb8(picture: Picture) -> npt.NDArray[np.uint8]:
@@ -162,7 +207,7 @@ def from_unit(
     unit: npt.NDArray[np.floating[Any]],
     channels: str,
     dtype: npt.DTypeLike,
-    sample_range: tuple[float, float] | None = None,
+    sample_range: SampleRange | None = None,
     metadata: Metadata | None = None,
 ) -> Picture:
     """The picture of samples [H, W, C] in 0..1, the inverse of `to_unit`.
@@ -196,7 +241,7 @@ def convert(picture: Picture, depth: int) -> Picture:
 
     def mapped(value: float) -> float | None:
         low, high = picture.sample_range
-        if picture.nodata is None or not low <= value <= high:
+        if isinstance(low, tuple) or isinstance(high, tuple) or picture.nodata is None or not low <= value <= high:
             return None
         sample = Picture(np.full((1, 1, 1), value, picture.pixels.dtype), "gray", picture.sample_range)
         return float(from_unit(to_unit(sample), "gray", dtype).pixels[0, 0, 0])
@@ -206,12 +251,11 @@ def convert(picture: Picture, depth: int) -> Picture:
 
 
 def _affine(
-    channels: str, count: int, dtype: np.dtype[Any], sample_range: tuple[float, float]
+    channels: str, count: int, dtype: np.dtype[Any], sample_range: SampleRange
 ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
     """Per channel [C]: the sample that stands for 0, and the distance to the one that stands for 1."""
-    low = np.full(count, sample_range[0], np.float64)
-    high = np.full(count, sample_range[1], np.float64)
-    alpha = alpha_index(channels)
-    if alpha is not None:
+    low, high = np.empty(count, np.float64), np.empty(count, np.float64)
+    low[: alpha_index(channels)], high[: alpha_index(channels)] = sample_range
+    if (alpha := alpha_index(channels)) is not None:
         low[alpha], high[alpha] = full_range(dtype)
     return low.astype(np.float32), (high - low).astype(np.float32)

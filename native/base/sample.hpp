@@ -5,4 +5,9 @@ namespace sgi {
 
 enum class SampleType { u8, u16, f32 };
 
+// The sample that stands for 1 where no range is stated; 0 stands for 0.
+constexpr double largest_of(SampleType type) {
+  return type == SampleType::u8 ? 255 : type == SampleType::u16 ? 65535 : 1;
+}
+
 }  // namespace sgi

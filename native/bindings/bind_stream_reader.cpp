@@ -60,6 +60,7 @@ nb::dict header_of(const sgi::Header &header) {
   fields["profile"] = header.profile, fields["spec"] = spec_of(header.spec), fields["quality"] = header.quality;
   fields["family"] = header.family, fields["tile"] = header.tile, fields["apron"] = header.apron;
   fields["masked"] = int(header.masked), fields["nodata"] = header.nodata;
+  fields["has_band_masks"] = header.has_band_masks, fields["has_exact"] = header.has_exact;
   return fields;
 }
 

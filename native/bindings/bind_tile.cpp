@@ -148,10 +148,14 @@ sgi::MaskTree read_mask(const nb::bytes &payload, int64_t width, int64_t height)
   return sgi::MaskTree::read(bytes_of(payload), width, height);
 }
 
-// Number of the tile, whether no pixel holds anything, its mask, the payload of its model.
+// Number of the tile, whether no pixel holds anything, masks of bands, exact samples, the payload of its model.
 auto decode_tile_chunk(const nb::bytes &header, const nb::bytes &payload) {
   const sgi::TileChunk chunk = sgi::decode_tile_chunk(sgi::decode_header(bytes_of(header)), bytes_of(payload));
-  return std::tuple(chunk.number, chunk.is_empty, chunk.mask, nb::bytes(chunk.model.data, chunk.model.size));
+  std::vector<std::tuple<bool, std::shared_ptr<sgi::MaskTree>>> masks;
+  for (const sgi::BandMask &mask : chunk.masks) masks.emplace_back(mask.is_all, mask.tree);
+  std::vector<std::tuple<int64_t, double>> exact;
+  for (const sgi::ExactSample &sample : chunk.exact) exact.emplace_back(sample.place, sample.value);
+  return std::tuple(chunk.number, chunk.is_empty, masks, exact, nb::bytes(chunk.model.data, chunk.model.size));
 }
 
 void bind_tile_model(nb::module_ &m) {
@@ -247,6 +251,7 @@ void bind_tile(nb::module_ &m) {
   m.def("read_mask", &read_mask, "payload"_a, "width"_a, "height"_a);
   m.def(
       "decode_tile_chunk", &decode_tile_chunk, "header"_a, "payload"_a,
-      "Of the payload of a chunk T: the tile's number, whether no pixel of it holds anything, its mask or None where\n"
-      "all or none do, and the payload of its model.");
+      "Of the payload of a chunk T: the tile's number; whether no pixel of it holds anything; masks, one for all bands\n"
+      "or one for each (whether it holds nothing, and its tree or None), none where all pixels hold something; exact\n"
+      "samples (place, value); the payload of its model.");
 }

@@ -14,9 +14,9 @@ namespace sgi {
 
 namespace {
 
-constexpr int kNewest = 5;
+constexpr int kNewest = 6;
 // The flags that each version may set; a header states the least version that has its flags.
-constexpr int64_t kFlagsOf[kNewest + 1] = {0, 15, 255, 511, 1023, 2047};
+constexpr int64_t kFlagsOf[kNewest + 1] = {0, 15, 255, 511, 1023, 2047, 16383};
 constexpr int64_t kMaxFeatures = 1 << 13, kMaxHidden = 1 << 12, kMaxHashLevels = 32, kMaxHashResolution = 1 << 14;
 enum Flag : int64_t {
   kSkip = 1,
@@ -29,7 +29,10 @@ enum Flag : int64_t {
   kPredicted = 128,
   kTexture = 256,
   kLuma = 512,
-  kRestoration = 1024
+  kRestoration = 1024,
+  kRanges = 2048,
+  kBandMasks = 4096,
+  kExact = 8192
 };
 
 constexpr const char *kLayouts[] = {"multi", "gray", "gray+alpha", "rgb", "rgba"};
@@ -130,14 +133,25 @@ void check_layout(const Header &header) {
   if (expected != given) corrupt(std::to_string(given) + " channels cannot be " + name);
 }
 
-void take_range(Fields &fields, Header &header) {
-  header.low = 0, header.high = header.sample_type == SampleType::u8 ? 255 : 65535;
-  if (header.sample_type != SampleType::f32) return;
-  float range[2];
-  fields.unpack("the sample range", range, 2);
-  header.low = range[0], header.high = range[1];
-  if (!(std::fabs(header.low) < 1e38 && std::fabs(header.high) < 1e38 && header.low < header.high))
-    corrupt("a sample range of " + text_of(header.low) + " to " + text_of(header.high));
+// One range for all colours, or one for each.
+void take_ranges(Fields &fields, int64_t flags, Header &header) {
+  const double largest = largest_of(header.sample_type);
+  header.low.assign(size_t(header.spec.channels), 0), header.high.assign(size_t(header.spec.channels), largest);
+  const bool is_float = header.sample_type == SampleType::f32;
+  if (!is_float && !(flags & kRanges)) return;
+  const int64_t colours = header.colours(), count = flags & kRanges ? fields.take("the sample ranges", 1, colours) : 1;
+  if (count != 1 && count != colours) corrupt("sample ranges of another number of channels");
+  if (count == 1 && is_float && (flags & kRanges)) corrupt("a flag for one sample range of floats");
+  for (int64_t c = 0; c < count; ++c) {
+    float range[2];
+    fields.unpack("the sample range", range, 2);
+    const double low = range[0], high = range[1];
+    const bool is_sound = std::fabs(low) <= kMaxSample && std::fabs(high) <= kMaxSample && low < high;
+    const bool fits = is_float || (low >= 0 && high <= largest && low == std::trunc(low) && high == std::trunc(high));
+    if (!is_sound || !fits) corrupt("a sample range of " + text_of(low) + " to " + text_of(high));
+    for (int64_t at = c; at < (count == 1 ? colours : c + 1); ++at)
+      header.low[size_t(at)] = low, header.high[size_t(at)] = high;
+  }
 }
 
 Masked masked_of(int64_t flags, ChannelLayout channels) {
@@ -150,7 +164,8 @@ Masked masked_of(int64_t flags, ChannelLayout channels) {
 
 void check_nodata(const Header &header) {
   if (header.masked != Masked::nodata || header.sample_type == SampleType::f32) return;
-  if (!(header.nodata >= 0 && header.nodata <= header.high && header.nodata == std::trunc(header.nodata)))
+  if (!(header.nodata >= 0 && header.nodata <= largest_of(header.sample_type) &&
+        header.nodata == std::trunc(header.nodata)))
     corrupt(std::string("no sample of ") + kSamples[int(header.sample_type)] + " is " + text_of(header.nodata));
 }
 
@@ -182,13 +197,21 @@ Header decode_header(Bytes payload) {
   check_layout(header);
   header.tile = flags & kTiled ? fields.take("the tile size", kMinTile, kMaxSide) : 0;
   header.apron = flags & kTiled ? fields.take("the apron", 0, std::min(header.tile / 4, kMaxApron)) : 0;
-  take_range(fields, header);
+  take_ranges(fields, flags, header);
   header.masked = masked_of(flags, header.channels);
   if (header.masked == Masked::nodata) fields.unpack("the nodata value", &header.nodata, 1);
+  header.has_band_masks = flags & kBandMasks, header.has_exact = flags & kExact;
+  if (header.has_band_masks && (header.masked != Masked::nodata || header.colours() < 2))
+    corrupt("masks of bands without nodata, or of a single band");
   if (!fields.at_end()) corrupt("longer than its fields");
   check_nodata(header);
   check_tiles(header);
   return header;
+}
+
+int Header::alpha() const {
+  const bool has = channels == ChannelLayout::gray_alpha || channels == ChannelLayout::rgba;
+  return has ? spec.channels - 1 : -1;
 }
 
 Header Header::of_tile(int64_t number) const {

@@ -113,7 +113,7 @@ sgi_info info_of(const sgi_stream &stream) {
   info.width = uint32_t(header.width), info.height = uint32_t(header.height);
   info.channels = uint32_t(header.spec.channels);
   info.layout = int(header.channels), info.sample = int(header.sample_type);
-  info.low = float(header.low), info.high = float(header.high);
+  info.low = float(header.low[0]), info.high = float(header.high[0]);
   info.tiles = uint32_t(header.grid().count()), info.tile_size = uint32_t(header.tile);
   info.has_nodata = header.masked == sgi::Masked::nodata, info.nodata = header.nodata;
   info.has_overview = stream.stream.has_overview();

@@ -65,7 +65,7 @@ class Compositor {
       else
         format_.store(values, block, drawing_.threads);
     }
-    if (format_.is_mapped() && header_.masked != Masked::none) mark(*tiles[0], x, y, block);
+    if (format_.is_mapped()) mark(*tiles[0], x, y, block);
   }
 
  private:
@@ -95,20 +95,50 @@ class Compositor {
     }
   }
 
-  // Stores nothing in those pixels whose centres the tile's mask says to hold nothing.
+  // Stores what the tile says of pixels apart from its model, by the pixel that holds the centre of each.
   void mark(const TileRenderer &tile, int64_t x, int64_t y, const PixelBlock &block) const {
+    if (header_.masked == Masked::none && tile.exact().empty()) return;
     const PixelRect &place = tile.place();
     const auto columns = pixels_of(view_.x - double(place.x), view_.sx, x, block.columns, place.width);
     const auto rows = pixels_of(view_.y - double(place.y), view_.sy, y, block.rows, place.height);
+    if (header_.masked != Masked::none) mark_empty(tile, columns, rows, block);
+    const int64_t colours = header_.colours();
+    const auto pixels = [](const std::vector<int64_t> &axis, int64_t pixel) {
+      const auto found = std::equal_range(axis.begin(), axis.end(), pixel);
+      return std::pair(found.first - axis.begin(), found.second - found.first);
+    };
+    for (const ExactSample &sample : tile.exact()) {
+      const int64_t pixel = sample.place / colours;
+      const auto [top, high] = pixels(rows, pixel / place.width);
+      const auto [left, wide] = pixels(columns, pixel % place.width);
+      if (high && wide)
+        format_.state(sample.value, int(sample.place % colours), format_.part(block, left, top, wide, high));
+    }
+  }
+
+  // Stores nothing where the tile's masks say so.
+  void mark_empty(const TileRenderer &tile, const std::vector<int64_t> &columns, const std::vector<int64_t> &rows,
+                  const PixelBlock &block) const {
     const int64_t each = std::clamp<int64_t>(kMaskPixels / block.columns, 1, block.rows);
-    std::vector<uint8_t> empty(each * block.columns, tile.is_empty());
+    const int colours = header_.colours(), masks = std::max(1, int(tile.masks().size()));
+    std::vector<uint8_t> empty(each * block.columns);
     for (int64_t top = 0; top < block.rows; top += each) {
       const int64_t count = std::min(each, block.rows - top);
-      if (!tile.is_empty() && tile.mask())
-        tile.mask()->sample(columns.data(), block.columns, rows.data() + top, count, empty.data());
-      for (int64_t row = 0; row < count; ++row)
-        format_.mark(empty.data() + row * block.columns, format_.part(block, 0, top + row, block.columns, 1),
-                     header_.masked);
+      for (int band = 0; band < masks; ++band) {
+        const BandMask mask = tile.masks().empty() ? BandMask{nullptr, tile.is_empty()} : tile.masks()[size_t(band)];
+        if (mask.tree)
+          mask.tree->sample(columns.data(), block.columns, rows.data() + top, count, empty.data());
+        else
+          std::fill(empty.begin(), empty.end(), uint8_t(mask.is_all));
+        for (int64_t row = 0; row < count; ++row) {
+          const uint8_t *of_row = empty.data() + row * block.columns;
+          const PixelBlock part = format_.part(block, 0, top + row, block.columns, 1);
+          if (header_.masked == Masked::transparent)
+            format_.mark_transparent(of_row, part);
+          else
+            format_.mark_nodata(of_row, part, band, masks == 1 ? colours : band + 1);
+        }
+      }
     }
   }
 

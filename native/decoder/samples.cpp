@@ -13,8 +13,6 @@ namespace {
 constexpr int64_t kApart = 56;      // pixels by which the noise of a channel is shifted
 constexpr double kRounding = 1e-3;  // levels by which a sample may be off for the rounding of floats
 
-double most_of(SampleType type) { return type == SampleType::u8 ? 255 : type == SampleType::u16 ? 65535 : 1; }
-
 SampleType type_of(Output output, SampleType source) {
   switch (output) {
     case Output::u8: return SampleType::u8;
@@ -25,10 +23,13 @@ SampleType type_of(Output output, SampleType source) {
   return source;
 }
 
-// Nodata in another type; 0 for one that lies outside the range of samples, or is not a number.
+// Nodata in another type; 0 for one that lies outside the range of samples or is not a number, or where ranges differ.
 double converted(double nodata, const Header &header, SampleType type) {
-  if (!(header.low <= nodata && nodata <= header.high)) return 0;
-  const double value = most_of(type) * (nodata - header.low) / (header.high - header.low);
+  const double low = header.low[0], high = header.high[0];
+  for (int c = 1; c < header.colours(); ++c)
+    if (header.low[c] != low || header.high[c] != high) return 0;
+  if (!(low <= nodata && nodata <= high)) return 0;
+  const double value = largest_of(type) * (nodata - low) / (high - low);
   return type == SampleType::f32 ? double(float(value)) : std::nearbyint(value);
 }
 
@@ -59,22 +60,15 @@ bool equals(T sample, double value) {
 
 }  // namespace
 
-int alpha_of(const Header &header) {
-  const bool has = header.channels == ChannelLayout::gray_alpha || header.channels == ChannelLayout::rgba;
-  return has ? header.spec.channels - 1 : -1;
-}
-
 SampleFormat::SampleFormat(const Header &header, Output output, std::optional<double> nodata)
     : type(output == Output::values ? SampleType::f32 : type_of(output, header.sample_type)),
-      channels(header.spec.channels), alpha(alpha_of(header)),
+      channels(header.spec.channels), alpha(header.alpha()),
       blank(nodata ? nodata_in(header, type_of(output, header.sample_type), nodata) : 0),
-      is_mapped_(output != Output::values), from_(type == header.sample_type ? header.low : 0),
-      to_(type == header.sample_type ? header.high : most_of(type)), nodata_(nodata_in(header, type, nodata)),
-      low_(channels), span_(channels) {
-  for (int c = 0; c < channels; ++c) {
-    const double low = c == alpha ? 0 : from_, high = c == alpha ? most_of(type) : to_;
-    low_[c] = float(low), span_[c] = float(high - low);
-  }
+      is_mapped_(output != Output::values), is_source_(type == header.sample_type),
+      from_(is_source_ ? header.low : std::vector<double>(channels, 0)),
+      to_(is_source_ ? header.high : std::vector<double>(channels, largest_of(type))), source_from_(header.low),
+      source_to_(header.high), nodata_(nodata_in(header, type, nodata)), low_(channels), span_(channels) {
+  for (int c = 0; c < channels; ++c) low_[c] = float(from_[c]), span_[c] = float(to_[c] - from_[c]);
 }
 
 PixelBlock SampleFormat::part(const PixelBlock &block, int64_t left, int64_t top, int64_t columns, int64_t rows) const {
@@ -166,24 +160,43 @@ void SampleFormat::fill(double sample, const PixelBlock &block) const {
 }
 
 template <class T>
-void SampleFormat::mark_as(const uint8_t *empty, T *row, int64_t columns) const {
-  const int colours = alpha < 0 ? channels : alpha;
-  const T nothing = T(nodata_), next = beside<T>(nodata_, from_, to_);
-  for (int64_t i = 0; i < columns; ++i, row += channels) {
-    if (empty[i])
-      std::fill_n(row, colours, nothing);
-    else if (std::all_of(row, row + colours, [&](T sample) { return equals(sample, nodata_); }))
-      row[0] = next;
-  }
+T SampleFormat::beside_nodata(int channel) const {
+  return beside<T>(nodata_, from_[channel], to_[channel]);
 }
 
-void SampleFormat::mark(const uint8_t *empty, const PixelBlock &row, Masked masked) const {
+void SampleFormat::mark_transparent(const uint8_t *empty, const PixelBlock &row) const {
+  as_type(type, [&](auto *kind) {
+    auto *samples = static_cast<std::remove_pointer_t<decltype(kind)> *>(row.first);
+    for (int64_t i = 0; i < row.columns; ++i)
+      if (empty[i]) samples[i * channels + alpha] = 0;
+  });
+}
+
+void SampleFormat::mark_nodata(const uint8_t *empty, const PixelBlock &row, int first, int last) const {
   as_type(type, [&](auto *kind) {
     using T = std::remove_pointer_t<decltype(kind)>;
-    T *first = static_cast<T *>(row.first);
-    if (masked == Masked::nodata) return mark_as(empty, first, row.columns);
-    for (int64_t i = 0; i < row.columns; ++i)
-      if (empty[i]) first[i * channels + channels - 1] = 0;
+    for (int c = first; c < last; ++c) {
+      const T nothing = T(nodata_), next = beside_nodata<T>(c);
+      T *sample = static_cast<T *>(row.first) + c;
+      for (int64_t i = 0; i < row.columns; ++i, sample += channels)
+        if (empty[i])
+          *sample = nothing;
+        else if (equals(*sample, nodata_))
+          *sample = next;
+    }
+  });
+}
+
+void SampleFormat::state(double sample, int channel, const PixelBlock &block) const {
+  const double span = source_to_[channel] - source_from_[channel];
+  const float value = low_[channel] + span_[channel] * clipped(float((sample - source_from_[channel]) / span));
+  as_type(type, [&](auto *kind) {
+    using T = std::remove_pointer_t<decltype(kind)>;
+    const T exact = is_source_ ? T(sample) : stored<T>(value);
+    for (int64_t row = 0; row < block.rows; ++row) {
+      T *to = static_cast<T *>(block.first) + row * block.stride + channel;
+      for (int64_t i = 0; i < block.columns; ++i, to += channels) *to = exact;
+    }
   });
 }
 

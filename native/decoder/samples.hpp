@@ -18,11 +18,8 @@ struct PixelBlock {
   int64_t columns, rows, stride;
 };
 
-// The channel that is alpha, or -1.
-int alpha_of(const Header &header);
-
-// What is stored where: values as they are, or samples low + span * value. A range other than the source's is that of
-// the type; nodata becomes the value next to it.
+// What is stored where: values as they are, or samples low + span * value, in the ranges of the source. In another type
+// than the source's the range is that of the type; nodata becomes the value next to it.
 class SampleFormat {
  public:
   // nodata: what stands for nothing in the source, if anything does.
@@ -43,9 +40,13 @@ class SampleFormat {
   void store_dithered(const float *values, int64_t x, int64_t y, const PixelBlock &block, int threads) const;
   // Stores a sample in all of a block.
   void fill(double sample, const PixelBlock &block) const;
-  // Stores nothing in pixels of a row that are `empty`: alpha 0, or nodata; others that have its value go one step
-  // aside.
-  void mark(const uint8_t *empty, const PixelBlock &row, Masked masked) const;
+  // Stores alpha 0 in pixels of a row that are `empty`.
+  void mark_transparent(const uint8_t *empty, const PixelBlock &row) const;
+  // Stores nodata in the colours `first` ... `last` - 1 of pixels of a row that are `empty`; where others have its value,
+  // they go one step aside.
+  void mark_nodata(const uint8_t *empty, const PixelBlock &row, int first, int last) const;
+  // Stores a sample of the source in a channel of all of a block.
+  void state(double sample, int channel, const PixelBlock &block) const;
 
   const SampleType type;
   const int channels, alpha;
@@ -53,10 +54,11 @@ class SampleFormat {
 
  private:
   template <class T>
-  void mark_as(const uint8_t *empty, T *row, int64_t columns) const;
+  T beside_nodata(int channel) const;
 
-  bool is_mapped_;
-  double from_, to_;  // the range of colours
+  bool is_mapped_, is_source_;             // whether samples are of the source's type
+  std::vector<double> from_, to_;          // [C] the range that is stored
+  std::vector<double> source_from_, source_to_;  // [C] the source's
   double nodata_;
   std::vector<float> low_, span_;  // [C]
 };

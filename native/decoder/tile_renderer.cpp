@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/thread_pool.hpp"
@@ -83,11 +84,11 @@ int64_t bytes_of(const std::vector<T> &held) {
 
 TileRenderer::TileRenderer(const Header &header, Bytes payload, int threads, const DecoderSettings &settings)
     : settings_(settings) {
-  const TileChunk chunk = decode_tile_chunk(header, payload);
+  TileChunk chunk = decode_tile_chunk(header, payload);
   header_ = header.of_tile(chunk.number);
   place_ = header.grid().rect(chunk.number);
   is_empty_ = chunk.is_empty;
-  mask_ = chunk.mask;
+  masks_ = std::move(chunk.masks), exact_ = std::move(chunk.exact);
   facts_.mask_bytes = int64_t(payload.size - (is_empty_ ? 0 : chunk.model.size));
   gaussians_.channels = header_.spec.channels;
   if (is_empty_) return;
@@ -118,7 +119,12 @@ int64_t TileRenderer::memory() const {
   if (texture_)
     bytes +=
         bytes_of(texture_->corner) + bytes_of(texture_->log_size) + texture_->amplitude_count * int64_t(sizeof(float));
-  return bytes + (mask_ ? mask_->memory() : 0);
+  const MaskTree *before = nullptr;
+  for (const BandMask &mask : masks_) {
+    if (mask.tree && mask.tree.get() != before) bytes += mask.tree->memory();
+    before = mask.tree.get();
+  }
+  return bytes + bytes_of(exact_);
 }
 
 void TileRenderer::prepare(const PictureView &view, int threads) {

@@ -34,7 +34,7 @@ struct DecoderSettings {
 struct TileFacts {
   int64_t seeds = 0;
   std::array<double, kParts> bits{};
-  int64_t mask_bytes = 0;  // of its mask and number
+  int64_t mask_bytes = 0;  // of its number, masks and exact samples
   uint32_t symbol_crc = 0;
   int64_t texture_cells[3] = {};  // of sides 8, 16, 32
 };
@@ -53,8 +53,10 @@ class TileRenderer {
 
   const TileFacts &facts() const { return facts_; }
   bool is_empty() const { return is_empty_; }
-  // Which of its pixels hold nothing; null where all hold something.
-  const MaskTree *mask() const { return mask_.get(); }
+  // Which of its pixels hold nothing: one mask for all bands, one for each colour, or none where all hold something.
+  const std::vector<BandMask> &masks() const { return masks_; }
+  // Samples that are stated exactly, by ascending place.
+  const std::vector<ExactSample> &exact() const { return exact_; }
   const PixelRect &place() const { return place_; }  // in the picture
   int64_t memory() const;                            // bytes, about
   // Those that it sums, in its own pixels.
@@ -108,7 +110,8 @@ class TileRenderer {
   Header header_;
   PixelRect place_;
   bool is_empty_;
-  std::shared_ptr<MaskTree> mask_;
+  std::vector<BandMask> masks_;
+  std::vector<ExactSample> exact_;
   TileFacts facts_;
   GaussianSet gaussians_;
   std::vector<double> base_;

@@ -13,6 +13,7 @@ import click
 
 from sgicodec.bench.options import numbers, place, variant
 from sgicodec.errors import OutputExistsError, SgiError, TargetMissedError, UsageError, require
+from sgicodec.metadata.layouts import range_text
 from sgicodec.remote.upload import is_there
 from sgicodec.remote.url import is_url
 
@@ -150,14 +151,16 @@ def compare(
     from sgicodec.metrics.perceptual import perceived
     from sgicodec.metrics.psnr import largest_difference
     from sgicodec.metrics.scores import error_map, scores
-    from sgicodec.picture import without_opaque_alpha
+    from sgicodec.picture import comparable, without_opaque_alpha
 
     if map_path is not None and _exists(map_path) and not force:
         raise OutputExistsError(f"{map_path} exists; give -f to overwrite it")
     reference, other = image.read(a), image.read(b)
     if reference.channels != other.channels:
         reference, other = without_opaque_alpha(reference), without_opaque_alpha(other)
-    first, second = (_scaled(picture.pixels, reference.sample_range) for picture in (reference, other))
+    if reference.pixels.dtype == other.pixels.dtype:  # else the scores say that they cannot be compared
+        other = dataclasses.replace(other, sample_range=reference.sample_range)
+    first, second = comparable(reference), comparable(other)
     found = scores(first, second)
     seen = perceived(to_rgb(_eight_bits(first)), to_rgb(_eight_bits(second)))
     largest = largest_difference(reference.pixels, other.pixels)
@@ -166,7 +169,8 @@ def compare(
         finite = {name: v if v is not None and math.isfinite(v) else None for name, v in figures.items()}
         click.echo(json.dumps(finite))
     else:
-        click.echo(f"PSNR                {found.psnr:.3f} dB")
+        peak = "" if reference.sample_range == (0.0, 255.0) else f" of the range {range_text(reference.sample_range)}"
+        click.echo(f"PSNR                {found.psnr:.3f} dB{peak}")
         click.echo(f"luma PSNR           {found.luma_psnr:.3f} dB")
         click.echo(f"SSIM                {found.ssim:.5f}")
         click.echo(f"MS-SSIM             {found.ms_ssim:.5f}")
@@ -179,12 +183,6 @@ def compare(
         _write_map(map_path, error_map(first, second, gain=gain))
     if fail_under is not None and not found.psnr >= fail_under:
         raise TargetMissedError(f"{b} is at {found.psnr:.3f} dB of {a}, below the {fail_under:g} dB asked for")
-
-
-def _scaled(pixels: npt.NDArray[Any], sample_range: tuple[float, float]) -> npt.NDArray[Any]:
-    """Floating-point samples on the scale where the range is 0..1; integers as they are."""
-    low, high = sample_range
-    return (pixels - low) / (high - low) if pixels.dtype.kind == "f" else pixels
 
 
 def _eight_bits(pixels: npt.NDArray[Any]) -> npt.NDArray[np.uint8]:

@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 from sgicodec import _native
 from sgicodec.bitstream.varint import encode_varint
+from sgicodec.metadata.layouts import SampleRange, alpha_index, band_ranges
 from sgicodec.model.spec import ContextSpec, ModelSpec
 from sgicodec.model.tile_grid import TileGrid
 
@@ -27,8 +28,8 @@ __all__ = [
     "encode_header",
 ]
 
-FORMAT_VERSION = 5
-_FLAGS_OF = {1: 15, 2: 255, 3: 511, 4: 1023, 5: 2047}
+FORMAT_VERSION = 6
+_FLAGS_OF = {1: 15, 2: 255, 3: 511, 4: 1023, 5: 2047, 6: 16383}
 """The versions that can be read, and the flags that each may set; a header states the least that has its flags."""
 
 Masked = Literal["transparent", "nodata"]
@@ -38,6 +39,8 @@ COLOURED_LAYOUTS = ("rgb", "rgba")
 """Those that can be in luma space."""
 SAMPLE_TYPES = ("uint8", "uint16", "float32")
 _SAMPLE_BYTES = (1, 2, 4)
+_LARGEST = {"uint8": 255.0, "uint16": 65535.0}
+"""The sample of an integer type that stands for 1 where no range is stated."""
 _LAYOUTS, _SHAPES = ("adaptive", "uniform"), ("log", "rotation")
 _PROFILES = ("default", "paper")
 
@@ -47,23 +50,25 @@ MAX_TILES = 1 << 20
 MIN_TILE, MAX_APRON = 32, 256
 
 _SKIP, _SEED_SCALES, _GROUPED, _COARSE_FIRST, _TILED, _PREDICTED, _TEXTURE, _LUMA = 1, 2, 4, 8, 16, 128, 256, 512
-_RESTORATION = 1024
+_RESTORATION, _RANGES, _BAND_MASKS, _EXACT = 1024, 2048, 4096, 8192
 _MASKED: dict[Masked | None, int] = {None: 0, "transparent": 32, "nodata": 64}
 
 
 @dataclass(frozen=True)
 class Header:
-    """width, height in pixels; channels: the layout's name; sample_type: numpy's name; sample_range: what 0 and 1 of
-    the model mean. quality: index of the base colour step; family: of the frequency tables. tile: largest side of a
-    tile without its apron, 0 if there is one; apron: how far it reaches over its neighbours. masked: whether tiles say
-    which pixels are "transparent", or "nodata" with the value `nodata`.
+    """width, height in pixels; channels: the layout's name; sample_type: numpy's name; sample_range: the colour samples
+    that 0 and 1 of the model mean, two numbers, or two tuples with one for each band. quality: index of the base colour
+    step; family: of the frequency tables. tile: largest side of a tile without its apron, 0 if there is one; apron: how
+    far it reaches over its neighbours. masked: whether tiles say which pixels are "transparent", or "nodata" with the
+    value `nodata`; has_band_masks: whether they may say so of each band; has_exact: whether they list samples that
+    they state exactly.
     """
 
     width: int
     height: int
     channels: str
     sample_type: str
-    sample_range: tuple[float, float]
+    sample_range: SampleRange
     profile: str
     spec: ModelSpec
     quality: int
@@ -72,6 +77,13 @@ class Header:
     apron: int = 0
     masked: Masked | None = None
     nodata: float = 0.0
+    has_band_masks: bool = False
+    has_exact: bool = False
+
+    @property
+    def colours(self) -> int:
+        """Channels but for alpha."""
+        return self.spec.channels - (alpha_index(self.channels) is not None)
 
     @property
     def grid(self) -> TileGrid:
@@ -95,9 +107,11 @@ def encode_header(header: Header) -> bytes:
     flags = _SKIP * spec.skip + _SEED_SCALES * spec.seed_scales + _GROUPED * (len(context.steps) > 1)
     flags += _COARSE_FIRST * context.coarse_first + _TILED * bool(header.tile) + _MASKED[header.masked]
     flags += _PREDICTED * spec.predicted_seeds + _TEXTURE * spec.texture + _LUMA * spec.luma_space
-    flags += _RESTORATION * spec.restoration
+    flags += _RESTORATION * spec.restoration + _BAND_MASKS * header.has_band_masks + _EXACT * header.has_exact
+    ranges = _stated_ranges(header)
+    flags += _RANGES * (bool(ranges) and (header.sample_type != "float32" or len(ranges) > 1))
     fields = [
-        next(version for version in (2, 3, 4, FORMAT_VERSION) if flags <= _FLAGS_OF[version]),
+        next(version for version in range(2, FORMAT_VERSION + 1) if flags <= _FLAGS_OF[version]),
         header.width,
         header.height,
         spec.channels,
@@ -124,11 +138,21 @@ def encode_header(header: Header) -> bytes:
     if header.tile:
         fields += [header.tile, header.apron]
     payload = b"".join(encode_varint(value) for value in fields)
-    if header.sample_type == "float32":
-        payload += struct.pack("<2f", *header.sample_range)
+    if flags & _RANGES:
+        payload += encode_varint(len(ranges))
+    for low, high in ranges:
+        payload += struct.pack("<2f", low, high)
     if header.masked == "nodata":
         payload += struct.pack("<d", header.nodata)
     return payload
+
+
+def _stated_ranges(header: Header) -> list[tuple[float, float]]:
+    """The ranges that the header states: none of integers that span their type, one where all bands have the same."""
+    ranges = band_ranges(header.sample_range, header.colours)
+    if len(set(ranges)) == 1:
+        ranges = ranges[:1]
+    return [] if ranges == [(0.0, _LARGEST.get(header.sample_type))] else ranges
 
 
 def decode_header(payload: bytes) -> Header:
@@ -136,13 +160,15 @@ def decode_header(payload: bytes) -> Header:
     CorruptStreamError for fields that contradict each other.
     """
     fields = _native.decode_header(payload)
-    low, high = fields.pop("low"), fields.pop("high")
+    channels = LAYOUT_NAMES[fields["channels"]]
+    low, high = (tuple(fields.pop(name))[: alpha_index(channels)] for name in ("low", "high"))
+    same = len(set(zip(low, high, strict=True))) == 1
     return Header(
         **fields
         | {
-            "channels": LAYOUT_NAMES[fields["channels"]],
+            "channels": channels,
             "sample_type": SAMPLE_TYPES[fields["sample_type"]],
-            "sample_range": (low, high),
+            "sample_range": (low[0], high[0]) if same else (low, high),
             "profile": _PROFILES[fields["profile"]],
             "masked": tuple(_MASKED)[fields["masked"]],
             "spec": _spec(fields["spec"]),

@@ -11,7 +11,7 @@ from sgicodec.cli.batch import Batch, batch_items
 from sgicodec.cli.command import HelpfulCommand
 from sgicodec.cli.options import (
     BYTES,
-    FLOAT_RANGE,
+    SAMPLE_RANGE,
     VERBOSE,
     batch_options,
     complete_files,
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from sgicodec.cli.progress import Mode
     from sgicodec.encoder.settings import EncodeSettings
     from sgicodec.image import Alpha
+    from sgicodec.image.used_range import RangeChoice
 
 __all__ = ["encode"]
 
@@ -104,7 +105,7 @@ __all__ = ["encode"]
 @click.option("--steps", type=int, metavar="N", help="Optimisation steps, instead of what -e says.")
 @click.option("--time-limit", type=float, metavar="S", help="Seconds to spend, instead of -e.")
 @click.option("--seed", type=click.IntRange(0, 2**32 - 1), default=0, metavar="N", help="Of the random numbers.")
-@click.option("--float-range", type=FLOAT_RANGE, metavar="LOW,HIGH", help="Samples of float input to cover.")
+@click.option("--range", "sample_range", type=SAMPLE_RANGE, metavar="WHICH", help="Samples: used, type or LOW,HIGH.")
 @click.option(
     "--alpha",
     type=click.Choice(["auto", "band", "none"]),
@@ -140,7 +141,7 @@ def encode(
     skip_existing: bool,
     as_json: bool,
     quiet: bool,
-    float_range: tuple[float, float] | None,
+    sample_range: RangeChoice | None,
     associated: bool,
     verify: bool,
     progress: Mode,
@@ -179,7 +180,8 @@ def encode(
         started = time.monotonic()
         from sgicodec.cli.encode_file import Job, encode_file
 
-        options = (float_range, verify, "off" if many else progress, force, as_json, quiet, verbose, resume, max_memory)
+        shown = "off" if many else progress
+        options = (sample_range, verify, shown, force, as_json, quiet, verbose, resume, max_memory)
         where = (cluster, device, source_at, send_pixels, alpha)
         named = output is not None
         return encode_file(Job(source, target, settings, computes, started, *options, *where, many, named, associated))

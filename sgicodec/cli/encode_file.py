@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from sgicodec.encoder.settings import EncodeSettings
     from sgicodec.executors.executor import Executor
     from sgicodec.image import Alpha, Source
+    from sgicodec.image.used_range import RangeChoice
 
 __all__ = ["Job", "encode_file"]
 
@@ -49,7 +50,7 @@ class Job:
     settings: EncodeSettings
     device: Device
     started: float
-    float_range: tuple[float, float] | None
+    sample_range: RangeChoice | None
     verify: bool
     progress: Mode
     force: bool
@@ -80,7 +81,7 @@ def encode_file(job: Job) -> int:
     origin = sys.stdin.buffer.read() if job.source == STANDARD else job.source
     missed = None
     with ExitStack() as stack:
-        source = stack.enter_context(open_source(origin, sample_range=job.float_range, alpha=job.alpha))
+        source = stack.enter_context(open_source(origin, sample_range=job.sample_range, alpha=job.alpha))
         executor = _executor(job, source, stack)
         checkpoint = Checkpoint(_part(job, stack), job.resume, job.force)
         upload = stack.enter_context(Upload(job.target, StreamError)) if is_url(job.target) else None

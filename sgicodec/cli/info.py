@@ -14,6 +14,7 @@ from sgicodec.cli.json_output import print_json
 from sgicodec.cli.options import complete_files, json_option
 from sgicodec.cli.parts import all_parts, chunk_parts, metadata_bytes, print_parts, whole_bytes
 from sgicodec.cli.paths import STANDARD, display, naming_stream, opened_file, opened_stream
+from sgicodec.metadata.layouts import range_text
 
 if TYPE_CHECKING:
     from sgicodec.bitstream.header import Header
@@ -25,6 +26,7 @@ __all__ = ["info"]
 
 _NO_PLACE = {"place": None, "nodata": None, "resolution": None}
 _DEPTHS = {"uint8": "8 bits", "uint16": "16 bits", "float32": "32-bit float"}
+_WHOLE_TYPE = {"uint8": (0.0, 255.0), "uint16": (0.0, 65535.0)}
 
 
 @click.command(short_help="Show what streams hold.")
@@ -143,8 +145,8 @@ def _lines(summary: StreamSummary | Stream, facts: Mapping[str, Any]) -> dict[st
     """What is printed above the table."""
     channels, count = facts["channels"], facts["channel_count"]
     depth = _DEPTHS[facts["sample_type"]]
-    if facts["sample_type"] == "float32":
-        depth += " from {:g} to {:g}".format(*facts["sample_range"])
+    if facts["sample_range"] != _WHOLE_TYPE.get(facts["sample_type"]):
+        depth += f" from {range_text(facts['sample_range'])}"
     layout = f"{count} bands" if channels == "multi" else channels
     lines = {
         "picture": f"{facts['width']}×{facts['height']}, {layout}, {depth}",

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BYTES",
-    "FLOAT_RANGE",
     "REGION",
+    "SAMPLE_RANGE",
     "SCALE",
     "SIZE",
     "VERBOSE",
@@ -107,8 +107,10 @@ class _Size(_Pattern):
         return None if lacks or 0 in (width, height) else Sized(width, height, exact)
 
 
-class _FloatRange(_Pattern):
-    def read(self, found: re.Match[str]) -> tuple[float, float] | None:
+class _SampleRange(_Pattern):
+    def read(self, found: re.Match[str]) -> str | tuple[float, float] | None:
+        if found[0] in ("used", "type"):
+            return found[0]
         try:
             low, high = (float(part) for part in found.groups())
         except ValueError:
@@ -129,7 +131,7 @@ REGION = _Region("X,Y,W,H", r"(-?\d+),(-?\d+),(\d+),(\d+)", "100,50,256,256")
 BYTES = _Bytes("BYTES", rf"{_NUMBER} ?(?:([kKmMgG])(i?))?B?", "20000, 200kB or 1.5MiB")
 SCALE = _Scale("F", rf"{_NUMBER}(?:/{_NUMBER})?", "0.5 or 1/4")
 SIZE = _Size("WxH", r"(\d*)[xX×](\d*)(!?)", "512x384, 512x, x384 or 512x384!")
-FLOAT_RANGE = _FloatRange("LOW,HIGH", r"([^,]+),([^,]+)", "0,1 or -40,1500.5")
+SAMPLE_RANGE = _SampleRange("used, type or LOW,HIGH", r"used|type|([^,]+),([^,]+)", "used, 0,4095 or -40,1500.5")
 
 
 def verbose_option(command: _Command) -> _Command:

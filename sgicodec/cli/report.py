@@ -13,6 +13,7 @@ from sgicodec.cli.parts import all_parts, print_parts, whole_bytes
 from sgicodec.cli.paths import STANDARD, display
 from sgicodec.cuda.tiles import MOST_CHANNELS
 from sgicodec.device import PROCESSOR
+from sgicodec.metadata.layouts import SampleRange, range_text
 
 if TYPE_CHECKING:
     from sgicodec.encoder.encoded import Encoded
@@ -25,8 +26,8 @@ __all__ = ["Report", "print_report"]
 class Report:
     """Figures of one encode.
 
-    bpp: bits per pixel of the whole stream. psnr: dB over all samples, None if not measured, infinite for no error.
-    parts: bytes of each part, metadata counted as container; they sum to `bytes`.
+    bpp: bits per pixel of the whole stream. psnr: dB over all samples, of a peak that is the sample range; None if not
+    measured, infinite for no error. parts: bytes of each part, metadata counted as container; they sum to `bytes`.
     time_limit: seconds that were allowed. devices: how many tiles each fitted, by the name of a GPU or the processor.
     fallback: why the processor fitted although a GPU was asked for.
     """
@@ -35,6 +36,7 @@ class Report:
     height: int
     channels: str
     sample_type: str
+    sample_range: SampleRange
     bytes: int
     bpp: float
     psnr: float | None
@@ -59,6 +61,7 @@ class Report:
             height=header.height,
             channels=header.channels,
             sample_type=header.sample_type,
+            sample_range=header.sample_range,
             bytes=encoded.size,
             bpp=8 * encoded.size / (header.width * header.height),
             psnr=encoded.psnr,
@@ -88,6 +91,16 @@ def _fallback(plan: Plan, device: str) -> str | None:
     return "there was no GPU that could be used"
 
 
+def _of_range(report: Report) -> str:
+    """What the peak of a PSNR is, where that is not the largest sample of eight bits."""
+    low, high = report.sample_range
+    if report.sample_range == (0.0, 255.0) and report.sample_type == "uint8":
+        return ""
+    if isinstance(low, tuple) or isinstance(high, tuple):
+        return " of the range of each band"
+    return f" of the range {range_text(report.sample_range)}"
+
+
 def _fitted(report: Report) -> str:
     """Which devices fitted, in words."""
     names = [f"the {name}" if name == PROCESSOR else name for name in report.devices]
@@ -108,7 +121,7 @@ def print_report(
         )
         return
     line = f"{display(target, 'stdout')}: {report.bytes:,} bytes, {report.bpp:.3f} bpp, "
-    line += f"PSNR {report.psnr:.2f} dB, " if report.psnr is not None else ""
+    line += f"PSNR {report.psnr:.2f} dB{_of_range(report)}, " if report.psnr is not None else ""
     line += f"{report.gaussians:,} Gaussians, {seconds:.1f} s"
     if report.time_limit is not None and seconds > report.time_limit:
         line += f" ({seconds - report.time_limit:.1f} s beyond the time limit)"

@@ -31,8 +31,12 @@ def converted(header: Header, nodata: float | None, dtype: DTypeLike) -> Header:
 
 
 def _converted_nodata(header: Header, nodata: float, dtype: str) -> float:
-    """Where nodata goes; 0 for one that lies outside the range of samples, or is not a number."""
+    """Where nodata goes; 0 for one that lies outside the range of samples, or is not a number, or where bands have
+    ranges of their own.
+    """
     low, high = header.sample_range
+    if isinstance(low, tuple) or isinstance(high, tuple):
+        return 0.0
     most = full_range(dtype)[1]
     value = most * (nodata - low) / (high - low) if low <= nodata <= high else 0.0
     return float(np.rint(value) if dtype != "float32" else np.float32(value))

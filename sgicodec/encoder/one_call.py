@@ -6,7 +6,7 @@ import os
 import warnings
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.encoder.encoded import Encoded
@@ -16,6 +16,7 @@ from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.errors import PictureError, UsageError
 from sgicodec.image.conversion import as_picture
 from sgicodec.image.source import open_source
+from sgicodec.image.used_range import RangeChoice
 from sgicodec.remote.upload import Upload
 from sgicodec.remote.url import is_url
 
@@ -26,18 +27,20 @@ def encode(
     image: object,
     *,
     channels: str | None = None,
-    sample_range: tuple[float, float] | None = None,
+    sample_range: RangeChoice | None = None,
+    nodata: float | None = None,
     device: Device = ALL_CORES,
     **settings: Any,
 ) -> bytes:
     """The stream of an array [H, W] or [H, W, C], an image of Pillow, a Picture, or a picture file by its path.
 
     settings: those of `EncodeSettings`, such as quality=60, psnr=35, bpp=1.5, size=20_000 (bytes) or effort=3.
-    channels, sample_range: what the channels and the samples of an array mean (`as_picture`).
+    channels, nodata: what the channels of an array are, and which samples were not measured. sample_range: the samples
+    that stand for 0 and 1 of the model: "used", "type", or two numbers (`as_picture`).
 
     Raises UsageError, PictureError for what cannot be read or coded, TargetMissedError for a target out of reach.
     """
-    return _encode(image, None, channels, sample_range, device, settings).data
+    return _encode(image, None, _Samples(channels, sample_range, nodata), device, settings).data
 
 
 def imwrite(
@@ -45,7 +48,8 @@ def imwrite(
     image: object,
     *,
     channels: str | None = None,
-    sample_range: tuple[float, float] | None = None,
+    sample_range: RangeChoice | None = None,
+    nodata: float | None = None,
     device: Device = ALL_CORES,
     **settings: Any,
 ) -> None:
@@ -54,34 +58,42 @@ def imwrite(
     """
     if not isinstance(path, str | os.PathLike):
         raise UsageError(f"a {type(path).__name__} is no path")
+    samples = _Samples(channels, sample_range, nodata)
     if isinstance(path, str) and is_url(path):
         with Upload(path, PictureError) as upload:
             try:
-                _encode(image, upload.path, channels, sample_range, device, settings)
+                _encode(image, upload.path, samples, device, settings)
             finally:
                 if upload.path.exists():  # also where a target was missed
                     upload.send()
         return
     try:
-        _encode(image, Path(path), channels, sample_range, device, settings)
+        _encode(image, Path(path), samples, device, settings)
     except OSError as error:
         raise PictureError(f"{path}: {error.strerror or error}") from error
+
+
+class _Samples(NamedTuple):
+    """What is said of samples, as `as_picture` takes it."""
+
+    channels: str | None
+    sample_range: RangeChoice | None
+    nodata: float | None
 
 
 def _encode(
     image: object,
     output: Path | None,
-    channels: str | None,
-    sample_range: tuple[float, float] | None,
+    samples: _Samples,
     device: Device,
     settings: dict[str, Any],
 ) -> Encoded:
     chosen = _settings(settings)
     listener = _Warner()
-    if isinstance(image, str | os.PathLike) and channels is None:
-        with open_source(os.fspath(image), sample_range=sample_range) as source:
+    if isinstance(image, str | os.PathLike) and samples.channels is None and samples.nodata is None:
+        with open_source(os.fspath(image), sample_range=samples.sample_range) as source:
             return encode_picture(source, chosen, output=output, device=device, progress=listener)
-    picture = as_picture(image, channels=channels, sample_range=sample_range)
+    picture = as_picture(image, **samples._asdict())
     return encode_picture(picture, chosen, output=output, device=device, progress=listener)
 
 

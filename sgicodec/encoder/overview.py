@@ -15,7 +15,7 @@ from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.metadata.layouts import alpha_index
 from sgicodec.model.tile_grid import Rect
-from sgicodec.picture import Picture, from_unit, nodata_mask, to_unit
+from sgicodec.picture import Picture, exact_samples, from_unit, nodata_samples, to_unit
 
 __all__ = ["overview_picture", "overview_settings", "takes_overview"]
 
@@ -55,13 +55,13 @@ def overview_picture(plan: Plan, read: Callable[[int, int, int, int], Picture]) 
     """The picture in small: the mean of all pixels that each of its own covers, colours weighed by alpha.
 
     read: gives the picture of a window (x, y, width, height); it is asked for windows of a tile's size from the top
-    down. A pixel whose centre holds nothing holds nothing; where nodata is around, what was measured counts.
+    down. A sample at whose centre nothing was measured holds nothing; where nodata is around, what was measured counts.
     """
     header, grid = plan.header, plan.header.grid
     columns, rows = overview_size(header.width, header.height)
     down, across = _Boxes(header.height, rows), _Boxes(header.width, columns)
     pixels = np.empty((rows, columns, header.spec.channels), header.sample_type)
-    band = _Band(0, np.zeros((0, columns, header.spec.channels + 1)), np.zeros((0, columns), np.bool_))
+    band = _Band(0, np.zeros((0, columns, 2 * header.spec.channels)), np.zeros((0, columns, header.colours), np.bool_))
     for row in range(grid.down.count):
         bottom = grid.down.edge(row + 1)
         band = band.until(down.behind(bottom))
@@ -71,12 +71,13 @@ def overview_picture(plan: Plan, read: Callable[[int, int, int, int], Picture]) 
         done = down.whole(bottom) - band.first
         pixels[band.first : band.first + done] = _samples(plan, band.total[:done], band.nothing[:done])
         band = _Band(band.first + done, band.total[done:], band.nothing[done:])
-    return Picture(pixels, header.channels, header.sample_range, plan.place_of_windows)
+    blank = header.nodata if header.masked == "nodata" else None
+    return Picture(pixels, header.channels, header.sample_range, blank=blank)
 
 
 class _Band(NamedTuple):
     """Rows of the overview from `first` on that are not finished: sums of weighed samples, and of weights
-    [rows, columns, C + 1]; where the pixel at the centre holds nothing [rows, columns].
+    [rows, columns, 2 C]; where the sample at the centre holds nothing [rows, columns, colours].
     """
 
     first: int
@@ -87,7 +88,8 @@ class _Band(NamedTuple):
         """The same with room for the rows before `behind`."""
         more = behind - self.first - len(self.total)
         total = np.concatenate([self.total, np.zeros((more, *self.total.shape[1:]))])
-        return _Band(self.first, total, np.concatenate([self.nothing, np.zeros((more, total.shape[1]), np.bool_)]))
+        nothing = np.concatenate([self.nothing, np.zeros((more, *self.nothing.shape[1:]), np.bool_)])
+        return _Band(self.first, total, nothing)
 
     def add(self, window: Picture, rect: Rect, down: _Boxes, across: _Boxes) -> None:
         """Counts the pixels of a window."""
@@ -105,10 +107,8 @@ class _Band(NamedTuple):
 def _samples(plan: Plan, total: F64, nothing: NDArray[np.bool_]) -> NDArray[Any]:
     """Means of what was summed up, as samples of the picture's type."""
     header, alpha = plan.header, alpha_index(plan.header.channels)
-    unit, weight = total[..., :-1], np.maximum(total[..., -1:], _TINY)
-    unit[..., :alpha] /= weight if alpha is None else np.maximum(unit[..., alpha:], _TINY)
-    if alpha is not None:
-        unit[..., alpha:] /= weight
+    samples, weights = np.split(total, 2, axis=-1)
+    unit = samples / np.maximum(weights, _TINY)
     pixels = from_unit(unit, header.channels, header.sample_type, header.sample_range).pixels
     if header.masked == "nodata":
         store_nodata(header, pixels[..., :alpha], nothing)
@@ -119,13 +119,17 @@ _TINY = 1e-12
 
 
 def _weighed(part: Picture) -> tuple[F64, NDArray[np.bool_]]:
-    """Samples in 0..1, colours times alpha, then 1 where something was measured [h, w, C + 1]; where nothing was."""
+    """Samples in 0..1 times their weights, then these [h, w, 2 C]: of colours alpha, 0 where they do not follow their
+    neighbours; where nothing was measured [h, w, colours].
+    """
     unit, alpha = to_unit(part).astype(np.float64), part.alpha
-    empty = nodata_mask(part)
+    nodata = nodata_samples(part)
+    weights = np.ones_like(unit)
     if alpha is not None:
-        unit[..., :alpha] *= unit[..., alpha:]
-    unit[empty] = 0
-    return np.concatenate([unit, ~empty[..., None]], axis=-1), empty
+        weights[..., :alpha] = unit[..., alpha:]
+        weights[..., alpha] = ~nodata.all(axis=-1)
+    weights[..., :alpha][nodata | exact_samples(part)] = 0
+    return np.concatenate([unit * weights, weights], axis=-1), nodata
 
 
 @dataclass(frozen=True)

@@ -42,9 +42,10 @@ from sgicodec.executors.executor import Executor, Memory
 from sgicodec.executors.serial import SerialExecutor
 from sgicodec.image.files import whole_file
 from sgicodec.image.lock import locked
-from sgicodec.picture import Picture
+from sgicodec.picture import Picture, nodata_samples
 
 if TYPE_CHECKING:
+    from sgicodec.bitstream.header import Header
     from sgicodec.fit.trainer import Progress
     from sgicodec.image import Source
 
@@ -89,6 +90,8 @@ def encode_picture(
     if not plan.header.tile:
         _memory_of_whole(windows, plan, executor)
         windows = kept(windows)
+    if windows.shape.remark is not None:
+        listener.note(windows.shape.remark)
     windows, plan = without_needless_alpha(windows, plan, listener)
     where = Path(output) if isinstance(output, str) else output
     with locked(where) if isinstance(where, Path) else nullcontext():
@@ -173,8 +176,7 @@ def _encode_whole(job: _Job, executor: Executor | None) -> tuple[Encoded, str | 
     job.listener.planned(plan, 1, _memory_of_whole(job.windows, plan, executor))
     job.listener.stage("load")
     picture = job.windows.read(0, 0, shape.width, shape.height)
-    masked = plan.header.masked if empty_pixels(picture, plan.header.masked).any() else None
-    plan = replace(plan, header=replace(plan.header, masked=masked))
+    plan = replace(plan, header=_header_of_whole(plan.header, picture))
     steps, short, going = 0, False, True
 
     def watch(progress: Progress) -> bool:
@@ -199,6 +201,16 @@ def _encode_whole(job: _Job, executor: Executor | None) -> tuple[Encoded, str | 
         replace(job, verify=False).write(lambda file: file.write(encoded.data))
     devices = {encoding.fitted_by: 1} if encoding.fitted_by else {}
     return replace(encoded, steps=steps, ended_early=short or ending(), psnr=psnr, devices=devices), missed
+
+
+def _header_of_whole(header: Header, picture: Picture) -> Header:
+    """The header of a picture in one tile, which says of masks no more than it needs."""
+    if header.masked == "nodata":
+        nodata = nodata_samples(picture)
+        masked, differ = nodata.any(), bool((nodata != nodata[..., :1]).any())
+    else:
+        masked, differ = empty_pixels(picture, header.masked).any(), False
+    return replace(header, masked=header.masked if masked else None, has_band_masks=differ)
 
 
 def _memory_of_whole(windows: Windows, plan: Plan, executor: Executor | None) -> Memory:

@@ -11,11 +11,11 @@ from sgicodec.bitstream.header import COLOURED_LAYOUTS, MAX_CHANNELS, MAX_SIDE, 
 from sgicodec.bitstream.limits import check_model, check_texture
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.errors import LimitError, PictureError, UsageError
-from sgicodec.metadata.layouts import alpha_index
+from sgicodec.metadata.layouts import SampleRange, alpha_index
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import quality_index
 from sgicodec.model.tile_grid import TileGrid
-from sgicodec.picture import Metadata, Picture, full_range
+from sgicodec.picture import Metadata, Picture
 from sgicodec.profiles.fit_settings import FitSettings
 from sgicodec.version import __version__
 
@@ -24,23 +24,29 @@ __all__ = ["Plan", "Shape", "stream_plan"]
 
 @dataclass(frozen=True)
 class Shape:
-    """What is known of a picture before its pixels are: as in `Picture`, `bands` their number."""
+    """What is known of a picture before its pixels are: as in `Picture`, `bands` their number; remark: as in
+    `SampleUse`.
+    """
 
     width: int
     height: int
     channels: str
     bands: int
     dtype: np.dtype[Any]
-    sample_range: tuple[float, float]
+    sample_range: SampleRange
     metadata: Metadata
     nodata: float | None
+    exact: bool = False
+    eight_bits: bool = False
+    remark: str | None = None
 
     @classmethod
     def of(cls, picture: Picture) -> Shape:
         """That of a picture in memory."""
         bands, dtype = picture.pixels.shape[2], picture.pixels.dtype
         shape = (picture.width, picture.height, picture.channels, bands, dtype)
-        return cls(*shape, picture.sample_range, picture.metadata, picture.nodata)
+        samples = (picture.exact, picture.eight_bits, picture.remark)
+        return cls(*shape, picture.sample_range, picture.metadata, picture.nodata, *samples)
 
 
 @dataclass(frozen=True)
@@ -53,9 +59,21 @@ class Plan:
     settings: EncodeSettings
     software: bytes
     metadata: Metadata | None
-    place_of_windows: Metadata
-    """The metadata that give windows their nodata value."""
+    eight_bits: bool = False
     look: float | None = None
+
+    def of_header(self, window: Picture) -> Picture:
+        """A window as the header describes its samples, without metadata."""
+        header = self.header
+        blank = header.nodata if header.masked == "nodata" else None
+        return Picture(
+            window.pixels,
+            header.channels,
+            header.sample_range,
+            blank=blank,
+            exact=header.has_exact,
+            eight_bits=self.eight_bits,
+        )
 
     def at(self, lmbda: float, quality: int) -> Plan:
         """The same for tiles that are fitted at λ, whatever the goal, with this index of the base colour step."""
@@ -83,13 +101,15 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
         apron=grid.apron,
         masked="nodata" if shape.nodata is not None else "transparent" if alpha_index(shape.channels) else None,
         nodata=shape.nodata or 0.0,
+        has_band_masks=shape.nodata is not None and shape.bands - (alpha_index(shape.channels) is not None) > 1,
+        has_exact=shape.exact,
     )
     if grid.tile and settings.time_limit is not None and settings.asked():
         raise UsageError("a time limit goes with a size, a rate or a PSNR in a single tile only; --tile 0 makes one")
     if settings.ssimulacra2 is not None and grid.tile:
         raise UsageError("a SSIMULACRA 2 score goes with a single tile only; --tile 0 makes one")
     metadata = shape.metadata if settings.metadata else None
-    return Plan(header, settings, _software(settings, fit), metadata, Metadata(geo=shape.metadata.geo))
+    return Plan(header, settings, _software(settings, fit), metadata, shape.eight_bits)
 
 
 def _with_texture_that_fits(spec: ModelSpec, grid: TileGrid) -> ModelSpec:
@@ -106,8 +126,6 @@ def _check_shape(shape: Shape) -> None:
     if bands > MAX_CHANNELS or max(sides) > MAX_SIDE:
         size = f"{sides[0]}×{sides[1]} pixels of {bands} channels"
         raise PictureError(f"{size}; a stream holds at most {MAX_CHANNELS} channels and {MAX_SIDE} pixels a side")
-    if shape.dtype.kind == "u" and shape.sample_range != full_range(shape.dtype):
-        raise UsageError("integer samples span their whole type; only floating-point pictures have another range")
 
 
 def _check_model(spec: ModelSpec, grid: TileGrid) -> None:

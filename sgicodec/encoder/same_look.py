@@ -20,7 +20,7 @@ from sgicodec.encoder.nodata import empty_pixels
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.windows import Windows
 from sgicodec.model.steps import quality_index
-from sgicodec.picture import Picture
+from sgicodec.picture import Picture, exact_samples, nodata_samples
 
 __all__ = ["LookSteps", "log_gradients", "quality_offset", "with_same_look"]
 
@@ -106,12 +106,18 @@ def log_gradients(picture: Picture, masked: Masked | None) -> F64:
     """Logs of the mean squared gradients that _FEATURES name in each block of a picture [n, 4], those left out that
     have pixels without content, in them or beside them. Pictures narrower than a block have none.
     """
-    low, high = picture.sample_range
-    colours = (picture.pixels[..., :3].astype(np.float64) - low) / (high - low)
+    low, high = (np.asarray(level, np.float64) for level in picture.sample_range)
+    with np.errstate(invalid="ignore"):
+        colours = np.clip((picture.pixels[..., :3].astype(np.float64) - low) / (high - low), 0.0, 1.0)
+        colours = np.rint(255 * colours) / 255 if picture.eight_bits else colours
     found = [
         _block_means(_squared_gradient(_reduced(colours @ plane, octave)), octave) for plane, octave, *_ in _FEATURES
     ]
-    empty = _block_means(empty_pixels(picture, masked).astype(np.float64), 0) > 0
+    if masked == "transparent":
+        unseen = empty_pixels(picture, masked)
+    else:
+        unseen = np.asarray((nodata_samples(picture) | exact_samples(picture)).any(axis=-1))
+    empty = _block_means(unseen.astype(np.float64), 0) > 0
     beside = empty.copy()  # gradients reach into the next block
     beside[:, :-1] |= empty[:, 1:]
     beside[:-1] |= empty[1:]

@@ -17,6 +17,7 @@ from sgicodec.encoder.adapting import adapts
 from sgicodec.encoder.candidate import Candidate, candidate_of
 from sgicodec.encoder.coded_samples import coded_samples
 from sgicodec.encoder.encoded import Encoded
+from sgicodec.encoder.nodata import bare_samples
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.restoring import Restorer, Strength
 from sgicodec.encoder.same_look import LookSteps
@@ -63,8 +64,9 @@ class Encoding:
         self.ending: Callable[[], bool] = lambda: False
         self.stage: Callable[[str], None] = lambda _: None
         self.spec = plan.header.spec
-        self.unit, self.empty = coded_samples(picture, plan.header.masked)
-        self.stream = TileStream(picture, plan, self.empty, device)
+        bare = bare_samples(picture, plan.header)
+        self.unit, self.empty = coded_samples(picture, plan.header, bare)
+        self.stream = TileStream(picture, plan, self.empty, bare, device)
         self._contrasts = TextureContrasts(self.tuning, self.unit)
         if self.spec.luma_space:
             self.unit = np.tensordot(to_luma_space(self.spec.channels).astype(np.float32), self.unit, axes=1)

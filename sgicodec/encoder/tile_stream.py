@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.bitstream.header import Header
-from sgicodec.bitstream.parts.tile_chunk import encode_tile_chunk
+from sgicodec.bitstream.parts.tile_chunk import ExactSamples, encode_tile_chunk
 from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
 from sgicodec.encoder.candidate import Candidate, written
 from sgicodec.encoder.encoded import Encoded
+from sgicodec.encoder.nodata import Bare
 from sgicodec.encoder.plan import Plan
 from sgicodec.metrics.psnr import psnr
 from sgicodec.metrics.visual_score import visual_score
@@ -28,11 +29,14 @@ __all__ = ["TileStream"]
 
 @dataclass(frozen=True)
 class TileStream:
-    """Streams of a picture by its plan. empty [H, W]: pixels without content, None if there are none."""
+    """Streams of a picture by its plan. empty [H, W]: pixels that need not be coded, None if there are none; bare: the
+    samples that no model shows.
+    """
 
     picture: Picture
     plan: Plan
     empty: NDArray[np.bool_] | None
+    bare: Bare
     device: Device
 
     def nothing(self, lmbda: float) -> Encoded:
@@ -48,7 +52,7 @@ class TileStream:
         candidate = replace(candidate, header=replace(candidate.header, spec=spec))
         payload, parts = written(candidate)
         data, chunk_bytes = self.assembled(candidate.header, payload)
-        if candidate.header.masked is not None:
+        if candidate.header.masked is not None or candidate.header.has_exact:
             parts["mask"] = chunk_bytes - len(payload)
         seeds = len(candidate.model.layout)
         return Encoded(data, parts, seeds, seeds * candidate.header.spec.per_seed, lmbda)
@@ -73,9 +77,18 @@ class TileStream:
 
     def assembled(self, header: Header, model: bytes | None) -> tuple[bytes, int]:
         """The stream of a payload, None for nothing, and the bytes of its tile's chunk."""
-        buffer, chunk = io.BytesIO(), encode_tile_chunk(header, 0, self.empty, model)
+        buffer, chunk = io.BytesIO(), self.chunk(header, 0, model)
         write_stream(buffer, header, self.plan.software, self.plan.metadata, [chunk])
         return buffer.getvalue(), len(chunk)
+
+    def chunk(self, header: Header, number: int, model: bytes | None) -> bytes:
+        """The payload of chunk T of a model, None for nothing."""
+        empty = self.empty if header.masked == "transparent" else self.bare.nodata
+        exact = None
+        if self.bare.exact is not None:
+            places = np.flatnonzero(self.bare.exact)
+            exact = ExactSamples(places, self.picture.pixels[..., : self.picture.alpha].reshape(-1)[places])
+        return encode_tile_chunk(header, number, empty, model, exact)
 
     @property
     def network_weights(self) -> int:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from sgicodec.bitstream.parts.tile import read_tile
-from sgicodec.bitstream.parts.tile_chunk import decode_tile_chunk, encode_tile_chunk
+from sgicodec.bitstream.parts.tile_chunk import decode_tile_chunk
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.encoder.candidate import Candidate, written
 from sgicodec.encoder.plan import Plan
@@ -169,8 +169,8 @@ def _finished(tile: Encoding, plan: Plan, number: int, candidate: Candidate | No
     if candidate is not None:
         model, parts = written(candidate)
         seeds = len(candidate.model.layout)
-    payload = encode_tile_chunk(header, number, tile.empty, model)
-    if header.masked is not None:
+    payload = tile.stream.chunk(header, number, model)
+    if header.masked is not None or header.has_exact:
         parts["mask"] = len(payload) - len(model or b"")
     coded = time.monotonic()
     decoded = tile.stream.decoded(tile.stream.assembled(tile.plan.header, model)[0])

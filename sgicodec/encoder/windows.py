@@ -47,8 +47,8 @@ def windows_of(picture: Picture | Source) -> Windows:
 
 
 def tile_window(windows: Windows, plan: Plan, number: int) -> Picture:
-    """What a tile covers, with no more metadata than a fit needs."""
-    return replace(windows.read(*plan.header.grid.rect(number)), metadata=plan.place_of_windows)
+    """What a tile covers."""
+    return plan.of_header(windows.read(*plan.header.grid.rect(number)))
 
 
 def kept(windows: Windows) -> Windows:
@@ -87,12 +87,23 @@ class _Kept:
 
 
 class _SourceWindows:
-    """The samples of floats are read once more, for their range."""
+    """All samples are read once more where their range is not known."""
 
     def __init__(self, source: Source) -> None:
-        self._source, header = source, source.header
-        shape = source.width, source.height, source.channels, header.count, source.dtype
-        self.shape = Shape(*shape, source.sample_range, source.metadata, source.nodata)
+        self._source, header, use = source, source.header, source.use
+        self.shape = Shape(
+            source.width,
+            source.height,
+            source.channels,
+            header.count,
+            source.dtype,
+            use.sample_range,
+            source.metadata,
+            source.nodata,
+            use.exact,
+            use.eight_bits,
+            use.remark,
+        )
         self.read, self.memory = source.read, source.memory
 
     def digest(self) -> bytes:

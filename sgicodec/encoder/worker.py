@@ -6,7 +6,7 @@ import atexit
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Generic, NamedTuple, TypeVar
 
@@ -21,6 +21,7 @@ from sgicodec.encoder.windows import Windows, tile_window
 from sgicodec.errors import PictureError
 from sgicodec.executors.executor import Executor
 from sgicodec.image import Alpha, Source, open_source
+from sgicodec.image.used_range import SampleUse
 from sgicodec.picture import Picture
 
 __all__ = ["Job", "ReadingTask", "TileRunner", "TileTask"]
@@ -90,14 +91,13 @@ class ReadingTask(Generic[Result]):
         """What the task makes of the tile. Raises PictureError for another picture than the plan's."""
         header, asked = self.plan.header, time.monotonic()
         with _reading:
-            stated = header.sample_range if header.sample_type == "float32" else None
-            source = _opened(self.place, stated, _ALPHA.get(header.channels, "auto"))
+            use = SampleUse(header.sample_range, header.nodata if header.masked == "nodata" else None, header.has_exact)
+            source = _opened(self.place, use, _ALPHA.get(header.channels, "auto"))
             found = source.width, source.height, source.channels, str(source.dtype)
             if found != (header.width, header.height, header.channels, header.sample_type):
                 raise PictureError(f"{self.place}: this is another picture than the one being encoded")
             window = source.read(*header.grid.rect(number))
-        window = replace(window, metadata=self.plan.place_of_windows)
-        job = Job(window, job.start.later(time.monotonic() - asked))
+        job = Job(self.plan.of_header(window), job.start.later(time.monotonic() - asked))
         return TileTask(self.task, self.device)(number, job)
 
 
@@ -107,8 +107,8 @@ _ALPHA: dict[str, Alpha] = {"multi": "band", "gray": "none", "rgb": "none"}
 
 
 @lru_cache(maxsize=1)
-def _opened(place: str, sample_range: tuple[float, float] | None, alpha: Alpha) -> Source:
-    return open_source(place, sample_range=sample_range, alpha=alpha)
+def _opened(place: str, use: SampleUse, alpha: Alpha) -> Source:
+    return open_source(place, sample_range=use, alpha=alpha)
 
 
 atexit.register(_opened.cache_clear)

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.errors import PictureError, UsageError
-from sgicodec.image.extremes import Extremes
-from sgicodec.image.reader import read
+from sgicodec.errors import UsageError
+from sgicodec.image.reader import pictured, read, use_of
+from sgicodec.image.used_range import RangeChoice
 from sgicodec.metadata.layouts import LAYOUTS
-from sgicodec.picture import Metadata, Picture, full_range
+from sgicodec.picture import Metadata, Picture
 
 __all__ = ["array_picture", "as_picture"]
 
@@ -23,25 +24,31 @@ _PLAIN_MODES = {"L": "gray", "LA": "gray+alpha", "RGB": "rgb", "RGBA": "rgba", "
 
 
 def as_picture(
-    image: object, *, channels: str | None = None, sample_range: tuple[float, float] | None = None
+    image: object,
+    *,
+    channels: str | None = None,
+    sample_range: RangeChoice | None = None,
+    nodata: float | None = None,
 ) -> Picture:
     """The picture of an array, an image of Pillow, or a picture file by its path, its bytes or a file object.
 
     channels: the layout of an array, by default gray, gray+alpha, rgb or rgba by its number of channels, else multi.
-    sample_range: the samples that stand for 0 and 1, as for `read`. Raises UsageError or PictureError.
+    sample_range: the samples that stand for 0 and 1, as for `read`. nodata: the samples of an array that were not
+    measured; of a masked array those that its mask hides, too. Raises UsageError or PictureError.
     """
     if isinstance(image, Picture):
-        if channels is not None or sample_range is not None:
-            raise UsageError("a Picture has its own channels and sample_range")
+        if channels is not None or sample_range is not None or nodata is not None:
+            raise UsageError("a Picture has its own channels, sample_range and nodata")
         return image
     is_pillow = hasattr(image, "getbands") and hasattr(image, "getexif")
     if is_pillow or hasattr(image, "__array__") or hasattr(image, "__array_interface__"):
-        picture = _pillow_picture(image, sample_range) if is_pillow else array_picture(image, channels, sample_range)
-        if is_pillow and channels is not None:
-            raise UsageError("channels is said of arrays; an image of Pillow has a mode")
-        return picture
-    if channels is not None:
-        raise UsageError("channels is said of arrays; a file has its own")
+        if not is_pillow:
+            return array_picture(image, channels, sample_range, nodata)
+        if channels is not None or nodata is not None:
+            raise UsageError("channels and nodata are said of arrays; an image of Pillow has a mode")
+        return _pillow_picture(image, sample_range)
+    if channels is not None or nodata is not None:
+        raise UsageError("channels and nodata are said of arrays; a file has its own")
     if isinstance(image, os.PathLike):
         image = Path(image)
     if isinstance(image, bytearray | memoryview):
@@ -54,9 +61,14 @@ def as_picture(
 
 
 def array_picture(
-    array: object, channels: str | None = None, sample_range: tuple[float, float] | None = None
+    array: object,
+    channels: str | None = None,
+    sample_range: RangeChoice | None = None,
+    nodata: float | None = None,
 ) -> Picture:
     """The picture of samples [H, W] or [H, W, C]: uint8, uint16 or floats, which are kept as float32."""
+    if isinstance(array, np.ma.MaskedArray):
+        array, nodata = _unmasked(array, nodata)
     pixels = np.asarray(array)
     pixels = pixels.astype(pixels.dtype.newbyteorder("="), copy=False)
     if pixels.ndim == 2:
@@ -67,12 +79,38 @@ def array_picture(
         pixels = _as_float32(pixels)
     if pixels.dtype not in (np.uint8, np.uint16, np.float32):
         raise UsageError(f"an array of {pixels.dtype}; convert it to uint8, uint16 or float32 first")
-    if sample_range is not None and pixels.dtype == np.float32 and np.isnan(pixels).any():
-        raise PictureError("the array holds samples that are not a number; replace them by numbers first")
+    if nodata is not None and pixels.dtype.kind == "f":
+        nodata = float(np.float32(nodata))
+    elif nodata is not None and not (0 <= nodata <= np.iinfo(pixels.dtype).max and nodata % 1 == 0):
+        raise UsageError(f"nodata {nodata:g}, which no sample of {pixels.dtype} can have")
     layout = channels or _LAYOUT_OF_COUNT.get(pixels.shape[2], "multi")
     if layout != "multi" and layout not in LAYOUTS:
         raise UsageError(f"channels {channels!r}; there are {', '.join(LAYOUTS)} and multi")
-    return _picture(pixels, layout, sample_range, Metadata())
+    return _picture(pixels, layout, sample_range, Metadata(), nodata)
+
+
+def _unmasked(array: np.ma.MaskedArray[Any, Any], nodata: float | None) -> tuple[NDArray[Any], float | None]:
+    """The samples of a masked array, what is masked as nodata, and that value: the one given, of floats not-a-number,
+    of integers the array's fill value or else one that no sample has. Raises UsageError where all values are taken.
+    """
+    samples, mask = np.array(array.data), np.ma.getmaskarray(array)
+    if not mask.any():
+        return samples, nodata
+    if nodata is None and samples.dtype.kind == "f":
+        nodata = float("nan")
+    elif nodata is None:
+        limits = np.iinfo(samples.dtype)
+        taken = set(np.unique(samples[~mask]).tolist())
+        for value in (int(array.fill_value), 0, int(limits.max), *range(int(limits.max))):
+            if limits.min <= value <= limits.max and value not in taken:
+                nodata = float(value)
+                break
+        else:
+            raise UsageError(f"the mask of an array that uses all values of {samples.dtype}; give nodata")
+    elif (samples[~mask] == nodata).any():
+        raise UsageError(f"nodata {nodata:g} is a sample that is not masked")
+    samples[mask] = nodata
+    return samples, nodata
 
 
 def _as_float32(pixels: NDArray[Any]) -> NDArray[Any]:
@@ -83,7 +121,7 @@ def _as_float32(pixels: NDArray[Any]) -> NDArray[Any]:
     return narrow
 
 
-def _pillow_picture(image: Any, sample_range: tuple[float, float] | None) -> Picture:
+def _pillow_picture(image: Any, sample_range: RangeChoice | None) -> Picture:
     """The upright picture of an image of Pillow, with its ICC profile, EXIF and XMP."""
     from PIL import ImageOps
 
@@ -120,12 +158,12 @@ def _bytes(text: object) -> bytes | None:
 
 
 def _picture(
-    pixels: NDArray[Any], channels: str, sample_range: tuple[float, float] | None, metadata: Metadata
+    pixels: NDArray[Any],
+    channels: str,
+    sample_range: RangeChoice | None,
+    metadata: Metadata,
+    nodata: float | None = None,
 ) -> Picture:
-    if sample_range is None and pixels.dtype.kind == "u":
-        sample_range = full_range(pixels.dtype)
-    elif sample_range is None:
-        found = Extremes(channels, None)
-        found.add(pixels)
-        sample_range = found.range()
-    return Picture(np.ascontiguousarray(pixels), channels, sample_range, metadata)
+    use = use_of(pixels, channels, nodata, sample_range)
+    picture = pictured(np.ascontiguousarray(pixels), channels, use, nodata, metadata)
+    return picture if nodata is None else replace(picture, blank=nodata)

@@ -103,18 +103,13 @@ class Opened:
         return np.asarray(pixels).reshape(rows, -1, self.spec.nchannels)
 
     def finished(self, stored: Samples) -> Samples:
-        """Stored samples of the picture, or of a part, as `Picture` wants them: upright, alpha unassociated.
-
-        Raises PictureError for samples that are not a number, unless that is the nodata value.
-        """
+        """Stored samples of the picture, or of a part, as `Picture` wants them: upright, alpha unassociated."""
         pixels = stored.astype(self.header.dtype, copy=False)
         if self.channels.order is not None:
             pixels = pixels[..., self.channels.order]
         if self.associated:
             pixels = unassociate(pixels)
         pixels = pixels[..., : self.header.count]
-        if pixels.dtype.kind == "f" and (self.nodata is None or not np.isnan(self.nodata)) and np.isnan(pixels).any():
-            raise PictureError("it holds samples that are not a number; replace them by numbers first")
         return upright(pixels, self.orientation)
 
 

@@ -3,32 +3,38 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from sgicodec.errors import PictureError
 from sgicodec.image.access import whole
-from sgicodec.image.extremes import Extremes
 from sgicodec.image.foreign import foreign
 from sgicodec.image.header import MAX_SAMPLES, Probe
 from sgicodec.image.opened import Alpha, Opened, open_picture
 from sgicodec.image.origin import Origin, has_signature, naming, on_disk
+from sgicodec.image.used_range import RangeChoice, SampleUse, UsedRange, stated_use
+from sgicodec.metadata.blobs import Metadata
 from sgicodec.metadata.filebytes import FileBytes
-from sgicodec.picture import Picture, full_range
+from sgicodec.metadata.layouts import alpha_index
+from sgicodec.picture import Picture
 
-__all__ = ["check_whole", "is_picture", "probe", "read"]
+__all__ = ["check_whole", "is_picture", "pictured", "probe", "read", "use_of"]
 
 
 def read(
     origin: Origin,
     *,
     max_samples: int = MAX_SAMPLES,
-    sample_range: tuple[float, float] | None = None,
+    sample_range: RangeChoice | None = None,
     alpha: Alpha = "auto",
 ) -> Picture:
     """Read the first image of a file, of bytes, or of a stream from where it stands.
 
-    sample_range states which colour samples stand for 0 and 1. Without it integers use the full range of
-    their type, floats the range that they are found to have. alpha: "auto" takes for alpha what the file declares as
-    such, "band" codes it as a band like the others, "none" leaves it out.
+    sample_range: which colour samples stand for 0 and 1, "used", "type" or two numbers; by default the type's of eight
+    bits, else the range in use. Samples outside a stated range are clipped. alpha: "auto" takes for alpha what the file
+    declares as such, "band" codes it as a band like the others, "none" leaves it out.
 
     Raises PictureError, one line that names the origin, for what cannot be read whole and faithfully or has
     more than max_samples samples; UsageError for a range that is none.
@@ -37,13 +43,33 @@ def read(
         opened = open_picture(path, alpha=alpha)
         check_whole(opened, max_samples)
         pixels = opened.finished(whole(opened))
-        if sample_range is None and pixels.dtype.kind == "u":
-            sample_range = full_range(pixels.dtype)
-        elif sample_range is None:
-            found = Extremes(opened.header.channels, opened.nodata)
-            found.add(pixels)
-            sample_range = found.range()
-        return Picture(pixels, opened.header.channels, sample_range, opened.metadata)
+        use = use_of(pixels, opened.header.channels, opened.nodata, sample_range)
+        return pictured(pixels, opened.header.channels, use, opened.nodata, opened.metadata)
+
+
+def use_of(pixels: NDArray[Any], channels: str, nodata: float | None, choice: RangeChoice | None) -> SampleUse:
+    """What the samples [H, W, C] of a whole picture are. nodata: the value that is declared as such.
+
+    Raises UsageError, PictureError.
+    """
+    colours = pixels.shape[2] - (alpha_index(channels) is not None)
+    use = stated_use(choice, pixels.dtype, colours)
+    if use is None:
+        found = UsedRange(channels, colours, pixels.dtype, nodata)
+        found.add(pixels)
+        use = found.found()
+    return use
+
+
+def pictured(pixels: NDArray[Any], channels: str, use: SampleUse, nodata: float | None, metadata: Metadata) -> Picture:
+    """The picture of samples whose use is known. Raises PictureError for not-a-number where nodata is another value and
+    the range is stated.
+    """
+    clips = nodata is not None and not (use.exact or np.isnan(nodata))
+    if clips and pixels.dtype.kind == "f" and np.isnan(pixels).any():
+        raise PictureError("it holds samples that are not a number beside nodata; state no sample range to keep them")
+    blank = use.blank if nodata is None else None
+    return Picture(pixels, channels, use.sample_range, metadata, blank, use.exact, use.eight_bits, use.remark)
 
 
 def check_whole(opened: Opened, max_samples: int) -> None:

@@ -13,21 +13,22 @@ import numpy.typing as npt
 from sgicodec.errors import PictureError, UsageError
 from sgicodec.image.access import Access, Tiles, Whole, access
 from sgicodec.image.avif_reader import AvifReader
-from sgicodec.image.extremes import Extremes
 from sgicodec.image.header import MAX_SAMPLES, Probe
 from sgicodec.image.heif_reader import HeifReader
 from sgicodec.image.opened import Alpha, Opened, open_picture
 from sgicodec.image.origin import Origin, naming, on_disk
 from sgicodec.image.raw_reader import RawReader
-from sgicodec.image.reader import check_whole
+from sgicodec.image.reader import check_whole, pictured
 from sgicodec.image.second_reader import SecondReader
+from sgicodec.image.used_range import RangeChoice, SampleUse, UsedRange, stated_use
+from sgicodec.metadata.layouts import SampleRange, alpha_index
 from sgicodec.metadata.orientation import Window, stored_window
-from sgicodec.picture import Metadata, Picture, full_range
+from sgicodec.picture import Metadata, Picture
 
 __all__ = ["Source", "open_source"]
 
 _SCAN_SAMPLES = 1 << 22
-"""Samples of a window by which the range of floats is looked for."""
+"""Samples of a window by which the range in use is looked for."""
 
 _IN_LIBRARY = {"gif": 1, "iff": 1, "jpeg2000": 5, "jpegxl": 6, "pnm": 1, "targa": 1, "webp": 3}
 _IN_LIBRARY |= {SecondReader.kind: 2, AvifReader.kind: 5, HeifReader.kind: 4, RawReader.kind: 4}
@@ -48,10 +49,11 @@ class Source:
         origin: Origin,
         *,
         max_samples: int = MAX_SAMPLES,
-        sample_range: tuple[float, float] | None = None,
+        sample_range: RangeChoice | SampleUse | None = None,
         alpha: Alpha = "auto",
     ) -> None:
-        self._origin, self._max_samples, self._range = origin, max_samples, sample_range
+        self._origin, self._max_samples = origin, max_samples
+        self._use = sample_range if isinstance(sample_range, SampleUse) else None
         with naming(origin), ExitStack() as stack:
             self.path = stack.enter_context(on_disk(origin))
             self._opened: Opened = open_picture(self.path, any_size=True, alpha=alpha)
@@ -60,6 +62,8 @@ class Source:
             if self._opened.kind in _IN_LIBRARY or isinstance(self._access, Whole):
                 check_whole(self._opened, max_samples)
             self._check(1, 1)
+            if not isinstance(sample_range, SampleUse):
+                self._use = stated_use(sample_range, self.dtype, self._colours)
             self._stack = stack.pop_all()
 
     def __enter__(self) -> Source:
@@ -107,23 +111,31 @@ class Source:
     @property
     def nodata(self) -> float | None:
         """The sample value that stands for "nothing was measured here", or None. It may be not-a-number."""
-        return self._opened.nodata
+        declared = self._opened.nodata
+        return self.use.blank if declared is None else declared
 
     @property
-    def sample_range(self) -> tuple[float, float]:
-        """As in `Picture`. For floats without a stated range all pixels are read, once, on first use.
+    def sample_range(self) -> SampleRange:
+        """As in `Picture`."""
+        return self.use.sample_range
 
-        Raises PictureError for infinite samples.
+    @property
+    def use(self) -> SampleUse:
+        """What samples are. For the range in use all pixels are read, once, on first use.
+
+        Raises PictureError for samples that no range does justice to.
         """
-        if self._range is None and self.dtype.kind == "u":
-            self._range = full_range(self.dtype)
-        elif self._range is None:
-            found = Extremes(self.channels, self.nodata)
+        if self._use is None:
+            found = UsedRange(self.channels, self._colours, self.dtype, self._opened.nodata)
             with naming(self._origin):
                 for window in self._scan():
                     found.add(self._pixels(window))
-                self._range = found.range()
-        return self._range
+                self._use = found.found()
+        return self._use
+
+    @property
+    def _colours(self) -> int:
+        return self.header.count - (alpha_index(self.channels) is not None)
 
     def read(self, x: int, y: int, width: int, height: int) -> Picture:
         """The picture of a window whose first pixel is (x, y); its metadata are the whole picture's.
@@ -137,7 +149,7 @@ class Source:
             )
         with naming(self._origin):
             pixels = self._pixels((x, y, width, height))
-        return Picture(pixels, self.channels, self.sample_range, self.metadata)
+            return pictured(pixels, self.channels, self.use, self._opened.nodata, self.metadata)
 
     def memory(self, width: int, height: int) -> int:
         """Bytes that reading windows of width × height pixels one after the other takes at most, the window included.
@@ -182,12 +194,12 @@ def open_source(
     origin: Origin,
     *,
     max_samples: int = MAX_SAMPLES,
-    sample_range: tuple[float, float] | None = None,
+    sample_range: RangeChoice | SampleUse | None = None,
     alpha: Alpha = "auto",
 ) -> Source:
     """Open the first image of a file, of bytes, or of a stream from where it stands, to read it in parts.
 
-    max_samples caps what is held in memory at once, not the picture. sample_range and alpha are as in `read`. Raises
-    PictureError as `read` does for all that the header says.
+    max_samples caps what is held in memory at once, not the picture. sample_range and alpha are as in `read`; a
+    SampleUse is what another one found. Raises PictureError as `read` does for all that the header says.
     """
     return Source(origin, max_samples=max_samples, sample_range=sample_range, alpha=alpha)

@@ -91,9 +91,7 @@ def squared_error(original: Picture, decoded: Picture, weights: F32 | None = Non
     error = 0.0
     for row in range(0, original.height, _ROWS):
         rows = slice(row, row + _ROWS)
-        parts = (
-            Picture(p.pixels[rows], p.channels, original.sample_range, original.metadata) for p in (original, decoded)
-        )
+        parts = (Picture(p.pixels[rows], p.channels, original.sample_range) for p in (original, decoded))
         ours, theirs = (to_unit(part) for part in parts)
         difference = ours.astype(np.float64) - theirs
         if original.alpha is not None:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from sgicodec.decoder.stream import Stream, open_stream
 from sgicodec.errors import CorruptStreamError, UsageError
+from sgicodec.picture import equal_samples
 
 __all__ = ["check_chunk", "checked_settings", "decode_chunk", "encode_chunk", "read_selection"]
 
@@ -36,16 +37,23 @@ def checked_settings(settings: Mapping[str, Any]) -> dict[str, Any]:
     """The settings of an encode. Raises UsageError for others."""
     from sgicodec.encoder.settings import EncodeSettings
 
-    unknown = settings.keys() - EncodeSettings.__dataclass_fields__.keys()
+    unknown = settings.keys() - EncodeSettings.__dataclass_fields__.keys() - set(SAMPLE_SETTINGS)
     if unknown:
         raise UsageError(f"there is no setting {min(unknown)!r}")
-    EncodeSettings(**settings)
+    EncodeSettings(**{name: value for name, value in settings.items() if name not in SAMPLE_SETTINGS})
     return dict(settings)
 
 
-def encode_chunk(chunk: NDArray[Any], channels: str | None, settings: Mapping[str, Any]) -> bytes:
+SAMPLE_SETTINGS = ("sample_range", "nodata")
+"""Settings that say what samples mean."""
+
+
+def encode_chunk(
+    chunk: NDArray[Any], channels: str | None, settings: Mapping[str, Any], fill: float | None = None
+) -> bytes:
     """The stream of a chunk. channels: a layout of pictures; by default gray and rgb for one and three channels, and
-    bands without a meaning for all others: none of them is taken for alpha.
+    bands without a meaning for all others: none of them is taken for alpha. fill: what stands for nothing where no
+    other nodata is set; 0 only where whole rows or columns at the end hold nothing else, as at the edge of an array.
     """
     from sgicodec.encoder.pipeline import encode_all_channels
     from sgicodec.encoder.settings import EncodeSettings
@@ -54,8 +62,23 @@ def encode_chunk(chunk: NDArray[Any], channels: str | None, settings: Mapping[st
     shape = _picture_shape(chunk.shape)
     count = shape[2] if len(shape) == 3 else 1
     layout = channels or {1: "gray", 3: "rgb"}.get(count, "multi")
-    picture = as_picture(np.ascontiguousarray(chunk).reshape(*shape[:2], count), channels=layout)
-    return encode_all_channels(picture, EncodeSettings(**settings))
+    pixels = np.ascontiguousarray(chunk).reshape(*shape[:2], count)
+    samples = {name: settings[name] for name in SAMPLE_SETTINGS if settings.get(name) is not None}
+    if isinstance(samples.get("sample_range"), list):  # as JSON has it
+        samples["sample_range"] = tuple(samples["sample_range"])
+    if "nodata" not in samples and fill is not None and _is_padded(pixels, fill):
+        samples["nodata"] = fill
+    picture = as_picture(pixels, channels=layout, **samples)
+    rest = {name: value for name, value in settings.items() if name not in SAMPLE_SETTINGS}
+    return encode_all_channels(picture, EncodeSettings(**rest))
+
+
+def _is_padded(pixels: NDArray[Any], fill: float) -> bool:
+    """Whether a fill value stands for nothing in [h, w, c]: any other than 0 does where it occurs."""
+    filled = equal_samples(pixels, fill)
+    if fill != 0:
+        return bool(filled.any())
+    return bool(filled[-1].all() or filled[:, -1].all())
 
 
 def decode_chunk(data: bytes, shape: Shape, dtype: np.dtype[Any]) -> NDArray[Any]:

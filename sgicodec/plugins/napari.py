@@ -10,6 +10,7 @@ from typing import Any
 from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.decoder.stream import Stream, open_stream
 from sgicodec.metadata.georeference import resolution
+from sgicodec.metadata.layouts import band_ranges
 from sgicodec.plugins.dask import levels
 from sgicodec.remote.url import has_stream_name, is_url
 
@@ -48,7 +49,8 @@ def _layer(stream: Stream) -> Layer:
     if header.channels in ("rgb", "rgba"):
         options["rgb"] = True
     else:
-        options["contrast_limits"] = list(header.sample_range)
+        ranges = band_ranges(header.sample_range, header.colours)
+        options["contrast_limits"] = [min(low for low, _ in ranges), max(high for _, high in ranges)]
         if stream.ndim == 3:
             options["channel_axis"] = 2
     scale = resolution(stream.metadata.geo, stream.metadata.exif)

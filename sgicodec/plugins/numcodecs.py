@@ -24,7 +24,7 @@ class Sgi(Codec):  # type: ignore[misc]
     """Codes chunks [y, x] and [y, x, c], with any axes of one before, of uint8, uint16 or float32. It is lossy.
 
     channels: a layout of pictures, by default gray, rgb, or bands without a meaning. settings: of `sgicodec.encode`,
-    such as quality=60 and effort=3. Raises UsageError.
+    such as quality=60, effort=3, sample_range and nodata, such as the array's fill value. Raises UsageError.
     """
 
     codec_id = "sgicodec"

@@ -147,9 +147,8 @@ class Slide:
         pixels = stream.read_region(location, level, size)
         shown = level_view(stream.header, self._levels, location, level, size)
         inner, left, top = inner_view(shown, stream.width, stream.height)
-        picture = Picture(
-            pixels.reshape(size[1], size[0], -1), stream.header.channels, stream.header.sample_range, stream.metadata
-        )
+        samples, header = pixels.reshape(size[1], size[0], -1), stream.header
+        picture = Picture(samples, header.channels, header.sample_range, blank=stream.nodata)
         rgba = np.zeros((size[1], size[0], 4), np.uint8)
         part = (slice(top, top + inner.rows), slice(left, left + inner.columns))
         rgba[part] = _rgba(picture)[part]
@@ -186,5 +185,5 @@ def _rgba(picture: Picture) -> NDArray[np.uint8]:
         most = 1.0 if samples.dtype.kind == "f" else float(np.iinfo(samples.dtype).max)
         alpha = np.minimum(alpha, np.rint(255 * np.clip(samples / most, 0, 1)).astype(np.uint8))
         colours = np.ascontiguousarray(picture.pixels[..., : picture.alpha])
-        picture = Picture(colours, WITHOUT_ALPHA[picture.channels], picture.sample_range, picture.metadata)
+        picture = Picture(colours, WITHOUT_ALPHA[picture.channels], picture.sample_range)
     return np.concatenate([to_rgb8(picture), alpha[..., None]], axis=2)

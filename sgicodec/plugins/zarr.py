@@ -42,7 +42,8 @@ class SgiCodec(ArrayBytesCodec, ArrayBytesCodecPartialDecodeMixin):
     """Codes chunks [y, x] and [y, x, c], with any axes of one before, of uint8, uint16 or float32. It is lossy.
 
     channels: a layout of pictures, by default gray, rgb, or bands without a meaning. settings: of `sgicodec.encode`,
-    such as quality=60 and effort=3. Raises UsageError.
+    such as quality=60, effort=3, sample_range and nodata. Samples that have the array's fill value, as beyond its edge,
+    are kept exactly. Raises UsageError.
     """
 
     is_fixed_size = False
@@ -73,7 +74,8 @@ class SgiCodec(ArrayBytesCodec, ArrayBytesCodecPartialDecodeMixin):
         raise NotImplementedError
 
     async def _encode_single(self, chunk_data: NDBuffer, chunk_spec: ArraySpec) -> Buffer:
-        data = await asyncio.to_thread(encode_chunk, chunk_data.as_numpy_array(), self.channels, self.settings)
+        chunk, fill = chunk_data.as_numpy_array(), float(chunk_spec.fill_value)
+        data = await asyncio.to_thread(encode_chunk, chunk, self.channels, self.settings, fill)
         return chunk_spec.prototype.buffer.from_bytes(data)
 
     async def _decode_single(self, chunk_data: Buffer, chunk_spec: ArraySpec) -> NDBuffer:

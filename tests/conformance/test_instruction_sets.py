@@ -23,7 +23,9 @@ def test_symbols_and_pixels(name: str) -> None:
     level = {"uint8": 1, "uint16": 257, "float32": 1 / 255 * np.ptp(usual.header.sample_range)}[str(pixels.dtype)]
     for isa in ISAS:
         stream = open_stream(path, Device(isa=isa))
-        assert np.abs(stream.picture().pixels.astype(float) - pixels).max() <= level
+        found = stream.picture().pixels
+        stated = (found == pixels) | (np.isnan(found) & np.isnan(pixels))
+        np.testing.assert_allclose(np.where(stated, 0, found), np.where(stated, 0, pixels.astype(float)), 0, level)
         assert np.abs(stream.render(scale=0.7) - scaled).max() < 1 / 255
         assert np.abs(stream.render(scale=1 / 16) - usual.render(scale=1 / 16)).max() < 1 / 255
         for number in range(stream.grid.count):

@@ -21,15 +21,16 @@ from sgicodec.bitstream.header import (
     Masked,
 )
 from sgicodec.errors import CorruptStreamError, LimitError, UnsupportedStreamError
+from sgicodec.metadata.layouts import SampleRange
 from sgicodec.model.spec import ContextSpec, ModelSpec
 
 __all__ = ["decode_header"]
 
 MAX_FEATURES, MAX_HIDDEN, MAX_HASH_LEVELS, MAX_HASH_RESOLUTION = 1 << 13, 1 << 12, 32, 1 << 14
 _LAYOUTS, _SHAPES, _PROFILES = ("adaptive", "uniform"), ("log", "rotation"), ("default", "paper")
-_FLAGS_OF = {1: 15, 2: 255, 3: 511, 4: 1023, 5: 2047}
+_FLAGS_OF = {1: 15, 2: 255, 3: 511, 4: 1023, 5: 2047, 6: 16383}
 _SKIP, _SEED_SCALES, _GROUPED, _COARSE_FIRST, _TILED, _PREDICTED, _TEXTURE, _LUMA = 1, 2, 4, 8, 16, 128, 256, 512
-_RESTORATION = 1024
+_RESTORATION, _RANGES, _BAND_MASKS, _EXACT = 1024, 2048, 4096, 8192
 _MASKED: dict[Masked | None, int] = {None: 0, "transparent": 32, "nodata": 64}
 
 
@@ -78,16 +79,20 @@ def decode_header(payload: bytes) -> Header:
         raise CorruptStreamError(f"header: {channels} channels cannot be {layout_name}")
     tile = fields.take("the tile size", MIN_TILE, MAX_SIDE) if flags & _TILED else 0
     apron = fields.take("the apron", 0, min(tile // 4, MAX_APRON)) if flags & _TILED else 0
-    sample_range = {"uint8": (0.0, 255.0), "uint16": (0.0, 65535.0)}.get(sample_type) or _range(fields)
+    colours = channels - (layout_name in ("gray+alpha", "rgba"))
+    sample_range = _ranges(fields, sample_type, colours, bool(flags & _RANGES))
     masked = _masked(flags, layout_name)
     nodata = fields.unpack("the nodata value", "<d")[0] if masked == "nodata" else 0.0
+    band_masks, exact = bool(flags & _BAND_MASKS), bool(flags & _EXACT)
+    if band_masks and (masked != "nodata" or colours < 2):
+        raise CorruptStreamError("header: masks of bands without nodata, or of a single band")
     if fields.at != len(payload):
         raise CorruptStreamError("header: longer than its fields")
     if masked == "nodata":
         nodata = _sample(nodata, sample_type)
     header = Header(
         *(width, height, layout_name, sample_type, sample_range, profile, spec, quality, family),
-        *(tile, apron, masked, nodata),
+        *(tile, apron, masked, nodata, band_masks, exact),
     )
     _check_tiles(header)
     return header
@@ -153,8 +158,25 @@ def _sample(value: float, sample_type: str) -> float:
     return value
 
 
-def _range(fields: _Fields) -> tuple[float, float]:
+def _ranges(fields: _Fields, sample_type: str, colours: int, stated: bool) -> SampleRange:
+    whole = {"uint8": 255.0, "uint16": 65535.0}.get(sample_type)
+    if whole is not None and not stated:
+        return 0.0, whole
+    count = fields.take("the sample ranges", 1, colours) if stated else 1
+    if count not in (1, colours):
+        raise CorruptStreamError("header: sample ranges of another number of channels")
+    if count == 1 and stated and whole is None:
+        raise CorruptStreamError("header: a flag for one sample range of floats")
+    lows, highs = zip(*(_range(fields, whole) for _ in range(count)), strict=True)
+    one = len(set(zip(lows, highs, strict=True))) == 1
+    return (lows[0], highs[0]) if one else (lows, highs)
+
+
+def _range(fields: _Fields, whole: float | None) -> tuple[float, float]:
     low, high = fields.unpack("the sample range", "<2f")
-    if not (abs(low) < 1e38 and abs(high) < 1e38 and low < high):
+    sound = abs(low) <= 1e38 and abs(high) <= 1e38 and low < high
+    if sound and whole is not None:
+        sound = low == int(low) >= 0 and high == int(high) <= whole
+    if not sound:
         raise CorruptStreamError(f"header: a sample range of {low:g} to {high:g}")
     return low, high

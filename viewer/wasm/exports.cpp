@@ -46,8 +46,11 @@ void to_rgba(const uint8_t *samples, int channels, ChannelLayout layout, int64_t
 
 // Whether a sum of the model's parts, clipped, is what is shown.
 bool is_plain(const Header &header) {
-  const bool is_whole = header.sample_type != SampleType::u8 || (header.low == 0 && header.high == 255);
-  return is_whole && alpha_of(header) < 0 && header.masked == Masked::none;
+  const auto is = [](const std::vector<double> &all, double value) {
+    return std::all_of(all.begin(), all.end(), [&](double one) { return one == value; });
+  };
+  const bool is_whole = header.sample_type != SampleType::u8 || (is(header.low, 0) && is(header.high, 255));
+  return is_whole && header.alpha() < 0 && header.masked == Masked::none && !header.has_exact;
 }
 
 // Which core of an axis a pixel lies in.

@@ -90,8 +90,27 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
         "rgb8-restored-visual": (Picture(forest, "rgb", (0.0, 255.0)), replace(restored, steps=400)),
         "gray16-restored": (Picture(leaves[..., None], "gray", (0.0, 65535.0)), restored_psnr),
         "rgba8-tiles-restored": (crop_with_alpha, replace(restored, quality=40, tile=100, overview=True)),
+        "multi16-bands": (bare_bands(small), textured),
+        "float-tiles-exact": (bare_floats(crop.pixels), replace(textured, tile=100, overview=True)),
         "one-pixel": (Picture(small[:1, :1], "rgb", (0.0, 255.0)), quick),
     }
+
+
+def bare_bands(photo: np.ndarray) -> Picture:
+    """Bands of unlike range, with nodata of their own and hot pixels."""
+    pixels = (photo[..., [0, 1, 2, 0]] * np.array([3, 5, 7, 40]) + 100).astype(np.uint16)
+    pixels[:20, :30] = pixels[40:, 60:80, 1] = pixels[40:, 60:80, 2] = 0
+    pixels[30, 31], pixels[50, 10, 2] = 65535, 40000
+    return Picture(
+        pixels, "multi", ((100.0, 100.0, 100.0, 0.0), (900.0, 1400.0, 1900.0, 11000.0)), blank=0.0, exact=True
+    )
+
+
+def bare_floats(photo: np.ndarray) -> Picture:
+    """Floats with blanks, not-a-number and infinity."""
+    pixels = photo.astype(np.float32) / 8 - 5
+    pixels[20:70, 60:130], pixels[90, 95], pixels[10, 10, 1] = -9999, np.inf, np.nan
+    return Picture(pixels, "rgb", (-5.0, 27.0), blank=-9999.0, exact=True)
 
 
 def with_any_texture(header: Header, model: TileModel) -> TileModel:

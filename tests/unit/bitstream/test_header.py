@@ -91,5 +91,7 @@ def test_versions_have_their_flags() -> None:
         decode_header(header_of(path, version=5, flags=flags | LUMA))
     with pytest.raises(LimitError, match="the flags"):
         decode_header(header_of(path, version=5, flags=flags | 2 * RESTORATION))
-    with pytest.raises(UnsupportedStreamError, match="reads 1 to 5"):
-        decode_header(header_of(path, version=6))
+    with pytest.raises(CorruptStreamError, match="without anything that needs it"):
+        decode_header(header_of(path, version=6, flags=flags | RESTORATION))
+    with pytest.raises(UnsupportedStreamError, match="reads 1 to 6"):
+        decode_header(header_of(path, version=7))

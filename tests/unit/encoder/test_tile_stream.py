@@ -11,6 +11,7 @@ import pytest
 
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ALL_CORES
+from sgicodec.encoder.nodata import Bare
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile_stream import TileStream
@@ -22,7 +23,7 @@ def stream_of(empty: np.ndarray | None = None, **settings: Any) -> TileStream:
     pixels[..., 3] = 0 if empty is not None else 255
     picture = Picture(pixels, "rgba", (0.0, 255.0), metadata=Metadata(icc=b"12345", xmp=b"123"))
     plan = stream_plan(Shape.of(picture), EncodeSettings(effort=1, tile=0, **settings))
-    return TileStream(picture, plan, empty, ALL_CORES)
+    return TileStream(picture, plan, empty, Bare(None, None), ALL_CORES)
 
 
 def test_nothing_is_a_stream_that_decodes() -> None:

@@ -28,7 +28,7 @@ ODD = Path(__file__).parents[2] / "data" / "pictures"
         (np.dstack([RGB, RGB[..., 0]]), "rgba", (0.0, 255.0)),
         (np.dstack([RGB, RGB]), "multi", (0.0, 255.0)),
         (RGB.astype(np.uint16) * 257, "rgb", (0.0, 65535.0)),
-        (RGB.astype(">u2"), "rgb", (0.0, 65535.0)),
+        (RGB.astype(">u2"), "rgb", (0.0, 255.0)),
         (RGB.astype(np.float64) - 3, "rgb", (float(RGB.min()) - 3, float(RGB.max()) - 3)),
         (RGB[::2, ::-1], "rgb", (0.0, 255.0)),
     ],

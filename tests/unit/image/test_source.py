@@ -20,7 +20,7 @@ from sgicodec.errors import PictureError, UsageError
 from sgicodec.image import Source, access, open_sink, open_source, read, write
 from sgicodec.image.opened import Opened
 from sgicodec.metadata import ifd
-from sgicodec.picture import Metadata, Picture
+from sgicodec.picture import Metadata, Picture, nodata_mask
 
 Save = Callable[..., Path]
 Noise = Callable[..., np.ndarray]
@@ -236,17 +236,24 @@ def test_the_range_of_floats_is_found_in_parts(tmp_path: Path, save: Save, monke
             assert source.read(0, 0, 1, 1).sample_range == (0.0, 1.0)
     pixels[40, 40] = np.inf
     save(tmp_path / "x.tif", pixels)
+    with open_source(tmp_path / "x.tif") as source:
+        window = source.read(30, 30, 20, 20)
+    assert (window.exact, window.sample_range) == (True, (-3.0, 8.0))
+    save(tmp_path / "x.tif", np.full_like(pixels, np.inf))
     with open_source(tmp_path / "x.tif") as source, pytest.raises(PictureError, match=r"x\.tif: .*infinite"):
         source.read(0, 0, 1, 1)
 
 
-def test_not_a_number_is_found_in_its_window(tmp_path: Path, save: Save) -> None:
+@pytest.mark.parametrize("stated", [(0.0, 1.0), None])
+def test_not_a_number_is_nodata_where_nothing_else_is(
+    tmp_path: Path, save: Save, stated: tuple[float, float] | None
+) -> None:
     pixels = np.zeros((60, 70, 1), np.float32)
     pixels[40, 40] = np.nan
-    with open_source(save(tmp_path / "x.tif", pixels, tile=(16, 16)), sample_range=(0.0, 1.0)) as source:
-        assert source.read(0, 0, 40, 60).pixels.max() == 0.0
-        with pytest.raises(PictureError, match=r"x\.tif: .*not a number"):
-            source.read(30, 30, 20, 20)
+    with open_source(save(tmp_path / "x.tif", pixels, tile=(16, 16)), sample_range=stated) as source:
+        assert np.isnan(source.nodata)
+        window = source.read(30, 30, 20, 20)
+    assert np.argwhere(nodata_mask(window)).tolist() == [[10, 10]]
 
 
 def test_paths_bytes_and_streams(files: dict[str, Path]) -> None:

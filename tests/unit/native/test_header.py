@@ -16,6 +16,7 @@ from surgery import HEADER_FIELDS, join, split, with_fields
 from sgicodec import _native
 from sgicodec.bitstream.header import LAYOUT_NAMES, SAMPLE_TYPES, Header
 from sgicodec.errors import SgiError
+from sgicodec.metadata.layouts import band_ranges
 
 GOLDEN = sorted((Path(__file__).parents[2] / "conformance" / "golden").glob("*.sgi"))
 PAYLOADS = [split(path.read_bytes())[0][1] for path in GOLDEN]
@@ -30,8 +31,8 @@ def fields(header: Header) -> dict[str, Any]:
         "height": header.height,
         "channels": LAYOUT_NAMES.index(header.channels),
         "sample_type": SAMPLE_TYPES.index(header.sample_type),
-        "low": header.sample_range[0],
-        "high": header.sample_range[1],
+        "low": levels(header, 0),
+        "high": levels(header, 1),
         "profile": ("default", "paper").index(header.profile),
         "quality": header.quality,
         "family": header.family,
@@ -39,6 +40,8 @@ def fields(header: Header) -> dict[str, Any]:
         "apron": header.apron,
         "masked": (None, "transparent", "nodata").index(header.masked),
         "nodata": header.nodata,
+        "has_band_masks": header.has_band_masks,
+        "has_exact": header.has_exact,
         "spec": {
             **{name: getattr(spec, name) for name in ("channels", "per_seed", "features", "hidden", "skip")},
             **{name: getattr(spec, name) for name in ("seed_scales", "base_cell", "predicted_seeds", "texture")},
@@ -54,6 +57,13 @@ def fields(header: Header) -> dict[str, Any]:
             },
         },
     }
+
+
+def levels(header: Header, end: int) -> list[float]:
+    """What 0 (end 0) or 1 means in each channel: alpha spans its type."""
+    found = [one[end] for one in band_ranges(header.sample_range, header.colours)]
+    largest = {"uint8": 255.0, "uint16": 65535.0, "float32": 1.0}[header.sample_type]
+    return found + [end * largest] * (header.spec.channels - header.colours)
 
 
 def outcome(decode: Callable[[bytes], Any], payload: bytes) -> Any:
@@ -111,8 +121,11 @@ def test_random_bytes_are_judged_alike(payload: bytes) -> None:
 
 
 @given(
-    st.sampled_from([p for p, path in zip(PAYLOADS, GOLDEN, strict=True) if path.stem in ("float", "gray16", "rgb8")]),
-    st.sampled_from([0, 64]),
+    st.sampled_from(
+        [p for p, path in zip(PAYLOADS, GOLDEN, strict=True) if path.stem in ("float", "gray16", "rgb8", "multi8")]
+    ),
+    st.sampled_from([0, 64, 2048, 2112, 4096, 4160, 8192, 10304]),
+    st.sampled_from([b"", b"\1", b"\2", b"\3", b"\5"]),
     st.one_of(
         st.binary(min_size=16, max_size=16),
         st.tuples(st.floats(width=32), st.floats(width=32), st.floats()).map(
@@ -120,10 +133,15 @@ def test_random_bytes_are_judged_alike(payload: bytes) -> None:
         ),
         st.floats().map(lambda number: np.array([number], "<f8").tobytes()),
         st.integers(-2, 65537).map(lambda number: np.array([number], "<f8").tobytes()),
+        st.lists(st.sampled_from([0.0, 1.0, 9.0, 255.0, 4095.0, 65535.0]), min_size=2, max_size=10).map(
+            lambda numbers: np.array(numbers, "<f4").tobytes()
+        ),
     ),
 )
-def test_ranges_and_nodata_are_judged_alike(payload: bytes, flag: int, tail: bytes) -> None:
-    """Whatever the floats at a header's end are."""
-    changed = split(with_fields(join([("H", payload)]), flags=lambda flags: flags | flag))[0][1]
+def test_ranges_and_nodata_are_judged_alike(payload: bytes, flag: int, count: bytes, tail: bytes) -> None:
+    """Whatever the numbers at a header's end are."""
+    tail = count + tail
+    newest = {"version": 6} if flag >= 2048 else {}
+    changed = split(with_fields(join([("H", payload)]), flags=lambda flags: flags | flag, **newest))[0][1]
     at = len(changed) - 8 * (decode_header(payload).sample_type == "float32")
     check(changed[:at] + tail)

@@ -20,13 +20,14 @@ DEVICES = [Device(1), Device(3, "portable")]
 def outcome(header: bytes, payload: bytes, device: Device, checked: bool) -> tuple[object, ...]:
     """What the tile holds, or the error."""
     try:
-        _, _, mask, model = _native.decode_tile_chunk(header, payload)
+        _, _, masks, exact, model = _native.decode_tile_chunk(header, payload)
         read = _native.read_tile(header, model, device.threads, device.isa, checked)
     except SgiError as error:
         return type(error).__name__, str(error)
     texture = None if read.texture is None else [array.tobytes() for array in read.texture[1:]]
     arrays = [array.tobytes() for array in (read.corner, read.log_size, read.decoded, read.base, read.signs)]
-    return read.crc, arrays, read.base_step, read.bits, texture, None if mask is None else mask.nbytes
+    sizes = [(is_all, None if tree is None else tree.nbytes) for is_all, tree in masks]
+    return read.crc, arrays, read.base_step, read.bits, texture, sizes, repr(exact)
 
 
 @pytest.mark.parametrize("seed", range(4))

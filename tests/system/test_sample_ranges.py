@@ -1,0 +1,185 @@
+"""Samples of every depth: quality means the same at any range, and no sample is lost in silence."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import sgicodec
+from sgicodec import image
+from sgicodec.cli.main import cli
+from sgicodec.picture import Picture
+
+PHOTO = image.read(Path(__file__).parents[1] / "data" / "kodim23.png").pixels[100:292, 180:372]
+UNIT = PHOTO / 255.0
+
+
+def decibels(original: np.ndarray, decoded: np.ndarray) -> float:
+    """PSNR of the range in use."""
+    span = float(original.max()) - float(original.min())
+    return 10 * np.log10(span**2 / np.mean((original.astype(float) - decoded) ** 2))
+
+
+def stream_of(pixels: np.ndarray, **settings: Any) -> sgicodec.Stream:
+    settings = {"quality": 60, "effort": 1, "tune": "psnr"} | settings
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)
+        return sgicodec.open(sgicodec.encode(pixels, **settings))
+
+
+def scaled(top: float, low: float = 0.0, dtype: str = "uint16") -> np.ndarray:
+    return (np.rint(UNIT * top) + low).astype(dtype)
+
+
+@pytest.fixture(scope="module")
+def eight_bits() -> tuple[int, float]:
+    with stream_of(PHOTO, tune="visual") as stream:
+        return stream.size, decibels(PHOTO, stream.read())
+
+
+@pytest.mark.parametrize(
+    "pixels",
+    [
+        scaled(1023),
+        scaled(4095),
+        scaled(16383),
+        scaled(65535),
+        scaled(10000),
+        scaled(4080),
+        scaled(4095, -2048, "float32"),
+        (UNIT * 0.37 + 5).astype(np.float32),
+    ],
+    ids=["10 bits", "12", "14", "16", "0-10000", "12 by shift", "signed", "float"],
+)
+def test_quality_means_the_same_at_any_depth(pixels: np.ndarray, eight_bits: tuple[int, float]) -> None:
+    with stream_of(pixels, tune="visual") as stream:
+        decoded = stream.read()
+    assert decoded.dtype == pixels.dtype
+    assert stream.size == pytest.approx(eight_bits[0], rel=0.03)
+    assert decibels(pixels, decoded) == pytest.approx(eight_bits[1], abs=0.3)
+
+
+@pytest.mark.parametrize("tile", [0, 64])
+def test_a_hot_pixel_changes_nothing_else_and_stays(tile: int) -> None:
+    pixels = scaled(4095)
+    with stream_of(pixels, tile=tile) as plain:
+        expected = plain.read()
+    pixels[70, 61], pixels[9, 9, 1] = 65535, 60000
+    with stream_of(pixels, tile=tile) as stream:
+        decoded = stream.read()
+        part = stream.read(region=(58, 68, 8, 8))
+        enlarged = stream.read(scale=2.0)
+    hot = pixels > 4095
+    np.testing.assert_array_equal(decoded[hot], pixels[hot])
+    np.testing.assert_array_equal(part, decoded[68:76, 58:66])
+    assert (enlarged > 4095).sum() == 4 * hot.sum()
+    rest = ~hot.any(axis=-1)
+    assert decibels(pixels[rest], decoded[rest]) == pytest.approx(decibels(pixels[rest], expected[rest]), abs=0.3)
+
+
+def test_bands_of_unlike_range_get_their_due() -> None:
+    tops = np.array([900, 1200, 1500, 9000])
+    bands = np.concatenate([UNIT, UNIT[..., :1]], axis=2) * tops
+    pixels = np.rint(bands).astype(np.uint16)
+    with stream_of(pixels, channels="multi") as stream:
+        decoded = stream.read()
+        assert stream.header.sample_range[1] == (900.0, 1200.0, 1500.0, 9000.0)
+    found = [decibels(pixels[..., band], decoded[..., band]) for band in range(4)]
+    assert max(found) - min(found) < 5
+    assert min(found) > 30
+
+
+@pytest.mark.parametrize("tile", [0, 64])
+@pytest.mark.parametrize("dtype", ["uint8", "uint16", "float32"])
+def test_nodata_of_each_band_is_its_own(dtype: str, tile: int) -> None:
+    """No sample that is valid decodes to nodata, at any scale, and none that is nodata to another value."""
+    pixels = scaled(255, 1 if dtype != "uint8" else 0, dtype)
+    pixels[:60, :50] = 0
+    pixels[:60, 50:100, 1] = 0
+    pixels[100:110, 100:110] = 1  # next to nodata
+    with stream_of(pixels, channels="multi", nodata=0, tile=tile) as stream:
+        np.testing.assert_array_equal(stream.read() == 0, pixels == 0)
+        half = stream.read(scale=0.5)
+        np.testing.assert_array_equal(half == 0, pixels[1::2, 1::2] == 0)
+        twice = stream.read(scale=2.0)
+        np.testing.assert_array_equal(twice == 0, np.repeat(np.repeat(pixels == 0, 2, axis=0), 2, axis=1))
+
+
+@pytest.mark.parametrize("tile", [0, 64])
+def test_not_a_number_and_infinity_come_back(tile: int) -> None:
+    pixels = (UNIT * 40 - 7).astype(np.float32)
+    pixels[20:50, 30:90] = np.nan
+    pixels[3, 4, 1] = np.nan
+    pixels[100, 100] = np.inf
+    with stream_of(pixels, tile=tile) as stream:
+        decoded = stream.read()
+    np.testing.assert_array_equal(np.isnan(decoded), np.isnan(pixels))
+    np.testing.assert_array_equal(np.isinf(decoded), np.isinf(pixels))
+    sound = np.isfinite(pixels)
+    assert np.abs(decoded[sound] - pixels[sound]).mean() < 0.6
+
+
+def test_nodata_and_not_a_number_side_by_side() -> None:
+    pixels = (UNIT * 40 + 7).astype(np.float32)
+    pixels[20:50, 30:90] = -9999
+    pixels[3, 4, 1] = np.nan
+    with stream_of(pixels, nodata=-9999.0) as stream:
+        decoded = stream.read()
+    np.testing.assert_array_equal(decoded == -9999, pixels == -9999)
+    assert np.argwhere(np.isnan(decoded)).tolist() == [[3, 4, 1]]
+
+
+def test_a_picture_of_nothing_but_exact_samples() -> None:
+    pixels = np.full((4, 4), 7.0, np.float32)
+    pixels[:] = np.inf
+    pixels[0, 0] = 1.0
+    with stream_of(np.pad(pixels, ((0, 96), (0, 96)), constant_values=2.0), tile=32) as stream:
+        assert np.isinf(stream.read()).sum() == 15
+
+
+@pytest.mark.parametrize("dtype", ["uint8", "uint16", "float32"])
+def test_masked_arrays_keep_their_mask(dtype: str) -> None:
+    pixels = scaled(200, 20, dtype)
+    mask = np.zeros(pixels.shape, np.bool_)
+    mask[10:40, 20:70] = True
+    mask[80:90, 80:90, 2] = True
+    under = np.where(mask, 240, pixels)
+    with stream_of(np.ma.array(under, mask=mask)) as stream:
+        decoded, nodata = stream.read(), stream.nodata
+    assert nodata is not None
+    np.testing.assert_array_equal(np.isnan(decoded) if np.isnan(nodata) else decoded == nodata, mask)
+    assert decibels(pixels[~mask], decoded[~mask]) > 30
+
+
+def test_a_blank_that_no_tag_declares_is_said_and_kept() -> None:
+    pixels = (UNIT[:96, :96, 0] * 47 - 3).astype(np.float32)
+    pixels[20:29, 20:29] = np.float32(1.70141e38)
+    with pytest.warns(UserWarning, match=r"1\.70141e\+38, which 81 samples have"):
+        decoded = sgicodec.decode(sgicodec.encode(pixels, effort=1))
+    np.testing.assert_array_equal(decoded > 100, pixels > 100)
+    np.testing.assert_array_equal(decoded[20:29, 20:29], pixels[20:29, 20:29])
+
+
+@pytest.mark.parametrize(
+    ("choice", "expected"),
+    [("used", (0.0, 3000.0)), ("type", (0.0, 65535.0)), ("0,4095", (0.0, 4095.0)), (None, (0.0, 3000.0))],
+)
+def test_the_command_line_chooses_a_range(tmp_path: Path, choice: str | None, expected: tuple[float, float]) -> None:
+    picture = Picture(scaled(3000), "rgb", (0.0, 65535.0))
+    image.write(picture, tmp_path / "in.png")
+    given = [] if choice is None else ["--range", choice]
+    found = CliRunner().invoke(cli, ["encode", str(tmp_path / "in.png"), "-e", "1", *given])
+    assert found.exit_code == 0
+    assert sgicodec.open(tmp_path / "in.sgi").header.sample_range == expected
+    assert f"dB of the range {expected[0]:g} to {expected[1]:g}" in found.output
+
+
+def test_other_depths_show_the_range_in_use() -> None:
+    with stream_of(scaled(4095)) as stream:
+        shown = stream.read(dtype="uint8")
+    assert decibels(PHOTO, shown) > 30
