@@ -27,17 +27,19 @@ def encode(
     *,
     channels: str | None = None,
     sample_range: tuple[float, float] | None = None,
+    page: int | None = None,
     device: Device = ALL_CORES,
     **settings: Any,
 ) -> bytes:
     """The stream of an array [H, W] or [H, W, C], an image of Pillow, a Picture, or a picture file by its path.
 
     settings: those of `EncodeSettings`, such as quality=60, psnr=35, bpp=1.5, size=20_000 (bytes) or effort=3.
-    channels, sample_range: what the channels and the samples of an array mean (`as_picture`).
+    channels, sample_range: what the channels and the samples of an array mean (`as_picture`). page: of a file that
+    holds several, from 1; without it the first, and a warning.
 
     Raises UsageError, PictureError for what cannot be read or coded, TargetMissedError for a target out of reach.
     """
-    return _encode(image, None, channels, sample_range, device, settings).data
+    return _encode(image, None, channels, sample_range, page, device, settings).data
 
 
 def imwrite(
@@ -46,6 +48,7 @@ def imwrite(
     *,
     channels: str | None = None,
     sample_range: tuple[float, float] | None = None,
+    page: int | None = None,
     device: Device = ALL_CORES,
     **settings: Any,
 ) -> None:
@@ -57,13 +60,13 @@ def imwrite(
     if isinstance(path, str) and is_url(path):
         with Upload(path, PictureError) as upload:
             try:
-                _encode(image, upload.path, channels, sample_range, device, settings)
+                _encode(image, upload.path, channels, sample_range, page, device, settings)
             finally:
                 if upload.path.exists():  # also where a target was missed
                     upload.send()
         return
     try:
-        _encode(image, Path(path), channels, sample_range, device, settings)
+        _encode(image, Path(path), channels, sample_range, page, device, settings)
     except OSError as error:
         raise PictureError(f"{path}: {error.strerror or error}") from error
 
@@ -73,14 +76,22 @@ def _encode(
     output: Path | None,
     channels: str | None,
     sample_range: tuple[float, float] | None,
+    page: int | None,
     device: Device,
     settings: dict[str, Any],
 ) -> Encoded:
     chosen = _settings(settings)
     listener = _Warner()
-    if isinstance(image, str | os.PathLike) and channels is None:
-        with open_source(os.fspath(image), sample_range=sample_range) as source:
+    if isinstance(image, bytearray | memoryview):
+        image = bytes(image)
+    if channels is None and (isinstance(image, str | bytes | os.PathLike) or hasattr(image, "read")):
+        origin = os.fspath(image) if isinstance(image, os.PathLike) else image
+        with open_source(origin, sample_range=sample_range, page=page) as source:  # type: ignore[arg-type]
+            if page is None and source.pages > 1:
+                warnings.warn(f"the first of {source.pages} pages; page chooses another", stacklevel=3)
             return encode_picture(source, chosen, output=output, device=device, progress=listener)
+    if page is not None:
+        raise UsageError("page is said of files; give the array or the image of that page")
     picture = as_picture(image, channels=channels, sample_range=sample_range)
     return encode_picture(picture, chosen, output=output, device=device, progress=listener)
 

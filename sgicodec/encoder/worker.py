@@ -53,7 +53,7 @@ class TileRunner:
         device = executor.device(self._device, len(numbers))
         ready = None if plan.settings.time_limit is None else make_ready
         if executor.place is not None and window is None:
-            reading = ReadingTask(plan, executor.place, task, device)
+            reading = ReadingTask(plan, executor.place, task, device, self._windows.page)
             return executor.run(reading, numbers, lambda number: Job(None, start(number)), ready)
 
         def job(number: int) -> Job:
@@ -79,19 +79,20 @@ class TileTask(Generic[Result]):
 
 @dataclass(frozen=True)
 class ReadingTask(Generic[Result]):
-    """Reads the tile's pixels from `place`, a path or a URL, which stays open between tiles."""
+    """Reads the tile's pixels from a page of `place`, a path or a URL, which stays open between tiles."""
 
     plan: Plan
     place: str
     task: Task[Result]
     device: Device | NamedDevice
+    page: int | None = None
 
     def __call__(self, number: int, job: Job) -> Result:
         """What the task makes of the tile. Raises PictureError for another picture than the plan's."""
         header, asked = self.plan.header, time.monotonic()
         with _reading:
             stated = header.sample_range if header.sample_type == "float32" else None
-            source = _opened(self.place, stated, _ALPHA.get(header.channels, "auto"))
+            source = _opened(self.place, stated, _ALPHA.get(header.channels, "auto"), self.page)
             found = source.width, source.height, source.channels, str(source.dtype)
             if found != (header.width, header.height, header.channels, header.sample_type):
                 raise PictureError(f"{self.place}: this is another picture than the one being encoded")
@@ -107,8 +108,8 @@ _ALPHA: dict[str, Alpha] = {"multi": "band", "gray": "none", "rgb": "none"}
 
 
 @lru_cache(maxsize=1)
-def _opened(place: str, sample_range: tuple[float, float] | None, alpha: Alpha) -> Source:
-    return open_source(place, sample_range=sample_range, alpha=alpha)
+def _opened(place: str, sample_range: tuple[float, float] | None, alpha: Alpha, page: int | None) -> Source:
+    return open_source(place, sample_range=sample_range, alpha=alpha, page=page)
 
 
 atexit.register(_opened.cache_clear)

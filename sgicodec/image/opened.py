@@ -22,6 +22,7 @@ from sgicodec.image.header import Probe, has_own_numbers, header, is_associated,
 from sgicodec.image.heif_reader import HeifReader
 from sgicodec.image.library import load_openimageio
 from sgicodec.image.origin import first_line
+from sgicodec.image.pages import ONLY, Chosen, check_page, chosen_page
 from sgicodec.image.raw_reader import RawReader
 from sgicodec.image.second_reader import SecondReader
 from sgicodec.image.slide_reader import SlideReader, is_slide
@@ -29,6 +30,7 @@ from sgicodec.metadata import embedded, geo, ifd, placement, png
 from sgicodec.metadata.filebytes import FileBytes
 from sgicodec.metadata.layouts import alpha_index
 from sgicodec.metadata.orientation import upright
+from sgicodec.metadata.pages import PageBytes
 from sgicodec.picture import Metadata
 
 if TYPE_CHECKING:
@@ -52,7 +54,7 @@ _LIFTING = threading.Lock()
 class Opened:
     """An open file. `image` is an `ImageInput`, a `DecodedPicture` or a `SlideReader`; `spec` and `kind` are
     OpenImageIO's header and format name; `header` and `metadata` are those of the upright picture. channels: what the
-    file declares of them; associated: whether colours are multiplied by alpha.
+    file declares of them; associated: whether colours are multiplied by alpha; page: which of the file's it is.
     """
 
     path: Path
@@ -63,6 +65,7 @@ class Opened:
     metadata: Metadata
     channels: Channels
     associated: bool
+    page: Chosen = ONLY
 
     @property
     def orientation(self) -> int:
@@ -87,14 +90,14 @@ class Opened:
             self.image = _open(self.path)
 
     def samples(self, method: Callable[..., Any], rows: int, *where: int) -> Samples:
-        """What a method of `image` reads of the first picture, [rows, columns, C] in the native type.
+        """What a method of `image` reads of the page, [rows, columns, C] in the native type.
 
         where: the method's arguments between those that name the picture and those that name the channels. Any
         complaint raises PictureError: what came with it may be half a picture.
         """
         early = _complaint(self.image, self.path)
         try:
-            pixels = method(0, 0, *where, 0, self.spec.nchannels, self.spec.format)
+            pixels = method(self.page.subimage, 0, *where, 0, self.spec.nchannels, self.spec.format)
         except MemoryError:
             raise PictureError("there is not enough memory for its pixels") from None
         complaint = early or _complaint(self.image, self.path)
@@ -118,33 +121,39 @@ class Opened:
         return upright(pixels, self.orientation)
 
 
-def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto") -> Opened:
+def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto", page: int | None = None) -> Opened:
     """Open a file and read its header and metadata, not its pixels.
 
     any_size: lift OpenImageIO's own limit (32 GiB, or the machine's memory) for a TIFF, which can be read in parts.
     alpha: what the last of two or four channels is: what the file declares, a band like the others, or left out.
+    page: from 1; the first if None.
 
-    Raises PictureError for what cannot be read faithfully, UsageError for another `alpha`.
+    Raises PictureError for what cannot be read faithfully, UsageError for another `alpha` or a page that is not there.
     """
     if alpha not in get_args(Alpha):
         raise UsageError(f"alpha {alpha!r}; it is one of {', '.join(get_args(Alpha))}")
     load_openimageio("reading pictures")
     if is_slide(path):
+        check_page(page, 1)
         slide = SlideReader(path)
         spec, kind = slide.spec(), slide.format_name()
         return Opened(path, slide, spec, kind, header(spec, kind), slide.metadata(), AsIs, False)
     with path.open("rb") as file:
         data = FileBytes(file)
         other = _check(data)
-        found = embedded.extract(data)
         if other is not None:
-            return _foreign_picture(path, other, found, alpha)
+            return _foreign_picture(path, other, embedded.extract(data), alpha, page)
         with _no_size_limit() if any_size and ifd.layout(data) is not None else nullcontext():
-            image = _open(path)
+            image = _open(path, page=page)
+        chosen = _chosen(path, data, image, page)
+        if chosen.directory is not None and chosen.directory.number:
+            data = PageBytes(file, chosen.directory)
+            _refuse(ifd.damage(data))
+        found = embedded.extract(data)
         declared = declared_channels(data, image.format_name())
-        if declared.second:
-            image = _open(path, second=True)
-        spec, kind = _spec(image, data, found), image.format_name()
+        if declared.second or chosen.left_out:
+            image = _open(path, second=True, page=page)
+        spec, kind = _spec(image, data, found, chosen.subimage), image.format_name()
     probe = header(spec, kind, _LAST.get(alpha, declared.last))
     place = found.geo
     if not has_own_numbers(spec):
@@ -153,16 +162,24 @@ def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto") -
     metadata = replace(found, icc=_icc(spec, probe.channels), geo=place)
     has_alpha = declared.last == "alpha" and alpha_index(header(spec, kind).channels) is not None
     associated = has_alpha and alpha != "band" and is_associated(spec, kind)
-    return Opened(path, image, spec, kind, probe, metadata, declared, associated)
+    return Opened(path, image, spec, kind, probe, metadata, declared, associated, chosen)
 
 
-_READERS: dict[str, Callable[[Path], DecodedPicture]] = {"avif": AvifReader, "heif": HeifReader, "raw": RawReader}
+def _chosen(path: Path, data: FileBytes, image: ImageInput | DecodedPicture, page: int | None) -> Chosen:
+    return Chosen(pages=image.pages) if isinstance(image, DecodedPicture) else chosen_page(path, data, image, page)
 
 
-def _foreign_picture(path: Path, found: Foreign, metadata: Metadata, alpha: Alpha) -> Opened:
+_READERS: dict[str, Callable[[Path, int | None], DecodedPicture]] = {
+    "avif": AvifReader,
+    "heif": HeifReader,
+    "raw": RawReader,
+}
+
+
+def _foreign_picture(path: Path, found: Foreign, metadata: Metadata, alpha: Alpha, page: int | None) -> Opened:
     """One that a library of its own decodes. metadata: that in the bytes of the file."""
     try:
-        image = _READERS[found.name](path)
+        image = _READERS[found.name](path, page)
     except MissingExtraError as error:
         raise PictureError(f"it is {found.what}; {error}, or {found.program}") from None
     spec, kind, own = image.spec(), image.kind, image.metadata()
@@ -170,7 +187,8 @@ def _foreign_picture(path: Path, found: Foreign, metadata: Metadata, alpha: Alph
     icc = _fitting(own.icc, probe.channels)
     own = Metadata(icc=icc, exif=own.exif or metadata.exif, xmp=own.xmp or metadata.xmp)
     has_alpha = alpha != "band" and alpha_index(header(spec, kind).channels) is not None
-    return Opened(path, image, spec, kind, probe, own, AsIs, has_alpha and image.associated)
+    associated = has_alpha and image.associated
+    return Opened(path, image, spec, kind, probe, own, AsIs, associated, Chosen(pages=image.pages))
 
 
 def _check(data: FileBytes) -> Foreign | None:
@@ -182,10 +200,13 @@ def _check(data: FileBytes) -> Foreign | None:
     found = foreign(data)
     if found is not None and not _reads(found.name):
         return found
-    damage = png.damage(data) if data[:8] == png.SIGNATURE else ifd.damage(data)
+    _refuse(png.damage(data) if data[:8] == png.SIGNATURE else ifd.damage(data))
+    return None
+
+
+def _refuse(damage: str | None) -> None:
     if damage:
         raise PictureError(damage)
-    return None
 
 
 def _reads(name: str) -> bool:
@@ -195,10 +216,12 @@ def _reads(name: str) -> bool:
     return name in oiio.get_string_attribute("format_list").split(",")
 
 
-def _spec(image: ImageInput | DecodedPicture, data: FileBytes, found: Metadata) -> ImageSpec:
-    """The header of the first picture. An orientation that stands in XMP alone, OpenImageIO does not see."""
+def _spec(image: ImageInput | DecodedPicture, data: FileBytes, found: Metadata, subimage: int) -> ImageSpec:
+    """The header of the page. An orientation that stands in XMP alone, OpenImageIO does not see."""
     import OpenImageIO as oiio
 
+    if not isinstance(image, DecodedPicture):
+        image.seek_subimage(subimage, 0)
     spec = oiio.ImageSpec(image.spec())
     if found.xmp is not None and spec.get("Orientation") is None:
         spec.attribute("Orientation", embedded.orientation_in_xmp(data) or 1)
@@ -218,19 +241,19 @@ def _no_size_limit() -> Iterator[None]:
             oiio.attribute(_SIZE_LIMIT, limit)
 
 
-def _open(path: Path, second: bool = False) -> ImageInput | DecodedPicture:
+def _open(path: Path, second: bool = False, page: int | None = None) -> ImageInput | DecodedPicture:
     """The opened file. second: by Pillow, which else is asked for what is in no format that OpenImageIO knows."""
     import OpenImageIO as oiio  # takes 30 ms: not for those who only decode to arrays
 
     if second:
-        return SecondReader(path)
+        return SecondReader(path, page)
     hints = oiio.ImageSpec()
     hints.attribute("oiio:UnassociatedAlpha", 1)
     image = oiio.ImageInput.open(str(path), hints)
     if image is None:
         complaint = _complaint(oiio, path)
         if any(text in complaint for text in _LEFT_TO_PILLOW) or path.read_bytes()[:2] == b"BM":
-            return SecondReader(path)
+            return SecondReader(path, page)
         raise PictureError(complaint or "it cannot be opened; the file is damaged or cut off")
     if image.format_name() == "null":
         raise PictureError("it stands for OpenImageIO's null picture")

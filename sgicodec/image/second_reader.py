@@ -9,13 +9,17 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from sgicodec.errors import PictureError, require
+from sgicodec.errors import PictureError, UsageError, require
 from sgicodec.image.decoded_picture import DecodedPicture
+from sgicodec.image.pages import check_page
 
 __all__ = ["SecondReader"]
 
 _FORMATS = ("BMP", "DIB", "QOI", "XBM", "XPM", "PCX", "DCX", "ICO", "CUR", "ICNS", "MSP", "SUN", "TGA", "JPEG2000")
 """Those that Pillow reads whole and faithfully, in 8 bits. Damage in others is OpenImageIO's to find."""
+
+_PAGED = ("DCX", "PNG")
+"""Those of which it shows more than the first page; of PNG only the others."""
 
 _COUNTS = {"L": 1, "LA": 2, "RGB": 3, "RGBA": 4}
 
@@ -25,15 +29,23 @@ class SecondReader(DecodedPicture):
 
     kind = "pillow"
 
-    def __init__(self, path: Path) -> None:
-        """Raises PictureError for what Pillow does not read either."""
+    def __init__(self, path: Path, page: int | None = None) -> None:
+        """page: from 1, the first if None. Raises PictureError for what Pillow does not read either, UsageError for a
+        page that is not there.
+        """
         require("PIL", "reading this picture")
         from PIL import Image, UnidentifiedImageError
 
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", Image.DecompressionBombWarning)
-                self._image = Image.open(path, formats=_FORMATS)
+                self._image = Image.open(path, formats=_FORMATS + ("PNG",) * ((page or 1) > 1))
+            self.pages = getattr(self._image, "n_frames", 1) if self._image.format in _PAGED else 1
+            check_page(page, self.pages)
+            if page is not None:
+                self._image.seek(page - 1)
+        except UsageError:
+            raise
         except UnidentifiedImageError:
             raise PictureError("it is in no picture format that OpenImageIO or Pillow reads") from None
         except Exception as error:  # Pillow's readers raise what they like

@@ -14,6 +14,7 @@ import numpy.typing as npt
 from sgicodec.errors import PictureError, require
 from sgicodec.metadata import geo, ifd
 from sgicodec.metadata.filebytes import FileBytes
+from sgicodec.metadata.stacks import resolution_tags
 from sgicodec.metadata.tiff import DESCRIPTION
 from sgicodec.picture import Metadata, Picture
 
@@ -29,11 +30,7 @@ _COMPRESSION, _JPEG_2000 = 259, (33003, 33005)
 """Of Aperio's files, which OpenImageIO reads otherwise."""
 
 _TILE = 512
-_ASCII, _SHORT, _RATIONAL = 2, 3, 5
-_CENTIMETRE = 3
-_MICRONS = 10000
-_MOST = 10**8
-"""Of numerator and denominator of a resolution."""
+_ASCII = 2
 
 
 def is_slide(path: Path) -> bool:
@@ -154,19 +151,7 @@ def _description(properties: Mapping[str, str]) -> bytes | None:
 
 def _resolution(microns: list[str | None]) -> bytes | None:
     """The `geo` blob of pixels of this size."""
-    from fractions import Fraction
-
-    try:
-        ratios = [Fraction(_MICRONS) / Fraction(value or "0") for value in microns]
-    except (ValueError, ZeroDivisionError):
-        return None
-    if not all(0 < ratio < _MOST for ratio in ratios):
-        return None
-    entries: ifd.Directory = {296: ifd.Entry(_SHORT, struct.pack("<H", _CENTIMETRE))}
-    for tag, ratio in zip((282, 283), ratios, strict=True):
-        near = ratio.limit_denominator(int(_MOST / max(1.0, float(ratio))))
-        entries[tag] = ifd.Entry(_RATIONAL, struct.pack("<II", near.numerator, near.denominator))
-    return geo.pack(entries)
+    return geo.pack(resolution_tags(microns))
 
 
 def _reason(error: Exception) -> str:

@@ -40,7 +40,7 @@ class Source:
     """An open picture: what it is at once, its pixels window by window. A context manager; not for several threads.
 
     The pixels are those that `read` gives, bit for bit. What is damaged, or not a number, is found in the window that
-    it is in. path: of the file, or of a copy that lasts as long as this is open.
+    it is in. path: of the file, or of a copy that lasts as long as this is open. page: that was asked for, or None.
     """
 
     def __init__(
@@ -50,11 +50,12 @@ class Source:
         max_samples: int = MAX_SAMPLES,
         sample_range: tuple[float, float] | None = None,
         alpha: Alpha = "auto",
+        page: int | None = None,
     ) -> None:
-        self._origin, self._max_samples, self._range = origin, max_samples, sample_range
+        self._origin, self._max_samples, self._range, self.page = origin, max_samples, sample_range, page
         with naming(origin), ExitStack() as stack:
             self.path = stack.enter_context(on_disk(origin))
-            self._opened: Opened = open_picture(self.path, any_size=True, alpha=alpha)
+            self._opened: Opened = open_picture(self.path, any_size=True, alpha=alpha, page=page)
             stack.callback(lambda: self._opened.image.close())
             self._access: Access = access(self._opened)
             if self._opened.kind in _IN_LIBRARY or isinstance(self._access, Whole):
@@ -73,6 +74,11 @@ class Source:
     def close(self) -> None:
         """Close the file; no window can be read any more."""
         self._stack.close()
+
+    @property
+    def pages(self) -> int:
+        """How many pages the file has."""
+        return self._opened.page.pages
 
     @property
     def header(self) -> Probe:
@@ -184,10 +190,11 @@ def open_source(
     max_samples: int = MAX_SAMPLES,
     sample_range: tuple[float, float] | None = None,
     alpha: Alpha = "auto",
+    page: int | None = None,
 ) -> Source:
-    """Open the first image of a file, of bytes, or of a stream from where it stands, to read it in parts.
+    """Open one image of a file, of bytes, or of a stream from where it stands, to read it in parts.
 
-    max_samples caps what is held in memory at once, not the picture. sample_range and alpha are as in `read`. Raises
-    PictureError as `read` does for all that the header says.
+    max_samples caps what is held in memory at once, not the picture. sample_range, alpha and page are as in `read`.
+    Raises PictureError as `read` does for all that the header says.
     """
-    return Source(origin, max_samples=max_samples, sample_range=sample_range, alpha=alpha)
+    return Source(origin, max_samples=max_samples, sample_range=sample_range, alpha=alpha, page=page)

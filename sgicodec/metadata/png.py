@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from sgicodec.metadata.blobs import Metadata
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["SIGNATURE", "chunk", "damage", "find", "metadata_chunks"]
+__all__ = ["SIGNATURE", "chunk", "damage", "find", "frames", "metadata_chunks"]
 
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _XMP_KEYWORD = b"XML:com.adobe.xmp"
@@ -113,3 +113,16 @@ def chunk(kind: bytes, contents: bytes) -> bytes:
     """A whole chunk: length, kind, contents and their CRC."""
     crc = zlib.crc32(contents, zlib.crc32(kind))
     return struct.pack(">I", len(contents)) + kind + contents + struct.pack(">I", crc)
+
+
+def frames(data: Bytes) -> int:
+    """How many pictures an animated PNG shows, its still one included; 1 of others."""
+    count, still = 1, 1
+    for kind, start, _ in _chunks(data):
+        if kind == b"acTL":
+            count = int.from_bytes(data[start : start + 4], "big")
+        elif kind == b"fcTL":
+            still = 0
+        elif kind == b"IDAT":
+            break
+    return max(1, count + still) if count > 1 else 1

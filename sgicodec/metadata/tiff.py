@@ -11,6 +11,8 @@ from pathlib import Path
 
 from sgicodec.metadata import geo, ifd
 from sgicodec.metadata.filebytes import Bytes, FileBytes
+from sgicodec.metadata.pages import PageBytes
+from sgicodec.metadata.stacks import states_shape, without_shape
 
 __all__ = ["DESCRIPTION", "XMP", "described", "find", "insert"]
 
@@ -29,10 +31,11 @@ _NO_UNIT = ifd.Entry(3, b"\1\0")
 def find(data: Bytes) -> tuple[bytes | None, bytes | None, bytes | None]:
     """EXIF blob, XMP packet and `geo` blob of a TIFF file.
 
-    A directory with nothing but a resolution is no EXIF; the resolution is then in `geo`.
+    A directory with nothing but a resolution is no EXIF; the resolution is then in `geo`. A description that states the
+    shape of a stack is left behind.
     """
     try:
-        directory = ifd.load(data, _EXIF | geo.TAGS | {XMP})
+        directory = without_shape(_of_stack(data) | ifd.load(data, _EXIF | geo.TAGS | {XMP}))
     except struct.error:
         return None, None, None
     xmp = directory.pop(XMP, None)
@@ -41,6 +44,12 @@ def find(data: Bytes) -> tuple[bytes | None, bytes | None, bytes | None]:
     if exif is not None or _says_nothing(directory):
         directory = {tag: item for tag, item in directory.items() if tag not in geo.RESOLUTION}
     return exif, xmp.data if isinstance(xmp, ifd.Entry) else None, geo.pack(directory)
+
+
+def _of_stack(data: Bytes) -> ifd.Directory:
+    """The description of the whole stack, where `data` stands for another page than the first, which has it."""
+    first = ifd.load(data.whole, {DESCRIPTION}) if isinstance(data, PageBytes) else {}
+    return first if states_shape(first) else {}
 
 
 def _says_nothing(directory: ifd.Directory) -> bool:
