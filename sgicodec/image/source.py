@@ -16,6 +16,7 @@ from sgicodec.image.avif_reader import AvifReader
 from sgicodec.image.extremes import Extremes
 from sgicodec.image.header import MAX_SAMPLES, Probe
 from sgicodec.image.heif_reader import HeifReader
+from sgicodec.image.jpeg2000_reader import Jpeg2000Reader
 from sgicodec.image.opened import Alpha, Opened, open_picture
 from sgicodec.image.origin import Origin, naming, on_disk
 from sgicodec.image.raw_reader import RawReader
@@ -30,7 +31,7 @@ _SCAN_SAMPLES = 1 << 22
 """Samples of a window by which the range of floats is looked for."""
 
 _IN_LIBRARY = {"gif": 1, "iff": 1, "jpeg2000": 5, "jpegxl": 6, "pnm": 1, "targa": 1, "webp": 3}
-_IN_LIBRARY |= {SecondReader.kind: 2, AvifReader.kind: 5, HeifReader.kind: 4, RawReader.kind: 4}
+_IN_LIBRARY |= {SecondReader.kind: 2, AvifReader.kind: 5, HeifReader.kind: 4, RawReader.kind: 4, Jpeg2000Reader.kind: 5}
 """Formats that OpenImageIO's own readers, or other libraries, hold whole, and how many times the size of samples that
 takes.
 """
