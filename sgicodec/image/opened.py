@@ -31,6 +31,7 @@ from sgicodec.image.library import load_openimageio
 from sgicodec.image.opening import by_others, complaint, is_openimageio, no_size_limit, open_image
 from sgicodec.image.pages import ONLY, Chosen, check_page, chosen_page
 from sgicodec.image.raw_reader import RawReader
+from sgicodec.image.silence import without_libpng
 from sgicodec.image.slide_reader import SlideReader, is_slide
 from sgicodec.metadata import embedded, geo, ifd, placement, png
 from sgicodec.metadata.filebytes import FileBytes
@@ -99,7 +100,8 @@ class Opened:
         """
         early = complaint(self.image, self.path)
         try:
-            pixels = method(self.page.subimage, 0, *where, 0, self.spec.nchannels, self.spec.format)
+            with without_libpng(self.kind == "png"):
+                pixels = method(self.page.subimage, 0, *where, 0, self.spec.nchannels, self.spec.format)
         except MemoryError:
             raise PictureError("there is not enough memory for its pixels") from None
         found = early or complaint(self.image, self.path)

@@ -15,8 +15,10 @@ from sgicodec.image.inks import Inks, extra_samples
 from sgicodec.image.jpeg2000_reader import Jpeg2000Reader
 from sgicodec.image.origin import first_line
 from sgicodec.image.pages import Chosen
-from sgicodec.image.second_reader import SecondReader
+from sgicodec.image.second_reader import SecondReader, is_seconds
+from sgicodec.image.silence import without_libpng
 from sgicodec.image.tiff_reader import TiffReader, left_to_gdal
+from sgicodec.metadata import png
 from sgicodec.metadata.filebytes import FileBytes
 
 if TYPE_CHECKING:
@@ -48,24 +50,28 @@ def open_image(path: Path, second: bool = False, page: int | None = None) -> Ima
     """The opened file. second: by Pillow, which else is asked for what is in no format that OpenImageIO knows."""
     import OpenImageIO as oiio  # takes 30 ms: not for those who only decode to arrays
 
-    if second:
+    with path.open("rb") as file:
+        head = file.read(16)
+    if second or is_seconds(head):
         return SecondReader(path, page)
     hints = oiio.ImageSpec()
     hints.attribute("oiio:UnassociatedAlpha", 1)
-    image = oiio.ImageInput.open(str(path), hints)
+    with without_libpng(head[:8] == png.SIGNATURE):
+        image = oiio.ImageInput.open(str(path.absolute()), hints)  # "tif" alone would be the format of that name
     if image is None:
         said = complaint(oiio, path)
-        if any(text in said for text in _LEFT_TO_PILLOW) or path.read_bytes()[:2] == b"BM":
+        if any(text in said for text in _LEFT_TO_PILLOW) or head[:2] == b"BM":
             return SecondReader(path, page)
         raise PictureError(said or "it cannot be opened; the file is damaged or cut off")
-    if image.format_name() == "null":
-        raise PictureError("it stands for OpenImageIO's null picture")
     return image
 
 
 def complaint(speaker: Any, path: Path) -> str:
     """What OpenImageIO has to say, without the path, or an empty text."""
-    return first_line(speaker).replace(f'("{path}")', "").replace(str(path), "the file").strip()
+    said = first_line(speaker)
+    for name in (str(path.absolute()), str(path)):
+        said = said.replace(f'("{name}")', "").replace(name, "the file")
+    return said.strip()
 
 
 def by_others(path: Path, data: FileBytes, image: Any, chosen: Chosen, declared: Channels) -> Any:

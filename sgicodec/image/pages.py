@@ -59,7 +59,7 @@ def _counted(path: Path) -> int:
     """How many images OpenImageIO finds in a file. It may be of no use afterwards to the one that has looked."""
     import OpenImageIO as oiio
 
-    image, count = oiio.ImageInput.open(str(path)), 1
+    image, count = oiio.ImageInput.open(str(path.absolute())), 1
     while image is not None and image.seek_subimage(count, 0):
         count += 1
     oiio.geterror() if image is None else image.geterror()

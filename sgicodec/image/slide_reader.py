@@ -26,6 +26,9 @@ __all__ = ["SlideReader", "associated", "is_slide"]
 _SUFFIXES = (".ndpi", ".scn", ".bif", ".mrxs", ".vms", ".vmu", ".svslide", ".czi")
 """Files that seem to be something else: of many the first picture is a small one, or the label."""
 
+_OTHERS = {".vms": b"[", ".vmu": b"[", ".czi": b"ZISRAWFILE"}
+"""How those begin that are no TIFF."""
+
 _COMPRESSION, _JPEG_2000 = 259, (33003, 33005)
 """Of Aperio's files, which OpenImageIO reads otherwise."""
 
@@ -34,17 +37,24 @@ _ASCII = 2
 
 
 def is_slide(path: Path) -> bool:
-    """Whether a file is one that OpenSlide should read, by its name; an Aperio file by how it is compressed."""
+    """Whether a file is one that OpenSlide should read, by its name and how it begins; an Aperio file by how it is
+    compressed.
+    """
     suffix = path.suffix.lower()
-    if suffix in _SUFFIXES:
-        return True
-    if suffix != ".svs":
+    if suffix not in (*_SUFFIXES, ".svs"):
         return False
-    try:
-        with path.open("rb") as file:
-            entry = ifd.load(FileBytes(file), {_COMPRESSION}).get(_COMPRESSION)
-    except struct.error:
-        return False
+    with path.open("rb") as file:
+        data = FileBytes(file)
+        if suffix == ".mrxs":
+            return path.with_suffix("").is_dir()  # the slide; the file is a JPEG
+        if suffix in _OTHERS:
+            return bytes(data[: len(_OTHERS[suffix])]) == _OTHERS[suffix]
+        if suffix != ".svs":
+            return ifd.layout(data) is not None
+        try:
+            entry = ifd.load(data, {_COMPRESSION}).get(_COMPRESSION)
+        except struct.error:
+            return False
     return isinstance(entry, ifd.Entry) and int.from_bytes(entry.data[:2], "little") in _JPEG_2000
 
 
