@@ -16,7 +16,8 @@ from sgicodec.metadata.stacks import states_shape, without_shape
 
 __all__ = ["DESCRIPTION", "XMP", "described", "find", "insert"]
 
-_BYTE = 1
+_BYTE, _SHORT = 1, 3
+_PHOTOMETRIC, _EXTRA_SAMPLES = 262, 338
 _DATETIME = 306
 DESCRIPTION, XMP = 270, 700
 
@@ -67,9 +68,10 @@ def described(exif: bytes | None) -> dict[int, ifd.Entry]:
     return {tag: item for tag, item in found.items() if isinstance(item, ifd.Entry)}
 
 
-def insert(path: Path, exif: bytes | None, xmp: bytes | None, place: bytes | None) -> None:
+def insert(path: Path, exif: bytes | None, xmp: bytes | None, place: bytes | None, bands: int | None = None) -> None:
     """Give the little-endian TIFF file at `path` the tags of an EXIF blob, an XMP packet and a `geo` blob.
 
+    bands: their number where channels have no meaning, which OpenImageIO would call red, green and blue.
     A new first directory is appended and the header made to point at it. The time of writing, which a library
     may have stamped, gives way to the blob's date or to none, so that equal pictures make equal files. Raises
     struct.error for damaged EXIF, and if a classic TIFF has no room left.
@@ -87,6 +89,9 @@ def insert(path: Path, exif: bytes | None, xmp: bytes | None, place: bytes | Non
         if xmp is not None:
             directory[XMP] = ifd.Entry(_BYTE, xmp)
         directory |= geo.load(place)
+        if bands is not None:
+            directory[_PHOTOMETRIC] = ifd.Entry(_SHORT, b"\1\0")  # 0 is black
+            directory |= {_EXTRA_SAMPLES: ifd.Entry(_SHORT, bytes(2 * (bands - 1)))} if bands > 1 else {}
         file.seek(end)
         file.write(ifd.dump(directory, end, big=spelling.big))
         file.seek(spelling.first)
