@@ -5,9 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from sgicodec.errors import UsageError
+from sgicodec.errors import PictureError, UsageError
 from sgicodec.metadata import png
 from sgicodec.metadata.pages import Page, tiff_pages
+from sgicodec.metadata.stacks import images
 
 if TYPE_CHECKING:
     from sgicodec.metadata.filebytes import Bytes
@@ -36,16 +37,24 @@ ONLY = Chosen()
 
 
 def chosen_page(path: Path, data: Bytes, image: Any, page: int | None) -> Chosen:
-    """The page of that number, from 1, of a file that OpenImageIO has opened; the first if None. Raises UsageError."""
+    """The page of that number, from 1, of a file that OpenImageIO has opened; the first if None.
+
+    Raises UsageError for one that is not there, PictureError for one that ImageJ wrote without a directory.
+    """
     kind = image.format_name()
     if kind == "tiff":
         found = tiff_pages(data) or [Page(0, 0)]
         if len(found) > 1 and not image.seek_subimage(found[-1].number, 0):  # levels of a texture, or damage
             image.geterror()
             found = found[:1]
-        check_page(page, len(found))
+        count = max(len(found), images(data))
+        check_page(page, count)
+        if (page or 1) > len(found):
+            raise PictureError(
+                f"its page {page} has no directory of its own, which is not read; save it as a file first"
+            )
         directory = found[(page or 1) - 1]
-        return Chosen(directory.number, len(found), directory)
+        return Chosen(directory.number, count, directory)
     if kind == "png":
         frames = png.frames(data)
         check_page(page, frames)

@@ -11,8 +11,9 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 from sgicodec.metadata import ifd
+from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["resolution_tags", "states_shape", "without_shape"]
+__all__ = ["images", "resolution_tags", "states_shape", "without_shape"]
 
 _DESCRIPTION, _X, _Y, _UNIT = 270, 282, 283, 296
 _ASCII, _SHORT, _RATIONAL = 2, 3, 5
@@ -21,6 +22,7 @@ _MOST = 10**8
 """Of numerator and denominator of a resolution."""
 
 _OME, _IMAGEJ, _SHAPED = (re.compile(form) for form in (rb"OME>\s*\0*\Z", rb"ImageJ=", rb'\{"shape": |shape=\('))
+_IMAGES = re.compile(rb"\AImageJ=[^\0]*^images=([0-9]{1,9})$", re.MULTILINE)
 _SIZE = re.compile(r'\bPhysicalSize([XY])="([^"]*)"')
 _SIZE_UNIT = re.compile(r'\bPhysicalSize[XY]Unit="([^"]*)"')
 _POWER = re.compile(r'\bNominalMagnification="([0-9]{1,4}(?:\.[0-9]{1,4})?)"')
@@ -35,6 +37,15 @@ def states_shape(directory: ifd.Directory) -> bool:
     """Whether the description states the shape of a stack."""
     text = _text(directory)
     return bool(_OME.search(text) or _IMAGEJ.match(text) or _SHAPED.match(text))
+
+
+def images(data: Bytes) -> int:
+    """How many images ImageJ says that a TIFF file holds; 1 if it does not."""
+    try:
+        found = _IMAGES.search(_text(ifd.load(data, {_DESCRIPTION})))
+    except struct.error:
+        return 1
+    return int(found[1]) if found else 1
 
 
 def without_shape(directory: ifd.Directory) -> ifd.Directory:

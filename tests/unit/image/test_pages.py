@@ -13,7 +13,7 @@ import tifffile
 from PIL import Image
 
 import sgicodec
-from sgicodec.errors import UsageError
+from sgicodec.errors import PictureError, UsageError
 from sgicodec.image import open_source, read, write
 from sgicodec.metadata.georeference import resolution
 
@@ -136,6 +136,17 @@ def test_levels_are_no_pages(tmp_path: Path) -> None:
 def test_a_page_that_is_not_there(data: bytes, page: int) -> None:
     with pytest.raises(UsageError, match=f"no page {page}; the picture has 3 pages, counted from 1"):
         read(data, page=page)
+
+
+def test_images_without_a_directory(tmp_path: Path) -> None:
+    """ImageJ writes large stacks so: one directory, and all images behind each other."""
+    tifffile.imwrite(tmp_path / "x.tif", STACK[0], description="ImageJ=1.53\nimages=7\nslices=7\n", metadata=None)
+    with open_source(tmp_path / "x.tif") as source:
+        assert source.pages == 7
+    with pytest.raises(PictureError, match="its page 2 has no directory of its own"):
+        read(tmp_path / "x.tif", page=2)
+    with pytest.raises(UsageError, match="no page 8"):
+        read(tmp_path / "x.tif", page=8)
 
 
 def test_a_picture_that_is_one_page(tmp_path: Path) -> None:
