@@ -88,6 +88,8 @@ def encode_file(job: Job) -> int:
         listener = EncodeListener("off" if job.quiet else job.progress, job.quiet, job.cluster is not None, job.source)
         if job.page is None and source.pages > 1:
             listener.note(f"the first of {source.pages} pages; --page chooses another")
+        for text in source.notes:
+            listener.note(text)
         try:
             with listener:
                 encoded = _encode(job, source, executor, checkpoint, listener, None if upload is None else upload.path)

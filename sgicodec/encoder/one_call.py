@@ -89,6 +89,8 @@ def _encode(
         with open_source(origin, sample_range=sample_range, page=page) as source:  # type: ignore[arg-type]
             if page is None and source.pages > 1:
                 warnings.warn(f"the first of {source.pages} pages; page chooses another", stacklevel=3)
+            for text in source.notes:
+                warnings.warn(text, stacklevel=3)
             return encode_picture(source, chosen, output=output, device=device, progress=listener)
     if page is not None:
         raise UsageError("page is said of files; give the array or the image of that page")

@@ -80,7 +80,7 @@ def header(spec: ImageSpec, kind: str, last: Last = "alpha") -> Probe:
         what = "in tiles" if spec.tile_width else "a single row"
         raise PictureError(f"its 64-bit floats are {what}, which cannot be read; save it as 32-bit floats")
     if is_white_zero(spec) and native not in ("uint8", "uint16"):
-        raise PictureError(f"0 is white in its {native} samples, which no number turns over; invert it first")
+        raise PictureError(f"0 is white in its {native} samples, which cannot be read; invert it first")
     width, height = spec.width, spec.height
     if is_sideways(orientation(spec, kind)):
         width, height = height, width

@@ -54,7 +54,7 @@ _TAGS = (_INK_SET, _EXTRA_SAMPLES)
 class Inks:
     """An open picture of four inks and more samples as RGB, with alpha if one of these is; the others are left out.
 
-    It stands before an `ImageInput` with this header, whose samples it reads.
+    It stands before an `ImageInput` with this header, whose samples it reads. notes: what is left out.
     """
 
     def __init__(self, image: Any, header: ImageSpec, extra: list[int]) -> None:
@@ -62,6 +62,9 @@ class Inks:
         kinds = [kind in (_ASSOCIATED, _UNASSOCIATED) for kind in extra]
         self._alpha = 4 + kinds.index(True) if any(kinds) else None
         self._associated = self._alpha is not None and extra[self._alpha - 4] == _ASSOCIATED
+
+        left_out = len(extra) - any(kinds)
+        self.notes = (f"{left_out} of its samples, beside four inks, are left out",) if left_out else ()
 
     def spec(self) -> ImageSpec:
         """The header in RGB or RGBA, whose alpha is unassociated."""

@@ -82,6 +82,11 @@ class Source:
         return self._opened.page.pages
 
     @property
+    def notes(self) -> tuple[str, ...]:
+        """What is left out of the page."""
+        return getattr(self._opened.image, "notes", ())
+
+    @property
     def header(self) -> Probe:
         """Size, layout, channel count and sample type of the upright picture."""
         return self._opened.header

@@ -15,6 +15,10 @@ SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _XMP_KEYWORD = b"XML:com.adobe.xmp"
 _EXIF_PROFILES = (b"Raw profile type exif", b"Raw profile type APP1")
 
+_OF_IPHONES = (
+    "it is a PNG of an iPhone's app (chunk CgBI), which only Apple's programs read; "
+    "convert it first, as with pngcrush -revert-iphone-optimizations IN a.png"
+)
 _TEXT_MAX = 1 << 26
 """Bytes that a compressed text may grow to."""
 
@@ -35,6 +39,8 @@ def damage(data: Bytes) -> str | None:
             return f"the file is cut off in the PNG chunk {name} at byte {at}"
         if _crc(data, at + 4, end) != int.from_bytes(data[end : end + 4], "big"):
             return f"the PNG chunk {name} at byte {at} is damaged, its CRC does not match"
+        if kind == b"CgBI":
+            return _OF_IPHONES
         kinds.add(kind)
         at = end + 4
     return None if b"IDAT" in kinds else "the PNG file has no pixels, its chunk IDAT is missing"

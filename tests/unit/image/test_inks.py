@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 
 import numpy as np
 import pytest
 import tifffile
 
+import sgicodec
 from sgicodec.image import open_source, read
 
 INKS = np.random.default_rng(5).integers(0, 256, (20, 30, 4)).astype(np.uint8)
@@ -62,6 +64,18 @@ def test_alpha_behind_another_sample(tmp_path: Path) -> None:
     picture = read(save(tmp_path / "x.tif", samples, ["unspecified", "unassalpha"]))
     assert picture.channels == "rgba"
     np.testing.assert_array_equal(picture.pixels[..., 3:], OTHER)
+
+
+@pytest.mark.parametrize(("extra", "left_out"), [(["unassalpha"], 0), (["unspecified"], 1), ([0, 2, 0], 2)])
+def test_what_is_left_out_is_said(tmp_path: Path, extra: list[str], left_out: int) -> None:
+    path = save(tmp_path / "x.tif", np.dstack([INKS, *[OTHER] * len(extra)]), extra)
+    with open_source(path) as source:
+        notes = [f"{left_out} of its samples, beside four inks, are left out"] if left_out else []
+        assert list(source.notes) == notes
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        sgicodec.encode(path, steps=1)
+    assert [str(warning.message) for warning in caught] == notes
 
 
 def test_inks_that_are_not_these_four_stay_bands(tmp_path: Path) -> None:

@@ -176,6 +176,11 @@ def test_content_counts_and_not_the_name(tmp_path: Path, monkeypatch: pytest.Mon
         np.testing.assert_allclose(picture.pixels[3, 5, :3], [200, 100, 50], atol=3, err_msg=name)
 
 
+def test_a_png_of_an_iphone_is_named() -> None:
+    with pytest.raises(PictureError, match=r"chunk CgBI.* pngcrush -revert-iphone-optimizations IN a\.png$"):
+        read(_png(b"CgBI", b"\x50\0\x20\2"))
+
+
 @pytest.mark.parametrize(
     "data",
     [
