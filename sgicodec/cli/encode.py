@@ -113,6 +113,7 @@ __all__ = ["encode"]
     show_default=True,
     help="Take for alpha what the file declares so; code it as a band like the others; or leave it out.",
 )
+@click.option("--page", type=int, metavar="N", help="Page of a file with several, from 1.  [default: the first]")
 @click.option("--metadata/--no-metadata", default=True, show_default=True, help="Keep ICC profile, EXIF and XMP.")
 @click.option("--associated", is_flag=True, help="Write a slide's label and macro beside OUT, as PNG.")
 @click.option("--verify/--no-verify", default=True, show_default=True, help="Decode the stream and measure it.")
@@ -152,6 +153,7 @@ def encode(
     source_at: str | None,
     send_pixels: bool,
     alpha: Alpha,
+    page: int | None,
     threads: int,
     device: str,
     **choices: Any,
@@ -182,7 +184,7 @@ def encode(
 
         shown = "off" if many else progress
         options = (sample_range, verify, shown, force, as_json, quiet, verbose, resume, max_memory)
-        where = (cluster, device, source_at, send_pixels, alpha)
+        where = (cluster, device, source_at, send_pixels, alpha, page)
         named = output is not None
         return encode_file(Job(source, target, settings, computes, started, *options, *where, many, named, associated))
 

@@ -64,6 +64,7 @@ class Job:
     source_at: str | None
     send_pixels: bool
     alpha: Alpha
+    page: int | None
     batch: bool
     named: bool
     associated: bool
@@ -81,11 +82,15 @@ def encode_file(job: Job) -> int:
     origin = sys.stdin.buffer.read() if job.source == STANDARD else job.source
     missed = None
     with ExitStack() as stack:
-        source = stack.enter_context(open_source(origin, sample_range=job.sample_range, alpha=job.alpha))
+        source = stack.enter_context(open_source(origin, sample_range=job.sample_range, alpha=job.alpha, page=job.page))
         executor = _executor(job, source, stack)
         checkpoint = Checkpoint(_part(job, stack), job.resume, job.force)
         upload = stack.enter_context(Upload(job.target, StreamError)) if is_url(job.target) else None
         listener = EncodeListener("off" if job.quiet else job.progress, job.quiet, job.cluster is not None, job.source)
+        if job.page is None and source.pages > 1:
+            listener.note(f"the first of {source.pages} pages; --page chooses another")
+        for text in source.notes:
+            listener.note(text)
         try:
             with listener:
                 encoded = _encode(job, source, executor, checkpoint, listener, None if upload is None else upload.path)

@@ -63,7 +63,7 @@ class _Colours:
     def __init__(self, windows: Windows) -> None:
         self._windows, shape = windows, windows.shape
         self.shape = replace(shape, channels=WITHOUT_ALPHA[shape.channels], bands=shape.bands - 1)
-        self.memory, self.digest = windows.memory, windows.digest
+        self.memory, self.digest, self.page = windows.memory, windows.digest, windows.page
 
     def read(self, x: int, y: int, width: int, height: int) -> Picture:
         picture = self._windows.read(x, y, width, height)

@@ -29,6 +29,7 @@ def encode(
     channels: str | None = None,
     sample_range: RangeChoice | None = None,
     nodata: float | None = None,
+    page: int | None = None,
     device: Device = ALL_CORES,
     **settings: Any,
 ) -> bytes:
@@ -36,11 +37,12 @@ def encode(
 
     settings: those of `EncodeSettings`, such as quality=60, psnr=35, bpp=1.5, size=20_000 (bytes) or effort=3.
     channels, nodata: what the channels of an array are, and which samples were not measured. sample_range: the samples
-    that stand for 0 and 1 of the model: "used", "type", or two numbers (`as_picture`).
+    that stand for 0 and 1 of the model: "used", "type", or two numbers (`as_picture`). page: of a file that holds
+    several, from 1; without it the first, and a warning.
 
     Raises UsageError, PictureError for what cannot be read or coded, TargetMissedError for a target out of reach.
     """
-    return _encode(image, None, _Samples(channels, sample_range, nodata), device, settings).data
+    return _encode(image, None, _Samples(channels, sample_range, nodata), page, device, settings).data
 
 
 def imwrite(
@@ -50,6 +52,7 @@ def imwrite(
     channels: str | None = None,
     sample_range: RangeChoice | None = None,
     nodata: float | None = None,
+    page: int | None = None,
     device: Device = ALL_CORES,
     **settings: Any,
 ) -> None:
@@ -62,13 +65,13 @@ def imwrite(
     if isinstance(path, str) and is_url(path):
         with Upload(path, PictureError) as upload:
             try:
-                _encode(image, upload.path, samples, device, settings)
+                _encode(image, upload.path, samples, page, device, settings)
             finally:
                 if upload.path.exists():  # also where a target was missed
                     upload.send()
         return
     try:
-        _encode(image, Path(path), samples, device, settings)
+        _encode(image, Path(path), samples, page, device, settings)
     except OSError as error:
         raise PictureError(f"{path}: {error.strerror or error}") from error
 
@@ -85,14 +88,25 @@ def _encode(
     image: object,
     output: Path | None,
     samples: _Samples,
+    page: int | None,
     device: Device,
     settings: dict[str, Any],
 ) -> Encoded:
     chosen = _settings(settings)
     listener = _Warner()
-    if isinstance(image, str | os.PathLike) and samples.channels is None and samples.nodata is None:
-        with open_source(os.fspath(image), sample_range=samples.sample_range) as source:
+    if isinstance(image, bytearray | memoryview):
+        image = bytes(image)
+    is_file = isinstance(image, str | bytes | os.PathLike) or hasattr(image, "read")
+    if is_file and samples.channels is None and samples.nodata is None:
+        origin = os.fspath(image) if isinstance(image, os.PathLike) else image
+        with open_source(origin, sample_range=samples.sample_range, page=page) as source:  # type: ignore[arg-type]
+            if page is None and source.pages > 1:
+                warnings.warn(f"the first of {source.pages} pages; page chooses another", stacklevel=3)
+            for text in source.notes:
+                warnings.warn(text, stacklevel=3)
             return encode_picture(source, chosen, output=output, device=device, progress=listener)
+    if page is not None:
+        raise UsageError("page is said of files; give the array or the image of that page")
     picture = as_picture(image, **samples._asdict())
     return encode_picture(picture, chosen, output=output, device=device, progress=listener)
 

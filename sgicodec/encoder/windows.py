@@ -27,6 +27,10 @@ class Windows(Protocol):
     def shape(self) -> Shape:
         """What it is."""
 
+    @property
+    def page(self) -> int | None:
+        """Which page of its file it is, where that was asked for."""
+
     def read(self, x: int, y: int, width: int, height: int) -> Picture:
         """The pixels of a window whose first pixel is (x, y). Raises PictureError."""
 
@@ -57,6 +61,8 @@ def kept(windows: Windows) -> Windows:
 
 
 class _PictureWindows:
+    page = None
+
     def __init__(self, picture: Picture) -> None:
         self._picture, self.shape = picture, Shape.of(picture)
 
@@ -75,7 +81,7 @@ class _PictureWindows:
 
 class _Kept:
     def __init__(self, windows: Windows) -> None:
-        self._windows, self.shape = windows, windows.shape
+        self._windows, self.shape, self.page = windows, windows.shape, windows.page
         self.memory, self.digest = windows.memory, windows.digest
 
     @cached_property
@@ -104,10 +110,10 @@ class _SourceWindows:
             use.eight_bits,
             use.remark,
         )
-        self.read, self.memory = source.read, source.memory
+        self.read, self.memory, self.page = source.read, source.memory, source.page
 
     def digest(self) -> bytes:
-        found = hashlib.sha256()
+        found = hashlib.sha256(b"" if self.page is None else b"page %d" % self.page)
         with Path(self._source.path).open("rb") as file:
             while block := file.read(_BLOCK):
                 found.update(block)

@@ -54,7 +54,7 @@ class TileRunner:
         device = executor.device(self._device, len(numbers))
         ready = None if plan.settings.time_limit is None else make_ready
         if executor.place is not None and window is None:
-            reading = ReadingTask(plan, executor.place, task, device)
+            reading = ReadingTask(plan, executor.place, task, device, self._windows.page)
             return executor.run(reading, numbers, lambda number: Job(None, start(number)), ready)
 
         def job(number: int) -> Job:
@@ -80,19 +80,20 @@ class TileTask(Generic[Result]):
 
 @dataclass(frozen=True)
 class ReadingTask(Generic[Result]):
-    """Reads the tile's pixels from `place`, a path or a URL, which stays open between tiles."""
+    """Reads the tile's pixels from a page of `place`, a path or a URL, which stays open between tiles."""
 
     plan: Plan
     place: str
     task: Task[Result]
     device: Device | NamedDevice
+    page: int | None = None
 
     def __call__(self, number: int, job: Job) -> Result:
         """What the task makes of the tile. Raises PictureError for another picture than the plan's."""
         header, asked = self.plan.header, time.monotonic()
         with _reading:
             use = SampleUse(header.sample_range, header.nodata if header.masked == "nodata" else None, header.has_exact)
-            source = _opened(self.place, use, _ALPHA.get(header.channels, "auto"))
+            source = _opened(self.place, use, _ALPHA.get(header.channels, "auto"), self.page)
             found = source.width, source.height, source.channels, str(source.dtype)
             if found != (header.width, header.height, header.channels, header.sample_type):
                 raise PictureError(f"{self.place}: this is another picture than the one being encoded")
@@ -107,8 +108,8 @@ _ALPHA: dict[str, Alpha] = {"multi": "band", "gray": "none", "rgb": "none"}
 
 
 @lru_cache(maxsize=1)
-def _opened(place: str, use: SampleUse, alpha: Alpha) -> Source:
-    return open_source(place, sample_range=use, alpha=alpha)
+def _opened(place: str, use: SampleUse, alpha: Alpha, page: int | None) -> Source:
+    return open_source(place, sample_range=use, alpha=alpha, page=page)
 
 
 atexit.register(_opened.cache_clear)

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from sgicodec.errors import MissingExtraError, PictureError, require
 from sgicodec.image.decoded_picture import DecodedPicture, stated_metadata, stretched
+from sgicodec.image.pages import check_page
 from sgicodec.metadata import avif
 from sgicodec.metadata.filebytes import FileBytes
 from sgicodec.metadata.orientation import is_sideways, upright
@@ -23,9 +24,13 @@ class AvifReader(DecodedPicture):
 
     kind = "avif by libavif"
 
-    def __init__(self, path: Path) -> None:
-        """Raises PictureError for what libavif does not read, MissingExtraError without a library."""
-        self._path = path
+    def __init__(self, path: Path, page: int | None = None) -> None:
+        """page: of a sequence, from 1, the first if None.
+
+        Raises PictureError for what libavif does not read, UsageError for a page that is not there, MissingExtraError
+        without a library.
+        """
+        self._path, self._index = path, (page or 1) - 1
         with path.open("rb") as file:
             self._still = avif.still(FileBytes(file))
         self._check_libraries()
@@ -37,6 +42,9 @@ class AvifReader(DecodedPicture):
             raise PictureError(self._damage(error)) from error
         if self._image.size != (self._still.width, self._still.height):
             raise PictureError("the file is damaged: it states two sizes of its picture")
+        self.pages = self._image.n_frames
+        check_page(page, self.pages)
+        self._image.seek(self._index)
 
     def _check_libraries(self) -> None:
         require("PIL", "reading it")
@@ -70,7 +78,7 @@ class AvifReader(DecodedPicture):
     def _deep(self) -> npt.NDArray[Any]:
         import imagecodecs
 
-        return stretched(imagecodecs.avif_decode(self._path.read_bytes(), index=0), self._still.bits)
+        return stretched(imagecodecs.avif_decode(self._path.read_bytes(), index=self._index), self._still.bits)
 
     def metadata(self) -> Metadata:
         """ICC profile, EXIF and XMP. The file's own turns count (ISO/IEC 23000-22), not the orientation in these."""

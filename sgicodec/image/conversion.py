@@ -14,13 +14,11 @@ from sgicodec.errors import UsageError
 from sgicodec.image.reader import pictured, read, use_of
 from sgicodec.image.used_range import RangeChoice
 from sgicodec.metadata.layouts import LAYOUTS
-from sgicodec.picture import Metadata, Picture
+from sgicodec.picture import Metadata, Picture, full_range
 
 __all__ = ["array_picture", "as_picture"]
 
 _LAYOUT_OF_COUNT = {count: name for name, count in LAYOUTS.items()}
-_PLAIN_MODES = {"L": "gray", "LA": "gray+alpha", "RGB": "rgb", "RGBA": "rgba", "I;16": "gray", "F": "gray"}
-"""Modes of Pillow whose samples are taken as they are."""
 
 
 def as_picture(
@@ -128,29 +126,41 @@ def _pillow_picture(image: Any, sample_range: RangeChoice | None) -> Picture:
     image = ImageOps.exif_transpose(image)
     exif, xmp = image.getexif().tobytes().removeprefix(b"Exif\0\0"), image.info.get("xmp")
     icc = image.info.get("icc_profile")
-    if image.mode not in _PLAIN_MODES:
-        converted = _plain_mode(image)
-        icc = icc if converted.mode.startswith(image.mode[:1]) else None  # of other colours
-        image = converted
-    metadata = Metadata(icc=icc or None, exif=exif if len(exif) > _EMPTY_EXIF else None, xmp=_bytes(xmp))
-    pixels = np.array(image)
-    return _picture(pixels.reshape(*pixels.shape[:2], -1), _PLAIN_MODES[image.mode], sample_range, metadata)
+    pixels = _plain_mode(image)
+    layout = _LAYOUT_OF_COUNT[pixels.shape[2]]
+    space = b"GRAY" if layout.startswith("gray") else b"RGB "
+    icc = icc if icc and icc[16:20] == space else None  # not of other colours
+    metadata = Metadata(icc=icc, exif=exif if len(exif) > _EMPTY_EXIF else None, xmp=_bytes(xmp))
+    return _picture(pixels, layout, sample_range, metadata)
 
 
 _EMPTY_EXIF = 14
 """Bytes of a TIFF structure without a tag."""
 
 
-def _plain_mode(image: Any) -> Any:
-    """The image in a mode that loses nothing of it that a screen shows."""
-    if image.mode.startswith("I"):
-        if image.getextrema()[0] < 0 or image.getextrema()[1] > np.iinfo(np.uint16).max:
-            raise UsageError(f"an image of mode {image.mode} has samples beyond 16 bits")
-        return image.convert("I;16")
-    if image.mode == "1":
-        return image.convert("L")
-    has_alpha = image.has_transparency_data
-    return image.convert("RGBA" if has_alpha else "RGB")
+def _plain_mode(image: Any) -> NDArray[Any]:
+    """Samples [H, W, C] of gray, RGB or either with alpha, which lose nothing of the image that a screen shows."""
+    if image.mode.startswith("I") or image.mode == "F":
+        return _deep_gray(image)
+    mode = "LA" if image.mode in ("L", "1", "LA", "La") else "RGBA"
+    if not image.has_transparency_data:
+        mode = mode.removesuffix("A")
+    pixels = np.array(image if image.mode == mode else image.convert(mode))
+    return pixels.reshape(*pixels.shape[:2], -1)
+
+
+def _deep_gray(image: Any) -> NDArray[Any]:
+    """Integers of 16 bits if they have no more, in any order of bytes, else floats; with alpha where one of them, the
+    transparent one, is not shown.
+    """
+    stored = np.array(image)
+    within = stored.dtype.kind in "iu" and 0 <= stored.min() <= stored.max() <= np.iinfo(np.uint16).max
+    pixels = stored.astype(np.uint16 if within else np.float32)
+    hidden = image.info.get("transparency")
+    if not isinstance(hidden, int):
+        return pixels[..., None]
+    largest = full_range(pixels.dtype)[1]
+    return np.stack([pixels, np.where(stored == hidden, 0, largest).astype(pixels.dtype)], axis=-1)
 
 
 def _bytes(text: object) -> bytes | None:

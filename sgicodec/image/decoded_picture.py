@@ -27,6 +27,9 @@ class DecodedPicture(ABC):
     kind: str
     """What stands for a format's name in OpenImageIO, which knows none of this name."""
 
+    pages: int = 1
+    """How many pictures the file holds."""
+
     _pixels: npt.NDArray[Any] | None = None
 
     @abstractmethod

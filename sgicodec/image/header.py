@@ -15,7 +15,16 @@ from sgicodec.metadata.orientation import is_sideways
 if TYPE_CHECKING:
     from OpenImageIO import ImageSpec
 
-__all__ = ["MAX_SAMPLES", "Probe", "has_own_numbers", "header", "is_associated", "number_as_read", "orientation"]
+__all__ = [
+    "MAX_SAMPLES",
+    "Probe",
+    "has_own_numbers",
+    "header",
+    "is_associated",
+    "is_white_zero",
+    "number_as_read",
+    "orientation",
+]
 
 MAX_SAMPLES = 1 << 31
 """Default cap on width × height × channels of what is held in memory at once."""
@@ -70,8 +79,8 @@ def header(spec: ImageSpec, kind: str, last: Last = "alpha") -> Probe:
     if native == "double" and (spec.tile_width or spec.height == 1):  # OpenImageIO 3.2 makes garbage of them in silence
         what = "in tiles" if spec.tile_width else "a single row"
         raise PictureError(f"its 64-bit floats are {what}, which cannot be read; save it as 32-bit floats")
-    if native == "uint16" and _photometric(spec) == _WHITE_IS_ZERO:  # OpenImageIO 3.2 turns over 8 bits, not 16
-        raise PictureError("0 is white in its 16-bit samples, which cannot be read; invert it first")
+    if is_white_zero(spec) and native not in ("uint8", "uint16"):
+        raise PictureError(f"0 is white in its {native} samples, which cannot be read; invert it first")
     width, height = spec.width, spec.height
     if is_sideways(orientation(spec, kind)):
         width, height = height, width
@@ -108,6 +117,11 @@ def is_associated(spec: ImageSpec, kind: str) -> bool:
 
 def _photometric(spec: ImageSpec) -> int:
     return int(spec.get_int_attribute("tiff:PhotometricInterpretation", -1))
+
+
+def is_white_zero(spec: ImageSpec) -> bool:
+    """Whether 0 is white in the first channel of a TIFF. OpenImageIO has turned over 8 bits, in all channels."""
+    return _photometric(spec) == _WHITE_IS_ZERO
 
 
 def has_own_numbers(spec: ImageSpec) -> bool:

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from sgicodec.errors import PictureError, require
 from sgicodec.image.decoded_picture import DecodedPicture, stated_metadata, stretched
+from sgicodec.image.pages import check_page
 from sgicodec.picture import Metadata
 
 __all__ = ["HeifReader"]
@@ -22,15 +23,22 @@ class HeifReader(DecodedPicture):
 
     kind = "heif by libheif"
 
-    def __init__(self, path: Path) -> None:
-        """Raises PictureError for what libheif does not read, MissingExtraError without it."""
+    def __init__(self, path: Path, page: int | None = None) -> None:
+        """page: from 1, the primary one first.
+
+        Raises PictureError for what libheif does not read, UsageError for a page that is not there, MissingExtraError
+        without libheif.
+        """
         require("pillow_heif", "reading it", "heic")
         import pillow_heif
 
         try:
-            self._image = pillow_heif.open_heif(path, convert_hdr_to_8bit=False, hdr_to_16bit=False)
+            file = pillow_heif.open_heif(path, convert_hdr_to_8bit=False, hdr_to_16bit=False)
         except Exception as error:
             raise PictureError(self._damage(error)) from error
+        self.pages, first = len(file), file.primary_index
+        check_page(page, self.pages)
+        self._image = file[[first, *(index for index in range(self.pages) if index != first)][(page or 1) - 1]]
         mode, _, bits = self._image.mode.partition(";")
         self._bits = int(bits or 8)
         if mode not in _COUNTS or not 8 <= self._bits <= 16:

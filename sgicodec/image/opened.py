@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext
+from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
@@ -18,17 +17,27 @@ from sgicodec.image.avif_reader import AvifReader
 from sgicodec.image.channels import AsIs, Channels, Last, declared_channels
 from sgicodec.image.decoded_picture import DecodedPicture
 from sgicodec.image.foreign import Foreign, foreign
-from sgicodec.image.header import Probe, has_own_numbers, header, is_associated, number_as_read, orientation
+from sgicodec.image.header import (
+    Probe,
+    has_own_numbers,
+    header,
+    is_associated,
+    is_white_zero,
+    number_as_read,
+    orientation,
+)
 from sgicodec.image.heif_reader import HeifReader
 from sgicodec.image.library import load_openimageio
-from sgicodec.image.origin import first_line
+from sgicodec.image.opening import by_others, complaint, is_openimageio, no_size_limit, open_image
+from sgicodec.image.pages import ONLY, Chosen, check_page, chosen_page
 from sgicodec.image.raw_reader import RawReader
-from sgicodec.image.second_reader import SecondReader
+from sgicodec.image.silence import without_libpng
 from sgicodec.image.slide_reader import SlideReader, is_slide
 from sgicodec.metadata import embedded, geo, ifd, placement, png
 from sgicodec.metadata.filebytes import FileBytes
 from sgicodec.metadata.layouts import alpha_index
 from sgicodec.metadata.orientation import upright
+from sgicodec.metadata.pages import PageBytes
 from sgicodec.picture import Metadata
 
 if TYPE_CHECKING:
@@ -42,17 +51,13 @@ _STREAM_SIGNATURE = b"\x89SGI\r\n\x1a\n"
 Alpha = Literal["auto", "band", "none"]
 _LAST: dict[str, Last] = {"band": "band", "none": "unused"}
 _NUMPY_NAMES = {"half": "float16", "float": "float32", "double": "float64", "int": "int32", "uint": "uint32"}
-_LEFT_TO_PILLOW = ("could not find a format reader", "one, three or four components")
-"""What OpenImageIO says of formats that it does not know, and of gray with alpha in JPEG 2000."""
-_SIZE_LIMIT = "limits:imagesize_MB"
-_LIFTING = threading.Lock()
 
 
 @dataclass
 class Opened:
     """An open file. `image` is an `ImageInput`, a `DecodedPicture` or a `SlideReader`; `spec` and `kind` are
     OpenImageIO's header and format name; `header` and `metadata` are those of the upright picture. channels: what the
-    file declares of them; associated: whether colours are multiplied by alpha.
+    file declares of them; associated: whether colours are multiplied by alpha; page: which of the file's it is.
     """
 
     path: Path
@@ -63,6 +68,7 @@ class Opened:
     metadata: Metadata
     channels: Channels
     associated: bool
+    page: Chosen = ONLY
 
     @property
     def orientation(self) -> int:
@@ -82,24 +88,25 @@ class Opened:
 
     def reopen(self) -> None:
         """Close the file and open it again: OpenImageIO then stands at the first row again."""
-        if not isinstance(self.image, DecodedPicture):
+        if is_openimageio(self.image):
             self.image.close()
-            self.image = _open(self.path)
+            self.image = open_image(self.path)
 
     def samples(self, method: Callable[..., Any], rows: int, *where: int) -> Samples:
-        """What a method of `image` reads of the first picture, [rows, columns, C] in the native type.
+        """What a method of `image` reads of the page, [rows, columns, C] in the native type.
 
         where: the method's arguments between those that name the picture and those that name the channels. Any
         complaint raises PictureError: what came with it may be half a picture.
         """
-        early = _complaint(self.image, self.path)
+        early = complaint(self.image, self.path)
         try:
-            pixels = method(0, 0, *where, 0, self.spec.nchannels, self.spec.format)
+            with without_libpng(self.kind == "png"):
+                pixels = method(self.page.subimage, 0, *where, 0, self.spec.nchannels, self.spec.format)
         except MemoryError:
             raise PictureError("there is not enough memory for its pixels") from None
-        complaint = early or _complaint(self.image, self.path)
-        if pixels is None or complaint:
-            raise PictureError(complaint or "its pixels cannot be read; the file is damaged or cut off")
+        found = early or complaint(self.image, self.path)
+        if pixels is None or found:
+            raise PictureError(found or "its pixels cannot be read; the file is damaged or cut off")
         return np.asarray(pixels).reshape(rows, -1, self.spec.nchannels)
 
     def finished(self, stored: Samples) -> Samples:
@@ -107,39 +114,51 @@ class Opened:
         pixels = stored.astype(self.header.dtype, copy=False)
         if self.channels.order is not None:
             pixels = pixels[..., self.channels.order]
+        white = is_white_zero(self.spec) and (self.spec.nchannels > 1 or pixels.dtype != np.uint8)
+        if white and pixels.dtype == np.uint8:
+            pixels = ~pixels
         if self.associated:
             pixels = unassociate(pixels)
+        if white:
+            pixels = np.concatenate([~pixels[..., :1], pixels[..., 1:]], axis=-1)
         pixels = pixels[..., : self.header.count]
         return upright(pixels, self.orientation)
 
 
-def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto") -> Opened:
+def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto", page: int | None = None) -> Opened:
     """Open a file and read its header and metadata, not its pixels.
 
     any_size: lift OpenImageIO's own limit (32 GiB, or the machine's memory) for a TIFF, which can be read in parts.
     alpha: what the last of two or four channels is: what the file declares, a band like the others, or left out.
+    page: from 1; the first if None.
 
-    Raises PictureError for what cannot be read faithfully, UsageError for another `alpha`.
+    Raises PictureError for what cannot be read faithfully, UsageError for another `alpha` or a page that is not there.
     """
     if alpha not in get_args(Alpha):
         raise UsageError(f"alpha {alpha!r}; it is one of {', '.join(get_args(Alpha))}")
     load_openimageio("reading pictures")
     if is_slide(path):
+        check_page(page, 1)
         slide = SlideReader(path)
         spec, kind = slide.spec(), slide.format_name()
         return Opened(path, slide, spec, kind, header(spec, kind), slide.metadata(), AsIs, False)
     with path.open("rb") as file:
         data = FileBytes(file)
         other = _check(data)
-        found = embedded.extract(data)
         if other is not None:
-            return _foreign_picture(path, other, found, alpha)
-        with _no_size_limit() if any_size and ifd.layout(data) is not None else nullcontext():
-            image = _open(path)
+            return _foreign_picture(path, other, embedded.extract(data), alpha, page)
+        with no_size_limit() if any_size and ifd.layout(data) is not None else nullcontext():
+            image = open_image(path, page=page)
+        chosen = _chosen(path, data, image, page)
+        if chosen.directory is not None and chosen.directory.number:
+            data = PageBytes(file, chosen.directory)
+            _refuse(ifd.damage(data))
+        found = embedded.extract(data)
         declared = declared_channels(data, image.format_name())
-        if declared.second:
-            image = _open(path, second=True)
-        spec, kind = _spec(image, data, found), image.format_name()
+        if declared.second or chosen.left_out:
+            image = open_image(path, second=True, page=page)
+        image = by_others(path, data, image, chosen, declared)
+        spec, kind = _spec(image, data, found, chosen.subimage), image.format_name()
     probe = header(spec, kind, _LAST.get(alpha, declared.last))
     place = found.geo
     if not has_own_numbers(spec):
@@ -148,16 +167,24 @@ def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto") -
     metadata = replace(found, icc=_icc(spec, probe.channels), geo=place)
     has_alpha = declared.last == "alpha" and alpha_index(header(spec, kind).channels) is not None
     associated = has_alpha and alpha != "band" and is_associated(spec, kind)
-    return Opened(path, image, spec, kind, probe, metadata, declared, associated)
+    return Opened(path, image, spec, kind, probe, metadata, declared, associated, chosen)
 
 
-_READERS: dict[str, Callable[[Path], DecodedPicture]] = {"avif": AvifReader, "heif": HeifReader, "raw": RawReader}
+def _chosen(path: Path, data: FileBytes, image: ImageInput | DecodedPicture, page: int | None) -> Chosen:
+    return Chosen(pages=image.pages) if isinstance(image, DecodedPicture) else chosen_page(path, data, image, page)
 
 
-def _foreign_picture(path: Path, found: Foreign, metadata: Metadata, alpha: Alpha) -> Opened:
+_READERS: dict[str, Callable[[Path, int | None], DecodedPicture]] = {
+    "avif": AvifReader,
+    "heif": HeifReader,
+    "raw": RawReader,
+}
+
+
+def _foreign_picture(path: Path, found: Foreign, metadata: Metadata, alpha: Alpha, page: int | None) -> Opened:
     """One that a library of its own decodes. metadata: that in the bytes of the file."""
     try:
-        image = _READERS[found.name](path)
+        image = _READERS[found.name](path, page)
     except MissingExtraError as error:
         raise PictureError(f"it is {found.what}; {error}, or {found.program}") from None
     spec, kind, own = image.spec(), image.kind, image.metadata()
@@ -165,7 +192,8 @@ def _foreign_picture(path: Path, found: Foreign, metadata: Metadata, alpha: Alph
     icc = _fitting(own.icc, probe.channels)
     own = Metadata(icc=icc, exif=own.exif or metadata.exif, xmp=own.xmp or metadata.xmp)
     has_alpha = alpha != "band" and alpha_index(header(spec, kind).channels) is not None
-    return Opened(path, image, spec, kind, probe, own, AsIs, has_alpha and image.associated)
+    associated = has_alpha and image.associated
+    return Opened(path, image, spec, kind, probe, own, AsIs, associated, Chosen(pages=image.pages))
 
 
 def _check(data: FileBytes) -> Foreign | None:
@@ -177,10 +205,13 @@ def _check(data: FileBytes) -> Foreign | None:
     found = foreign(data)
     if found is not None and not _reads(found.name):
         return found
-    damage = png.damage(data) if data[:8] == png.SIGNATURE else ifd.damage(data)
+    _refuse(png.damage(data) if data[:8] == png.SIGNATURE else ifd.damage(data))
+    return None
+
+
+def _refuse(damage: str | None) -> None:
     if damage:
         raise PictureError(damage)
-    return None
 
 
 def _reads(name: str) -> bool:
@@ -190,51 +221,16 @@ def _reads(name: str) -> bool:
     return name in oiio.get_string_attribute("format_list").split(",")
 
 
-def _spec(image: ImageInput | DecodedPicture, data: FileBytes, found: Metadata) -> ImageSpec:
-    """The header of the first picture. An orientation that stands in XMP alone, OpenImageIO does not see."""
+def _spec(image: Any, data: FileBytes, found: Metadata, subimage: int) -> ImageSpec:
+    """The header of the page. An orientation that stands in XMP alone, OpenImageIO does not see."""
     import OpenImageIO as oiio
 
+    if is_openimageio(image):
+        image.seek_subimage(subimage, 0)
     spec = oiio.ImageSpec(image.spec())
     if found.xmp is not None and spec.get("Orientation") is None:
         spec.attribute("Orientation", embedded.orientation_in_xmp(data) or 1)
     return spec
-
-
-@contextmanager
-def _no_size_limit() -> Iterator[None]:
-    import OpenImageIO as oiio
-
-    with _LIFTING:
-        limit = oiio.get_int_attribute(_SIZE_LIMIT)
-        oiio.attribute(_SIZE_LIMIT, 0)
-        try:
-            yield
-        finally:
-            oiio.attribute(_SIZE_LIMIT, limit)
-
-
-def _open(path: Path, second: bool = False) -> ImageInput | DecodedPicture:
-    """The opened file. second: by Pillow, which else is asked for what is in no format that OpenImageIO knows."""
-    import OpenImageIO as oiio  # takes 30 ms: not for those who only decode to arrays
-
-    if second:
-        return SecondReader(path)
-    hints = oiio.ImageSpec()
-    hints.attribute("oiio:UnassociatedAlpha", 1)
-    image = oiio.ImageInput.open(str(path), hints)
-    if image is None:
-        complaint = _complaint(oiio, path)
-        if any(text in complaint for text in _LEFT_TO_PILLOW) or path.read_bytes()[:2] == b"BM":
-            return SecondReader(path)
-        raise PictureError(complaint or "it cannot be opened; the file is damaged or cut off")
-    if image.format_name() == "null":
-        raise PictureError("it stands for OpenImageIO's null picture")
-    return image
-
-
-def _complaint(speaker: Any, path: Path) -> str:
-    """What OpenImageIO has to say, without the path, or an empty text."""
-    return first_line(speaker).replace(f'("{path}")', "").replace(str(path), "the file").strip()
 
 
 def _icc(spec: ImageSpec, channels: str) -> bytes | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import shutil
 import tempfile
 from collections.abc import Iterator
@@ -21,6 +22,9 @@ Origin = str | Path | BinaryIO | bytes
 _HEAD = 8
 _SLIDES = (".ndpi", ".scn", ".bif", ".svs", ".svslide", ".czi")
 """Files of slides, whose copies are known by their names; of one file each."""
+
+_NULL = re.compile(r"\.nul{1,2}(\?|\Z)", re.IGNORECASE)
+"""Names for which OpenImageIO does not open a file, but makes up a picture."""
 
 _SUFFIXES = {
     b"\x89PNG": ".png",
@@ -70,7 +74,7 @@ def on_disk(origin: Origin) -> Iterator[Path]:
     """A path to a regular file with the bytes of `origin`, which may be a URL: itself, or a copy that lasts as long as
     the context. Raises UsageError for what is no origin.
 
-    OpenImageIO has no streams in Python, and takes no file name that is not UTF-8.
+    OpenImageIO has no streams in Python, and takes no file name that is not UTF-8 or that ends in .null.
     """
     with contextlib.ExitStack() as stack:
         suffix = ""
@@ -78,7 +82,7 @@ def on_disk(origin: Origin) -> Iterator[Path]:
             stream: BinaryIO = stack.enter_context(open_url(origin, PictureError))
             suffix = Path(file_name(origin)).suffix.lower()
         elif isinstance(origin, str | Path):
-            if Path(origin).is_file() and is_utf8(origin):
+            if Path(origin).is_file() and is_utf8(origin) and not _NULL.search(str(origin)):
                 yield Path(origin)
                 return
             stream = stack.enter_context(Path(origin).open("rb"))

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from sgicodec.errors import PictureError, require
 from sgicodec.image.decoded_picture import DecodedPicture
+from sgicodec.image.pages import check_page
 
 __all__ = ["RawReader"]
 
@@ -22,8 +23,11 @@ class RawReader(DecodedPicture):
 
     kind = "raw by libraw"
 
-    def __init__(self, path: Path) -> None:
-        """Raises PictureError for what LibRaw does not read, MissingExtraError without it."""
+    def __init__(self, path: Path, page: int | None = None) -> None:
+        """Raises PictureError for what LibRaw does not read, UsageError for another page than 1, MissingExtraError
+        without LibRaw.
+        """
+        check_page(page, 1)
         require("rawpy", "reading it", "raw")
         import rawpy
 

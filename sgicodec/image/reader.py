@@ -29,18 +29,20 @@ def read(
     max_samples: int = MAX_SAMPLES,
     sample_range: RangeChoice | None = None,
     alpha: Alpha = "auto",
+    page: int | None = None,
 ) -> Picture:
-    """Read the first image of a file, of bytes, or of a stream from where it stands.
+    """Read one image of a file, of bytes, or of a stream from where it stands.
 
     sample_range: which colour samples stand for 0 and 1, "used", "type" or two numbers; by default the type's of eight
     bits, else the range in use. Samples outside a stated range are clipped. alpha: "auto" takes for alpha what the file
-    declares as such, "band" codes it as a band like the others, "none" leaves it out.
+    declares as such, "band" codes it as a band like the others, "none" leaves it out. page: of a file with several,
+    from 1; the first if None.
 
     Raises PictureError, one line that names the origin, for what cannot be read whole and faithfully or has
-    more than max_samples samples; UsageError for a range that is none.
+    more than max_samples samples; UsageError for a range that is none, and for a page that is not there.
     """
     with naming(origin), on_disk(origin) as path:
-        opened = open_picture(path, alpha=alpha)
+        opened = open_picture(path, alpha=alpha, page=page)
         check_whole(opened, max_samples)
         pixels = opened.finished(whole(opened))
         use = use_of(pixels, opened.header.channels, opened.nodata, sample_range)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import warnings
 from pathlib import Path
 from typing import Any
@@ -9,15 +10,37 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from sgicodec.errors import PictureError, require
+from sgicodec.errors import PictureError, UsageError, require
 from sgicodec.image.decoded_picture import DecodedPicture
+from sgicodec.image.pages import check_page
 
-__all__ = ["SecondReader"]
+__all__ = ["SecondReader", "is_seconds"]
 
 _FORMATS = ("BMP", "DIB", "QOI", "XBM", "XPM", "PCX", "DCX", "ICO", "CUR", "ICNS", "MSP", "SUN", "TGA", "JPEG2000")
 """Those that Pillow reads whole and faithfully, in 8 bits. Damage in others is OpenImageIO's to find."""
 
+_SIGNATURES = {
+    "QOI": (b"qoif",),
+    "XBM": (b"#define",),
+    "XPM": (b"/* XPM */",),
+    "PCX": (b"\n\0\1", b"\n\2\1", b"\n\3\1", b"\n\5\1"),
+    "DCX": (b"\xb1\x68\xde\x3a",),
+    "ICO": (b"\0\0\1\0",),
+    "ICNS": (b"icns",),
+    "MSP": (b"DanM", b"LinS"),
+    "SUN": (b"\x59\xa6\x6a\x95",),
+}
+"""How files begin that are Pillow's whatever they are called. Cursors begin as Targa does."""
+
+_PAGED = ("DCX", "PNG")
+"""Those of which it shows more than the first page; of PNG only the others."""
+
 _COUNTS = {"L": 1, "LA": 2, "RGB": 3, "RGBA": 4}
+
+
+def is_seconds(head: bytes) -> bool:
+    """Whether a file that begins so is one for Pillow, which OpenImageIO would take for what its name says."""
+    return head.startswith(tuple(itertools.chain.from_iterable(_SIGNATURES.values())))
 
 
 class SecondReader(DecodedPicture):
@@ -25,15 +48,25 @@ class SecondReader(DecodedPicture):
 
     kind = "pillow"
 
-    def __init__(self, path: Path) -> None:
-        """Raises PictureError for what Pillow does not read either."""
+    def __init__(self, path: Path, page: int | None = None) -> None:
+        """page: from 1, the first if None. Raises PictureError for what Pillow does not read either, UsageError for a
+        page that is not there.
+        """
         require("PIL", "reading this picture")
         from PIL import Image, UnidentifiedImageError
 
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", Image.DecompressionBombWarning)
-                self._image = Image.open(path, formats=_FORMATS)
+                self._image = Image.open(path, formats=_FORMATS + ("PNG",) * ((page or 1) > 1))
+            self.pages = getattr(self._image, "n_frames", 1) if self._image.format in _PAGED else 1
+            check_page(page, self.pages)
+            if page is not None:
+                self._image.seek(page - 1)
+            if self._image.format == "ICNS":
+                self._image.load()  # its size counts points before, not pixels
+        except UsageError:
+            raise
         except UnidentifiedImageError:
             raise PictureError("it is in no picture format that OpenImageIO or Pillow reads") from None
         except Exception as error:  # Pillow's readers raise what they like
@@ -56,7 +89,9 @@ class SecondReader(DecodedPicture):
         return self._image.width, self._image.height, _COUNTS[self._mode], "uint8"
 
     def _decoded(self) -> npt.NDArray[Any]:
-        return np.asarray(self._image if self._image.mode == self._mode else self._image.convert(self._mode))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # of an icon that is larger or smaller than stated
+            return np.asarray(self._image if self._image.mode == self._mode else self._image.convert(self._mode))
 
     def close(self) -> None:
         """Close the file."""

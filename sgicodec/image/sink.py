@@ -121,7 +121,8 @@ class Sink:
             if self._output.row < self._header.height:
                 raise UsageError(f"only {self._output.row} of {self._header.height} rows were written")
             self._output.close()
-            embedded.embed(self._part, self._holder.name, self._metadata)
+            bands = self._header.count if self._header.channels == "multi" else None
+            embedded.embed(self._part, self._holder.name, self._metadata, bands)
             self._deliver()
 
     def _deliver(self) -> None:

@@ -14,6 +14,7 @@ import numpy.typing as npt
 from sgicodec.errors import PictureError, require
 from sgicodec.metadata import geo, ifd
 from sgicodec.metadata.filebytes import FileBytes
+from sgicodec.metadata.stacks import resolution_tags
 from sgicodec.metadata.tiff import DESCRIPTION
 from sgicodec.picture import Metadata, Picture
 
@@ -25,29 +26,35 @@ __all__ = ["SlideReader", "associated", "is_slide"]
 _SUFFIXES = (".ndpi", ".scn", ".bif", ".mrxs", ".vms", ".vmu", ".svslide", ".czi")
 """Files that seem to be something else: of many the first picture is a small one, or the label."""
 
+_OTHERS = {".vms": b"[", ".vmu": b"[", ".czi": b"ZISRAWFILE"}
+"""How those begin that are no TIFF."""
+
 _COMPRESSION, _JPEG_2000 = 259, (33003, 33005)
 """Of Aperio's files, which OpenImageIO reads otherwise."""
 
 _TILE = 512
-_ASCII, _SHORT, _RATIONAL = 2, 3, 5
-_CENTIMETRE = 3
-_MICRONS = 10000
-_MOST = 10**8
-"""Of numerator and denominator of a resolution."""
+_ASCII = 2
 
 
 def is_slide(path: Path) -> bool:
-    """Whether a file is one that OpenSlide should read, by its name; an Aperio file by how it is compressed."""
+    """Whether a file is one that OpenSlide should read, by its name and how it begins; an Aperio file by how it is
+    compressed.
+    """
     suffix = path.suffix.lower()
-    if suffix in _SUFFIXES:
-        return True
-    if suffix != ".svs":
+    if suffix not in (*_SUFFIXES, ".svs"):
         return False
-    try:
-        with path.open("rb") as file:
-            entry = ifd.load(FileBytes(file), {_COMPRESSION}).get(_COMPRESSION)
-    except struct.error:
-        return False
+    with path.open("rb") as file:
+        data = FileBytes(file)
+        if suffix == ".mrxs":
+            return path.with_suffix("").is_dir()  # the slide; the file is a JPEG
+        if suffix in _OTHERS:
+            return bytes(data[: len(_OTHERS[suffix])]) == _OTHERS[suffix]
+        if suffix != ".svs":
+            return ifd.layout(data) is not None
+        try:
+            entry = ifd.load(data, {_COMPRESSION}).get(_COMPRESSION)
+        except struct.error:
+            return False
     return isinstance(entry, ifd.Entry) and int.from_bytes(entry.data[:2], "little") in _JPEG_2000
 
 
@@ -154,19 +161,7 @@ def _description(properties: Mapping[str, str]) -> bytes | None:
 
 def _resolution(microns: list[str | None]) -> bytes | None:
     """The `geo` blob of pixels of this size."""
-    from fractions import Fraction
-
-    try:
-        ratios = [Fraction(_MICRONS) / Fraction(value or "0") for value in microns]
-    except (ValueError, ZeroDivisionError):
-        return None
-    if not all(0 < ratio < _MOST for ratio in ratios):
-        return None
-    entries: ifd.Directory = {296: ifd.Entry(_SHORT, struct.pack("<H", _CENTIMETRE))}
-    for tag, ratio in zip((282, 283), ratios, strict=True):
-        near = ratio.limit_denominator(int(_MOST / max(1.0, float(ratio))))
-        entries[tag] = ifd.Entry(_RATIONAL, struct.pack("<II", near.numerator, near.denominator))
-    return geo.pack(entries)
+    return geo.pack(resolution_tags(microns))
 
 
 def _reason(error: Exception) -> str:

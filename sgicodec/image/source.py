@@ -15,6 +15,7 @@ from sgicodec.image.access import Access, Tiles, Whole, access
 from sgicodec.image.avif_reader import AvifReader
 from sgicodec.image.header import MAX_SAMPLES, Probe
 from sgicodec.image.heif_reader import HeifReader
+from sgicodec.image.jpeg2000_reader import Jpeg2000Reader
 from sgicodec.image.opened import Alpha, Opened, open_picture
 from sgicodec.image.origin import Origin, naming, on_disk
 from sgicodec.image.raw_reader import RawReader
@@ -31,7 +32,7 @@ _SCAN_SAMPLES = 1 << 22
 """Samples of a window by which the range in use is looked for."""
 
 _IN_LIBRARY = {"gif": 1, "iff": 1, "jpeg2000": 5, "jpegxl": 6, "pnm": 1, "targa": 1, "webp": 3}
-_IN_LIBRARY |= {SecondReader.kind: 2, AvifReader.kind: 5, HeifReader.kind: 4, RawReader.kind: 4}
+_IN_LIBRARY |= {SecondReader.kind: 2, AvifReader.kind: 5, HeifReader.kind: 4, RawReader.kind: 4, Jpeg2000Reader.kind: 5}
 """Formats that OpenImageIO's own readers, or other libraries, hold whole, and how many times the size of samples that
 takes.
 """
@@ -41,7 +42,7 @@ class Source:
     """An open picture: what it is at once, its pixels window by window. A context manager; not for several threads.
 
     The pixels are those that `read` gives, bit for bit. What is damaged, or not a number, is found in the window that
-    it is in. path: of the file, or of a copy that lasts as long as this is open.
+    it is in. path: of the file, or of a copy that lasts as long as this is open. page: that was asked for, or None.
     """
 
     def __init__(
@@ -51,12 +52,13 @@ class Source:
         max_samples: int = MAX_SAMPLES,
         sample_range: RangeChoice | SampleUse | None = None,
         alpha: Alpha = "auto",
+        page: int | None = None,
     ) -> None:
-        self._origin, self._max_samples = origin, max_samples
+        self._origin, self._max_samples, self.page = origin, max_samples, page
         self._use = sample_range if isinstance(sample_range, SampleUse) else None
         with naming(origin), ExitStack() as stack:
             self.path = stack.enter_context(on_disk(origin))
-            self._opened: Opened = open_picture(self.path, any_size=True, alpha=alpha)
+            self._opened: Opened = open_picture(self.path, any_size=True, alpha=alpha, page=page)
             stack.callback(lambda: self._opened.image.close())
             self._access: Access = access(self._opened)
             if self._opened.kind in _IN_LIBRARY or isinstance(self._access, Whole):
@@ -77,6 +79,16 @@ class Source:
     def close(self) -> None:
         """Close the file; no window can be read any more."""
         self._stack.close()
+
+    @property
+    def pages(self) -> int:
+        """How many pages the file has."""
+        return self._opened.page.pages
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is left out of the page."""
+        return getattr(self._opened.image, "notes", ())
 
     @property
     def header(self) -> Probe:
@@ -196,10 +208,11 @@ def open_source(
     max_samples: int = MAX_SAMPLES,
     sample_range: RangeChoice | SampleUse | None = None,
     alpha: Alpha = "auto",
+    page: int | None = None,
 ) -> Source:
-    """Open the first image of a file, of bytes, or of a stream from where it stands, to read it in parts.
+    """Open one image of a file, of bytes, or of a stream from where it stands, to read it in parts.
 
-    max_samples caps what is held in memory at once, not the picture. sample_range and alpha are as in `read`; a
+    max_samples caps what is held in memory at once, not the picture. sample_range, alpha and page are as in `read`; a
     SampleUse is what another one found. Raises PictureError as `read` does for all that the header says.
     """
-    return Source(origin, max_samples=max_samples, sample_range=sample_range, alpha=alpha)
+    return Source(origin, max_samples=max_samples, sample_range=sample_range, alpha=alpha, page=page)

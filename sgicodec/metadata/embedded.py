@@ -49,16 +49,16 @@ def copies(holder: str) -> int:
     return 1 if holder == "tiff" or holder not in _INSERT else 2
 
 
-def embed(path: Path, holder: str, metadata: Metadata) -> None:
+def embed(path: Path, holder: str, metadata: Metadata, bands: int | None = None) -> None:
     """Put EXIF, XMP and `geo` into the file that was just written at `path` in the format `holder`, as far as it has
-    a place for them and its writer, that of PNG, has not put them there.
+    a place for them and its writer, that of PNG, has not put them there. bands: as for `tiff.insert`.
 
     Raises PictureError if they do not fit.
     """
     blob, xmp = metadata.exif, metadata.xmp
     if holder == "tiff":
         try:
-            tiff.insert(path, blob, xmp, metadata.geo)
+            tiff.insert(path, blob, xmp, metadata.geo, bands)
         except struct.error as error:
             raise PictureError(f"tiff cannot hold its metadata: {error}") from error
     elif holder in _REWRITTEN or (holder in _INSERT and (blob is not None or xmp is not None)):

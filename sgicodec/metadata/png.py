@@ -9,12 +9,16 @@ from collections.abc import Iterator
 from sgicodec.metadata.blobs import Metadata
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["SIGNATURE", "chunk", "damage", "find", "metadata_chunks"]
+__all__ = ["SIGNATURE", "chunk", "damage", "find", "frames", "metadata_chunks"]
 
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _XMP_KEYWORD = b"XML:com.adobe.xmp"
 _EXIF_PROFILES = (b"Raw profile type exif", b"Raw profile type APP1")
 
+_OF_IPHONES = (
+    "it is a PNG of an iPhone's app (chunk CgBI), which only Apple's programs read; "
+    "convert it first, as with pngcrush -revert-iphone-optimizations IN a.png"
+)
 _TEXT_MAX = 1 << 26
 """Bytes that a compressed text may grow to."""
 
@@ -35,6 +39,8 @@ def damage(data: Bytes) -> str | None:
             return f"the file is cut off in the PNG chunk {name} at byte {at}"
         if _crc(data, at + 4, end) != int.from_bytes(data[end : end + 4], "big"):
             return f"the PNG chunk {name} at byte {at} is damaged, its CRC does not match"
+        if kind == b"CgBI":
+            return _OF_IPHONES
         kinds.add(kind)
         at = end + 4
     return None if b"IDAT" in kinds else "the PNG file has no pixels, its chunk IDAT is missing"
@@ -113,3 +119,16 @@ def chunk(kind: bytes, contents: bytes) -> bytes:
     """A whole chunk: length, kind, contents and their CRC."""
     crc = zlib.crc32(contents, zlib.crc32(kind))
     return struct.pack(">I", len(contents)) + kind + contents + struct.pack(">I", crc)
+
+
+def frames(data: Bytes) -> int:
+    """How many pictures an animated PNG shows, its still one included; 1 of others."""
+    count, still = 1, 1
+    for kind, start, _ in _chunks(data):
+        if kind == b"acTL":
+            count = int.from_bytes(data[start : start + 4], "big")
+        elif kind == b"fcTL":
+            still = 0
+        elif kind == b"IDAT":
+            break
+    return max(1, count + still) if count > 1 else 1

@@ -11,10 +11,13 @@ from pathlib import Path
 
 from sgicodec.metadata import geo, ifd
 from sgicodec.metadata.filebytes import Bytes, FileBytes
+from sgicodec.metadata.pages import PageBytes
+from sgicodec.metadata.stacks import states_shape, without_shape
 
 __all__ = ["DESCRIPTION", "XMP", "described", "find", "insert"]
 
-_BYTE = 1
+_BYTE, _SHORT = 1, 3
+_PHOTOMETRIC, _EXTRA_SAMPLES = 262, 338
 _DATETIME = 306
 DESCRIPTION, XMP = 270, 700
 
@@ -29,10 +32,11 @@ _NO_UNIT = ifd.Entry(3, b"\1\0")
 def find(data: Bytes) -> tuple[bytes | None, bytes | None, bytes | None]:
     """EXIF blob, XMP packet and `geo` blob of a TIFF file.
 
-    A directory with nothing but a resolution is no EXIF; the resolution is then in `geo`.
+    A directory with nothing but a resolution is no EXIF; the resolution is then in `geo`. A description that states the
+    shape of a stack is left behind.
     """
     try:
-        directory = ifd.load(data, _EXIF | geo.TAGS | {XMP})
+        directory = without_shape(_of_stack(data) | ifd.load(data, _EXIF | geo.TAGS | {XMP}))
     except struct.error:
         return None, None, None
     xmp = directory.pop(XMP, None)
@@ -41,6 +45,12 @@ def find(data: Bytes) -> tuple[bytes | None, bytes | None, bytes | None]:
     if exif is not None or _says_nothing(directory):
         directory = {tag: item for tag, item in directory.items() if tag not in geo.RESOLUTION}
     return exif, xmp.data if isinstance(xmp, ifd.Entry) else None, geo.pack(directory)
+
+
+def _of_stack(data: Bytes) -> ifd.Directory:
+    """The description of the whole stack, where `data` stands for another page than the first, which has it."""
+    first = ifd.load(data.whole, {DESCRIPTION}) if isinstance(data, PageBytes) else {}
+    return first if states_shape(first) else {}
 
 
 def _says_nothing(directory: ifd.Directory) -> bool:
@@ -58,9 +68,10 @@ def described(exif: bytes | None) -> dict[int, ifd.Entry]:
     return {tag: item for tag, item in found.items() if isinstance(item, ifd.Entry)}
 
 
-def insert(path: Path, exif: bytes | None, xmp: bytes | None, place: bytes | None) -> None:
+def insert(path: Path, exif: bytes | None, xmp: bytes | None, place: bytes | None, bands: int | None = None) -> None:
     """Give the little-endian TIFF file at `path` the tags of an EXIF blob, an XMP packet and a `geo` blob.
 
+    bands: their number where channels have no meaning, which OpenImageIO would call red, green and blue.
     A new first directory is appended and the header made to point at it. The time of writing, which a library
     may have stamped, gives way to the blob's date or to none, so that equal pictures make equal files. Raises
     struct.error for damaged EXIF, and if a classic TIFF has no room left.
@@ -78,6 +89,9 @@ def insert(path: Path, exif: bytes | None, xmp: bytes | None, place: bytes | Non
         if xmp is not None:
             directory[XMP] = ifd.Entry(_BYTE, xmp)
         directory |= geo.load(place)
+        if bands is not None:
+            directory[_PHOTOMETRIC] = ifd.Entry(_SHORT, b"\1\0")  # 0 is black
+            directory |= {_EXTRA_SAMPLES: ifd.Entry(_SHORT, bytes(2 * (bands - 1)))} if bands > 1 else {}
         file.seek(end)
         file.write(ifd.dump(directory, end, big=spelling.big))
         file.seek(spelling.first)

@@ -53,7 +53,12 @@ HOMES = {
     "pillow_heif": ("sgicodec/image/heif_reader.py",),
     "rawpy": ("sgicodec/image/raw_reader.py",),
     "openslide": ("sgicodec/image/slide_reader.py",),
-    "imagecodecs": ("sgicodec/image/avif_reader.py", "sgicodec/bench/", "benchmarks/"),
+    "imagecodecs": (
+        "sgicodec/image/avif_reader.py",
+        "sgicodec/image/jpeg2000_reader.py",
+        "sgicodec/bench/",
+        "benchmarks/",
+    ),
     "pyjpegli": ("sgicodec/bench/optional_peers.py",),
     "imageio_ffmpeg": ("sgicodec/bench/optional_peers.py",),
     "matplotlib": ("sgicodec/bench/", "benchmarks/"),
@@ -67,7 +72,7 @@ HOMES = {
     "xarray": ("sgicodec/plugins/xarray.py",),
     "zarr": ("sgicodec/plugins/zarr.py",),
     "numcodecs": ("sgicodec/plugins/numcodecs.py",),
-    "rasterio": ("sgicodec/plugins/cog.py",),
+    "rasterio": ("sgicodec/image/tiff_reader.py", "sgicodec/plugins/cog.py"),
     "mpmath": ("tools/make_tables.py",),
 }
 

@@ -112,7 +112,6 @@ def test_files(tmp_path: Path) -> None:
         (RGB, {"channels": "gray"}, "3 channels cannot be"),
         (RGB.astype(np.float32), {"sample_range": 3}, "two numbers"),
         (Image.fromarray(RGB), {"channels": "rgb"}, "has a mode"),
-        (Image.fromarray(np.full((2, 2), -1, np.int32)), {}, "beyond 16 bits"),
         ("a.png", {"channels": "rgb"}, "has its own"),
         (5, {}, "int is no picture"),
         (None, {}, "NoneType is no picture"),
@@ -129,3 +128,80 @@ def test_bad_pictures(tmp_path: Path) -> None:
         as_picture(tmp_path / "missing.png")
     with pytest.raises(PictureError, match="infinite"):
         as_picture(np.full((2, 2), np.inf, np.float32))
+
+
+def hiding(image: Image.Image, transparency: object) -> Image.Image:
+    """The image with one transparent colour, as PNG has it."""
+    file = io.BytesIO()
+    image.save(file, "PNG", transparency=transparency)
+    opened = Image.open(file)
+    opened.load()
+    assert "transparency" in opened.info
+    return opened
+
+
+GRAY = Image.fromarray(RGB[..., 0])
+DEEP = Image.fromarray(RGB[..., 0].astype(np.uint16) * 257)
+
+
+@pytest.mark.parametrize(
+    ("image", "channels"),
+    [
+        (hiding(GRAY, int(RGB[2, 3, 0])), "gray+alpha"),
+        (hiding(GRAY.convert("1"), 255), "gray+alpha"),
+        (hiding(DEEP, int(RGB[2, 3, 0]) * 257), "gray+alpha"),
+        (hiding(Image.fromarray(RGB), tuple(int(value) for value in RGB[2, 3])), "rgba"),
+        (hiding(Image.fromarray(RGB).convert("P", palette=Image.Palette.ADAPTIVE), 2), "rgba"),
+        (hiding(Image.fromarray(RGB).convert("P", palette=Image.Palette.ADAPTIVE), bytes([9, 200, 255])), "rgba"),
+    ],
+    ids=["L", "1", "I;16", "RGB", "P", "P of several"],
+)
+def test_transparency_of_an_image_is_that_of_its_file(image: Image.Image, channels: str) -> None:
+    file = io.BytesIO()
+    image.save(file, "PNG")
+    picture, expected = as_picture(image), read(file.getvalue())
+    assert picture.channels == expected.channels == channels
+    assert picture.pixels.dtype == expected.pixels.dtype
+    np.testing.assert_array_equal(picture.pixels, expected.pixels)
+    assert picture.pixels[..., -1].min() < picture.pixels[..., -1].max()
+
+
+@pytest.mark.parametrize("mode", ["La", "RGBa", "PA"])
+def test_other_modes_with_alpha(mode: str) -> None:
+    whole = np.dstack([RGB, np.full(RGB.shape[:2], 255, np.uint8)])
+    whole[1, :, 3] = 0
+    image = Image.fromarray(whole)
+    if mode == "La":
+        image = Image.fromarray(whole[..., [0, 3]]).convert("La")
+    elif mode == "PA":
+        image = Image.fromarray(RGB).convert("P").convert("PA")
+        image.putalpha(Image.fromarray(whole[..., 3]))
+    else:
+        image = image.convert(mode)
+    picture = as_picture(image)
+    assert (image.mode, picture.channels) == (mode, "gray+alpha" if mode == "La" else "rgba")
+    np.testing.assert_array_equal(picture.pixels[..., -1], whole[..., 3])
+    shown = np.asarray(image.convert("LA" if mode == "La" else "RGBA"))
+    np.testing.assert_array_equal(picture.pixels, shown)
+
+
+@pytest.mark.parametrize(("mode", "order"), [("I;16", "<"), ("I;16B", ">"), ("I;16L", "<"), ("I;16N", "=")])
+def test_16_bits_in_any_order_of_bytes(mode: str, order: str) -> None:
+    samples = RGB[..., 0].astype(np.uint16) * 257
+    picture = as_picture(Image.frombytes(mode, (7, 5), samples.astype(f"{order}u2").tobytes()))
+    assert (picture.channels, picture.pixels.dtype) == ("gray", np.uint16)
+    np.testing.assert_array_equal(picture.pixels[..., 0], samples)
+
+
+def test_integers_beyond_16_bits_become_floats() -> None:
+    samples = np.arange(-17, 18, dtype=np.int32).reshape(5, 7) * 9000
+    picture = as_picture(Image.fromarray(samples))
+    assert picture.pixels.dtype == np.float32
+    np.testing.assert_array_equal(picture.pixels[..., 0], samples)
+
+
+def test_a_palette_keeps_the_profile_of_its_colours() -> None:
+    image = Image.fromarray(RGB).convert("P")
+    for space, kept in ((b"RGB ", True), (b"GRAY", False), (b"CMYK", False)):
+        image.info["icc_profile"] = bytes(16) + space + bytes(108)
+        assert (as_picture(image).metadata.icc is not None) == kept

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO as oiio
 import pytest
+import tifffile
 
 from sgicodec.errors import PictureError
 from sgicodec.image import open_source, read
@@ -37,9 +38,35 @@ def _white_is_zero(path: Path) -> Path:
 def test_white_is_zero(tmp_path: Path, save: Save) -> None:
     ramp = np.arange(0, 200, 2, dtype=np.uint8).reshape(10, 10, 1)
     np.testing.assert_array_equal(read(_white_is_zero(save(tmp_path / "x.tif", ramp))).pixels, 255 - ramp)
-    deep = _white_is_zero(save(tmp_path / "y.tif", ramp.astype(np.uint16)))
-    with pytest.raises(PictureError, match="0 is white in its 16-bit samples"):
-        read(deep)
+    deep = ramp.astype(np.uint16) * 300
+    np.testing.assert_array_equal(read(_white_is_zero(save(tmp_path / "y.tif", deep))).pixels, 65535 - deep)
+
+
+@pytest.mark.parametrize("dtype", ["int8", "int16", "int32", "uint32", "float16", "float32", "float64"])
+def test_white_is_zero_in_other_types(tmp_path: Path, dtype: str) -> None:
+    tifffile.imwrite(tmp_path / "x.tif", np.ones((4, 4), dtype), photometric="miniswhite")
+    with pytest.raises(PictureError, match=r"x\.tif: 0 is white in its \w+ samples, .* invert it first"):
+        read(tmp_path / "x.tif")
+
+
+@pytest.mark.parametrize("dtype", ["uint8", "uint16"])
+@pytest.mark.parametrize("layout", [{}, {"planarconfig": "separate"}, {"tile": (16, 16)}])
+@pytest.mark.parametrize("extra", ["unassalpha", "assocalpha", "unspecified"])
+def test_where_white_is_zero_other_samples_stay(
+    tmp_path: Path, dtype: str, layout: dict[str, object], extra: str
+) -> None:
+    most = np.iinfo(dtype).max
+    ink, other = np.full((16, 32), most // 16, dtype), np.full((16, 32), most // 2, dtype)
+    samples = np.stack([ink, other], axis=0 if "planarconfig" in layout else -1)
+    options: dict[str, object] = {"planarconfig": "contig", "extrasamples": [extra], **layout}
+    tifffile.imwrite(tmp_path / "x.tif", samples, photometric="miniswhite", **options)
+    picture = read(tmp_path / "x.tif")
+    ink_alone = most // 16 * most / (most // 2) if extra == "assocalpha" else most // 16
+    assert picture.channels == ("multi" if extra == "unspecified" else "gray+alpha")
+    np.testing.assert_allclose(picture.pixels[..., 0], most - ink_alone, atol=1)
+    np.testing.assert_array_equal(picture.pixels[..., 1], other)
+    with open_source(tmp_path / "x.tif") as source:
+        np.testing.assert_array_equal(source.read(3, 4, 20, 9).pixels, picture.pixels[4:13, 3:23])
 
 
 @pytest.mark.parametrize("name", ["int16", "int8", "double", "half"])

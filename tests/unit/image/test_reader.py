@@ -145,9 +145,57 @@ def test_files_that_are_not_there(tmp_path: Path) -> None:
         read(tmp_path / "gone.png")
     with pytest.raises(PictureError, match="Is a directory"):
         read(tmp_path)
-    (tmp_path / "x.null").write_bytes(b"anything")
-    with pytest.raises(PictureError, match="null picture"):
-        read(tmp_path / "x.null")
+
+
+NAMES = (
+    "tif",
+    "png",
+    "null",
+    "jpeg2000",
+    "x.null",
+    "x.NUL",
+    "x.null?a=1",
+    "x.ndpi",
+    "x.czi",
+    "x.mrxs",
+    "x.exr",
+    "a%04d.png",
+)
+
+
+@pytest.mark.parametrize("kind", ["JPEG", "PNG", "GIF", "BMP", "TGA", "QOI", "PCX", "AVIF"])
+def test_content_counts_and_not_the_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str) -> None:
+    image = pytest.importorskip("PIL.Image")
+    file = io.BytesIO()
+    image.new("RGB", (12, 7), (200, 100, 50)).save(file, kind)
+    monkeypatch.chdir(tmp_path)
+    for name in NAMES:
+        Path(name).write_bytes(file.getvalue())
+        picture = read(name)
+        assert (picture.width, picture.height) == (12, 7), name
+        np.testing.assert_allclose(picture.pixels[3, 5, :3], [200, 100, 50], atol=3, err_msg=name)
+
+
+def test_a_png_of_an_iphone_is_named() -> None:
+    with pytest.raises(PictureError, match=r"chunk CgBI.* pngcrush -revert-iphone-optimizations IN a\.png$"):
+        read(_png(b"CgBI", b"\x50\0\x20\2"))
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        lambda: _png(b"CgBI", b"\x50\0\x20\2"),
+        lambda: _png(b"IuDR", b"unknown and critical"),
+        lambda: _png(b"tEXt", b"a\0b", pixels=b"\0\1\2"),
+        lambda: _png(b"tEXt", b"a\0b", pixels=b"\7\1\2\3"),
+        lambda: _png(b"tEXt", b"a\0b", packed=b"no zlib"),
+        lambda: _png(b"tEXt", b"a\0b", width=0),
+    ],
+)
+def test_libraries_print_nothing(data: Callable[[], bytes], capfd: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(PictureError):
+        read(data())
+    assert capfd.readouterr() == ("", "")
 
 
 def test_more_samples_than_allowed(pictures: Path) -> None:
@@ -242,15 +290,22 @@ def test_a_profile_for_other_channels_is_left_behind(pictures: Path) -> None:
         assert (read(_png(b"iCCP", b"x\0\0" + packed)).metadata.icc is not None) == kept
 
 
-def _png(kind: bytes, contents: bytes, width: int = 1, height: int = 1) -> bytes:
-    """A PNG file of one RGB pixel, whatever its header says, by hand, with one chunk more."""
+def _png(
+    kind: bytes,
+    contents: bytes,
+    width: int = 1,
+    height: int = 1,
+    pixels: bytes = b"\0\1\2\3",
+    packed: bytes | None = None,
+) -> bytes:
+    """A PNG file of one RGB pixel, whatever its header says, by hand, with one chunk more; packed instead of pixels."""
 
     def chunk(kind: bytes, contents: bytes) -> bytes:
         return struct.pack(">I", len(contents)) + kind + contents + struct.pack(">I", zlib.crc32(kind + contents))
 
     header = chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0))
-    pixels = chunk(b"IDAT", zlib.compress(b"\0\1\2\3"))
-    return b"\x89PNG\r\n\x1a\n" + header + chunk(kind, contents) + pixels + chunk(b"IEND", b"")
+    data = chunk(b"IDAT", zlib.compress(pixels) if packed is None else packed)
+    return b"\x89PNG\r\n\x1a\n" + header + chunk(kind, contents) + data + chunk(b"IEND", b"")
 
 
 def test_importing_the_package_leaves_openimageio_alone() -> None:

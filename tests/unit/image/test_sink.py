@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import tifffile
 from examples import examples
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -171,3 +172,26 @@ def test_devices_are_written_through(noise: Noise) -> None:
     with open_sink(os.devnull, 30, 20, "rgb", "uint8", format="png") as sink:
         sink.write_rows(0, noise(20, 30, 3, "uint8"))
     assert Path(os.devnull).is_char_device()
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 6])
+@pytest.mark.parametrize("size", [(9, 7), (2100, 2100)], ids=["strips", "tiles"])
+def test_bands_without_a_meaning_are_no_colours(tmp_path: Path, count: int, size: tuple[int, int]) -> None:
+    pixels = np.zeros((*size, count), np.uint8) + np.arange(count, dtype=np.uint8)
+    write(Picture(pixels, "multi", (0.0, 255.0)), tmp_path / "x.tif")
+    with tifffile.TiffFile(tmp_path / "x.tif") as file:
+        page = file.pages.first
+        assert (page.photometric, page.extrasamples) == (tifffile.PHOTOMETRIC.MINISBLACK, (0,) * (count - 1))
+        assert page.is_tiled == (size[0] > 2000)
+        np.testing.assert_array_equal(page.asarray().reshape(pixels.shape), pixels)
+    back = read(tmp_path / "x.tif")
+    assert back.channels == {1: "gray", 3: "rgb"}.get(count, "multi")
+
+
+def test_colours_and_alpha_are_declared_so(tmp_path: Path, noise: Noise) -> None:
+    for channels, count in LAYOUTS.items():
+        write(Picture(noise(5, 6, count, "uint8"), channels, (0.0, 255.0)), tmp_path / "x.tif")
+        with tifffile.TiffFile(tmp_path / "x.tif") as file:
+            page = file.pages.first
+            assert page.photometric.name == ("RGB" if channels.startswith("rgb") else "MINISBLACK")
+            assert page.extrasamples == ((2,) if count in (2, 4) else ())

@@ -165,6 +165,7 @@ class Scan(SimpleNamespace):
 def scanned(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setattr(openslide, "OpenSlide", Scan)
     (tmp_path / "a.MRXS").write_bytes(b"")
+    (tmp_path / "a").mkdir()
     return tmp_path / "a.MRXS"
 
 
@@ -178,7 +179,7 @@ def test_the_scanned_part_on_its_background(scanned: Path) -> None:
 
 
 def test_what_goes_wrong(tmp_path: Path, slide: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "a.ndpi").write_bytes(b"nothing of the kind")
+    (tmp_path / "a.ndpi").write_bytes(b"II*\0nothing of the kind")
     with pytest.raises(PictureError, match=r"^[^:]*a\.ndpi: it is no slide that OpenSlide reads"):
         sgicodec.read(tmp_path / "a.ndpi")
     (tmp_path / "cut.svs").write_bytes(slide.read_bytes())

@@ -1,0 +1,97 @@
+"""Opening a picture file: by OpenImageIO, or by the library that reads what it cannot."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from sgicodec.errors import PictureError
+from sgicodec.image.channels import Channels
+from sgicodec.image.decoded_picture import DecodedPicture
+from sgicodec.image.inks import Inks, extra_samples
+from sgicodec.image.jpeg2000_reader import Jpeg2000Reader
+from sgicodec.image.origin import first_line
+from sgicodec.image.pages import Chosen
+from sgicodec.image.second_reader import SecondReader, is_seconds
+from sgicodec.image.silence import without_libpng
+from sgicodec.image.tiff_reader import TiffReader, left_to_gdal
+from sgicodec.metadata import png
+from sgicodec.metadata.filebytes import FileBytes
+
+if TYPE_CHECKING:
+    from OpenImageIO import ImageInput
+
+__all__ = ["by_others", "complaint", "is_openimageio", "no_size_limit", "open_image"]
+
+_LEFT_TO_PILLOW = ("could not find a format reader", "one, three or four components")
+"""What OpenImageIO says of formats that it does not know, and of gray with alpha in JPEG 2000."""
+_SIZE_LIMIT = "limits:imagesize_MB"
+_LIFTING = threading.Lock()
+
+
+@contextmanager
+def no_size_limit() -> Iterator[None]:
+    """OpenImageIO's own limit of sizes lifted."""
+    import OpenImageIO as oiio
+
+    with _LIFTING:
+        limit = oiio.get_int_attribute(_SIZE_LIMIT)
+        oiio.attribute(_SIZE_LIMIT, 0)
+        try:
+            yield
+        finally:
+            oiio.attribute(_SIZE_LIMIT, limit)
+
+
+def open_image(path: Path, second: bool = False, page: int | None = None) -> ImageInput | DecodedPicture:
+    """The opened file. second: by Pillow, which else is asked for what is in no format that OpenImageIO knows."""
+    import OpenImageIO as oiio  # takes 30 ms: not for those who only decode to arrays
+
+    with path.open("rb") as file:
+        head = file.read(16)
+    if second or is_seconds(head):
+        return SecondReader(path, page)
+    hints = oiio.ImageSpec()
+    hints.attribute("oiio:UnassociatedAlpha", 1)
+    with without_libpng(head[:8] == png.SIGNATURE):
+        image = oiio.ImageInput.open(str(path.absolute()), hints)  # "tif" alone would be the format of that name
+    if image is None:
+        said = complaint(oiio, path)
+        if any(text in said for text in _LEFT_TO_PILLOW) or head[:2] == b"BM":
+            return SecondReader(path, page)
+        raise PictureError(said or "it cannot be opened; the file is damaged or cut off")
+    return image
+
+
+def complaint(speaker: Any, path: Path) -> str:
+    """What OpenImageIO has to say, without the path, or an empty text."""
+    said = first_line(speaker)
+    for name in (str(path.absolute()), str(path)):
+        said = said.replace(f'("{name}")', "").replace(name, "the file")
+    return said.strip()
+
+
+def by_others(path: Path, data: FileBytes, image: Any, chosen: Chosen, declared: Channels) -> Any:
+    """What reads the samples of the page, where OpenImageIO has opened the file but does not read them rightly."""
+    import OpenImageIO as oiio
+
+    if not is_openimageio(image):
+        return image
+    if declared.deep:
+        return Jpeg2000Reader(path, oiio.ImageSpec(image.spec()))
+    if chosen.directory is None:
+        return image
+    image.seek_subimage(chosen.subimage, 0)
+    spec, reason = oiio.ImageSpec(image.spec()), left_to_gdal(data)
+    if reason is not None:
+        image = TiffReader(path, chosen.subimage, spec, reason)
+    extra = extra_samples(data, spec)
+    return image if extra is None else Inks(image, spec, extra)
+
+
+def is_openimageio(image: Any) -> bool:
+    """Whether an opened picture is an `ImageInput` of OpenImageIO itself."""
+    return hasattr(image, "seek_subimage")

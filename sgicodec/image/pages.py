@@ -1,0 +1,82 @@
+"""Pages: the pictures of a file that is more than one, such as a stack, a document or an animation."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from sgicodec.errors import PictureError, UsageError
+from sgicodec.metadata import png
+from sgicodec.metadata.pages import Page, tiff_pages
+from sgicodec.metadata.stacks import images
+
+if TYPE_CHECKING:
+    from sgicodec.metadata.filebytes import Bytes
+
+__all__ = ["ONLY", "Chosen", "check_page", "chosen_page"]
+
+_COUNTED = ("gif", "webp", "openexr", "fits")
+"""Formats whose further images OpenImageIO shows, each of them a page. Those of others are layers, or the same picture
+in another size.
+"""
+
+
+class Chosen(NamedTuple):
+    """A page. subimage: its number to OpenImageIO; pages: how many there are; directory: of a TIFF, where it stands;
+    left_out: whether OpenImageIO does not read it.
+    """
+
+    subimage: int = 0
+    pages: int = 1
+    directory: Page | None = None
+    left_out: bool = False
+
+
+ONLY = Chosen()
+"""The page of a file that is one."""
+
+
+def chosen_page(path: Path, data: Bytes, image: Any, page: int | None) -> Chosen:
+    """The page of that number, from 1, of a file that OpenImageIO has opened; the first if None.
+
+    Raises UsageError for one that is not there, PictureError for one that ImageJ wrote without a directory.
+    """
+    kind = image.format_name()
+    if kind == "tiff":
+        found = tiff_pages(data) or [Page(0, 0)]
+        if len(found) > 1 and not image.seek_subimage(found[-1].number, 0):  # levels of a texture, or damage
+            image.geterror()
+            found = found[:1]
+        count = max(len(found), images(data))
+        check_page(page, count)
+        if (page or 1) > len(found):
+            raise PictureError(
+                f"its page {page} has no directory of its own, which is not read; save it as a file first"
+            )
+        directory = found[(page or 1) - 1]
+        return Chosen(directory.number, count, directory)
+    if kind == "png":
+        frames = png.frames(data)
+        check_page(page, frames)
+        return Chosen(0, frames, left_out=(page or 1) > 1)
+    count = _counted(path) if kind in _COUNTED else 1
+    check_page(page, count)
+    return Chosen((page or 1) - 1, count)
+
+
+def _counted(path: Path) -> int:
+    """How many images OpenImageIO finds in a file. It may be of no use afterwards to the one that has looked."""
+    import OpenImageIO as oiio
+
+    image, count = oiio.ImageInput.open(str(path.absolute())), 1
+    while image is not None and image.seek_subimage(count, 0):
+        count += 1
+    oiio.geterror() if image is None else image.geterror()
+    return count
+
+
+def check_page(page: int | None, count: int) -> None:
+    """Raise UsageError for a page that is none of so many."""
+    if page is not None and not (isinstance(page, int) and 1 <= page <= count):
+        have = "is one page" if count == 1 else f"has {count} pages, counted from 1"
+        raise UsageError(f"there is no page {page}; the picture {have}")

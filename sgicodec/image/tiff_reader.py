@@ -1,0 +1,158 @@
+"""TIFF files whose samples OpenImageIO cannot read, by GDAL (rasterio), behind the interface of an `ImageInput`."""
+
+from __future__ import annotations
+
+import struct
+import warnings
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from sgicodec.errors import MissingExtraError, PictureError, require
+from sgicodec.image.inks import rgb_of_inks
+from sgicodec.metadata import ifd
+
+if TYPE_CHECKING:
+    from OpenImageIO import ImageSpec
+
+    from sgicodec.metadata.filebytes import Bytes
+
+__all__ = ["TiffReader", "left_to_gdal"]
+
+Samples = npt.NDArray[Any]
+
+_COMPRESSION, _STRIPS, _STRIP_BYTES, _TILES, _TILE_BYTES = 259, 273, 279, 324, 325
+_KNOWN = (1, 2, 3, 4, 5, 6, 7, 8, 32766, 32771, 32773, 32809, 32946, 34676, 34677, 50001)
+"""Compressions that OpenImageIO's libtiff reads."""
+_NAMES = {50000: "ZSTD", 34887: "LERC", 34925: "LZMA", 50002: "JPEG XL", 52546: "JPEG XL", 34712: "JPEG 2000"}
+
+_WIDTHS = {3: 2, 4: 4, 16: 8}
+"""Bytes of the integers that places and lengths of strips and tiles are."""
+
+_WHITE_IS_ZERO, _PALETTE, _INKS = 0, 3, 5
+_TYPES = {"half": "float16", "float": "float32", "double": "float32", "int": "int32", "uint": "uint32"}
+_ENVIRONMENT = {"GDAL_CACHEMAX": 64, "GDAL_DISABLE_READDIR_ON_OPEN": "EMPTY_DIR", "GDAL_PAM_ENABLED": False}
+"""MiB of decoded blocks; files beside the picture say nothing of it."""
+
+_PROGRAM = "convert it first, as with gdal_translate -co COMPRESS=DEFLATE IN a.tif"
+
+
+def left_to_gdal(data: Bytes) -> str | None:
+    """Why OpenImageIO does not read the samples of the first page of a TIFF file; None if it does."""
+    try:
+        found = ifd.load(data, {_COMPRESSION, _STRIPS, _STRIP_BYTES, _TILES, _TILE_BYTES})
+    except struct.error:
+        return None
+    compression = int.from_bytes(_data(found, _COMPRESSION)[:2], "little") or 1
+    if compression not in _KNOWN:
+        return f"it is compressed by {_NAMES.get(compression, f'method {compression}')}"
+    for places, lengths in ((_STRIPS, _STRIP_BYTES), (_TILES, _TILE_BYTES)):
+        at, size = _numbers(found, places), _numbers(found, lengths)
+        if len(at) == len(size) and ((at == 0) & (size == 0)).any():
+            return "it is sparse, some of its strips or tiles are not there"
+    return None
+
+
+def _data(directory: ifd.Directory, tag: int) -> bytes:
+    entry = directory.get(tag)
+    return entry.data if isinstance(entry, ifd.Entry) else b""
+
+
+def _numbers(directory: ifd.Directory, tag: int) -> npt.NDArray[np.unsignedinteger[Any]]:
+    entry = directory.get(tag)
+    width = _WIDTHS.get(entry.kind, 0) if isinstance(entry, ifd.Entry) else 0
+    return np.frombuffer(_data(directory, tag), f"<u{width}") if width else np.empty(0, np.uint8)
+
+
+class TiffReader:
+    """An open page, whose samples come as OpenImageIO would give them: stretched to whole bytes, 8 bits of which 0 is
+    white turned over, palettes and inks as RGB. What is not there is 0 or the nodata value.
+    """
+
+    def __init__(self, path: Path, number: int, header: ImageSpec, reason: str) -> None:
+        """number: of the page's directory, from 0; header: OpenImageIO's; reason: as `left_to_gdal` says.
+
+        Raises PictureError for what GDAL does not read either, or without rasterio.
+        """
+        try:
+            require("rasterio", "reading it", "tiff")
+        except MissingExtraError as error:
+            raise PictureError(f"{reason}; {error}, or {_PROGRAM}") from None
+        import rasterio
+        from rasterio.errors import NotGeoreferencedWarning, RasterioError
+
+        self._header, self._reason = header, reason
+        try:
+            with rasterio.Env(**_ENVIRONMENT), warnings.catch_warnings():
+                warnings.simplefilter("ignore", NotGeoreferencedWarning)
+                self._file = rasterio.open(f"GTIFF_DIR:{number + 1}:{path}", driver="GTiff")
+        except RasterioError as error:
+            raise PictureError(f"{reason}, and GDAL does not read it; {_PROGRAM}") from error
+        self._photometric = header.get_int_attribute("tiff:PhotometricInterpretation", -1)
+        self._bits = header.get_int_attribute("oiio:BitsPerSample", 0)
+        self._type = np.dtype(_TYPES.get(str(header.format), str(header.format)))
+
+    def spec(self) -> ImageSpec:
+        """OpenImageIO's header, but that 64-bit floats come with 32."""
+        import OpenImageIO as oiio
+
+        spec = oiio.ImageSpec(self._header)
+        if str(spec.format) == "double":
+            spec.set_format(oiio.TypeDesc("float"))
+        return spec
+
+    def format_name(self) -> str:
+        """OpenImageIO's name of the format."""
+        return "tiff"
+
+    def read_tiles(self, _: int, __: int, left: int, right: int, top: int, bottom: int, *___: Any) -> Samples:
+        """Pixels [h, w, C] from column left to right, row top to bottom. Raises PictureError."""
+        import rasterio
+        from rasterio.errors import RasterioError
+        from rasterio.windows import Window
+
+        window = Window(left - self._header.x, top - self._header.y, right - left, bottom - top)
+        try:
+            with rasterio.Env(**_ENVIRONMENT):
+                samples = self._file.read(window=window)
+        except RasterioError as error:
+            said = " ".join(str(error.__cause__ or error).split())
+            raise PictureError(f"the file is damaged or cut off: {said}") from error
+        return np.ascontiguousarray(self._as_read(np.moveaxis(samples, 0, -1)))
+
+    def read_scanlines(self, _: int, __: int, top: int, bottom: int, *___: Any) -> Samples:
+        """Rows [h, W, C]. Raises PictureError."""
+        left = self._header.x
+        return self.read_tiles(0, 0, left, left + self._header.width, top, bottom)
+
+    def _as_read(self, samples: Samples) -> Samples:
+        """Samples [h, w, bands] of GDAL as OpenImageIO's."""
+        count, full = self._header.nchannels, 8 * self._type.itemsize
+        if self._photometric == _PALETTE:
+            entries = self._file.colormap(1)
+            colours = np.array([entries.get(index, (0, 0, 0, 255)) for index in range(1 << self._bits)], np.uint8)
+            return colours[samples[..., 0], :count]
+        if self._type.kind == "u" and 0 < self._bits < full:
+            samples = samples.astype(np.uint32) * ((1 << full) - 1) // ((1 << self._bits) - 1)
+        samples = samples.astype(self._type, copy=False)
+        if self._photometric == _WHITE_IS_ZERO and self._type == np.uint8:
+            samples = 255 - samples
+        if (
+            self._photometric == _INKS and count == 3 and self._file.colorinterp[0].name != "red"
+        ):  # GDAL has not done so
+            return rgb_of_inks(samples[..., :4])
+        if samples.shape[-1] < count:
+            raise PictureError(
+                f"{self._reason}, and GDAL finds {samples.shape[-1]} of its {count} channels; {_PROGRAM}"
+            )
+        return samples[..., :count]
+
+    def geterror(self) -> str:
+        """Nothing: errors are raised."""
+        return ""
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()

@@ -1,0 +1,112 @@
+"""Pages of a TIFF file: which of its directories hold pictures of their own, and the file as one of them has it."""
+
+from __future__ import annotations
+
+import itertools
+import struct
+from collections.abc import Iterator
+from typing import BinaryIO, NamedTuple, overload
+
+from sgicodec.metadata import ifd
+from sgicodec.metadata.filebytes import Bytes, FileBytes
+
+__all__ = ["Page", "PageBytes", "tiff_pages"]
+
+_SUBFILE, _OLD_SUBFILE, _WIDTH, _HEIGHT, _DESCRIPTION, _TILE_WIDTH = 254, 255, 256, 257, 270, 322
+_ASKED = (_SUBFILE, _OLD_SUBFILE, _WIDTH, _HEIGHT, _TILE_WIDTH)
+_REDUCED_OR_MASK, _OLD_REDUCED = 1 | 4, 2
+_APERIO = b"Aperio"
+_SHORT = 3
+
+
+class Page(NamedTuple):
+    """A directory: its number in the file, from 0, its place, the size of its picture, and whether that is in tiles."""
+
+    number: int
+    place: int
+    width: int = 0
+    height: int = 0
+    tiled: bool = False
+
+
+def tiff_pages(data: Bytes) -> list[Page]:
+    """The pages of a TIFF file. Reductions and masks of others are none, nor are the levels of a slide.
+
+    Where nothing else is there, the first directory is one. A chain of directories that is damaged ends there.
+    """
+    spelling = ifd.layout(data)
+    if spelling is None:
+        return []
+    directories = list(_directories(data, spelling))
+    pages = [page for page, own in directories if own] or [page for page, _ in directories[:1]]
+    return pages[:1] if _is_slide(data) or _are_levels(pages) else pages
+
+
+def _directories(data: Bytes, spelling: ifd.Layout) -> Iterator[tuple[Page, bool]]:
+    """Each directory of the chain, and whether it says nothing of being a part of another."""
+    seen: set[int] = set()
+    try:
+        place = ifd.first_directory(data, spelling)
+        while place and place not in seen:
+            seen.add(place)
+            found = ifd.rows(data, place, spelling)
+            values = {row.tag: _value(data, row, spelling) for row in found if row.tag in _ASKED}
+            own = not values.get(_SUBFILE, 0) & _REDUCED_OR_MASK and values.get(_OLD_SUBFILE) != _OLD_REDUCED
+            size = values.get(_WIDTH, 0), values.get(_HEIGHT, 0)
+            yield Page(len(seen) - 1, place, *size, _TILE_WIDTH in values), own
+            end = place + spelling.count.size + len(found) * spelling.row.size
+            (place,) = spelling.place.unpack(data[end : end + spelling.place.size])
+    except struct.error:
+        return
+
+
+def _value(data: Bytes, row: ifd.Row, spelling: ifd.Layout) -> int:
+    form = struct.Struct(spelling.order + "H") if row.kind == _SHORT else spelling.place
+    return int(form.unpack(data[row.at : row.at + form.size])[0])
+
+
+def _is_slide(data: Bytes) -> bool:
+    """Whether the file is Aperio's: its levels follow each other like pages."""
+    try:
+        entry = ifd.load(data, {_DESCRIPTION}).get(_DESCRIPTION)
+    except struct.error:
+        return False
+    return isinstance(entry, ifd.Entry) and entry.data.startswith(_APERIO)
+
+
+def _are_levels(pages: list[Page]) -> bool:
+    """Whether each is the one before in half its size or less: levels of a pyramid in tiles that are not marked so."""
+    first = pages[0] if pages else Page(0, 0)
+    scales = [max(1, round(first.width / max(1, page.width))) for page in pages]
+    fit = (
+        page.tiled and abs(page.width - first.width / scale) < 1 and abs(page.height - first.height / scale) < 1
+        for page, scale in zip(pages, scales, strict=True)
+    )
+    return len(pages) > 1 and all(fit) and all(b >= 2 * a for a, b in itertools.pairwise(scales))
+
+
+class PageBytes(FileBytes):
+    """A TIFF file as if its header pointed at the directory of one page, for those who look at the first.
+
+    whole: the file as it is.
+    """
+
+    def __init__(self, file: BinaryIO, page: Page) -> None:
+        super().__init__(file)
+        self.whole = FileBytes(file)
+        spelling = ifd.layout(self.whole)
+        if spelling is None:
+            raise struct.error("not a TIFF structure")
+        self._at, self._place = spelling.first, spelling.place.pack(page.place)
+
+    @overload
+    def __getitem__(self, at: int) -> int: ...
+    @overload
+    def __getitem__(self, at: slice) -> bytes: ...
+    def __getitem__(self, at: int | slice) -> int | bytes:
+        found = super().__getitem__(at)
+        start = at.indices(len(self))[0] if isinstance(at, slice) else at
+        if isinstance(found, int) or not start <= self._at <= start + len(found) - len(self._place):
+            return found
+        before = self._at - start
+        return found[:before] + self._place + found[before + len(self._place) :]

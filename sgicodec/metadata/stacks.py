@@ -1,0 +1,111 @@
+"""Descriptions in which OME, ImageJ and tifffile state the shape of a stack. No single page keeps them: programs would
+look for the others. The size of its pixels and the magnification are kept, where they are stated.
+"""
+
+from __future__ import annotations
+
+import html
+import re
+import struct
+from collections.abc import Sequence
+from fractions import Fraction
+
+from sgicodec.metadata import ifd
+from sgicodec.metadata.filebytes import Bytes
+
+__all__ = ["images", "resolution_tags", "states_shape", "without_shape"]
+
+_DESCRIPTION, _X, _Y, _UNIT = 270, 282, 283, 296
+_ASCII, _SHORT, _RATIONAL = 2, 3, 5
+_CENTIMETRE, _MICRONS = 3, 10000
+_MOST = 10**8
+"""Of numerator and denominator of a resolution."""
+
+_OME, _IMAGEJ, _SHAPED = (re.compile(form) for form in (rb"OME>\s*\0*\Z", rb"ImageJ=", rb'\{"shape": |shape=\('))
+_IMAGES = re.compile(rb"\AImageJ=[^\0]*^images=([0-9]{1,9})$", re.MULTILINE)
+_SIZE = re.compile(r'\bPhysicalSize([XY])="([^"]*)"')
+_SIZE_UNIT = re.compile(r'\bPhysicalSize[XY]Unit="([^"]*)"')
+_POWER = re.compile(r'\bNominalMagnification="([0-9]{1,4}(?:\.[0-9]{1,4})?)"')
+_IMAGEJ_UNIT = re.compile(r"^unit=(.*)$", re.MULTILINE)
+
+_MICRONS_IN = {"µm": Fraction(1), "um": Fraction(1), "micron": Fraction(1), "microns": Fraction(1)}
+_MICRONS_IN |= {"nm": Fraction(1, 1000), "mm": Fraction(1000), "cm": Fraction(10000), "m": Fraction(10**6)}
+_MICRONS_IN |= {"inch": Fraction(25400), "in": Fraction(25400)}
+
+
+def states_shape(directory: ifd.Directory) -> bool:
+    """Whether the description states the shape of a stack."""
+    text = _text(directory)
+    return bool(_OME.search(text) or _IMAGEJ.match(text) or _SHAPED.match(text))
+
+
+def images(data: Bytes) -> int:
+    """How many images ImageJ says that a TIFF file holds; 1 if it does not."""
+    try:
+        found = _IMAGES.search(_text(ifd.load(data, {_DESCRIPTION})))
+    except struct.error:
+        return 1
+    return int(found[1]) if found else 1
+
+
+def without_shape(directory: ifd.Directory) -> ifd.Directory:
+    """The tags without a description that states the shape of a stack; the size of pixels that it states is now in the
+    tags of resolution.
+    """
+    if not states_shape(directory):
+        return directory
+    kept: ifd.Directory = {tag: item for tag, item in directory.items() if tag != _DESCRIPTION}
+    text, words = _text(directory), html.unescape(_text(directory).decode("utf-8", "replace"))
+    if _IMAGEJ.match(text):
+        return kept | resolution_tags(_imagej_sizes(words, kept))
+    kept |= resolution_tags(_ome_sizes(words))
+    power = _POWER.search(words)
+    return kept | ({_DESCRIPTION: ifd.Entry(_ASCII, f"AppMag = {power[1]}\0".encode())} if power else {})
+
+
+def _text(directory: ifd.Directory) -> bytes:
+    entry = directory.get(_DESCRIPTION)
+    return entry.data if isinstance(entry, ifd.Entry) else b""
+
+
+def resolution_tags(microns: Sequence[str | Fraction | None]) -> ifd.Directory:
+    """The tags of a resolution by the size of pixels in x and y, in micrometres; none where it is no sound size."""
+    try:
+        ratios = [Fraction(_MICRONS) / Fraction(value or "0") for value in microns]
+    except (ValueError, ZeroDivisionError):
+        return {}
+    if len(ratios) != 2 or not all(0 < ratio < _MOST for ratio in ratios):
+        return {}
+    entries: ifd.Directory = {_UNIT: ifd.Entry(_SHORT, struct.pack("<H", _CENTIMETRE))}
+    for tag, ratio in zip((_X, _Y), ratios, strict=True):
+        near = ratio.limit_denominator(int(_MOST / max(1.0, float(ratio))))
+        entries[tag] = ifd.Entry(_RATIONAL, struct.pack("<II", near.numerator, near.denominator))
+    return entries
+
+
+def _ome_sizes(text: str) -> Sequence[Fraction]:
+    """Of all pictures in the file, if they have the same."""
+    sizes, units = set(_SIZE.findall(text)), set(_SIZE_UNIT.findall(text)) or {"µm"}
+    stated = dict(sizes)
+    if "X" not in stated or len(sizes) != len(stated) or len(units) != 1:
+        return ()
+    return _in_microns([str(stated["X"]), str(stated.get("Y", stated["X"]))], units.pop())
+
+
+def _imagej_sizes(text: str, directory: ifd.Directory) -> Sequence[Fraction]:
+    """By the tags of resolution, which count pixels in the unit of the description."""
+    unit, values = _IMAGEJ_UNIT.search(text), [directory.get(tag) for tag in (_X, _Y)]
+    if unit is None or not all(isinstance(value, ifd.Entry) and len(value.data) == 8 for value in values):
+        return ()
+    ratios = [struct.unpack("<II", value.data) for value in values if isinstance(value, ifd.Entry)]
+    sizes = [f"{below}/{above}" for above, below in ratios]
+    return _in_microns(sizes, unit[1].strip().encode().decode("unicode_escape", "replace"))
+
+
+def _in_microns(sizes: Sequence[str], unit: str) -> Sequence[Fraction]:
+    """Sizes in this unit; none of units that are not known, or of what is no number."""
+    scale = _MICRONS_IN.get(unit.replace("\u03bc", "µ"))
+    try:
+        return [Fraction(size) * scale for size in sizes] if scale is not None else ()
+    except (ValueError, ZeroDivisionError):
+        return ()

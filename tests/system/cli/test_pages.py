@@ -1,0 +1,64 @@
+"""`sgi encode` of a file that holds several pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tifffile
+from click.testing import Result
+
+import sgicodec
+
+Run = Callable[..., Result]
+
+RAMP = np.add.outer(np.arange(48), np.arange(64)).astype(np.uint8)
+PAGES = np.stack([RAMP, 200 - RAMP, 2 * RAMP])
+
+
+@pytest.fixture
+def stack(tmp_path: Path) -> Path:
+    tifffile.imwrite(tmp_path / "stack.tif", PAGES, imagej=True, metadata={"axes": "ZYX"})
+    return tmp_path / "stack.tif"
+
+
+def nearest(stream: Path) -> int:
+    """The page that a stream shows."""
+    return int(np.argmin([np.abs(sgicodec.imread(stream).squeeze().astype(int) - page).mean() for page in PAGES]))
+
+
+def test_other_pages_are_told_of(sgi: Run, stack: Path) -> None:
+    result = sgi("encode", stack, "--steps", 30, "--quiet")
+    assert result.stderr == f"sgi: {stack}: the first of 3 pages; --page chooses another\n"
+    assert nearest(stack.with_suffix(".sgi")) == 0
+
+
+def test_a_page_is_chosen(sgi: Run, stack: Path) -> None:
+    result = sgi("encode", stack, "--page", 2, "--steps", 30, "--quiet")
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert nearest(stack.with_suffix(".sgi")) == 1
+
+
+def test_workers_read_the_same_page(sgi: Run, stack: Path, tmp_path: Path) -> None:
+    options = ("--tile", 32, "--steps", 10, "--quiet", "--no-overview", "--page", 3)
+    assert sgi("encode", stack, tmp_path / "a.sgi", *options, "-j", 1).exit_code == 0
+    assert sgi("encode", stack, tmp_path / "b.sgi", *options, "--cluster", "local:1").exit_code == 0
+    assert nearest(tmp_path / "b.sgi") == 2
+    assert (tmp_path / "a.sgi").read_bytes() == (tmp_path / "b.sgi").read_bytes()
+
+
+def test_a_page_that_is_not_there(sgi: Run, stack: Path) -> None:
+    result = sgi("encode", stack, "--page", 4)
+    assert result.exit_code == 2
+    assert result.stderr == "sgi: there is no page 4; the picture has 3 pages, counted from 1\n"
+
+
+def test_a_decoded_page_is_one_picture(sgi: Run, stack: Path, tmp_path: Path) -> None:
+    assert sgi("encode", stack, tmp_path / "x.sgi", "--page", 2, "--steps", 10, "--quiet").exit_code == 0
+    for options in ((), ("--pyramid",), ("--region", "8,8,20,30")):
+        assert sgi("decode", tmp_path / "x.sgi", tmp_path / "x.tif", "-f", *options).exit_code == 0
+        with tifffile.TiffFile(tmp_path / "x.tif") as file:
+            assert file.series[0].shape == file.pages.first.shape
+            assert file.asarray().shape == file.pages.first.shape

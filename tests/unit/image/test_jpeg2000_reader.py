@@ -1,0 +1,57 @@
+"""JPEG 2000 that OpenImageIO does not read rightly: signed samples, and more than 16 bits."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import imagecodecs
+import numpy as np
+import pytest
+
+from sgicodec.errors import PictureError
+from sgicodec.image import open_source, read
+
+CASES = [("int8", 8, 1), ("int16", 16, 1), ("int16", 12, 1), ("int16", 12, 3), ("int16", 10, 4), ("uint32", 20, 1)]
+
+
+def numbers(dtype: str, bits: int, bands: int) -> np.ndarray:
+    low, high = (0, 1 << bits) if dtype.startswith("u") else (-(1 << bits - 1), 1 << bits - 1)
+    found = np.random.default_rng(bits).integers(low, high, (40, 50, bands)).astype(dtype)
+    return found if bands > 1 else found[..., 0]
+
+
+@pytest.mark.parametrize(("dtype", "bits", "bands"), CASES)
+@pytest.mark.parametrize("container", ["jp2", "j2k"])
+def test_the_numbers_are_those_of_the_file(tmp_path: Path, dtype: str, bits: int, bands: int, container: str) -> None:
+    stored = numbers(dtype, bits, bands)
+    data = imagecodecs.jpeg2k_encode(stored, codecformat=container, reversible=True, bitspersample=bits)
+    (tmp_path / "x.jp2").write_bytes(data)
+    picture = read(tmp_path / "x.jp2")
+    assert picture.channels == {1: "gray", 3: "rgb"}.get(bands, "multi")
+    assert picture.pixels.dtype == np.float32
+    np.testing.assert_array_equal(picture.pixels, stored.reshape(40, 50, -1))
+    with open_source(tmp_path / "x.jp2") as source:
+        np.testing.assert_array_equal(source.read(7, 5, 30, 20).pixels, picture.pixels[5:25, 7:37])
+
+
+@pytest.mark.parametrize(("bits", "largest"), [(8, 255), (12, 65535), (16, 65535)])
+def test_unsigned_ones_are_openimageios(bits: int, largest: int) -> None:
+    stored = numbers("uint8" if bits == 8 else "uint16", bits, 1)
+    data = imagecodecs.jpeg2k_encode(stored, codecformat="jp2", reversible=True, bitspersample=bits)
+    expected = stored.astype(float) / ((1 << bits) - 1) * largest
+    np.testing.assert_allclose(read(data).pixels[..., 0], expected, atol=1 if bits != 12 else 16)
+
+
+def test_without_imagecodecs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "x.jp2").write_bytes(imagecodecs.jpeg2k_encode(numbers("int16", 16, 1), codecformat="jp2"))
+    monkeypatch.setitem(sys.modules, "imagecodecs", None)
+    needed = r"its samples are signed .* needs imagecodecs: pip install 'sgicodec\[avif\]', or convert it first"
+    with pytest.raises(PictureError, match=rf"x\.jp2: {needed}"):
+        read(tmp_path / "x.jp2")
+
+
+def test_damage_is_refused() -> None:
+    data = bytes(imagecodecs.jpeg2k_encode(numbers("int16", 16, 1), codecformat="jp2", reversible=True))
+    with pytest.raises(PictureError):
+        read(data[: len(data) // 2])

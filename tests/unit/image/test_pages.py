@@ -1,0 +1,190 @@
+"""Files of several pictures: which are pages, and what each of them reads as."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import OpenImageIO as oiio
+import pytest
+import tifffile
+from PIL import Image
+
+import sgicodec
+from sgicodec.errors import PictureError, UsageError
+from sgicodec.image import open_source, read, write
+from sgicodec.metadata.georeference import resolution
+
+STACK = np.random.default_rng(2).integers(0, 256, (3, 24, 32), np.uint8)
+COLOURS = np.random.default_rng(3).integers(0, 256, (3, 24, 32, 3), np.uint8)
+
+
+def tiff(pages: list[np.ndarray], **options: Any) -> bytes:
+    file = io.BytesIO()
+    with tifffile.TiffWriter(file, **options) as writer:
+        for page in pages:
+            writer.write(page, metadata=None, photometric="rgb" if page.ndim == 3 else "minisblack")
+    return file.getvalue()
+
+
+def stack(**options: Any) -> bytes:
+    file = io.BytesIO()
+    tifffile.imwrite(file, STACK, photometric="minisblack", **options)
+    return file.getvalue()
+
+
+def animation(name: str, **options: Any) -> bytes:
+    file = io.BytesIO()
+    first, *others = [Image.fromarray(frame) for frame in COLOURS]
+    first.save(file, name, save_all=True, append_images=others, **options)
+    return file.getvalue()
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        tiff(list(STACK)),
+        tiff(list(STACK), byteorder=">"),
+        tiff(list(STACK), bigtiff=True),
+        tiff([STACK[0], STACK[1, :5, :9], STACK[2, :12, :16]]),
+        stack(imagej=True, metadata={"axes": "ZYX"}),
+        stack(ome=True, metadata={"axes": "CYX"}),
+    ],
+    ids=["little", "big", "bigtiff", "sizes", "imagej", "ome"],
+)
+def test_pages_of_tiff(data: bytes) -> None:
+    with open_source(data) as source, tifffile.TiffFile(io.BytesIO(data)) as file:
+        assert source.pages == 3
+        np.testing.assert_array_equal(source.read(0, 0, 32, 24).pixels[..., 0], STACK[0])
+        for number, page in enumerate(file.pages, 1):
+            np.testing.assert_array_equal(read(data, page=number).pixels[..., 0], page.asarray())
+            with open_source(data, page=number) as one:
+                np.testing.assert_array_equal(one.read(3, 2, 5, 3).pixels[..., 0], page.asarray()[2:5, 3:8])
+
+
+@pytest.mark.parametrize("name", ["GIF", "WEBP", "PNG", "AVIF"])
+def test_frames_of_an_animation(name: str) -> None:
+    data = animation(name, **({"lossless": True} if name == "WEBP" else {}))
+    with Image.open(io.BytesIO(data)) as image, open_source(data) as source:
+        assert source.pages == image.n_frames == 3
+        for number in (1, 3, 2):
+            image.seek(number - 1)
+            picture = read(data, page=number)
+            expected = np.asarray(image.convert("RGBA" if picture.channels == "rgba" else "RGB"))
+            np.testing.assert_array_equal(picture.pixels, expected)
+
+
+def test_pages_of_pillow() -> None:
+    data = bytearray(b"\xb1\x68\xde\x3a" + bytes(12))
+    for index, frame in enumerate(COLOURS[:2]):
+        file = io.BytesIO()
+        Image.fromarray(frame).save(file, "PCX")
+        data[4 + 4 * index : 8 + 4 * index] = len(data).to_bytes(4, "little")
+        data += file.getvalue()
+    np.testing.assert_array_equal(read(bytes(data)).pixels, COLOURS[0])
+    np.testing.assert_array_equal(read(bytes(data), page=2).pixels, COLOURS[1])
+
+
+def test_parts_of_exr(tmp_path: Path) -> None:
+    specs = tuple(oiio.ImageSpec(8, 4, 1, "float") for _ in range(2))
+    image = oiio.ImageOutput.create("x.exr")
+    assert image.open(str(tmp_path / "x.exr"), specs)
+    assert image.write_image(np.full((4, 8, 1), 0.5, np.float32))
+    assert image.open(str(tmp_path / "x.exr"), specs[1], "AppendSubimage")
+    assert image.write_image(np.full((4, 8, 1), 2.0, np.float32))
+    image.close()
+    assert [float(read(tmp_path / "x.exr", page=page).pixels[0, 0, 0]) for page in (None, 1, 2)] == [0.5, 0.5, 2.0]
+
+
+def test_reductions_and_masks_are_no_pages() -> None:
+    file = io.BytesIO()
+    with tifffile.TiffWriter(file) as writer:
+        for page, kind in (
+            (STACK[0, ::2, ::2], 1),
+            (STACK[0], 0),
+            (STACK[0, ::4, ::4], 1),
+            (STACK[1] > 9, 4),
+            (STACK[2], 2),
+        ):
+            writer.write(page, subfiletype=kind, metadata=None, photometric="minisblack")
+    with open_source(file.getvalue()) as source:
+        assert source.pages == 2
+    np.testing.assert_array_equal(read(file.getvalue()).pixels[..., 0], STACK[0])
+    np.testing.assert_array_equal(read(file.getvalue(), page=2).pixels[..., 0], STACK[2])
+
+
+def test_levels_are_no_pages(tmp_path: Path) -> None:
+    large = np.repeat(np.repeat(STACK[0], 4, 0), 4, 1)
+    for name, description in (("slide", "Aperio Image Library\r\n128x96"), ("pyramid", None)):
+        with tifffile.TiffWriter(tmp_path / name) as writer:
+            for step in (1, 2, 4):
+                options: Any = {"tile": (16, 16), "metadata": None, "photometric": "minisblack"}
+                writer.write(large[::step, ::step], description=description if step == 1 else None, **options)
+            if description:
+                writer.write(STACK[1, :20, :20], metadata=None, photometric="minisblack")
+    texture = oiio.ImageBuf(oiio.ImageSpec(64, 48, 3, "uint8"))
+    assert oiio.ImageBufAlgo.make_texture(oiio.MakeTxTexture, texture, str(tmp_path / "texture.tif"))
+    for name in ("slide", "pyramid", "texture.tif"):
+        with open_source(tmp_path / name) as source:
+            assert source.pages == 1
+
+
+@pytest.mark.parametrize("page", [0, -1, 4])
+@pytest.mark.parametrize("data", [tiff(list(STACK)), animation("GIF"), animation("PNG"), animation("AVIF")])
+def test_a_page_that_is_not_there(data: bytes, page: int) -> None:
+    with pytest.raises(UsageError, match=f"no page {page}; the picture has 3 pages, counted from 1"):
+        read(data, page=page)
+
+
+def test_images_without_a_directory(tmp_path: Path) -> None:
+    """ImageJ writes large stacks so: one directory, and all images behind each other."""
+    tifffile.imwrite(tmp_path / "x.tif", STACK[0], description="ImageJ=1.53\nimages=7\nslices=7\n", metadata=None)
+    with open_source(tmp_path / "x.tif") as source:
+        assert source.pages == 7
+    with pytest.raises(PictureError, match="its page 2 has no directory of its own"):
+        read(tmp_path / "x.tif", page=2)
+    with pytest.raises(UsageError, match="no page 8"):
+        read(tmp_path / "x.tif", page=8)
+
+
+def test_a_picture_that_is_one_page(tmp_path: Path) -> None:
+    Image.fromarray(COLOURS[0]).save(tmp_path / "x.png")
+    assert read(tmp_path / "x.png", page=1).width == 32
+    with pytest.raises(UsageError, match="no page 2; the picture is one page"):
+        open_source(tmp_path / "x.png", page=2)
+
+
+@pytest.mark.parametrize("page", [1, 2])
+@pytest.mark.parametrize(
+    ("options", "microns"),
+    [
+        ({"imagej": True, "metadata": {"axes": "ZYX", "unit": "um"}, "resolution": (4, 2)}, (0.25, 0.5)),
+        ({"ome": True, "metadata": {"axes": "CYX", "PhysicalSizeX": 0.25, "PhysicalSizeY": 0.5}}, (0.25, 0.5)),
+        ({"metadata": {"axes": "ZYX"}}, None),
+    ],
+    ids=["imagej", "ome", "shaped"],
+)
+def test_a_page_opens_elsewhere_with_its_own_shape(
+    tmp_path: Path, options: dict[str, Any], microns: tuple[float, float] | None, page: int
+) -> None:
+    picture = read(stack(**options), page=page)
+    write(picture, tmp_path / "x.tif")
+    np.testing.assert_array_equal(tifffile.imread(tmp_path / "x.tif"), STACK[page - 1])
+    found = resolution(picture.metadata.geo, picture.metadata.exif)
+    assert (None if found is None else found.microns) == (None if microns is None else pytest.approx(microns))
+
+
+def test_an_encode_warns_of_other_pages(tmp_path: Path) -> None:
+    (tmp_path / "x.tif").write_bytes(tiff(list(STACK)))
+    for image in (tmp_path / "x.tif", (tmp_path / "x.tif").read_bytes(), io.BytesIO(tiff(list(STACK)))):
+        with pytest.warns(UserWarning, match="the first of 3 pages; page chooses another") as caught:
+            sgicodec.encode(image, steps=2)
+        assert caught[0].filename == __file__
+    sgicodec.imwrite(tmp_path / "x.sgi", tmp_path / "x.tif", page=2, quality=95, effort=1)
+    decoded = sgicodec.imread(tmp_path / "x.sgi")
+    errors = [np.abs(decoded.astype(int).squeeze() - page).mean() for page in STACK]
+    assert int(np.argmin(errors)) == 1
+    with pytest.raises(UsageError, match="page is said of files"):
+        sgicodec.encode(STACK[0], page=1)
