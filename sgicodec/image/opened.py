@@ -144,12 +144,13 @@ def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto") -
         declared = declared_channels(data, image.format_name())
         if declared.second:
             image = _open(path, second=True)
-        spec, kind = _spec(image, data, found), image.format_name()
+    spec, kind = _spec(image, found), image.format_name()
     probe = header(spec, kind, _LAST.get(alpha, declared.last))
     place = found.geo
     if not has_own_numbers(spec):
         place = geo.resampled(place, lambda value: number_as_read(value, spec))
     place = placement.oriented(place, orientation(spec, kind), spec.width, spec.height)
+    found = embedded.upright(found, orientation(spec, kind), spec.width, spec.height)
     metadata = replace(found, icc=_icc(spec, probe.channels), geo=place)
     has_alpha = declared.last == "alpha" and alpha_index(header(spec, kind).channels) is not None
     associated = has_alpha and alpha != "band" and is_associated(spec, kind)
@@ -169,6 +170,7 @@ def _foreign_picture(path: Path, found: Foreign, metadata: Metadata, alpha: Alph
     probe = header(spec, kind, _LAST.get(alpha, "alpha"))
     icc = _fitting(own.icc, probe.channels)
     own = Metadata(icc=icc, exif=own.exif or metadata.exif, xmp=own.xmp or metadata.xmp)
+    own = embedded.turned_already(own, probe.width, probe.height)
     has_alpha = alpha != "band" and alpha_index(header(spec, kind).channels) is not None
     return Opened(path, image, spec, kind, probe, own, AsIs, has_alpha and image.associated)
 
@@ -195,13 +197,15 @@ def _reads(name: str) -> bool:
     return name in oiio.get_string_attribute("format_list").split(",")
 
 
-def _spec(image: ImageInput | DecodedPicture, data: FileBytes, found: Metadata) -> ImageSpec:
-    """The header of the first picture. An orientation that stands in XMP alone, OpenImageIO does not see."""
+def _spec(image: ImageInput | DecodedPicture, found: Metadata) -> ImageSpec:
+    """The header of the first picture. Its orientation is that of the EXIF that is kept, so that pixels and tag agree;
+    one that stands there, or in XMP alone, OpenImageIO does not always see.
+    """
     import OpenImageIO as oiio
 
     spec = oiio.ImageSpec(image.spec())
-    if found.xmp is not None and spec.get("Orientation") is None:
-        spec.attribute("Orientation", embedded.orientation_in_xmp(data) or 1)
+    other = None if spec.get("Orientation") is None else spec.get_int_attribute("Orientation", 1)
+    spec.attribute("Orientation", embedded.orientation(found, other))
     return spec
 
 

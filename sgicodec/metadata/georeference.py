@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sgicodec.metadata import geo, ifd
+from sgicodec.metadata.density import is_default
 from sgicodec.metadata.placement import transformation
 
 __all__ = ["Georeference", "Resolution", "georeference", "resolution"]
@@ -175,6 +176,8 @@ def _of_tags(entries: dict[int, ifd.Entry]) -> Resolution | None:
     if kind not in _MICRONS or not all(sizes):
         return None
     across, down = (float(size) for size in sizes if size)
+    if is_default(kind, across, down):
+        return None
     stated = f"{across:g}" if across == down else f"{across:g} × {down:g}"
     return _sound((_MICRONS[kind] / across, _MICRONS[kind] / down), f"{stated} pixels per {_PER[kind]}")
 

@@ -99,7 +99,7 @@ def test_an_orientation_is_applied_once(exif_blob: Blob, place: str) -> None:
         data = plain[:33] + png_file.chunk(b"eXIf", turned) + plain[33:]
     else:
         insert = {"jpeg": jpeg_file, "webp": webp_file}[place].insert
-        data = b"".join(insert(_through(picture, place), turned, None))
+        data = b"".join(insert(_through(picture, place), Metadata(exif=turned)))
     once = read(data)
     assert once.pixels.shape == (17, 9, 3)
     assert (np.abs(once.pixels.astype(int) - np.rot90(ramp, -1)) <= 2).all()
@@ -136,9 +136,9 @@ def test_compressed_png_text_and_its_limits() -> None:
 
     packed = chunk(b"iTXt", b"XML:com.adobe.xmp\0\1\0\0\0" + zlib.compress(XMP))
     plain = _through(_flat(Metadata()), "png")
-    assert png_file.find(plain[:33] + packed + plain[33:]) == (None, XMP)
+    assert png_file.find(plain[:33] + packed + plain[33:]) == (None, XMP, None)
     broken = chunk(b"zTXt", b"Raw profile type exif\0\0garbage")
-    assert png_file.find(plain[:33] + broken + plain[33:]) == (None, None)
+    assert png_file.find(plain[:33] + broken + plain[33:]) == (None, None, None)
 
 
 def test_more_than_a_jpeg_segment_holds(exif_blob: Blob) -> None:
