@@ -85,18 +85,14 @@ def split(packet: bytes, most: int) -> tuple[bytes, list[bytes]]:
     subject = b" %b:about=%b" % (rdf, about[1] if about else b'""')
     note = b'<%b:Description%b xmlns:xmpNote="%b" xmpNote:HasExtendedXMP="%%b"/>' % (rdf, subject, _NOTE)
     spans = _largest(_properties(packet), len(packet) + len(note) + 30 - most)
+    if not spans:
+        return packet, []
     extension = _extension(rdf, subject, names, [packet[start:stop] for start, stop in spans])
-    main = packet[: end.start()] + _NAMED + packet[end.start() :]
-    for start, stop in reversed(spans):
-        main = main[:start] + main[stop:]
     name = hashlib.md5(extension, usedforsecurity=False).hexdigest().upper().encode("ascii")
-    main = main.replace(_NAMED, note % name)
-    places = range(0, len(extension), _PIECE)
-    return main, [_HEAD.pack(name, len(extension), at) + extension[at : at + _PIECE] for at in places]
-
-
-_NAMED = b"\0"
-"""Where the note will stand; no XML holds this byte."""
+    places = zip([0, *(stop for _, stop in spans)], [*(start for start, _ in spans), end.start()], strict=True)
+    main = b"".join(packet[start:stop] for start, stop in places) + note % name + packet[end.start() :]
+    pieces = [extension[at : at + _PIECE] for at in range(0, len(extension), _PIECE)]
+    return main, [_HEAD.pack(name, len(extension), at * _PIECE) + piece for at, piece in enumerate(pieces)]
 
 
 def _is_ambiguous(packet: bytes, names: dict[bytes, bytes]) -> bool:
