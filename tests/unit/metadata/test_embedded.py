@@ -11,7 +11,7 @@ import pytest
 
 from sgicodec.errors import PictureError
 from sgicodec.image import read, write
-from sgicodec.metadata import ifd, orientation
+from sgicodec.metadata import embedded, ifd, orientation
 from sgicodec.metadata import jpeg as jpeg_file
 from sgicodec.metadata import png as png_file
 from sgicodec.metadata import webp as webp_file
@@ -165,3 +165,23 @@ def test_more_than_a_jpeg_segment_holds(exif_blob: Blob) -> None:
     with pytest.raises(PictureError, match="jpeg cannot hold 65528 bytes of EXIF, only 65527"):
         _through(_flat(Metadata(exif=most + b"\0")), "jpeg")
     assert read(_through(_flat(Metadata(exif=most + b"\0")), "png")).metadata.exif == most + b"\0"
+
+
+def _by_pillow(data: bytes) -> tuple[bytes | None, bytes | None]:
+    with pytest.importorskip("PIL.Image").open(io.BytesIO(data)) as other:
+        blob = other.info.get("exif")
+        return blob and blob.removeprefix(b"Exif\0\0"), other.info.get("xmp")
+
+
+def test_pillow_finds_the_same_bytes(pictures: Path, exif_blob: Blob) -> None:
+    """Those before the pixels, in whatever the repository has of these formats and in what is written."""
+    files = [path.read_bytes() for path in sorted(pictures.glob("*.[jp][pn]g")) if not path.name.startswith("x")]
+    files += [path.read_bytes() for path in sorted(pictures.glob("x*.jpg"))]
+    files += [_through(_flat(Metadata(exif=exif_blob(1), xmp=XMP)), format) for format in ("jpeg", "png", "webp")]
+    plain = _through(_flat(Metadata()), "jpeg")
+    segment = b"\xff\xff\xff\xe1" + struct.pack(">H", 8 + len(exif_blob(6))) + b"Exif\0\0" + exif_blob(6)
+    files.append(plain[:2] + segment + plain[2:])
+    assert len(files) > 15
+    for data in files:
+        found = embedded.extract(data)
+        assert (found.exif, found.xmp) == _by_pillow(data)
