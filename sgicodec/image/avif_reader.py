@@ -28,6 +28,7 @@ class AvifReader(DecodedPicture):
         self._path = path
         with path.open("rb") as file:
             self._still = avif.still(FileBytes(file))
+        self.turned = self._still.orientation
         self._check_libraries()
         from PIL.AvifImagePlugin import AvifImageFile
 

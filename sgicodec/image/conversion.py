@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,9 @@ from numpy.typing import NDArray
 from sgicodec.errors import PictureError, UsageError
 from sgicodec.image.extremes import Extremes
 from sgicodec.image.reader import read
+from sgicodec.metadata import density, embedded, placement
 from sgicodec.metadata.layouts import LAYOUTS
+from sgicodec.metadata.motion import Motion
 from sgicodec.picture import Metadata, Picture, full_range
 
 __all__ = ["array_picture", "as_picture"]
@@ -87,6 +90,8 @@ def _pillow_picture(image: Any, sample_range: tuple[float, float] | None) -> Pic
     """The upright picture of an image of Pillow, with its ICC profile, EXIF and XMP."""
     from PIL import ImageOps
 
+    turn, size = image.getexif().get(_ORIENTATION), image.size
+    turn = turn if turn in range(1, 9) else 1
     image = ImageOps.exif_transpose(image)
     exif, xmp = image.getexif().tobytes().removeprefix(b"Exif\0\0"), image.info.get("xmp")
     icc = image.info.get("icc_profile")
@@ -94,11 +99,16 @@ def _pillow_picture(image: Any, sample_range: tuple[float, float] | None) -> Pic
         converted = _plain_mode(image)
         icc = icc if converted.mode.startswith(image.mode[:1]) else None  # of other colours
         image = converted
-    metadata = Metadata(icc=icc or None, exif=exif if len(exif) > _EMPTY_EXIF else None, xmp=_bytes(xmp))
+    blobs = Metadata(icc=icc or None, exif=exif if len(exif) > _EMPTY_EXIF else None, xmp=_bytes(xmp))
+    stated = density.tags(density.per_inch(image.info.get("dpi")), blobs.exif)
+    metadata = replace(
+        embedded.moved(blobs, Motion(size[0], size[1], turn)), geo=placement.oriented(stated, turn, *size)
+    )
     pixels = np.array(image)
     return _picture(pixels.reshape(*pixels.shape[:2], -1), _PLAIN_MODES[image.mode], sample_range, metadata)
 
 
+_ORIENTATION = 274
 _EMPTY_EXIF = 14
 """Bytes of a TIFF structure without a tag."""
 

@@ -27,6 +27,9 @@ class DecodedPicture(ABC):
     kind: str
     """What stands for a format's name in OpenImageIO, which knows none of this name."""
 
+    turned: int | None = None
+    """The orientation that its library applied, if that is known."""
+
     _pixels: npt.NDArray[Any] | None = None
 
     @abstractmethod

@@ -170,7 +170,7 @@ def _foreign_picture(path: Path, found: Foreign, metadata: Metadata, alpha: Alph
     probe = header(spec, kind, _LAST.get(alpha, "alpha"))
     icc = _fitting(own.icc, probe.channels)
     own = Metadata(icc=icc, exif=own.exif or metadata.exif, xmp=own.xmp or metadata.xmp)
-    own = embedded.turned_already(own, probe.width, probe.height)
+    own = embedded.turned_already(own, probe.width, probe.height, image.turned)
     has_alpha = alpha != "band" and alpha_index(header(spec, kind).channels) is not None
     return Opened(path, image, spec, kind, probe, own, AsIs, has_alpha and image.associated)
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from sgicodec.metadata import geo, ifd, tiff
 
-__all__ = ["Density", "density", "is_default", "tags"]
+__all__ = ["Density", "density", "is_default", "per_inch", "tags"]
 
 _X, _Y, _UNIT = 282, 283, 296
 _NONE, _INCH, _CENTIMETRE = 1, 2, 3
@@ -29,6 +29,11 @@ class Density(NamedTuple):
         """Pixels per another unit of length, or of the own one."""
         factor = _PER_METRE[self.unit] / _PER_METRE[unit] if unit != self.unit else 1.0
         return self.across[0] / self.across[1] * factor, self.down[0] / self.down[1] * factor
+
+    @property
+    def dpi(self) -> tuple[float, float] | None:
+        """Pixels per inch; None without a unit."""
+        return None if self.unit == _NONE else self.per(_INCH)
 
     @property
     def says_nothing(self) -> bool:
@@ -57,6 +62,18 @@ def _of_tags(entries: dict[int, ifd.Entry]) -> Density | None:
     if len(ratios) < 2 or kind not in (_NONE, *_PER_METRE) or not all(map(all, ratios)):
         return None
     return Density(ratios[0], ratios[1], kind)
+
+
+def per_inch(pair: object) -> Density | None:
+    """That of two numbers of pixels per inch, as Pillow has them; None of anything else."""
+    from fractions import Fraction  # takes long to load
+
+    try:
+        across, down = (Fraction(float(value)).limit_denominator(1 << 16) for value in pair)  # type: ignore[attr-defined]
+    except (TypeError, ValueError, OverflowError, ZeroDivisionError):
+        return None
+    is_sound = all(0 < ratio < 1 << 16 for ratio in (across, down))
+    return Density(across.as_integer_ratio(), down.as_integer_ratio(), _INCH) if is_sound else None
 
 
 def tags(found: Density | None, exif: bytes | None) -> bytes | None:

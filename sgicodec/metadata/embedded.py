@@ -52,14 +52,14 @@ def upright(metadata: Metadata, orientation: int, width: int, height: int) -> Me
     return replace(found, exif=found.exif and exif.upright(found.exif), xmp=found.xmp and xmp.upright(found.xmp))
 
 
-def turned_already(metadata: Metadata, width: int, height: int) -> Metadata:
-    """The same of a picture that its library has turned, to width × height. How, EXIF says, unless the size that it
-    states is another one.
+def turned_already(metadata: Metadata, width: int, height: int, turn: int | None = None) -> Metadata:
+    """The same of a picture that its library has turned, to width × height: by `turn`, else as EXIF says. If the size
+    that EXIF states lies like the picture it was turned, too.
     """
-    turn = orientation(metadata)
-    stored = (height, width) if is_sideways(turn) else (width, height)
-    turn = turn if exif.size(metadata.exif) in (None, stored) else 1
-    return upright(metadata, turn, *(stored if is_sideways(turn) else (width, height)))
+    turn, stated = turn or orientation(metadata), exif.size(metadata.exif)
+    if is_sideways(turn) and stated is not None and (stated[0] > stated[1]) == (width > height):
+        turn = 1
+    return upright(metadata, turn, *((height, width) if is_sideways(turn) else (width, height)))
 
 
 def moved(metadata: Metadata, motion: Motion) -> Metadata:

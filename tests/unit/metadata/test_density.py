@@ -105,3 +105,17 @@ def test_72_pixels_per_inch_are_no_measurement(across: int, down: int, unit: int
     entries: ifd.Directory = {**_tags(across, down, unit)}
     blob, exif = geo.pack(entries), b"II*\0\x08\0\0\0" + ifd.dump(entries, 8)
     assert (resolution(blob, None) is not None) == (resolution(None, exif) is not None) == is_measured
+
+
+@pytest.mark.parametrize(
+    ("pair", "expected"),
+    [
+        ((300, 150.5), Density((300, 1), (301, 2), 2)),
+        *[
+            (pair, None)
+            for pair in ((0, 0), (-1, 5), (float("nan"), 1), (1e9, 1), (float("inf"), 1), None, 3, "ab", (1,))
+        ],
+    ],
+)
+def test_what_pillow_states(pair: object, expected: Density | None) -> None:
+    assert density.per_inch(pair) == expected
