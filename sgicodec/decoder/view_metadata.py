@@ -21,11 +21,13 @@ def view_metadata(stream: _Stream, header: Header, view: View) -> Metadata:
     """The metadata of what a view shows, in samples as of `header`."""
     found = stream.metadata
     if (found.exif, found.xmp) != (None, None):
-        from sgicodec.metadata.embedded import moved  # takes long to load
         from sgicodec.metadata.motion import Motion
 
         motion = Motion(header.width, header.height, 1, view.x, view.y, view.sx, view.sy, view.columns, view.rows)
-        found = moved(found, motion)
+        if not motion.is_none:
+            from sgicodec.metadata.embedded import moved  # takes long to load
+
+            found = moved(found, motion)
     if found.geo is None:
         return found
     from sgicodec.metadata import geo

@@ -38,7 +38,8 @@ _UNITS = (1, 2, 3)
 
 def find(data: Bytes) -> tuple[bytes | None, bytes | None, bytes | None]:
     """The first EXIF blob, with what further segments continue; the first XMP packet, with its extension; `geo`."""
-    blob = xmp = stated = None
+    xmp = stated = None
+    parts: list[bytes] = []
     extensions = []
     for start, end in _segments(data):
         marker, payload = data[start + 1], b""
@@ -52,10 +53,9 @@ def find(data: Bytes) -> tuple[bytes | None, bytes | None, bytes | None]:
             extensions.append(payload.removeprefix(_EXTENSION_PREFIX))
         elif marker == _APP1 and payload.startswith(b"Exif\0"):
             part = payload[len(exif.PREFIX) :]
-            if part.startswith(_TIFF_HEADS):
-                blob = part if blob is None else blob
-            elif blob is not None:
-                blob += part
+            if bool(parts) != part.startswith(_TIFF_HEADS):
+                parts.append(part)
+    blob = b"".join(parts) or None
     xmp = xmp if xmp is None else extended_xmp.joined(xmp, extensions)
     return blob, xmp, density.tags(stated, blob)
 
