@@ -113,3 +113,18 @@ def test_damage_raises_nothing(tail: bytes, pieces: list[bytes]) -> None:
     name = b"A" * 32
     main = b'<rdf:RDF><a n:HasExtendedXMP="' + name + b'"/></rdf:RDF>' + tail
     assert isinstance(extended_xmp.joined(main, [name + piece for piece in pieces]), bytes)
+
+
+def test_an_extension_that_others_wrote_is_read() -> None:
+    """A prefix declared outside of what moves, the note as an element, its name in small letters."""
+    rdf = b"xmlns:rdf='http://www.w3.org/1999/02/22-rdf-syntax-ns#'"
+    inner = b"<rdf:Description rdf:about='uuid:1' g:Data='abc'/>"
+    extension = b"<x:xmpmeta xmlns:x='adobe:ns:meta/'><rdf:RDF " + rdf + b" xmlns:g='urn:g'>" + inner
+    extension += b"</rdf:RDF></x:xmpmeta>"
+    name = hashlib.md5(extension).hexdigest().lower()
+    note = f"<n:HasExtendedXMP>{name}</n:HasExtendedXMP>"
+    heads = {at: name.upper().encode() + struct.pack(">II", len(extension), at) for at in range(0, len(extension), 50)}
+    pieces = [head + extension[at : at + 50] for at, head in heads.items()]
+    main = packet(" q:a='1'", note)
+    joined = extended_xmp.joined(main, pieces)
+    assert properties(joined) == Counter({"{urn:q}a=1": 1, "{urn:g}Data=abc": 1})
