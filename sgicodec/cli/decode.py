@@ -76,6 +76,9 @@ __all__ = ["decode"]
     show_default=True,
     help="Dither 8 bits of what had more, so that skies show no contours.",
 )
+@click.option(
+    "--metadata/--no-metadata", default=True, show_default=True, help="Keep ICC profile, EXIF, XMP and place on earth."
+)
 @click.option("--exact", is_flag=True, help="Draw small views of large pictures from all that the stream holds.")
 @output_option
 @batch_options
@@ -100,6 +103,7 @@ def decode(
     max_pixels: int | None,
     max_memory: float | None,
     dither: bool,
+    metadata: bool,
     exact: bool,
     output: str | None,
     output_dir: str | None,
@@ -132,6 +136,7 @@ def decode(
         Output(bits, png_level, threads, "cog" if cog else "tiff" if pyramid else None),
         decoding_device_of(device, threads),
         format_,
+        metadata,
         exact,
         dither,
         force,

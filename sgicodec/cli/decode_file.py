@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -31,6 +31,7 @@ from sgicodec.cli.progress import Mode, row_progress
 from sgicodec.cli.views import ViewOptions
 from sgicodec.device import Device, room_left
 from sgicodec.errors import PictureError, UsageError
+from sgicodec.metadata.blobs import Metadata
 
 if TYPE_CHECKING:
     from sgicodec.decoder.stream import Bands, Stream
@@ -51,6 +52,7 @@ class DecodeJob:
     output: Output
     device: Device
     format_: str | None
+    metadata: bool
     exact: bool
     dither: bool
     force: bool
@@ -61,8 +63,16 @@ class DecodeJob:
 
     def extension_of(self, source: str) -> str:
         """That of the picture which a stream becomes, if OUT is not named."""
-        with opened_stream(source) as stream:
+        with self._opened(source) as stream:
             return self._extension(stream, None)
+
+    @contextlib.contextmanager
+    def _opened(self, source: str) -> Iterator[Stream]:
+        """The stream, without its metadata unless they are kept."""
+        with opened_stream(source, self.device) as stream:
+            if not self.metadata:
+                stream.metadata = Metadata()
+            yield stream
 
     def is_there(self, source: str, target: str | None) -> bool:
         """Whether the picture exists already."""
@@ -71,13 +81,13 @@ class DecodeJob:
     def run(self, source: str, target: str | None) -> int:
         """Decodes one stream; returns the bytes of the picture, 0 if it went to stdout."""
         started = time.monotonic()
-        with opened_stream(source, self.device) as stream:
+        with self._opened(source) as stream:
             extension = self._extension(stream, target)
             target = with_extension(source, extension) if target is None else target
             if self.as_json and target == STANDARD:
                 raise UsageError("stdout cannot take both the picture and --json; name OUT")
             check_output(target, source, self.force)
-            lost = "" if extension == "tif" else lost_outside_tiff(stream.metadata.geo)
+            lost = "" if extension == "tif" else lost_outside_tiff(stream.metadata.geo, extension)
             self._load_writer(target, extension)
             with written_file(target, PictureError) as place, self.limits.held():
                 shown, channels = self._write(stream, place, extension), stream.header.channels

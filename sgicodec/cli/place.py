@@ -58,13 +58,15 @@ def place_lines(facts: Mapping[str, Any]) -> dict[str, str]:
     return lines
 
 
-def lost_outside_tiff(blob: bytes | None) -> str:
-    """What of a picture's place no other format than TIFF holds, in words; empty if nothing."""
+def lost_outside_tiff(blob: bytes | None, extension: str = "png") -> str:
+    """What of a picture's place and scale a format other than TIFF does not hold, in words; empty if nothing."""
     if blob is None:
         return ""
     from sgicodec.metadata import geo
+    from sgicodec.metadata.density import density
 
     tags = geo.load(blob).keys()
     names = ["position"] * bool(tags & geo.PLACE) + ["projection"] * (geo.KEYS in tags)
     names += ["nodata value"] * (geo.GDAL_NODATA in tags)
+    names += ["resolution"] * (extension not in ("png", "jpg") and density(blob, None) is not None)
     return ", ".join(names[:-1]) + (" and " if names[1:] else "") + names[-1] if names else ""

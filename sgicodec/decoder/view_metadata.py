@@ -1,4 +1,4 @@
-"""The metadata of what a view shows: its place on the map, and its pixels per inch."""
+"""The metadata of what a view shows: its place on the map, its size and its pixels per inch."""
 
 from __future__ import annotations
 
@@ -20,10 +20,14 @@ class _Stream(Protocol):
 def view_metadata(stream: _Stream, header: Header, view: View) -> Metadata:
     """The metadata of what a view shows, in samples as of `header`."""
     found = stream.metadata
-    if found.exif is not None and (view.sx, view.sy) != (1, 1):
-        from sgicodec.metadata.exif import rescaled
+    if (found.exif, found.xmp) != (None, None):
+        from sgicodec.metadata.motion import Motion
 
-        found = replace(found, exif=rescaled(found.exif, view.sx, view.sy))
+        motion = Motion(header.width, header.height, 1, view.x, view.y, view.sx, view.sy, view.columns, view.rows)
+        if not motion.is_none:
+            from sgicodec.metadata.embedded import moved  # takes long to load
+
+            found = moved(found, motion)
     if found.geo is None:
         return found
     from sgicodec.metadata import geo

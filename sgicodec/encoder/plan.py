@@ -11,6 +11,7 @@ from sgicodec.bitstream.header import COLOURED_LAYOUTS, MAX_CHANNELS, MAX_SIDE, 
 from sgicodec.bitstream.limits import check_model, check_texture
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.errors import LimitError, PictureError, UsageError
+from sgicodec.metadata import geo
 from sgicodec.metadata.layouts import SampleRange, alpha_index
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import quality_index
@@ -108,7 +109,8 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
         raise UsageError("a time limit goes with a size, a rate or a PSNR in a single tile only; --tile 0 makes one")
     if settings.ssimulacra2 is not None and grid.tile:
         raise UsageError("a SSIMULACRA 2 score goes with a single tile only; --tile 0 makes one")
-    metadata = shape.metadata if settings.metadata else None
+    place = geo.without_statistics(shape.metadata.geo)
+    metadata = replace(shape.metadata, geo=place) if settings.metadata else None
     return Plan(header, settings, _software(settings, fit), metadata, shape.eight_bits)
 
 

@@ -33,6 +33,7 @@ class AvifReader(DecodedPicture):
         self._path, self._index = path, (page or 1) - 1
         with path.open("rb") as file:
             self._still = avif.still(FileBytes(file))
+        self.turned = self._still.orientation
         self._check_libraries()
         from PIL.AvifImagePlugin import AvifImageFile
 

@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 from sgicodec.errors import UsageError
 from sgicodec.image.reader import pictured, read, use_of
 from sgicodec.image.used_range import RangeChoice
+from sgicodec.metadata import density, embedded, placement
 from sgicodec.metadata.layouts import LAYOUTS
+from sgicodec.metadata.motion import Motion
 from sgicodec.picture import Metadata, Picture, full_range
 
 __all__ = ["array_picture", "as_picture"]
@@ -123,6 +125,8 @@ def _pillow_picture(image: Any, sample_range: RangeChoice | None) -> Picture:
     """The upright picture of an image of Pillow, with its ICC profile, EXIF and XMP."""
     from PIL import ImageOps
 
+    turn, size = image.getexif().get(_ORIENTATION), image.size
+    turn = turn if turn in range(1, 9) else 1
     image = ImageOps.exif_transpose(image)
     exif, xmp = image.getexif().tobytes().removeprefix(b"Exif\0\0"), image.info.get("xmp")
     icc = image.info.get("icc_profile")
@@ -130,10 +134,15 @@ def _pillow_picture(image: Any, sample_range: RangeChoice | None) -> Picture:
     layout = _LAYOUT_OF_COUNT[pixels.shape[2]]
     space = b"GRAY" if layout.startswith("gray") else b"RGB "
     icc = icc if icc and icc[16:20] == space else None  # not of other colours
-    metadata = Metadata(icc=icc, exif=exif if len(exif) > _EMPTY_EXIF else None, xmp=_bytes(xmp))
+    blobs = Metadata(icc=icc, exif=exif if len(exif) > _EMPTY_EXIF else None, xmp=_bytes(xmp))
+    stated = density.tags(density.per_inch(image.info.get("dpi")), blobs.exif)
+    metadata = replace(
+        embedded.moved(blobs, Motion(size[0], size[1], turn)), geo=placement.oriented(stated, turn, *size)
+    )
     return _picture(pixels, layout, sample_range, metadata)
 
 
+_ORIENTATION = 274
 _EMPTY_EXIF = 14
 """Bytes of a TIFF structure without a tag."""
 

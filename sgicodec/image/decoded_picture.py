@@ -29,6 +29,8 @@ class DecodedPicture(ABC):
 
     pages: int = 1
     """How many pictures the file holds."""
+    turned: int | None = None
+    """The orientation that its library applied, if that is known."""
 
     _pixels: npt.NDArray[Any] | None = None
 
@@ -100,10 +102,6 @@ def stretched(pixels: npt.NDArray[Any], bits: int) -> npt.NDArray[Any]:
 
 
 def stated_metadata(info: Mapping[Any, Any]) -> Metadata:
-    """ICC profile, EXIF and XMP by their names in Pillow, of a picture that its library has turned upright."""
+    """ICC profile, EXIF and XMP by their names in Pillow."""
     blob, xmp = info.get("exif"), info.get("xmp")
-    return Metadata(
-        icc=info.get("icc_profile") or None,
-        exif=exif.upright(blob) if blob else None,
-        xmp=exif.upright_xmp(xmp) if xmp else None,
-    )
+    return Metadata(icc=info.get("icc_profile") or None, exif=exif.plain(blob) if blob else None, xmp=xmp or None)

@@ -158,12 +158,13 @@ def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto", p
         if declared.second or chosen.left_out:
             image = open_image(path, second=True, page=page)
         image = by_others(path, data, image, chosen, declared)
-        spec, kind = _spec(image, data, found, chosen.subimage), image.format_name()
+        spec, kind = _spec(image, found, chosen.subimage), image.format_name()
     probe = header(spec, kind, _LAST.get(alpha, declared.last))
     place = found.geo
     if not has_own_numbers(spec):
         place = geo.resampled(place, lambda value: number_as_read(value, spec))
     place = placement.oriented(place, orientation(spec, kind), spec.width, spec.height)
+    found = embedded.upright(found, orientation(spec, kind), spec.width, spec.height)
     metadata = replace(found, icc=_icc(spec, probe.channels), geo=place)
     has_alpha = declared.last == "alpha" and alpha_index(header(spec, kind).channels) is not None
     associated = has_alpha and alpha != "band" and is_associated(spec, kind)
@@ -191,6 +192,7 @@ def _foreign_picture(path: Path, found: Foreign, metadata: Metadata, alpha: Alph
     probe = header(spec, kind, _LAST.get(alpha, "alpha"))
     icc = _fitting(own.icc, probe.channels)
     own = Metadata(icc=icc, exif=own.exif or metadata.exif, xmp=own.xmp or metadata.xmp)
+    own = embedded.turned_already(own, probe.width, probe.height, image.turned)
     has_alpha = alpha != "band" and alpha_index(header(spec, kind).channels) is not None
     associated = has_alpha and image.associated
     return Opened(path, image, spec, kind, probe, own, AsIs, associated, Chosen(pages=image.pages))
@@ -221,15 +223,17 @@ def _reads(name: str) -> bool:
     return name in oiio.get_string_attribute("format_list").split(",")
 
 
-def _spec(image: Any, data: FileBytes, found: Metadata, subimage: int) -> ImageSpec:
-    """The header of the page. An orientation that stands in XMP alone, OpenImageIO does not see."""
+def _spec(image: Any, found: Metadata, subimage: int) -> ImageSpec:
+    """The header of the page. Its orientation is that of the EXIF that is kept, so that pixels and tag agree; one that
+    stands there, or in XMP alone, OpenImageIO does not always see.
+    """
     import OpenImageIO as oiio
 
     if is_openimageio(image):
         image.seek_subimage(subimage, 0)
     spec = oiio.ImageSpec(image.spec())
-    if found.xmp is not None and spec.get("Orientation") is None:
-        spec.attribute("Orientation", embedded.orientation_in_xmp(data) or 1)
+    other = None if spec.get("Orientation") is None else spec.get_int_attribute("Orientation", 1)
+    spec.attribute("Orientation", embedded.orientation(found, other))
     return spec
 
 

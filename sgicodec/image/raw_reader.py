@@ -14,6 +14,8 @@ from sgicodec.image.pages import check_page
 __all__ = ["RawReader"]
 
 _SRGB_CURVE = (2.4, 12.92)
+_TURNS = {0: 1, 3: 3, 5: 8, 6: 6}
+"""Orientations by LibRaw's turns."""
 _SIDEWAYS = 4
 """Of LibRaw's turns: rows become columns."""
 
@@ -35,6 +37,7 @@ class RawReader(DecodedPicture):
             self._raw = rawpy.imread(str(path))
         except rawpy.LibRawError as error:
             raise PictureError(self._damage(error)) from error
+        self.turned = _TURNS.get(self._raw.sizes.flip)
 
     def _shape(self) -> tuple[int, int, int, str]:
         sizes = self._raw.sizes

@@ -5,6 +5,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterator
 
+from sgicodec.metadata.blobs import Metadata
 from sgicodec.metadata.filebytes import Bytes
 
 __all__ = ["insert"]
@@ -15,9 +16,9 @@ _SRGB = b"BGRs"
 _BLOCK = 1 << 20
 
 
-def insert(data: Bytes, exif: bytes | None, xmp: bytes | None) -> Iterator[bytes]:
+def insert(data: Bytes, metadata: Metadata) -> Iterator[bytes]:
     """The file, of 32 bits per pixel and with a header of version 3, with its alpha declared, piece by piece. Files of
-    other depths stay as they are; BMP has no place for EXIF and XMP.
+    other depths stay as they are; BMP has no place for metadata.
     """
     start = _FILE_HEADER + _VERSION_3
     size, bits = struct.unpack("<I10xH", data[_FILE_HEADER : _FILE_HEADER + 16])

@@ -8,14 +8,17 @@ from __future__ import annotations
 
 import os
 import struct
+from dataclasses import replace
 from pathlib import Path
 
 from sgicodec.errors import PictureError
-from sgicodec.metadata import bmp, exif, jpeg, png, tiff, webp
+from sgicodec.metadata import bmp, exif, jpeg, png, tiff, webp, xmp
 from sgicodec.metadata.blobs import Metadata
 from sgicodec.metadata.filebytes import Bytes, FileBytes
+from sgicodec.metadata.motion import Motion
+from sgicodec.metadata.orientation import is_sideways
 
-__all__ = ["copies", "embed", "extract", "orientation_in_xmp"]
+__all__ = ["copies", "embed", "extract", "moved", "orientation", "turned_already", "upright"]
 
 _INSERT = {"bmp": bmp.insert, "jpeg": jpeg.insert, "webp": webp.insert}
 _REWRITTEN = ("bmp", "jpeg")
@@ -23,25 +26,46 @@ _REWRITTEN = ("bmp", "jpeg")
 
 
 def extract(data: Bytes) -> Metadata:
-    """EXIF and XMP, both with the orientation set to 1, and `geo`, which still speaks of the stored pixels, in the
-    bytes of any picture file; each None where there is none.
+    """EXIF, XMP and `geo` in the bytes of any picture file, which speak of the stored pixels; each None where there is
+    none.
     """
-    blob, xmp, place = _find(data)
-    return Metadata(exif=blob and exif.upright(blob), xmp=xmp and exif.upright_xmp(xmp), geo=place)
-
-
-def orientation_in_xmp(data: Bytes) -> int | None:
-    """The orientation that the XMP packet states, 1 to 8, or None."""
-    return exif.xmp_orientation(_find(data)[1] or b"")
-
-
-def _find(data: Bytes) -> tuple[bytes | None, bytes | None, bytes | None]:
-    """EXIF, XMP and `geo` as they stand in the file."""
     if data[:3] == jpeg.SIGNATURE:
-        return *jpeg.find(data), None
-    if data[:8] == png.SIGNATURE:
-        return *png.find(data), None
-    return (*webp.find(data), None) if webp.is_webp(data) else tiff.find(data)
+        blob, xmp, place = jpeg.find(data)
+    elif data[:8] == png.SIGNATURE:
+        blob, xmp, place = png.find(data)
+    elif webp.is_webp(data):
+        blob, xmp, place = *webp.find(data), None
+    else:
+        blob, xmp, place = tiff.find(data)
+    return Metadata(exif=blob and exif.plain(blob), xmp=xmp or None, geo=place)
+
+
+def orientation(metadata: Metadata, other: int | None = None) -> int:
+    """How pixels must be turned: as EXIF says, else `other`, what the file says elsewhere, else XMP."""
+    stated = (exif.orientation(metadata.exif), other, xmp.orientation(metadata.xmp), 1)
+    return next(value for value in stated if value is not None)
+
+
+def upright(metadata: Metadata, orientation: int, width: int, height: int) -> Metadata:
+    """EXIF and XMP of a picture of width × height stored pixels that was turned, so that nothing turns it again."""
+    found = moved(metadata, Motion(width, height, orientation))
+    return replace(found, exif=found.exif and exif.upright(found.exif), xmp=found.xmp and xmp.upright(found.xmp))
+
+
+def turned_already(metadata: Metadata, width: int, height: int, turn: int | None = None) -> Metadata:
+    """The same of a picture that its library has turned, to width × height: by `turn`, else as EXIF says. If the size
+    that EXIF states lies like the picture it was turned, too.
+    """
+    turn, stated = turn or orientation(metadata), exif.size(metadata.exif)
+    if is_sideways(turn) and stated is not None and (stated[0] > stated[1]) == (width > height):
+        turn = 1
+    return upright(metadata, turn, *((height, width) if is_sideways(turn) else (width, height)))
+
+
+def moved(metadata: Metadata, motion: Motion) -> Metadata:
+    """EXIF and XMP of a picture whose pixels moved."""
+    blob, packet = metadata.exif, metadata.xmp
+    return replace(metadata, exif=blob and exif.moved(blob, motion), xmp=packet and xmp.moved(packet, motion))
 
 
 def copies(holder: str) -> int:
@@ -55,15 +79,15 @@ def embed(path: Path, holder: str, metadata: Metadata, bands: int | None = None)
 
     Raises PictureError if they do not fit.
     """
-    blob, xmp = metadata.exif, metadata.xmp
+    blob, packet = metadata.exif, metadata.xmp
     if holder == "tiff":
         try:
-            tiff.insert(path, blob, xmp, metadata.geo, bands)
+            tiff.insert(path, blob, packet, metadata.geo, bands)
         except struct.error as error:
             raise PictureError(f"tiff cannot hold its metadata: {error}") from error
-    elif holder in _REWRITTEN or (holder in _INSERT and (blob is not None or xmp is not None)):
+    elif holder in _REWRITTEN or (holder in _INSERT and (blob is not None or packet is not None)):
         whole = path.with_name("whole" + path.suffix)
         with path.open("rb") as file, whole.open("wb") as out:
-            for piece in _INSERT[holder](FileBytes(file), blob, xmp):
+            for piece in _INSERT[holder](FileBytes(file), metadata):
                 out.write(piece)
         os.replace(whole, path)

@@ -11,12 +11,12 @@ import struct
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from sgicodec.metadata import ifd
+from sgicodec.metadata import gdal, ifd
 
 if TYPE_CHECKING:
     import numpy as np
 
-__all__ = ["PLACE", "RESOLUTION", "TAGS", "has_place", "load", "nodata", "pack", "resampled"]
+__all__ = ["PLACE", "RESOLUTION", "TAGS", "has_place", "load", "nodata", "pack", "resampled", "without_statistics"]
 
 PIXEL_SCALE, TIEPOINTS, MATRIX, RPC = 33550, 33922, 34264, 50844
 KEYS, KEY_DOUBLES, KEY_TEXTS = 34735, 34736, 34737
@@ -67,15 +67,28 @@ def nodata(blob: bytes | None, dtype: np.dtype[Any]) -> float | None:
         return None
     import numpy as np
 
-    try:
-        value = float(entry.data.split(b"\0", 1)[0].decode("ascii"))
-    except ValueError:
+    value = gdal.number(entry.data.split(b"\0", 1)[0])
+    if value is None:
         return None
     if dtype.kind == "u":
         largest = int(np.iinfo(dtype).max)
         return value if 0 <= value <= largest and value == int(value) else None
     with np.errstate(over="ignore"):
         return float(dtype.type(value))
+
+
+def without_statistics(blob: bytes | None) -> bytes | None:
+    """The blob for a picture whose samples are not exactly the same any more: GDAL's statistics and histograms of them
+    are left behind.
+    """
+    entries: ifd.Directory = dict(load(blob))
+    entry = entries.pop(GDAL_METADATA, None)
+    if not isinstance(entry, ifd.Entry):
+        return blob
+    text = gdal.without_statistics(entry.data)
+    if text:
+        entries[GDAL_METADATA] = ifd.Entry(entry.kind, text)
+    return blob if text == entry.data else pack(entries)
 
 
 def resampled(blob: bytes | None, convert: Callable[[float], float | None]) -> bytes | None:

@@ -10,16 +10,26 @@ import numpy as np
 import numpy.typing as npt
 
 from sgicodec.metadata import geo, ifd
+from sgicodec.metadata.density import is_default
 from sgicodec.metadata.placement import transformation
 
 __all__ = ["Georeference", "Resolution", "georeference", "resolution"]
 
-_MODEL, _GEOGRAPHIC = 1024, 2
-_EPSG_KEYS = (3072, 2048)
-"""Keys of the projected and of the geographic coordinate system, and of their names."""
-_NAME_KEYS = (3073, 1026, 2049)
-_USER_DEFINED = 32767
-_UNIT_KEY, _UNITS = 3076, {9001: "m", 9002: "ft", 9003: "US survey ft"}
+_MODEL, _PROJECTED, _GEOGRAPHIC, _GEOCENTRIC = 1024, 1, 2, 3
+_EPSG_CODES = range(1024, 32767)
+"""32767 stands for a system that the file defines by itself; larger ones are private."""
+_OF_PROJECTION = range(3072, 3096)
+_PROJECTED_CODE, _PROJECTED_NAME, _NAME, _BASE_CODE, _BASE_NAME = 3072, 3073, 1026, 2048, 2049
+"""Keys of the projected coordinate system, of any one, and of the geographic or geocentric one, which may only be the
+base of a projected one.
+"""
+_LENGTHS = {9001: "m", 9002: "ft", 9003: "US survey ft"}
+_ANGULAR_UNIT, _DEGREE = 2054, 9102
+_LINEAR_UNIT = {_PROJECTED: 3076, _GEOCENTRIC: 2052}
+_CITED = re.compile(
+    r"(?:PCS Name|GCS Name|Projection Name)\s*=\s*([^|\ufffd]+)" r"|ESRI PE String\s*=\s*\w+\[\"([^\"]+)"
+)
+"""A name inside a citation of ERDAS, ESRI or GDAL."""
 
 _DESCRIPTION = 270
 _X, _Y, _UNIT = 282, 283, 296
@@ -62,20 +72,50 @@ def georeference(blob: bytes | None, width: int, height: int) -> Georeference | 
     corners = np.array([[x, y, 1.0] for x in (0, width) for y in (0, height)]) @ matrix.T  # [4, 2]
     low, high = corners.min(axis=0), corners.max(axis=0)
     across, down = np.linalg.norm(matrix[:, 0]), np.linalg.norm(matrix[:, 1])
-    codes = [keys[key] for key in _EPSG_KEYS if isinstance(keys.get(key), int)]
-    names = [keys[key] for key in _NAME_KEYS if isinstance(keys.get(key), str) and keys[key]]
-    degrees = keys.get(_MODEL) == _GEOGRAPHIC
     return Georeference(
-        epsg=next((int(code) for code in codes if 0 < int(code) < _USER_DEFINED), None),
-        name=str(names[0]) if names else None,
+        epsg=_code(keys),
+        name=_name(keys),
         bounds=(float(low[0]), float(low[1]), float(high[0]), float(high[1])),
         pixel_size=(float(across), float(down)),
-        unit="°" if degrees else _UNITS.get(keys.get(_UNIT_KEY, 0)),  # type: ignore[arg-type]
+        unit=_unit(keys),
         rotated=bool(matrix[0, 1] or matrix[1, 0]),
     )
 
 
-def _keys(blob: bytes | None) -> dict[int, int | str]:
+Keys = dict[int, int | str]
+
+
+def _model(keys: Keys) -> int | str:
+    """The kind of coordinates; where the file does not say it, projected ones if it says anything of such a system."""
+    stated = keys.get(_MODEL)
+    return stated or (_PROJECTED if keys.keys() & set(_OF_PROJECTION) else _GEOGRAPHIC)
+
+
+def _code(keys: Keys) -> int | None:
+    """The EPSG code of the coordinates; None for a system that the file defines by itself, whatever its base is."""
+    model = _model(keys)
+    key = _PROJECTED_CODE if model == _PROJECTED else _BASE_CODE if model in (_GEOGRAPHIC, _GEOCENTRIC) else 0
+    code = keys.get(key)
+    return code if isinstance(code, int) and code in _EPSG_CODES else None
+
+
+def _name(keys: Keys) -> str | None:
+    """What the file calls the system of its coordinates. The name of a base is none."""
+    order = (_PROJECTED_NAME, _NAME) if _model(keys) == _PROJECTED else (_NAME, _BASE_NAME)
+    named = (keys.get(key) for key in order)
+    text = next((text for text in named if isinstance(text, str) and text), None)
+    found = None if text is None else _CITED.search(text)
+    return text if found is None else (found[1] or found[2]).strip()
+
+
+def _unit(keys: Keys) -> str | None:
+    model = _model(keys)
+    if model == _GEOGRAPHIC:
+        return "°" if keys.keys() & {_MODEL, _BASE_CODE} and keys.get(_ANGULAR_UNIT, _DEGREE) == _DEGREE else None
+    return _LENGTHS.get(keys.get(_LINEAR_UNIT.get(model, 0), 0))  # type: ignore[arg-type, call-overload]
+
+
+def _keys(blob: bytes | None) -> Keys:
     """The keys of a GeoKeyDirectory that hold a short or a text; those of doubles are left out."""
     entries = geo.load(blob)
     directory, texts = entries.get(geo.KEYS), entries.get(geo.KEY_TEXTS)
@@ -83,7 +123,7 @@ def _keys(blob: bytes | None) -> dict[int, int | str]:
         return {}
     rows = np.frombuffer(directory.data[: len(directory.data) // 8 * 8], "<u2").reshape(-1, 4)[1:]
     text = b"" if texts is None else texts.data
-    found: dict[int, int | str] = {}
+    found: Keys = {}
     for key, place, count, value in rows.tolist():
         if place == 0:
             found[key] = value
@@ -136,6 +176,8 @@ def _of_tags(entries: dict[int, ifd.Entry]) -> Resolution | None:
     if kind not in _MICRONS or not all(sizes):
         return None
     across, down = (float(size) for size in sizes if size)
+    if is_default(kind, across, down):
+        return None
     stated = f"{across:g}" if across == down else f"{across:g} × {down:g}"
     return _sound((_MICRONS[kind] / across, _MICRONS[kind] / down), f"{stated} pixels per {_PER[kind]}")
 

@@ -1,7 +1,8 @@
 """Tag directories (IFDs), the structure that TIFF files and EXIF blobs share (TIFF 6.0 §2, EXIF 3.0 §4.6).
 
 A directory is a dict from tag to `Entry`, or to another directory for the tags that point to one. Reading
-normalises values to little-endian, so what was read from any file can be written to any other.
+normalises values to little-endian, and texts to the type that TIFF has, so what was read from any file can be written
+to any other.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from sgicodec.metadata.filebytes import Bytes
 __all__ = [
     "EXIF_IFD",
     "GPS_IFD",
+    "INTEROP_IFD",
     "Directory",
     "Entry",
     "Layout",
@@ -49,11 +51,13 @@ _VALUE_SIZE = {
     16: 8,
     17: 8,
     18: 8,
+    129: 1,
 }
-"""Bytes of one value of each TIFF type; 16 to 18 are BigTIFF's."""
+"""Bytes of one value of each TIFF type; 16 to 18 are BigTIFF's, 129 is EXIF 3.0's text in UTF-8."""
 
 _RATIONALS = (5, 10)
 _LONG, _LONG8 = 4, 16
+_ASCII, _UTF8 = 2, 129
 
 
 class Entry(NamedTuple):
@@ -173,7 +177,8 @@ def _load(
             with contextlib.suppress(struct.error):
                 directory[row.tag] = _load(data, _place(data, row.at, spelling), spelling, inner)
         else:
-            directory[row.tag] = Entry(row.kind, _little(bytes(data[start : start + size]), row.kind, spelling))
+            kind = _ASCII if row.kind == _UTF8 else row.kind  # which readers of TIFF do not know
+            directory[row.tag] = Entry(kind, _little(bytes(data[start : start + size]), row.kind, spelling))
     return directory
 
 

@@ -1,65 +1,137 @@
-"""EXIF and XMP in the marker segments of a JPEG file (EXIF 3.0 §4.7, XMP part 3 §1.1.3)."""
+"""EXIF, XMP and density in the marker segments of a JPEG file (T.81 B.1; EXIF 3.0 §4.7; XMP part 3 §1.1.3; JFIF 1.02).
+
+Pillow finds EXIF as well, but of several XMP segments it keeps the last one, and no extended packet.
+"""
 
 from __future__ import annotations
 
 import itertools
+import re
 import struct
 from collections.abc import Iterator
 
 from sgicodec.errors import PictureError
+from sgicodec.metadata import density, exif, extended_xmp
+from sgicodec.metadata.blobs import Metadata
+from sgicodec.metadata.density import Density
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["EXIF_PREFIX", "SIGNATURE", "find", "insert"]
+__all__ = ["SIGNATURE", "find", "insert"]
 
 SIGNATURE = b"\xff\xd8\xff"
-EXIF_PREFIX = b"Exif\0\0"
+_JFIF = b"JFIF\0"
 _XMP_PREFIX = b"http://ns.adobe.com/xap/1.0/\0"
-_START_OF_SCAN, _APP0, _APP1 = 0xDA, 0xE0, 0xE1
+_EXTENSION_PREFIX = b"http://ns.adobe.com/xmp/extension/\0"
+_PREFIXES = (b"Exif\0", _XMP_PREFIX, _EXTENSION_PREFIX)
+_SCAN, _END, _APP0, _APP1 = 0xDA, 0xD9, 0xE0, 0xE1
+_ALONE = (0x01, *range(0xD0, 0xD9))
+"""Markers without a segment."""
+
+_MARKER = re.compile(rb"\xff[^\0\xff]")
+
 _PAYLOAD_MAX = 65533
 _PIECE = 1 << 20
+_TIFF_HEADS = (b"II*\0", b"MM\0*")
+_UNITS = (1, 2, 3)
+"""Those of TIFF for none, inch and centimetre, which are 0, 1 and 2 in JFIF."""
 
 
-def find(data: Bytes) -> tuple[bytes | None, bytes | None]:
-    """The first EXIF blob and the first XMP packet; an extended packet's continuation is left behind."""
-    exif = xmp = None
+def find(data: Bytes) -> tuple[bytes | None, bytes | None, bytes | None]:
+    """The first EXIF blob, with what further segments continue; the first XMP packet, with its extension; `geo`."""
+    xmp = stated = None
+    parts: list[bytes] = []
+    extensions = []
     for start, end in _segments(data):
-        payload = bytes(data[start + 4 : end]) if data[start + 1] == _APP1 else b""
-        if payload.startswith(EXIF_PREFIX) and exif is None:
-            exif = payload
+        marker, payload = data[start + 1], b""
+        if marker in (_APP0, _APP1):
+            payload = bytes(data[start + 4 : end])
+        if marker == _APP0 and payload.startswith(_JFIF) and stated is None:
+            stated = _density(payload)
         elif payload.startswith(_XMP_PREFIX) and xmp is None:
             xmp = payload.removeprefix(_XMP_PREFIX)
-    return exif, xmp
+        elif payload.startswith(_EXTENSION_PREFIX):
+            extensions.append(payload.removeprefix(_EXTENSION_PREFIX))
+        elif marker == _APP1 and payload.startswith(b"Exif\0"):
+            part = payload[len(exif.PREFIX) :]
+            if bool(parts) != part.startswith(_TIFF_HEADS):
+                parts.append(part)
+    blob = b"".join(parts) or None
+    xmp = xmp if xmp is None else extended_xmp.joined(xmp, extensions)
+    return blob, xmp, density.tags(stated, blob)
 
 
-def insert(data: Bytes, exif: bytes | None, xmp: bytes | None) -> Iterator[bytes]:
+def insert(data: Bytes, metadata: Metadata) -> Iterator[bytes]:
     """The file with this metadata in place of any that it has, piece by piece. Raises PictureError if it does not fit
     a segment.
     """
-    segments = [bytes(data[start:end]) for start, end in _segments(data)]
-    rest = range(2 + sum(map(len, segments)), len(data), _PIECE)
-    kept = [segment for segment in segments if not segment.startswith((EXIF_PREFIX, _XMP_PREFIX), 4)]
+    spans = list(_segments(data))
+    segments = [bytes(data[start:end]) for start, end in spans]
+    rest = range(spans[-1][1], len(data), _PIECE)
+    kept = [segment for segment in segments if not segment.startswith(_PREFIXES, 4)]
     jfif = list(itertools.takewhile(lambda segment: segment[1] == _APP0, kept))
-    ours = [_segment(EXIF_PREFIX, exif, "EXIF"), _segment(_XMP_PREFIX, xmp, "XMP")]
-    yield from (bytes(data[:2]), *jfif, *ours, *kept[len(jfif) :])
+    found = density.density(metadata.geo, metadata.exif)
+    ours = [] if metadata.exif is None else [_segment(exif.PREFIX, metadata.exif, "EXIF")]
+    if metadata.xmp is not None:
+        main, extensions = extended_xmp.split(metadata.xmp, _PAYLOAD_MAX - len(_XMP_PREFIX))
+        ours.append(_segment(_XMP_PREFIX, main, "XMP"))
+        ours += [_segment(_EXTENSION_PREFIX, extension, "XMP") for extension in extensions]
+    yield from (bytes(data[:2]), *(_with_density(segment, found) for segment in jfif), *ours, *kept[len(jfif) :])
     yield from (bytes(data[start : start + _PIECE]) for start in rest)
 
 
 def _segments(data: Bytes) -> Iterator[tuple[int, int]]:
-    """Start and end of each marker segment before the first scan."""
-    at = 2
-    while at + 4 <= len(data) and data[at] == 0xFF and data[at + 1] not in (0xFF, _START_OF_SCAN):
-        end = at + 2 + int.from_bytes(data[at + 2 : at + 4], "big")
+    """Start and end of each marker segment before the first scan. Fill bytes before markers, and anything else there,
+    are passed over, as decoders do.
+    """
+    at = _marker(data, 2)
+    while at + 4 <= len(data) and data[at + 1] not in (_SCAN, _END):
+        length = 0 if data[at + 1] in _ALONE else int.from_bytes(data[at + 2 : at + 4], "big")
+        end = at + 2 + length
         if end > len(data):
             return
-        yield at, end
-        at = end
+        if length:
+            yield at, end
+        at = _marker(data, end)
 
 
-def _segment(prefix: bytes, payload: bytes | None, name: str) -> bytes:
-    if payload is None:
-        return b""
+def _marker(data: Bytes, at: int) -> int:
+    """Place of the last 0xFF before the next marker, from `at` on; the end if there is none."""
+    if _MARKER.match(bytes(data[at : at + 2])):
+        return at
+    for start in range(at, len(data), _PIECE):
+        found = _MARKER.search(bytes(data[start : start + _PIECE + 1]))
+        if found is not None:
+            return start + found.start()
+    return len(data)
+
+
+def _density(payload: bytes) -> Density | None:
+    """That of a JFIF segment."""
+    if len(payload) < 12 or payload[7] >= len(_UNITS):
+        return None
+    across, down = struct.unpack_from(">HH", payload, 8)
+    return Density((across, 1), (down, 1), _UNITS[payload[7]]) if across and down else None
+
+
+def _with_density(segment: bytes, found: Density | None) -> bytes:
+    """A JFIF segment with this density, in whole pixels per centimetre, else per inch; as it is if neither holds it."""
+    if found is None or not segment.startswith(_JFIF, 4):
+        return segment
+    for unit in dict.fromkeys((found.unit, 2 if found.unit != 1 else 1)):
+        pair = found.per(unit)
+        whole = [round(value) for value in pair]
+        is_near = unit != found.unit or tuple(whole) == pair
+        if is_near and all(0 < value <= 0xFFFF for value in whole):
+            return segment[:11] + struct.pack(">BHH", _UNITS.index(unit), *whole) + segment[16:]
+    return segment
+
+
+def _segment(prefix: bytes, payload: bytes, name: str) -> bytes:
     size = len(prefix) + len(payload)
     if size > _PAYLOAD_MAX:
         most = _PAYLOAD_MAX - len(prefix)
-        raise PictureError(f"jpeg cannot hold {len(payload)} bytes of {name}, only {most}; choose another format")
+        raise PictureError(
+            f"jpeg cannot hold {len(payload)} bytes of {name}, only {most}; choose another format, or leave metadata "
+            "out (--no-metadata)"
+        )
     return struct.pack(">BBH", 0xFF, _APP1, size + 2) + prefix + payload

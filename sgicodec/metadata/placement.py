@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sgicodec.metadata import geo, ifd
-from sgicodec.metadata.exif import scaled_ratio
+from sgicodec.metadata.motion import scaled_ratio
 from sgicodec.metadata.orientation import is_flipped, is_mirrored, is_sideways
 
 __all__ = ["oriented", "transformation", "view"]

@@ -1,4 +1,7 @@
-"""Metadata in the chunks of a PNG file, and the check of those chunks (PNG 3, §5.3 and §11.3)."""
+"""Metadata in the chunks of a PNG file, and the check of those chunks (PNG 3, §5.3 and §11.3).
+
+Pillow finds what stands behind the pixels only by decoding them.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,9 @@ import struct
 import zlib
 from collections.abc import Iterator
 
+from sgicodec.metadata import density
 from sgicodec.metadata.blobs import Metadata
+from sgicodec.metadata.density import Density
 from sgicodec.metadata.filebytes import Bytes
 
 __all__ = ["SIGNATURE", "chunk", "damage", "find", "frames", "metadata_chunks"]
@@ -46,12 +51,14 @@ def damage(data: Bytes) -> str | None:
     return None if b"IDAT" in kinds else "the PNG file has no pixels, its chunk IDAT is missing"
 
 
-def find(data: Bytes) -> tuple[bytes | None, bytes | None]:
-    """EXIF and XMP, from the chunks made for them or as ImageMagick and ExifTool hid them in texts before."""
-    exif = xmp = hidden_exif = hidden_xmp = None
+def find(data: Bytes) -> tuple[bytes | None, bytes | None, bytes | None]:
+    """EXIF and XMP, from the chunks made for them or as ImageMagick and ExifTool hid them in texts before; `geo`."""
+    exif = xmp = hidden_exif = hidden_xmp = stated = None
     for kind, start, end in _chunks(data):
         if kind == b"eXIf":
             exif = bytes(data[start:end])
+        elif kind == b"pHYs" and end - start == 9:
+            stated = _density(bytes(data[start:end]))
         elif kind in (b"tEXt", b"zTXt", b"iTXt"):
             keyword, text = _text(kind, bytes(data[start:end]))
             if keyword == _XMP_KEYWORD:
@@ -60,14 +67,35 @@ def find(data: Bytes) -> tuple[bytes | None, bytes | None]:
                 hidden_exif = _raw_profile(text)
             elif keyword == b"Raw profile type xmp":
                 hidden_xmp = _raw_profile(text)
-    return exif or hidden_exif, xmp or hidden_xmp
+    exif = exif or hidden_exif
+    return exif, xmp or hidden_xmp, density.tags(stated, exif)
+
+
+def _density(contents: bytes) -> Density | None:
+    """That of a pHYs chunk, whose unit is the metre or none."""
+    across, down, unit = struct.unpack(">IIB", contents)
+    if not across or not down or unit > 1:
+        return None
+    return Density((across, 100), (down, 100), 3) if unit else Density((across, 1), (down, 1), 1)
+
+
+def _physical(found: Density) -> bytes:
+    """The contents of a pHYs chunk; none where it does not hold them."""
+    if found.unit == 1:
+        pair = [ratio[0] * other[1] for ratio, other in ((found.across, found.down), (found.down, found.across))]
+    else:
+        pair = [round(100 * value) for value in found.per(3)]
+    return struct.pack(">IIB", *pair, found.unit != 1) if all(0 < value < 1 << 31 for value in pair) else b""
 
 
 def metadata_chunks(metadata: Metadata) -> bytes:
-    """The chunks between IHDR and the pixels: ICC profile, EXIF and XMP, as far as there are any."""
+    """The chunks between IHDR and the pixels: ICC profile, density, EXIF and XMP, as far as there are any."""
     chunks = b""
     if metadata.icc is not None:
         chunks += chunk(b"iCCP", b"ICC profile\0\0" + zlib.compress(metadata.icc))
+    found = density.density(metadata.geo, metadata.exif)
+    if found is not None and (physical := _physical(found)):
+        chunks += chunk(b"pHYs", physical)
     if metadata.exif is not None:
         chunks += chunk(b"eXIf", metadata.exif)
     if metadata.xmp is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterator
 
+from sgicodec.metadata.blobs import Metadata
 from sgicodec.metadata.filebytes import Bytes
 
 __all__ = ["find", "insert", "is_webp"]
@@ -23,8 +24,9 @@ def find(data: Bytes) -> tuple[bytes | None, bytes | None]:
     return found.get(b"EXIF"), found.get(b"XMP ")
 
 
-def insert(data: Bytes, exif: bytes | None, xmp: bytes | None) -> Iterator[bytes]:
-    """The losslessly compressed file, which has no metadata yet, with this, piece by piece."""
+def insert(data: Bytes, metadata: Metadata) -> Iterator[bytes]:
+    """The losslessly compressed file, which has no metadata yet, with this EXIF and XMP, piece by piece."""
+    exif, xmp = metadata.exif, metadata.xmp
     chunks = [(kind, bytes(data[start:end])) for kind, start, end in _chunks(data)]
     if chunks[0][0] != b"VP8X":
         chunks.insert(0, (b"VP8X", _extended_header(chunks[0][1])))

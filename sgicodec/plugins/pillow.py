@@ -17,6 +17,7 @@ from PIL import Image, ImageFile  # noqa: E402
 
 from sgicodec.bitstream.container import SIGNATURE  # noqa: E402
 from sgicodec.decoder.stream import Stream, open_stream  # noqa: E402
+from sgicodec.metadata.density import density  # noqa: E402
 
 __all__ = ["FORMAT", "SgiImageFile", "register"]
 
@@ -48,7 +49,9 @@ class SgiImageFile(ImageFile.ImageFile):
         self._mode = _DEEP_MODES.get(self._dtype, _MODES[header.channels])
         metadata = stream.metadata
         exif = metadata.exif and b"Exif\0\0" + metadata.exif
-        found = {"icc_profile": metadata.icc, "exif": exif, "xmp": metadata.xmp}
+        stated = density(metadata.geo, metadata.exif)
+        dpi = None if stated is None else stated.dpi
+        found = {"icc_profile": metadata.icc, "exif": exif, "xmp": metadata.xmp, "dpi": dpi}
         self.info.update({name: blob for name, blob in found.items() if blob is not None})
         self._stream = stream
 

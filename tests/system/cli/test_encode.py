@@ -158,8 +158,8 @@ def test_options_reach_the_encoder(
         ("--steps 0", "at least 1"),
         ("--seed -1", "--seed"),
         ("-j -1", "--threads"),
-        ("--float-range 1,0", "--float-range"),
-        ("--float-range 0,1", "only floating-point"),
+        ("--range 1,0", "--range"),
+        ("--range 0,256", "range of uint8"),
         ("--progress maybe", "not one of"),
         ("--device gpu", "auto, cpu, cuda or cuda:N"),
     ],
@@ -261,9 +261,9 @@ def test_metadata_is_kept_unless_told_otherwise(sgi: Run, tmp_path: Path) -> Non
         assert read(tmp_path / "out.png").metadata.icc == kept
 
 
-def test_float_range_clips(sgi: Run, shared: Path, tmp_path: Path) -> None:
+def test_a_stated_range_clips(sgi: Run, shared: Path, tmp_path: Path) -> None:
     target = tmp_path / "out.sgi"
-    assert sgi("encode", shared / "float.tif", target, "--steps", 2, "--float-range", "-100,500").exit_code == 0
+    assert sgi("encode", shared / "float.tif", target, "--steps", 2, "--range", "-100,500").exit_code == 0
     with open_stream(target) as stream:
         assert stream.header.sample_range == (-100.0, 500.0)
         pixels = stream.picture().pixels

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 import pytest
 
-from sgicodec.cli.options import BYTES, FLOAT_RANGE, REGION, SCALE, SIZE
+from sgicodec.cli.options import BYTES, REGION, SAMPLE_RANGE, SCALE, SIZE
 
 
 @pytest.mark.parametrize(
@@ -29,8 +29,8 @@ from sgicodec.cli.options import BYTES, FLOAT_RANGE, REGION, SCALE, SIZE
         (BYTES, ".5M", 500_000.0),
         (BYTES, "1.5MiB", 1_572_864.0),
         (BYTES, "2G", 2e9),
-        (FLOAT_RANGE, "0,1", (0.0, 1.0)),
-        (FLOAT_RANGE, "-1.5,2e3", (-1.5, 2000.0)),
+        (SAMPLE_RANGE, "0,1", (0.0, 1.0)),
+        (SAMPLE_RANGE, "-1.5,2e3", (-1.5, 2000.0)),
     ],
 )
 def test_reads(kind: click.ParamType, text: str, value: object) -> None:
@@ -45,7 +45,7 @@ def test_reads(kind: click.ParamType, text: str, value: object) -> None:
         (SCALE, ("", "0", "-1", "1/0", "0/3", "1/2/3", "inf", "nan", "half", "1e5", "9" * 400)),
         (SIZE, ("", "x", "512x!", "!", "5x5!!", "0x5", "5x0", "512", "-5x4", "5x4x3")),
         (BYTES, ("", "0", "0.9", "-5", "kB", "5iB", "5TB", "1e5", "nan", "inf", "5 k B", "9" * 400)),
-        (FLOAT_RANGE, ("", "1", "1,0", "1,1", "nan,1", "0,inf", "a,b", "0,1,2")),
+        (SAMPLE_RANGE, ("", "1", "1,0", "1,1", "nan,1", "0,inf", "a,b", "0,1,2")),
     ],
 )
 def test_refuses_with_an_example(kind: click.ParamType, texts: tuple[str, ...]) -> None:

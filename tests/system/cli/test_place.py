@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import tifffile
 from click.testing import Result
+from PIL import Image
 
 from sgicodec.image import read, write
 from sgicodec.metadata import geo, ifd
@@ -61,8 +62,19 @@ def test_what_a_format_loses_is_said(sgi: Run, placed: Path, tmp_path: Path) -> 
     text = "x.png: .png does not hold its position, projection and nodata value; .tif does\n"
     assert result.stderr.endswith(text)
     assert result.stderr.startswith("sgi: ")
-    assert "position, projection and nodata value" in sgi("decode", placed, "-", "--format", "ppm").stderr
+    lost = "position, projection, nodata value and resolution"
+    assert lost in sgi("decode", placed, "-", "--format", "ppm").stderr
+    assert lost in sgi("decode", placed, tmp_path / "x.webp").stderr
     assert sgi("decode", placed, tmp_path / "x.tif").output == ""
+
+
+def test_metadata_may_be_left_out(sgi: Run, placed: Path, tmp_path: Path) -> None:
+    result = sgi("decode", placed, tmp_path / "x.tif", "--no-metadata")
+    assert (result.exit_code, result.output) == (0, "")
+    assert read(tmp_path / "x.tif").metadata == Metadata()
+    assert sgi("decode", placed, tmp_path / "x.png", "--no-metadata").output == ""
+    assert sgi("decode", placed, "--output-dir", tmp_path / "all", "--no-metadata").exit_code == 0
+    assert [path.name for path in (tmp_path / "all").iterdir()] == ["x.png"]
 
 
 def test_a_stream_without_a_place_becomes_a_png(sgi: Run, stream: Path) -> None:
@@ -116,3 +128,76 @@ def test_the_size_of_a_pixel_follows_the_scale(sgi: Run, tmp_path: Path, options
     with tifffile.TiffFile(target) as file:
         tags = file.pages[0].tags
         assert (tags[282].value, tags[283].value, tags[296].value) == ((80000, 1), (40000, 1), 3)
+
+
+def test_long_exif_does_not_fit_a_jpeg_and_may_be_left_out(sgi: Run, tmp_path: Path) -> None:
+    long = b"II*\0\x08\0\0\0" + ifd.dump({271: ifd.Entry(2, b"m" * 70000)}, 8)
+    write(Picture(np.full((24, 40, 3), 90, np.uint8), "rgb", (0.0, 255.0), Metadata(exif=long)), tmp_path / "x.png")
+    assert sgi("encode", tmp_path / "x.png", "--steps", 5).exit_code == 0
+    result = sgi("decode", tmp_path / "x.sgi", tmp_path / "y.jpg")
+    assert result.exit_code == 3
+    assert result.stderr.count("\n") == 1
+    assert "jpeg cannot hold 70026 bytes of EXIF" in result.stderr
+    assert "--no-metadata" in result.stderr
+    assert sgi("decode", tmp_path / "x.sgi", tmp_path / "y.jpg", "--no-metadata").exit_code == 0
+
+
+@pytest.mark.parametrize(
+    ("view", "size", "area", "dpi"),
+    [
+        ([], (48, 64), [27, 10, 6, 8], (150, 300)),
+        (["--scale", 2], (96, 128), [55, 21, 12, 16], (300, 600)),
+        (["--size", "24x32!"], (24, 32), [13, 5, 3, 4], (75, 150)),
+        (["--region", "20,8,10,12"], (10, 12), [7, 2, 6, 8], (150, 300)),
+        (["--region", "0,0,10,12", "--scale", 0.5], (5, 6), None, (75, 150)),
+    ],
+)
+def test_exif_and_xmp_say_what_a_view_shows(
+    sgi: Run,
+    turned: Path,
+    tmp_path: Path,
+    view: list[object],
+    size: tuple[int, int],
+    area: list[int] | None,
+    dpi: object,
+) -> None:
+    for name in ("a.jpg", "a.png", "a.tif"):
+        assert sgi("decode", turned, tmp_path / name, *view).exit_code == 0
+        with Image.open(tmp_path / name) as found:
+            tags = found.getexif()
+            packet = found.tag_v2[700] if name == "a.tif" else found.info["xmp"]
+            assert found.size == size
+            inner = tags.get_ifd(ifd.EXIF_IFD)
+        assert (inner[40962], inner[40963]) == size
+        assert inner.get(37396) == (area and tuple(area))
+        assert (tags[282], tags[283], tags.get(274, 1)) == (*dpi, 1)
+        assert b'tiff:ImageWidth="%d" tiff:ImageLength="%d"' % size in packet
+
+
+@pytest.fixture(scope="module")
+def turned(sgi: Run, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The stream of a photograph of 64×48 stored pixels, to be turned by a quarter."""
+    folder = tmp_path_factory.mktemp("turned")
+    tags = Image.Exif()
+    tags.update({274: 6, 282: 300, 283: 150, 296: 2})
+    tags.get_ifd(ifd.EXIF_IFD).update({40962: 64, 40963: 48, 37396: (10, 20, 8, 6)})
+    xmp = b'<a tiff:ImageWidth="64" tiff:ImageLength="48"/>'
+    pixels = np.tile(np.arange(64, dtype=np.uint8), (48, 1))
+    Image.fromarray(pixels).save(folder / "a.jpg", exif=tags.tobytes(), xmp=xmp)
+    assert sgi("encode", folder / "a.jpg", "--steps", 5).exit_code == 0
+    return folder / "a.sgi"
+
+
+def test_statistics_are_not_those_of_new_pixels(sgi: Run, tmp_path: Path) -> None:
+    """And a nodata value is found however it is written."""
+    items = '<Item name="NOTE">kept</Item><Item name="STATISTICS_MAXIMUM" sample="0">143.25</Item>'
+    texts = {42112: f"<GDALMetadata>{items}</GDALMetadata>", 42113: "-1.#QNAN"}
+    pixels = np.tile(np.linspace(1, 9, 40, dtype=np.float32), (24, 1))
+    pixels[:4, :4] = np.nan
+    tags = [(tag, 2, len(text) + 1, text, True) for tag, text in texts.items()]
+    tifffile.imwrite(tmp_path / "x.tif", pixels, metadata=None, extratags=tags)
+    assert sgi("encode", tmp_path / "x.tif", "--steps", 5).exit_code == 0
+    assert sgi("decode", tmp_path / "x.sgi", tmp_path / "y.tif").exit_code == 0
+    with tifffile.TiffFile(tmp_path / "y.tif") as file:
+        assert file.pages.first.tags[42112].value == '<GDALMetadata><Item name="NOTE">kept</Item></GDALMetadata>'
+        assert np.array_equal(np.isnan(file.asarray()), np.isnan(pixels))

@@ -67,12 +67,16 @@ def test_every_turn_is_applied_once(orientation: int) -> None:
     """The file says how to turn it, which Pillow has put in from the EXIF."""
     tags = Image.Exif()
     tags[274], tags[271] = orientation, "Maker"
+    height, width = SLOPE.shape[:2]
+    tags.get_ifd(34665).update({40962: width, 40963: height})
     data = saved(SLOPE, exif=tags.tobytes())
     picture = read(data)
     assert np.abs(picture.pixels.astype(int) - upright(SLOPE, orientation)).max() <= 3
     kept = Image.Exif()
     kept.load(picture.metadata.exif)
     assert (kept.get(274, 1), kept[271]) == (1, "Maker")
+    inner = kept.get_ifd(34665)
+    assert (inner[40962], inner[40963]) == picture.pixels.shape[1::-1]
     assert (probe(data).width, probe(data).height) == picture.pixels.shape[1::-1]
 
 

@@ -13,6 +13,7 @@ from PIL import Image
 from sgicodec.errors import PictureError, UsageError
 from sgicodec.image import read
 from sgicodec.image.conversion import as_picture
+from sgicodec.metadata import density, ifd
 
 RGB = np.random.default_rng(0).integers(0, 256, (5, 7, 3), np.uint8)
 ODD = Path(__file__).parents[2] / "data" / "pictures"
@@ -81,13 +82,20 @@ def test_images_of_pillow_are_what_their_files_are() -> None:
     buffer = io.BytesIO()
     exif = Image.Exif()
     exif[0x0112], exif[0x010E] = 6, "a day out"
-    Image.fromarray(RGB).save(buffer, "png", exif=exif, icc_profile=read(ODD / "icc_profile.png").metadata.icc)
+    exif.get_ifd(0x8769).update({40962: 7, 40963: 5})
+    Image.fromarray(RGB).save(
+        buffer, "png", exif=exif, dpi=(254, 508), icc_profile=read(ODD / "icc_profile.png").metadata.icc
+    )
     picture, expected = as_picture(Image.open(buffer)), as_picture(buffer.getvalue())
     np.testing.assert_array_equal(picture.pixels, expected.pixels)
     assert picture.pixels.shape == (7, 5, 3)
     assert picture.metadata.icc == expected.metadata.icc is not None
     assert picture.metadata.exif is not None
     assert b"a day out" in picture.metadata.exif
+    inner = ifd.load(picture.metadata.exif)[ifd.EXIF_IFD]
+    assert inner == {40962: ifd.Entry(3, b"\5\0"), 40963: ifd.Entry(3, b"\7\0")}
+    stated = [density.density(each.metadata.geo, None) for each in (picture, expected)]
+    assert [each and each.dpi for each in stated] == [pytest.approx((508, 254))] * 2
 
 
 def test_files(tmp_path: Path) -> None:

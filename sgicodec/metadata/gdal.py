@@ -1,0 +1,54 @@
+"""Texts that GDAL keeps in tags of TIFF: its nodata value, and the items of its metadata."""
+
+from __future__ import annotations
+
+import re
+
+__all__ = ["number", "without_statistics"]
+
+_NUMBER = re.compile(
+    rb"""\s* ([+-]?) (?:
+        (?P<nan> (?:nan | 1\.\#(?:qnan|snan|ind)) (?![a-z]))
+      | (?P<inf> (?:infinity | inf | 1\.\#inf) (?![a-z]))
+      | (?P<digits> (?:\d+[.,]?\d* | [.,]\d+) (?:e[+-]?\d+)?)
+    )""",
+    re.IGNORECASE | re.VERBOSE,
+)
+
+_TAG = re.compile(rb"<[^<>]*>")
+_ITEM = re.compile(
+    rb"""<Item\s[^<>]*?\bname\s*=\s*["'](?:APPROX_)?(?:STATISTICS|HISTO|TIFFTAG_M(?:IN|AX)SAMPLEVALUE)""", re.IGNORECASE
+)
+_HISTOGRAMS = re.compile(rb"<Histograms[\s/>]", re.IGNORECASE)
+_END = {b"i": re.compile(rb"</Item\s*>", re.IGNORECASE), b"h": re.compile(rb"</Histograms\s*>", re.IGNORECASE)}
+_EMPTY = re.compile(rb"\s*<GDALMetadata\s*>\s*</GDALMetadata\s*>\s*\Z")
+
+
+def number(text: bytes) -> float | None:
+    """The number at the beginning of a text, whatever follows it, as GDAL reads it (CPLAtofM): with a point or a comma,
+    not-a-number and infinity also as Microsoft's libraries print them, 1.#QNAN. None where there is none.
+    """
+    found = _NUMBER.match(text)
+    if found is None:
+        return None
+    digits = "nan" if found["nan"] else "inf" if found["inf"] else found["digits"].replace(b",", b".").decode("ascii")
+    return float(found[1].decode("ascii") + digits)
+
+
+def without_statistics(text: bytes) -> bytes:
+    """GDAL's metadata without the items that state statistics or histograms of samples, wherever they stand; all else
+    byte for byte. Empty if nothing is left.
+    """
+    kept, at = bytearray(), 0
+    for tag in _TAG.finditer(text):
+        if tag.start() < at or not (_ITEM.match(tag[0]) or _HISTOGRAMS.match(tag[0])):
+            continue
+        end = tag if tag[0].endswith(b"/>") else _END[tag[0][1:2].lower()].search(text, tag.end())
+        if end is None:
+            break
+        kept += text[at : tag.start()].rstrip()
+        at = end.end()
+    if at == 0:
+        return text
+    kept += text[at:]
+    return b"" if _EMPTY.match(kept.rstrip(b"\0")) else bytes(kept)

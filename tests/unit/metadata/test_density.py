@@ -1,0 +1,121 @@
+from __future__ import annotations
+
+import io
+import struct
+import zlib
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sgicodec.image import read, write
+from sgicodec.metadata import density, geo, ifd
+from sgicodec.metadata.density import Density
+from sgicodec.metadata.georeference import resolution
+
+image = pytest.importorskip("PIL.Image")
+PIXELS = np.full((9, 17, 3), 100, np.uint8)
+
+
+def _jpeg(unit: int, across: int, down: int, **options: Any) -> bytes:
+    file = io.BytesIO()
+    image.fromarray(PIXELS).save(file, "JPEG", **options)
+    data = file.getvalue()
+    return data[:13] + struct.pack(">BHH", unit, across, down) + data[18:]
+
+
+def _png(unit: int, across: int, down: int) -> bytes:
+    file = io.BytesIO()
+    image.fromarray(PIXELS).save(file, "PNG")
+    chunk = b"pHYs" + struct.pack(">IIB", across, down, unit)
+    whole = struct.pack(">I", 9) + chunk + struct.pack(">I", zlib.crc32(chunk))
+    return file.getvalue()[:33] + whole + file.getvalue()[33:]
+
+
+@pytest.mark.parametrize(
+    ("data", "expected"),
+    [
+        (_jpeg(1, 300, 300), Density((300, 1), (300, 1), 2)),
+        (_jpeg(1, 300, 150), Density((300, 1), (150, 1), 2)),
+        (_jpeg(2, 118, 59), Density((118, 1), (59, 1), 3)),
+        (_jpeg(0, 2, 1), Density((2, 1), (1, 1), 1)),
+        (_png(1, 11811, 11811), Density((11811, 100), (11811, 100), 3)),
+        (_png(0, 3, 4), Density((3, 1), (4, 1), 1)),
+        *[(_jpeg(*values), None) for values in ((1, 72, 72), (2, 28, 28), (0, 1, 1), (1, 0, 0), (3, 5, 5))],
+        *[(_png(*values), None) for values in ((1, 2835, 2835), (0, 1, 1), (1, 0, 5), (2, 5, 5))],
+    ],
+)
+def test_what_a_file_states_is_kept(data: bytes, expected: Density | None) -> None:
+    """But 72 pixels per inch, which are written where nothing was measured."""
+    picture = read(data)
+    assert density.density(picture.metadata.geo, None) == expected
+    assert (picture.metadata.geo is None) == (expected is None)
+    for format, tolerance in (("jpeg", 0.004), ("png", 0.0002), ("tiff", 0.0)):
+        file = io.BytesIO()
+        write(picture, file, format=format)
+        back = read(file.getvalue()).metadata
+        found = density.density(back.geo, back.exif)
+        if expected is None:
+            assert found is None
+        else:
+            assert found is not None
+            unit = expected.unit if expected.unit == 1 else 2
+            assert found.per(unit) == pytest.approx(expected.per(unit), rel=tolerance)
+            assert expected.unit != 1 or found.unit == 1
+
+
+def test_another_reader_finds_it() -> None:
+    picture = read(_png(1, 11811, 11811))
+    for format in ("jpeg", "png", "tiff"):
+        file = io.BytesIO()
+        write(picture, file, format=format)
+        with image.open(file) as other:
+            assert other.info["dpi"] == pytest.approx((300, 300), abs=0.01)
+
+
+def _tags(across: int, down: int, unit: int) -> dict[int, ifd.Entry]:
+    pairs = {282: across, 283: down}
+    entries = {tag: ifd.Entry(5, struct.pack("<II", value, 1)) for tag, value in pairs.items()}
+    return {**entries, 296: ifd.Entry(3, struct.pack("<H", unit))}
+
+
+def test_the_resolution_of_exif_goes_first() -> None:
+    def exif(across: int) -> bytes:
+        return b"II*\0\x08\0\0\0" + ifd.dump({**_tags(across, across, 2)}, 8)
+
+    stated = Density((300, 1), (300, 1), 2)
+    assert density.tags(stated, exif(240)) is None
+    assert density.tags(stated, exif(72)) == geo.pack({**_tags(300, 300, 2)})
+    assert density.density(None, exif(240)) == Density((240, 1), (240, 1), 2)
+    assert density.density(geo.pack({**_tags(0, 5, 2)}), None) is None
+
+
+@pytest.mark.parametrize(
+    ("across", "down", "unit", "is_measured"),
+    [
+        (72, 72, 2, False),
+        (28, 28, 3, False),
+        (72, 71, 2, True),
+        (96, 96, 2, True),
+        (300, 300, 2, True),
+        (72, 72, 3, True),
+    ],
+)
+def test_72_pixels_per_inch_are_no_measurement(across: int, down: int, unit: int, is_measured: bool) -> None:
+    entries: ifd.Directory = {**_tags(across, down, unit)}
+    blob, exif = geo.pack(entries), b"II*\0\x08\0\0\0" + ifd.dump(entries, 8)
+    assert (resolution(blob, None) is not None) == (resolution(None, exif) is not None) == is_measured
+
+
+@pytest.mark.parametrize(
+    ("pair", "expected"),
+    [
+        ((300, 150.5), Density((300, 1), (301, 2), 2)),
+        *[
+            (pair, None)
+            for pair in ((0, 0), (-1, 5), (float("nan"), 1), (1e9, 1), (float("inf"), 1), None, 3, "ab", (1,))
+        ],
+    ],
+)
+def test_what_pillow_states(pair: object, expected: Density | None) -> None:
+    assert density.per_inch(pair) == expected

@@ -1,0 +1,105 @@
+from __future__ import annotations
+
+import math
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tifffile
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sgicodec.metadata import gdal
+
+NAN = float("nan")
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("255 255 255", 255.0),
+        ("  7", 7.0),
+        ("\t-9999.5abc", -9999.5),
+        ("-9999,00", -9999.0),
+        ("1,2,3", 1.2),
+        ("1_0", 1.0),
+        ("0x10", 0.0),
+        ("1e", 1.0),
+        ("1d3", 1.0),
+        ("+5.", 5.0),
+        (".5", 0.5),
+        ("-3.4028234663852886e+38", -3.4028234663852886e38),
+        ("1e400", math.inf),
+        *[(text, NAN) for text in ("nan", "NAN", "-nan", "nan(ind)", "1.#QNAN0", "-1.#QNAN", "-1.#IND", "1.#SNAN")],
+        *[(text, math.inf) for text in ("inf", "+INF", "Infinity", "1.#INF", "1.#INF00")],
+        *[(text, -math.inf) for text in ("-inf", "-1.#INF")],
+        *[(text, None) for text in ("", "abc", "none", "nano", "info", "- 5", "--5", ".", "\u0665")],
+    ],
+)
+def test_a_number_is_read_as_gdal_reads_it(text: str, value: float | None) -> None:
+    found = gdal.number(text.encode())
+    assert found == value or (found is not None and value is not None and math.isnan(found) and math.isnan(value))
+
+
+@given(st.binary(max_size=20))
+def test_any_text_is_a_number_or_none(text: bytes) -> None:
+    assert isinstance(gdal.number(text), float | None)
+
+
+@given(st.floats(allow_nan=False))
+def test_what_is_printed_is_read(value: float) -> None:
+    assert gdal.number(f"{value:.17g}".encode()) == value
+
+
+HEAD, TAIL = b"<GDALMetadata>", b"\n</GDALMetadata>\n\0"
+KEPT = (
+    b'\n  <Item name="SCALE" sample="0" role="scale">0.1</Item>'
+    b'\n  <Item name="NOTE" domain="IMAGE">STATISTICS_MEAN is elsewhere</Item>'
+    b'\n  <Item name="MY_STATISTICS_X">1</Item>'
+)
+
+
+@pytest.mark.parametrize(
+    "item",
+    [
+        b'<Item name="STATISTICS_MINIMUM" sample="0">100</Item>',
+        b"<Item sample='1' name='STATISTICS_VALID_PERCENT'>99.8</Item>",
+        b'<Item domain="OTHER" name = "STATISTICS_MEAN" sample="2" >1</Item >',
+        b'<Item name="statistics_stddev"/>',
+        b'<Item name="APPROX_STATISTICS_MAXIMUM">3</Item>',
+        b'<Item name="STATISTICS_APPROXIMATE">YES</Item>',
+        b'<Item name="STATISTICS_HISTOBINVALUES">1|2|3|</Item>',
+        b"<Histograms><HistItem><HistCounts>1|2</HistCounts></HistItem></Histograms>",
+        b"<Histograms/>",
+    ],
+)
+def test_statistics_go_and_all_else_stays(item: bytes) -> None:
+    for behind in (KEPT, b"\n<Nested>" + KEPT + b"</Nested>"):
+        assert gdal.without_statistics(HEAD + b"\n  " + item + behind + TAIL) == HEAD + behind + TAIL
+        assert gdal.without_statistics(HEAD + behind + b"\n " + item + TAIL) == HEAD + behind + TAIL
+    assert gdal.without_statistics(HEAD + b"\n" + item + b"\n" + item + TAIL) == b""
+
+
+@given(st.binary(max_size=60))
+def test_what_is_no_metadata_stays(text: bytes) -> None:
+    assert gdal.without_statistics(text) == text
+
+
+def test_an_item_without_an_end_stays() -> None:
+    text = HEAD + b'<Item name="STATISTICS_MEAN">1' + TAIL
+    assert gdal.without_statistics(text) == text
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["255 255 255", "\t7abc", "-9999,00", "1,2,3", "1_0", "0x10", "1e", "+5.", "nan", "-1.#QNAN", "1.#INF"],
+)
+def test_gdal_agrees(tmp_path: Path, text: str) -> None:
+    rasterio = pytest.importorskip("rasterio")
+    tags = [(42113, 2, len(text) + 1, text, True)]
+    tifffile.imwrite(tmp_path / "x.tif", np.zeros((2, 2), np.float64), metadata=None, extratags=tags)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        with rasterio.open(tmp_path / "x.tif") as found:
+            np.testing.assert_equal(gdal.number(text.encode()), found.nodata)

@@ -1,0 +1,78 @@
+from __future__ import annotations
+
+import io
+import struct
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sgicodec.image import read
+from sgicodec.metadata import jpeg
+
+image = pytest.importorskip("PIL.Image")
+Blob = Callable[..., bytes]
+XMP = b"http://ns.adobe.com/xap/1.0/\0"
+PACKET = b"<x:xmpmeta xmlns:x='adobe:ns:meta/'/>"
+
+
+def plain() -> bytes:
+    file = io.BytesIO()
+    pixels = np.arange(24 * 32, dtype=np.uint8).reshape(24, 32)
+    image.fromarray(pixels).save(file, "JPEG")
+    return file.getvalue()
+
+
+def segment(payload: bytes, marker: int = 0xE1) -> bytes:
+    return struct.pack(">BBH", 0xFF, marker, len(payload) + 2) + payload
+
+
+@pytest.mark.parametrize(
+    "before",
+    [
+        b"",
+        b"\xff\xff",
+        b"\xff" * 70000,
+        b"\xff\x01",
+        b"\0\0\xff\0",
+        segment(b"a comment", 0xFE),
+        segment(b"Photoshop 3.0\0", 0xED) + b"\xff" + segment(b"MPF\0", 0xE2) + b"\xff\xff\xff",
+        segment(b"http://ns.example/\0other"),
+        segment(XMP + PACKET) + b"\xff",
+    ],
+)
+@pytest.mark.parametrize("at", [2, 20])
+def test_what_may_stand_before_a_segment(exif_blob: Blob, before: bytes, at: int) -> None:
+    data, blob = plain(), exif_blob(orientation=6)
+    whole = data[:at] + before + segment(b"Exif\0\0" + blob) + b"\xff" + segment(XMP + PACKET) + data[at:]
+    assert jpeg.find(whole) == (blob, PACKET, None)
+    if b"\0" not in before[:1]:
+        picture = read(whole)
+        assert picture.pixels.shape == (32, 24, 1)
+        assert picture.metadata.exif == exif_blob(orientation=1)
+
+
+def test_of_several_segments_the_first_counts(exif_blob: Blob) -> None:
+    blob, other = exif_blob(orientation=6), exif_blob(orientation=3)
+    data = plain()
+    several = b"".join(
+        map(segment, (b"Exif\0\0junk", b"Exif\0\xff" + blob, b"Exif\0\0" + other, XMP + PACKET, XMP + b"<b/>"))
+    )
+    whole = data[:2] + several + data[2:]
+    assert jpeg.find(whole) == (blob, PACKET, None)
+    assert read(whole).pixels.shape == (32, 24, 1)
+    continued = b"".join(map(segment, (b"Exif\0\0" + blob[:50], b"Exif\0\0" + blob[50:])))
+    assert jpeg.find(data[:2] + continued + data[2:]) == (blob, None, None)
+
+
+def test_nothing_is_found_behind_the_first_scan(exif_blob: Blob) -> None:
+    data = plain()
+    assert jpeg.find(data[:-2] + segment(b"Exif\0\0" + exif_blob()) + data[-2:]) == (None, None, None)
+
+
+@given(st.binary(max_size=60))
+def test_damage_raises_nothing(tail: bytes) -> None:
+    for head in (b"\xff\xd8\xff", b"\xff\xd8\xff\xe0\0\x10JFIF\0"):
+        assert len(jpeg.find(head + tail)) == 3
