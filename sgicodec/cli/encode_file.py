@@ -8,7 +8,7 @@ import time
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from sgicodec.cli.associated import associated_pictures, write_associated
 from sgicodec.cli.encode_listener import EncodeListener
@@ -23,7 +23,7 @@ from sgicodec.executors.gpus import GpuExecutor
 from sgicodec.executors.peak import own_peak
 from sgicodec.executors.processes import ProcessExecutor
 from sgicodec.executors.threads import ThreadExecutor
-from sgicodec.image import open_source
+from sgicodec.image.source import open_to_encode
 from sgicodec.remote.upload import Upload
 from sgicodec.remote.url import is_url
 
@@ -82,15 +82,12 @@ def encode_file(job: Job) -> int:
     origin = sys.stdin.buffer.read() if job.source == STANDARD else job.source
     missed = None
     with ExitStack() as stack:
-        source = stack.enter_context(open_source(origin, sample_range=job.sample_range, alpha=job.alpha, page=job.page))
+        listener = EncodeListener("off" if job.quiet else job.progress, job.quiet, job.cluster is not None, job.source)
+        samples: dict[str, Any] = {"sample_range": job.sample_range, "alpha": job.alpha, "page": job.page}
+        source = stack.enter_context(open_to_encode(origin, listener.note, **samples, option="--page"))
         executor = _executor(job, source, stack)
         checkpoint = Checkpoint(_part(job, stack), job.resume, job.force)
         upload = stack.enter_context(Upload(job.target, StreamError)) if is_url(job.target) else None
-        listener = EncodeListener("off" if job.quiet else job.progress, job.quiet, job.cluster is not None, job.source)
-        if job.page is None and source.pages > 1:
-            listener.note(f"the first of {source.pages} pages; --page chooses another")
-        for text in source.notes:
-            listener.note(text)
         try:
             with listener:
                 encoded = _encode(job, source, executor, checkpoint, listener, None if upload is None else upload.path)

@@ -26,17 +26,18 @@ def without_needless_alpha(windows: Windows, plan: Plan, listener: NullListener)
     elif found == "hiding" and plan.header.masked == "transparent":
         listener.note("alpha is 0 everywhere; it is left out, and the colours are kept")
     else:
-        if plan.header.masked == "transparent" and geo.has_place(windows.shape.metadata.geo):
-            listener.note(_BAND_AS_ALPHA)
+        if alpha_index(plan.header.channels) is not None and geo.has_place(windows.shape.metadata.geo):
+            listener.note(_BAND_AS_ALPHA + (_NOT_KEPT if plan.header.masked == "transparent" else ""))
         return windows, plan
     windows = _Colours(windows)
     return windows, stream_plan(windows.shape, plan.settings)
 
 
 _BAND_AS_ALPHA = (
-    "the last band is declared as alpha: where it is 0, the others are not kept; if it is a band like them, "
-    "such as near infrared, read it with alpha as a band (--alpha band)"
+    "the last band is declared as alpha; if it is a band like the others, such as near infrared, read it with alpha as "
+    "a band (--alpha band)"
 )
+_NOT_KEPT = ": where it is 0, the others are not kept"
 
 
 def _everywhere(windows: Windows, grid: TileGrid) -> Literal["opaque", "hiding"] | None:

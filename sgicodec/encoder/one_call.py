@@ -15,7 +15,7 @@ from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.errors import PictureError, UsageError
 from sgicodec.image.conversion import as_picture
-from sgicodec.image.source import open_source
+from sgicodec.image.source import open_to_encode
 from sgicodec.image.used_range import RangeChoice
 from sgicodec.remote.upload import Upload
 from sgicodec.remote.url import is_url
@@ -99,11 +99,11 @@ def _encode(
     is_file = isinstance(image, str | bytes | os.PathLike) or hasattr(image, "read")
     if is_file and samples.channels is None and samples.nodata is None:
         origin = os.fspath(image) if isinstance(image, os.PathLike) else image
-        with open_source(origin, sample_range=samples.sample_range, page=page) as source:  # type: ignore[arg-type]
-            if page is None and source.pages > 1:
-                warnings.warn(f"the first of {source.pages} pages; page chooses another", stacklevel=3)
-            for text in source.notes:
-                warnings.warn(text, stacklevel=3)
+
+        def note(text: str) -> None:
+            warnings.warn(text, stacklevel=5)
+
+        with open_to_encode(origin, note, sample_range=samples.sample_range, page=page) as source:  # type: ignore[arg-type]
             return encode_picture(source, chosen, output=output, device=device, progress=listener)
     if page is not None:
         raise UsageError("page is said of files; give the array or the image of that page")

@@ -14,7 +14,7 @@ from sgicodec.errors import UsageError
 from sgicodec.image.reader import pictured, read, use_of
 from sgicodec.image.used_range import RangeChoice
 from sgicodec.metadata import density, embedded, placement
-from sgicodec.metadata.layouts import LAYOUTS
+from sgicodec.metadata.layouts import LAYOUTS, alpha_index
 from sgicodec.metadata.motion import Motion
 from sgicodec.picture import Metadata, Picture, full_range
 
@@ -84,9 +84,20 @@ def array_picture(
     elif nodata is not None and not (0 <= nodata <= np.iinfo(pixels.dtype).max and nodata % 1 == 0):
         raise UsageError(f"nodata {nodata:g}, which no sample of {pixels.dtype} can have")
     layout = channels or _LAYOUT_OF_COUNT.get(pixels.shape[2], "multi")
+    remark = None
+    if (
+        channels is None
+        and alpha_index(layout) is not None
+        and not use_of(pixels, layout, nodata, sample_range).opacity
+    ):
+        layout, remark = "multi", _NO_OPACITY
     if layout != "multi" and layout not in LAYOUTS:
         raise UsageError(f"channels {channels!r}; there are {', '.join(LAYOUTS)} and multi")
-    return _picture(pixels, layout, sample_range, Metadata(), nodata)
+    picture = _picture(pixels, layout, sample_range, Metadata(), nodata)
+    return picture if remark is None else replace(picture, remark=remark)
+
+
+_NO_OPACITY = "the last of its channels is opaque nowhere, or more than that: it is taken for a band, not for alpha"
 
 
 def _unmasked(array: np.ma.MaskedArray[Any, Any], nodata: float | None) -> tuple[NDArray[Any], float | None]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
+from pathlib import Path
 from types import TracebackType
 from typing import Any
 
@@ -26,10 +27,12 @@ from sgicodec.metadata.layouts import SampleRange, alpha_index
 from sgicodec.metadata.orientation import Window, stored_window
 from sgicodec.picture import Metadata, Picture
 
-__all__ = ["Source", "open_source"]
+__all__ = ["NO_OPACITY", "Source", "open_source", "open_to_encode"]
 
 _SCAN_SAMPLES = 1 << 22
 """Samples of a window by which the range in use is looked for."""
+
+NO_OPACITY = "what is declared as alpha is opaque nowhere, or more than that: it is coded as a band like the others"
 
 _IN_LIBRARY = {"gif": 1, "iff": 1, "jpeg2000": 5, "jpegxl": 6, "pnm": 1, "targa": 1, "webp": 3}
 _IN_LIBRARY |= {SecondReader.kind: 2, AvifReader.kind: 5, HeifReader.kind: 4, RawReader.kind: 4, Jpeg2000Reader.kind: 5}
@@ -216,3 +219,33 @@ def open_source(
     SampleUse is what another one found. Raises PictureError as `read` does for all that the header says.
     """
     return Source(origin, max_samples=max_samples, sample_range=sample_range, alpha=alpha, page=page)
+
+
+def open_to_encode(
+    origin: Origin,
+    note: Callable[[str], None],
+    *,
+    sample_range: RangeChoice | None = None,
+    alpha: Alpha = "auto",
+    page: int | None = None,
+    option: str = "page",
+) -> Source:
+    """The same for an encode, with `note` called for what its owner should know. Where samples of 16 bits or floats
+    that are declared as alpha cannot be opacity, they are a band like the others. option: what chooses a page.
+    """
+    if not isinstance(origin, str | Path | bytes):
+        origin = origin.read()
+    source = open_source(origin, sample_range=sample_range, alpha=alpha, page=page)
+    try:
+        if alpha == "auto" and alpha_index(source.channels) is not None and not source.use.opacity:
+            source.close()
+            source = open_source(origin, sample_range=sample_range, alpha="band", page=page)
+            note(NO_OPACITY)
+        if page is None and source.pages > 1:
+            note(f"the first of {source.pages} pages; {option} chooses another")
+        for text in source.notes:
+            note(text)
+    except BaseException:
+        source.close()
+        raise
+    return source

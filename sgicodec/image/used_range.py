@@ -50,13 +50,16 @@ _SHIFTED = (1020.0, 4080.0, 16320.0, 65280.0)
 
 @dataclass(frozen=True)
 class SampleUse:
-    """sample_range, blank, exact, eight_bits: as in `Picture`. remark: what the owner of the picture should know."""
+    """sample_range, blank, exact, eight_bits: as in `Picture`. remark: what the owner of the picture should know.
+    opacity: whether alpha can be what it is called, as far as is known.
+    """
 
     sample_range: SampleRange
     blank: float | None = None
     exact: bool = False
     eight_bits: bool = False
     remark: str | None = None
+    opacity: bool = True
 
 
 def stated_use(choice: RangeChoice | None, dtype: np.dtype[Any], colours: int) -> SampleUse | None:
@@ -89,6 +92,7 @@ class UsedRange:
         self._groups = colours if channels == "multi" else 1
         self._count = np.zeros((self._groups, _BINS), np.int64)
         self._nans = 0
+        self._alpha_low, self._alpha_high = 0.0, 0.0
         self._distinct: NDArray[Any] | None = np.zeros(0, dtype)
         """All values that floats have, None for too many."""
         if dtype.kind == "f":
@@ -98,6 +102,10 @@ class UsedRange:
     def add(self, pixels: NDArray[Any]) -> None:
         """Look at pixels [H, W, C]."""
         colours = pixels[..., : self._alpha]
+        if self._alpha is not None:
+            alpha = pixels[..., self._alpha]
+            self._alpha_low = min(self._alpha_low, float(alpha.min()))
+            self._alpha_high = max(self._alpha_high, float(alpha.max()))
         for group in range(self._groups):
             samples = (colours if self._groups == 1 else colours[..., group]).ravel()
             if self._nodata is not None:
@@ -143,7 +151,7 @@ class UsedRange:
         exact = any(outside) or (self._nans > 0 and self._nodata is not None and not np.isnan(self._nodata))
         low, high = (tuple(levels) for levels in zip(*ranges, strict=True))
         sample_range = (low, high) if len(set(ranges)) > 1 else ranges[0]
-        return SampleUse(sample_range, blank, exact, all(found for _, found in chosen), remark)
+        return SampleUse(sample_range, blank, exact, all(found for _, found in chosen), remark, self._is_opacity)
 
     def _range(self, bins: _Bins) -> tuple[tuple[float, float], bool]:
         """What stands for 0 and 1, and whether samples are those of eight bits."""
@@ -168,6 +176,11 @@ class UsedRange:
         return self._dtype.kind == "f" and bool(
             (np.abs(expected - values) <= _ROUNDING * max(abs(low), abs(high))).all()
         )
+
+    @property
+    def _is_opacity(self) -> bool:
+        """Whether alpha is opaque somewhere, or 0 everywhere, and nowhere more: other bands are declared so, too."""
+        return self._alpha_low == 0 and self._alpha_high in (0.0, full_range(self._dtype)[1])
 
     def _bins(self, group: int) -> _Bins:
         (used,) = np.nonzero(self._count[group])

@@ -183,3 +183,20 @@ def test_other_depths_show_the_range_in_use() -> None:
     with stream_of(scaled(4095)) as stream:
         shown = stream.read(dtype="uint8")
     assert decibels(PHOTO, shown) > 30
+
+
+@pytest.mark.parametrize("dtype", ["uint16", "float32"])
+def test_a_band_that_cannot_be_opacity_is_no_alpha(tmp_path: Path, dtype: str) -> None:
+    """Satellites' near infrared is often declared as alpha, and arrays of four bands declare nothing."""
+    bands = np.rint(np.concatenate([UNIT, UNIT[..., :1] * 0.9], axis=2) * 4000).astype(dtype)
+    image.write(Picture(bands, "rgba", (0.0, 4000.0)), tmp_path / "in.tif")
+    for given in (bands, tmp_path / "in.tif"):
+        with pytest.warns(UserWarning, match="opaque nowhere"):
+            data = sgicodec.encode(given, quality=60, effort=1, tune="psnr")
+        with sgicodec.open(data) as stream:
+            assert stream.header.channels == "multi"
+            assert decibels(bands[..., 3], stream.read()[..., 3]) > 30
+    bands[5:20, 5:20, 3] = 65535 if dtype == "uint16" else 1
+    bands[30:, :, 3] = 0
+    bands[..., 3] = np.minimum(bands[..., 3], bands[5, 5, 3])
+    assert sgicodec.open(sgicodec.encode(bands, quality=60, effort=1)).header.channels == "rgba"
