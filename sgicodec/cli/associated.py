@@ -17,7 +17,7 @@ Associated = list[tuple[str, "Picture"]]
 """Where each goes, and what it shows."""
 
 
-def associated_pictures(source: str, target: str, force: bool) -> Associated:
+def associated_pictures(source: str, target: str, force: bool, by_default: bool) -> Associated:
     """Those of the slide `source`, as OUT.label.png, OUT.macro.png. Raises UsageError, PictureError for what is no
     slide, OutputExistsError.
     """
@@ -30,7 +30,7 @@ def associated_pictures(source: str, target: str, force: bool) -> Associated:
     with naming(source), on_disk(source) as slide:
         found = [(f"{stem}.{name}.png", picture) for name, picture in associated(slide).items()]
     for path, _ in found:
-        check_output(path, source, force)
+        check_output(path, source, force, by_default=by_default)
     return found
 
 

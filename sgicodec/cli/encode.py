@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from typing import TYPE_CHECKING, Any
 
@@ -23,9 +24,9 @@ from sgicodec.cli.options import (
     quiet_option,
     threads_option,
 )
-from sgicodec.cli.paths import display, output_exists, with_extension
+from sgicodec.cli.paths import display, is_stream, output_exists, refuse_folder, with_extension
 from sgicodec.cuda.choice import check_name, device_of
-from sgicodec.errors import UsageError
+from sgicodec.errors import PictureError, UsageError
 from sgicodec.image.library import begin_to_load
 
 if TYPE_CHECKING:
@@ -177,6 +178,7 @@ def encode(
         raise UsageError("--source-at and --send-pixels exclude each other")
     verbose = bool(click.get_current_context().meta.get(VERBOSE))
     many = output_dir is not None or recursive
+    by_default = output_dir is None and output is None and (recursive or len(paths) == 1)
 
     def run(source: str, target: str) -> int:
         started = time.monotonic()
@@ -185,8 +187,8 @@ def encode(
         shown = "off" if many else progress
         options = (sample_range, verify, shown, force, as_json, quiet, verbose, resume, max_memory)
         where = (cluster, device, source_at, send_pixels, alpha, page)
-        named = output is not None
-        return encode_file(Job(source, target, settings, computes, started, *options, *where, many, named, associated))
+        named = (output is not None, by_default)
+        return encode_file(Job(source, target, settings, computes, started, *options, *where, many, *named, associated))
 
     if output is not None and (many or len(paths) > 1):
         raise UsageError("-o names the OUT of one IN; it does not go with another name, --output-dir or -r")
@@ -196,6 +198,7 @@ def encode(
         return
     if len(paths) > 2:
         raise click.UsageError(f"{len(paths)} names; give IN and OUT, or --output-dir for many pictures")
+    refuse_folder(paths[0], "pictures", PictureError)
     named = output or (paths[1] if len(paths) == 2 else None)
     target = _default_target(paths[0]) if named is None else named
     if not (skip_existing and output_exists(target)):
@@ -209,6 +212,8 @@ def _is_picture(path: Path) -> bool:
 
 
 def _default_target(source: str) -> str:
+    if os.path.isfile(source) and is_stream(source):
+        raise PictureError(f"{display(source)}: this is an encoded stream, not a picture; decode it first")
     if source.lower().endswith(".sgi"):
         raise UsageError(f"{display(source)} already ends in .sgi; name OUT")
     return with_extension(source, "sgi")

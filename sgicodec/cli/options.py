@@ -191,5 +191,5 @@ def batch_options(command: Callable[..., None]) -> Callable[..., None]:
     return command
 
 
-force_option = click.option("-f", "--force", is_flag=True, help="Overwrite OUT; write to a terminal.")
+force_option = click.option("-f", "--force", is_flag=True, help="Overwrite what OUT names; write to a terminal.")
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
