@@ -11,8 +11,14 @@ import click
 from sgicodec.cli.batch import Batch, batch_items
 from sgicodec.cli.command import HelpfulCommand
 from sgicodec.cli.options import (
+    BPP,
     BYTES,
+    EFFORT,
+    PSNR,
+    QUALITY,
     SAMPLE_RANGE,
+    SCORE,
+    SECONDS,
     VERBOSE,
     batch_options,
     complete_files,
@@ -69,17 +75,17 @@ __all__ = ["encode"]
 @click.option(
     "-q",
     "--quality",
-    type=float,
+    type=QUALITY,
     metavar="1-100",
     show_default="50",
     help="Quality: 90 visually lossless, 65 web, 40 preview.",
 )
 @click.option("--lmbda", type=float, metavar="L", help="Squared error that a bit must save, instead of -q.")
-@click.option("--psnr", type=float, metavar="DB", help="PSNR to end at, instead of -q.")
-@click.option("--ssimulacra2", type=float, metavar="SCORE", help="SSIMULACRA 2 score to end at, instead of -q.")
-@click.option("--bpp", type=float, metavar="X", help="Bits per pixel to end at, never above.")
+@click.option("--psnr", type=PSNR, metavar="DB", help="PSNR to end at, instead of -q.")
+@click.option("--ssimulacra2", type=SCORE, metavar="SCORE", help="SSIMULACRA 2 score to end at, instead of -q.")
+@click.option("--bpp", type=BPP, metavar="X", help="Bits per pixel to end at, never above.")
 @click.option("--size", type=BYTES, metavar="BYTES", help="File size to end at, never above: 20000, 200kB, 1.5MiB.")
-@click.option("-e", "--effort", type=int, metavar="1-9", show_default="5", help="More is smaller and slower.")
+@click.option("-e", "--effort", type=EFFORT, metavar="1-9", show_default="5", help="More is smaller and slower.")
 @click.option("--profile", type=click.Choice(["default", "paper"]), default="default", show_default=True)
 @click.option("--seeds", type=int, metavar="N", help="Number of seeds; paper profile.")
 @click.option("--per-seed", type=int, metavar="K", help="Gaussians of each seed.")
@@ -104,7 +110,7 @@ __all__ = ["encode"]
 @click.option("--features", type=int, metavar="D", help="Size of a seed's feature; paper profile.")
 @click.option("--levels", type=int, metavar="M", help="Levels of the pyramid; paper profile.")
 @click.option("--steps", type=int, metavar="N", help="Optimisation steps, instead of what -e says.")
-@click.option("--time-limit", type=float, metavar="S", help="Seconds to spend, instead of -e.")
+@click.option("--time-limit", type=SECONDS, metavar="S", help="Seconds to spend, instead of -e.")
 @click.option("--seed", type=click.IntRange(0, 2**32 - 1), default=0, metavar="N", help="Of the random numbers.")
 @click.option("--range", "sample_range", type=SAMPLE_RANGE, metavar="WHICH", help="Samples: used, type or LOW,HIGH.")
 @click.option(
