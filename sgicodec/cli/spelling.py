@@ -36,11 +36,8 @@ def check_spelling(command: click.Command, group: click.Context, args: list[str]
     """Raises click.UsageError with the right spelling."""
     context = click.Context(command, group, command.name)
     if any(_LOSSLESS.fullmatch(arg) for arg in takewhile(lambda arg: arg != "--", args)):
-        text = (
-            "there is no lossless mode; the nearest are sgi encode -q 100, which looks the same, and --psnr 60, where"
-        )
-        text += " most samples of 8 bits are exact"
-        raise click.UsageError(text, context)
+        text = "there is no lossless mode; the nearest are sgi encode -q 100, which looks the same, and --psnr 60"
+        raise click.UsageError(f"{text}, where most samples of 8 bits are exact", context)
     for written, right in _split_values(command, args):
         raise click.UsageError(f"a space splits {written!r}; write {right!r}", context)
 
