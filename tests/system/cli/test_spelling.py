@@ -90,8 +90,8 @@ def test_there_is_no_lossless_mode(sgi: Run, picture: Path, command: str, option
         ("--psnr 35dB", "a number of dB, as in 35"),
         ("--ssimulacra2 good", "a SSIMULACRA 2 score, as in 70"),
         ("--bpp 1bpp", "a number of bits per pixel, as in 0.5"),
-        ("-e fast", "a whole number from 1 to 9, as in 2 (fast)"),
-        ("--effort 2.5", "a whole number from 1 to 9"),
+        ("-e fast", "a valid integer from 1 to 9, as in 2 (fast)"),
+        ("--effort 2.5", "a valid integer from 1 to 9"),
         ("--time-limit soon", "a number of seconds, as in 60"),
     ],
 )
