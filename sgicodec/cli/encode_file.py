@@ -106,7 +106,8 @@ def encode_file(job: Job) -> int:
             raise EncodeInterruptedError(f"interrupted; {text}, --resume goes on") from None
         if upload is not None:
             upload.send()
-    write_associated(pictures)
+    if job.associated:
+        write_associated(pictures, job.source, tells=not (job.quiet or job.as_json))
     if not job.quiet or job.as_json:
         report = Report.of(listener.plan, encoded, job.device_name)
         seconds, own = time.monotonic() - job.started, own_peak()
