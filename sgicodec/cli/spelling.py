@@ -108,7 +108,8 @@ def _joined(option: click.Option, value: str, rest: list[str]) -> str:
 
 def _joint(option: click.Option) -> str:
     """What stands between the numbers of its value."""
-    return next((joint for joint in (",", "x") if joint in (option.metavar or "")), "")
+    name = "LOW,HIGH" if option.name == "sample_range" else option.metavar or ""
+    return next((joint for joint in (",", "x") if joint in name), "")
 
 
 def _reads(option: click.Option, value: str) -> bool:

@@ -70,9 +70,9 @@ def test_what_a_format_loses_is_said(sgi: Run, placed: Path, tmp_path: Path) -> 
 
 def test_metadata_may_be_left_out(sgi: Run, placed: Path, tmp_path: Path) -> None:
     result = sgi("decode", placed, tmp_path / "x.tif", "--no-metadata")
-    assert (result.exit_code, result.output) == (0, "")
+    assert (result.exit_code, result.stderr) == (0, "")
     assert read(tmp_path / "x.tif").metadata == Metadata()
-    assert sgi("decode", placed, tmp_path / "x.png", "--no-metadata").output == ""
+    assert sgi("decode", placed, tmp_path / "x.png", "--no-metadata").stderr == ""
     assert sgi("decode", placed, "--output-dir", tmp_path / "all", "--no-metadata").exit_code == 0
     assert [path.name for path in (tmp_path / "all").iterdir()] == ["x.png"]
 

@@ -25,6 +25,8 @@ Run = Callable[..., Result]
         ("encode scene.png --time-limit 5 s", "--time-limit 5 s", "--time-limit 5"),
         ("encode scene.png --time-limit 2 min", "--time-limit 2 min", "--time-limit 120"),
         ("encode scene.png --tile 512 px", "--tile 512 px", "--tile 512"),
+        ("encode scene.png --range 0, 1", "--range 0, 1", "--range 0,1"),
+        ("encode scene.png --range 0 4095", "--range 0 4095", "--range 0,4095"),
         ("decode scene.sgi --region 0, 0, 10, 10", "--region 0, 0, 10, 10", "--region 0,0,10,10"),
         ("decode scene.sgi --region 0 0 10 10", "--region 0 0 10 10", "--region 0,0,10,10"),
         ("decode scene.sgi --region -4, -2, 10, 10", "--region -4, -2, 10, 10", "--region -4,-2,10,10"),
