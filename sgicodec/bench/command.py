@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sgicodec.bench.options import numbers, place, variant
-from sgicodec.errors import OutputExistsError, SgiError, TargetMissedError, UsageError, require
+from sgicodec.errors import OutputExistsError, SgiError, StreamError, TargetMissedError, UsageError, require
 from sgicodec.metadata.layouts import range_text
 from sgicodec.remote.upload import is_there
-from sgicodec.remote.url import is_url
+from sgicodec.remote.url import is_url, open_url
 
 if TYPE_CHECKING:
     import numpy as np
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
     from sgicodec.bench.cache import PeerCache
     from sgicodec.bench.codec import Codec
+    from sgicodec.picture import Picture
 
 __all__ = ["bench", "compare"]
 
@@ -141,12 +142,11 @@ def _measure_curves(
 def compare(
     a: str, b: str, map_path: str | None, gain: float, force: bool, fail_under: float | None, as_json: bool
 ) -> None:
-    """Print how far picture B is from picture A, files or URLs: PSNR, luma PSNR, SSIM and MS-SSIM.
+    """Print how far picture B is from picture A, files or URLs: PSNR, luma PSNR, SSIM and MS-SSIM. Streams are decoded.
 
     SSIMULACRA 2 and Butteraugli follow where they are installed, of the pictures as 8-bit RGB.
     """
     require("scipy", "sgi compare", "bench")
-    from sgicodec import image
     from sgicodec.bench.run import to_rgb
     from sgicodec.metrics.perceptual import perceived
     from sgicodec.metrics.psnr import largest_difference
@@ -155,7 +155,7 @@ def compare(
 
     if map_path is not None and _exists(map_path) and not force:
         raise OutputExistsError(f"{map_path} exists; give -f to overwrite it")
-    reference, other = image.read(a), image.read(b)
+    reference, other = _picture(a), _picture(b)
     if reference.channels != other.channels:
         reference, other = without_opaque_alpha(reference), without_opaque_alpha(other)
     if reference.pixels.dtype == other.pixels.dtype:  # else the scores say that they cannot be compared
@@ -183,6 +183,26 @@ def compare(
         _write_map(map_path, error_map(first, second, gain=gain))
     if fail_under is not None and not found.psnr >= fail_under:
         raise TargetMissedError(f"{b} is at {found.psnr:.3f} dB of {a}, below the {fail_under:g} dB asked for")
+
+
+def _picture(place: str) -> Picture:
+    """The picture in a file or behind a URL; of a stream that which it decodes to. Raises PictureError, StreamError."""
+    from sgicodec import image
+    from sgicodec.bitstream.container import SIGNATURE
+    from sgicodec.decoder.stream import open_stream
+
+    try:
+        with open_url(place) if is_url(place) else open(place, "rb") as file:
+            is_stream = file.read(len(SIGNATURE)) == SIGNATURE
+    except (OSError, SgiError):
+        is_stream = False  # what reads pictures tells
+    if not is_stream:
+        return image.read(place)
+    try:
+        with open_stream(place) as stream:
+            return stream.picture()
+    except StreamError as error:
+        raise type(error)(f"{place}: {str(error).removeprefix(f'{place}: ')}") from error
 
 
 def _eight_bits(pixels: npt.NDArray[Any]) -> npt.NDArray[np.uint8]:

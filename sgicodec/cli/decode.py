@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.cli.batch import Batch, batch_items
 from sgicodec.cli.command import HelpfulCommand
 from sgicodec.cli.decode_file import DecodeJob
@@ -17,7 +15,6 @@ from sgicodec.cli.options import (
     REGION,
     SCALE,
     SIZE,
-    VERBOSE,
     Sized,
     batch_options,
     complete_files,
@@ -29,10 +26,11 @@ from sgicodec.cli.options import (
     quiet_option,
     threads_option,
 )
+from sgicodec.cli.paths import is_stream, refuse_folder
 from sgicodec.cli.pictures import Output
 from sgicodec.cli.views import ViewOptions
 from sgicodec.cuda.choice import decoding_device_of
-from sgicodec.errors import UsageError
+from sgicodec.errors import StreamError, UsageError
 
 if TYPE_CHECKING:
     from sgicodec.cli.progress import Mode
@@ -127,9 +125,9 @@ def decode(
     bits = None if depth is None else int(depth)
     if pyramid and cog:
         raise UsageError("--pyramid and --cog exclude each other")
-    verbose = bool(click.get_current_context().meta.get(VERBOSE))
     many = output_dir is not None or recursive
-    how = (verbose, as_json, quiet, "off" if many else progress)
+    by_default = output_dir is None and output is None and (recursive or len(paths) == 1)
+    how = (output is not None, by_default, as_json, quiet, "off" if many else progress)
     job = DecodeJob(
         view,
         DecodeLimits.of(max_pixels, max_memory),
@@ -146,16 +144,12 @@ def decode(
         raise UsageError("-o names the OUT of one IN; it does not go with another name, --output-dir or -r")
     if many:
         batch = Batch("decoded", skip_existing, "off" if quiet else progress, as_json, quiet)
-        batch.run(batch_items(paths, output_dir, recursive, _is_stream), job.extension_of, job.run)
+        batch.run(batch_items(paths, output_dir, recursive, is_stream), job.extension_of, job.run)
         return
     if len(paths) > 2:
         raise click.UsageError(f"{len(paths)} names; give IN and OUT, or --output-dir for many streams")
+    refuse_folder(paths[0], "streams", StreamError)
     target = output or (paths[1] if len(paths) == 2 else None)
     if skip_existing and job.is_there(paths[0], target):
         return
     job.run(paths[0], target)
-
-
-def _is_stream(path: Path) -> bool:
-    with path.open("rb") as file:
-        return file.read(len(SIGNATURE)) == SIGNATURE

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from threading import Thread
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import click
 
@@ -45,7 +45,7 @@ _DTYPES = {None: None, 8: "uint8", 16: "uint16", 32: "float32"}
 
 @dataclass(frozen=True)
 class DecodeJob:
-    """What the options say."""
+    """What the options say. named: whether OUT was named with -o; by_default: whether nobody named it."""
 
     view: ViewOptions
     limits: DecodeLimits
@@ -56,7 +56,8 @@ class DecodeJob:
     exact: bool
     dither: bool
     force: bool
-    verbose: bool
+    named: bool
+    by_default: bool
     as_json: bool
     quiet: bool
     progress: Mode
@@ -86,7 +87,8 @@ class DecodeJob:
             target = with_extension(source, extension) if target is None else target
             if self.as_json and target == STANDARD:
                 raise UsageError("stdout cannot take both the picture and --json; name OUT")
-            check_output(target, source, self.force)
+            becomes: Literal["picture"] | None = None if self.named else "picture"
+            check_output(target, source, self.force, by_default=self.by_default, becomes=becomes)
             lost = "" if extension == "tif" else lost_outside_tiff(stream.metadata.geo, extension)
             self._load_writer(target, extension)
             with written_file(target, PictureError) as place, self.limits.held():
@@ -98,8 +100,10 @@ class DecodeJob:
             names = {"input": display(source), "output": display(target)}
             facts = {"width": shown.width, "height": shown.height, "channels": channels, "format": extension}
             print_json(names | facts | {"bytes": size, "seconds": time.monotonic() - started})
-        elif self.verbose:
-            click.echo(f"{display(target, 'stdout')}: {shown.width}×{shown.height}, {channels}", err=True)
+        elif not self.quiet:
+            line = f"{display(target, 'stdout')}: {shown.width}×{shown.height} pixels, {channels}, "
+            line += f"{size:,} bytes, " if target != STANDARD else ""
+            click.echo(f"{line}{time.monotonic() - started:.1f} s", err=target == STANDARD)
         return size
 
     def _load_writer(self, target: str, extension: str) -> None:

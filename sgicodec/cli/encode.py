@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from typing import TYPE_CHECKING, Any
 
@@ -10,8 +11,14 @@ import click
 from sgicodec.cli.batch import Batch, batch_items
 from sgicodec.cli.command import HelpfulCommand
 from sgicodec.cli.options import (
+    BPP,
     BYTES,
+    EFFORT,
+    PSNR,
+    QUALITY,
     SAMPLE_RANGE,
+    SCORE,
+    SECONDS,
     VERBOSE,
     batch_options,
     complete_files,
@@ -23,9 +30,9 @@ from sgicodec.cli.options import (
     quiet_option,
     threads_option,
 )
-from sgicodec.cli.paths import display, output_exists, with_extension
+from sgicodec.cli.paths import display, is_stream, output_exists, refuse_folder, with_extension
 from sgicodec.cuda.choice import check_name, device_of
-from sgicodec.errors import UsageError
+from sgicodec.errors import PictureError, UsageError
 from sgicodec.image.library import begin_to_load
 
 if TYPE_CHECKING:
@@ -68,17 +75,17 @@ __all__ = ["encode"]
 @click.option(
     "-q",
     "--quality",
-    type=float,
+    type=QUALITY,
     metavar="1-100",
     show_default="50",
     help="Quality: 90 visually lossless, 65 web, 40 preview.",
 )
 @click.option("--lmbda", type=float, metavar="L", help="Squared error that a bit must save, instead of -q.")
-@click.option("--psnr", type=float, metavar="DB", help="PSNR to end at, instead of -q.")
-@click.option("--ssimulacra2", type=float, metavar="SCORE", help="SSIMULACRA 2 score to end at, instead of -q.")
-@click.option("--bpp", type=float, metavar="X", help="Bits per pixel to end at, never above.")
+@click.option("--psnr", type=PSNR, metavar="DB", help="PSNR to end at, instead of -q.")
+@click.option("--ssimulacra2", type=SCORE, metavar="SCORE", help="SSIMULACRA 2 score to end at, instead of -q.")
+@click.option("--bpp", type=BPP, metavar="X", help="Bits per pixel to end at, never above.")
 @click.option("--size", type=BYTES, metavar="BYTES", help="File size to end at, never above: 20000, 200kB, 1.5MiB.")
-@click.option("-e", "--effort", type=int, metavar="1-9", show_default="5", help="More is smaller and slower.")
+@click.option("-e", "--effort", type=EFFORT, metavar="1-9", show_default="5", help="More is smaller and slower.")
 @click.option("--profile", type=click.Choice(["default", "paper"]), default="default", show_default=True)
 @click.option("--seeds", type=int, metavar="N", help="Number of seeds; paper profile.")
 @click.option("--per-seed", type=int, metavar="K", help="Gaussians of each seed.")
@@ -103,7 +110,7 @@ __all__ = ["encode"]
 @click.option("--features", type=int, metavar="D", help="Size of a seed's feature; paper profile.")
 @click.option("--levels", type=int, metavar="M", help="Levels of the pyramid; paper profile.")
 @click.option("--steps", type=int, metavar="N", help="Optimisation steps, instead of what -e says.")
-@click.option("--time-limit", type=float, metavar="S", help="Seconds to spend, instead of -e.")
+@click.option("--time-limit", type=SECONDS, metavar="S", help="Seconds to spend, instead of -e.")
 @click.option("--seed", type=click.IntRange(0, 2**32 - 1), default=0, metavar="N", help="Of the random numbers.")
 @click.option("--range", "sample_range", type=SAMPLE_RANGE, metavar="WHICH", help="Samples: used, type or LOW,HIGH.")
 @click.option(
@@ -177,6 +184,7 @@ def encode(
         raise UsageError("--source-at and --send-pixels exclude each other")
     verbose = bool(click.get_current_context().meta.get(VERBOSE))
     many = output_dir is not None or recursive
+    by_default = output_dir is None and output is None and (recursive or len(paths) == 1)
 
     def run(source: str, target: str) -> int:
         started = time.monotonic()
@@ -185,8 +193,8 @@ def encode(
         shown = "off" if many else progress
         options = (sample_range, verify, shown, force, as_json, quiet, verbose, resume, max_memory)
         where = (cluster, device, source_at, send_pixels, alpha, page)
-        named = output is not None
-        return encode_file(Job(source, target, settings, computes, started, *options, *where, many, named, associated))
+        named = (output is not None, by_default)
+        return encode_file(Job(source, target, settings, computes, started, *options, *where, many, *named, associated))
 
     if output is not None and (many or len(paths) > 1):
         raise UsageError("-o names the OUT of one IN; it does not go with another name, --output-dir or -r")
@@ -196,6 +204,7 @@ def encode(
         return
     if len(paths) > 2:
         raise click.UsageError(f"{len(paths)} names; give IN and OUT, or --output-dir for many pictures")
+    refuse_folder(paths[0], "pictures", PictureError)
     named = output or (paths[1] if len(paths) == 2 else None)
     target = _default_target(paths[0]) if named is None else named
     if not (skip_existing and output_exists(target)):
@@ -209,6 +218,8 @@ def _is_picture(path: Path) -> bool:
 
 
 def _default_target(source: str) -> str:
+    if os.path.isfile(source) and is_stream(source):
+        raise PictureError(f"{display(source)}: this is an encoded stream, not a picture; decode it first")
     if source.lower().endswith(".sgi"):
         raise UsageError(f"{display(source)} already ends in .sgi; name OUT")
     return with_extension(source, "sgi")

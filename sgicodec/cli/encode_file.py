@@ -8,7 +8,7 @@ import time
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO, Literal
 
 from sgicodec.cli.associated import associated_pictures, write_associated
 from sgicodec.cli.encode_listener import EncodeListener
@@ -42,7 +42,7 @@ __all__ = ["Job", "encode_file"]
 class Job:
     """What the options say of one picture. target: a path, a URL, or - for stdout; started: a value of
     time.monotonic(); device: without a cluster; device_name: what was asked for, which workers of a cluster find;
-    named: whether target was named with -o.
+    named: whether target was named with -o; by_default: whether nobody named it.
     """
 
     source: str
@@ -67,6 +67,7 @@ class Job:
     page: int | None
     batch: bool
     named: bool
+    by_default: bool
     associated: bool
 
 
@@ -77,8 +78,9 @@ def encode_file(job: Job) -> int:
     """
     if job.as_json and job.target == STANDARD:
         raise UsageError("stdout cannot take both the stream and --json; name OUT")
-    check_output(job.target, job.source, job.force, as_stream=not job.named)
-    pictures = associated_pictures(job.source, job.target, job.force) if job.associated else []
+    becomes: Literal["stream"] | None = None if job.named else "stream"
+    check_output(job.target, job.source, job.force, by_default=job.by_default, becomes=becomes)
+    pictures = associated_pictures(job.source, job.target, job.force, job.by_default) if job.associated else []
     origin = sys.stdin.buffer.read() if job.source == STANDARD else job.source
     missed = None
     with ExitStack() as stack:
@@ -101,7 +103,8 @@ def encode_file(job: Job) -> int:
             raise EncodeInterruptedError(f"interrupted; {text}, --resume goes on") from None
         if upload is not None:
             upload.send()
-    write_associated(pictures)
+    if job.associated:
+        write_associated(pictures, job.source, tells=not (job.quiet or job.as_json))
     if not job.quiet or job.as_json:
         report = Report.of(listener.plan, encoded, job.device_name)
         seconds, own = time.monotonic() - job.started, own_peak()

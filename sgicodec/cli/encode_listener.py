@@ -32,7 +32,7 @@ class EncodeListener(NullListener):
     def __init__(self, mode: Mode, quiet: bool, on_cluster: bool, source: str = STANDARD) -> None:
         self._mode, self._quiet, self._on_cluster, self._source = mode, quiet, on_cluster, source
         self._stack, self._early, self._told = ExitStack(), EarlyEnd(), False
-        self._stages, self._pass, self._pixels = StageClock(), "", 1
+        self._stages, self._pass, self._pixels, self._has_texture = StageClock(), "", 1, False
         self._say: Callable[[str], None] = lambda _: None
 
     def __enter__(self) -> EncodeListener:
@@ -58,7 +58,7 @@ class EncodeListener(NullListener):
 
     def planned(self, plan: Plan, workers: int, memory: Memory) -> None:
         """Says what the encode will take, and begins the bar."""
-        self.plan, header, self._pixels = plan, plan.header, plan.header.width * plan.header.height
+        self.plan, header, self._has_texture = plan, plan.header, plan.header.spec.texture
         self._stages.plan(stage_weights(plan))
         self._pixels = header.width * header.height
         if header.tile and not self._quiet:
@@ -83,7 +83,7 @@ class EncodeListener(NullListener):
         """From the first step on, Ctrl-C ends the fit."""
         self._early.arm()
         self._stages.advance(progress.step / max(1, progress.steps))
-        self._say(fit_text(progress, self._pixels))
+        self._say(fit_text(progress, self._pixels, self._has_texture))
         if self._early.asked:
             self._tell(f"interrupted at step {progress.step} of {progress.steps}; writing what is there")
         return not self._early.asked

@@ -13,10 +13,16 @@ if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
 __all__ = [
+    "BPP",
     "BYTES",
+    "EFFORT",
+    "PSNR",
+    "QUALITY",
     "REGION",
     "SAMPLE_RANGE",
     "SCALE",
+    "SCORE",
+    "SECONDS",
     "SIZE",
     "VERBOSE",
     "Sized",
@@ -87,7 +93,8 @@ class _Region(_Pattern):
 
 class _Scale(_Pattern):
     def read(self, found: re.Match[str]) -> float | None:
-        above, below = (float(part or 1) for part in found.groups())
+        above, below = (float(part or 1) for part in found.groups()[:2])
+        below *= 100 if found[3] == "%" else 1
         return above / below if below and 0 < above / below < math.inf else None
 
 
@@ -118,6 +125,20 @@ class _SampleRange(_Pattern):
         return (low, high) if -math.inf < low < high < math.inf else None
 
 
+class _Number(click.ParamType):  # type: ignore[type-arg]
+    """A number; `name` says of what, `example` shows some."""
+
+    def __init__(self, name: str, example: str, kind: type[float] | type[int] = float) -> None:
+        self.name, self._example, self._kind = name, example, kind
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Called by click."""
+        try:
+            return self._kind(value)
+        except ValueError:
+            self.fail(f"{value!r} is not {self.name}, as in {self._example}", param, ctx)
+
+
 class _Bytes(_Pattern):
     def read(self, found: re.Match[str]) -> float | None:
         number, prefix, binary = found.groups()
@@ -127,10 +148,16 @@ class _Bytes(_Pattern):
 
 _NUMBER = r"(\d+\.?\d*|\.\d+)"
 
-REGION = _Region("X,Y,W,H", r"(-?\d+),(-?\d+),(\d+),(\d+)", "100,50,256,256")
+REGION = _Region("X,Y,W,H", r"(-?\d+) ?, ?(-?\d+) ?, ?(\d+) ?, ?(\d+)", "100,50,256,256")
 BYTES = _Bytes("BYTES", rf"{_NUMBER} ?(?:([kKmMgG])(i?))?B?", "20000, 200kB or 1.5MiB")
-SCALE = _Scale("F", rf"{_NUMBER}(?:/{_NUMBER})?", "0.5 or 1/4")
-SIZE = _Size("WxH", r"(\d*)[xX×](\d*)(!?)", "512x384, 512x, x384 or 512x384!")
+SCALE = _Scale("F", rf"{_NUMBER}(?:(?:/{_NUMBER})?| ?([%xX×]))", "0.5, 1/4 or 50%")
+SIZE = _Size("WxH", r"(\d*) ?[xX×] ?(\d*)(!?)", "512x384, 512x, x384 or 512x384!, or --scale 50%")
+QUALITY = _Number("a number from 1 to 100", "90 (visually lossless), 65 (web) or 40 (preview)")
+EFFORT = _Number("a valid integer from 1 to 9", "2 (fast), 5 or 9 (smallest)", int)
+PSNR = _Number("a number of dB", "35 or 38.5")
+SCORE = _Number("a SSIMULACRA 2 score", "70 or 90")
+BPP = _Number("a number of bits per pixel", "0.5")
+SECONDS = _Number("a number of seconds", "60")
 SAMPLE_RANGE = _SampleRange("used, type or LOW,HIGH", r"used|type|([^,]+),([^,]+)", "used, 0,4095 or -40,1500.5")
 
 
@@ -191,5 +218,5 @@ def batch_options(command: Callable[..., None]) -> Callable[..., None]:
     return command
 
 
-force_option = click.option("-f", "--force", is_flag=True, help="Overwrite OUT; write to a terminal.")
+force_option = click.option("-f", "--force", is_flag=True, help="Overwrite what OUT names; write to a terminal.")
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")

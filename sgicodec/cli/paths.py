@@ -6,7 +6,7 @@ import contextlib
 import os
 import sys
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING, BinaryIO, Literal
 
 from sgicodec.cli.standard_streams import check_stdout
 from sgicodec.device import ALL_CORES, Device
@@ -22,11 +22,13 @@ __all__ = [
     "check_output",
     "display",
     "is_remote",
+    "is_stream",
     "local_name",
     "naming_stream",
     "opened_file",
     "opened_stream",
     "output_exists",
+    "refuse_folder",
     "with_extension",
     "write_output",
     "written_file",
@@ -97,11 +99,35 @@ def naming_stream(path: str) -> Iterator[None]:
         raise StreamError(f"{display(path)}: {error.strerror or error}") from error
 
 
-def check_output(target: str, source: str, force: bool, as_stream: bool = False) -> None:
-    """Refuses, before any work is done, what could not or should not be written at its end. as_stream: also what does
-    not look like the OUT of a stream.
+def is_stream(path: str | Path) -> bool:
+    """Whether a file begins as streams do. Raises OSError."""
+    from sgicodec.bitstream.container import SIGNATURE
 
-    Raises UsageError, or OutputExistsError for an existing file without `force`.
+    with open(path, "rb") as file:
+        return file.read(len(SIGNATURE)) == SIGNATURE
+
+
+def refuse_folder(source: str, content: str, failure: type[SgiError]) -> None:
+    """Raises `failure` where IN is a folder, whose content is taken with -r."""
+    if source != STANDARD and os.path.isdir(source):
+        raise failure(f"{display(source)}: it is a folder; add -r to take the {content} in it")
+
+
+def check_output(
+    target: str,
+    source: str,
+    force: bool,
+    *,
+    by_default: bool = False,
+    becomes: Literal["stream", "picture"] | None = None,
+) -> None:
+    """Refuses, before any work is done, what could not or should not be written at its end.
+
+    by_default: whether nobody named OUT. Then it replaces no file, but for a stream that becomes a stream. becomes:
+    what OUT is to be where it was not named with -o. Then it may not be what IN is: a pattern like *.png gives names
+    by position, and -f must not destroy what came second.
+
+    Raises UsageError, or OutputExistsError for an existing file that may not be replaced.
     """
     if target == STANDARD:
         check_stdout()
@@ -109,7 +135,7 @@ def check_output(target: str, source: str, force: bool, as_stream: bool = False)
             raise UsageError("stdout is a terminal; name OUT, redirect, or give -f to write to it all the same")
         return
     if is_remote(target):
-        _check_url(target, source, force, as_stream)
+        _check_url(target, source, force, becomes == "stream")
         return
     from pathlib import Path  # takes long to load
 
@@ -122,7 +148,7 @@ def check_output(target: str, source: str, force: bool, as_stream: bool = False)
         raise UsageError(f"{name}: {error.strerror or error}") from error
     folder = Path(os.path.realpath(path)).parent
     if path.is_dir():
-        raise UsageError(f"{name} is a folder; name a file")
+        raise UsageError(f"{name} is a folder; name a file in it, or give --output-dir")
     if not folder.is_dir():
         raise UsageError(f"{name}: the folder {display(str(folder))} does not exist")
     if not path.is_file() and path.exists():
@@ -131,9 +157,26 @@ def check_output(target: str, source: str, force: bool, as_stream: bool = False)
         raise UsageError(f"{name}: the folder {display(str(folder))} cannot be written to")
     if source != STANDARD and path.exists() and os.path.exists(source) and path.samefile(source):
         raise UsageError(f"{name} is both input and output; name another OUT")
-    if as_stream:
+    if becomes == "stream":
         _check_stream(path)
-    if path.exists() and not force:
+    if path.exists():
+        _check_replaced(path, force, by_default, becomes)
+
+
+def _check_replaced(path: Path, force: bool, by_default: bool, becomes: str | None) -> None:
+    """Raises UsageError or OutputExistsError for a file that is not to be replaced."""
+    name = display(str(path))
+    try:
+        replaces_stream = is_stream(path)
+    except OSError:  # one that may not be read
+        replaces_stream = False
+    if becomes == "picture" and replaces_stream:
+        remedy = "decode many streams with --output-dir DIR, or name OUT with -o"
+        raise UsageError(f"{name} would be OUT, but it is a stream; {remedy}")
+    if by_default and not (replaces_stream and becomes == "stream"):
+        text = "exists, and no default OUT replaces it; name OUT or --output-dir, with -f to replace what is there"
+        raise OutputExistsError(f"{name} {text}")
+    if not force:
         raise OutputExistsError(f"{name} exists; give -f to overwrite it")
 
 
@@ -159,9 +202,7 @@ def _check_url(target: str, source: str, force: bool, as_stream: bool) -> None:
 
 
 def _check_stream(path: Path) -> None:
-    """Raises UsageError for a picture, and for a name that streams do not have. A pattern like *.png gives names by
-    position, and -f must not destroy the picture that came second.
-    """
+    """Raises UsageError for a picture, and for a name that streams do not have."""
     from sgicodec.image.reader import is_picture
 
     name, remedy = display(str(path)), "encode many pictures with --output-dir DIR, or name OUT with -o"

@@ -47,10 +47,15 @@ def encode_progress(mode: Mode, stages: StageClock) -> Iterator[Callable[[str], 
         yield lambda text: bar.update(task, state=text)
 
 
-def fit_text(progress: Progress, pixels: int) -> str:
-    """How far the fit of a picture of so many pixels is. Its bits count the seeds' attributes alone, hence the ~."""
+def fit_text(progress: Progress, pixels: int, has_texture: bool) -> str:
+    """How far the fit of a picture of so many pixels is. Its bits count the seeds' attributes alone, hence the ~.
+    has_texture: whether texture comes on top, without which PSNR and bits say nothing of the stream.
+    """
+    text = f"step {progress.step} of {progress.steps}"
+    if has_texture:
+        return text
     rate = f"  ~{progress.bits / pixels:.3f} bpp" if progress.bits else ""
-    return f"step {progress.step} of {progress.steps}  {progress.psnr:.2f} dB{rate}"
+    return f"{text}  {progress.psnr:.2f} dB{rate}"
 
 
 def tile_text(state: PassState) -> str:

@@ -28,7 +28,7 @@ __all__ = ["serve"]
 @click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS", help="Address to listen on.")
 @click.option("--port", default=8000, show_default=True, type=click.IntRange(0, 65535), help="0: any free one.")
 @click.option(
-    "--url", metavar="URL", help="How others reach this server, in info.json.  [default: as the request says]"
+    "--url", metavar="URL", help="How others reach this server, path and all.  [default: as the request says]"
 )
 @click.option(
     "--max-pixels",
@@ -68,6 +68,7 @@ def serve(
     for library in ("starlette", "uvicorn"):
         require(library, "sgi serve", "serve")
     from sgicodec.server.app import Settings, application
+    from sgicodec.server.public_address import checked_address
     from sgicodec.server.run import address_of, listening
     from sgicodec.server.run import serve as run
     from sgicodec.server.shelf import Folder
@@ -79,7 +80,7 @@ def serve(
         device=Device(threads),
         streams=streams,
         max_age=max_age,
-        address=None if url is None else url.rstrip("/"),
+        address=None if url is None else checked_address(url),
         viewer=viewer_folder(),
     )
     app = application(Folder(folder), settings)

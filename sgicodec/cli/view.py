@@ -75,7 +75,8 @@ def _place(source: str, files: dict[str, Path], urls: dict[str, str]) -> str:
         return f"/remote/{quote(name, safe='')}"
     path = Path(source)
     if not path.is_file():
-        raise StreamError(f"{display(source)}: {'it is a folder' if path.is_dir() else 'there is no such file'}")
+        folder = "it is a folder; name a stream in it, or show all with sgi serve"
+        raise StreamError(f"{display(source)}: {folder if path.is_dir() else 'there is no such file'}")
     name = path.name if path.name not in files else f"{len(files)}-{path.name}"
     files[name] = path
     return f"/files/{quote(name)}"

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import re
 import shutil
+import socket
+import ssl
 import tempfile
 from collections.abc import Iterator
+from http import HTTPStatus
 from typing import Any, BinaryIO
 from urllib.parse import unquote
 
@@ -17,6 +21,8 @@ __all__ = ["file_name", "has_stream_name", "is_url", "naming_url", "open_url"]
 
 _AT_ONCE = 8
 """Requests to one server."""
+
+_OF_NETWORK = (ConnectionError, socket.gaierror, ssl.SSLError)
 
 _URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+(::[^/]*)?://")
 
@@ -123,7 +129,32 @@ def naming_url(url: str, failure: type[SgiError], missing: str = "there is no su
     except ImportError as error:
         raise MissingExtraError(f"{url}: {error}") from error
     except FileNotFoundError as error:
-        raise failure(f"{url}: {missing}") from error
+        raise failure(f"{url}: {_unreachable(error.__cause__) or missing}") from error
     except Exception as error:
-        text = getattr(error, "strerror", None) or str(error) or type(error).__name__
+        text = _unreachable(error) or getattr(error, "strerror", None) or str(error) or type(error).__name__
         raise failure(f"{url}: {' '.join(str(text).split())}") from error
+
+
+def _unreachable(error: BaseException | None) -> str:
+    """What keeps a server from giving a file, by what fsspec's FileNotFoundError hides, or any other error; empty where
+    it is not the server.
+    """
+    if isinstance(error, FileNotFoundError):
+        return _unreachable(error.__cause__)
+    status = getattr(error, "status", None)  # of an answer by HTTP
+    if isinstance(status, int):
+        phrase = next((known.phrase for known in HTTPStatus if known == status), "")
+        return "" if status in (404, 410) else f"its server answers {status} {phrase}".rstrip()
+    if isinstance(error, TimeoutError):
+        return "its server does not answer in time"
+    if isinstance(error, _OF_NETWORK) or type(error).__module__.startswith("aiohttp"):
+        return f"its server cannot be reached: {_reason(getattr(error, 'os_error', error))}"
+    return ""
+
+
+def _reason(error: Any) -> str:
+    """In the words of the system where asyncio has its own; names and certificates have other numbers than it."""
+    number = getattr(error, "errno", None) or 0
+    if number > 0 and not isinstance(error, ssl.SSLError):
+        return os.strerror(number)
+    return str(getattr(error, "strerror", None) or error) or type(error).__name__

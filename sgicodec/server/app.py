@@ -27,6 +27,7 @@ from sgicodec.server.access import LOG, Access
 from sgicodec.server.drawing import FORMATS, Drawing, drawn
 from sgicodec.server.listing_page import listing_page
 from sgicodec.server.open_streams import OpenStreams, identity
+from sgicodec.server.public_address import PublicAddress
 from sgicodec.server.refusal import Refusal
 from sgicodec.server.remote_files import RemoteFiles
 from sgicodec.server.shelf import Shelf
@@ -48,9 +49,9 @@ class Settings:
 
     most_pixels: of one answer. jobs: pictures that are drawn at a time, each by the threads of `device`. waiting:
     requests that may wait for that. streams: that stay open. max_age: seconds that answers may be kept elsewhere.
-    public: whether pages of other sites may read. hosts: names under which the server answers. address: the part of
-    its URLs before the path, if it is not that of the request. viewer: folder of the viewer's page. remote:
-    URLs that are passed on, by their names.
+    public: whether pages of other sites may read. hosts: names under which the server answers. address: under
+    which others reach it, with a path or without, if it is not that of the request. viewer: folder of the viewer's
+    page. remote: URLs that are passed on, by their names.
     """
 
     most_pixels: int = 1 << 24
@@ -92,6 +93,9 @@ def application(shelf: Shelf, settings: Settings) -> Starlette:
         Middleware(Access, public=settings.public),
         Middleware(TrustedHostMiddleware, allowed_hosts=list(settings.hosts), www_redirect=False),
     ]
+    if settings.address is not None:
+        own = frozenset(route.path.split("/")[1] for route in routes)
+        middleware.append(Middleware(PublicAddress, address=settings.address, own=own))
     handlers = {Refusal: _refused, SgiError: _failed, MemoryError: _exhausted}
     return Starlette(routes=routes, middleware=middleware, exception_handlers=handlers, lifespan=lifespan)
 
@@ -111,13 +115,14 @@ class _Service:
         self._streams.close()
 
     async def top(self, request: Request) -> Response:
-        return RedirectResponse("/files/", 307)
+        return RedirectResponse(f"{_root(request)}/files/", 307)
 
     async def file(self, request: Request) -> Response:
         name = request.path_params["name"]
         if name.endswith("/") or not name:
             listing = self._shelf.listing(name.removesuffix("/"))
-            return HTMLResponse(listing_page(name.removesuffix("/"), listing, self._settings.viewer is not None))
+            has_viewer = self._settings.viewer is not None
+            return HTMLResponse(listing_page(name.removesuffix("/"), listing, _root(request), has_viewer))
         path = self._shelf.find(name)
         response = FileResponse(path, media_type=_MEDIA_TYPES.get(path.suffix.lower()), stat_result=path.stat())
         response.headers["cache-control"] = "no-cache"  # ranges of two versions do not mix
@@ -196,7 +201,9 @@ class _Service:
             return Response(status_code=304, headers=headers)
         media_type = FORMATS[drawing.format]
         if request.method == "HEAD":
-            return Response(media_type=media_type, headers=headers)
+            response = Response(media_type=media_type, headers=headers)
+            del response.headers["content-length"]  # which only drawing tells
+            return response
         data = await self._with_stream(request, path, lambda stream: drawn(stream, drawing), admitted=True)
         return Response(data, media_type=media_type, headers=headers)
 
@@ -229,6 +236,11 @@ class _Service:
         modified = formatdate(found[1] / 1e9, usegmt=True)
         age = f"{'public' if self._settings.public else 'private'}, max-age={self._settings.max_age}"
         return {"etag": f'"{tag}"', "last-modified": modified, "cache-control": age}
+
+
+def _root(request: Request) -> str:
+    """The path that stands before all paths of the server; empty without one."""
+    return quote(request.scope.get("root_path", ""))
 
 
 async def _refused(request: Request, error: Exception) -> Response:

@@ -18,21 +18,21 @@ td{{padding-right:1.5rem}}</style></head>
 """
 
 
-def listing_page(name: str, listing: Listing, has_viewer: bool) -> str:
-    """The page of the folder `name`; "" is the top."""
+def listing_page(name: str, listing: Listing, root: str, has_viewer: bool) -> str:
+    """The page of the folder `name`; "" is the top. root: the path before those of the server."""
     inside = f"{name}/" if name else ""
     rows = [] if not name else ['<tr><td><a href="../">..</a></td></tr>']
     rows += [f'<tr><td><a href="{quote(folder)}/">{escape(folder)}/</a></td></tr>' for folder in listing.folders]
-    rows += [_row(inside + stream, stream, has_viewer) for stream in listing.streams]
+    rows += [_row(inside + stream, stream, root, has_viewer) for stream in listing.streams]
     more = "<p>There are more than these.</p>" if listing.cut else ""
     return _PAGE.format(title=escape(f"/{name}"), rows="\n".join(rows), more=more)
 
 
-def _row(name: str, stream: str, has_viewer: bool) -> str:
+def _row(name: str, stream: str, root: str, has_viewer: bool) -> str:
     path, identifier = quote(name), quote(name, safe="")
-    links = {"file": f"/files/{path}", "IIIF": f"/iiif/3/{identifier}/info.json"}
-    links |= {"manifest": f"/iiif/3/{identifier}/manifest.json", "Deep Zoom": f"/dzi/{path}.dzi"}
+    links = {"file": f"{root}/files/{path}", "IIIF": f"{root}/iiif/3/{identifier}/info.json"}
+    links |= {"manifest": f"{root}/iiif/3/{identifier}/manifest.json", "Deep Zoom": f"{root}/dzi/{path}.dzi"}
     if has_viewer:
-        links = {"view": f"/viewer/?file={quote('/files/' + path, safe='')}"} | links
+        links = {"view": f"{root}/viewer/?file={quote(links['file'], safe='')}"} | links
     cells = (f'<td><a href="{escape(url)}">{text}</a></td>' for text, url in links.items())
     return f"<tr><td>{escape(stream)}</td>{''.join(cells)}</tr>"

@@ -45,7 +45,7 @@ class Folder:
         except (OSError, RuntimeError, ValueError) as error:
             raise UsageError(f"{root}: {getattr(error, 'strerror', None) or error}") from error
         if not self.root.is_dir():
-            raise UsageError(f"{root} is no folder")
+            raise UsageError(f"{root} is no folder; sgi view shows a file")
 
     def find(self, name: str) -> Path:
         """See `Shelf`."""

@@ -13,7 +13,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 @dataclass
 class Served:
     """files: by their paths; parts: path, first byte and number of bytes of each answer to GET; ranges: whether it
-    gives parts; meeting: where answers wait for each other.
+    gives parts; status: that all are answered with, instead; meeting: where answers wait for each other.
     """
 
     files: dict[str, bytes]
@@ -22,6 +22,7 @@ class Served:
     parts: list[tuple[str, int, int]] = field(default_factory=list)
     heads: int = 0
     gone: bool = False
+    status: int = 0
     meeting: threading.Barrier | None = None
 
     @property
@@ -49,8 +50,8 @@ def served(files: dict[str, bytes], ranges: bool = True) -> Iterator[Served]:
                 self.close_connection = True
                 return
             data = record.files.get(self.path.lstrip("/"))
-            if data is None:
-                self.send_response(404)
+            if data is None or record.status:
+                self.send_response(record.status or 404)
                 self.send_header("Content-Length", "0")
                 self.end_headers()
                 return

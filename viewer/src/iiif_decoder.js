@@ -5,12 +5,13 @@ import { SgiError } from "./errors.js";
 const MOST_AT_A_TIME = 6;
 
 export class IiifDecoder {
-  /** The decoder of a URL /files/NAME; null where no such server answers. */
+  /** The decoder of a URL files/NAME of the page's server; null where no such server answers. */
   static async open(address) {
     const url = new URL(address, location.href);
-    const name = url.pathname.match(/^\/files\/(.+\.sgi)$/i)?.[1];
-    if (!name) return null;
-    const base = `${url.origin}/iiif/3/${name.replaceAll("/", "%2F")}`;
+    const root = new URL("..", location.href).pathname; // of the server, which may lie in a folder of a site
+    const name = url.pathname.startsWith(`${root}files/`) ? url.pathname.slice(root.length + "files/".length) : "";
+    if (!/.\.sgi$/i.test(name)) return null;
+    const base = `${url.origin}${root}iiif/3/${name.replaceAll("/", "%2F")}`;
     const answer = await fetch(`${base}/info.json`).catch(() => null);
     if (!answer) return null;
     if (!answer.ok) throw new SgiError((await answer.text()).trim());

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from threading import Thread
@@ -18,8 +20,7 @@ Run = Callable[..., Result]
 
 
 def test_out_is_a_png_beside_in(sgi: Run, stream: Path) -> None:
-    result = sgi("decode", stream)
-    assert (result.exit_code, result.output) == (0, "")
+    assert sgi("decode", stream).exit_code == 0
     with open_stream(stream) as opened:
         expected = opened.picture()
     written = read(stream.with_suffix(".png"))
@@ -103,7 +104,7 @@ def test_parts_and_scales(
 
 def test_a_region_over_the_edge_is_cut_with_a_warning(sgi: Run, stream: Path, tmp_path: Path) -> None:
     result = sgi("decode", stream, tmp_path / "out.png", "--region", "40,-5,20,20")
-    assert (result.exit_code, result.stdout) == (0, "")
+    assert result.exit_code == 0
     text = "region 40,-5,20,20 reaches over the picture of 48×32 pixels; it is cut to 40,0,8,15"
     assert result.stderr == f"sgi: warning: {text} (--boundless pads)\n"
     with open_stream(stream) as opened:
@@ -206,12 +207,49 @@ def test_too_many_pixels_of_tiles_too(sgi: Run, picture: Path, tmp_path: Path) -
 def test_an_existing_output_stays_without_force(sgi: Run, stream: Path) -> None:
     target = stream.with_suffix(".png")
     target.write_bytes(b"old")
-    result = sgi("decode", stream)
+    result = sgi("decode", stream, target)
     assert result.exit_code == 6
     assert result.stderr == f"sgi: {target} exists; give -f to overwrite it\n"
     assert target.read_bytes() == b"old"
-    assert sgi("decode", stream, "-f").exit_code == 0
+    assert sgi("decode", stream, target, "-f").exit_code == 0
     assert read(target).pixels.shape == (32, 48, 3)
+
+
+@pytest.mark.parametrize("more", [[], ["-f"], ["-f", "--format", "jpg"], ["-f", "--depth", "32"], ["-f", "-r"]])
+def test_a_default_out_replaces_no_file(sgi: Run, stream: Path, more: list[str]) -> None:
+    """It may be the picture that the stream was made of."""
+    originals = [stream.with_suffix(suffix) for suffix in (".png", ".jpg", ".tif")]
+    for original in originals:
+        original.write_bytes(b"original")
+    result = sgi("decode", stream, *more)
+    assert result.exit_code == (1 if "-r" in more else 6)
+    assert "exists, and no default OUT replaces it; name OUT or --output-dir, with -f" in result.stderr
+    assert [original.read_bytes() for original in originals] == [b"original"] * 3
+
+
+def test_a_folder_that_is_named_is_written_with_force(sgi: Run, stream: Path) -> None:
+    target = stream.with_suffix(".png")
+    target.write_bytes(b"old")
+    assert sgi("decode", stream, "--output-dir", stream.parent).exit_code == 1
+    assert sgi("decode", stream, "--output-dir", stream.parent, "-f").exit_code == 0
+    assert read(target).width == 48
+
+
+@pytest.mark.parametrize("how", ["by position", "in a folder"])
+def test_a_stream_that_was_matched_as_out_is_never_replaced(sgi: Run, stream: Path, how: str) -> None:
+    """`sgi decode *.sgi --format sgi -f` in a folder of two streams."""
+    second = stream.with_name("second.sgi")
+    second.write_bytes(stream.read_bytes())
+    if how == "by position":
+        result = sgi("decode", stream, second, "-f", "--format", "png")
+        assert result.exit_code == 2
+    else:
+        result = sgi("decode", stream, "--output-dir", stream.parent, "-f", "--format", "sgi")
+        assert result.exit_code == 1
+    assert "a stream; decode many" in result.stderr or "both input and output" in result.stderr
+    assert second.read_bytes() == stream.read_bytes()
+    assert sgi("decode", stream, "-o", second, "-f", "--format", "png").exit_code == 0
+    assert second.read_bytes().startswith(b"\x89PNG")
 
 
 def test_the_input_is_never_the_output(sgi: Run, stream: Path) -> None:
@@ -221,9 +259,29 @@ def test_the_input_is_never_the_output(sgi: Run, stream: Path) -> None:
     assert stream.read_bytes() == before
 
 
-def test_verbose_tells_what_was_written(sgi: Run, stream: Path) -> None:
-    result = sgi("decode", stream, "-v", "--scale", "1/2")
-    assert result.stderr == f"{stream.with_suffix('.png')}: 24×16, rgb\n"
+def test_a_line_tells_what_was_written(sgi: Run, stream: Path) -> None:
+    target = stream.with_suffix(".png")
+    result = sgi("decode", stream, "--scale", "1/2")
+    line = rf"{re.escape(str(target))}: 24×16 pixels, rgb, {target.stat().st_size:,} bytes, \d+\.\d s\n"
+    assert re.fullmatch(line, result.stdout)
+    assert result.stderr == ""
+    assert sgi("decode", stream, target, "-f", "--quiet").output == ""
+    assert json.loads(sgi("decode", stream, target, "-f", "--json").output)["width"] == 48
+
+
+def test_the_line_keeps_out_of_a_picture_on_stdout(sgi: Run, stream: Path) -> None:
+    assert sgi("decode", stream).exit_code == 0
+    result = sgi("decode", stream, "-")
+    assert result.stdout_bytes == stream.with_suffix(".png").read_bytes()
+    assert re.fullmatch(r"stdout: 48×32 pixels, rgb, \d+\.\d s\n", result.stderr)
+    assert sgi("decode", stream, "-", "--quiet").stderr == ""
+
+
+def test_a_folder_takes_r(sgi: Run, stream: Path, tmp_path: Path) -> None:
+    for more in ([], ["-f"], [tmp_path / "out.png"]):
+        result = sgi("decode", stream.parent, *more)
+        text = f"sgi: {stream.parent}: it is a folder; add -r to take the streams in it\n"
+        assert (result.exit_code, result.stderr) == (4, text)
 
 
 def _cut(data: bytes) -> bytes:
@@ -258,6 +316,7 @@ def test_spoilt_streams(sgi: Run, stream: Path, command: str, spoil: Callable[[b
 
 @pytest.mark.parametrize("command", ["decode", "info", "verify"])
 def test_streams_that_cannot_be_opened(sgi: Run, tmp_path: Path, command: str) -> None:
-    for path, complaint in ((tmp_path / "missing.sgi", "No such file or directory"), (tmp_path, "Is a directory")):
+    folder = "it is a folder; add -r to take the streams in it" if command == "decode" else "Is a directory"
+    for path, complaint in ((tmp_path / "missing.sgi", "No such file or directory"), (tmp_path, folder)):
         result = sgi(command, path)
         assert (result.exit_code, result.stderr) == (4, f"sgi: {path}: {complaint}\n")

@@ -243,13 +243,22 @@ def test_how_much_is_told(sgi: Run, picture: Path, options: list[str], lines: in
 
 @pytest.mark.parametrize(("mode", "drawn"), [("on", True), ("auto", False), ("off", False)])
 def test_progress(sgi: Run, picture: Path, mode: str, drawn: bool) -> None:
-    result = sgi("encode", picture, "--steps", 8, "--progress", mode)
+    result = sgi("encode", picture, "--steps", 8, "--no-texture", "--progress", mode)
     assert result.exit_code == 0
     text = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", result.stderr)
     assert bool(re.search(r"step 8 of 8  \d+\.\d+ dB  ~\d+\.\d+ bpp", text)) is drawn
     shares = [int(share) for share in re.findall(r"(\d+)%", text)]
     assert (shares == sorted(shares) and shares[-1:] == [100]) is drawn
     assert drawn or not result.stderr
+
+
+@pytest.mark.parametrize("tune", ["visual", "psnr"])
+def test_progress_says_nothing_of_pixels_that_lack_their_texture(sgi: Run, picture: Path, tune: str) -> None:
+    result = sgi("encode", picture, "--steps", 8, "--tune", tune, "--progress", "on")
+    text = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", result.stderr)
+    assert "step 8 of 8" in text
+    assert " dB" not in text
+    assert "bpp" not in text
 
 
 def test_metadata_is_kept_unless_told_otherwise(sgi: Run, tmp_path: Path) -> None:

@@ -27,7 +27,7 @@ ODD = Path(__file__).parents[2] / "data" / "pictures"
 def test_an_existing_output_stays(sgi: Run, picture: Path, asked: dict[str, Any]) -> None:
     target = picture.with_suffix(".sgi")
     target.write_bytes(b"old")
-    result = sgi("encode", picture)
+    result = sgi("encode", picture, target)
     assert result.exit_code == 6
     assert result.stderr == f"sgi: {target} exists; give -f to overwrite it\n"
     assert target.read_bytes() == b"old"
@@ -37,8 +37,30 @@ def test_an_existing_output_stays(sgi: Run, picture: Path, asked: dict[str, Any]
 def test_force_overwrites(sgi: Run, picture: Path) -> None:
     target = picture.with_suffix(".sgi")
     target.write_bytes(b"old")
-    assert sgi("encode", picture, "-f", "--steps", 2).exit_code == 0
+    assert sgi("encode", picture, target, "-f", "--steps", 2).exit_code == 0
     assert sgi("verify", target).exit_code == 0
+
+
+@pytest.mark.parametrize("old", [b"old", b"", b"\x89SGX not ours"])
+@pytest.mark.parametrize("more", [[], ["-f"], ["-f", "-r"]])
+def test_a_default_out_replaces_streams_alone(sgi: Run, picture: Path, old: bytes, more: list[str]) -> None:
+    target = picture.with_suffix(".sgi")
+    target.write_bytes(old)
+    result = sgi("encode", picture, "--steps", 2, *more)
+    assert result.exit_code == (1 if "-r" in more else 6)
+    assert "exists, and no default OUT replaces it; name OUT or --output-dir, with -f" in result.stderr
+    assert target.read_bytes() == old
+
+
+@pytest.mark.parametrize("more", [[], ["-r"]])
+def test_a_stream_beside_its_picture_is_replaced_with_force(
+    sgi: Run, picture: Path, stream: Path, more: list[str]
+) -> None:
+    before = stream.read_bytes()
+    assert sgi("encode", picture, "--steps", 2, *more).exit_code == (1 if more else 6)
+    assert stream.read_bytes() == before
+    assert sgi("encode", picture, "-f", "--steps", 2, *more).exit_code == 0
+    assert stream.read_bytes() != before
 
 
 def test_failure_leaves_nothing(sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -83,7 +105,8 @@ def test_the_input_is_never_the_output(sgi: Run, picture: Path) -> None:
 def test_a_folder_is_no_picture(sgi: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, source: str) -> None:
     monkeypatch.chdir(tmp_path)
     result = sgi("encode", source, "-f")
-    assert (result.exit_code, result.stderr) == (3, f"sgi: {source}: Is a directory\n")
+    text = f"sgi: {source}: it is a folder; add -r to take the pictures in it\n"
+    assert (result.exit_code, result.stderr) == (3, text)
 
 
 def test_an_empty_name_is_no_file(sgi: Run, picture: Path) -> None:
@@ -135,9 +158,10 @@ def test_too_many_channels(sgi: Run, tmp_path: Path) -> None:
 
 
 def test_a_stream_is_no_picture(sgi: Run, stream: Path, tmp_path: Path) -> None:
-    result = sgi("encode", stream, tmp_path / "again.sgi")
-    assert result.exit_code == 3
-    assert "decode it first" in result.stderr
+    for more in ([tmp_path / "again.sgi"], []):
+        result = sgi("encode", stream, *more)
+        assert result.exit_code == 3
+        assert "decode it first" in result.stderr
 
 
 @pytest.mark.parametrize("more", [[], ["-f"]])

@@ -49,7 +49,7 @@ def test_a_stream_with_a_place_becomes_a_tiff(sgi: Run, placed: Path) -> None:
     before = read(placed.with_suffix(".tif")).metadata.geo
     placed.with_suffix(".tif").unlink()
     result = sgi("decode", placed)
-    assert (result.exit_code, result.output) == (0, "")
+    assert (result.exit_code, result.stderr) == (0, "")
     assert not placed.with_suffix(".png").exists()
     assert read(placed.with_suffix(".tif")).metadata.geo == before
     assert geo.load(before).keys() == {282, 283, 296, 33550, 33922, 34735, 34737, 42113}
@@ -65,21 +65,21 @@ def test_what_a_format_loses_is_said(sgi: Run, placed: Path, tmp_path: Path) -> 
     lost = "position, projection, nodata value and resolution"
     assert lost in sgi("decode", placed, "-", "--format", "ppm").stderr
     assert lost in sgi("decode", placed, tmp_path / "x.webp").stderr
-    assert sgi("decode", placed, tmp_path / "x.tif").output == ""
+    assert sgi("decode", placed, tmp_path / "x.tif").stderr == ""
 
 
 def test_metadata_may_be_left_out(sgi: Run, placed: Path, tmp_path: Path) -> None:
     result = sgi("decode", placed, tmp_path / "x.tif", "--no-metadata")
-    assert (result.exit_code, result.output) == (0, "")
+    assert (result.exit_code, result.stderr) == (0, "")
     assert read(tmp_path / "x.tif").metadata == Metadata()
-    assert sgi("decode", placed, tmp_path / "x.png", "--no-metadata").output == ""
+    assert sgi("decode", placed, tmp_path / "x.png", "--no-metadata").stderr == ""
     assert sgi("decode", placed, "--output-dir", tmp_path / "all", "--no-metadata").exit_code == 0
     assert [path.name for path in (tmp_path / "all").iterdir()] == ["x.png"]
 
 
 def test_a_stream_without_a_place_becomes_a_png(sgi: Run, stream: Path) -> None:
     result = sgi("decode", stream)
-    assert (result.exit_code, result.output) == (0, "")
+    assert (result.exit_code, result.stderr) == (0, "")
     assert stream.with_suffix(".png").exists()
 
 

@@ -13,8 +13,9 @@ import pytest
 from click.testing import CliRunner, Result
 from range_server import served
 
+import sgicodec
 from sgicodec.bench.command import bench, compare
-from sgicodec.errors import OutputExistsError, PictureError, SgiError, TargetMissedError, UsageError
+from sgicodec.errors import OutputExistsError, PictureError, SgiError, StreamError, TargetMissedError, UsageError
 from sgicodec.metrics.perceptual import Perceived
 
 Image = pytest.importorskip("PIL.Image")
@@ -230,6 +231,25 @@ def test_compare_takes_urls(tmp_path: Path) -> None:
         target = call(compare, a, b, "--map", f"{server.url}/map.png")
         assert isinstance(target.exception, UsageError)
         assert "can be read, not written" in str(target.exception)
+
+
+def test_compare_decodes_streams(tmp_path: Path) -> None:
+    a, stream = save(tmp_path / "a.png", picture()), tmp_path / "a.sgi"
+    stream.write_bytes(sgicodec.encode(picture(), steps=2))
+    decoded = save(tmp_path / "decoded.png", sgicodec.decode(stream.read_bytes()))
+    expected = call(compare, a, decoded)
+    assert expected.exit_code == 0
+    assert call(compare, a, stream).stdout == expected.stdout
+    assert call(compare, stream, decoded).stdout.splitlines()[-1] == "largest difference  0"
+    with served({"a.sgi": stream.read_bytes()}) as server:
+        assert call(compare, a, f"{server.url}/a.sgi").stdout == expected.stdout
+    stream.write_bytes(stream.read_bytes()[:-9])
+    damaged = call(compare, a, stream).exception
+    assert isinstance(damaged, StreamError)
+    assert str(damaged).startswith(f"{stream}: ")
+    named_so = tmp_path / "silicon.sgi"
+    named_so.write_bytes((Path(__file__).parents[2] / "data" / "pictures" / "hopper.sgi").read_bytes())
+    assert call(compare, named_so, named_so).exit_code == 0
 
 
 def test_bench_takes_no_urls() -> None:

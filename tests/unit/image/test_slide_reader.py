@@ -116,7 +116,38 @@ def test_label_and_macro_as_files(slide: Path, tmp_path: Path) -> None:
     assert (again.exit_code, "b.label.png exists" in again.output) == (6, True)
     assert not (tmp_path / "b.sgi").exists()
     no_slide = CliRunner().invoke(cli, ["encode", str(tmp_path / "b.label.png"), "--associated"])
-    assert (no_slide.exit_code, "no slide that OpenSlide reads" in no_slide.output) == (3, True)
+    text = "it is no slide that OpenSlide reads; --associated takes the label and the macro of slides"
+    assert (no_slide.exit_code, text in no_slide.output) == (3, True)
+
+
+@pytest.mark.parametrize("names", [("label", "macro"), ("macro",), ()])
+def test_what_a_slide_has_beside_its_levels_is_told(pixels: np.ndarray, tmp_path: Path, names: tuple[str, ...]) -> None:
+    kinds = {"thumbnail": 0, "label": 1, "macro": 9}
+    with tifffile.TiffWriter(tmp_path / "a.svs") as file:
+        text = "Aperio Image Library v11.0.37\n700x300 (256x256)"
+        file.write(pixels, tile=(256, 256), description=text, metadata=None, photometric="rgb")
+        for name in ("thumbnail", *names):
+            small, text = np.zeros((40, 60, 3), np.uint8), f"Aperio Image Library v11.0.37\n{name} 60x40"
+            file.write(small, description=text, metadata=None, photometric="rgb", subfiletype=kinds[name])
+    arguments = ["encode", str(tmp_path / "a.svs"), "--steps", "1", "--no-verify", "--associated"]
+    result = CliRunner().invoke(cli, arguments)
+    assert result.exit_code == 0
+    told = [line.split(" pixels")[0] for line in result.stdout.splitlines() if ".png" in line]
+    assert told == [f"{tmp_path / f'a.{name}.png'}: 60×40" for name in names]
+    none = f"sgi: {tmp_path / 'a.svs'}: the slide has no label and no macro for --associated to write\n"
+    assert result.stderr == ("" if names else none)
+    quiet = CliRunner().invoke(cli, [*arguments, str(tmp_path / "b.sgi"), "--quiet"])
+    assert (quiet.exit_code, quiet.output) == (0, "")
+
+
+def test_files_beside_an_out_that_nobody_named_replace_none(slide: Path, tmp_path: Path) -> None:
+    (tmp_path / "a.svs").write_bytes(slide.read_bytes())
+    (tmp_path / "a.label.png").write_bytes(b"mine")
+    arguments = ["encode", str(tmp_path / "a.svs"), "--steps", "1", "--quiet", "--no-verify", "--associated", "-f"]
+    assert CliRunner().invoke(cli, arguments).exit_code == 6
+    assert (tmp_path / "a.label.png").read_bytes() == b"mine"
+    assert CliRunner().invoke(cli, [*arguments, str(tmp_path / "a.sgi")]).exit_code == 0
+    assert (sgicodec.read(tmp_path / "a.label.png").pixels == 90).all()
 
 
 def test_slides_behind_urls(slide: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

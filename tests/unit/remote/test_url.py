@@ -22,7 +22,7 @@ import sgicodec
 from sgicodec.cli.main import cli
 from sgicodec.errors import CorruptStreamError, MissingExtraError, PictureError, StreamError
 from sgicodec.remote.range_file import BLOCK
-from sgicodec.remote.url import file_name, has_stream_name, is_url, open_url
+from sgicodec.remote.url import file_name, has_stream_name, is_url, naming_url, open_url
 
 SIDE = 256
 
@@ -148,6 +148,41 @@ def test_what_is_not_there() -> None:
         sgicodec.open(f"{gone}/a.sgi")
     with pytest.raises(StreamError, match="nosuch"):
         sgicodec.open("nosuch://a/b.sgi")
+
+
+@pytest.mark.parametrize("command", ["encode", "decode", "info", "verify", "compare"])
+def test_a_server_that_cannot_be_reached_is_no_missing_file(sgi: Callable[..., Any], command: str) -> None:
+    with served({}) as server:
+        gone = f"{server.url}/a.png"
+    for url, reason in ((gone, "Connection refused"), ("https://no-such-host.invalid/a.png", "")):
+        result = sgi(command, url, *([url] if command == "compare" else []))
+        assert result.exit_code == (3 if command in ("encode", "compare") else 4)
+        assert f"sgi: {url}: its server cannot be reached: {reason}" in result.output
+        assert result.output.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("status", "phrase"), [(403, "403 Forbidden"), (401, "401 Unauthorized"), (503, "503 Service")]
+)
+def test_a_server_that_refuses_says_so(status: int, phrase: str) -> None:
+    with served({"a.sgi": b""}) as server:
+        server.status = status
+        with pytest.raises(StreamError, match=rf"/a\.sgi: its server answers {phrase}"):
+            sgicodec.open(f"{server.url}/a.sgi")
+        server.status = 410
+        with pytest.raises(StreamError, match="there is no such file"):
+            sgicodec.open(f"{server.url}/a.sgi")
+
+
+@pytest.mark.parametrize("hidden", [False, True])
+def test_a_server_that_is_silent(hidden: bool) -> None:
+    silent: Exception = TimeoutError()
+    if hidden:
+        silent = FileNotFoundError("https://a/b")
+        silent.__cause__ = TimeoutError()
+    text = "https://a/b: its server does not answer in time"
+    with pytest.raises(StreamError, match=f"^{text}$"), naming_url("https://a/b", StreamError):
+        raise silent
 
 
 def test_a_server_that_goes_away(data: bytes) -> None:

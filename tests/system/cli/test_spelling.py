@@ -1,0 +1,104 @@
+"""Command lines that are nearly right: what they are answered with, and that nothing is written."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from click.testing import Result
+
+Run = Callable[..., Result]
+
+
+@pytest.mark.parametrize(
+    ("line", "written", "right"),
+    [
+        ("encode scene.png --size 20 kB", "--size 20 kB", "--size 20kB"),
+        ("encode --size 20 KiB scene.png", "--size 20 KiB", "--size 20KiB"),
+        ("encode scene.png --size=1.5 m", "--size=1.5 m", "--size 1.5m"),
+        ("encode scene.png --max-memory 2 GiB x.sgi", "--max-memory 2 GiB", "--max-memory 2GiB"),
+        ("encode scene.png -q 80 %", "-q 80 %", "-q 80"),
+        ("encode scene.png -q80 percent", "-q80 percent", "-q 80"),
+        ("encode scene.png --bpp 1 bpp", "--bpp 1 bpp", "--bpp 1"),
+        ("encode scene.png --psnr 35 dB -f", "--psnr 35 dB", "--psnr 35"),
+        ("encode scene.png --time-limit 5 s", "--time-limit 5 s", "--time-limit 5"),
+        ("encode scene.png --time-limit 2 min", "--time-limit 2 min", "--time-limit 120"),
+        ("encode scene.png --tile 512 px", "--tile 512 px", "--tile 512"),
+        ("encode scene.png --range 0, 1", "--range 0, 1", "--range 0,1"),
+        ("encode scene.png --range 0 4095", "--range 0 4095", "--range 0,4095"),
+        ("decode scene.sgi --region 0, 0, 10, 10", "--region 0, 0, 10, 10", "--region 0,0,10,10"),
+        ("decode scene.sgi --region 0 0 10 10", "--region 0 0 10 10", "--region 0,0,10,10"),
+        ("decode scene.sgi --region -4, -2, 10, 10", "--region -4, -2, 10, 10", "--region -4,-2,10,10"),
+        ("decode scene.sgi --region 0,0 , 10,10 x.png", "--region 0,0 , 10,10", "--region 0,0,10,10"),
+        ("decode scene.sgi --size 512 x 384", "--size 512 x 384", "--size 512x384"),
+        ("decode scene.sgi --size 512x 384", "--size 512x 384", "--size 512x384"),
+        ("decode scene.sgi --size 512 384", "--size 512 384", "--size 512x384"),
+        ("decode scene.sgi --scale 50 %", "--scale 50 %", "--scale 50%"),
+        ("decode scene.sgi --scale 2 x", "--scale 2 x", "--scale 2x"),
+        ("decode scene.sgi --scale 1 / 4", "--scale 1 / 4", "--scale 1/4"),
+        ("compare scene.png scene.png --fail-under 35 dB", "--fail-under 35 dB", "--fail-under 35"),
+        ("bench . --qualities 20, 30", "--qualities 20, 30", "--qualities 20,30"),
+    ],
+)
+def test_a_space_in_a_value(
+    sgi: Run, picture: Path, stream: Path, monkeypatch: pytest.MonkeyPatch, line: str, written: str, right: str
+) -> None:
+    monkeypatch.chdir(picture.parent)
+    result = sgi(*line.split())
+    command = line.split()[0]
+    text = f"sgi: a space splits {written!r}; write {right!r}; see sgi {command} --help\n"
+    assert (result.exit_code, result.stderr) == (2, text)
+    assert sorted(path.name for path in picture.parent.iterdir()) == ["scene.png", "scene.sgi"]
+
+
+@pytest.mark.parametrize(
+    ("line", "named"),
+    [
+        ("encode scene.png -q 80 x --steps 1", "x"),
+        ("encode scene.png -q 80 90 --steps 1", "90"),
+        ("encode scene.png --steps 1 -o kB -q 80", "kB"),
+        ("encode scene.png --steps 1 -q 80 ./kB", "kB"),
+        ("encode --steps 1 -q 80 kB kB.sgi", "kB.sgi"),
+        ("encode --steps 1 -q 80 -- scene.png kB", "kB"),
+    ],
+)
+def test_names_that_are_no_units(
+    sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch, line: str, named: str
+) -> None:
+    monkeypatch.chdir(picture.parent)
+    if named == "kB.sgi":
+        picture.rename("kB")
+    assert sgi(*line.split()).exit_code == 0
+    assert Path(named).stat().st_size > 0
+
+
+@pytest.mark.parametrize("command", ["encode", "decode"])
+@pytest.mark.parametrize("option", ["--lossless", "-lossless", "--lossless=1", "--near-lossless", "--Lossless"])
+def test_there_is_no_lossless_mode(sgi: Run, picture: Path, command: str, option: str) -> None:
+    result = sgi(command, picture, option)
+    assert result.exit_code == 2
+    assert result.stderr.startswith("sgi: there is no lossless mode; the nearest are sgi encode -q 100")
+    assert "--psnr 60" in result.stderr
+    assert result.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("line", "wanted"),
+    [
+        ("-q high", "a number from 1 to 100, as in 90 (visually lossless), 65 (web) or 40 (preview)"),
+        ("--quality 80%", "a number from 1 to 100"),
+        ("-q lossless", "a number from 1 to 100"),
+        ("--psnr 35dB", "a number of dB, as in 35"),
+        ("--ssimulacra2 good", "a SSIMULACRA 2 score, as in 70"),
+        ("--bpp 1bpp", "a number of bits per pixel, as in 0.5"),
+        ("-e fast", "a valid integer from 1 to 9, as in 2 (fast)"),
+        ("--effort 2.5", "a valid integer from 1 to 9"),
+        ("--time-limit soon", "a number of seconds, as in 60"),
+    ],
+)
+def test_a_word_for_a_number(sgi: Run, picture: Path, line: str, wanted: str) -> None:
+    result = sgi("encode", picture, *line.split())
+    assert result.exit_code == 2
+    assert f"is not {wanted}" in result.stderr
+    assert "float" not in result.stderr
