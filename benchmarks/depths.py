@@ -10,9 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec import decode, encode, read
+from sgicodec.errors import SgiError
 
 __all__ = ["COLUMNS", "depths", "main", "range_psnr"]
 
+HOT = 65535
+"""What a hot pixel has, which does not count for the PSNR of the others."""
 COLUMNS = ("samples", "bytes", "of eight bits", "dB", "more")
 
 
@@ -22,6 +25,8 @@ def depths(unit: NDArray[np.float64]) -> dict[str, NDArray[np.generic]]:
     def integers(top: int) -> NDArray[np.uint16]:
         return np.rint(unit * top).astype(np.uint16)
 
+    hot = integers(4095)
+    hot[hot.shape[0] // 2, hot.shape[1] // 2] = HOT
     return {
         "8 bits": np.rint(unit * 255).astype(np.uint8),
         **{f"{bits} of 16 bits": integers((1 << bits) - 1) for bits in (10, 12, 14, 16)},
@@ -29,12 +34,16 @@ def depths(unit: NDArray[np.float64]) -> dict[str, NDArray[np.generic]]:
         "-2048 to 2047": np.rint(unit * 4095).astype(np.float32) - 2048,
         "float, 0 to 1": unit.astype(np.float32),
         "float, 280 to 297": (280 + 17 * unit).astype(np.float32),
+        "12 of 16 bits, a hot pixel": hot,
     }
 
 
-def range_psnr(original: NDArray[np.generic], decoded: NDArray[np.generic]) -> float:
-    """PSNR in dB with the range in use as its peak."""
-    ours, theirs = original.astype(np.float64), decoded.astype(np.float64)
+def range_psnr(original: NDArray[np.generic], decoded: NDArray[np.generic], hot: float | None = None) -> float:
+    """PSNR in dB with the range in use as its peak. hot: a value that must come back, and does not count."""
+    ours, theirs = original.astype(np.float64).ravel(), decoded.astype(np.float64).ravel()
+    if (theirs[ours == hot] != hot).any():
+        raise SgiError("a hot pixel did not come back")
+    ours, theirs = ours[ours != hot], theirs[ours != hot]
     return 10 * math.log10(float(np.ptp(ours)) ** 2 / float(np.mean((ours - theirs) ** 2)))
 
 
@@ -63,7 +72,8 @@ def main(pictures: tuple[Path, ...], quality: float, effort: int, crop: int, fac
         usual: tuple[int, float] | None = None
         for name, pixels in depths(unit).items():
             data = encode(pixels, quality=quality, effort=effort)
-            found = len(data), range_psnr(pixels, decode(data))
+            hot = HOT if name.endswith("hot pixel") else None
+            found = len(data), range_psnr(pixels, decode(data), hot)
             usual = usual or found
             share, more = 100 * (found[0] / usual[0] - 1), found[1] - usual[1]
             click.echo(f"{name}\t{found[0]}\t{share:+.2f} %\t{found[1]:.2f}\t{more:+.2f}")

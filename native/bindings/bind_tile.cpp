@@ -251,7 +251,8 @@ void bind_tile(nb::module_ &m) {
   m.def("read_mask", &read_mask, "payload"_a, "width"_a, "height"_a);
   m.def(
       "decode_tile_chunk", &decode_tile_chunk, "header"_a, "payload"_a,
-      "Of the payload of a chunk T: the tile's number; whether no pixel of it holds anything; masks, one for all bands\n"
+      "Of the payload of a chunk T: the tile's number; whether no pixel of it holds anything; masks, one for all "
+      "bands\n"
       "or one for each (whether it holds nothing, and its tree or None), none where all pixels hold something; exact\n"
       "samples (place, value); the payload of its model.");
 }

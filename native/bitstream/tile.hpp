@@ -60,22 +60,21 @@ TileModel read_tile(const Header &header, Bytes payload, int threads, Isa isa, b
 struct BandMask {
   std::shared_ptr<MaskTree> tree;
   bool is_all = false;
-
 };
 
 // A sample that is stated exactly: the row, column and band in a tile as (row * width + column) * colours + band.
 struct ExactSample {
-  int64_t place;
-  double value;
+  uint32_t place;
+  float value;  // also holds integers of 16 bits
 };
 
 // The payload of a chunk T.
 struct TileChunk {
   int64_t number;
-  bool is_empty;                    // no pixel holds anything: there is no model
-  std::vector<BandMask> masks;      // one for all bands, or one for each colour; none where all pixels hold something
-  std::vector<ExactSample> exact;   // by ascending place
-  Bytes model;                      // part of the payload that was given
+  bool is_empty;                   // no pixel holds anything: there is no model
+  std::vector<BandMask> masks;     // one for all bands, or one for each colour; none where all pixels hold something
+  std::vector<ExactSample> exact;  // by ascending place
+  Bytes model;                     // part of the payload that was given
 };
 TileChunk decode_tile_chunk(const Header &header, Bytes payload);
 // The number of the tile whose payload begins so.

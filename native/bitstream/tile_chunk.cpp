@@ -9,6 +9,8 @@
 namespace sgi {
 namespace {
 
+constexpr int64_t kMaxPlaces = int64_t(1) << 31;  // of samples in a tile that lists some
+
 enum MaskKind { kAllValid, kNoneValid, kSomeValid, kByBand };
 enum BandKind { kBandValid, kBandEmpty, kBandMasked, kBandAsBefore };
 
@@ -79,6 +81,7 @@ class ChunkReader {
   std::vector<ExactSample> exact_samples() {
     const int64_t count = varint(), places = rect_.width * rect_.height * header_.colours();
     if (count > int64_t(payload_.size - at_)) refuse("more exact samples than bytes");
+    if (count && places > kMaxPlaces) throw Error(Fault::limit, "a tile of exact samples has too many samples");
     std::vector<ExactSample> samples;
     samples.reserve(size_t(count));
     int64_t place = -1;
@@ -86,12 +89,12 @@ class ChunkReader {
       const int64_t gap = varint();
       if (gap >= places - place - 1) refuse("an exact sample outside the tile");
       place += gap + 1;
-      samples.push_back({place, value()});
+      samples.push_back({uint32_t(place), value()});
     }
     return samples;
   }
 
-  double value() {
+  float value() {
     switch (header_.sample_type) {
       case SampleType::u8: return stored<uint8_t>();
       case SampleType::u16: return stored<uint16_t>();
@@ -101,12 +104,12 @@ class ChunkReader {
   }
 
   template <class T>
-  double stored() {
+  float stored() {
     T value;
     if (sizeof value > payload_.size - at_) refuse("ends inside its exact samples");
     std::memcpy(&value, payload_.data + at_, sizeof value);
     at_ += sizeof value;
-    return double(value);
+    return float(value);
   }
 
   const Header &header_;

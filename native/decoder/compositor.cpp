@@ -108,11 +108,11 @@ class Compositor {
       return std::pair(found.first - axis.begin(), found.second - found.first);
     };
     for (const ExactSample &sample : tile.exact()) {
-      const int64_t pixel = sample.place / colours;
+      const int64_t pixel = int64_t(sample.place) / colours;
       const auto [top, high] = pixels(rows, pixel / place.width);
       const auto [left, wide] = pixels(columns, pixel % place.width);
       if (high && wide)
-        format_.state(sample.value, int(sample.place % colours), format_.part(block, left, top, wide, high));
+        format_.state(sample.value, int(int64_t(sample.place) % colours), format_.part(block, left, top, wide, high));
     }
   }
 

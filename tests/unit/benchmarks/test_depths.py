@@ -16,6 +16,9 @@ PHOTO = Path(__file__).parents[2] / "data" / "kodim23.png"
 def test_depths_are_the_same_picture() -> None:
     unit = np.linspace(0, 1, 3 * 64).reshape(8, 8, 3)
     for name, pixels in depths.depths(unit).items():
+        if name.endswith("hot pixel"):
+            assert (pixels == depths.HOT).sum() == 3
+            continue
         low, high = float(pixels.min()), float(pixels.max())
         np.testing.assert_allclose((pixels - low) / (high - low), unit, atol=0.003, err_msg=name)
 
