@@ -14,6 +14,8 @@ from mutate import mutated
 
 import sgicodec
 from sgicodec.errors import CorruptStreamError, LimitError, SgiError, UnsupportedStreamError
+from sgicodec.metadata.layouts import band_ranges
+from sgicodec.picture import full_range
 
 pytestmark = [
     pytest.mark.slow,
@@ -41,9 +43,14 @@ def test_it_tells_and_draws_what_python_does(path: Path, library: Library) -> No
         header = stream.header
         assert (info.width, info.height, info.channels) == (stream.width, stream.height, header.spec.channels)
         assert SAMPLES[info.sample] == header.sample_type
-        np.testing.assert_array_equal([info.low, info.high], np.array(header.sample_range, np.float32))
+        ranges = [*band_ranges(header.sample_range, header.colours)]
+        ranges += [full_range(stream.dtype)] * (info.channels - header.colours)
+        found = [handle.range(channel) for channel in range(info.channels)]
+        np.testing.assert_array_equal(found, np.array(ranges, np.float32))
+        assert (info.low, info.high) == found[0]
         assert (info.tiles, info.tile_size) == (stream.grid.count, header.tile)
         assert info.has_nodata == (header.masked == "nodata")
+        np.testing.assert_equal(info.nodata, header.nodata)
         assert (info.has_overview, info.file_bytes) == (stream.has_overview, path.stat().st_size)
         assert [handle.level(level) for level in range(info.levels)] == [tuple(level[:2]) for level in stream.levels]
         for name, kind in METADATA.items():
