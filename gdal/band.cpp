@@ -35,7 +35,7 @@ double Band::GetNoDataValue(int *found) {
   const Source &source = owner().source();
   std::optional<double> nodata = described().nodata;
   if (source.info.has_nodata) nodata = source.info.nodata;
-  if (source.is_alpha(nBand)) nodata.reset();
+  if (source.layout().has_alpha && nBand == int(source.info.channels)) nodata.reset();
   return stated(nodata, found, [&] { return GDALPamRasterBand::GetNoDataValue(found); });
 }
 
@@ -49,14 +49,6 @@ double Band::GetOffset(int *found) {
 
 const char *Band::GetUnitType() {
   return described().unit.empty() ? GDALPamRasterBand::GetUnitType() : described().unit.c_str();
-}
-
-GDALColorInterp Band::GetColorInterpretation() {
-  const Source &source = owner().source();
-  constexpr GDALColorInterp kColours[] = {GCI_RedBand, GCI_GreenBand, GCI_BlueBand};
-  if (source.is_alpha(nBand)) return GCI_AlphaBand;
-  if (source.info.layout == SGI_LAYOUT_RGB || source.info.layout == SGI_LAYOUT_RGBA) return kColours[nBand - 1];
-  return source.info.layout == SGI_LAYOUT_MULTI ? described().colour : GCI_GrayIndex;
 }
 
 // All bands of a block are drawn at once: those of the others go to GDAL's cache.

@@ -10,7 +10,7 @@ class Band final : public GDALPamRasterBand {
   double GetScale(int *found) override;
   double GetOffset(int *found) override;
   const char *GetUnitType() override;
-  GDALColorInterp GetColorInterpretation() override;
+  GDALColorInterp GetColorInterpretation() override { return described().colour; }
   int GetOverviewCount() override { return owner().overviews(); }
   GDALRasterBand *GetOverview(int index) override {
     return index < 0 || index >= owner().overviews() ? nullptr : owner().overview(index)->GetRasterBand(nBand);

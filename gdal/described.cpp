@@ -3,8 +3,6 @@
 #include <cpl_error.h>
 #include <cpl_vsi.h>
 
-#include "tags.hpp"
-
 namespace {
 
 // What is said of the source's samples and overviews, which are others now.
@@ -102,15 +100,16 @@ void describe_camera(std::vector<uint8_t> tiff, Described &found) {
 
 }  // namespace
 
-Described described_by(Tags place, Tags exif, int bands) {
+Described described_by(Tags place, Tags exif, const Layout &layout) {
+  // A stream without such tags has none in its directory.
+  static constexpr uint8_t kNothing[] = {'I', 'I', 42, 0, 8, 0, 0, 0, 0, 0, 0, 0, 0, 0};
   Described found;
-  found.bands.resize(size_t(bands));
-  found.bands[0].colour = GCI_GrayIndex;  // as of a TIFF where nothing else is said
-  const auto tiff = [](Tags tags, int count, std::initializer_list<uint16_t> wanted) {
-    return as_tiff(static_cast<const uint8_t *>(tags.bytes), tags.bytes ? tags.size : 0, count, wanted);
+  found.bands.resize(size_t(layout.bands));
+  const auto tiff = [&](Tags tags, std::initializer_list<uint16_t> wanted) {
+    return as_tiff(static_cast<const uint8_t *>(tags.bytes), tags.bytes ? tags.size : 0, layout, wanted);
   };
-  describe_place(tiff(place, bands, {282, 283, 296, 33550, 33922, 34264, 34735, 34736, 34737, 42112, 42113, 50844}),
-                 found);
-  describe_camera(tiff(exif, 1, {269, 270, 271, 272, 282, 283, 296, 305, 306, 315, 316, 33432, 34665, 34853}), found);
+  describe_place(tiff({kNothing, sizeof kNothing}, {}), found);
+  describe_place(tiff(place, {282, 283, 296, 33550, 33922, 34264, 34735, 34736, 34737, 42112, 42113, 50844}), found);
+  describe_camera(tiff(exif, {269, 270, 271, 272, 282, 283, 296, 305, 306, 315, 316, 33432, 34665, 34853}), found);
   return found;
 }

@@ -13,12 +13,14 @@
 #include <string>
 #include <vector>
 
+#include "tags.hpp"
+
 using Domains = std::map<std::string, CPLStringList>;  // of metadata, by their names
 
 struct DescribedBand {
   std::string description, unit;
   std::optional<double> nodata, scale, offset;
-  GDALColorInterp colour = GCI_Undefined;  // of bands without a meaning that the stream knows
+  GDALColorInterp colour = GCI_Undefined;
   Domains domains;
 };
 
@@ -39,4 +41,4 @@ struct Tags {
 
 // Of tags of TIFF: where the picture lies and what its samples mean, and EXIF. Nothing of damaged ones; statistics of
 // samples, which are not these any more, are left out.
-Described described_by(Tags place, Tags exif, int bands);
+Described described_by(Tags place, Tags exif, const Layout &layout);

@@ -22,7 +22,7 @@ std::shared_ptr<Source> open_source(const char *name, VSILFILE *file) {
     CPLError(CE_Failure, CPLE_OpenFailed, "%s: %s", name, sgi_error());
     return nullptr;
   }
-  source->described = described_by(source->metadata(SGI_METADATA_PLACE), source->metadata(SGI_METADATA_EXIF),
-                                   int(source->info.channels));
+  source->described =
+      described_by(source->metadata(SGI_METADATA_PLACE), source->metadata(SGI_METADATA_EXIF), source->layout());
   return source;
 }

@@ -29,9 +29,10 @@ struct Source {
   GDALDataType type() const {
     return info.sample == SGI_SAMPLE_U8 ? GDT_Byte : info.sample == SGI_SAMPLE_U16 ? GDT_UInt16 : GDT_Float32;
   }
-  bool is_alpha(int band) const {
+  Layout layout() const {
+    const bool is_colour = info.layout == SGI_LAYOUT_RGB || info.layout == SGI_LAYOUT_RGBA;
     const bool has_alpha = info.layout == SGI_LAYOUT_GRAY_ALPHA || info.layout == SGI_LAYOUT_RGBA;
-    return has_alpha && band == int(info.channels);
+    return {int(info.channels), is_colour, has_alpha};
   }
 };
 

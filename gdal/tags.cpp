@@ -50,29 +50,32 @@ std::vector<Row> rows_of(const uint8_t *tags, size_t size, const Order &order) {
   return rows;
 }
 
+// Those of a picture of one black pixel, whose samples stand at a place.
+std::vector<Row> picture_rows(const Order &order, const Layout &layout, uint32_t place) {
+  constexpr uint32_t kDark = 1, kColour = 2, kAlpha = 2;
+  const uint32_t bands = uint32_t(layout.bands);
+  std::vector<Row> rows = {
+      row_of(order, 256, kShort, 1),  // width, height, bits of a sample, no compression
+      row_of(order, 257, kShort, 1),     row_of(order, 258, kShort, 8),
+      row_of(order, 259, kShort, 1),     row_of(order, 262, kShort, layout.is_colour ? kColour : kDark),
+      row_of(order, 273, kLong, place),  // the only strip, bands, rows and bytes of it
+      row_of(order, 277, kShort, bands), row_of(order, 278, kShort, 1),
+      row_of(order, 279, kLong, bands)};
+  if (layout.has_alpha) rows.push_back(row_of(order, 338, kShort, kAlpha));
+  return rows;
+}
+
 }  // namespace
 
-std::vector<uint8_t> as_tiff(const uint8_t *tags, size_t size, int bands, std::initializer_list<uint16_t> wanted) {
+std::vector<uint8_t> as_tiff(const uint8_t *tags, size_t size, const Layout &layout,
+                             std::initializer_list<uint16_t> wanted) {
   if (!is_tiff(tags, size)) return {};
   const Order order{tags[0] == 'I'};
   const auto tag_of = [&](const Row &row) { return uint16_t(order.get(row.bytes, 2)); };
-  std::vector<Row> rows;
+  const uint32_t pixel = uint32_t(size + size % 2), directory = pixel + uint32_t(layout.bands + layout.bands % 2);
+  std::vector<Row> rows = picture_rows(order, layout, pixel);
   for (const Row &row : rows_of(tags, size, order))
     if (std::find(wanted.begin(), wanted.end(), tag_of(row)) != wanted.end()) rows.push_back(row);
-  const uint32_t pixel = uint32_t(size + size % 2), directory = pixel + uint32_t(bands + bands % 2);
-  const struct {
-    uint16_t tag, type;
-    uint32_t value;
-  } picture[] = {{256, kShort, 1},  // width, height, bits, compression, 0 is black
-                 {257, kShort, 1},
-                 {258, kShort, 8},
-                 {259, kShort, 1},
-                 {262, kShort, 1},
-                 {273, kLong, pixel},  // strip, bands, rows of a strip, bytes of it
-                 {277, kShort, uint32_t(bands)},
-                 {278, kShort, 1},
-                 {279, kLong, uint32_t(bands)}};
-  for (const auto &entry : picture) rows.push_back(row_of(order, entry.tag, entry.type, entry.value));
   std::stable_sort(rows.begin(), rows.end(), [&](const Row &a, const Row &b) { return tag_of(a) < tag_of(b); });
   std::vector<uint8_t> tiff(tags, tags + size);
   tiff.resize(directory + 2 + kRow * rows.size() + 4);

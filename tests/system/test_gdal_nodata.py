@@ -10,6 +10,7 @@ import pytest
 from gdal_programs import NEEDS_GDAL, Run, info, pixels
 
 import sgicodec
+from sgicodec.metadata import geo, ifd
 from sgicodec.picture import Metadata, Picture
 
 pytestmark = NEEDS_GDAL
@@ -96,17 +97,6 @@ def test_as_many_samples_are_valid(dtype: str, nodata: float, gdal: Run, tmp_pat
     assert valid[0][0] != valid[0][1]
 
 
-def test_samples_next_to_nodata_stay_valid(gdal: Run, tmp_path: Path) -> None:
-    """Noise of 1 to 9 beside a nodata value of 0 that no sample has: all is valid, and stays so."""
-    noise = np.random.default_rng(8).integers(1, 10, (4, HEIGHT, WIDTH)).astype(np.uint8)
-    source = tif_of(tmp_path / "a.tif", noise, 0)
-    sgicodec.imwrite(tmp_path / "a.sgi", source, quality=10, **QUICK)
-    found = info(gdal, tmp_path / "a.sgi", "-stats")["bands"]
-    assert [float(band["metadata"][""]["STATISTICS_VALID_PERCENT"]) for band in found] == [100] * 4
-    for options in ([], ["-outsize", "30%", "30%"], ["-r", "average", "-outsize", "30%", "30%"]):
-        assert pixels(gdal, tmp_path / "a.sgi", tmp_path / "b.tif", *options).min() > 0
-
-
 @pytest.mark.parametrize(("dtype", "nodata", "told"), [("uint16", 7, 7), ("float32", np.nan, "NaN")])
 def test_the_header_alone_says_nodata(dtype: str, nodata: float, told: object, gdal: Run, tmp_path: Path) -> None:
     samples = np.full((40, 50, 2), 9, dtype)
@@ -154,3 +144,32 @@ def test_damaged_tags_are_passed_over(gdal: Run, tmp_path: Path) -> None:
         picture = Picture(np.zeros((8, 9, 3), np.uint8), "multi", (0.0, 255.0), Metadata(geo=blob, exif=blob))
         (tmp_path / "a.sgi").write_bytes(sgicodec.encode(picture, steps=1))
         assert info(gdal, tmp_path / "a.sgi")["size"] == [9, 8]
+
+
+def test_alpha_that_gdal_denies_is_a_band(gdal: Run, tmp_path: Path) -> None:
+    """A stream whose fourth channel the file declared as alpha, while GDAL's metadata call it undefined."""
+    item = '<Item name="COLORINTERP" sample="3" role="colorinterp">Undefined</Item>'
+    text = f"<GDALMetadata>{item}</GDALMetadata>".encode() + b"\0"
+    metadata = Metadata(geo=geo.pack({geo.GDAL_METADATA: ifd.Entry(2, text)}))
+    picture = Picture(np.full((40, 50, 4), 90, np.uint8), "rgba", (0.0, 255.0), metadata)
+    (tmp_path / "a.sgi").write_bytes(sgicodec.encode(picture, steps=1))
+    bands = info(gdal, tmp_path / "a.sgi")["bands"]
+    assert [band["colorInterpretation"] for band in bands] == ["Red", "Green", "Blue", "Undefined"]
+    assert not any("mask" in band for band in bands)
+
+
+@pytest.mark.parametrize("tile", [0, 256])
+def test_a_scene_that_is_valid_everywhere_stays_so(tile: int, gdal: Run, tmp_path: Path) -> None:
+    """In one tile and in several, near infrared that is declared as alpha and called undefined by GDAL."""
+    rasterio = pytest.importorskip("rasterio")
+    noise = np.random.default_rng(8).integers(1, 10, (4, HEIGHT, WIDTH)).astype(np.uint8)
+    source = tif_of(tmp_path / "a.tif", noise, 0, photometric="rgb", alpha="unspecified")
+    with rasterio.open(source, "r+") as file:
+        file.colorinterp = [rasterio.enums.ColorInterp.undefined] * 4
+    sgicodec.imwrite(tmp_path / "a.sgi", source, quality=10, **(QUICK | {"tile": tile}))
+    found, given = (info(gdal, path, "-stats")["bands"] for path in (tmp_path / "a.sgi", source))
+    assert [band["colorInterpretation"] for band in found] == [band["colorInterpretation"] for band in given]
+    assert not any(band["colorInterpretation"] == "Alpha" for band in found)
+    assert [float(band["metadata"][""]["STATISTICS_VALID_PERCENT"]) for band in found] == [100] * 4
+    for options in ([], ["-outsize", 30, 20], ["-r", "average", "-outsize", 180, 120], ["-oo", "EXACT=YES"]):
+        assert pixels(gdal, tmp_path / "a.sgi", tmp_path / "b.tif", *options).min() > 0
