@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 from gdal_programs import NEEDS_GDAL, Run, info
 from PIL import Image
+from surgery import join, split
 
 import sgicodec
+from sgicodec.metadata import geo, ifd
 from sgicodec.picture import Metadata, Picture
 
 pytestmark = NEEDS_GDAL
@@ -83,6 +85,17 @@ def test_a_copy_keeps_it_too(scene: Path, gdal: Run, tmp_path: Path) -> None:
     for given, found in zip(stream["bands"], copy["bands"], strict=True):
         for key in ("description", "offset", "scale", "unit", "noDataValue", "colorInterpretation", "metadata"):
             assert found.get(key) == given.get(key), key
+
+
+def test_statistics_of_the_source_are_left_out(gdal: Run, tmp_path: Path) -> None:
+    """Of a stream that has them, which an encode of a file leaves behind."""
+    names = ("STATISTICS_MEAN", "APPROX_STATISTICS_MEAN", "STATISTICS_VALID_PERCENT", "wavelength")
+    items = "".join(f'<Item name="{name}" sample="0">5</Item>' for name in names)
+    text = f"<GDALMetadata>{items}</GDALMetadata>".encode() + b"\0"
+    metadata = Metadata(geo=geo.pack({geo.GDAL_METADATA: ifd.Entry(2, text)}))
+    head, *others = split(sgicodec.encode(np.zeros((8, 9), np.uint8), steps=1))
+    (tmp_path / "a.sgi").write_bytes(join([head, ("g", metadata.geo or b""), *others]))
+    assert info(gdal, tmp_path / "a.sgi")["bands"][0]["metadata"] == {"": {"wavelength": "5"}}
 
 
 def test_ground_control_points(gdal: Run, tmp_path: Path) -> None:

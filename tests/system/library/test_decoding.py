@@ -15,7 +15,7 @@ from mutate import mutated
 import sgicodec
 from sgicodec.errors import CorruptStreamError, LimitError, SgiError, UnsupportedStreamError
 from sgicodec.metadata.layouts import band_ranges
-from sgicodec.picture import full_range
+from sgicodec.picture import Picture, full_range
 
 pytestmark = [
     pytest.mark.slow,
@@ -77,6 +77,16 @@ def test_a_fraction_of_a_pixel_moves_the_picture(library: Library) -> None:
     moved = handle.draw(x=10.25, y=10.25, width=19.5, height=19.5, columns=39, rows=39, sample=2)
     np.testing.assert_allclose((fine[:-1, :-1] + fine[1:, 1:]) / 2, moved, atol=5e-4)
     assert np.abs(fine[:39, :39] - moved).max() > 2e-3
+
+
+@pytest.mark.parametrize("dtype", SAMPLES)
+def test_a_dead_pixel_is_no_nodata_in_any_type(dtype: str, library: Library) -> None:
+    """It lies below the range, and so at its lower end in another type, where nodata is, too."""
+    pixels = np.tile(np.linspace(100, 900, 50).astype(np.uint16)[:, None], (40, 1, 2))
+    pixels[:9, :, 1], pixels[20, 30, 0] = 0, 3
+    picture = Picture(pixels, "multi", (100.0, 900.0), blank=0.0, exact=True)
+    shown = library.open(sgicodec.encode(picture, steps=1)).draw(sample=SAMPLES.index(dtype))
+    np.testing.assert_array_equal(shown == 0, pixels == 0)
 
 
 def test_sources_are_read_as_they_can_be(library: Library) -> None:
