@@ -80,10 +80,10 @@ typedef struct sgi_info {
   uint32_t width, height, channels;
   int layout;         /* sgi_layout */
   int sample;         /* sgi_sample of the source, and so the one that loses nothing */
-  float low, high;    /* the range of the source's samples: 0 and 1 of the model */
+  float low, high;    /* the range of channel 0; bands may have others: `sgi_get_range` */
   uint32_t tiles;     /* 1 for a picture in one piece */
   uint32_t tile_size; /* largest side of a tile without its apron; 0 for one tile */
-  int has_nodata;     /* whether pixels without content are stored as `nodata` */
+  int has_nodata;     /* whether samples without content are stored as `nodata`, in each channel but alpha by itself */
   double nodata;
   int has_overview;
   uint32_t levels; /* of the pyramid that `sgi_level` describes */
@@ -132,13 +132,16 @@ SGI_API const char *sgi_status_text(sgi_status status);
 SGI_API sgi_status sgi_get_info(sgi_stream *stream, sgi_info *info);
 /* The size of a level: level 0 is the picture, each one half of the one before. */
 SGI_API sgi_status sgi_get_level(sgi_stream *stream, uint32_t level, uint32_t *width, uint32_t *height);
+/* The range of a channel's samples in the source's type: what 0 and 1 of the model stand for. Few samples may lie
+ * outside, as the source has them: dead and hot pixels, not-a-number, nodata. */
+SGI_API sgi_status sgi_get_range(sgi_stream *stream, uint32_t channel, float *low, float *high);
 /* Metadata that the stream holds: `*bytes` is null where there is none. Valid until `sgi_close`. */
 SGI_API sgi_status sgi_get_metadata(sgi_stream *stream, sgi_metadata kind, const void **bytes, size_t *size);
 
 /* Draws into `buffer`: samples by row, then column, then channel; rows are `stride` bytes apart. `buffer` and `stride`
- * are multiples of a sample's size; samples are of the machine's own byte order. Floats span `low` to `high` if the
- * source is of floats, else 0 to 1; 8 and 16 bits of another source span the whole type. After an error nothing can be
- * said of what the buffer holds. */
+ * are multiples of a sample's size; samples are of the machine's own byte order. Those of the source's own type span
+ * the range of their channel; in another type that range becomes the whole type, of floats 0 to 1, and nodata what it
+ * becomes there, 0 where it has no place in it. After an error nothing can be said of what the buffer holds. */
 SGI_API sgi_status sgi_draw(sgi_stream *stream, const sgi_view *view, void *buffer, size_t stride);
 
 /* Decodes all tiles and throws them away again: whether the whole file is sound. `*crc` (may be null) is the CRC-32 of

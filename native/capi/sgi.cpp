@@ -224,6 +224,17 @@ sgi_status sgi_get_level(sgi_stream *stream, uint32_t level, uint32_t *width, ui
   });
 }
 
+sgi_status sgi_get_range(sgi_stream *stream, uint32_t channel, float *low, float *high) {
+  return guarded([&] {
+    const sgi::Header &header = checked(stream).stream.header();
+    require(low && high, "a null pointer for the range");
+    const uint32_t channels = uint32_t(header.spec.channels);
+    if (channel >= channels)
+      misuse("channel " + std::to_string(channel) + "; there are 0 to " + std::to_string(channels - 1));
+    *low = float(header.low[channel]), *high = float(header.high[channel]);
+  });
+}
+
 sgi_status sgi_get_metadata(sgi_stream *stream, sgi_metadata kind, const void **bytes, size_t *size) {
   return guarded([&] {
     require(bytes && size, "a null pointer for the metadata");

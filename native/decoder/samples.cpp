@@ -65,7 +65,7 @@ SampleFormat::SampleFormat(const Header &header, Output output, std::optional<do
       channels(header.spec.channels), alpha(header.alpha()),
       blank(nodata ? nodata_in(header, type_of(output, header.sample_type), nodata) : 0),
       is_mapped_(output != Output::values), is_source_(type == header.sample_type),
-      from_(is_source_ ? header.low : std::vector<double>(channels, 0)),
+      has_nodata_(header.masked == Masked::nodata), from_(is_source_ ? header.low : std::vector<double>(channels, 0)),
       to_(is_source_ ? header.high : std::vector<double>(channels, largest_of(type))), source_from_(header.low),
       source_to_(header.high), nodata_(nodata_in(header, type, nodata)), low_(channels), span_(channels) {
   for (int c = 0; c < channels; ++c) low_[c] = float(from_[c]), span_[c] = float(to_[c] - from_[c]);
@@ -192,7 +192,8 @@ void SampleFormat::state(double sample, int channel, const PixelBlock &block) co
   const float value = low_[channel] + span_[channel] * clipped(float((sample - source_from_[channel]) / span));
   as_type(type, [&](auto *kind) {
     using T = std::remove_pointer_t<decltype(kind)>;
-    const T exact = is_source_ ? T(sample) : stored<T>(value);
+    T exact = is_source_ ? T(sample) : stored<T>(value);
+    if (has_nodata_ && equals(exact, nodata_)) exact = beside_nodata<T>(channel);
     for (int64_t row = 0; row < block.rows; ++row) {
       T *to = static_cast<T *>(block.first) + row * block.stride + channel;
       for (int64_t i = 0; i < block.columns; ++i, to += channels) *to = exact;

@@ -45,7 +45,7 @@ class SampleFormat {
   // Stores nodata in the colours `first` ... `last` - 1 of pixels of a row that are `empty`; where others have its
   // value, they go one step aside.
   void mark_nodata(const uint8_t *empty, const PixelBlock &row, int first, int last) const;
-  // Stores a sample of the source in a channel of all of a block.
+  // Stores a sample of the source in a channel of all of a block; in another type it does not become nodata.
   void state(double sample, int channel, const PixelBlock &block) const;
 
   const SampleType type;
@@ -56,7 +56,7 @@ class SampleFormat {
   template <class T>
   T beside_nodata(int channel) const;
 
-  bool is_mapped_, is_source_;                   // whether samples are of the source's type
+  bool is_mapped_, is_source_, has_nodata_;      // is_source_: whether samples are of the source's type
   std::vector<double> from_, to_;                // [C] the range that is stored
   std::vector<double> source_from_, source_to_;  // [C] the source's
   double nodata_;

@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
+from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
@@ -204,10 +205,12 @@ def _encode_whole(job: _Job, executor: Executor | None) -> tuple[Encoded, str | 
 
 
 def _header_of_whole(header: Header, picture: Picture) -> Header:
-    """The header of a picture in one tile, which says of masks no more than it needs."""
+    """The header of a picture in one tile, which says of masks no more than it needs. A number that is nodata stays,
+    even where no sample has it: none may become it.
+    """
     if header.masked == "nodata":
         nodata = nodata_samples(picture)
-        masked, differ = nodata.any(), bool((nodata != nodata[..., :1]).any())
+        masked, differ = nodata.any() or not isnan(header.nodata), bool((nodata != nodata[..., :1]).any())
     else:
         masked, differ = empty_pixels(picture, header.masked).any(), False
     return replace(header, masked=header.masked if masked else None, has_band_masks=differ)

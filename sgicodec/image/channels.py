@@ -6,15 +6,16 @@ import struct
 from typing import Literal, NamedTuple
 
 from sgicodec.errors import PictureError
-from sgicodec.metadata import ifd
+from sgicodec.metadata import geo, ifd
 from sgicodec.metadata.filebytes import Bytes
+from sgicodec.metadata.gdal_items import last_colour
 
 __all__ = ["AsIs", "Channels", "Last", "declared_channels"]
 
 Last = Literal["alpha", "band", "unused"]
 """What the last of two or four channels is: alpha, a band like the others, or bytes without a meaning."""
 
-_EXTRA_SAMPLES = 338
+_EXTRA_SAMPLES, _SAMPLES_PER_PIXEL = 338, 277
 _BITFIELDS = 3
 _BMP_HEADER, _INFO_HEADER, _LEAST_WITH_ALPHA = 14, 40, 56
 """Bytes of the file header, and of the oldest information headers that have a compression and a mask of alpha."""
@@ -58,11 +59,23 @@ def declared_channels(data: Bytes, kind: str) -> Channels:
             return Channels(second=_colour_space(data) == _CMYK, deep=_is_deep(data))
         if kind == "ico":
             return Channels(second=True)  # OpenImageIO's first icon is the smallest one, as most programs write them
-        if kind == "tiff" and _EXTRA_SAMPLES not in ifd.load(data, {_EXTRA_SAMPLES}):
-            return Channels("band")
+        if kind == "tiff":
+            return Channels(_tiff(data))
     except struct.error:
         pass  # OpenImageIO has the word on damage
     return AsIs
+
+
+def _tiff(data: Bytes) -> Last:
+    """Extra samples are alpha where they are declared at all, unless GDAL calls the last band something else."""
+    directory = ifd.load(data, {_EXTRA_SAMPLES, _SAMPLES_PER_PIXEL, geo.GDAL_METADATA})
+    count, text = directory.get(_SAMPLES_PER_PIXEL), directory.get(geo.GDAL_METADATA)
+    if _EXTRA_SAMPLES not in directory:
+        return "band"
+    if isinstance(count, ifd.Entry) and isinstance(text, ifd.Entry):
+        colour = last_colour(text.data, int.from_bytes(count.data[:2], "little"))
+        return "alpha" if colour in (None, "alpha") else "band"
+    return "alpha"
 
 
 def _bmp(data: Bytes) -> Channels:

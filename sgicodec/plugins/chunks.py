@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -34,18 +35,49 @@ def _picture_shape(shape: Shape) -> Shape:
 
 
 def checked_settings(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """The settings of an encode. Raises UsageError for others."""
+    """The settings of an encode, as JSON has them: "NaN" for not-a-number, lists for tuples. Raises UsageError for
+    others.
+    """
     from sgicodec.encoder.settings import EncodeSettings
 
     unknown = settings.keys() - EncodeSettings.__dataclass_fields__.keys() - set(SAMPLE_SETTINGS)
     if unknown:
         raise UsageError(f"there is no setting {min(unknown)!r}")
     EncodeSettings(**{name: value for name, value in settings.items() if name not in SAMPLE_SETTINGS})
-    return dict(settings)
+    stated = {name: _as_json(value) if name in SAMPLE_SETTINGS else value for name, value in settings.items()}
+    _sample_settings(stated)
+    return stated
 
 
 SAMPLE_SETTINGS = ("sample_range", "nodata")
 """Settings that say what samples mean."""
+
+_RANGES = ("used", "type")
+
+
+def _as_json(value: Any) -> Any:
+    if isinstance(value, tuple | list | np.ndarray):
+        return [_as_json(each) for each in value]
+    number = value.item() if isinstance(value, np.generic) else value
+    if isinstance(number, float) and not math.isfinite(number):
+        return "NaN" if math.isnan(number) else "Infinity" if number > 0 else "-Infinity"
+    return number
+
+
+def _sample_settings(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Those of `SAMPLE_SETTINGS` that are set, as `as_picture` takes them. Raises UsageError for what is none."""
+    found = {name: settings[name] for name in SAMPLE_SETTINGS if settings.get(name) is not None}
+    try:
+        if "nodata" in found:
+            found["nodata"] = float(found["nodata"])
+        if found.get("sample_range", "used") not in _RANGES:
+            low, high = (tuple(level) if isinstance(level, list) else float(level) for level in found["sample_range"])
+            found["sample_range"] = low, high
+    except (TypeError, ValueError):
+        stated = ", ".join(f"{name} {value!r}" for name, value in found.items())
+        numbers = "nodata is a number, sample_range is used, type, two numbers, or two lists with one for each band"
+        raise UsageError(f"{stated}; {numbers}") from None
+    return found
 
 
 def encode_chunk(
@@ -63,9 +95,7 @@ def encode_chunk(
     count = shape[2] if len(shape) == 3 else 1
     layout = channels or {1: "gray", 3: "rgb"}.get(count, "multi")
     pixels = np.ascontiguousarray(chunk).reshape(*shape[:2], count)
-    samples = {name: settings[name] for name in SAMPLE_SETTINGS if settings.get(name) is not None}
-    if isinstance(samples.get("sample_range"), list):  # as JSON has it
-        samples["sample_range"] = tuple(samples["sample_range"])
+    samples = _sample_settings(settings)
     if "nodata" not in samples and fill is not None and _is_padded(pixels, fill):
         samples["nodata"] = fill
     picture = as_picture(pixels, channels=layout, **samples)

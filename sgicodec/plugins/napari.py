@@ -9,8 +9,10 @@ from typing import Any
 
 from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.decoder.stream import Stream, open_stream
+from sgicodec.metadata.gdal_items import band_facts
 from sgicodec.metadata.georeference import resolution
 from sgicodec.metadata.layouts import band_ranges
+from sgicodec.picture import full_range
 from sgicodec.plugins.dask import levels
 from sgicodec.remote.url import has_stream_name, is_url
 
@@ -49,12 +51,24 @@ def _layer(stream: Stream) -> Layer:
     if header.channels in ("rgb", "rgba"):
         options["rgb"] = True
     else:
-        ranges = band_ranges(header.sample_range, header.colours)
-        options["contrast_limits"] = [min(low for low, _ in ranges), max(high for _, high in ranges)]
-        if stream.ndim == 3:
-            options["channel_axis"] = 2
+        ranges = [list(limits) for limits in band_ranges(header.sample_range, header.colours)]
+        if stream.ndim == 2:
+            options["contrast_limits"] = ranges[0]
+        else:
+            alpha = [list(full_range(stream.dtype))] * (stream.shape[2] - header.colours)
+            options |= {
+                "channel_axis": 2,
+                "contrast_limits": ranges + alpha,
+                "name": _band_names(options["name"], stream),
+            }
     scale = resolution(stream.metadata.geo, stream.metadata.exif)
     if scale is not None:
         across, down = scale.microns
         options |= {"scale": (down, across), "units": ("um", "um")}
     return (arrays if len(arrays) > 1 else arrays[0]), options, "image"
+
+
+def _band_names(name: str, stream: Stream) -> list[str]:
+    """Those of the bands' layers, with what the tags call them, else their numbers."""
+    bands = band_facts(stream.metadata.geo, stream.shape[2])
+    return [f"{name} {band.description or number}" for number, band in enumerate(bands, 1)]

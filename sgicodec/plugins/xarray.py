@@ -18,6 +18,7 @@ from xarray.core import indexing  # noqa: E402
 
 from sgicodec.bitstream.container import SIGNATURE  # noqa: E402
 from sgicodec.decoder.stream import Stream, open_stream  # noqa: E402
+from sgicodec.metadata.gdal_items import band_facts  # noqa: E402
 from sgicodec.metadata.georeference import georeference, resolution  # noqa: E402
 from sgicodec.metadata.placement import transformation  # noqa: E402
 from sgicodec.plugins.level_array import LevelArray  # noqa: E402
@@ -83,7 +84,7 @@ def _dataset(stream: Stream, level: int, drop_variables: Any) -> xarray.Dataset:
     data = indexing.LazilyIndexedArray(_Lazy(array))
     attributes = _attributes(stream)
     encoding = {"preferred_chunks": dict(zip(names, array.chunks, strict=True))}
-    variable = xarray.Variable(names, data, attributes, encoding)
+    variable = xarray.Variable(names, data, attributes | _band_attributes(stream), encoding)
     y, x = _coordinates(stream, level)
     dropped = {drop_variables} if isinstance(drop_variables, str) else set(drop_variables or ())
     variables = {name: found for name, found in {_NAME: variable}.items() if name not in dropped}
@@ -100,6 +101,29 @@ def _coordinates(stream: Stream, level: int) -> tuple[NDArray[np.float64], NDArr
     if matrix is None or matrix[0, 1] or matrix[1, 0]:
         return y, x
     return matrix[1, 1] * y + matrix[1, 2], matrix[0, 0] * x + matrix[0, 2]
+
+
+def _band_attributes(stream: Stream) -> dict[str, Any]:
+    """Names, units, scales and offsets of bands, as far as the tags state any. Where bands differ in scale or offset,
+    both stand under names that no decoder of conventions applies to all bands.
+    """
+    bands = band_facts(stream.metadata.geo, stream.header.spec.channels)
+    scales = [1.0 if band.scale is None else band.scale for band in bands]
+    offsets = [0.0 if band.offset is None else band.offset for band in bands]
+    stated = {
+        "long_name": _for_all([band.description or "" for band in bands]),
+        "units": _for_all([band.unit or "" for band in bands]),
+    }
+    if len(set(scales)) > 1 or len(set(offsets)) > 1:
+        stated |= {"scales": scales, "offsets": offsets}
+    elif (scales[0], offsets[0]) != (1, 0):
+        stated |= {"scale_factor": scales[0], "add_offset": offsets[0]}
+    return {name: value for name, value in stated.items() if value != ""}
+
+
+def _for_all(texts: list[str]) -> Any:
+    """One text where all are equal, else all of them."""
+    return texts[0] if len(set(texts)) == 1 else texts
 
 
 def _attributes(stream: Stream) -> dict[str, Any]:

@@ -165,6 +165,12 @@ class Handle:
         self.library.call("sgi_get_level", self.stream, ctypes.c_uint32(level), *out)
         return width.value, height.value
 
+    def range(self, channel: int) -> tuple[float, float]:
+        low, high = ctypes.c_float(), ctypes.c_float()
+        out = ctypes.byref(low), ctypes.byref(high)
+        self.library.call("sgi_get_range", self.stream, ctypes.c_uint32(channel), *out)
+        return low.value, high.value
+
     def metadata(self, kind: int) -> bytes | None:
         data, size = ctypes.c_void_p(), ctypes.c_size_t()
         self.library.call("sgi_get_metadata", self.stream, kind, ctypes.byref(data), ctypes.byref(size))

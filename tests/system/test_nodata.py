@@ -85,6 +85,20 @@ def test_dark_pixels_do_not_become_nodata(pixels: np.ndarray, hole: np.ndarray) 
     np.testing.assert_array_equal(nodata_mask(decoded), hole)
 
 
+@pytest.mark.parametrize("tile", TILES)
+@pytest.mark.parametrize(("value", "text"), [(0, b"0"), (255, b"255")])
+def test_nodata_that_no_sample_has_stays_away(pixels: np.ndarray, tile: int, value: int, text: bytes) -> None:
+    """A picture that is valid everywhere stays so, at any scale, however near to nodata it comes."""
+    noise = np.random.default_rng(2).integers(1, 9, pixels.shape).astype(np.uint8)
+    near = noise if value == 0 else 255 - noise
+    stream = open_stream(
+        encode_picture(holed(near, np.zeros(pixels.shape[:2], bool), value, text), settings(tile)).data
+    )
+    assert stream.header.masked == "nodata"
+    for scale in (None, 0.3, 2.0):
+        assert (stream.read(scale=scale) != value).all()
+
+
 def test_holes_cost_little(pixels: np.ndarray, hole: np.ndarray) -> None:
     whole = Picture(np.ascontiguousarray(pixels), "rgb", (0.0, 255.0))
     picture = holed(pixels, hole, 0, b"0")

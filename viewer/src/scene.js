@@ -173,7 +173,7 @@ export class Scene extends EventTarget {
   /** Why the GPU does not draw all of a stream, as a sentence; empty where it does. */
   whyOf({ decoder, models, planned, isPreview }, camera) {
     if (decoder.info.kind !== "stream") return "";
-    if (!models) return "Workers draw: the picture has alpha, nodata, or 8-bit samples of another range.";
+    if (!models) return "Workers draw: the picture has alpha, nodata, exact samples, or 8 bits of another range.";
     if (!planned) return this.stage.refusal || `Workers draw: ${models.refusal(camera)}.`;
     if (isPreview) return "The GPU draws a preview: workers restore the picture.";
     return planned.plan.missing.length ? "Workers draw until the GPU has all tiles of the file that are seen." : "";

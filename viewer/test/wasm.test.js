@@ -67,7 +67,7 @@ for (const build of ["sgi", "sgi-scalar"]) {
   });
 
   test(`${build}: the model of a tile`, () => {
-    for (const name of ["rgb8", "rgb8-texture", "rgb8-restored", "gray16", "multi8"]) {
+    for (const name of ["rgb8", "rgb8-texture", "rgb8-restored", "gray16", "multi8", "float"]) {
       const { library, stream, info } = opened(module, readFileSync(join(GOLDEN, `${name}.sgi`)));
       assert.ok(info.isPlain);
       const numbers = library.model(stream, 0);
@@ -79,7 +79,7 @@ for (const build of ["sgi", "sgi-scalar"]) {
       assert.equal(atoms > 0, name === "rgb8-texture" || name === "rgb8-restored");
       assert.equal(restored, Number(name === "rgb8-restored"));
     }
-    for (const name of ["rgba8", "gray8-alpha"]) {
+    for (const name of ["rgba8", "gray8-alpha", "multi16-bands", "float-tiles-exact"]) {
       assert.equal(opened(module, readFileSync(join(GOLDEN, `${name}.sgi`))).info.isPlain, false);
     }
   });

@@ -91,7 +91,7 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
         "gray16-restored": (Picture(leaves[..., None], "gray", (0.0, 65535.0)), restored_psnr),
         "rgba8-tiles-restored": (crop_with_alpha, replace(restored, quality=40, tile=100, overview=True)),
         "multi16-bands": (bare_bands(small), textured),
-        "float-tiles-exact": (bare_floats(crop.pixels), replace(textured, tile=100, overview=True)),
+        "float-tiles-exact": (bare_floats(small[:48, :64]), replace(textured, tile=32, overview=True)),
         "one-pixel": (Picture(small[:1, :1], "rgb", (0.0, 255.0)), quick),
     }
 
@@ -109,7 +109,7 @@ def bare_bands(photo: np.ndarray) -> Picture:
 def bare_floats(photo: np.ndarray) -> Picture:
     """Floats with blanks, not-a-number and infinity."""
     pixels = photo.astype(np.float32) / 8 - 5
-    pixels[20:70, 60:130], pixels[90, 95], pixels[10, 10, 1] = -9999, np.inf, np.nan
+    pixels[20:40, 30:50], pixels[40, 55], pixels[10, 10, 1] = -9999, np.inf, np.nan
     return Picture(pixels, "rgb", (-5.0, 27.0), blank=-9999.0, exact=True)
 
 

@@ -91,6 +91,9 @@ def test_null_pointers_are_refused(library: Library) -> None:
         ("sgi_get_level", none, 0, ctypes.byref(number), ctypes.byref(number)),
         ("sgi_get_level", handle.stream, 0, None, ctypes.byref(number)),
         ("sgi_get_level", handle.stream, 0, ctypes.byref(number), None),
+        ("sgi_get_range", none, 0, ctypes.byref(number), ctypes.byref(number)),
+        ("sgi_get_range", handle.stream, 0, None, ctypes.byref(number)),
+        ("sgi_get_range", handle.stream, 0, ctypes.byref(number), None),
         ("sgi_get_metadata", none, 0, ctypes.byref(out), ctypes.byref(size)),
         ("sgi_get_metadata", handle.stream, 0, None, ctypes.byref(size)),
         ("sgi_get_metadata", handle.stream, 0, ctypes.byref(out), None),
@@ -151,6 +154,9 @@ def test_other_arguments_are_looked_at(library: Library) -> None:
     with pytest.raises(LibraryError, match="level 1; there are 0 to 0") as caught:
         handle.level(1)
     assert caught.value.status == "region"
+    with pytest.raises(LibraryError, match="channel 3; there are 0 to 2") as caught:
+        handle.range(3)
+    assert caught.value.status == "usage"
     out = ctypes.c_void_p(5)
     with pytest.raises(LibraryError, match="the file is empty"):
         library.call("sgi_open_memory", None, ctypes.c_size_t(0), None, ctypes.byref(out))

@@ -14,6 +14,8 @@ from mutate import mutated
 
 import sgicodec
 from sgicodec.errors import CorruptStreamError, LimitError, SgiError, UnsupportedStreamError
+from sgicodec.metadata.layouts import band_ranges
+from sgicodec.picture import Picture, full_range
 
 pytestmark = [
     pytest.mark.slow,
@@ -41,9 +43,14 @@ def test_it_tells_and_draws_what_python_does(path: Path, library: Library) -> No
         header = stream.header
         assert (info.width, info.height, info.channels) == (stream.width, stream.height, header.spec.channels)
         assert SAMPLES[info.sample] == header.sample_type
-        np.testing.assert_array_equal([info.low, info.high], np.array(header.sample_range, np.float32))
+        ranges = [*band_ranges(header.sample_range, header.colours)]
+        ranges += [full_range(stream.dtype)] * (info.channels - header.colours)
+        found = [handle.range(channel) for channel in range(info.channels)]
+        np.testing.assert_array_equal(found, np.array(ranges, np.float32))
+        assert (info.low, info.high) == found[0]
         assert (info.tiles, info.tile_size) == (stream.grid.count, header.tile)
         assert info.has_nodata == (header.masked == "nodata")
+        np.testing.assert_equal(info.nodata, header.nodata)
         assert (info.has_overview, info.file_bytes) == (stream.has_overview, path.stat().st_size)
         assert [handle.level(level) for level in range(info.levels)] == [tuple(level[:2]) for level in stream.levels]
         for name, kind in METADATA.items():
@@ -70,6 +77,16 @@ def test_a_fraction_of_a_pixel_moves_the_picture(library: Library) -> None:
     moved = handle.draw(x=10.25, y=10.25, width=19.5, height=19.5, columns=39, rows=39, sample=2)
     np.testing.assert_allclose((fine[:-1, :-1] + fine[1:, 1:]) / 2, moved, atol=5e-4)
     assert np.abs(fine[:39, :39] - moved).max() > 2e-3
+
+
+@pytest.mark.parametrize("dtype", SAMPLES)
+def test_a_dead_pixel_is_no_nodata_in_any_type(dtype: str, library: Library) -> None:
+    """It lies below the range, and so at its lower end in another type, where nodata is, too."""
+    pixels = np.tile(np.linspace(100, 900, 50).astype(np.uint16)[:, None], (40, 1, 2))
+    pixels[:9, :, 1], pixels[20, 30, 0] = 0, 3
+    picture = Picture(pixels, "multi", (100.0, 900.0), blank=0.0, exact=True)
+    shown = library.open(sgicodec.encode(picture, steps=1)).draw(sample=SAMPLES.index(dtype))
+    np.testing.assert_array_equal(shown == 0, pixels == 0)
 
 
 def test_sources_are_read_as_they_can_be(library: Library) -> None:

@@ -13,7 +13,10 @@ from surgery import HEADER_FIELDS, split, with_fields
 from sgicodec.bitstream.header import decode_header, encode_header
 from sgicodec.errors import CorruptStreamError, LimitError, UnsupportedStreamError
 
-GOLDEN = sorted((Path(__file__).parents[2] / "conformance" / "golden").glob("*.sgi"))
+ALL = sorted((Path(__file__).parents[2] / "conformance" / "golden").glob("*.sgi"))
+BARE = [path for path in ALL if path.stem in ("multi16-bands", "float-tiles-exact")]
+GOLDEN = [path for path in ALL if path not in BARE]
+"""Those whose version follows from their model."""
 TEXTURE, LUMA, RESTORATION = 256, 512, 1024
 
 
@@ -29,18 +32,42 @@ def flags_of(payload: bytes) -> int:
     return flags
 
 
-@pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", ALL, ids=lambda path: path.stem)
 def test_headers_come_back_byte_by_byte(path: Path) -> None:
     payload = header_of(path)
     header = decode_header(payload)
     assert encode_header(header)[1:] == payload[1:]
-    newer = 5 if header.spec.restoration else 4 if header.spec.luma_space else 3 if header.spec.texture else 2
+    newer = (
+        6
+        if path in BARE
+        else 5
+        if header.spec.restoration
+        else 4
+        if header.spec.luma_space
+        else 3
+        if header.spec.texture
+        else 2
+    )
     assert payload[0] == newer or (newer, payload[0]) == (2, 1)
     assert encode_header(header)[0] == newer
 
 
 def test_there_are_headers_of_each_version() -> None:
-    assert {header_of(path)[0] for path in GOLDEN} == {1, 2, 3, 4, 5}
+    assert {header_of(path)[0] for path in ALL} == {1, 2, 3, 4, 5, 6}
+
+
+def test_ranges_bands_and_exact_samples_make_it_version_6() -> None:
+    header = decode_header(header_of(next(path for path in GOLDEN if path.stem == "gray16")))
+    assert encode_header(header)[0] == 2
+    for change in ({"sample_range": (0.0, 4095.0)}, {"has_exact": True}):
+        changed = replace(header, **change)
+        assert encode_header(changed)[0] == 6
+        assert decode_header(encode_header(changed)) == changed
+    bands = decode_header(header_of(next(path for path in GOLDEN if path.stem == "multi8")))
+    masked = replace(bands, masked="nodata", has_band_masks=True)
+    assert decode_header(encode_header(masked)) == masked
+    low, high = tuple(float(band) for band in range(5)), tuple(float(band) for band in range(9, 14))
+    assert decode_header(encode_header(replace(bands, sample_range=(low, high)))).sample_range == (low, high)
 
 
 @pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)

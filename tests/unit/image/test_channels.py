@@ -160,3 +160,17 @@ def test_openimageio_still_takes_what_we_do_not(tmp_path: Path) -> None:
     """If this fails, OpenImageIO looks at masks and attribute bits by itself, and less is needed here."""
     (tmp_path / "x.bmp").write_bytes(bmp(bgr(UNUSED), None))
     assert oiio.ImageInput.open(str(tmp_path / "x.bmp")).spec().nchannels == 4
+
+
+@pytest.mark.parametrize(("colour", "layout"), [("alpha", "rgba"), ("undefined", "multi")])
+def test_gdal_has_the_word_on_the_last_band_of_a_tiff(colour: str, layout: str, tmp_path: Path) -> None:
+    """Near infrared that is declared as alpha, which GDAL's metadata call undefined."""
+    tifffile = pytest.importorskip("tifffile")
+    item = f'<Item name="COLORINTERP" sample="3" role="colorinterp">{colour.title()}</Item>'
+    text = f"<GDALMetadata>{item}</GDALMetadata>"
+    pixels = np.concatenate([COLOURS, ALPHA], axis=2)
+    options = {"photometric": "rgb", "extrasamples": ["unassalpha"], "metadata": None}
+    tifffile.imwrite(tmp_path / "a.tif", pixels, extratags=[(42112, "s", 0, text, True)], **options)
+    picture = read(tmp_path / "a.tif")
+    assert picture.channels == layout
+    np.testing.assert_array_equal(picture.pixels, pixels)

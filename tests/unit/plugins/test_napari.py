@@ -11,8 +11,9 @@ import pytest
 
 import sgicodec
 from sgicodec.errors import StreamError
+from sgicodec.metadata import geo, ifd
 from sgicodec.picture import Metadata, Picture
-from sgicodec.plugins.napari import get_reader, read
+from sgicodec.plugins.napari import _layer, get_reader, read
 
 GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
 PICTURES = Path(__file__).parents[2] / "data" / "pictures"
@@ -89,7 +90,9 @@ class TestViewer:
         ("rgb8", {"rgb": True}),
         ("rgba8", {"rgb": True}),
         ("gray16", {"contrast_limits": [0.0, 65535.0]}),
-        ("multi8", {"contrast_limits": [0.0, 255.0], "channel_axis": 2}),
+        ("multi8", {"contrast_limits": [[0.0, 255.0]] * 5, "channel_axis": 2}),
+        ("gray8-alpha", {"contrast_limits": [[0.0, 255.0]] * 2, "channel_axis": 2}),
+        ("multi16-bands", {"contrast_limits": [[100, 900], [100, 1400], [100, 1900], [0, 11000]], "channel_axis": 2}),
     ],
 )
 def test_layers(name: str, expected: dict[str, object]) -> None:
@@ -100,20 +103,27 @@ def test_layers(name: str, expected: dict[str, object]) -> None:
     np.testing.assert_array_equal(np.asarray(data), sgicodec.imread(GOLDEN / f"{name}.sgi"))
 
 
+def test_bands_are_called_as_in_the_source() -> None:
+    item = '<Item name="DESCRIPTION" sample="1" role="description">near infrared</Item>'
+    text = f"<GDALMetadata>{item}</GDALMetadata>".encode() + b"\0"
+    metadata = Metadata(geo=geo.pack({geo.GDAL_METADATA: ifd.Entry(2, text)}))
+    picture = Picture(np.zeros((8, 9, 2), np.uint8), "multi", (0.0, 255.0), metadata)
+    with sgicodec.open(sgicodec.encode(picture, steps=1)) as stream:
+        assert _layer(stream)[1]["name"] == ["stream 1", "stream near infrared"]
+
+
 def with_size() -> bytes:
     """A stream of nine columns of 0.25 micrometres and eight rows of 0.5."""
     rows = bytes.fromhex(
         "0300 1a01 0500 0100 0000 3200 0000 1b01 0500 0100 0000 3a00 0000 2801 0300 0100 0000 0300 0000"
     )
-    geo = b"II*\0\x08\0\0\0" + rows + bytes.fromhex("0000 0000 409c 0000 0100 0000 204e 0000 0100 0000")
-    picture = Picture(np.zeros((8, 9, 1), np.uint8), "gray", (0, 255), Metadata(geo=geo))
+    tags = b"II*\0\x08\0\0\0" + rows + bytes.fromhex("0000 0000 409c 0000 0100 0000 204e 0000 0100 0000")
+    picture = Picture(np.zeros((8, 9, 1), np.uint8), "gray", (0, 255), Metadata(geo=tags))
     return sgicodec.encode(picture, steps=1)
 
 
 def test_pixels_have_a_size() -> None:
     with sgicodec.open(with_size()) as stream:
-        from sgicodec.plugins.napari import _layer
-
         options = _layer(stream)[1]
     assert (options["scale"], options["units"]) == ((0.5, 0.25), ("um", "um"))
 

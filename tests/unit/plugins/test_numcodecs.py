@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+from typing import Any
+
 import numcodecs
 import numpy as np
 import pytest
@@ -22,6 +25,19 @@ def test_the_registry_finds_it() -> None:
     assert codec.get_config() == {"id": "sgicodec", "quality": 80, "steps": 20}
     assert repr(codec) == "Sgi(quality=80, steps=20)"
     assert codec == Sgi(quality=80, steps=20)
+
+
+@pytest.mark.parametrize(
+    "samples",
+    [
+        {"sample_range": ((0, 0), (255, 4095)), "channels": "multi"},
+        {"sample_range": "used", "nodata": 7},
+        {"sample_range": "type", "nodata": float("nan")},
+    ],
+)
+def test_the_registry_makes_an_equal_one_of_json(samples: dict[str, Any]) -> None:
+    codec = Sgi(quality=80, **samples)
+    assert numcodecs.get_codec(json.loads(json.dumps(codec.get_config(), allow_nan=False))) == codec
 
 
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32])

@@ -71,6 +71,41 @@ def test_levels_are_a_tree(on_map: Path) -> None:
     assert list(groups) == ["/", "/scale0", "/scale1", "/scale2"]
 
 
+def scene(folder: Path, scales: tuple[float, ...], offsets: tuple[float, ...]) -> Path:
+    """A stream of two bands of 16 bits that end in different places, of reflectance and of temperature."""
+    rasterio = pytest.importorskip("rasterio")
+    ramp = (np.indices((40, 50)).sum(axis=0) * 30 + 1000).astype(np.uint16)
+    bands = np.stack([ramp, 2 * ramp])
+    bands[0, :9] = bands[1, 30:] = 0
+    profile = {"count": 2, "height": 40, "width": 50, "dtype": "uint16", "nodata": 0, "photometric": "minisblack"}
+    with rasterio.open(folder / "a.tif", "w", driver="GTiff", alpha="no", **profile) as file:
+        file.write(bands)
+        file.descriptions, file.units = ("B4 red", None), ("", "K")
+        file.scales, file.offsets = scales, offsets
+    sgicodec.imwrite(folder / "a.sgi", folder / "a.tif", steps=3)
+    return folder / "a.sgi"
+
+
+def test_scale_and_nodata_are_decoded_by_conventions(tmp_path: Path) -> None:
+    """As xarray decodes those of other formats, band by band."""
+    with xarray.open_dataset(scene(tmp_path, (1e-4, 1e-4), (-0.1, -0.1)), engine="sgicodec") as data:
+        attributes = data["image"].attrs
+        assert attributes["long_name"] == ["B4 red", ""]
+        assert attributes["units"] == ["", "K"]
+        raw = data["image"].values.astype(float)
+        assert [(raw[..., band] == 0).sum() for band in range(2)] == [9 * 50, 10 * 50]
+        decoded = xarray.decode_cf(data)["image"].values
+        np.testing.assert_allclose(decoded, np.where(raw == 0, np.nan, raw * 1e-4 - 0.1), rtol=1e-5)
+
+
+def test_scales_that_differ_are_applied_to_no_band(tmp_path: Path) -> None:
+    with xarray.open_dataset(scene(tmp_path, (1e-4, 1e-4), (-0.1, 0)), engine="sgicodec") as data:
+        attributes = data["image"].attrs
+        assert (attributes["scales"], attributes["offsets"]) == ([1e-4, 1e-4], [-0.1, 0])
+        assert not attributes.keys() & {"scale_factor", "add_offset"}
+        assert attributes["_FillValue"] == 0
+
+
 def test_variables_can_be_left_out(pyramid: Path) -> None:
     with xarray.open_dataset(pyramid, engine="sgicodec", drop_variables="image") as data:
         assert list(data.variables) == ["y", "x"]

@@ -79,6 +79,23 @@ def test_another_program_opens_the_array(tmp_path: Path) -> None:
     np.testing.assert_array_equal(array[:16], sgicodec.imread(tmp_path / "a.zarr" / "c" / "0" / "0"))
 
 
+def test_samples_mean_the_same_when_it_is_opened_again(tmp_path: Path) -> None:
+    """Ranges of bands, and not-a-number, by the array's metadata."""
+    codec = SgiCodec(steps=3, nodata=float("nan"), sample_range=((0.0, 100.0), (1.0, 900.0)))
+    options = {"shape": (32, 40, 2), "chunks": (16, 40, 2), "dtype": "float32", "fill_value": float("nan")}
+    array = zarr.create_array(LocalStore(tmp_path), serializer=codec, compressors=None, **options)
+    again = zarr.open_array(tmp_path)
+    assert again.serializer == codec
+    y, x = np.mgrid[:32, :40]
+    values = np.stack([x / 40, 100 + 20 * y], axis=2).astype(np.float32)
+    values[:5, :, 1] = values[20:, 30:, 0] = np.nan
+    again[:] = values
+    np.testing.assert_array_equal(np.isnan(array[:]), np.isnan(values))
+    assert (np.nanmax(np.abs(array[:] - values), axis=(0, 1)) < [0.2, 160]).all()
+    with sgicodec.open(tmp_path / "c" / "1" / "0" / "0") as stream:
+        assert stream.header.sample_range == ((0, 100), (1, 900))
+
+
 def test_a_part_costs_its_tiles(store: MemoryStore) -> None:
     whole = sgicodec.decode(chunk_of(store))
     counting = Counting(store)

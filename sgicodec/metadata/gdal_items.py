@@ -1,0 +1,78 @@
+"""What GDAL_METADATA says of bands: names, scale and offset, unit, colour, and items of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass, field
+from typing import NamedTuple
+from xml.etree import ElementTree
+
+from sgicodec.metadata import geo
+
+__all__ = ["BandFacts", "band_facts", "last_colour"]
+
+_MOST = 1 << 22
+"""Bytes that are looked at."""
+_STALE = ("statistics_", "approx_statistics_", "tifftag_minsamplevalue", "tifftag_maxsamplevalue")
+"""How the names of items begin that speak of the source's samples."""
+
+
+class _Item(NamedTuple):
+    name: str
+    value: str
+    band: int | None
+    role: str
+    domain: str
+
+
+@dataclass
+class BandFacts:
+    """What is said of a band. A sample stands for `scale` · sample + `offset`; items: whatever else, by name."""
+
+    description: str | None = None
+    unit: str | None = None
+    scale: float | None = None
+    offset: float | None = None
+    items: dict[str, str] = field(default_factory=dict)
+
+
+def band_facts(blob: bytes | None, bands: int) -> list[BandFacts]:
+    """Those of so many bands, by the `geo` blob. Statistics are left out: samples are not those of the source."""
+    found = [BandFacts() for _ in range(bands)]
+    entry = geo.load(blob).get(geo.GDAL_METADATA)
+    for item in _items(b"" if entry is None else entry.data):
+        if item.band is None or item.band >= bands:
+            continue
+        facts, role = found[item.band], item.role.lower()
+        if role == "description":
+            facts.description = item.value or None
+        elif role == "unittype":
+            facts.unit = item.value or None
+        elif role in ("scale", "offset"):
+            with suppress(ValueError):
+                setattr(facts, role, float(item.value))
+        elif not role and not item.domain and not item.name.lower().startswith(_STALE):
+            facts.items[item.name] = item.value
+    return found
+
+
+def last_colour(text: bytes, bands: int) -> str | None:
+    """What GDAL calls the last of so many bands, such as "Undefined", in lower case; None where it says nothing."""
+    named = [item.value.lower() for item in _items(text) if item.role == "colorinterp" and item.band == bands - 1]
+    return named[-1] if named else None
+
+
+def _items(text: bytes) -> Iterator[_Item]:
+    """The items of the tag's text; none of a damaged one, or of one that declares entities."""
+    text = text.split(b"\0", 1)[0]
+    if len(text) > _MOST or b"<!" in text:
+        return
+    try:
+        root = ElementTree.fromstring(text)
+    except (ElementTree.ParseError, ValueError):
+        return
+    for item in root.iter("Item"):
+        sample = item.get("sample", "")
+        band = int(sample) if sample.isascii() and sample.isdecimal() else None
+        yield _Item(item.get("name", ""), item.text or "", band, item.get("role", ""), item.get("domain", ""))

@@ -1,0 +1,5 @@
+"""Fixtures of whole programs."""
+
+from gdal_programs import gdal
+
+__all__ = ["gdal"]
