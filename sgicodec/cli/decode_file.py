@@ -26,7 +26,7 @@ from sgicodec.cli.paths import (
     written_file,
 )
 from sgicodec.cli.pictures import Output, write_bands, write_picture, write_pyramid
-from sgicodec.cli.place import lost_outside_tiff
+from sgicodec.cli.place import lost_in, lost_outside_tiff
 from sgicodec.cli.progress import Mode, row_progress
 from sgicodec.cli.views import ViewOptions
 from sgicodec.device import Device, room_left
@@ -89,7 +89,7 @@ class DecodeJob:
                 raise UsageError("stdout cannot take both the picture and --json; name OUT")
             becomes: Literal["picture"] | None = None if self.named else "picture"
             check_output(target, source, self.force, by_default=self.by_default, becomes=becomes)
-            lost = "" if extension == "tif" else lost_outside_tiff(stream.metadata.geo, extension)
+            lost = lost_in(stream.metadata, extension)
             self._load_writer(target, extension)
             with written_file(target, PictureError) as place, self.limits.held():
                 shown, channels = self._write(stream, place, extension), stream.header.channels

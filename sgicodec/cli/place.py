@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from sgicodec.bitstream.stream_summary import StreamSummary
     from sgicodec.decoder.stream import Stream
+    from sgicodec.metadata.blobs import Metadata
 
-__all__ = ["lost_outside_tiff", "place_facts", "place_lines"]
+__all__ = ["lost_in", "lost_outside_tiff", "place_facts", "place_lines"]
 
 
 def place_facts(stream: StreamSummary | Stream) -> dict[str, Any]:
@@ -58,15 +59,36 @@ def place_lines(facts: Mapping[str, Any]) -> dict[str, str]:
     return lines
 
 
-def lost_outside_tiff(blob: bytes | None, extension: str = "png") -> str:
-    """What of a picture's place and scale a format other than TIFF does not hold, in words; empty if nothing."""
-    if blob is None:
+_TAGS = ("png", "jpg", "webp")
+"""Formats besides TIFF that hold EXIF and XMP."""
+
+
+def lost_in(metadata: Metadata, extension: str) -> str:
+    """What of a picture's metadata a format does not hold, in words; empty if nothing."""
+    if extension == "tif":
         return ""
+    held = extension in _TAGS
+    names = ["EXIF"] * (metadata.exif is not None and not held) + ["XMP"] * (metadata.xmp is not None and not held)
+    names += ["ICC profile"] * (metadata.icc is not None and extension not in (*_TAGS, "jp2", "jxl"))
+    return _listed([*names, *_lost_places(metadata.geo, extension)])
+
+
+def lost_outside_tiff(blob: bytes | None) -> bool:
+    """Whether formats other than TIFF lose something of a picture's place."""
+    return bool(_lost_places(blob, "png"))
+
+
+def _listed(names: list[str]) -> str:
+    return ", ".join(names[:-1]) + (" and " if names[1:] else "") + names[-1] if names else ""
+
+
+def _lost_places(blob: bytes | None, extension: str) -> list[str]:
+    if blob is None:
+        return []
     from sgicodec.metadata import geo
     from sgicodec.metadata.density import density
 
     tags = geo.load(blob).keys()
     names = ["position"] * bool(tags & geo.PLACE) + ["projection"] * (geo.KEYS in tags)
     names += ["nodata value"] * (geo.GDAL_NODATA in tags)
-    names += ["resolution"] * (extension not in ("png", "jpg") and density(blob, None) is not None)
-    return ", ".join(names[:-1]) + (" and " if names[1:] else "") + names[-1] if names else ""
+    return names + ["resolution"] * (extension not in ("png", "jpg") and density(blob, None) is not None)

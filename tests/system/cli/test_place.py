@@ -18,6 +18,7 @@ from sgicodec.metadata import geo, ifd
 from sgicodec.picture import Metadata, Picture
 
 Run = Callable[..., Result]
+ODD = Path(__file__).parents[2] / "data" / "pictures"
 
 
 @pytest.fixture(scope="module")
@@ -201,3 +202,23 @@ def test_statistics_are_not_those_of_new_pixels(sgi: Run, tmp_path: Path) -> Non
     with tifffile.TiffFile(tmp_path / "y.tif") as file:
         assert file.pages.first.tags[42112].value == '<GDALMetadata><Item name="NOTE">kept</Item></GDALMetadata>'
         assert np.array_equal(np.isnan(file.asarray()), np.isnan(pixels))
+
+
+@pytest.mark.parametrize(
+    ("name", "extension", "lost"),
+    [
+        ("exif_gps.jpg", "bmp", "EXIF"),
+        ("exif_gps.jpg", "jxl", "EXIF"),
+        ("exif_gps.jpg", "jpeg", None),
+        ("icc_profile.png", "ppm", "ICC profile"),
+        ("icc_profile.png", "jxl", None),
+    ],
+)
+def test_metadata_that_a_format_does_not_hold_is_named(
+    sgi: Run, tmp_path: Path, name: str, extension: str, lost: str | None
+) -> None:
+    assert sgi("encode", ODD / name, tmp_path / "x.sgi", "--steps", 2).exit_code == 0
+    found = sgi("decode", tmp_path / "x.sgi", tmp_path / f"x.{extension}")
+    assert found.exit_code == 0
+    named = f"sgi: {tmp_path / 'x'}.{extension}: .{extension} does not hold its {lost}; .tif does\n"
+    assert found.stderr == ("" if lost is None else named)
