@@ -197,7 +197,10 @@ def _picture(place: str) -> Picture:
     except (OSError, SgiError):
         is_stream = False  # what reads pictures tells
     if not is_stream:
-        return image.read(place)
+        with image.open_source(place) as source:
+            if source.pages > 1:
+                click.echo(f"sgi: {place}: the first of {source.pages} pages is compared", err=True)
+            return source.read(0, 0, source.width, source.height)
     try:
         with open_stream(place) as stream:
             return stream.picture()

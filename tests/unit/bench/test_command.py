@@ -325,3 +325,22 @@ def test_commands_import_nothing_heavy() -> None:
     code = f"import sys, sgicodec.bench.command; print([m for m in {heavy} if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_compare_says_that_a_file_has_more_pages(tmp_path: Path) -> None:
+    first, second = (Image.fromarray(picture() + level) for level in (0, 9))
+    first.save(tmp_path / "a.tif", save_all=True, append_images=[second])
+    result = call(compare, tmp_path / "a.tif", save(tmp_path / "b.png", picture()))
+    assert result.exit_code == 0
+    assert result.stderr == f"sgi: {tmp_path / 'a.tif'}: the first of 2 pages is compared\n"
+    assert result.stdout.startswith("PSNR                inf dB")
+
+
+def test_compare_names_the_peak_of_deep_pictures(tmp_path: Path) -> None:
+    deep = picture().astype(np.uint16) * 20
+    a, b = tmp_path / "a.tif", tmp_path / "b.tif"
+    for path, pixels in ((a, deep), (b, deep + 4)):
+        sgicodec.write(sgicodec.Picture(pixels, "rgb", (0.0, 65535.0)), path)
+    top = sgicodec.read(a).sample_range[1]
+    expected = 20 * math.log10(top / 4)
+    assert call(compare, a, b).stdout.startswith(f"PSNR                {expected:.3f} dB of the range 0 to {top:g}")
