@@ -17,8 +17,11 @@ __all__ = ["ContextWeights", "layer_shapes", "shaped"]
 F32 = NDArray[np.float32]
 I64 = NDArray[np.int64]
 
-WEIGHT_SHIFT = 8
-"""MLP_p's own weights are multiples of 2^-8."""
+WEIGHT_SHIFT = 6
+"""MLP_p's own weights are multiples of 2^-6."""
+
+HASH_START = 1e-4
+"""θ of the hash grid starts within ± this: near enough to 0 that a sign can turn while the rate counts."""
 
 
 def layer_shapes(spec: ModelSpec) -> list[tuple[tuple[int, ...], ...]]:
@@ -58,7 +61,7 @@ class ContextWeights:
         self.rest: F32 = np.concatenate(rest)
         features = spec.context.hash_features
         self.tables: list[F32] = [
-            (rng.random((n, features), np.float32) * 2 - 1) * np.float32(0.01) for n in hash_sizes
+            (rng.random((n, features), np.float32) * 2 - 1) * np.float32(HASH_START) for n in hash_sizes
         ]
         counts = [math.prod(shape) for shapes in layer_shapes(spec) for shape in shapes[1:]]
         self._counts, self._tensor = np.array(counts, np.float32), np.repeat(np.arange(len(counts)), counts)
@@ -76,6 +79,12 @@ class ContextWeights:
         """Takes the weights of `networks`, of which all but W1 may differ from now on."""
         self.load(networks, trains=False)
         self.networks, self.difference = networks, np.zeros_like(self.rest)
+
+    def centre(self, attributes: F32) -> None:
+        """Makes the biases of the means and scales those of attributes [N, d_A], in base steps, at one coding stage."""
+        *_, biases = shaped([shape for shapes in layer_shapes(self.spec) for shape in shapes[1:]], self.rest)
+        deviation = attributes.std(axis=0)
+        biases[: 2 * len(deviation)] = np.concatenate([attributes.mean(axis=0), np.log2(np.maximum(deviation, 0.25))])
 
     def freeze(self) -> None:
         """Takes the weights that the stream would hold now; nothing trains from now on."""

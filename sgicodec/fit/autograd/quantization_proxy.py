@@ -66,6 +66,7 @@ class QuantizationProxy:
     def __init__(self, spec: ModelSpec, family: int) -> None:
         self.spec = spec
         self.bits_of = bits_laplace if family else bits_gaussian
+        self.dead_zone = DEAD_ZONE if family else 0.0
         self.columns: dict[str, Tensor | None] = {
             g.name: _unless_identity(output_columns(spec, g.name), output_count(spec, g.name)) for g in spec.groups
         }
@@ -77,6 +78,17 @@ class QuantizationProxy:
         counts = base_counts(self.spec)
         parts = torch.split(steps[: sum(counts)], counts)
         return {group.name: part.reshape(-1, LEVELS) for group, part in zip(self.spec.groups, parts, strict=True)}
+
+    def noisy(self, values: dict[str, Tensor], steps: Tensor, scale: float, generator: torch.Generator) -> Sample:
+        """The attributes under noise of their base steps, without MLP_p: as published while bits do not count.
+
+        At a level of the pyramid of this scale, offsets have that much smaller steps.
+        """
+        drawn = []
+        for name, base in self._base(steps.detach()).items():
+            q = self._spread(name, torch.exp2(base.T[self.level])) * (scale if name == "offset" else 1.0)
+            drawn.append(_with_noise(values[name], q, generator))
+        return Sample(torch.cat(drawn, dim=1), torch.zeros(len(self.level)))
 
     def _gamma(self, steps: Tensor) -> dict[str, Tensor]:
         """γ of each group whose steps follow the amplitude."""
@@ -143,15 +155,14 @@ class QuantizationProxy:
         columns = self.columns[name]
         return predicted if columns is None else predicted[:, columns]
 
-    @staticmethod
     def _perturb(
-        value: Tensor, m: Tensor, q: Tensor, s: Tensor, rounding: Rounding, generator: torch.Generator
+        self, value: Tensor, m: Tensor, q: Tensor, s: Tensor, rounding: Rounding, generator: torch.Generator
     ) -> Tensor:
         if rounding == "noise":
-            return value + q * (torch.rand(value.shape, generator=generator) - 0.5)
+            return _with_noise(value, q, generator)
         with torch.no_grad():
             u = (value - m) / q
-            towards_zero = (DEAD_ZONE * q / s).clamp_max(DEAD_ZONE_LIMIT)
+            towards_zero = (self.dead_zone * q / s).clamp_max(DEAD_ZONE_LIMIT)
             shift = m + q * u.sign() * (u.abs() + 0.5 - towards_zero).floor() - value
         return value + shift
 
@@ -204,6 +215,10 @@ class QuantizationProxy:
         if blocks:
             product = product + net.product(number, torch.cat(blocks, dim=1), self.common.shape[1])
         return net.predict(number, product)
+
+
+def _with_noise(value: Tensor, q: Tensor, generator: torch.Generator) -> Tensor:
+    return value + q * (torch.rand(value.shape, generator=generator) - 0.5)
 
 
 def _unless_identity(columns: np.ndarray, outputs: int) -> Tensor | None:

@@ -12,9 +12,13 @@ from sgicodec.profiles.paper import paper_settings
 
 def test_rates_hold_and_then_fall_to_what_is_to_be_left() -> None:
     straight = LearningRates(hold=0.4, final=0.01, decay="linear")
-    assert [straight.left(done) for done in (0.0, 0.4, 0.7, 1.0)] == pytest.approx([1.0, 1.0, 0.505, 0.01])
+    assert [straight.left("offset", done) for done in (0.0, 0.4, 0.7, 1.0)] == pytest.approx([1.0, 1.0, 0.505, 0.01])
     bent = LearningRates(hold=0.5, final=0.01, decay="exponential")
-    assert [bent.left(done) for done in (0.0, 0.5, 0.75, 1.0)] == pytest.approx([1.0, 1.0, 0.1, 0.01])
+    assert [bent.left("offset", done) for done in (0.0, 0.5, 0.75, 1.0)] == pytest.approx([1.0, 1.0, 0.1, 0.01])
+    apart = LearningRates(hold=0.0, decay="exponential", finals={"feature": 1.0, "context": 0.04})
+    assert [apart.left("feature", done) for done in (0.0, 0.5, 1.0)] == [1.0, 1.0, 1.0]
+    assert [apart.left("context", done) for done in (0.0, 0.5, 1.0)] == pytest.approx([1.0, 0.2, 0.04])
+    assert apart.left("offset", 1.0) == pytest.approx(0.01)
 
 
 def test_short_fits_have_greater_rates() -> None:
@@ -72,3 +76,30 @@ def test_parts_under_the_names_of_a_profile() -> None:
     shown = PROFILES["paper"].shown_parts(parts)
     assert sum(shown.values()) == sum(parts.values())
     assert (shown["x_a"], shown["MLPs"], shown["container"]) == (3.0, 3.0, 5.0)
+
+
+def lengths(levels: int, steps: int) -> list[tuple[int, int, str, bool]]:
+    return [(p.level, p.steps, p.rounding, p.rate) for p in paper_settings(0.001, levels, steps).phases]
+
+
+def test_the_published_schedule() -> None:
+    """Noise from steps 300, 3,600 and 9,600 on, or 1,500 for M = 1; the rate counts in the last 3,000."""
+    assert lengths(3, 15_000) == [
+        (2, 300, "none", False),
+        (2, 2700, "noise", False),
+        (1, 600, "none", False),
+        (1, 5400, "noise", False),
+        (0, 600, "none", False),
+        (0, 2400, "noise", False),
+        (0, 3000, "noise", True),
+    ]
+    assert [count for _, count, _, _ in lengths(1, 15_000)] == [1500, 10_500, 3000]
+
+
+def test_a_short_fit_keeps_a_start_without_noise() -> None:
+    """As many steps as a whole fit has, up to 35 % of the level."""
+    free = {steps: [p[1] for p in lengths(3, steps) if p[2] == "none"] for steps in (500, 2500, 30_000)}
+    assert free == {500: [35, 70, 70], 2500: [175, 350, 350], 30_000: [300, 600, 600]}
+    for levels in (1, 2, 3, 4):
+        for steps in (10, 101, 1000, 15_000):
+            assert abs(sum(p[1] for p in lengths(levels, steps)) - steps) <= levels
