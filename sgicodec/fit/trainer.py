@@ -167,7 +167,7 @@ class Trainer:
 
     def _learning_rate(self, name: str, phase: Phase) -> float:
         rates = self.settings.rates
-        speed = 1.0 if name in rates.constant else rates.left(self.schedule.done)
+        speed = rates.left(name, self.schedule.done)
         speed *= self.settings.slowing(self.schedule.steps) if name in SLOWED else 1.0
         trains = {"steps": phase.learn_steps, "context": phase.rate}.get(name, True)
         return float(getattr(rates, name) * (speed * trains))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -30,8 +31,8 @@ class Phase:
 
 @dataclass(frozen=True)
 class LearningRates:
-    """Adam's learning rates at the start; `final` is the fraction that is left at the end of a fit, `hold` how much of
-    it passes before the decay begins, `decay` what its curve is, `constant` names what never decays.
+    """Adam's learning rates at the start; `final` is the share that is left at the end of a fit, `finals` that of the
+    rates that it names, `hold` how much of a fit passes before the decay begins, `decay` what its curve is.
     """
 
     colour: float = 0.028
@@ -48,12 +49,13 @@ class LearningRates:
     final: float = 0.01
     hold: float = 0.4
     decay: Literal["exponential", "linear"] = "linear"
-    constant: tuple[str, ...] = ()
+    finals: Mapping[str, float] = field(default_factory=dict)
 
-    def left(self, done: float) -> float:
-        """What is left of the rates when a fraction `done` of a fit lies behind."""
+    def left(self, name: str, done: float) -> float:
+        """What is left of a rate when a fraction `done` of a fit lies behind."""
+        final = self.finals.get(name, self.final)
         past = max(0.0, (done - self.hold) / (1 - self.hold))
-        return self.final**past if self.decay == "exponential" else 1.0 - (1.0 - self.final) * past
+        return final**past if self.decay == "exponential" else 1.0 - (1.0 - final) * past
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,13 @@ from sgicodec.profiles.paper import paper_settings
 
 def test_rates_hold_and_then_fall_to_what_is_to_be_left() -> None:
     straight = LearningRates(hold=0.4, final=0.01, decay="linear")
-    assert [straight.left(done) for done in (0.0, 0.4, 0.7, 1.0)] == pytest.approx([1.0, 1.0, 0.505, 0.01])
+    assert [straight.left("offset", done) for done in (0.0, 0.4, 0.7, 1.0)] == pytest.approx([1.0, 1.0, 0.505, 0.01])
     bent = LearningRates(hold=0.5, final=0.01, decay="exponential")
-    assert [bent.left(done) for done in (0.0, 0.5, 0.75, 1.0)] == pytest.approx([1.0, 1.0, 0.1, 0.01])
+    assert [bent.left("offset", done) for done in (0.0, 0.5, 0.75, 1.0)] == pytest.approx([1.0, 1.0, 0.1, 0.01])
+    apart = LearningRates(hold=0.0, decay="exponential", finals={"feature": 1.0, "context": 0.04})
+    assert [apart.left("feature", done) for done in (0.0, 0.5, 1.0)] == [1.0, 1.0, 1.0]
+    assert [apart.left("context", done) for done in (0.0, 0.5, 1.0)] == pytest.approx([1.0, 0.2, 0.04])
+    assert apart.left("offset", 1.0) == pytest.approx(0.01)
 
 
 def test_short_fits_have_greater_rates() -> None:
