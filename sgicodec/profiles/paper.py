@@ -14,6 +14,9 @@ __all__ = ["PAPER", "paper_settings", "paper_spec"]
 PAPER_STEPS = 15_000
 """Of the published schedule."""
 
+MOST_FREE = 0.35
+"""Of a level's steps, how many are without noise where the fit is shorter than the published one."""
+
 FINALS = {"offset": 0.1, "decoder_colour": 0.079, "context": 0.045}
 """What is left of the rates that decay: the published curves end at 1 % or less after 30,000 steps, fits at 15,000."""
 
@@ -61,17 +64,21 @@ def paper_settings(lmbda: float, levels: int, steps: int) -> FitSettings:
 
 
 def paper_phases(levels: int, steps: int) -> tuple[Phase, ...]:
-    """The published schedule for M pyramid levels: noise from step 300 of each level, the rate in the last fifth."""
+    """The published schedule for M pyramid levels: each begins without noise, the rate counts in the last fifth.
+
+    Without noise are a tenth of the published length of a level (300, 600 and 600 steps for M = 3), in a shorter fit
+    as many steps, but at most `MOST_FREE` of the level: features cannot leave the noise before they are as large.
+    """
     parts = {1: (1.0,), 2: (0.6, 0.4), 3: (0.2, 0.4, 0.4), 4: (0.1, 0.2, 0.3, 0.4)}
     if levels not in parts:
         raise UsageError(f"levels: {levels}; the paper's schedule knows 1 to 4")
     phases: list[Phase] = []
     for index, part in enumerate(parts[levels]):
         level, count = levels - 1 - index, round(part * steps)
-        free = min(count, max(1, round(300 / PAPER_STEPS * steps)))
-        last = round(0.2 * steps) if level == 0 else 0
+        free = min(count, max(1, round(min(0.1 * part * PAPER_STEPS, MOST_FREE * part * steps))))
+        last = min(count - free, round(0.2 * steps)) if level == 0 else 0
         phases += [Phase(free, level), Phase(count - free - last, level, "noise")]
-        phases += [Phase(last, level, "noise", rate=True, learn_steps=True)] if last else []
+        phases += [Phase(last, level, "noise", rate=True, learn_steps=True)]
     return tuple(phase for phase in phases if phase.steps > 0)
 
 

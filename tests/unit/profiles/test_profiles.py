@@ -76,3 +76,30 @@ def test_parts_under_the_names_of_a_profile() -> None:
     shown = PROFILES["paper"].shown_parts(parts)
     assert sum(shown.values()) == sum(parts.values())
     assert (shown["x_a"], shown["MLPs"], shown["container"]) == (3.0, 3.0, 5.0)
+
+
+def lengths(levels: int, steps: int) -> list[tuple[int, int, str, bool]]:
+    return [(p.level, p.steps, p.rounding, p.rate) for p in paper_settings(0.001, levels, steps).phases]
+
+
+def test_the_published_schedule() -> None:
+    """Noise from steps 300, 3,600 and 9,600 on, or 1,500 for M = 1; the rate counts in the last 3,000."""
+    assert lengths(3, 15_000) == [
+        (2, 300, "none", False),
+        (2, 2700, "noise", False),
+        (1, 600, "none", False),
+        (1, 5400, "noise", False),
+        (0, 600, "none", False),
+        (0, 2400, "noise", False),
+        (0, 3000, "noise", True),
+    ]
+    assert [count for _, count, _, _ in lengths(1, 15_000)] == [1500, 10_500, 3000]
+
+
+def test_a_short_fit_keeps_a_start_without_noise() -> None:
+    """As many steps as a whole fit has, up to 35 % of the level."""
+    free = {steps: [p[1] for p in lengths(3, steps) if p[2] == "none"] for steps in (500, 2500, 30_000)}
+    assert free == {500: [35, 70, 70], 2500: [175, 350, 350], 30_000: [300, 600, 600]}
+    for levels in (1, 2, 3, 4):
+        for steps in (10, 101, 1000, 15_000):
+            assert abs(sum(p[1] for p in lengths(levels, steps)) - steps) <= levels
