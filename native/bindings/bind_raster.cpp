@@ -150,6 +150,17 @@ std::pair<double, double> weighted_squared_error(sgi::Rasterizer &self, F32In2 m
   return {errors.weighted, errors.plain};
 }
 
+std::pair<double, double> absolute_error(sgi::Rasterizer &self, F32In2 means, F32In2 covariances, F32In2 colours,
+                                         F32In3 target, int x0, int y0, float cutoff, float weight, F32Out2 grad_means,
+                                         F32Out2 grad_covariances, F32Out2 grad_colours) {
+  const sgi::Gaussians g = gaussians(means, covariances, colours);
+  const sgi::View v = view(target, g, x0, y0);
+  const sgi::Gradients out = gradients(g, grad_means, grad_covariances, grad_colours);
+  nb::gil_scoped_release release;
+  const sgi::AbsoluteErrors errors = self.absolute_error(g, v, cutoff, target.data(), weight, out);
+  return {weight * errors.absolute, errors.squared};
+}
+
 }  // namespace
 
 void bind_raster(nb::module_ &m) {
@@ -169,6 +180,8 @@ void bind_raster(nb::module_ &m) {
            "cutoff"_a, "weight"_a, "grad_means"_a, "grad_covariances"_a, "grad_colours"_a)
       .def("weighted_squared_error", &weighted_squared_error, "means"_a, "covariances"_a, "colours"_a, "target"_a,
            "weights"_a, "x0"_a, "y0"_a, "cutoff"_a, "grad_means"_a, "grad_covariances"_a, "grad_colours"_a)
+      .def("absolute_error", &absolute_error, "means"_a, "covariances"_a, "colours"_a, "target"_a, "x0"_a, "y0"_a,
+           "cutoff"_a, "weight"_a, "grad_means"_a, "grad_covariances"_a, "grad_colours"_a)
       .def_prop_ro("isa", [](const sgi::Rasterizer &self) { return std::string(sgi::name_of(self.isa())); })
       .def_prop_ro("pairs", &sgi::Rasterizer::pairs);
 }

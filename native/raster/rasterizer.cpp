@@ -151,6 +151,20 @@ SquaredErrors Rasterizer::weighted_squared_error(const Gaussians &g, const View 
   return total;
 }
 
+AbsoluteErrors Rasterizer::absolute_error(const Gaussians &g, const View &view, float cutoff, const float *target,
+                                          float weight, const Gradients &out) {
+  std::vector<AbsoluteErrors> errors(int64_t(view.tiles_x()) * view.tiles_y());
+  differentiate(g, view, cutoff, target, out, [&](int64_t tile, float *drawn, const TileRect &r) {
+    errors[tile] = kernel_.compare_absolute(drawn, g.channels, r, target, view.width, view.height, weight);
+  });
+  AbsoluteErrors total{};
+  for (const AbsoluteErrors &some : errors) {
+    total.absolute += some.absolute;
+    total.squared += some.squared;
+  }
+  return total;
+}
+
 // Sums the partials of every Gaussian in slot order and carries them through the inverse of the covariance.
 void Rasterizer::reduce(const Gaussians &g, const Gradients &out) {
   const int stride = kMoments + g.channels;

@@ -43,6 +43,10 @@ class Rasterizer {
   // The same with weights [height, width] of the pixels: the gradients are those of the weighted sum.
   SquaredErrors weighted_squared_error(const Gaussians &g, const View &view, float cutoff, const float *target,
                                        const float *weights, const Gradients &out);
+  // One pass over the tiles: draws, returns the sums of |I - target| and its square, and the gradients of weight times
+  // the former.
+  AbsoluteErrors absolute_error(const Gaussians &g, const View &view, float cutoff, const float *target, float weight,
+                                const Gradients &out);
 
   Isa isa() const { return isa_; }
   int64_t pairs() const;  // (tile, Gaussian) pairs of the last forward

@@ -28,6 +28,11 @@ struct SquaredErrors {
   double weighted, plain;
 };
 
+// Sums over pixels and channels of |I - target| and of (I - target)^2.
+struct AbsoluteErrors {
+  double absolute, squared;
+};
+
 // Pixels of a tile are [channels][kTileHeight][kTileStride], of which the first kTileWidth of a row count.
 struct TileKernel {
   // Adds the Gaussians of `entries` to a tile whose first pixel is (x0, y0).
@@ -40,6 +45,9 @@ struct TileKernel {
   // The same with the gradient 2 weights (I - target), weights [height, width] of the view; returns both sums.
   SquaredErrors (*compare_weighted)(float *tile, int channels, const TileRect &rect, const float *target,
                                     const float *weights, int64_t width, int64_t height);
+  // The same with the gradient weight sign(I - target), sign(0) = 0; returns both sums, without the weight.
+  AbsoluteErrors (*compare_absolute)(float *tile, int channels, const TileRect &rect, const float *target,
+                                     int64_t width, int64_t height, float weight);
   // Writes partials[slot][kMoments + channels] of every entry, from dL/dI = grad; beyond kTileWidth that must be 0.
   void (*backward)(const Entry *entries, int64_t n, const Splat *splats, const float *colours, int channels, int x0,
                    int y0, const float *grad, float *partials);

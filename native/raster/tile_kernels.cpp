@@ -253,8 +253,42 @@ SquaredErrors compare_weighted(float *tile, int channels, const TileRect &r, con
   return total;
 }
 
+AbsoluteErrors compare_absolute(float *tile, int channels, const TileRect &r, const float *target, int64_t width,
+                                int64_t height, float weight) {
+  AbsoluteErrors total{};
+  for (int c = 0; c < channels; ++c) {
+    vf absolute{}, squared{};
+    for (int y = 0; y < kTileHeight; ++y) {
+      float *row = tile + c * kTilePlane + y * kTileStride;
+      const bool inside = y >= r.row0 && y < r.row1;
+      clear_outside(row, inside ? r.col0 : kTileStride, inside ? r.col1 : kTileStride);
+      if (!inside) continue;
+      const float *wanted = target + (c * height + r.y + y) * width + r.x;
+      int x = r.col0;
+      for (; x + LANES <= r.col1; x += LANES) {
+        const vf error = load(row + x) - load(wanted + x);
+        absolute += absv(error);
+        squared += error * error;
+        store(row + x, weight * signv(error));
+      }
+      for (; x < r.col1; ++x) {
+        const float error = row[x] - wanted[x];
+        total.absolute += absv(error);
+        total.squared += error * error;
+        row[x] = weight * signv(error);
+      }
+    }
+    for (int i = 0; i < LANES; ++i) {
+      total.absolute += absolute[i];
+      total.squared += squared[i];
+    }
+  }
+  return total;
+}
+
 }  // namespace
 
-const TileKernel TileKernel::SGI_ISA{sgi::forward, sgi::compare, sgi::compare_weighted, sgi::backward};
+const TileKernel TileKernel::SGI_ISA{sgi::forward, sgi::compare, sgi::compare_weighted, sgi::compare_absolute,
+                                     sgi::backward};
 
 }  // namespace sgi

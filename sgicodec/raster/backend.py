@@ -121,3 +121,15 @@ class Backend(Protocol[Array]):
     ) -> tuple[tuple[float, float], tuple[Array, Array, Array]]:
         """Σ w (I − target)² with weights [H, W], Σ (I − target)², and the gradients of the former."""
         ...
+
+    def absolute_error(
+        self,
+        means: Array,
+        covariances: Array,
+        colours: Array,
+        target: Array,
+        weight: float,
+        origin: tuple[int, int] = (0, 0),
+    ) -> tuple[tuple[float, float], tuple[Array, Array, Array]]:
+        """weight · Σ |I − target|, Σ (I − target)², and the gradients of the former; 0 where I is the target."""
+        ...

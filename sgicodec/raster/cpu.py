@@ -122,3 +122,17 @@ class NativeRasterizer:
             means, covariances, colours, target, weights, *origin, self.cutoff, *out
         )
         return errors, out
+
+    def absolute_error(
+        self,
+        means: F32,
+        covariances: F32,
+        colours: F32,
+        target: F32,
+        weight: float,
+        origin: tuple[int, int] = (0, 0),
+    ) -> tuple[tuple[float, float], tuple[F32, F32, F32]]:
+        """weight · Σ |I − target|, Σ (I − target)², and the gradients of the former; 0 where I is the target."""
+        out = np.empty_like(means), np.empty_like(covariances), np.empty_like(colours)
+        errors = self._raster.absolute_error(means, covariances, colours, target, *origin, self.cutoff, weight, *out)
+        return errors, out

@@ -84,6 +84,16 @@ class CudaRasterizer:
         )
         return (weighted, plain), gradients
 
+    def absolute_error(
+        self, means: F32, covariances: F32, colours: F32, target: F32, weight: float, origin: tuple[int, int] = (0, 0)
+    ) -> tuple[tuple[float, float], Gaussians]:
+        """weight · Σ |I − target|, Σ (I − target)², and the gradients of the former; 0 where I is the target."""
+        _, height, width = target.shape
+        error = self.forward(means, covariances, colours, width, height, origin) - target
+        slopes = np.float32(weight) * np.sign(error)
+        gradients = self.backward(means, covariances, colours, slopes, origin)
+        return (weight * float(np.abs(error).sum()), float(np.sum(error * error))), gradients
+
     def _image(self, gaussians: Gaussians, view: CudaView, differentiates: bool) -> GpuArray:
         passes = self._binned(gaussians, view, differentiates)
         image = self.gpu.array((passes.channels, view.height, view.width))

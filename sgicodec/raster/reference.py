@@ -77,6 +77,21 @@ class ReferenceRasterizer:
         grads = rasterize_reference_backward(means, covariances, colours, 2 * weights * error, origin)
         return (float(np.sum(weights * error * error)), float(np.sum(error * error))), grads
 
+    def absolute_error(
+        self,
+        means: F64,
+        covariances: F64,
+        colours: F64,
+        target: F64,
+        weight: float,
+        origin: tuple[int, int] = (0, 0),
+    ) -> tuple[tuple[float, float], tuple[F64, F64, F64]]:
+        """weight · Σ |I − target|, Σ (I − target)², and the gradients of the former; 0 where I is the target."""
+        _, height, width = target.shape
+        error = rasterize_reference(means, covariances, colours, width, height, origin) - target
+        grads = rasterize_reference_backward(means, covariances, colours, weight * np.sign(error), origin)
+        return (weight * float(np.abs(error).sum()), float(np.sum(error * error))), grads
+
 
 def rasterize_reference(
     means: F64, covariances: F64, colours: F64, width: int, height: int, origin: tuple[int, int] = (0, 0)

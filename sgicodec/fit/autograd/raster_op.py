@@ -11,7 +11,7 @@ from torch import Tensor
 
 from sgicodec.raster.backend import Backend
 
-__all__ = ["rasterize", "squared_error"]
+__all__ = ["absolute_error", "rasterize", "squared_error"]
 
 F32 = NDArray[np.float32]
 
@@ -54,6 +54,27 @@ class _SquaredError(torch.autograd.Function):
         return (*(torch.from_numpy(g) * grads[0] for g in ctx.grads), None, None)
 
 
+class _AbsoluteError(torch.autograd.Function):
+    @staticmethod
+    def forward(
+        ctx: Any,
+        means: Tensor,
+        covariances: Tensor,
+        colours: Tensor,
+        target: Tensor,
+        raster: Backend[F32],
+    ) -> tuple[Tensor, Tensor]:
+        arrays, weight = _arrays(means, covariances, colours), 1.0 / target.numel()
+        (loss, squared), ctx.grads = raster.absolute_error(*arrays, target.numpy(), weight)
+        sum_of_squares = torch.tensor(squared, dtype=torch.float64)
+        ctx.mark_non_differentiable(sum_of_squares)
+        return torch.tensor(loss), sum_of_squares
+
+    @staticmethod
+    def backward(ctx: Any, *grads: Tensor) -> tuple[Tensor | None, ...]:
+        return (*(torch.from_numpy(g) * grads[0] for g in ctx.grads), None, None)
+
+
 def rasterize(
     means: Tensor, covariances: Tensor, colours: Tensor, size: tuple[int, int], raster: Backend[F32]
 ) -> Tensor:
@@ -67,6 +88,14 @@ def rasterize(
 def squared_error(means: Tensor, covariances: Tensor, colours: Tensor, target: Tensor, raster: Backend[F32]) -> Tensor:
     """Σ (I − target)² over target [C, H, W] in one pass over the tiles, differentiable in the Gaussians."""
     return cast(Tensor, _SquaredError.apply(means, covariances, colours, target, raster))  # type: ignore[no-untyped-call]
+
+
+def absolute_error(
+    means: Tensor, covariances: Tensor, colours: Tensor, target: Tensor, raster: Backend[F32]
+) -> tuple[Tensor, float]:
+    """L1, the mean of |I − target| over target [C, H, W], differentiable in the Gaussians, and Σ (I − target)²."""
+    loss, squared = _AbsoluteError.apply(means, covariances, colours, target, raster)  # type: ignore[no-untyped-call]
+    return cast(Tensor, loss), float(squared)
 
 
 def _arrays(means: Tensor, covariances: Tensor, colours: Tensor) -> tuple[F32, F32, F32]:

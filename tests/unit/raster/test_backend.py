@@ -20,7 +20,8 @@ def parameters(method: Any) -> list[tuple[str, object]]:
 
 
 def test_the_contract_is_what_callers_call() -> None:
-    assert set(CONTRACT) == {"forward", "draw", "backward", "squared_error", "weighted_squared_error"}
+    errors = {"squared_error", "weighted_squared_error", "absolute_error"}
+    assert set(CONTRACT) == {"forward", "draw", "backward", *errors}
 
 
 @pytest.mark.parametrize("backend", BACKENDS)

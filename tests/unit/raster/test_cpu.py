@@ -155,6 +155,32 @@ def test_weighted_squared_error_is_that_of_the_reference(isa: str, channels: int
 
 
 @every_isa
+@pytest.mark.parametrize("channels", [1, 3, 6])
+def test_absolute_error_is_that_of_the_reference(isa: str, channels: int) -> None:
+    rng = np.random.default_rng(channels)
+    scene = random_scene(rng, 60, channels, 70, 45, sigma=(0.5, 6.0), ratio=4.0)
+    target = rng.normal(size=(channels, 45, 70)).astype(np.float32)
+    for origin in ((0, 0), (-7, 21)):
+        found, gradients = NativeRasterizer(Device(2, isa), 7.0).absolute_error(*scene, target, 0.3, origin)
+        wide = target.astype(np.float64)
+        expected, exact_gradients = ReferenceRasterizer().absolute_error(*exact(scene), wide, 0.3, origin)
+        assert found == pytest.approx(expected, rel=1e-6)
+        for one, two in zip(gradients, exact_gradients, strict=True):
+            np.testing.assert_allclose(one, two, atol=2e-4 * np.abs(two).max())
+
+
+@every_isa
+def test_absolute_error_has_no_slope_where_nothing_differs(isa: str) -> None:
+    """Pixels that agree count nothing, in whole vectors and beside them."""
+    scene = random_scene(np.random.default_rng(4), 60, 3, 70, 45, sigma=(0.5, 6.0))
+    raster = NativeRasterizer(Device(2, isa))
+    image = raster.forward(*scene, 70, 45)
+    found, gradients = raster.absolute_error(*scene, image, 1.0)
+    assert found == (0.0, 0.0)
+    assert not any(gradient.any() for gradient in gradients)
+
+
+@every_isa
 def test_weights_of_one_are_plain_squared_error(isa: str) -> None:
     rng = np.random.default_rng(2)
     scene = random_scene(rng, 60, 3, 70, 45, sigma=(0.5, 6.0), ratio=4.0)

@@ -113,6 +113,18 @@ def test_hostile_gaussians_are_left_out() -> None:
         CudaRasterizer(fake_gpu(), most_pairs=100).forward(*wide, 800, 800)
 
 
+def test_absolute_error() -> None:
+    rng = np.random.default_rng(3)
+    scene = random_scene(rng, 60, 3, 50, 40, sigma=(0.5, 6.0))
+    target = rng.normal(size=(3, 40, 50)).astype(np.float32)
+    found, gradients = CudaRasterizer(fake_gpu(), WIDE).absolute_error(*scene, target, 0.7)
+    wanted, expected = ReferenceRasterizer().absolute_error(*exact(scene), target.astype(float), 0.7)
+    assert found == pytest.approx(wanted, rel=1e-5)
+    grad = np.full(target.shape, 0.7)
+    difference = np.abs(whitened(scene, gradients) - whitened(scene, expected))
+    assert np.all(difference <= 2 * BACKWARD * (gradient_magnitude(scene, grad) + 0.1))
+
+
 @pytest.mark.parametrize("weighted", [False, True])
 def test_squared_error_in_one_pass(weighted: bool) -> None:
     rng = np.random.default_rng(2)

@@ -64,6 +64,25 @@ def test_squared_error_against_central_differences() -> None:
     assert (ahead - behind) / 2e-6 == pytest.approx(slope, rel=1e-6)
 
 
+def test_absolute_error_against_central_differences() -> None:
+    rng = np.random.default_rng(9)
+    arrays = exact(random_scene(rng, 3, 2, 8, 6, sigma=(1.0, 3.0), margin=0.0))
+    target = rng.normal(size=(2, 6, 8))
+    raster = ReferenceRasterizer()
+    (absolute, squared), gradients = raster.absolute_error(*arrays, target, 0.25)
+    error = raster.forward(*arrays, 8, 6) - target
+    assert (absolute, squared) == pytest.approx((0.25 * float(np.abs(error).sum()), float(np.sum(error**2))))
+    direction = [rng.normal(size=array.shape) for array in arrays]
+    ahead, behind = (
+        raster.absolute_error(*(a + sign * 1e-6 * d for a, d in zip(arrays, direction, strict=True)), target, 0.25)[0][
+            0
+        ]
+        for sign in (1, -1)
+    )
+    slope = sum(float(np.sum(g * d)) for g, d in zip(gradients, direction, strict=True))
+    assert (ahead - behind) / 2e-6 == pytest.approx(slope, rel=1e-5)
+
+
 def test_weighted_squared_error_against_central_differences() -> None:
     rng = np.random.default_rng(8)
     arrays = exact(random_scene(rng, 3, 2, 8, 6, sigma=(1.0, 3.0), margin=0.0))

@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from sgicodec.device import Device
-from sgicodec.fit.autograd.raster_op import rasterize, squared_error
+from sgicodec.fit.autograd.raster_op import absolute_error, rasterize, squared_error
 from sgicodec.raster.cpu import NativeRasterizer
 from sgicodec.raster.reference import rasterize_reference, rasterize_reference_backward
 
@@ -62,6 +62,21 @@ def test_squared_error_is_that_of_the_image(channels: int) -> None:
     (3.0 * expected).backward()
     for one, two in zip(fused, composed, strict=True):
         np.testing.assert_allclose(one.grad.numpy(), two.grad.numpy(), rtol=1e-4, atol=1e-4)
+
+
+def test_absolute_error_is_the_mean_over_the_image() -> None:
+    target = torch.rand(3, HEIGHT, WIDTH, generator=torch.Generator().manual_seed(1))
+    fused, composed = gaussians(3), gaussians(3)
+    raster = NativeRasterizer(Device(1))
+    loss, squared = absolute_error(*fused, target, raster)
+    image = rasterize(*composed, (WIDTH, HEIGHT), raster)
+    expected = (image - target).abs().mean()
+    assert float(loss.detach()) == pytest.approx(float(expected.detach()), rel=1e-5)
+    assert squared == pytest.approx(float(((image.detach() - target) ** 2).sum()), rel=1e-5)
+    (3.0 * loss).backward()
+    (3.0 * expected).backward()
+    for one, two in zip(fused, composed, strict=True):
+        np.testing.assert_allclose(one.grad.numpy(), two.grad.numpy(), rtol=1e-4, atol=1e-7)
 
 
 def test_a_stale_forward_pass_is_refused() -> None:
