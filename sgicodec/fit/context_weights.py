@@ -20,6 +20,9 @@ I64 = NDArray[np.int64]
 WEIGHT_SHIFT = 8
 """MLP_p's own weights are multiples of 2^-8."""
 
+HASH_START = 1e-4
+"""θ of the hash grid starts within ± this: near enough to 0 that a sign can turn while the rate counts."""
+
 
 def layer_shapes(spec: ModelSpec) -> list[tuple[tuple[int, ...], ...]]:
     """Shapes of W1, b1, W2 and b2 of the network of each coding stage."""
@@ -58,7 +61,7 @@ class ContextWeights:
         self.rest: F32 = np.concatenate(rest)
         features = spec.context.hash_features
         self.tables: list[F32] = [
-            (rng.random((n, features), np.float32) * 2 - 1) * np.float32(0.01) for n in hash_sizes
+            (rng.random((n, features), np.float32) * 2 - 1) * np.float32(HASH_START) for n in hash_sizes
         ]
         counts = [math.prod(shape) for shapes in layer_shapes(spec) for shape in shapes[1:]]
         self._counts, self._tensor = np.array(counts, np.float32), np.repeat(np.arange(len(counts)), counts)
