@@ -141,7 +141,7 @@ class GeneralSeeds {
   void write_places(const std::vector<float> &values, const std::vector<float> &shapes, int64_t seed) const {
     float scales[4] = {1, 1, 1, 1};
     if (spec_.seed_scales)
-      for (int i = 0; i < 4; ++i) scales[i] = std::exp(limited(values[scales_ + i]));
+      for (int i = 0; i < 4; ++i) scales[i] = std::max(values[scales_ + i], 0.0f);
     const float cell = std::ldexp(1.0f, seeds_.log_size[seed]);
     for (int k = 0; k < spec_.per_seed; ++k) {
       const int64_t at = seed * spec_.per_seed + k;

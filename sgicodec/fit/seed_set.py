@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,15 +16,23 @@ from sgicodec.model.gaussians import model_gaussians
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ModelSpec
 
-__all__ = ["SeedSet"]
+__all__ = ["SeedSet", "coded_values"]
 
 F32 = NDArray[np.float32]
+
+
+def coded_values(values: Mapping[str, Any], xp: Any) -> dict[str, Any]:
+    """Attributes by group as they are coded, of those that train, in numpy or torch: the logarithms of s_o and s_a
+    train, they themselves are coded.
+    """
+    return {name: xp.exp(value) if name == "scales" else value for name, value in values.items()}
 
 
 class SeedSet:
     """Starts from what `target` [C, H, W] is in the cells of `layout`.
 
-    layout: where the seeds are now; values: their attributes by group [N, size]; decoders: weights of MLP_c and MLP_Σ.
+    layout: where the seeds are now; values: what trains of their attributes by group [N, size]; decoders: weights of
+    MLP_c and MLP_Σ.
     """
 
     def __init__(
@@ -37,8 +47,13 @@ class SeedSet:
         return len(self.layout)
 
     def attributes(self) -> F32:
-        """The values of all groups side by side [N, d_A]."""
-        return np.concatenate([self.values[group.name] for group in self.spec.groups], axis=1)
+        """The attributes of all groups as they are coded, side by side [N, d_A]."""
+        coded = self.coded()
+        return np.concatenate([coded[group.name] for group in self.spec.groups], axis=1)
+
+    def coded(self) -> dict[str, F32]:
+        """The attributes as they are coded, by group [N, size]."""
+        return coded_values(self.values, np)
 
     def gaussians(self) -> tuple[F32, F32, F32]:
         """Means [N·K, 2], covariances [N·K, 3] and colours [N·K, C] of the exact values."""

@@ -270,7 +270,7 @@ class Trainer:
         order = self.seeds.layout.order()
         return Fitted(
             self.seeds.layout.take(order),
-            {name: value.astype(np.float64)[order] for name, value in self.seeds.values.items()},
+            {name: value.astype(np.float64)[order] for name, value in self.seeds.coded().items()},
             {name: weights.astype(np.float64) for name, weights in self.seeds.decoders.items()},
             rounded_plan(self.spec, self.parameters.steps),
             self.context.integers(),

@@ -91,7 +91,7 @@ def gaussians_from_seeds(
     offsets = attributes[:, spec.group("offset").columns].reshape(n, k, 2)
     scales = xp.ones_like(attributes[:, :4])
     if spec.seed_scales:
-        scales = xp.exp(xp.clip(attributes[:, spec.group("scales").columns], -SHAPE_LIMIT, SHAPE_LIMIT))
+        scales = xp.clip(attributes[:, spec.group("scales").columns], 0.0, None)
     means = centres[:, None, :] + cell[:, None, None] * offsets * scales[:, None, :2]
     build = _log_covariance if spec.shape == "log" else _rotated_covariance
     xx, xy, yy = build(shapes, scales[:, None, 2:], cell[:, None], xp)

@@ -12,9 +12,10 @@ from torch import Tensor
 
 from sgicodec.fit.autograd.context_net import ContextNet
 from sgicodec.fit.autograd.quantization_proxy import QuantizationProxy, Sample
-from sgicodec.fit.autograd.raster_op import rasterize, squared_error
+from sgicodec.fit.autograd.raster_op import absolute_error, rasterize, squared_error
 from sgicodec.fit.parameters import Parameters, StepResult
 from sgicodec.fit.pyramid import Level
+from sgicodec.fit.seed_set import coded_values
 from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ModelSpec
@@ -56,7 +57,7 @@ class AutogradStep:
         net = ContextNet(parameters.context)
         own = {name: a for name, a in parameters.trained().items() if name not in net.leaves}
         leaves = {name: torch.from_numpy(array).requires_grad_() for name, array in own.items()} | net.leaves
-        values = {group.name: leaves[group.name] for group in self.spec.groups}
+        values = coded_values({group.name: leaves[group.name] for group in self.spec.groups}, torch)
         if rounding == "none":
             joined = torch.cat(list(values.values()), dim=1)
             sample = Sample(joined, torch.zeros(len(joined)))
@@ -86,13 +87,13 @@ class AutogradStep:
         if self.settings.loss == "squared" and weights is None:
             error = squared_error(*gaussians, target, self.raster)
             squared, loss, price = float(error.detach()), error, lmbda
+        elif weights is None:
+            loss, squared = absolute_error(*gaussians, target, self.raster)
+            price = lmbda / (len(sample.bits) * self.spec.attributes)
         else:
             image = rasterize(*gaussians, (target.shape[2], target.shape[1]), self.raster)
             squared = float(((image.detach() - target) ** 2).sum())
-            if weights is None:
-                loss, price = (image - target).abs().mean(), lmbda / (len(sample.bits) * self.spec.attributes)
-            else:
-                loss, price = (torch.from_numpy(weights) * (image - target) ** 2).sum(), lmbda
+            loss, price = (torch.from_numpy(weights) * (image - target) ** 2).sum(), lmbda
         if lmbda:
             loss = loss + price * (self._sampled_bits(sample) + net.hash_bits() + net.difference_bits())
         return loss, squared

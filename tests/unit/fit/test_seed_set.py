@@ -89,3 +89,16 @@ def test_gaussians_lie_where_their_seeds_are(spec: ModelSpec) -> None:
         value[:] = 0
     centres = np.repeat([[10.0, 10.0], [14.0, 10.0], [13.0, 13.0]], spec.per_seed, axis=0)
     np.testing.assert_allclose(seeds.gaussians()[0], centres, atol=1e-5)
+
+
+def test_scales_train_as_logarithms() -> None:
+    """They start at half the distance of seeds that cover the picture, in pixels."""
+    spec = paper_spec(3, per_seed=2)
+    seeds, _ = seed_set(spec)
+    coded = seeds.coded()
+    np.testing.assert_allclose(np.log(coded["scales"]), seeds.values["scales"], atol=1e-6)
+    for name in ("feature", "offset"):
+        assert coded[name] is seeds.values[name]
+    np.testing.assert_array_equal(seeds.attributes()[:, spec.group("scales").columns], coded["scales"])
+    fresh = SeedSet(spec, LAYOUT, TARGET, np.random.default_rng(2), ONE_THREAD)
+    np.testing.assert_allclose(fresh.coded()["scales"], 0.5 * (16 * 16 / 4) ** 0.5, rtol=1e-6)

@@ -112,11 +112,11 @@ def test_rotated_covariance_offsets_and_decoders() -> None:
         for k in range(3):
             at = 3 * seed + k
             np.testing.assert_allclose(colours[at], outputs["colour"][2 * k : 2 * k + 2])
-            moved = [offset[2 * k + i] * math.exp(scales[i]) * cell[seed] for i in range(2)]
+            moved = [offset[2 * k + i] * max(scales[i], 0.0) * cell[seed] for i in range(2)]
             np.testing.assert_allclose(means[at], centres[seed] + moved)
             first, second, angle = outputs["shape"][3 * k : 3 * k + 3]
             deviation = [
-                cell[seed] * math.exp(s) / (1 + math.exp(-t)) for s, t in zip(scales[2:], (first, second), strict=True)
+                cell[seed] * max(s, 0.0) / (1 + math.exp(-t)) for s, t in zip(scales[2:], (first, second), strict=True)
             ]
             turn = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
             matrix = turn @ np.diag(deviation) @ np.diag(deviation).T @ turn.T + MIN_VARIANCE * np.eye(2)
@@ -159,3 +159,15 @@ def test_the_largest_values_that_a_stream_can_hold_stay_finite(
     with np.errstate(all="raise", under="ignore"):
         arrays = gaussians_from_seeds(large, attributes, centres, cell, decoders, opponent, np)
     assert all(np.isfinite(array).all() for array in arrays)
+
+
+def test_scales_below_zero_count_as_zero() -> None:
+    """A seed whose scales are none draws all its Gaussians at its centre, as small as they can be."""
+    spec = paper_spec(1, per_seed=2, features=3)
+    attributes, centres, cell, decoders, opponent = inputs_of(spec, 2, np.float64)
+    attributes[:, spec.group("scales").columns] = [[-0.5, 0.0, -3.0, -1e-9], [2.0, 0.0, 0.0, 1.5]]
+    means, covariances, _ = gaussians_from_seeds(spec, attributes, centres, cell, decoders, opponent, np)
+    np.testing.assert_array_equal(means[:2], centres[[0, 0]])
+    np.testing.assert_array_equal(covariances[:2], [[MIN_VARIANCE, 0.0, MIN_VARIANCE]] * 2)
+    moved = 2.0 * cell[1] * attributes[1, spec.group("offset").columns][0::2]
+    np.testing.assert_allclose(means[2:] - centres[1], np.stack([moved, [0.0, 0.0]], axis=1))
