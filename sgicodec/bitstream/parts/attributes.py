@@ -20,7 +20,7 @@ from sgicodec.model.layout import SeedLayout
 from sgicodec.model.native import SeedInputs, quantisers, summarise, write_own_inputs
 from sgicodec.model.neighbours import nearest_seeds
 from sgicodec.model.network import IntNetwork, Prediction
-from sgicodec.model.quantization import quantize
+from sgicodec.model.quantization import DEAD_ZONE, quantize
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import StepPlan, follows_amplitude
 
@@ -114,7 +114,8 @@ class AttributeWriter:
         decoded: I64,
     ) -> None:
         known = quantisers(self.spec, self.plan, name, prediction, amplitude, self.layout.log_size[members], ONE_THREAD)
-        symbols = quantize(values, known.mean, known.step, known.scale)
+        dead_zone = DEAD_ZONE if self.family else 0.0  # a Laplacian's: Gaussian attributes are fitted without
+        symbols = quantize(values, known.mean, known.step, known.scale, dead_zone)
         symbols = np.clip(symbols, -MAX_MAGNITUDE, MAX_MAGNITUDE)
         writer.code(symbols, known.scale + np.int16(SCALES * self.family))
         coded = symbols.astype(np.int32)

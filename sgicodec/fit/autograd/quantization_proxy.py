@@ -66,6 +66,7 @@ class QuantizationProxy:
     def __init__(self, spec: ModelSpec, family: int) -> None:
         self.spec = spec
         self.bits_of = bits_laplace if family else bits_gaussian
+        self.dead_zone = DEAD_ZONE if family else 0.0
         self.columns: dict[str, Tensor | None] = {
             g.name: _unless_identity(output_columns(spec, g.name), output_count(spec, g.name)) for g in spec.groups
         }
@@ -143,15 +144,14 @@ class QuantizationProxy:
         columns = self.columns[name]
         return predicted if columns is None else predicted[:, columns]
 
-    @staticmethod
     def _perturb(
-        value: Tensor, m: Tensor, q: Tensor, s: Tensor, rounding: Rounding, generator: torch.Generator
+        self, value: Tensor, m: Tensor, q: Tensor, s: Tensor, rounding: Rounding, generator: torch.Generator
     ) -> Tensor:
         if rounding == "noise":
-            return value + q * (torch.rand(value.shape, generator=generator) - 0.5)
+            return _with_noise(value, q, generator)
         with torch.no_grad():
             u = (value - m) / q
-            towards_zero = (DEAD_ZONE * q / s).clamp_max(DEAD_ZONE_LIMIT)
+            towards_zero = (self.dead_zone * q / s).clamp_max(DEAD_ZONE_LIMIT)
             shift = m + q * u.sign() * (u.abs() + 0.5 - towards_zero).floor() - value
         return value + shift
 
@@ -204,6 +204,10 @@ class QuantizationProxy:
         if blocks:
             product = product + net.product(number, torch.cat(blocks, dim=1), self.common.shape[1])
         return net.predict(number, product)
+
+
+def _with_noise(value: Tensor, q: Tensor, generator: torch.Generator) -> Tensor:
+    return value + q * (torch.rand(value.shape, generator=generator) - 0.5)
 
 
 def _unless_identity(columns: np.ndarray, outputs: int) -> Tensor | None:

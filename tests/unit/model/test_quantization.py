@@ -84,3 +84,10 @@ def test_a_wider_distribution_leans_less() -> None:
         least.append(float(positions[np.argmax(symbols > 0)]))
         np.testing.assert_array_equal(quantize(-positions, np.zeros(1, np.int64), step, np.full(1, sigma)), -symbols)
     assert 0.8 >= least[0] > least[1] > least[2] > 0.5
+
+
+@given(value, mean, index, scale)
+def test_without_a_dead_zone_the_nearest_is_taken(v: float, m: int, i: int, sigma: int) -> None:
+    step = step_fixed(np.array([i]))
+    symbol = quantize(np.array([v]), np.array([m]), step, np.array([sigma]), dead_zone=0.0)
+    assert abs((m + step[0] * symbol[0]) / ONE - v) <= (0.5 + 1e-6) * step[0] / ONE
