@@ -80,6 +80,12 @@ class ContextWeights:
         self.load(networks, trains=False)
         self.networks, self.difference = networks, np.zeros_like(self.rest)
 
+    def centre(self, attributes: F32) -> None:
+        """Makes the biases of the means and scales those of attributes [N, d_A], in base steps, at one coding stage."""
+        *_, biases = shaped([shape for shapes in layer_shapes(self.spec) for shape in shapes[1:]], self.rest)
+        deviation = attributes.std(axis=0)
+        biases[: 2 * len(deviation)] = np.concatenate([attributes.mean(axis=0), np.log2(np.maximum(deviation, 0.25))])
+
     def freeze(self) -> None:
         """Takes the weights that the stream would hold now; nothing trains from now on."""
         self.networks = self.integers()

@@ -21,7 +21,7 @@ from sgicodec.fit.pyramid import levels_of
 from sgicodec.fit.schedule import Schedule, evenly, passed
 from sgicodec.fit.seed_set import SeedSet
 from sgicodec.fit.step_sizes import flat_steps, rounded_plan
-from sgicodec.model.context import HashGrid
+from sgicodec.model.context import LEVELS, HashGrid
 from sgicodec.model.layout import ROOT_LOG, CellSums, SeedLayout, cell_sums
 from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import ModelSpec
@@ -110,6 +110,7 @@ class Trainer:
         self.gradient_step = self._gradient_step(family, device)
         (self.on_gpu or self.gradient_step).set_layout(self.seeds.layout, self.quality)
         self.step = 0
+        self.centred = False
 
     @property
     def device_name(self) -> str:
@@ -128,6 +129,8 @@ class Trainer:
         for index, phase in enumerate(self.settings.phases):
             if phase.rounding == "round":
                 self._fix_what_is_shared()
+            if phase.rate:
+                self._centre_context()
             prunes, growths = evenly(phase.prune), evenly(phase.grow)
             for fraction in self.schedule.within(index):
                 error, bits = self._step(phase)
@@ -150,6 +153,14 @@ class Trainer:
         self.parameters.steps[:] = flat_steps(self.spec, rounded_plan(self.spec, self.parameters.steps))
         if self.on_gpu is not None:
             self.on_gpu.put()
+
+    def _centre_context(self) -> None:
+        """Lets a new MLP_p of a single coding stage begin at every attribute's mean and deviation."""
+        if self.centred or self.spec.skip or not self.context.trains:
+            return
+        self.centred = True
+        steps = flat_steps(self.spec, rounded_plan(self.spec, self.parameters.steps)).reshape(-1, LEVELS)
+        self.context.centre(self.seeds.attributes() / 2.0 ** steps[:, :1].T)
 
     def _step(self, phase: Phase) -> tuple[float, float]:
         """Squared error and bits of a step, after which everything that trains has moved."""

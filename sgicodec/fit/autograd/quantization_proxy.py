@@ -79,6 +79,17 @@ class QuantizationProxy:
         parts = torch.split(steps[: sum(counts)], counts)
         return {group.name: part.reshape(-1, LEVELS) for group, part in zip(self.spec.groups, parts, strict=True)}
 
+    def noisy(self, values: dict[str, Tensor], steps: Tensor, scale: float, generator: torch.Generator) -> Sample:
+        """The attributes under noise of their base steps, without MLP_p: as published while bits do not count.
+
+        At a level of the pyramid of this scale, offsets have that much smaller steps.
+        """
+        drawn = []
+        for name, base in self._base(steps.detach()).items():
+            q = self._spread(name, torch.exp2(base.T[self.level])) * (scale if name == "offset" else 1.0)
+            drawn.append(_with_noise(values[name], q, generator))
+        return Sample(torch.cat(drawn, dim=1), torch.zeros(len(self.level)))
+
     def _gamma(self, steps: Tensor) -> dict[str, Tensor]:
         """γ of each group whose steps follow the amplitude."""
         names = gamma_names(self.spec)

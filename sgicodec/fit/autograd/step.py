@@ -61,6 +61,8 @@ class AutogradStep:
         if rounding == "none":
             joined = torch.cat(list(values.values()), dim=1)
             sample = Sample(joined, torch.zeros(len(joined)))
+        elif rounding == "noise" and not lmbda and not self.spec.skip:
+            sample = self.proxy.noisy(values, leaves["steps"], level.scale, self.generator)
         else:
             sample = self.proxy.sample(values, net, leaves["steps"], rounding, self.generator)
         decoders = {name: leaves[f"decoder_{name}"] for name in parameters.seeds.decoders}
