@@ -17,8 +17,8 @@ __all__ = ["ContextWeights", "layer_shapes", "shaped"]
 F32 = NDArray[np.float32]
 I64 = NDArray[np.int64]
 
-WEIGHT_SHIFT = 8
-"""MLP_p's own weights are multiples of 2^-8."""
+WEIGHT_SHIFT = 6
+"""MLP_p's own weights are multiples of 2^-6."""
 
 HASH_START = 1e-4
 """θ of the hash grid starts within ± this: near enough to 0 that a sign can turn while the rate counts."""

@@ -8,7 +8,7 @@ from typing import cast
 import torch
 from torch import Tensor
 
-from sgicodec.fit.context_weights import ContextWeights, layer_shapes, shaped
+from sgicodec.fit.context_weights import WEIGHT_SHIFT, ContextWeights, layer_shapes, shaped
 from sgicodec.model.context import INPUT_BITS, HashGrid, hash_inputs, output_count
 from sgicodec.model.network import DIFFERENCE_SHIFT, INPUT_LIMIT
 
@@ -32,6 +32,12 @@ class _Sign(torch.autograd.Function):
 def binarize(theta: Tensor) -> Tensor:
     """Signs of θ with straight-through gradients."""
     return cast(Tensor, _Sign.apply(theta))  # type: ignore[no-untyped-call]
+
+
+def _bits_by_mean(sizes: Tensor) -> Tensor:
+    """Bits of integers of these magnitudes under the Laplacian of their mean, which is taken as given."""
+    mean = sizes.detach().mean() + 0.05
+    return (sizes / (mean * math.log(2.0))).sum() + sizes.numel() * torch.log2(1.0 + 2.0 * mean)
 
 
 class ContextNet:
@@ -61,8 +67,17 @@ class ContextNet:
         if self.difference is None:
             return total
         for part in torch.split(self.difference.abs() * 2.0**DIFFERENCE_SHIFT, self._counts):
-            mean = part.detach().mean() + 0.05
-            total = total + (part / (mean * math.log(2.0))).sum() + len(part) * torch.log2(1.0 + 2.0 * mean)
+            total = total + _bits_by_mean(part)
+        return total
+
+    def weight_bits(self) -> Tensor:
+        """About what the weights of new networks cost: each matrix under the Laplacian of its own mean magnitude."""
+        total = torch.zeros(())
+        if self.difference is not None or not self.trains:
+            return total
+        for w1, _, w2, _ in self.layers:
+            for matrix in (w1, w2):
+                total = total + _bits_by_mean(matrix.abs() * 2.0**WEIGHT_SHIFT)
         return total
 
     def product(self, stage: int, inputs: Tensor, start: int = 0) -> Tensor:

@@ -26,6 +26,9 @@ __all__ = ["AutogradStep"]
 
 F32 = NDArray[np.float32]
 
+LEAST_SAMPLED = 1000
+"""Seeds whose bits are counted in a step, where there are as many: 5 % of few seeds are too few to learn from."""
+
 
 class AutogradStep:
     """A `GradientStep` with squared or mean absolute error, for a picture of `size` (W, H)."""
@@ -97,11 +100,12 @@ class AutogradStep:
             squared = float(((image.detach() - target) ** 2).sum())
             loss, price = (torch.from_numpy(weights) * (image - target) ** 2).sum(), lmbda
         if lmbda:
-            loss = loss + price * (self._sampled_bits(sample) + net.hash_bits() + net.difference_bits())
+            bits = self._sampled_bits(sample) + net.hash_bits() + net.difference_bits() + net.weight_bits()
+            loss = loss + price * bits
         return loss, squared
 
     def _sampled_bits(self, sample: Sample) -> Tensor:
-        share = self.settings.rate_sample
+        share = max(self.settings.rate_sample, LEAST_SAMPLED / len(sample.bits))
         if share >= 1:
             return sample.bits.sum()
         chosen = torch.rand(len(sample.bits), generator=self.generator) < share

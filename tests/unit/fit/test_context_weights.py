@@ -3,13 +3,15 @@
 import numpy as np
 import pytest
 
-from sgicodec.fit.context_weights import ContextWeights
+from sgicodec.fit.context_weights import WEIGHT_SHIFT, ContextWeights
 from sgicodec.model.network import DIFFERENCE_SHIFT, IntNetwork
 from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.default import default_spec
 from sgicodec.profiles.paper import paper_spec
 
 specs = pytest.mark.parametrize("spec", [default_spec(3, prior=0), paper_spec(1, 2, 6)], ids=["default", "paper"])
+
+UNIT = 2.0**-WEIGHT_SHIFT
 
 
 def weights_of(spec: ModelSpec) -> ContextWeights:
@@ -30,7 +32,7 @@ def test_frozen_weights_are_those_of_the_stream(spec: ModelSpec) -> None:
     assert set(weights.trained()) == {f"context.{name}" for name in ("first", "rest", "table0", "table1")}
     weights.freeze()
     assert weights.trained() == {}
-    assert 0 < np.abs(weights.first - before).max() <= 2.0**-9
+    assert 0 < np.abs(weights.first - before).max() <= 0.5 * UNIT
     assert_same(weights.integers(), networks)
 
 
@@ -64,10 +66,10 @@ def test_a_new_network_begins_at_means_and_deviations() -> None:
     attributes[:, 0] = 7.5
     weights.centre(attributes)
     network, d = weights.integers()[0], spec.attributes
-    assert network.b2[0] == 7.5 * 256
-    assert network.b2[d] == -2 * 256
-    np.testing.assert_allclose(network.b2[1:d] / 256, 5.0, atol=0.2)
-    np.testing.assert_allclose(network.b2[d + 1 : 2 * d] / 256, 1.0, atol=0.06)
+    assert network.b2[0] == 7.5 / UNIT
+    assert network.b2[d] == -2 / UNIT
+    np.testing.assert_allclose(network.b2[1:d] * UNIT, 5.0, atol=0.2)
+    np.testing.assert_allclose(network.b2[d + 1 : 2 * d] * UNIT, 1.0, atol=0.06)
     assert not network.b2[2 * d :].any()
     for found, expected in zip(network.arrays[:3], before.arrays[:3], strict=True):
         np.testing.assert_array_equal(found, expected)
