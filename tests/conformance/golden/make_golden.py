@@ -41,7 +41,7 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
     quick = EncodeSettings(quality=50, steps=150, prior=1, texture=False)
     coarse_first = replace(quick, prior=2)  # made before places were predicted, which they are now
     predicted = replace(quick, prior=2)
-    paper = EncodeSettings(profile="paper", seeds=60, per_seed=3, features=12, steps=80)
+    paper = EncodeSettings(profile="paper", seeds=60, per_seed=3, features=12, steps=200, lmbda=0.0001)
     # those named -texture were made before symbols were dependent, and these before there was luma space
     textured = EncodeSettings(quality=75, steps=60, prior=3, texture=True, restoration=False)
     restored = replace(textured, restoration=True)
