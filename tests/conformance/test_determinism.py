@@ -76,13 +76,13 @@ def test_same_bytes_for_any_number_of_threads(
 def test_a_fit_lets_torch_use_one_thread(picture: Picture, monkeypatch: pytest.MonkeyPatch) -> None:
     """A few steps seldom show that sums were shared among threads; the whole of a fit does."""
     before, seen = torch.get_num_threads(), set()
-    plain = NativeRasterizer.forward
+    plain = NativeRasterizer.absolute_error
 
-    def drawn(self: NativeRasterizer, *arguments: Any) -> np.ndarray:
+    def compared(self: NativeRasterizer, *arguments: Any) -> Any:
         seen.add(torch.get_num_threads())
         return plain(self, *arguments)
 
-    monkeypatch.setattr(NativeRasterizer, "forward", drawn)
+    monkeypatch.setattr(NativeRasterizer, "absolute_error", compared)
     torch.set_num_threads(3)
     try:
         encode_picture(picture, EncodeSettings(profile="paper", steps=3, seeds=50, per_seed=1, features=4))
