@@ -89,6 +89,11 @@ class Source:
         return self._opened.page.pages
 
     @property
+    def is_associated(self) -> bool:
+        """Whether its colours are stored multiplied by alpha, so that alpha is opacity."""
+        return self._opened.associated
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """What is left out of the page."""
         return getattr(self._opened.image, "notes", ())
@@ -237,7 +242,8 @@ def open_to_encode(
         origin = origin.read()
     source = open_source(origin, sample_range=sample_range, alpha=alpha, page=page)
     try:
-        if alpha == "auto" and alpha_index(source.channels) is not None and not source.use.opacity:
+        declared = alpha == "auto" and alpha_index(source.channels) is not None and not source.is_associated
+        if declared and not source.use.opacity:
             source.close()
             source = open_source(origin, sample_range=sample_range, alpha="band", page=page)
             note(NO_OPACITY)

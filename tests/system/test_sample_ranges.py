@@ -200,3 +200,11 @@ def test_a_band_that_cannot_be_opacity_is_no_alpha(tmp_path: Path, dtype: str) -
     bands[30:, :, 3] = 0
     bands[..., 3] = np.minimum(bands[..., 3], bands[5, 5, 3])
     assert sgicodec.open(sgicodec.encode(bands, quality=60, effort=1)).header.channels == "rgba"
+
+
+def test_alpha_that_is_multiplied_into_colours_is_opacity() -> None:
+    """Though it be opaque nowhere: what is stored so is no band."""
+    path = Path(__file__).parents[1] / "data" / "pictures" / "tiff_16bit_RGBa.tiff"
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", UserWarning)
+        assert sgicodec.open(sgicodec.encode(path, effort=1)).header.channels == "rgba"
