@@ -86,6 +86,11 @@ class Header:
         return self.spec.channels - (alpha_index(self.channels) is not None)
 
     @property
+    def blank(self) -> float | None:
+        """The sample that means that nothing was measured, None for none."""
+        return self.nodata if self.masked == "nodata" else None
+
+    @property
     def grid(self) -> TileGrid:
         """Where the tiles are."""
         return TileGrid(self.width, self.height, self.tile, self.apron)

@@ -50,5 +50,4 @@ class Bands:
             pixels = self._draw(top, min(self.rows, self.height - top))
             from sgicodec.picture import Picture  # loads numpy, and another thread may do so while it is drawn
 
-            blank = header.nodata if header.masked == "nodata" else None
-            yield top, Picture(pixels, header.channels, header.sample_range, self.metadata, blank)
+            yield top, Picture(pixels, header.channels, header.sample_range, self.metadata, header.blank)

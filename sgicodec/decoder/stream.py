@@ -198,8 +198,7 @@ class Stream(ArrayView):
         pixels = self._draw(view, header.sample_type, 0, view.rows)
         from sgicodec.picture import Picture  # loads numpy, and another thread may do so while it is drawn
 
-        blank = header.nodata if header.masked == "nodata" else None
-        return Picture(pixels, header.channels, header.sample_range, view_metadata(self, header, view), blank)
+        return Picture(pixels, header.channels, header.sample_range, view_metadata(self, header, view), header.blank)
 
     def bands(
         self,

@@ -71,8 +71,7 @@ def overview_picture(plan: Plan, read: Callable[[int, int, int, int], Picture]) 
         done = down.whole(bottom) - band.first
         pixels[band.first : band.first + done] = _samples(plan, band.total[:done], band.nothing[:done])
         band = _Band(band.first + done, band.total[done:], band.nothing[done:])
-    blank = header.nodata if header.masked == "nodata" else None
-    return Picture(pixels, header.channels, header.sample_range, blank=blank)
+    return Picture(pixels, header.channels, header.sample_range, blank=header.blank)
 
 
 class _Band(NamedTuple):

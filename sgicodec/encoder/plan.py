@@ -66,12 +66,11 @@ class Plan:
     def of_header(self, window: Picture) -> Picture:
         """A window as the header describes its samples, without metadata."""
         header = self.header
-        blank = header.nodata if header.masked == "nodata" else None
         return Picture(
             window.pixels,
             header.channels,
             header.sample_range,
-            blank=blank,
+            blank=header.blank,
             exact=header.has_exact,
             eight_bits=self.eight_bits,
         )

@@ -92,7 +92,7 @@ class ReadingTask(Generic[Result]):
         """What the task makes of the tile. Raises PictureError for another picture than the plan's."""
         header, asked = self.plan.header, time.monotonic()
         with _reading:
-            use = SampleUse(header.sample_range, header.nodata if header.masked == "nodata" else None, header.has_exact)
+            use = SampleUse(header.sample_range, header.blank, header.has_exact)
             source = _opened(self.place, use, _ALPHA.get(header.channels, "auto"), self.page)
             found = source.width, source.height, source.channels, str(source.dtype)
             if found != (header.width, header.height, header.channels, header.sample_type):
