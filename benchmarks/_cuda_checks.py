@@ -23,7 +23,7 @@ from sgicodec.errors import SgiError
 from sgicodec.errors import require as need
 from sgicodec.fit.adam import Adam, Moments
 from sgicodec.fit.device_fit import DeviceFit
-from sgicodec.fit.fused_step import NoiseKey
+from sgicodec.fit.noise_key import NoiseKey
 from sgicodec.fit.parameters import Parameters
 from sgicodec.fit.trainer import Trainer
 from sgicodec.metrics.distortion import squared_error
@@ -68,10 +68,10 @@ def check_gradients(gpu: Gpu) -> str:
     scene = SMALL.gaussians()
     target = np.random.default_rng(1).random((3, SMALL.height, SMALL.width), np.float32)
     raster = CudaRasterizer(gpu, cutoff=6.0)
-    error, found = raster.squared_error(*scene, target, 1.0)
+    (error, _), found = raster.error(*scene, target)
     again = raster.backward(*scene, 2 * (raster.forward(*scene, SMALL.width, SMALL.height) - target))
     means, covariances, colours = (array.astype(np.float64) for array in scene)
-    value, expected = ReferenceRasterizer().squared_error(means, covariances, colours, target.astype(np.float64), 1.0)
+    (value, _), expected = ReferenceRasterizer().error(means, covariances, colours, target.astype(np.float64))
     pairs = (*zip(found, expected, strict=True), *zip(again, expected, strict=True))
     apart = max(_apart(a, b) for a, b in pairs)
     require(abs(error / value - 1) < 1e-5 and apart < 1e-4, "gradients are not those of the reference")
@@ -155,7 +155,7 @@ def check_repeats(gpu: Gpu, size: Scene) -> str:
     """The same bytes from repeated passes over many tiles."""
     scene = size.gaussians()
     target = np.zeros((size.channels, size.height, size.width), np.float32)
-    runs = [CudaRasterizer(gpu).squared_error(*scene, target, 1.0) for _ in range(3)]
+    runs = [CudaRasterizer(gpu).error(*scene, target) for _ in range(3)]
     same = all(np.array_equal(a, b) for run in runs[1:] for a, b in zip(run[1], runs[0][1], strict=True))
     require(same and len({error for error, _ in runs}) == 1, "repeated passes differ")
     return "equal bytes in three runs"

@@ -105,7 +105,8 @@ def timed(gpu: Gpu, launch: Callable[[], None], repeat: int) -> float:
 def measure_scene(gpu: Gpu, scene: Scene, repeat: int) -> dict[str, float]:
     """Milliseconds of the passes over a scene, alone and as one graph."""
     raster, target = CudaRasterizer(gpu), np.zeros((scene.channels, scene.height, scene.width), np.float32)
-    raster.squared_error(*scene.gaussians(), target, 1.0)
+    for loss in ("squared", "absolute"):
+        raster.error(*scene.gaussians(), target, loss)
     assert raster._drawn is not None
     passes, held = raster._drawn[1], gpu.put(target)
     out = [gpu.array((scene.count, size)) for size in (2, 3, scene.channels)]
@@ -120,7 +121,7 @@ def measure_scene(gpu: Gpu, scene: Scene, repeat: int) -> dict[str, float]:
         whole()
     parts = {
         "binning": passes.bin,
-        "forward, error, backward": lambda: passes.over_tiles("squared_error"),
+        "forward, error, backward": lambda: passes.over_tiles("error"),
         "reduce": passes.reduce,
         "graph of all": graph.launch,
     }
@@ -129,7 +130,7 @@ def measure_scene(gpu: Gpu, scene: Scene, repeat: int) -> dict[str, float]:
 
 def _all(passes: TilePasses) -> None:
     passes.bin()
-    passes.over_tiles("squared_error")
+    passes.over_tiles("error")
     passes.reduce()
 
 
@@ -153,7 +154,7 @@ def print_resources() -> None:
         started = time.process_time()
         found = the_compiler().resources(architecture)
         most = [max(column) for column in zip(*found.values(), strict=True)]
-        tile = max(needs.registers for name, needs in found.items() if name.startswith("squared_error"))
+        tile = max(needs.registers for name, needs in found.items() if name.startswith("error"))
         click.echo(
             f"sm_{architecture}: {len(found)} kernels in {time.process_time() - started:.1f} s; at most {most[0]} "
             f"registers, {most[1]} bytes shared, {most[2]} spilled; squared error {tile} registers"

@@ -104,7 +104,7 @@ def measure(scene: Scene, threads: int = 0, isa: str = "auto", repeat: int = 20)
     passes: list[Callable[[], object]] = [
         lambda: raster.forward(*gaussians, scene.width, scene.height),
         lambda: raster.backward(*gaussians, target),
-        lambda: raster.squared_error(*gaussians, target, 1.0),
+        lambda: raster.error(*gaussians, target),
     ]
     forward, backward, fused = median_seconds(passes, repeat)
     pairs = pairs_within(gaussians, DEFAULT_CUTOFF, scene.width, scene.height)

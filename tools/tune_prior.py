@@ -26,7 +26,6 @@ from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.fit.autograd.rate import bits_laplace
 from sgicodec.image import read
 from sgicodec.model.context import INPUT_BITS, LEVELS, input_count, nearest_by_pass, output_columns
 from sgicodec.model.native import SeedInputs, quantisers, summarise, write_own_inputs
@@ -35,6 +34,7 @@ from sgicodec.model.network import INPUT_LIMIT, IntNetwork
 from sgicodec.model.quantization import FRACTION_BITS, PER_OCTAVE, STEP_ZERO
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import follows_amplitude
+from tools.autograd.rate import bits_laplace
 from tools.prior_file import write_prior
 
 __all__ = ["Seen", "seen_in", "tune"]

@@ -1,5 +1,6 @@
 // Gaussians onto the pixels of a tile, and the pixels compared with the target.
 #pragma once
+#include "base/scalar.hpp"
 #include "cuda/raster/tile_memory.hpp"
 
 namespace sgi {
@@ -64,25 +65,27 @@ inline int64_t sample_at(const RasterArguments &a, const TileView &v, Place p, i
   return (int64_t(channel) * a.height + v.y + p.row) * a.width + v.x + p.column;
 }
 
-// Turns drawn pixels into dL/dI in shared memory, and leaves the tile's squared error without and with weights.
-template <int C, int THREADS>
+// Turns drawn pixels into dL/dI in shared memory, and leaves the tile's squared error without weights, and its loss.
+template <int C, bool ABSOLUTE, int THREADS>
 inline void compare_tile(const ThreadBlock<THREADS> &block, const RasterArguments &a, const TileView &v,
                          TileMemory<C> &memory, PerThread<Pixels<C>, THREADS> &pixels) {
   block.each([&](int t) {
-    double sum = 0, weighted = 0;
+    float sum = 0, loss = 0;  // of 32 errors at most
     for (int q = 0; q < kSubTiles; ++q) {
       const Place p = pixel_of(t, q);
       const bool visible = is_visible(v, p);
-      const float weight = a.weights && visible ? a.weights[int64_t(v.y + p.row) * a.width + v.x + p.column] : a.weight;
+      float weight = a.weight;
+      if (a.weights && visible) weight *= a.weights[int64_t(v.y + p.row) * a.width + v.x + p.column];
       for (int c = 0; c < C; ++c) {
         const float error = visible ? pixels[t].value[q][c] - a.target[sample_at(a, v, p, c)] : 0.0f;
-        memory.slope[c][p.row][p.column] = 2.0f * weight * error;
+        const float slope = weight * (ABSOLUTE ? signv(error) : 2.0f * error);
+        memory.slope[c][p.row][p.column] = slope;
         sum += error * error;
-        weighted += weight * error * error;
+        loss += slope * error;
       }
     }
     memory.error[0][t] = sum;
-    memory.error[1][t] = weighted;
+    memory.error[1][t] = ABSOLUTE ? loss : 0.5f * loss;
   });
   block.each([&](int t) {  // in two stages: a chain of all threads would be long
     if (t >= 2 * kWarp) return;

@@ -25,13 +25,12 @@ inline void forward_tile(const ThreadBlock<kTileThreads> &block, const RasterArg
   });
 }
 
-template <int C>
-inline void squared_error_tile(const ThreadBlock<kTileThreads> &block, const RasterArguments &a,
-                               TileMemory<C> &memory) {
+template <int C, bool ABSOLUTE>
+inline void error_tile(const ThreadBlock<kTileThreads> &block, const RasterArguments &a, TileMemory<C> &memory) {
   const TileView v = tile_view(a, block.index());
   PerThread<Pixels<C>, kTileThreads> pixels;
   draw_tile<C>(block, a, v, memory, pixels);
-  compare_tile<C>(block, a, v, memory, pixels);
+  compare_tile<C, ABSOLUTE>(block, a, v, memory, pixels);
   differentiate_tile<C>(block, a, v, memory);
 }
 
@@ -50,18 +49,22 @@ inline void backward_tile(const ThreadBlock<kTileThreads> &block, const RasterAr
 
 }  // namespace
 
-#define SGI_TILE_KERNELS(C)                                      \
-  SGI_KERNEL(forward_##C, kTileThreads, RasterArguments) {       \
-    SGI_SHARED(TileMemory<C>, memory);                           \
-    forward_tile<C>(block, a, memory);                           \
-  }                                                              \
-  SGI_KERNEL(squared_error_##C, kTileThreads, RasterArguments) { \
-    SGI_SHARED(TileMemory<C>, memory);                           \
-    squared_error_tile<C>(block, a, memory);                     \
-  }                                                              \
-  SGI_KERNEL(backward_##C, kTileThreads, RasterArguments) {      \
-    SGI_SHARED(TileMemory<C>, memory);                           \
-    backward_tile<C>(block, a, memory);                          \
+#define SGI_TILE_KERNELS(C)                                       \
+  SGI_KERNEL(forward_##C, kTileThreads, RasterArguments) {        \
+    SGI_SHARED(TileMemory<C>, memory);                            \
+    forward_tile<C>(block, a, memory);                            \
+  }                                                               \
+  SGI_KERNEL(error_##C, kTileThreads, RasterArguments) {          \
+    SGI_SHARED(TileMemory<C>, memory);                            \
+    error_tile<C, false>(block, a, memory);                       \
+  }                                                               \
+  SGI_KERNEL(absolute_error_##C, kTileThreads, RasterArguments) { \
+    SGI_SHARED(TileMemory<C>, memory);                            \
+    error_tile<C, true>(block, a, memory);                        \
+  }                                                               \
+  SGI_KERNEL(backward_##C, kTileThreads, RasterArguments) {       \
+    SGI_SHARED(TileMemory<C>, memory);                            \
+    backward_tile<C>(block, a, memory);                           \
   }
 SGI_TILE_KERNELS(1)
 SGI_TILE_KERNELS(2)

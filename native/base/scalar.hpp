@@ -7,6 +7,8 @@
 namespace sgi {
 namespace {
 
+constexpr float kLog2e = 1.44269504f;
+
 template <class T>
 T select(bool mask, T yes, T no) {
   return mask ? yes : no;
@@ -21,6 +23,10 @@ inline float exp2v(float x) { return std::exp2(x); }
 inline float log2v(float x) { return std::log2(x); }
 inline float rootv(float x) { return std::sqrt(x); }
 inline double rootv(double x) { return std::sqrt(x); }
+inline void sine_cosine(float x, float &sine, float &cosine) {
+  sine = std::sin(x);
+  cosine = std::cos(x);
+}
 inline float floorv(float x) { return std::floor(x); }
 inline float signv(float x) { return x > 0.0f ? 1.0f : x < 0.0f ? -1.0f : 0.0f; }
 inline bool is_finite(double x) { return x - x == 0; }

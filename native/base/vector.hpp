@@ -109,6 +109,27 @@ inline vf inverse_cube_root(vf x) {
   return y;
 }
 
+// Sine and cosine to about 1e-7 for |x| < 2^13: a quarter turn is taken off in three parts, and polynomials of the
+// least greatest error do the rest.
+inline void sine_cosine(vf x, vf &sine, vf &cosine) {
+  const vf magic = vf{} + 12582912.0f;
+  const vf t = x * 0.63661977f + magic, turns = t - magic;
+  const vi quarter = (vi)t;
+  const vf r = ((x - turns * 1.5703125f) - turns * 4.8375129699707031e-4f) - turns * 7.549789948768648e-8f;
+  const vf rr = r * r;
+  vf s = vf{} - 1.9515295891e-4f;
+  s = s * rr + 8.3321608736e-3f;
+  s = s * rr - 1.6666654611e-1f;
+  s = s * rr * r + r;
+  vf c = vf{} + 2.443315711809948e-5f;
+  c = c * rr - 1.388731625493765e-3f;
+  c = c * rr + 4.166664568298827e-2f;
+  c = c * rr * rr - 0.5f * rr + 1.0f;
+  const vi swaps = (quarter & 1) != 0, negative_sine = (quarter & 2) << 30, negative_cosine = ((quarter + 1) & 2) << 30;
+  sine = (vf)((vi)select(swaps, c, s) ^ negative_sine);
+  cosine = (vf)((vi)select(swaps, s, c) ^ negative_cosine);
+}
+
 // Square root. A loop of its own is what compilers make one instruction of.
 inline vf rootv(vf x) {
   float lanes[LANES];

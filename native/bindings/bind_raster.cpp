@@ -127,38 +127,19 @@ void backward(sgi::Rasterizer &self, F32In2 means, F32In2 covariances, F32In2 co
   self.backward(g, v, grad.data(), out);
 }
 
-double squared_error(sgi::Rasterizer &self, F32In2 means, F32In2 covariances, F32In2 colours, F32In3 target, int x0,
-                     int y0, float cutoff, float weight, F32Out2 grad_means, F32Out2 grad_covariances,
-                     F32Out2 grad_colours) {
+std::pair<double, double> error(sgi::Rasterizer &self, F32In2 means, F32In2 covariances, F32In2 colours, F32In3 target,
+                                int x0, int y0, float cutoff, bool absolute, float weight,
+                                std::optional<F32In2> weights, F32Out2 grad_means, F32Out2 grad_covariances,
+                                F32Out2 grad_colours) {
   const sgi::Gaussians g = gaussians(means, covariances, colours);
   const sgi::View v = view(target, g, x0, y0);
+  require(!weights || has_shape(*weights, target.shape(1), target.shape(2)), "weights must be [H, W]");
   const sgi::Gradients out = gradients(g, grad_means, grad_covariances, grad_colours);
+  const sgi::Comparison with{absolute ? sgi::Loss::kAbsolute : sgi::Loss::kSquared, target.data(),
+                             weights ? weights->data() : nullptr, weight};
   nb::gil_scoped_release release;
-  return self.squared_error(g, v, cutoff, target.data(), weight, out);
-}
-
-std::pair<double, double> weighted_squared_error(sgi::Rasterizer &self, F32In2 means, F32In2 covariances,
-                                                 F32In2 colours, F32In3 target, F32In2 weights, int x0, int y0,
-                                                 float cutoff, F32Out2 grad_means, F32Out2 grad_covariances,
-                                                 F32Out2 grad_colours) {
-  const sgi::Gaussians g = gaussians(means, covariances, colours);
-  const sgi::View v = view(target, g, x0, y0);
-  require(has_shape(weights, target.shape(1), target.shape(2)), "weights must be [H, W]");
-  const sgi::Gradients out = gradients(g, grad_means, grad_covariances, grad_colours);
-  nb::gil_scoped_release release;
-  const sgi::SquaredErrors errors = self.weighted_squared_error(g, v, cutoff, target.data(), weights.data(), out);
-  return {errors.weighted, errors.plain};
-}
-
-std::pair<double, double> absolute_error(sgi::Rasterizer &self, F32In2 means, F32In2 covariances, F32In2 colours,
-                                         F32In3 target, int x0, int y0, float cutoff, float weight, F32Out2 grad_means,
-                                         F32Out2 grad_covariances, F32Out2 grad_colours) {
-  const sgi::Gaussians g = gaussians(means, covariances, colours);
-  const sgi::View v = view(target, g, x0, y0);
-  const sgi::Gradients out = gradients(g, grad_means, grad_covariances, grad_colours);
-  nb::gil_scoped_release release;
-  const sgi::AbsoluteErrors errors = self.absolute_error(g, v, cutoff, target.data(), weight, out);
-  return {weight * errors.absolute, errors.squared};
+  const sgi::Errors errors = self.error(g, v, cutoff, with, out);
+  return {errors.loss, errors.squared};
 }
 
 }  // namespace
@@ -176,12 +157,8 @@ void bind_raster(nb::module_ &m) {
            "top"_a, "down"_a, "planes"_a.none(), "low"_a, "span"_a, "clip"_a)
       .def("backward", &backward, "means"_a, "covariances"_a, "colours"_a, "grad"_a, "x0"_a, "y0"_a, "grad_means"_a,
            "grad_covariances"_a, "grad_colours"_a)
-      .def("squared_error", &squared_error, "means"_a, "covariances"_a, "colours"_a, "target"_a, "x0"_a, "y0"_a,
-           "cutoff"_a, "weight"_a, "grad_means"_a, "grad_covariances"_a, "grad_colours"_a)
-      .def("weighted_squared_error", &weighted_squared_error, "means"_a, "covariances"_a, "colours"_a, "target"_a,
-           "weights"_a, "x0"_a, "y0"_a, "cutoff"_a, "grad_means"_a, "grad_covariances"_a, "grad_colours"_a)
-      .def("absolute_error", &absolute_error, "means"_a, "covariances"_a, "colours"_a, "target"_a, "x0"_a, "y0"_a,
-           "cutoff"_a, "weight"_a, "grad_means"_a, "grad_covariances"_a, "grad_colours"_a)
+      .def("error", &error, "means"_a, "covariances"_a, "colours"_a, "target"_a, "x0"_a, "y0"_a, "cutoff"_a,
+           "absolute"_a, "weight"_a, "weights"_a.none(), "grad_means"_a, "grad_covariances"_a, "grad_colours"_a)
       .def_prop_ro("isa", [](const sgi::Rasterizer &self) { return std::string(sgi::name_of(self.isa())); })
       .def_prop_ro("pairs", &sgi::Rasterizer::pairs);
 }

@@ -2,12 +2,10 @@
 #pragma once
 #include "fit/noise.hpp"
 #include "fit/seed_prediction.hpp"
-#include "model/laplace.hpp"
+#include "model/value_bits.hpp"
 
 namespace sgi {
 namespace {
-
-constexpr float kLn2 = 0.69314718056f;
 
 // One group of a block: gradients of its values, and of MLP_p's outputs `up`.
 template <class Sums>

@@ -75,7 +75,7 @@ double SeedFit::forward(const std::array<const float *, kGroups> &values, const 
   s.set_parameters(parameters.first, parameters.rest, parameters.steps);
   s.rounding = rounding;
   s.key = key.key;
-  s.mirror = key.negative ? ~uint32_t(0) : 0;
+  s.mirror = key.mirror();
   s.trains_first = trains_first;
   s.predicts = rounding != Rounding::kNone && reuse != Reuse::kPredictions;
   const bool refresh = s.predicts && reuse == Reuse::kNothing;

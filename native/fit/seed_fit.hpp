@@ -5,6 +5,7 @@
 #include <array>
 #include <vector>
 
+#include "fit/noise_key.hpp"
 #include "fit/seed_kernel.hpp"
 
 namespace sgi {
@@ -16,11 +17,6 @@ struct SeedParameters {
 
 // What a step takes over from those before it: nothing, inputs from neighbours, or all that MLP_p predicts.
 enum class Reuse : int { kNothing, kInputs, kPredictions };
-
-struct NoiseKey {
-  uint32_t key;
-  bool negative;
-};
 
 class SeedFit {
  public:

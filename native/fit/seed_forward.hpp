@@ -3,7 +3,7 @@
 #include "fit/noise.hpp"
 #include "fit/seed_prediction.hpp"
 #include "model/gaussian_block.hpp"
-#include "model/laplace.hpp"
+#include "model/value_bits.hpp"
 
 namespace sgi {
 namespace {

@@ -1,12 +1,13 @@
 // One step of the default profile's fit on a run of seeds: from attributes to Gaussians and bits, and back to
 // gradients. A lane holds a seed.
 //
-// Its arithmetic is that of native/model; the reference, with torch, is sgicodec/fit/autograd. MLP_p sees nothing that
+// Its arithmetic is that of native/model; the reference, with torch, is tools/autograd. MLP_p sees nothing that
 // it passes gradients to, so that no gradient crosses from one coding step to another.
 #pragma once
 #include <cstdint>
 
 #include "base/inline.hpp"
+#include "fit/rounding.hpp"
 #include "model/context_inputs.hpp"
 
 namespace sgi {
@@ -19,8 +20,6 @@ constexpr int kBatch = 8;   // blocks of LANES seeds that go back through MLP_p 
 
 constexpr int outputs_of(int group) { return 2 * kGroupUnits[group] + 1; }
 constexpr int inputs_of(int group) { return kCommonInputs + own_input_count(group); }
-
-enum class Rounding : int { kNone, kNoise, kRound };
 
 // What a step reads. Arrays of blocks hold LANES seeds side by side, [block][row][LANES].
 struct SeedState : SeedModel {

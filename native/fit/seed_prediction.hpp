@@ -1,13 +1,10 @@
 // What MLP_p says of a block of seeds, and what that means in means, steps and scales.
 #pragma once
 #include "fit/seed_block.hpp"
-#include "model/steps.hpp"
+#include "fit/seed_limits.hpp"
 
 namespace sgi {
 namespace {
-
-constexpr float kLeastStep = 0x1p-16f, kGreatestStep = 2.0f, kLeastScale = 0x1p-4f;  // in steps
-static_assert(octaves(-kStepZero) == -16 && octaves(kStepCount - 1 - kStepZero) == 1 && octaves(-kScaleZero) == -4);
 
 // MLP_p at one coding step: hidden values into `scratch`, outputs (means, scales, refinement) into `out`.
 template <int OWN, int OUTPUTS>

@@ -23,7 +23,7 @@ struct SymmetricExp {
 
 template <class V>
 inline SymmetricExp<V> symmetric_exp(V a, V t) {
-  constexpr float kLog2e2 = 2.88539008f;  // 2 log2 e
+  constexpr float kLog2e2 = 2 * kLog2e;
   const V scale = exp2v(a * kLog2e2);
   const V safe = maxv(t, V{} + 1e-4f);
   const V r = rootv(safe);

@@ -6,6 +6,7 @@
 #include "base/thread_pool.hpp"
 #include "model/colours.hpp"
 #include "model/constants.hpp"
+#include "model/rotated_gaussian.hpp"
 
 namespace sgi {
 namespace {
@@ -78,17 +79,9 @@ void log_covariance(const float *shape, const float *scales, float cell, float *
   out[0] = area * (mean + half * b), out[1] = area * half * c, out[2] = area * (mean - half * b);
 }
 
-// R diag((h s sigmoid(t))²) Rᵀ.
 void rotated_covariance(const float *shape, const float *scales, float cell, float *out) {
-  float squared[2];
-  for (int axis = 0; axis < 2; ++axis) {
-    const float deviation = cell * scales[axis] / (1.0f + std::exp(-limited(shape[axis])));
-    squared[axis] = deviation * deviation;
-  }
-  const float cosine = std::cos(shape[2]), sine = std::sin(shape[2]);
-  out[0] = cosine * cosine * squared[0] + sine * sine * squared[1];
-  out[1] = cosine * sine * (squared[0] - squared[1]);
-  out[2] = sine * sine * squared[0] + cosine * cosine * squared[1];
+  const RotatedCovariance<float> rotated(shape, cell * scales[0], cell * scales[1]);
+  out[0] = rotated.xx(), out[1] = rotated.xy(), out[2] = rotated.yy();
 }
 
 // Seeds whose attributes are features that networks decode, or that have scales, or rotations.

@@ -107,61 +107,31 @@ void Rasterizer::backward(const Gaussians &g, const View &view, const float *gra
   reduce(g, out);
 }
 
-template <class Compare>
-void Rasterizer::differentiate(const Gaussians &g, const View &view, float cutoff, const float *target,
-                               const Gradients &out, Compare compare) {
+Errors Rasterizer::error(const Gaussians &g, const View &view, float cutoff, const Comparison &with,
+                         const Gradients &out) {
   bin_gaussians(g.means, g.covariances, g.count, view, cutoff, threads_, bins_);
   float *partials = partials_for(pairs(), g.channels);
-  parallel_for(int64_t(view.tiles_x()) * view.tiles_y(), threads_, [&](int64_t tile) {
+  std::vector<Errors> errors(int64_t(view.tiles_x()) * view.tiles_y());
+  parallel_for(int64_t(errors.size()), threads_, [&](int64_t tile) {
     TileBuffer buffer(g.channels);
     const TileRect r = tile_rect(view, tile);
     const int64_t begin = bins_.tile_start[tile], n = bins_.tile_start[tile + 1] - begin;
     const Entry *entries = bins_.entries.data() + begin;
     for_each_row(view, r, g.channels, [&](int64_t from, int, int count) {
-      for (int x = 0; x < count; x += 16) __builtin_prefetch(target + from + x);
+      for (int x = 0; x < count; x += 16) __builtin_prefetch(with.target + from + x);
     });
     const int x0 = r.x + view.x0, y0 = r.y + view.y0;
     kernel_.forward(entries, n, bins_.splats.data(), g.colours, g.channels, x0, y0, buffer.data());
-    compare(tile, buffer.data(), r);
+    errors[tile] = kernel_.compare(buffer.data(), g.channels, r, with, view.width, view.height);
     kernel_.backward(entries, n, bins_.splats.data(), g.colours, g.channels, x0, y0, buffer.data(), partials);
   });
   reduce(g, out);
-}
-
-double Rasterizer::squared_error(const Gaussians &g, const View &view, float cutoff, const float *target, float weight,
-                                 const Gradients &out) {
-  std::vector<double> errors(int64_t(view.tiles_x()) * view.tiles_y());
-  differentiate(g, view, cutoff, target, out, [&](int64_t tile, float *drawn, const TileRect &r) {
-    errors[tile] = kernel_.compare(drawn, g.channels, r, target, view.width, view.height, weight);
-  });
-  return std::accumulate(errors.begin(), errors.end(), 0.0) * weight;
-}
-
-SquaredErrors Rasterizer::weighted_squared_error(const Gaussians &g, const View &view, float cutoff,
-                                                 const float *target, const float *weights, const Gradients &out) {
-  std::vector<SquaredErrors> errors(int64_t(view.tiles_x()) * view.tiles_y());
-  differentiate(g, view, cutoff, target, out, [&](int64_t tile, float *drawn, const TileRect &r) {
-    errors[tile] = kernel_.compare_weighted(drawn, g.channels, r, target, weights, view.width, view.height);
-  });
-  SquaredErrors total{};
-  for (const SquaredErrors &some : errors) {
-    total.weighted += some.weighted;
-    total.plain += some.plain;
-  }
-  return total;
-}
-
-AbsoluteErrors Rasterizer::absolute_error(const Gaussians &g, const View &view, float cutoff, const float *target,
-                                          float weight, const Gradients &out) {
-  std::vector<AbsoluteErrors> errors(int64_t(view.tiles_x()) * view.tiles_y());
-  differentiate(g, view, cutoff, target, out, [&](int64_t tile, float *drawn, const TileRect &r) {
-    errors[tile] = kernel_.compare_absolute(drawn, g.channels, r, target, view.width, view.height, weight);
-  });
-  AbsoluteErrors total{};
-  for (const AbsoluteErrors &some : errors) {
-    total.absolute += some.absolute;
+  Errors total{};
+  for (const Errors &some : errors) {
+    total.loss += some.loss;
     total.squared += some.squared;
   }
+  total.loss *= with.weight;
   return total;
 }
 

@@ -37,25 +37,14 @@ class Rasterizer {
   void draw(const Gaussians &g, const View &view, float cutoff, const Background &background, const Samples &samples);
   // Gradients of the last forward's Gaussians from dL/dI = grad [C, height, width].
   void backward(const Gaussians &g, const View &view, const float *grad, const Gradients &out);
-  // One pass over the tiles: draws, returns sum over pixels and channels of weight * (I - target)^2 and its gradients.
-  double squared_error(const Gaussians &g, const View &view, float cutoff, const float *target, float weight,
-                       const Gradients &out);
-  // The same with weights [height, width] of the pixels: the gradients are those of the weighted sum.
-  SquaredErrors weighted_squared_error(const Gaussians &g, const View &view, float cutoff, const float *target,
-                                       const float *weights, const Gradients &out);
-  // One pass over the tiles: draws, returns the sums of |I - target| and its square, and the gradients of weight times
-  // the former.
-  AbsoluteErrors absolute_error(const Gaussians &g, const View &view, float cutoff, const float *target, float weight,
-                                const Gradients &out);
+  // One pass over the tiles: draws, compares, and returns the loss, with its weight, the sum of (I - target)^2, and the
+  // loss's gradients.
+  Errors error(const Gaussians &g, const View &view, float cutoff, const Comparison &with, const Gradients &out);
 
   Isa isa() const { return isa_; }
   int64_t pairs() const;  // (tile, Gaussian) pairs of the last forward
 
  private:
-  // Draws tile by tile, lets `compare(tile number, drawn tile, rect)` turn it into dL/dI, and writes the gradients.
-  template <class Compare>
-  void differentiate(const Gaussians &g, const View &view, float cutoff, const float *target, const Gradients &out,
-                     Compare compare);
   void reduce(const Gaussians &g, const Gradients &out);
   float *partials_for(int64_t slots, int channels);
 

@@ -23,14 +23,21 @@ struct TileRect {
   int col0, col1, row0, row1;  // pixels of the tile inside the view
 };
 
-// Sums over pixels and channels of weight * (I - target)^2 and of (I - target)^2.
-struct SquaredErrors {
-  double weighted, plain;
+// What a drawn picture I is compared by: the squares of its errors, or their sizes.
+enum class Loss : int { kSquared, kAbsolute };
+
+// What it is compared with: target [channels, height, width] of the view, and weights [height, width] of its pixels,
+// null where all are 1. The loss is the sum over pixels and channels of weight * weights * (I - target)^2 or |I -
+// target|.
+struct Comparison {
+  Loss loss;
+  const float *target, *weights;
+  float weight;
 };
 
-// Sums over pixels and channels of |I - target| and of (I - target)^2.
-struct AbsoluteErrors {
-  double absolute, squared;
+// The loss without `weight`, and the sum of (I - target)^2.
+struct Errors {
+  double loss, squared;
 };
 
 // Pixels of a tile are [channels][kTileHeight][kTileStride], of which the first kTileWidth of a row count.
@@ -38,16 +45,10 @@ struct TileKernel {
   // Adds the Gaussians of `entries` to a tile whose first pixel is (x0, y0).
   void (*forward)(const Entry *entries, int64_t n, const Splat *splats, const float *colours, int channels, int x0,
                   int y0, float *tile);
-  // Turns a drawn tile into the gradient 2 weight (I - target) within the view, 0 elsewhere; returns the sum of
-  // (I - target)^2. target [channels, height, width] of the view.
-  double (*compare)(float *tile, int channels, const TileRect &rect, const float *target, int64_t width, int64_t height,
-                    float weight);
-  // The same with the gradient 2 weights (I - target), weights [height, width] of the view; returns both sums.
-  SquaredErrors (*compare_weighted)(float *tile, int channels, const TileRect &rect, const float *target,
-                                    const float *weights, int64_t width, int64_t height);
-  // The same with the gradient weight sign(I - target), sign(0) = 0; returns both sums, without the weight.
-  AbsoluteErrors (*compare_absolute)(float *tile, int channels, const TileRect &rect, const float *target,
-                                     int64_t width, int64_t height, float weight);
+  // Turns a drawn tile into the loss's gradient within the view, 0 elsewhere and where nothing differs. width, height:
+  // of the view.
+  Errors (*compare)(float *tile, int channels, const TileRect &rect, const Comparison &with, int64_t width,
+                    int64_t height);
   // Writes partials[slot][kMoments + channels] of every entry, from dL/dI = grad; beyond kTileWidth that must be 0.
   void (*backward)(const Entry *entries, int64_t n, const Splat *splats, const float *colours, int channels, int x0,
                    int y0, const float *grad, float *partials);

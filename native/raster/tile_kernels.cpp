@@ -3,8 +3,8 @@
 // Along a column, G obeys a second-order recurrence: G(y+1) = G(y) r(y), r(y+1) = r(y) k with k = 2^(2c) constant.
 // Two exponentials per lane start a column, then two products per row replace the exponential of every pixel.
 // `Splat::span` bounds the rows between fresh starts so that a start value never underflows where it later matters.
+#include "base/horizontal_sums.hpp"
 #include "base/vector.hpp"
-#include "raster/horizontal_sums.hpp"
 #include "raster/tile_kernel.hpp"
 
 namespace sgi {
@@ -189,106 +189,64 @@ inline void clear_outside(float *row, int begin, int end) {
   for (int x = end; x < kTileStride; ++x) row[x] = 0.0f;
 }
 
-double compare(float *tile, int channels, const TileRect &r, const float *target, int64_t width, int64_t height,
-               float weight) {
-  double total = 0;
+template <Loss LOSS, bool WEIGHTED>
+Errors compare_as(float *tile, int channels, const TileRect &r, const Comparison &with, int64_t width, int64_t height) {
+  constexpr bool kSquared = LOSS == Loss::kSquared;
+  const float weight = kSquared ? 2.0f * with.weight : with.weight;
+  Errors total{};
   for (int c = 0; c < channels; ++c) {
-    vf sum{};
+    vf loss{}, squared{};
     for (int y = 0; y < kTileHeight; ++y) {
       float *row = tile + c * kTilePlane + y * kTileStride;
       const bool inside = y >= r.row0 && y < r.row1;
       const int begin = inside ? r.col0 : kTileStride, end = inside ? r.col1 : kTileStride;
       clear_outside(row, begin, end);
       if (!inside) continue;
-      const float *wanted = target + (c * height + r.y + y) * width + r.x;
+      const float *wanted = with.target + (c * height + r.y + y) * width + r.x;
+      const float *w = WEIGHTED ? with.weights + (r.y + y) * width + r.x : nullptr;
       int x = begin;
       for (; x + LANES <= end; x += LANES) {
-        const vf error = load(row + x) - load(wanted + x);
-        sum += error * error;
-        store(row + x, 2.0f * weight * error);
-      }
-      float rest = 0;
-      for (; x < end; ++x) {
-        const float error = row[x] - wanted[x];
-        rest += error * error;
-        row[x] = 2.0f * weight * error;
-      }
-      total += rest;
-    }
-    for (int i = 0; i < LANES; ++i) total += sum[i];
-  }
-  return total;
-}
-
-SquaredErrors compare_weighted(float *tile, int channels, const TileRect &r, const float *target, const float *weights,
-                               int64_t width, int64_t height) {
-  SquaredErrors total{};
-  for (int c = 0; c < channels; ++c) {
-    vf weighted{}, plain{};
-    for (int y = 0; y < kTileHeight; ++y) {
-      float *row = tile + c * kTilePlane + y * kTileStride;
-      const bool inside = y >= r.row0 && y < r.row1;
-      clear_outside(row, inside ? r.col0 : kTileStride, inside ? r.col1 : kTileStride);
-      if (!inside) continue;
-      const float *wanted = target + (c * height + r.y + y) * width + r.x, *w = weights + (r.y + y) * width + r.x;
-      int x = r.col0;
-      for (; x + LANES <= r.col1; x += LANES) {
-        const vf error = load(row + x) - load(wanted + x), scaled = load(w + x) * error;
-        plain += error * error;
-        weighted += scaled * error;
-        store(row + x, 2.0f * scaled);
-      }
-      for (; x < r.col1; ++x) {
-        const float error = row[x] - wanted[x];
-        total.plain += error * error;
-        total.weighted += w[x] * error * error;
-        row[x] = 2.0f * w[x] * error;
-      }
-    }
-    for (int i = 0; i < LANES; ++i) {
-      total.plain += plain[i];
-      total.weighted += weighted[i];
-    }
-  }
-  return total;
-}
-
-AbsoluteErrors compare_absolute(float *tile, int channels, const TileRect &r, const float *target, int64_t width,
-                                int64_t height, float weight) {
-  AbsoluteErrors total{};
-  for (int c = 0; c < channels; ++c) {
-    vf absolute{}, squared{};
-    for (int y = 0; y < kTileHeight; ++y) {
-      float *row = tile + c * kTilePlane + y * kTileStride;
-      const bool inside = y >= r.row0 && y < r.row1;
-      clear_outside(row, inside ? r.col0 : kTileStride, inside ? r.col1 : kTileStride);
-      if (!inside) continue;
-      const float *wanted = target + (c * height + r.y + y) * width + r.x;
-      int x = r.col0;
-      for (; x + LANES <= r.col1; x += LANES) {
-        const vf error = load(row + x) - load(wanted + x);
-        absolute += absv(error);
+        const vf error = load(row + x) - load(wanted + x), size = kSquared ? error : absv(error);
         squared += error * error;
-        store(row + x, weight * signv(error));
+        const vf slope = kSquared ? error : signv(error);
+        if constexpr (WEIGHTED) {
+          const vf scaled = load(w + x) * size;
+          loss += kSquared ? scaled * error : scaled;
+          store(row + x, weight * (load(w + x) * slope));
+        } else {
+          if constexpr (!kSquared) loss += size;
+          store(row + x, weight * slope);
+        }
       }
-      for (; x < r.col1; ++x) {
-        const float error = row[x] - wanted[x];
-        total.absolute += absv(error);
-        total.squared += error * error;
-        row[x] = weight * signv(error);
+      float rest = 0, rest_squared = 0;
+      for (; x < end; ++x) {
+        const float error = row[x] - wanted[x], own = WEIGHTED ? w[x] : 1.0f;
+        rest_squared += error * error;
+        rest += own * (kSquared ? error * error : absv(error));
+        row[x] = weight * (own * (kSquared ? error : signv(error)));
       }
+      total.squared += rest_squared;
+      total.loss += rest;
     }
     for (int i = 0; i < LANES; ++i) {
-      total.absolute += absolute[i];
       total.squared += squared[i];
+      total.loss += loss[i];
     }
   }
+  if (kSquared && !WEIGHTED) total.loss = total.squared;
   return total;
+}
+
+Errors compare(float *tile, int channels, const TileRect &r, const Comparison &with, int64_t width, int64_t height) {
+  if (with.loss == Loss::kSquared)
+    return (with.weights ? compare_as<Loss::kSquared, true> : compare_as<Loss::kSquared, false>)(tile, channels, r,
+                                                                                                 with, width, height);
+  return (with.weights ? compare_as<Loss::kAbsolute, true> : compare_as<Loss::kAbsolute, false>)(tile, channels, r,
+                                                                                                 with, width, height);
 }
 
 }  // namespace
 
-const TileKernel TileKernel::SGI_ISA{sgi::forward, sgi::compare, sgi::compare_weighted, sgi::compare_absolute,
-                                     sgi::backward};
+const TileKernel TileKernel::SGI_ISA{sgi::forward, sgi::compare, sgi::backward};
 
 }  // namespace sgi

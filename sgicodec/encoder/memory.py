@@ -14,8 +14,6 @@ MAIN = 150 * MIB
 """The process that reads and writes: Python, numpy, OpenImageIO. One that fits too has room for them in WORKER."""
 WORKER = 110 * MIB
 """A process that fits: Python, numpy, and what a fit takes of any size."""
-LIBRARY = 220 * MIB
-"""The library that a profile needs besides, torch."""
 PIXEL_BYTES, CHANNEL_BYTES = 52, 16
 """Of images in a fit for each pixel, and for each of its channels."""
 SEED_BYTES = 1400
@@ -39,5 +37,4 @@ def estimate(plan: Plan, reading: int) -> Memory:
     each_pixel = PIXEL_BYTES + CHANNEL_BYTES * channels + SEED_BYTES * share
     if header.spec.texture and TUNINGS[plan.settings.tuned_for].ascends:
         each_pixel = max(each_pixel, SCORED_PIXEL_BYTES + SCORED_CHANNEL_BYTES * channels)
-    fixed = WORKER + (LIBRARY if plan.settings.chosen_profile.needs else 0)
-    return Memory(MAIN + reading + 2 * window, fixed + window + round(pixels * each_pixel), MAIN)
+    return Memory(MAIN + reading + 2 * window, WORKER + window + round(pixels * each_pixel), MAIN)

@@ -86,7 +86,6 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
     """The header and settings of a picture's tiles. Raises as `encode`."""
     grid = settings.grid(shape.width, shape.height)
     profile = settings.chosen_profile
-    profile.check_installed()
     _check_shape(shape)
     spec = _with_texture_that_fits(profile.spec(settings, shape.bands), grid)
     if settings.tuned_for == "visual" and shape.channels in COLOURED_LAYOUTS:

@@ -126,6 +126,21 @@ class ContextWeights:
         gradient: F32 = slope * np.sign(self.difference) * np.float32(2.0**DIFFERENCE_SHIFT)
         return gradient
 
+    def gradients(self, sums: F32, tables: F32, lmbda: float) -> dict[str, F32]:
+        """By name, at one coding stage: from those of b1, W2, b2 and W1 that seeds have, and from those of all tables,
+        both flat; with λ times what W1 and W2 cost, each under the Laplacian of its own mean magnitude.
+        """
+        [(_, b1, w2, _)] = layer_shapes(self.spec)
+        rest, first = sums[: len(self.rest)], sums[len(self.rest) :]
+        second = slice(math.prod(b1), math.prod(b1) + math.prod(w2))
+        for slopes, weights in ((first, self.first), (rest[second], self.rest[second])):
+            unit = 2.0**WEIGHT_SHIFT
+            mean = np.abs(weights).mean() * unit + 0.05
+            slopes += np.float32(lmbda * unit / (mean * math.log(2.0))) * np.sign(weights)
+        named = {"context.first": first, "context.rest": rest}
+        parts = shaped([table.shape for table in self.tables], tables)
+        return named | {f"context.table{number}": part for number, part in enumerate(parts)}
+
     def _own(self, shift: int) -> tuple[IntNetwork, ...]:
         firsts = shaped([shapes[0] for shapes in layer_shapes(self.spec)], _rounded(self.first, shift))
         rests = self._rest_layers(_rounded(self.effective_rest(), shift))

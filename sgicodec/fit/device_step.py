@@ -16,7 +16,8 @@ from sgicodec.cuda.tiles import CudaView, TilePasses
 from sgicodec.fit.adam import Adam
 from sgicodec.fit.context_weights import layer_shapes
 from sgicodec.fit.device_seeds import Trained
-from sgicodec.fit.fused_step import NoiseKey, Reuse
+from sgicodec.fit.fused_step import Reuse
+from sgicodec.fit.noise_key import NoiseKey
 from sgicodec.fit.step_sizes import base_counts, gamma_names
 from sgicodec.model.context import LEVELS, SUMMARY
 from sgicodec.model.gaussians import MIN_VARIANCE, colour_matrix
@@ -205,7 +206,7 @@ class DeviceStep:
             self.gpu.launch("multiply_inputs", seeds, SEED_THREADS, given)
         self.gpu.launch("forward_seeds", seeds, SEED_THREADS, given)
         passes.bin()
-        passes.over_tiles("squared_error")
+        passes.over_tiles("error")
         passes.reduce()
         self.gpu.launch("attribute_slopes", seeds, SEED_THREADS, given)
         if predicts:

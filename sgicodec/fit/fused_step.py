@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from enum import Enum
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 from sgicodec import _native
 from sgicodec.device import Device
 from sgicodec.fit.context_weights import ContextWeights
+from sgicodec.fit.noise_key import NoiseKey
 from sgicodec.fit.parameters import Parameters, StepResult
 from sgicodec.fit.pyramid import Level
 from sgicodec.model.context import neighbour_table
@@ -21,7 +21,7 @@ from sgicodec.model.spec import ContextSpec, ModelSpec
 from sgicodec.profiles.fit_settings import Rounding
 from sgicodec.raster.backend import Backend
 
-__all__ = ["REFRESH", "ROUNDINGS", "FusedStep", "NoiseKey", "Reuse", "neighbours_of", "reuse_of"]
+__all__ = ["REFRESH", "ROUNDINGS", "FusedStep", "Reuse", "neighbours_of", "reuse_of"]
 
 F32 = NDArray[np.float32]
 
@@ -37,19 +37,6 @@ class Reuse(Enum):
     """What a step takes over from those before it: nothing, inputs from neighbours, or all that MLP_p predicts."""
 
     NOTHING, INPUTS, PREDICTIONS = range(3)
-
-
-class NoiseKey(NamedTuple):
-    """What noise is a hash of, in 32 bits; `negative` for that noise with its signs turned."""
-
-    key: int
-    negative: bool
-
-    @classmethod
-    def of(cls, seed: int, number: int) -> NoiseKey:
-        """That of step `number`: steps go in pairs of opposite noise, whose errors of first order cancel."""
-        pair, second = divmod(number, 2)
-        return cls((seed * 0x9E3779B1 + pair * 0x85EBCA77) & 0xFFFFFFFF, bool(second))
 
 
 def reuse_of(age: int, rounding: Rounding, context: ContextWeights) -> Reuse:
@@ -156,13 +143,8 @@ class FusedStep:
             # Only the cells shrink with a level; MIN_VARIANCE stays a matter of the pixels that are drawn.
             less = np.float32(scale * scale)
             means, covariances = means * np.float32(scale), covariances * less + _FLOOR * (1 - less)
-        error, (d_means, d_covariances, d_colours) = self._squared_error((means, covariances, colours), level)
+        drawn = means, covariances, colours, level.samples
+        (_, error), (d_means, d_covariances, d_colours) = self.raster.error(*drawn, weights=level.weights)
         if scale != 1.0:
             d_means, d_covariances = d_means * np.float32(scale), d_covariances * np.float32(scale * scale)
         return error, (d_means, d_covariances, d_colours)
-
-    def _squared_error(self, gaussians: tuple[F32, F32, F32], level: Level) -> tuple[float, tuple[F32, F32, F32]]:
-        if level.weights is None:
-            return self.raster.squared_error(*gaussians, level.samples, 1.0)
-        (_, error), gradients = self.raster.weighted_squared_error(*gaussians, level.samples, level.weights)
-        return error, gradients

@@ -43,6 +43,10 @@ def fresh_decoders(spec: ModelSpec, rng: np.random.Generator) -> dict[str, F32]:
     """
     decoders = {}
     for name, shape in decoder_shapes(spec).items():
+        if name.endswith("b1"):
+            bound = np.float32(1.0 / math.sqrt(spec.features))
+            decoders[name] = (rng.random(shape, np.float32) * 2 - 1) * bound
+            continue
         if len(shape) == 1:
             decoders[name] = np.zeros(shape, np.float32)
             continue

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.device import ALL_CORES, PROCESSOR, Device
-from sgicodec.errors import require
 from sgicodec.fit.adam import Adam
 from sgicodec.fit.context_weights import ContextWeights
 from sgicodec.fit.densification import worthwhile_cells
+from sgicodec.fit.feature_step import FeatureStep
 from sgicodec.fit.fused_step import FusedStep
 from sgicodec.fit.parameters import GradientStep, Parameters, learning_rate_of
 from sgicodec.fit.pyramid import levels_of
@@ -74,7 +74,7 @@ class Trainer:
     caller trains with the gradients that each step leaves in `gradients`; or, without either, a new one that turns into
     integers at the end.
 
-    Raises MissingExtraError for a model that takes torch where there is none.
+    Raises ValueError for a model or a loss that no profile has.
     """
 
     def __init__(
@@ -263,11 +263,10 @@ class Trainer:
     def _gradient_step(self, family: int, device: Device) -> GradientStep:
         if family and self.settings.loss == "squared" and FusedStep.can_run(self.spec):
             return FusedStep(self.spec, self.settings.seed, self.raster, device)
-        require("torch", "a fit by automatic differentiation", "paper")
-        from sgicodec.fit.autograd.step import AutogradStep
-
-        _, height, width = self.levels[0].samples.shape
-        return AutogradStep(self.spec, self.settings, self.raster, family, (width, height))
+        if not family and FeatureStep.can_run(self.spec, self.settings):
+            _, height, width = self.levels[0].samples.shape
+            return FeatureStep(self.spec, self.settings, self.raster, (width, height), device)
+        raise ValueError("no step computes this model and loss")
 
     def _hash_sizes(self) -> tuple[int, ...]:
         """Entries of the hash grid's tables."""

@@ -1,4 +1,4 @@
-"""The paper profile: what the paper describes, for research. It is fitted by automatic differentiation in torch."""
+"""The paper profile: the method as the paper describes it."""
 
 from __future__ import annotations
 
@@ -102,7 +102,6 @@ PAPER = Profile(
     spec=_spec,
     settings=_fit_settings,
     own_choices=("seeds", "features", "levels"),
-    needs="torch",
     parts={
         "x_a": ("positions",),
         "f_a": ("feature",),

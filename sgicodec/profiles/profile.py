@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Protocol
 
-from sgicodec.errors import require
 from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.fit_settings import FitSettings
 
@@ -54,8 +53,7 @@ class Profile:
     a tile is fitted. own_choices: settings that no other profile has. scales: settings on a scale of this profile
     alone, and which takes their place elsewhere. has_targets: whether a size or a PSNR can be asked for.
     has_distortions: whether it minimises what `metrics.choices` offers. has_overviews: whether a stream of several
-    tiles may carry the picture in small. needs: a library that comes with the extra of the profile's name. parts: names
-    under which parts of a stream are shown together.
+    tiles may carry the picture in small. parts: names under which parts of a stream are shown together.
     """
 
     name: str
@@ -67,17 +65,11 @@ class Profile:
     has_targets: bool = False
     has_distortions: bool = False
     has_overviews: bool = False
-    needs: str | None = None
     parts: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def fit_settings(self, choices: Choices) -> FitSettings:
         """How a tile is fitted, with the seed of random numbers."""
         return replace(self.settings(choices), seed=choices.seed)
-
-    def check_installed(self) -> None:
-        """Raises MissingExtraError if the library that an encode needs is not there."""
-        if self.needs:
-            require(self.needs, f"the {self.name} profile", self.name)
 
     def shown_parts(self, parts: Mapping[str, float]) -> dict[str, float]:
         """Bytes of the parts of a stream under this profile's names; parts without one keep their own."""

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, Protocol, TypeVar
+from typing import Any, Literal, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["DEFAULT_CUTOFF", "Backend", "Background", "Mapping", "nothing_behind"]
+__all__ = ["DEFAULT_CUTOFF", "Backend", "Background", "Errors", "Loss", "Mapping", "nothing_behind"]
 
 F32 = NDArray[np.float32]
 
@@ -15,6 +15,16 @@ DEFAULT_CUTOFF = 3.5
 """Standard deviations after which a Gaussian is not drawn: exp(−3.5²/2) = 0.0022 of its amplitude."""
 
 Array = TypeVar("Array")
+
+
+Loss = Literal["squared", "absolute"]
+
+
+class Errors(NamedTuple):
+    """What a drawn picture's errors sum to: by the loss that was asked for, and their squares without weights."""
+
+    loss: float
+    squared: float
 
 
 class Background(NamedTuple):
@@ -98,38 +108,18 @@ class Backend(Protocol[Array]):
         """Gradients of means, covariances and colours from dL/dI = grad, right after `forward` on the same."""
         ...
 
-    def squared_error(
+    def error(
         self,
         means: Array,
         covariances: Array,
         colours: Array,
         target: Array,
-        weight: float,
+        loss: Loss = "squared",
+        weight: float = 1.0,
+        weights: Array | None = None,
         origin: tuple[int, int] = (0, 0),
-    ) -> tuple[float, tuple[Array, Array, Array]]:
-        """weight · Σ (I − target)² and its gradients."""
-        ...
-
-    def weighted_squared_error(
-        self,
-        means: Array,
-        covariances: Array,
-        colours: Array,
-        target: Array,
-        weights: Array,
-        origin: tuple[int, int] = (0, 0),
-    ) -> tuple[tuple[float, float], tuple[Array, Array, Array]]:
-        """Σ w (I − target)² with weights [H, W], Σ (I − target)², and the gradients of the former."""
-        ...
-
-    def absolute_error(
-        self,
-        means: Array,
-        covariances: Array,
-        colours: Array,
-        target: Array,
-        weight: float,
-        origin: tuple[int, int] = (0, 0),
-    ) -> tuple[tuple[float, float], tuple[Array, Array, Array]]:
-        """weight · Σ |I − target|, Σ (I − target)², and the gradients of the former; 0 where I is the target."""
+    ) -> tuple[Errors, tuple[Array, Array, Array]]:
+        """weight · Σ w (I − target)², or |I − target|, with weights w [H, W] of the pixels, by default 1, and its
+        gradients; those of a size are 0 where I is the target.
+        """
         ...

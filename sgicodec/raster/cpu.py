@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from sgicodec import _native
 from sgicodec.device import ALL_CORES, Device
-from sgicodec.raster.backend import DEFAULT_CUTOFF, Background, Mapping, nothing_behind
+from sgicodec.raster.backend import DEFAULT_CUTOFF, Background, Errors, Loss, Mapping, nothing_behind
 
 __all__ = ["NativeRasterizer"]
 
@@ -93,46 +93,19 @@ class NativeRasterizer:
         self._raster.backward(means, covariances, colours, grad, *origin, *out)
         return out
 
-    def squared_error(
+    def error(
         self,
         means: F32,
         covariances: F32,
         colours: F32,
         target: F32,
-        weight: float,
+        loss: Loss = "squared",
+        weight: float = 1.0,
+        weights: F32 | None = None,
         origin: tuple[int, int] = (0, 0),
-    ) -> tuple[float, tuple[F32, F32, F32]]:
-        """weight · Σ (I − target)² over target [C, H, W] and its gradients, without storing the image."""
+    ) -> tuple[Errors, tuple[F32, F32, F32]]:
+        """As in `Backend`, of target [C, H, W], without storing the image."""
         out = np.empty_like(means), np.empty_like(covariances), np.empty_like(colours)
-        loss = self._raster.squared_error(means, covariances, colours, target, *origin, self.cutoff, weight, *out)
-        return loss, out
-
-    def weighted_squared_error(
-        self,
-        means: F32,
-        covariances: F32,
-        colours: F32,
-        target: F32,
-        weights: F32,
-        origin: tuple[int, int] = (0, 0),
-    ) -> tuple[tuple[float, float], tuple[F32, F32, F32]]:
-        """Σ w (I − target)² with weights [H, W], Σ (I − target)², and the gradients of the former."""
-        out = np.empty_like(means), np.empty_like(covariances), np.empty_like(colours)
-        errors = self._raster.weighted_squared_error(
-            means, covariances, colours, target, weights, *origin, self.cutoff, *out
-        )
-        return errors, out
-
-    def absolute_error(
-        self,
-        means: F32,
-        covariances: F32,
-        colours: F32,
-        target: F32,
-        weight: float,
-        origin: tuple[int, int] = (0, 0),
-    ) -> tuple[tuple[float, float], tuple[F32, F32, F32]]:
-        """weight · Σ |I − target|, Σ (I − target)², and the gradients of the former; 0 where I is the target."""
-        out = np.empty_like(means), np.empty_like(covariances), np.empty_like(colours)
-        errors = self._raster.absolute_error(means, covariances, colours, target, *origin, self.cutoff, weight, *out)
-        return errors, out
+        arrays = means, covariances, colours, target
+        errors = self._raster.error(*arrays, *origin, self.cutoff, loss == "absolute", weight, weights, *out)
+        return Errors(*errors), out

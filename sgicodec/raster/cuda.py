@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from sgicodec.cuda.gpu import Gpu, GpuArray
 from sgicodec.cuda.tiles import MOST_CHANNELS, CudaView, TilePasses
 from sgicodec.errors import UsageError
-from sgicodec.raster.backend import DEFAULT_CUTOFF, Background, Mapping, nothing_behind
+from sgicodec.raster.backend import DEFAULT_CUTOFF, Background, Errors, Loss, Mapping, nothing_behind
 from sgicodec.raster.cpu import MOST_PAIRS
 from sgicodec.raster.cuda_samples import stored_samples
 
@@ -67,32 +67,25 @@ class CudaRasterizer:
         passes.set(slopes=slopes.address)
         return self._gradients(passes, "backward")
 
-    def squared_error(
-        self, means: F32, covariances: F32, colours: F32, target: F32, weight: float, origin: tuple[int, int] = (0, 0)
-    ) -> tuple[float, Gaussians]:
-        """weight · Σ (I − target)² over target [C, H, W] and its gradients, without storing the image."""
-        errors, gradients = self._squared_error((means, covariances, colours), target, origin, weight=weight)
-        return weight * errors[0], gradients
-
-    def weighted_squared_error(
-        self, means: F32, covariances: F32, colours: F32, target: F32, weights: F32, origin: tuple[int, int] = (0, 0)
-    ) -> tuple[tuple[float, float], Gaussians]:
-        """Σ w (I − target)² with weights [H, W], Σ (I − target)², and the gradients of the former."""
-        held = self.gpu.put(weights)
-        (plain, weighted), gradients = self._squared_error(
-            (means, covariances, colours), target, origin, weights=held.address
-        )
-        return (weighted, plain), gradients
-
-    def absolute_error(
-        self, means: F32, covariances: F32, colours: F32, target: F32, weight: float, origin: tuple[int, int] = (0, 0)
-    ) -> tuple[tuple[float, float], Gaussians]:
-        """weight · Σ |I − target|, Σ (I − target)², and the gradients of the former; 0 where I is the target."""
-        _, height, width = target.shape
-        error = self.forward(means, covariances, colours, width, height, origin) - target
-        slopes = np.float32(weight) * np.sign(error)
-        gradients = self.backward(means, covariances, colours, slopes, origin)
-        return (weight * float(np.abs(error).sum()), float(np.sum(error * error))), gradients
+    def error(
+        self,
+        means: F32,
+        covariances: F32,
+        colours: F32,
+        target: F32,
+        loss: Loss = "squared",
+        weight: float = 1.0,
+        weights: F32 | None = None,
+        origin: tuple[int, int] = (0, 0),
+    ) -> tuple[Errors, Gaussians]:
+        """As in `Backend`, of target [C, H, W], without storing the image."""
+        held, by_pixel = self.gpu.put(target), None if weights is None else self.gpu.put(weights)
+        passes = self._binned((means, covariances, colours), CudaView(target.shape[2], target.shape[1], *origin))
+        address = 0 if by_pixel is None else by_pixel.address
+        passes.set(target=held.address, weight=weight, weights=address)
+        gradients = self._gradients(passes, "error" if loss == "squared" else "absolute_error")
+        squared, found = passes.errors.download().sum(axis=0).tolist()
+        return Errors(found, squared), gradients
 
     def _image(self, gaussians: Gaussians, view: CudaView, differentiates: bool) -> GpuArray:
         passes = self._binned(gaussians, view, differentiates)
@@ -100,15 +93,6 @@ class CudaRasterizer:
         passes.set(image=image.address)
         passes.over_tiles("forward")
         return image
-
-    def _squared_error(
-        self, gaussians: Gaussians, target: F32, origin: tuple[int, int], **fields: Any
-    ) -> tuple[list[float], Gaussians]:
-        held = self.gpu.put(target)
-        passes = self._binned(gaussians, CudaView(target.shape[2], target.shape[1], *origin))
-        passes.set(target=held.address, **fields)
-        gradients = self._gradients(passes, "squared_error")
-        return passes.errors.download().sum(axis=0).tolist(), gradients
 
     def _binned(self, gaussians: Gaussians, view: CudaView, differentiates: bool = True) -> TilePasses:
         """Passes over the tiles of these Gaussians, with room for all pairs."""

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.raster.backend import Background, Mapping
+from sgicodec.raster.backend import Background, Errors, Loss, Mapping
 
 __all__ = ["ReferenceRasterizer", "rasterize_reference", "rasterize_reference_backward"]
 
@@ -47,50 +47,24 @@ class ReferenceRasterizer:
         """See `rasterize_reference_backward`."""
         return rasterize_reference_backward(means, covariances, colours, grad, origin)
 
-    def squared_error(
+    def error(
         self,
         means: F64,
         covariances: F64,
         colours: F64,
         target: F64,
-        weight: float,
+        loss: Loss = "squared",
+        weight: float = 1.0,
+        weights: F64 | None = None,
         origin: tuple[int, int] = (0, 0),
-    ) -> tuple[float, tuple[F64, F64, F64]]:
-        """weight · Σ (I − target)² over target [C, H, W] and its gradients."""
+    ) -> tuple[Errors, tuple[F64, F64, F64]]:
+        """As in `Backend`."""
         _, height, width = target.shape
         error = rasterize_reference(means, covariances, colours, width, height, origin) - target
-        grads = rasterize_reference_backward(means, covariances, colours, 2 * weight * error, origin)
-        return weight * float(np.sum(error * error)), grads
-
-    def weighted_squared_error(
-        self,
-        means: F64,
-        covariances: F64,
-        colours: F64,
-        target: F64,
-        weights: F64,
-        origin: tuple[int, int] = (0, 0),
-    ) -> tuple[tuple[float, float], tuple[F64, F64, F64]]:
-        """Σ w (I − target)² with weights [H, W], Σ (I − target)², and the gradients of the former."""
-        _, height, width = target.shape
-        error = rasterize_reference(means, covariances, colours, width, height, origin) - target
-        grads = rasterize_reference_backward(means, covariances, colours, 2 * weights * error, origin)
-        return (float(np.sum(weights * error * error)), float(np.sum(error * error))), grads
-
-    def absolute_error(
-        self,
-        means: F64,
-        covariances: F64,
-        colours: F64,
-        target: F64,
-        weight: float,
-        origin: tuple[int, int] = (0, 0),
-    ) -> tuple[tuple[float, float], tuple[F64, F64, F64]]:
-        """weight · Σ |I − target|, Σ (I − target)², and the gradients of the former; 0 where I is the target."""
-        _, height, width = target.shape
-        error = rasterize_reference(means, covariances, colours, width, height, origin) - target
-        grads = rasterize_reference_backward(means, covariances, colours, weight * np.sign(error), origin)
-        return (weight * float(np.abs(error).sum()), float(np.sum(error * error))), grads
+        size, slope = (error * error, 2 * error) if loss == "squared" else (np.abs(error), np.sign(error))
+        by_pixel = weight if weights is None else weight * weights
+        grads = rasterize_reference_backward(means, covariances, colours, by_pixel * slope, origin)
+        return Errors(float(np.sum(by_pixel * size)), float(np.sum(error * error))), grads
 
 
 def rasterize_reference(

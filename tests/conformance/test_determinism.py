@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import torch
 
 from sgicodec import EncodeSettings, Picture, Stream, encode_picture, read
 from sgicodec.bitstream.parts import tile
@@ -22,7 +21,6 @@ from sgicodec.bitstream.parts.attributes import AttributeWriter
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.metrics.psnr import psnr
-from sgicodec.raster.cpu import NativeRasterizer
 
 PICTURE = Path(__file__).parents[1] / "data" / "kodim23.png"
 
@@ -71,25 +69,6 @@ def test_same_bytes_for_any_number_of_threads(
     picture: Picture, settings: EncodeSettings, data: bytes, threads: int
 ) -> None:
     assert encode_picture(picture, settings, device=Device(threads)).data == data
-
-
-def test_a_fit_lets_torch_use_one_thread(picture: Picture, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A few steps seldom show that sums were shared among threads; the whole of a fit does."""
-    before, seen = torch.get_num_threads(), set()
-    plain = NativeRasterizer.absolute_error
-
-    def compared(self: NativeRasterizer, *arguments: Any) -> Any:
-        seen.add(torch.get_num_threads())
-        return plain(self, *arguments)
-
-    monkeypatch.setattr(NativeRasterizer, "absolute_error", compared)
-    torch.set_num_threads(3)
-    try:
-        encode_picture(picture, EncodeSettings(profile="paper", steps=3, seeds=50, per_seed=1, features=4))
-        assert torch.get_num_threads() == 3
-    finally:
-        torch.set_num_threads(before)
-    assert seen == {1}
 
 
 def test_same_pixels_for_any_number_of_threads(data: bytes) -> None:

@@ -153,7 +153,7 @@ def test_a_check_that_fails_ends_the_run(monkeypatch: pytest.MonkeyPatch) -> Non
     answers = iter([0.0, 1.0, 2.0])
     gradients = tuple(np.zeros((1, n), np.float32) for n in (2, 3, 3))
     monkeypatch.setattr(cuda, "SCENES", (FEW,))
-    monkeypatch.setattr(CudaRasterizer, "squared_error", lambda *_: (next(answers), gradients))
+    monkeypatch.setattr(CudaRasterizer, "error", lambda *_: (next(answers), gradients))
     with pytest.raises(SgiError, match="repeated passes differ"):
         checks.check_repeats(fake_gpu(), FEW)
 

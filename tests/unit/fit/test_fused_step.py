@@ -7,16 +7,12 @@ import numpy as np
 import pytest
 import torch
 from random_fit import random_fit
+from scenes import ISAS
 from torch import Tensor
 
-from sgicodec import _native
 from sgicodec.device import Device
-from sgicodec.fit.autograd.context_net import ContextNet
-from sgicodec.fit.autograd.quantization_proxy import QuantizationProxy
-from sgicodec.fit.autograd.raster_op import squared_error
-from sgicodec.fit.autograd.rate import bits_laplace
-from sgicodec.fit.autograd.step import AutogradStep
-from sgicodec.fit.fused_step import FusedStep, NoiseKey
+from sgicodec.fit.fused_step import FusedStep
+from sgicodec.fit.noise_key import NoiseKey
 from sgicodec.fit.parameters import StepResult
 from sgicodec.fit.pyramid import Level
 from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
@@ -26,10 +22,15 @@ from sgicodec.profiles.default import default_spec
 from sgicodec.profiles.fit_settings import FitSettings, Phase, Rounding
 from sgicodec.profiles.paper import paper_spec
 from sgicodec.raster.cpu import NativeRasterizer
+from tools.autograd.context_net import ContextNet
+from tools.autograd.noise import hashed_noise
+from tools.autograd.quantization_proxy import QuantizationProxy
+from tools.autograd.raster_op import error
+from tools.autograd.rate import bits_laplace
+from tools.autograd.step import AutogradStep
 
 WIDTH, HEIGHT = 160, 120
 QUALITY, FAMILY, LMBDA, SEED = 62, 1, 0.004, 12345
-KEY = NoiseKey.of(SEED, 0).key
 LONGEST = 1.25
 """|(b, c)| at most."""
 TOLERANCE = 32 * 2.0**-24 * math.exp(4 * LONGEST)
@@ -48,45 +49,14 @@ SPECS = {
 }
 
 
-def available_isas() -> list[str]:
-    found = []
-    for isa in ("portable", "avx2", "avx512"):
-        try:
-            _native.Rasterizer(isa, 1, 1)
-        except ValueError:
-            continue
-        found.append(isa)
-    return found
+class Recorded(QuantizationProxy):
+    """Remembers the means, steps and scales of each group."""
 
-
-def expected_noise(column: int, seeds: int) -> np.ndarray:
-    """lowbias32 over seed, column and key, in 64-bit arithmetic."""
-    mask = 0xFFFFFFFF
-    x = (np.arange(seeds, dtype=np.uint64) * 0x9E3779B9) & mask
-    x ^= np.uint64((KEY + column * 0x85EBCA6B) & mask)
-    x = ((x ^ (x >> np.uint64(16))) * np.uint64(0x7FEB352D)) & mask
-    x = ((x ^ (x >> np.uint64(15))) * np.uint64(0x846CA68B)) & mask
-    x ^= x >> np.uint64(16)
-    return ((x >> np.uint64(8)).astype(np.float64) + 0.5) / 2**24 - 0.5
-
-
-class KnownNoise(QuantizationProxy):
-    """Draws the noise that the fused step hashes, and remembers the means, steps and scales of each group."""
-
-    column: int
-    sign = 1
     predicted: list[tuple[Tensor, Tensor, Tensor]]
 
-    def _perturb(  # type: ignore[override]
-        self, value: Tensor, m: Tensor, q: Tensor, s: Tensor, rounding: Rounding, generator: torch.Generator
-    ) -> Tensor:
+    def _perturb(self, value: Tensor, m: Tensor, q: Tensor, s: Tensor, noise: Tensor | None) -> Tensor:
         self.predicted.append((m.detach(), q.detach(), s.detach()))
-        if rounding != "noise":
-            return super()._perturb(value, m, q, s, rounding, generator)
-        start = self.column
-        self.column += value.shape[1]
-        columns = [self.sign * expected_noise(start + j, len(value)) for j in range(value.shape[1])]
-        return value + q * torch.from_numpy(np.stack(columns, axis=1)).float()
+        return super()._perturb(value, m, q, s, noise)
 
 
 class Problem:
@@ -95,22 +65,22 @@ class Problem:
     def __init__(self, spec: ModelSpec, frozen: bool = False) -> None:
         self.spec = spec
         self.layout, self.target, self.parameters = random_fit(spec, WIDTH, HEIGHT, QUALITY, LONGEST, frozen)
-        self.proxy = KnownNoise(spec, FAMILY)
+        self.proxy = Recorded(spec, FAMILY)
         self.proxy.set_layout(self.layout, QUALITY, WIDTH, HEIGHT)
 
     @property
     def values(self) -> dict[str, np.ndarray]:
         return self.parameters.seeds.values
 
-    def autograd_step(self, rounding: Rounding, level: int, isa: str = "auto") -> StepResult:
+    def autograd_step(self, rounding: Rounding, level: int, isa: str = "auto", number: int = 0) -> StepResult:
         net = ContextNet(self.parameters.context)
         own = {name: a for name, a in self.parameters.trained().items() if name not in net.leaves}
         leaves = {name: torch.from_numpy(array).requires_grad_() for name, array in own.items()} | net.leaves
         values = {name: leaves[name] for name in self.values}
-        self.proxy.column, self.proxy.age, self.proxy.predicted = 0, 0, []
+        self.proxy.age, self.proxy.predicted = 0, []
         attributes, bits = torch.cat(list(values.values()), dim=1), torch.zeros(1)
         if rounding != "none":
-            sample = self.proxy.sample(values, net, leaves["steps"], rounding, torch.Generator())
+            sample = self.proxy.sample(values, net, leaves["steps"], rounding, NoiseKey.of(SEED, number))
             attributes, bits = sample.attributes, sample.bits
         error = self.error_of(attributes, level, isa)
         side = net.difference_bits() if rounding != "none" else torch.zeros(())
@@ -139,7 +109,7 @@ class Problem:
         centre, cell = torch.from_numpy(self.layout.centre) * scale, torch.from_numpy(self.layout.cell) * scale
         opponent = torch.tensor(colour_matrix(self.spec.channels))
         gaussians = gaussians_from_seeds(self.spec, attributes, centre, cell, {}, opponent, torch)
-        return squared_error(*gaussians, torch.from_numpy(self.reduced(level)), NativeRasterizer(Device(1, isa)))
+        return error(gaussians, torch.from_numpy(self.reduced(level)), NativeRasterizer(Device(1, isa)))[0]
 
     def fused(self, isa: str = "auto", threads: int = 1) -> FusedStep:
         device = Device(threads, isa)
@@ -174,7 +144,7 @@ def assert_close(found: StepResult, expected: StepResult) -> None:
         assert float(np.linalg.norm(got - want) / np.linalg.norm(want)) < TOLERANCE, name
 
 
-@pytest.mark.parametrize("isa", available_isas())
+@pytest.mark.parametrize("isa", ISAS)
 @pytest.mark.parametrize("rounding", ["none", "noise", "round"])
 @pytest.mark.parametrize("spec", SPECS.values(), ids=SPECS)
 def test_it_is_the_quantisation_proxy_and_autograd(spec: ModelSpec, rounding: Rounding, isa: str) -> None:
@@ -195,7 +165,7 @@ def test_differences_to_fixed_networks() -> None:
     assert_close(problem.fused_step("noise", 0), problem.autograd_step("noise", 0))
 
 
-@pytest.mark.parametrize("isa", available_isas())
+@pytest.mark.parametrize("isa", ISAS)
 def test_between_its_runs_the_network_said_constants(isa: str) -> None:
     problem = Problem(default_spec(3, prior=0), frozen=True)
     problem.autograd_step("noise", 0, isa)
@@ -208,7 +178,9 @@ def test_between_its_runs_the_network_said_constants(isa: str) -> None:
     costs, drawn, column = torch.zeros(()), [], 0
     leaves = {name: torch.from_numpy(value).requires_grad_() for name, value in problem.values.items()}
     for (m, q, s), value in zip(problem.proxy.predicted, leaves.values(), strict=True):
-        noise = np.stack([expected_noise(column + j, len(value)) for j in range(value.shape[1])], axis=1)
+        noise = np.stack(
+            [hashed_noise(NoiseKey.of(SEED, 0), column + j, len(value)) for j in range(value.shape[1])], axis=1
+        )
         column += value.shape[1]
         drawn.append(value + q * torch.from_numpy(noise).float())
         costs = costs + bits_laplace(drawn[-1] - m, q.expand_as(drawn[-1]), s.expand_as(drawn[-1])).sum()
@@ -236,11 +208,10 @@ def test_when_the_network_runs() -> None:
     assert problem.fused_step("round", 0, step=step).bits != rounded
 
 
-@pytest.mark.parametrize("isa", available_isas())
+@pytest.mark.parametrize("isa", ISAS)
 def test_noise_with_its_signs_turned(isa: str) -> None:
     problem = Problem(default_spec(3, prior=0))
-    problem.proxy.sign = -1
-    assert_close(problem.fused_step("noise", 0, isa, number=1), problem.autograd_step("noise", 0, isa))
+    assert_close(problem.fused_step("noise", 0, isa, number=1), problem.autograd_step("noise", 0, isa, number=1))
 
 
 def test_threads_change_no_bit() -> None:
@@ -257,7 +228,7 @@ def test_what_it_can_run() -> None:
     assert not FusedStep.can_run(default_spec(3, hidden=16))
 
 
-@pytest.mark.parametrize("isa", available_isas())
+@pytest.mark.parametrize("isa", ISAS)
 @pytest.mark.parametrize("level", [0, 1])
 def test_weights_are_those_of_automatic_differentiation(level: int, isa: str) -> None:
     """Gradients are of the weighted error, the error is plain. Without noise, so that both draw the same."""

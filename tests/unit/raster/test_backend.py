@@ -20,8 +20,7 @@ def parameters(method: Any) -> list[tuple[str, object]]:
 
 
 def test_the_contract_is_what_callers_call() -> None:
-    errors = {"squared_error", "weighted_squared_error", "absolute_error"}
-    assert set(CONTRACT) == {"forward", "draw", "backward", *errors}
+    assert set(CONTRACT) == {"forward", "draw", "backward", "error"}
 
 
 @pytest.mark.parametrize("backend", BACKENDS)

@@ -18,6 +18,7 @@ from scenes import (
 )
 
 from sgicodec.device import Device
+from sgicodec.raster.backend import Loss
 from sgicodec.raster.cpu import NativeRasterizer
 from sgicodec.raster.reference import ReferenceRasterizer, rasterize_reference, rasterize_reference_backward
 
@@ -94,7 +95,7 @@ def test_nothing_to_draw(isa: str) -> None:
         gradients = raster.backward(*scene, np.ones((3, 10, 20), np.float32))
         assert [g.shape for g in gradients] == [array.shape for array in scene]
         assert not any(g.any() for g in gradients)
-        assert raster.squared_error(*scene, np.ones((3, 10, 20), np.float32), 0.5)[0] == 300.0
+        assert raster.error(*scene, np.ones((3, 10, 20), np.float32), weight=0.5)[0].loss == 300.0
 
 
 @every_isa
@@ -131,7 +132,7 @@ def test_squared_error_is_forward_and_backward(isa: str, channels: int) -> None:
     for origin in ((0, 0), (-7, 21)):
         error = raster.forward(*scene, 70, 45, origin) - target
         gradients = raster.backward(*scene, 2 * np.float32(0.25) * error, origin)
-        loss, fused = raster.squared_error(*scene, target, 0.25, origin)
+        (loss, _), fused = raster.error(*scene, target, weight=0.25, origin=origin)
         assert loss == pytest.approx(0.25 * float(np.sum(error.astype(np.float64) ** 2)), rel=1e-6)
         for one, two in zip(gradients, fused, strict=True):
             np.testing.assert_array_equal(one, two)
@@ -139,31 +140,21 @@ def test_squared_error_is_forward_and_backward(isa: str, channels: int) -> None:
 
 @every_isa
 @pytest.mark.parametrize("channels", [1, 3, 6])
-def test_weighted_squared_error_is_that_of_the_reference(isa: str, channels: int) -> None:
+@pytest.mark.parametrize("weighted", [False, True])
+@pytest.mark.parametrize("loss", ["squared", "absolute"])
+def test_error_is_that_of_the_reference(loss: Loss, weighted: bool, channels: int, isa: str) -> None:
     """A wide cutoff, so that what is left out is below rounding."""
     rng = np.random.default_rng(channels)
     scene = random_scene(rng, 60, channels, 70, 45, sigma=(0.5, 6.0), ratio=4.0)
     target = rng.normal(size=(channels, 45, 70)).astype(np.float32)
-    weights = rng.uniform(0.1, 3.0, (45, 70)).astype(np.float32)
+    weights = rng.uniform(0.1, 3.0, (45, 70)).astype(np.float32) if weighted else None
     for origin in ((0, 0), (-7, 21)):
-        found, gradients = NativeRasterizer(Device(2, isa), 7.0).weighted_squared_error(*scene, target, weights, origin)
-        wide = [array.astype(np.float64) for array in (target, weights)]
-        expected, exact_gradients = ReferenceRasterizer().weighted_squared_error(*exact(scene), *wide, origin)
-        assert found == pytest.approx(expected, rel=1e-6)
-        for one, two in zip(gradients, exact_gradients, strict=True):
-            np.testing.assert_allclose(one, two, atol=2e-4 * np.abs(two).max())
-
-
-@every_isa
-@pytest.mark.parametrize("channels", [1, 3, 6])
-def test_absolute_error_is_that_of_the_reference(isa: str, channels: int) -> None:
-    rng = np.random.default_rng(channels)
-    scene = random_scene(rng, 60, channels, 70, 45, sigma=(0.5, 6.0), ratio=4.0)
-    target = rng.normal(size=(channels, 45, 70)).astype(np.float32)
-    for origin in ((0, 0), (-7, 21)):
-        found, gradients = NativeRasterizer(Device(2, isa), 7.0).absolute_error(*scene, target, 0.3, origin)
-        wide = target.astype(np.float64)
-        expected, exact_gradients = ReferenceRasterizer().absolute_error(*exact(scene), wide, 0.3, origin)
+        raster = NativeRasterizer(Device(2, isa), 7.0)
+        found, gradients = raster.error(*scene, target, loss, 0.3, weights, origin)
+        wide = None if weights is None else weights.astype(np.float64)
+        expected, exact_gradients = ReferenceRasterizer().error(
+            *exact(scene), target.astype(np.float64), loss, 0.3, wide, origin
+        )
         assert found == pytest.approx(expected, rel=1e-6)
         for one, two in zip(gradients, exact_gradients, strict=True):
             np.testing.assert_allclose(one, two, atol=2e-4 * np.abs(two).max())
@@ -175,7 +166,7 @@ def test_absolute_error_has_no_slope_where_nothing_differs(isa: str) -> None:
     scene = random_scene(np.random.default_rng(4), 60, 3, 70, 45, sigma=(0.5, 6.0))
     raster = NativeRasterizer(Device(2, isa))
     image = raster.forward(*scene, 70, 45)
-    found, gradients = raster.absolute_error(*scene, image, 1.0)
+    found, gradients = raster.error(*scene, image, "absolute")
     assert found == (0.0, 0.0)
     assert not any(gradient.any() for gradient in gradients)
 
@@ -186,9 +177,9 @@ def test_weights_of_one_are_plain_squared_error(isa: str) -> None:
     scene = random_scene(rng, 60, 3, 70, 45, sigma=(0.5, 6.0), ratio=4.0)
     target, ones = rng.normal(size=(3, 45, 70)).astype(np.float32), np.ones((45, 70), np.float32)
     raster = NativeRasterizer(Device(2, isa))
-    (weighted, plain), gradients = raster.weighted_squared_error(*scene, target, ones)
-    loss, expected = raster.squared_error(*scene, target, 1.0)
-    assert weighted == plain == pytest.approx(loss, rel=1e-6)
+    (weighted, plain), gradients = raster.error(*scene, target, weights=ones)
+    (loss, _), expected = raster.error(*scene, target)
+    assert (weighted, plain) == pytest.approx((loss, loss), rel=1e-6)
     for one, two in zip(gradients, expected, strict=True):
         np.testing.assert_array_equal(one, two)
 
@@ -223,7 +214,7 @@ def test_the_number_of_threads_changes_no_byte(isa: str) -> None:
         raster = NativeRasterizer(Device(threads, isa))
         image = raster.forward(*scene, 230, 170)
         gradients = raster.backward(*scene, target)
-        loss, fused = raster.squared_error(*scene, target, 1.0)
+        (loss, _), fused = raster.error(*scene, target)
         results.append((loss, [array.tobytes() for array in (image, *gradients, *fused)]))
     assert all(result == results[0] for result in results)
 

@@ -10,7 +10,7 @@ from fake_cuda import backwards, fake_gpu
 from scenes import Scene, covariances_of, exact, gradient_magnitude, magnitude, random_scene, whitened
 
 from sgicodec.errors import UsageError
-from sgicodec.raster.backend import Background, Mapping, nothing_behind
+from sgicodec.raster.backend import Background, Loss, Mapping, nothing_behind
 from sgicodec.raster.cpu import NativeRasterizer
 from sgicodec.raster.cuda import CudaRasterizer
 from sgicodec.raster.reference import ReferenceRasterizer, rasterize_reference, rasterize_reference_backward
@@ -94,7 +94,7 @@ def test_nothing_to_draw() -> None:
         gradients = raster.backward(*scene, np.ones((3, 10, 20), np.float32))
         assert [g.shape for g in gradients] == [array.shape for array in scene]
         assert not any(g.any() for g in gradients)
-        assert raster.squared_error(*scene, np.ones((3, 10, 20), np.float32), 0.5)[0] == 300.0
+        assert raster.error(*scene, np.ones((3, 10, 20), np.float32), weight=0.5)[0].loss == 300.0
 
 
 def test_hostile_gaussians_are_left_out() -> None:
@@ -113,35 +113,20 @@ def test_hostile_gaussians_are_left_out() -> None:
         CudaRasterizer(fake_gpu(), most_pairs=100).forward(*wide, 800, 800)
 
 
-def test_absolute_error() -> None:
-    rng = np.random.default_rng(3)
-    scene = random_scene(rng, 60, 3, 50, 40, sigma=(0.5, 6.0))
-    target = rng.normal(size=(3, 40, 50)).astype(np.float32)
-    found, gradients = CudaRasterizer(fake_gpu(), WIDE).absolute_error(*scene, target, 0.7)
-    wanted, expected = ReferenceRasterizer().absolute_error(*exact(scene), target.astype(float), 0.7)
-    assert found == pytest.approx(wanted, rel=1e-5)
-    grad = np.full(target.shape, 0.7)
-    difference = np.abs(whitened(scene, gradients) - whitened(scene, expected))
-    assert np.all(difference <= 2 * BACKWARD * (gradient_magnitude(scene, grad) + 0.1))
-
-
 @pytest.mark.parametrize("weighted", [False, True])
-def test_squared_error_in_one_pass(weighted: bool) -> None:
+@pytest.mark.parametrize("loss", ["squared", "absolute"])
+def test_error_in_one_pass(loss: Loss, weighted: bool) -> None:
     rng = np.random.default_rng(2)
     scene = random_scene(rng, 60, 3, 50, 40, sigma=(0.5, 6.0))
     target = rng.normal(size=(3, 40, 50)).astype(np.float32)
-    ours, reference = CudaRasterizer(fake_gpu(), WIDE), ReferenceRasterizer()
-    if weighted:
-        weights = rng.uniform(0.1, 3, (40, 50)).astype(np.float32)
-        found, gradients = ours.weighted_squared_error(*scene, target, weights)
-        wanted, expected = reference.weighted_squared_error(*exact(scene), target.astype(float), weights.astype(float))
-        slope = 2 * weights
-    else:
-        error, gradients = ours.squared_error(*scene, target, 0.7)
-        value, expected = reference.squared_error(*exact(scene), target.astype(float), 0.7)
-        found, wanted, slope = (error, 0.0), (value, 0.0), np.float32(1.4)
+    weights = rng.uniform(0.1, 3, (40, 50)).astype(np.float32) if weighted else None
+    found, gradients = CudaRasterizer(fake_gpu(), WIDE).error(*scene, target, loss, 0.7, weights)
+    wide = None if weights is None else weights.astype(float)
+    wanted, expected = ReferenceRasterizer().error(*exact(scene), target.astype(float), loss, 0.7, wide)
     assert found == pytest.approx(wanted, rel=1e-5)
-    grad = slope * (rasterize_reference(*exact(scene), 50, 40) - target)
+    by_pixel = np.float32(0.7) * (1 if weights is None else weights)
+    error = rasterize_reference(*exact(scene), 50, 40) - target
+    grad = by_pixel * (2 * error if loss == "squared" else np.ones_like(error))
     difference = np.abs(whitened(scene, gradients) - whitened(scene, expected))
     assert np.all(difference <= 2 * BACKWARD * (gradient_magnitude(scene, grad) + 0.1))
 
@@ -163,7 +148,7 @@ def test_a_cutoff_is_the_same_forward_and_backward() -> None:
 def test_repeated_calls_give_the_same_bytes() -> None:
     scene = random_scene(np.random.default_rng(3), 200, 3, 64, 48)
     target = np.zeros((3, 48, 64), np.float32)
-    (first, gradients), (second, again) = (CudaRasterizer(fake_gpu()).squared_error(*scene, target, 1.0) for _ in "ab")
+    (first, gradients), (second, again) = (CudaRasterizer(fake_gpu()).error(*scene, target) for _ in "ab")
     assert first == second
     for a, b in zip(gradients, again, strict=True):
         np.testing.assert_array_equal(a, b)
@@ -173,10 +158,10 @@ def test_no_thread_waits_for_what_another_does_in_the_same_phase() -> None:
     """A race between threads, or blocks, would show when they run in another order."""
     scene = random_scene(np.random.default_rng(13), 900, 3, 150, 90)
     target = np.random.default_rng(14).normal(size=(3, 90, 150)).astype(np.float32)
-    first, gradients = CudaRasterizer(fake_gpu()).squared_error(*scene, target, 1.0)
+    first, gradients = CudaRasterizer(fake_gpu()).error(*scene, target)
     image = CudaRasterizer(fake_gpu()).forward(*scene, 150, 90)
     with backwards():
-        second, again = CudaRasterizer(fake_gpu()).squared_error(*scene, target, 1.0)
+        second, again = CudaRasterizer(fake_gpu()).error(*scene, target)
         np.testing.assert_array_equal(image, CudaRasterizer(fake_gpu()).forward(*scene, 150, 90))
     assert first == second
     for a, b in zip(gradients, again, strict=True):

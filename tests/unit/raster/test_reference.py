@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scenes import exact, random_scene
 
+from sgicodec.raster.backend import Loss
 from sgicodec.raster.reference import ReferenceRasterizer, rasterize_reference, rasterize_reference_backward
 
 ORIGIN = (-3, 5)
@@ -48,58 +49,26 @@ def test_gradients_against_central_differences(channels: int) -> None:
         np.testing.assert_allclose(gradient, numeric, rtol=1e-6, atol=1e-8)
 
 
-def test_squared_error_against_central_differences() -> None:
+@pytest.mark.parametrize("weighted", [False, True])
+@pytest.mark.parametrize("loss", ["squared", "absolute"])
+def test_error_against_central_differences(loss: Loss, weighted: bool) -> None:
     rng = np.random.default_rng(7)
     arrays = exact(random_scene(rng, 3, 2, 8, 6, sigma=(1.0, 3.0), margin=0.0))
-    target = rng.normal(size=(2, 6, 8))
+    target, weights = rng.normal(size=(2, 6, 8)), rng.uniform(0.1, 2.0, (6, 8)) if weighted else None
     raster = ReferenceRasterizer()
-    loss, gradients = raster.squared_error(*arrays, target, 0.5)
-    assert loss == pytest.approx(0.5 * float(np.sum((raster.forward(*arrays, 8, 6) - target) ** 2)))
-    direction = [rng.normal(size=array.shape) for array in arrays]
-    ahead, behind = (
-        raster.squared_error(*(a + sign * 1e-6 * d for a, d in zip(arrays, direction, strict=True)), target, 0.5)[0]
-        for sign in (1, -1)
-    )
-    slope = sum(float(np.sum(g * d)) for g, d in zip(gradients, direction, strict=True))
-    assert (ahead - behind) / 2e-6 == pytest.approx(slope, rel=1e-6)
-
-
-def test_absolute_error_against_central_differences() -> None:
-    rng = np.random.default_rng(9)
-    arrays = exact(random_scene(rng, 3, 2, 8, 6, sigma=(1.0, 3.0), margin=0.0))
-    target = rng.normal(size=(2, 6, 8))
-    raster = ReferenceRasterizer()
-    (absolute, squared), gradients = raster.absolute_error(*arrays, target, 0.25)
+    errors, gradients = raster.error(*arrays, target, loss, 0.25, weights)
     error = raster.forward(*arrays, 8, 6) - target
-    assert (absolute, squared) == pytest.approx((0.25 * float(np.abs(error).sum()), float(np.sum(error**2))))
+    size = 0.25 * (error**2 if loss == "squared" else np.abs(error)) * (1 if weights is None else weights)
+    assert errors == pytest.approx((float(size.sum()), float(np.sum(error**2))))
     direction = [rng.normal(size=array.shape) for array in arrays]
     ahead, behind = (
-        raster.absolute_error(*(a + sign * 1e-6 * d for a, d in zip(arrays, direction, strict=True)), target, 0.25)[0][
-            0
-        ]
+        raster.error(
+            *(a + sign * 1e-6 * d for a, d in zip(arrays, direction, strict=True)), target, loss, 0.25, weights
+        )
         for sign in (1, -1)
     )
     slope = sum(float(np.sum(g * d)) for g, d in zip(gradients, direction, strict=True))
-    assert (ahead - behind) / 2e-6 == pytest.approx(slope, rel=1e-5)
-
-
-def test_weighted_squared_error_against_central_differences() -> None:
-    rng = np.random.default_rng(8)
-    arrays = exact(random_scene(rng, 3, 2, 8, 6, sigma=(1.0, 3.0), margin=0.0))
-    target, weights = rng.normal(size=(2, 6, 8)), rng.uniform(0.1, 2.0, (6, 8))
-    raster = ReferenceRasterizer()
-    (weighted, plain), gradients = raster.weighted_squared_error(*arrays, target, weights)
-    squares = (raster.forward(*arrays, 8, 6) - target) ** 2
-    assert (weighted, plain) == pytest.approx((float(np.sum(weights * squares)), float(np.sum(squares))))
-    direction = [rng.normal(size=array.shape) for array in arrays]
-    ahead, behind = (
-        raster.weighted_squared_error(
-            *(a + sign * 1e-6 * d for a, d in zip(arrays, direction, strict=True)), target, weights
-        )[0][0]
-        for sign in (1, -1)
-    )
-    slope = sum(float(np.sum(g * d)) for g, d in zip(gradients, direction, strict=True))
-    assert (ahead - behind) / 2e-6 == pytest.approx(slope, rel=1e-6)
+    assert (ahead[0].loss - behind[0].loss) / 2e-6 == pytest.approx(slope, rel=1e-5)
 
 
 def test_what_is_no_gaussian_is_left_out() -> None:

@@ -8,8 +8,8 @@ import pytest
 import torch
 
 from sgicodec.bitstream.entropy.tables import SCALES, frequency_tables
-from sgicodec.fit.autograd.rate import bits_gaussian, bits_laplace
 from sgicodec.model.quantization import PER_OCTAVE, SCALE_ZERO
+from tools.autograd.rate import bits_gaussian, bits_laplace
 
 Rate = Callable[[torch.Tensor, torch.Tensor, torch.Tensor], torch.Tensor]
 

@@ -14,10 +14,14 @@ __all__ = ["bits_gaussian", "bits_laplace"]
 
 
 def bits_gaussian(deviation: Tensor, step: Tensor, scale: Tensor) -> Tensor:
-    """−log2 of the Gaussian's mass in [d − q/2, d + q/2] (paper, equation 10); all tensors alike in shape."""
-    upper = torch.special.ndtr((deviation + 0.5 * step) / scale)
-    lower = torch.special.ndtr((deviation - 0.5 * step) / scale)
-    return -torch.log2((upper - lower).clamp_min(LEAST_MASS))
+    """−log2 of the Gaussian's mass in [d − q/2, d + q/2] (paper, equation 10); all tensors alike in shape.
+
+    Written with |d| so that a tail's mass is no difference of numbers near 1.
+    """
+    size = deviation.abs()
+    nearer = torch.special.ndtr((0.5 * step - size) / scale)
+    beyond = torch.special.ndtr((-0.5 * step - size) / scale)
+    return -torch.log2((nearer - beyond).clamp_min(LEAST_MASS))
 
 
 class _LaplaceBits(torch.autograd.Function):

@@ -9,9 +9,8 @@ import torch
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.parts.arrays import write_weights
 from sgicodec.bitstream.parts.attributes import AttributeWriter
-from sgicodec.fit.autograd.context_net import ContextNet
-from sgicodec.fit.autograd.quantization_proxy import QuantizationProxy, Sample
 from sgicodec.fit.context_weights import WEIGHT_SHIFT, ContextWeights
+from sgicodec.fit.noise_key import NoiseKey
 from sgicodec.fit.step_sizes import flat_steps
 from sgicodec.model.context import LEVELS, SUMMARY, HashGrid, passes
 from sgicodec.model.layout import adaptive_layout, uniform_layout
@@ -21,6 +20,8 @@ from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import StepPlan, default_plan
 from sgicodec.profiles.default import default_spec
 from sgicodec.profiles.paper import paper_spec
+from tools.autograd.context_net import ContextNet
+from tools.autograd.quantization_proxy import QuantizationProxy, Sample
 
 SIZE = (160, 120)
 QUALITY, FAMILY = 62, 1
@@ -66,7 +67,7 @@ class Fit:
         proxy = QuantizationProxy(self.spec, FAMILY)
         proxy.set_layout(self.layout, QUALITY, *SIZE)
         steps = torch.from_numpy(flat_steps(self.spec, plan))
-        return proxy.sample(values, net, steps, "round", torch.Generator())
+        return proxy.sample(values, net, steps, "round", NoiseKey(0, False))
 
 
 class CodingRecorder:

@@ -9,8 +9,7 @@ import torch
 from torch import Tensor
 
 from sgicodec._native import COLOUR_GAIN_BITS, INPUT_LIMIT, LOUDNESS_ZERO, OCTAVE_LIMIT
-from sgicodec.fit.autograd.context_net import ContextNet
-from sgicodec.fit.autograd.rate import bits_gaussian, bits_laplace
+from sgicodec.fit.noise_key import NoiseKey
 from sgicodec.fit.step_sizes import base_counts, gamma_names
 from sgicodec.model.context import (
     INPUT_BITS,
@@ -38,6 +37,9 @@ from sgicodec.model.quantization import (
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import AMPLITUDE_ZERO, REFINE_LIMIT, follows_amplitude
 from sgicodec.profiles.fit_settings import Rounding
+from tools.autograd.context_net import ContextNet
+from tools.autograd.noise import hashed_noise
+from tools.autograd.rate import bits_gaussian, bits_laplace
 
 __all__ = ["QuantizationProxy", "Sample"]
 
@@ -79,7 +81,7 @@ class QuantizationProxy:
         parts = torch.split(steps[: sum(counts)], counts)
         return {group.name: part.reshape(-1, LEVELS) for group, part in zip(self.spec.groups, parts, strict=True)}
 
-    def noisy(self, values: dict[str, Tensor], steps: Tensor, scale: float, generator: torch.Generator) -> Sample:
+    def noisy(self, values: dict[str, Tensor], steps: Tensor, scale: float, key: NoiseKey) -> Sample:
         """The attributes under noise of their base steps, without MLP_p: as published while bits do not count.
 
         At a level of the pyramid of this scale, offsets have that much smaller steps.
@@ -87,7 +89,7 @@ class QuantizationProxy:
         drawn = []
         for name, base in self._base(steps.detach()).items():
             q = self._spread(name, torch.exp2(base.T[self.level])) * (scale if name == "offset" else 1.0)
-            drawn.append(_with_noise(values[name], q, generator))
+            drawn.append(values[name] + q * self._noise(name, key).to(q.dtype))
         return Sample(torch.cat(drawn, dim=1), torch.zeros(len(self.level)))
 
     def _gamma(self, steps: Tensor) -> dict[str, Tensor]:
@@ -111,7 +113,7 @@ class QuantizationProxy:
         self.age = 0
 
     def sample(
-        self, values: dict[str, Tensor], net: ContextNet, steps: Tensor, rounding: Rounding, generator: torch.Generator
+        self, values: dict[str, Tensor], net: ContextNet, steps: Tensor, rounding: Rounding, key: NoiseKey
     ) -> Sample:
         """Draws (noise) or rounds the attributes `values` and counts their bits; steps as `step_sizes.flat_steps`."""
         if not self.age or (not net.trains and not self.products):
@@ -143,7 +145,8 @@ class QuantizationProxy:
                 m = self._spread(name, mean[:, units] * q_base)
                 s = self._spread(name, torch.exp2(scale[:, units].clamp(-OCTAVE_LIMIT, OCTAVE_LIMIT)) * q_base)
                 s = torch.maximum(s, q * _LEAST_SCALE)
-                value = self._perturb(values[name], m, q, s, rounding, generator)
+                noise = self._noise(name, key).to(q.dtype) if rounding == "noise" else None
+                value = self._perturb(values[name], m, q, s, noise)
                 q_rate = q.detach() if rounding == "round" else q
                 costs[name] = (value - m, q_rate, s)
                 decoded[name] = value
@@ -155,11 +158,16 @@ class QuantizationProxy:
         columns = self.columns[name]
         return predicted if columns is None else predicted[:, columns]
 
-    def _perturb(
-        self, value: Tensor, m: Tensor, q: Tensor, s: Tensor, rounding: Rounding, generator: torch.Generator
-    ) -> Tensor:
-        if rounding == "noise":
-            return _with_noise(value, q, generator)
+    def _noise(self, name: str, key: NoiseKey) -> Tensor:
+        """Of a group's attributes [N, size], in steps."""
+        columns = self.spec.group(name).columns
+        drawn = [hashed_noise(key, column, len(self.level)) for column in range(columns.start, columns.stop)]
+        return torch.from_numpy(np.stack(drawn, axis=1))
+
+    def _perturb(self, value: Tensor, m: Tensor, q: Tensor, s: Tensor, noise: Tensor | None) -> Tensor:
+        """Values under noise in steps, or rounded where there is none."""
+        if noise is not None:
+            return value + q * noise
         with torch.no_grad():
             u = (value - m) / q
             towards_zero = (self.dead_zone * q / s).clamp_max(DEAD_ZONE_LIMIT)
@@ -215,10 +223,6 @@ class QuantizationProxy:
         if blocks:
             product = product + net.product(number, torch.cat(blocks, dim=1), self.common.shape[1])
         return net.predict(number, product)
-
-
-def _with_noise(value: Tensor, q: Tensor, generator: torch.Generator) -> Tensor:
-    return value + q * (torch.rand(value.shape, generator=generator) - 0.5)
 
 
 def _unless_identity(columns: np.ndarray, outputs: int) -> Tensor | None:

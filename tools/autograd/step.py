@@ -10,9 +10,8 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from sgicodec.fit.autograd.context_net import ContextNet
-from sgicodec.fit.autograd.quantization_proxy import QuantizationProxy, Sample
-from sgicodec.fit.autograd.raster_op import absolute_error, rasterize, squared_error
+from sgicodec.fit.feature_step import LEAST_SAMPLED
+from sgicodec.fit.noise_key import NoiseKey
 from sgicodec.fit.parameters import Parameters, StepResult
 from sgicodec.fit.pyramid import Level
 from sgicodec.fit.seed_set import coded_values
@@ -21,13 +20,14 @@ from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.fit_settings import FitSettings, Rounding
 from sgicodec.raster.backend import Backend
+from tools.autograd.context_net import ContextNet
+from tools.autograd.noise import hashed_noise
+from tools.autograd.quantization_proxy import QuantizationProxy, Sample
+from tools.autograd.raster_op import error
 
 __all__ = ["AutogradStep"]
 
 F32 = NDArray[np.float32]
-
-LEAST_SAMPLED = 1000
-"""Seeds whose bits are counted in a step, where there are as many: 5 % of few seeds are too few to learn from."""
 
 
 class AutogradStep:
@@ -38,7 +38,6 @@ class AutogradStep:
     ) -> None:
         self.spec, self.settings, self.raster, self.size = spec, settings, raster, size
         self.proxy = QuantizationProxy(spec, family)
-        self.generator = torch.Generator().manual_seed(settings.seed)
         self._opponent = torch.tensor(colour_matrix(spec.channels))
         self._seed_bits: F32 = np.zeros(0, np.float32)
 
@@ -50,13 +49,13 @@ class AutogradStep:
     def run(self, parameters: Parameters, rounding: Rounding, number: int, level: Level, lmbda: float) -> StepResult:
         """As `GradientStep.run`."""
         with _one_thread():
-            return self._run(parameters, rounding, level, lmbda)
+            return self._run(parameters, rounding, NoiseKey.of(self.settings.seed, number), level, lmbda)
 
     def seed_bits(self) -> F32:
         """Bits of every seed in the last step [N]."""
         return self._seed_bits
 
-    def _run(self, parameters: Parameters, rounding: Rounding, level: Level, lmbda: float) -> StepResult:
+    def _run(self, parameters: Parameters, rounding: Rounding, key: NoiseKey, level: Level, lmbda: float) -> StepResult:
         net = ContextNet(parameters.context)
         own = {name: a for name, a in parameters.trained().items() if name not in net.leaves}
         leaves = {name: torch.from_numpy(array).requires_grad_() for name, array in own.items()} | net.leaves
@@ -65,9 +64,9 @@ class AutogradStep:
             joined = torch.cat(list(values.values()), dim=1)
             sample = Sample(joined, torch.zeros(len(joined)))
         elif rounding == "noise" and not lmbda and not self.spec.skip:
-            sample = self.proxy.noisy(values, leaves["steps"], level.scale, self.generator)
+            sample = self.proxy.noisy(values, leaves["steps"], level.scale, key)
         else:
-            sample = self.proxy.sample(values, net, leaves["steps"], rounding, self.generator)
+            sample = self.proxy.sample(values, net, leaves["steps"], rounding, key)
         decoders = {name: leaves[f"decoder_{name}"] for name in parameters.seeds.decoders}
         gaussians = gaussians_from_seeds(
             self.spec,
@@ -78,37 +77,37 @@ class AutogradStep:
             self._opponent,
             torch,
         )
-        loss, error = self._loss(gaussians, level, sample, net, lmbda)
+        loss, squared = self._loss(gaussians, level, sample, net, lmbda, key)
         loss.backward()  # type: ignore[no-untyped-call]
         self._seed_bits = sample.bits.detach().numpy()
         gradients = {name: leaf.grad.contiguous().numpy() for name, leaf in leaves.items() if leaf.grad is not None}
-        return StepResult(error, float(sample.bits.detach().sum()), gradients)
+        return StepResult(squared, float(sample.bits.detach().sum()), gradients)
 
     def _loss(
-        self, gaussians: tuple[Tensor, Tensor, Tensor], level: Level, sample: Sample, net: ContextNet, lmbda: float
+        self,
+        gaussians: tuple[Tensor, Tensor, Tensor],
+        level: Level,
+        sample: Sample,
+        net: ContextNet,
+        lmbda: float,
+        key: NoiseKey,
     ) -> tuple[Tensor, float]:
         """The loss, and the squared error without weights."""
-        target, weights = torch.from_numpy(level.samples), level.weights
-        if self.settings.loss == "squared" and weights is None:
-            error = squared_error(*gaussians, target, self.raster)
-            squared, loss, price = float(error.detach()), error, lmbda
-        elif weights is None:
-            loss, squared = absolute_error(*gaussians, target, self.raster)
-            price = lmbda / (len(sample.bits) * self.spec.attributes)
-        else:
-            image = rasterize(*gaussians, (target.shape[2], target.shape[1]), self.raster)
-            squared = float(((image.detach() - target) ** 2).sum())
-            loss, price = (torch.from_numpy(weights) * (image - target) ** 2).sum(), lmbda
+        target, kind = torch.from_numpy(level.samples), self.settings.loss
+        weight = 1.0 / target.numel() if kind == "absolute" else 1.0
+        loss, squared = error(gaussians, target, self.raster, kind, weight, level.weights)
+        price = lmbda / (len(sample.bits) * self.spec.attributes) if kind == "absolute" else lmbda
         if lmbda:
-            bits = self._sampled_bits(sample) + net.hash_bits() + net.difference_bits() + net.weight_bits()
+            bits = self._sampled_bits(sample, key) + net.hash_bits() + net.difference_bits() + net.weight_bits()
             loss = loss + price * bits
         return loss, squared
 
-    def _sampled_bits(self, sample: Sample) -> Tensor:
-        share = max(self.settings.rate_sample, LEAST_SAMPLED / len(sample.bits))
+    def _sampled_bits(self, sample: Sample, key: NoiseKey) -> Tensor:
+        count = len(sample.bits)
+        share = max(self.settings.rate_sample, LEAST_SAMPLED / count)
         if share >= 1:
             return sample.bits.sum()
-        chosen = torch.rand(len(sample.bits), generator=self.generator) < share
+        chosen = torch.from_numpy(hashed_noise(key, self.spec.attributes, count) + 0.5 < share)
         return sample.bits[chosen].sum() / share
 
 

@@ -1,0 +1,157 @@
+#include "fit/feature_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/isa.hpp"
+#include "base/thread_pool.hpp"
+#include "model/steps.hpp"
+
+namespace sgi {
+namespace {
+
+constexpr int64_t kMaxRuns = 64;  // each has sums of its own
+
+}  // namespace
+
+FeatureFit::FeatureFit(Isa isa, int threads, const FeatureModel &model, const ContextSpec &context)
+    : kernel_(kernel_for<FeatureKernel>(isa)), threads_(threads), context_(context) {
+  static_cast<FeatureModel &>(state_) = model;
+  state_.resolutions = int(context.hash_resolutions.size());
+  state_.entry_features = context.hash_features;
+  state_.hash_features = state_.resolutions * context.hash_features;
+  state_.context_hidden = context.hidden;
+}
+
+void FeatureFit::set_layout(const int32_t *half_pixels, int64_t n, int quality, int64_t width, int64_t height) {
+  FeatureState &s = state_;
+  const HashGrid grid(context_, width, height);
+  s.count = n;
+  quality_ = quality;
+  half_pixels_.assign(half_pixels, half_pixels + 2 * n);
+  table_starts_.assign(1, 0);
+  for (const int64_t count : grid.counts()) table_starts_.push_back(table_starts_.back() + count);
+  entry_.resize(n * s.resolutions * 4);
+  weight_.resize(entry_.size());
+  parallel_for(s.resolutions, threads_, [&](int64_t r) {
+    const int64_t first = table_starts_[r] / s.entry_features;
+    for (int64_t i = 0; i < n; ++i) {
+      int64_t entries[4];
+      int weights[4];
+      grid.corners(int(r), half_pixels + 2 * i, entries, weights);
+      for (int c = 0; c < 4; ++c) {
+        entry_[(i * s.resolutions + r) * 4 + c] = int32_t(first + entries[c]);
+        weight_[(i * s.resolutions + r) * 4 + c] = float(weights[c]) / (1 << (2 * kInputBits));
+      }
+    }
+  });
+  signs_.resize(table_starts_.back());
+  steps_.resize(s.attributes());
+  bias_.resize(s.context_hidden);
+  decoded_.resize((n + kBatchSeeds - 1) / kBatchSeeds * s.attributes() * kPitch);
+  bits_.resize(n);
+  hash_slopes_.resize(n * s.hash_features);
+  s.half_pixels = half_pixels_.data(), s.entry = entry_.data(), s.weight = weight_.data();
+  s.signs = signs_.data(), s.steps = steps_.data(), s.bias = bias_.data();
+  s.decoded = decoded_.data(), s.bits = bits_.data(), s.hash_slopes = hash_slopes_.data();
+}
+
+int64_t FeatureFit::run_size() const {
+  return kBatchSeeds * std::max<int64_t>(1, (state_.count + kBatchSeeds * kMaxRuns - 1) / (kBatchSeeds * kMaxRuns));
+}
+
+template <class Body>
+void FeatureFit::over_runs(const Body &body) {
+  const int64_t size = run_size();
+  parallel_for((state_.count + size - 1) / size, threads_, [&](int64_t run) {
+    thread_local std::vector<float> memory;
+    memory.resize(scratch_floats(state_));
+    body(run, run * size, std::min(state_.count, (run + 1) * size), memory.data());
+  });
+}
+
+void FeatureFit::take_shared(const FeatureParameters &parameters, float offset_scale) {
+  FeatureState &s = state_;
+  s.decoders = parameters.decoders, s.first = parameters.first, s.rest = parameters.rest;
+  theta_ = parameters.tables;
+  for (int j = 0; j < s.attributes(); ++j)
+    steps_[j] = std::exp2(parameters.steps[j]) * (j < s.first_offset() ? 1.0f : offset_scale);
+  if (!s.priced) return;
+  const float quality = float((quality_ << kInputBits) / 12) / (1 << kInputBits);
+  for (int h = 0; h < s.context_hidden; ++h) {
+    const float *w1 = s.first + int64_t(h) * s.context_inputs();
+    bias_[h] = s.rest[h] + w1[0] + w1[kLevels] * quality;
+  }
+  for (size_t i = 0; i < signs_.size(); ++i) signs_[i] = theta_[i] >= 0 ? 1.0f : -1.0f;
+}
+
+double FeatureFit::forward(const FeatureValues &values, const FeatureParameters &parameters,
+                           const FeatureDrawing &drawing, const SeedGaussians &out) {
+  FeatureState &s = state_;
+  s.feature = values.feature, s.scales = values.scales, s.offset = values.offset;
+  s.rounding = drawing.rounding, s.priced = drawing.priced;
+  s.scale = drawing.scale, s.share = drawing.share;
+  s.key = drawing.key.key, s.mirror = drawing.key.mirror();
+  take_shared(parameters, s.priced ? 1.0f : s.scale);
+  const int64_t runs = (s.count + run_size() - 1) / run_size();
+  std::vector<double> bits(runs);
+  over_runs([&](int64_t run, int64_t begin, int64_t end, float *memory) {
+    bits[run] = kernel_.forward(s, begin, end, out, memory);
+  });
+  double total = 0;
+  for (const double some : bits) total += some;
+  return total;
+}
+
+void FeatureFit::backward(const FeatureGradients &gradients, float lmbda, float *sums, float *tables) {
+  const FeatureState &s = state_;
+  const int64_t width = s.sums(s.priced), runs = (s.count + run_size() - 1) / run_size();
+  partials_.assign(width * runs, 0.0f);
+  over_runs([&](int64_t run, int64_t begin, int64_t end, float *memory) {
+    kernel_.backward(s, begin, end, gradients, partials_.data() + run * width, memory);
+  });
+  for (int64_t i = 0; i < width; ++i) {
+    double sum = 0;
+    for (int64_t run = 0; run < runs; ++run) sum += partials_[run * width + i];
+    sums[i] = float(sum);
+  }
+  if (!s.priced) return;
+  add_constant_inputs(sums + s.decoders_size());
+  descend_tables(lmbda, tables);
+}
+
+// Inputs that are the same for all seeds stand in b1: the gradients of their weights are multiples of its own.
+void FeatureFit::add_constant_inputs(float *sums) const {
+  const float quality = float((quality_ << kInputBits) / 12) / (1 << kInputBits);
+  float *first = sums + state_.rest_size();
+  for (int h = 0; h < state_.context_hidden; ++h) {
+    float *w1 = first + int64_t(h) * state_.context_inputs();
+    w1[0] = sums[h], w1[kLevels] = sums[h] * quality;
+  }
+}
+
+// Of θ: straight through the signs where |θ| <= 1, from what seeds read and from the entropy of each resolution's signs
+// (paper, equation 12).
+void FeatureFit::descend_tables(float lmbda, float *tables) {
+  const FeatureState &s = state_;
+  parallel_for(s.resolutions, threads_, [&](int64_t r) {
+    const int64_t begin = table_starts_[r], end = table_starts_[r + 1];
+    int64_t positive = 0;
+    for (int64_t i = begin; i < end; ++i) positive += signs_[i] > 0;
+    const double share = double(positive) / double(end - begin);
+    const double slope = share > 1e-6 && share < 1 - 1e-6 ? 0.5 * lmbda * std::log2((1 - share) / share) : 0.0;
+    std::fill(tables + begin, tables + end, float(slope));
+    for (int64_t i = 0; i < s.count; ++i) {
+      const int32_t *entry = s.entry + (i * s.resolutions + r) * 4;
+      const float *weight = s.weight + (i * s.resolutions + r) * 4;
+      const float *up = s.hash_slopes + i * s.hash_features + r * s.entry_features;
+      for (int c = 0; c < 4; ++c)
+        for (int f = 0; f < s.entry_features; ++f)
+          tables[int64_t(entry[c]) * s.entry_features + f] += weight[c] * up[f];
+    }
+    for (int64_t i = begin; i < end; ++i)
+      if (std::fabs(theta_[i]) > 1) tables[i] = 0;
+  });
+}
+
+}  // namespace sgi

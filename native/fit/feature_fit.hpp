@@ -1,0 +1,68 @@
+// The paper profile's step without the picture: attributes → Gaussians and bits, gradients of the Gaussians → gradients
+// of everything that trains. Runs of seeds are shared out to threads and their sums added in order, so that results do
+// not depend on the number of threads.
+#pragma once
+#include <vector>
+
+#include "fit/feature_kernel.hpp"
+#include "fit/noise_key.hpp"
+#include "model/hash_grid.hpp"
+
+namespace sgi {
+
+struct FeatureValues {
+  const float *feature, *scales, *offset;  // [N, D], [N, 4] logarithms, [N, 2 K]
+};
+
+// What all seeds share: the decoders' weights, MLP_p's W1 and its b1, W2, b2, the hash grid's θ of all resolutions, and
+// log2 of the attributes' base steps.
+struct FeatureParameters {
+  const float *decoders, *first, *rest, *tables, *steps;
+};
+
+// How a step draws. priced: MLP_p runs, for steps and bits; share: of the seeds whose bits count.
+struct FeatureDrawing {
+  Rounding rounding;
+  bool priced;
+  NoiseKey key;
+  float scale, share;
+};
+
+class FeatureFit {
+ public:
+  // `model` without its hash_features, which are those of `context`.
+  FeatureFit(Isa isa, int threads, const FeatureModel &model, const ContextSpec &context);
+
+  // n seeds of one pixel in a picture of this size.
+  void set_layout(const int32_t *half_pixels, int64_t n, int quality, int64_t width, int64_t height);
+  // Bits of all seeds; 0 where they do not count.
+  double forward(const FeatureValues &values, const FeatureParameters &parameters, const FeatureDrawing &drawing,
+                 const SeedGaussians &out);
+  // After `forward` on the same arrays. `lmbda`: of a bit; `sums` [state().sums(priced)] and `tables` [signs()], which
+  // is written where bits count, receive the gradients of what all seeds share.
+  void backward(const FeatureGradients &gradients, float lmbda, float *sums, float *tables);
+
+  // Numbers θ of the hash grid.
+  int64_t signs() const { return int64_t(signs_.size()); }
+  const std::vector<float> &bits() const { return bits_; }
+  const FeatureState &state() const { return state_; }
+
+ private:
+  int64_t run_size() const;
+  template <class Body>
+  void over_runs(const Body &body);
+  void take_shared(const FeatureParameters &parameters, float offset_scale);
+  void add_constant_inputs(float *sums) const;
+  void descend_tables(float lmbda, float *tables);
+
+  const FeatureKernel &kernel_;
+  int threads_, quality_ = 0;
+  ContextSpec context_;
+  FeatureState state_{};
+  const float *theta_ = nullptr;
+  std::vector<int64_t> table_starts_;  // of each resolution's signs, and their end
+  std::vector<int32_t> half_pixels_, entry_;
+  std::vector<float> weight_, signs_, steps_, bias_, decoded_, bits_, hash_slopes_, partials_;
+};
+
+}  // namespace sgi

@@ -1,0 +1,13 @@
+// Bounds of what MLP_p says, in the fit's units.
+#pragma once
+#include "model/steps.hpp"
+
+namespace sgi {
+namespace {
+
+constexpr float kLn2 = 0.69314718056f;
+constexpr float kLeastStep = 0x1p-16f, kGreatestStep = 2.0f, kLeastScale = 0x1p-4f;  // in steps
+static_assert(octaves(-kStepZero) == -16 && octaves(kStepCount - 1 - kStepZero) == 1 && octaves(-kScaleZero) == -4);
+
+}  // namespace
+}  // namespace sgi

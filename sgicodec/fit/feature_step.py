@@ -1,0 +1,109 @@
+"""A step of the paper profile in native code: loss and gradients without automatic differentiation."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec import _native
+from sgicodec.device import Device
+from sgicodec.fit.fused_step import ROUNDINGS
+from sgicodec.fit.noise_key import NoiseKey
+from sgicodec.fit.parameters import Parameters, StepResult
+from sgicodec.fit.pyramid import Level
+from sgicodec.fit.step_sizes import base_counts
+from sgicodec.model.context import LEVELS
+from sgicodec.model.gaussians import decoder_shapes
+from sgicodec.model.layout import SeedLayout
+from sgicodec.model.spec import ModelSpec
+from sgicodec.profiles.fit_settings import FitSettings, Rounding
+from sgicodec.raster.backend import Backend, Errors
+
+__all__ = ["LEAST_SAMPLED", "FeatureStep"]
+
+F32 = NDArray[np.float32]
+
+LEAST_SAMPLED = 1000
+"""Seeds whose bits are counted in a step, where there are as many: 5 % of few seeds are too few to learn from."""
+
+_GROUPS = ("feature", "scales", "offset")
+
+
+class FeatureStep:
+    """A `GradientStep` for mean absolute error and Gaussian bits, for the models and settings that `can_run` names.
+
+    size: of the picture (W, H). Noise is a hash of (its key, column, seed), so that a step does not depend on the
+    number of threads.
+    """
+
+    def __init__(
+        self, spec: ModelSpec, settings: FitSettings, raster: Backend[F32], size: tuple[int, int], device: Device
+    ) -> None:
+        context = spec.context
+        hashed = list(context.hash_resolutions), context.hash_features, context.hash_log2_entries
+        sizes = spec.per_seed, spec.channels, spec.features, spec.hidden, context.hidden
+        self.native = _native.FeatureFit(device.isa, device.threads, *sizes, *hashed)
+        self.spec, self.settings, self.raster, self.size = spec, settings, raster, size
+
+    @staticmethod
+    def can_run(spec: ModelSpec, settings: FitSettings) -> bool:
+        """Whether the native code has this: uniform seeds with scales and features, which plain MLPs turn into rotated
+        Gaussians; one coding stage that sees the hash grid; absolute error; no phase that rounds.
+        """
+        context, groups = spec.context, tuple(group.name for group in spec.groups)
+        decoded = spec.layout == "uniform" and spec.shape == "rotation" and spec.hidden > 0 and not spec.skip
+        grouped = groups == _GROUPS and context.steps == (_GROUPS,) and bool(context.hash_resolutions)
+        fitted = settings.loss == "absolute" and all(phase.rounding != "round" for phase in settings.phases)
+        return decoded and grouped and not context.neighbours and fitted
+
+    def set_layout(self, layout: SeedLayout, quality: int) -> None:
+        """As `GradientStep.set_layout`."""
+        self.native.set_layout(layout.half_pixels, quality, *self.size)
+        self.count = len(layout)
+
+    def run(self, parameters: Parameters, rounding: Rounding, number: int, level: Level, lmbda: float) -> StepResult:
+        """As `GradientStep.run`."""
+        feature, scales, offset = values = [parameters.seeds.values[name] for name in _GROUPS]
+        context, noise = parameters.context, NoiseKey.of(self.settings.seed, number)
+        decoders = np.concatenate([weights.reshape(-1) for weights in parameters.seeds.decoders.values()])
+        tables = np.concatenate([table.reshape(-1) for table in context.tables])
+        steps = parameters.steps[: sum(base_counts(self.spec))].reshape(-1, LEVELS)[:, 0].copy()
+        share = min(1.0, max(self.settings.rate_sample, LEAST_SAMPLED / self.count))
+        gaussians, priced = self._gaussian_arrays(), rounding == "noise" and lmbda > 0
+        bits = self.native.forward(
+            *(feature, scales, offset, decoders, context.first, context.rest, tables, steps),
+            *(ROUNDINGS[rounding], priced, noise.key, noise.negative, level.scale, share),
+            *gaussians,
+        )
+        (_, error), slopes = self._draw(gaussians, level)
+        d_feature, d_scales, d_offset = found = [np.empty_like(value) for value in values]
+        sums, table_slopes = np.empty(self.native.sums(priced), np.float32), np.empty_like(tables)
+        price = lmbda / (self.count * self.spec.attributes)
+        self.native.backward(*slopes, price / share, price, d_feature, d_scales, d_offset, sums, table_slopes)
+        gradients = dict(zip(_GROUPS, found, strict=True)) | self._of_decoders(sums[: len(decoders)])
+        if priced and context.trains:
+            gradients |= context.gradients(sums[len(decoders) :], table_slopes, price)
+        return StepResult(error, bits, gradients)
+
+    def seed_bits(self) -> F32:
+        """Bits of every seed in the last step [N]."""
+        out = np.empty(self.count, np.float32)
+        self.native.bits(out)
+        return out
+
+    def _gaussian_arrays(self) -> tuple[F32, F32, F32]:
+        n = self.count * self.spec.per_seed
+        return np.empty((n, 2), np.float32), np.empty((n, 3), np.float32), np.empty((n, self.spec.channels), np.float32)
+
+    def _draw(self, gaussians: tuple[F32, F32, F32], level: Level) -> tuple[Errors, tuple[F32, F32, F32]]:
+        """Mean absolute error and the sum of squares, and the gradients of the former in the Gaussians."""
+        return self.raster.error(*gaussians, level.samples, "absolute", 1.0 / level.samples.size, level.weights)
+
+    def _of_decoders(self, flat: F32) -> dict[str, F32]:
+        """Gradients of the decoders' weights by the names that they train under."""
+        gradients, at = {}, 0
+        for name, shape in decoder_shapes(self.spec).items():
+            size = int(np.prod(shape))
+            gradients[f"decoder_{name}"] = flat[at : at + size].reshape(shape)
+            at += size
+        return gradients
