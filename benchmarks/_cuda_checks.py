@@ -23,7 +23,7 @@ from sgicodec.errors import SgiError
 from sgicodec.errors import require as need
 from sgicodec.fit.adam import Adam, Moments
 from sgicodec.fit.device_fit import DeviceFit
-from sgicodec.fit.noise_key import NoiseKey
+from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.parameters import Parameters
 from sgicodec.fit.trainer import Trainer
 from sgicodec.metrics.distortion import squared_error

@@ -9,7 +9,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from sgicodec.fit.noise_key import NoiseKey
+from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.parameters import Parameters
 from sgicodec.model.spec import ModelSpec
 from tools.autograd.context_net import ContextNet

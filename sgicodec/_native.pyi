@@ -456,7 +456,11 @@ class TileModel:
 
     @property
     def decoders(self) -> dict[str, NDArray[numpy.int64]]:
-        """Weights in units of 2^-10, by name."""
+        """Weights in units of 2^-decoder_shift, by name."""
+
+    @property
+    def decoder_shift(self) -> int:
+        """Of the decoders' weights; 0 where there are none."""
 
     @property
     def plan(self) -> list[tuple[str, NDArray[numpy.int64], int]]:

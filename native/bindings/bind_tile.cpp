@@ -182,7 +182,10 @@ void bind_tile_model(nb::module_ &m) {
           arrays, "[N, d_A] attributes in units of 2^-24")
       .def_prop_ro("base", &base_of, arrays, "[C, rows, columns] in steps of index `base_step`")
       .def_prop_ro("base_step", [](const ReadTile &tile) { return tile.model.base_step; })
-      .def_prop_ro("decoders", &decoders_of, nb::rv_policy::move, "Weights in units of 2^-10, by name.")
+      .def_prop_ro("decoders", &decoders_of, nb::rv_policy::move, "Weights in units of 2^-decoder_shift, by name.")
+      .def_prop_ro(
+          "decoder_shift", [](const ReadTile &tile) { return tile.model.colours.shift; },
+          "Of the decoders' weights; 0 where there are none.")
       .def_prop_ro("plan", &plan_of, nb::rv_policy::move,
                    "By group its name, base steps [U, 8] and the exponent of the amplitude.")
       .def_prop_ro("networks", &networks_of, nb::rv_policy::move,

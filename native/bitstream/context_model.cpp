@@ -8,8 +8,6 @@
 namespace sgi {
 namespace {
 
-constexpr int kShiftBits = 5;
-
 IntNetwork read_network(SymbolReader &reader, const ModelSpec &spec, int step, const std::vector<SeedGroup> &groups) {
   IntNetwork network;
   network.inputs = input_count(spec, step), network.hidden = spec.context.hidden;

@@ -9,6 +9,8 @@
 
 namespace sgi {
 
+constexpr int kShiftBits = 5;  // of the unit 2^-shift of weights
+
 // One network for each coding step: from the stream, or the prior with what the stream changes in it.
 Networks read_networks(SymbolReader &reader, const ModelSpec &spec);
 

@@ -98,8 +98,10 @@ class TileReader {
 
   void read_decoders() {
     const int64_t hidden = spec_.hidden, features = spec_.features;
+    const int shift = reader_.number(kShiftBits);
     for (const auto &[decoder, values] : {std::pair{&model_.colours, spec_.channels}, std::pair{&model_.shapes, 3}}) {
       const int64_t outputs = int64_t(spec_.per_seed) * values;
+      decoder->shift = shift;
       decoder->w1 = read_weights(reader_, hidden * features), decoder->b1 = read_weights(reader_, hidden);
       decoder->w2 = read_weights(reader_, outputs * hidden), decoder->b2 = read_weights(reader_, outputs);
     }

@@ -19,9 +19,10 @@
 
 namespace sgi {
 
-// MLP_c or MLP_Sigma in units of 2^-10; empty where there is none.
+// MLP_c or MLP_Sigma in units of 2^-shift; empty where there is none.
 struct AttributeDecoder {
   std::vector<int64_t> w1, b1, w2, b2;  // [w, D], [w], [O, w], [O]
+  int shift = 0;
 };
 
 // What a tile was coded with: an encoder that writes it again needs it, what draws does not.

@@ -25,12 +25,11 @@ constexpr int64_t kWholeSamples = 1 << 18;
 // memory that is there. An eighth of a view within these limits, and more where many threads share it.
 constexpr int64_t kLeastBand = 1 << 18, kMostBand = 1 << 20, kBandOfThread = 1 << 17;
 constexpr float kCutoff = 3.5f;
-constexpr int kDecoderShift = 10;
 
 DecoderWeights weights_of(const AttributeDecoder &decoder) {
-  const auto floats = [](const std::vector<int64_t> &from) {
+  const auto floats = [&](const std::vector<int64_t> &from) {
     std::vector<float> to(from.size());
-    for (size_t i = 0; i < from.size(); ++i) to[i] = std::ldexp(float(from[i]), -kDecoderShift);
+    for (size_t i = 0; i < from.size(); ++i) to[i] = std::ldexp(float(from[i]), -decoder.shift);
     return to;
   };
   return {floats(decoder.w1), floats(decoder.b1), floats(decoder.w2), floats(decoder.b2)};

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.prior import load_prior
-from sgicodec.bitstream.parts.tile import DECODER_SHIFT, TileModel, write_tile
+from sgicodec.bitstream.parts.tile import TileModel, write_tile
 
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Fitted
@@ -41,7 +41,8 @@ def candidate_of(header: Header, fitted: Fitted, base_step: int, base: NDArray[n
         fitted.plan,
         base_step,
         base,
-        {name: np.rint(w * 2.0**DECODER_SHIFT).astype(np.int64) for name, w in fitted.decoders.items()},
+        {name: np.rint(w * 2.0**fitted.decoder_shift).astype(np.int64) for name, w in fitted.decoders.items()},
+        fitted.decoder_shift,
         networks,
         fitted.hash_bits,
         fitted.attributes,

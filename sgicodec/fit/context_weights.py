@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sgicodec.fit.weight_bits import price_slope
 from sgicodec.model.context import input_count, output_count
 from sgicodec.model.network import DIFFERENCE_SHIFT, IntNetwork
 from sgicodec.model.spec import ModelSpec
@@ -86,6 +87,14 @@ class ContextWeights:
         deviation = attributes.std(axis=0)
         biases[: 2 * len(deviation)] = np.concatenate([attributes.mean(axis=0), np.log2(np.maximum(deviation, 0.25))])
 
+    def say_constants(self, attributes: F32) -> None:
+        """Makes the networks and the hash grid say the same of all seeds, as `centre` does, at next to no bits."""
+        self.first[:] = 0
+        self.rest[:] = 0
+        for table in self.tables:
+            table[:] = 1
+        self.centre(attributes)
+
     def freeze(self) -> None:
         """Takes the weights that the stream would hold now; nothing trains from now on."""
         self.networks = self.integers()
@@ -133,10 +142,8 @@ class ContextWeights:
         [(_, b1, w2, _)] = layer_shapes(self.spec)
         rest, first = sums[: len(self.rest)], sums[len(self.rest) :]
         second = slice(math.prod(b1), math.prod(b1) + math.prod(w2))
-        for slopes, weights in ((first, self.first), (rest[second], self.rest[second])):
-            unit = 2.0**WEIGHT_SHIFT
-            mean = np.abs(weights).mean() * unit + 0.05
-            slopes += np.float32(lmbda * unit / (mean * math.log(2.0))) * np.sign(weights)
+        first += price_slope(self.first, WEIGHT_SHIFT, lmbda)
+        rest[second] += price_slope(self.rest[second], WEIGHT_SHIFT, lmbda)
         named = {"context.first": first, "context.rest": rest}
         parts = shaped([table.shape for table in self.tables], tables)
         return named | {f"context.table{number}": part for number, part in enumerate(parts)}

@@ -14,7 +14,7 @@ from sgicodec.fit.device_seeds import energy_of, moved, residual_sums
 from sgicodec.fit.device_step import DeviceStep, StepKind
 from sgicodec.fit.fused_step import REFRESH, ROUNDINGS, FusedStep, Reuse, neighbours_of, reuse_of
 from sgicodec.fit.initialization import cell_means
-from sgicodec.fit.noise_key import NoiseKey
+from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.parameters import Parameters
 from sgicodec.fit.pyramid import Level
 from sgicodec.model.layout import ROOT_LOG, CellSums, SeedLayout, cell_sums, sums_by_level

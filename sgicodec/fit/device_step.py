@@ -17,7 +17,7 @@ from sgicodec.fit.adam import Adam
 from sgicodec.fit.context_weights import layer_shapes
 from sgicodec.fit.device_seeds import Trained
 from sgicodec.fit.fused_step import Reuse
-from sgicodec.fit.noise_key import NoiseKey
+from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.step_sizes import base_counts, gamma_names
 from sgicodec.model.context import LEVELS, SUMMARY
 from sgicodec.model.gaussians import MIN_VARIANCE, colour_matrix

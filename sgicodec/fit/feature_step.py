@@ -8,10 +8,11 @@ from numpy.typing import NDArray
 from sgicodec import _native
 from sgicodec.device import Device
 from sgicodec.fit.fused_step import ROUNDINGS
-from sgicodec.fit.noise_key import NoiseKey
+from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.parameters import Parameters, StepResult
 from sgicodec.fit.pyramid import Level
 from sgicodec.fit.step_sizes import base_counts
+from sgicodec.fit.weight_bits import price_slope, with_weight_noise
 from sgicodec.model.context import LEVELS
 from sgicodec.model.gaussians import decoder_shapes
 from sgicodec.model.layout import SeedLayout
@@ -65,11 +66,14 @@ class FeatureStep:
         """As `GradientStep.run`."""
         feature, scales, offset = values = [parameters.seeds.values[name] for name in _GROUPS]
         context, noise = parameters.context, NoiseKey.of(self.settings.seed, number)
+        priced = rounding == "noise" and lmbda > 0
         decoders = np.concatenate([weights.reshape(-1) for weights in parameters.seeds.decoders.values()])
+        if priced:
+            decoders = with_weight_noise(decoders, parameters.seeds.decoder_shift, noise, self.spec.attributes + 1)
         tables = np.concatenate([table.reshape(-1) for table in context.tables])
         steps = parameters.steps[: sum(base_counts(self.spec))].reshape(-1, LEVELS)[:, 0].copy()
         share = min(1.0, max(self.settings.rate_sample, LEAST_SAMPLED / self.count))
-        gaussians, priced = self._gaussian_arrays(), rounding == "noise" and lmbda > 0
+        gaussians = self._gaussian_arrays()
         bits = self.native.forward(
             *(feature, scales, offset, decoders, context.first, context.rest, tables, steps),
             *(ROUNDINGS[rounding], priced, noise.key, noise.negative, level.scale, share),
@@ -80,7 +84,12 @@ class FeatureStep:
         sums, table_slopes = np.empty(self.native.sums(priced), np.float32), np.empty_like(tables)
         price = lmbda / (self.count * self.spec.attributes)
         self.native.backward(*slopes, price / share, price, d_feature, d_scales, d_offset, sums, table_slopes)
-        gradients = dict(zip(_GROUPS, found, strict=True)) | self._of_decoders(sums[: len(decoders)])
+        of_decoders = self._of_decoders(sums[: len(decoders)])
+        if priced:
+            for name, weights in parameters.seeds.decoders.items():
+                if weights.ndim == 2:
+                    of_decoders[f"decoder_{name}"] += price_slope(weights, parameters.seeds.decoder_shift, price)
+        gradients = dict(zip(_GROUPS, found, strict=True)) | of_decoders
         if priced and context.trains:
             gradients |= context.gradients(sums[len(decoders) :], table_slopes, price)
         return StepResult(error, bits, gradients)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from sgicodec import _native
 from sgicodec.device import Device
 from sgicodec.fit.context_weights import ContextWeights
-from sgicodec.fit.noise_key import NoiseKey
+from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.parameters import Parameters, StepResult
 from sgicodec.fit.pyramid import Level
 from sgicodec.model.context import neighbour_table

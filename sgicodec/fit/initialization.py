@@ -16,12 +16,16 @@ __all__ = ["cell_means", "fresh_decoders", "fresh_values"]
 
 F32 = NDArray[np.float32]
 
+OFFSET_SPREAD = 0.6
+"""Of the K Gaussians of a seed at the start, in units of s_o. All seeds begin with the same offsets, so that MLP_p can
+say where they are: drawn at random they cost 8 % more bytes for 0.6 dB less (docs/notes/2026-11-paper-profile.md)."""
+
 
 def fresh_values(spec: ModelSpec, mean: F32, pixels: int, rng: np.random.Generator) -> dict[str, F32]:
     """Attributes by group [n, size] of seeds whose cells hold `mean` [n, C], in a picture of `pixels` pixels.
 
     With the skip a seed starts as a round Gaussian of half its cell and most of its cell's mean colour; without it, at
-    f = 0 as published, with scales that cover the picture. K > 1 Gaussians start apart.
+    f = 0 as published, with scales that cover the picture. K > 1 Gaussians start apart, by `OFFSET_SPREAD`.
     """
     n = len(mean)
     values = {group.name: np.zeros((n, group.size), np.float32) for group in spec.groups}
@@ -31,10 +35,18 @@ def fresh_values(spec: ModelSpec, mean: F32, pixels: int, rng: np.random.Generat
         values["shape"][:, 0::3] = math.log(0.5)
     if spec.seed_scales:
         values["scales"] += np.float32(math.log(0.5 * math.sqrt(pixels / n)))
-    if spec.per_seed > 1:
-        spread = np.float32(0.35 if spec.skip else 0.7)
-        values["offset"] += spread * rng.standard_normal(values["offset"].shape, np.float32)
+    if spec.per_seed > 1 and spec.skip:
+        values["offset"] += np.float32(0.35) * rng.standard_normal(values["offset"].shape, np.float32)
+    elif spec.per_seed > 1:
+        values["offset"] += _spiral(spec.per_seed).reshape(-1)
     return values
+
+
+def _spiral(count: int) -> F32:
+    """Points [count, 2] evenly over a disc around 0, with a standard deviation of `OFFSET_SPREAD` along each axis."""
+    number = np.arange(count) + 0.5
+    angle, radius = number * math.pi * (3 - math.sqrt(5)), 2 * OFFSET_SPREAD * np.sqrt(number / count)
+    return np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1).astype(np.float32)
 
 
 def fresh_decoders(spec: ModelSpec, rng: np.random.Generator) -> dict[str, F32]:

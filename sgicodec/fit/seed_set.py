@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from sgicodec.device import Device
 from sgicodec.fit.adam import Adam
 from sgicodec.fit.initialization import cell_means, fresh_decoders, fresh_values
+from sgicodec.fit.weight_bits import decoder_shift
 from sgicodec.model.gaussians import model_gaussians
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ModelSpec
@@ -32,7 +33,7 @@ class SeedSet:
     """Starts from what `target` [C, H, W] is in the cells of `layout`.
 
     layout: where the seeds are now; values: what trains of their attributes by group [N, size]; decoders: weights of
-    MLP_c and MLP_Σ.
+    MLP_c and MLP_Σ, which a stream holds in units of 2^-decoder_shift.
     """
 
     def __init__(
@@ -42,6 +43,7 @@ class SeedSet:
         self._rng, self._pixels = rng, target.shape[1] * target.shape[2]
         self.values = self._fresh(cell_means(target, layout))
         self.decoders = fresh_decoders(spec, rng)
+        self.decoder_shift = decoder_shift(len(layout))
 
     def __len__(self) -> int:
         return len(self.layout)

@@ -20,7 +20,7 @@ from sgicodec.fit.parameters import GradientStep, Parameters, learning_rate_of
 from sgicodec.fit.pyramid import levels_of
 from sgicodec.fit.schedule import Schedule, evenly, passed
 from sgicodec.fit.seed_set import SeedSet
-from sgicodec.fit.step_sizes import flat_steps, rounded_plan
+from sgicodec.fit.step_sizes import base_counts, flat_steps, rounded_plan
 from sgicodec.model.context import LEVELS, HashGrid
 from sgicodec.model.layout import ROOT_LOG, CellSums, SeedLayout, cell_sums
 from sgicodec.model.network import IntNetwork
@@ -57,6 +57,7 @@ class Fitted:
     layout: SeedLayout
     attributes: dict[str, NDArray[np.float64]]
     decoders: dict[str, NDArray[np.float64]]
+    decoder_shift: int
     plan: StepPlan
     networks: tuple[IntNetwork, ...]
     hash_bits: list[NDArray[np.int64]]
@@ -99,10 +100,12 @@ class Trainer:
         self.quality = self._quality()
         rng = np.random.default_rng(settings.seed)
         self.seeds = SeedSet(spec, layout, target, rng, device)
+        self.seeds.decoder_shift += math.ceil(settings.finer_steps)
         self.context = context or ContextWeights(spec, self._hash_sizes(), rng)
         if networks is not None:
             self.context.adapt(networks)
         steps = flat_steps(spec, default_plan(spec, self.quality))
+        steps[: sum(base_counts(spec))] -= settings.finer_steps
         self.parameters = Parameters(self.seeds, steps, self.context, trains_context=context is None)
         self.gradients: dict[str, F32] = {}
         self.adam = Adam(settings.rates.betas, settings.rates.epsilon, device)
@@ -159,8 +162,12 @@ class Trainer:
         if self.centred or self.spec.skip or not self.context.trains:
             return
         self.centred = True
+        self.context.centre(self._in_base_steps())
+
+    def _in_base_steps(self) -> F32:
+        """The attributes of all groups as they are coded [N, d_A], where all seeds have cells of one pixel."""
         steps = flat_steps(self.spec, rounded_plan(self.spec, self.parameters.steps)).reshape(-1, LEVELS)
-        self.context.centre(self.seeds.attributes() / 2.0 ** steps[:, :1].T)
+        return self.seeds.attributes() / 2.0 ** steps[:, :1].T
 
     def _step(self, phase: Phase) -> tuple[float, float]:
         """Squared error and bits of a step, after which everything that trains has moved."""
@@ -277,11 +284,14 @@ class Trainer:
     def result(self) -> Fitted:
         """What the fit has found so far, in the stream's order."""
         self.fetch()
+        if not self.spec.skip and self.context.trains and not self.centred:
+            self.context.say_constants(self._in_base_steps())  # it has learned nothing yet
         order = self.seeds.layout.order()
         return Fitted(
             self.seeds.layout.take(order),
             {name: value.astype(np.float64)[order] for name, value in self.seeds.coded().items()},
             {name: weights.astype(np.float64) for name, weights in self.seeds.decoders.items()},
+            self.seeds.decoder_shift,
             rounded_plan(self.spec, self.parameters.steps),
             self.context.integers(),
             self.context.signs(),

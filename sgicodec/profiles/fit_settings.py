@@ -68,7 +68,8 @@ class FitSettings:
     of its bits (`seed_bits`). growth: a seed is added where the squared error that its cell's mean holds is above this
     many times that price. rate_sample: share of the seeds whose bits are counted each step. seeds: their number in the
     uniform layout. seed: of every random number. reference_steps: the number of steps that the rates of `SLOWED` are
-    meant for; more steps go with smaller ones. quality: index of the base colour step, where it is not to follow λ.
+    meant for; more steps go with smaller ones. finer_steps: octaves by which base steps are below the profile's plan.
+    quality: index of the base colour step, where it is not to follow λ.
     hurried: whether what gains little for its time is left out, in the fit and after it.
     """
 
@@ -84,6 +85,7 @@ class FitSettings:
     seeds: int | None = None
     seed: int = 0
     reference_steps: int | None = None
+    finer_steps: float = 0.0
     quality: int | None = None
     hurried: bool = False
 

@@ -18,8 +18,10 @@ MOST_FREE = 0.35
 """Of a level's steps, how many are without noise where the fit is shorter than the published one."""
 
 MOST_CONTEXT = 0.08
-"""MLP_p and the hash grid learn in the last fifth alone, by what their rates sum to: the published 0.93 in all fits of
-at least 900 steps."""
+"""MLP_p and the hash grid learn while bits count; the learning rates of shorter fits sum to as much, up to this one."""
+
+EXACT_STEPS = 6.0
+"""Octaves by which base steps are below the published ones where bits have no price (λ = 0)."""
 
 FINALS = {"offset": 0.1, "decoder_colour": 0.079, "context": 0.045}
 """What is left of the rates that decay: the published curves end at 1 % or less after 30,000 steps, fits at 15,000."""
@@ -62,16 +64,17 @@ def paper_settings(lmbda: float, levels: int, steps: int) -> FitSettings:
         hold=0.0,
         decay="exponential",
     )
-    return FitSettings(
-        lmbda=lmbda, phases=paper_phases(levels, steps), rates=rates, loss="absolute", rate_sample=0.05, prune=0.0
-    )
+    phases = paper_phases(levels, steps, lmbda > 0)
+    finer = 0.0 if lmbda else EXACT_STEPS
+    return FitSettings(lmbda, phases, rates, loss="absolute", rate_sample=0.05, prune=0.0, finer_steps=finer)
 
 
-def paper_phases(levels: int, steps: int) -> tuple[Phase, ...]:
-    """The published schedule for M pyramid levels: each begins without noise, the rate counts in the last fifth.
+def paper_phases(levels: int, steps: int, priced: bool = True) -> tuple[Phase, ...]:
+    """The published schedule for M pyramid levels: each begins without noise, and at full size bits count under it.
 
     Without noise are a tenth of the published length of a level (300, 600 and 600 steps for M = 3), in a shorter fit
     as many steps, but at most `MOST_FREE` of the level: features cannot leave the noise before they are as large.
+    Where bits have no price there is no noise at all.
     """
     parts = {1: (1.0,), 2: (0.6, 0.4), 3: (0.2, 0.4, 0.4), 4: (0.1, 0.2, 0.3, 0.4)}
     if levels not in parts:
@@ -79,10 +82,10 @@ def paper_phases(levels: int, steps: int) -> tuple[Phase, ...]:
     phases: list[Phase] = []
     for index, part in enumerate(parts[levels]):
         level, count = levels - 1 - index, round(part * steps)
-        free = min(count, max(1, round(min(0.1 * part * PAPER_STEPS, MOST_FREE * part * steps))))
-        last = min(count - free, round(0.2 * steps)) if level == 0 else 0
-        phases += [Phase(free, level), Phase(count - free - last, level, "noise")]
-        phases += [Phase(last, level, "noise", rate=True, learn_steps=True)]
+        free = max(1, round(min(0.1 * part * PAPER_STEPS, MOST_FREE * part * steps))) if priced else count
+        counts_bits = level == 0
+        phases.append(Phase(min(free, count), level))
+        phases.append(Phase(count - free, level, "noise", rate=counts_bits, learn_steps=counts_bits))
     return tuple(phase for phase in phases if phase.steps > 0)
 
 

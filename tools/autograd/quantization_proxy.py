@@ -9,7 +9,7 @@ import torch
 from torch import Tensor
 
 from sgicodec._native import COLOUR_GAIN_BITS, INPUT_LIMIT, LOUDNESS_ZERO, OCTAVE_LIMIT
-from sgicodec.fit.noise_key import NoiseKey
+from sgicodec.fit.noise import NoiseKey, hashed_noise
 from sgicodec.fit.step_sizes import base_counts, gamma_names
 from sgicodec.model.context import (
     INPUT_BITS,
@@ -38,7 +38,6 @@ from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import AMPLITUDE_ZERO, REFINE_LIMIT, follows_amplitude
 from sgicodec.profiles.fit_settings import Rounding
 from tools.autograd.context_net import ContextNet
-from tools.autograd.noise import hashed_noise
 from tools.autograd.rate import bits_gaussian, bits_laplace
 
 __all__ = ["QuantizationProxy", "Sample"]

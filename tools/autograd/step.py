@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from sgicodec.fit.feature_step import LEAST_SAMPLED
-from sgicodec.fit.noise_key import NoiseKey
+from sgicodec.fit.noise import NoiseKey, hashed_noise
 from sgicodec.fit.parameters import Parameters, StepResult
 from sgicodec.fit.pyramid import Level
 from sgicodec.fit.seed_set import coded_values
@@ -21,7 +21,6 @@ from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.fit_settings import FitSettings, Rounding
 from sgicodec.raster.backend import Backend
 from tools.autograd.context_net import ContextNet
-from tools.autograd.noise import hashed_noise
 from tools.autograd.quantization_proxy import QuantizationProxy, Sample
 from tools.autograd.raster_op import error
 

@@ -35,21 +35,19 @@ from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import StepPlan, default_plan, follows_amplitude
 from sgicodec.model.texture_symbols import TextureSymbols
 
-__all__ = ["DECODER_SHIFT", "TileModel", "read_tile", "write_networks", "write_tile"]
+__all__ = ["TileModel", "read_tile", "write_networks", "write_tile"]
 
 F64 = NDArray[np.float64]
 I64 = NDArray[np.int64]
 
-DECODER_SHIFT = 10
-"""The decoders' weights are multiples of 2^-10."""
 _SHIFT_BITS, _GAMMA_BITS, _STEP_BITS = 5, 6, 8
 
 
 @dataclass
 class TileModel:
     """A model as the stream holds it. attributes: float by group [N, size] on the way in; decoded: [N, d_A] in units of
-    2^-24 on the way out. base: integer grid [C, rows, columns] in steps of index `base_step`. texture, restoration:
-    None for none.
+    2^-24 on the way out. base: integer grid [C, rows, columns] in steps of index `base_step`. decoders: in units of
+    2^-decoder_shift, which has 5 bits. texture, restoration: None for none.
     """
 
     layout: SeedLayout
@@ -57,6 +55,7 @@ class TileModel:
     base_step: int
     base: I64
     decoders: dict[str, I64]
+    decoder_shift: int
     networks: tuple[IntNetwork, ...]
     hash_tables: list[I64]
     attributes: dict[str, F64] | None = None
@@ -89,6 +88,8 @@ def write_tile(header: Header, model: TileModel) -> tuple[bytes, SymbolWriter]:
     with writer.part("positions"):
         _write_layout(writer, header, model.base, model.layout)
     with writer.part("decoders"):
+        if spec.hidden:
+            writer.code_int(model.decoder_shift, _SHIFT_BITS)
         for name, shape in decoder_shapes(spec).items():
             write_weights(writer, model.decoders[name], shape)
     with writer.part("hash grid"):
@@ -127,6 +128,7 @@ def read_tile(header: Header, payload: bytes, device: Device = ONE_THREAD) -> tu
         read.base_step,
         read.base,
         read.decoders,
+        read.decoder_shift,
         tuple(IntNetwork(*network) for network in read.networks),
         [part.reshape(-1, header.spec.context.hash_features) for part in signs],
         decoded=read.decoded,

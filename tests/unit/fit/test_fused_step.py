@@ -12,7 +12,7 @@ from torch import Tensor
 
 from sgicodec.device import Device
 from sgicodec.fit.fused_step import FusedStep
-from sgicodec.fit.noise_key import NoiseKey
+from sgicodec.fit.noise import NoiseKey, hashed_noise
 from sgicodec.fit.parameters import StepResult
 from sgicodec.fit.pyramid import Level
 from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
@@ -23,7 +23,6 @@ from sgicodec.profiles.fit_settings import FitSettings, Phase, Rounding
 from sgicodec.profiles.paper import paper_spec
 from sgicodec.raster.cpu import NativeRasterizer
 from tools.autograd.context_net import ContextNet
-from tools.autograd.noise import hashed_noise
 from tools.autograd.quantization_proxy import QuantizationProxy
 from tools.autograd.raster_op import error
 from tools.autograd.rate import bits_laplace

@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from sgicodec.bitstream.parts.prior import load_prior
-from sgicodec.fit.noise_key import NoiseKey
+from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.parameters import Parameters, StepResult
 from sgicodec.fit.trainer import Trainer
 from sgicodec.model.layout import adaptive_layout

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sgicodec.bitstream.parts.tile import DECODER_SHIFT
 from sgicodec.decoder.stream import Stream, open_stream
 from sgicodec.device import ONE_THREAD
 from sgicodec.model.base import base_colours, render_base
@@ -33,7 +32,7 @@ def reference(stream: Stream, columns: int, rows: int) -> np.ndarray:
     spec, model, size = stream.header.spec, stream.model, (columns, rows)
     scale = columns / stream.width, rows / stream.height
     mix = from_luma_space(spec.channels) if spec.luma_space else np.eye(spec.channels)
-    decoders = {name: np.ldexp(part.astype(np.float32), -DECODER_SHIFT) for name, part in model.decoders.items()}
+    decoders = {name: np.ldexp(part.astype(np.float32), -model.decoder_shift) for name, part in model.decoders.items()}
     values, opponent = model.decoded_values.astype(np.float32), np.array(colour_matrix(spec.channels), np.float32)
     layout = model.layout
     means, covariances, colours = gaussians_from_seeds(spec, values, layout.centre, layout.cell, decoders, opponent, np)

@@ -10,7 +10,7 @@ from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.parts.arrays import write_weights
 from sgicodec.bitstream.parts.attributes import AttributeWriter
 from sgicodec.fit.context_weights import WEIGHT_SHIFT, ContextWeights
-from sgicodec.fit.noise_key import NoiseKey
+from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.step_sizes import flat_steps
 from sgicodec.model.context import LEVELS, SUMMARY, HashGrid, passes
 from sgicodec.model.layout import adaptive_layout, uniform_layout

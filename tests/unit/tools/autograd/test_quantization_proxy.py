@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from sgicodec.fit.context_weights import ContextWeights
-from sgicodec.fit.noise_key import NoiseKey
+from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.step_sizes import flat_steps
 from sgicodec.model.context import HashGrid
 from sgicodec.model.layout import uniform_layout

@@ -10,7 +10,7 @@ import torch
 
 from sgicodec.device import ONE_THREAD
 from sgicodec.fit.context_weights import ContextWeights
-from sgicodec.fit.noise_key import NoiseKey
+from sgicodec.fit.noise import NoiseKey, hashed_noise
 from sgicodec.fit.parameters import Parameters
 from sgicodec.fit.pyramid import Level
 from sgicodec.fit.seed_set import SeedSet
@@ -21,7 +21,6 @@ from sgicodec.model.layout import uniform_layout
 from sgicodec.model.steps import default_plan
 from sgicodec.profiles.paper import paper_settings, paper_spec
 from sgicodec.raster.cpu import NativeRasterizer
-from tools.autograd.noise import hashed_noise
 from tools.autograd.step import AutogradStep
 
 WIDTH, HEIGHT, SEEDS, K, D, LMBDA = 36, 28, 9, 3, 5, 0.05
