@@ -33,7 +33,13 @@ FLOORS = (
 HOMES = {
     "constriction": ("sgicodec/bitstream/entropy/",),
     "OpenImageIO": ("sgicodec/image/",),
-    "torch": ("sgicodec/fit/autograd/", "tools/", "benchmarks/_cuda_reference.py"),
+    "torch": (
+        "sgicodec/fit/autograd/",
+        "tools/",
+        "benchmarks/_cuda_reference.py",
+        "benchmarks/paper/learned_distance.py",
+    ),
+    "lpips": ("benchmarks/paper/learned_distance.py",),
     "rich": ("sgicodec/cli/", "sgicodec/bench/", "benchmarks/"),
     "isal": ("sgicodec/image/png_output.py",),
     "threadpoolctl": ("sgicodec/encoder/blas_threads.py",),
