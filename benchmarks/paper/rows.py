@@ -95,14 +95,15 @@ def _parse(text: str, kind: Any) -> Any:
 class PaperResults:
     """The rows of a file, which grows by `append` and is read again when a run goes on; of no file, in memory alone.
 
-    A last line without its end, left by a run that was cut short, is dropped from the file. Raises UsageError for a
-    file that holds anything else than such rows.
+    A last line without its end, left by a run that was cut short, is dropped when a row is added: the file may be one
+    that another run adds to. Raises UsageError for a file that holds anything else than such rows.
     """
 
     def __init__(self, path: Path | None = None) -> None:
         self.path = path
         self.rows: dict[Key, PaperRow] = {}
         self._measured: dict[tuple[str, str, str], PaperRow] = {}
+        self._repaired: str | None = None
         if path is not None:
             self._load(path)
 
@@ -117,7 +118,7 @@ class PaperResults:
             except ValueError as error:
                 raise UsageError(f"{path}, line {number} is no result: {error}; remove that line") from error
         if complete != text:
-            path.write_text(complete, "utf-8")
+            self._repaired = complete
 
     def _keep(self, row: PaperRow) -> None:
         self.rows[row.key] = row
@@ -126,6 +127,9 @@ class PaperResults:
     def append(self, row: PaperRow) -> None:
         """Adds a row here and at the end of the file."""
         if self.path is not None:
+            if self._repaired is not None:
+                self.path.write_text(self._repaired, "utf-8")
+                self._repaired = None
             with self.path.open("a", encoding="utf-8") as file:
                 file.write(row.to_line() + "\n")
         self._keep(row)

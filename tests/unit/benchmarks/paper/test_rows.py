@@ -43,6 +43,7 @@ def test_a_run_that_was_cut_short_goes_on(tmp_path: Path) -> None:
         file.write("a.png\t0badc")
     again = PaperResults(path)
     assert list(again.rows.values()) == [ROW, replace(ROW, setting="20")]
+    assert path.read_text().endswith("0badc")
     again.append(replace(ROW, setting="5"))
     assert len(PaperResults(path).rows) == 3
 
