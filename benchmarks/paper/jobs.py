@@ -24,7 +24,7 @@ EXACT_GAUSSIANS, QUICK_GAUSSIANS = (10_000, 50_000), (100, 500)
 """Of the fits without quantisation."""
 
 _FEATURES_PER_GAUSSIAN = 5
-"""D and the width of the MLPs follow K, as in the paper, which prints D for K = 10 alone: 50."""
+"""D and the width of the MLPs follow K, as in the paper, which prints no value; its authors take D = 50 for K = 10."""
 
 
 class Method(StrEnum):

@@ -1,30 +1,55 @@
-"""LPIPS is left out where its package is not installed, and 0 for equal pictures where it is."""
+"""LPIPS: what its network is given, and that there is none without its package or its weights."""
 
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
-from benchmarks.paper.learned_distance import _network, learned_distance
+from benchmarks.paper import learned_distance as module
+from benchmarks.paper.learned_distance import learned_distance
+
+BLACK, WHITE = (np.full((8, 12, 3), value, np.uint8) for value in (0, 255))
+
+
+@pytest.fixture(autouse=True)
+def afresh() -> Iterator[None]:
+    module._network.cache_clear()
+    yield
+    module._network.cache_clear()
+
+
+def install(monkeypatch: pytest.MonkeyPatch, network: Any) -> None:
+    monkeypatch.setattr(module, "find_spec", lambda name: object())
+    monkeypatch.setitem(sys.modules, "lpips", SimpleNamespace(LPIPS=network))
 
 
 def test_without_its_package_there_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
-    from benchmarks.paper import learned_distance as module
-
     monkeypatch.setattr(module, "find_spec", lambda name: None)
-    _network.cache_clear()
-    assert learned_distance(np.zeros((64, 64, 3), np.uint8), np.zeros((64, 64, 3), np.uint8)) is None
-    assert "lpips" not in sys.modules
-    _network.cache_clear()
+    assert learned_distance(BLACK, WHITE) is None
 
 
-def test_equal_pictures_are_at_no_distance() -> None:
-    pytest.importorskip("lpips")
-    pixels = np.random.default_rng(0).integers(0, 256, (64, 64, 3), np.uint8)
-    found = learned_distance(pixels, pixels)
-    if found is None:
-        pytest.skip("the weights of AlexNet cannot be had")
-    assert found == pytest.approx(0, abs=1e-6)
-    assert (learned_distance(pixels, 255 - pixels) or 0) > 0.1
+def test_without_weights_there_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fetch(**options: object) -> None:
+        raise ConnectionError("no network here")
+
+    install(monkeypatch, fetch)
+    assert learned_distance(BLACK, WHITE) is None
+
+
+def test_the_network_gets_planes_from_minus_one_to_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    torch = pytest.importorskip("torch")
+    seen = []
+
+    def compare(*pictures: Any) -> Any:
+        seen.extend(pictures)
+        return torch.tensor([[[[0.25]]]])
+
+    install(monkeypatch, lambda **options: SimpleNamespace(eval=lambda: compare))
+    assert learned_distance(BLACK, WHITE) == 0.25
+    assert [tuple(picture.shape) for picture in seen] == [(1, 3, 8, 12)] * 2
+    assert [picture.unique().tolist() for picture in seen] == [[-1.0], [1.0]]
