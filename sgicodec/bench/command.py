@@ -36,8 +36,8 @@ _FILE = click.Path(path_type=Path)
 @click.command()
 @click.argument("places", nargs=-1, required=True, metavar="DIR|FILES...")
 @click.option("--codecs", help=f"Some of {','.join(_CODECS)}.  [default: all that are installed]")
-@click.option("--qualities", default="20,35,50,65,80", show_default=True, help="Points of sgi.")
-@click.option("--efforts", default="", help="Efforts of sgi, one curve each.  [default: sgi's own]")
+@click.option("--qualities", default="20,35,50,65,80", show_default=True, help="Points of sgi's default profile.")
+@click.option("--efforts", default="", help="Efforts of it, one curve each.  [default: sgi's own]")
 @click.option("--sgi", "variants", multiple=True, metavar="NAME=OPTIONS", help="A curve with options of sgi encode.")
 @click.option("--threads", default=1, show_default=True, type=click.IntRange(1), help="Threads of each codec.")
 @click.option("--out", default="bench-out", show_default=True, type=_FILE, help="Folder for the results.")
@@ -249,14 +249,16 @@ def _choose_codecs(wanted: Sequence[str], by_name: bool, threads: int) -> list[C
 
 
 def _sgi_curves(qualities: str, efforts: str, variants: tuple[str, ...], threads: int) -> list[Codec]:
-    """Sgi at each effort with each variant's options."""
+    """Sgi at each effort with each variant's options; a profile without qualities has points of its own."""
+    from sgicodec.bench.ladders import ladder_of
     from sgicodec.bench.sgi import SgiCodec
 
-    ladder = tuple(sorted(numbers(qualities, "--qualities")))
+    asked = tuple(sorted(numbers(qualities, "--qualities")))
     levels: list[int | None] = [int(level) for level in numbers(efforts, "--efforts")]
-    options = [variant(text, "--sgi") for text in variants] or [("", ())]
-    return [
-        SgiCodec(ladder, level, threads, label=label, options=given)
-        for label, given in options
-        for level in levels or [None]
-    ]
+    curves: list[Codec] = []
+    for label, given in [variant(text, "--sgi") for text in variants] or [("", ())]:
+        scale = ladder_of(given)
+        points = asked if scale.has_efforts else scale.values
+        for level in (levels if scale.has_efforts else []) or [None]:
+            curves.append(SgiCodec(points, level, threads, label=label, options=given))
+    return curves

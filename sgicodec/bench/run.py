@@ -47,6 +47,12 @@ class Sample:
     crc: str
     pixels: Pixels8
 
+    @classmethod
+    def of(cls, name: str, pixels: Pixels8) -> Sample:
+        """With the checksum of its size and samples."""
+        crc = zlib.crc32(pixels.tobytes(), zlib.crc32(f"{pixels.shape[1]}x{pixels.shape[0]}:".encode()))
+        return cls(name, f"{crc:08x}", pixels)
+
 
 def find_pictures(places: Sequence[Path]) -> list[Path]:
     """The picture files among `places`, where a folder stands for those inside it in order of name.
@@ -144,10 +150,9 @@ def load_sample(path: Path) -> Sample:
     from sgicodec.picture import convert
 
     pixels = to_rgb(convert(image.read(path), 8).pixels)
-    crc = zlib.crc32(pixels.tobytes(), zlib.crc32(f"{pixels.shape[1]}x{pixels.shape[0]}:".encode()))
     # A tab, a line break or bytes that are no text would break the row.
     name = " ".join(os.fsencode(path.name).decode("utf-8", "replace").split())
-    return Sample(name, f"{crc:08x}", pixels)
+    return Sample.of(name, pixels)
 
 
 def _points(sample: Sample, codecs: Sequence[Codec], versions: dict[str, str]) -> Iterator[tuple[Key, Codec, float]]:

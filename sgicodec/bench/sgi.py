@@ -17,11 +17,10 @@ from typing import NamedTuple
 import numpy as np
 
 from sgicodec.bench.codec import Pixels8, RoundTrip
+from sgicodec.bench.ladders import QUALITIES, ladder_of
 from sgicodec.errors import SgiError, require
 
-__all__ = ["DEFAULT_QUALITIES", "Run", "SgiCodec", "fingerprint", "run_timed"]
-
-DEFAULT_QUALITIES = (20.0, 35.0, 50.0, 65.0, 80.0)
+__all__ = ["Run", "SgiCodec", "fingerprint", "run_timed"]
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 _LAUNCHER = Path(__file__).with_name("launch.py")
@@ -31,9 +30,12 @@ _INERT_SUFFIXES = {".pyc", ".cpp", ".hpp", ".cu", ".cuh"}
 
 @dataclass(frozen=True)
 class SgiCodec:
-    """`sgi encode` at a ladder of qualities and one effort (None for the command's default), with further options."""
+    """`sgi encode` at a ladder of qualities and one effort (None for the command's default), with further options.
 
-    ladder: tuple[float, ...] = DEFAULT_QUALITIES
+    The profile among the options says what a quality is.
+    """
+
+    ladder: tuple[float, ...] = QUALITIES.values
     effort: int | None = None
     threads: int = 1
     command: tuple[str, ...] = (sys.executable, "-m", "sgicodec")
@@ -57,17 +59,18 @@ class SgiCodec:
     def settings(self, quality: float) -> str:
         effort = "default" if self.effort is None else self.effort
         further = f" {shlex.join(self.options)}" if self.options else ""
-        return f"quality={quality:g} effort={effort} threads={self.threads}{further}"
+        return f"{ladder_of(self.options).name}={quality:g} effort={effort} threads={self.threads}{further}"
 
     def round_trip(self, pixels: Pixels8, quality: float) -> RoundTrip:
         """Write a PNG, encode and decode by command, read the PNG. Raises SgiError if a command fails."""
-        return self._trip(pixels, ("-q", f"{quality:g}"))
+        point = ladder_of(self.options).options(quality, pixels.shape[0] * pixels.shape[1])
+        return self._trip(pixels, point)
 
     def of_size(self, pixels: Pixels8, size: int) -> RoundTrip:
         """The same towards a size in bytes, which the stream does not exceed. Raises SgiError if a command fails."""
         return self._trip(pixels, ("--size", str(size)))
 
-    def _trip(self, pixels: Pixels8, target: tuple[str, str]) -> RoundTrip:
+    def _trip(self, pixels: Pixels8, target: tuple[str, ...]) -> RoundTrip:
         from PIL import Image
 
         with tempfile.TemporaryDirectory(prefix="sgi-bench-") as folder:

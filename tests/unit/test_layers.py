@@ -34,7 +34,8 @@ FLOORS = (
 HOMES = {
     "constriction": ("sgicodec/bitstream/entropy/",),
     "OpenImageIO": ("sgicodec/image/",),
-    "torch": ("tools/", "benchmarks/_cuda_reference.py"),
+    "torch": ("tools/", "benchmarks/_cuda_reference.py", "benchmarks/paper/learned_distance.py"),
+    "lpips": ("benchmarks/paper/learned_distance.py",),
     "rich": ("sgicodec/cli/", "sgicodec/bench/", "benchmarks/"),
     "isal": ("sgicodec/image/png_output.py",),
     "threadpoolctl": ("sgicodec/encoder/blas_threads.py",),

@@ -15,6 +15,7 @@ from range_server import served
 
 import sgicodec
 from sgicodec.bench.command import bench, compare
+from sgicodec.bench.ladders import LADDERS
 from sgicodec.errors import OutputExistsError, PictureError, SgiError, StreamError, TargetMissedError, UsageError
 from sgicodec.metrics.perceptual import Perceived
 
@@ -111,6 +112,28 @@ def test_bench_runs_variants_of_sgi_and_keeps_peers(tmp_path: Path, monkeypatch:
     assert [codec.options for codec in seen["codecs"][:2]] == [("--tile", "64", "-e", "7"), ()]
     assert (tmp_path / "cache").is_dir()
     assert seen["published"] == []
+
+
+def test_a_profile_without_qualities_has_its_own_ladder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    seen = intercepted(monkeypatch)
+    save(tmp_path / "p.png", picture())
+    variants = ("--sgi", "paper=--profile paper", "--sgi", "plain=")
+    call(bench, tmp_path, "--codecs", "sgi", *variants, "--qualities", "30,60", "--efforts", "2,7")
+    curves = [(codec.name, codec.ladder, codec.effort) for codec in seen["codecs"]]
+    assert curves == [
+        ("sgi-paper", LADDERS["paper"].values, None),
+        ("sgi-plain-e2", (30, 60), 2),
+        ("sgi-plain-e7", (30, 60), 7),
+    ]
+
+
+@pytest.mark.slow
+def test_bench_measures_the_paper_profile(tmp_path: Path) -> None:
+    source = save(tmp_path / "p.png", picture())
+    options = ("--codecs", "sgi", "--sgi", "paper=--profile paper --steps 5", "--out", tmp_path / "out", "--no-plots")
+    result = call(bench, source, *options)
+    assert result.exit_code == 0, result.exception
+    assert "5 points measured" in result.stderr
 
 
 def test_bench_draws_sheets_with_or_without_curves(tmp_path: Path) -> None:

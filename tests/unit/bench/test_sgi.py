@@ -108,6 +108,16 @@ def test_variants_have_names_settings_and_options(tmp_path: Path) -> None:
     assert codec.settings(50) == SgiCodec().settings(50) + " --tile 64"
 
 
+def test_the_paper_profile_is_asked_for_seeds(tmp_path: Path) -> None:
+    codec = SgiCodec(command=stand_in(tmp_path), label="paper", options=("--profile", "paper", "--steps", "9"))
+    codec.round_trip(np.zeros((50, 40, 3), np.uint8), 1800)
+    encode = json.loads((tmp_path / "fake.log").read_text().splitlines()[0])
+    assert encode[3:5] == ["--seeds", "4"]
+    assert encode[-4:] == ["--profile", "paper", "--steps", "9"]
+    assert not {"-q", "-e"} & set(encode)
+    assert codec.settings(1800).startswith("seeds-per-megapixel=1800 ")
+
+
 def test_a_size_is_a_target_of_the_command(tmp_path: Path) -> None:
     SgiCodec(command=stand_in(tmp_path)).of_size(picture(), 1234)
     encode = json.loads((tmp_path / "fake.log").read_text().splitlines()[0])

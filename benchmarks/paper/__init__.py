@@ -1,0 +1,1 @@
+"""The paper's tables, measured again, with its published figures beside them."""
