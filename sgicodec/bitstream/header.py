@@ -28,9 +28,8 @@ __all__ = [
     "encode_header",
 ]
 
-FORMAT_VERSION = 6
-_FLAGS_OF = {1: 15, 2: 255, 3: 511, 4: 1023, 5: 2047, 6: 16383}
-"""The versions that can be read, and the flags that each may set; a header states the least that has its flags."""
+FORMAT_VERSION = 7
+"""The only one that is written and read: until 1.0 the format may change, and then gets another number."""
 
 Masked = Literal["transparent", "nodata"]
 
@@ -116,7 +115,7 @@ def encode_header(header: Header) -> bytes:
     ranges = _stated_ranges(header)
     flags += _RANGES * (bool(ranges) and (header.sample_type != "float32" or len(ranges) > 1))
     fields = [
-        next(version for version in range(2, FORMAT_VERSION + 1) if flags <= _FLAGS_OF[version]),
+        FORMAT_VERSION,
         header.width,
         header.height,
         spec.channels,
@@ -161,7 +160,7 @@ def _stated_ranges(header: Header) -> list[tuple[float, float]]:
 
 
 def decode_header(payload: bytes) -> Header:
-    """Reads chunk H. Raises UnsupportedStreamError for a newer version, LimitError for a field beyond its cap and
+    """Reads chunk H. Raises UnsupportedStreamError for another version, LimitError for a field beyond its cap and
     CorruptStreamError for fields that contradict each other.
     """
     fields = _native.decode_header(payload)

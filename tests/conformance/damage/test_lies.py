@@ -34,7 +34,7 @@ LUMA_SPACE = 512
 
 def test_headers_that_claim_too_much(coded: Any, tmp_path: Path) -> None:
     most = {"width": 2**24, "height": 2**24}
-    plain = {"version": lambda version: min(version, 3), "flags": lambda flags: flags & ~LUMA_SPACE}
+    plain = {"flags": lambda flags: flags & ~LUMA_SPACE}
     lies = {
         "pixels": most,
         "everything": most | plain | {"channels": 64, "layout": 0, "features": 2**13, "hidden": 2**12, "per_seed": 64},

@@ -1,7 +1,7 @@
 """Makes the golden streams that do not exist yet: `python tests/conformance/golden/make_golden.py`.
 
-Overwrites none, and makes none anew that is lost. Only as long as no release has written streams of their kind may they
-be made again: `--again texture` does so with all whose names hold the word, when the models of texture have changed.
+Overwrites none, and makes none anew that is lost. Until 1.0 streams are made again when the format changes: `--again
+texture` does so with all whose names hold the word.
 """
 
 from __future__ import annotations
