@@ -307,7 +307,7 @@ def crc32(data: bytes, before: int = ...) -> int: ...
 
 def shipped(kind: str, number: int) -> bytes:
     """
-    The tables, positions, prior, texture or restoration of this number; empty where there is none.
+    The tables, positions, texture, or the prior or restoration of this number; empty where there is none.
     """
 
 def tile_segments(length: int, count: int, apron: int, start: float, scale: float, first: int, n: int) -> list:
@@ -346,7 +346,7 @@ class SymbolReader:
     def read_predicted_positions(self, scenery: TreeScenery, most: int, threads: int, isa: str) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None,))]]:
         """The same of a tree whose flags are predicted."""
 
-    def read_texture(self, size: tuple[int, int], channels: int) -> tuple[tuple[int, list[int], tuple[int, int], tuple[int, int, int], bool, bool, tuple[int, int, int]], Annotated[NDArray[numpy.uint8], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None, None))], Annotated[NDArray[numpy.int16], dict(shape=(None, None, None))]] | None:
+    def read_texture(self, size: tuple[int, int], channels: int) -> tuple[tuple[int, list[int], tuple[int, int], tuple[int, int, int], bool, tuple[int, int, int]], Annotated[NDArray[numpy.uint8], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None, None))], Annotated[NDArray[numpy.int16], dict(shape=(None, None, None))]] | None:
         """
         Steps, log_size, contrast and symbols of a tile's texture, None for none.
         """
@@ -376,13 +376,13 @@ def draw_texture(corner: Annotated[NDArray[numpy.int32], dict(shape=(None, None)
 
 class TextureModels:
     @overload
-    def __init__(self, dependent: bool) -> None: ...
+    def __init__(self) -> None: ...
 
     @overload
-    def __init__(self, dependent: bool, state: bytes) -> None: ...
+    def __init__(self, state: bytes) -> None: ...
 
     @staticmethod
-    def shipped(dependent: bool) -> TextureModels:
+    def shipped() -> TextureModels:
         """Those with which every layer begins."""
 
     def state(self) -> bytes: ...
@@ -415,7 +415,7 @@ class TextureAmplitudes:
         Those for which a layer has symbols that are not 0 [C, 32 h, 32 w], where its cells have their pixels.
         """
 
-def texture_cells(log_size: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu', writable=False)], contrast: Annotated[NDArray[numpy.int8], dict(shape=(None, None), order='C', device='cpu', writable=False)], symbols: Annotated[NDArray[numpy.int16], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], steps: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], slope: tuple[float, float], excess: Sequence[float], dependent: bool, colours: Sequence[int]) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None, None))], Annotated[NDArray[numpy.uint8], dict(shape=(None,))], Annotated[NDArray[numpy.float32], dict(shape=(None,))]]:
+def texture_cells(log_size: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu', writable=False)], contrast: Annotated[NDArray[numpy.int8], dict(shape=(None, None), order='C', device='cpu', writable=False)], symbols: Annotated[NDArray[numpy.int16], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], steps: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], slope: tuple[float, float], excess: Sequence[float], colours: Sequence[int]) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None, None))], Annotated[NDArray[numpy.uint8], dict(shape=(None,))], Annotated[NDArray[numpy.float32], dict(shape=(None,))]]:
     """Corners, log2 of sides, amplitudes in opponent colours."""
 
 def cheapest_colours(planes: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], contrast: Annotated[NDArray[numpy.int8], dict(shape=(None, None), order='C', device='cpu', writable=False)], steps: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], slope: tuple[float, float], lmbda: float, threads: int) -> tuple[int, int, int]:
@@ -464,7 +464,7 @@ class TileModel:
         """Those of the hash grid, 0 or 1, level after level."""
 
     @property
-    def texture(self) -> tuple[tuple[int, list[int], tuple[int, int], tuple[int, int, int], bool, bool, tuple[int, int, int]], Annotated[NDArray[numpy.uint8], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None, None))], Annotated[NDArray[numpy.int16], dict(shape=(None, None, None))]] | None:
+    def texture(self) -> tuple[tuple[int, list[int], tuple[int, int], tuple[int, int, int], bool, tuple[int, int, int]], Annotated[NDArray[numpy.uint8], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None, None))], Annotated[NDArray[numpy.int16], dict(shape=(None, None, None))]] | None:
         """Steps, log_size, contrast and symbols of the layer; None for none."""
 
     @property

@@ -34,7 +34,7 @@ def test_there_are_files() -> None:
     }
 
 
-@pytest.mark.parametrize("kind", ["prior", "texture", "restoration"])
+@pytest.mark.parametrize("kind", ["prior", "restoration"])
 @pytest.mark.parametrize("number", [-1, 0, 4, 255])
 def test_there_is_nothing_of_other_numbers(kind: str, number: int) -> None:
     assert _native.shipped(kind, number) == b""
