@@ -307,7 +307,7 @@ def crc32(data: bytes, before: int = ...) -> int: ...
 
 def shipped(kind: str, number: int) -> bytes:
     """
-    The tables, positions, texture, or the prior or restoration of this number; empty where there is none.
+    Tables, positions, prior or texture, or the restoration of this number, empty where there is none.
     """
 
 def tile_segments(length: int, count: int, apron: int, start: float, scale: float, first: int, n: int) -> list:

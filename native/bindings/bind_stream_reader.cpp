@@ -27,7 +27,7 @@ sgi::Bytes bytes_of(const nb::bytes &held) { return {static_cast<const uint8_t *
 nb::bytes as_bytes(sgi::Bytes held) { return nb::bytes(held.data, held.size); }
 
 sgi::Bytes shipped(const std::string &kind, int number) {
-  if (kind == "prior") return sgi::shipped_prior(number);
+  if (kind == "prior") return sgi::shipped_prior();
   if (kind == "texture") return sgi::shipped_texture();
   if (kind == "restoration") return sgi::shipped_restoration(number);
   return kind == "tables" ? sgi::shipped_tables() : sgi::shipped_positions();
@@ -160,8 +160,7 @@ void bind_stream_reader(nb::module_ &m) {
       "before"_a = 0);
   m.def(
       "shipped", [](const std::string &kind, int number) { return as_bytes(shipped(kind, number)); }, "kind"_a,
-      "number"_a,
-      "The tables, positions, texture, or the prior or restoration of this number; empty where there is none.");
+      "number"_a, "Tables, positions, prior or texture, or the restoration of this number, empty where there is none.");
   m.def("tile_segments", &segments, "length"_a, "count"_a, "apron"_a, "start"_a, "scale"_a, "first"_a, "n"_a,
         "First and last pixel, tile and the next one's share, or None, of each run of output pixels along an axis.");
 }

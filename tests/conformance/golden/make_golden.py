@@ -38,11 +38,9 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
     crop = replace(photo, pixels=np.ascontiguousarray(photo.pixels[CROP]))
     small = np.ascontiguousarray(crop.pixels[:64, :96])
     grey = small.astype(np.uint16) @ np.array([77, 150, 29], np.uint16)  # 16 bits
-    quick = EncodeSettings(quality=50, steps=150, prior=1, texture=False)
-    coarse_first = replace(quick, prior=2)  # made before places were predicted, which they are now
-    predicted = replace(quick, prior=2)
+    quick = EncodeSettings(quality=50, steps=150, texture=False, tune="psnr")
     paper = EncodeSettings(profile="paper", seeds=60, per_seed=3, features=12, steps=200, lmbda=0.0001)
-    textured = EncodeSettings(quality=75, steps=60, prior=3, texture=True, restoration=False, tune="psnr")
+    textured = EncodeSettings(quality=75, steps=60, texture=True, restoration=False, tune="psnr")
     luma = replace(textured, tune="visual")  # of three colours, in luma space
     restored = replace(luma, restoration=True)
     restored_psnr = replace(textured, restoration=True)
@@ -62,12 +60,7 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
         "float": (Picture((grey / 8192.0).astype(np.float32)[..., None], "gray", (-1.0, 8.5)), quick),
         "multi8": (Picture(np.concatenate([alpha, small[..., 1:2]], axis=2), "multi", (0.0, 255.0)), quick),
         "paper-rgb8": (Picture(small, "rgb", (0.0, 255.0)), paper),
-        "rgb8-coarse-first": (crop, coarse_first),
-        "gray16-coarse-first": (Picture(grey[..., None], "gray", (0.0, 65535.0)), coarse_first),
-        "rgb8-prior3": (crop, replace(quick, prior=3)),
-        "rgb8-predicted-seeds": (crop, predicted),
-        "gray16-predicted-seeds": (Picture(grey[..., None], "gray", (0.0, 65535.0)), predicted),
-        "rgb8-tiles": (crop, replace(quick, prior=3, tile=100, overview=True)),
+        "rgb8-tiles": (crop, replace(quick, tile=100, overview=True)),
         "rgb8-texture": (Picture(forest, "rgb", (0.0, 255.0)), textured),
         "gray16-texture": (Picture(dark[..., None], "gray", (0.0, 65535.0)), textured),
         "rgba8-texture": (
