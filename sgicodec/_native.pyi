@@ -340,11 +340,13 @@ class SymbolReader:
     def read_base(self, channels: int, rows: int, columns: int) -> Annotated[NDArray[numpy.int64], dict(shape=(None, None, None))]:
         """Planes [C, rows, columns] of the base layer."""
 
-    def read_positions(self, size: tuple[int, int], root_log: int, min_log: int, most: int) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None,))]]:
-        """Corners [N, 2] and log2 of the sides [N] of at most so many seeds."""
+    def read_positions(self, size: tuple[int, int], most: int) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None,))]]:
+        """
+        Corners [N, 2] and log2 of the sides [N] of at most so many seeds of one pixel.
+        """
 
     def read_predicted_positions(self, scenery: TreeScenery, most: int, threads: int, isa: str) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None,))]]:
-        """The same of a tree whose flags are predicted."""
+        """The same of a quadtree whose flags are predicted."""
 
     def read_texture(self, size: tuple[int, int], channels: int) -> tuple[tuple[int, list[int], tuple[int, int], tuple[int, int, int], bool, tuple[int, int, int]], Annotated[NDArray[numpy.uint8], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None, None))], Annotated[NDArray[numpy.int16], dict(shape=(None, None, None))]] | None:
         """

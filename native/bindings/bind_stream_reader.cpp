@@ -35,10 +35,9 @@ sgi::Bytes shipped(const std::string &kind, int number) {
 
 nb::dict context_of(const sgi::ContextSpec &context) {
   nb::dict fields;
-  fields["prior"] = context.prior, fields["grouped"] = context.grouped, fields["hidden"] = context.hidden;
+  fields["prior"] = context.prior, fields["hidden"] = context.hidden;
   fields["neighbours"] = context.neighbours, fields["hash_resolutions"] = context.hash_resolutions;
   fields["hash_features"] = context.hash_features, fields["hash_log2_entries"] = context.hash_log2_entries;
-  fields["coarse_first"] = context.coarse_first;
   return fields;
 }
 
@@ -47,7 +46,7 @@ nb::dict spec_of(const sgi::ModelSpec &spec) {
   fields["channels"] = spec.channels, fields["layout"] = int(spec.layout), fields["shape"] = int(spec.shape);
   fields["per_seed"] = spec.per_seed, fields["features"] = spec.features, fields["hidden"] = spec.hidden;
   fields["skip"] = spec.skip, fields["seed_scales"] = spec.seed_scales, fields["base_cell"] = spec.base_cell;
-  fields["context"] = context_of(spec.context), fields["predicted_seeds"] = spec.predicted_seeds;
+  fields["context"] = context_of(spec.context);
   fields["texture"] = spec.texture, fields["luma_space"] = spec.luma_space;
   fields["restoration"] = spec.restoration;
   return fields;

@@ -19,19 +19,16 @@ constexpr int64_t kMaxFeatures = 1 << 13, kMaxHidden = 1 << 12, kMaxHashLevels =
 enum Flag : int64_t {
   kSkip = 1,
   kSeedScales = 2,
-  kGrouped = 4,
-  kCoarseFirst = 8,
-  kTiled = 16,
-  kTransparent = 32,
-  kNodata = 64,
-  kPredicted = 128,
-  kTexture = 256,
-  kLuma = 512,
-  kRestoration = 1024,
-  kRanges = 2048,
-  kBandMasks = 4096,
-  kExact = 8192,
-  kAllFlags = 16383
+  kTiled = 4,
+  kTransparent = 8,
+  kNodata = 16,
+  kTexture = 32,
+  kLuma = 64,
+  kRestoration = 128,
+  kRanges = 256,
+  kBandMasks = 512,
+  kExact = 1024,
+  kAllFlags = 2047
 };
 
 constexpr const char *kLayouts[] = {"multi", "gray", "gray+alpha", "rgb", "rgba"};
@@ -110,16 +107,11 @@ int64_t take_model(Fields &fields, Header &header) {
   header.quality = int(fields.take("the base step", 0, 255));
   header.family = int(fields.take("the table family", 0, 1));
   spec.context = take_context(fields);
-  spec.context.grouped = flags & kGrouped, spec.context.coarse_first = flags & kCoarseFirst;
-  spec.skip = flags & kSkip, spec.seed_scales = flags & kSeedScales, spec.predicted_seeds = flags & kPredicted;
+  spec.skip = flags & kSkip, spec.seed_scales = flags & kSeedScales;
   spec.texture = flags & kTexture, spec.luma_space = flags & kLuma;
   spec.restoration = flags & kRestoration;
   const bool too_few = spec.skip && spec.features < spec.per_seed * (spec.channels + 3);
-  if (spec.skip != spec.context.grouped || too_few || (spec.context.neighbours && !spec.skip))
-    corrupt("settings that contradict each other");
-  if (spec.context.coarse_first && !spec.context.neighbours) corrupt("an order of passes without neighbours");
-  if (spec.predicted_seeds && spec.layout != SeedLayoutKind::adaptive)
-    corrupt("predicted places of seeds that lie on a grid");
+  if (too_few || (spec.context.neighbours && !spec.skip)) corrupt("settings that contradict each other");
   return flags;
 }
 

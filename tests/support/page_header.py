@@ -28,10 +28,10 @@ __all__ = ["decode_header"]
 
 MAX_FEATURES, MAX_HIDDEN, MAX_HASH_LEVELS, MAX_HASH_RESOLUTION = 1 << 13, 1 << 12, 32, 1 << 14
 _LAYOUTS, _SHAPES, _PROFILES = ("adaptive", "uniform"), ("log", "rotation"), ("default", "paper")
-_SKIP, _SEED_SCALES, _GROUPED, _COARSE_FIRST, _TILED, _PREDICTED, _TEXTURE, _LUMA = 1, 2, 4, 8, 16, 128, 256, 512
-_RESTORATION, _RANGES, _BAND_MASKS, _EXACT = 1024, 2048, 4096, 8192
-_ALL_FLAGS = 16383
-_MASKED: dict[Masked | None, int] = {None: 0, "transparent": 32, "nodata": 64}
+_SKIP, _SEED_SCALES, _TILED, _TEXTURE, _LUMA = 1, 2, 4, 32, 64
+_RESTORATION, _RANGES, _BAND_MASKS, _EXACT = 128, 256, 512, 1024
+_ALL_FLAGS = 2047
+_MASKED: dict[Masked | None, int] = {None: 0, "transparent": 8, "nodata": 16}
 
 
 class _Fields:
@@ -114,22 +114,16 @@ def _model(fields: _Fields, channels: int) -> tuple[int, ModelSpec, int, int]:
     resolutions = tuple(fields.take("a hash resolution", 1, MAX_HASH_RESOLUTION) for _ in range(levels))
     hash_features = fields.take("the hash features", 1, 64) if levels else ContextSpec.hash_features
     hash_entries = fields.take("the hash entries", 1, 20) if levels else ContextSpec.hash_log2_entries
-    grouped, skip, seed_scales = bool(flags & _GROUPED), bool(flags & _SKIP), bool(flags & _SEED_SCALES)
-    if skip != grouped or (skip and features < per_seed * (channels + 3)) or (neighbours and not skip):
+    skip, seed_scales = bool(flags & _SKIP), bool(flags & _SEED_SCALES)
+    if (skip and features < per_seed * (channels + 3)) or (neighbours and not skip):
         raise CorruptStreamError("header: settings that contradict each other")
-    coarse_first = bool(flags & _COARSE_FIRST)
-    if coarse_first and not neighbours:
-        raise CorruptStreamError("header: an order of passes without neighbours")
-    predicted = bool(flags & _PREDICTED)
-    if predicted and layout != "adaptive":
-        raise CorruptStreamError("header: predicted places of seeds that lie on a grid")
-    context = ContextSpec(prior, (), context_hidden, neighbours, resolutions, hash_features, hash_entries, coarse_first)
+    context = ContextSpec(prior, (), context_hidden, neighbours, resolutions, hash_features, hash_entries)
     spec = ModelSpec(channels, layout, shape, per_seed, features, hidden, skip, seed_scales, base_cell, context)  # type: ignore[arg-type]
     names = tuple(group.name for group in spec.groups)
-    steps = tuple((name,) for name in names) if grouped else (names,)
+    steps = tuple((name,) for name in names) if skip else (names,)
     context = replace(context, steps=steps)
     textured, luma_space = bool(flags & _TEXTURE), bool(flags & _LUMA)
-    spec = replace(spec, context=context, predicted_seeds=predicted, texture=textured, luma_space=luma_space)
+    spec = replace(spec, context=context, texture=textured, luma_space=luma_space)
     spec = replace(spec, restoration=bool(flags & _RESTORATION))
     return flags, spec, quality, family
 

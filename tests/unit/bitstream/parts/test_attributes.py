@@ -121,7 +121,7 @@ def test_seeds_without_neighbours_see_their_own_shape() -> None:
     header, payload = payload_of("rgb8-own-context")
     model, _ = read_tile(header, payload)
     kept = input_count(header.spec, 0) - NEIGHBOUR_INPUTS
-    context = replace(header.spec.context, neighbours=0, coarse_first=False)
+    context = replace(header.spec.context, neighbours=0)
     alone = replace(header, spec=replace(header.spec, context=context))
     networks = tuple(
         replace(net, w1=np.delete(net.w1, np.s_[kept : kept + NEIGHBOUR_INPUTS], axis=1)) for net in model.networks
@@ -162,12 +162,12 @@ def skip_to_attributes(reader: SymbolReader, header: Header) -> None:
     if spec.base_cell:
         reader.read_bits(8, 1)
         base = reader.read_base(spec.channels, *base_shape(header.width, header.height, spec.base_cell))
-    shape = TreeShape(header.width, header.height, 6, int(spec.layout == "adaptive"))
-    if spec.predicted_seeds:
+    if spec.layout == "adaptive":
+        shape = TreeShape(header.width, header.height)
         scenery = native_tree_context(shape, TreeContext(base, spec.base_cell, header.quality))
         reader.read_predicted_positions(scenery, 10**5, 1, ONE_THREAD.isa)
     else:
-        reader.read_positions((header.width, header.height), shape.root_log, shape.min_log, 10**5)
+        reader.read_positions((header.width, header.height), 10**5)
     for weights in decoder_shapes(spec).values():
         reader.read_weights(math.prod(weights))
     if counts := hash_counts(spec, header.width, header.height):
