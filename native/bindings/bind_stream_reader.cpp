@@ -63,12 +63,6 @@ nb::dict header_of(const sgi::Header &header) {
   return fields;
 }
 
-std::vector<std::tuple<int, int, int>> groups_of(const sgi::Header &header) {
-  std::vector<std::tuple<int, int, int>> groups;
-  for (const auto &group : header.spec.groups()) groups.emplace_back(int(group.name), group.start, group.size);
-  return groups;
-}
-
 nb::list segments(int64_t length, int64_t count, int64_t apron, double start, double scale, int64_t first, int64_t n) {
   sgi::require(length >= 1 && count >= 1 && apron >= 0 && n >= 1, "length, count and n must be at least 1");
   nb::list found;
@@ -147,13 +141,6 @@ void bind_stream_reader(nb::module_ &m) {
   m.def(
       "decode_header", [](const nb::bytes &payload) { return header_of(sgi::decode_header(bytes_of(payload))); },
       "payload"_a, "The fields of chunk H; enumerations as their numbers.");
-  m.def(
-      "attribute_groups",
-      [](const nb::bytes &payload) {
-        const sgi::Header header = sgi::decode_header(bytes_of(payload));
-        return nb::make_tuple(groups_of(header), header.spec.attributes(), header.spec.is_plain());
-      },
-      "payload"_a, "Number, start and size of each group; attributes of a seed; whether they are plain Gaussians.");
   m.def(
       "crc32", [](const nb::bytes &data, uint32_t before) { return sgi::crc32(bytes_of(data), before); }, "data"_a,
       "before"_a = 0);
