@@ -70,7 +70,7 @@ def measured(picture: Picture, encoded: Encoded, device: Device = ALL_CORES) -> 
 @click.command()
 @click.argument("pictures", nargs=-1, required=True, type=click.Path(exists=True, dir_okay=False, path_type=Path))
 @click.option("--lmbda", "lambdas", multiple=True, default=(0.02, 0.004), show_default=True, type=float)
-@click.option("--variant", "variants", multiple=True, help="Such as prior=2, base_cell=32 or fit.split=2.5.")
+@click.option("--variant", "variants", multiple=True, help="Such as prior=0, base_cell=32 or fit.split=2.5.")
 @click.option("--steps", default=400, show_default=True, type=click.IntRange(1))
 @click.option("--threads", default=2, show_default=True, type=click.IntRange(0))
 def main(

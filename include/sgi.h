@@ -35,7 +35,7 @@ typedef enum sgi_status {
   SGI_ERROR_USAGE = 1,       /* an argument that makes no sense */
   SGI_ERROR_REGION = 2,      /* a region or a level that is not in the picture */
   SGI_ERROR_CORRUPT = 3,     /* bytes that no encoder wrote */
-  SGI_ERROR_UNSUPPORTED = 4, /* a sound stream that needs a newer library */
+  SGI_ERROR_UNSUPPORTED = 4, /* a sound stream that needs another library */
   SGI_ERROR_LIMIT = 5,       /* more than the caps of the format or of the caller; found before memory is taken */
   SGI_ERROR_SOURCE = 6,      /* the callback that reads failed */
   SGI_ERROR_MEMORY = 7,      /* the system has no memory left */

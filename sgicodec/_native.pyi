@@ -28,8 +28,6 @@ STEP_COUNT: int = ...
 
 SCALE_ZERO: int = ...
 
-SCALE_COUNT: int = ...
-
 REFINE_LIMIT: int = ...
 
 AMPLITUDE_ZERO: int = ...
@@ -57,8 +55,6 @@ INPUT_LIMIT: int = ...
 HIDDEN_LIMIT: int = ...
 
 WINDOW_PADDING: int = ...
-
-TEXTURE_OVERLAP: int = ...
 
 TEXTURE_ROOT_LOG: int = ...
 
@@ -307,16 +303,11 @@ def read_chunks(source: object, known: str, with_payloads: bool = ...) -> list:
 def decode_header(payload: bytes) -> dict:
     """The fields of chunk H; enumerations as their numbers."""
 
-def attribute_groups(payload: bytes) -> tuple:
-    """
-    Number, start and size of each group; attributes of a seed; whether they are plain Gaussians.
-    """
-
 def crc32(data: bytes, before: int = ...) -> int: ...
 
 def shipped(kind: str, number: int) -> bytes:
     """
-    The tables, positions, prior, texture or restoration of this number; empty where there is none.
+    Tables, positions, prior or texture, or the restoration of this number, empty where there is none.
     """
 
 def tile_segments(length: int, count: int, apron: int, start: float, scale: float, first: int, n: int) -> list:
@@ -349,13 +340,15 @@ class SymbolReader:
     def read_base(self, channels: int, rows: int, columns: int) -> Annotated[NDArray[numpy.int64], dict(shape=(None, None, None))]:
         """Planes [C, rows, columns] of the base layer."""
 
-    def read_positions(self, size: tuple[int, int], root_log: int, min_log: int, most: int) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None,))]]:
-        """Corners [N, 2] and log2 of the sides [N] of at most so many seeds."""
+    def read_positions(self, size: tuple[int, int], most: int) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None,))]]:
+        """
+        Corners [N, 2] and log2 of the sides [N] of at most so many seeds of one pixel.
+        """
 
     def read_predicted_positions(self, scenery: TreeScenery, most: int, threads: int, isa: str) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None,))]]:
-        """The same of a tree whose flags are predicted."""
+        """The same of a quadtree whose flags are predicted."""
 
-    def read_texture(self, size: tuple[int, int], channels: int) -> tuple[tuple[int, list[int], tuple[int, int], tuple[int, int, int], bool, bool, tuple[int, int, int]], Annotated[NDArray[numpy.uint8], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None, None))], Annotated[NDArray[numpy.int16], dict(shape=(None, None, None))]] | None:
+    def read_texture(self, size: tuple[int, int], channels: int) -> tuple[tuple[int, list[int], tuple[int, int], tuple[int, int, int], bool, tuple[int, int, int]], Annotated[NDArray[numpy.uint8], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None, None))], Annotated[NDArray[numpy.int16], dict(shape=(None, None, None))]] | None:
         """
         Steps, log_size, contrast and symbols of a tile's texture, None for none.
         """
@@ -385,13 +378,13 @@ def draw_texture(corner: Annotated[NDArray[numpy.int32], dict(shape=(None, None)
 
 class TextureModels:
     @overload
-    def __init__(self, dependent: bool) -> None: ...
+    def __init__(self) -> None: ...
 
     @overload
-    def __init__(self, dependent: bool, state: bytes) -> None: ...
+    def __init__(self, state: bytes) -> None: ...
 
     @staticmethod
-    def shipped(dependent: bool) -> TextureModels:
+    def shipped() -> TextureModels:
         """Those with which every layer begins."""
 
     def state(self) -> bytes: ...
@@ -424,7 +417,7 @@ class TextureAmplitudes:
         Those for which a layer has symbols that are not 0 [C, 32 h, 32 w], where its cells have their pixels.
         """
 
-def texture_cells(log_size: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu', writable=False)], contrast: Annotated[NDArray[numpy.int8], dict(shape=(None, None), order='C', device='cpu', writable=False)], symbols: Annotated[NDArray[numpy.int16], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], steps: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], slope: tuple[float, float], excess: Sequence[float], dependent: bool, colours: Sequence[int]) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None, None))], Annotated[NDArray[numpy.uint8], dict(shape=(None,))], Annotated[NDArray[numpy.float32], dict(shape=(None,))]]:
+def texture_cells(log_size: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu', writable=False)], contrast: Annotated[NDArray[numpy.int8], dict(shape=(None, None), order='C', device='cpu', writable=False)], symbols: Annotated[NDArray[numpy.int16], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], steps: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], slope: tuple[float, float], excess: Sequence[float], colours: Sequence[int]) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None, None))], Annotated[NDArray[numpy.uint8], dict(shape=(None,))], Annotated[NDArray[numpy.float32], dict(shape=(None,))]]:
     """Corners, log2 of sides, amplitudes in opponent colours."""
 
 def cheapest_colours(planes: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], contrast: Annotated[NDArray[numpy.int8], dict(shape=(None, None), order='C', device='cpu', writable=False)], steps: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], slope: tuple[float, float], lmbda: float, threads: int) -> tuple[int, int, int]:
@@ -477,7 +470,7 @@ class TileModel:
         """Those of the hash grid, 0 or 1, level after level."""
 
     @property
-    def texture(self) -> tuple[tuple[int, list[int], tuple[int, int], tuple[int, int, int], bool, bool, tuple[int, int, int]], Annotated[NDArray[numpy.uint8], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None, None))], Annotated[NDArray[numpy.int16], dict(shape=(None, None, None))]] | None:
+    def texture(self) -> tuple[tuple[int, list[int], tuple[int, int], tuple[int, int, int], bool, tuple[int, int, int]], Annotated[NDArray[numpy.uint8], dict(shape=(None, None))], Annotated[NDArray[numpy.int8], dict(shape=(None, None))], Annotated[NDArray[numpy.int16], dict(shape=(None, None, None))]] | None:
         """Steps, log_size, contrast and symbols of the layer; None for none."""
 
     @property
@@ -518,9 +511,6 @@ class MaskTree:
 
     def __init__(self, width: int, height: int) -> None:
         """That of a tile in which no pixel holds anything."""
-
-    @property
-    def is_mixed(self) -> bool: ...
 
     @property
     def nbytes(self) -> int: ...

@@ -88,7 +88,7 @@ class CorruptStreamError(StreamError):
 
 
 class UnsupportedStreamError(StreamError):
-    """A sound stream that needs a newer version of this package."""
+    """A sound stream that needs another version of this package."""
 
 
 class LimitError(StreamError):

@@ -87,7 +87,7 @@ def make_streams(pictures: list[Path], folder: Path, rounds: int, steps: int) ->
 
 def record(tree: Tree) -> list[tuple[Batch, Flags, Flags]]:
     """All batches of a tree with their flags."""
-    shape = TreeShape(tree.width, tree.height, LEVELS[0], LEVELS[-1])
+    shape = TreeShape(tree.width, tree.height)
     truth, batches = GivenTree(shape, tree.seeds), []
 
     def code(batch: Batch) -> tuple[Flags, Flags]:

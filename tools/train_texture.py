@@ -55,7 +55,7 @@ def layers(picture: Picture, quality: float) -> list[TextureSymbols]:
 
 def train(paths: list[Path]) -> TextureModels:
     """The models after all pictures."""
-    models = TextureModels(dependent=True)
+    models = TextureModels()
     for path, quality in zip(paths, cycle(QUALITIES), strict=False):
         for layer in layers(read(path), quality):
             models.learn(layer.log_size, layer.contrast, layer.symbols, layer.size, layer.steps.has_contrast)

@@ -9,7 +9,7 @@ enum class Fault {
   usage,        // an argument that makes no sense
   region,       // a region, level or tile that is not there
   corrupt,      // bytes that no encoder wrote
-  unsupported,  // a sound stream that needs a newer version
+  unsupported,  // a sound stream that needs another version
   limit,        // a stream that asks for more than the caps, found before memory is taken
   source,       // what was to give bytes failed
 };

@@ -27,18 +27,17 @@ sgi::Bytes bytes_of(const nb::bytes &held) { return {static_cast<const uint8_t *
 nb::bytes as_bytes(sgi::Bytes held) { return nb::bytes(held.data, held.size); }
 
 sgi::Bytes shipped(const std::string &kind, int number) {
-  if (kind == "prior") return sgi::shipped_prior(number);
-  if (kind == "texture") return sgi::shipped_texture(number);
+  if (kind == "prior") return sgi::shipped_prior();
+  if (kind == "texture") return sgi::shipped_texture();
   if (kind == "restoration") return sgi::shipped_restoration(number);
   return kind == "tables" ? sgi::shipped_tables() : sgi::shipped_positions();
 }
 
 nb::dict context_of(const sgi::ContextSpec &context) {
   nb::dict fields;
-  fields["prior"] = context.prior, fields["grouped"] = context.grouped, fields["hidden"] = context.hidden;
+  fields["prior"] = context.prior, fields["hidden"] = context.hidden;
   fields["neighbours"] = context.neighbours, fields["hash_resolutions"] = context.hash_resolutions;
   fields["hash_features"] = context.hash_features, fields["hash_log2_entries"] = context.hash_log2_entries;
-  fields["coarse_first"] = context.coarse_first;
   return fields;
 }
 
@@ -47,7 +46,7 @@ nb::dict spec_of(const sgi::ModelSpec &spec) {
   fields["channels"] = spec.channels, fields["layout"] = int(spec.layout), fields["shape"] = int(spec.shape);
   fields["per_seed"] = spec.per_seed, fields["features"] = spec.features, fields["hidden"] = spec.hidden;
   fields["skip"] = spec.skip, fields["seed_scales"] = spec.seed_scales, fields["base_cell"] = spec.base_cell;
-  fields["context"] = context_of(spec.context), fields["predicted_seeds"] = spec.predicted_seeds;
+  fields["context"] = context_of(spec.context);
   fields["texture"] = spec.texture, fields["luma_space"] = spec.luma_space;
   fields["restoration"] = spec.restoration;
   return fields;
@@ -62,12 +61,6 @@ nb::dict header_of(const sgi::Header &header) {
   fields["masked"] = int(header.masked), fields["nodata"] = header.nodata;
   fields["has_band_masks"] = header.has_band_masks, fields["has_exact"] = header.has_exact;
   return fields;
-}
-
-std::vector<std::tuple<int, int, int>> groups_of(const sgi::Header &header) {
-  std::vector<std::tuple<int, int, int>> groups;
-  for (const auto &group : header.spec.groups()) groups.emplace_back(int(group.name), group.start, group.size);
-  return groups;
 }
 
 nb::list segments(int64_t length, int64_t count, int64_t apron, double start, double scale, int64_t first, int64_t n) {
@@ -149,18 +142,11 @@ void bind_stream_reader(nb::module_ &m) {
       "decode_header", [](const nb::bytes &payload) { return header_of(sgi::decode_header(bytes_of(payload))); },
       "payload"_a, "The fields of chunk H; enumerations as their numbers.");
   m.def(
-      "attribute_groups",
-      [](const nb::bytes &payload) {
-        const sgi::Header header = sgi::decode_header(bytes_of(payload));
-        return nb::make_tuple(groups_of(header), header.spec.attributes(), header.spec.is_plain());
-      },
-      "payload"_a, "Number, start and size of each group; attributes of a seed; whether they are plain Gaussians.");
-  m.def(
       "crc32", [](const nb::bytes &data, uint32_t before) { return sgi::crc32(bytes_of(data), before); }, "data"_a,
       "before"_a = 0);
   m.def(
       "shipped", [](const std::string &kind, int number) { return as_bytes(shipped(kind, number)); }, "kind"_a,
-      "number"_a, "The tables, positions, prior, texture or restoration of this number; empty where there is none.");
+      "number"_a, "Tables, positions, prior or texture, or the restoration of this number, empty where there is none.");
   m.def("tile_segments", &segments, "length"_a, "count"_a, "apron"_a, "start"_a, "scale"_a, "first"_a, "n"_a,
         "First and last pixel, tile and the next one's share, or None, of each run of output pixels along an axis.");
 }

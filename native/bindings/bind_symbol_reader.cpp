@@ -100,12 +100,9 @@ auto arrays_of(sgi::Seeds seeds) {
                     flat(std::move(seeds.log_size)));
 }
 
-auto read_positions(SymbolReader &reader, Size size, int root_log, int min_log, int64_t most) {
+auto read_positions(SymbolReader &reader, Size size, int64_t most) {
   require_size(size);
-  require(min_log >= 0 && min_log <= root_log && root_log <= 16, "node sizes must be 0 <= min <= root <= 16");
-  const sgi::TreeShape shape{size.first, size.second, root_log, min_log};
-  require(shape.columns() * shape.rows() <= sgi::kMaxRoots, "too many roots");
-  return arrays_of(sgi::read_positions(reader, shape, most));
+  return arrays_of(sgi::read_positions(reader, size.first, size.second, most));
 }
 
 auto read_predicted_positions(SymbolReader &reader, const std::shared_ptr<sgi::TreeScenery> &scenery, int64_t most,
@@ -134,10 +131,10 @@ void bind_symbol_reader(nb::module_ &m) {
       .def("read_weights", &read_weights, "count"_a, "A tensor of so many integers, flat.")
       .def("read_signs", &read_signs, "counts"_a, "The hash grid's signs, 0 or 1, level after level.")
       .def("read_base", &read_base, "channels"_a, "rows"_a, "columns"_a, "Planes [C, rows, columns] of the base layer.")
-      .def("read_positions", &read_positions, "size"_a, "root_log"_a, "min_log"_a, "most"_a,
-           "Corners [N, 2] and log2 of the sides [N] of at most so many seeds.")
+      .def("read_positions", &read_positions, "size"_a, "most"_a,
+           "Corners [N, 2] and log2 of the sides [N] of at most so many seeds of one pixel.")
       .def("read_predicted_positions", &read_predicted_positions, "scenery"_a, "most"_a, "threads"_a, "isa"_a,
-           "The same of a tree whose flags are predicted.")
+           "The same of a quadtree whose flags are predicted.")
       .def("read_texture", &read_texture, "size"_a, "channels"_a,
            "Steps, log_size, contrast and symbols of a tile's texture, None for none.")
       .def(

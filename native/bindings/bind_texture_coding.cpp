@@ -54,13 +54,12 @@ void require_tree(const TextureField &field) {
     }
 }
 
-TextureField field_of(const LogSizes &log_size, const Contrasts &contrast, const SymbolPlanes &symbols,
-                      bool dependent) {
+TextureField field_of(const LogSizes &log_size, const Contrasts &contrast, const SymbolPlanes &symbols) {
   const int64_t down = int64_t(contrast.shape(0)), across = int64_t(contrast.shape(1));
   require(has_shape(log_size, size_t(down * 4), size_t(across * 4)) && symbols.shape(1) == size_t(down * 32) &&
               symbols.shape(2) == size_t(across * 32) && symbols.shape(0) >= 1 && symbols.shape(0) <= 64,
           "contrast [h, w] of roots, log_size [4 h, 4 w], symbols [C, 32 h, 32 w]");
-  TextureField field(across, down, int(symbols.shape(0)), dependent);
+  TextureField field(across, down, int(symbols.shape(0)));
   std::copy_n(log_size.data(), log_size.size(), field.log_size.begin());
   std::copy_n(contrast.data(), contrast.size(), field.contrast.begin());
   std::copy_n(symbols.data(), symbols.size(), field.symbols.begin());
@@ -100,9 +99,9 @@ std::array<size_t, 2> require_contrasts(const sgi::TextureAmplitudes &amplitudes
 
 class TextureModels {
  public:
-  explicit TextureModels(bool dependent) : dependent_(dependent), models_(sgi::fresh_texture_models(dependent)) {}
-  TextureModels(bool dependent, BitModels models) : dependent_(dependent), models_(std::move(models)) {}
-  TextureModels(bool dependent, nb::bytes state) : TextureModels(dependent) {
+  TextureModels() : models_(sgi::fresh_texture_models()) {}
+  explicit TextureModels(BitModels models) : models_(std::move(models)) {}
+  explicit TextureModels(nb::bytes state) : TextureModels() {
     require(models_.set_state(reinterpret_cast<const uint8_t *>(state.data()), int64_t(state.size())),
             "these are not texture models");
   }
@@ -115,13 +114,13 @@ class TextureModels {
   void settle(int most) { models_.settle(most); }
 
   void learn(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, Size size, bool has_contrast) {
-    const TextureField field = field_of(log_size, contrast, symbols, dependent_);
+    const TextureField field = field_of(log_size, contrast, symbols);
     require_field(field, size);
     sgi::write_texture(models_, field, size.first, size.second, has_contrast);
   }
 
   auto write(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, Size size, bool has_contrast) const {
-    const TextureField field = field_of(log_size, contrast, symbols, dependent_);
+    const TextureField field = field_of(log_size, contrast, symbols);
     require_field(field, size);
     BitModels models = models_;
     sgi::TextureBits written = sgi::write_texture(models, field, size.first, size.second, has_contrast);
@@ -142,11 +141,10 @@ class TextureModels {
     require(doubt >= 1, "doubt must be at least 1");
     if (division) {
       require(has_shape(*division, 4 * down, 4 * across), "division [4 h, 4 w] of the roots");
-      TextureField field(int64_t(across), int64_t(down), 1, true);
+      TextureField field(int64_t(across), int64_t(down), 1);
       std::copy_n(division->data(), division->size(), field.log_size.begin());
       require_tree(field);
     }
-    require(dependent_, "symbols are searched for as dependent ones alone");
     const sgi::TextureSteps all = steps_of(steps, slope);
     sgi::TextureFound found = [&] {
       nb::gil_scoped_release release;
@@ -158,7 +156,6 @@ class TextureModels {
   }
 
  private:
-  bool dependent_;
   BitModels models_;
 };
 
@@ -217,11 +214,11 @@ auto shown_amplitudes(const sgi::TextureAmplitudes &amplitudes, LogSizes log_siz
 }
 
 auto texture_cells(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, Array<const float, 1> steps,
-                   std::pair<float, float> slope, std::array<float, 3> excess, bool dependent, Colours colours) {
+                   std::pair<float, float> slope, std::array<float, 3> excess, Colours colours) {
   require(steps.size() == symbols.shape(0), "steps [C]");
   const sgi::TextureColours mixed = colours_of(colours, steps.size());
-  sgi::TextureCells cells = sgi::texture_cells(field_of(log_size, contrast, symbols, dependent), steps_of(steps, slope),
-                                               excess.data(), mixed, 1);
+  sgi::TextureCells cells =
+      sgi::texture_cells(field_of(log_size, contrast, symbols), steps_of(steps, slope), excess.data(), mixed, 1);
   const size_t count = cells.log_size.size(), values = size_t(cells.amplitude_count);
   return std::tuple(
       as_array<int32_t>(std::move(cells.corner), std::array{count, size_t(2)}),
@@ -233,11 +230,11 @@ auto texture_cells(LogSizes log_size, Contrasts contrast, SymbolPlanes symbols, 
 
 void bind_texture_coding(nb::module_ &m) {
   nb::class_<TextureModels>(m, "TextureModels")
-      .def(nb::init<bool>(), "dependent"_a)
-      .def(nb::init<bool, nb::bytes>(), "dependent"_a, "state"_a)
+      .def(nb::init<>())
+      .def(nb::init<nb::bytes>(), "state"_a)
       .def_static(
-          "shipped", [](bool dependent) { return TextureModels(dependent, sgi::shipped_texture_models(dependent)); },
-          "dependent"_a, "Those with which every layer begins.")
+          "shipped", [] { return TextureModels(sgi::shipped_texture_models()); },
+          "Those with which every layer begins.")
       .def("state", &TextureModels::state)
       .def("settle", &TextureModels::settle, "most"_a)
       .def("learn", &TextureModels::learn, "log_size"_a, "contrast"_a, "symbols"_a, "size"_a, "has_contrast"_a)
@@ -260,7 +257,7 @@ void bind_texture_coding(nb::module_ &m) {
       .def("shown", &shown_amplitudes, "log_size"_a, "symbols"_a,
            "Those for which a layer has symbols that are not 0 [C, 32 h, 32 w], where its cells have their pixels.");
   m.def("texture_cells", &texture_cells, "log_size"_a, "contrast"_a, "symbols"_a, "steps"_a, "slope"_a, "excess"_a,
-        "dependent"_a, "colours"_a, "Corners, log2 of sides, amplitudes in opponent colours.");
+        "colours"_a, "Corners, log2 of sides, amplitudes in opponent colours.");
   m.def("cheapest_colours", &cheapest_colours, "planes"_a, "contrast"_a, "steps"_a, "slope"_a, "lmbda"_a, "threads"_a,
         "Indices of the colours in which texture that shows these planes, in opponent colours, costs least, about.");
 }

@@ -247,7 +247,6 @@ void bind_tile(nb::module_ &m) {
           "__init__",
           [](sgi::MaskTree *self, int64_t width, int64_t height) { new (self) sgi::MaskTree(width, height); },
           "width"_a, "height"_a, "That of a tile in which no pixel holds anything.")
-      .def_prop_ro("is_mixed", &sgi::MaskTree::is_mixed)
       .def_prop_ro("nbytes", &sgi::MaskTree::memory)
       .def("at", &mask_at, nb::rv_policy::move, "rows"_a, "columns"_a,
            "The mask [rows, columns] where ascending rows and columns of pixels meet.");

@@ -28,8 +28,7 @@ inline auto texture_arrays(CodedTexture texture) {
   const TextureIndices &of = texture.indices;
   const auto [one, two, more] = of.excess;
   std::tuple steps(of.step, of.ratios, std::pair(of.slopes[0], of.slopes[1]), std::tuple(one, two, more),
-                   of.has_contrast, texture.field.dependent,
-                   std::tuple(of.colours.shares[0], of.colours.shares[1], of.colours.turn));
+                   of.has_contrast, std::tuple(of.colours.shares[0], of.colours.shares[1], of.colours.turn));
   return std::tuple_cat(std::tuple<decltype(steps)>(std::move(steps)), field_arrays(std::move(texture.field)));
 }
 

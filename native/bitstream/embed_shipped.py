@@ -73,8 +73,8 @@ def source() -> str:
 
     add("tables", "", {0: (BITSTREAM / "entropy" / "tables.bin").read_bytes()}, 4)
     add("positions", "", {0: numbered("positions")[1]}, 2)
-    add("prior", "int number", numbered("prior"), 2)
-    add("texture", "int number", {number: zlib.decompress(data) for number, data in numbered("texture").items()})
+    add("prior", "", {0: numbered("prior")[3]}, 2)
+    add("texture", "", {0: zlib.decompress(numbered("texture")[2])})
     add("restoration", "int number", numbered("restoration"))
     return "\n".join([HEAD, *arrays, "}  // namespace\n", *functions, "}  // namespace sgi\n"])
 

@@ -14,25 +14,21 @@ namespace sgi {
 
 namespace {
 
-constexpr int kNewest = 6;
-// The flags that each version may set; a header states the least version that has its flags.
-constexpr int64_t kFlagsOf[kNewest + 1] = {0, 15, 255, 511, 1023, 2047, 16383};
+constexpr int kFormatVersion = 7;
 constexpr int64_t kMaxFeatures = 1 << 13, kMaxHidden = 1 << 12, kMaxHashLevels = 32, kMaxHashResolution = 1 << 14;
 enum Flag : int64_t {
   kSkip = 1,
   kSeedScales = 2,
-  kGrouped = 4,
-  kCoarseFirst = 8,
-  kTiled = 16,
-  kTransparent = 32,
-  kNodata = 64,
-  kPredicted = 128,
-  kTexture = 256,
-  kLuma = 512,
-  kRestoration = 1024,
-  kRanges = 2048,
-  kBandMasks = 4096,
-  kExact = 8192
+  kTiled = 4,
+  kTransparent = 8,
+  kNodata = 16,
+  kTexture = 32,
+  kLuma = 64,
+  kRestoration = 128,
+  kRanges = 256,
+  kBandMasks = 512,
+  kExact = 1024,
+  kAllFlags = 2047
 };
 
 constexpr const char *kLayouts[] = {"multi", "gray", "gray+alpha", "rgb", "rgba"};
@@ -99,11 +95,11 @@ ContextSpec take_context(Fields &fields) {
 }
 
 // From the seed layout to the hash entries, into `header`; returns the flags.
-int64_t take_model(Fields &fields, int64_t all_flags, Header &header) {
+int64_t take_model(Fields &fields, Header &header) {
   ModelSpec &spec = header.spec;
   spec.layout = SeedLayoutKind(fields.take("the seed layout", 0, 1));
   spec.shape = ShapeKind(fields.take("the shape", 0, 1));
-  const int64_t flags = fields.take("the flags", 0, all_flags);
+  const int64_t flags = fields.take("the flags", 0, kAllFlags);
   spec.per_seed = int(fields.take("K", 1, 64));
   spec.features = int(fields.take("D", 1, kMaxFeatures));
   spec.hidden = int(fields.take("the decoders' width", 0, kMaxHidden));
@@ -111,16 +107,11 @@ int64_t take_model(Fields &fields, int64_t all_flags, Header &header) {
   header.quality = int(fields.take("the base step", 0, 255));
   header.family = int(fields.take("the table family", 0, 1));
   spec.context = take_context(fields);
-  spec.context.grouped = flags & kGrouped, spec.context.coarse_first = flags & kCoarseFirst;
-  spec.skip = flags & kSkip, spec.seed_scales = flags & kSeedScales, spec.predicted_seeds = flags & kPredicted;
+  spec.skip = flags & kSkip, spec.seed_scales = flags & kSeedScales;
   spec.texture = flags & kTexture, spec.luma_space = flags & kLuma;
   spec.restoration = flags & kRestoration;
   const bool too_few = spec.skip && spec.features < spec.per_seed * (spec.channels + 3);
-  if (spec.skip != spec.context.grouped || too_few || (spec.context.neighbours && !spec.skip))
-    corrupt("settings that contradict each other");
-  if (spec.context.coarse_first && !spec.context.neighbours) corrupt("an order of passes without neighbours");
-  if (spec.predicted_seeds && spec.layout != SeedLayoutKind::adaptive)
-    corrupt("predicted places of seeds that lie on a grid");
+  if (too_few || (spec.context.neighbours && !spec.skip)) corrupt("settings that contradict each other");
   return flags;
 }
 
@@ -182,18 +173,16 @@ void check_tiles(const Header &header) {
 Header decode_header(Bytes payload) {
   Fields fields(payload);
   const int64_t version = fields.take("the format version", 0, 1 << 20);
-  if (version < 1 || version > kNewest)
-    throw Error(Fault::unsupported, "header: format version " + std::to_string(version) + "; this program reads 1 to " +
-                                        std::to_string(kNewest));
+  if (version != kFormatVersion)
+    throw Error(Fault::unsupported, "header: format version " + std::to_string(version) +
+                                        "; this program reads version " + std::to_string(kFormatVersion) + " alone");
   Header header{};
   header.width = fields.take("the width", 1, kMaxSide), header.height = fields.take("the height", 1, kMaxSide);
   header.spec.channels = int(fields.take("the number of channels", 1, kMaxChannels));
   header.channels = ChannelLayout(fields.take("the channel layout", 0, int64_t(std::size(kLayouts)) - 1));
   header.sample_type = SampleType(fields.take("the sample type", 0, int64_t(std::size(kSamples)) - 1));
   header.profile = int(fields.take("the profile", 0, 1));
-  const int64_t flags = take_model(fields, kFlagsOf[version], header);
-  if (version > 2 && flags <= kFlagsOf[version - 1])
-    corrupt("format version " + std::to_string(version) + " without anything that needs it");
+  const int64_t flags = take_model(fields, header);
   check_layout(header);
   header.tile = flags & kTiled ? fields.take("the tile size", kMinTile, kMaxSide) : 0;
   header.apron = flags & kTiled ? fields.take("the apron", 0, std::min(header.tile / 4, kMaxApron)) : 0;

@@ -39,7 +39,7 @@ struct Header {
   Header of_tile(int64_t number) const;
 };
 
-// The payload of chunk H. Throws Error: unsupported for a newer version, limit for a field beyond its cap, corrupt for
+// The payload of chunk H. Throws Error: unsupported for another version, limit for a field beyond its cap, corrupt for
 // fields that contradict each other.
 Header decode_header(Bytes payload);
 

@@ -56,9 +56,9 @@ int64_t values_per_seed(const ModelSpec &spec) {
 
 void check_model(const ModelSpec &spec, int64_t width, int64_t height) {
   limit(width * height * spec.channels, kMaxSamples, pixels(width, height) + "samples");
-  const TreeShape tree{width, height, kTreeRoot, 0};
-  limit(tree.columns() * tree.rows(), kMaxRoots,
-        pixels(width, height) + "cells of " + std::to_string(1 << kTreeRoot) + " pixels");
+  constexpr int64_t kRoot = 1 << kRootLevel;
+  limit(divided_up(width, kRoot) * divided_up(height, kRoot), kMaxRoots,
+        pixels(width, height) + "cells of " + std::to_string(kRoot) + " pixels");
   if (spec.base_cell) {
     const int64_t rows = divided_up(height, spec.base_cell), columns = divided_up(width, spec.base_cell);
     limit(spec.channels * rows * columns, kMaxBaseValues, "base layer: values");

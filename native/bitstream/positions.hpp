@@ -1,6 +1,6 @@
-// The seeds of a tile: a quadtree under probabilities that the stream states (docs/format.md, "Seed positions"), or
-// under those that a shipped network predicts ("Predicted flags"). Both throw Error: limit before they take memory for
-// more than `most` seeds, corrupt for a tree that no encoder wrote.
+// The seeds of a tile: a quadtree under probabilities that a shipped network predicts (docs/format.md, "Seed
+// positions"), or pixels ("Pixels"). Both throw Error: limit before they take memory for more than `most` seeds,
+// corrupt for what no encoder wrote.
 #pragma once
 #include <memory>
 
@@ -11,9 +11,8 @@
 
 namespace sgi {
 
-Seeds read_positions(SymbolReader &reader, const TreeShape &shape, int64_t most);
+Seeds read_positions(SymbolReader &reader, int64_t width, int64_t height, int64_t most);
 
-// Trees of kRootLevel to kLeastLevel.
 Seeds read_predicted_positions(SymbolReader &reader, std::shared_ptr<const TreeScenery> scenery, int64_t most,
                                int threads, Isa isa);
 

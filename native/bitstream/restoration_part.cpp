@@ -1,7 +1,5 @@
 #include "bitstream/restoration_part.hpp"
 
-#include <array>
-#include <mutex>
 #include <string>
 #include <vector>
 
@@ -12,19 +10,21 @@
 namespace sgi {
 namespace {
 
-constexpr int kNetworkBits = 4, kStepBits = 9, kUnitBits = 3, kNetworks = 3, kChanged = 8;
+constexpr int kNetworkBits = 4, kStepBits = 9, kUnitBits = 3, kChanged = 8;
+
+// By number.
+template <int kNumber>
+const std::shared_ptr<const RestorationNetwork> &parsed() {
+  static const auto network =
+      std::make_shared<const RestorationNetwork>(parse_restoration(shipped_restoration(kNumber)));
+  return network;
+}
 
 const std::shared_ptr<const RestorationNetwork> &shipped(int number) {
-  if (number < 1 || number > kNetworks)
-    throw Error(Fault::unsupported, "restoration: network " + std::to_string(number) +
-                                        "; this program has networks 1 to " + std::to_string(kNetworks));
-  static std::array<std::once_flag, kNetworks> once;
-  static std::array<std::shared_ptr<const RestorationNetwork>, kNetworks> all;
-  const auto index = size_t(number - 1);
-  std::call_once(once[index], [&] {
-    all[index] = std::make_shared<const RestorationNetwork>(parse_restoration(shipped_restoration(number)));
-  });
-  return all[index];
+  if (number == 1) return parsed<1>();
+  if (number == 3) return parsed<3>();
+  throw Error(Fault::unsupported,
+              "restoration: network " + std::to_string(number) + "; this program has networks 1 and 3");
 }
 
 LayerChange read_change(SymbolReader &reader, const RestorationLayer &layer) {

@@ -1,4 +1,4 @@
-// A quadtree of seeds: its shape, and the seeds that were found in it.
+// A quadtree of seeds: its levels, and the seeds that were found in it.
 #pragma once
 #include <cstdint>
 #include <utility>
@@ -6,17 +6,8 @@
 
 namespace sgi {
 
-constexpr int kTreeRoot = 6;  // log2 of the side of a tile's roots, pixels
+constexpr int kRootLevel = 6, kLeastLevel = 1;  // log2 of the sides of nodes, pixels
 constexpr int64_t kMaxRoots = int64_t(1) << 20;
-
-// A picture of width x height pixels under nodes of 2^min_log to 2^root_log.
-struct TreeShape {
-  int64_t width, height;
-  int root_log, min_log;
-
-  int64_t columns() const { return (width + (int64_t(1) << root_log) - 1) >> root_log; }
-  int64_t rows() const { return (height + (int64_t(1) << root_log) - 1) >> root_log; }
-};
 
 // Corners [N, 2] of their nodes in pixels (x, y), and log2 of the nodes' sides.
 struct Seeds {

@@ -5,10 +5,11 @@
 
 namespace sgi {
 
-Bytes shipped_tables();                 // the zero-centred tables
-Bytes shipped_positions();              // the network that predicts seed positions
-Bytes shipped_prior(int number);        // a context model; without data where there is none of this number
-Bytes shipped_texture(int number);      // with what models of texture begin, inflated; without data as above
-Bytes shipped_restoration(int number);  // a network that restores pixels; without data as above
+Bytes shipped_tables();     // the zero-centred tables
+Bytes shipped_positions();  // the network that predicts seed positions
+Bytes shipped_prior();      // the context model
+Bytes shipped_texture();    // with what models of texture begin, inflated
+Bytes shipped_restoration(
+    int number);  // a network that restores pixels; without data where there is none of this number
 
 }  // namespace sgi

@@ -11,15 +11,7 @@
 namespace sgi {
 namespace {
 
-constexpr int kIsas = 3, kPriors = 3;
-
-const Networks &prior_networks(int number) {
-  static std::array<std::once_flag, kPriors> once;
-  static std::array<Networks, kPriors> all;
-  const auto index = size_t(number - 1);
-  std::call_once(once[index], [&] { all[index] = parse_networks(shipped_prior(number)); });
-  return all[index];
-}
+constexpr int kIsas = 3, kPrior = 3;
 
 }  // namespace
 
@@ -51,9 +43,9 @@ Networks parse_networks(Bytes file) {
 Networks load_prior(const ModelSpec &spec) {
   const int number = spec.context.prior;
   const std::string name = "prior " + std::to_string(number);
-  if (number < 1 || number > kPriors)
-    throw Error(Fault::unsupported, name + " is unknown; decode the file with a newer version");
-  const Networks &networks = prior_networks(number);
+  if (number != kPrior)
+    throw Error(Fault::unsupported, name + " is unknown; this program has prior " + std::to_string(kPrior));
+  static const Networks networks = parse_networks(shipped_prior());
   bool fits = networks.size() == coding_steps(spec).size();
   for (size_t step = 0; fits && step < networks.size(); ++step)
     fits = networks[step]->hidden == spec.context.hidden && networks[step]->inputs == input_count(spec, int(step));

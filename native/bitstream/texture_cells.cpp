@@ -70,7 +70,7 @@ class Collection {
         const float magnitude = state.magnitude(symbol) + excess_[std::min(std::abs(symbol), 3) - 1];
         to[index] = (symbol < 0 ? -magnitude : magnitude) * step * growth[index];
       }
-      if (field_.dependent) state = state.after(symbol);
+      state = state.after(symbol);
     }
   }
 

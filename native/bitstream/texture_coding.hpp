@@ -64,7 +64,7 @@ class TextureCoding {
       if (u + v > last || !sound_) break;
       if (u + v > diagonal) known_.advance(), ++diagonal;
       values[index] = int16_t(symbol(context.at(known_.near(u), u, v, state), values[index]));
-      if (field_.dependent) state = state.after(values[index]);
+      state = state.after(values[index]);
       if (!values[index]) continue;
       known_.set(u, std::abs(values[index]));
       highest = u + v;

@@ -46,9 +46,7 @@ constexpr int kSide = 1 << kTextureRoot, kMostSum = 1 << 14;
 }  // namespace
 
 // Those of symbols of the odd quantiser follow all others, in the order of those of the even one.
-BitModels fresh_texture_models(bool dependent) {
-  return {kModels + (dependent ? kExtentModels : 0), kSets + (dependent ? kExtentWeights : 0)};
-}
+BitModels fresh_texture_models() { return {kModels + kExtentModels, kSets + kExtentWeights}; }
 
 BitContext cell_context(const TextureField &field, const TextureCell &cell, CellBit bit) {
   const int64_t middle = cell.side() / 2;

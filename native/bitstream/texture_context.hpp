@@ -14,8 +14,8 @@ constexpr int kMagnitudeBits = 8;  // a magnitude is coded as up to eight bits "
 constexpr int kRestDigits = 13;    // of the rest + 1, behind the first
 static_assert(kTextureMost == kMagnitudeBits + (2 << kRestDigits) - 2);
 
-// Models and weights of all bits of texture, none of them seen yet. dependent: with those of the odd quantiser.
-BitModels fresh_texture_models(bool dependent);
+// Models and weights of all bits of texture, none of them seen yet.
+BitModels fresh_texture_models();
 
 // The bit "has texture", and "is split", of a quadtree node.
 enum class CellBit { kTextured, kSplit };

@@ -5,11 +5,10 @@
 
 namespace sgi {
 
-TextureField::TextureField(int64_t roots_across, int64_t roots_down, int channels_, bool dependent_)
+TextureField::TextureField(int64_t roots_across, int64_t roots_down, int channels_)
     : width(roots_across << kTextureRoot), height(roots_down << kTextureRoot), channels(channels_),
-      dependent(dependent_), log_size(size_t((width / kUnit) * (height / kUnit))),
-      contrast(size_t(roots_across * roots_down)), symbols(size_t(channels * width * height)),
-      extent(size_t(channels) * log_size.size()) {}
+      log_size(size_t((width / kUnit) * (height / kUnit))), contrast(size_t(roots_across * roots_down)),
+      symbols(size_t(channels * width * height)), extent(size_t(channels) * log_size.size()) {}
 
 void TextureField::mark(const TextureCell &cell, int log) {
   const int64_t across = cell.side() / kUnit;

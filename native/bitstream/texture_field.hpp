@@ -23,11 +23,10 @@ struct TextureCell {
 };
 
 struct TextureField {
-  TextureField(int64_t roots_across, int64_t roots_down, int channels, bool dependent);
+  TextureField(int64_t roots_across, int64_t roots_down, int channels);
 
   int64_t width, height;  // pixels, of all roots
   int channels;
-  bool dependent;                 // whether the quantiser of a symbol depends on those before it in its block
   std::vector<uint8_t> log_size;  // [height, width] / unit: of the cell with texture that lies there, else 0
   std::vector<int8_t> contrast;   // [height, width] / 32: the index that scales a root's steps
   std::vector<int16_t> symbols;   // [C, height, width]

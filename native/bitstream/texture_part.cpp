@@ -17,12 +17,12 @@ namespace {
 constexpr int kModelsBits = 4, kStepBits = 9, kRatioBits = 5, kSlopeBits = 5, kExcessBits = 4, kShareBits = 6,
               kTurnBits = 4;
 constexpr int kStepOfOne = 480, kSameStep = 16, kNoExcess = 8;
-// Numbers of the models; what is coded in colours of its own has those of dependent symbols, too.
-constexpr int kIndependent = 1, kDependent = 2, kColoured = 3;
+// What a layer says about its colours.
+constexpr int kOpponent = 2, kColoured = 3;
 
-BitModels models_of(bool dependent) {
-  BitModels models = fresh_texture_models(dependent);
-  const Bytes state = shipped_texture(dependent ? kDependent : kIndependent);
+BitModels shipped_models() {
+  BitModels models = fresh_texture_models();
+  const Bytes state = shipped_texture();
   if (!models.set_state(state.data, int64_t(state.size))) throw std::logic_error("texture models of another size");
   return models;
 }
@@ -64,9 +64,9 @@ TextureCells CodedTexture::cells(int threads) const {
   return texture_cells(field, indices.steps(), indices.added().data(), indices.colours, threads);
 }
 
-const BitModels &shipped_texture_models(bool dependent) {
-  static const BitModels models[2] = {models_of(false), models_of(true)};
-  return models[dependent];
+const BitModels &shipped_texture_models() {
+  static const BitModels models = shipped_models();
+  return models;
 }
 
 std::optional<CodedTexture> read_texture_part(SymbolReader &reader, int64_t width, int64_t height, int channels,
@@ -74,16 +74,15 @@ std::optional<CodedTexture> read_texture_part(SymbolReader &reader, int64_t widt
   if (!reader.number(1)) return std::nullopt;
   check_texture(channels, width, height, memory);
   const int models = reader.number(kModelsBits);
-  if (models < kIndependent || models > kColoured)
-    throw Error(Fault::unsupported, "texture: models " + std::to_string(models) + "; this program has models 1 to 3");
-  const bool dependent = models != kIndependent;
+  if (models != kOpponent && models != kColoured)
+    throw Error(Fault::unsupported, "texture: models " + std::to_string(models) + "; this program has models 2 and 3");
   TextureIndices indices = read_indices(reader, channels);
   if (models == kColoured) {
     if (channels < 3) throw Error(Fault::corrupt, "texture: colours of " + std::to_string(channels) + " channels");
     indices.colours = read_colours(reader);
   }
-  TextureRead read = read_texture(shipped_texture_models(dependent), reader.decoder(),
-                                  empty_field(width, height, channels, dependent), width, height, indices.has_contrast);
+  TextureRead read = read_texture(shipped_texture_models(), reader.decoder(), empty_field(width, height, channels),
+                                  width, height, indices.has_contrast);
   if (!read.sound) throw Error(Fault::corrupt, "texture: the payload does not decode; it is damaged");
   reader.record(read.symbols.data(), int64_t(read.symbols.size()));
   reader.book(Part::texture, read.content);

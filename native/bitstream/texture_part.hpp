@@ -33,7 +33,7 @@ struct CodedTexture {
 };
 
 // The state of the adaptive models with which a layer begins.
-const BitModels &shipped_texture_models(bool dependent);
+const BitModels &shipped_texture_models();
 
 // A tile's layer, none where it has none. Throws Error: limit for a tile that is too large or takes more memory,
 // unsupported for models of another number, corrupt.

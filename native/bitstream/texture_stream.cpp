@@ -81,14 +81,14 @@ class LayerCoding {
 
 }  // namespace
 
-TextureField empty_field(int64_t width, int64_t height, int channels, bool dependent) {
-  return {texture_roots(width), texture_roots(height), channels, dependent};
+TextureField empty_field(int64_t width, int64_t height, int channels) {
+  return {texture_roots(width), texture_roots(height), channels};
 }
 
 TextureBits write_texture(BitModels &models, const TextureField &field, int64_t width, int64_t height,
                           bool has_contrast) {
   TextureBits written;
-  TextureField coded = empty_field(width, height, field.channels, field.dependent);
+  TextureField coded = empty_field(width, height, field.channels);
   LayerCoding<BitRecorder> layer(models, coded, written.bits, &field, width, height, has_contrast);
   each_root(width, height, [&](const TextureCell &cell) {
     if (layer.sound()) layer.root(cell);

@@ -16,7 +16,7 @@ TextureBits write_texture(BitModels &models, const TextureField &field, int64_t 
                           bool has_contrast);
 
 // The layer of a tile before anything is read or found.
-TextureField empty_field(int64_t width, int64_t height, int channels, bool dependent);
+TextureField empty_field(int64_t width, int64_t height, int channels);
 
 // What was read into an empty layer, and its information content; not sound where the payload does not decode or spells
 // with more than it takes.

@@ -83,14 +83,13 @@ class TileReader {
   void read_seeds() {
     Seeds seeds;
     const int64_t most = max_seeds(spec_, header_.width, header_.height, payload_bytes_, memory_);
-    if (spec_.predicted_seeds) {
+    if (spec_.layout == SeedLayoutKind::adaptive) {
       const auto scenery =
           std::make_shared<const TreeScenery>(header_.width, header_.height, model_.base.data(), spec_.channels, rows_,
                                               columns_, spec_.base_cell, header_.quality);
       seeds = read_predicted_positions(reader_, scenery, most, threads_, isa_);
     } else {
-      const int least = spec_.layout == SeedLayoutKind::uniform ? 0 : 1;
-      seeds = read_positions(reader_, {header_.width, header_.height, kTreeRoot, least}, most);
+      seeds = read_positions(reader_, header_.width, header_.height, most);
     }
     memory_ = left_by_seeds(spec_, int64_t(seeds.log_size.size()), memory_);
     model_.corner = std::move(seeds.corner), model_.log_size = std::move(seeds.log_size);

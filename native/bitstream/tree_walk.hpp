@@ -13,8 +13,6 @@
 
 namespace sgi {
 
-constexpr int kRootLevel = 6, kLeastLevel = 1;
-
 // A picture of width x height pixels and what a prediction sees of it besides the tree.
 class TreeScenery {
  public:

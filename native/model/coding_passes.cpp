@@ -13,8 +13,7 @@ std::vector<std::vector<int64_t>> coding_passes(const ContextSpec &context, cons
     int pass = 0;
     if (context.neighbours) {
       const int x = corner[2 * i] >> log_size[i] & 1, y = corner[2 * i + 1] >> log_size[i] & 1;
-      pass = kOrder[x + 2 * y];
-      if (context.coarse_first) pass += 4 * (kCoarsest - std::clamp<int>(log_size[i], 1, kCoarsest));
+      pass = kOrder[x + 2 * y] + 4 * (kCoarsest - std::clamp<int>(log_size[i], 1, kCoarsest));
     }
     passes[size_t(pass)].push_back(int64_t(i));
   }

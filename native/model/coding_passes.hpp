@@ -7,8 +7,8 @@
 
 namespace sgi {
 
-// Indices of the seeds of each pass, ascending: all at once without neighbours, else by the parities of their cells,
-// with `coarse_first` once for each cell size. corner [N, 2], log_size [N].
+// Indices of the seeds of each pass, ascending: all at once without neighbours, else by the parities of the cells of
+// each size, from large ones to small ones. corner [N, 2], log_size [N].
 std::vector<std::vector<int64_t>> coding_passes(const ContextSpec &context, const std::vector<int32_t> &corner,
                                                 const std::vector<int8_t> &log_size);
 

@@ -16,13 +16,11 @@ struct SeedGroup {
 
 // What MLP_p may see, and where its weights come from.
 struct ContextSpec {
-  int prior = 0;         // number of a shipped network; 0: the weights travel in the stream
-  bool grouped = false;  // whether each group of attributes is a step of its own
+  int prior = 0;  // number of a shipped network; 0: the weights travel in the stream
   int hidden = 1;
   int neighbours = 0;  // seeds of earlier passes that a seed sees; 0: all seeds are one pass
   std::vector<int> hash_resolutions;
   int hash_features = 4, hash_log2_entries = 13;
-  bool coarse_first = false;
 };
 
 // The architecture, field by field as in docs/format.md, "Header fields".
@@ -36,7 +34,7 @@ struct ModelSpec {
   bool skip = true, seed_scales = false;
   int base_cell = 0;  // pixels; 0: no base layer
   ContextSpec context;
-  bool predicted_seeds = false, texture = false, luma_space = false, restoration = false;
+  bool texture = false, luma_space = false, restoration = false;
 
   // In coding order; their sizes sum to `attributes`.
   std::vector<SeedGroup> groups() const;

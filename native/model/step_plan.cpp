@@ -15,7 +15,7 @@ constexpr int kPaperOffset = kStepZero - 14;
 std::vector<std::vector<SeedGroup>> coding_steps(const ModelSpec &spec) {
   std::vector<std::vector<SeedGroup>> steps;
   for (const SeedGroup &group : spec.groups()) {
-    if (steps.empty() || spec.context.grouped) steps.emplace_back();
+    if (steps.empty() || spec.skip) steps.emplace_back();
     steps.back().push_back(group);
   }
   return steps;

@@ -23,12 +23,11 @@ constexpr int64_t kStale = 8;  // roots in which the lower one of two rows of ro
 class TextureSearch {
  public:
   TextureSearch(BitModels &models, const TextureSought &sought)
-      : found_{
-            empty_field(sought.amplitudes.tile_width, sought.amplitudes.tile_height, sought.amplitudes.channels, true),
-            0,
-            {},
-            {},
-            {}},
+      : found_{empty_field(sought.amplitudes.tile_width, sought.amplitudes.tile_height, sought.amplitudes.channels),
+               0,
+               {},
+               {},
+               {}},
         models_(models), coding_(models, found_.field, counter_), sought_(sought) {}
 
   TextureFound run() {

@@ -28,9 +28,8 @@ __all__ = [
     "encode_header",
 ]
 
-FORMAT_VERSION = 6
-_FLAGS_OF = {1: 15, 2: 255, 3: 511, 4: 1023, 5: 2047, 6: 16383}
-"""The versions that can be read, and the flags that each may set; a header states the least that has its flags."""
+FORMAT_VERSION = 7
+"""The only one that is written and read: until 1.0 the format may change, and then gets another number."""
 
 Masked = Literal["transparent", "nodata"]
 
@@ -49,9 +48,11 @@ MAX_CHANNELS = 64
 MAX_TILES = 1 << 20
 MIN_TILE, MAX_APRON = 32, 256
 
-_SKIP, _SEED_SCALES, _GROUPED, _COARSE_FIRST, _TILED, _PREDICTED, _TEXTURE, _LUMA = 1, 2, 4, 8, 16, 128, 256, 512
-_RESTORATION, _RANGES, _BAND_MASKS, _EXACT = 1024, 2048, 4096, 8192
-_MASKED: dict[Masked | None, int] = {None: 0, "transparent": 32, "nodata": 64}
+_SKIP, _SEED_SCALES, _TILED, _TEXTURE, _LUMA, _RESTORATION, _RANGES, _BAND_MASKS, _EXACT = (
+    *(1, 2, 4, 32, 64, 128),
+    *(256, 512, 1024),
+)
+_MASKED: dict[Masked | None, int] = {None: 0, "transparent": 8, "nodata": 16}
 
 
 @dataclass(frozen=True)
@@ -109,14 +110,13 @@ class Header:
 def encode_header(header: Header) -> bytes:
     """The payload of chunk H."""
     spec, context = header.spec, header.spec.context
-    flags = _SKIP * spec.skip + _SEED_SCALES * spec.seed_scales + _GROUPED * (len(context.steps) > 1)
-    flags += _COARSE_FIRST * context.coarse_first + _TILED * bool(header.tile) + _MASKED[header.masked]
-    flags += _PREDICTED * spec.predicted_seeds + _TEXTURE * spec.texture + _LUMA * spec.luma_space
+    flags = _SKIP * spec.skip + _SEED_SCALES * spec.seed_scales + _TILED * bool(header.tile) + _MASKED[header.masked]
+    flags += _TEXTURE * spec.texture + _LUMA * spec.luma_space
     flags += _RESTORATION * spec.restoration + _BAND_MASKS * header.has_band_masks + _EXACT * header.has_exact
     ranges = _stated_ranges(header)
     flags += _RANGES * (bool(ranges) and (header.sample_type != "float32" or len(ranges) > 1))
     fields = [
-        next(version for version in range(2, FORMAT_VERSION + 1) if flags <= _FLAGS_OF[version]),
+        FORMAT_VERSION,
         header.width,
         header.height,
         spec.channels,
@@ -161,7 +161,7 @@ def _stated_ranges(header: Header) -> list[tuple[float, float]]:
 
 
 def decode_header(payload: bytes) -> Header:
-    """Reads chunk H. Raises UnsupportedStreamError for a newer version, LimitError for a field beyond its cap and
+    """Reads chunk H. Raises UnsupportedStreamError for another version, LimitError for a field beyond its cap and
     CorruptStreamError for fields that contradict each other.
     """
     fields = _native.decode_header(payload)
@@ -184,10 +184,9 @@ def decode_header(payload: bytes) -> Header:
 def _spec(fields: dict[str, Any]) -> ModelSpec:
     """From the fields as native code gives them: enumerations as numbers."""
     context = fields.pop("context")
-    grouped = context.pop("grouped")
     context["hash_resolutions"] = tuple(context["hash_resolutions"])
     fields |= {"layout": _LAYOUTS[fields["layout"]], "shape": _SHAPES[fields["shape"]]}
     spec = ModelSpec(**fields, context=ContextSpec(steps=(), **context))
     names = tuple(group.name for group in spec.groups)
-    steps = tuple((name,) for name in names) if grouped else (names,)
+    steps = tuple((name,) for name in names) if spec.skip else (names,)
     return replace(spec, context=replace(spec.context, steps=steps))

@@ -53,7 +53,6 @@ __all__ = ["decode"]
 @click.option("--region", type=REGION, metavar="X,Y,W,H", help="Only these pixels, cut where the picture ends.")
 @click.option("--scale", type=SCALE, metavar="F", help="Enlarge or shrink by this factor, such as 2 or 1/4.")
 @click.option("--size", type=SIZE, metavar="WxH", help="Scale to fit into this size; 512x, x512; 512x512! is exact.")
-@click.option("--exact-size", is_flag=True, help="Scale to exactly --size, whatever the aspect.")
 @click.option("--boundless", is_flag=True, help="Pad a --region that reaches over the picture; nodata, else 0.")
 @click.option("--depth", type=click.Choice(["8", "16", "32"]), help="Bits per sample.  [default: the source's]")
 @click.option("--format", "format_", metavar="NAME", help="Picture format.  [default: by OUT's extension]")
@@ -91,7 +90,6 @@ def decode(
     region: Region | None,
     scale: float | None,
     size: Sized | None,
-    exact_size: bool,
     boundless: bool,
     depth: str | None,
     format_: str | None,
@@ -121,7 +119,7 @@ def decode(
 
     With --output-dir or -r many IN are decoded one after the other; one that fails does not stop the others.
     """
-    view = ViewOptions(region, scale, size, exact_size, boundless, quiet)
+    view = ViewOptions(region, scale, size, boundless, quiet)
     bits = None if depth is None else int(depth)
     if pyramid and cog:
         raise UsageError("--pyramid and --cog exclude each other")

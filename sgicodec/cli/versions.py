@@ -24,7 +24,7 @@ def version_lines() -> list[str]:
         ", ".join(f"{name} {_version(name) or 'is missing'}" for name in _LIBRARIES),
         f"extras: {', '.join(extras) or 'none'}",
         f"instruction set {instruction_set('auto')}, {resolve_threads(0)} threads",
-        f"reads format versions 1 to {FORMAT_VERSION}",
+        f"reads format version {FORMAT_VERSION}",
     ]
 
 

@@ -23,7 +23,6 @@ class ViewOptions:
     region: Region | None
     scale: float | None
     size: Sized | None
-    exact_size: bool
     boundless: bool
     quiet: bool
 
@@ -32,8 +31,6 @@ class ViewOptions:
             raise UsageError("--scale and --size exclude each other")
         if self.boundless and self.region is None:
             raise UsageError("--boundless goes with --region")
-        if self.exact_size and (self.size is None or None in self.size):
-            raise UsageError("--exact-size goes with a --size of both sides")
 
     def of(self, stream: Stream) -> dict[str, Any]:
         """The arguments of `Stream.picture`. Raises UsageError for a region that lies outside the picture."""
@@ -41,7 +38,7 @@ class ViewOptions:
         if region is not None and not self.boundless:
             region = self._clipped(region, stream.width, stream.height)
         _, _, width, height = region or (0, 0, stream.width, stream.height)
-        size = None if self.size is None else fitted(self.size, width, height, self.exact_size)
+        size = None if self.size is None else fitted(self.size, width, height)
         return {"region": region, "scale": self.scale, "size": size, "boundless": self.boundless}
 
     def _clipped(self, region: Region, width: int, height: int) -> Region:
@@ -58,9 +55,9 @@ class ViewOptions:
         return found
 
 
-def fitted(size: Sized, width: int, height: int, exact: bool = False) -> tuple[int, int]:
+def fitted(size: Sized, width: int, height: int) -> tuple[int, int]:
     """The largest size of the aspect of `width` × `height` that fits into `size`; `size` itself if it is exact."""
-    if size.width is not None and size.height is not None and (exact or size.exact):
+    if size.width is not None and size.height is not None and size.exact:
         return size.width, size.height
     scale = min(side / old for side, old in ((size.width, width), (size.height, height)) if side is not None)
     return max(1, round(width * scale)), max(1, round(height * scale))

@@ -19,9 +19,9 @@ F32 = NDArray[np.float32]
 
 _OFFSETS, _APART = (-40, -24, -8, 8), 16
 """Steps that are tried, from texture's own, in 32nds of an octave."""
-_STRONGER = {1: 0, 2: 8, 3: 4}
+_STRONGER = {1: 0, 3: 4}
 """By network, how far above the step of least squared error it does best."""
-_LARGER = {1: 1.0, 2: 1.02, 3: 1.02}
+_LARGER = {1: 1.0, 3: 1.02}
 """By network, what squared error may grow by: the one for the eye gains by what squared error does not tell."""
 _BITS = 21
 """That a stream takes for it: the part, and a byte of the header."""

@@ -54,14 +54,12 @@ Nearest = Callable[[I32, I64, I64, int], I32]
 
 
 def passes(spec: ContextSpec, layout: SeedLayout) -> list[I64]:
-    """Indices of the seeds that each pass codes: all at once without neighbours, else the four parities of the cells,
-    with `coarse_first` once for each cell size from 2^COARSEST pixels (and above) down to 2 (and below).
+    """Indices of the seeds that each pass codes: all at once without neighbours, else the four parities of the cells
+    of each size, from 2^COARSEST pixels (and above) down to 2 (and below), so that the first draw a coarse picture.
     """
     if not spec.neighbours:
         return [np.arange(len(layout))]
-    number = layout.parity
-    if spec.coarse_first:
-        number = number + 4 * (COARSEST - np.clip(layout.log_size.astype(np.int64), 1, COARSEST))
+    number = layout.parity + 4 * (COARSEST - np.clip(layout.log_size.astype(np.int64), 1, COARSEST))
     order, bounds = np.argsort(number.astype(np.int16), kind="stable"), np.cumsum(np.bincount(number))
     return [members for members in np.split(order, bounds) if len(members)]
 

@@ -34,7 +34,7 @@ class ContextSpec:
     `steps` lists the groups that each evaluation of MLP_p predicts; later steps see what earlier ones decoded.
     `neighbours` is how many seeds of earlier passes a seed sees (0 codes all seeds in one pass). The hash grid has one
     entry of `hash_features` signs per vertex of every resolution in `hash_resolutions`, at most 2^`hash_log2_entries`.
-    With `coarse_first` the passes go from large cells to small ones, so that the first of them draw a coarse picture.
+    Nothing reads `coarse_first`: passes go from large cells to small ones.
     """
 
     prior: int
@@ -44,7 +44,7 @@ class ContextSpec:
     hash_resolutions: tuple[int, ...] = ()
     hash_features: int = 4
     hash_log2_entries: int = 13
-    coarse_first: bool = False
+    coarse_first: bool = field(default=False, compare=False)
 
 
 @dataclass(frozen=True)
@@ -54,9 +54,9 @@ class ModelSpec:
     `features` is D, `per_seed` is K. With `skip` the decoders start as an identity, so that the first K·C features
     are colours in an opponent space and the next 3K are shapes. `hidden` is the width of MLP_c and MLP_Σ; 0 leaves
     only the skip. `seed_scales` says whether s_o and s_a are carried. `base_cell` is the side in pixels of the base
-    layer's cells, 0 for none. With `predicted_seeds` a shipped network predicts where seeds are. `texture` says whether
-    tiles may hold a texture layer, `luma_space` whether samples are those of luma space, `restoration` whether tiles
-    may name a network that restores what is drawn.
+    layer's cells, 0 for none. `texture` says whether tiles may hold a texture layer, `luma_space` whether samples are
+    those of luma space, `restoration` whether tiles may name a network that restores what is drawn. Nothing reads
+    `predicted_seeds`: those of the adaptive layout are.
     """
 
     channels: int
@@ -69,7 +69,7 @@ class ModelSpec:
     seed_scales: bool
     base_cell: int
     context: ContextSpec = field(repr=False)
-    predicted_seeds: bool = False
+    predicted_seeds: bool = field(default=False, compare=False)
     texture: bool = False
     luma_space: bool = False
     restoration: bool = False

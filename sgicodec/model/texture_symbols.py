@@ -40,10 +40,9 @@ class TextureSteps:
     step: of the first channel's lowest frequency, 2^((step − 480) / 32); ratios: [C − 1] of the other channels' steps
     to that, 2^((ratio − 16) / 8). slopes: by which steps grow towards the highest frequency, in halves, of the first
     channel and of the others. excess: what is added to the magnitude of symbols ±1, ±2 and larger ones, (index − 8) /
-    32. has_contrast: whether roots have a contrast, which scales their steps by 2^(contrast / 4). dependent: whether a
-    symbol is of one of two quantisers, as the symbols before it in its block say. colours: in which the layer is coded:
-    shares of its first channel in the two opponent colours, (index − 32) / 64, and the turn of its others, (index − 8)
-    π / 32.
+    32. has_contrast: whether roots have a contrast, which scales their steps by 2^(contrast / 4). colours: in which the
+    layer is coded: shares of its first channel in the two opponent colours, (index − 32) / 64, and the turn of its
+    others, (index − 8) π / 32.
     """
 
     step: int
@@ -51,7 +50,6 @@ class TextureSteps:
     slopes: tuple[int, int] = (0, 0)
     excess: tuple[int, int, int] = (8, 8, 8)
     has_contrast: bool = False
-    dependent: bool = True
     colours: tuple[int, int, int] = SAME_COLOURS
 
     @property
@@ -144,7 +142,6 @@ class TextureSymbols:
             steps.of_channels,
             steps.growth,
             steps.added,
-            steps.dependent,
             steps.colours,
         )
         return TextureLayer(self.size, len(self.symbols), *parts)

@@ -65,8 +65,7 @@ def _model(header: Header, rng: np.random.Generator) -> TileModel:
 
 
 def _layout(header: Header, rng: np.random.Generator) -> SeedLayout:
-    least = 0 if header.spec.layout == "uniform" else 1
-    log_size = rng.integers(least, 7, 40)
+    log_size = np.zeros(40, int) if header.spec.layout == "uniform" else rng.integers(1, 7, 40)
     corner = rng.integers(0, (header.width, header.height), (40, 2)) >> log_size[:, None] << log_size[:, None]
     nodes = np.unique(np.concatenate([corner, log_size[:, None]], axis=1), axis=0)
     layout = SeedLayout(nodes[:, :2].astype(np.int32), nodes[:, 2].astype(np.int8))

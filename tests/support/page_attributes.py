@@ -85,9 +85,8 @@ class PageAttributes:
             return [everyone]
         order = [(0, 0), (1, 1), (1, 0), (0, 1)]
         parity = [order.index((s.x >> s.k & 1, s.y >> s.k & 1)) for s in self.seeds]
-        sizes = [5, 4, 3, 2, 1] if self.spec.context.coarse_first else [0]
-        size = [clip(s.k, 1, 5) if self.spec.context.coarse_first else 0 for s in self.seeds]
-        found = [[i for i in everyone if (size[i], parity[i]) == (at, p)] for at in sizes for p in range(4)]
+        size = [clip(s.k, 1, 5) for s in self.seeds]
+        found = [[i for i in everyone if (size[i], parity[i]) == (at, p)] for at in (5, 4, 3, 2, 1) for p in range(4)]
         return [members for members in found if members]
 
     def read_group(

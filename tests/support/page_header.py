@@ -28,10 +28,10 @@ __all__ = ["decode_header"]
 
 MAX_FEATURES, MAX_HIDDEN, MAX_HASH_LEVELS, MAX_HASH_RESOLUTION = 1 << 13, 1 << 12, 32, 1 << 14
 _LAYOUTS, _SHAPES, _PROFILES = ("adaptive", "uniform"), ("log", "rotation"), ("default", "paper")
-_FLAGS_OF = {1: 15, 2: 255, 3: 511, 4: 1023, 5: 2047, 6: 16383}
-_SKIP, _SEED_SCALES, _GROUPED, _COARSE_FIRST, _TILED, _PREDICTED, _TEXTURE, _LUMA = 1, 2, 4, 8, 16, 128, 256, 512
-_RESTORATION, _RANGES, _BAND_MASKS, _EXACT = 1024, 2048, 4096, 8192
-_MASKED: dict[Masked | None, int] = {None: 0, "transparent": 32, "nodata": 64}
+_SKIP, _SEED_SCALES, _TILED, _TEXTURE, _LUMA = 1, 2, 4, 32, 64
+_RESTORATION, _RANGES, _BAND_MASKS, _EXACT = 128, 256, 512, 1024
+_ALL_FLAGS = 2047
+_MASKED: dict[Masked | None, int] = {None: 0, "transparent": 8, "nodata": 16}
 
 
 class _Fields:
@@ -57,21 +57,21 @@ class _Fields:
 
 
 def decode_header(payload: bytes) -> Header:
-    """Reads chunk H. Raises UnsupportedStreamError for a newer version, LimitError for a field beyond its cap and
+    """Reads chunk H. Raises UnsupportedStreamError for another version, LimitError for a field beyond its cap and
     CorruptStreamError for fields that contradict each other.
     """
     fields = _Fields(payload)
     version = fields.take("the format version", 0, 1 << 20)
-    if version not in _FLAGS_OF:
-        raise UnsupportedStreamError(f"header: format version {version}; this program reads 1 to {FORMAT_VERSION}")
+    if version != FORMAT_VERSION:
+        raise UnsupportedStreamError(
+            f"header: format version {version}; this program reads version {FORMAT_VERSION} alone"
+        )
     width, height = fields.take("the width", 1, MAX_SIDE), fields.take("the height", 1, MAX_SIDE)
     channels = fields.take("the number of channels", 1, MAX_CHANNELS)
     layout_name = LAYOUT_NAMES[fields.take("the channel layout", 0, len(LAYOUT_NAMES) - 1)]
     sample_type = SAMPLE_TYPES[fields.take("the sample type", 0, len(SAMPLE_TYPES) - 1)]
     profile = _PROFILES[fields.take("the profile", 0, len(_PROFILES) - 1)]
-    flags, spec, quality, family = _model(fields, channels, _FLAGS_OF[version])
-    if version > 2 and flags <= _FLAGS_OF[version - 1]:
-        raise CorruptStreamError(f"header: format version {version} without anything that needs it")
+    flags, spec, quality, family = _model(fields, channels)
     if spec.luma_space and layout_name not in COLOURED_LAYOUTS:
         raise CorruptStreamError(f"header: {layout_name} has no luma space")
     expected = {"multi": channels, "gray": 1, "gray+alpha": 2, "rgb": 3, "rgba": 4}[layout_name]
@@ -98,10 +98,10 @@ def decode_header(payload: bytes) -> Header:
     return header
 
 
-def _model(fields: _Fields, channels: int, all_flags: int) -> tuple[int, ModelSpec, int, int]:
+def _model(fields: _Fields, channels: int) -> tuple[int, ModelSpec, int, int]:
     """From the seed layout to the hash entries: flags, spec, index of the base colour step, family of tables."""
     layout, shape = _LAYOUTS[fields.take("the seed layout", 0, 1)], _SHAPES[fields.take("the shape", 0, 1)]
-    flags = fields.take("the flags", 0, all_flags)
+    flags = fields.take("the flags", 0, _ALL_FLAGS)
     per_seed = fields.take("K", 1, 64)
     features = fields.take("D", 1, MAX_FEATURES)
     hidden = fields.take("the decoders' width", 0, MAX_HIDDEN)
@@ -114,22 +114,16 @@ def _model(fields: _Fields, channels: int, all_flags: int) -> tuple[int, ModelSp
     resolutions = tuple(fields.take("a hash resolution", 1, MAX_HASH_RESOLUTION) for _ in range(levels))
     hash_features = fields.take("the hash features", 1, 64) if levels else ContextSpec.hash_features
     hash_entries = fields.take("the hash entries", 1, 20) if levels else ContextSpec.hash_log2_entries
-    grouped, skip, seed_scales = bool(flags & _GROUPED), bool(flags & _SKIP), bool(flags & _SEED_SCALES)
-    if skip != grouped or (skip and features < per_seed * (channels + 3)) or (neighbours and not skip):
+    skip, seed_scales = bool(flags & _SKIP), bool(flags & _SEED_SCALES)
+    if (skip and features < per_seed * (channels + 3)) or (neighbours and not skip):
         raise CorruptStreamError("header: settings that contradict each other")
-    coarse_first = bool(flags & _COARSE_FIRST)
-    if coarse_first and not neighbours:
-        raise CorruptStreamError("header: an order of passes without neighbours")
-    predicted = bool(flags & _PREDICTED)
-    if predicted and layout != "adaptive":
-        raise CorruptStreamError("header: predicted places of seeds that lie on a grid")
-    context = ContextSpec(prior, (), context_hidden, neighbours, resolutions, hash_features, hash_entries, coarse_first)
+    context = ContextSpec(prior, (), context_hidden, neighbours, resolutions, hash_features, hash_entries)
     spec = ModelSpec(channels, layout, shape, per_seed, features, hidden, skip, seed_scales, base_cell, context)  # type: ignore[arg-type]
     names = tuple(group.name for group in spec.groups)
-    steps = tuple((name,) for name in names) if grouped else (names,)
+    steps = tuple((name,) for name in names) if skip else (names,)
     context = replace(context, steps=steps)
     textured, luma_space = bool(flags & _TEXTURE), bool(flags & _LUMA)
-    spec = replace(spec, context=context, predicted_seeds=predicted, texture=textured, luma_space=luma_space)
+    spec = replace(spec, context=context, texture=textured, luma_space=luma_space)
     spec = replace(spec, restoration=bool(flags & _RESTORATION))
     return flags, spec, quality, family
 

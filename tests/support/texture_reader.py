@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 __all__ = ["Bits", "Cell", "TextureReader"]
 
-MODELS, SETS = {1: 54668, 2: 54668 + 44544}, {1: 488, 2: 488 + 456}
+MODELS, SETS = 54668 + 44544, 488 + 456
 AFTER = [(0, 1), (3, 2), (5, 4), (6, 7), (1, 0), (2, 3), (4, 5), (7, 6)]
 """The state after an even and an odd symbol."""
 LOGIT = [round(256 * math.log((2 * i + 1) / (8191 - 2 * i))) for i in range(4096)]
@@ -114,16 +114,15 @@ class TextureReader:
 
     def begin(self) -> None:
         """Section "Start"."""
-        number = min(self.number, 2)
-        state = zlib.decompress(files("sgicodec.bitstream.parts").joinpath(f"texture{number}.bin").read_bytes())
-        models, sets = MODELS[number], SETS[number]
-        assert len(state) == 3 * models + 16 * sets
+        state = zlib.decompress(files("sgicodec.bitstream.parts").joinpath("texture2.bin").read_bytes())
+        models = MODELS
+        assert len(state) == 3 * models + 16 * SETS
         self.probability = [
             low | high << 8 for low, high in zip(state[:models], state[models : 2 * models], strict=True)
         ]
         self.seen = list(state[2 * models : 3 * models])
         weights = [int.from_bytes(state[i : i + 4], "little", signed=True) for i in range(3 * models, len(state), 4)]
-        self.weights = [weights[4 * i : 4 * i + 4] for i in range(sets)]
+        self.weights = [weights[4 * i : 4 * i + 4] for i in range(SETS)]
 
     def mixed(self, models: list[int], sets: tuple[int, int], further: int = 0) -> int:
         """A bit; `further` is added to all numbers."""
@@ -224,8 +223,7 @@ class TextureReader:
             for u in range(max(0, diagonal - side + 1), min(diagonal, side - 1) + 1):
                 v = diagonal - u
                 q[v][u] = self.symbol(self.context(cell, channel, extent, v, u), state % 2)
-                if self.number >= 2:
-                    state = AFTER[state][q[v][u] % 2]
+                state = AFTER[state][q[v][u] % 2]
         if extent:
             assert any(q[extent - 1 - u][u] for u in range(side) if 0 <= extent - 1 - u < side)
 

@@ -77,9 +77,8 @@ def random_symbols(channels: int, width: int, height: int, seed: int = 0, most: 
         (int(rng.integers(32)), int(rng.integers(32))),
         (int(rng.integers(16)), int(rng.integers(16)), int(rng.integers(16))),
         has_contrast,
-        bool(rng.random() < 0.5),
     )
-    if steps.dependent and channels >= 3 and rng.random() < 0.7:
+    if channels >= 3 and rng.random() < 0.7:
         one, two, turn = rng.integers(0, (64, 64, 16)).tolist()
         steps = replace(steps, colours=(one, two, turn))
     return TextureSymbols((width, height), steps, log_size, contrast.astype(np.int8), symbols)

@@ -30,7 +30,7 @@ NAMES = (
     "float-tiles-exact",
 )
 TEXTURE = ("rgb8-texture", "rgb8-tiles-texture", "rgb8-any-texture", "rgba8-tiles-colours", "gray16-texture")
-RESTORED = ("rgb8-restored", "rgb8-restored-visual", "rgb8-restored-psnr", "rgba8-tiles-restored", "gray16-restored")
+RESTORED = ("rgb8-restored", "rgb8-restored-psnr", "rgba8-tiles-restored", "gray16-restored")
 
 
 @pytest.mark.parametrize("name", [*NAMES, *TEXTURE, *RESTORED])

@@ -28,7 +28,7 @@ TESTED_ELSEWHERE = {
     "bitstream/entropy/*": "unit/bitstream/entropy/test_symbol_writer.py",
     "bitstream/parts/predicted_tree": "unit/bitstream/parts/test_predicted_positions.py",
     "bitstream/parts/prior": "unit/bitstream/parts/test_attributes.py",
-    "bitstream/parts/seed_tree": "unit/bitstream/parts/test_positions.py",
+    "bitstream/parts/seed_tree": "unit/bitstream/parts/test_predicted_positions.py",
     "bitstream/parts/tile*": "conformance/test_determinism.py",
     "bitstream/printable": "system/cli/test_info.py",
     "bitstream/stream_*": "unit/bitstream/test_container.py",

@@ -16,7 +16,7 @@ import { serve } from "./server.js";
 const VIEWS = [[4, 16, 8, 60, 40], [1, 3, 5, 70, 50], [2.5, 10, 6, 40, 30], [0.7, 0, 0, 80, 60], [0.25, 0, 0, 80, 60], [32, 20, 20, 20, 15]];
 const NAMES = ["rgb8-texture", "rgb8-tiles-texture", "rgb8-tiles", "gray16-texture", "float", "paper-rgb8", "rgba8-tiles-luma"];
 const SHARP = 0.7; // of the contrast of what stands still, that moving has at least
-const RESTORED = ["rgb8-restored-visual", "rgba8-tiles-restored", "gray16-restored"];
+const RESTORED = ["rgb8-restored", "rgba8-tiles-restored", "gray16-restored"];
 
 let browser, folder, server;
 
@@ -167,7 +167,7 @@ test("workers alone: zooming out shows finer tiles until coarser ones are there"
 });
 
 test("restored squares move along with the preview", async () => {
-  const page = await opened("rgb8-restored-visual");
+  const page = await opened("rgb8-restored");
   await show(page, 0, 0, 4);
   const before = await shot(page, 400, 300);
   assert.deepEqual(await askedWhilePanning(page), []);

@@ -12,7 +12,7 @@ import { rgba } from "./png.js";
 
 const MOST_BYTES = 400_000;
 const VIEWS = [[], ["--scale", "2"], ["--scale", "1/3"], ["--region", "8,4,40,24", "--scale", "2.5"]];
-const IN_MANY = ["rgb8-texture", "rgb8-tiles-texture", "gray8-alpha", "rgba8-tiles-luma", "gray16", "paper-rgb8", "rgb8-restored-visual"];
+const IN_MANY = ["rgb8-texture", "rgb8-tiles-texture", "gray8-alpha", "rgba8-tiles-luma", "gray16", "paper-rgb8", "rgb8-restored"];
 const manifest = JSON.parse(readFileSync(join(GOLDEN, "manifest.json")));
 
 function opened(module, bytes) {

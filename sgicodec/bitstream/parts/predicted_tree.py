@@ -18,13 +18,12 @@ from numpy.typing import NDArray
 
 from sgicodec import _native
 from sgicodec._native import TreeBatch as Batch
-from sgicodec.bitstream.parts.seed_tree import Flags, TreeShape
-from sgicodec.errors import UsageError
+from sgicodec.bitstream.parts.seed_tree import LEAST_LOG, ROOT_LOG, Flags, TreeShape
 
 __all__ = ["LEVELS", "Batch", "TreeContext", "input_counts", "native_tree_context", "walk_tree"]
 
-LEVELS = range(6, 0, -1)
-"""Levels of the trees whose flags are predicted, roots first."""
+LEVELS = range(ROOT_LOG, LEAST_LOG - 1, -1)
+"""Levels of the tree, roots first."""
 
 
 @dataclass(frozen=True)
@@ -45,11 +44,7 @@ def input_counts() -> tuple[int, ...]:
 
 
 def native_tree_context(shape: TreeShape, tree_context: TreeContext) -> _native.TreeScenery:
-    """Both as native code takes them. Raises UsageError for other trees than those that are predicted, LimitError for
-    more roots than any tree may have.
-    """
-    if (shape.root_log, shape.min_log) != (LEVELS[0], LEVELS[-1]):
-        raise UsageError(f"positions: trees of levels {shape.min_log} to {shape.root_log} have no prediction")
+    """Both as native code takes them. Raises LimitError for more roots than any tree may have."""
     shape.check_roots()
     base = np.ascontiguousarray(tree_context.base, np.int64)
     return _native.TreeScenery(shape.width, shape.height, base, tree_context.cell, tree_context.quality)

@@ -1,4 +1,4 @@
-"""The shipped priors: MLP_p trained over many pictures, so that a small file pays for no weights."""
+"""The shipped prior: MLP_p trained over many pictures, so that a small file pays for no weights."""
 
 from __future__ import annotations
 
@@ -15,12 +15,8 @@ from sgicodec.model.spec import ModelSpec
 
 __all__ = ["PRIORS", "load_prior", "parse_prior"]
 
-PRIORS: dict[int, str] = {
-    1: "b50932e04ed61a3245e3861bcf5ff42d1ac9eac72dcf659fd119910635cd9304",
-    2: "133a1e939b9374f9b96cbc9607457184ac215f66758f54a09abf5deb3b5c515c",
-    3: "d9685f69a2b79fcd846e92723fe0757b9dbf1673eed61b7d19320ee5c7ece104",
-}
-"""SHA-256 of every prior's file; a stream names its prior by number, and a number never changes its meaning."""
+PRIORS: dict[int, str] = {3: "d9685f69a2b79fcd846e92723fe0757b9dbf1673eed61b7d19320ee5c7ece104"}
+"""SHA-256 of every prior's file, by the number with which a stream names it."""
 
 
 def load_prior(spec: ModelSpec) -> tuple[IntNetwork, ...]:
@@ -30,7 +26,7 @@ def load_prior(spec: ModelSpec) -> tuple[IntNetwork, ...]:
     """
     number = spec.context.prior
     if number not in PRIORS:
-        raise UnsupportedStreamError(f"prior {number} is unknown; decode the file with a newer version")
+        raise UnsupportedStreamError(f"prior {number} is unknown; this program has prior {max(PRIORS)}")
     networks = _networks(number)
     fits = len(networks) == len(spec.context.steps) and all(
         network.w1.shape == (spec.context.hidden, input_count(spec, step)) for step, network in enumerate(networks)

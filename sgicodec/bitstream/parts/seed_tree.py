@@ -1,6 +1,6 @@
 """A quadtree of seeds: its shape, and which of its nodes carry seeds or are split.
 
-A node of level k is a square of 2**k pixels; roots of level `root_log` tile the picture. A node may carry a
+A node of level k is a square of 2**k pixels; roots of level 6 tile the picture. A node may carry a
 seed at its centre and may be split into four children; children that lie wholly outside the picture do not
 exist. Each split node has a seed somewhere below it, so a tree has one spelling.
 """
@@ -17,40 +17,33 @@ from sgicodec.errors import LimitError, UsageError
 from sgicodec.model.distinct import distinct
 from sgicodec.model.morton import Codes, morton
 
-__all__ = ["MAX_ROOTS", "Flags", "GivenTree", "Seeds", "TreeShape"]
+__all__ = ["LEAST_LOG", "MAX_ROOTS", "ROOT_LOG", "Flags", "GivenTree", "Seeds", "TreeShape"]
 
 Flags = NDArray[np.uint8]
 Seeds = tuple[NDArray[np.int32], NDArray[np.int8]]
 """Corners [N, 2] in pixels (x, y) and log2 of the node size [N]."""
 
-MAX_LOG = 16
+ROOT_LOG, LEAST_LOG = 6, 1
+"""log2 of the sides of roots and of the smallest nodes, pixels."""
 MAX_ROOTS = 1 << 20
 """Four gigapixels in cells of 64, fewer if the picture is narrow."""
 
 
 @dataclass(frozen=True)
 class TreeShape:
-    """What the header says about a tile's quadtree. Raises UsageError for what no tree can have.
-
-    width, height: pixels; root_log, min_log: log2 of the side of roots and of the smallest nodes.
-    """
+    """The pixels that a tile's quadtree covers. Raises UsageError for what no tree can have."""
 
     width: int
     height: int
-    root_log: int
-    min_log: int
 
     def __post_init__(self) -> None:
         if not (1 <= self.width <= MAX_SIDE and 1 <= self.height <= MAX_SIDE):
             raise UsageError(f"positions: {self.width}×{self.height} pixels; sides must be 1..{MAX_SIDE}")
-        if not 0 <= self.min_log <= self.root_log <= MAX_LOG:
-            sizes = f"2**{self.min_log} to 2**{self.root_log}"
-            raise UsageError(f"positions: node sizes {sizes}; need 0 ≤ min ≤ root ≤ {MAX_LOG}")
 
     @property
     def root_grid(self) -> tuple[int, int]:
         """Number of roots across and down."""
-        side = 1 << self.root_log
+        side = 1 << ROOT_LOG
         return -(-self.width // side), -(-self.height // side)
 
     def check_roots(self) -> None:
@@ -67,13 +60,13 @@ class GivenTree:
         corner, log_size = np.asarray(seeds[0], np.int64).reshape(-1, 2), np.asarray(seeds[1], np.int64)
         if len(corner) != len(log_size):
             raise UsageError(f"positions: {len(corner)} corners, {len(log_size)} sizes; need as many of each")
-        sized = (log_size >= shape.min_log) & (log_size <= shape.root_log)
+        sized = (log_size >= LEAST_LOG) & (log_size <= ROOT_LOG)
         inside = (corner >= 0) & (corner < (shape.width, shape.height))
-        aligned = corner & ((1 << np.clip(log_size, 0, MAX_LOG)) - 1)[:, None] == 0
+        aligned = corner & ((1 << np.clip(log_size, 0, ROOT_LOG)) - 1)[:, None] == 0
         if not (sized.all() and inside.all() and aligned.all()):
             raise UsageError("positions: a seed is no node of the tree: outside, off its grid, of another size")
         code = morton(corner[:, 0], corner[:, 1])
-        levels = range(shape.min_log, shape.root_log + 1)
+        levels = range(LEAST_LOG, ROOT_LOG + 1)
         self._seeds = {level: distinct(code[log_size == level] >> 2 * level) for level in levels}
         self._splits = {level: distinct(code[log_size < level] >> 2 * level) for level in levels}
         if sum(codes.size for codes in self._seeds.values()) != len(corner):

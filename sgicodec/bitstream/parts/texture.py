@@ -14,21 +14,19 @@ from sgicodec.model.texture_symbols import MOST_SLOPE, SAME_COLOURS, TextureStep
 
 __all__ = ["layer_of", "texture_models", "write_texture"]
 
-Steps = tuple[int, list[int], tuple[int, int], tuple[int, int, int], bool, bool, tuple[int, int, int]]
+Steps = tuple[int, list[int], tuple[int, int], tuple[int, int, int], bool, tuple[int, int, int]]
 Read = tuple[Steps, NDArray[np.uint8], NDArray[np.int8], NDArray[np.int16]]
 
-MODELS = {False: 1, True: 2}
-"""Number of the shipped models for symbols that are dependent or not; the file of a number never changes."""
-COLOURED = 3
-"""Those of dependent symbols, for layers in colours of their own."""
+OPPONENT, COLOURED = 2, 3
+"""Whether a layer is in opponent colours or in colours of its own."""
 _MODELS_BITS, _STEP_BITS, _RATIO_BITS, _EXCESS_BITS, _SHARE_BITS, _TURN_BITS = 4, 9, 5, 4, 6, 4
 _SLOPE_BITS = MOST_SLOPE.bit_length()
 
 
 @cache
-def texture_models(dependent: bool = True) -> TextureModels:
+def texture_models() -> TextureModels:
     """The shipped state of the adaptive models with which every layer begins."""
-    return TextureModels.shipped(dependent)
+    return TextureModels.shipped()
 
 
 def write_texture(writer: SymbolWriter, size: tuple[int, int], channels: int, texture: TextureSymbols | None) -> None:
@@ -42,12 +40,12 @@ def write_texture(writer: SymbolWriter, size: tuple[int, int], channels: int, te
     check_texture(channels, *size)
     steps = texture.steps
     coloured = steps.colours != SAME_COLOURS
-    if coloured and not (steps.dependent and channels >= 3):
-        raise ValueError("colours are for dependent symbols of three channels or more")
-    writer.code_int(COLOURED if coloured else MODELS[steps.dependent], _MODELS_BITS)
+    if coloured and channels < 3:
+        raise ValueError("colours are for three channels or more")
+    writer.code_int(COLOURED if coloured else OPPONENT, _MODELS_BITS)
     _write_steps(writer, steps)
     parts = texture.log_size, texture.contrast, texture.symbols
-    writer.flags(*texture_models(steps.dependent).write(*parts, size, steps.has_contrast))
+    writer.flags(*texture_models().write(*parts, size, steps.has_contrast))
 
 
 def _write_steps(writer: SymbolWriter, steps: TextureSteps) -> None:
@@ -66,6 +64,6 @@ def layer_of(read: Read | None, size: tuple[int, int]) -> TextureSymbols | None:
     """The layer of a tile of `size` as native code read it."""
     if read is None:
         return None
-    (step, ratios, slopes, excess, has_contrast, dependent, colours), log_size, contrast, symbols = read
-    steps = TextureSteps(step, tuple(ratios), slopes, excess, has_contrast, dependent, colours)
+    (step, ratios, slopes, excess, has_contrast, colours), log_size, contrast, symbols = read
+    steps = TextureSteps(step, tuple(ratios), slopes, excess, has_contrast, colours)
     return TextureSymbols(size, steps, log_size, contrast, symbols)

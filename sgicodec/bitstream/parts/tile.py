@@ -27,7 +27,7 @@ from sgicodec.device import ONE_THREAD, Device
 from sgicodec.errors import LimitError
 from sgicodec.model.base import base_shape
 from sgicodec.model.gaussians import decoder_shapes
-from sgicodec.model.layout import ROOT_LOG, SeedLayout
+from sgicodec.model.layout import SeedLayout
 from sgicodec.model.network import DIFFERENCE_SHIFT, IntNetwork
 from sgicodec.model.quantization import FRACTION_BITS
 from sgicodec.model.restoration import Restoration
@@ -150,14 +150,12 @@ def _write_plan(writer: SymbolWriter, spec: ModelSpec, quality: int, plan: StepP
 
 
 def _write_layout(writer: SymbolWriter, header: Header, base: I64, layout: SeedLayout) -> None:
-    least = 0 if header.spec.layout == "uniform" else 1
-    tree = TreeShape(header.width, header.height, ROOT_LOG, least)
     seeds = layout.corner, layout.log_size
-    if header.spec.predicted_seeds:
-        tree_context = TreeContext(base, header.spec.base_cell, header.quality)
-        write_predicted_positions(writer, tree, tree_context, seeds)
-    else:
-        write_positions(writer, tree, seeds)
+    if header.spec.layout == "uniform":
+        write_positions(writer, (header.width, header.height), seeds)
+        return
+    tree_context = TreeContext(base, header.spec.base_cell, header.quality)
+    write_predicted_positions(writer, TreeShape(header.width, header.height), tree_context, seeds)
 
 
 def write_networks(writer: SymbolWriter, spec: ModelSpec, networks: tuple[IntNetwork, ...]) -> None:

@@ -29,12 +29,12 @@ from sgicodec.model.steps import default_plan
 
 pytest.importorskip("resource")
 
-LUMA_SPACE = 512
+LUMA_SPACE = 64
 
 
 def test_headers_that_claim_too_much(coded: Any, tmp_path: Path) -> None:
     most = {"width": 2**24, "height": 2**24}
-    plain = {"version": lambda version: min(version, 3), "flags": lambda flags: flags & ~LUMA_SPACE}
+    plain = {"flags": lambda flags: flags & ~LUMA_SPACE}
     lies = {
         "pixels": most,
         "everything": most | plain | {"channels": 64, "layout": 0, "features": 2**13, "hidden": 2**12, "per_seed": 64},
@@ -96,37 +96,25 @@ def test_chunks_that_are_really_too_long(coded: Any, tmp_path: Path) -> None:
     assert kind == "LimitError", message
 
 
-@pytest.mark.parametrize("predicted", [False, True])
-def test_free_seeds_are_few(coded: Any, predicted: bool) -> None:
-    """A tree in which everything is split costs two dozen bytes, however many seeds it has; a predicted one has no flag
-    that costs nothing, but less than what its seeds take in memory.
-    """
+def test_free_seeds_are_few(coded: Any) -> None:
+    """A seed in every cell takes few bits of the payload, but a decoder takes memory for each."""
     adaptive = decode_header(split(coded.data)[0][1]).spec.layout == "adaptive"
-    if predicted and not adaptive:
-        return
     least = int(adaptive)
     side = 2**10 << least
-    fields = {"width": side, "height": side, "flags": lambda flags: flags & ~128 | 128 * predicted}
-    header = decode_header(split(with_fields(coded.data, **fields))[0][1])
+    header = decode_header(split(with_fields(coded.data, width=side, height=side))[0][1])
     y, x = (axis.reshape(-1) << least for axis in np.mgrid[: 2**10, : 2**10])
     seeds = np.stack([x, y], axis=1), np.full(x.size, least, np.int8)
     walk = _up_to_positions(header)
-    shape = TreeShape(side, side, 6, least)
-    if predicted:
+    if adaptive:
         base = np.zeros((header.spec.channels, *base_shape(side, side, header.spec.base_cell)), np.int64)
-        write_predicted_positions(walk, shape, TreeContext(base, header.spec.base_cell, header.quality), seeds)
+        tree_context = TreeContext(base, header.spec.base_cell, header.quality)
+        write_predicted_positions(walk, TreeShape(side, side), tree_context, seeds)
     else:
-        write_positions(walk, shape, seeds)
+        write_positions(walk, (side, side), seeds)
     payload = walk.finish()
-    assert len(payload) < (x.size // 4 if predicted else 500)
+    assert len(payload) < x.size // 4
     with pytest.raises(LimitError, match="seeds"):
         read_tile(header, payload)
-
-
-def test_seeds_on_a_grid_are_not_predicted(coded: Any) -> None:
-    header = split(with_fields(coded.data, seed_layout=1, flags=lambda flags: flags | 128))[0][1]
-    with pytest.raises(CorruptStreamError, match="grid"):
-        decode_header(header)
 
 
 def _up_to_positions(header: Any) -> SymbolWriter:

@@ -1,6 +1,6 @@
-"""Streams of every format version must decode for ever, on every machine, to the same symbols and pixels.
+"""Streams of every kind decode to the same symbols and pixels on every machine.
 
-`manifest.json` lists what each stream decodes to. A stream is made once, by `make_golden.py`, and never changed.
+`manifest.json` lists what each stream decodes to. `make_golden.py` makes streams; the format alone makes them anew.
 """
 
 from __future__ import annotations

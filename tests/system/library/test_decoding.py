@@ -172,7 +172,6 @@ def test_a_tile_takes_no_more_than_it_may(path: Path, library: Library) -> None:
     [
         ("rgb8", 1 << 8, "base layer: values are 72; a tile holds at most 10"),
         ("rgb8", 1 << 20, "positions: more than 330 seeds"),
-        ("rgb8-predicted-seeds", 1 << 20, "positions: more than 330 seeds"),
         ("rgb8-texture", 1 << 18, "samples with texture are 73728; a tile holds at most"),
     ],
 )

@@ -30,7 +30,7 @@ def test_without_a_variant_it_is_what_encode_gives(crop: Picture) -> None:
 
 
 def test_variants_reach_the_stream(crop: Picture) -> None:
-    for variant, base_cell, prior in (("base_cell=16", 16, 3), ("prior=1", 64, 1)):
+    for variant, base_cell, prior in (("base_cell=16", 16, 3), ("prior=0", 64, 0)):
         with open_stream(whole(crop, SETTINGS, variant).encoded.data) as stream:
             assert stream.header.spec.base_cell == base_cell
             assert stream.header.spec.context.prior == prior

@@ -19,7 +19,7 @@ LMBDA, FAMILY = 0.01, 1
 
 def small_fit(settings: FitSettings, weights: NDArray[np.float32] | None = None, side: int = 1) -> Trainer:
     """Of random squares of this side."""
-    spec = default_spec(3, prior=1)
+    spec = default_spec(3)
     squares = np.random.default_rng(5).normal(size=(3, 48 // side, 64 // side)).astype(np.float32)
     target = 0.1 * squares.repeat(side, axis=1).repeat(side, axis=2)
     return Trainer(spec, settings, target, adaptive_layout(target, 2.0), FAMILY, load_prior(spec), weights=weights)

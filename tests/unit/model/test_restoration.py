@@ -146,7 +146,7 @@ def test_last_inputs_are_what_the_last_layer_sees(network: int, shape: tuple[int
 
 @pytest.mark.parametrize("network", [0, 4, 15, -1])
 def test_other_networks_are_refused(network: int) -> None:
-    with pytest.raises(UnsupportedStreamError, match="this program has networks 1 to 3"):
+    with pytest.raises(UnsupportedStreamError, match="this program has networks 1 and 3"):
         restoration_correction(np.zeros((3, 4, 4), np.float32), network, 400, [], 1, "auto")
 
 

@@ -87,7 +87,7 @@ def test_amplitudes_by_their_formula(
             ratio = (0, *(ratio - 16 for ratio in steps.ratios))[channel]
             step = 2 ** ((steps.step - 480) / 32 + ratio / 8 + symbols.contrast[y // 32, x // 32] / 4)
             slope = steps.slopes[channel > 0] / 2
-            half = 0.5 * odd_quantisers(q.astype(int)) if steps.dependent else 0.0
+            half = 0.5 * odd_quantisers(q.astype(int))
             coded.append(np.sign(q) * (np.abs(q) - half + excess) * step * (1 + slope * squared))
         expected = in_opponent_colours(np.array(coded), colours)
         found = layer.amplitudes[at : at + expected.size].reshape(expected.shape)

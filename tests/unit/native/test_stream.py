@@ -19,7 +19,6 @@ ONE_TILE = sorted(path.stem for path in GOLDEN.glob("*.sgi") if "tiles" not in p
 RESTORED = {
     "rgb8-restored",
     "rgb8-restored-psnr",
-    "rgb8-restored-visual",
     "rgb8-adapted",
     "rgb8-any-adapted",
     "gray16-restored",

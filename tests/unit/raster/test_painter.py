@@ -120,7 +120,7 @@ def test_decode_and_bands(gpu: Device, drawn: list[tuple[int, ...]], monkeypatch
         np.testing.assert_array_equal(decode(data, device=gpu), whole)
 
 
-@pytest.mark.parametrize("name", ["rgb8-restored", "rgb8-restored-visual", "gray16-restored"])
+@pytest.mark.parametrize("name", ["rgb8-restored", "gray16-restored"])
 @pytest.mark.parametrize(("view", "draws"), [({}, 1), ({"region": (9, 7, 101, 83)}, 1), ({"scale": 2.5}, 2)], ids=str)
 def test_what_is_restored_is_drawn_at_once(
     name: str,

@@ -127,25 +127,6 @@ def test_bits_account_for_the_payload_part_by_part() -> None:
     assert -8 < len(payload) - sum(writer.bits.values()) / 8 < 8
 
 
-GOLDEN = "6d3b2d99a36ffcd61de72100916b1ab5d2451514c89c49fa8db2"
-
-
-def test_golden_payload_decodes_for_ever() -> None:
-    symbols, categories, raw = [0, -1, 700, 3, -70000], [2, 0, 2], [0xDEADBEEF, 7]
-    tables, rows = np.array([24, 24, 24, 90, 127], np.int16), np.array([1, 0, 1], np.int16)
-    frequencies = np.array([[TOTAL // 2, TOTAL // 4, TOTAL // 4], [1, 0, TOTAL - 1]])
-    writer = SymbolWriter()
-    writer.code(symbols, tables)
-    writer.code_categorical(categories, frequencies, rows)
-    writer.code_bits(raw, 32)
-    assert writer.finish().hex() == GOLDEN
-    reader = SymbolReader(bytes.fromhex(GOLDEN))
-    assert reader.read(tables).tolist() == symbols
-    assert reader.read_categorical(frequencies, rows).tolist() == categories
-    assert reader.read_bits(32, 2).tolist() == raw
-    reader.finish()
-
-
 @pytest.fixture(scope="module")
 def payload() -> bytes:
     writer = SymbolWriter()

@@ -33,8 +33,7 @@ from sgicodec.profiles.default import default_spec
 
 GOLDEN = Path(__file__).parents[3] / "conformance" / "golden"
 STREAMS = [
-    "rgb8-predicted-seeds",
-    "rgb8-coarse-first",
+    "rgb8",
     "rgb8-two-per-seed",
     "rgb8-own-context",
     "gray8-alpha",
@@ -122,7 +121,7 @@ def test_seeds_without_neighbours_see_their_own_shape() -> None:
     header, payload = payload_of("rgb8-own-context")
     model, _ = read_tile(header, payload)
     kept = input_count(header.spec, 0) - NEIGHBOUR_INPUTS
-    context = replace(header.spec.context, neighbours=0, coarse_first=False)
+    context = replace(header.spec.context, neighbours=0)
     alone = replace(header, spec=replace(header.spec, context=context))
     networks = tuple(
         replace(net, w1=np.delete(net.w1, np.s_[kept : kept + NEIGHBOUR_INPUTS], axis=1)) for net in model.networks
@@ -134,7 +133,7 @@ def test_seeds_without_neighbours_see_their_own_shape() -> None:
     np.testing.assert_array_equal(read.decoded, model.decoded)
 
 
-@pytest.mark.parametrize("name", ["gray16-coarse-first", "rgb8-tiles", "rgb8-two-per-seed", "multi8", "paper-rgb8"])
+@pytest.mark.parametrize("name", ["gray16", "rgb8-tiles", "rgb8-two-per-seed", "multi8", "paper-rgb8"])
 def test_the_page_reads_the_same(name: str) -> None:
     """With symbols of the native reader, which comes to the attributes by reading what lies before them."""
     header, payload = payload_of(name)
@@ -163,12 +162,12 @@ def skip_to_attributes(reader: SymbolReader, header: Header) -> None:
     if spec.base_cell:
         reader.read_bits(8, 1)
         base = reader.read_base(spec.channels, *base_shape(header.width, header.height, spec.base_cell))
-    shape = TreeShape(header.width, header.height, 6, int(spec.layout == "adaptive"))
-    if spec.predicted_seeds:
+    if spec.layout == "adaptive":
+        shape = TreeShape(header.width, header.height)
         scenery = native_tree_context(shape, TreeContext(base, spec.base_cell, header.quality))
         reader.read_predicted_positions(scenery, 10**5, 1, ONE_THREAD.isa)
     else:
-        reader.read_positions((header.width, header.height), shape.root_log, shape.min_log, 10**5)
+        reader.read_positions((header.width, header.height), 10**5)
     for weights in decoder_shapes(spec).values():
         reader.read_weights(math.prod(weights))
     if counts := hash_counts(spec, header.width, header.height):

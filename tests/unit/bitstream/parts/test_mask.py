@@ -66,7 +66,6 @@ def test_any_rows_and_columns(mask: np.ndarray, data: st.DataObject) -> None:
 def test_a_large_tree_is_small() -> None:
     tree = read_mask(write_mask(_disc(1000)), 1000, 1000)
     assert tree.nbytes < 100_000
-    assert tree.is_mixed
     assert pixels(MaskTree(5, 3), 5, 3).all()
     with pytest.raises(ValueError, match="must not fall"):
         tree.at(np.array([1, 0]), np.array([0]))

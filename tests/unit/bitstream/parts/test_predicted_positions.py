@@ -40,7 +40,7 @@ def read_seeds(
 @st.composite
 def trees(draw: st.DrawFn) -> tuple[TreeShape, TreeContext, list[Node]]:
     """Seeds that crowd in places, over a base layer of any kind."""
-    shape = TreeShape(draw(st.integers(1, 300)), draw(st.integers(1, 200)), 6, 1)
+    shape = TreeShape(draw(st.integers(1, 300)), draw(st.integers(1, 200)))
     count = draw(st.one_of(st.integers(0, 5), st.integers(0, 150)))
     rng = np.random.default_rng(draw(st.integers(0, 2**32)))
     level = rng.integers(1, 1 + draw(st.integers(1, 6)), count)
@@ -230,7 +230,7 @@ def test_probabilities_follow_the_logistic_function() -> None:
 
 
 NOWHERE = TreeContext(np.zeros((1, 0, 0), np.int64), 0, 50)
-SHAPE = TreeShape(64, 64, 6, 1)
+SHAPE = TreeShape(64, 64)
 
 
 @pytest.mark.parametrize(("width", "height", "last"), [(64, 64, 2), (33, 33, 2), (32, 64, 2), (64, 32, 1), (20, 3, 0)])
@@ -242,19 +242,29 @@ def test_the_last_child_of_empty_siblings_is_needed(width: int, height: int, las
         empty = np.zeros(len(batch.codes), np.uint8)
         return (empty, empty) if batch.level < 6 else (empty + 1, empty)
 
-    walk_tree(TreeShape(width, height, 6, 1), NOWHERE, code, 10)
+    walk_tree(TreeShape(width, height), NOWHERE, code, 10)
     assert needed == [(5, last)]
 
 
-@pytest.mark.parametrize("shape", [TreeShape(64, 64, 6, 0), TreeShape(64, 64, 5, 1)])
-def test_other_trees_are_refused(shape: TreeShape) -> None:
-    with pytest.raises(UsageError, match="prediction"):
-        write_predicted_positions(SymbolWriter(), shape, NOWHERE, seeds_of([]))
-
-
-def test_seeds_that_are_no_nodes_are_refused() -> None:
+@pytest.mark.parametrize(
+    "nodes",
+    [[(1, 32, 0)], [(1, 0, 32)], [(1, -1, 0)], [(0, 0, 0)], [(7, 0, 0)], [(1, 0, 0), (1, 0, 0)]],
+    ids=["right", "below", "left", "too small", "too large", "twice"],
+)
+def test_seeds_that_are_no_nodes_are_refused(nodes: list[Node]) -> None:
     with pytest.raises(UsageError):
-        write_predicted_positions(SymbolWriter(), SHAPE, NOWHERE, seeds_of([(1, 32, 0)]))
+        write_predicted_positions(SymbolWriter(), SHAPE, NOWHERE, seeds_of(nodes))
+
+
+def test_seeds_off_their_grid_are_refused() -> None:
+    with pytest.raises(UsageError):
+        write_predicted_positions(SymbolWriter(), SHAPE, NOWHERE, (np.array([[1, 0]]), np.array([1])))
+
+
+@pytest.mark.parametrize("size", [(0, 1), (1, 1 << 25)])
+def test_sizes_that_no_tree_has_are_refused(size: tuple[int, int]) -> None:
+    with pytest.raises(UsageError):
+        TreeShape(*size)
 
 
 def test_more_seeds_than_allowed_are_refused() -> None:
@@ -267,7 +277,7 @@ def test_more_seeds_than_allowed_are_refused() -> None:
         with pytest.raises(LimitError, match=f"more than {most} seeds"):
             read_seeds(SymbolReader(payload), SHAPE, NOWHERE, most)
     with pytest.raises(LimitError, match="root nodes"):
-        write_predicted_positions(SymbolWriter(), TreeShape(1 << 20, 1 << 20, 6, 1), NOWHERE, seeds_of([]))
+        write_predicted_positions(SymbolWriter(), TreeShape(1 << 20, 1 << 20), NOWHERE, seeds_of([]))
 
 
 @settings(max_examples=examples(100))
@@ -275,7 +285,7 @@ def test_more_seeds_than_allowed_are_refused() -> None:
 def test_any_bytes_decode_or_are_corrupt(data: bytes) -> None:
     try:
         reader = SymbolReader(data)
-        read_seeds(reader, TreeShape(300, 200, 6, 1), NOWHERE, 50)
+        read_seeds(reader, TreeShape(300, 200), NOWHERE, 50)
         reader.finish()
     except (CorruptStreamError, LimitError):
         pass

@@ -33,7 +33,7 @@ def with_restoration(data: bytes, restoration: Restoration | None) -> bytes:
 
 
 @pytest.mark.parametrize("name", ["rgb8-luma", "rgb8", "gray16-texture"])
-@pytest.mark.parametrize("restoration", [None, Restoration(1, 0), Restoration(2, 511), Restoration(3, 400)])
+@pytest.mark.parametrize("restoration", [None, Restoration(1, 0), Restoration(3, 511)])
 def test_round_trip(name: str, restoration: Restoration | None) -> None:
     data = with_restoration((GOLDEN / f"{name}.sgi").read_bytes(), restoration)
     with open_stream(data) as stream:
@@ -60,7 +60,7 @@ def changes_of(unit: int, layers: tuple[int, ...]) -> tuple[np.ndarray, ...]:
 
 @pytest.mark.parametrize("unit", [1, 4, 64])
 @pytest.mark.parametrize("layers", [(3,), (0, 2), (0, 1, 2, 3)])
-@pytest.mark.parametrize("network", [1, 2, 3])
+@pytest.mark.parametrize("network", [1, 3])
 def test_round_trip_of_changes(unit: int, layers: tuple[int, ...], network: int) -> None:
     changes = changes_of(unit, layers)
     data = with_restoration((GOLDEN / "rgb8-luma.sgi").read_bytes(), Restoration(network, 300, changes))
@@ -92,7 +92,7 @@ def test_changes_that_cannot_be_are_refused(change: int) -> None:
         stream.picture()
 
 
-@pytest.mark.parametrize("network", [4, 7, 8])
+@pytest.mark.parametrize("network", [2, 4, 7, 8])
 def test_unknown_networks_are_refused(network: int) -> None:
     data = with_restoration((GOLDEN / "rgb8-luma.sgi").read_bytes(), Restoration(network, 300))
     with (

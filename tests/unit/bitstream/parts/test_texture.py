@@ -54,7 +54,6 @@ def read_from_the_page(payload: bytes, size: tuple[int, int], channels: int) -> 
         (luma, chroma),
         (one, two, more),
         bool(read["contrasts"][0]),
-        reader.number >= 2,
         (*read.get("shares", SAME_COLOURS[:2]), *read.get("turn", SAME_COLOURS[2:])),
     )
     return TextureSymbols(size, steps, log_size, contrast, symbols)
@@ -102,9 +101,8 @@ def test_the_page_reads_a_photograph(found: TextureSymbols) -> None:
     assert_same(read_from_the_page(payload, found.size, 3), found)
 
 
-@pytest.mark.parametrize("number", [1, 2])
-def test_the_page_names_the_models(number: int) -> None:
-    data = files("sgicodec.bitstream.parts").joinpath(f"texture{number}.bin").read_bytes()
+def test_the_page_names_the_models() -> None:
+    data = files("sgicodec.bitstream.parts").joinpath("texture2.bin").read_bytes()
     assert hashlib.sha256(data).hexdigest() in (ROOT / "docs" / "format.md").read_text()
 
 
@@ -119,7 +117,7 @@ def test_the_tables_can_be_computed_anywhere() -> None:
 
 
 def test_models_of_another_number_are_refused() -> None:
-    for number in (0, 4, 15):
+    for number in (0, 1, 4, 15):
         writer = SymbolWriter()
         writer.code_int(1, 1)
         writer.code_int(number, 4)
@@ -159,19 +157,13 @@ def test_colours_that_say_nothing_are_refused() -> None:
 @pytest.mark.parametrize("channels", [1, 2])
 def test_colours_of_two_channels_are_refused(channels: int) -> None:
     layer = random_symbols(channels, 64, 64, 4)
-    steps = replace(layer.steps, dependent=True, colours=(32, 32, 9))
+    steps = replace(layer.steps, colours=(32, 32, 9))
     with pytest.raises(ValueError, match="three channels"):
         payload_of(replace(layer, steps=steps), layer.size, channels)
     with pytest.raises(ValueError, match="three channels"):
         replace(layer, steps=steps).layer()
     with pytest.raises(CorruptStreamError, match=f"texture: colours of {channels} channels"):
         read_back(spelled("0", models=3), (32, 32), channels)
-
-
-def test_colours_are_for_dependent_symbols() -> None:
-    layer = random_symbols(3, 64, 64, 4)
-    with pytest.raises(ValueError, match="dependent"):
-        payload_of(replace(layer, steps=replace(layer.steps, dependent=False, colours=(32, 32, 9))), layer.size, 3)
 
 
 def test_no_texture_takes_a_bit() -> None:
@@ -182,17 +174,15 @@ def test_no_texture_takes_a_bit() -> None:
     reader.finish()
 
 
-@pytest.mark.parametrize("dependent", [False, True])
-def test_the_state_of_models_is_what_it_was(dependent: bool) -> None:
-    state = texture_models(dependent).state()
-    assert TextureModels(dependent, state).state() == state
-    for other, wrong in ((dependent, state[:-1]), (not dependent, state)):
-        with pytest.raises(ValueError, match="not texture models"):
-            TextureModels(other, wrong)
+def test_the_state_of_models_is_what_it_was() -> None:
+    state = texture_models().state()
+    assert TextureModels(state).state() == state
+    with pytest.raises(ValueError, match="not texture models"):
+        TextureModels(state[:-1])
 
 
 def test_models_learn_what_they_have_seen(found: TextureSymbols) -> None:
-    models = TextureModels(dependent=True)
+    models = TextureModels()
     parts = found.log_size, found.contrast, found.symbols, found.size, False
     before = models.write(*parts)[3]
     models.learn(*parts)
@@ -295,11 +285,10 @@ SPELLINGS = {
 }
 
 
-@pytest.mark.parametrize("models", [1, 2])
 @pytest.mark.parametrize("name", SPELLINGS)
-def test_every_layer_has_one_spelling(name: str, models: int) -> None:
+def test_every_layer_has_one_spelling(name: str) -> None:
     bits, has_contrast, legal = SPELLINGS[name]
-    payload = spelled(bits, has_contrast, models)
+    payload = spelled(bits, has_contrast)
     if legal:
         layer = read_back(payload, (32, 32), 1)
         assert layer is not None
@@ -321,9 +310,9 @@ def test_the_largest_numbers() -> None:
 
 
 @settings(max_examples=examples(200))
-@given(st.sampled_from([0x8C, 0x94, 0x9C]), st.binary(max_size=300), *(st.integers(1, most) for most in (4, 200, 100)))
+@given(st.sampled_from([0x94, 0x9C]), st.binary(max_size=300), *(st.integers(1, most) for most in (4, 200, 100)))
 def test_any_bytes_are_a_layer_or_refused(first: int, payload: bytes, channels: int, width: int, height: int) -> None:
-    """What is accepted can be written. `first`: there is texture, of models 1, 2 or 3."""
+    """What is accepted can be written. `first`: there is texture, of models 2 or 3."""
     reader = SymbolReader(bytes([first]) + payload.rstrip(b"\0"))
     try:
         layer = read_texture(reader, (width, height), channels)
