@@ -41,6 +41,6 @@ def with_settled_seeds(
     that is shown over them. lmbda: λ of the encode; reference: distortion of the picture.
     """
     price = DEARER * lmbda
-    model = replace(candidate.model, decoded=None, texture=None, restoration=None)
+    model = replace(candidate.model, texture=None, restoration=None)
     search = Rdoq(candidate.header, model, left, price, SETTINGS, device, reference)
     return replace(candidate, model=search.once(price))

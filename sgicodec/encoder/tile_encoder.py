@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sgicodec.bitstream.parts.prior import load_prior
-from sgicodec.bitstream.parts.tile import write_tile
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.encoder.adapting import adapts
 from sgicodec.encoder.candidate import Candidate, candidate_of
@@ -40,7 +39,6 @@ from sgicodec.rate_control.lambda_controller import LambdaController
 from sgicodec.rate_control.rd_model import RdModel
 from sgicodec.rate_control.target import Measured
 from sgicodec.rdoq import Objective, Rdoq, RdoqSettings, can_optimise
-from sgicodec.rdoq.objective import with_values
 from sgicodec.rdoq.texture import DOUBT, NO_DOUBT, TextureSearch, colours_for
 
 if TYPE_CHECKING:
@@ -252,11 +250,8 @@ class Encoding:
         return self._texture_search(candidate)
 
     def _texture_search(self, candidate: Candidate) -> TextureSearch:
-        model = replace(candidate.model, decoded=None, texture=None)
-        write_tile(candidate.header, model)
         objective = Objective(candidate.header, self.unit, self.device)
-        left = objective.residual(with_values(self.spec, model, model.decoded_values))
-        left = left[:, :, : self.unit.shape[2]]
+        left = objective.decoded_residual(candidate.model)[:, :, : self.unit.shape[2]]
         steps = self._steps(self.tuning.step(self.lmbda))
         colours = colours_for(left, steps, self.tuning.price(self.lmbda), self._contrast, self.device)
         doubt = NO_DOUBT if self.fit.hurried else DOUBT
@@ -286,7 +281,7 @@ class Encoding:
             if strength and adapts(self.fit.steps):
                 strength = self._restorer.adapted(search, found, strength, self.lmbda)
         restoration = strength.over(found) if found is not None and strength is not None else None
-        return replace(candidate, model=replace(candidate.model, texture=found, restoration=restoration, decoded=None))
+        return replace(candidate, model=replace(candidate.model, texture=found, restoration=restoration))
 
     def _layer(
         self, search: TextureSearch, step: int, price: float | None, cells: TextureSymbols | None

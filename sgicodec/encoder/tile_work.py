@@ -20,6 +20,7 @@ from sgicodec.rate_control.side_information import EMPTY_STREAM_BYTES, tile_side
 from sgicodec.rate_control.tile_rd_model import LMBDA_GRID, RdTable
 from sgicodec.rdoq import Rdoq, RdoqSettings
 from sgicodec.rdoq.adaptation import with_coarser_steps
+from sgicodec.rdoq.objective import with_values
 
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Progress
@@ -107,9 +108,7 @@ class SearchTask:
             return _finished(tile, self.plan, number, None, started)
         header, lmbda = tile.plan.header, tile.lmbda
         model, _ = read_tile(header, payload, device)
-        values = model.decoded_values
-        groups = {group.name: values[:, group.columns] for group in header.spec.groups}
-        model = replace(model, attributes=groups, decoded=None)
+        model = with_values(header.spec, model, model.decoded_values)
         if header.spec.texture:
             return _finished(tile, self.plan, number, tile.textured(Candidate(header, model, lmbda)), started)
         if not tile.searches:

@@ -104,4 +104,4 @@ def _shifted(candidate: Candidate, shift: float) -> Candidate:
     """The candidate with all steps of its attributes coarser by `shift` units."""
     model = candidate.model
     networks = with_coarser_steps(model.networks, shift / 2**DIFFERENCE_SHIFT)
-    return replace(candidate, model=replace(model, networks=networks, decoded=None))
+    return replace(candidate, model=replace(model, networks=networks))
