@@ -18,15 +18,13 @@ from sgicodec.device import Device
 from sgicodec.model.gaussians import colour_matrix
 from sgicodec.model.restoration import Restoration
 
-__all__ = ["adapted", "adapts"]
+__all__ = ["adapted"]
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 I32 = NDArray[np.int32]
 I64 = NDArray[np.int64]
 
-LEAST_STEPS = 400
-"""Of a fit: after a shorter one, more steps gain more in the same time."""
 _LAYERS, _TAPS = 4, 9
 _INPUT_UNIT = 128.0
 """In which inputs and sums are added up here, so that single precision serves."""
@@ -54,11 +52,6 @@ class _Form:
     gram: F64
     moments: F64
     unit: float
-
-
-def adapts(steps: int) -> bool:
-    """Whether the network is fitted to the picture after a fit of this many steps."""
-    return steps >= LEAST_STEPS
 
 
 def adapted(

@@ -27,7 +27,7 @@ from sgicodec.model.luma_space import from_luma_space
 from sgicodec.model.texture_symbols import TextureSymbols
 from sgicodec.rdoq.texture import TextureSearch
 
-__all__ = ["Ascended", "Contrast", "ScoreAscent", "ascent_passes"]
+__all__ = ["Ascended", "Contrast", "ScoreAscent"]
 
 F32 = NDArray[np.float32]
 
@@ -44,13 +44,6 @@ FINER_STEPS = 40.0
 """Points that steps so fine as to take e times the bits would gain."""
 SHORTER = 0.5
 """What moves are to the ones before, where those gained less than finer steps would for their bits."""
-STEPS_PER_PASS, MOST_PASSES = 125, 8
-"""Steps of a fit that are worth another pass, and how many there are at most."""
-
-
-def ascent_passes(steps: int) -> int:
-    """Passes for a fit of this many steps."""
-    return min(1 + steps // STEPS_PER_PASS, MOST_PASSES)
 
 
 @dataclass(frozen=True)

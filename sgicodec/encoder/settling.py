@@ -17,21 +17,14 @@ from sgicodec.encoder.candidate import Candidate
 from sgicodec.metrics.distortion import Reference
 from sgicodec.rdoq import Rdoq, RdoqSettings
 
-__all__ = ["settling_rounds", "with_settled_seeds"]
+__all__ = ["with_settled_seeds"]
 
 F32 = NDArray[np.float32]
 
-FIRST_STEPS, STEPS_PER_ROUND, MOST_ROUNDS = 375, 225, 6
-"""Steps of a fit that are worth a round, steps for another one, and how many there are at most."""
 DEARER = 1.4
 """λ of seeds that are searched again, in the λ of the encode."""
 SETTINGS = RdoqSettings(passes=1, deep=7, rounds=4, coarser=0.0)
 """Other steps would move all values of seeds, which costs more than it gains."""
-
-
-def settling_rounds(steps: int) -> int:
-    """Rounds after a fit of this many steps."""
-    return min(max(0, 1 + (steps - FIRST_STEPS) // STEPS_PER_ROUND), MOST_ROUNDS)
 
 
 def with_settled_seeds(

@@ -5,9 +5,8 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 
+from sgicodec.encoder.effort import effort_of
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.score_ascent import ascent_passes
-from sgicodec.encoder.settling import settling_rounds
 from sgicodec.encoder.texture_tuning import TUNINGS
 
 __all__ = ["StageClock", "stage_weights"]
@@ -28,15 +27,14 @@ def stage_weights(plan: Plan) -> dict[str, float]:
     if plan.header.tile:
         again = {"more passes": 0.7} if settings.rate_target(1) is not None else {}
         return {"load": 0.02, "tiles": 1.0, **again, "verify": 0.1}
-    steps = settings.fit_settings().steps
-    ascends = TUNINGS[settings.tuned_for].ascends
-    beside = _ASCENT * ascent_passes(steps) if ascends else _SETTLING * settling_rounds(steps)
-    search = {"search": 0.45 + _SEARCH * steps} if settings.rdoq and plan.header.spec.context.prior else {}
+    effort, ascends = effort_of(settings.fit_settings()), TUNINGS[settings.tuned_for].ascends
+    beside = _ASCENT * effort.ascent_passes if ascends else _SETTLING * effort.rounds
+    search = {"search": 0.45 + _SEARCH * effort.steps} if settings.rdoq and plan.header.spec.context.prior else {}
     texture = {"texture": _TEXTURE + beside} if plan.header.spec.texture else {}
     return {
         "load": 0.05,
         "prepare": _PREPARE,
-        "fit": 0.1 + _FIT * steps,
+        "fit": 0.1 + _FIT * effort.steps,
         **search,
         **texture,
         "verify": _VERIFY,

@@ -22,23 +22,19 @@ from sgicodec.model.spec import ModelSpec
 from sgicodec.model.texture import ROOT_LOG
 from sgicodec.model.texture_symbols import TextureSteps
 from sgicodec.profiles.fit_settings import FitSettings, Phase
-from sgicodec.rdoq.texture import NO_DOUBT, TextureSearch, root_planes
+from sgicodec.rdoq.texture import NO_SPLIT_SEARCH, TextureSearch, root_planes
 
 __all__ = [
     "BLEND",
-    "EXACT_STEPS",
     "LEAST",
     "POSITION_BITS",
-    "UNSHARED",
     "Scout",
     "TextureCosts",
     "cell_weights",
     "estimated_cost",
-    "is_scouted",
     "of_pixels",
     "searched_cost",
     "seed_roots",
-    "seed_share",
     "seed_weights",
     "smoothed",
 ]
@@ -57,14 +53,6 @@ FULL, FULL_ESTIMATED, POWER, LEAST = 0.5, 0.74, 3.0, 1 / 32
 """ρ of the short fit from which seeds count in full, searched and estimated, how fast they count less below it, and the
 least. Where texture is searched, seeds are handed over later, so that a fit may begin with more of them.
 """
-EXACT_STEPS, SCOUT_STEPS = 500, 150
-"""Of a fit that is worth searches for texture instead of an estimate of its cost, and of a hurried one that is worth a
-short one before it.
-"""
-UNSHARED = 6.0
-"""λ of seeds that no short fit has placed, in the λ of the encode: fewer of them, and texture over all."""
-HANDED_OVER = 0.7
-"""Factor of their λ where seeds are handed over in the course of the fit."""
 CALM_BITS = 8.0
 """Added to the bits of seeds and to those that they save in each root; where texture alone saves fewer, seeds count in
 full: there is nothing to share.
@@ -92,23 +80,6 @@ def seed_roots(layout: SeedLayout, shape: tuple[int, int]) -> NDArray[np.int64]:
     rows, columns = shape
     root: NDArray[np.int64] = np.minimum(cell[:, 1], rows - 1) * columns + np.minimum(cell[:, 0], columns - 1)
     return root
-
-
-def is_scouted(fit: FitSettings) -> bool:
-    """Whether a short fit comes before this one."""
-    return not (fit.hurried and fit.steps < SCOUT_STEPS)
-
-
-def seed_share(fit: FitSettings) -> float:
-    """λ of seeds that count in full, in the λ of the encode.
-
-    What seeds leave costs less as texture than as more seeds; the shorter the fit, the more of it. Where a fit hands
-    seeds over ([texture_handover.py](texture_handover.py)), it may begin with more of them.
-    """
-    if not is_scouted(fit):
-        return UNSHARED
-    share = float(np.clip(2.8 * (200 / fit.steps) ** 0.3, 1.4, 2.8))
-    return share if fit.steps < EXACT_STEPS else max(1.0, HANDED_OVER * share)
 
 
 @dataclass(frozen=True)
@@ -141,10 +112,12 @@ class TextureCosts:
         return self.over(self.target)
 
 
-def seed_weights(spec: ModelSpec, fit: FitSettings, costs: TextureCosts, family: int) -> F32 | None:
-    """Weights [H, W] up to 1 of the seeds' squared errors in the target of `costs`; None where all are 1."""
+def seed_weights(spec: ModelSpec, fit: FitSettings, costs: TextureCosts, family: int, exact: bool) -> F32 | None:
+    """Weights [H, W] up to 1 of the seeds' squared errors in the target of `costs`; None where all are 1. exact:
+    whether texture is searched, instead of an estimate of what it costs.
+    """
     target, lmbda = costs.target, costs.lmbda
-    fit, exact = replace(fit, lmbda=SCOUT_SHARE * lmbda), fit.steps >= EXACT_STEPS
+    fit = replace(fit, lmbda=SCOUT_SHARE * lmbda)
     device, busy = costs.device, int(exact and costs.device.cores > 1)
     with _searched_beside(costs) if busy else nullcontext():
         scout = _scout(spec, fit, target, family, device.with_threads(device.cores - busy))
@@ -190,7 +163,7 @@ def smoothed(plane: F64, sigma: float) -> F64:
 
 def searched_cost(residual: F32, steps: TextureSteps, squared_steps: float, device: Device) -> F64:
     """What texture in these steps costs over each root [rows, columns], squared error plus λ times bits."""
-    costs = TextureSearch(residual, device, NO_DOUBT).costs(steps, squared_steps)
+    costs = TextureSearch(residual, device, NO_SPLIT_SEARCH).costs(steps, squared_steps)
     return np.asarray(costs * np.square(steps.of_channels[0]), np.float64)
 
 

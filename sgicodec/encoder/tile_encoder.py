@@ -12,19 +12,19 @@ import numpy as np
 
 from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.device import ALL_CORES, Device
-from sgicodec.encoder.adapting import adapts
 from sgicodec.encoder.candidate import Candidate, candidate_of
 from sgicodec.encoder.coded_samples import coded_samples
+from sgicodec.encoder.effort import effort_of
 from sgicodec.encoder.encoded import Encoded
 from sgicodec.encoder.nodata import bare_samples
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.restoring import Restorer, Strength
 from sgicodec.encoder.same_look import LookSteps
-from sgicodec.encoder.score_ascent import Contrast, ScoreAscent, ascent_passes
-from sgicodec.encoder.settling import settling_rounds, with_settled_seeds
+from sgicodec.encoder.score_ascent import Contrast, ScoreAscent
+from sgicodec.encoder.settling import with_settled_seeds
 from sgicodec.encoder.texture_contrast import TextureContrasts
 from sgicodec.encoder.texture_handover import HANDOVER, LOOK_AHEAD, Handover
-from sgicodec.encoder.texture_share import EXACT_STEPS, TextureCosts, is_scouted, seed_share, seed_weights
+from sgicodec.encoder.texture_share import TextureCosts, seed_weights
 from sgicodec.encoder.texture_tuning import TUNINGS, TextureTuning
 from sgicodec.encoder.tile_stream import TileStream
 from sgicodec.encoder.tile_time import TileTime
@@ -38,8 +38,8 @@ from sgicodec.picture import Picture
 from sgicodec.rate_control.lambda_controller import LambdaController
 from sgicodec.rate_control.rd_model import RdModel
 from sgicodec.rate_control.target import Measured
-from sgicodec.rdoq import Objective, Rdoq, RdoqSettings, can_optimise
-from sgicodec.rdoq.texture import DOUBT, NO_DOUBT, TextureSearch, colours_for
+from sgicodec.rdoq import Objective, Rdoq, can_optimise
+from sgicodec.rdoq.texture import TextureSearch, colours_for
 
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Fitted, Progress, Trainer
@@ -70,6 +70,7 @@ class Encoding:
             self.unit = np.tensordot(to_luma_space(self.spec.channels).astype(np.float32), self.unit, axes=1)
         self.reference = DISTORTIONS[self.settings.minimised].reference(self.unit, self.empty)
         self.fit = self.settings.fit_settings()
+        self.effort = effort_of(self.fit)
         self.fitted_by = ""
         self.strength: Strength | None = None  # of what restores pixels for the eye
         self.begin(self.fit.lmbda)
@@ -77,7 +78,7 @@ class Encoding:
     def begin(self, lmbda: float) -> None:
         """Makes ready for a fit at λ."""
         self.lmbda = lmbda
-        self.fit = replace(self.fit, lmbda=lmbda * (seed_share(self.fit) if self.spec.texture else 1.0))
+        self.fit = replace(self.fit, lmbda=lmbda * (self.effort.seed_price if self.spec.texture else 1.0))
         for held in ("seed_reference", "_usual_contrast", "_contrast"):
             self.__dict__.pop(held, None)
         lmbda = self.fit.lmbda
@@ -87,10 +88,10 @@ class Encoding:
     @cached_property
     def seed_reference(self) -> Reference:
         """What seeds are fitted to: the picture's distortion, less of it where texture follows for less bits."""
-        if not (self.spec.texture and is_scouted(self.fit) and self.time.can_scout):
+        if not (self.spec.texture and self.effort.scout and self.time.can_scout):
             return self.reference
         weights, family = self.reference.weights, self.plan.header.family
-        share = seed_weights(self.spec, self.fit, self.texture_costs, family)
+        share = seed_weights(self.spec, self.fit, self.texture_costs, family, self.effort.handover)
         if share is None:
             return self.reference
         return QuadraticReference(share if weights is None else share * weights)
@@ -142,7 +143,7 @@ class Encoding:
 
     def _run(self, trainer: Trainer, on_progress: Callable[[Progress], bool] | None) -> Fitted:
         """All phases of a fit, in the course of which seeds hand over to texture."""
-        hands_over, ahead = self.spec.texture and self.fit.steps >= EXACT_STEPS, None
+        hands_over, ahead = self.spec.texture and self.effort.handover, None
         for progress in trainer.iterate():
             if on_progress is not None and not on_progress(progress):
                 break
@@ -173,8 +174,7 @@ class Encoding:
     def rdoq(self, candidate: Candidate) -> Rdoq:
         """RDOQ from a candidate on."""
         self.stage("search")
-        settings = RdoqSettings.for_fit(self.fit)
-        reference = self.seed_reference
+        settings, reference = self.effort.rdoq, self.seed_reference
         return Rdoq(candidate.header, candidate.model, self.unit, candidate.lmbda, settings, self.device, reference)
 
     def searched(self, candidate: Candidate, least: int = 0) -> Candidate:
@@ -192,7 +192,7 @@ class Encoding:
         """The candidate with seeds that allow for the texture over them, in steps of this index, None for those of its
         λ. Where texture is to serve the eye, seeds stay: errors that are least to them are not to it.
         """
-        rounds = settling_rounds(self.fit.steps)
+        rounds = self.effort.rounds
         if not (rounds and self.searches and self.spec.texture) or self.tuning.ascends:
             return candidate
         self.stage("texture")
@@ -230,7 +230,7 @@ class Encoding:
             return None, step
         first = self._layer(search, step, price, None)
         self.strength = self._strength(search, first)
-        passes = ascent_passes(self.fit.steps)
+        passes = self.effort.ascent_passes
         ascent = ScoreAscent(self.unit, self.spec.luma_space, self.empty, self.device, self.strength)
         steps = LookSteps(self.plan.look, step, passes)
 
@@ -254,8 +254,7 @@ class Encoding:
         left = objective.decoded_residual(candidate.model)[:, :, : self.unit.shape[2]]
         steps = self._steps(self.tuning.step(self.lmbda))
         colours = colours_for(left, steps, self.tuning.price(self.lmbda), self._contrast, self.device)
-        doubt = NO_DOUBT if self.fit.hurried else DOUBT
-        return TextureSearch(left, self.device, doubt, colours=colours)
+        return TextureSearch(left, self.device, self.effort.split_margin, colours=colours)
 
     @property
     def tuning(self) -> TextureTuning:
@@ -278,7 +277,7 @@ class Encoding:
             beside = search.beside(self._restorer.correction(search, found, strength))
             found = self._layer(beside, step, price, found) or found  # for what the correction leaves
             strength = self._strength(search, found)
-            if strength and adapts(self.fit.steps):
+            if strength and self.effort.adapts_restoration:
                 strength = self._restorer.adapted(search, found, strength, self.lmbda)
         restoration = strength.over(found) if found is not None and strength is not None else None
         return replace(candidate, model=replace(candidate.model, texture=found, restoration=restoration))

@@ -18,7 +18,7 @@ from sgicodec.metrics.distortion import squared_error
 from sgicodec.picture import Picture
 from sgicodec.rate_control.side_information import EMPTY_STREAM_BYTES, tile_side_bytes
 from sgicodec.rate_control.tile_rd_model import LMBDA_GRID, RdTable
-from sgicodec.rdoq import Rdoq, RdoqSettings
+from sgicodec.rdoq import Rdoq
 from sgicodec.rdoq.adaptation import with_coarser_steps
 from sgicodec.rdoq.objective import with_values
 
@@ -115,7 +115,7 @@ class SearchTask:
             octaves = 0.5 * math.log2(lmbda / start.lmbda)
             model = replace(model, networks=with_coarser_steps(model.networks, octaves))
             return _finished(tile, self.plan, number, Candidate(header, model, lmbda), started)
-        settings = RdoqSettings.for_fit(tile.fit)
+        settings = tile.effort.rdoq
         settings = replace(settings, coarser=0.0, passes=max(_LEAST_PASSES, settings.passes // _PASSES_SHARE))
         rdoq = Rdoq(header, model, tile.unit, start.lmbda, settings, device, tile.reference)
         for _ in range(settings.passes):

@@ -17,7 +17,6 @@ from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import Stream, open_stream
 from sgicodec.device import Device
 from sgicodec.encoder import restoring
-from sgicodec.encoder.adapting import LEAST_STEPS
 from sgicodec.encoder.restoring import Restorer, Strength
 from sgicodec.model.luma_space import from_luma_space, to_luma_space
 from sgicodec.model.texture_symbols import TextureSteps
@@ -39,7 +38,7 @@ def streams(crop: Picture) -> dict[str, bytes]:
     kinds = {
         "psnr": QUICK,
         "visual": replace(QUICK, tune="visual"),
-        "adapted": replace(QUICK, quality=66, steps=LEAST_STEPS),
+        "adapted": replace(QUICK, quality=66, steps=400),
         "tiled": replace(QUICK, tile=100),
         "plain": replace(QUICK, restoration=False),
     }

@@ -12,14 +12,13 @@ from sgicodec import read
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.parts.texture import write_texture
 from sgicodec.device import ONE_THREAD
-from sgicodec.encoder.score_ascent import ScoreAscent, _Pace, ascent_passes
+from sgicodec.encoder.score_ascent import ScoreAscent, _Pace
 from sgicodec.encoder.texture_contrast import TextureContrasts
 from sgicodec.encoder.texture_tuning import TUNINGS
 from sgicodec.metrics.butteraugli import ButteraugliReference
 from sgicodec.metrics.visual_score import VisualReference
 from sgicodec.model.luma_space import from_luma_space, to_luma_space
 from sgicodec.model.texture_symbols import TextureSymbols
-from sgicodec.profiles.default import VISUAL_EFFORTS
 from sgicodec.rdoq.texture import TextureSearch
 
 DATA = Path(__file__).parents[2] / "data"
@@ -190,7 +189,3 @@ def test_moves_that_are_not_worth_their_bits_become_shorter() -> None:
     assert pace.after(400, 1080, 54) == 0.005  # of 2.7
     assert pace.after(399, 1200, 54) == 0.005  # finer steps say nothing
     assert pace.after(399, 1210, 54.2) == 0.0025  # bits of 0.3
-
-
-def test_longer_fits_take_more_passes() -> None:
-    assert [ascent_passes(steps) for steps in VISUAL_EFFORTS.values()] == [1, 2, 3, 4, 5, 8, 8, 8, 8]

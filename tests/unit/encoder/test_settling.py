@@ -12,11 +12,10 @@ import numpy as np
 import pytest
 
 from sgicodec import EncodeSettings, Picture, read
-from sgicodec.encoder import tile_encoder
 from sgicodec.encoder.candidate import Candidate
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import Tune
-from sgicodec.encoder.settling import MOST_ROUNDS, settling_rounds, with_settled_seeds
+from sgicodec.encoder.settling import with_settled_seeds
 from sgicodec.encoder.tile_encoder import Encoding
 from sgicodec.metrics.distortion import squared_error
 
@@ -41,12 +40,8 @@ def cost(part: Encoding, candidate: Candidate) -> tuple[int, float]:
 
 
 def settled(monkeypatch: pytest.MonkeyPatch, part: Encoding, candidate: Candidate, rounds: int) -> Candidate:
-    monkeypatch.setattr(tile_encoder, "settling_rounds", lambda steps: rounds)
+    monkeypatch.setattr(part, "effort", replace(part.effort, rounds=rounds))
     return part.settled(candidate)
-
-
-def test_longer_fits_are_worth_more_rounds() -> None:
-    assert [settling_rounds(steps) for steps in (120, 350, 800, 2500, 8000)] == [0, 0, 2, 6, MOST_ROUNDS]
 
 
 def test_the_same_error_takes_fewer_bytes(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,13 +14,13 @@ from sgicodec.device import ALL_CORES, Device
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.texture_handover import HANDOVER, Handover
-from sgicodec.encoder.texture_share import EXACT_STEPS, LEAST, POSITION_BITS, searched_cost
+from sgicodec.encoder.texture_share import LEAST, POSITION_BITS, searched_cost
 from sgicodec.encoder.texture_tuning import TUNINGS
 from sgicodec.encoder.tile_encoder import Encoding
 from sgicodec.fit.trainer import Trainer
 from sgicodec.picture import Picture
 
-LMBDA, STEPS = 0.002, 200
+LMBDA, STEPS, EXACT_STEPS = 0.002, 200, 500
 HEIGHT, WIDTH = 128, 256
 
 

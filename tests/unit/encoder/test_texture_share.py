@@ -10,22 +10,20 @@ import pytest
 from half_texture import half_texture
 
 from sgicodec.device import ALL_CORES
+from sgicodec.encoder.effort import UNSCOUTED_PRICE
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.texture_share import (
     FULL,
     LEAST,
-    UNSHARED,
     cell_weights,
     estimated_cost,
     searched_cost,
-    seed_share,
     smoothed,
 )
 from sgicodec.encoder.texture_tuning import TUNINGS
 from sgicodec.encoder.tile_encoder import Encoding
 from sgicodec.picture import Picture
-from sgicodec.profiles.default import default_settings
 
 LMBDA = 0.002
 
@@ -101,7 +99,7 @@ def test_another_lmbda_is_scouted_again() -> None:
 def test_the_shortest_fits_have_no_shorter_one_before_them() -> None:
     part = encoding(half_texture(), effort=1)
     assert part.seed_reference is part.reference
-    assert part.fit.lmbda == UNSHARED * LMBDA
+    assert part.fit.lmbda == UNSCOUTED_PRICE * LMBDA
 
 
 def test_a_short_time_limit_leaves_no_time_to_scout() -> None:
@@ -142,13 +140,6 @@ def test_cells_count_as_their_seeds_save() -> None:
 
 def test_where_there_is_nothing_to_show_seeds_count_in_full() -> None:
     np.testing.assert_allclose(cell_weights(np.zeros((4, 4)), np.zeros((4, 4)), LMBDA), 1.0)
-
-
-def test_short_fits_leave_more_to_texture() -> None:
-    hurried = default_settings(LMBDA, 120, hurried=True)
-    shares = [seed_share(fit) for fit in (hurried, *(default_settings(LMBDA, steps) for steps in (3, 350, 1000, 9000)))]
-    assert shares == sorted(shares, reverse=True)
-    assert shares[-1] >= 1
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (2, 7), (11, 5)])
