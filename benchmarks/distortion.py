@@ -7,9 +7,8 @@ SSIMULACRA 2. Differences are against squared error in every stage, at equal byt
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import click
@@ -23,7 +22,9 @@ from sgicodec.device import Device
 from sgicodec.encoder.encoded import Encoded
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.encoder.tile_encoder import Encoding
+from sgicodec.encoder.tile.inputs import tile_of
+from sgicodec.encoder.tile.stages import in_integers, prepare, rdoq
+from sgicodec.encoder.tile.writing import stream_of, write
 from sgicodec.fit.base_layer import base_layer
 from sgicodec.fit.pyramid import levels_of
 from sgicodec.fit.trainer import Trainer
@@ -52,17 +53,20 @@ class Outcome:
 
 def encoded_without(picture: Picture, settings: EncodeSettings, stages: Sequence[str], device: Device) -> Encoded:
     """The stream of a picture, these stages working on plain squared error."""
-    encoding = Encoding(picture, stream_plan(Shape.of(picture), settings), time.monotonic(), device)
-    weights, fit, spec = encoding.reference.weights, encoding.fit, encoding.spec
+    tile = tile_of(picture, stream_plan(Shape.of(picture), settings), device)
+    prepared, spec = prepare(tile, tile.fit.lmbda), tile.spec
+    fit, weights = prepared.fit, tile.reference.weights
     within = {stage: None if stage in stages else weights for stage in STAGES}
-    parts = base_layer(spec, encoding.unit, fit.lmbda, within["base"])
-    encoding.base_step, encoding.base, encoding.target = parts
-    layout = adaptive_layout(encoding.target, fit.split_price * fit.lmbda, weights=within["split"])
-    family, networks = encoding.plan.header.family, load_prior(spec)
-    trainer = Trainer(spec, fit, encoding.target, layout, family, networks, device=device, weights=within["seeds"])
-    trainer.levels = levels_of(encoding.target, within["step"], len(trainer.levels))
-    encoding.reference = QuadraticReference(within["rdoq"])
-    return encoding.encoded(encoding.searched(encoding.candidate(trainer.run())))
+    base_step, base, target = base_layer(spec, tile.unit, fit.lmbda, within["base"])
+    layout = adaptive_layout(target, fit.split_price * fit.lmbda, weights=within["split"])
+    family, networks = tile.header.family, load_prior(spec)
+    trainer = Trainer(spec, fit, target, layout, family, networks, device=device, weights=within["seeds"])
+    trainer.levels = levels_of(target, within["step"], len(trainer.levels))
+    reference = QuadraticReference(within["rdoq"])
+    prepared = replace(prepared, base_step=base_step, base=base, target=target, seed_reference=reference)
+    written = write(rdoq(in_integers(prepared, trainer.run())))
+    data, gaussians = stream_of(written, tile), written.seeds * spec.per_seed
+    return Encoded(data, written.part_bytes, written.seeds, gaussians, written.lmbda)
 
 
 def outcome(picture: Picture, encoded: Encoded, distortion: str, device: Device) -> Outcome:

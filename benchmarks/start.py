@@ -20,7 +20,7 @@ __all__ = ["main"]
 _CODE = """
 import json, os, sys, time
 from sgicodec.cli.main import main
-from sgicodec.encoder.texture_share import SCOUT_PHASES
+from sgicodec.encoder.tile.sharing import SCOUT_PHASES
 from sgicodec.fit.trainer import Trainer
 
 spawned, found, seen, step = float(sys.argv.pop(1)), [], [], Trainer._step

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from sgicodec.encoder.settings import Tune
 from sgicodec.profiles.fit_settings import FitSettings
 from sgicodec.rdoq.settings import RdoqSettings
 from sgicodec.rdoq.texture import NO_SPLIT_SEARCH, SPLIT_SEARCH_MARGIN
@@ -34,18 +35,19 @@ class Effort:
     """Up to how many times the cost of the other choice, by an estimate, a block of texture is tried whole or divided;
     1 trusts the estimate."""
     rounds: int
-    """Towards least squared error: times that seeds are quantised again beneath the texture."""
+    """Times that seeds are quantised again beneath the texture; none for the eye, to which other errors are least."""
     adapts_restoration: bool
-    """Towards least squared error: whether the last layer of the network that restores is fitted to the tile."""
+    """Whether the last layer of the network that restores is fitted to the tile; not for the eye."""
     ascent_passes: int
-    """For the eye: passes of gradient ascent, each of which searches texture anew."""
+    """Passes of gradient ascent on what the eye sees, each of which searches texture anew."""
 
 
-def effort_of(fit: FitSettings) -> Effort:
-    """What goes with a fit of so many steps. The thresholds are where a step more gained less than the same time spent
-    on what they switch on (docs/notes: texture-share, settling, score-ascent, restoration, rdoq).
+def effort_of(fit: FitSettings, tuned_for: Tune) -> Effort:
+    """What goes with a fit of so many steps, for least squared error or for the eye. The thresholds are where a step
+    more gained less than the same time spent on what they switch on (docs/notes: texture-share, settling,
+    score-ascent, restoration, rdoq).
     """
-    steps, low = fit.steps, fit.hurried
+    steps, low, eye = fit.steps, fit.hurried, tuned_for == "visual"
     scout, handover = steps >= 150 or not low, steps >= 500
     rdoq_passes = _within(2, round(steps / 250), 32)
     return Effort(
@@ -55,9 +57,9 @@ def effort_of(fit: FitSettings) -> Effort:
         seed_price=_seed_price(steps, handover) if scout else UNSCOUTED_PRICE,
         rdoq=RdoqSettings(passes=1, deep=1, rounds=2) if low else RdoqSettings(passes=rdoq_passes),
         split_margin=NO_SPLIT_SEARCH if low else SPLIT_SEARCH_MARGIN,
-        rounds=_within(0, 1 + (steps - 375) // 225, 6),
-        adapts_restoration=steps >= 400,
-        ascent_passes=_within(1, 1 + steps // 125, 8),
+        rounds=0 if eye else _within(0, 1 + (steps - 375) // 225, 6),
+        adapts_restoration=steps >= 400 and not eye,
+        ascent_passes=_within(1, 1 + steps // 125, 8) if eye else 0,
     )
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
+from sgicodec.encoder.effort import effort_of
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.texture_tuning import TUNINGS
 from sgicodec.executors.executor import MIB, Memory
 
 __all__ = ["estimate"]
@@ -37,7 +37,7 @@ def estimate(plan: Plan, reading: int) -> Memory:
         share = min(MOST_SEEDS, USUAL_SEEDS * math.sqrt(USUAL_LMBDA / lmbda))
     window = pixels * channels * {"uint8": 1, "uint16": 2, "float32": 4}[header.sample_type]
     each_pixel = PIXEL_BYTES + CHANNEL_BYTES * channels + SEED_BYTES * share
-    if header.spec.texture and TUNINGS[plan.settings.tuned_for].ascends:
+    if header.spec.texture and effort_of(plan.settings.fit_settings(), plan.settings.tuned_for).ascent_passes:
         each_pixel = max(each_pixel, SCORED_PIXEL_BYTES + SCORED_CHANNEL_BYTES * channels)
     fixed = WORKER + (LIBRARY if plan.settings.chosen_profile.needs else 0)
     return Memory(MAIN + reading + 2 * window, fixed + window + round(pixels * each_pixel), MAIN)

@@ -30,12 +30,9 @@ from sgicodec.encoder.plan import Plan, stream_plan
 from sgicodec.encoder.same_look import with_same_look
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.store import MemoryStore
-from sgicodec.encoder.tile_encoder import Encoding
 from sgicodec.encoder.tile_weight import tile_weight
-from sgicodec.encoder.tile_work import Start
+from sgicodec.encoder.tile_work import FitTask, Start
 from sgicodec.encoder.time_budget import TimeBudget
-from sgicodec.encoder.to_target import SeedTargetEncoder
-from sgicodec.encoder.to_texture_target import TextureTargetEncoder
 from sgicodec.encoder.windows import Windows, kept, tile_window, windows_of
 from sgicodec.encoder.worker import TileRunner
 from sgicodec.errors import TargetMissedError, UsageError
@@ -47,7 +44,6 @@ from sgicodec.picture import Picture, nodata_samples
 
 if TYPE_CHECKING:
     from sgicodec.bitstream.header import Header
-    from sgicodec.fit.trainer import Progress
     from sgicodec.image import Source
 
 __all__ = ["encode_all_channels", "encode_picture"]
@@ -173,35 +169,25 @@ def _encode_whole(job: _Job, executor: Executor | None) -> tuple[Encoded, str | 
     """The stream of a picture in one tile, and how it misses what was asked for, if it does. An executor has a say in
     the memory that this takes.
     """
-    shape, plan, missed = job.windows.shape, job.plan, None
+    shape, plan = job.windows.shape, job.plan
     job.listener.planned(plan, 1, _memory_of_whole(job.windows, plan, executor))
     job.listener.stage("load")
     picture = job.windows.read(0, 0, shape.width, shape.height)
     plan = replace(plan, header=_header_of_whole(plan.header, picture))
-    steps, short, going = 0, False, True
-
-    def watch(progress: Progress) -> bool:
-        nonlocal steps, short, going
-        steps, short, going = progress.step, progress.step < progress.steps, job.listener.step(progress)
-        return going
-
-    def ending() -> bool:
-        return not going or job.listener.ending()
-
     job.listener.stage("prepare")
-    encoding = Encoding(picture, plan, job.started, job.device)
-    encoding.ending, encoding.stage = ending, job.listener.stage
-    target = plan.settings.rate_target(picture.width * picture.height)
-    try:
-        to_target = TextureTargetEncoder if encoding.spec.texture else SeedTargetEncoder
-        encoded = encoding.run(watch) if target is None else to_target(encoding, target).run(watch)
-    except TargetMissedError as error:
-        missed, encoded = str(error), error.nearest
-    psnr = job.psnr(encoded.data) if job.verify else None
+    tile = FitTask(plan, job.listener, job.started)(0, plan.of_header(picture), Start(), job.device)
+    buffer = io.BytesIO()
+    write_stream(buffer, tile.header or plan.header, plan.software, plan.metadata, [tile.payload])
+    data = buffer.getvalue()
+    psnr = job.psnr(data) if job.verify else None
     if job.output is not None:
-        replace(job, verify=False).write(lambda file: file.write(encoded.data))
-    devices = {encoding.fitted_by: 1} if encoding.fitted_by else {}
-    return replace(encoded, steps=steps, ended_early=short or ending(), psnr=psnr, devices=devices), missed
+        replace(job, verify=False).write(lambda file: file.write(data))
+    devices = {tile.fitted_by: 1} if tile.fitted_by else {}
+    gaussians = tile.seeds * plan.header.spec.per_seed
+    encoded = Encoded(
+        data, tile.part_bytes, tile.seeds, gaussians, tile.lmbda, tile.steps, tile.ended_early, psnr, devices
+    )
+    return encoded, tile.missed
 
 
 def _header_of_whole(header: Header, picture: Picture) -> Header:

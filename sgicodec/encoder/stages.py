@@ -7,14 +7,13 @@ from collections.abc import Mapping
 
 from sgicodec.encoder.effort import effort_of
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.texture_tuning import TUNINGS
 
 __all__ = ["StageClock", "stage_weights"]
 
-_PREPARE, _FIT, _SEARCH, _TEXTURE, _ASCENT, _SETTLING, _VERIFY = 0.5, 5e-3, 1e-3, 0.4, 0.2, 0.6, 0.1
+_PREPARE, _FIT, _SEARCH, _TEXTURE, _ASCENT, _ROUND, _VERIFY = 0.5, 5e-3, 1e-3, 0.4, 0.2, 0.6, 0.1
 """Seconds of each stage, of the fit and the search for each step, of texture for each pass of ascent or round of
-settling besides, relative to the others: of a photograph of 0.4 megapixels. Machines and pictures differ in the sum far
-more than in the shares.
+requantisation besides, relative to the others: of a photograph of 0.4 megapixels. Machines and pictures differ in the
+sum far more than in the shares.
 """
 
 _MOST_ESTIMATED = 0.97
@@ -27,10 +26,10 @@ def stage_weights(plan: Plan) -> dict[str, float]:
     if plan.header.tile:
         again = {"more passes": 0.7} if settings.rate_target(1) is not None else {}
         return {"load": 0.02, "tiles": 1.0, **again, "verify": 0.1}
-    effort, ascends = effort_of(settings.fit_settings()), TUNINGS[settings.tuned_for].ascends
-    beside = _ASCENT * effort.ascent_passes if ascends else _SETTLING * effort.rounds
+    effort = effort_of(settings.fit_settings(), settings.tuned_for)
     search = {"search": 0.45 + _SEARCH * effort.steps} if settings.rdoq and plan.header.spec.context.prior else {}
-    texture = {"texture": _TEXTURE + beside} if plan.header.spec.texture else {}
+    seconds = _TEXTURE + _ASCENT * effort.ascent_passes + _ROUND * effort.rounds
+    texture = {"texture": seconds} if plan.header.spec.texture else {}
     return {
         "load": 0.05,
         "prepare": _PREPARE,

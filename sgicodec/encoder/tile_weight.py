@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 
 from sgicodec.encoder.nodata import empty_pixels
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.tile_encoder import Encoding
+from sgicodec.encoder.tile.inputs import tile_of
+from sgicodec.encoder.tile.stages import prepare
 from sgicodec.model.layout import adaptive_layout
 from sgicodec.picture import Picture
 
@@ -28,10 +28,10 @@ def tile_weight(window: Picture, plan: Plan) -> float:
         return float(pixels)
     seeds = looked = 0
     for part in sampled(window):
-        tile = Encoding(part, replace(plan, metadata=None), time.monotonic())
-        seeds += len(
-            adaptive_layout(tile.target, tile.fit.split_price * tile.fit.lmbda, weights=tile.reference.weights)
-        )
+        tile = tile_of(part, plan)
+        prepared = prepare(tile, tile.fit.lmbda)
+        price = prepared.fit.split_price * prepared.fit.lmbda
+        seeds += len(adaptive_layout(prepared.target, price, weights=tile.reference.weights))
         looked += part.width * part.height
     return pixels + _SEED_PIXELS * seeds * pixels / looked
 

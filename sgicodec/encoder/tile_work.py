@@ -7,12 +7,16 @@ import time
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
+from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.tile import read_tile
 from sgicodec.bitstream.parts.tile_chunk import decode_tile_chunk
-from sgicodec.device import ALL_CORES, Device
-from sgicodec.encoder.candidate import Candidate, written
+from sgicodec.device import Device
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.tile_encoder import Encoding
+from sgicodec.encoder.tile.inputs import tile_of
+from sgicodec.encoder.tile.stages import encode, prepare, rd_model, texture, with_model
+from sgicodec.encoder.tile.state import Tile, TileListener, TileState
+from sgicodec.encoder.tile.target import write_at_target
+from sgicodec.encoder.tile.writing import WrittenTile, decoded, network_weights, write, write_nothing
 from sgicodec.executors.threads import stopping
 from sgicodec.metrics.distortion import squared_error
 from sgicodec.picture import Picture
@@ -25,7 +29,7 @@ from sgicodec.rdoq.objective import with_values
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Progress
 
-__all__ = ["EncodedTile", "FitTask", "LookaheadTask", "SearchTask", "Start", "encode_tile"]
+__all__ = ["EncodedTile", "FitTask", "LookaheadTask", "SearchTask", "Start"]
 
 
 @dataclass(frozen=True)
@@ -34,6 +38,9 @@ class EncodedTile:
     the tile's core, over `samples` of them in 0..1; distortion: what λ trades for bytes, of the same; seconds: that it
     took, `decoding` of them to decode it; length: of the payload; lmbda: its λ; steps: of its fit; fitted_by: the name
     of what made that, empty without a fit.
+
+    The only tile of a stream is not measured. header: the stream's, which it changes; ended_early: whether its fit or
+    search was ended; missed: how it misses the target.
     """
 
     payload: bytes
@@ -48,6 +55,9 @@ class EncodedTile:
     decoding: float = 0.0
     steps: int = 0
     fitted_by: str = ""
+    header: Header | None = None
+    ended_early: bool = False
+    missed: str | None = None
 
 
 class Start(NamedTuple):
@@ -72,26 +82,67 @@ class LookaheadTask:
 
     def __call__(self, number: int, window: Picture, start: Start, device: Device) -> RdTable:
         """A tile without valid pixels has neither bytes nor error."""
-        tile = _encoding(window, self.plan, number, device)
+        tile = tile_of(window, self.plan, device, number)
         if tile.holds_nothing:
             return RdTable((0.0,) * len(LMBDA_GRID), (0.0,) * len(LMBDA_GRID))
         _, _, width, height = self.plan.header.grid.core(number)
-        samples = width * height * self.plan.header.spec.channels
-        rd_model, side = tile.rd_model(), tile_side_bytes(tile.stream.network_weights)
-        found = [rd_model.predict(lmbda) for lmbda in LMBDA_GRID]
+        samples = width * height * tile.spec.channels
+        model, side = rd_model(prepare(tile, tile.fit.lmbda)), tile_side_bytes(network_weights(tile.spec))
+        found = [model.predict(lmbda) for lmbda in LMBDA_GRID]
         sizes = tuple(max(size - EMPTY_STREAM_BYTES, 0.0) + side for size, _ in found)
         return RdTable(sizes, tuple(samples * error for _, error in found))
 
 
 @dataclass(frozen=True)
 class FitTask:
-    """Fits a tile at the plan's λ."""
+    """Fits a tile at the plan's λ, or the only one towards the plan's target. listener: who is told, in this process;
+    without one, the work ends where nobody waits for it any more. started: when the encode of the only tile began, a
+    value of time.monotonic().
+    """
 
     plan: Plan
+    listener: TileListener | None = None
+    started: float | None = None
 
     def __call__(self, number: int, window: Picture, start: Start, device: Device) -> EncodedTile:
         """Fits the pixels that the tile covers, apron included."""
-        return encode_tile(window, self.plan, number, device, start.seconds)
+        began, seconds = time.monotonic(), start.seconds
+        if self.started is not None:
+            began, seconds = self.started, self.plan.settings.time_limit
+        listener = self.listener or _Waiting()
+        tile = tile_of(window, self.plan, device, number, listener=listener, started=began, seconds=seconds)
+        written, missed = _fitted(tile)
+        watch = tile.watch
+        return replace(
+            _finished(tile, written, began),
+            steps=watch.steps,
+            ended_early=watch.is_short or watch.ending(),
+            fitted_by=watch.fitted_by,
+            missed=missed,
+        )
+
+
+def _fitted(tile: Tile) -> tuple[WrittenTile, str | None]:
+    """A tile after all stages, and how it misses what was asked for, if it does."""
+    if tile.holds_nothing:
+        return write_nothing(tile), None
+    target = tile.settings.rate_target(tile.picture.width * tile.picture.height)
+    return (write(encode(tile)), None) if target is None else write_at_target(tile, target)
+
+
+class _Waiting:
+    """A `TileListener` of a worker, whose work ends where nobody waits for it any more."""
+
+    def stage(self, name: str) -> None:
+        """Nobody asks."""
+
+    def step(self, progress: Progress) -> bool:
+        """As in `TileListener`."""
+        return not stopping()
+
+    def ending(self) -> bool:
+        """As in `TileListener`."""
+        return stopping()
 
 
 @dataclass(frozen=True)
@@ -102,88 +153,59 @@ class SearchTask:
 
     def __call__(self, number: int, window: Picture, start: Start, device: Device) -> EncodedTile:
         """A model that cannot be searched has its steps moved as λ asks for."""
-        started, tile = time.monotonic(), _encoding(window, self.plan, number, device)
+        began, tile = time.monotonic(), tile_of(window, self.plan, device, number)
         payload = decode_tile_chunk(self.plan.header, start.payload).model
         if payload is None:
-            return _finished(tile, self.plan, number, None, started)
-        header, lmbda = tile.plan.header, tile.lmbda
-        model, _ = read_tile(header, payload, device)
-        model = with_values(header.spec, model, model.decoded_values)
-        if header.spec.texture:
-            return _finished(tile, self.plan, number, tile.textured(Candidate(header, model, lmbda)), started)
-        if not tile.searches:
-            octaves = 0.5 * math.log2(lmbda / start.lmbda)
-            model = replace(model, networks=with_coarser_steps(model.networks, octaves))
-            return _finished(tile, self.plan, number, Candidate(header, model, lmbda), started)
-        settings = tile.effort.rdoq
-        settings = replace(settings, coarser=0.0, passes=max(_LEAST_PASSES, settings.passes // _PASSES_SHARE))
-        rdoq = Rdoq(header, model, tile.unit, start.lmbda, settings, device, tile.reference)
-        for _ in range(settings.passes):
-            model = rdoq.descend(lmbda).model
-        return _finished(tile, self.plan, number, Candidate(header, model, lmbda), started)
+            return _finished(tile, write_nothing(tile), began)
+        model, _ = read_tile(tile.header, payload, device)
+        model = with_values(tile.spec, model, model.decoded_values)
+        prepared = prepare(tile, tile.fit.lmbda)
+        state = with_model(prepared, tile.header, model, start.lmbda)
+        return _finished(tile, write(_searched(state)), began)
 
 
-_LEAST_PASSES, _PASSES_SHARE = 2, 3
+def _searched(state: TileState) -> TileState:
+    """The tile with texture, or without any with symbols, for its λ instead of that of its seeds."""
+    tile, model, lmbda = state.tile, state.model, state.lmbda
+    if tile.spec.texture:
+        return texture(state)
+    if not tile.has_rdoq:
+        octaves = 0.5 * math.log2(lmbda / state.seed_lmbda)
+        return replace(state, model=replace(model, networks=with_coarser_steps(model.networks, octaves)))
+    settings = tile.effort.rdoq
+    settings = replace(settings, coarser=0.0, passes=max(_MIN_PASSES, settings.passes // _PASSES_SHARE))
+    rdoq = Rdoq(tile.header, model, tile.unit, state.seed_lmbda, settings, tile.device, tile.reference)
+    for _ in range(settings.passes):
+        model = rdoq.descend(lmbda).model
+    return replace(state, model=model)
+
+
+_MIN_PASSES, _PASSES_SHARE = 2, 3
 """Passes of a search after a search: at least, and of those after a fit."""
 
 
-def encode_tile(
-    window: Picture,
-    plan: Plan,
-    number: int,
-    device: Device = ALL_CORES,
-    seconds: float | None = None,
-) -> EncodedTile:
-    """Fits tile `number` of a stream of several to its pixels, apron included; in about `seconds`, if given."""
-    started, tile = time.monotonic(), _encoding(window, plan, number, device, seconds)
-    steps = 0
-
-    def watch(progress: Progress) -> bool:
-        nonlocal steps
-        steps = progress.step
-        return not stopping()
-
-    tile.ending = stopping
-    candidate = None
-    if not tile.holds_nothing:
-        candidate = tile.textured(tile.settled(tile.searched(tile.candidate(tile.fitted(watch)))))
-    return replace(_finished(tile, plan, number, candidate, started), steps=steps, fitted_by=tile.fitted_by)
-
-
-def _encoding(window: Picture, plan: Plan, number: int, device: Device, seconds: float | None = None) -> Encoding:
-    started = time.monotonic()
-    header, settings = plan.header, replace(plan.settings, time_limit=seconds)
-    if settings.seeds is not None:
-        share = window.width * window.height / (header.width * header.height)
-        settings = replace(settings, seeds=max(1, round(settings.seeds * share)))
-    own = replace(plan, header=header.of_tile(number), settings=settings, metadata=None)
-    tile = Encoding(window, own, started, device)
-    tile.fit = replace(tile.fit, quality=header.quality)
-    return tile
-
-
-def _finished(tile: Encoding, plan: Plan, number: int, candidate: Candidate | None, started: float) -> EncodedTile:
-    """The tile's payload, measured on its own: where it fades into its neighbours, they make the error smaller."""
-    header, model, parts, seeds = plan.header, None, dict[str, float](), 0
-    if candidate is not None:
-        model, parts = written(candidate)
-        seeds = len(candidate.model.layout)
-    payload = tile.stream.chunk(header, number, model)
-    if header.masked is not None or header.has_exact:
-        parts["mask"] = len(payload) - len(model or b"")
+def _finished(tile: Tile, written: WrittenTile, began: float) -> EncodedTile:
+    """The tile's payload. One of several is measured on its own: where it fades into its neighbours, they make the
+    error smaller.
+    """
+    size, lmbda = len(written.chunk), tile.fit.lmbda
+    known = written.chunk, written.part_bytes, written.seeds
+    if tile.is_only:
+        seconds = time.monotonic() - began
+        return EncodedTile(*known, math.nan, math.nan, 0, seconds, size, written.lmbda, header=written.header)
     coded = time.monotonic()
-    decoded = tile.stream.decoded(tile.stream.assembled(tile.plan.header, model)[0])
+    shown = decoded(written, tile)
     decoding = time.monotonic() - coded
-    core, weights = _core(plan, number), tile.reference.weights
-    own, shown = (replace(picture, pixels=picture.pixels[core]) for picture in (tile.picture, decoded))
-    error = squared_error(own, shown)
-    distortion = error if weights is None else squared_error(own, shown, weights[core])
-    size, seconds = len(payload), time.monotonic() - started
-    return EncodedTile(payload, parts, seeds, error, distortion, own.pixels.size, seconds, size, tile.lmbda, decoding)
+    core, weights = _core(tile), tile.reference.weights
+    ours, theirs = (replace(picture, pixels=picture.pixels[core]) for picture in (tile.picture, shown))
+    error = squared_error(ours, theirs)
+    distortion = error if weights is None else squared_error(ours, theirs, weights[core])
+    seconds = time.monotonic() - began
+    return EncodedTile(*known, error, distortion, ours.pixels.size, seconds, size, lmbda, decoding)
 
 
-def _core(plan: Plan, number: int) -> tuple[slice, slice]:
+def _core(tile: Tile) -> tuple[slice, slice]:
     """Rows and columns of a tile's pixels that are in no other core."""
-    grid = plan.header.grid
+    grid, number = tile.plan.header.grid, tile.number
     (left, top, _, _), (x, y, width, height) = grid.rect(number), grid.core(number)
     return slice(y - top, y - top + height), slice(x - left, x - left + width)

@@ -77,7 +77,7 @@ class TextureSearch:
         self.bits = 0.0
         """Of the layer that was found last, its information content."""
 
-    def beside(self, correction: F32) -> TextureSearch:
+    def excluding(self, correction: F32) -> TextureSearch:
         """The search for layers to which restoration adds this correction [C, H, W]."""
         return TextureSearch(self.residual, self.device, self.split_margin, correction, self.colours)
 

@@ -42,7 +42,7 @@ def test_efforts() -> None:
     assert dict(zip(efforts, plain, strict=True)) == EFFORTS
     assert dict(zip(efforts, psnr, strict=True)) == TEXTURE_EFFORTS
     assert dict(zip(efforts, visual, strict=True)) == VISUAL_EFFORTS
-    assert passes == [effort_of(default_settings(1.0, steps)).ascent_passes for steps in visual]
+    assert passes == [effort_of(default_settings(1.0, steps), "visual").ascent_passes for steps in visual]
 
 
 def test_exit_codes(sgi: Run) -> None:

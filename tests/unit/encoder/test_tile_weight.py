@@ -10,7 +10,8 @@ import pytest
 
 from sgicodec import EncodeSettings, Picture, read
 from sgicodec.encoder.plan import Plan, Shape, stream_plan
-from sgicodec.encoder.tile_encoder import Encoding
+from sgicodec.encoder.tile.inputs import tile_of
+from sgicodec.encoder.tile.stages import prepare
 from sgicodec.encoder.tile_weight import sampled, tile_weight
 from sgicodec.model.layout import adaptive_layout
 from sgicodec.picture import Metadata
@@ -33,9 +34,10 @@ def test_a_sixteenth_tells_of_the_whole(name: str) -> None:
     """The seeds that a fit really starts with, at the price that the weight has for them."""
     picture = crop(name)
     plan = plan_for(picture)
-    tile = Encoding(picture, plan, 0.0)
-    price = tile.fit.split * tile.fit.lmbda * tile.fit.seed_bits
-    seeds = len(adaptive_layout(tile.target, price, weights=tile.reference.weights))
+    tile = tile_of(picture, plan)
+    prepared = prepare(tile, tile.fit.lmbda)
+    price = prepared.fit.split * prepared.fit.lmbda * prepared.fit.seed_bits
+    seeds = len(adaptive_layout(prepared.target, price, weights=tile.reference.weights))
     assert tile_weight(picture, plan) == pytest.approx(704 * 448 + 31 * seeds, rel=0.35)
 
 

@@ -19,8 +19,7 @@ class TextureTuning:
     they grow with its square root, as far as a stream can say. colours: steps of colour differences grow with this
     power of the first channel's. masking: steps grow with this power of the local standard deviation of luma, 0 for
     not at all ([texture_contrast.py](texture_contrast.py)). larger: how much larger streams are than the R-D model
-    says, in octaves of λ. ascends: whether layers are searched again for the eye
-    ([score_ascent.py](score_ascent.py)).
+    says, in octaves of λ.
     """
 
     squared_steps: float
@@ -30,7 +29,6 @@ class TextureTuning:
     colours: float = 1.0
     masking: float = 0.0
     larger: float = 0.0
-    ascends: bool = False
 
     def step(self, lmbda: float) -> int:
         """Index of the step for λ."""
@@ -60,5 +58,5 @@ _EQUAL_STEPS = 428
 
 TUNINGS = {
     "psnr": TextureTuning(_SQUARED_STEPS, network=1),
-    "visual": TextureTuning(0.0927, 3, 39, growth=(1.0, 4.0), colours=7 / 8, masking=0.4, larger=1.3, ascends=True),
+    "visual": TextureTuning(0.0927, 3, 39, growth=(1.0, 4.0), colours=7 / 8, masking=0.4, larger=1.3),
 }

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.encoder.texture_tuning import TextureTuning
+from sgicodec.encoder.tile.texture_tuning import TextureTuning
 from sgicodec.metrics.local_variance import local_variance
 from sgicodec.metrics.psnr import luma
 from sgicodec.metrics.regular_pattern import BLOCK, RegularPatterns, regular_patterns

@@ -12,12 +12,12 @@ import pytest
 from sgicodec import EncodeSettings, Picture, encode_picture, read
 from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.plan import Shape, stream_plan
-from sgicodec.encoder.texture_tuning import TUNINGS, TextureTuning
+from sgicodec.encoder.tile.texture_tuning import TUNINGS, TextureTuning
 from sgicodec.metrics.perceptual import ssimulacra2
 from sgicodec.model.texture_symbols import STEP_COUNT
 from sgicodec.picture import to_rgb8
 
-PHOTO = Path(__file__).parents[2] / "data" / "kodim13.png"
+PHOTO = Path(__file__).parents[3] / "data" / "kodim13.png"
 
 
 @pytest.fixture(scope="module")

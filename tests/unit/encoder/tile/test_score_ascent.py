@@ -12,16 +12,16 @@ from sgicodec import read
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.parts.texture import write_texture
 from sgicodec.device import ONE_THREAD
-from sgicodec.encoder.score_ascent import ScoreAscent, _Pace
-from sgicodec.encoder.texture_contrast import TextureContrasts
-from sgicodec.encoder.texture_tuning import TUNINGS
+from sgicodec.encoder.tile.score_ascent import ScoreAscent, _Pace
+from sgicodec.encoder.tile.texture_contrast import TextureContrasts
+from sgicodec.encoder.tile.texture_tuning import TUNINGS
 from sgicodec.metrics.butteraugli import ButteraugliReference
 from sgicodec.metrics.visual_score import VisualReference
 from sgicodec.model.luma_space import from_luma_space, to_luma_space
 from sgicodec.model.texture_symbols import TextureSymbols
 from sgicodec.rdoq.texture import TextureSearch
 
-DATA = Path(__file__).parents[2] / "data"
+DATA = Path(__file__).parents[3] / "data"
 TUNING = TUNINGS["visual"]
 STEP = 405
 
@@ -103,7 +103,7 @@ def test_moves_take_few_bits(luma_space: bool, monkeypatch: pytest.MonkeyPatch) 
     """Contrasts trade bits as well: they are left as they are here."""
     case = Case(luma_space)
     with monkeypatch.context() as patched:
-        patched.setattr("sgicodec.encoder.score_ascent.better_contrasts", lambda contrast, *_: contrast)
+        patched.setattr("sgicodec.encoder.tile.score_ascent.better_contrasts", lambda contrast, *_: contrast)
         bits = case.bits()
         case.ascend(1)
         assert case.bits() < 1.04 * bits

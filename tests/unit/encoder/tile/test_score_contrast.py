@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from sgicodec.encoder.score_contrast import better_contrasts
+from sgicodec.encoder.tile.score_contrast import better_contrasts
 from sgicodec.model.texture_symbols import CONTRAST_LIMIT, TextureSteps, TextureSymbols
 
 ROWS, COLUMNS = 6, 8

@@ -11,13 +11,13 @@ from sgicodec import read
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.parts.restoration import write_restoration
 from sgicodec.device import Device
-from sgicodec.encoder import adapting
-from sgicodec.encoder.adapting import adapted
+from sgicodec.encoder.tile import adapting
+from sgicodec.encoder.tile.adapting import adapted
 from sgicodec.model.restoration import Restoration
 from sgicodec.model.texture_symbols import TextureSteps
 from sgicodec.rdoq.texture import TextureSearch
 
-PHOTO = Path(__file__).parents[2] / "data" / "kodim13.png"
+PHOTO = Path(__file__).parents[3] / "data" / "kodim13.png"
 ONE = Device(threads=1)
 PLAIN = Restoration(1, 400)
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.device import Device
-from sgicodec.encoder.adapting import adapted
+from sgicodec.encoder.tile.adapting import adapted
 from sgicodec.model.restoration import Restoration
 from sgicodec.model.texture_symbols import STEP_COUNT, TextureSymbols
 from sgicodec.rdoq.texture import TextureSearch

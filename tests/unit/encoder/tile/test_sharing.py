@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,8 @@ from sgicodec.device import ALL_CORES
 from sgicodec.encoder.effort import UNSCOUTED_PRICE
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.encoder.texture_share import (
+from sgicodec.encoder.tile.inputs import tile_of
+from sgicodec.encoder.tile.sharing import (
     FULL,
     LEAST,
     cell_weights,
@@ -21,24 +21,27 @@ from sgicodec.encoder.texture_share import (
     searched_cost,
     smoothed,
 )
-from sgicodec.encoder.texture_tuning import TUNINGS
-from sgicodec.encoder.tile_encoder import Encoding
+from sgicodec.encoder.tile.stages import encode, prepare, share
+from sgicodec.encoder.tile.state import Prepared
+from sgicodec.encoder.tile.texture_tuning import TUNINGS
+from sgicodec.encoder.tile.writing import write
 from sgicodec.picture import Picture
 
 LMBDA = 0.002
 
 
-def encoding(pixels: np.ndarray, channels: Any = "rgb", **settings: Any) -> Encoding:
+def shared(pixels: np.ndarray, channels: Any = "rgb", **settings: Any) -> Prepared:
     picture = Picture(pixels, channels, (0.0, 255.0))
     every: dict[str, Any] = {"lmbda": LMBDA, "effort": 2, "tune": "psnr"} | settings
     plan = stream_plan(Shape.of(picture), EncodeSettings(**every))
-    return Encoding(picture, plan, time.monotonic())
+    limit = plan.settings.time_limit
+    return share(prepare(tile_of(picture, plan, seconds=limit), plan.settings.fit_settings().lmbda))
 
 
 @pytest.mark.parametrize(("effort", "most"), [(2, 0.15), (5, 0.25)])
 def test_texture_counts_little_and_lines_count_much(effort: int, most: float) -> None:
     """At effort 5 seeds of texture count more at first, since they are handed over later."""
-    weights = encoding(half_texture(), effort=effort).seed_reference.weights
+    weights = shared(half_texture(), effort=effort).seed_reference.weights
     assert weights is not None
     assert weights.shape == (128, 256)
     assert weights[:, :96].max() < most
@@ -47,14 +50,14 @@ def test_texture_counts_little_and_lines_count_much(effort: int, most: float) ->
 
 
 def test_the_same_weights_again() -> None:
-    first, again = (encoding(half_texture()).seed_reference.weights for _ in range(2))
+    first, again = (shared(half_texture()).seed_reference.weights for _ in range(2))
     np.testing.assert_array_equal(first, again)
 
 
 def test_without_work_for_texture_seeds_keep_the_faster_code() -> None:
     ground = 120 + np.random.default_rng(2).integers(0, 3, (96, 160, 3))
-    part = encoding(ground.astype(np.uint8))
-    assert part.seed_reference is part.reference
+    part = shared(ground.astype(np.uint8))
+    assert part.seed_reference is part.tile.reference
 
 
 @pytest.mark.parametrize("channels", [1, 3, 4])
@@ -71,40 +74,41 @@ def test_the_estimate_follows_the_search(channels: int) -> None:
 
 
 def test_what_is_judged_stays_plain() -> None:
-    part = encoding(half_texture())
-    assert part.reference.weights is None
+    part = shared(half_texture())
+    assert part.tile.reference.weights is None
     assert part.seed_reference.weights is not None
-    plain = encoding(half_texture(), texture=False)
-    assert plain.seed_reference is plain.reference
+    plain = shared(half_texture(), texture=False)
+    assert plain.seed_reference is plain.tile.reference
     assert plain.fit.lmbda == LMBDA
 
 
 def test_weights_of_a_distortion_are_multiplied() -> None:
-    plain, weighted = (encoding(half_texture(), distortion=name) for name in ("squared", "weighted"))
+    plain, weighted = (shared(half_texture(), distortion=name) for name in ("squared", "weighted"))
     assert plain.seed_reference.weights is not None
-    assert weighted.reference.weights is not None
+    assert weighted.tile.reference.weights is not None
     assert weighted.seed_reference.weights is not None
-    ratio = weighted.seed_reference.weights / weighted.reference.weights
+    ratio = weighted.seed_reference.weights / weighted.tile.reference.weights
     assert np.all((ratio > 0.9 * LEAST) & (ratio <= 1 + 1e-6))
     assert ratio[:, :96].mean() < 0.3 * ratio[:, 160:].mean()
 
 
 def test_another_lmbda_is_scouted_again() -> None:
-    part = encoding(half_texture())
-    first = part.seed_reference
-    part.begin(4 * LMBDA)
-    assert part.seed_reference is not first
+    part = shared(half_texture())
+    other = share(prepare(part.tile, 4 * LMBDA))
+    assert part.seed_reference.weights is not None
+    assert other.seed_reference.weights is not None
+    assert np.any(part.seed_reference.weights != other.seed_reference.weights)
 
 
 def test_the_shortest_fits_have_no_shorter_one_before_them() -> None:
-    part = encoding(half_texture(), effort=1)
-    assert part.seed_reference is part.reference
+    part = shared(half_texture(), effort=1)
+    assert part.seed_reference is part.tile.reference
     assert part.fit.lmbda == UNSCOUTED_PRICE * LMBDA
 
 
 def test_a_short_time_limit_leaves_no_time_to_scout() -> None:
-    part = encoding(half_texture(), time_limit=0.01)
-    assert part.seed_reference is part.reference
+    part = shared(half_texture(), time_limit=0.01)
+    assert part.seed_reference is part.tile.reference
 
 
 @pytest.mark.parametrize(
@@ -121,13 +125,14 @@ def test_every_kind_of_picture(shape: tuple[int, ...], channels: str) -> None:
     pixels = np.random.default_rng(5).integers(0, 256, shape).astype(np.uint8)
     if channels in ("gray+alpha", "rgba"):
         pixels[: shape[0] // 2, ..., -1] = 0  # empty pixels
-    part = encoding(pixels, channels)
+    part = shared(pixels, channels)
     weights = part.seed_reference.weights
     if weights is not None:
         assert weights.shape == shape[:2]
         assert weights.min() > 0
         assert weights.max() <= 1
-    assert part.run(None).data
+    if not part.tile.holds_nothing:
+        assert write(encode(part.tile)).chunk
 
 
 def test_cells_count_as_their_seeds_save() -> None:

@@ -1,6 +1,6 @@
 """What seeds hand over to texture in the course of a fit: those that show less than their bits would buy there.
 
-Weights of a short fit ([texture_share.py](texture_share.py)) say where seeds begin to show a picture. Once the fit
+Weights of a short fit ([sharing.py](sharing.py)) say where seeds begin to show a picture. Once the fit
 itself knows what they show, texture is weighed against them in each root cell of the texture layer: over all of its
 seeds, over fewer and over none. The cheapest stays, squared error plus λ times bits. Over all and none texture is
 searched; in between the estimate of its cost is corrected by what the search found there. The search over all seeds
@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.encoder.texture_share import BLEND, LEAST, POSITION_BITS, TextureCosts, of_pixels, seed_roots, smoothed
+from sgicodec.encoder.tile.sharing import BLEND, LEAST, POSITION_BITS, TextureCosts, of_pixels, seed_roots, smoothed
 from sgicodec.model.texture_symbols import roots_of
 
 if TYPE_CHECKING:
@@ -83,7 +83,7 @@ class Handover:
 
     @staticmethod
     def _least(weights: F32 | None) -> F32:
-        """The least that an error may count: that of `texture_share`, where it is not less already."""
+        """The least that an error may count: that of `sharing`, where it is not less already."""
         least = np.float32(LEAST)
         return np.asarray(least if weights is None else np.minimum(least, weights), np.float32)
 

@@ -1,4 +1,4 @@
-"""The time of one tile: what a limit leaves to its fit and search."""
+"""A limit of time: what it leaves to the fit and the search of a tile."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 import time
 from dataclasses import dataclass
 
-__all__ = ["TileTime"]
+__all__ = ["TimeLimit"]
 
 _CODING_SECONDS = 1.2
 """Of one stream of a megapixel, twice and generously."""
@@ -17,7 +17,7 @@ _SEARCHING_SHARE = 0.12
 
 
 @dataclass(frozen=True)
-class TileTime:
+class TimeLimit:
     """limit: seconds that the encode may take, None for any; started: a value of time.monotonic(); pixels: of the
     tile.
     """

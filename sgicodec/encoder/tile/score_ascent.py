@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.device import Device
-from sgicodec.encoder.restoring import Strength, drawn_over
-from sgicodec.encoder.score_contrast import better_contrasts
+from sgicodec.encoder.tile.restoration import Strength, drawn_over
+from sgicodec.encoder.tile.score_contrast import better_contrasts
 from sgicodec.metrics.butteraugli import ButteraugliReference
 from sgicodec.metrics.visual_score import VisualReference
 from sgicodec.model.luma_space import from_luma_space

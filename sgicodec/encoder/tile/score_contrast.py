@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.encoder.texture_share import smoothed
+from sgicodec.encoder.tile.sharing import smoothed
 from sgicodec.model.texture_symbols import CONTRAST_LIMIT, TextureSymbols, root_blocks
 
 __all__ = ["better_contrasts"]

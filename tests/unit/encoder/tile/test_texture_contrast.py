@@ -9,12 +9,12 @@ import pytest
 from numpy.typing import NDArray
 
 from sgicodec import read
-from sgicodec.encoder.texture_contrast import TextureContrasts
-from sgicodec.encoder.texture_tuning import TUNINGS
+from sgicodec.encoder.tile.texture_contrast import TextureContrasts
+from sgicodec.encoder.tile.texture_tuning import TUNINGS
 from sgicodec.model.texture_symbols import CONTRAST_LIMIT, TextureSteps
 from sgicodec.picture import to_unit
 
-PHOTO = Path(__file__).parents[2] / "data" / "kodim13.png"
+PHOTO = Path(__file__).parents[3] / "data" / "kodim13.png"
 TUNING = TUNINGS["visual"]
 FINE, USUAL, COARSE = 300, 370, 460  # indices: 5, 23 and 164 levels
 
