@@ -98,7 +98,9 @@ class NullListener:
 
 
 class PassReporter:
-    """The `Watcher` that reports the state of each pass to a listener."""
+    """The `Watcher` that reports the state of each pass to a listener, where there are several tiles: the only one
+    reports its stages and steps itself.
+    """
 
     def __init__(self, plan: Plan, listener: NullListener) -> None:
         self._grid, self._listener = plan.header.grid, listener
@@ -109,12 +111,16 @@ class PassReporter:
         self._state = PassState(len(numbers), sum(map(self._area, numbers)), name)
         for number, tile in there.items():
             self._state.add(tile, self._area(number), fresh=False)
-        self._listener.tile(self._state)
+        self._tell()
 
     def done(self, number: int, tile: EncodedTile | None) -> None:
         """As in `Watcher`."""
         self._state.add(tile, self._area(number), fresh=True)
-        self._listener.tile(self._state)
+        self._tell()
+
+    def _tell(self) -> None:
+        if self._grid.count > 1:
+            self._listener.tile(self._state)
 
     def _area(self, number: int) -> int:
         _, _, width, height = self._grid.core(number)

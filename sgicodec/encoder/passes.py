@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import tempfile
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cached_property, partial
 from typing import BinaryIO, Literal
 
@@ -30,8 +31,8 @@ UNKNOWN_PAYLOAD_BYTES = 1 << 20
 
 
 class TilePasses:
-    """Encodes the tiles of a plan. A pass follows from the results of earlier passes alone, so that workers, order and
-    interruptions do not matter.
+    """Encodes the tiles of a plan, each at first by `task`. A pass follows from the results of earlier passes alone, so
+    that workers, order and interruptions do not matter.
 
     error_of: squared error of a stream over the whole picture, samples in 0..1. shares: assigns each fit its seconds,
     where time is the limit. draw_small: makes the overview of a stream whose tiles are fitted at this λ, if it is to
@@ -40,7 +41,7 @@ class TilePasses:
 
     def __init__(
         self,
-        plan: Plan,
+        task: FitTask,
         runner: Runner,
         store: Store,
         watcher: Watcher,
@@ -48,13 +49,16 @@ class TilePasses:
         shares: TimeBudget | None = None,
         draw_small: Callable[[float], bytes] | None = None,
     ) -> None:
-        self.plan, self.runner, self.store, self.watcher, self.error_of = plan, runner, store, watcher, error_of
+        plan = task.plan
+        self.task, self.plan, self.runner, self.store = task, plan, runner, store
+        self.watcher, self.error_of = watcher, error_of
         self.shares, self.draw_small = shares, draw_small
         self.overview: bytes | None = None
         header = plan.header
         self.all = range(header.grid.count)
         self.samples = header.width * header.height * header.spec.channels
-        self.target = plan.settings.rate_target(header.width * header.height)
+        self.target = plan.settings.rate_target(header.width * header.height) if header.tile else None
+        """What the tiles go to together; the only one goes to it by itself."""
         self.error_ratio = 1.0
         """The picture's squared error over that of the tiles' cores: cross-fades make it smaller."""
 
@@ -62,10 +66,12 @@ class TilePasses:
         """All passes. Raises TileFailedError; the store then has what was finished."""
         target = self.target
         if target is None:
-            lmbda = self.plan.settings.fit_settings().lmbda
-            self._make_overview(lmbda)
-            self._pass("tiles", 0, FitTask(self.plan), self.all, self._first)
-            return Finished(self.plan, [Version(number) for number in self.all], lmbda, overview=self.overview)
+            self._make_overview(self.plan.settings.fit_settings().lmbda)
+            self._pass("tiles", 0, self.task, self.all, self._first)
+            last = self.store.tiles[Version(self.all[-1])]
+            plan = self.plan if last.header is None else replace(self.plan, header=last.header)
+            chosen = [Version(number) for number in self.all]
+            return Finished(plan, chosen, last.lmbda, last.missed, self.overview)
         lmbda, index, samples, fits = self._lmbda(target, 0, self.all, 0.0), 0, 1, 0
         self._make_overview(lmbda)
         while True:

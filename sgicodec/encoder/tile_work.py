@@ -110,6 +110,7 @@ class FitTask:
         if self.started is not None:
             began, seconds = self.started, self.plan.settings.time_limit
         listener = self.listener or _Waiting()
+        listener.stage("prepare")
         tile = tile_of(window, self.plan, device, number, listener=listener, started=began, seconds=seconds)
         written, missed = _fitted(tile)
         watch = tile.watch

@@ -23,12 +23,12 @@ from sgicodec.image import Alpha, Source, open_source
 from sgicodec.image.used_range import SampleUse
 from sgicodec.picture import Picture
 
-__all__ = ["Job", "ReadingTask", "TileRunner", "TileTask", "make_ready"]
+__all__ = ["ReadingTask", "TileJob", "TileRunner", "TileTask", "make_ready"]
 
 Result = TypeVar("Result")
 
 
-class Job(NamedTuple):
+class TileJob(NamedTuple):
     """What a worker is sent: the pixels, or None where it reads them itself, and where a search begins."""
 
     window: Picture | None
@@ -54,14 +54,17 @@ class TileRunner:
     ) -> Iterator[tuple[int, Result]]:
         """As in `Runner`. Where time is the limit, a tile's begins when its worker is ready."""
         executor, plan = self._executor, self._plan
+        if not plan.header.tile:  # a listener hears of its steps, and its errors are the picture's
+            tile = tile_window(self._windows, plan, 0)
+            return iter([(0, task(0, tile, start(0), self._device))])
         device = executor.device(self._device, len(numbers))
         ready = None if plan.settings.time_limit is None else make_ready
         if executor.place is not None and window is None:
             reading = ReadingTask(plan, executor.place, task, device, self._windows.page)
-            return executor.run(reading, numbers, lambda number: Job(None, start(number)), ready)
+            return executor.run(reading, numbers, lambda number: TileJob(None, start(number)), ready)
 
-        def job(number: int) -> Job:
-            return Job(window or tile_window(self._windows, plan, number), start(number))
+        def job(number: int) -> TileJob:
+            return TileJob(window or tile_window(self._windows, plan, number), start(number))
 
         return executor.run(TileTask(task, device), numbers, job, ready)
 
@@ -73,7 +76,7 @@ class TileTask(Generic[Result]):
     task: Task[Result]
     device: Device | NamedDevice
 
-    def __call__(self, number: int, job: Job) -> Result:
+    def __call__(self, number: int, job: TileJob) -> Result:
         """What the task makes of the tile. Raises PictureError where no pixels came."""
         if job.window is None:
             raise PictureError("no pixels came")
@@ -91,7 +94,7 @@ class ReadingTask(Generic[Result]):
     device: Device | NamedDevice
     page: int | None = None
 
-    def __call__(self, number: int, job: Job) -> Result:
+    def __call__(self, number: int, job: TileJob) -> Result:
         """What the task makes of the tile. Raises PictureError for another picture than the plan's."""
         header, asked = self.plan.header, time.monotonic()
         with _reading:
@@ -101,7 +104,7 @@ class ReadingTask(Generic[Result]):
             if found != (header.width, header.height, header.channels, header.sample_type):
                 raise PictureError(f"{self.place}: this is another picture than the one being encoded")
             window = source.read(*header.grid.rect(number))
-        job = Job(self.plan.of_header(window), job.start.later(time.monotonic() - asked))
+        job = TileJob(self.plan.of_header(window), job.start.later(time.monotonic() - asked))
         return TileTask(self.task, self.device)(number, job)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
+from math import isnan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,7 @@ from sgicodec.encoder.tile.texture_tuning import TUNINGS
 from sgicodec.encoder.tile.time_limit import TimeLimit
 from sgicodec.metrics.choices import DISTORTIONS
 from sgicodec.model.luma_space import to_luma_space
-from sgicodec.picture import Picture, opaque_mask, to_unit
+from sgicodec.picture import Picture, nodata_samples, opaque_mask, to_unit
 
 __all__ = ["tile_of"]
 
@@ -38,7 +39,8 @@ def tile_of(
     """Tile `number` of a stream, whose pixels are `picture`. seconds: that it may take from `started` on, a value of
     time.monotonic(), by default now; None for any.
     """
-    header, settings = plan.header.of_tile(number), plan.settings
+    header = plan.header.of_tile(number) if plan.header.tile else _with_least_masks(plan.header, picture)
+    settings = plan.settings
     if settings.seeds is not None:
         part = picture.width * picture.height / (plan.header.width * plan.header.height)
         settings = replace(settings, seeds=max(1, round(settings.seeds * part)))
@@ -67,6 +69,18 @@ def tile_of(
         Watch(listener or _NoListener()),
         device,
     )
+
+
+def _with_least_masks(header: Header, picture: Picture) -> Header:
+    """The header of the only tile, which says of masks no more than it needs. A number that is nodata stays, even where
+    no sample has it: none may become it.
+    """
+    if header.masked == "nodata":
+        nodata = nodata_samples(picture)
+        masked, differ = nodata.any() or not isnan(header.nodata), bool((nodata != nodata[..., :1]).any())
+    else:
+        masked, differ = empty_pixels(picture, header.masked).any(), False
+    return replace(header, masked=header.masked if masked else None, has_band_masks=differ)
 
 
 _BEYOND_OPAQUE = 0.05
