@@ -187,9 +187,9 @@ def test_the_command_line_uses_threads_for_one_gpu() -> None:
 
     given = []
     for device in (Device(2), Device(2, gpu=1), Device(2, gpu=0, gpus=3)):
-        job = type("Job", (), {"device": device, "max_memory": None, "resume": False, "cluster": None, "batch": False})
-        job.settings = EncodeSettings(tile=32)  # type: ignore[attr-defined]
+        options = type("Options", (), {"device": device, "max_memory": None, "resume": False, "cluster": None})
+        options.settings = EncodeSettings(tile=32)  # type: ignore[attr-defined]
         source = type("Source", (), {"width": 90, "height": 90})
-        executor = encode_file._executor(job, source, None)  # type: ignore[arg-type]
+        executor = encode_file._executor("in.png", options, source, None)  # type: ignore[arg-type]
         given.append((type(executor).__name__, executor.workers))  # type: ignore[union-attr]
     assert given == [("ProcessExecutor", 2), ("ThreadExecutor", 3), ("GpuExecutor", 3)]
