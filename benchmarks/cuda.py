@@ -36,13 +36,13 @@ from sgicodec.cuda.gpu import Gpu, opened
 from sgicodec.cuda.tiles import TilePasses
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
+from sgicodec.encoder.input.windows import windows_of
 from sgicodec.encoder.listener import NullListener
 from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.plan import stream_plan
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile.inputs import tile_of
 from sgicodec.encoder.tile.stages import fit, prepare, share
-from sgicodec.encoder.windows import windows_of
 from sgicodec.errors import MissingExtraError, TargetMissedError
 from sgicodec.executors.serial import SerialExecutor
 from sgicodec.executors.threads import ThreadExecutor

@@ -17,7 +17,7 @@ from sgicodec.cli.paths import STANDARD, check_output, display, local_name
 from sgicodec.cli.progress import Mode
 from sgicodec.cli.report import Report, print_report
 from sgicodec.cuda.choice import device_of
-from sgicodec.encoder.checkpoint import Checkpoint
+from sgicodec.encoder.tiles.checkpoint import Checkpoint
 from sgicodec.errors import EncodeInterruptedError, StreamError, TargetMissedError, UsageError
 from sgicodec.executors.executor import MIB
 from sgicodec.executors.gpus import GpuExecutor

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.tile_work import EncodedTile
+from sgicodec.encoder.tiles.tasks import EncodedTile
 from sgicodec.executors.executor import Memory
 from sgicodec.metrics.distortion import decibels
 

@@ -16,25 +16,25 @@ from typing import TYPE_CHECKING, BinaryIO
 from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ALL_CORES, Device, check_device
-from sgicodec.encoder.alpha import without_needless_alpha
 from sgicodec.encoder.blas_threads import one_blas_thread
-from sgicodec.encoder.checkpoint import fingerprint
 from sgicodec.encoder.encoded import Encoded
-from sgicodec.encoder.interfaces import Finished, Runner, Store
+from sgicodec.encoder.input.alpha import without_needless_alpha
+from sgicodec.encoder.input.overview import overview_picture, overview_settings, takes_overview
+from sgicodec.encoder.input.windows import Windows, kept, tile_window, windows_of
 from sgicodec.encoder.listener import NullListener, PassReporter
 from sgicodec.encoder.measure import measured_error, measured_psnr
 from sgicodec.encoder.memory import estimate
-from sgicodec.encoder.overview import overview_picture, overview_settings, takes_overview
-from sgicodec.encoder.passes import TilePasses
 from sgicodec.encoder.plan import Plan, stream_plan
 from sgicodec.encoder.same_look import with_same_look
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.encoder.store import MemoryStore
-from sgicodec.encoder.tile_weight import tile_weight
-from sgicodec.encoder.tile_work import FitTask, Start
-from sgicodec.encoder.time_budget import TimeBudget
-from sgicodec.encoder.windows import Windows, kept, tile_window, windows_of
-from sgicodec.encoder.worker import TileRunner
+from sgicodec.encoder.tiles.checkpoint import fingerprint
+from sgicodec.encoder.tiles.interfaces import Finished, Runner, Store
+from sgicodec.encoder.tiles.memory_store import MemoryStore
+from sgicodec.encoder.tiles.passes import TilePasses
+from sgicodec.encoder.tiles.runner import TileRunner
+from sgicodec.encoder.tiles.tasks import FitTask, Start
+from sgicodec.encoder.tiles.time_budget import TimeBudget
+from sgicodec.encoder.tiles.weight import tile_weight
 from sgicodec.errors import TargetMissedError, UsageError
 from sgicodec.executors.executor import Executor, Memory
 from sgicodec.executors.serial import SerialExecutor

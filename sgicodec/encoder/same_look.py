@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.bitstream.header import COLOURED_LAYOUTS, Masked
-from sgicodec.encoder.nodata import empty_pixels
+from sgicodec.encoder.input.nodata import empty_pixels
+from sgicodec.encoder.input.windows import Windows
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.windows import Windows
 from sgicodec.model.steps import quality_index
 from sgicodec.picture import Picture, exact_samples, nodata_samples
 

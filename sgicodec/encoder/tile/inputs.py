@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from sgicodec.bitstream.header import Header
 from sgicodec.device import ALL_CORES, Device
 from sgicodec.encoder.effort import effort_of
-from sgicodec.encoder.inpainting import inpaint
-from sgicodec.encoder.nodata import Bare, bare_samples, empty_pixels
+from sgicodec.encoder.input.inpainting import inpaint
+from sgicodec.encoder.input.nodata import Bare, bare_samples, empty_pixels
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tile.state import Tile, TileListener, Watch
 from sgicodec.encoder.tile.texture_contrast import TextureContrasts

@@ -13,7 +13,7 @@ from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.device import Device
 from sgicodec.encoder.effort import Effort
-from sgicodec.encoder.nodata import Bare
+from sgicodec.encoder.input.nodata import Bare
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile.restoration import Restorer, Strength

@@ -13,9 +13,9 @@ from click.testing import Result
 from PIL import Image
 
 from sgicodec.decoder.stream import open_stream
-from sgicodec.encoder import tile_work
 from sgicodec.encoder.tile.state import TileState
 from sgicodec.encoder.tile.writing import WrittenTile
+from sgicodec.encoder.tiles import tasks
 from sgicodec.image import read, write
 from sgicodec.picture import Picture
 
@@ -65,7 +65,7 @@ def test_a_stream_beside_its_picture_is_replaced_with_force(
 
 
 def test_failure_leaves_nothing(sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    real = tile_work.write
+    real = tasks.write
 
     def damaged(state: TileState) -> WrittenTile:
         whole = real(state)
@@ -73,7 +73,7 @@ def test_failure_leaves_nothing(sgi: Run, picture: Path, monkeypatch: pytest.Mon
         chunk[len(chunk) // 2] ^= 1
         return replace(whole, chunk=bytes(chunk))
 
-    monkeypatch.setattr(tile_work, "write", damaged)
+    monkeypatch.setattr(tasks, "write", damaged)
     result = sgi("encode", picture, "--steps", 2)
     assert result.exit_code == 4
     assert result.stderr.startswith("sgi: ")

@@ -10,9 +10,9 @@ import pytest
 from numpy.typing import NDArray
 
 from sgicodec import EncodeSettings, Picture, read
+from sgicodec.encoder.input.windows import windows_of
 from sgicodec.encoder.plan import Plan, stream_plan
 from sgicodec.encoder.same_look import LookSteps, log_gradients, quality_offset, with_same_look
-from sgicodec.encoder.windows import windows_of
 from sgicodec.profiles.default import lmbda_of_quality
 
 PHOTO = Path(__file__).parents[2] / "data" / "kodim13.png"

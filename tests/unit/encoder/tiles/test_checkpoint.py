@@ -13,11 +13,11 @@ from pathlib import Path
 import pytest
 
 from sgicodec import EncodeSettings
-from sgicodec.encoder.checkpoint import Checkpoint, fingerprint
-from sgicodec.encoder.interfaces import Version
+from sgicodec.encoder.input.windows import windows_of
 from sgicodec.encoder.plan import stream_plan
-from sgicodec.encoder.tile_work import EncodedTile
-from sgicodec.encoder.windows import windows_of
+from sgicodec.encoder.tiles.checkpoint import Checkpoint, fingerprint
+from sgicodec.encoder.tiles.interfaces import Version
+from sgicodec.encoder.tiles.tasks import EncodedTile
 from sgicodec.errors import OutputExistsError, OutputLockedError, StreamError, UsageError
 from sgicodec.image import open_source
 
@@ -89,9 +89,9 @@ KILLED = """
 import os, sys
 from dataclasses import replace
 from pathlib import Path
-from sgicodec.encoder.checkpoint import Checkpoint
-from sgicodec.encoder.interfaces import Version
-from sgicodec.encoder.tile_work import EncodedTile
+from sgicodec.encoder.tiles.checkpoint import Checkpoint
+from sgicodec.encoder.tiles.interfaces import Version
+from sgicodec.encoder.tiles.tasks import EncodedTile
 checkpoint = Checkpoint(Path(sys.argv[1]))
 with checkpoint.opened(lambda: bytes(range(32))):
     for number in range(10**9):

@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from sgicodec.bitstream.header import encode_header
-from sgicodec.encoder.interfaces import Version
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.tile_work import EncodedTile
+from sgicodec.encoder.tiles.interfaces import Version
+from sgicodec.encoder.tiles.tasks import EncodedTile
 from sgicodec.errors import OutputExistsError, StreamError, UsageError
 from sgicodec.image.lock import locked
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from statistics import median
 from typing import NamedTuple
 
-from sgicodec.encoder.tile_work import EncodedTile
+from sgicodec.encoder.tiles.tasks import EncodedTile
 from sgicodec.model.tile_grid import TileGrid
 
 __all__ = ["TimeBudget"]

@@ -10,10 +10,10 @@ from functools import cached_property, partial
 from typing import BinaryIO, Literal
 
 from sgicodec.bitstream.stream_writer import stream_length, write_stream
-from sgicodec.encoder.interfaces import Finished, Runner, Store, Task, Version, Watcher
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.tile_work import EncodedTile, FitTask, LookaheadTask, SearchTask, Start
-from sgicodec.encoder.time_budget import TimeBudget
+from sgicodec.encoder.tiles.interfaces import Finished, Runner, Store, Task, Version, Watcher
+from sgicodec.encoder.tiles.tasks import EncodedTile, FitTask, LookaheadTask, SearchTask, Start
+from sgicodec.encoder.tiles.time_budget import TimeBudget
 from sgicodec.metrics.distortion import decibels
 from sgicodec.model.steps import quality_index
 from sgicodec.rate_control.allocation import allocate

@@ -11,8 +11,8 @@ from examples import examples
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from sgicodec.encoder.tile_work import EncodedTile
-from sgicodec.encoder.time_budget import TimeBudget
+from sgicodec.encoder.tiles.tasks import EncodedTile
+from sgicodec.encoder.tiles.time_budget import TimeBudget
 from sgicodec.model.tile_grid import TileGrid
 
 START = 1000.0

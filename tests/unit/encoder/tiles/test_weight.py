@@ -12,11 +12,11 @@ from sgicodec import EncodeSettings, Picture, read
 from sgicodec.encoder.plan import Plan, Shape, stream_plan
 from sgicodec.encoder.tile.inputs import tile_of
 from sgicodec.encoder.tile.stages import prepare
-from sgicodec.encoder.tile_weight import sampled, tile_weight
+from sgicodec.encoder.tiles.weight import sampled, tile_weight
 from sgicodec.model.layout import adaptive_layout
 from sgicodec.picture import Metadata
 
-DATA = Path(__file__).parents[2] / "data"
+DATA = Path(__file__).parents[3] / "data"
 GEO_WITH_NODATA_0 = bytes.fromhex("49492a00 08000000 0100 81a40200 02000000 30000000 00000000")
 
 

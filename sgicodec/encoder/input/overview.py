@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.decoder.view import overview_size
-from sgicodec.encoder.nodata import store_nodata
+from sgicodec.encoder.input.nodata import store_nodata
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.metadata.layouts import alpha_index

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from clock import Clock
 
+from sgicodec.encoder.input.windows import windows_of
 from sgicodec.encoder.plan import stream_plan
+from sgicodec.encoder.progress import StageClock, stage_weights
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.encoder.stages import StageClock, stage_weights
-from sgicodec.encoder.windows import windows_of
 from sgicodec.picture import Picture
 
 WEIGHTS = {"load": 1.0, "fit": 6.0, "search": 2.0, "verify": 1.0}

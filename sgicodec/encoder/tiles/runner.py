@@ -13,10 +13,10 @@ from typing import Generic, NamedTuple, TypeVar
 from sgicodec.cuda.choice import NamedDevice
 from sgicodec.device import Device
 from sgicodec.encoder.blas_threads import one_blas_thread
-from sgicodec.encoder.interfaces import Task
+from sgicodec.encoder.input.windows import Windows, tile_window
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.tile_work import Start
-from sgicodec.encoder.windows import Windows, tile_window
+from sgicodec.encoder.tiles.interfaces import Task
+from sgicodec.encoder.tiles.tasks import Start
 from sgicodec.errors import PictureError
 from sgicodec.executors.executor import Executor
 from sgicodec.image import Alpha, Source, open_source

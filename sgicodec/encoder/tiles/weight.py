@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from sgicodec.encoder.nodata import empty_pixels
+from sgicodec.encoder.input.nodata import empty_pixels
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tile.inputs import tile_of
 from sgicodec.encoder.tile.stages import prepare

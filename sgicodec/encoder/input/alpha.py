@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
+from sgicodec.encoder.input.windows import Windows
 from sgicodec.encoder.plan import Plan, stream_plan
-from sgicodec.encoder.windows import Windows
 from sgicodec.metadata import geo
 from sgicodec.metadata.layouts import WITHOUT_ALPHA, alpha_index
 from sgicodec.model.tile_grid import TileGrid

@@ -9,7 +9,7 @@ from typing import NamedTuple, Protocol, TypeVar
 
 from sgicodec.device import Device
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.tile_work import EncodedTile, Start
+from sgicodec.encoder.tiles.tasks import EncodedTile, Start
 from sgicodec.picture import Picture
 
 __all__ = ["Finished", "Runner", "Store", "Task", "Version", "Watcher"]

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TypeVar
 
-from sgicodec.encoder.interfaces import Version
-from sgicodec.encoder.tile_work import EncodedTile
+from sgicodec.encoder.tiles.interfaces import Version
+from sgicodec.encoder.tiles.tasks import EncodedTile
 
 __all__ = ["MemoryStore"]
 
