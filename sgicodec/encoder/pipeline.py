@@ -25,7 +25,7 @@ from sgicodec.encoder.listener import NullListener, PassReporter
 from sgicodec.encoder.measure import measured_error, measured_psnr
 from sgicodec.encoder.memory import estimate
 from sgicodec.encoder.plan import Plan, stream_plan
-from sgicodec.encoder.same_look import with_same_look
+from sgicodec.encoder.quality_calibration import with_quality_calibration
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tiles.checkpoint import fingerprint
 from sgicodec.encoder.tiles.interfaces import Finished, Runner, Store
@@ -91,7 +91,7 @@ def encode_picture(
     windows, plan = without_needless_alpha(windows, plan, listener)
     where = Path(output) if isinstance(output, str) else output
     with locked(where) if isinstance(where, Path) else nullcontext():
-        request = _Request(windows, with_same_look(windows, plan), where, listener, device, verify, started)
+        request = _Request(windows, with_quality_calibration(windows, plan), where, listener, device, verify, started)
         return _encoded(request, executor, store)
 
 
@@ -100,7 +100,7 @@ def encode_all_channels(picture: Picture, settings: EncodeSettings, device: Devi
     a shape. Raises as `encode_picture`.
     """
     windows = windows_of(picture)
-    plan = with_same_look(windows, stream_plan(windows.shape, settings))
+    plan = with_quality_calibration(windows, stream_plan(windows.shape, settings))
     return _encoded(_Request(windows, plan, None, NullListener(), device, False, time.monotonic())).data
 
 

@@ -16,7 +16,7 @@ requantisation besides, relative to the others: of a photograph of 0.4 megapixel
 sum far more than in the shares.
 """
 
-_MOST_ESTIMATED = 0.97
+_MAX_ESTIMATED = 0.97
 """How much of a stage that does not say how far it is counts as done, however long it takes."""
 
 
@@ -101,4 +101,4 @@ class StageClock:
     def _estimated(self, before: float, own: float) -> float:
         spent = self._entered - self._restarted
         pace = spent / before if before > 0 and spent > 0 else 1.0
-        return min(_MOST_ESTIMATED, (time.monotonic() - self._entered) / (pace * own))
+        return min(_MAX_ESTIMATED, (time.monotonic() - self._entered) / (pace * own))

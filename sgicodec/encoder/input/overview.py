@@ -21,7 +21,7 @@ __all__ = ["overview_picture", "overview_settings", "takes_overview"]
 
 F64 = NDArray[np.float64]
 
-_LEAST_PIXELS = 1 << 20
+_MIN_PIXELS = 1 << 20
 """Of a picture that has an overview where nothing else is asked for: smaller ones are drawn in no time."""
 
 _FINER = 2 ** (15 / 8)
@@ -39,7 +39,7 @@ def takes_overview(plan: Plan) -> bool:
     header, settings = plan.header, plan.settings
     if not settings.chosen_profile.has_overviews or header.grid.count == 1:
         return False
-    return header.width * header.height >= _LEAST_PIXELS if settings.overview is None else settings.overview
+    return header.width * header.height >= _MIN_PIXELS if settings.overview is None else settings.overview
 
 
 def overview_settings(plan: Plan, lmbda: float) -> EncodeSettings:

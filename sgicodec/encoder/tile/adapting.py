@@ -33,11 +33,11 @@ _STRIP, _PIXELS = 1 << 15, 1 << 18
 """Pixels that are looked at together; about as many are looked at in all, at odd distances."""
 _UNITS = (8, 16)
 """In which changes are tried."""
-_ROUNDS, _MOST = 12, 100
+_ROUNDS, _MAX_CHANGE = 12, 100
 """Of a search; the largest change in units."""
 _FIRST_TABLE = SCALES + 18
 """Of a Laplace distribution with a deviation of half a unit."""
-_MOST_SUM = 1 << 16
+_MAX_SUM = 1 << 16
 """Of an output's weights, so that sums fit."""
 _TABLE_BITS, _PART_BITS = (TABLES - 1).bit_length(), 12
 """Of an output; of the part, for units."""
@@ -68,7 +68,7 @@ def adapted(
     layer, _ = restoration_last_layer(restoration.network)
     whole = np.zeros_like(layer)
     whole[: len(change)] = unit * change
-    if gain <= price * _PART_BITS or np.abs(layer + whole).sum(axis=1).max() >= _MOST_SUM:
+    if gain <= price * _PART_BITS or np.abs(layer + whole).sum(axis=1).max() >= _MAX_SUM:
         return restoration
     return replace(restoration, changes=(*(np.zeros((0, 0), np.int32),) * (_LAYERS - 1), whole))
 
@@ -108,7 +108,7 @@ def _windows(seen: NDArray[np.int16], looked: NDArray[np.bool_]) -> F32:
 
 def _searched(gram: F64, moments: F64, price: float) -> tuple[I32, float]:
     """Integers [outputs, n] that lower squared error by more than `price` for each of their bits, and by how much."""
-    coding, values = frequency_tables(), np.arange(-_MOST, _MOST + 1)
+    coding, values = frequency_tables(), np.arange(-_MAX_CHANGE, _MAX_CHANGE + 1)
     tables = np.full(len(moments), _FIRST_TABLE)
     change, best, most = np.zeros(moments.shape, np.int64), np.zeros(moments.shape, np.int64), 0.0
     slopes = moments.copy()
@@ -125,15 +125,15 @@ def _searched(gram: F64, moments: F64, price: float) -> tuple[I32, float]:
 
 
 def _descend(gram: F64, prices: F64, change: I64, slopes: F64) -> bool:
-    """Makes each number the best one as the others are; whether any changed. prices [outputs, values] of −_MOST …
-    _MOST; slopes: what is left of the moments, which is kept up to date.
+    """Makes each number the best one as the others are; whether any changed. prices [outputs, values] of −_MAX_CHANGE …
+    _MAX_CHANGE; slopes: what is left of the moments, which is kept up to date.
     """
     outputs, moves = np.arange(len(change)), False
     for i, curvature in enumerate(np.maximum(gram.diagonal(), np.finfo(np.float64).tiny)):
-        least = np.clip(change[:, i] + slopes[:, i] / curvature, -_MOST, _MOST - 1)
+        least = np.clip(change[:, i] + slopes[:, i] / curvature, -_MAX_CHANGE, _MAX_CHANGE - 1)
         low = np.floor(least).astype(np.int64)
         options = np.stack([np.zeros_like(low), low, low + 1])
-        costs = curvature * np.square(options - least) + prices[outputs, options + _MOST]
+        costs = curvature * np.square(options - least) + prices[outputs, options + _MAX_CHANGE]
         chosen = options[np.argmin(costs, axis=0), outputs]
         moved = chosen - change[:, i]
         if moved.any():

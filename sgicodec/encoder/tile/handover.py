@@ -17,7 +17,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.encoder.tile.sharing import BLEND, LEAST, POSITION_BITS, TextureCosts, of_pixels, seed_roots, smoothed
+from sgicodec.encoder.tile.sharing import (
+    BLEND,
+    MIN_WEIGHT,
+    POSITION_BITS,
+    TextureCosts,
+    of_pixels,
+    seed_roots,
+    smoothed,
+)
 from sgicodec.model.texture_symbols import roots_of
 
 if TYPE_CHECKING:
@@ -38,7 +46,7 @@ SHARES = (0.0, 0.6, 1.0)
 """Of a root's seeds, the faintest first: what is tried without them."""
 _NEAR = 1.0
 """σ in roots with which costs are smoothed: seeds reach over the borders of roots."""
-_LEAST = 1e-9
+_TINY = 1e-9
 """Added to costs, so that they have a logarithm."""
 
 
@@ -47,7 +55,7 @@ def _offsets(texture: TextureCosts, left: F32) -> Offsets:
     estimates.
     """
     pairs = ((texture.over(left), left), (texture.without_seeds, texture.target))
-    all_, none = (np.log((_LEAST + cost) / (_LEAST + texture.estimated_over(some))) for cost, some in pairs)
+    all_, none = (np.log((_TINY + cost) / (_TINY + texture.estimated_over(some))) for cost, some in pairs)
     return all_, none
 
 
@@ -66,7 +74,7 @@ class Handover:
         if kept.all():
             return
         kept[self.trainer.seeds.energy().argmax()] = True  # a model without seeds has no gradients
-        octaves = np.where(shares == 1.0, np.log2(LEAST), 0.0)
+        octaves = np.where(shares == 1.0, np.log2(MIN_WEIGHT), 0.0)
         factor = of_pixels(np.exp2(smoothed(octaves, BLEND)), self.texture.target.shape[1:])
         weights = self.trainer.weights
         self.trainer.keep(kept, np.maximum(factor if weights is None else factor * weights, self._least(weights)))
@@ -84,14 +92,14 @@ class Handover:
     @staticmethod
     def _least(weights: F32 | None) -> F32:
         """The least that an error may count: that of `sharing`, where it is not less already."""
-        least = np.float32(LEAST)
+        least = np.float32(MIN_WEIGHT)
         return np.asarray(least if weights is None else np.minimum(least, weights), np.float32)
 
     def _cost(self, kept: Mask, shares: F64) -> F64:
         """Squared error plus λ times bits of each root [rows, columns] with these seeds [N] and texture. shares: of
         the seeds that are left out.
         """
-        found = np.log(_LEAST + self.texture.estimated_over(self._left(kept)))
+        found = np.log(_TINY + self.texture.estimated_over(self._left(kept)))
         for part, offset in zip((1 - shares, shares), self._offsets, strict=True):
             found += part * offset
         bits = self.trainer.seed_bits() + POSITION_BITS

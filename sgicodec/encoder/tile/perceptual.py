@@ -7,7 +7,7 @@ from __future__ import annotations
 import time
 from dataclasses import replace
 
-from sgicodec.encoder.same_look import LookSteps
+from sgicodec.encoder.tile.calibrated_steps import CalibratedSteps
 from sgicodec.encoder.tile.score_ascent import Contrast, ScoreAscent
 from sgicodec.encoder.tile.state import TileState
 from sgicodec.encoder.tile.texture import begin_texture, best_layer, best_strength
@@ -21,7 +21,7 @@ class Perceptual:
     """The `TextureStrategy` of the best scores for the bits."""
 
     def laid(self, state: TileState) -> TileState:
-        """As in `TextureStrategy`, or for the look of the plan."""
+        """As in `TextureStrategy`, or for the quality that the plan is calibrated to."""
         state, search = begin_texture(state)
         tuning = state.tile.tuning
         price = tuning.price(state.lmbda)
@@ -46,7 +46,7 @@ class Perceptual:
         first = best_layer(state, search, step, price)
         state = replace(state, strength=best_strength(state, search, first))
         ascent = ScoreAscent(tile.unit, tile.spec.luma_space, tile.empty, tile.device, state.strength)
-        steps = LookSteps(tile.plan.look, step, passes)
+        steps = CalibratedSteps(tile.plan.calibrated_quality, step, passes)
 
         def next_layer(cells: TextureSymbols | None, score: float | None, contrast: Contrast) -> TextureSymbols | None:
             if score is None:

@@ -38,7 +38,7 @@ BUTTERAUGLI = 60.0
 """Points of SSIMULACRA 2 for which the logarithm of Butteraugli's 3-norm falls by one."""
 MEAN_MOVE = 0.0125
 """Of amplitudes in all passes, in steps, times the root of their number."""
-MOST_MOVE = 12.0
+MAX_MOVE = 12.0
 """Of one amplitude, in means."""
 FINER_STEPS = 40.0
 """Points that steps so fine as to take e times the bits would gain."""
@@ -136,7 +136,7 @@ class ScoreAscent:
             if self.empty is not None:
                 gradient[:, self.empty] = 0
             mean = pace.after(symbols.steps.step, search.bits, seen.points)
-            search.move(gradient, symbols.steps, contrast, mean, MOST_MOVE * mean)
+            search.move(gradient, symbols.steps, contrast, mean, MAX_MOVE * mean)
             if contrast is not None and usual is not None:
                 gain = (gradient * (self.unit - drawn)).sum(axis=0)
                 contrast = better_contrasts(contrast, usual, gain, symbols)

@@ -19,7 +19,7 @@ F32 = NDArray[np.float32]
 
 _PART = 0.25
 """Of the way to equal losses that contrasts go at a time: a gradient is noisy, and holds near by only."""
-_MOST = 4
+_MAX_AWAY = 4
 """Quarters of an octave that they may be away from those of the tuning."""
 _SIGMA = 0.5
 """Over which losses and symbols are smoothed, in roots: neighbours that differ cost bits."""
@@ -27,7 +27,7 @@ _FEWEST_SYMBOLS = 128
 """Of a root that tells something. Where seeds do most of the work, contrasts stay."""
 _MORE_SYMBOLS = 40
 """That count for what else a root's bits are."""
-_LEAST_LOSS = 0.2
+_MIN_LOSS = 0.2
 """Of a root, in means."""
 
 
@@ -45,11 +45,11 @@ def better_contrasts(
     coded = root_blocks((symbols.symbols != 0).sum(axis=0), "constant").sum(axis=(1, 3), dtype=np.float64)
     count = smoothed(coded, _SIGMA)
     tells = counts & (count >= _FEWEST_SYMBOLS)
-    least = _LEAST_LOSS * float(lost.mean())
+    least = _MIN_LOSS * float(lost.mean())
     if least <= 0 or not tells.any():
         return contrast
     weight = np.where(tells, count + _MORE_SYMBOLS, 0.0)
     octaves = 0.5 * np.log2(np.maximum(lost, least) / (count + _MORE_SYMBOLS))
     octaves = np.where(tells, octaves - np.average(octaves, weights=weight), 0.0)
-    wanted = np.clip(contrast - 4 * _PART * octaves, usual - float(_MOST), usual + float(_MOST))
+    wanted = np.clip(contrast - 4 * _PART * octaves, usual - float(_MAX_AWAY), usual + float(_MAX_AWAY))
     return np.clip(np.rint(wanted), -CONTRAST_LIMIT, CONTRAST_LIMIT).astype(np.int8)

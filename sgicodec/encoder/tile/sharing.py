@@ -26,7 +26,7 @@ from sgicodec.rdoq.texture import NO_SPLIT_SEARCH, TextureSearch, root_planes
 
 __all__ = [
     "BLEND",
-    "LEAST",
+    "MIN_WEIGHT",
     "POSITION_BITS",
     "Scout",
     "TextureCosts",
@@ -49,7 +49,7 @@ SCOUT_SPLIT = 6.0
 """Its `FitSettings.split`: in so few steps, seeds of larger cells come nearer to what they can be."""
 POSITION_BITS = 3.5
 """What the place of a seed adds to its bits."""
-FULL, FULL_ESTIMATED, POWER, LEAST = 0.5, 0.74, 3.0, 1 / 32
+FULL, FULL_ESTIMATED, POWER, MIN_WEIGHT = 0.5, 0.74, 3.0, 1 / 32
 """ρ of the short fit from which seeds count in full, searched and estimated, how fast they count less below it, and the
 least. Where texture is searched, seeds are handed over later, so that a fit may begin with more of them.
 """
@@ -144,7 +144,7 @@ def cell_weights(saved: F64, price: F64, calm: float, full: float = FULL) -> F64
     is added to both; full: ρ from which seeds count in full.
     """
     rho = (np.maximum(smoothed(saved, _NEAR), 0) + calm) / (smoothed(price, _NEAR) + calm)
-    octaves = np.clip(POWER * np.log2(rho / full), np.log2(LEAST), 0)
+    octaves = np.clip(POWER * np.log2(rho / full), np.log2(MIN_WEIGHT), 0)
     return np.exp2(smoothed(octaves, BLEND))
 
 

@@ -28,11 +28,11 @@ Contrasts = NDArray[np.int8]
 
 _FLOOR, _USUAL = 7.7e-4, 3.9e-3
 """Variances of luma, samples²: what counts as flat, and where steps are what λ says."""
-_LEAST_DEVIATION = 0.5 / 255
+_MIN_DEVIATION = 0.5 / 255
 """Of a pattern, samples: fainter ones count as much."""
 _KEPT = 4.0
 """Step at the frequency of a pattern, in its standard deviations, up to which it stays."""
-_MOST, _LEFT = 1.5, 3.0
+_MAX_FINER, _LEFT = 1.5, 3.0
 """Octaves by which steps become finer for a pattern at most, and that it would need where it gets none."""
 _BLOCKS = 2
 """Of a root that must show a pattern; fewer get their part."""
@@ -72,9 +72,9 @@ class TextureContrasts:
 def _finer(patterns: RegularPatterns, steps: TextureSteps, masked: Contrasts) -> F64:
     """Octaves [rows, columns] by which the steps of these contrasts are too coarse for patterns."""
     step = steps.at_frequency(patterns.frequency) * 2.0 ** (masked[..., None] / 4)
-    deviation = np.maximum(patterns.deviation / 255.0, _LEAST_DEVIATION)
+    deviation = np.maximum(patterns.deviation / 255.0, _MIN_DEVIATION)
     octaves = np.log2(np.maximum(step / (_KEPT * deviation), 1.0))
-    wanted = np.minimum(octaves, np.maximum(0.0, _MOST * (_LEFT - octaves) / (_LEFT - _MOST)))
+    wanted = np.minimum(octaves, np.maximum(0.0, _MAX_FINER * (_LEFT - octaves) / (_LEFT - _MAX_FINER)))
     return np.asarray(np.sort(patterns.certainty * wanted)[..., -_BLOCKS:].mean(axis=-1))
 
 

@@ -44,14 +44,14 @@ class TextureTuning:
         step = min(max(step, 0), STEP_COUNT - 1)
         colour = SAME_STEP + round((1.0 - self.colours) * (_EQUAL_STEPS - step) / 4)
         ratios = (colour,) * 2 + (SAME_STEP,) * (channels - 3) if channels >= 3 else (SAME_STEP,) * (channels - 1)
-        root = min((255.0 * TextureSteps(step).of_channels.item()) ** 0.5, _MOST_ROOT)
+        root = min((255.0 * TextureSteps(step).of_channels.item()) ** 0.5, _MAX_ROOT)
         luma, chroma = (min(round(2 * growth * root), MOST_SLOPE) for growth in self.growth)
         return TextureSteps(step, ratios, (luma, chroma), has_contrast=self.masking > 0)
 
 
 _SQUARED_STEPS = 0.085
 """λ in squared steps; measured on eight pictures."""
-_MOST_ROOT = 7.6
+_MAX_ROOT = 7.6
 """Square root of a step, grey levels, above which slopes stay: by eye, steeper ones soften."""
 _EQUAL_STEPS = 428
 """Index of the step at which colour differences have the same, whatever power they follow: 83 grey levels."""

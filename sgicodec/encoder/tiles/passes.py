@@ -126,7 +126,7 @@ class TilePasses:
     @cached_property
     def rd_model(self) -> TileRdModel:
         """From a lookahead at every tile."""
-        self.watcher.begin("look", self.all, {})
+        self.watcher.begin("lookahead", self.all, {})
         tables = {}
         for number, table in self.runner(LookaheadTask(self.plan), self.all, lambda _: Start()):
             tables[number] = table

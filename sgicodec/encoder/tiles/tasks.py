@@ -34,30 +34,37 @@ __all__ = ["EncodedTile", "FitTask", "LookaheadTask", "SearchTask", "Start"]
 
 @dataclass(frozen=True)
 class EncodedTile:
-    """A finished tile. payload: of its chunk; part_bytes, seeds as in `Encoded`; squared_error: of what is decoded, in
-    the tile's core, over `samples` of them in 0..1; distortion: what λ trades for bytes, of the same; seconds: that it
-    took, `decoding` of them to decode it; length: of the payload; lmbda: its λ; steps: of its fit; fitted_by: the name
-    of what made that, empty without a fit.
-
-    The only tile of a stream is not measured. header: the stream's, which it changes; ended_early: whether its fit or
-    search was ended; missed: how it misses the target.
-    """
+    """A finished tile. Without what is measured (NaN) where it is the only one of its stream."""
 
     payload: bytes
+    """Of its chunk."""
     part_bytes: dict[str, float]
+    """What each part of it costs."""
     seeds: int
     squared_error: float
+    """Of what is decoded, in the tile's core, samples in 0..1."""
     distortion: float
+    """What λ trades for bytes, of the same."""
     samples: int
+    """How many samples the core has, 0 where they are not measured."""
     seconds: float
+    """That it took."""
     length: int
+    """Bytes of the payload, which may not be here."""
     lmbda: float
+    """Its λ."""
     decoding: float = 0.0
+    """Seconds that it took to decode it."""
     steps: int = 0
+    """Of its fit."""
     fitted_by: str = ""
+    """The name of what made the fit, empty without one."""
     header: Header | None = None
+    """The stream's, where its only tile changes it."""
     ended_early: bool = False
+    """Whether the caller ended its fit or search."""
     missed: str | None = None
+    """How the only tile misses the target."""
 
 
 class Start(NamedTuple):

@@ -59,8 +59,8 @@ class TimeBudget:
         alike = sum(self._weights[other] >= _ALIKE * weight for other in self._waiting)
         turns = -(-alike // self._workers)
         share = min(share, left if turns == 1 else left * (1 - _RESERVED / turns))
-        assigned = min(max(share - median(self._overruns) * weight, _LEAST_PART * share), left)
-        assigned = max(assigned, _LEAST)
+        assigned = min(max(share - median(self._overruns) * weight, _MIN_PART * share), left)
+        assigned = max(assigned, _MIN_SECONDS)
         self._waiting.remove(number)
         self._begun[number] = _Begun(now, now + share, assigned)
         return assigned
@@ -82,7 +82,7 @@ class TimeBudget:
         if self._decoded:
             whole = sum(self._weights.values()) * self._grid.count / len(self._weights)
             decoding = self._decoding / self._decoded * whole
-        threads = min(self._decoders, _MOST_DECODERS)
+        threads = min(self._decoders, _MAX_DECODERS)
         return _WRITING + (_WRITING_PIXEL + _COMPARING_PIXEL) * pixels + decoding / threads
 
     def _pixels(self, number: int) -> float:
@@ -94,7 +94,7 @@ _RESERVED, _ALIKE = 0.5, 0.5
 """Part of an even share of the time that a tile leaves at least to each later turn of the workers; part of its weight
 from which on other tiles count for a turn.
 """
-_LEAST, _LEAST_PART = 1e-3, 0.5
+_MIN_SECONDS, _MIN_PART = 1e-3, 0.5
 """What is assigned to a tile at least: seconds, and of its share. A fit of very few steps leaves so many seeds that
 searching and coding them takes longer than more steps would have.
 """
@@ -103,5 +103,5 @@ _LAST = 5
 _WRITING, _WRITING_PIXEL = 0.5, 5e-9
 _DECODING_PIXEL, _COMPARING_PIXEL = 3e-7, 1e-7
 """Seconds: of any stream, and for each pixel; a decode's by one thread, as long as no tile has been decoded."""
-_MOST_DECODERS = 2
+_MAX_DECODERS = 2
 """Threads that help a decode."""

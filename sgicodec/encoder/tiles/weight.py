@@ -39,7 +39,7 @@ def tile_weight(window: Picture, plan: Plan) -> float:
 def sampled(window: Picture) -> list[Picture]:
     """Four blocks, a sixteenth of the pixels; all of them where there are few."""
     height, width = window.height // 8, window.width // 8
-    if min(height, width) < _LEAST_SIDE:
+    if min(height, width) < _MIN_SIDE:
         return [window]
     corners = [(row * height, column * width) for row in (2, 5) for column in (2, 5)]
     return [replace(window, pixels=window.pixels[y : y + height, x : x + width]) for y, x in corners]
@@ -49,5 +49,5 @@ _SEED_PIXELS = 31.0
 """Pixels that a step takes as long for as for a seed that the fit starts with: of fits of three tiles of a satellite
 picture, which began with 17,000 to 25,000 seeds, by one thread.
 """
-_LEAST_SIDE = 32
+_MIN_SIDE = 32
 """Pixels of a block: a cell of the base layer."""

@@ -62,7 +62,7 @@ def test_same_bytes_for_any_workers(
 ) -> None:
     watch = Stopping()
     assert encoded(photo, goal, tmp_path, workers, watch) == expected
-    assert watch.passes[:3] == ["look", "overview", "sample"]
+    assert watch.passes[:3] == ["lookahead", "overview", "sample"]
     assert watch.passes[3] in ("tiles", "sample")
     assert "search" in watch.passes
 

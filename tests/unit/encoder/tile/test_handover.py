@@ -15,7 +15,7 @@ from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile import stages
 from sgicodec.encoder.tile.handover import HANDOVER, Handover
 from sgicodec.encoder.tile.inputs import tile_of
-from sgicodec.encoder.tile.sharing import LEAST, POSITION_BITS, searched_cost
+from sgicodec.encoder.tile.sharing import MIN_WEIGHT, POSITION_BITS, searched_cost
 from sgicodec.encoder.tile.stages import encode, fit, prepare, share
 from sgicodec.encoder.tile.state import Prepared
 from sgicodec.encoder.tile.texture_tuning import TUNINGS
@@ -79,7 +79,7 @@ def test_errors_count_least_where_no_seed_is_left(part: Prepared) -> None:
     Handover(trainer, part.costs).run()
     assert len(trainer.seeds) < before
     assert trainer.weights is not None
-    assert trainer.weights.min() == np.float32(LEAST)
+    assert trainer.weights.min() == np.float32(MIN_WEIGHT)
     assert trainer.weights[:, :64].max() < 0.1
     assert trainer.weights[:, 192:].max() == 1.0
     assert [level.weights is None for level in trainer.levels] == [False] * len(trainer.levels)
@@ -91,7 +91,7 @@ def test_weights_stay_below_those_before(part: Prepared) -> None:
     Handover(trainer, part.costs).run()
     assert trainer.weights is not None
     assert np.all(trainer.weights <= np.maximum(given, 0))
-    assert np.all(trainer.weights >= np.minimum(given, LEAST))
+    assert np.all(trainer.weights >= np.minimum(given, MIN_WEIGHT))
 
 
 def test_where_all_seeds_pay_nothing_changes() -> None:

@@ -15,7 +15,7 @@ from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile.inputs import tile_of
 from sgicodec.encoder.tile.sharing import (
     FULL,
-    LEAST,
+    MIN_WEIGHT,
     cell_weights,
     estimated_cost,
     searched_cost,
@@ -88,7 +88,7 @@ def test_weights_of_a_distortion_are_multiplied() -> None:
     assert weighted.tile.reference.weights is not None
     assert weighted.seed_reference.weights is not None
     ratio = weighted.seed_reference.weights / weighted.tile.reference.weights
-    assert np.all((ratio > 0.9 * LEAST) & (ratio <= 1 + 1e-6))
+    assert np.all((ratio > 0.9 * MIN_WEIGHT) & (ratio <= 1 + 1e-6))
     assert ratio[:, :96].mean() < 0.3 * ratio[:, 160:].mean()
 
 
@@ -137,7 +137,7 @@ def test_every_kind_of_picture(shape: tuple[int, ...], channels: str) -> None:
 
 def test_cells_count_as_their_seeds_save() -> None:
     price = np.full((9, 9), 1.0)
-    for saved, expected in ((2.0, 1.0), (FULL * 1.001, 1.0), (0.0, LEAST)):
+    for saved, expected in ((2.0, 1.0), (FULL * 1.001, 1.0), (0.0, MIN_WEIGHT)):
         np.testing.assert_allclose(cell_weights(saved * price, price, 1e-9), expected, rtol=1e-6)
     rising = [cell_weights(saved * price, price, 1e-9)[4, 4] for saved in (0.2, 0.3, 0.4, 0.5)]
     assert rising == sorted(set(rising))

@@ -1,4 +1,4 @@
-"""The same look for a quality: how far λ moves so that pictures of one quality look alike.
+"""Calibration of a quality: how far λ moves so that pictures of one quality look alike.
 
 Equal steps look worse where a picture is fine-grained, and better where it is soft or its colours change slowly. How
 many steps of quality make up for that is predicted from four means over blocks of the picture's log gradients, by a
@@ -8,7 +8,7 @@ linear fit to 69 pictures (docs/notes/2026-11-same-look.md).
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from itertools import product
 from math import ceil
 
@@ -22,38 +22,30 @@ from sgicodec.encoder.plan import Plan
 from sgicodec.model.steps import quality_index
 from sgicodec.picture import Picture, exact_samples, nodata_samples
 
-__all__ = ["LookSteps", "log_gradients", "quality_offset", "with_same_look"]
+__all__ = ["log_gradients", "quality_offset", "with_quality_calibration"]
 
 F64 = NDArray[np.float64]
 
 _LUMA, _GREEN = np.array([0.25, 0.625, 0.125]), np.array([-0.5, 1.0, -0.5])
 _FEATURES = ((_LUMA, 0, 5.7, -5.56), (_LUMA, 2, -5.2, -5.09), (_GREEN, 2, 2.2, -7.56), (_GREEN, 4, -1.5, -7.37))
 """Plane, octave, steps of quality for a unit of the mean log gradient, and what that is in the mean of pictures."""
-_MOST_OFFSET = 10.0
+_MAX_OFFSET = 10.0
 _LAST_QUALITY, _SPAN = 100.0, 44.0
 """The offset fades towards the highest quality, where all pictures look alike."""
 
-_QUALITIES = (1.0, 10.0, 20.0, 30.0, 44.0, 57.0, 70.0, 83.0, 90.0, 97.0, 100.0)
-_SCORES = (-45.0, -21.0, 3.0, 25.5, 51.5, 68.7, 80.3, 87.9, 90.5, 92.7, 93.6)
-"""SSIMULACRA 2 that a quality has in the mean of pictures (docs/notes/2026-11-same-look.md)."""
-_PER_QUALITY, _MOST_MOVED = 2.5, 32
-"""Indices of texture's steps for a step of quality, which would be 2 if seeds followed, and the most that they move."""
-_NEARLY, _GAIN = 1.5, 1.1
-"""Steps of quality that a score may be off, and that a pass gains; several gain with the root of their number."""
-
-_BLOCK, _WINDOW, _MOST_WINDOWS = 64, 512, 16
+_BLOCK, _WINDOW, _MAX_WINDOWS = 64, 512, 16
 """Pixels of the sides of blocks, and of the windows that are looked at."""
 _FLOOR = 1e-4
 """Squared gradient, samples², that counts as none."""
 
 
-def with_same_look(windows: Windows, plan: Plan) -> Plan:
+def with_quality_calibration(windows: Windows, plan: Plan) -> Plan:
     """The plan at the λ with which the picture looks as others do at the quality that was asked for. Only of pictures
     with colours that are tuned for the eye, and only where it is a quality that was asked for.
     """
     settings, header = plan.settings, plan.header
     scales = settings.chosen_profile.scales
-    fixed = settings.asked() or settings.lmbda is not None or scales.get("quality") != "lmbda"
+    fixed = settings.target_label or settings.lmbda is not None or scales.get("quality") != "lmbda"
     if fixed or settings.tuned_for != "visual" or header.channels not in COLOURED_LAYOUTS:
         return plan
     found = [log_gradients(picture, header.masked) for picture in _sample(windows, header.width, header.height)]
@@ -61,45 +53,14 @@ def with_same_look(windows: Windows, plan: Plan) -> Plan:
     offset = quality_offset(blocks.mean(axis=0), settings.quality) if len(blocks) else 0.0
     lmbda = settings.fit_settings().lmbda * 2.0 ** (-offset / 8.0)
     planned = plan.at(lmbda, quality_index(lmbda))
-    return planned if header.tile else replace(planned, look=settings.quality)
-
-
-@dataclass
-class LookSteps:
-    """The index of texture's steps on the way to the look of a quality, `quality` None for none, in the course of so
-    many passes of gradient ascent.
-
-    What a pass gains belongs to its steps. So they stay in the last pass, if there are two; and a score that
-    is nearly right is left alone.
-    """
-
-    quality: float | None
-    step: int
-    passes: int
-    _begin: int = field(init=False)
-    _scores: int = field(init=False, default=0)
-
-    def __post_init__(self) -> None:
-        self._begin = self.step
-
-    def after(self, score: float | None) -> int:
-        """The index for the next layer, if the last one had this SSIMULACRA 2 score; None where there was none."""
-        if self.quality is None or score is None or self._scores == max(1, self.passes - 1):
-            return self.step
-        to_come = _GAIN * (self.passes - self._scores) ** 0.5
-        self._scores += 1
-        off = float(np.interp(score, _SCORES, _QUALITIES)) + to_come - self.quality
-        too_far = off - float(np.clip(off, -_NEARLY, _NEARLY))
-        moved = self.step - self._begin + round(_PER_QUALITY * too_far)
-        self.step = self._begin + min(max(moved, -_MOST_MOVED), _MOST_MOVED)
-        return self.step
+    return planned if header.tile else replace(planned, calibrated_quality=settings.quality)
 
 
 def quality_offset(gradients: F64, quality: float) -> float:
     """Steps of quality to add for the means [4] of `log_gradients` over a picture."""
     steps = sum(slope * (value - usual) for value, (*_, slope, usual) in zip(gradients, _FEATURES, strict=True))
     fade = max(0.0, (_LAST_QUALITY - quality) / _SPAN)
-    return float(np.clip(fade * steps, -_MOST_OFFSET, _MOST_OFFSET))
+    return float(np.clip(fade * steps, -_MAX_OFFSET, _MAX_OFFSET))
 
 
 def log_gradients(picture: Picture, masked: Masked | None) -> F64:
@@ -150,9 +111,9 @@ def _block_means(plane: F64, octave: int) -> F64:
 
 
 def _sample(windows: Windows, width: int, height: int) -> Iterator[Picture]:
-    """The picture in windows; of a large one _MOST_WINDOWS at most, evenly spread, from the top down."""
+    """The picture in windows; of a large one _MAX_WINDOWS at most, evenly spread, from the top down."""
     columns, rows = ceil(width / _WINDOW), ceil(height / _WINDOW)
-    while columns * rows > _MOST_WINDOWS:
+    while columns * rows > _MAX_WINDOWS:
         columns, rows = ceil(columns / 2), ceil(rows / 2)
     for (y, high), (x, wide) in product(_spans(height, rows), _spans(width, columns)):
         yield windows.read(x, y, wide, high)
