@@ -98,8 +98,8 @@ class NullListener:
 
 
 class PassReporter:
-    """The `Watcher` that reports the state of each pass to a listener, where there are several tiles: the only one
-    reports its stages and steps itself.
+    """Reports the state of each pass to a listener, where there are several tiles: the only one reports its stages and
+    steps itself.
     """
 
     def __init__(self, plan: Plan, listener: NullListener) -> None:
@@ -107,14 +107,14 @@ class PassReporter:
         self._state = PassState(0, 0)
 
     def begin(self, name: str, numbers: Sequence[int], there: dict[int, EncodedTile]) -> None:
-        """As in `Watcher`."""
+        """A pass over these tiles begins, some of which are there already."""
         self._state = PassState(len(numbers), sum(map(self._area, numbers)), name)
         for number, tile in there.items():
             self._state.add(tile, self._area(number), fresh=False)
         self._tell()
 
     def done(self, number: int, tile: EncodedTile | None) -> None:
-        """As in `Watcher`."""
+        """One more is done; None if it was only analysed."""
         self._state.add(tile, self._area(number), fresh=True)
         self._tell()
 

@@ -28,7 +28,7 @@ from sgicodec.encoder.plan import Plan, stream_plan
 from sgicodec.encoder.quality_calibration import with_quality_calibration
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tiles.checkpoint import fingerprint
-from sgicodec.encoder.tiles.interfaces import Finished, Runner, Store
+from sgicodec.encoder.tiles.interfaces import Finished, Store
 from sgicodec.encoder.tiles.memory_store import MemoryStore
 from sgicodec.encoder.tiles.passes import TilePasses
 from sgicodec.encoder.tiles.runner import TileRunner
@@ -255,7 +255,7 @@ class _OverviewTask:
         return encode_all_channels(window, self.settings, device)
 
 
-def _overview_maker(plan: Plan, windows: Windows, runner: Runner) -> Callable[[float], bytes] | None:
+def _overview_maker(plan: Plan, windows: Windows, runner: TileRunner) -> Callable[[float], bytes] | None:
     """What makes the overview of a stream whose tiles are fitted at a λ, if it is to have one."""
 
     def made(lmbda: float) -> bytes:

@@ -1,8 +1,8 @@
-"""The interfaces of the passes of an encode: tasks, runners, stores and watchers."""
+"""What passes over tiles are made of: tasks and stores, codings of tiles, and what comes out."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol, TypeVar
@@ -12,9 +12,8 @@ from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tiles.tasks import EncodedTile, Start
 from sgicodec.picture import Picture
 
-__all__ = ["Finished", "Runner", "Store", "Task", "Version", "Watcher"]
+__all__ = ["Finished", "Store", "Task", "Version"]
 
-Result = TypeVar("Result")
 Made = TypeVar("Made", covariant=True)
 Value = TypeVar("Value", bytes, float)
 
@@ -33,19 +32,6 @@ class Task(Protocol[Made]):
         """Made of tile `number`, whose pixels are `window`."""
 
 
-class Runner(Protocol):
-    """Who does it: yields results by tile in any order."""
-
-    def __call__(
-        self,
-        task: Task[Result],
-        numbers: Sequence[int],
-        start: Callable[[int], Start],
-        window: Picture | None = None,
-    ) -> Iterator[tuple[int, Result]]:
-        """window: the pixels, instead of those that a tile covers. Raises TileFailedError."""
-
-
 class Store(Protocol):
     """Where codings are kept. tiles: all of them, with or without their payloads."""
 
@@ -62,16 +48,6 @@ class Store(Protocol):
 
     def cached(self, name: str, make: Callable[[], Value]) -> Value:
         """The value under a name, else what is made now, which is kept."""
-
-
-class Watcher(Protocol):
-    """What watches the passes."""
-
-    def begin(self, name: str, numbers: Sequence[int], there: dict[int, EncodedTile]) -> None:
-        """A pass over these tiles begins, some of which are there already."""
-
-    def done(self, number: int, tile: EncodedTile | None) -> None:
-        """One more is done; None if it was only analysed."""
 
 
 @dataclass(frozen=True)

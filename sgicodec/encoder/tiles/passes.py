@@ -10,8 +10,10 @@ from functools import cached_property, partial
 from typing import BinaryIO, Literal
 
 from sgicodec.bitstream.stream_writer import stream_length, write_stream
+from sgicodec.encoder.listener import PassReporter
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.tiles.interfaces import Finished, Runner, Store, Task, Version, Watcher
+from sgicodec.encoder.tiles.interfaces import Finished, Store, Task, Version
+from sgicodec.encoder.tiles.runner import TileRunner
 from sgicodec.encoder.tiles.tasks import EncodedTile, FitTask, LookaheadTask, SearchTask, Start
 from sgicodec.encoder.tiles.time_budget import TimeBudget
 from sgicodec.metrics.distortion import decibels
@@ -42,16 +44,16 @@ class TilePasses:
     def __init__(
         self,
         task: FitTask,
-        runner: Runner,
+        runner: TileRunner,
         store: Store,
-        watcher: Watcher,
+        reporter: PassReporter,
         error_of: Callable[[BinaryIO], float],
         shares: TimeBudget | None = None,
         draw_small: Callable[[float], bytes] | None = None,
     ) -> None:
         plan = task.plan
         self.task, self.plan, self.runner, self.store = task, plan, runner, store
-        self.watcher, self.error_of = watcher, error_of
+        self.reporter, self.error_of = reporter, error_of
         self.shares, self.draw_small = shares, draw_small
         self.overview: bytes | None = None
         header = plan.header
@@ -88,7 +90,7 @@ class TilePasses:
             return
 
         def made() -> bytes:
-            self.watcher.begin("overview", [], {})
+            self.reporter.begin("overview", [], {})
             return draw(lmbda)
 
         self.overview = self.store.cached("overview", made)
@@ -126,11 +128,11 @@ class TilePasses:
     @cached_property
     def rd_model(self) -> TileRdModel:
         """From a lookahead at every tile."""
-        self.watcher.begin("lookahead", self.all, {})
+        self.reporter.begin("lookahead", self.all, {})
         tables = {}
         for number, table in self.runner(LookaheadTask(self.plan), self.all, lambda _: Start()):
             tables[number] = table
-            self.watcher.done(number, None)
+            self.reporter.done(number, None)
         what: Literal["bytes", "error"] = "bytes" if self.plan.settings.psnr is None else "error"
         return TileRdModel([tables[number] for number in self.all], what)
 
@@ -243,7 +245,7 @@ class TilePasses:
     ) -> None:
         """Does what is not there yet."""
         there = {number: Version(number, index) for number in numbers if Version(number, index) in self.store.tiles}
-        self.watcher.begin(name, numbers, {number: self.store.tiles[version] for number, version in there.items()})
+        self.reporter.begin(name, numbers, {number: self.store.tiles[version] for number, version in there.items()})
         missing = [number for number in numbers if number not in there]
         if self.shares is not None:
             self.shares.expect(missing)
@@ -252,4 +254,4 @@ class TilePasses:
                 if self.shares is not None:
                     self.shares.done(number, tile)
                 self.store.add(Version(number, index), tile)
-                self.watcher.done(number, tile)
+                self.reporter.done(number, tile)

@@ -36,11 +36,11 @@ class TileJob(NamedTuple):
 
 
 def make_ready() -> None:
-    """Nothing: this module has loaded what every fit needs, so that no tile's time pays for it."""
+    """Loads what every fit needs, so that no tile's time pays for it: this module does when it is loaded."""
 
 
 class TileRunner:
-    """The `Runner` that has an executor do the tasks, with the threads of `device`."""
+    """Has an executor do tasks on tiles, with the threads of `device`."""
 
     def __init__(self, windows: Windows, plan: Plan, executor: Executor, device: Device) -> None:
         self._windows, self._plan, self._executor, self._device = windows, plan, executor, device
@@ -52,7 +52,9 @@ class TileRunner:
         start: Callable[[int], Start],
         window: Picture | None = None,
     ) -> Iterator[tuple[int, Result]]:
-        """As in `Runner`. Where time is the limit, a tile's begins when its worker is ready."""
+        """Results by tile, in any order. window: the pixels, instead of those that a tile covers. Where time is the
+        limit, a tile's begins when its worker is ready. Raises TileFailedError.
+        """
         executor, plan = self._executor, self._plan
         if not plan.header.tile:  # a listener hears of its steps, and its errors are the picture's
             tile = tile_window(self._windows, plan, 0)
