@@ -246,12 +246,12 @@ def _default_target(source: str) -> str:
 
 def _settings(choices: dict[str, Any]) -> EncodeSettings:
     """The settings that were chosen. Raises UsageError for choices that exclude each other or make no sense."""
-    from sgicodec.encoder.settings import EncodeSettings
+    from sgicodec.encoder.settings import TARGETS, EncodeSettings
     from sgicodec.profiles import PROFILES
 
     chosen = {name: value for name, value in choices.items() if value is not None}
     for names in (
-        ("quality", "lmbda", "psnr", "ssimulacra2", "bpp", "size"),
+        ("quality", "lmbda", *TARGETS),
         ("effort", "time_limit"),
         ("steps", "time_limit"),
     ):

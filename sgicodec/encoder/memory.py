@@ -32,7 +32,7 @@ def estimate(plan: Plan, reading: int) -> Memory:
     _, _, width, height = header.grid.rect(0)
     pixels, channels = (width + 2 * header.apron) * (height + 2 * header.apron), header.spec.channels
     share = MAX_SEEDS  # where λ follows from a goal
-    if not plan.settings.target_label:
+    if plan.settings.target is None:
         lmbda = max(plan.settings.fit_settings().lmbda, 1e-9)
         share = min(MAX_SEEDS, USUAL_SEEDS * math.sqrt(USUAL_LMBDA / lmbda))
     window = pixels * channels * {"uint8": 1, "uint16": 2, "float32": 4}[header.sample_type]

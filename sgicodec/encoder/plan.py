@@ -81,8 +81,7 @@ class Plan:
 
     def at(self, lmbda: float, quality: int) -> Plan:
         """The same for tiles that are fitted at λ, whatever the goal, with this index of the base colour step."""
-        hurry = self.settings.hurries
-        settings = replace(self.settings, lmbda=lmbda, psnr=None, ssimulacra2=None, size=None, bpp=None, hurry=hurry)
+        settings = self.settings.at_lmbda(lmbda, hurry=self.settings.hurries)
         return replace(self, header=replace(self.header, quality=quality), settings=settings)
 
 
@@ -108,7 +107,7 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
         has_band_masks=shape.nodata is not None and shape.bands - (alpha_index(shape.channels) is not None) > 1,
         has_exact=shape.exact,
     )
-    if grid.tile and settings.time_limit is not None and settings.target_label:
+    if grid.tile and settings.time_limit is not None and settings.target:
         raise UsageError("a time limit goes with a size, a rate or a PSNR in a single tile only; --tile 0 makes one")
     if settings.ssimulacra2 is not None and grid.tile:
         raise UsageError("a SSIMULACRA 2 score goes with a single tile only; --tile 0 makes one")

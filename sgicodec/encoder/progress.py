@@ -24,7 +24,7 @@ def stage_weights(plan: Plan) -> dict[str, float]:
     """What share of the time each stage takes, relative to the others, in their order."""
     settings = plan.settings
     if plan.header.tile:
-        again = {"more passes": 0.7} if settings.rate_target(1) is not None else {}
+        again = {"more passes": 0.7} if settings.target else {}
         return {"load": 0.02, "tiles": 1.0, **again, "verify": 0.1}
     effort = effort_of(settings.fit_settings(), settings.tuned_for)
     search = {"search": 0.45 + _SEARCH * effort.steps} if settings.rdoq and plan.header.spec.context.prior else {}

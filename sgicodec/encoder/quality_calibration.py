@@ -45,7 +45,7 @@ def with_quality_calibration(windows: Windows, plan: Plan) -> Plan:
     """
     settings, header = plan.settings, plan.header
     scales = settings.chosen_profile.scales
-    fixed = settings.target_label or settings.lmbda is not None or scales.get("quality") != "lmbda"
+    fixed = settings.target or settings.lmbda is not None or scales.get("quality") != "lmbda"
     if fixed or settings.tuned_for != "visual" or header.channels not in COLOURED_LAYOUTS:
         return plan
     found = [log_gradients(picture, header.masked) for picture in _sample(windows, header.width, header.height)]

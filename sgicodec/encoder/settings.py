@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from numbers import Integral, Real
-from typing import Literal
+from typing import Any, Literal
 
 from sgicodec.bitstream.header import MAX_APRON, MAX_SIDE, MIN_TILE
 from sgicodec.errors import UsageError
@@ -15,7 +15,7 @@ from sgicodec.profiles import PROFILES, Profile
 from sgicodec.profiles.fit_settings import FitSettings
 from sgicodec.rate_control.target import RateTarget
 
-__all__ = ["APRON", "MAX_PIXELS_OF_ONE", "TILE", "EncodeSettings"]
+__all__ = ["APRON", "MAX_PIXELS_OF_ONE", "TARGETS", "TILE", "EncodeSettings"]
 
 TILE, MAX_PIXELS_OF_ONE = 1024, 1 << 22
 """Pixels of a tile's side, where nothing else is asked for, and those of the largest picture that is then one tile."""
@@ -23,6 +23,8 @@ TILE, MAX_PIXELS_OF_ONE = 1024, 1 << 22
 APRON = 8
 """Pixels that a tile reaches over its neighbours, where nothing else is asked for."""
 
+TARGETS = ("psnr", "ssimulacra2", "size", "bpp")
+"""Settings that a stream is to end at, of which there may be one, instead of a quality or λ."""
 
 Tune = Literal["psnr", "visual"]
 
@@ -122,27 +124,32 @@ class EncodeSettings:
             return TileGrid(width, height, 0, 0)
         return TileGrid(width, height, tile, min(APRON, tile // 4) if self.apron is None else self.apron)
 
-    def rate_target(self, pixels: int) -> RateTarget | None:
-        """The rate target of a picture of `pixels` pixels, if there is one."""
-        if self.psnr is not None:
-            return RateTarget(psnr=self.psnr)
-        if self.ssimulacra2 is not None:
-            return RateTarget(score=self.ssimulacra2)
-        if self.bpp is not None:
-            return RateTarget(bytes=self.bpp * pixels / 8)
-        return None if self.size is None else RateTarget(bytes=self.size)
-
     @property
-    def hurries(self) -> bool:
-        """Whether fits of few steps beneath texture leave out what gains little for its time."""
-        goals = self.psnr, self.ssimulacra2, self.bpp, self.size, self.time_limit
-        return all(goal is None for goal in goals) if self.hurry is None else self.hurry
+    def target(self) -> str | None:
+        """Which of `TARGETS` is asked for, if one is."""
+        return next((name for name in TARGETS if getattr(self, name) is not None), None)
 
     @property
     def target_label(self) -> str:
         """The target in a word, empty without one."""
-        goals = {"psnr": self.psnr, "ssimulacra2-": self.ssimulacra2, "bpp": self.bpp, "size": self.size}
-        return "".join(f"{name}{value:g}" for name, value in goals.items() if value is not None)
+        if self.target is None:
+            return ""
+        return f"{self.target}{'-' * (self.target == 'ssimulacra2')}{getattr(self, self.target):g}"
+
+    def rate_target(self, pixels: int) -> RateTarget | None:
+        """The rate target of a picture of `pixels` pixels, if there is one."""
+        size = self.size if self.bpp is None else self.bpp * pixels / 8
+        return None if self.target is None else RateTarget(bytes=size, psnr=self.psnr, score=self.ssimulacra2)
+
+    def at_lmbda(self, lmbda: float, **changes: Any) -> EncodeSettings:
+        """The same at λ without a target, and with other changes."""
+        none: dict[str, Any] = dict.fromkeys(TARGETS)
+        return replace(self, **none, lmbda=lmbda, **changes)
+
+    @property
+    def hurries(self) -> bool:
+        """Whether fits of few steps beneath texture leave out what gains little for its time."""
+        return self.target is None and self.time_limit is None if self.hurry is None else self.hurry
 
     def __post_init__(self) -> None:
         for name, kind in self.__annotations__.items():
@@ -196,7 +203,7 @@ class EncodeSettings:
 
     def _check_choices(self) -> None:
         """Raises UsageError for settings that exclude each other, or that the profile does not have."""
-        goals = [name for name in ("psnr", "ssimulacra2", "size", "bpp") if getattr(self, name) is not None]
+        goals = [name for name in TARGETS if getattr(self, name) is not None]
         instead = [*goals, *(["lmbda"] if goals and self.lmbda is not None else [])]
         instead = ["steps", "time_limit"] if self.steps is not None and self.time_limit is not None else instead
         if len(instead) > 1:

@@ -44,8 +44,8 @@ def takes_overview(plan: Plan) -> bool:
 
 def overview_settings(plan: Plan, lmbda: float) -> EncodeSettings:
     """Those of the overview of a stream whose tiles are fitted at λ."""
-    settings = replace(plan.settings, lmbda=lmbda / _FINER, psnr=None, size=None, bpp=None, metadata=False)
-    settings = replace(settings, tile=plan.header.tile, apron=plan.header.apron, overview=False)
+    tiles = {"tile": plan.header.tile, "apron": plan.header.apron, "overview": False}
+    settings = plan.settings.at_lmbda(lmbda / _FINER, metadata=False, **tiles)
     if settings.time_limit is not None:
         settings = replace(settings, time_limit=None, effort=_HURRIED_EFFORT)
     return settings

@@ -60,7 +60,7 @@ def _at_target(state: TileState, target: RateTarget) -> Stream:
     tried: dict[float, Stream] = {}
 
     def measure(shift: float) -> Measured:
-        tried[shift] = _measured(_shifted(state, shift))
+        tried[shift] = _measured(_shifted(state, shift), target)
         return tried[shift][1]
 
     return tried[step_shift(target, measure)]
@@ -78,7 +78,7 @@ def _optimised(start: TileState, target: RateTarget) -> tuple[TileState, Stream]
         bits, psnr = found.cost.bits, decibels(found.cost.squared_error, tile.unit.size)
         guess = estimate.of(bits, psnr)
         if number == 0 or (may_end and target.is_met(guess)):
-            written, guess = _measured(state)
+            written, guess = _measured(state, target)
             estimate.correct(bits, psnr, guess)
             if may_end and target.is_met(guess):
                 return state, (written, guess)
@@ -88,12 +88,12 @@ def _optimised(start: TileState, target: RateTarget) -> tuple[TileState, Stream]
         controller.update(guess)
     met = [state for state, guess in tries if target.is_met(guess)]
     state = met[-1] if met else tries[target.nearest([guess for _, guess in tries])][0]
-    return state, _measured(state)
+    return state, _measured(state, target)
 
 
-def _measured(state: TileState) -> Stream:
+def _measured(state: TileState, target: RateTarget) -> Stream:
     written = write(state)
-    return written, measured(written, state.tile)
+    return written, measured(written, state.tile, target)
 
 
 def _shifted(state: TileState, shift: float) -> TileState:

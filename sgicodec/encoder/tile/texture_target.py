@@ -76,7 +76,7 @@ def _at_target(state: TileState, target: RateTarget) -> tuple[_Tried, float, Str
         if textured.model.texture is None:
             none_from = shift
         written = write(textured)
-        tried[shift] = _Tried(written, measured(written, tile))
+        tried[shift] = _Tried(written, measured(written, tile, target))
         return tried[shift].measured
 
     # What follows is for the texture about where the target will be met.

@@ -19,7 +19,7 @@ from sgicodec.metrics.visual_score import visual_score
 from sgicodec.model.context import input_count
 from sgicodec.model.spec import ModelSpec
 from sgicodec.picture import Picture, comparable, to_rgb8
-from sgicodec.rate_control.target import Measured
+from sgicodec.rate_control.target import Measured, RateTarget
 
 __all__ = ["WrittenTile", "decoded", "measured", "network_weights", "stream_of", "write", "write_nothing"]
 
@@ -66,14 +66,14 @@ def _written(
     return WrittenTile(header, chunk, model, parts, seeds, lmbda)
 
 
-def measured(written: WrittenTile, tile: Tile) -> Measured:
+def measured(written: WrittenTile, tile: Tile, target: RateTarget) -> Measured:
     """What the stream of the only tile is; of its PSNR and score, only what is asked for."""
-    settings, data = tile.settings, stream_of(written, tile)
-    if settings.psnr is not None:
+    data = stream_of(written, tile)
+    if target.psnr is not None:
         shown = np.array(True) if tile.empty is None else ~tile.empty[..., None]
         pictures = (tile.picture, _decoded(data, tile))
         return Measured(len(data), psnr(*(np.where(shown, comparable(picture), 0) for picture in pictures)))
-    if settings.ssimulacra2 is not None:
+    if target.score is not None:
         seen, shown = to_rgb8(tile.picture), to_rgb8(_decoded(data, tile))
         return Measured(len(data), math.inf, visual_score(seen, shown, tile.device))
     return Measured(len(data), math.inf)

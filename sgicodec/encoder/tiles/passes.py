@@ -133,7 +133,7 @@ class TilePasses:
         for number, table in self.runner(LookaheadTask(self.plan), self.all, lambda _: Start()):
             tables[number] = table
             self.reporter.done(number, None)
-        what: Literal["bytes", "error"] = "bytes" if self.plan.settings.psnr is None else "error"
+        what: Literal["bytes", "error"] = "error" if self.target and self.target.psnr else "bytes"
         return TileRdModel([tables[number] for number in self.all], what)
 
     def _bound(self, target: RateTarget, lengths: Sequence[int] | None = None) -> Bound:

@@ -16,6 +16,7 @@ from sgicodec.encoder.tile.inputs import tile_of
 from sgicodec.encoder.tile.state import Tile
 from sgicodec.encoder.tile.writing import measured, stream_of, write_nothing
 from sgicodec.picture import Metadata, Picture
+from sgicodec.rate_control.target import RateTarget
 
 
 def empty_tile(**settings: Any) -> Tile:
@@ -39,18 +40,19 @@ def test_nothing_is_a_stream_that_decodes() -> None:
 def test_metadata_count() -> None:
     """Eight bytes of two blobs, and five of each one's frame."""
     with_blobs, without = (
-        measured(write_nothing(tile), tile).bytes for tile in (empty_tile(), empty_tile(metadata=False))
+        measured(write_nothing(tile), tile, RateTarget(bytes=99)).bytes
+        for tile in (empty_tile(), empty_tile(metadata=False))
     )
     assert with_blobs - without >= 8 + 2 * 4
 
 
-@pytest.mark.parametrize("asked", [{}, {"psnr": 30.0}, {"ssimulacra2": 50.0}])
-def test_what_is_asked_for_is_measured(asked: dict[str, float]) -> None:
-    tile = empty_tile(**asked)
+@pytest.mark.parametrize("target", [RateTarget(bytes=99), RateTarget(psnr=30.0), RateTarget(score=50.0)])
+def test_what_is_asked_for_is_measured(target: RateTarget) -> None:
+    tile = empty_tile()
     written = write_nothing(tile)
-    found = measured(written, tile)
+    found = measured(written, tile, target)
     assert found.bytes == len(stream_of(written, tile))
     assert math.isinf(found.psnr)
-    assert math.isnan(found.score) == ("ssimulacra2" not in asked)
-    whole = measured(written, replace(tile, empty=None))
-    assert math.isfinite(whole.psnr) == ("psnr" in asked)
+    assert math.isnan(found.score) == (target.score is None)
+    whole = measured(written, replace(tile, empty=None), target)
+    assert math.isfinite(whole.psnr) == (target.psnr is not None)
