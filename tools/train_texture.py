@@ -20,7 +20,7 @@ from sgicodec._native import TextureModels
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile.inputs import tile_of
-from sgicodec.encoder.tile.stages import fit, prepare, rdoq, share
+from sgicodec.encoder.tile.stages import fit_seeds
 from sgicodec.encoder.tile.texture import begin_texture
 from sgicodec.encoder.tile.texture_contrast import TextureContrasts
 from sgicodec.encoder.tile.texture_tuning import TUNINGS
@@ -43,7 +43,7 @@ def layers(picture: Picture, quality: float) -> list[TextureSymbols]:
     found = []
     settings = EncodeSettings(quality=quality, effort=EFFORT, tile=0)
     tile = tile_of(picture, stream_plan(Shape.of(picture), settings))
-    state, search = begin_texture(rdoq(fit(share(prepare(tile, tile.fit.lmbda)))))
+    state, search = begin_texture(fit_seeds(tile, tile.fit.lmbda))
     for tune in ("psnr", "visual"):
         tuning = TUNINGS[tune]
         steps = tuning.steps(tuning.step(state.lmbda), tile.spec.channels)

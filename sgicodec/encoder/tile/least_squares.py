@@ -2,7 +2,7 @@
 
 A fit does not see the texture that will lie over its seeds: it counts errors less where texture follows. Once texture
 is there, what it leaves is known, and the symbols of seeds are searched again for that; then texture over them. What
-texture rounds is left out, for it will be rounded anew. So does texture for what restoration adds to it.
+texture rounds is left out, for it will be rounded anew. Texture itself is searched again for what restoration leaves.
 """
 
 from __future__ import annotations
@@ -29,17 +29,17 @@ SETTINGS = RdoqSettings(passes=1, deep=7, rounds=4, coarser=0.0)
 class LeastSquares:
     """The `TextureStrategy` of the least squared error for the bits."""
 
-    def laid(self, state: TileState) -> TileState:
+    def lay(self, state: TileState) -> TileState:
         """As in `TextureStrategy`."""
         state, search = begin_texture(state)
         tuning = state.tile.tuning
-        return self.at(state, search, tuning.step(state.lmbda), tuning.price(state.lmbda))
+        return self.lay_at(state, search, tuning.step(state.lmbda), tuning.price(state.lmbda))
 
-    def aimed(self, state: TileState, search: TextureSearch, step: int) -> tuple[TileState, TextureSearch]:
+    def aim(self, state: TileState, search: TextureSearch, step: int) -> tuple[TileState, TextureSearch]:
         """As in `TextureStrategy`: with seeds for the texture of this step."""
         return begin_texture(requantise_seeds_under_texture(state, step))
 
-    def at(self, state: TileState, search: TextureSearch, step: int, price: float | None = None) -> TileState:
+    def lay_at(self, state: TileState, search: TextureSearch, step: int, price: float | None = None) -> TileState:
         """As in `TextureStrategy`."""
         tile, layer = state.tile, best_layer(state, search, step, price)
         strength = best_strength(state, search, layer)

@@ -20,7 +20,7 @@ __all__ = ["Perceptual"]
 class Perceptual:
     """The `TextureStrategy` of the best scores for the bits."""
 
-    def laid(self, state: TileState) -> TileState:
+    def lay(self, state: TileState) -> TileState:
         """As in `TextureStrategy`, or for the quality that the plan is calibrated to."""
         state, search = begin_texture(state)
         tuning = state.tile.tuning
@@ -28,11 +28,11 @@ class Perceptual:
         state, cells, step = self._ascended(state, search, tuning.step(state.lmbda), price)
         return state.with_texture(best_layer(state, search, step, price, cells), state.strength)
 
-    def aimed(self, state: TileState, search: TextureSearch, step: int) -> tuple[TileState, TextureSearch]:
+    def aim(self, state: TileState, search: TextureSearch, step: int) -> tuple[TileState, TextureSearch]:
         """As in `TextureStrategy`: with what the ascent made of the search."""
         return self._ascended(state, search, step)[0], search
 
-    def at(self, state: TileState, search: TextureSearch, step: int, price: float | None = None) -> TileState:
+    def lay_at(self, state: TileState, search: TextureSearch, step: int, price: float | None = None) -> TileState:
         """As in `TextureStrategy`."""
         return state.with_texture(best_layer(state, search, step, price), state.strength)
 

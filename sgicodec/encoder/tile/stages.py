@@ -35,6 +35,7 @@ __all__ = [
     "STRATEGIES",
     "encode",
     "fit",
+    "fit_seeds",
     "in_integers",
     "prepare",
     "rd_model",
@@ -54,8 +55,12 @@ _MIN_TAUGHT_SEEDS = 64
 
 def encode(tile: Tile) -> TileState:
     """The tile through all stages, at a constant λ."""
-    state = rdoq(fit(share(prepare(tile, tile.fit.lmbda))))
-    return texture(requantise_seeds_under_texture(state))
+    return texture(requantise_seeds_under_texture(fit_seeds(tile, tile.fit.lmbda)))
+
+
+def fit_seeds(tile: Tile, lmbda: float, min_passes: int = 0) -> TileState:
+    """The tile through the stages before texture, for an encode at λ. min_passes: as in `rdoq`."""
+    return rdoq(fit(share(prepare(tile, lmbda))), min_passes)
 
 
 def prepare(tile: Tile, lmbda: float) -> Prepared:
@@ -154,7 +159,7 @@ def with_model(prepared: Prepared, header: Header, model: TileModel, seed_lmbda:
 
 
 def rdoq(state: TileState, min_passes: int = 0) -> TileState:
-    """The tile with the best symbols that RDOQ finds for the λ of its seeds."""
+    """The tile with the best symbols that RDOQ finds for the λ of its seeds, in at least so many passes."""
     tile, until = state.tile, state.tile.time.search_end
     if not tile.has_rdoq:
         return state
@@ -180,7 +185,7 @@ def texture(state: TileState) -> TileState:
     if not tile.spec.texture:
         return state
     tile.watch.stage("texture")
-    return STRATEGIES[tile.settings.tuned_for].laid(state)
+    return STRATEGIES[tile.settings.tuned_for].lay(state)
 
 
 def rd_model(prepared: Prepared) -> RdModel:

@@ -17,13 +17,13 @@ __all__ = ["TextureStrategy", "begin_texture", "best_layer", "best_strength"]
 class TextureStrategy(Protocol):
     """How texture is laid over seeds, towards one end."""
 
-    def laid(self, state: TileState) -> TileState:
+    def lay(self, state: TileState) -> TileState:
         """The tile with texture, restored, for the λ of the encode."""
 
-    def aimed(self, state: TileState, search: TextureSearch, step: int) -> tuple[TileState, TextureSearch]:
+    def aim(self, state: TileState, search: TextureSearch, step: int) -> tuple[TileState, TextureSearch]:
         """The tile and the search, both made better for texture whose lowest step has an index near this one."""
 
-    def at(self, state: TileState, search: TextureSearch, step: int, price: float | None = None) -> TileState:
+    def lay_at(self, state: TileState, search: TextureSearch, step: int, price: float | None = None) -> TileState:
         """The tile with texture whose lowest step has this index, restored. price: λ in squared steps, None for what
         suits them.
         """
@@ -47,8 +47,8 @@ def best_layer(
     price: float | None = None,
     cells: TextureSymbols | None = None,
 ) -> TextureSymbols | None:
-    """The layer of least cost, None where nothing is worth its bits. step, price: as in `TextureStrategy.at`; cells: a
-    layer whose cells are taken, None for the best.
+    """The layer of least cost, None where nothing is worth its bits. step, price: as in `TextureStrategy.lay_at`;
+    cells: a layer whose cells are taken, None for the best.
     """
     tuning = state.tile.tuning
     return search.at(_steps(state.tile, step), tuning.squared_steps if price is None else price, state.contrast, cells)

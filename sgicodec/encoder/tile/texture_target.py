@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from sgicodec.encoder.tile.restoration import Strength
-from sgicodec.encoder.tile.stages import STRATEGIES, fit, prepare, rd_model, rdoq, share
+from sgicodec.encoder.tile.stages import STRATEGIES, fit_seeds, prepare, rd_model
 from sgicodec.encoder.tile.state import Tile, TileState
 from sgicodec.encoder.tile.texture import begin_texture
 from sgicodec.encoder.tile.writing import WrittenTile, measured, write
@@ -37,7 +37,7 @@ def best_by_texture(tile: Tile, target: RateTarget, extra: float) -> tuple[Writt
     tried: list[_Tried] = []
     for _ in range(1 if tile.settings.time_limit is not None else MAX_FITS):
         # Without two passes, the seeds of a fit that was ended early may take more than the whole stream is to have.
-        state = rdoq(fit(share(prepare(tile, lmbda))), min_passes=2)
+        state = fit_seeds(tile, lmbda, min_passes=2)
         found, octaves, strength = _at_target(replace(state, strength=strength), target)
         tried.append(found)
         lmbda = min(max(lmbda * 2.0**octaves, LMBDA_MIN), LMBDA_MAX)
@@ -72,7 +72,7 @@ def _at_target(state: TileState, target: RateTarget) -> tuple[_Tried, float, Str
             return tried[shift].measured
         # Between two steps, the price of bits moves as much as the step would.
         price = tile.tuning.squared_steps * 2.0 ** (-OCTAVES_PER_UNIT * (shift % 1))
-        textured = strategy.at(state, search, step_at(shift), price)
+        textured = strategy.lay_at(state, search, step_at(shift), price)
         if textured.model.texture is None:
             none_from = shift
         written = write(textured)
@@ -81,7 +81,7 @@ def _at_target(state: TileState, target: RateTarget) -> tuple[_Tried, float, Str
 
     # What follows is for the texture about where the target will be met.
     near = round(min(max(target.rate_error(measure(0.0)) / -OCTAVES_PER_UNIT, -SHIFT_MAX), SHIFT_MAX))
-    state, search = strategy.aimed(state, search, step_at(near))
+    state, search = strategy.aim(state, search, step_at(near))
     none_from = math.inf
     tried.clear()
     shift = near + step_shift(target, lambda moved: measure(near + moved), OCTAVES_PER_UNIT, RESOLUTION)

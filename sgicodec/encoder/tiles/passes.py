@@ -66,14 +66,18 @@ class TilePasses:
 
     def run(self) -> Finished:
         """All passes. Raises TileFailedError; the store then has what was finished."""
-        target = self.target
-        if target is None:
-            self._make_overview(self.plan.settings.fit_settings().lmbda)
-            self._pass("tiles", 0, self.task, self.all, self._first)
-            last = self.store.tiles[Version(self.all[-1])]
-            plan = self.plan if last.header is None else replace(self.plan, header=last.header)
-            chosen = [Version(number) for number in self.all]
-            return Finished(plan, chosen, last.lmbda, last.missed, self.overview)
+        return self._at_lmbda() if self.target is None else self._at_target(self.target)
+
+    def _at_lmbda(self) -> Finished:
+        """One pass at the λ of the plan."""
+        self._make_overview(self.plan.settings.fit_settings().lmbda)
+        self._pass("tiles", 0, self.task, self.all, self._first)
+        last = self.store.tiles[Version(self.all[-1])]
+        plan = self.plan if last.header is None else replace(self.plan, header=last.header)
+        return Finished(plan, [Version(number) for number in self.all], last.lmbda, last.missed, self.overview)
+
+    def _at_target(self, target: RateTarget) -> Finished:
+        """Fits whose λ follows from the sizes of those before, then corrections."""
         lmbda, index, samples, fits = self._lmbda(target, 0, self.all, 0.0), 0, 1, 0
         self._make_overview(lmbda)
         while True:

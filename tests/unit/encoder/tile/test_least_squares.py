@@ -15,7 +15,7 @@ from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import Tune
 from sgicodec.encoder.tile.inputs import tile_of
 from sgicodec.encoder.tile.least_squares import requantise_seeds_under_texture, with_seeds_for
-from sgicodec.encoder.tile.stages import fit, prepare, rdoq, share, texture
+from sgicodec.encoder.tile.stages import fit_seeds, texture
 from sgicodec.encoder.tile.state import TileState, Watch
 from sgicodec.encoder.tile.writing import decoded, write
 from sgicodec.metrics.distortion import squared_error
@@ -31,7 +31,7 @@ def searched(tune: Tune, quality: float = 54) -> TileState:
     picture: Picture = replace(photo, pixels=np.ascontiguousarray(photo.pixels[100:292, 200:456]))
     settings = EncodeSettings(quality=quality, steps=STEPS, tune=tune, metadata=False)
     tile = tile_of(picture, stream_plan(Shape.of(picture), settings))
-    return rdoq(fit(share(prepare(tile, tile.fit.lmbda))))
+    return fit_seeds(tile, tile.fit.lmbda)
 
 
 def cost(state: TileState) -> tuple[int, float]:

@@ -13,7 +13,7 @@ from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import Tune
 from sgicodec.encoder.tile.inputs import tile_of
 from sgicodec.encoder.tile.least_squares import requantise_seeds_under_texture
-from sgicodec.encoder.tile.stages import encode, fit, prepare, rdoq, share, texture
+from sgicodec.encoder.tile.stages import encode, fit, fit_seeds, prepare, rdoq, share, texture
 from sgicodec.encoder.tile.state import Tile
 from sgicodec.encoder.tile.texture import begin_texture
 from sgicodec.encoder.tile.writing import write
@@ -51,7 +51,7 @@ def test_the_same_again(tune: Tune) -> None:
 def test_what_a_search_learns_stays_with_it() -> None:
     """An ascent moves what its own search looks for, and the contrasts of the state that it returns."""
     tile = tile_for("visual")
-    state, _ = begin_texture(rdoq(fit(share(prepare(tile, tile.fit.lmbda)))))
+    state, _ = begin_texture(fit_seeds(tile, tile.fit.lmbda))
     assert state.contrast is not None
     before = state.contrast.copy()
     texture(state)
