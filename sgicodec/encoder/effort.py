@@ -30,7 +30,7 @@ class Effort:
     seed_price: float
     """λ of the seeds in the fit, in the λ of the encode."""
     rdoq: RdoqSettings
-    """How RDOQ follows the fit: its passes, and how far each of them looks."""
+    """How RDOQ follows the fit: its passes, and how far each looks. From the fifth on they gain next to nothing."""
     split_margin: float
     """Up to how many times the cost of the other choice, by an estimate, a block of texture is tried whole or divided;
     1 trusts the estimate."""
@@ -43,8 +43,8 @@ class Effort:
 
 
 def effort_of(fit: FitSettings, tuned_for: Tune) -> Effort:
-    """What goes with a fit of so many steps, for least squared error or for the eye. The thresholds are where a step
-    more gained less than the same time spent on what they switch on (docs/notes: texture-share, settling,
+    """What goes with a fit of so many steps, for least squared error or for the eye. What a threshold switches on is
+    worth its time from there on; before, more steps gain more in the same time (docs/notes: texture-share, settling,
     score-ascent, restoration, rdoq).
     """
     steps, low, eye = fit.steps, fit.hurried, tuned_for == "visual"

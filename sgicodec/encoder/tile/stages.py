@@ -55,12 +55,17 @@ _MIN_TAUGHT_SEEDS = 64
 
 def encode(tile: Tile) -> TileState:
     """The tile through all stages, at a constant λ."""
-    return texture(requantise_seeds_under_texture(fit_seeds(tile, tile.fit.lmbda)))
+    state = fit_seeds(tile, tile.fit.lmbda)
+    state = requantise_seeds_under_texture(state)
+    return texture(state)
 
 
 def fit_seeds(tile: Tile, lmbda: float, min_passes: int = 0) -> TileState:
     """The tile through the stages before texture, for an encode at λ. min_passes: as in `rdoq`."""
-    return rdoq(fit(share(prepare(tile, lmbda))), min_passes)
+    prepared = prepare(tile, lmbda)
+    prepared = share(prepared)
+    state = fit(prepared)
+    return rdoq(state, min_passes)
 
 
 def prepare(tile: Tile, lmbda: float) -> Prepared:

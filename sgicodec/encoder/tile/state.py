@@ -82,7 +82,7 @@ class Tile:
     """A tile and what is asked for: what stays through all stages. A picture in one tile is one."""
 
     picture: Picture
-    """Its pixels, what lies under the tiles beside it included."""
+    """Its pixels, its overlap with the tiles beside it included."""
     plan: Plan
     """That of the stream."""
     number: int
