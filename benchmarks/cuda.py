@@ -36,11 +36,13 @@ from sgicodec.cuda.gpu import Gpu, opened
 from sgicodec.cuda.tiles import TilePasses
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
+from sgicodec.encoder.input.windows import windows_of
+from sgicodec.encoder.listener import NullListener
 from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.plan import stream_plan
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.encoder.tile_encoder import Encoding
-from sgicodec.encoder.windows import windows_of
+from sgicodec.encoder.tile.inputs import tile_of
+from sgicodec.encoder.tile.stages import fit, prepare, share
 from sgicodec.errors import MissingExtraError, TargetMissedError
 from sgicodec.executors.serial import SerialExecutor
 from sgicodec.executors.threads import ThreadExecutor
@@ -184,14 +186,15 @@ PARTS = {
 def print_fit(device: Device, picture: Picture) -> None:
     """Seconds of a fit alone at the default effort, and of each of its steps."""
     plan = stream_plan(windows_of(picture).shape, EncodeSettings(steps=EFFORTS[5], tile=0))
-    encoding = Encoding(picture, plan, time.monotonic(), device)
     times = [time.monotonic()]
 
-    def noted(_: Progress) -> bool:
-        times.append(time.monotonic())
-        return True
+    class Noting(NullListener):
+        def step(self, progress: Progress) -> bool:
+            times.append(time.monotonic())
+            return True
 
-    encoding.fitted(noted)
+    tile = tile_of(picture, plan, device, listener=Noting())
+    fit(share(prepare(tile, tile.fit.lmbda)))
     each, steps = 1e3 * median(np.diff(times[1:])), len(times) - 1
     seconds = time.monotonic() - times[0]
     click.echo(f"fit of {picture.width}×{picture.height}: {seconds:.2f} s, {steps} steps of {each:.3f} ms")

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec import read
-from sgicodec.encoder.same_look import log_gradients
+from sgicodec.encoder.quality_calibration import log_gradients
 
 __all__ = ["main", "missing_steps", "scores_of", "spread"]
 
@@ -73,7 +73,7 @@ def _refined(missing: dict[str, float], pictures: tuple[Path, ...]) -> list[str]
 @click.option("--codec", default="sgi", show_default=True, help="Rows of this name.")
 def main(results: Path, pictures: tuple[Path, ...], codec: str) -> None:
     """Tell what each quality looks like in RESULTS, a table of `sgi bench`; with PICTURES, how the offsets of qualities
-    (sgicodec/encoder/same_look.py) could be refined.
+    (sgicodec/encoder/quality_calibration.py) could be refined.
     """
     scores = scores_of(results, codec)
     if not scores:

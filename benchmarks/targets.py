@@ -15,7 +15,7 @@ from sgicodec.device import Device
 from sgicodec.encoder.encoded import Encoded
 from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.encoder.tile_encoder import make_ready
+from sgicodec.encoder.tiles.runner import make_ready
 from sgicodec.errors import TargetMissedError, UsageError
 from sgicodec.image import read
 from sgicodec.metrics.psnr import psnr

@@ -22,7 +22,9 @@ from sgicodec.device import ALL_CORES, Device
 from sgicodec.encoder.encoded import Encoded
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.encoder.tile_encoder import Encoding
+from sgicodec.encoder.tile.inputs import tile_of
+from sgicodec.encoder.tile.stages import encode
+from sgicodec.encoder.tile.writing import stream_of, write
 from sgicodec.errors import UsageError
 from sgicodec.image import read
 from sgicodec.picture import Picture, to_unit
@@ -50,13 +52,15 @@ def whole(picture: Picture, settings: EncodeSettings, variant: str = "", device:
         plan = stream_plan(Shape.of(picture), settings)
         if name == "base_cell":
             plan = replace(plan, header=replace(plan.header, spec=replace(plan.header.spec, base_cell=value)))
-        started, encoding = time.monotonic(), Encoding(picture, plan, time.monotonic(), device)
+        started, tile = time.monotonic(), tile_of(picture, plan, device)
         if name.startswith("fit."):
-            encoding.fit = replace(encoding.fit, **{name.removeprefix("fit."): value})
+            tile = replace(tile, fit=replace(tile.fit, **{name.removeprefix("fit."): value}))
     except (ValueError, SyntaxError, TypeError) as cause:
         message = "a field of EncodeSettings, base_cell, or fit. and a field of FitSettings, and its value"
         raise UsageError(f"variant {variant}: {message}") from cause
-    encoded = encoding.run(None)
+    written = write(encode(tile))
+    gaussians = written.seeds * plan.header.spec.per_seed
+    encoded = Encoded(stream_of(written, tile), written.part_bytes, written.seeds, gaussians, written.lmbda)
     return replace(measured(picture, encoded, device), seconds=time.monotonic() - started)
 
 

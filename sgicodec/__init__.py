@@ -22,12 +22,12 @@ if TYPE_CHECKING:
     from sgicodec.decoder.stream import Stream
     from sgicodec.decoder.stream import open_stream as open
     from sgicodec.device import Device
-    from sgicodec.encoder.checkpoint import Checkpoint
     from sgicodec.encoder.encoded import Encoded
     from sgicodec.encoder.listener import NullListener
     from sgicodec.encoder.one_call import encode, imwrite
     from sgicodec.encoder.pipeline import encode_picture
     from sgicodec.encoder.settings import EncodeSettings
+    from sgicodec.encoder.tiles.checkpoint import Checkpoint
     from sgicodec.executors.dask import open_cluster
     from sgicodec.executors.gpus import GpuExecutor
     from sgicodec.executors.processes import ProcessExecutor
@@ -61,7 +61,7 @@ __all__ = [
 ]
 
 _HOMES = {
-    "Checkpoint": "encoder.checkpoint.Checkpoint",
+    "Checkpoint": "encoder.tiles.checkpoint.Checkpoint",
     "Device": "device.Device",
     "EncodeSettings": "encoder.settings.EncodeSettings",
     "Encoded": "encoder.encoded.Encoded",

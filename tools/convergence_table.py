@@ -10,7 +10,6 @@ pictures, then the mean deviation of pictures from them.
 from __future__ import annotations
 
 import math
-import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -21,9 +20,12 @@ from numpy.typing import NDArray
 
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
+from sgicodec.encoder.listener import NullListener
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.encoder.tile_encoder import Encoding
+from sgicodec.encoder.tile.inputs import tile_of
+from sgicodec.encoder.tile.stages import fit, prepare, rdoq, share
+from sgicodec.encoder.tile.writing import stream_of, write
 from sgicodec.image import read
 from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import comparable
@@ -53,20 +55,22 @@ def followed(path: Path, lmbda: float, steps: int, device: Device) -> Followed:
     picture = read(path)
     states: list[Progress] = []
 
-    def on_progress(state: Progress) -> bool:
-        states.append(state)
-        return True
+    class Noting(NullListener):
+        def step(self, progress: Progress) -> bool:
+            states.append(progress)
+            return True
 
     settings = EncodeSettings(lmbda=lmbda, steps=steps, hurry=False)  # as those with a target
-    encoding = Encoding(picture, stream_plan(Shape.of(picture), settings), time.monotonic(), device)
-    candidate = encoding.candidate(encoding.fitted(on_progress))
-    streams = [encoding.encoded(one) for one in (candidate, encoding.searched(candidate))]
-    quality = [psnr(comparable(picture), comparable(open_stream(one.data, device).picture())) for one in streams]
-    size = sum(streams[0].part_bytes[name] for name in ("positions", "colour", "shape", "offset"))
+    tile = tile_of(picture, stream_plan(Shape.of(picture), settings), device, listener=Noting())
+    fitted = fit(share(prepare(tile, tile.fit.lmbda)))
+    written = [write(state) for state in (fitted, rdoq(fitted))]
+    streams = [stream_of(one, tile) for one in written]
+    quality = [psnr(comparable(picture), comparable(open_stream(one, device).picture())) for one in streams]
+    size = sum(written[0].part_bytes[name] for name in ("positions", "colour", "shape", "offset"))
     at = [states[max(0, math.ceil(done * len(states)) - 1)] for done in DONE]
     ratio = np.array([(state.bits + SEED_POSITION_BITS * state.seeds) / 8 / size for state in at])
     offset = np.array([state.psnr for state in at]) - quality[0]
-    return Followed(ratio, offset, len(streams[1].data) / len(streams[0].data), quality[1] - quality[0])
+    return Followed(ratio, offset, len(streams[1]) / len(streams[0]), quality[1] - quality[0])
 
 
 @click.command()

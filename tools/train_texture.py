@@ -10,7 +10,6 @@ rounded.
 from __future__ import annotations
 
 import argparse
-import time
 import zlib
 from itertools import cycle
 from pathlib import Path
@@ -20,9 +19,11 @@ import numpy as np
 from sgicodec._native import TextureModels
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.encoder.texture_contrast import TextureContrasts
-from sgicodec.encoder.texture_tuning import TUNINGS
-from sgicodec.encoder.tile_encoder import Encoding
+from sgicodec.encoder.tile.inputs import tile_of
+from sgicodec.encoder.tile.stages import fit_seeds
+from sgicodec.encoder.tile.texture import begin_texture
+from sgicodec.encoder.tile.texture_contrast import TextureContrasts
+from sgicodec.encoder.tile.texture_tuning import TUNINGS
 from sgicodec.image import read
 from sgicodec.model.texture_symbols import TextureSymbols
 from sgicodec.picture import Picture
@@ -41,13 +42,12 @@ def layers(picture: Picture, quality: float) -> list[TextureSymbols]:
     """The texture of a picture, for squared error and for the eye, over the same seeds."""
     found = []
     settings = EncodeSettings(quality=quality, effort=EFFORT, tile=0)
-    encoding = Encoding(picture, stream_plan(Shape.of(picture), settings), time.monotonic())
-    candidate = encoding.searched(encoding.candidate(encoding.fitted(None)))
-    search = encoding.texture_search(candidate)
+    tile = tile_of(picture, stream_plan(Shape.of(picture), settings))
+    state, search = begin_texture(fit_seeds(tile, tile.fit.lmbda))
     for tune in ("psnr", "visual"):
         tuning = TUNINGS[tune]
-        steps = tuning.steps(tuning.step(encoding.lmbda), encoding.spec.channels)
-        contrast = TextureContrasts(tuning, encoding.unit).at(steps)
+        steps = tuning.steps(tuning.step(state.lmbda), tile.spec.channels)
+        contrast = TextureContrasts(tuning, tile.unit).at(steps)
         layer = search.at(steps, tuning.squared_steps, contrast)
         found += [] if layer is None else [layer]
     return found

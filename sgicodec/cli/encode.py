@@ -188,13 +188,32 @@ def encode(
 
     def run(source: str, target: str) -> int:
         started = time.monotonic()
-        from sgicodec.cli.encode_file import Job, encode_file
+        from sgicodec.cli.encode_file import EncodeOptions, encode_file
 
-        shown = "off" if many else progress
-        options = (sample_range, verify, shown, force, as_json, quiet, verbose, resume, max_memory)
-        where = (cluster, device, source_at, send_pixels, alpha, page)
-        named = (output is not None, by_default)
-        return encode_file(Job(source, target, settings, computes, started, *options, *where, many, *named, associated))
+        options = EncodeOptions(
+            settings=settings,
+            sample_range=sample_range,
+            alpha=alpha,
+            page=page,
+            associated=associated,
+            device=computes,
+            device_name=device,
+            max_memory=max_memory,
+            cluster=cluster,
+            source_at=source_at,
+            send_pixels=send_pixels,
+            resume=resume,
+            verify=verify,
+            force=force,
+            progress="off" if many else progress,
+            as_json=as_json,
+            quiet=quiet,
+            verbose=verbose,
+            is_batch=many,
+            is_named=output is not None,
+            is_default=by_default,
+        )
+        return encode_file(source, target, options, started)
 
     if output is not None and (many or len(paths) > 1):
         raise UsageError("-o names the OUT of one IN; it does not go with another name, --output-dir or -r")
@@ -227,12 +246,12 @@ def _default_target(source: str) -> str:
 
 def _settings(choices: dict[str, Any]) -> EncodeSettings:
     """The settings that were chosen. Raises UsageError for choices that exclude each other or make no sense."""
-    from sgicodec.encoder.settings import EncodeSettings
+    from sgicodec.encoder.settings import TARGETS, EncodeSettings
     from sgicodec.profiles import PROFILES
 
     chosen = {name: value for name, value in choices.items() if value is not None}
     for names in (
-        ("quality", "lmbda", "psnr", "ssimulacra2", "bpp", "size"),
+        ("quality", "lmbda", *TARGETS),
         ("effort", "time_limit"),
         ("steps", "time_limit"),
     ):

@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import sys
 import time
-from contextlib import ExitStack
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, Literal
@@ -16,7 +17,7 @@ from sgicodec.cli.paths import STANDARD, check_output, display, local_name
 from sgicodec.cli.progress import Mode
 from sgicodec.cli.report import Report, print_report
 from sgicodec.cuda.choice import device_of
-from sgicodec.encoder.checkpoint import Checkpoint
+from sgicodec.encoder.tiles.checkpoint import Checkpoint
 from sgicodec.errors import EncodeInterruptedError, StreamError, TargetMissedError, UsageError
 from sgicodec.executors.executor import MIB
 from sgicodec.executors.gpus import GpuExecutor
@@ -29,146 +30,154 @@ from sgicodec.remote.url import is_url
 
 if TYPE_CHECKING:
     from sgicodec.device import Device
-    from sgicodec.encoder.encoded import Encoded
     from sgicodec.encoder.settings import EncodeSettings
     from sgicodec.executors.executor import Executor
     from sgicodec.image import Alpha, Source
     from sgicodec.image.used_range import RangeChoice
 
-__all__ = ["Job", "encode_file"]
+__all__ = ["EncodeOptions", "encode_file"]
 
 
 @dataclass(frozen=True)
-class Job:
-    """What the options say of one picture. target: a path, a URL, or - for stdout; started: a value of
-    time.monotonic(); device: without a cluster; device_name: what was asked for, which workers of a cluster find;
-    named: whether target was named with -o; by_default: whether nobody named it.
-    """
+class EncodeOptions:
+    """What the options of `sgi encode` say of each picture."""
 
-    source: str
-    target: str
     settings: EncodeSettings
-    device: Device
-    started: float
+    """What the stream is to be."""
     sample_range: RangeChoice | None
+    """The samples that stand for 0 and 1, None for what suits the picture."""
+    alpha: Alpha
+    """What a last band is taken for."""
+    page: int | None
+    """Which page of a file that holds several, from 1; None for the first."""
+    associated: bool
+    """Whether pictures beside the main one, such as a label, are encoded too."""
+    device: Device
+    """What computes in this process."""
+    device_name: str
+    """What was asked for, which workers of a cluster find on their machines."""
+    max_memory: float | None
+    """Bytes of all processes together, None for any."""
+    cluster: str | None
+    """Address of a Dask cluster that fits tiles."""
+    source_at: str | None
+    """Path or URL of the picture as the cluster sees it."""
+    send_pixels: bool
+    """Whether the cluster is sent pixels and reads nothing."""
+    resume: bool
+    """Whether to go on with an interrupted encode."""
     verify: bool
-    progress: Mode
+    """Whether the stream is decoded and measured."""
     force: bool
+    """Whether a file that is there may be overwritten."""
+    progress: Mode
     as_json: bool
     quiet: bool
     verbose: bool
-    resume: bool
-    max_memory: float | None
-    cluster: str | None
-    device_name: str
-    source_at: str | None
-    send_pixels: bool
-    alpha: Alpha
-    page: int | None
-    batch: bool
-    named: bool
-    by_default: bool
-    associated: bool
+    is_batch: bool
+    """Whether it is one of many pictures."""
+    is_named: bool
+    """Whether the target was named with -o."""
+    is_default: bool
+    """Whether nobody named the target."""
 
 
-def encode_file(job: Job) -> int:
-    """Encodes one picture and prints the report; returns the stream's bytes.
+def encode_file(origin: str, target: str, options: EncodeOptions, started: float) -> int:
+    """Encodes one picture, a path, a URL or - for stdin, and prints the report; returns the stream's bytes. target: the
+    same, - for stdout; started: a value of time.monotonic().
 
     Raises TargetMissedError, after all of that, for a goal that was missed.
     """
-    if job.as_json and job.target == STANDARD:
+    if options.as_json and target == STANDARD:
         raise UsageError("stdout cannot take both the stream and --json; name OUT")
-    becomes: Literal["stream"] | None = None if job.named else "stream"
-    check_output(job.target, job.source, job.force, by_default=job.by_default, becomes=becomes)
-    pictures = associated_pictures(job.source, job.target, job.force, job.by_default) if job.associated else []
-    origin = sys.stdin.buffer.read() if job.source == STANDARD else job.source
+    becomes: Literal["stream"] | None = None if options.is_named else "stream"
+    check_output(target, origin, options.force, by_default=options.is_default, becomes=becomes)
+    pictures = associated_pictures(origin, target, options.force, options.is_default) if options.associated else []
+    data = sys.stdin.buffer.read() if origin == STANDARD else origin
     missed = None
     with ExitStack() as stack:
-        listener = EncodeListener("off" if job.quiet else job.progress, job.quiet, job.cluster is not None, job.source)
-        samples: dict[str, Any] = {"sample_range": job.sample_range, "alpha": job.alpha, "page": job.page}
-        source = stack.enter_context(open_to_encode(origin, listener.note, **samples, option="--page"))
-        executor = _executor(job, source, stack)
-        checkpoint = Checkpoint(_part(job, stack), job.resume, job.force)
-        upload = stack.enter_context(Upload(job.target, StreamError)) if is_url(job.target) else None
+        mode: Mode = "off" if options.quiet else options.progress
+        listener = EncodeListener(mode, options.quiet, options.cluster is not None, origin)
+        samples: dict[str, Any] = {"sample_range": options.sample_range, "alpha": options.alpha, "page": options.page}
+        source = stack.enter_context(open_to_encode(data, listener.note, **samples, option="--page"))
+        executor = _executor(origin, options, source, stack)
+        device = device_of(options.device_name, options.device.threads) if executor is None else options.device
+        checkpoint = Checkpoint(_part(target, stack), options.resume, options.force)
+        upload = stack.enter_context(Upload(target, StreamError)) if is_url(target) else None
+        output: Path | BinaryIO = sys.stdout.buffer if target == STANDARD else Path(target)
+        if upload is not None:
+            output = upload.path  # which is sent when it is whole
+        from sgicodec.encoder.pipeline import encode_picture
+
         try:
-            with listener:
-                encoded = _encode(job, source, executor, checkpoint, listener, None if upload is None else upload.path)
+            with listener, _errors_of(target):
+                encoded = encode_picture(
+                    source,
+                    options.settings,
+                    output=output,
+                    executor=executor,
+                    store=checkpoint,
+                    progress=listener,
+                    device=device,
+                    verify=options.verify,
+                    started=started,
+                )
         except TargetMissedError as error:
             missed, encoded = str(error), error.nearest
         except KeyboardInterrupt:
-            if not checkpoint.is_open or job.target == STANDARD:
+            if not checkpoint.is_open or target == STANDARD:
                 raise
             done = len({version.tile for version in checkpoint.tiles})
-            text = f"{done} of {listener.tiles} tiles are in {display(local_name(job.target))}.part"
+            text = f"{done} of {listener.tiles} tiles are in {display(local_name(target))}.part"
             raise EncodeInterruptedError(f"interrupted; {text}, --resume goes on") from None
         if upload is not None:
             upload.send()
-    if job.associated:
-        write_associated(pictures, job.source, tells=not (job.quiet or job.as_json))
-    if not job.quiet or job.as_json:
-        report = Report.of(listener.plan, encoded, job.device_name)
-        seconds, own = time.monotonic() - job.started, own_peak()
+    if options.associated:
+        write_associated(pictures, origin, tells=not (options.quiet or options.as_json))
+    if not options.quiet or options.as_json:
+        report = Report.of(listener.plan, encoded, options.device_name)
+        seconds, own = time.monotonic() - started, own_peak()
         workers = executor.peaks.bytes if isinstance(executor, ProcessExecutor | GpuExecutor) else 0
         peak = None if own is None else (own + workers) / MIB
-        print_report(report, job.source, job.target, seconds, peak, job.as_json, job.verbose)
+        print_report(report, origin, target, seconds, peak, options.as_json, options.verbose)
     if missed is not None:
-        raise TargetMissedError(f"{missed}; it is written to {display(job.target, 'stdout')}")
-    if listener.ended_early and job.batch:
+        raise TargetMissedError(f"{missed}; it is written to {display(target, 'stdout')}")
+    if listener.ended_early and options.is_batch:
         raise KeyboardInterrupt
     return encoded.size
 
 
-def _encode(
-    job: Job,
-    source: Source,
-    executor: Executor | None,
-    checkpoint: Checkpoint,
-    listener: EncodeListener,
-    instead: Path | None,
-) -> Encoded:
-    """instead: where the stream is written before it is sent to a URL."""
-    from sgicodec.encoder.pipeline import encode_picture
-
-    output: Path | BinaryIO = instead or (sys.stdout.buffer if job.target == STANDARD else Path(job.target))
-    device = device_of(job.device_name, job.device.threads) if executor is None else job.device
+@contextmanager
+def _errors_of(target: str) -> Iterator[None]:
+    """Says of errors of the system that they are the output's."""
     try:
-        return encode_picture(
-            source,
-            job.settings,
-            output=output,
-            executor=executor,
-            store=checkpoint,
-            progress=listener,
-            device=device,
-            verify=job.verify,
-            started=job.started,
-        )
+        yield
     except BrokenPipeError:
         raise
     except OSError as error:
-        raise StreamError(f"{display(job.target, 'stdout')}: {error.strerror or error}") from error
+        raise StreamError(f"{display(target, 'stdout')}: {error.strerror or error}") from error
 
 
-def _executor(job: Job, source: Source, stack: ExitStack) -> Executor | None:
+def _executor(origin: str, options: EncodeOptions, source: Source, stack: ExitStack) -> Executor | None:
     """What works on the tiles; a cluster is open while `stack` is, and None for a single tile, which it does not take.
     Raises UsageError for what one tile cannot have.
     """
-    count = job.settings.grid(source.width, source.height).count
-    if count == 1 and job.resume and not job.batch:
+    count = options.settings.grid(source.width, source.height).count
+    if count == 1 and options.resume and not options.is_batch:
         text = "a picture in one tile keeps no checkpoint; leave --resume out"
         side = next((side for side in (1024, 512, 256) if max(source.width, source.height) > side), None)
         raise UsageError(text + (f", or cut the picture into tiles with --tile {side}" if side else ""))
-    if job.cluster is None:
-        return _local_executor(job.device, job.max_memory)
+    if options.cluster is None:
+        return _local_executor(options.device, options.max_memory)
     if count == 1:
         return None
     from sgicodec.executors.dask import open_cluster
 
-    if job.send_pixels or job.source_at is not None:
-        return stack.enter_context(open_cluster(job.cluster, job.source_at, job.device_name))
-    if job.source == STANDARD or not Path(job.source).is_file():
-        raise UsageError(f"a cluster cannot read {display(job.source)}, which is no file; add --send-pixels")
-    return stack.enter_context(open_cluster(job.cluster, str(Path(job.source).resolve()), job.device_name))
+    if options.send_pixels or options.source_at is not None:
+        return stack.enter_context(open_cluster(options.cluster, options.source_at, options.device_name))
+    if origin == STANDARD or not Path(origin).is_file():
+        raise UsageError(f"a cluster cannot read {display(origin)}, which is no file; add --send-pixels")
+    return stack.enter_context(open_cluster(options.cluster, str(Path(origin).resolve()), options.device_name))
 
 
 def _local_executor(device: Device, max_memory: float | None) -> Executor:
@@ -180,12 +189,12 @@ def _local_executor(device: Device, max_memory: float | None) -> Executor:
     return GpuExecutor(device.gpus, device.cores + device.gpus, max_memory, device.gpu)
 
 
-def _part(job: Job, stack: ExitStack) -> Path:
+def _part(target: str, stack: ExitStack) -> Path:
     """Where finished tiles are kept: beside OUT, of a URL in the working folder, or for a moment where there is no
     OUT.
     """
-    if job.target != STANDARD:
-        return Path(os.path.realpath(local_name(job.target)) + ".part")
+    if target != STANDARD:
+        return Path(os.path.realpath(local_name(target)) + ".part")
     import tempfile
 
     return Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="sgicodec-"))) / "part"

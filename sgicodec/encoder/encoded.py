@@ -11,7 +11,7 @@ __all__ = ["Encoded"]
 class Encoded:
     """A finished stream and its figures.
 
-    data: the stream; empty if its tiles went straight to an output. part_bytes: what each part of the tiles costs.
+    data: the stream; empty if it went to an output. part_bytes: what each part of the tiles costs.
     seeds, gaussians: how many there are. steps: of the fit, the mean over the tiles that had one. ended_early: whether
     the caller ended the fit. psnr: dB over all samples of what was decoded, but for colours where alpha is 0; None if
     it was not measured. devices: by the name of what fitted, a GPU or the processor, how many tiles it did.

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.tile_work import EncodedTile
+from sgicodec.encoder.tiles.tasks import EncodedTile
 from sgicodec.executors.executor import Memory
 from sgicodec.metrics.distortion import decibels
 
@@ -98,23 +98,29 @@ class NullListener:
 
 
 class PassReporter:
-    """The `Watcher` that reports the state of each pass to a listener."""
+    """Reports the state of each pass to a listener, where there are several tiles: the only one reports its stages and
+    steps itself.
+    """
 
     def __init__(self, plan: Plan, listener: NullListener) -> None:
         self._grid, self._listener = plan.header.grid, listener
         self._state = PassState(0, 0)
 
     def begin(self, name: str, numbers: Sequence[int], there: dict[int, EncodedTile]) -> None:
-        """As in `Watcher`."""
+        """A pass over these tiles begins, some of which are there already."""
         self._state = PassState(len(numbers), sum(map(self._area, numbers)), name)
         for number, tile in there.items():
             self._state.add(tile, self._area(number), fresh=False)
-        self._listener.tile(self._state)
+        self._tell()
 
     def done(self, number: int, tile: EncodedTile | None) -> None:
-        """As in `Watcher`."""
+        """One more is done; None if it was only analysed."""
         self._state.add(tile, self._area(number), fresh=True)
-        self._listener.tile(self._state)
+        self._tell()
+
+    def _tell(self) -> None:
+        if self._grid.count > 1:
+            self._listener.tile(self._state)
 
     def _area(self, number: int) -> int:
         _, _, width, height = self._grid.core(number)

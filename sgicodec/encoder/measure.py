@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from sgicodec.decoder.stream import Stream
-from sgicodec.encoder.windows import Windows
+from sgicodec.encoder.input.windows import Windows
 from sgicodec.metrics.distortion import decibels, squared_error
 
 __all__ = ["measured_error", "measured_psnr"]

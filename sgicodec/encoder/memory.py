@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
+from sgicodec.encoder.effort import effort_of
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.texture_tuning import TUNINGS
 from sgicodec.executors.executor import MIB, Memory
 
 __all__ = ["estimate"]
@@ -20,7 +20,7 @@ SEED_BYTES = 1400
 """Of a fit for each seed that it starts with."""
 SCORED_PIXEL_BYTES, SCORED_CHANNEL_BYTES = 320, 50
 """For each pixel, and for each of its channels, while scores say what texture should show; 180 are Butteraugli's."""
-MOST_SEEDS, USUAL_SEEDS, USUAL_LMBDA = 0.25, 0.1, 0.5 * 2 ** (-49 / 8)
+MAX_SEEDS, USUAL_SEEDS, USUAL_LMBDA = 0.25, 0.1, 0.5 * 2 ** (-49 / 8)
 """Seeds for each pixel: cells have four pixels at least; dense texture starts with a tenth at quality 50."""
 
 
@@ -29,12 +29,12 @@ def estimate(plan: Plan, reading: int) -> Memory:
     header = plan.header
     _, _, width, height = header.grid.rect(0)
     pixels, channels = (width + 2 * header.apron) * (height + 2 * header.apron), header.spec.channels
-    share = MOST_SEEDS  # where λ follows from a goal
-    if not plan.settings.asked():
+    share = MAX_SEEDS  # where λ follows from a goal
+    if plan.settings.target is None:
         lmbda = max(plan.settings.fit_settings().lmbda, 1e-9)
-        share = min(MOST_SEEDS, USUAL_SEEDS * math.sqrt(USUAL_LMBDA / lmbda))
+        share = min(MAX_SEEDS, USUAL_SEEDS * math.sqrt(USUAL_LMBDA / lmbda))
     window = pixels * channels * {"uint8": 1, "uint16": 2, "float32": 4}[header.sample_type]
     each_pixel = PIXEL_BYTES + CHANNEL_BYTES * channels + SEED_BYTES * share
-    if header.spec.texture and TUNINGS[plan.settings.tuned_for].ascends:
+    if header.spec.texture and effort_of(plan.settings.fit_settings(), plan.settings.tuned_for).ascent_passes:
         each_pixel = max(each_pixel, SCORED_PIXEL_BYTES + SCORED_CHANNEL_BYTES * channels)
     return Memory(MAIN + reading + 2 * window, WORKER + window + round(pixels * each_pixel), MAIN)

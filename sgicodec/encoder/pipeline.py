@@ -3,51 +3,46 @@
 from __future__ import annotations
 
 import io
+import shutil
+import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable
-from contextlib import nullcontext
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
-from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ALL_CORES, Device, check_device
-from sgicodec.encoder.alpha import without_needless_alpha
 from sgicodec.encoder.blas_threads import one_blas_thread
-from sgicodec.encoder.checkpoint import fingerprint
 from sgicodec.encoder.encoded import Encoded
-from sgicodec.encoder.interfaces import Finished, Runner, Store
+from sgicodec.encoder.input.alpha import without_needless_alpha
+from sgicodec.encoder.input.overview import overview_picture, overview_settings, takes_overview
+from sgicodec.encoder.input.windows import Windows, kept, tile_window, windows_of
 from sgicodec.encoder.listener import NullListener, PassReporter
 from sgicodec.encoder.measure import measured_error, measured_psnr
 from sgicodec.encoder.memory import estimate
-from sgicodec.encoder.nodata import empty_pixels
-from sgicodec.encoder.overview import overview_picture, overview_settings, takes_overview
-from sgicodec.encoder.passes import TilePasses
 from sgicodec.encoder.plan import Plan, stream_plan
-from sgicodec.encoder.same_look import with_same_look
+from sgicodec.encoder.quality_calibration import with_quality_calibration
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.encoder.store import MemoryStore
-from sgicodec.encoder.tile_encoder import Encoding
-from sgicodec.encoder.tile_weight import tile_weight
-from sgicodec.encoder.tile_work import Start
-from sgicodec.encoder.time_budget import TimeBudget
-from sgicodec.encoder.to_target import SeedTargetEncoder
-from sgicodec.encoder.to_texture_target import TextureTargetEncoder
-from sgicodec.encoder.windows import Windows, kept, tile_window, windows_of
-from sgicodec.encoder.worker import TileRunner
+from sgicodec.encoder.tiles.checkpoint import fingerprint
+from sgicodec.encoder.tiles.interfaces import Finished, Store
+from sgicodec.encoder.tiles.memory_store import MemoryStore
+from sgicodec.encoder.tiles.passes import TilePasses
+from sgicodec.encoder.tiles.runner import TileRunner
+from sgicodec.encoder.tiles.tasks import FitTask, Start
+from sgicodec.encoder.tiles.time_budget import TimeBudget
+from sgicodec.encoder.tiles.weight import tile_weight
 from sgicodec.errors import TargetMissedError, UsageError
 from sgicodec.executors.executor import Executor, Memory
 from sgicodec.executors.serial import SerialExecutor
 from sgicodec.image.files import whole_file
 from sgicodec.image.lock import locked
-from sgicodec.picture import Picture, nodata_samples
+from sgicodec.picture import Picture
 
 if TYPE_CHECKING:
-    from sgicodec.bitstream.header import Header
-    from sgicodec.fit.trainer import Progress
     from sgicodec.image import Source
 
 __all__ = ["encode_all_channels", "encode_picture"]
@@ -67,12 +62,12 @@ def encode_picture(
 ) -> Encoded:
     """Encodes a picture that is in memory, or one that `open_source` opened and that need not fit into it.
 
-    A picture in one tile is fitted whole, by this process. Of several tiles, as many are in memory as `executor` works
-    on at once (by default one, in this process), and `store` keeps the finished ones (in memory; a `Checkpoint`
-    survives a kill). `progress` gets reports. `device` is what computes.
+    Of its tiles, as many are in memory as `executor` works on at once (by default one, in this process), and `store`
+    keeps the finished ones (in memory; a `Checkpoint` survives a kill). A picture in one tile is fitted in this
+    process, in one go. `progress` gets reports. `device` is what computes.
 
     The stream is written to `output`, a path or a file object, else it is the result's `data`. `verify` decodes it and
-    measures its PSNR, unless it went to a file object. Equal input, settings and version give equal bytes, whatever
+    measures its PSNR before anything is written there. Equal input, settings and version give equal bytes, whatever
     executes, unless time is the limit: that runs from `started` on, a value of time.monotonic(), or from this call.
 
     While it runs, the path of `output` is locked: OutputLockedError where another encode writes it.
@@ -88,16 +83,16 @@ def encode_picture(
     if not isinstance(settings, EncodeSettings | None):
         raise UsageError(f"settings {settings!r}; they must be EncodeSettings")
     plan = stream_plan(windows.shape, settings or EncodeSettings())
+    _within_memory(windows, plan, executor)
     if not plan.header.tile:
-        _memory_of_whole(windows, plan, executor)
         windows = kept(windows)
     if windows.shape.remark is not None:
         listener.note(windows.shape.remark)
     windows, plan = without_needless_alpha(windows, plan, listener)
     where = Path(output) if isinstance(output, str) else output
     with locked(where) if isinstance(where, Path) else nullcontext():
-        job = _Job(windows, with_same_look(windows, plan), where, listener, device, verify, started)
-        return _encoded(job, executor, store)
+        request = _Request(windows, with_quality_calibration(windows, plan), where, listener, device, verify, started)
+        return _encoded(request, executor, store)
 
 
 def encode_all_channels(picture: Picture, settings: EncodeSettings, device: Device = ALL_CORES) -> bytes:
@@ -105,25 +100,13 @@ def encode_all_channels(picture: Picture, settings: EncodeSettings, device: Devi
     a shape. Raises as `encode_picture`.
     """
     windows = windows_of(picture)
-    plan = with_same_look(windows, stream_plan(windows.shape, settings))
-    return _encoded(_Job(windows, plan, None, NullListener(), device, False, time.monotonic())).data
-
-
-def _encoded(job: _Job, executor: Executor | None = None, store: Store | None = None) -> Encoded:
-    """Raises TargetMissedError, with the nearest stream."""
-    masked = job.plan.header.masked
-    with one_blas_thread():
-        encoded, missed = _encode_tiles(job, executor, store) if job.plan.header.tile else _encode_whole(job, executor)
-    if masked is not None and not encoded.part_bytes.keys() - {"mask", "overview"}:
-        job.listener.note(_NOTHING[masked])
-    if missed is not None:
-        raise TargetMissedError(missed, encoded)
-    return encoded
+    plan = with_quality_calibration(windows, stream_plan(windows.shape, settings))
+    return _encoded(_Request(windows, plan, None, NullListener(), device, False, time.monotonic())).data
 
 
 @dataclass(frozen=True)
-class _Job:
-    """What `encode` was asked for."""
+class _Request:
+    """What `encode_picture` was asked for, and the plan that follows."""
 
     windows: Windows
     plan: Plan
@@ -133,12 +116,7 @@ class _Job:
     verify: bool
     started: float
 
-    @property
-    def verifies(self) -> bool:
-        """Whether the stream is decoded, which must be readable then."""
-        return self.verify and (self.output is None or isinstance(self.output, Path))
-
-    def psnr(self, stream: bytes | Path) -> float:
+    def psnr(self, stream: bytes | Path | BinaryIO) -> float:
         """Of a finished stream, in dB. Raises StreamError if it does not decode."""
         self.listener.stage("verify")
         with open_stream(stream, self.device.processor) as opened:
@@ -146,21 +124,37 @@ class _Job:
 
     def write(self, to: Callable[[BinaryIO], int]) -> tuple[bytes, int, float | None]:
         """Has a stream written to the output, a path's whole or not at all; returns its data if there is none, its
-        length, and its PSNR if it is verified, which a file is before it gets its name.
+        length, and its PSNR if it is to be verified, which it is before anybody else sees it.
         """
-        if isinstance(self.output, Path):
+        if self.output is None:
+            buffer = io.BytesIO()
+            size = to(buffer)
+            return buffer.getvalue(), size, self.psnr(buffer.getvalue()) if self.verify else None
+        if not self.verify:
+            with _opened(self.output) as file:
+                return b"", to(file), None
+        if isinstance(self.output, Path) and (self.output.is_file() or not self.output.exists()):
             with whole_file(self.output) as file:
                 size = to(file)
                 file.flush()
-                written = Path(file.name)
-                return b"", size, self.psnr(written) if self.verifies and written.is_file() else None
-        if self.output is not None:
-            size = to(self.output)
-            self.output.flush()
-            return b"", size, None
-        buffer = io.BytesIO()
-        size = to(buffer)
-        return buffer.getvalue(), size, self.psnr(buffer.getvalue()) if self.verifies else None
+                return b"", size, self.psnr(Path(file.name))
+        with tempfile.TemporaryFile() as file, _opened(self.output) as output:
+            size = to(file)
+            file.seek(0)
+            psnr = self.psnr(file)
+            file.seek(0)
+            shutil.copyfileobj(file, output)
+            return b"", size, psnr
+
+
+@contextmanager
+def _opened(output: Path | BinaryIO) -> Iterator[BinaryIO]:
+    if isinstance(output, Path):
+        with whole_file(output) as file:
+            yield file
+        return
+    yield output
+    output.flush()
 
 
 _NOTHING = {
@@ -169,93 +163,55 @@ _NOTHING = {
 }
 
 
-def _encode_whole(job: _Job, executor: Executor | None) -> tuple[Encoded, str | None]:
-    """The stream of a picture in one tile, and how it misses what was asked for, if it does. An executor has a say in
-    the memory that this takes.
-    """
-    shape, plan, missed = job.windows.shape, job.plan, None
-    job.listener.planned(plan, 1, _memory_of_whole(job.windows, plan, executor))
-    job.listener.stage("load")
-    picture = job.windows.read(0, 0, shape.width, shape.height)
-    plan = replace(plan, header=_header_of_whole(plan.header, picture))
-    steps, short, going = 0, False, True
-
-    def watch(progress: Progress) -> bool:
-        nonlocal steps, short, going
-        steps, short, going = progress.step, progress.step < progress.steps, job.listener.step(progress)
-        return going
-
-    def ending() -> bool:
-        return not going or job.listener.ending()
-
-    job.listener.stage("prepare")
-    encoding = Encoding(picture, plan, job.started, job.device)
-    encoding.ending, encoding.stage = ending, job.listener.stage
-    target = plan.settings.rate_target(picture.width * picture.height)
-    try:
-        to_target = TextureTargetEncoder if encoding.spec.texture else SeedTargetEncoder
-        encoded = encoding.run(watch) if target is None else to_target(encoding, target).run(watch)
-    except TargetMissedError as error:
-        missed, encoded = str(error), error.nearest
-    psnr = job.psnr(encoded.data) if job.verify else None
-    if job.output is not None:
-        replace(job, verify=False).write(lambda file: file.write(encoded.data))
-    devices = {encoding.fitted_by: 1} if encoding.fitted_by else {}
-    return replace(encoded, steps=steps, ended_early=short or ending(), psnr=psnr, devices=devices), missed
-
-
-def _header_of_whole(header: Header, picture: Picture) -> Header:
-    """The header of a picture in one tile, which says of masks no more than it needs. A number that is nodata stays,
-    even where no sample has it: none may become it.
-    """
-    if header.masked == "nodata":
-        nodata = nodata_samples(picture)
-        masked, differ = nodata.any() or not isnan(header.nodata), bool((nodata != nodata[..., :1]).any())
-    else:
-        masked, differ = empty_pixels(picture, header.masked).any(), False
-    return replace(header, masked=header.masked if masked else None, has_band_masks=differ)
-
-
-def _memory_of_whole(windows: Windows, plan: Plan, executor: Executor | None) -> Memory:
-    """What a picture in one tile takes. Raises UsageError for more than an executor may."""
-    memory = estimate(plan, windows.memory(windows.shape.width, windows.shape.height))
-    (executor or SerialExecutor()).within(memory, 1)
-    return memory
-
-
-def _encode_tiles(job: _Job, executor: Executor | None, store: Store | None) -> tuple[Encoded, str | None]:
-    """The same of a picture in several tiles. Does what the store lacks."""
-    plan, grid = job.plan, job.plan.header.grid
-    memory = estimate(plan, job.windows.memory(*grid.rect(0)[2:]))
-    executor = (executor or SerialExecutor()).within(memory, grid.count)
-    job.listener.planned(plan, executor.workers, memory)
-    job.listener.stage("load")
-    runner = TileRunner(job.windows, plan, executor, job.device)
+def _encoded(request: _Request, executor: Executor | None = None, store: Store | None = None) -> Encoded:
+    """Raises TargetMissedError, with the nearest stream."""
+    plan, windows, listener = request.plan, request.windows, request.listener
+    executor, memory = _within_memory(windows, plan, executor)
+    listener.planned(plan, executor.workers, memory)
+    listener.stage("load")
+    runner = TileRunner(windows, plan, executor, request.device)
+    tiles = store if store is not None and plan.header.tile else MemoryStore()  # one tile cannot be resumed
 
     def error_of(file: BinaryIO) -> float:
-        with open_stream(file, job.device.processor) as stream:
-            return measured_error(stream, job.windows)
+        with open_stream(file, request.device.processor) as stream:
+            return measured_error(stream, windows)
 
-    tiles = store or MemoryStore()
-    with tiles.opened(lambda: fingerprint(plan, job.windows.digest())):
-        reporter, budget = PassReporter(plan, job.listener), _time_budget(job, executor.workers)
-        overview = _overview_maker(plan, job.windows, runner)
-        found = TilePasses(plan, runner, tiles, reporter, error_of, budget, overview).run()
-        data, size, psnr = job.write(lambda file: _write(file, found, tiles))
-    return replace(_summary(data, size, found, tiles), psnr=psnr), found.missed
+    with one_blas_thread(), tiles.opened(lambda: fingerprint(plan, windows.digest())):
+        task = FitTask(plan) if plan.header.tile else FitTask(plan, listener, request.started)
+        reporter, budget = PassReporter(plan, listener), _time_budget(request, executor.workers)
+        overview = _overview_maker(plan, windows, runner)
+        found = TilePasses(task, runner, tiles, reporter, error_of, budget, overview).run()
+        data, size, psnr = request.write(lambda file: _write(file, found, tiles))
+        encoded = replace(_summary(data, size, found, tiles), psnr=psnr)
+    masked = plan.header.masked
+    if masked is not None and not encoded.part_bytes.keys() - {"mask", "overview"}:
+        listener.note(_NOTHING[masked])
+    if found.missed is not None:
+        raise TargetMissedError(found.missed, encoded)
+    return encoded
 
 
-def _time_budget(job: _Job, workers: int) -> TimeBudget | None:
-    """The time of each tile, where that is the limit."""
-    limit, plan = job.plan.settings.time_limit, job.plan
-    if limit is None:
+def _within_memory(windows: Windows, plan: Plan, executor: Executor | None) -> tuple[Executor, Memory]:
+    """The executor with no more workers than there is memory for, and what that takes. Raises UsageError where one is
+    too many.
+    """
+    grid = plan.header.grid
+    memory = estimate(plan, windows.memory(*grid.rect(0)[2:]))
+    return (executor or SerialExecutor()).within(memory, grid.count), memory
+
+
+def _time_budget(request: _Request, workers: int) -> TimeBudget | None:
+    """The time of each tile, where that is the limit; the only one has all of it."""
+    plan, windows = request.plan, request.windows
+    limit = plan.settings.time_limit
+    if limit is None or not plan.header.tile:
         return None
-    decoders = job.device.cores if job.verifies else 0
 
     def weigh(number: int) -> float:
-        return tile_weight(tile_window(job.windows, plan, number), plan)
+        return tile_weight(tile_window(windows, plan, number), plan)
 
-    return TimeBudget(plan.header.grid, job.started + limit, workers, decoders, weigh)
+    decoders = request.device.cores if request.verify else 0
+    return TimeBudget(plan.header.grid, request.started + limit, workers, decoders, weigh)
 
 
 def _write(file: BinaryIO, found: Finished, store: Store) -> int:
@@ -274,11 +230,18 @@ def _summary(data: bytes, size: int, found: Finished, store: Store) -> Encoded:
         parts["overview"] = len(found.overview)
     seeds = sum(tile.seeds for tile in tiles)
     steps = [tile.steps for tile in tiles if tile.steps]
-    mean = round(sum(steps) / max(1, len(steps)))
-    gaussians = seeds * found.plan.header.spec.per_seed
     by_tile = {version.tile: tile.fitted_by for version, tile in store.tiles.items() if tile.fitted_by}
-    devices = dict(Counter(by_tile.values()))
-    return Encoded(data, dict(parts), seeds, gaussians, found.lmbda, mean, devices=devices, written=size)
+    return Encoded(
+        data,
+        dict(parts),
+        seeds,
+        seeds * found.plan.header.spec.per_seed,
+        found.lmbda,
+        round(sum(steps) / max(1, len(steps))),
+        any(tile.ended_early for tile in tiles),
+        devices=dict(Counter(by_tile.values())),
+        written=size,
+    )
 
 
 @dataclass(frozen=True)
@@ -292,7 +255,7 @@ class _OverviewTask:
         return encode_all_channels(window, self.settings, device)
 
 
-def _overview_maker(plan: Plan, windows: Windows, runner: Runner) -> Callable[[float], bytes] | None:
+def _overview_maker(plan: Plan, windows: Windows, runner: TileRunner) -> Callable[[float], bytes] | None:
     """What makes the overview of a stream whose tiles are fitted at a λ, if it is to have one."""
 
     def made(lmbda: float) -> bytes:

@@ -52,16 +52,20 @@ class Shape:
 
 @dataclass(frozen=True)
 class Plan:
-    """What the tiles of a stream have in common. settings: those of each tile; software: what chunk `s` says; look: the
-    quality whose look the only tile is brought to, None where λ alone says what it looks like.
-    """
+    """What the tiles of a stream have in common."""
 
     header: Header
+    """That of the stream."""
     settings: EncodeSettings
+    """Those of each tile."""
     software: bytes
+    """What chunk `s` says."""
     metadata: Metadata | None
+    """What travels with the picture, None for nothing."""
     eight_bits: bool = False
-    look: float | None = None
+    """Whether colours are those of eight bits, stretched to the range and rounded."""
+    calibrated_quality: float | None = None
+    """The quality to whose mean score the only tile is brought, None where λ alone says what it looks like."""
 
     def of_header(self, window: Picture) -> Picture:
         """A window as the header describes its samples, without metadata."""
@@ -77,8 +81,7 @@ class Plan:
 
     def at(self, lmbda: float, quality: int) -> Plan:
         """The same for tiles that are fitted at λ, whatever the goal, with this index of the base colour step."""
-        hurry = self.settings.hurries
-        settings = replace(self.settings, lmbda=lmbda, psnr=None, ssimulacra2=None, size=None, bpp=None, hurry=hurry)
+        settings = self.settings.at_lmbda(lmbda, hurry=self.settings.hurries)
         return replace(self, header=replace(self.header, quality=quality), settings=settings)
 
 
@@ -103,7 +106,7 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
         has_band_masks=shape.nodata is not None and shape.bands - (alpha_index(shape.channels) is not None) > 1,
         has_exact=shape.exact,
     )
-    if grid.tile and settings.time_limit is not None and settings.asked():
+    if grid.tile and settings.time_limit is not None and settings.target:
         raise UsageError("a time limit goes with a size, a rate or a PSNR in a single tile only; --tile 0 makes one")
     if settings.ssimulacra2 is not None and grid.tile:
         raise UsageError("a SSIMULACRA 2 score goes with a single tile only; --tile 0 makes one")
@@ -140,7 +143,7 @@ def _check_model(spec: ModelSpec, grid: TileGrid) -> None:
 def _software(settings: EncodeSettings, fit: FitSettings) -> bytes:
     """What chunk `s` says."""
     scales = settings.chosen_profile.scales
-    asked = settings.asked() or (
+    asked = settings.target_label or (
         f"q{settings.quality:g}" if "quality" in scales and settings.lmbda is None else f"l{fit.lmbda:g}"
     )
     took = f"e{settings.effort}" if "effort" in scales and settings.steps is None else f"n{fit.steps}"

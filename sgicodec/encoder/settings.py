@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from numbers import Integral, Real
-from typing import Literal
+from typing import Any, Literal
 
 from sgicodec.bitstream.header import MAX_APRON, MAX_SIDE, MIN_TILE
 from sgicodec.errors import UsageError
@@ -15,14 +15,16 @@ from sgicodec.profiles import PROFILES, Profile
 from sgicodec.profiles.fit_settings import FitSettings
 from sgicodec.rate_control.target import RateTarget
 
-__all__ = ["APRON", "MOST_PIXELS_OF_ONE", "TILE", "EncodeSettings"]
+__all__ = ["APRON", "MAX_PIXELS_OF_ONE", "TARGETS", "TILE", "EncodeSettings"]
 
-TILE, MOST_PIXELS_OF_ONE = 1024, 1 << 22
+TILE, MAX_PIXELS_OF_ONE = 1024, 1 << 22
 """Pixels of a tile's side, where nothing else is asked for, and those of the largest picture that is then one tile."""
 
 APRON = 8
 """Pixels that a tile reaches over its neighbours, where nothing else is asked for."""
 
+TARGETS = ("psnr", "ssimulacra2", "size", "bpp")
+"""Settings that a stream is to end at, of which there may be one, instead of a quality or λ."""
 
 Tune = Literal["psnr", "visual"]
 
@@ -31,50 +33,64 @@ _NUMBERS: dict[str, type] = {"int": Integral, "float": Real}
 
 @dataclass(frozen=True)
 class EncodeSettings:
-    """What an encode may be asked for; None means what the profile says.
-
-    quality: 1 to 100, or lmbda directly. effort: 1 to 9, optimisation steps of the default profile. seeds: their number
-    in the paper profile. per_seed: K. features: D (paper). levels: M (paper). steps: of the whole fit. prior: number of
-    the shipped context model, 0 for one that travels in the stream. rdoq: whether RDOQ follows the fit, where it knows
-    the model. tune: for what, least squared error or the eye; None for the eye, but for squared error towards a PSNR.
-    distortion: what seeds minimise besides bits, a name in `metrics.choices`, None for what goes with `tune`; PSNR and
-    its targets stay plain. texture: whether the default profile lays cosines over its seeds where that is cheaper.
-    restoration: whether a shipped network restores pixels with texture where that is nearer to the picture.
-    metadata: whether ICC, EXIF, XMP and the place on earth are kept. psnr in dB, ssimulacra2 (a score up to
-    100, for a picture in one tile with texture), size in bytes or bpp in bits per pixel: what to end at, in the default
-    profile. time_limit: seconds that the encode may take, instead of a number of
-    steps. tile: largest side of a tile in pixels, 0 for a single one, None for what suits the picture; apron: pixels
-    that a tile reaches over its neighbours. overview: whether a stream of several tiles carries the picture in small,
-    None for what suits its size. hurry: whether fits of few steps beneath texture leave out what gains little for its
-    time; None for those without a target or a time limit, whose estimates follow longer fits.
-    """
+    """What an encode may be asked for. None means what the profile says, or what suits the picture."""
 
     quality: float = 50.0
+    """1 to 100, by which λ follows in the default profile."""
     lmbda: float | None = None
+    """λ itself: squared error, samples in 0..1, that one bit must save."""
     effort: int = 5
+    """1 to 9: steps of the fit, and what follows from them (`effort.py`), in the default profile."""
     profile: Literal["default", "paper"] = "default"
+    """Which model, and how it is fitted."""
     seeds: int | None = None
+    """Number of seeds, in the paper profile."""
     per_seed: int | None = None
+    """K: Gaussians of each seed, 1 to 64."""
     features: int | None = None
+    """D: features of each seed, 1 to 512, in the paper profile."""
     levels: int | None = None
+    """M: levels of the pyramid that it is fitted at, 1 to 4, in the paper profile."""
     steps: int | None = None
+    """Optimisation steps of the whole fit, instead of an effort."""
     prior: int | None = None
+    """Number of the shipped context model, 0 for one that travels in the stream."""
     rdoq: bool = True
+    """Whether RDOQ follows the fit, where it knows the model."""
     distortion: str | None = None
+    """What seeds minimise besides bits, a name in `metrics.choices`; None for what goes with `tune`. PSNR and its
+    targets stay plain.
+    """
     texture: bool = True
+    """Whether the default profile lays cosines over its seeds where that is cheaper."""
     restoration: bool = True
+    """Whether a shipped network restores pixels with texture where that is nearer to the picture."""
     tune: Tune | None = None
+    """Least squared error or the eye; None for the eye, but for squared error towards a PSNR."""
     seed: int = 0
+    """Of all random numbers."""
     metadata: bool = True
+    """Whether ICC, EXIF, XMP and the place on earth are kept."""
     psnr: float | None = None
+    """dB to end at, in the default profile, as the three that follow."""
     ssimulacra2: float | None = None
+    """Score up to 100 to end at, for a picture in one tile with texture."""
     size: float | None = None
+    """Bytes to end at."""
     bpp: float | None = None
+    """Bits per pixel to end at."""
     time_limit: float | None = None
+    """Seconds that the encode may take, instead of a number of steps."""
     tile: int | None = None
+    """Pixels of the largest side of a tile, 0 for a single one."""
     apron: int | None = None
+    """Pixels that a tile reaches over its neighbours."""
     overview: bool | None = None
+    """Whether a stream of several tiles carries the picture in small."""
     hurry: bool | None = None
+    """Whether fits of few steps beneath texture leave out what gains little for its time; None for those without a
+    target or a time limit, whose estimates follow longer fits.
+    """
 
     @property
     def chosen_profile(self) -> Profile:
@@ -103,31 +119,37 @@ class EncodeSettings:
         """The tiles of a picture."""
         tile = self.tile
         if tile is None:
-            tile = TILE if width * height > MOST_PIXELS_OF_ONE else 0
+            tile = TILE if width * height > MAX_PIXELS_OF_ONE else 0
         if not tile or max(width, height) <= tile:
             return TileGrid(width, height, 0, 0)
         return TileGrid(width, height, tile, min(APRON, tile // 4) if self.apron is None else self.apron)
 
+    @property
+    def target(self) -> str | None:
+        """Which of `TARGETS` is asked for, if one is."""
+        return next((name for name in TARGETS if getattr(self, name) is not None), None)
+
+    @property
+    def target_label(self) -> str:
+        """The target in a word, empty without one."""
+        if self.target is None:
+            return ""
+        return f"{self.target}{'-' * (self.target == 'ssimulacra2')}{getattr(self, self.target):g}"
+
     def rate_target(self, pixels: int) -> RateTarget | None:
         """The rate target of a picture of `pixels` pixels, if there is one."""
-        if self.psnr is not None:
-            return RateTarget(psnr=self.psnr)
-        if self.ssimulacra2 is not None:
-            return RateTarget(score=self.ssimulacra2)
-        if self.bpp is not None:
-            return RateTarget(bytes=self.bpp * pixels / 8)
-        return None if self.size is None else RateTarget(bytes=self.size)
+        size = self.size if self.bpp is None else self.bpp * pixels / 8
+        return None if self.target is None else RateTarget(bytes=size, psnr=self.psnr, score=self.ssimulacra2)
+
+    def at_lmbda(self, lmbda: float, **changes: Any) -> EncodeSettings:
+        """The same at λ without a target, and with other changes."""
+        none: dict[str, Any] = dict.fromkeys(TARGETS)
+        return replace(self, **none, lmbda=lmbda, **changes)
 
     @property
     def hurries(self) -> bool:
         """Whether fits of few steps beneath texture leave out what gains little for its time."""
-        goals = self.psnr, self.ssimulacra2, self.bpp, self.size, self.time_limit
-        return all(goal is None for goal in goals) if self.hurry is None else self.hurry
-
-    def asked(self) -> str:
-        """The goal in a word, empty without one."""
-        goals = {"psnr": self.psnr, "ssimulacra2-": self.ssimulacra2, "bpp": self.bpp, "size": self.size}
-        return "".join(f"{name}{value:g}" for name, value in goals.items() if value is not None)
+        return self.target is None and self.time_limit is None if self.hurry is None else self.hurry
 
     def __post_init__(self) -> None:
         for name, kind in self.__annotations__.items():
@@ -181,7 +203,7 @@ class EncodeSettings:
 
     def _check_choices(self) -> None:
         """Raises UsageError for settings that exclude each other, or that the profile does not have."""
-        goals = [name for name in ("psnr", "ssimulacra2", "size", "bpp") if getattr(self, name) is not None]
+        goals = [name for name in TARGETS if getattr(self, name) is not None]
         instead = [*goals, *(["lmbda"] if goals and self.lmbda is not None else [])]
         instead = ["steps", "time_limit"] if self.steps is not None and self.time_limit is not None else instead
         if len(instead) > 1:

@@ -39,7 +39,7 @@ def with_optimised_base(objective: Objective, model: TileModel, residual: F32, l
     pull = np.ascontiguousarray(np.tensordot(np.array(colour_matrix(spec.channels)), down.T @ lines, axes=1))
     footprint = (down.T @ down, across.T @ across, objective.base_gram, pull)
     base = _searched(model.base, base_step(model.base_step), lmbda, *footprint)
-    return replace(model, base=base, decoded=None)
+    return replace(model, base=base)
 
 
 def _searched(

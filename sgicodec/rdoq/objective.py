@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from sgicodec._native import WINDOW_PADDING
 from sgicodec.bitstream.header import Header
-from sgicodec.bitstream.parts.tile import TileModel, write_tile
+from sgicodec.bitstream.parts.tile import TileModel, quantise, write_tile
 from sgicodec.device import Device
 from sgicodec.metrics.distortion import QuadraticReference, Reference
 from sgicodec.model.base import base_colours, render_base
@@ -102,11 +102,15 @@ class Objective:
         """What the stream costs and what it will show: coded in earnest, drawn from what was coded."""
         return self.measured(model)[0]
 
+    def decoded_residual(self, model: TileModel) -> F32:
+        """Target less what a decoder will draw [C, H, W + padding]."""
+        return self.residual(with_values(self.header.spec, model, quantise(self.header, model).values))
+
     def measured(self, model: TileModel) -> tuple[Cost, F32]:
         """The cost, and the residual of what was coded."""
-        coded = replace(model, decoded=None)
-        payload, _ = write_tile(self.header, coded)
-        residual = self.residual(with_values(self.header.spec, coded, coded.decoded_values))
+        quantised = quantise(self.header, model)
+        payload, _ = write_tile(self.header, model, quantised)
+        residual = self.residual(with_values(self.header.spec, model, quantised.values))
         left = residual[:, :, : self.picture.shape[2]]
         distortion = self.reference.value(left)
         plain = distortion if self.reference.weights is None else QuadraticReference().value(left)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sgicodec.profiles.fit_settings import FitSettings
-
 __all__ = ["RdoqSettings"]
 
 
@@ -27,10 +25,3 @@ class RdoqSettings:
     base: bool = True
     drop: float = 1.2
     position_bits: float = 3.0
-
-    @classmethod
-    def for_fit(cls, fit: FitSettings) -> RdoqSettings:
-        """Settings whose number of passes suits the steps of a fit: from the fifth on they gain next to nothing."""
-        if fit.hurried:
-            return cls(passes=1, deep=1, rounds=2)
-        return cls(passes=min(32, max(2, round(fit.steps / 250))))

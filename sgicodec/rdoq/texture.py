@@ -15,12 +15,12 @@ from sgicodec.model.gaussians import colour_matrix
 from sgicodec.model.texture import TextureLayer
 from sgicodec.model.texture_symbols import SAME_COLOURS, TextureSteps, TextureSymbols, roots_of, whole_roots
 
-__all__ = ["DOUBT", "NO_DOUBT", "TextureSearch", "colours_for", "root_planes"]
+__all__ = ["NO_SPLIT_SEARCH", "SPLIT_SEARCH_MARGIN", "TextureSearch", "colours_for", "root_planes"]
 
 F32 = NDArray[np.float32]
 
-DOUBT, NO_DOUBT = 1.06, 1.0
-"""Of a search: the usual one, and the least, which takes two thirds of the time for 1 % more bytes."""
+SPLIT_SEARCH_MARGIN, NO_SPLIT_SEARCH = 1.06, 1.0
+"""`split_margin` of a search: the usual one, and the least, which takes two thirds of the time for 1 % more bytes."""
 
 _Layer = tuple[NDArray[np.uint8], NDArray[np.int8], NDArray[np.int16]]
 _Found = tuple[_Layer, float, list[float], list[float], F32]
@@ -54,21 +54,21 @@ def colours_for(
 class TextureSearch:
     """Searches layers for what a tile leaves over.
 
-    residual [C, H, W]: the picture less what is drawn, samples in 0..1. doubt: a cell is tried whole, or divided, where
-    an estimate says that it costs this much more than the other at most. correction [C, H, W]: what is shown anyhow.
-    colours: of the layers (see `TextureSteps`).
+    residual [C, H, W]: the picture less what is drawn, samples in 0..1. split_margin: a cell is tried whole, or
+    divided, where an estimate says that it costs at most this many times what the other does. correction [C, H, W]:
+    what is shown anyhow. colours: of the layers (see `TextureSteps`).
     """
 
     def __init__(
         self,
         residual: F32,
         device: Device = ALL_CORES,
-        doubt: float = DOUBT,
+        split_margin: float = SPLIT_SEARCH_MARGIN,
         correction: F32 | None = None,
         colours: tuple[int, int, int] = SAME_COLOURS,
     ) -> None:
         _, height, width = residual.shape
-        self.residual, self.size, self.doubt, self.device = residual, (width, height), doubt, device
+        self.residual, self.size, self.split_margin, self.device = residual, (width, height), split_margin, device
         self.colours = colours
         columns, rows = roots_of(width, height)
         self._shape = rows, columns
@@ -77,9 +77,9 @@ class TextureSearch:
         self.bits = 0.0
         """Of the layer that was found last, its information content."""
 
-    def beside(self, correction: F32) -> TextureSearch:
+    def excluding(self, correction: F32) -> TextureSearch:
         """The search for layers to which restoration adds this correction [C, H, W]."""
-        return TextureSearch(self.residual, self.device, self.doubt, correction, self.colours)
+        return TextureSearch(self.residual, self.device, self.split_margin, correction, self.colours)
 
     def at(
         self,
@@ -142,7 +142,7 @@ class TextureSearch:
             steps.growth,
             squared_steps,
             steps.has_contrast,
-            self.doubt,
+            self.split_margin,
             division,
         )
 

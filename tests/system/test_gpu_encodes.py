@@ -14,10 +14,10 @@ from fake_cuda import only_gpu
 import sgicodec
 from sgicodec import EncodeSettings, Picture, encode_picture
 from sgicodec.device import ONE_THREAD
-from sgicodec.encoder import score_ascent, tile_encoder
 from sgicodec.encoder.encoded import Encoded
-from sgicodec.encoder.score_ascent import ScoreAscent
-from sgicodec.encoder.texture_handover import Handover
+from sgicodec.encoder.tile import least_squares, score_ascent
+from sgicodec.encoder.tile.handover import Handover
+from sgicodec.encoder.tile.score_ascent import ScoreAscent
 from sgicodec.metrics.perceptual import ssimulacra2
 from sgicodec.metrics.psnr import psnr
 
@@ -26,7 +26,7 @@ STAGES = {
     "handover": (Handover, "run"),
     "ascent": (ScoreAscent, "run"),
     "contrasts": (score_ascent, "better_contrasts"),
-    "settling": (tile_encoder, "with_settled_seeds"),
+    "seeds again": (least_squares, "with_seeds_for"),
 }
 """What a whole encode does besides steps of a fit and RDOQ, by its name, and where it is called."""
 
@@ -53,7 +53,7 @@ EYE = {"scouting", "handover", "ascent", "contrasts"}
     [
         pytest.param({}, 64, EYE, id="visual"),
         pytest.param({}, 96, EYE, id="visual, larger", marks=pytest.mark.slow),
-        pytest.param({"tune": "psnr"}, 96, {"scouting", "handover", "settling"}, id="psnr", marks=pytest.mark.slow),
+        pytest.param({"tune": "psnr"}, 96, {"scouting", "handover", "seeds again"}, id="psnr", marks=pytest.mark.slow),
         pytest.param({"ssimulacra2": 70.0}, 96, EYE, id="ssimulacra2", marks=pytest.mark.slow),
         pytest.param({"tile": 48}, 96, EYE, id="tiles", marks=pytest.mark.slow),
     ],

@@ -15,7 +15,7 @@ from surgery import split
 from sgicodec import Encoded, EncodeSettings, Picture, encode_picture, read
 from sgicodec.bitstream.container import SIGNATURE, ChunkWriter
 from sgicodec.decoder.stream import Stream, open_stream
-from sgicodec.encoder.overview import overview_picture, takes_overview
+from sgicodec.encoder.input.overview import overview_picture, takes_overview
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.errors import CorruptStreamError, UsageError
 from sgicodec.metadata import geo, ifd

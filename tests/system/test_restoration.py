@@ -16,9 +16,8 @@ from sgicodec.bitstream.parts.tile_chunk import encode_tile_chunk
 from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import Stream, open_stream
 from sgicodec.device import Device
-from sgicodec.encoder import restoring
-from sgicodec.encoder.adapting import LEAST_STEPS
-from sgicodec.encoder.restoring import Restorer, Strength
+from sgicodec.encoder.tile import restoration
+from sgicodec.encoder.tile.restoration import Restorer, Strength
 from sgicodec.model.luma_space import from_luma_space, to_luma_space
 from sgicodec.model.texture_symbols import TextureSteps
 from sgicodec.rdoq.objective import with_values
@@ -39,7 +38,7 @@ def streams(crop: Picture) -> dict[str, bytes]:
     kinds = {
         "psnr": QUICK,
         "visual": replace(QUICK, tune="visual"),
-        "adapted": replace(QUICK, quality=66, steps=LEAST_STEPS),
+        "adapted": replace(QUICK, quality=66, steps=400),
         "tiled": replace(QUICK, tile=100),
         "plain": replace(QUICK, restoration=False),
     }
@@ -163,7 +162,7 @@ def test_of_a_large_tile_bands_are_looked_at(monkeypatch: pytest.MonkeyPatch) ->
     wanted += Strength(1, -11).over(layer).correction(wanted)
     restorer, search = Restorer(wanted, None, 1, Device(threads=2)), TextureSearch(wanted, Device(threads=2))
     few = restorer.strength(search, layer)
-    monkeypatch.setattr(restoring, "_LOOKED_AT", wanted[0].size)
+    monkeypatch.setattr(restoration, "_LOOKED_AT", wanted[0].size)
     every = restorer.strength(search, layer)
     assert few is not None
     assert every is not None

@@ -15,7 +15,7 @@ from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.header import Header, encode_header
 from sgicodec.bitstream.limits import check_model, hash_counts, max_seeds, network_shapes
 from sgicodec.bitstream.parts.arrays import write_base, write_signs, write_weights
-from sgicodec.bitstream.parts.attributes import AttributeWriter
+from sgicodec.bitstream.parts.attributes import AttributeQuantiser, QuantisedAttributes, write_attributes
 from sgicodec.bitstream.parts.positions import write_positions
 from sgicodec.bitstream.parts.predicted_positions import write_predicted_positions
 from sgicodec.bitstream.parts.predicted_tree import TreeContext
@@ -35,7 +35,7 @@ from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import StepPlan, default_plan, follows_amplitude
 from sgicodec.model.texture_symbols import TextureSymbols
 
-__all__ = ["TileModel", "read_tile", "write_networks", "write_tile"]
+__all__ = ["TileModel", "quantise", "read_tile", "write_networks", "write_tile"]
 
 F64 = NDArray[np.float64]
 I64 = NDArray[np.int64]
@@ -45,9 +45,9 @@ _SHIFT_BITS, _GAMMA_BITS, _STEP_BITS = 5, 6, 8
 
 @dataclass
 class TileModel:
-    """A model as the stream holds it. attributes: float by group [N, size] on the way in; decoded: [N, d_A] in units of
-    2^-24 on the way out. base: integer grid [C, rows, columns] in steps of index `base_step`. decoders: in units of
-    2^-decoder_shift, which has 5 bits. texture, restoration: None for none.
+    """A model as the stream holds it. attributes: float by group [N, size], of a model that is to be written; decoded:
+    [N, d_A] in units of 2^-24, of one that was read. base: integer grid [C, rows, columns] in steps of index
+    `base_step`. decoders: in units of 2^-decoder_shift, which has 5 bits. texture, restoration: None for none.
     """
 
     layout: SeedLayout
@@ -67,12 +67,24 @@ class TileModel:
     def decoded_values(self) -> F64:
         """Decoded attributes [N, d_A] as floats."""
         if self.decoded is None:
-            raise ValueError("the tile has not been coded yet")
+            raise ValueError("the tile was not read; `quantise` says what it will decode to")
         return np.multiply(self.decoded, 2.0**-FRACTION_BITS, dtype=np.float64)
 
 
-def write_tile(header: Header, model: TileModel) -> tuple[bytes, SymbolWriter]:
-    """The payload of chunk T, and the writer with the bits of every part. Sets `model.decoded`.
+def quantise(header: Header, model: TileModel) -> QuantisedAttributes:
+    """The attributes of a model as a stream will hold them. Nothing is coded."""
+    if model.attributes is None:
+        raise ValueError("the tile has no attributes: it was read, not fitted")
+    size = header.width, header.height
+    known = model.layout, size, model.plan, model.networks, model.hash_tables, header.quality, header.family
+    return AttributeQuantiser(header.spec, *known).quantise(model.attributes)
+
+
+def write_tile(
+    header: Header, model: TileModel, quantised: QuantisedAttributes | None = None
+) -> tuple[bytes, SymbolWriter]:
+    """The payload of chunk T, and the writer with the bits of every part. quantised: what `quantise` gives for the
+    model, where that is known.
 
     Raises LimitError for a model that `read_tile` would refuse.
     """
@@ -97,10 +109,7 @@ def write_tile(header: Header, model: TileModel) -> tuple[bytes, SymbolWriter]:
             write_signs(writer, np.concatenate([table.reshape(-1) for table in model.hash_tables]), counts)
     with writer.part("context model"):
         write_networks(writer, spec, model.networks)
-    known = model.layout, size, model.plan, model.networks, model.hash_tables, header.quality, header.family
-    if model.attributes is None:
-        raise ValueError("a tile without attributes cannot be written")
-    model.decoded = AttributeWriter(spec, *known).write(writer, model.attributes)
+    write_attributes(writer, quantise(header, model) if quantised is None else quantised)
     if spec.texture:
         with writer.part("texture"):
             write_texture(writer, size, spec.channels, model.texture)

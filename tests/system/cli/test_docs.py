@@ -12,9 +12,9 @@ import pytest
 from click.testing import Result
 
 from sgicodec.cli.main import cli
-from sgicodec.encoder.score_ascent import ascent_passes
+from sgicodec.encoder.effort import effort_of
 from sgicodec.image.formats import FORMATS
-from sgicodec.profiles.default import EFFORTS, TEXTURE_EFFORTS, VISUAL_EFFORTS
+from sgicodec.profiles.default import EFFORTS, TEXTURE_EFFORTS, VISUAL_EFFORTS, default_settings
 
 Run = Callable[..., Result]
 TEXT = (Path(__file__).parents[3] / "docs" / "cli.md").read_text("utf-8")
@@ -42,7 +42,7 @@ def test_efforts() -> None:
     assert dict(zip(efforts, plain, strict=True)) == EFFORTS
     assert dict(zip(efforts, psnr, strict=True)) == TEXTURE_EFFORTS
     assert dict(zip(efforts, visual, strict=True)) == VISUAL_EFFORTS
-    assert passes == [ascent_passes(steps) for steps in visual]
+    assert passes == [effort_of(default_settings(1.0, steps), "visual").ascent_passes for steps in visual]
 
 
 def test_exit_codes(sgi: Run) -> None:

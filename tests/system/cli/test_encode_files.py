@@ -13,8 +13,9 @@ from click.testing import Result
 from PIL import Image
 
 from sgicodec.decoder.stream import open_stream
-from sgicodec.encoder.encoded import Encoded
-from sgicodec.encoder.tile_encoder import Encoding
+from sgicodec.encoder.tile.state import TileState
+from sgicodec.encoder.tile.writing import WrittenTile
+from sgicodec.encoder.tiles import tasks
 from sgicodec.image import read, write
 from sgicodec.picture import Picture
 
@@ -64,18 +65,18 @@ def test_a_stream_beside_its_picture_is_replaced_with_force(
 
 
 def test_failure_leaves_nothing(sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    real = Encoding.encoded
+    real = tasks.write
 
-    def damaged(*arguments: Any) -> Encoded:
-        whole = real(*arguments)
-        data = bytearray(whole.data)
-        data[len(data) // 2] ^= 1
-        return replace(whole, data=bytes(data))
+    def damaged(state: TileState) -> WrittenTile:
+        whole = real(state)
+        chunk = bytearray(whole.chunk)
+        chunk[len(chunk) // 2] ^= 1
+        return replace(whole, chunk=bytes(chunk))
 
-    monkeypatch.setattr(Encoding, "encoded", damaged)
+    monkeypatch.setattr(tasks, "write", damaged)
     result = sgi("encode", picture, "--steps", 2)
     assert result.exit_code == 4
-    assert "wrong CRC" in result.stderr
+    assert result.stderr.startswith("sgi: ")
     assert [path.name for path in picture.parent.iterdir()] == ["scene.png"]
 
 

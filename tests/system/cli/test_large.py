@@ -14,7 +14,9 @@ from click.testing import Result
 from PIL import Image
 
 from sgicodec.decoder.stream import open_stream
-from sgicodec.encoder import pipeline, tile_work
+from sgicodec.encoder import pipeline
+from sgicodec.encoder.tile.state import Tile
+from sgicodec.encoder.tiles import tasks
 from sgicodec.executors.peak import own_peak
 from sgicodec.image import read, write
 from sgicodec.image.lock import locked
@@ -104,16 +106,16 @@ def test_standard_streams(sgi: Run, picture: Path, tiled: Path, tmp_path: Path) 
 def test_interrupt_keeps_what_is_done(
     sgi: Run, picture: Path, tiled: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    fit, fitted = tile_work.encode_tile, []
+    fit, fitted = tasks.encode, []
 
-    def interrupted(window: object, plan: object, number: int, *others: object) -> object:
-        if number == 1 and fitted.count(1) == 0:
+    def interrupted(tile: Tile) -> object:
+        if tile.number == 1 and fitted.count(1) == 0:
             fitted.append(1)
             raise KeyboardInterrupt
-        fitted.append(number)
-        return fit(window, plan, number, *others)  # type: ignore[arg-type]
+        fitted.append(tile.number)
+        return fit(tile)
 
-    monkeypatch.setattr(tile_work, "encode_tile", interrupted)
+    monkeypatch.setattr(tasks, "encode", interrupted)
     out = tmp_path / "a.sgi"
     stopped = sgi("encode", picture, out, *OPTIONS)
     assert stopped.exit_code == 130

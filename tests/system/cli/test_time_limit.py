@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 from click.testing import Result
 
-from sgicodec.encoder import tile_work
+from sgicodec.encoder.tile.state import Tile
+from sgicodec.encoder.tiles import tasks
 
 Run = Callable[..., Result]
 OPTIONS = ("--tile", 32, "--steps", 4, "-j", 1)
@@ -47,21 +48,21 @@ def test_a_time_limit_with_a_goal_is_for_one_tile(sgi: Run, picture: Path) -> No
 def test_a_time_limit_goes_on_under_another(
     sgi: Run, picture: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    fit, fitted = tile_work.encode_tile, list[int]()
+    fit, fitted = tasks.encode, list[int]()
 
-    def interrupted(*given: object) -> object:
-        if given[2] == 1:
+    def interrupted(tile: Tile) -> object:
+        if tile.number == 1:
             raise KeyboardInterrupt
-        return fit(*given)  # type: ignore[arg-type]
+        return fit(tile)
 
-    def counted(*given: object) -> object:
-        fitted.append(given[2])  # type: ignore[arg-type]
-        return fit(*given)  # type: ignore[arg-type]
+    def counted(tile: Tile) -> object:
+        fitted.append(tile.number)
+        return fit(tile)
 
     out, options = tmp_path / "a.sgi", ("--tile", 32, "-j", 1)
-    monkeypatch.setattr(tile_work, "encode_tile", interrupted)
+    monkeypatch.setattr(tasks, "encode", interrupted)
     assert sgi("encode", picture, out, *options, "--time-limit", 0.5).exit_code == 130
-    monkeypatch.setattr(tile_work, "encode_tile", counted)
+    monkeypatch.setattr(tasks, "encode", counted)
     assert sgi("encode", picture, out, *options, "-e", 1, "--resume").exit_code == 2
     resumed = sgi("encode", picture, out, *options, "--time-limit", 2, "--resume")
     assert resumed.exit_code == 0, resumed.output

@@ -20,10 +20,10 @@ from sgicodec import EncodeSettings, encode_picture, read
 from sgicodec.cli.main import cli
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ONE_THREAD, Device
+from sgicodec.encoder.input.windows import windows_of
 from sgicodec.encoder.plan import Plan, stream_plan
-from sgicodec.encoder.tile_work import FitTask, Start
-from sgicodec.encoder.windows import windows_of
-from sgicodec.encoder.worker import Job, ReadingTask
+from sgicodec.encoder.tiles.runner import ReadingTask, TileJob
+from sgicodec.encoder.tiles.tasks import FitTask, Start
 from sgicodec.errors import PictureError, TileFailedError, UsageError
 from sgicodec.executors.dask import open_cluster
 from sgicodec.image import open_source, write
@@ -178,7 +178,7 @@ def plan_of(photo: Path, settings: EncodeSettings) -> Plan:
 
 def test_workers_read_paths_and_urls(photo: Path, settings: EncodeSettings, tmp_path: Path) -> None:
     plan = plan_of(photo, settings)
-    job, work = Job(None, Start()), FitTask(plan)
+    job, work = TileJob(None, Start()), FitTask(plan)
     by_path, by_url = (ReadingTask(plan, place, work, ONE_THREAD)(4, job) for place in (str(photo), photo.as_uri()))
     assert by_path.payload == by_url.payload
     other = tmp_path / "other.png"
@@ -199,11 +199,11 @@ def test_reading_is_part_of_a_tile_s_time(
     plan = plan_of(photo, settings)
     work = ReadingTask(plan, str(photo), seconds_assigned, ONE_THREAD)
     clock = iter([100.0, 103.0, 200.0, 290.0])
-    monkeypatch.setattr("sgicodec.encoder.worker.time.monotonic", lambda: next(clock))
-    assert work(0, Job(None, Start(seconds=10.0))) == pytest.approx(7.0)
-    assert 0 < (work(0, Job(None, Start(seconds=10.0))) or 0) < 0.01
+    monkeypatch.setattr("sgicodec.encoder.tiles.runner.time.monotonic", lambda: next(clock))
+    assert work(0, TileJob(None, Start(seconds=10.0))) == pytest.approx(7.0)
+    assert 0 < (work(0, TileJob(None, Start(seconds=10.0))) or 0) < 0.01
     monkeypatch.undo()
-    assert work(0, Job(None, Start())) is None
+    assert work(0, TileJob(None, Start())) is None
 
 
 @pytest.mark.parametrize("address", [3, None, b"local:2"])

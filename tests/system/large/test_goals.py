@@ -10,8 +10,8 @@ import pytest
 
 from sgicodec import EncodeSettings, encode_picture, read
 from sgicodec.decoder.stream import open_stream
-from sgicodec.encoder.checkpoint import Checkpoint
 from sgicodec.encoder.listener import NullListener, PassState
+from sgicodec.encoder.tiles.checkpoint import Checkpoint
 from sgicodec.executors.processes import ProcessExecutor
 from sgicodec.image import open_source
 from sgicodec.metrics.psnr import psnr
@@ -62,7 +62,7 @@ def test_same_bytes_for_any_workers(
 ) -> None:
     watch = Stopping()
     assert encoded(photo, goal, tmp_path, workers, watch) == expected
-    assert watch.passes[:3] == ["look", "overview", "sample"]
+    assert watch.passes[:3] == ["lookahead", "overview", "sample"]
     assert watch.passes[3] in ("tiles", "sample")
     assert "search" in watch.passes
 

@@ -11,11 +11,11 @@ from clock import Clock
 
 from sgicodec import Encoded, EncodeSettings, encode_picture, read
 from sgicodec.decoder.stream import open_stream
+from sgicodec.encoder.input.windows import windows_of
 from sgicodec.encoder.listener import NullListener, PassState
 from sgicodec.encoder.plan import stream_plan
-from sgicodec.encoder.store import MemoryStore
-from sgicodec.encoder.tile_weight import tile_weight
-from sgicodec.encoder.windows import windows_of
+from sgicodec.encoder.tiles.memory_store import MemoryStore
+from sgicodec.encoder.tiles.weight import tile_weight
 from sgicodec.image import open_source, write
 from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Metadata, Picture

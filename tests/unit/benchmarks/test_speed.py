@@ -36,7 +36,7 @@ def test_modules_of_an_encode() -> None:
     picture, settings = read(DATA / "hopper_gray.jpg"), EncodeSettings(steps=3)
     stats = profiled(lambda: encode_picture(picture, settings, device=ONE_THREAD), 2)
     modules = by_module(stats, 2)
-    assert {"encoder/tile_encoder.py", "raster/cpu.py", OTHER} <= modules.keys()
+    assert {"encoder/tile/stages.py", "raster/cpu.py", OTHER} <= modules.keys()
     assert sum(modules.values()) * 2 <= stats.total_tt * 1.001  # type: ignore[attr-defined]
     assert list(modules.values()) == sorted(modules.values(), reverse=True)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import replace
 from threading import Barrier, Event, Lock, get_ident
 from typing import Any
@@ -18,7 +17,8 @@ from sgicodec.device import Device
 from sgicodec.encoder.listener import NullListener
 from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.encoder.tile_encoder import Encoding
+from sgicodec.encoder.tile import stages
+from sgicodec.encoder.tile.state import Watch
 from sgicodec.errors import PictureError, TileFailedError, UsageError
 from sgicodec.executors.executor import MIB, Memory
 from sgicodec.executors.serial import SerialExecutor
@@ -138,22 +138,22 @@ def test_one_tile_is_fitted_while_another_is_searched(monkeypatch: pytest.Monkey
     """
     device, fitted, lock = only_gpu(monkeypatch), Event(), Lock()
     expected = encode_picture(pixels(), SETTINGS, device=device).data
-    searched, fit, fits = Encoding.searched, Encoding.fitted, list[int]()
+    searched, fit, fits = stages.rdoq, stages.fit, list[int]()
 
-    def counted(self: Encoding, *arguments: Any) -> Any:
-        found = fit(self, *arguments)
+    def counted(*arguments: Any) -> Any:
+        found = fit(*arguments)
         with lock:
             fits.append(get_ident())
         if len(set(fits)) > 1:
             fitted.set()
         return found
 
-    def waits(self: Encoding, *arguments: Any) -> Any:
+    def waits(*arguments: Any) -> Any:
         assert fitted.wait(HANGS)
-        return searched(self, *arguments)
+        return searched(*arguments)
 
-    monkeypatch.setattr(Encoding, "fitted", counted)
-    monkeypatch.setattr(Encoding, "searched", waits)
+    monkeypatch.setattr(stages, "fit", counted)
+    monkeypatch.setattr(stages, "rdoq", waits)
     data = encode_picture(pixels(), SETTINGS, device=device, executor=ThreadExecutor(2)).data
     assert data == expected
     with open_stream(data) as stream:
@@ -163,21 +163,18 @@ def test_one_tile_is_fitted_while_another_is_searched(monkeypatch: pytest.Monkey
 def test_an_interrupt_ends_fits(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of tiles under way, long before their last step."""
     device, begun = only_gpu(monkeypatch), list[int]()
-    fit = Encoding.fitted
+    step = Watch.step
 
-    def counted(self: Encoding, watch: Callable[[Any], bool]) -> Any:
-        def noted(progress: Any) -> bool:
-            begun.append(progress.step)
-            return watch(progress)
-
-        return fit(self, noted)
+    def noted(self: Watch, progress: Any) -> bool:
+        begun.append(progress.step)
+        return step(self, progress)
 
     class Impatient(NullListener):
         def tile(self, state: Any) -> None:
             if state.done:
                 raise KeyboardInterrupt
 
-    monkeypatch.setattr(Encoding, "fitted", counted)
+    monkeypatch.setattr(Watch, "step", noted)
     settings = replace(SETTINGS, steps=30)
     with pytest.raises(KeyboardInterrupt):
         encode_picture(pixels(), settings, device=device, executor=ThreadExecutor(2), progress=Impatient())
@@ -190,9 +187,9 @@ def test_the_command_line_uses_threads_for_one_gpu() -> None:
 
     given = []
     for device in (Device(2), Device(2, gpu=1), Device(2, gpu=0, gpus=3)):
-        job = type("Job", (), {"device": device, "max_memory": None, "resume": False, "cluster": None, "batch": False})
-        job.settings = EncodeSettings(tile=32)  # type: ignore[attr-defined]
+        options = type("Options", (), {"device": device, "max_memory": None, "resume": False, "cluster": None})
+        options.settings = EncodeSettings(tile=32)  # type: ignore[attr-defined]
         source = type("Source", (), {"width": 90, "height": 90})
-        executor = encode_file._executor(job, source, None)  # type: ignore[arg-type]
+        executor = encode_file._executor("in.png", options, source, None)  # type: ignore[arg-type]
         given.append((type(executor).__name__, executor.workers))  # type: ignore[union-attr]
     assert given == [("ProcessExecutor", 2), ("ThreadExecutor", 3), ("GpuExecutor", 3)]

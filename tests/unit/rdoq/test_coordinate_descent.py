@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 from scenes import ISAS
 
-from sgicodec.bitstream.parts.tile import TileModel, write_tile
+from sgicodec.bitstream.parts.tile import TileModel, quantise, write_tile
 from sgicodec.metrics.distortion import QuadraticReference
 from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
 from sgicodec.raster.reference import rasterize_reference
@@ -39,9 +39,9 @@ def passed(objective: Objective, model: TileModel, lmbda: float) -> tuple[TileMo
 
 def coded(objective: Objective, model: TileModel) -> tuple[NDArray[np.float64], dict[str, float]]:
     """Attributes [N, d_A] as a stream would hold them, and the bits of its parts."""
-    written = replace(model, decoded=None)
-    _, walk = write_tile(objective.header, written)
-    return written.decoded_values, walk.bits
+    quantised = quantise(objective.header, model)
+    _, walk = write_tile(objective.header, model, quantised)
+    return quantised.values, walk.bits
 
 
 @pytest.mark.parametrize("isa", ISAS)

@@ -21,7 +21,7 @@ Stage = Callable[..., tuple[Objective, TileModel]]
 
 def stream_of(objective: Objective, model: TileModel) -> tuple[bytes, int]:
     """A whole stream, and the bytes of its tile."""
-    payload, _ = write_tile(objective.header, replace(model, decoded=None))
+    payload, _ = write_tile(objective.header, model)
     buffer = io.BytesIO()
     writer = ChunkWriter(buffer)
     writer.write("H", encode_header(objective.header))

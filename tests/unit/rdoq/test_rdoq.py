@@ -11,7 +11,6 @@ from sgicodec import EncodeSettings, encode_picture, read
 from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.decoder.stream import open_stream
 from sgicodec.picture import to_unit
-from sgicodec.profiles.default import default_settings
 from sgicodec.rdoq import Objective, Rdoq, RdoqResult, RdoqSettings
 from sgicodec.rdoq.objective import joined
 
@@ -47,12 +46,6 @@ def test_it_stops_when_time_is_up(stage: Stage) -> None:
     found, expected = search.at(1e-3, until=0.0), search.at(1e-3, passes=1)
     assert found.cost == expected.cost
     np.testing.assert_array_equal(joined(found.model), joined(expected.model))
-
-
-def test_longer_fits_are_searched_longer() -> None:
-    fits = [default_settings(1.0, steps) for steps in (50, 600, 1000, 8000)]
-    assert [RdoqSettings.for_fit(fit).passes for fit in fits] == [2, 2, 4, 32]
-    assert RdoqSettings.for_fit(replace(fits[0], hurried=True)).passes == 1
 
 
 def test_one_pass_is_the_same_without_a_look(stage: Stage) -> None:

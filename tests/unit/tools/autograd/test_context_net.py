@@ -8,14 +8,13 @@ import torch
 
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.parts.arrays import write_weights
-from sgicodec.bitstream.parts.attributes import AttributeWriter
+from sgicodec.bitstream.parts.attributes import AttributeQuantiser, write_attributes
 from sgicodec.fit.context_weights import WEIGHT_SHIFT, ContextWeights
 from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.step_sizes import flat_steps
 from sgicodec.model.context import LEVELS, SUMMARY, HashGrid, passes
 from sgicodec.model.layout import adaptive_layout, uniform_layout
 from sgicodec.model.network import IntNetwork, Prediction
-from sgicodec.model.quantization import FRACTION_BITS
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import StepPlan, default_plan
 from sgicodec.profiles.default import default_spec
@@ -58,8 +57,10 @@ class Fit:
     def code(self, networks: tuple[Any, ...], plan: StepPlan) -> tuple[dict[str, torch.Tensor], SymbolWriter]:
         """The values as they are decoded, and the walk that wrote them."""
         walk = SymbolWriter()
-        writer = AttributeWriter(self.spec, self.layout, SIZE, plan, networks, self.weights.signs(), QUALITY, FAMILY)
-        decoded = torch.from_numpy(np.ldexp(writer.write(walk, self.values).astype(np.float64), -FRACTION_BITS))
+        known = self.layout, SIZE, plan, networks, self.weights.signs(), QUALITY, FAMILY
+        quantised = AttributeQuantiser(self.spec, *known).quantise(self.values)
+        write_attributes(walk, quantised)
+        decoded = torch.from_numpy(quantised.values)
         return {group.name: decoded[:, group.columns].float() for group in self.spec.groups}, walk
 
     def sample(self, net: ContextNet, plan: StepPlan, values: dict[str, torch.Tensor]) -> Sample:

@@ -1,0 +1,79 @@
+"""The table of efforts: what an encode does at all, and how often, all of it from the steps of its fit.
+
+`--effort` names a number of steps (`profiles/default.py`), `--steps` states one. docs/architecture.md, "Efforts", has
+the table as it comes out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from sgicodec.encoder.settings import Tune
+from sgicodec.profiles.fit_settings import FitSettings
+from sgicodec.rdoq.settings import RdoqSettings
+from sgicodec.rdoq.texture import NO_SPLIT_SEARCH, SPLIT_SEARCH_MARGIN
+
+__all__ = ["Effort", "effort_of"]
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much is done to a tile. Fields of texture mean nothing without it."""
+
+    steps: int
+    """Optimisation steps of the fit, all phases together."""
+    scout: bool
+    """Whether a short fit comes first, which says where texture is cheaper than seeds."""
+    handover: bool
+    """Whether seeds that texture shows for less are handed over to it in the course of the fit, and texture is searched
+    wherever seeds are weighed against it. An estimate of its cost takes a tenth of the time."""
+    seed_price: float
+    """λ of the seeds in the fit, in the λ of the encode."""
+    rdoq: RdoqSettings
+    """How RDOQ follows the fit: its passes, and how far each looks. From the fifth on they gain next to nothing."""
+    split_margin: float
+    """Up to how many times the cost of the other choice, by an estimate, a block of texture is tried whole or divided;
+    1 trusts the estimate."""
+    rounds: int
+    """Times that seeds are quantised again beneath the texture; none for the eye, to which other errors are least."""
+    adapts_restoration: bool
+    """Whether the last layer of the network that restores is fitted to the tile; not for the eye."""
+    ascent_passes: int
+    """Passes of gradient ascent on what the eye sees, each of which searches texture anew."""
+
+
+def effort_of(fit: FitSettings, tuned_for: Tune) -> Effort:
+    """What goes with a fit of so many steps, for least squared error or for the eye. What a threshold switches on is
+    worth its time from there on; before, more steps gain more in the same time (docs/notes: texture-share, settling,
+    score-ascent, restoration, rdoq).
+    """
+    steps, low, eye = fit.steps, fit.hurried, tuned_for == "visual"
+    scout, handover = steps >= 150 or not low, steps >= 500
+    rdoq_passes = _within(2, round(steps / 250), 32)
+    return Effort(
+        steps=steps,
+        scout=scout,
+        handover=handover,
+        seed_price=_seed_price(steps, handover) if scout else UNSCOUTED_PRICE,
+        rdoq=RdoqSettings(passes=1, deep=1, rounds=2) if low else RdoqSettings(passes=rdoq_passes),
+        split_margin=NO_SPLIT_SEARCH if low else SPLIT_SEARCH_MARGIN,
+        rounds=0 if eye else _within(0, 1 + (steps - 375) // 225, 6),
+        adapts_restoration=steps >= 400 and not eye,
+        ascent_passes=_within(1, 1 + steps // 125, 8) if eye else 0,
+    )
+
+
+UNSCOUTED_PRICE = 6.0
+"""`seed_price` of seeds that no short fit has placed: fewer of them, and texture over all."""
+_HANDED_OVER = 0.7
+"""Factor of `seed_price` where seeds are handed over later, so that a fit may begin with more of them."""
+
+
+def _seed_price(steps: int, handover: bool) -> float:
+    """What seeds leave costs less as texture than as more seeds; the shorter the fit, the more of it."""
+    price = min(max(2.8 * float((200 / steps) ** 0.3), 1.4), 2.8)
+    return max(1.0, _HANDED_OVER * price) if handover else price
+
+
+def _within(least: int, value: int, most: int) -> int:
+    return min(max(value, least), most)

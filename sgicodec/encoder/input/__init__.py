@@ -1,0 +1,1 @@
+"""What an encode reads: a picture in windows, what of it holds nothing, and its overview."""

@@ -1,0 +1,169 @@
+"""The small picture that a stream of many pixels carries, so that small views cost what they show."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec.decoder.view import overview_size
+from sgicodec.encoder.input.nodata import store_nodata
+from sgicodec.encoder.plan import Plan
+from sgicodec.encoder.settings import EncodeSettings
+from sgicodec.metadata.layouts import alpha_index
+from sgicodec.model.tile_grid import Rect
+from sgicodec.picture import Picture, exact_samples, from_unit, nodata_samples, to_unit
+
+__all__ = ["overview_picture", "overview_settings", "takes_overview"]
+
+F64 = NDArray[np.float64]
+
+_MIN_PIXELS = 1 << 20
+"""Of a picture that has an overview where nothing else is asked for: smaller ones are drawn in no time."""
+
+_FINER = 2 ** (15 / 8)
+"""The picture's λ over that of its overview: 15 steps of quality, about 1 % of the stream (docs/large.md)."""
+
+_HURRIED_EFFORT = 1
+"""Of an overview under a time limit, of which it takes next to nothing."""
+
+_ROWS = 128
+"""Of a window that are averaged at a time."""
+
+
+def takes_overview(plan: Plan) -> bool:
+    """Whether the stream of this plan is to have an overview."""
+    header, settings = plan.header, plan.settings
+    if not settings.chosen_profile.has_overviews or header.grid.count == 1:
+        return False
+    return header.width * header.height >= _MIN_PIXELS if settings.overview is None else settings.overview
+
+
+def overview_settings(plan: Plan, lmbda: float) -> EncodeSettings:
+    """Those of the overview of a stream whose tiles are fitted at λ."""
+    tiles = {"tile": plan.header.tile, "apron": plan.header.apron, "overview": False}
+    settings = plan.settings.at_lmbda(lmbda / _FINER, metadata=False, **tiles)
+    if settings.time_limit is not None:
+        settings = replace(settings, time_limit=None, effort=_HURRIED_EFFORT)
+    return settings
+
+
+def overview_picture(plan: Plan, read: Callable[[int, int, int, int], Picture]) -> Picture:
+    """The picture in small: the mean of all pixels that each of its own covers, colours weighed by alpha.
+
+    read: gives the picture of a window (x, y, width, height); it is asked for windows of a tile's size from the top
+    down. A sample at whose centre nothing was measured holds nothing; where nodata is around, what was measured counts.
+    """
+    header, grid = plan.header, plan.header.grid
+    columns, rows = overview_size(header.width, header.height)
+    down, across = _Boxes(header.height, rows), _Boxes(header.width, columns)
+    pixels = np.empty((rows, columns, header.spec.channels), header.sample_type)
+    band = _Band(0, np.zeros((0, columns, 2 * header.spec.channels)), np.zeros((0, columns, header.colours), np.bool_))
+    for row in range(grid.down.count):
+        bottom = grid.down.edge(row + 1)
+        band = band.until(down.behind(bottom))
+        for column in range(grid.across.count):
+            core = grid.core(grid.number(column, row))
+            band.add(read(*core), core, down, across)
+        done = down.whole(bottom) - band.first
+        pixels[band.first : band.first + done] = _samples(plan, band.total[:done], band.nothing[:done])
+        band = _Band(band.first + done, band.total[done:], band.nothing[done:])
+    return Picture(pixels, header.channels, header.sample_range, blank=header.blank)
+
+
+class _Band(NamedTuple):
+    """Rows of the overview from `first` on that are not finished: sums of weighed samples, and of weights
+    [rows, columns, 2 C]; where the sample at the centre holds nothing [rows, columns, colours].
+    """
+
+    first: int
+    total: F64
+    nothing: NDArray[np.bool_]
+
+    def until(self, behind: int) -> _Band:
+        """The same with room for the rows before `behind`."""
+        more = behind - self.first - len(self.total)
+        total = np.concatenate([self.total, np.zeros((more, *self.total.shape[1:]))])
+        nothing = np.concatenate([self.nothing, np.zeros((more, *self.nothing.shape[1:]), np.bool_)])
+        return _Band(self.first, total, nothing)
+
+    def add(self, window: Picture, rect: Rect, down: _Boxes, across: _Boxes) -> None:
+        """Counts the pixels of a window."""
+        x, top, width, height = rect
+        for first in range(0, height, _ROWS):
+            weighed, empty = _weighed(replace(window, pixels=window.pixels[first : first + _ROWS]))
+            row, sums = down.sums(weighed, top + first)
+            column, sums = across.sums(sums.swapaxes(0, 1), x)
+            here = slice(row - self.first, row - self.first + sums.shape[1])
+            self.total[here, column : column + len(sums)] += sums.swapaxes(0, 1)
+            i, j = down.centres(top + first, len(empty)), across.centres(x, width)
+            self.nothing[np.ix_(i.box - self.first, j.box)] = empty[np.ix_(i.pixel, j.pixel)]
+
+
+def _samples(plan: Plan, total: F64, nothing: NDArray[np.bool_]) -> NDArray[Any]:
+    """Means of what was summed up, as samples of the picture's type."""
+    header, alpha = plan.header, alpha_index(plan.header.channels)
+    samples, weights = np.split(total, 2, axis=-1)
+    unit = samples / np.maximum(weights, _TINY)
+    pixels = from_unit(unit, header.channels, header.sample_type, header.sample_range).pixels
+    if header.masked == "nodata":
+        store_nodata(header, pixels[..., :alpha], nothing)
+    return pixels
+
+
+_TINY = 1e-12
+
+
+def _weighed(part: Picture) -> tuple[F64, NDArray[np.bool_]]:
+    """Samples in 0..1 times their weights, then these [h, w, 2 C]: of colours alpha, 0 where they do not follow their
+    neighbours; where nothing was measured [h, w, colours].
+    """
+    unit, alpha = to_unit(part).astype(np.float64), part.alpha
+    nodata = nodata_samples(part)
+    weights = np.ones_like(unit)
+    if alpha is not None:
+        weights[..., :alpha] = unit[..., alpha:]
+        weights[..., alpha] = ~nodata.all(axis=-1)
+    weights[..., :alpha][nodata | exact_samples(part)] = 0
+    return np.concatenate([unit * weights, weights], axis=-1), nodata
+
+
+@dataclass(frozen=True)
+class _Boxes:
+    """`count` boxes of equal width that cover `length` pixels along an axis."""
+
+    length: int
+    count: int
+
+    def whole(self, stop: int) -> int:
+        """How many boxes end at pixel `stop` or before it."""
+        return stop * self.count // self.length
+
+    def behind(self, stop: int) -> int:
+        """How many boxes begin before pixel `stop`."""
+        return -(-stop * self.count // self.length)
+
+    def sums(self, values: F64, start: int) -> tuple[int, F64]:
+        """For pixels [n, …] from `start` on: the first box that they touch, and what each box has of them [boxes, …],
+        pixels that it covers in part counted by that part.
+        """
+        first, behind = self.whole(start), self.behind(start + len(values))
+        edges = np.clip(np.arange(first, behind + 1) * (self.length / self.count) - start, 0, len(values))
+        whole = np.minimum(edges.astype(np.int64), len(values) - 1)
+        below = np.concatenate([np.zeros_like(values[:1]), np.cumsum(values, axis=0)])
+        part = (edges - whole).reshape(-1, *(1,) * (values.ndim - 1))
+        return first, np.diff(below[whole] + part * values[whole], axis=0)
+
+    def centres(self, start: int, size: int) -> _Centres:
+        """The boxes whose centres lie in `size` pixels from `start` on, and which of these that is."""
+        pixel = np.floor((np.arange(self.count) + 0.5) * (self.length / self.count)).astype(np.int64) - start
+        box = np.flatnonzero((pixel >= 0) & (pixel < size))
+        return _Centres(box, pixel[box])
+
+
+class _Centres(NamedTuple):
+    box: NDArray[np.int64]
+    pixel: NDArray[np.int64]

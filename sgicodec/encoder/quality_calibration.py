@@ -1,0 +1,125 @@
+"""Calibration of a quality: how far λ moves so that pictures of one quality look alike.
+
+Equal steps look worse where a picture is fine-grained, and better where it is soft or its colours change slowly. How
+many steps of quality make up for that is predicted from four means over blocks of the picture's log gradients, by a
+linear fit to 69 pictures (docs/notes/2026-11-same-look.md).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import product
+from math import ceil
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec.bitstream.header import COLOURED_LAYOUTS, Masked
+from sgicodec.encoder.input.nodata import empty_pixels
+from sgicodec.encoder.input.windows import Windows
+from sgicodec.encoder.plan import Plan
+from sgicodec.model.steps import quality_index
+from sgicodec.picture import Picture, exact_samples, nodata_samples
+
+__all__ = ["log_gradients", "quality_offset", "with_quality_calibration"]
+
+F64 = NDArray[np.float64]
+
+_LUMA, _GREEN = np.array([0.25, 0.625, 0.125]), np.array([-0.5, 1.0, -0.5])
+_FEATURES = ((_LUMA, 0, 5.7, -5.56), (_LUMA, 2, -5.2, -5.09), (_GREEN, 2, 2.2, -7.56), (_GREEN, 4, -1.5, -7.37))
+"""Plane, octave, steps of quality for a unit of the mean log gradient, and what that is in the mean of pictures."""
+_MAX_OFFSET = 10.0
+_LAST_QUALITY, _SPAN = 100.0, 44.0
+"""The offset fades towards the highest quality, where all pictures look alike."""
+
+_BLOCK, _WINDOW, _MAX_WINDOWS = 64, 512, 16
+"""Pixels of the sides of blocks, and of the windows that are looked at."""
+_FLOOR = 1e-4
+"""Squared gradient, samples², that counts as none."""
+
+
+def with_quality_calibration(windows: Windows, plan: Plan) -> Plan:
+    """The plan at the λ with which the picture looks as others do at the quality that was asked for. Only of pictures
+    with colours that are tuned for the eye, and only where it is a quality that was asked for.
+    """
+    settings, header = plan.settings, plan.header
+    scales = settings.chosen_profile.scales
+    fixed = settings.target or settings.lmbda is not None or scales.get("quality") != "lmbda"
+    if fixed or settings.tuned_for != "visual" or header.channels not in COLOURED_LAYOUTS:
+        return plan
+    found = [log_gradients(picture, header.masked) for picture in _sample(windows, header.width, header.height)]
+    blocks = np.concatenate(found)
+    offset = quality_offset(blocks.mean(axis=0), settings.quality) if len(blocks) else 0.0
+    lmbda = settings.fit_settings().lmbda * 2.0 ** (-offset / 8.0)
+    planned = plan.at(lmbda, quality_index(lmbda))
+    return planned if header.tile else replace(planned, calibrated_quality=settings.quality)
+
+
+def quality_offset(gradients: F64, quality: float) -> float:
+    """Steps of quality to add for the means [4] of `log_gradients` over a picture."""
+    steps = sum(slope * (value - usual) for value, (*_, slope, usual) in zip(gradients, _FEATURES, strict=True))
+    fade = max(0.0, (_LAST_QUALITY - quality) / _SPAN)
+    return float(np.clip(fade * steps, -_MAX_OFFSET, _MAX_OFFSET))
+
+
+def log_gradients(picture: Picture, masked: Masked | None) -> F64:
+    """Logs of the mean squared gradients that _FEATURES name in each block of a picture [n, 4], those left out that
+    have pixels without content, in them or beside them. Pictures narrower than a block have none.
+    """
+    low, high = (np.asarray(level, np.float64) for level in picture.sample_range)
+    with np.errstate(invalid="ignore"):
+        colours = np.clip((picture.pixels[..., :3].astype(np.float64) - low) / (high - low), 0.0, 1.0)
+        colours = np.rint(255 * colours) / 255 if picture.eight_bits else colours
+    found = [
+        _block_means(_squared_gradient(_reduced(colours @ plane, octave)), octave) for plane, octave, *_ in _FEATURES
+    ]
+    if masked == "transparent":
+        unseen = empty_pixels(picture, masked)
+    else:
+        unseen = np.asarray((nodata_samples(picture) | exact_samples(picture)).any(axis=-1))
+    empty = _block_means(unseen.astype(np.float64), 0) > 0
+    beside = empty.copy()  # gradients reach into the next block
+    beside[:, :-1] |= empty[:, 1:]
+    beside[:-1] |= empty[1:]
+    logs: F64 = np.log(np.stack(found, axis=-1) + _FLOOR)[~beside]
+    return logs
+
+
+def _reduced(plane: F64, octaves: int) -> F64:
+    for _ in range(octaves):
+        plane = plane[: len(plane) // 2 * 2, : plane.shape[1] // 2 * 2]
+        plane = (plane[::2, ::2] + plane[1::2, ::2] + plane[::2, 1::2] + plane[1::2, 1::2]) / 4
+    return plane
+
+
+def _squared_gradient(plane: F64) -> F64:
+    """Of the differences to the next pixel in both directions, none behind the last one."""
+    squares = np.zeros_like(plane)
+    squares[:, :-1] += np.diff(plane, axis=1) ** 2
+    squares[:-1] += np.diff(plane, axis=0) ** 2
+    return squares
+
+
+def _block_means(plane: F64, octave: int) -> F64:
+    """Means of the blocks that lie wholly in a plane reduced by so many octaves [rows, columns]."""
+    side = _BLOCK >> octave
+    rows, columns = len(plane) // side, plane.shape[1] // side
+    blocks = plane[: rows * side, : columns * side].reshape(rows, side, columns, side)
+    means: F64 = blocks.mean(axis=(1, 3))
+    return means
+
+
+def _sample(windows: Windows, width: int, height: int) -> Iterator[Picture]:
+    """The picture in windows; of a large one _MAX_WINDOWS at most, evenly spread, from the top down."""
+    columns, rows = ceil(width / _WINDOW), ceil(height / _WINDOW)
+    while columns * rows > _MAX_WINDOWS:
+        columns, rows = ceil(columns / 2), ceil(rows / 2)
+    for (y, high), (x, wide) in product(_spans(height, rows), _spans(width, columns)):
+        yield windows.read(x, y, wide, high)
+
+
+def _spans(side: int, count: int) -> list[tuple[int, int]]:
+    """Where each of `count` windows along a side begins, and its length: they are in the middles of equal shares."""
+    size = min(_WINDOW, side // count)
+    return [((2 * number + 1) * side // (2 * count) - size // 2, size) for number in range(count)]

@@ -1,0 +1,88 @@
+"""Texture towards least squared error: seeds and texture are searched in turn, each for what the other leaves.
+
+A fit does not see the texture that will lie over its seeds: it counts errors less where texture follows. Once texture
+is there, what it leaves is known, and the symbols of seeds are searched again for that; then texture over them. What
+texture rounds is left out, for it will be rounded anew. Texture itself is searched again for what restoration leaves.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec.encoder.tile.state import TileState
+from sgicodec.encoder.tile.texture import begin_texture, best_layer, best_strength
+from sgicodec.rdoq import Rdoq, RdoqSettings
+from sgicodec.rdoq.texture import TextureSearch
+
+__all__ = ["LeastSquares", "requantise_seeds_under_texture"]
+
+DEARER = 1.4
+"""λ of seeds that are searched again, in the λ of the encode."""
+SETTINGS = RdoqSettings(passes=1, deep=7, rounds=4, coarser=0.0)
+"""Other steps would move all values of seeds, which costs more than it gains."""
+
+
+class LeastSquares:
+    """The `TextureStrategy` of the least squared error for the bits."""
+
+    def lay(self, state: TileState) -> TileState:
+        """As in `TextureStrategy`."""
+        state, search = begin_texture(state)
+        tuning = state.tile.tuning
+        return self.lay_at(state, search, tuning.step(state.lmbda), tuning.price(state.lmbda))
+
+    def aim(self, state: TileState, search: TextureSearch, step: int) -> tuple[TileState, TextureSearch]:
+        """As in `TextureStrategy`: with seeds for the texture of this step."""
+        return begin_texture(requantise_seeds_under_texture(state, step))
+
+    def lay_at(self, state: TileState, search: TextureSearch, step: int, price: float | None = None) -> TileState:
+        """As in `TextureStrategy`."""
+        tile, layer = state.tile, best_layer(state, search, step, price)
+        strength = best_strength(state, search, layer)
+        if layer is None or strength is None:
+            return state.with_texture(layer, None)
+        restored = search.excluding(tile.restorer.correction(search, layer, strength))
+        layer = best_layer(state, restored, step, price, layer) or layer
+        strength = best_strength(state, search, layer)
+        if strength is not None and tile.effort.adapts_restoration:
+            strength = tile.restorer.adapted(search, layer, strength, state.lmbda)
+        return state.with_texture(layer, strength)
+
+
+def requantise_seeds_under_texture(state: TileState, step: int | None = None) -> TileState:
+    """The tile with seeds that allow for the texture over them, in as many rounds as its effort has. step: index of
+    texture's lowest step, None for that of λ.
+    """
+    tile, correction = state.tile, None
+    if not (tile.effort.rounds and tile.has_rdoq and tile.spec.texture):
+        return state
+    tile.watch.stage("texture")
+    step = tile.tuning.step(state.lmbda) if step is None else step
+    for _ in range(tile.effort.rounds):
+        began = time.monotonic()
+        state, search = begin_texture(state)
+        restored = search if correction is None else search.excluding(correction)
+        layer = best_layer(state, restored, step)
+        if layer is None or tile.watch.ending():
+            break
+        shown = restored.exact(layer).draw(device=tile.device)
+        if strength := best_strength(state, search, layer):
+            correction = tile.restorer.correction(search, layer, strength)
+            shown += correction
+        state = with_seeds_for(state, tile.unit - shown)
+        if 2 * time.monotonic() - began > tile.time.search_end:
+            break
+    return state
+
+
+def with_seeds_for(state: TileState, left: NDArray[np.float32]) -> TileState:
+    """The tile with its seeds' symbols searched once more for what is left to them [C, H, W]: the picture less all that
+    is shown over them.
+    """
+    tile, price = state.tile, DEARER * state.lmbda
+    search = Rdoq(state.header, state.model, left, price, SETTINGS, tile.device, tile.reference)
+    return replace(state, model=search.once(price))

@@ -1,0 +1,164 @@
+"""Gradient ascent of a texture layer on two scores: what the layer should show moves, then it is searched anew.
+
+The search weighs squared errors by frequency and place alone. The gradient of a score at what is decoded says which of
+the errors that are left are seen. SSIMULACRA 2 looks at structure; Butteraugli looks at differences, the largest most
+of all, and holds back what the other would overdo in places. A target that has moved up the gradient makes the same
+search trade errors better: squared error to it is a quadratic model of the scores, renewed in each pass. The model
+holds near by only, so that amplitudes move by a small part of their steps at a time. Between roots, steps are traded
+by the same gradient ([score_contrast.py](score_contrast.py)).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec.device import Device
+from sgicodec.encoder.tile.restoration import Strength, drawn_over
+from sgicodec.encoder.tile.score_contrast import better_contrasts
+from sgicodec.metrics.butteraugli import ButteraugliReference
+from sgicodec.metrics.visual_score import VisualReference
+from sgicodec.model.luma_space import from_luma_space
+from sgicodec.model.texture_symbols import TextureSymbols
+from sgicodec.rdoq.texture import TextureSearch
+
+__all__ = ["Ascended", "Contrast", "ScoreAscent"]
+
+F32 = NDArray[np.float32]
+
+Contrast = NDArray[np.int8] | None
+Found = Callable[[TextureSymbols | None, float | None, Contrast], TextureSymbols | None]
+
+BUTTERAUGLI = 60.0
+"""Points of SSIMULACRA 2 for which the logarithm of Butteraugli's 3-norm falls by one."""
+MEAN_MOVE = 0.0125
+"""Of amplitudes in all passes, in steps, times the root of their number."""
+MAX_MOVE = 12.0
+"""Of one amplitude, in means."""
+FINER_STEPS = 40.0
+"""Points that steps so fine as to take e times the bits would gain."""
+SHORTER = 0.5
+"""What moves are to the ones before, where those gained less than finer steps would for their bits."""
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """What both scores say of a picture. score: SSIMULACRA 2; points: of both; gradient [C, H, W]: of these."""
+
+    score: float
+    points: float
+    gradient: F32
+
+
+class _Scores:
+    """Both scores of pictures [C, H, W] next to one original, as samples in 0..1."""
+
+    def __init__(self, original: F32, device: Device) -> None:
+        self._structure, self._differences = VisualReference(original, device), ButteraugliReference(original, device)
+
+    def of(self, decoded: F32) -> _Seen:
+        """Of one picture."""
+        score, gradient = self._structure.gradient(decoded)
+        distance, _, farther = self._differences.gradient(decoded)
+        if distance == 0:  # it has a side of a few pixels
+            return _Seen(score, score, gradient)
+        return _Seen(
+            score,
+            score - BUTTERAUGLI * math.log(distance),
+            gradient - np.float32(BUTTERAUGLI / distance) * farther,
+        )
+
+
+@dataclass
+class _Pace:
+    """How far amplitudes move in a pass: less once moves gain no more than their bits. mean: in steps."""
+
+    mean: float
+    _last: tuple[int, float] | None = None
+
+    def after(self, step: int, bits: float, points: float) -> float:
+        """The mean of the moves that follow a layer of this step."""
+        gained = points - FINER_STEPS * math.log(max(bits, 1.0))
+        if self._last is not None and self._last[0] == step and gained < self._last[1]:
+            self.mean *= SHORTER
+        self._last = step, gained
+        return self.mean
+
+
+class Ascended(NamedTuple):
+    """What an ascent ends with. symbols: the last layer that was found; score: its SSIMULACRA 2 if it has one;
+    contrast: with which the next is to be found.
+    """
+
+    symbols: TextureSymbols | None
+    score: float | None
+    contrast: Contrast
+
+
+@dataclass(frozen=True)
+class ScoreAscent:
+    """The ascent for layers of one picture. unit [C, H, W]: what they are to show, in luma space where `luma_space`;
+    empty [H, W]: pixels that count nothing, None for none; strength: with which what is drawn is restored, None for not
+    at all.
+    """
+
+    unit: F32
+    luma_space: bool
+    empty: NDArray[np.bool_] | None
+    device: Device
+    strength: Strength | None = None
+
+    def run(
+        self,
+        search: TextureSearch,
+        found: Found,
+        usual: Contrast,
+        passes: int,
+        ending: Callable[[], bool] = lambda: False,
+    ) -> Ascended:
+        """Moves the target of `search` in this many passes, or until `ending`. `found` gives its best layer of the
+        cells of the layer before or, with None, of any, with these contrasts; it is told SSIMULACRA 2 of the layer
+        before, too. usual [rows, columns]: contrasts of the first layer, None where roots have none.
+        """
+        scores, pace = _Scores(self._seen(self.unit), self.device), _Pace(MEAN_MOVE / passes**0.5)
+        symbols, score, contrast = None, None, usual
+        for _ in range(passes):
+            if ending() or (symbols := found(symbols, score, contrast)) is None:
+                break
+            drawn = self._drawn(search, symbols)
+            seen = scores.of(self._seen(drawn))
+            score, gradient = seen.score, self._in_unit(seen.gradient)
+            if self.empty is not None:
+                gradient[:, self.empty] = 0
+            mean = pace.after(symbols.steps.step, search.bits, seen.points)
+            search.move(gradient, symbols.steps, contrast, mean, MAX_MOVE * mean)
+            if contrast is not None and usual is not None:
+                gain = (gradient * (self.unit - drawn)).sum(axis=0)
+                contrast = better_contrasts(contrast, usual, gain, symbols)
+        return Ascended(symbols, score, contrast)
+
+    def _drawn(self, search: TextureSearch, symbols: TextureSymbols) -> F32:
+        """What a layer shows over the seeds of `search`, restored."""
+        drawn = drawn_over(search, self.unit, symbols, self.device)
+        if self.strength is not None:
+            drawn += self.strength.over(symbols).correction(drawn, self.device)
+        if self.empty is not None:
+            drawn[:, self.empty] = self.unit[:, self.empty]
+        return drawn
+
+    def _seen(self, planes: F32) -> F32:
+        """Samples as they are seen."""
+        if not self.luma_space:
+            return planes
+        return np.tensordot(from_luma_space(len(planes)).astype(np.float32), planes, axes=1)
+
+    def _in_unit(self, gradient: F32) -> F32:
+        """A gradient in samples as they are seen, in those of `unit`."""
+        if not self.luma_space:
+            return gradient
+        return np.tensordot(from_luma_space(len(gradient)).T.astype(np.float32), gradient, axes=1)

@@ -1,0 +1,202 @@
+"""The stages of a tile, in their order: from pixels to a model, which `writing` makes a stream of.
+
+prepare      samples, the base layer, and what it leaves to seeds and texture
+share        a short fit says where texture is cheaper than seeds
+fit          seeds by gradient descent; in its course some are handed over to texture
+rdoq         symbols of least error plus λ times bits, and pruning
+requantise   towards least squared error: seeds once more, for what texture leaves
+texture      cosines for what seeds leave, and restoration of what both show
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from sgicodec.bitstream.header import Header
+from sgicodec.bitstream.parts.prior import load_prior
+from sgicodec.bitstream.parts.tile import TileModel
+from sgicodec.encoder.tile.handover import HANDOVER, LOOK_AHEAD, Handover
+from sgicodec.encoder.tile.least_squares import LeastSquares, requantise_seeds_under_texture
+from sgicodec.encoder.tile.perceptual import Perceptual
+from sgicodec.encoder.tile.sharing import TextureCosts, seed_weights
+from sgicodec.encoder.tile.state import Prepared, Tile, TileState
+from sgicodec.encoder.tile.texture import TextureStrategy
+from sgicodec.fit.base_layer import base_layer
+from sgicodec.fit.trainer import Fitted, Trainer
+from sgicodec.metrics.distortion import QuadraticReference, Reference, mean_weight
+from sgicodec.model.layout import ROOT_LOG, SeedLayout, adaptive_layout, cell_sums, uniform_layout
+from sgicodec.rate_control.lambda_controller import LambdaController
+from sgicodec.rate_control.rd_model import RdModel
+from sgicodec.rdoq import Rdoq
+
+__all__ = [
+    "STRATEGIES",
+    "encode",
+    "fit",
+    "fit_seeds",
+    "in_integers",
+    "prepare",
+    "rd_model",
+    "rdoq",
+    "rdoq_search",
+    "share",
+    "texture",
+    "with_model",
+]
+
+STRATEGIES: dict[str, TextureStrategy] = {"psnr": LeastSquares(), "visual": Perceptual()}
+"""By what an encode is tuned for."""
+
+_MIN_TAUGHT_SEEDS = 64
+"""Seeds from which on a fit may change the shipped context model; the change takes 20 to 250 bytes."""
+
+
+def encode(tile: Tile) -> TileState:
+    """The tile through all stages, at a constant λ."""
+    state = fit_seeds(tile, tile.fit.lmbda)
+    state = requantise_seeds_under_texture(state)
+    return texture(state)
+
+
+def fit_seeds(tile: Tile, lmbda: float, min_passes: int = 0) -> TileState:
+    """The tile through the stages before texture, for an encode at λ. min_passes: as in `rdoq`."""
+    prepared = prepare(tile, lmbda)
+    prepared = share(prepared)
+    state = fit(prepared)
+    return rdoq(state, min_passes)
+
+
+def prepare(tile: Tile, lmbda: float) -> Prepared:
+    """The tile for an encode at λ, its base layer taken off."""
+    seed_price = tile.effort.seed_price if tile.spec.texture else 1.0
+    fit = replace(tile.fit, lmbda=lmbda * seed_price)
+    base_step, base, target = base_layer(tile.spec, tile.unit, fit.lmbda, tile.reference.weights)
+    costs = TextureCosts(target, lmbda, tile.device)
+    return Prepared(tile, lmbda, fit, base_step, base, target, costs, tile.reference)
+
+
+def share(prepared: Prepared) -> Prepared:
+    """Lets seeds count less where texture follows for fewer bits, as a short fit says."""
+    tile = prepared.tile
+    tile.watch.stage("prepare")
+    if not (tile.spec.texture and tile.effort.scout and tile.time.can_scout):
+        return prepared
+    weights, exact = tile.reference.weights, tile.effort.handover
+    part = seed_weights(tile.spec, prepared.fit, prepared.costs, tile.header.family, exact)
+    if part is None:
+        return prepared
+    return replace(prepared, seed_reference=QuadraticReference(part if weights is None else part * weights))
+
+
+def fit(prepared: Prepared, controller: LambdaController | None = None, search_share: float = 1.0) -> TileState:
+    """Fits seeds, led by `controller` if there is one. Of a time limit it leaves about `search_share` times what a
+    search takes.
+    """
+    tile = prepared.tile
+    trainer = Trainer(
+        tile.spec,
+        prepared.fit,
+        prepared.target,
+        _first_layout(prepared),
+        tile.header.family,
+        load_prior(tile.spec) if tile.spec.context.prior else None,
+        controller=controller,
+        seconds=tile.time.of_fit(search_share, tile.has_rdoq),
+        device=tile.device,
+        weights=prepared.seed_reference.weights,
+    )
+    tile.watch.fitted_by = trainer.device_name
+    tile.watch.stage("fit")
+    reference = _run(trainer, prepared)
+    return in_integers(replace(prepared, seed_reference=reference), trainer.result())
+
+
+def _first_layout(prepared: Prepared) -> SeedLayout:
+    """Where the seeds of a fit begin."""
+    fit, (_, height, width) = prepared.fit, prepared.target.shape
+    if prepared.tile.spec.layout == "uniform":
+        count = fit.seeds or max(1, round(width * height / 400))
+        return uniform_layout(width, height, count, np.random.default_rng(fit.seed))
+    return adaptive_layout(prepared.target, fit.split_price * fit.lmbda, weights=prepared.seed_reference.weights)
+
+
+def _run(trainer: Trainer, prepared: Prepared) -> Reference:
+    """All phases of a fit, in the course of which seeds hand over to texture; what those that stay minimise."""
+    tile, reference, ahead = prepared.tile, prepared.seed_reference, None
+    hands_over = tile.spec.texture and tile.effort.handover
+    for progress in trainer.iterate():
+        if not tile.watch.step(progress):
+            break
+        done = trainer.schedule.done if hands_over else 0.0
+        if done >= LOOK_AHEAD and ahead is None and tile.time.can_scout:
+            ahead = Handover(trainer, prepared.costs).offsets_ahead()
+        if done >= HANDOVER:
+            hands_over = False
+            if ahead is not None:
+                Handover(trainer, prepared.costs, ahead).run()
+                if trainer.weights is not None:
+                    reference = QuadraticReference(trainer.weights)
+    return reference
+
+
+def in_integers(prepared: Prepared, fitted: Fitted) -> TileState:
+    """A fit in integers. What few seeds teach the context model is noise, and costs more than they do."""
+    header = prepared.tile.header
+    keeps_prior = header.spec.context.prior and len(fitted.layout) < _MIN_TAUGHT_SEEDS
+    model = TileModel(
+        fitted.layout,
+        fitted.plan,
+        prepared.base_step,
+        prepared.base,
+        {name: np.rint(w * 2.0**fitted.decoder_shift).astype(np.int64) for name, w in fitted.decoders.items()},
+        fitted.decoder_shift,
+        load_prior(header.spec) if keeps_prior else fitted.networks,
+        fitted.hash_bits,
+        fitted.attributes,
+    )
+    return with_model(prepared, replace(header, quality=fitted.quality), model, fitted.lmbda)
+
+
+def with_model(prepared: Prepared, header: Header, model: TileModel, seed_lmbda: float) -> TileState:
+    """The tile with a model, whose seeds are made for λ = `seed_lmbda`."""
+    return TileState(**vars(prepared), header=header, model=model, seed_lmbda=seed_lmbda)
+
+
+def rdoq(state: TileState, min_passes: int = 0) -> TileState:
+    """The tile with the best symbols that RDOQ finds for the λ of its seeds, in at least so many passes."""
+    tile, until = state.tile, state.tile.time.search_end
+    if not tile.has_rdoq:
+        return state
+    search = rdoq_search(state)
+    if search.settings.passes == 1 and not tile.watch.ending():
+        return replace(state, model=search.once(state.seed_lmbda))
+    passes = max(search.settings.passes, min_passes)
+    found = search.at(state.seed_lmbda, passes, until, lambda: search.passes >= min_passes and tile.watch.ending())
+    return replace(state, model=found.model)
+
+
+def rdoq_search(state: TileState) -> Rdoq:
+    """What goes through the symbols of the tile's seeds, pass by pass."""
+    tile = state.tile
+    tile.watch.stage("search")
+    known = state.header, state.model, tile.unit, state.seed_lmbda
+    return Rdoq(*known, tile.effort.rdoq, tile.device, state.seed_reference)
+
+
+def texture(state: TileState) -> TileState:
+    """The tile with texture over what its seeds leave, restored."""
+    tile = state.tile
+    if not tile.spec.texture:
+        return state
+    tile.watch.stage("texture")
+    return STRATEGIES[tile.settings.tuned_for].lay(state)
+
+
+def rd_model(prepared: Prepared) -> RdModel:
+    """What predicts the outcome of fits."""
+    target = prepared.target
+    weight = mean_weight(prepared.tile.reference, target)
+    sums = cell_sums(target, ROOT_LOG)
+    return RdModel(sums, len(target), target[0].size, prepared.fit.split_price, weight)

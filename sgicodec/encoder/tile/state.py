@@ -1,0 +1,182 @@
+"""A tile and its state on the way to a stream. Each stage makes the next state; none changes one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec.bitstream.header import Header
+from sgicodec.bitstream.parts.tile import TileModel
+from sgicodec.device import Device
+from sgicodec.encoder.effort import Effort
+from sgicodec.encoder.input.nodata import Bare
+from sgicodec.encoder.plan import Plan
+from sgicodec.encoder.settings import EncodeSettings
+from sgicodec.encoder.tile.restoration import Restorer, Strength
+from sgicodec.encoder.tile.sharing import TextureCosts
+from sgicodec.encoder.tile.texture_contrast import TextureContrasts
+from sgicodec.encoder.tile.texture_tuning import TUNINGS, TextureTuning
+from sgicodec.encoder.tile.time_limit import TimeLimit
+from sgicodec.metrics.distortion import Reference
+from sgicodec.model.spec import ModelSpec
+from sgicodec.model.texture_symbols import TextureSymbols
+from sgicodec.picture import Picture
+from sgicodec.profiles.fit_settings import FitSettings
+from sgicodec.rdoq import can_optimise
+
+if TYPE_CHECKING:
+    from sgicodec.fit.trainer import Progress
+
+__all__ = ["Prepared", "Tile", "TileListener", "TileState", "Watch"]
+
+F32 = NDArray[np.float32]
+I64 = NDArray[np.int64]
+
+
+class TileListener(Protocol):
+    """Who is told of the work on a tile, and may end it."""
+
+    def stage(self, name: str) -> None:
+        """A stage begins."""
+
+    def step(self, progress: Progress) -> bool:
+        """A step of a fit is done. Returns whether to go on."""
+
+    def ending(self) -> bool:
+        """Whether to end soon, with what is there. Asked after a fit."""
+
+
+@dataclass
+class Watch:
+    """Tells a listener, and remembers. steps: of the last fit; is_short: whether it was to have more; was_ended:
+    whether the listener ended it; fitted_by: the name of what made it, a GPU or the processor, empty before a fit.
+    """
+
+    listener: TileListener
+    steps: int = 0
+    is_short: bool = False
+    was_ended: bool = False
+    fitted_by: str = ""
+
+    def stage(self, name: str) -> None:
+        """As in `TileListener`."""
+        self.listener.stage(name)
+
+    def step(self, progress: Progress) -> bool:
+        """As in `TileListener`."""
+        self.steps, self.is_short = progress.step, progress.step < progress.steps
+        self.was_ended = not self.listener.step(progress)
+        return not self.was_ended
+
+    def ending(self) -> bool:
+        """As in `TileListener`."""
+        return self.was_ended or self.listener.ending()
+
+
+@dataclass(frozen=True)
+class Tile:
+    """A tile and what is asked for: what stays through all stages. A picture in one tile is one."""
+
+    picture: Picture
+    """Its pixels, its overlap with the tiles beside it included."""
+    plan: Plan
+    """That of the stream."""
+    number: int
+    """Which of the stream's tiles it is."""
+    header: Header
+    """What it would have as a picture of its own."""
+    settings: EncodeSettings
+    """Those of the stream, or its share of them."""
+    fit: FitSettings
+    """How it is fitted, at the λ of the encode."""
+    effort: Effort
+    """How much is done to it."""
+    unit: F32
+    """[C, H, W]: samples as the model is to show them, in 0..1."""
+    empty: NDArray[np.bool_] | None
+    """[H, W]: pixels that need not be coded, None for none."""
+    bare: Bare
+    """Samples that no model shows."""
+    reference: Reference
+    """`unit` as the distortion sees it."""
+    contrasts: TextureContrasts
+    """Of texture, for any steps."""
+    time: TimeLimit
+    watch: Watch
+    device: Device
+
+    @property
+    def spec(self) -> ModelSpec:
+        """What kind of model it has."""
+        return self.header.spec
+
+    @property
+    def is_only(self) -> bool:
+        """Whether the stream has no other tile."""
+        return not self.plan.header.tile
+
+    @property
+    def holds_nothing(self) -> bool:
+        """Whether no pixel needs to be coded."""
+        return self.empty is not None and bool(self.empty.all())
+
+    @property
+    def has_rdoq(self) -> bool:
+        """Whether RDOQ follows the fit."""
+        return self.settings.rdoq and can_optimise(self.spec)
+
+    @property
+    def tuning(self) -> TextureTuning:
+        """How steps of texture follow from λ."""
+        return TUNINGS[self.settings.tuned_for]
+
+    @cached_property
+    def restorer(self) -> Restorer:
+        """What finds how to restore the tile."""
+        return Restorer(self.unit, self.empty, self.tuning.network, self.device)
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A tile before its fit."""
+
+    tile: Tile
+    lmbda: float
+    """λ of the encode: squared error that a bit must save."""
+    fit: FitSettings
+    """The tile's, at the λ of its seeds."""
+    base_step: int
+    """Index of the base layer's step."""
+    base: I64
+    """[C, rows, columns]: the base layer, in steps."""
+    target: F32
+    """[C, H, W]: `unit` less the base layer, which is what seeds and texture are to show."""
+    costs: TextureCosts
+    """Of texture over parts of the target."""
+    seed_reference: Reference
+    """What seeds minimise: the tile's distortion, less of it where texture follows for fewer bits."""
+
+
+@dataclass(frozen=True)
+class TileState(Prepared):
+    """A tile from its fit on."""
+
+    header: Header
+    """The tile's, with the base colour step of the fit."""
+    model: TileModel
+    """What a stream will hold: seeds, and texture and restoration once they are found."""
+    seed_lmbda: float
+    """λ that the seeds are made for."""
+    contrast: NDArray[np.int8] | None = None
+    """[rows, columns]: of texture, None where roots have none."""
+    strength: Strength | None = None
+    """For the eye: of restoration, which is set before texture is searched."""
+
+    def with_texture(self, texture: TextureSymbols | None, strength: Strength | None) -> TileState:
+        """The tile with this layer, restored with this strength; None for none."""
+        restoration = None if texture is None or strength is None else strength.over(texture)
+        return replace(self, model=replace(self.model, texture=texture, restoration=restoration))

@@ -1,0 +1,138 @@
+"""The checkpoint of a long encode: an SQLite file of finished tiles and of what was decided on them."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import zlib
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any, TypeVar
+
+from sgicodec.bitstream.header import encode_header
+from sgicodec.encoder.plan import Plan
+from sgicodec.encoder.tiles.interfaces import Version
+from sgicodec.encoder.tiles.tasks import EncodedTile
+from sgicodec.errors import OutputExistsError, StreamError, UsageError
+from sgicodec.image.lock import locked
+
+__all__ = ["Checkpoint", "fingerprint"]
+
+Value = TypeVar("Value", bytes, float)
+
+_TABLES = """
+PRAGMA locking_mode = EXCLUSIVE;
+PRAGMA synchronous = EXTRA;
+BEGIN EXCLUSIVE;
+CREATE TABLE IF NOT EXISTS encode (fingerprint BLOB);
+CREATE TABLE IF NOT EXISTS tiles (tile INTEGER, pass INTEGER, facts TEXT, payload BLOB, crc INTEGER,
+    PRIMARY KEY (tile, pass));
+CREATE TABLE IF NOT EXISTS cached (name TEXT PRIMARY KEY, value);
+COMMIT;
+"""
+"""A statement is on the disk when it returns, and a second encode cannot open the file."""
+
+
+def fingerprint(plan: Plan, picture: bytes) -> bytes:
+    """32 bytes that change with the settings, this program's version, or the digest of the picture. Of a time limit
+    only whether there is one counts: the next run may have more time, or less.
+    """
+    limited = plan.settings.time_limit is not None
+    software = plan.software.rpartition(b" ")[0] if limited else plan.software
+    settings = replace(plan.settings, time_limit=1.0 if limited else None)
+    blobs = asdict(plan.metadata) if plan.metadata else {}
+    return hashlib.sha256(encode_header(plan.header) + software + repr((settings, blobs)).encode() + picture).digest()
+
+
+class Checkpoint:
+    """A `Store` in the file at `path`: gone after a success, there to resume from after an exception or a kill.
+
+    resume: whether to go on with a file that is there; force: whether to start over instead. tiles: those that are
+    finished, without their payloads. is_open: whether the encode came as far as to open it.
+    """
+
+    def __init__(self, path: str | Path, resume: bool = False, force: bool = False) -> None:
+        if not isinstance(path, str | Path):
+            raise UsageError(f"a {type(path).__name__} is no path")
+        self.path, self._resume, self._force = Path(path), resume, force
+        self.tiles: dict[Version, EncodedTile] = {}
+        self._values: dict[str, bytes | float] = {}
+        self.is_open = False
+
+    @contextmanager
+    def opened(self, fingerprint: Callable[[], bytes]) -> Iterator[Checkpoint]:
+        """As in `Store`. Raises OutputExistsError for a file that is not to be resumed, OutputLockedError for that of a
+        running encode, UsageError for that of another encode or a damaged one, StreamError where it cannot be written.
+        """
+        with locked(self.path):
+            yield from self._opened(fingerprint)
+
+    def _opened(self, fingerprint: Callable[[], bytes]) -> Iterator[Checkpoint]:
+        import sqlite3
+
+        if self.path.exists() and not self._resume:
+            if not self._force:
+                text = "holds an encode that was interrupted; --resume goes on, -f starts over"
+                raise OutputExistsError(f"{self.path} {text}")
+            self._remove()
+        try:
+            with closing(sqlite3.connect(self.path, timeout=0, isolation_level=None)) as self._database:
+                self._load(fingerprint())
+                self.is_open = True
+                yield self
+        except sqlite3.OperationalError as error:
+            raise StreamError(f"{self.path}: {error}") from error
+        except sqlite3.DatabaseError as error:
+            raise UsageError(f"{self.path}: this is no sound checkpoint ({error}); -f starts over") from error
+        self._remove()
+
+    def add(self, version: Version, tile: EncodedTile) -> None:
+        """Writes a finished tile and waits until it is on the disk."""
+        facts = json.dumps({name: value for name, value in asdict(tile).items() if name != "payload"})
+        row = (*version, facts, tile.payload, _crc(facts, tile.payload))
+        self._database.execute("INSERT OR REPLACE INTO tiles VALUES (?, ?, ?, ?, ?)", row)
+        self.tiles[version] = replace(tile, payload=b"")
+
+    def payload(self, version: Version) -> bytes:
+        """As in `Store`."""
+        query = "SELECT facts, payload, crc FROM tiles WHERE tile = ? AND pass = ?"
+        facts, payload, crc = self._database.execute(query, version).fetchone()
+        if _crc(facts, payload) != crc:
+            raise StreamError(f"{self.path}: tile {version.tile} changed on the disk; run again with --resume")
+        return bytes(payload)
+
+    def cached(self, name: str, make: Callable[[], Value]) -> Value:
+        """As in `Store`."""
+        if name not in self._values:
+            value = make()
+            self._database.execute("INSERT INTO cached VALUES (?, ?)", (name, value))
+            self._values[name] = value
+        return self._values[name]  # type: ignore[return-value]
+
+    def _load(self, mark: bytes) -> None:
+        self._database.executescript(_TABLES)
+        found = self._database.execute("SELECT fingerprint FROM encode").fetchone()
+        if found is None:
+            self._database.execute("INSERT INTO encode VALUES (?)", (mark,))
+        elif found[0] != mark:
+            raise UsageError(f"{self.path}: the source, the settings or the program changed since; -f starts over")
+        self._values = dict(self._database.execute("SELECT name, value FROM cached"))
+        self.tiles = dict(self._rows())
+
+    def _rows(self) -> Iterator[tuple[Version, EncodedTile]]:
+        """The finished tiles, but for those that the disk changed."""
+        for tile, number, facts, payload, crc in self._database.execute("SELECT * FROM tiles ORDER BY rowid"):
+            if _crc(facts, payload) == crc:
+                known: dict[str, Any] = json.loads(facts)
+                yield Version(tile, number), EncodedTile(b"", **known)
+
+    def _remove(self) -> None:
+        """With what SQLite left beside it when it was killed."""
+        self.path.unlink(missing_ok=True)
+        self.path.with_name(f"{self.path.name}-journal").unlink(missing_ok=True)
+
+
+def _crc(facts: str, payload: bytes) -> int:
+    return zlib.crc32(facts.encode() + payload)

@@ -1,0 +1,219 @@
+"""What is done to one tile of a stream of several: it is looked at, fitted, or searched again."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, NamedTuple
+
+from sgicodec.bitstream.header import Header
+from sgicodec.bitstream.parts.tile import read_tile
+from sgicodec.bitstream.parts.tile_chunk import decode_tile_chunk
+from sgicodec.device import Device
+from sgicodec.encoder.plan import Plan
+from sgicodec.encoder.tile.inputs import tile_of
+from sgicodec.encoder.tile.stages import encode, prepare, rd_model, texture, with_model
+from sgicodec.encoder.tile.state import Tile, TileListener, TileState
+from sgicodec.encoder.tile.target import write_at_target
+from sgicodec.encoder.tile.writing import WrittenTile, decoded, network_weights, write, write_nothing
+from sgicodec.executors.threads import stopping
+from sgicodec.metrics.distortion import squared_error
+from sgicodec.picture import Picture
+from sgicodec.rate_control.side_information import EMPTY_STREAM_BYTES, tile_side_bytes
+from sgicodec.rate_control.tile_rd_model import LMBDA_GRID, RdTable
+from sgicodec.rdoq import Rdoq
+from sgicodec.rdoq.adaptation import with_coarser_steps
+from sgicodec.rdoq.objective import with_values
+
+if TYPE_CHECKING:
+    from sgicodec.fit.trainer import Progress
+
+__all__ = ["EncodedTile", "FitTask", "LookaheadTask", "SearchTask", "Start"]
+
+
+@dataclass(frozen=True)
+class EncodedTile:
+    """A finished tile. Without what is measured (NaN) where it is the only one of its stream."""
+
+    payload: bytes
+    """Of its chunk."""
+    part_bytes: dict[str, float]
+    """What each part of it costs."""
+    seeds: int
+    squared_error: float
+    """Of what is decoded, in the tile's core, samples in 0..1."""
+    distortion: float
+    """What λ trades for bytes, of the same."""
+    samples: int
+    """How many samples the core has, 0 where they are not measured."""
+    seconds: float
+    """That it took."""
+    length: int
+    """Bytes of the payload, which may not be here."""
+    lmbda: float
+    """Its λ."""
+    decoding: float = 0.0
+    """Seconds that it took to decode it."""
+    steps: int = 0
+    """Of its fit."""
+    fitted_by: str = ""
+    """The name of what made the fit, empty without one."""
+    header: Header | None = None
+    """The stream's, where its only tile changes it."""
+    ended_early: bool = False
+    """Whether the caller ended its fit or search."""
+    missed: str | None = None
+    """How the only tile misses the target."""
+
+
+class Start(NamedTuple):
+    """Where a search begins: the payload of a tile's chunk and the λ that it was made for. seconds: that the tile
+    may take, instead of a number of steps.
+    """
+
+    payload: bytes = b""
+    lmbda: float = 0.0
+    seconds: float | None = None
+
+    def later(self, seconds: float) -> Start:
+        """The same after `seconds` have passed."""
+        return self if self.seconds is None else self._replace(seconds=max(1e-3, self.seconds - seconds))
+
+
+@dataclass(frozen=True)
+class LookaheadTask:
+    """Predicts bytes and error of a tile, without a fit."""
+
+    plan: Plan
+
+    def __call__(self, number: int, window: Picture, start: Start, device: Device) -> RdTable:
+        """A tile without valid pixels has neither bytes nor error."""
+        tile = tile_of(window, self.plan, device, number)
+        if tile.holds_nothing:
+            return RdTable((0.0,) * len(LMBDA_GRID), (0.0,) * len(LMBDA_GRID))
+        _, _, width, height = self.plan.header.grid.core(number)
+        samples = width * height * tile.spec.channels
+        model, side = rd_model(prepare(tile, tile.fit.lmbda)), tile_side_bytes(network_weights(tile.spec))
+        found = [model.predict(lmbda) for lmbda in LMBDA_GRID]
+        sizes = tuple(max(size - EMPTY_STREAM_BYTES, 0.0) + side for size, _ in found)
+        return RdTable(sizes, tuple(samples * error for _, error in found))
+
+
+@dataclass(frozen=True)
+class FitTask:
+    """Fits a tile at the plan's λ, or the only one towards the plan's target. listener: who is told, in this process;
+    without one, the work ends where nobody waits for it any more. started: when the encode of the only tile began, a
+    value of time.monotonic().
+    """
+
+    plan: Plan
+    listener: TileListener | None = None
+    started: float | None = None
+
+    def __call__(self, number: int, window: Picture, start: Start, device: Device) -> EncodedTile:
+        """Fits the pixels that the tile covers, apron included."""
+        began, seconds = time.monotonic(), start.seconds
+        if self.started is not None:
+            began, seconds = self.started, self.plan.settings.time_limit
+        listener = self.listener or _Waiting()
+        listener.stage("prepare")
+        tile = tile_of(window, self.plan, device, number, listener=listener, started=began, seconds=seconds)
+        written, missed = _fitted(tile)
+        watch = tile.watch
+        return replace(
+            _finished(tile, written, began),
+            steps=watch.steps,
+            ended_early=watch.is_short or watch.ending(),
+            fitted_by=watch.fitted_by,
+            missed=missed,
+        )
+
+
+def _fitted(tile: Tile) -> tuple[WrittenTile, str | None]:
+    """A tile after all stages, and how it misses what was asked for, if it does."""
+    if tile.holds_nothing:
+        return write_nothing(tile), None
+    target = tile.settings.rate_target(tile.picture.width * tile.picture.height)
+    return (write(encode(tile)), None) if target is None else write_at_target(tile, target)
+
+
+class _Waiting:
+    """A `TileListener` of a worker, whose work ends where nobody waits for it any more."""
+
+    def stage(self, name: str) -> None:
+        """Nobody asks."""
+
+    def step(self, progress: Progress) -> bool:
+        """As in `TileListener`."""
+        return not stopping()
+
+    def ending(self) -> bool:
+        """As in `TileListener`."""
+        return stopping()
+
+
+@dataclass(frozen=True)
+class SearchTask:
+    """Searches the texture of a finished tile again, or without texture its symbols, for the plan's λ."""
+
+    plan: Plan
+
+    def __call__(self, number: int, window: Picture, start: Start, device: Device) -> EncodedTile:
+        """A model that cannot be searched has its steps moved as λ asks for."""
+        began, tile = time.monotonic(), tile_of(window, self.plan, device, number)
+        payload = decode_tile_chunk(self.plan.header, start.payload).model
+        if payload is None:
+            return _finished(tile, write_nothing(tile), began)
+        model, _ = read_tile(tile.header, payload, device)
+        model = with_values(tile.spec, model, model.decoded_values)
+        prepared = prepare(tile, tile.fit.lmbda)
+        state = with_model(prepared, tile.header, model, start.lmbda)
+        return _finished(tile, write(_searched(state)), began)
+
+
+def _searched(state: TileState) -> TileState:
+    """The tile with texture, or without any with symbols, for its λ instead of that of its seeds."""
+    tile, model, lmbda = state.tile, state.model, state.lmbda
+    if tile.spec.texture:
+        return texture(state)
+    if not tile.has_rdoq:
+        octaves = 0.5 * math.log2(lmbda / state.seed_lmbda)
+        return replace(state, model=replace(model, networks=with_coarser_steps(model.networks, octaves)))
+    settings = tile.effort.rdoq
+    settings = replace(settings, coarser=0.0, passes=max(_MIN_PASSES, settings.passes // _PASSES_SHARE))
+    rdoq = Rdoq(tile.header, model, tile.unit, state.seed_lmbda, settings, tile.device, tile.reference)
+    for _ in range(settings.passes):
+        model = rdoq.descend(lmbda).model
+    return replace(state, model=model)
+
+
+_MIN_PASSES, _PASSES_SHARE = 2, 3
+"""Passes of a search after a search: at least, and of those after a fit."""
+
+
+def _finished(tile: Tile, written: WrittenTile, began: float) -> EncodedTile:
+    """The tile's payload. One of several is measured on its own: where it fades into its neighbours, they make the
+    error smaller.
+    """
+    size, lmbda = len(written.chunk), tile.fit.lmbda
+    known = written.chunk, written.part_bytes, written.seeds
+    if tile.is_only:
+        seconds = time.monotonic() - began
+        return EncodedTile(*known, math.nan, math.nan, 0, seconds, size, written.lmbda, header=written.header)
+    coded = time.monotonic()
+    shown = decoded(written, tile)
+    decoding = time.monotonic() - coded
+    core, weights = _core(tile), tile.reference.weights
+    ours, theirs = (replace(picture, pixels=picture.pixels[core]) for picture in (tile.picture, shown))
+    error = squared_error(ours, theirs)
+    distortion = error if weights is None else squared_error(ours, theirs, weights[core])
+    seconds = time.monotonic() - began
+    return EncodedTile(*known, error, distortion, ours.pixels.size, seconds, size, lmbda, decoding)
+
+
+def _core(tile: Tile) -> tuple[slice, slice]:
+    """Rows and columns of a tile's pixels that are in no other core."""
+    grid, number = tile.plan.header.grid, tile.number
+    (left, top, _, _), (x, y, width, height) = grid.rect(number), grid.core(number)
+    return slice(y - top, y - top + height), slice(x - left, x - left + width)

@@ -1,0 +1,54 @@
+"""The table of efforts: as docs/architecture.md shows it, and how it follows steps that no effort has."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import fields
+from pathlib import Path
+
+import pytest
+
+from sgicodec.encoder.effort import UNSCOUTED_PRICE, Effort, effort_of
+from sgicodec.encoder.settings import EncodeSettings, Tune
+from sgicodec.profiles.default import default_settings
+from sgicodec.rdoq.settings import RdoqSettings
+
+TEXT = (Path(__file__).parents[3] / "docs" / "architecture.md").read_text("utf-8")
+TABLES = {"visual": "### For the eye", "psnr": "### Towards least squared error"}
+
+
+def shown(value: object) -> str:
+    """A field as the page shows it."""
+    if isinstance(value, bool):
+        return "yes" if value else "–"
+    return str(value.passes if isinstance(value, RdoqSettings) else value)
+
+
+@pytest.mark.parametrize("tune", TABLES)
+def test_the_page_has_the_table(tune: Tune) -> None:
+    part = TEXT.split(TABLES[tune], 1)[1].split("\n#", 1)[0]
+    rows = {label: cells.split("|") for label, cells in re.findall(r"^\| `(\w+)` \| (.*) \|$", part, re.MULTILINE)}
+    efforts = [effort_of(EncodeSettings(effort=effort, tune=tune).fit_settings(), tune) for effort in range(1, 10)]
+    assert rows.keys() == {field.name for field in fields(Effort)}
+    for name, cells in rows.items():
+        expected = [round(value, 2) if isinstance(value := getattr(one, name), float) else value for one in efforts]
+        assert [cell.strip() for cell in cells] == [shown(value) for value in expected], name
+
+
+@pytest.mark.parametrize("tune", TABLES)
+def test_more_steps_never_do_less(tune: Tune) -> None:
+    found = [effort_of(default_settings(1.0, steps), tune) for steps in (1, 50, 350, 400, 500, 1000, 9000)]
+    for name in ("handover", "rounds", "adapts_restoration", "ascent_passes"):
+        values = [getattr(one, name) for one in found]
+        assert values == sorted(values)
+    assert [one.rdoq.passes for one in found] == [2, 2, 2, 2, 2, 4, 32]
+    assert [one.seed_price for one in found] == sorted((one.seed_price for one in found), reverse=True)
+    assert found[-1].seed_price >= 1
+
+
+def test_short_fits_beneath_texture_leave_out_what_gains_little() -> None:
+    low, plain = (effort_of(default_settings(1.0, 120, hurried=hurried), "visual") for hurried in (True, False))
+    assert (low.scout, plain.scout) == (False, True)
+    assert low.seed_price == UNSCOUTED_PRICE > plain.seed_price
+    assert (low.rdoq.passes, plain.rdoq.passes) == (1, 2)
+    assert low.split_margin < plain.split_margin

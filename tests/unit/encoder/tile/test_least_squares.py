@@ -1,0 +1,85 @@
+"""Seeds that are searched again beside texture: fewer bytes at the same error, and seeds for the eye stay."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from sgicodec import EncodeSettings, Picture, read
+from sgicodec.encoder.effort import effort_of
+from sgicodec.encoder.plan import Shape, stream_plan
+from sgicodec.encoder.settings import Tune
+from sgicodec.encoder.tile.inputs import tile_of
+from sgicodec.encoder.tile.least_squares import requantise_seeds_under_texture, with_seeds_for
+from sgicodec.encoder.tile.stages import fit_seeds, texture
+from sgicodec.encoder.tile.state import TileState, Watch
+from sgicodec.encoder.tile.writing import decoded, write
+from sgicodec.metrics.distortion import squared_error
+
+PHOTO = Path(__file__).parents[3] / "data" / "kodim23.png"
+STEPS = 350
+
+
+@cache
+def searched(tune: Tune, quality: float = 54) -> TileState:
+    """256×192 pixels of a parrot, after fit and RDOQ."""
+    photo = read(PHOTO)
+    picture: Picture = replace(photo, pixels=np.ascontiguousarray(photo.pixels[100:292, 200:456]))
+    settings = EncodeSettings(quality=quality, steps=STEPS, tune=tune, metadata=False)
+    tile = tile_of(picture, stream_plan(Shape.of(picture), settings))
+    return fit_seeds(tile, tile.fit.lmbda)
+
+
+def cost(state: TileState) -> tuple[int, float]:
+    """Bytes and squared error of these seeds with texture."""
+    written = write(texture(state))
+    return len(written.chunk), squared_error(state.tile.picture, decoded(written, state.tile))
+
+
+def requantised(state: TileState, rounds: int) -> TileState:
+    tile = replace(state.tile, effort=replace(state.tile.effort, rounds=rounds))
+    return requantise_seeds_under_texture(replace(state, tile=tile))
+
+
+def test_the_same_error_takes_fewer_bytes() -> None:
+    """By the slope that two qualities have."""
+    state = searched("psnr")
+    size, error = cost(state)
+    less, more = cost(searched("psnr", 48))
+    octaves = math.log(size / less) / math.log(more / error)
+    for rounds in (1, 3):
+        found, left = cost(requantised(state, rounds))
+        assert math.log(found / size) < octaves * math.log(error / left) - 0.005
+
+
+def test_seeds_for_the_eye_stay() -> None:
+    for effort in range(1, 10):
+        settings = EncodeSettings(effort=effort, tune="visual")
+        assert effort_of(settings.fit_settings(), "visual").rounds == 0
+
+
+def test_none_without_a_search_or_texture() -> None:
+    state = searched("psnr")
+    for settings in ({"rdoq": False}, {"texture": False}):
+        asked = replace(state.tile.settings, **settings)
+        tile = tile_of(state.tile.picture, stream_plan(Shape.of(state.tile.picture), asked))
+        assert requantised(replace(state, tile=tile), 3).model is state.model
+
+
+def test_an_encode_that_is_to_end_requantises_no_more() -> None:
+    state = searched("psnr")
+    tile = replace(state.tile, watch=Watch(state.tile.watch.listener, was_ended=True))
+    assert requantised(replace(state, tile=tile), 3).model is state.model
+
+
+def test_steps_of_seeds_stay() -> None:
+    """Only symbols move: as many seeds, where they were, under the same context model."""
+    state = searched("psnr")
+    unit = state.tile.unit
+    found = with_seeds_for(state, unit - unit.mean(axis=(1, 2), keepdims=True)).model
+    assert found.layout is state.model.layout
+    assert found.networks is state.model.networks

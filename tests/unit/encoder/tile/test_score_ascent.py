@@ -1,0 +1,191 @@
+"""Gradient ascent of texture: better scores for the same bits, nowhere else, and never for longer than asked."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from sgicodec import read
+from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
+from sgicodec.bitstream.parts.texture import write_texture
+from sgicodec.device import ONE_THREAD
+from sgicodec.encoder.tile.score_ascent import ScoreAscent, _Pace
+from sgicodec.encoder.tile.texture_contrast import TextureContrasts
+from sgicodec.encoder.tile.texture_tuning import TUNINGS
+from sgicodec.metrics.butteraugli import ButteraugliReference
+from sgicodec.metrics.visual_score import VisualReference
+from sgicodec.model.luma_space import from_luma_space, to_luma_space
+from sgicodec.model.texture_symbols import TextureSymbols
+from sgicodec.rdoq.texture import TextureSearch
+
+DATA = Path(__file__).parents[3] / "data"
+TUNING = TUNINGS["visual"]
+STEP = 405
+
+
+class Case:
+    """384×256 pixels of a photograph, texture over their means."""
+
+    def __init__(self, luma_space: bool = False, empty: np.ndarray | None = None, step: int = STEP) -> None:
+        self.step = step
+        pixels = read(DATA / "kodim13.png").pixels[230:486, 100:484].astype(np.float32) / 255
+        self.seen = np.ascontiguousarray(pixels.transpose(2, 0, 1))
+        into = to_luma_space(3).astype(np.float32) if luma_space else np.eye(3, dtype=np.float32)
+        self.unit = np.ascontiguousarray(np.tensordot(into, self.seen, axes=1))
+        self.base = np.broadcast_to(self.unit.mean(axis=(1, 2), keepdims=True), self.unit.shape)
+        self.back = from_luma_space(3) if luma_space else np.eye(3)
+        self.contrast = TextureContrasts(TUNING, self.seen).at(TUNING.steps(step, 3))
+        self.search = TextureSearch(self.unit - self.base, ONE_THREAD)
+        self.ascent = ScoreAscent(self.unit, luma_space, empty, ONE_THREAD)
+        self.searches = 0
+        self.told: list[float | None] = []
+
+    def found(
+        self,
+        cells: TextureSymbols | None = None,
+        score: float | None = None,
+        contrast: NDArray[np.int8] | None = None,
+    ) -> TextureSymbols:
+        self.searches += 1
+        self.told.append(score)
+        contrast = self.contrast if contrast is None else contrast
+        layer = self.search.at(TUNING.steps(self.step, 3), TUNING.squared_steps, contrast, cells)
+        assert layer is not None
+        return layer
+
+    def ascend(self, passes: int) -> None:
+        self.contrast = self.ascent.run(self.search, self.found, self.contrast, passes).contrast
+
+    def decoded(self) -> NDArray[np.float32]:
+        seen: NDArray[np.float32] = np.tensordot(self.back, self.base + self.found().layer().draw(), axes=1)
+        return seen.astype(np.float32)
+
+    def score(self) -> float:
+        return VisualReference(self.seen, ONE_THREAD).score(self.decoded())
+
+    def distance(self) -> float:
+        return ButteraugliReference(self.seen, ONE_THREAD).distance(self.decoded())[0]
+
+    def bits(self) -> float:
+        writer = SymbolWriter()
+        with writer.part("texture"):
+            write_texture(writer, self.search.size, 3, self.found())
+        return writer.bits["texture"]
+
+
+@pytest.mark.parametrize("luma_space", [False, True])
+@pytest.mark.parametrize(("passes", "finer", "points"), [(1, 2, 0.7), (4, 4, 1.8)])
+def test_a_layer_scores_more_than_one_of_finer_steps(luma_space: bool, passes: int, finer: int, points: float) -> None:
+    case, other = Case(luma_space), Case(luma_space, step=STEP - finer)
+    case.ascend(passes)
+    assert case.bits() < other.bits() < 1.1 * case.bits()
+    assert case.score() > other.score() + points
+    assert case.distance() < 1.01 * other.distance()
+
+
+@pytest.mark.parametrize("luma_space", [False, True])
+def test_more_passes_score_more(luma_space: bool) -> None:
+    case = Case(luma_space)
+    score, distance, bits = case.score(), case.distance(), case.bits()
+    case.ascend(1)
+    once, nearer, after_one = case.score(), case.distance(), case.bits()
+    case.ascend(3)
+    assert score + 2 < once < case.score() - 2
+    assert distance > nearer > case.distance()
+    assert after_one < 1.04 * bits
+
+
+@pytest.mark.parametrize("luma_space", [False, True])
+def test_moves_take_few_bits(luma_space: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Contrasts trade bits as well: they are left as they are here."""
+    case = Case(luma_space)
+    with monkeypatch.context() as patched:
+        patched.setattr("sgicodec.encoder.tile.score_ascent.better_contrasts", lambda contrast, *_: contrast)
+        bits = case.bits()
+        case.ascend(1)
+        assert case.bits() < 1.04 * bits
+        case.ascend(3)
+        assert case.bits() < 1.08 * bits
+    case = Case(luma_space)
+    case.ascend(1)
+    case.ascend(3)
+    assert case.bits() < 1.09 * bits
+
+
+def test_pixels_that_count_nothing_move_nothing() -> None:
+    case = Case(empty=np.ones((256, 384), bool))
+    before = case.found()
+    case.ascend(2)
+    assert np.array_equal(case.found().symbols, before.symbols)
+
+    half = np.zeros((256, 384), bool)
+    half[:, 192:] = True
+    case = Case(empty=half)
+    before = case.found()
+    case.ascend(3)
+    moved = (case.found().symbols != before.symbols).any(axis=0)
+    # models adapt, so that a few symbols change elsewhere too
+    assert moved[:, :192].mean() > 3 * moved[:, 224:].mean()
+
+
+@pytest.mark.parametrize("luma_space", [False, True])
+def test_each_search_is_told_the_score_of_the_layer_before(luma_space: bool) -> None:
+    case = Case(luma_space)
+    first = case.score()
+    case.told.clear()
+    layer, last, _ = case.ascent.run(case.search, case.found, case.contrast, 2)
+    assert case.told[0] is None
+    assert case.told[1] == pytest.approx(first, abs=0.05)
+    assert layer is not None
+    drawn = np.tensordot(case.back, case.base + layer.layer().draw(), axes=1).astype(np.float32)
+    assert last == pytest.approx(VisualReference(case.seen, ONE_THREAD).score(drawn), abs=0.05)
+
+
+def test_pixels_that_count_nothing_are_as_they_should_be_to_the_score() -> None:
+    case = Case(empty=np.ones((256, 384), bool))
+    assert case.ascent.run(case.search, case.found, case.contrast, 1).score == pytest.approx(100)
+
+
+def test_it_takes_a_search_for_each_pass_until_it_is_to_end() -> None:
+    case = Case()
+    case.ascend(3)
+    assert case.searches == 3
+    case.ascent.run(case.search, case.found, case.contrast, 3, ending=lambda: case.searches == 4)
+    assert case.searches == 4
+
+
+def test_where_nothing_is_worth_its_bits_nothing_moves() -> None:
+    flat = np.full((3, 40, 40), 0.5, np.float32)
+    search = TextureSearch(np.zeros_like(flat), ONE_THREAD)
+    ScoreAscent(flat, False, None, ONE_THREAD).run(search, lambda *_: None, None, 2)
+    assert search.at(TUNING.steps(STEP, 3), TUNING.squared_steps) is None
+
+
+@pytest.mark.parametrize("channels", [1, 2, 4])
+def test_other_channels_than_three(channels: int) -> None:
+    seen = Case().seen
+    unit = np.ascontiguousarray(np.concatenate([seen, seen[:1]])[:channels])
+    search = TextureSearch(unit - 0.5, ONE_THREAD)
+    steps = TUNING.steps(STEP, channels)
+
+    def score() -> float:
+        layer = search.at(steps, TUNING.squared_steps)
+        assert layer is not None
+        return VisualReference(unit, ONE_THREAD).score(0.5 + layer.layer().draw())
+
+    before = score()
+    ascent = ScoreAscent(unit, False, None, ONE_THREAD)
+    ascent.run(search, lambda cells, *_: search.at(steps, TUNING.squared_steps, None, cells), None, 2)
+    assert score() > before + 1
+
+
+def test_moves_that_are_not_worth_their_bits_become_shorter() -> None:
+    pace = _Pace(0.01)
+    assert pace.after(400, 1000, 50) == 0.01
+    assert pace.after(400, 1010, 52) == 0.01  # bits of 0.4 points
+    assert pace.after(400, 1080, 54) == 0.005  # of 2.7
+    assert pace.after(399, 1200, 54) == 0.005  # finer steps say nothing
+    assert pace.after(399, 1210, 54.2) == 0.0025  # bits of 0.3

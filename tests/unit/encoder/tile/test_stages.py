@@ -1,0 +1,58 @@
+"""Stages make the next state and change none: the same again gives the same."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sgicodec import EncodeSettings, Picture, read
+from sgicodec.encoder.plan import Shape, stream_plan
+from sgicodec.encoder.settings import Tune
+from sgicodec.encoder.tile.inputs import tile_of
+from sgicodec.encoder.tile.least_squares import requantise_seeds_under_texture
+from sgicodec.encoder.tile.stages import encode, fit, fit_seeds, prepare, rdoq, share, texture
+from sgicodec.encoder.tile.state import Tile
+from sgicodec.encoder.tile.texture import begin_texture
+from sgicodec.encoder.tile.writing import write
+
+PHOTO = Path(__file__).parents[3] / "data" / "kodim13.png"
+
+
+def tile_for(tune: Tune) -> Tile:
+    """96×80 pixels, with all that an effort may do."""
+    photo = read(PHOTO)
+    picture: Picture = replace(photo, pixels=np.ascontiguousarray(photo.pixels[300:380, 80:176]))
+    tile = tile_of(picture, stream_plan(Shape.of(picture), EncodeSettings(steps=60, tune=tune, metadata=False)))
+    rounds, passes = (1, 0) if tune == "psnr" else (0, 2)
+    more = {"handover": True, "rounds": rounds, "ascent_passes": passes, "adapts_restoration": rounds > 0}
+    return replace(tile, effort=replace(tile.effort, **more))
+
+
+@pytest.mark.parametrize("tune", ["psnr", "visual"])
+def test_the_same_again(tune: Tune) -> None:
+    tile = tile_for(tune)
+    prepared = share(prepare(tile, tile.fit.lmbda))
+    fitted = fit(prepared)
+    searched = rdoq(fitted)
+    seeds = requantise_seeds_under_texture(searched)
+    shown = texture(seeds)
+    assert (seeds is searched) == (tune == "visual")
+    assert shown.model.texture is not None
+    expected = write(shown).chunk
+    assert write(texture(seeds)).chunk == expected
+    assert write(texture(requantise_seeds_under_texture(searched))).chunk == expected
+    assert write(texture(requantise_seeds_under_texture(rdoq(fitted)))).chunk == expected
+    assert write(encode(tile)).chunk == expected
+
+
+def test_what_a_search_learns_stays_with_it() -> None:
+    """An ascent moves what its own search looks for, and the contrasts of the state that it returns."""
+    tile = tile_for("visual")
+    state, _ = begin_texture(fit_seeds(tile, tile.fit.lmbda))
+    assert state.contrast is not None
+    before = state.contrast.copy()
+    texture(state)
+    np.testing.assert_array_equal(state.contrast, before)

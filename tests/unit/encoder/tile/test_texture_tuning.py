@@ -1,0 +1,79 @@
+"""What texture is quantised for: steps follow λ, and contrasts the picture near a root alone."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sgicodec import EncodeSettings, Picture, encode_picture, read
+from sgicodec.decoder.stream import open_stream
+from sgicodec.encoder.plan import Shape, stream_plan
+from sgicodec.encoder.tile.texture_tuning import TUNINGS, TextureTuning
+from sgicodec.metrics.perceptual import ssimulacra2
+from sgicodec.model.texture_symbols import STEP_COUNT
+from sgicodec.picture import to_rgb8
+
+PHOTO = Path(__file__).parents[3] / "data" / "kodim13.png"
+
+
+@pytest.fixture(scope="module")
+def crop() -> Picture:
+    """A sky over rocks, 192×160."""
+    whole = read(PHOTO)
+    return replace(whole, pixels=np.ascontiguousarray(whole.pixels[20:180, 100:292]))
+
+
+@pytest.mark.parametrize("tuning", TUNINGS.values(), ids=TUNINGS)
+def test_what_rounding_takes_from_steps_the_price_gives_back(tuning: TextureTuning) -> None:
+    lmbdas = np.geomspace(1e-4, 0.1, 97)
+    prices = [
+        tuning.price(lmbda) * (tuning.steps(tuning.step(lmbda), 3).of_channels[0] * 2 ** (tuning.finer / 32)) ** 2
+        for lmbda in lmbdas
+    ]
+    np.testing.assert_allclose(prices / lmbdas, prices[0] / lmbdas[0], rtol=1e-5)
+    indices = [tuning.step(lmbda) for lmbda in lmbdas]
+    assert indices == sorted(indices)
+
+
+@pytest.mark.parametrize("channels", [1, 2, 3, 4, 7])
+@pytest.mark.parametrize("step", [-5, 0, 300, STEP_COUNT + 9])
+def test_steps_fit_their_fields(channels: int, step: int) -> None:
+    for tuning in TUNINGS.values():
+        steps = tuning.steps(step, channels)
+        assert len(steps.ratios) == channels - 1
+        assert 0 <= steps.step < STEP_COUNT
+        assert all(0 <= slope < 32 for slope in steps.slopes)
+
+
+def test_squared_error_has_equal_steps() -> None:
+    assert TUNINGS["psnr"].steps(300, 3).slopes == (0, 0)
+
+
+def test_a_score_is_met(crop: Picture, monkeypatch: pytest.MonkeyPatch) -> None:
+    with monkeypatch.context() as without:
+        without.setitem(sys.modules, "ssimulacra2", None)  # the package is the ruler, and not needed
+        data = encode_picture(crop, EncodeSettings(ssimulacra2=55, steps=60)).data
+    with open_stream(data) as stream:
+        assert ssimulacra2(to_rgb8(crop), to_rgb8(stream.picture())) == pytest.approx(55, abs=1)
+
+
+def test_tuned_for_the_eye_the_score_is_better_at_equal_bytes(crop: Picture) -> None:
+    scores = {}
+    for tune in ("psnr", "visual"):
+        data = encode_picture(crop, EncodeSettings(bpp=0.8, steps=120, tune=tune)).data  # type: ignore[arg-type]
+        with open_stream(data) as stream:
+            scores[tune] = ssimulacra2(to_rgb8(crop), to_rgb8(stream.picture()))
+    assert scores["visual"] > scores["psnr"] + 5
+
+
+def test_a_tile_that_is_too_large_has_none() -> None:
+    small = Picture(np.zeros((32, 32, 3), np.uint8), "rgb", (0.0, 255.0))
+    shape = replace(Shape.of(small), width=8192, height=8192)
+    settings = EncodeSettings(tile=0)
+    assert stream_plan(Shape.of(small), settings).header.spec.texture
+    assert not stream_plan(shape, settings).header.spec.texture
+    assert stream_plan(shape, replace(settings, tile=1024)).header.spec.texture
