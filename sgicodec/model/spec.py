@@ -34,7 +34,6 @@ class ContextSpec:
     `steps` lists the groups that each evaluation of MLP_p predicts; later steps see what earlier ones decoded.
     `neighbours` is how many seeds of earlier passes a seed sees (0 codes all seeds in one pass). The hash grid has one
     entry of `hash_features` signs per vertex of every resolution in `hash_resolutions`, at most 2^`hash_log2_entries`.
-    Nothing reads `coarse_first`: passes go from large cells to small ones.
     """
 
     prior: int
@@ -44,7 +43,6 @@ class ContextSpec:
     hash_resolutions: tuple[int, ...] = ()
     hash_features: int = 4
     hash_log2_entries: int = 13
-    coarse_first: bool = field(default=False, compare=False)
 
 
 @dataclass(frozen=True)
@@ -55,8 +53,7 @@ class ModelSpec:
     are colours in an opponent space and the next 3K are shapes. `hidden` is the width of MLP_c and MLP_Σ; 0 leaves
     only the skip. `seed_scales` says whether s_o and s_a are carried. `base_cell` is the side in pixels of the base
     layer's cells, 0 for none. `texture` says whether tiles may hold a texture layer, `luma_space` whether samples are
-    those of luma space, `restoration` whether tiles may name a network that restores what is drawn. Nothing reads
-    `predicted_seeds`: those of the adaptive layout are.
+    those of luma space, `restoration` whether tiles may name a network that restores what is drawn.
     """
 
     channels: int
@@ -69,7 +66,6 @@ class ModelSpec:
     seed_scales: bool
     base_cell: int
     context: ContextSpec = field(repr=False)
-    predicted_seeds: bool = field(default=False, compare=False)
     texture: bool = False
     luma_space: bool = False
     restoration: bool = False

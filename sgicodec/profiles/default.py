@@ -46,8 +46,7 @@ def default_spec(channels: int, per_seed: int = 1, prior: int = 3, hidden: int =
         skip=True,
         seed_scales=False,
         base_cell=64,
-        context=ContextSpec(prior=prior, steps=steps, hidden=64, neighbours=6, coarse_first=prior != 1),
-        predicted_seeds=prior != 1,
+        context=ContextSpec(prior=prior, steps=steps, hidden=64, neighbours=6),
         texture=texture,
     )
 
