@@ -78,22 +78,22 @@ def test_parts_under_the_names_of_a_profile() -> None:
     assert (shown["x_a"], shown["MLPs"], shown["container"]) == (3.0, 3.0, 5.0)
 
 
-def lengths(levels: int, steps: int) -> list[tuple[int, int, str, bool]]:
-    return [(p.level, p.steps, p.rounding, p.rate) for p in paper_settings(0.001, levels, steps).phases]
+def lengths(levels: int, steps: int, lmbda: float = 0.001) -> list[tuple[int, int, str, bool]]:
+    return [(p.level, p.steps, p.rounding, p.rate) for p in paper_settings(lmbda, levels, steps).phases]
 
 
 def test_the_published_schedule() -> None:
-    """Noise from steps 300, 3,600 and 9,600 on, or 1,500 for M = 1; the rate counts in the last 3,000."""
+    """Noise from steps 300, 3,600 and 9,600 on, or 1,500 for M = 1, as published; the rate counts in the last 6,000."""
     assert lengths(3, 15_000) == [
         (2, 300, "none", False),
         (2, 2700, "noise", False),
         (1, 600, "none", False),
         (1, 5400, "noise", False),
         (0, 600, "none", False),
-        (0, 2400, "noise", False),
-        (0, 3000, "noise", True),
+        (0, 5400, "noise", True),
     ]
-    assert [count for _, count, _, _ in lengths(1, 15_000)] == [1500, 10_500, 3000]
+    assert [count for _, count, _, _ in lengths(1, 15_000)] == [1500, 7500, 6000]
+    assert not any(rounding == "noise" for _, _, rounding, _ in lengths(3, 15_000, lmbda=0.0))
 
 
 def test_a_short_fit_keeps_a_start_without_noise() -> None:
