@@ -52,7 +52,7 @@ struct FeatureState : FeatureModel {
   const float *first, *rest;               // W1 of MLP_p; b1, W2, b2
   const float *bias;                       // b1 with what W1 makes of cell size and quality, the same for all seeds
   const float *steps;                      // [d_A] Q
-  const int32_t *entry;                    // [N, resolutions, 4] of H's signs, where each entry has kHashFeatures
+  const int32_t *entry;                    // [N, resolutions, 4] of H's signs, where each entry has entry_features
   const float *weight;                     // [N, resolutions, 4], which sum to 1
   const float *signs;                      // ±1
   int resolutions, entry_features;

@@ -16,7 +16,6 @@ struct Memory {
   float *up_colours, *up_shapes, *hidden_slopes;  // their gradients
   float *hash, *context_hidden, *said, *up_said;  // of MLP_p
   float *context_slopes, *hash_slopes;
-  float *end;
 
   Memory(const FeatureModel &m, float *at, float *as_drawn) : drawn(as_drawn) {
     const auto take = [&](int rows) {
