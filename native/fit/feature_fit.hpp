@@ -62,7 +62,7 @@ class FeatureFit {
   const float *theta_ = nullptr;
   std::vector<int64_t> table_starts_;  // of each resolution's signs, and their end
   std::vector<int32_t> half_pixels_, entry_;
-  std::vector<float> weight_, signs_, steps_, bias_, decoded_, bits_, hash_slopes_, partials_;
+  std::vector<float> weight_, signs_, steps_, bias_, kept_, bits_, hash_slopes_, partials_;
 };
 
 }  // namespace sgi

@@ -37,6 +37,10 @@ struct FeatureModel {
   SGI_INLINE int first_size() const { return context_hidden * context_inputs(); }
   // Sums over seeds: of the decoders' weights and, where bits count, of `rest` and `first`.
   SGI_INLINE int sums(bool priced) const { return decoders_size() + (priced ? rest_size() + first_size() : 0); }
+  // Rows of a batch that its way back needs of its way forward.
+  SGI_INLINE int kept_rows() const {
+    return attributes() + 2 * hidden + shapes() + hash_features + context_hidden + context_outputs();
+  }
   // Which refinement an attribute's step follows.
   SGI_INLINE int group_of(int attribute) const {
     return attribute < first_scale() ? 0 : attribute < first_offset() ? 1 : 2;
@@ -61,7 +65,7 @@ struct FeatureState : FeatureModel {
   bool priced;           // MLP_p runs and bits count
   uint32_t key, mirror;  // of the noise
   float share;           // of the seeds whose bits count
-  float *decoded;        // [batch][d_A][kPitch]
+  float *kept;           // [batch][kept_rows][kPitch]
   float *bits;           // [N]
   float *hash_slopes;    // [N, hash_features]
 };
@@ -72,16 +76,15 @@ struct FeatureGradients {
   float *feature, *scales, *offset;            // out
 };
 
-// Floats of memory that a run needs: rows of a batch.
+// Floats of memory that a run needs: rows of a batch that are not kept.
 SGI_INLINE int64_t scratch_floats(const FeatureModel &m) {
-  const int decoding = 3 * m.hidden + 2 * (m.colours() + m.shapes());
-  const int coding = 2 * (m.hash_features + m.context_hidden + m.context_outputs());
-  return int64_t(2 * m.attributes() + decoding + coding) * kPitch;
+  const int coding = m.context_outputs() + m.context_hidden + m.hash_features;
+  return int64_t(2 * m.attributes() + 2 * m.colours() + m.shapes() + m.hidden + coding) * kPitch;
 }
 
 // Runs are [begin, end) seeds; begin is a multiple of kBatchSeeds. `memory` holds scratch_floats(s).
 struct FeatureKernel {
-  // Draws, writes Gaussians and `decoded`, returns bits.
+  // Draws, writes Gaussians and what is kept, returns bits.
   double (*forward)(const FeatureState &s, int64_t begin, int64_t end, const SeedGaussians &out, float *memory);
   // Gradients of the values; those of what all seeds share are added to sums[s.sums(s.priced)].
   void (*backward)(const FeatureState &s, int64_t begin, int64_t end, const FeatureGradients &g, float *sums,

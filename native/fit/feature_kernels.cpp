@@ -9,26 +9,27 @@
 namespace sgi {
 namespace {
 
-// Rows that a batch of seeds needs, in the memory of a run.
+// Rows of a batch of seeds: those that outlive the way forward, and in the memory of a run those that do not.
 struct Memory {
-  float *values, *drawn, *slopes;                 // attributes: exact, as drawn (kept), gradients of either
-  float *hidden[2], *colours, *shapes;            // of MLP_c and MLP_Sigma
-  float *up_colours, *up_shapes, *hidden_slopes;  // their gradients
-  float *hash, *context_hidden, *said, *up_said;  // of MLP_p
-  float *context_slopes, *hash_slopes;
+  float *drawn, *hidden[2], *shapes;    // attributes as drawn; of MLP_c and MLP_Sigma, and what the latter says
+  float *hash, *context_hidden, *said;  // of MLP_p
+  float *values, *slopes, *colours;     // attributes: exact, gradients of either; what MLP_c says
+  float *up_colours, *up_shapes, *hidden_slopes;  // gradients
+  float *up_said, *context_slopes, *hash_slopes;
 
-  Memory(const FeatureModel &m, float *at, float *as_drawn) : drawn(as_drawn) {
+  Memory(const FeatureState &s, int64_t first, float *scratch) {
+    float *at = s.kept + first / kBatchSeeds * s.kept_rows() * kPitch;
     const auto take = [&](int rows) {
       float *from = at;
       at += int64_t(rows) * kPitch;
       return from;
     };
-    values = take(m.attributes()), slopes = take(m.attributes());
-    hidden[0] = take(m.hidden), hidden[1] = take(m.hidden), hidden_slopes = take(m.hidden);
-    colours = take(m.colours()), shapes = take(m.shapes());
-    up_colours = take(m.colours()), up_shapes = take(m.shapes());
-    hash = take(m.hash_features), context_hidden = take(m.context_hidden), said = take(m.context_outputs());
-    up_said = take(m.context_outputs()), context_slopes = take(m.context_hidden), hash_slopes = take(m.hash_features);
+    drawn = take(s.attributes()), hidden[0] = take(s.hidden), hidden[1] = take(s.hidden), shapes = take(s.shapes());
+    hash = take(s.hash_features), context_hidden = take(s.context_hidden), said = take(s.context_outputs());
+    at = scratch;
+    values = take(s.attributes()), slopes = take(s.attributes()), colours = take(s.colours());
+    up_colours = take(s.colours()), up_shapes = take(s.shapes()), hidden_slopes = take(s.hidden);
+    up_said = take(s.context_outputs()), context_slopes = take(s.context_hidden), hash_slopes = take(s.hash_features);
   }
 };
 
@@ -243,14 +244,10 @@ inline void descend_scales(const FeatureState &s, const Memory &m) {
     }
 }
 
-inline float *kept(const FeatureState &s, int64_t first) {
-  return s.decoded + first / kBatchSeeds * s.attributes() * kPitch;
-}
-
 double forward(const FeatureState &s, int64_t begin, int64_t end, const SeedGaussians &out, float *memory) {
   double total = 0;
   for (int64_t first = begin; first < end; first += kBatchSeeds) {
-    const Memory m(s, memory, kept(s, first));
+    const Memory m(s, first, memory);
     vf bits[kVectors];
     read_values(s, first, m.values);
     draw(s, first, m, bits);
@@ -266,9 +263,8 @@ void backward(const FeatureState &s, int64_t begin, int64_t end, const FeatureGr
               float *memory) {
   float *shape_sums = sums + s.decoder_size(s.colours());
   for (int64_t first = begin; first < end; first += kBatchSeeds) {
-    const Memory m(s, memory, kept(s, first));
+    const Memory m(s, first, memory);
     read_values(s, first, m.values);
-    decode(s, m);
     read_slopes(s, first, g, m);
     fill(nullptr, s.features, m.slopes);
     const Decoders decoders(s);
@@ -277,7 +273,6 @@ void backward(const FeatureState &s, int64_t begin, int64_t end, const FeatureGr
     descend(decoders.shapes, m.drawn, m.hidden[1], m.up_shapes, m.hidden_slopes,
             decoder_sums(s, shape_sums, s.shapes()), m.slopes);
     if (s.priced) {
-      predict(s, first, m);
       price(s, first, g.price, m);
       fill(nullptr, s.hash_features, m.hash_slopes);
       descend(context_of(s), m.hash, m.context_hidden, m.up_said, m.context_slopes,

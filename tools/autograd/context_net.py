@@ -12,7 +12,7 @@ from sgicodec.fit.context_weights import WEIGHT_SHIFT, ContextWeights, layer_sha
 from sgicodec.model.context import INPUT_BITS, HashGrid, hash_inputs, output_count
 from sgicodec.model.network import DIFFERENCE_SHIFT, INPUT_LIMIT
 
-__all__ = ["ContextNet", "binarize"]
+__all__ = ["ContextNet", "binarize", "bits_by_mean"]
 
 
 class _Sign(torch.autograd.Function):
@@ -34,7 +34,7 @@ def binarize(theta: Tensor) -> Tensor:
     return cast(Tensor, _Sign.apply(theta))  # type: ignore[no-untyped-call]
 
 
-def _bits_by_mean(sizes: Tensor) -> Tensor:
+def bits_by_mean(sizes: Tensor) -> Tensor:
     """Bits of integers of these magnitudes under the Laplacian of their mean, which is taken as given."""
     mean = sizes.detach().mean() + 0.05
     return (sizes / (mean * math.log(2.0))).sum() + sizes.numel() * torch.log2(1.0 + 2.0 * mean)
@@ -67,7 +67,7 @@ class ContextNet:
         if self.difference is None:
             return total
         for part in torch.split(self.difference.abs() * 2.0**DIFFERENCE_SHIFT, self._counts):
-            total = total + _bits_by_mean(part)
+            total = total + bits_by_mean(part)
         return total
 
     def weight_bits(self) -> Tensor:
@@ -77,7 +77,7 @@ class ContextNet:
             return total
         for w1, _, w2, _ in self.layers:
             for matrix in (w1, w2):
-                total = total + _bits_by_mean(matrix.abs() * 2.0**WEIGHT_SHIFT)
+                total = total + bits_by_mean(matrix.abs() * 2.0**WEIGHT_SHIFT)
         return total
 
     def product(self, stage: int, inputs: Tensor, start: int = 0) -> Tensor:

@@ -15,12 +15,13 @@ from sgicodec.fit.noise import NoiseKey, hashed_noise
 from sgicodec.fit.parameters import Parameters, StepResult
 from sgicodec.fit.pyramid import Level
 from sgicodec.fit.seed_set import coded_values
+from sgicodec.fit.weight_bits import with_weight_noise
 from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.fit_settings import FitSettings, Rounding
 from sgicodec.raster.backend import Backend
-from tools.autograd.context_net import ContextNet
+from tools.autograd.context_net import ContextNet, bits_by_mean
 from tools.autograd.quantization_proxy import QuantizationProxy, Sample
 from tools.autograd.raster_op import error
 
@@ -66,7 +67,9 @@ class AutogradStep:
             sample = self.proxy.noisy(values, leaves["steps"], level.scale, key)
         else:
             sample = self.proxy.sample(values, net, leaves["steps"], rounding, key)
-        decoders = {name: leaves[f"decoder_{name}"] for name in parameters.seeds.decoders}
+        exact = {name: leaves[f"decoder_{name}"] for name in parameters.seeds.decoders}
+        priced = rounding == "noise" and lmbda > 0 and bool(exact)
+        decoders = self._with_noise(exact, parameters.seeds.decoder_shift, key) if priced else exact
         gaussians = gaussians_from_seeds(
             self.spec,
             sample.attributes,
@@ -76,7 +79,11 @@ class AutogradStep:
             self._opponent,
             torch,
         )
-        loss, squared = self._loss(gaussians, level, sample, net, lmbda, key)
+        side = net.hash_bits() + net.difference_bits() + net.weight_bits()
+        if priced:
+            unit = 2.0**parameters.seeds.decoder_shift
+            side = side + sum(bits_by_mean(weights.abs() * unit) for weights in exact.values() if weights.ndim == 2)
+        loss, squared = self._loss(gaussians, level, sample, side, lmbda, key)
         loss.backward()  # type: ignore[no-untyped-call]
         self._seed_bits = sample.bits.detach().numpy()
         gradients = {name: leaf.grad.contiguous().numpy() for name, leaf in leaves.items() if leaf.grad is not None}
@@ -87,19 +94,27 @@ class AutogradStep:
         gaussians: tuple[Tensor, Tensor, Tensor],
         level: Level,
         sample: Sample,
-        net: ContextNet,
+        side: Tensor,
         lmbda: float,
         key: NoiseKey,
     ) -> tuple[Tensor, float]:
-        """The loss, and the squared error without weights."""
+        """The loss, and the squared error without weights. side: bits of what all seeds share."""
         target, kind = torch.from_numpy(level.samples), self.settings.loss
         weight = 1.0 / target.numel() if kind == "absolute" else 1.0
         loss, squared = error(gaussians, target, self.raster, kind, weight, level.weights)
         price = lmbda / (len(sample.bits) * self.spec.attributes) if kind == "absolute" else lmbda
         if lmbda:
-            bits = self._sampled_bits(sample, key) + net.hash_bits() + net.difference_bits() + net.weight_bits()
-            loss = loss + price * bits
+            loss = loss + price * (self._sampled_bits(sample, key) + side)
         return loss, squared
+
+    def _with_noise(self, decoders: dict[str, Tensor], shift: int, key: NoiseKey) -> dict[str, Tensor]:
+        flat = np.zeros(sum(weights.numel() for weights in decoders.values()), np.float32)
+        noise = torch.from_numpy(with_weight_noise(flat, shift, key, self.spec.attributes + 1))
+        parts = torch.split(noise, [weights.numel() for weights in decoders.values()])
+        return {
+            name: decoders[name] + part.reshape(decoders[name].shape)
+            for name, part in zip(decoders, parts, strict=True)
+        }
 
     def _sampled_bits(self, sample: Sample, key: NoiseKey) -> Tensor:
         count = len(sample.bits)
