@@ -22,15 +22,19 @@ from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.errors import SgiError
 from sgicodec.errors import require as need
 from sgicodec.fit.adam import Adam, Moments
+from sgicodec.fit.device_feature_step import DeviceFeatureStep
 from sgicodec.fit.device_fit import DeviceFit
+from sgicodec.fit.feature_step import FeatureStep
 from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.parameters import Parameters
 from sgicodec.fit.trainer import Trainer
 from sgicodec.metrics.distortion import squared_error
-from sgicodec.model.layout import ROOT_LOG, adaptive_layout, cell_sums
+from sgicodec.model.layout import ROOT_LOG, adaptive_layout, cell_sums, uniform_layout
 from sgicodec.picture import Picture
 from sgicodec.profiles.default import default_settings, default_spec, lmbda_of_quality
+from sgicodec.profiles.paper import paper_settings, paper_spec
 from sgicodec.raster.backend import Loss
+from sgicodec.raster.cpu import NativeRasterizer
 from sgicodec.raster.cuda import CudaRasterizer
 from sgicodec.raster.reference import ReferenceRasterizer
 
@@ -38,6 +42,7 @@ __all__ = [
     "NotRunError",
     "Tuning",
     "check_decodes",
+    "check_features",
     "check_gradients",
     "check_rate",
     "check_repeats",
@@ -195,6 +200,36 @@ def check_seeds(device: Device, pixels: np.ndarray) -> str:
     apart = [_apart(a, b) for a, b in pairs]
     require(max(apart) < 1e-4, f"energies and residuals are {apart} from the processor's")
     return f"energies {apart[0]:.1e}, residuals {apart[1]:.1e} from the processor's"
+
+
+def check_features(device: Device, pixels: np.ndarray) -> str:
+    """A step of the paper profile under noise, with a price on bits, beside the processor's from the same values."""
+    spec, target = paper_spec(3, per_seed=3, features=9), _samples(pixels)
+    settings, size = paper_settings(_FEATURE_RATE, 1, 100), (target.shape[2], target.shape[1])
+    layout = uniform_layout(*size, 300, np.random.default_rng(1))
+    trainer = Trainer(spec, settings, target, layout, 0, device=device)
+    for progress in trainer.iterate():
+        if progress.step == 60:
+            break
+    raster, on_gpu = NativeRasterizer(device, cutoff=6.0), trainer.gradient_step
+    require(isinstance(on_gpu, DeviceFeatureStep), "the processor fits")
+    assert isinstance(on_gpu, DeviceFeatureStep)
+    steps = DeviceFeatureStep(spec, settings, on_gpu.gpu, size, 6.0), FeatureStep(spec, settings, raster, size, device)
+    results = []
+    for step in steps:
+        step.set_layout(layout, trainer.quality)
+        results.append(step.run(trainer.parameters, "noise", 60, trainer.levels[0], _FEATURE_RATE))
+    found, expected = results
+    apart = {name: _apart(found.gradients[name], want) for name, want in expected.gradients.items()}
+    near = abs(found.error / expected.error - 1) < 1e-4 and abs(found.bits / expected.bits - 1) < 1e-4
+    require(near and max(apart.values()) < _FEATURE_TOLERANCE, f"gradients are {apart} from the processor's")
+    return f"{max(apart.values()):.1e} from the processor's"
+
+
+_FEATURE_RATE = 0.02
+"""λ of a step of the paper profile in which bits weigh."""
+_FEATURE_TOLERANCE = 5e-3
+"""Of gradients: that of an absolute error jumps where a sample meets its target."""
 
 
 def check_streams(device: Device, pixels: np.ndarray, steps: int, seeds: int, tune: Tuning) -> str:
