@@ -22,14 +22,19 @@ from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.errors import SgiError
 from sgicodec.errors import require as need
 from sgicodec.fit.adam import Adam, Moments
+from sgicodec.fit.device_feature_step import DeviceFeatureStep
 from sgicodec.fit.device_fit import DeviceFit
+from sgicodec.fit.feature_step import FeatureStep
 from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.parameters import Parameters
 from sgicodec.fit.trainer import Trainer
 from sgicodec.metrics.distortion import squared_error
-from sgicodec.model.layout import ROOT_LOG, adaptive_layout, cell_sums
+from sgicodec.model.layout import ROOT_LOG, adaptive_layout, cell_sums, uniform_layout
 from sgicodec.picture import Picture
 from sgicodec.profiles.default import default_settings, default_spec, lmbda_of_quality
+from sgicodec.profiles.paper import paper_settings, paper_spec
+from sgicodec.raster.backend import Loss
+from sgicodec.raster.cpu import NativeRasterizer
 from sgicodec.raster.cuda import CudaRasterizer
 from sgicodec.raster.reference import ReferenceRasterizer
 
@@ -37,6 +42,7 @@ __all__ = [
     "NotRunError",
     "Tuning",
     "check_decodes",
+    "check_features",
     "check_gradients",
     "check_rate",
     "check_repeats",
@@ -64,18 +70,30 @@ J_TOLERANCE = 5e-3
 
 
 def check_gradients(gpu: Gpu) -> str:
-    """Against the float64 reference, relative to their norm."""
-    scene = SMALL.gaussians()
-    target = np.random.default_rng(1).random((3, SMALL.height, SMALL.width), np.float32)
-    raster = CudaRasterizer(gpu, cutoff=6.0)
-    (error, _), found = raster.error(*scene, target)
-    again = raster.backward(*scene, 2 * (raster.forward(*scene, SMALL.width, SMALL.height) - target))
+    """Of both losses against the float64 reference, relative to their norm. No sample lies so near to its target that
+    rounding turns the sign of what it lacks.
+    """
+    scene, rng = SMALL.gaussians(), np.random.default_rng(1)
+    raster, reference = CudaRasterizer(gpu, cutoff=6.0), ReferenceRasterizer()
     means, covariances, colours = (array.astype(np.float64) for array in scene)
-    (value, _), expected = ReferenceRasterizer().error(means, covariances, colours, target.astype(np.float64))
-    pairs = (*zip(found, expected, strict=True), *zip(again, expected, strict=True))
-    apart = max(_apart(a, b) for a, b in pairs)
-    require(abs(error / value - 1) < 1e-5 and apart < 1e-4, "gradients are not those of the reference")
-    return f"{apart:.1e} from the float64 reference"
+    image = reference.forward(means, covariances, colours, SMALL.width, SMALL.height)
+    lacks = rng.uniform(0.1, 1.0, image.shape) * rng.choice((-1.0, 1.0), image.shape)
+    target = (image + lacks).astype(np.float32)
+    apart = {}
+    for loss in _LOSSES:
+        errors, found = raster.error(*scene, target, loss)
+        values, expected = reference.error(means, covariances, colours, target.astype(np.float64), loss)
+        pairs = list(zip(found, expected, strict=True))
+        if loss == "squared":
+            slopes = 2 * (raster.forward(*scene, SMALL.width, SMALL.height) - target)
+            pairs += zip(raster.backward(*scene, slopes), expected, strict=True)
+        near = all(abs(error / value - 1) < 1e-5 for error, value in zip(errors, values, strict=True))
+        apart[loss] = max(_apart(a, b) for a, b in pairs)
+        require(near and apart[loss] < 1e-4, f"gradients of {loss} error are not those of the reference")
+    return f"{max(apart.values()):.1e} from the float64 reference"
+
+
+_LOSSES: tuple[Loss, ...] = ("squared", "absolute")
 
 
 def check_rate(device: Device, pixels: np.ndarray) -> str:
@@ -182,6 +200,36 @@ def check_seeds(device: Device, pixels: np.ndarray) -> str:
     apart = [_apart(a, b) for a, b in pairs]
     require(max(apart) < 1e-4, f"energies and residuals are {apart} from the processor's")
     return f"energies {apart[0]:.1e}, residuals {apart[1]:.1e} from the processor's"
+
+
+def check_features(device: Device, pixels: np.ndarray) -> str:
+    """A step of the paper profile under noise, with a price on bits, beside the processor's from the same values."""
+    spec, target = paper_spec(3, per_seed=3, features=9), _samples(pixels)
+    settings, size = paper_settings(_FEATURE_RATE, 1, 100), (target.shape[2], target.shape[1])
+    layout = uniform_layout(*size, 300, np.random.default_rng(1))
+    trainer = Trainer(spec, settings, target, layout, 0, device=device)
+    for progress in trainer.iterate():
+        if progress.step == 60:
+            break
+    raster, on_gpu = NativeRasterizer(device, cutoff=6.0), trainer.gradient_step
+    require(isinstance(on_gpu, DeviceFeatureStep), "the processor fits")
+    assert isinstance(on_gpu, DeviceFeatureStep)
+    steps = DeviceFeatureStep(spec, settings, on_gpu.gpu, size, 6.0), FeatureStep(spec, settings, raster, size, device)
+    results = []
+    for step in steps:
+        step.set_layout(layout, trainer.quality)
+        results.append(step.run(trainer.parameters, "noise", 60, trainer.levels[0], _FEATURE_RATE))
+    found, expected = results
+    apart = {name: _apart(found.gradients[name], want) for name, want in expected.gradients.items()}
+    near = abs(found.error / expected.error - 1) < 1e-4 and abs(found.bits / expected.bits - 1) < 1e-4
+    require(near and max(apart.values()) < _FEATURE_TOLERANCE, f"gradients are {apart} from the processor's")
+    return f"{max(apart.values()):.1e} from the processor's"
+
+
+_FEATURE_RATE = 0.02
+"""λ of a step of the paper profile in which bits weigh."""
+_FEATURE_TOLERANCE = 5e-3
+"""Of gradients: that of an absolute error jumps where a sample meets its target."""
 
 
 def check_streams(device: Device, pixels: np.ndarray, steps: int, seeds: int, tune: Tuning) -> str:

@@ -20,6 +20,7 @@ from benchmarks._cuda_checks import (
     NotRunError,
     Tuning,
     check_decodes,
+    check_features,
     check_gradients,
     check_rate,
     check_repeats,
@@ -265,6 +266,7 @@ def main(
     whole = read(picture)
     click.echo(f"gradients: {check_gradients(gpu)}")
     click.echo(f"seeds: {check_seeds(device, whole.pixels)}")
+    click.echo(f"paper: {check_features(device, whole.pixels)}")
     click.echo(f"a stream: {check_decodes(device, STREAM.read_bytes())}")
     if kernels_alone:
         return None

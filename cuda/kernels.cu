@@ -1,7 +1,9 @@
 // All kernels, as one module.
 #include "cuda/base/scan.hpp"
 #include "cuda/fit/descent.hpp"
+#include "cuda/fit/features.hpp"
 #include "cuda/fit/forward.hpp"
+#include "cuda/fit/rows.hpp"
 #include "cuda/fit/seeds.hpp"
 #include "cuda/fit/update.hpp"
 #include "cuda/raster/binning.hpp"

@@ -181,10 +181,7 @@ SGI_KERNEL(sum_chunks, 128, FitArguments) {
   const int width = state_of(a).sums();
   block.each([&](int t) {
     const int i = block.index() * 128 + t;
-    if (i >= width) return;
-    double sum = 0;
-    for (int chunk = 0; chunk < a.chunks; ++chunk) sum += a.partials[int64_t(chunk) * width + i];
-    a.sums[i] = float(sum);
+    if (i < width) a.sums[i] = sum_of_chunks(a.partials, a.chunks, width, i);
   });
 }
 

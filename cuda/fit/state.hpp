@@ -51,9 +51,16 @@ inline SeedGradients gradients_of(const FitArguments &a) {
           {a.grad_colour, a.grad_shape, a.grad_offset}};
 }
 
+// Sum i of partials [chunks, width], in the order of chunks.
+inline float sum_of_chunks(const float *partials, int chunks, int width, int i) {
+  double sum = 0;
+  for (int chunk = 0; chunk < chunks; ++chunk) sum += partials[int64_t(chunk) * width + i];
+  return float(sum);
+}
+
 // Calls visit(seed) for the seed of every thread.
-template <int THREADS, class Visit>
-inline void for_each_seed(const ThreadBlock<THREADS> &block, const FitArguments &a, Visit visit) {
+template <int THREADS, class Arguments, class Visit>
+inline void for_each_seed(const ThreadBlock<THREADS> &block, const Arguments &a, Visit visit) {
   block.each([&](int t) {
     const int seed = block.index() * THREADS + t;
     if (seed < a.count) visit(seed);

@@ -152,6 +152,7 @@ void adam_step(Out1 value, In1 gradient, Out1 mean, Out1 square, double beta1, d
 void bind_fit(nb::module_ &m) {
   m.def("adam_step", &adam_step, "value"_a, "gradient"_a, "mean"_a, "square"_a, "beta1"_a, "beta2"_a, "rate"_a,
         "root_correction"_a, "epsilon"_a, "threads"_a, "isa"_a);
+  m.def("sign_slope", &sgi::sign_slope, "positive"_a, "count"_a, "lmbda"_a);
   nb::class_<sgi::SeedFit>(m, "SeedFit")
       .def(
           "__init__",

@@ -14,6 +14,11 @@ constexpr int64_t kMaxRuns = 64;  // each has sums of its own
 
 }  // namespace
 
+float sign_slope(int64_t positive, int64_t count, float lmbda) {
+  const double share = double(positive) / double(count);
+  return share > 1e-6 && share < 1 - 1e-6 ? float(0.5 * lmbda * std::log2((1 - share) / share)) : 0.0f;
+}
+
 FeatureFit::FeatureFit(Isa isa, int threads, const FeatureModel &model, const ContextSpec &context)
     : kernel_(kernel_for<FeatureKernel>(isa)), threads_(threads), context_(context) {
   static_cast<FeatureModel &>(state_) = model;
@@ -130,17 +135,15 @@ void FeatureFit::add_constant_inputs(float *sums) const {
   }
 }
 
-// Of θ: straight through the signs where |θ| <= 1, from what seeds read and from the entropy of each resolution's signs
-// (paper, equation 12).
+// Of θ: straight through the signs where |θ| <= 1, from what seeds read and from the entropy of each resolution's
+// signs.
 void FeatureFit::descend_tables(float lmbda, float *tables) {
   const FeatureState &s = state_;
   parallel_for(s.resolutions, threads_, [&](int64_t r) {
     const int64_t begin = table_starts_[r], end = table_starts_[r + 1];
     int64_t positive = 0;
     for (int64_t i = begin; i < end; ++i) positive += signs_[i] > 0;
-    const double share = double(positive) / double(end - begin);
-    const double slope = share > 1e-6 && share < 1 - 1e-6 ? 0.5 * lmbda * std::log2((1 - share) / share) : 0.0;
-    std::fill(tables + begin, tables + end, float(slope));
+    std::fill(tables + begin, tables + end, sign_slope(positive, end - begin, lmbda));
     for (int64_t i = 0; i < s.count; ++i) {
       const int32_t *entry = s.entry + (i * s.resolutions + r) * 4;
       const float *weight = s.weight + (i * s.resolutions + r) * 4;

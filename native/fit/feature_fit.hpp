@@ -28,6 +28,10 @@ struct FeatureDrawing {
   float scale, share;
 };
 
+// Gradient of λ times the entropy of `count` signs, of which some are positive, straight through each (paper, equation
+// 12).
+float sign_slope(int64_t positive, int64_t count, float lmbda);
+
 class FeatureFit {
  public:
   // `model` without its hash_features, which are those of `context`.

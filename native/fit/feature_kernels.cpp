@@ -1,10 +1,6 @@
 // The step of seeds that hold features, forward and backward.
-#include "base/lanes.hpp"
-#include "fit/feature_kernel.hpp"
-#include "fit/feature_prediction.hpp"
-#include "fit/noise.hpp"
+#include "fit/feature_seeds.hpp"
 #include "fit/seed_matrix.hpp"
-#include "model/rotated_gaussian.hpp"
 
 namespace sgi {
 namespace {
@@ -74,31 +70,29 @@ inline void write_columns(const float *rows, int width, int64_t first, int64_t c
     for (int j = 0; j < width; ++j) values[(first + i) * width + j] = rows[j * kPitch + i];
 }
 
-// Values as they are coded: s_o and s_a themselves, of which the logarithms train.
+// Calls visit(v, at) for every vector of a batch; at(rows) are rows at the columns of its seeds.
+template <class Visit>
+inline void for_each_vector(const Visit &visit) {
+  for (int v = 0; v < kVectors; ++v) visit(v, [v](float *rows) { return SeedRows{rows + v * LANES, kPitch}; });
+}
+
 inline void read_values(const FeatureState &s, int64_t first, float *values) {
   read_columns(s.feature, s.features, first, s.count, values);
   read_columns(s.scales, kSeedScales, first, s.count, values + s.first_scale() * kPitch);
   read_columns(s.offset, 2 * s.per_seed, first, s.count, values + s.first_offset() * kPitch);
-  for (int j = s.first_scale(); j < s.first_offset(); ++j)
-    for (int v = 0; v < kVectors; ++v) {
-      float *at = values + j * kPitch + v * LANES;
-      store(at, exp2v(load(at) * kLog2e));
-    }
+  for_each_vector([&](int, const auto &at) {
+    const SeedRows rows = at(values);
+    for (int j = s.first_scale(); j < s.first_offset(); ++j) rows.set(j, coded_value(s, j, rows.get(j)));
+  });
 }
 
 // What H says of a batch's seeds.
 inline void read_hash(const FeatureState &s, int64_t first, float *rows) {
   for (int i = 0; i < kBatchSeeds; ++i) {
     const int64_t seed = first + i < s.count ? first + i : s.count - 1;
-    for (int r = 0; r < s.resolutions; ++r) {
-      const int32_t *entry = s.entry + (seed * s.resolutions + r) * 4;
-      const float *weight = s.weight + (seed * s.resolutions + r) * 4;
-      for (int f = 0; f < s.entry_features; ++f) {
-        float sum = 0;
-        for (int c = 0; c < 4; ++c) sum += weight[c] * s.signs[int64_t(entry[c]) * s.entry_features + f];
-        rows[(r * s.entry_features + f) * kPitch + i] = sum;
-      }
-    }
+    for (int r = 0; r < s.resolutions; ++r)
+      for (int f = 0; f < s.entry_features; ++f)
+        rows[(r * s.entry_features + f) * kPitch + i] = hash_input(s, seed, r, f);
   }
 }
 
@@ -107,34 +101,12 @@ inline void predict(const FeatureState &s, int64_t first, const Memory &m) {
   evaluate(context_of(s), m.hash, m.context_hidden, m.said);
 }
 
-// What MLP_p says of an attribute of LANES seeds.
-inline FeatureUnit unit_of(const FeatureState &s, const Memory &m, int attribute, int v) {
-  const int at = v * LANES;
-  const float *mean = m.said + attribute * kPitch, *scale = mean + s.attributes() * kPitch;
-  const float *refine = m.said + (2 * s.attributes() + s.group_of(attribute)) * kPitch;
-  return FeatureUnit(s.steps[attribute], load(mean + at), load(scale + at), load(refine + at));
-}
-
 // Attributes as drawn, rows of `drawn`, and their bits.
 inline void draw(const FeatureState &s, int64_t first, const Memory &m, vf *bits) {
-  for (int v = 0; v < kVectors; ++v) bits[v] = vf{};
   if (s.priced) predict(s, first, m);
-  for (int j = 0; j < s.attributes(); ++j)
-    for (int v = 0; v < kVectors; ++v) {
-      const int at = j * kPitch + v * LANES;
-      vf value = load(m.values + at);
-      if (s.rounding == Rounding::kNoise) {
-        const vf spread = noise(s.key, s.mirror, j, first + v * LANES);
-        if (s.priced) {
-          const FeatureUnit unit = unit_of(s, m, j, v);
-          value += unit.step * spread;
-          bits[v] += gaussian_bits(value - unit.mean, unit.step, unit.scale).bits;
-        } else {
-          value += s.steps[j] * spread;
-        }
-      }
-      store(m.drawn + at, value);
-    }
+  for_each_vector([&](int v, const auto &at) {
+    bits[v] = draw_values(s, first + v * LANES, at(m.values), at(m.said), at(m.drawn));
+  });
 }
 
 inline void decode(const FeatureState &s, const Memory &m) {
@@ -143,105 +115,27 @@ inline void decode(const FeatureState &s, const Memory &m) {
   evaluate(decoders.shapes, m.drawn, m.hidden[1], m.shapes);
 }
 
-// A batch's LANES seeds on their way to Gaussians.
-struct Place {
-  Block block;
-  const float *drawn, *shapes;  // rows, at their first seed
-  vf scales[kSeedScales];
-  float scale;
-
-  Place(const FeatureState &s, const Memory &m, int64_t first, int v)
-      : block(first + v * LANES, s.count), drawn(m.drawn + v * LANES), shapes(m.shapes + v * LANES), scale(s.scale) {
-    for (int i = 0; i < kSeedScales; ++i) scales[i] = maxv(load(drawn + (s.first_scale() + i) * kPitch), vf{});
-  }
-  RotatedCovariance<vf> covariance(int k) const {
-    vf shape[3];
-    for (int i = 0; i < 3; ++i) shape[i] = load(shapes + (3 * k + i) * kPitch);
-    return RotatedCovariance<vf>(shape, scale * scales[2], scale * scales[3]);
-  }
-};
-
-inline void write_gaussians(const FeatureState &s, int64_t first, const Memory &m, const SeedGaussians &out) {
-  for (int v = 0; v < kVectors && first + v * LANES < s.count; ++v) {
-    const Place place(s, m, first, v);
-    for (int i = 0; i < s.colours(); ++i)
-      place.block.scatter(load(m.colours + i * kPitch + v * LANES), out.colours, s.colours(), i);
-    for (int k = 0; k < s.per_seed; ++k) {
-      const RotatedCovariance<vf> covariance = place.covariance(k);
-      const int width = 3 * s.per_seed;
-      place.block.scatter(covariance.xx() + float(kMinVariance), out.covariances, width, 3 * k);
-      place.block.scatter(covariance.xy(), out.covariances, width, 3 * k + 1);
-      place.block.scatter(covariance.yy() + float(kMinVariance), out.covariances, width, 3 * k + 2);
-      for (int axis = 0; axis < 2; ++axis) {
-        const vf offset = load(place.drawn + (s.first_offset() + 2 * k + axis) * kPitch) * place.scales[axis];
-        const vf centre = place.block.gather(s.half_pixels, 2, axis) * 0.5f;
-        place.block.scatter(s.scale * (centre + offset), out.means, 2 * s.per_seed, 2 * k + axis);
-      }
-    }
-  }
+template <class Rows>
+inline SeedPlace place_of(const FeatureState &s, const Memory &m, int64_t first, int v, const Rows &at) {
+  return SeedPlace(s, first + v * LANES, at(m.drawn), at(m.shapes));
 }
 
-// From gradients of Gaussians to those of the decoders' outputs, of scales and of offsets; none of what is no seed.
-inline void read_slopes(const FeatureState &s, int64_t first, const FeatureGradients &g, const Memory &m) {
-  for (int v = 0; v < kVectors; ++v) {
-    const Place place(s, m, first, v);
-    const Block &block = place.block;
-    const int at = v * LANES;
-    for (int i = 0; i < s.colours(); ++i)
-      store(m.up_colours + i * kPitch + at, block.gather(g.colours, s.colours(), i) * block.live);
-    vf scales[kSeedScales] = {};
-    for (int k = 0; k < s.per_seed; ++k) {
-      vf shape[3], reaches[2];
-      const auto up = [&](int i) { return block.gather(g.covariances, 3 * s.per_seed, 3 * k + i) * block.live; };
-      place.covariance(k).descend(up(0), up(1), up(2), shape, reaches);
-      for (int i = 0; i < 3; ++i) store(m.up_shapes + (3 * k + i) * kPitch + at, shape[i]);
-      for (int axis = 0; axis < 2; ++axis) {
-        const int row = (s.first_offset() + 2 * k + axis) * kPitch;
-        const vf mean = s.scale * block.live * block.gather(g.means, 2 * s.per_seed, 2 * k + axis);
-        store(m.slopes + row + at, mean * place.scales[axis]);
-        scales[axis] += mean * load(place.drawn + row);
-        scales[2 + axis] += s.scale * reaches[axis];
-      }
-    }
-    for (int i = 0; i < kSeedScales; ++i) {
-      const int row = (s.first_scale() + i) * kPitch + at;
-      store(m.slopes + row, select(load(m.drawn + row) > 0.0f, scales[i], vf{}));
-    }
-  }
+inline void write_batch(const FeatureState &s, int64_t first, const Memory &m, const SeedGaussians &out) {
+  for_each_vector([&](int v, const auto &at) {
+    if (first + v * LANES < s.count) write_gaussians(s, place_of(s, m, first, v, at), at(m.colours), out);
+  });
 }
 
-// From gradients of the drawn values to those of the values, with those of their bits, and of what MLP_p said.
+inline void read_batch(const FeatureState &s, int64_t first, const FeatureGradients &g, const Memory &m) {
+  for_each_vector([&](int v, const auto &at) {
+    read_slopes(s, place_of(s, m, first, v, at), g, at(m.up_colours), at(m.up_shapes), at(m.slopes));
+  });
+}
+
 inline void price(const FeatureState &s, int64_t first, float one, const Memory &m) {
-  const int attributes = s.attributes();
-  fill(nullptr, s.context_outputs(), m.up_said);
-  for (int v = 0; v < kVectors; ++v) {
-    const Block block(first + v * LANES, s.count);
-    const vf drawn = noise(s.key, s.mirror, attributes, block.first) + 0.5f;
-    const vf bit = select(drawn < s.share, block.live * one, vf{});
-    vf refine[kRefinements] = {};
-    for (int j = 0; j < attributes; ++j) {
-      const int at = j * kPitch + v * LANES;
-      const FeatureUnit unit = unit_of(s, m, j, v);
-      const Bits<vf> b = gaussian_bits(load(m.drawn + at) - unit.mean, unit.step, unit.scale);
-      const vf slope = bit * b.deviation, value = load(m.slopes + at) + slope;
-      store(m.slopes + at, value);
-      const vf spread = noise(s.key, s.mirror, j, block.first);
-      const FeatureUnit::Slopes up = unit.descend(-slope, bit * b.scale, bit * b.step + spread * value);
-      store(m.up_said + at, up.mean);
-      store(m.up_said + at + attributes * kPitch, up.scale);
-      refine[s.group_of(j)] += up.refine;
-    }
-    for (int i = 0; i < kRefinements; ++i) store(m.up_said + (2 * attributes + i) * kPitch + v * LANES, refine[i]);
-  }
-}
-
-// Those of the logarithms of s_o and s_a from those of themselves.
-inline void descend_scales(const FeatureState &s, const Memory &m) {
-  for (int j = s.first_scale(); j < s.first_offset(); ++j)
-    for (int v = 0; v < kVectors; ++v) {
-      const int at = j * kPitch + v * LANES;
-      store(m.slopes + at, load(m.slopes + at) * load(m.values + at));
-    }
+  for_each_vector([&](int v, const auto &at) {
+    price_values(s, first + v * LANES, one, at(m.drawn), at(m.said), at(m.slopes), at(m.up_said));
+  });
 }
 
 double forward(const FeatureState &s, int64_t begin, int64_t end, const SeedGaussians &out, float *memory) {
@@ -254,7 +148,7 @@ double forward(const FeatureState &s, int64_t begin, int64_t end, const SeedGaus
     for (int64_t i = 0; i < kBatchSeeds && first + i < s.count; ++i)
       total += s.bits[first + i] = lane(bits[i / LANES], int(i % LANES));
     decode(s, m);
-    write_gaussians(s, first, m, out);
+    write_batch(s, first, m, out);
   }
   return total;
 }
@@ -265,7 +159,7 @@ void backward(const FeatureState &s, int64_t begin, int64_t end, const FeatureGr
   for (int64_t first = begin; first < end; first += kBatchSeeds) {
     const Memory m(s, first, memory);
     read_values(s, first, m.values);
-    read_slopes(s, first, g, m);
+    read_batch(s, first, g, m);
     fill(nullptr, s.features, m.slopes);
     const Decoders decoders(s);
     descend(decoders.colours, m.drawn, m.hidden[0], m.up_colours, m.hidden_slopes, decoder_sums(s, sums, s.colours()),
@@ -279,7 +173,7 @@ void backward(const FeatureState &s, int64_t begin, int64_t end, const FeatureGr
               context_sums(s, sums + s.decoders_size()), m.hash_slopes);
       write_columns(m.hash_slopes, s.hash_features, first, s.count, s.hash_slopes);
     }
-    descend_scales(s, m);
+    for_each_vector([&](int, const auto &at) { descend_scales(s, at(m.values), at(m.slopes)); });
     write_columns(m.slopes, s.features, first, s.count, g.feature);
     write_columns(m.slopes + s.first_scale() * kPitch, kSeedScales, first, s.count, g.scales);
     write_columns(m.slopes + s.first_offset() * kPitch, 2 * s.per_seed, first, s.count, g.offset);

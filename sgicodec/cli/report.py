@@ -84,8 +84,6 @@ def _fallback(plan: Plan, device: str) -> str | None:
     header = plan.header
     if device == "cpu":
         return None
-    if header.profile == "paper":
-        return "no GPU fits the paper profile"
     if header.spec.channels > MOST_CHANNELS:
         return f"a GPU fits up to {MOST_CHANNELS} channels, not {header.spec.channels}"
     return "there was no GPU that could be used"

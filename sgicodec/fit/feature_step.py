@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,7 +22,7 @@ from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.fit_settings import FitSettings, Rounding
 from sgicodec.raster.backend import Backend, Errors
 
-__all__ = ["LEAST_SAMPLED", "FeatureStep"]
+__all__ = ["LEAST_SAMPLED", "FeatureInputs", "FeatureOutputs", "FeatureStep"]
 
 F32 = NDArray[np.float32]
 
@@ -28,6 +30,37 @@ LEAST_SAMPLED = 1000
 """Seeds whose bits are counted in a step, where there are as many: 5 % of few seeds are too few to learn from."""
 
 _GROUPS = ("feature", "scales", "offset")
+
+
+class FeatureInputs(NamedTuple):
+    """What a step computes from: values [N, D], [N, 4] and [N, 2 K]; the weights of MLP_c and MLP_Σ, those of MLP_p as
+    in `ContextWeights`, θ of all tables and log2 of the base steps [d_A], flat; the share of seeds whose bits count;
+    price: λ of one bit.
+    """
+
+    values: tuple[F32, F32, F32]
+    decoders: F32
+    first: F32
+    rest: F32
+    tables: F32
+    steps: F32
+    rounding: Rounding
+    priced: bool
+    noise: NoiseKey
+    share: float
+    price: float
+
+
+class FeatureOutputs(NamedTuple):
+    """Squared error, bits of all seeds, and gradients: of the values, of what all seeds share (decoders, then b1, W2,
+    b2 and W1 of MLP_p where bits count), and there of θ.
+    """
+
+    error: float
+    bits: float
+    values: tuple[F32, F32, F32]
+    sums: F32
+    tables: F32
 
 
 class FeatureStep:
@@ -64,35 +97,50 @@ class FeatureStep:
 
     def run(self, parameters: Parameters, rounding: Rounding, number: int, level: Level, lmbda: float) -> StepResult:
         """As `GradientStep.run`."""
-        feature, scales, offset = values = [parameters.seeds.values[name] for name in _GROUPS]
+        feature, scales, offset = (parameters.seeds.values[name] for name in _GROUPS)
         context, noise = parameters.context, NoiseKey.of(self.settings.seed, number)
         priced = rounding == "noise" and lmbda > 0
         decoders = np.concatenate([weights.reshape(-1) for weights in parameters.seeds.decoders.values()])
         if priced:
             decoders = with_weight_noise(decoders, parameters.seeds.decoder_shift, noise, self.spec.attributes + 1)
-        tables = np.concatenate([table.reshape(-1) for table in context.tables])
-        steps = parameters.steps[: sum(base_counts(self.spec))].reshape(-1, LEVELS)[:, 0].copy()
-        share = min(1.0, max(self.settings.rate_sample, LEAST_SAMPLED / self.count))
-        gaussians = self._gaussian_arrays()
-        bits = self.native.forward(
-            *(feature, scales, offset, decoders, context.first, context.rest, tables, steps),
-            *(ROUNDINGS[rounding], priced, noise.key, noise.negative, level.scale, share),
-            *gaussians,
+        given = FeatureInputs(
+            values=(feature, scales, offset),
+            decoders=decoders,
+            first=context.first,
+            rest=context.rest,
+            tables=np.concatenate([table.reshape(-1) for table in context.tables]),
+            steps=parameters.steps[: sum(base_counts(self.spec))].reshape(-1, LEVELS)[:, 0].copy(),
+            rounding=rounding,
+            priced=priced,
+            noise=noise,
+            share=min(1.0, max(self.settings.rate_sample, LEAST_SAMPLED / self.count)),
+            price=lmbda / (self.count * self.spec.attributes),
         )
-        (_, error), slopes = self._draw(gaussians, level)
-        d_feature, d_scales, d_offset = found = [np.empty_like(value) for value in values]
-        sums, table_slopes = np.empty(self.native.sums(priced), np.float32), np.empty_like(tables)
-        price = lmbda / (self.count * self.spec.attributes)
-        self.native.backward(*slopes, price / share, price, d_feature, d_scales, d_offset, sums, table_slopes)
-        of_decoders = self._of_decoders(sums[: len(decoders)])
+        found = self._evaluate(given, level)
+        of_decoders = self._of_decoders(found.sums[: len(decoders)])
         if priced:
             for name, weights in parameters.seeds.decoders.items():
                 if weights.ndim == 2:
-                    of_decoders[f"decoder_{name}"] += price_slope(weights, parameters.seeds.decoder_shift, price)
-        gradients = dict(zip(_GROUPS, found, strict=True)) | of_decoders
+                    of_decoders[f"decoder_{name}"] += price_slope(weights, parameters.seeds.decoder_shift, given.price)
+        gradients = dict(zip(_GROUPS, found.values, strict=True)) | of_decoders
         if priced and context.trains:
-            gradients |= context.gradients(sums[len(decoders) :], table_slopes, price)
-        return StepResult(error, bits, gradients)
+            gradients |= context.gradients(found.sums[len(decoders) :], found.tables, given.price)
+        return StepResult(found.error, found.bits, gradients)
+
+    def _evaluate(self, given: FeatureInputs, level: Level) -> FeatureOutputs:
+        """The step but for what weights cost."""
+        gaussians, (feature, scales, offset) = self._gaussian_arrays(), given.values
+        bits = self.native.forward(
+            *(feature, scales, offset, given.decoders, given.first, given.rest, given.tables, given.steps),
+            *(ROUNDINGS[given.rounding], given.priced, given.noise.key, given.noise.negative),
+            *(level.scale, given.share),
+            *gaussians,
+        )
+        (_, error), slopes = self._draw(gaussians, level)
+        values = np.empty_like(feature), np.empty_like(scales), np.empty_like(offset)
+        sums, tables = np.empty(self.native.sums(given.priced), np.float32), np.empty_like(given.tables)
+        self.native.backward(*slopes, given.price / given.share, given.price, *values, sums, tables)
+        return FeatureOutputs(error, bits, values, sums, tables)
 
     def seed_bits(self) -> F32:
         """Bits of every seed in the last step [N]."""

@@ -118,7 +118,8 @@ class Trainer:
     @property
     def device_name(self) -> str:
         """What fits: the name of a GPU, or the processor."""
-        return PROCESSOR if self.on_gpu is None else self.on_gpu.gpu.name
+        gpu = getattr(self.on_gpu or self.gradient_step, "gpu", None)
+        return PROCESSOR if gpu is None else str(gpu.name)
 
     def run(self, on_progress: Callable[[Progress], bool] | None = None) -> Fitted:
         """All phases. `on_progress` is called after each step; False from it ends the fit with what is there."""
@@ -271,9 +272,20 @@ class Trainer:
         if family and self.settings.loss == "squared" and FusedStep.can_run(self.spec):
             return FusedStep(self.spec, self.settings.seed, self.raster, device)
         if not family and FeatureStep.can_run(self.spec, self.settings):
-            _, height, width = self.levels[0].samples.shape
-            return FeatureStep(self.spec, self.settings, self.raster, (width, height), device)
+            return self._feature_step(device)
         raise ValueError("no step computes this model and loss")
+
+    def _feature_step(self, device: Device) -> FeatureStep:
+        """The paper profile's step, on the GPU that was asked for if its kernels have this model."""
+        _, height, width = self.levels[0].samples.shape
+        if device.gpu is not None:
+            from sgicodec.cuda.gpu import opened
+            from sgicodec.fit.device_feature_step import DeviceFeatureStep
+
+            if DeviceFeatureStep.can_run(self.spec, self.settings):
+                gpu, cutoff = opened(device.gpu), self.raster.cutoff
+                return DeviceFeatureStep(self.spec, self.settings, gpu, (width, height), cutoff)
+        return FeatureStep(self.spec, self.settings, self.raster, (width, height), device)
 
     def _hash_sizes(self) -> tuple[int, ...]:
         """Entries of the hash grid's tables."""

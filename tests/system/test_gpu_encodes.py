@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from fake_cuda import only_gpu
+from fake_cuda import fake_gpu, only_gpu
 
 import sgicodec
 from sgicodec import EncodeSettings, Picture, encode_picture
@@ -76,6 +76,18 @@ def test_whole_encodes(
     assert score == pytest.approx(expected, abs=10.0)  # chance moves that of so few pixels so far
     if "ssimulacra2" in options:
         assert score == pytest.approx(options["ssimulacra2"], abs=1.5)
+
+
+def test_the_paper_profile(kodim23: np.ndarray, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Through every phase: the same bytes twice, and as good as the processor's."""
+    picture = Picture(np.ascontiguousarray(kodim23[176:240, 96:176]), "rgb", (0, 255))
+    asked = EncodeSettings(profile="paper", seeds=60, per_seed=3, features=9, levels=2, steps=150)
+    device = only_gpu(monkeypatch)
+    ours, again, theirs = (encode_picture(picture, asked, device=one) for one in (device, device, ONE_THREAD))
+    assert ours.data == again.data != theirs.data
+    assert ours.devices == {fake_gpu().name: 1}
+    assert ours.size == pytest.approx(theirs.size, rel=0.05)
+    assert measured(picture, ours)[1] == pytest.approx(measured(picture, theirs)[1], abs=0.5)
 
 
 def measured(picture: Picture, encoded: Encoded) -> tuple[float, float]:

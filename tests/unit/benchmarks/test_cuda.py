@@ -48,6 +48,7 @@ def test_everything_in_one_run(tmp_path, monkeypatch: pytest.MonkeyPatch) -> Non
     lines = dict(line.partition(": ")[::2] for line in done.output.splitlines())
     assert lines.keys() >= {
         "gradients",
+        "paper",
         "repeated",
         "decodes",
         "decode, GPU",
@@ -86,7 +87,7 @@ def test_what_the_sanitizer_looks_at_is_every_kernel(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(cuda, "the_compiler", lambda: type("", (), {"version": "13.0"}))
     monkeypatch.setattr(checks, "CROP", 64)
     done = CliRunner().invoke(cuda.main, ["--kernels-alone"], catch_exceptions=False)
-    assert [line.split(":")[0] for line in done.output.splitlines()[1:]] == ["gradients", "seeds", "a stream"]
+    assert [line.split(":")[0] for line in done.output.splitlines()[1:]] == ["gradients", "seeds", "paper", "a stream"]
     text = "".join(path.read_text("utf-8") for path in (sources.root() / "cuda").rglob("*.hpp"))
     found = re.findall(r"^ *SGI_KERNEL\((\w+?)(_##C)?,", text, re.MULTILINE)
     assert launched == {f"{name}_3" if channels else name for name, channels in found}

@@ -15,6 +15,7 @@ NAMES = (
     *("RasterArguments", "SampleArguments", "TextureArguments", "ScanArguments"),
     *("FitArguments", "StepNumbers", "StepReport", "AdamArguments"),
     *("EnergyArguments", "RowArguments", "ResidualArguments"),
+    *("ProductArguments", "SumArguments", "FeatureArguments"),
 )
 
 
