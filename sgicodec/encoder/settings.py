@@ -46,7 +46,7 @@ class EncodeSettings:
     seeds: int | None = None
     """Number of seeds, in the paper profile."""
     per_seed: int | None = None
-    """K: Gaussians of each seed, 1 to 64."""
+    """K: Gaussians of each seed, 1 to 64, in the paper profile."""
     features: int | None = None
     """D: features of each seed, 1 to 512, in the paper profile."""
     levels: int | None = None

@@ -102,7 +102,6 @@ def test_json_has_no_infinity(sgi: Run, picture: Path, monkeypatch: pytest.Monke
         (["--bpp", "0.25"], {"bpp": 0.25, "psnr": None}),
         (["--size", "1.5kB"], {"size": 1500.0}),
         (["--effort", "1", "--steps", "7"], {"effort": 1, "steps": 7}),
-        (["--per-seed", "4"], {"per_seed": 4}),
         (
             ["--profile", "paper", "--seeds", "9", "--per-seed", "3", "--features", "8", "--levels", "2"],
             {"profile": "paper", "seeds": 9, "per_seed": 3, "features": 8, "levels": 2},
@@ -150,7 +149,8 @@ def test_options_reach_the_encoder(
         ("--levels 2", "add --profile paper"),
         ("--profile paper --levels 5", "1 to 4"),
         ("--profile paper --seeds 0", "at least 1"),
-        ("--per-seed 0", "1 to 64"),
+        ("--profile paper --per-seed 0", "1 to 64"),
+        ("--per-seed 2", "per_seed is a setting of the paper profile"),
         ("--steps 0", "at least 1"),
         ("--seed -1", "--seed"),
         ("-j -1", "--threads"),

@@ -137,13 +137,6 @@ def test_who_does_not_hand_over(settings: dict[str, Any], monkeypatch: pytest.Mo
     assert write(encode(part.tile)).chunk
 
 
-def test_seeds_of_several_gaussians_leave_with_all_of_them() -> None:
-    part = prepared(half_texture(64, 128), per_seed=3)
-    layout = fit(share(part)).model.layout
-    assert len(layout) >= 1
-    assert (layout.centre[:, 0] < 48).mean() < 0.2
-
-
 def test_the_stream_does_not_depend_on_what_runs_beside_the_fit() -> None:
     tile = prepared(half_texture(64, 96)).tile
     one, two = (write(encode(tile_of(tile.picture, tile.plan, Device(threads)))).chunk for threads in (1, 2))
