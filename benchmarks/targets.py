@@ -15,7 +15,6 @@ from sgicodec.device import Device
 from sgicodec.encoder.encoded import Encoded
 from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.encoder.tiles.runner import make_ready
 from sgicodec.errors import TargetMissedError, UsageError
 from sgicodec.image import read
 from sgicodec.metrics.psnr import psnr
@@ -185,7 +184,6 @@ def main(pictures: tuple[Path, ...], bpp: str, decibels: str, effort: int, threa
     """
     targets = [*targets_of("bpp", bpp), *targets_of("psnr", decibels)]
     outcomes: dict[str, list[Outcome]] = {}
-    make_ready()  # the first encode shall not pay for what all need
     click.echo("\t".join(COLUMNS))
     for path in pictures:
         outcomes[path.stem] = run(path, targets, effort, Device(threads), tile)

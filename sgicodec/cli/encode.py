@@ -18,7 +18,6 @@ from sgicodec.cli.options import (
     QUALITY,
     SAMPLE_RANGE,
     SCORE,
-    SECONDS,
     VERBOSE,
     batch_options,
     complete_files,
@@ -88,7 +87,7 @@ __all__ = ["encode"]
 @click.option("-e", "--effort", type=EFFORT, metavar="1-9", show_default="5", help="More is smaller and slower.")
 @click.option("--profile", type=click.Choice(["default", "paper"]), default="default", show_default=True)
 @click.option("--seeds", type=int, metavar="N", help="Number of seeds; paper profile.")
-@click.option("--per-seed", type=int, metavar="K", help="Gaussians of each seed.")
+@click.option("--per-seed", type=int, metavar="K", help="Gaussians of each seed; paper profile.")
 @click.option(
     "--tune",
     type=click.Choice(["visual", "psnr"]),
@@ -110,7 +109,6 @@ __all__ = ["encode"]
 @click.option("--features", type=int, metavar="D", help="Size of a seed's feature; paper profile.")
 @click.option("--levels", type=int, metavar="M", help="Levels of the pyramid; paper profile.")
 @click.option("--steps", type=int, metavar="N", help="Optimisation steps, instead of what -e says.")
-@click.option("--time-limit", type=SECONDS, metavar="S", help="Seconds to spend, instead of -e.")
 @click.option("--seed", type=click.IntRange(0, 2**32 - 1), default=0, metavar="N", help="Of the random numbers.")
 @click.option("--range", "sample_range", type=SAMPLE_RANGE, metavar="WHICH", help="Samples: used, type or LOW,HIGH.")
 @click.option(
@@ -250,14 +248,9 @@ def _settings(choices: dict[str, Any]) -> EncodeSettings:
     from sgicodec.profiles import PROFILES
 
     chosen = {name: value for name, value in choices.items() if value is not None}
-    for names in (
-        ("quality", "lmbda", *TARGETS),
-        ("effort", "time_limit"),
-        ("steps", "time_limit"),
-    ):
-        given = [f"--{name.replace('_', '-')}" for name in names if name in chosen]
-        if len(given) > 1:
-            raise UsageError(f"{given[0]} and {given[1]} exclude each other")
+    given = [f"--{name}" for name in ("quality", "lmbda", *TARGETS) if name in chosen]
+    if len(given) > 1:
+        raise UsageError(f"{given[0]} and {given[1]} exclude each other")
     for other in PROFILES.values():
         for name, instead in other.scales.items() if other.name != chosen["profile"] else ():
             if name in chosen:

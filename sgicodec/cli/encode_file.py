@@ -120,7 +120,6 @@ def encode_file(origin: str, target: str, options: EncodeOptions, started: float
                     progress=listener,
                     device=device,
                     verify=options.verify,
-                    started=started,
                 )
         except TargetMissedError as error:
             missed, encoded = str(error), error.nearest

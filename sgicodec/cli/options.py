@@ -22,7 +22,6 @@ __all__ = [
     "SAMPLE_RANGE",
     "SCALE",
     "SCORE",
-    "SECONDS",
     "SIZE",
     "VERBOSE",
     "Sized",
@@ -157,7 +156,6 @@ EFFORT = _Number("a valid integer from 1 to 9", "2 (fast), 5 or 9 (smallest)", i
 PSNR = _Number("a number of dB", "35 or 38.5")
 SCORE = _Number("a SSIMULACRA 2 score", "70 or 90")
 BPP = _Number("a number of bits per pixel", "0.5")
-SECONDS = _Number("a number of seconds", "60")
 SAMPLE_RANGE = _SampleRange("used, type or LOW,HIGH", r"used|type|([^,]+),([^,]+)", "used, 0,4095 or -40,1500.5")
 
 

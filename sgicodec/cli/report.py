@@ -28,7 +28,7 @@ class Report:
 
     bpp: bits per pixel of the whole stream. psnr: dB over all samples, of a peak that is the sample range; None if not
     measured, infinite for no error. parts: bytes of each part, metadata counted as container; they sum to `bytes`.
-    time_limit: seconds that were allowed. devices: how many tiles each fitted, by the name of a GPU or the processor.
+    devices: how many tiles each fitted, by the name of a GPU or the processor.
     fallback: why the processor fitted although a GPU was asked for.
     """
 
@@ -48,7 +48,6 @@ class Report:
     ended_early: bool
     parts: dict[str, float]
     tiles: int
-    time_limit: float | None
     devices: dict[str, int]
     fallback: str | None
 
@@ -73,7 +72,6 @@ class Report:
             ended_early=encoded.ended_early,
             parts=all_parts(encoded.part_bytes, {}, encoded.size),
             tiles=header.grid.count,
-            time_limit=plan.settings.time_limit,
             devices=encoded.devices,
             fallback=_fallback(plan, device) if PROCESSOR in encoded.devices else None,
         )
@@ -121,8 +119,6 @@ def print_report(
     line = f"{display(target, 'stdout')}: {report.bytes:,} bytes, {report.bpp:.3f} bpp, "
     line += f"PSNR {report.psnr:.2f} dB{_of_range(report)}, " if report.psnr is not None else ""
     line += f"{report.gaussians:,} Gaussians, {seconds:.1f} s"
-    if report.time_limit is not None and seconds > report.time_limit:
-        line += f" ({seconds - report.time_limit:.1f} s beyond the time limit)"
     line += f", {peak_mib:.0f} MiB" if peak_mib is not None else ""
     click.echo(line, err=target == STANDARD)
     if report.devices and (verbose or report.fallback or PROCESSOR not in report.devices):

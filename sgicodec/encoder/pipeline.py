@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import shutil
 import tempfile
-import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
@@ -20,7 +19,7 @@ from sgicodec.encoder.blas_threads import one_blas_thread
 from sgicodec.encoder.encoded import Encoded
 from sgicodec.encoder.input.alpha import without_needless_alpha
 from sgicodec.encoder.input.overview import overview_picture, overview_settings, takes_overview
-from sgicodec.encoder.input.windows import Windows, kept, tile_window, windows_of
+from sgicodec.encoder.input.windows import Windows, kept, windows_of
 from sgicodec.encoder.listener import NullListener, PassReporter
 from sgicodec.encoder.measure import measured_error, measured_psnr
 from sgicodec.encoder.memory import estimate
@@ -33,8 +32,6 @@ from sgicodec.encoder.tiles.memory_store import MemoryStore
 from sgicodec.encoder.tiles.passes import TilePasses
 from sgicodec.encoder.tiles.runner import TileRunner
 from sgicodec.encoder.tiles.tasks import FitTask, Start
-from sgicodec.encoder.tiles.time_budget import TimeBudget
-from sgicodec.encoder.tiles.weight import tile_weight
 from sgicodec.errors import TargetMissedError, UsageError
 from sgicodec.executors.executor import Executor, Memory
 from sgicodec.executors.serial import SerialExecutor
@@ -58,7 +55,6 @@ def encode_picture(
     progress: NullListener | None = None,
     device: Device = ALL_CORES,
     verify: bool = False,
-    started: float | None = None,
 ) -> Encoded:
     """Encodes a picture that is in memory, or one that `open_source` opened and that need not fit into it.
 
@@ -68,7 +64,7 @@ def encode_picture(
 
     The stream is written to `output`, a path or a file object, else it is the result's `data`. `verify` decodes it and
     measures its PSNR before anything is written there. Equal input, settings and version give equal bytes, whatever
-    executes, unless time is the limit: that runs from `started` on, a value of time.monotonic(), or from this call.
+    executes.
 
     While it runs, the path of `output` is locked: OutputLockedError where another encode writes it.
 
@@ -76,7 +72,6 @@ def encode_picture(
     what cannot be read or no stream can hold; UsageError for a range of samples that integers do not have;
     TileFailedError, after which the store has what was finished.
     """
-    started = time.monotonic() if started is None else started
     windows = windows_of(picture)
     listener = progress or NullListener()
     check_device(device)
@@ -91,7 +86,7 @@ def encode_picture(
     windows, plan = without_needless_alpha(windows, plan, listener)
     where = Path(output) if isinstance(output, str) else output
     with locked(where) if isinstance(where, Path) else nullcontext():
-        request = _Request(windows, with_quality_calibration(windows, plan), where, listener, device, verify, started)
+        request = _Request(windows, with_quality_calibration(windows, plan), where, listener, device, verify)
         return _encoded(request, executor, store)
 
 
@@ -101,7 +96,7 @@ def encode_all_channels(picture: Picture, settings: EncodeSettings, device: Devi
     """
     windows = windows_of(picture)
     plan = with_quality_calibration(windows, stream_plan(windows.shape, settings))
-    return _encoded(_Request(windows, plan, None, NullListener(), device, False, time.monotonic())).data
+    return _encoded(_Request(windows, plan, None, NullListener(), device, False)).data
 
 
 @dataclass(frozen=True)
@@ -114,7 +109,6 @@ class _Request:
     listener: NullListener
     device: Device
     verify: bool
-    started: float
 
     def psnr(self, stream: bytes | Path | BinaryIO) -> float:
         """Of a finished stream, in dB. Raises StreamError if it does not decode."""
@@ -177,10 +171,9 @@ def _encoded(request: _Request, executor: Executor | None = None, store: Store |
             return measured_error(stream, windows)
 
     with one_blas_thread(), tiles.opened(lambda: fingerprint(plan, windows.digest())):
-        task = FitTask(plan) if plan.header.tile else FitTask(plan, listener, request.started)
-        reporter, budget = PassReporter(plan, listener), _time_budget(request, executor.workers)
-        overview = _overview_maker(plan, windows, runner)
-        found = TilePasses(task, runner, tiles, reporter, error_of, budget, overview).run()
+        task = FitTask(plan) if plan.header.tile else FitTask(plan, listener)
+        reporter, overview = PassReporter(plan, listener), _overview_maker(plan, windows, runner)
+        found = TilePasses(task, runner, tiles, reporter, error_of, overview).run()
         data, size, psnr = request.write(lambda file: _write(file, found, tiles))
         encoded = replace(_summary(data, size, found, tiles), psnr=psnr)
     masked = plan.header.masked
@@ -198,20 +191,6 @@ def _within_memory(windows: Windows, plan: Plan, executor: Executor | None) -> t
     grid = plan.header.grid
     memory = estimate(plan, windows.memory(*grid.rect(0)[2:]))
     return (executor or SerialExecutor()).within(memory, grid.count), memory
-
-
-def _time_budget(request: _Request, workers: int) -> TimeBudget | None:
-    """The time of each tile, where that is the limit; the only one has all of it."""
-    plan, windows = request.plan, request.windows
-    limit = plan.settings.time_limit
-    if limit is None or not plan.header.tile:
-        return None
-
-    def weigh(number: int) -> float:
-        return tile_weight(tile_window(windows, plan, number), plan)
-
-    decoders = request.device.cores if request.verify else 0
-    return TimeBudget(plan.header.grid, request.started + limit, workers, decoders, weigh)
 
 
 def _write(file: BinaryIO, found: Finished, store: Store) -> int:

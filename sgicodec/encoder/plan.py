@@ -106,8 +106,6 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
         has_band_masks=shape.nodata is not None and shape.bands - (alpha_index(shape.channels) is not None) > 1,
         has_exact=shape.exact,
     )
-    if grid.tile and settings.time_limit is not None and settings.target:
-        raise UsageError("a time limit goes with a size, a rate or a PSNR in a single tile only; --tile 0 makes one")
     if settings.ssimulacra2 is not None and grid.tile:
         raise UsageError("a SSIMULACRA 2 score goes with a single tile only; --tile 0 makes one")
     place = geo.without_statistics(shape.metadata.geo)
@@ -147,7 +145,6 @@ def _software(settings: EncodeSettings, fit: FitSettings) -> bytes:
         f"q{settings.quality:g}" if "quality" in scales and settings.lmbda is None else f"l{fit.lmbda:g}"
     )
     took = f"e{settings.effort}" if "effort" in scales and settings.steps is None else f"n{fit.steps}"
-    took = took if settings.time_limit is None else f"t{settings.time_limit:g}"
     asked += f" {settings.tuned_for}" if settings.chosen_profile.has_distortions else ""
     asked += "" if settings.distortion is None else f" {settings.distortion}"
     return f"{__version__} {asked} {took}".encode()

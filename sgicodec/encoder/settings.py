@@ -46,7 +46,7 @@ class EncodeSettings:
     seeds: int | None = None
     """Number of seeds, in the paper profile."""
     per_seed: int | None = None
-    """K: Gaussians of each seed, 1 to 64."""
+    """K: Gaussians of each seed, 1 to 64, in the paper profile."""
     features: int | None = None
     """D: features of each seed, 1 to 512, in the paper profile."""
     levels: int | None = None
@@ -79,8 +79,6 @@ class EncodeSettings:
     """Bytes to end at."""
     bpp: float | None = None
     """Bits per pixel to end at."""
-    time_limit: float | None = None
-    """Seconds that the encode may take, instead of a number of steps."""
     tile: int | None = None
     """Pixels of the largest side of a tile, 0 for a single one."""
     apron: int | None = None
@@ -89,7 +87,7 @@ class EncodeSettings:
     """Whether a stream of several tiles carries the picture in small."""
     hurry: bool | None = None
     """Whether fits of few steps beneath texture leave out what gains little for its time; None for those without a
-    target or a time limit, whose estimates follow longer fits.
+    target, whose estimates follow longer fits.
     """
 
     @property
@@ -149,7 +147,7 @@ class EncodeSettings:
     @property
     def hurries(self) -> bool:
         """Whether fits of few steps beneath texture leave out what gains little for its time."""
-        return self.target is None and self.time_limit is None if self.hurry is None else self.hurry
+        return self.target is None if self.hurry is None else self.hurry
 
     def __post_init__(self) -> None:
         for name, kind in self.__annotations__.items():
@@ -190,7 +188,6 @@ class EncodeSettings:
             ),
             (self.size is None or 1 <= self.size < math.inf, f"size {self.size}; at least 1 byte"),
             (self.bpp is None or 0 < self.bpp < math.inf, f"bpp {self.bpp}; it must be positive"),
-            (self.time_limit is None or 0 < self.time_limit < math.inf, f"time limit {self.time_limit}; above 0 s"),
             (
                 not self.tile or MIN_TILE <= self.tile <= MAX_SIDE,
                 f"tile {self.tile}; 0 (one tile) or {MIN_TILE} to {MAX_SIDE} pixels",
@@ -205,7 +202,6 @@ class EncodeSettings:
         """Raises UsageError for settings that exclude each other, or that the profile does not have."""
         goals = [name for name in TARGETS if getattr(self, name) is not None]
         instead = [*goals, *(["lmbda"] if goals and self.lmbda is not None else [])]
-        instead = ["steps", "time_limit"] if self.steps is not None and self.time_limit is not None else instead
         if len(instead) > 1:
             raise UsageError(f"{instead[0]} and {instead[1]} exclude each other")
         if self.minimised != "squared" and not self.chosen_profile.has_distortions:

@@ -49,19 +49,14 @@ class Cluster:
         task: Callable[[int, Job], Result],
         numbers: Iterable[int],
         job_of: Callable[[int], Job],
-        make_ready: Callable[[], None] | None = None,
     ) -> Iterator[tuple[int, Result]]:
-        """As in `Executor`. A tile whose worker died goes to another one. Without `make_ready` some jobs are on their
-        way before a worker can begin.
+        """As in `Executor`. A tile whose worker died goes to another one. Some jobs are on their way
+        before a worker can begin.
         """
         from distributed import as_completed
 
         waiting, tries, tiles = deque(numbers), Tries(), dict[Any, int]()
-        done, ahead = as_completed(), self.workers
-        if make_ready is None:
-            ahead *= _AHEAD
-        else:
-            self._client.run(make_ready)
+        done, ahead = as_completed(), _AHEAD * self.workers
 
         def submit() -> None:
             number = waiting.popleft()

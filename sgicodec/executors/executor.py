@@ -75,13 +75,11 @@ class Executor(Protocol):
         task: Callable[[int, Job], Result],
         numbers: Iterable[int],
         job_of: Callable[[int], Job],
-        make_ready: Callable[[], None] | None = None,
     ) -> Iterator[tuple[int, Result]]:
         """Results of task(number, job_of(number)) as they come, in any order.
 
-        `job_of` runs in this process, at the moment when a worker can begin, so that few jobs are in memory at once;
-        with `make_ready`, which each worker calls first, never before the worker is ready. Raises TileFailedError for
-        a job that failed twice, or once for what is the input's.
+        `job_of` runs in this process, at the moment when a worker can begin, so that few jobs are in memory at once.
+        Raises TileFailedError for a job that failed twice, or once for what is the input's.
         """
 
 

@@ -69,14 +69,13 @@ class GpuExecutor:
         task: Callable[[int, Job], Result],
         numbers: Iterable[int],
         job_of: Callable[[int], Job],
-        make_ready: Callable[[], None] | None = None,
     ) -> Iterator[tuple[int, Result]]:
         """As in `Executor`. `task`, jobs and results are pickled."""
         numbers = list(numbers)
         count = min(self._gpus, len(numbers))
         environments = [{_VISIBLE: _name_of(self._first + gpu)} for gpu in range(count)]
         self.peaks.begin()
-        with process_pool(task, count, self.peaks, make_ready, self._threads, environments) as pool:
+        with process_pool(task, count, self.peaks, self._threads, environments) as pool:
             yield from pool.run(numbers, job_of)
 
 

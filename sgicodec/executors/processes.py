@@ -60,12 +60,11 @@ class ProcessExecutor:
         task: Callable[[int, Job], Result],
         numbers: Iterable[int],
         job_of: Callable[[int], Job],
-        make_ready: Callable[[], None] | None = None,
     ) -> Iterator[tuple[int, Result]]:
         """As in `Executor`. `task`, jobs and results are pickled."""
         numbers = list(numbers)
         self.peaks.begin()
-        with process_pool(task, min(self.workers, len(numbers)), self.peaks, make_ready) as pool:
+        with process_pool(task, min(self.workers, len(numbers)), self.peaks) as pool:
             yield from pool.run(numbers, job_of)
 
 
@@ -85,20 +84,19 @@ class _Pool(Generic[Job, Result]):
         task: Callable[[int, Job], Result],
         count: int,
         peaks: Peaks,
-        make_ready: Callable[[], None] | None,
         threads: int,
         environments: Sequence[Mapping[str, str]],
     ) -> None:
         from multiprocessing import get_context
 
-        self._task, self._make_ready, self._context = task, make_ready, get_context("spawn")
+        self._task, self._context = task, get_context("spawn")
         self._peaks, self._threads, self._environments = peaks, threads, environments
         self._workers = [self._start(number) for number in range(count)]
 
     def _start(self, number: int) -> _Worker:
         here, there = self._context.Pipe()
         environment = self._environments[number] if self._environments else {}
-        given = there, self._task, self._make_ready, self._threads, environment
+        given = there, self._task, self._threads, environment
         process = self._context.Process(target=_work, args=given, daemon=True)
         process.start()
         there.close()
@@ -169,12 +167,11 @@ def process_pool(
     task: Callable[[int, Job], Result],
     count: int,
     peaks: Peaks,
-    make_ready: Callable[[], None] | None,
     threads: int = 1,
     environments: Sequence[Mapping[str, str]] = (),
 ) -> Iterator[_Pool[Job, Result]]:
     """As many processes, each of which does `threads` jobs at once, with variables added to its environment."""
-    pool = _Pool(task, count, peaks, make_ready, threads, environments)
+    pool = _Pool(task, count, peaks, threads, environments)
     try:
         yield pool
     finally:
@@ -184,15 +181,12 @@ def process_pool(
 def _work(
     pipe: Connection,
     task: Callable[[int, Any], Any],
-    make_ready: Callable[[], None] | None,
     threads: int,
     environment: Mapping[str, str],
 ) -> None:
     """The life of a worker. It leaves Ctrl-C to the process that started it, whose end ends it too."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.environ.update(environment)
-    if make_ready is not None:
-        make_ready()
     turn = Lock()
 
     def tell(number: int | None, outcome: object) -> None:

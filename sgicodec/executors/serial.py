@@ -33,11 +33,8 @@ class SerialExecutor:
         task: Callable[[int, Job], Result],
         numbers: Iterable[int],
         job_of: Callable[[int], Job],
-        make_ready: Callable[[], None] | None = None,
     ) -> Iterator[tuple[int, Result]]:
         """As in `Executor`."""
-        if make_ready is not None:
-            make_ready()
         tries = Tries()
         for number in numbers:
             while True:

@@ -60,11 +60,8 @@ class ThreadExecutor:
         task: Callable[[int, Job], Result],
         numbers: Iterable[int],
         job_of: Callable[[int], Job],
-        make_ready: Callable[[], None] | None = None,
     ) -> Iterator[tuple[int, Result]]:
         """As in `Executor`."""
-        if make_ready is not None:
-            make_ready()
         waiting, tries = deque(numbers), Tries()
         running = dict[Future[Result], int]()
         with _pool(self.workers) as pool:

@@ -21,7 +21,7 @@ OFFSET_SPREAD = 0.6
 say where they are: drawn at random they cost 8 % more bytes for 0.6 dB less (docs/notes/2026-11-paper-profile.md)."""
 
 
-def fresh_values(spec: ModelSpec, mean: F32, pixels: int, rng: np.random.Generator) -> dict[str, F32]:
+def fresh_values(spec: ModelSpec, mean: F32, pixels: int) -> dict[str, F32]:
     """Attributes by group [n, size] of seeds whose cells hold `mean` [n, C], in a picture of `pixels` pixels.
 
     With the skip a seed starts as a round Gaussian of half its cell and most of its cell's mean colour; without it, at
@@ -35,9 +35,7 @@ def fresh_values(spec: ModelSpec, mean: F32, pixels: int, rng: np.random.Generat
         values["shape"][:, 0::3] = math.log(0.5)
     if spec.seed_scales:
         values["scales"] += np.float32(math.log(0.5 * math.sqrt(pixels / n)))
-    if spec.per_seed > 1 and spec.skip:
-        values["offset"] += np.float32(0.35) * rng.standard_normal(values["offset"].shape, np.float32)
-    elif spec.per_seed > 1:
+    if spec.per_seed > 1:
         values["offset"] += _spiral(spec.per_seed).reshape(-1)
     return values
 

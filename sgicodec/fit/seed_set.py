@@ -40,7 +40,7 @@ class SeedSet:
         self, spec: ModelSpec, layout: SeedLayout, target: F32, rng: np.random.Generator, device: Device
     ) -> None:
         self.spec, self.layout, self._device = spec, layout, device
-        self._rng, self._pixels = rng, target.shape[1] * target.shape[2]
+        self._pixels = target.shape[1] * target.shape[2]
         self.values = self._fresh(cell_means(target, layout))
         self.decoders = fresh_decoders(spec, rng)
         self.decoder_shift = decoder_shift(len(layout))
@@ -88,4 +88,4 @@ class SeedSet:
         self.layout = SeedLayout(corner, np.concatenate([self.layout.log_size, layout.log_size]))
 
     def _fresh(self, means: F32) -> dict[str, F32]:
-        return fresh_values(self.spec, means, self._pixels, self._rng)
+        return fresh_values(self.spec, means, self._pixels)

@@ -47,7 +47,6 @@ class Progress:
     seeds: int
     psnr: float
     bits: float
-    seconds: float
 
 
 @dataclass
@@ -69,7 +68,7 @@ class Trainer:
     """One picture's fit. `target` [C, H, W] is the picture less its base layer, samples in 0..1, and `weights` [H, W]
     what their squared errors count, by default all the same.
 
-    `controller` moves λ towards a rate target; `seconds` replaces the number of steps.
+    `controller` moves λ towards a rate target.
 
     MLP_p is one of three: `networks`, integers to which the fit adds a small difference; `context`, weights that the
     caller trains with the gradients that each step leaves in `gradients`; or, without either, a new one that turns into
@@ -88,13 +87,12 @@ class Trainer:
         networks: tuple[IntNetwork, ...] | None = None,
         context: ContextWeights | None = None,
         controller: LambdaController | None = None,
-        seconds: float | None = None,
         device: Device = ALL_CORES,
         weights: F32 | None = None,
     ) -> None:
         self.spec, self.settings, self.weights = spec, settings, weights
         self.lmbda, self.controller = settings.lmbda, controller
-        self.schedule = Schedule(settings.phases, seconds)
+        self.schedule = Schedule(settings.phases)
         self.raster = NativeRasterizer(device)
         self.levels = levels_of(target, weights, max(phase.level for phase in settings.phases) + 1)
         self.quality = self._quality()
@@ -148,7 +146,7 @@ class Trainer:
                 if self.controller is not None and phase.rate:
                     done, steps = self.schedule.done, self.schedule.steps
                     self.lmbda = self.controller.update(done, steps, bits, len(self.seeds), psnr)
-                yield Progress(self.step, self.schedule.steps, len(self.seeds), psnr, bits, self.schedule.elapsed)
+                yield Progress(self.step, self.schedule.steps, len(self.seeds), psnr, bits)
 
     def _fix_what_is_shared(self) -> None:
         """From the round phase on, everything but the seeds is what the stream will hold."""

@@ -30,7 +30,7 @@ _HURRIED_STEPS = 300
 """Fits of fewer steps are hurried where texture shows what they leave. Goals want estimates that hold."""
 
 
-def default_spec(channels: int, per_seed: int = 1, prior: int = 3, hidden: int = 0, texture: bool = False) -> ModelSpec:
+def default_spec(channels: int, prior: int = 3, hidden: int = 0, texture: bool = False) -> ModelSpec:
     """The `default` profile: adaptive seeds, log-covariances, a base layer, context from decoded neighbours.
 
     Prior 1 was trained for passes that do not go by size, and its streams state the probabilities of seeds' places.
@@ -40,8 +40,8 @@ def default_spec(channels: int, per_seed: int = 1, prior: int = 3, hidden: int =
         channels=channels,
         layout="adaptive",
         shape="log",
-        per_seed=per_seed,
-        features=per_seed * (channels + 3),
+        per_seed=1,
+        features=channels + 3,
         hidden=hidden,
         skip=True,
         seed_scales=False,
@@ -93,7 +93,7 @@ def lmbda_of_quality(quality: float) -> float:
 
 def _spec(choices: Choices, channels: int) -> ModelSpec:
     prior = max(PRIORS, default=0) if choices.prior is None else choices.prior
-    spec = default_spec(channels, choices.per_seed or 1, prior, texture=choices.texture)
+    spec = default_spec(channels, prior, texture=choices.texture)
     return replace(spec, restoration=choices.texture and choices.restoration)
 
 

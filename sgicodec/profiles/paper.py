@@ -109,7 +109,7 @@ PAPER = Profile(
     family=0,
     spec=_spec,
     settings=_fit_settings,
-    own_choices=("seeds", "features", "levels"),
+    own_choices=("seeds", "per_seed", "features", "levels"),
     parts={
         "x_a": ("positions",),
         "f_a": ("feature",),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -94,23 +93,18 @@ class Rdoq:
         self,
         lmbda: float,
         passes: int | None = None,
-        until: float = math.inf,
         ending: Callable[[], bool] = lambda: False,
     ) -> RdoqResult:
         """The best model that `passes` passes from the start find for λ; none that costs more than what there was.
 
-        Ends early where another pass would not be done by `until`, a value of time.monotonic(), and before a pass where
-        `ending` says so.
+        Ends early before a pass where `ending` says so.
         """
         self._restart()
         best = RdoqResult(self.fitted, self.objective.cost(self.fitted))
         for _ in range(self.settings.passes if passes is None else passes):
             if ending():
                 break
-            started = time.monotonic()
             found = self.descend(lmbda)
             if found.cost.at(lmbda) < best.cost.at(lmbda):
                 best = found
-            if 2 * time.monotonic() - started > until:
-                break
         return best

@@ -8,14 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from clock import Clock
 from listeners import Steps
 
 from sgicodec import Encoded, EncodeSettings, Picture, encode_picture, read
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
 from sgicodec.errors import TargetMissedError, UsageError
-from sgicodec.fit.trainer import Progress
 from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Metadata, comparable
 
@@ -94,25 +92,6 @@ def test_an_impossible_psnr_gives_the_nearest_stream(crop: Picture) -> None:
     with pytest.raises(TargetMissedError, match="99 dB") as caught:
         encode_picture(small, EncodeSettings(psnr=99, steps=40, texture=False))
     assert quality(small, caught.value.nearest) > 30
-
-
-@pytest.mark.parametrize("target", [{}, {"bpp": 0.4}, {"psnr": 27.0}])
-def test_a_time_limit_gives_a_sound_stream(crop: Picture, target: dict[str, float], clock: Clock) -> None:
-    """By a clock that moves on whenever somebody looks at it."""
-    clock.tick = 0.02
-    states: list[Progress] = []
-
-    def on_progress(state: Progress) -> bool:
-        states.append(state)
-        return True
-
-    settings = replace(EncodeSettings(time_limit=4.0), **target)  # type: ignore[arg-type]
-    try:
-        encoded = encode_picture(crop, settings, progress=Steps(on_progress))
-    except TargetMissedError as missed:  # there are few steps
-        encoded = missed.nearest
-    assert quality(crop, encoded) > 15
-    assert states[-1].step == states[-1].steps == len(states)
 
 
 @pytest.mark.parametrize("step", [1, 20, 75])
@@ -197,12 +176,9 @@ def test_clipped_floats_are_measured_as_the_stream_spans_them() -> None:
         ({"size": math.inf}, "size"),
         ({"bpp": 0.0}, "bpp"),
         ({"bpp": math.inf}, "bpp"),
-        ({"time_limit": 0.0}, "time limit"),
-        ({"time_limit": math.nan}, "time limit"),
         ({"psnr": 30.0, "bpp": 1.0}, "psnr and bpp exclude"),
         ({"size": 3000.0, "bpp": 1.0}, "size and bpp exclude"),
         ({"size": 3000.0, "lmbda": 1.0}, "size and lmbda exclude"),
-        ({"steps": 3, "time_limit": 1.0}, "steps and time_limit exclude"),
         ({"psnr": 30.0, "profile": "paper"}, "default profile"),
     ],
 )
@@ -216,6 +192,5 @@ def test_the_stream_names_its_target() -> None:
     for settings, words in (
         (EncodeSettings(size=5e3, effort=1), "size5000 visual e1"),
         (EncodeSettings(psnr=20.5, steps=5), "psnr20.5 psnr n5"),
-        (EncodeSettings(time_limit=0.5), "q50 visual t0.5"),
     ):
         assert open_stream(encode_picture(picture, settings).data).software.endswith(words)

@@ -110,7 +110,7 @@ def test_a_picture_that_holds_nothing(target: dict[str, float]) -> None:
     assert len(encoded.data) < 400
 
 
-@pytest.mark.parametrize("choices", [{"prior": 0}, {"rdoq": False}, {"per_seed": 2}])
+@pytest.mark.parametrize("choices", [{"prior": 0}, {"rdoq": False}])
 def test_models_that_are_searched_otherwise_or_not_at_all(choices: dict[str, int]) -> None:
     """Networks of their own take 8 KB in each tile."""
     picture, size = crop("kodim23.png", 96, 128, 280, 180), 60_000.0 if "prior" in choices else 9000.0

@@ -18,7 +18,7 @@ from sgicodec.bitstream.header import decode_header
 from sgicodec.decoder.stream import BLOCK_SAMPLES, CACHE_BYTES, open_stream
 from sgicodec.decoder.view import view_of
 from sgicodec.device import ONE_THREAD, Device
-from sgicodec.errors import CorruptStreamError, UsageError
+from sgicodec.errors import CorruptStreamError
 from sgicodec.metrics.psnr import psnr
 
 DATA = Path(__file__).parents[1] / "data"
@@ -258,12 +258,6 @@ def test_one_tile_pays_nothing(coded: tuple[Picture, Encoded]) -> None:
     one = encode_picture(small, replace(SETTINGS, tile=0, steps=10)).data
     assert encode_picture(small, replace(SETTINGS, tile=128, steps=10)).data == one
     assert one.count(b"X") == 0 or open_stream(one).chunk_bytes.keys() == {"signature", "H", "s", "T"}
-
-
-@pytest.mark.parametrize("goal", [{"psnr": 30.0}, {"bpp": 0.5}, {"size": 5000.0}])
-def test_a_time_limit_with_a_goal_needs_a_single_tile(coded: tuple[Picture, Encoded], goal: dict[str, float]) -> None:
-    with pytest.raises(UsageError, match="single tile"):
-        encode_picture(coded[0], EncodeSettings(time_limit=3, tile=128, **goal))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(

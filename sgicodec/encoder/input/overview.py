@@ -27,9 +27,6 @@ _MIN_PIXELS = 1 << 20
 _FINER = 2 ** (15 / 8)
 """The picture's λ over that of its overview: 15 steps of quality, about 1 % of the stream (docs/large.md)."""
 
-_HURRIED_EFFORT = 1
-"""Of an overview under a time limit, of which it takes next to nothing."""
-
 _ROWS = 128
 """Of a window that are averaged at a time."""
 
@@ -45,10 +42,7 @@ def takes_overview(plan: Plan) -> bool:
 def overview_settings(plan: Plan, lmbda: float) -> EncodeSettings:
     """Those of the overview of a stream whose tiles are fitted at λ."""
     tiles = {"tile": plan.header.tile, "apron": plan.header.apron, "overview": False}
-    settings = plan.settings.at_lmbda(lmbda / _FINER, metadata=False, **tiles)
-    if settings.time_limit is not None:
-        settings = replace(settings, time_limit=None, effort=_HURRIED_EFFORT)
-    return settings
+    return plan.settings.at_lmbda(lmbda / _FINER, metadata=False, **tiles)
 
 
 def overview_picture(plan: Plan, read: Callable[[int, int, int, int], Picture]) -> Picture:

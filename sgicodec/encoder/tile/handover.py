@@ -136,8 +136,7 @@ class Handover:
 
     def _drawn_away(self, kept: Mask) -> F32:
         target = self.texture.target
-        each = np.repeat(kept, self.trainer.seeds.spec.per_seed)  # [N·K]
-        means, covariances, colours = (part[each] for part in self._gaussians)
+        means, covariances, colours = (part[kept] for part in self._gaussians)
         return target - self.trainer.raster.forward(means, covariances, colours, target.shape[2], target.shape[1])
 
     @cached_property

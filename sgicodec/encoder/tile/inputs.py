@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 from math import isnan
 
@@ -18,7 +17,6 @@ from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tile.state import Tile, TileListener, Watch
 from sgicodec.encoder.tile.texture_contrast import TextureContrasts
 from sgicodec.encoder.tile.texture_tuning import TUNINGS
-from sgicodec.encoder.tile.time_limit import TimeLimit
 from sgicodec.metrics.choices import DISTORTIONS
 from sgicodec.model.luma_space import to_luma_space
 from sgicodec.picture import Picture, nodata_samples, opaque_mask, to_unit
@@ -33,12 +31,8 @@ def tile_of(
     number: int = 0,
     *,
     listener: TileListener | None = None,
-    started: float | None = None,
-    seconds: float | None = None,
 ) -> Tile:
-    """Tile `number` of a stream, whose pixels are `picture`. seconds: that it may take from `started` on, a value of
-    time.monotonic(), by default now; None for any.
-    """
+    """Tile `number` of a stream, whose pixels are `picture`."""
     header = plan.header.of_tile(number) if plan.header.tile else _with_least_masks(plan.header, picture)
     settings = plan.settings
     if settings.seeds is not None:
@@ -65,7 +59,6 @@ def tile_of(
         bare,
         DISTORTIONS[settings.minimised].reference(unit, empty),
         contrasts,
-        TimeLimit(seconds, time.monotonic() if started is None else started, picture.width * picture.height),
         Watch(listener or _NoListener()),
         device,
     )

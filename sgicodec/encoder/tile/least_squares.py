@@ -7,7 +7,6 @@ texture rounds is left out, for it will be rounded anew. Texture itself is searc
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -63,7 +62,6 @@ def requantise_seeds_under_texture(state: TileState, step: int | None = None) ->
     tile.watch.stage("texture")
     step = tile.tuning.step(state.lmbda) if step is None else step
     for _ in range(tile.effort.rounds):
-        began = time.monotonic()
         state, search = begin_texture(state)
         restored = search if correction is None else search.excluding(correction)
         layer = best_layer(state, restored, step)
@@ -74,8 +72,6 @@ def requantise_seeds_under_texture(state: TileState, step: int | None = None) ->
             correction = tile.restorer.correction(search, layer, strength)
             shown += correction
         state = with_seeds_for(state, tile.unit - shown)
-        if 2 * time.monotonic() - began > tile.time.search_end:
-            break
     return state
 
 

@@ -4,7 +4,6 @@ that are least to them are not to the eye.
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 
 from sgicodec.encoder.tile.calibrated_steps import CalibratedSteps
@@ -53,8 +52,5 @@ class Perceptual:
                 return first
             return best_layer(replace(state, contrast=contrast), search, steps.after(score), price, cells)
 
-        def ending() -> bool:
-            return tile.watch.ending() or time.monotonic() > tile.time.search_end
-
-        cells, score, contrast = ascent.run(search, next_layer, state.contrast, passes, ending)
+        cells, score, contrast = ascent.run(search, next_layer, state.contrast, passes, tile.watch.ending)
         return replace(state, contrast=contrast), cells, steps.after(score)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 
 from sgicodec.encoder.tile.stages import fit, prepare, rd_model, rdoq_search, share
@@ -36,12 +35,12 @@ def best_by_seeds(tile: Tile, target: RateTarget, extra: float) -> Stream:
     def stream_at(lmbda: float, jumps: bool = True) -> Stream:
         prepared = prepare(tile, lmbda)
         controller = LambdaController(fitted_target, lmbda, _overhead(prepared, extra), jumps)
-        return _at_target(fit(share(prepared), controller, search_share=2.0), target)
+        return _at_target(fit(share(prepared), controller), target)
 
     lmbda = initial_lmbda(first, rd_model(prepare(tile, tile.fit.lmbda)), extra)
     found = stream_at(lmbda)
     is_near = target.psnr is not None and target.rate_error(found[1]) > -REFIT_MAX_ERROR
-    if target.is_missed(found[1]) and is_near and not tile.watch.was_ended and tile.settings.time_limit is None:
+    if target.is_missed(found[1]) and is_near and not tile.watch.was_ended:
         # Seeds were dropped that were needed: once more, from a smaller λ.
         return max(found, stream_at(0.5 * lmbda, jumps=False), key=lambda one: one[1].psnr)
     return found
@@ -72,7 +71,7 @@ def _optimised(start: TileState, target: RateTarget) -> tuple[TileState, Stream]
     controller, estimate = RdoqController(target, start.seed_lmbda), StreamEstimate()
     tries: list[tuple[TileState, Measured]] = []
     for number in range(search.settings.passes + MAX_EXTRA_PASSES):
-        began, may_end = time.monotonic(), number >= search.settings.passes - 1
+        may_end = number >= search.settings.passes - 1
         found = search.descend(controller.lmbda)
         state = replace(start, model=found.model, seed_lmbda=controller.lmbda)
         bits, psnr = found.cost.bits, decibels(found.cost.squared_error, tile.unit.size)
@@ -83,7 +82,7 @@ def _optimised(start: TileState, target: RateTarget) -> tuple[TileState, Stream]
             if may_end and target.is_met(guess):
                 return state, (written, guess)
         tries.append((state, guess))
-        if tile.watch.ending() or 2 * time.monotonic() - began > tile.time.end:
+        if tile.watch.ending():
             break
         controller.update(guess)
     met = [state for state, guess in tries if target.is_met(guess)]

@@ -81,7 +81,7 @@ def share(prepared: Prepared) -> Prepared:
     """Lets seeds count less where texture follows for fewer bits, as a short fit says."""
     tile = prepared.tile
     tile.watch.stage("prepare")
-    if not (tile.spec.texture and tile.effort.scout and tile.time.can_scout):
+    if not (tile.spec.texture and tile.effort.scout):
         return prepared
     weights, exact = tile.reference.weights, tile.effort.handover
     part = seed_weights(tile.spec, prepared.fit, prepared.costs, tile.header.family, exact)
@@ -90,10 +90,8 @@ def share(prepared: Prepared) -> Prepared:
     return replace(prepared, seed_reference=QuadraticReference(part if weights is None else part * weights))
 
 
-def fit(prepared: Prepared, controller: LambdaController | None = None, search_share: float = 1.0) -> TileState:
-    """Fits seeds, led by `controller` if there is one. Of a time limit it leaves about `search_share` times what a
-    search takes.
-    """
+def fit(prepared: Prepared, controller: LambdaController | None = None) -> TileState:
+    """Fits seeds, led by `controller` if there is one."""
     tile = prepared.tile
     trainer = Trainer(
         tile.spec,
@@ -103,7 +101,6 @@ def fit(prepared: Prepared, controller: LambdaController | None = None, search_s
         tile.header.family,
         load_prior(tile.spec) if tile.spec.context.prior else None,
         controller=controller,
-        seconds=tile.time.of_fit(search_share, tile.has_rdoq),
         device=tile.device,
         weights=prepared.seed_reference.weights,
     )
@@ -130,7 +127,7 @@ def _run(trainer: Trainer, prepared: Prepared) -> Reference:
         if not tile.watch.step(progress):
             break
         done = trainer.schedule.done if hands_over else 0.0
-        if done >= LOOK_AHEAD and ahead is None and tile.time.can_scout:
+        if done >= LOOK_AHEAD and ahead is None:
             ahead = Handover(trainer, prepared.costs).offsets_ahead()
         if done >= HANDOVER:
             hands_over = False
@@ -166,14 +163,14 @@ def with_model(prepared: Prepared, header: Header, model: TileModel, seed_lmbda:
 
 def rdoq(state: TileState, min_passes: int = 0) -> TileState:
     """The tile with the best symbols that RDOQ finds for the λ of its seeds, in at least so many passes."""
-    tile, until = state.tile, state.tile.time.search_end
+    tile = state.tile
     if not tile.has_rdoq:
         return state
     search = rdoq_search(state)
     if search.settings.passes == 1 and not tile.watch.ending():
         return replace(state, model=search.once(state.seed_lmbda))
     passes = max(search.settings.passes, min_passes)
-    found = search.at(state.seed_lmbda, passes, until, lambda: search.passes >= min_passes and tile.watch.ending())
+    found = search.at(state.seed_lmbda, passes, lambda: search.passes >= min_passes and tile.watch.ending())
     return replace(state, model=found.model)
 
 

@@ -20,7 +20,6 @@ from sgicodec.encoder.tile.restoration import Restorer, Strength
 from sgicodec.encoder.tile.sharing import TextureCosts
 from sgicodec.encoder.tile.texture_contrast import TextureContrasts
 from sgicodec.encoder.tile.texture_tuning import TUNINGS, TextureTuning
-from sgicodec.encoder.tile.time_limit import TimeLimit
 from sgicodec.metrics.distortion import Reference
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.texture_symbols import TextureSymbols
@@ -105,7 +104,6 @@ class Tile:
     """`unit` as the distortion sees it."""
     contrasts: TextureContrasts
     """Of texture, for any steps."""
-    time: TimeLimit
     watch: Watch
     device: Device
 

@@ -35,7 +35,7 @@ def best_by_texture(tile: Tile, target: RateTarget, extra: float) -> tuple[Writt
     if target.bytes is not None:
         lmbda = min(lmbda * 2.0**tile.tuning.larger, LMBDA_MAX)
     tried: list[_Tried] = []
-    for _ in range(1 if tile.settings.time_limit is not None else MAX_FITS):
+    for _ in range(MAX_FITS):
         # Without two passes, the seeds of a fit that was ended early may take more than the whole stream is to have.
         state = fit_seeds(tile, lmbda, min_passes=2)
         found, octaves, strength = _at_target(replace(state, strength=strength), target)

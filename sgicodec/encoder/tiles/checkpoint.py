@@ -36,14 +36,10 @@ COMMIT;
 
 
 def fingerprint(plan: Plan, picture: bytes) -> bytes:
-    """32 bytes that change with the settings, this program's version, or the digest of the picture. Of a time limit
-    only whether there is one counts: the next run may have more time, or less.
-    """
-    limited = plan.settings.time_limit is not None
-    software = plan.software.rpartition(b" ")[0] if limited else plan.software
-    settings = replace(plan.settings, time_limit=1.0 if limited else None)
+    """32 bytes that change with the settings, this program's version, or the digest of the picture."""
     blobs = asdict(plan.metadata) if plan.metadata else {}
-    return hashlib.sha256(encode_header(plan.header) + software + repr((settings, blobs)).encode() + picture).digest()
+    settings = plan.software + repr((plan.settings, blobs)).encode()
+    return hashlib.sha256(encode_header(plan.header) + settings + picture).digest()
 
 
 class Checkpoint:

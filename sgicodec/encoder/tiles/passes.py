@@ -15,7 +15,6 @@ from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tiles.interfaces import Finished, Store, Task, Version
 from sgicodec.encoder.tiles.runner import TileRunner
 from sgicodec.encoder.tiles.tasks import EncodedTile, FitTask, LookaheadTask, SearchTask, Start
-from sgicodec.encoder.tiles.time_budget import TimeBudget
 from sgicodec.metrics.distortion import decibels
 from sgicodec.model.steps import quality_index
 from sgicodec.rate_control.allocation import allocate
@@ -36,9 +35,8 @@ class TilePasses:
     """Encodes the tiles of a plan, each at first by `task`. A pass follows from the results of earlier passes alone, so
     that workers, order and interruptions do not matter.
 
-    error_of: squared error of a stream over the whole picture, samples in 0..1. shares: assigns each fit its seconds,
-    where time is the limit. draw_small: makes the overview of a stream whose tiles are fitted at this λ, if it is to
-    have one.
+    error_of: squared error of a stream over the whole picture, samples in 0..1. draw_small:
+    makes the overview of a stream whose tiles are fitted at this λ, if it is to have one.
     """
 
     def __init__(
@@ -48,13 +46,11 @@ class TilePasses:
         store: Store,
         reporter: PassReporter,
         error_of: Callable[[BinaryIO], float],
-        shares: TimeBudget | None = None,
         draw_small: Callable[[float], bytes] | None = None,
     ) -> None:
         plan = task.plan
         self.task, self.plan, self.runner, self.store = task, plan, runner, store
-        self.reporter, self.error_of = reporter, error_of
-        self.shares, self.draw_small = shares, draw_small
+        self.reporter, self.error_of, self.draw_small = reporter, error_of, draw_small
         self.overview: bytes | None = None
         header = plan.header
         self.all = range(header.grid.count)
@@ -71,7 +67,7 @@ class TilePasses:
     def _at_lmbda(self) -> Finished:
         """One pass at the λ of the plan."""
         self._make_overview(self.plan.settings.fit_settings().lmbda)
-        self._pass("tiles", 0, self.task, self.all, self._first)
+        self._pass("tiles", 0, self.task, self.all)
         last = self.store.tiles[Version(self.all[-1])]
         plan = self.plan if last.header is None else replace(self.plan, header=last.header)
         return Finished(plan, [Version(number) for number in self.all], last.lmbda, last.missed, self.overview)
@@ -202,9 +198,6 @@ class TilePasses:
             self._pass(kind.name, index, task, some, partial(self._start, base))
         return bool(numbers)
 
-    def _first(self, number: int) -> Start:
-        return Start() if self.shares is None else Start(seconds=self.shares.begin(number))
-
     def _start(self, base: dict[int, Version], number: int) -> Start:
         version = base[number]
         return Start(self.store.payload(version), self.store.tiles[version].lmbda)
@@ -251,11 +244,7 @@ class TilePasses:
         there = {number: Version(number, index) for number in numbers if Version(number, index) in self.store.tiles}
         self.reporter.begin(name, numbers, {number: self.store.tiles[version] for number, version in there.items()})
         missing = [number for number in numbers if number not in there]
-        if self.shares is not None:
-            self.shares.expect(missing)
         if missing:
             for number, tile in self.runner(task, missing, start):
-                if self.shares is not None:
-                    self.shares.done(number, tile)
                 self.store.add(Version(number, index), tile)
                 self.reporter.done(number, tile)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import atexit
 import threading
-import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -23,7 +22,7 @@ from sgicodec.image import Alpha, Source, open_source
 from sgicodec.image.used_range import SampleUse
 from sgicodec.picture import Picture
 
-__all__ = ["ReadingTask", "TileJob", "TileRunner", "TileTask", "make_ready"]
+__all__ = ["ReadingTask", "TileJob", "TileRunner", "TileTask"]
 
 Result = TypeVar("Result")
 
@@ -33,10 +32,6 @@ class TileJob(NamedTuple):
 
     window: Picture | None
     start: Start
-
-
-def make_ready() -> None:
-    """Loads what every fit needs, so that no tile's time pays for it: this module does when it is loaded."""
 
 
 class TileRunner:
@@ -52,23 +47,22 @@ class TileRunner:
         start: Callable[[int], Start],
         window: Picture | None = None,
     ) -> Iterator[tuple[int, Result]]:
-        """Results by tile, in any order. window: the pixels, instead of those that a tile covers. Where time is the
-        limit, a tile's begins when its worker is ready. Raises TileFailedError.
+        """Results by tile, in any order. window: the pixels, instead of those that a tile covers. Raises
+        TileFailedError.
         """
         executor, plan = self._executor, self._plan
         if not plan.header.tile:  # a listener hears of its steps, and its errors are the picture's
             tile = tile_window(self._windows, plan, 0)
             return iter([(0, task(0, tile, start(0), self._device))])
         device = executor.device(self._device, len(numbers))
-        ready = None if plan.settings.time_limit is None else make_ready
         if executor.place is not None and window is None:
             reading = ReadingTask(plan, executor.place, task, device, self._windows.page)
-            return executor.run(reading, numbers, lambda number: TileJob(None, start(number)), ready)
+            return executor.run(reading, numbers, lambda number: TileJob(None, start(number)))
 
         def job(number: int) -> TileJob:
             return TileJob(window or tile_window(self._windows, plan, number), start(number))
 
-        return executor.run(TileTask(task, device), numbers, job, ready)
+        return executor.run(TileTask(task, device), numbers, job)
 
 
 @dataclass(frozen=True)
@@ -98,7 +92,7 @@ class ReadingTask(Generic[Result]):
 
     def __call__(self, number: int, job: TileJob) -> Result:
         """What the task makes of the tile. Raises PictureError for another picture than the plan's."""
-        header, asked = self.plan.header, time.monotonic()
+        header = self.plan.header
         with _reading:
             use = SampleUse(header.sample_range, header.blank, header.has_exact)
             source = _opened(self.place, use, _ALPHA.get(header.channels, "auto"), self.page)
@@ -106,7 +100,7 @@ class ReadingTask(Generic[Result]):
             if found != (header.width, header.height, header.channels, header.sample_type):
                 raise PictureError(f"{self.place}: this is another picture than the one being encoded")
             window = source.read(*header.grid.rect(number))
-        job = TileJob(self.plan.of_header(window), job.start.later(time.monotonic() - asked))
+        job = TileJob(self.plan.of_header(window), job.start)
         return TileTask(self.task, self.device)(number, job)
 
 

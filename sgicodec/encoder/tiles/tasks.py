@@ -53,8 +53,6 @@ class EncodedTile:
     """Bytes of the payload, which may not be here."""
     lmbda: float
     """Its λ."""
-    decoding: float = 0.0
-    """Seconds that it took to decode it."""
     steps: int = 0
     """Of its fit."""
     fitted_by: str = ""
@@ -68,17 +66,10 @@ class EncodedTile:
 
 
 class Start(NamedTuple):
-    """Where a search begins: the payload of a tile's chunk and the λ that it was made for. seconds: that the tile
-    may take, instead of a number of steps.
-    """
+    """Where a search begins: the payload of a tile's chunk and the λ that it was made for."""
 
     payload: bytes = b""
     lmbda: float = 0.0
-    seconds: float | None = None
-
-    def later(self, seconds: float) -> Start:
-        """The same after `seconds` have passed."""
-        return self if self.seconds is None else self._replace(seconds=max(1e-3, self.seconds - seconds))
 
 
 @dataclass(frozen=True)
@@ -103,22 +94,17 @@ class LookaheadTask:
 @dataclass(frozen=True)
 class FitTask:
     """Fits a tile at the plan's λ, or the only one towards the plan's target. listener: who is told, in this process;
-    without one, the work ends where nobody waits for it any more. started: when the encode of the only tile began, a
-    value of time.monotonic().
+    without one, the work ends where nobody waits for it any more.
     """
 
     plan: Plan
     listener: TileListener | None = None
-    started: float | None = None
 
     def __call__(self, number: int, window: Picture, start: Start, device: Device) -> EncodedTile:
         """Fits the pixels that the tile covers, apron included."""
-        began, seconds = time.monotonic(), start.seconds
-        if self.started is not None:
-            began, seconds = self.started, self.plan.settings.time_limit
-        listener = self.listener or _Waiting()
+        began, listener = time.monotonic(), self.listener or _Waiting()
         listener.stage("prepare")
-        tile = tile_of(window, self.plan, device, number, listener=listener, started=began, seconds=seconds)
+        tile = tile_of(window, self.plan, device, number, listener=listener)
         written, missed = _fitted(tile)
         watch = tile.watch
         return replace(
@@ -201,15 +187,12 @@ def _finished(tile: Tile, written: WrittenTile, began: float) -> EncodedTile:
     if tile.is_only:
         seconds = time.monotonic() - began
         return EncodedTile(*known, math.nan, math.nan, 0, seconds, size, written.lmbda, header=written.header)
-    coded = time.monotonic()
-    shown = decoded(written, tile)
-    decoding = time.monotonic() - coded
-    core, weights = _core(tile), tile.reference.weights
+    shown, core, weights = decoded(written, tile), _core(tile), tile.reference.weights
     ours, theirs = (replace(picture, pixels=picture.pixels[core]) for picture in (tile.picture, shown))
     error = squared_error(ours, theirs)
     distortion = error if weights is None else squared_error(ours, theirs, weights[core])
     seconds = time.monotonic() - began
-    return EncodedTile(*known, error, distortion, ours.pixels.size, seconds, size, lmbda, decoding)
+    return EncodedTile(*known, error, distortion, ours.pixels.size, seconds, size, lmbda)
 
 
 def _core(tile: Tile) -> tuple[slice, slice]:

@@ -227,7 +227,7 @@ def test_first_interrupt_of_a_fit_ends_it_second_gives_up(
     sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def fit(*_: Any, progress: NullListener, **__: Any) -> None:
-        state = Progress(step=3, steps=9, seeds=1, psnr=20.0, bits=0.0, seconds=0.1)
+        state = Progress(step=3, steps=9, seeds=1, psnr=20.0, bits=0.0)
         assert progress.step(state)
         signal.raise_signal(signal.SIGINT)
         assert not progress.step(state)

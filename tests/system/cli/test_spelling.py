@@ -22,8 +22,8 @@ Run = Callable[..., Result]
         ("encode scene.png -q80 percent", "-q80 percent", "-q 80"),
         ("encode scene.png --bpp 1 bpp", "--bpp 1 bpp", "--bpp 1"),
         ("encode scene.png --psnr 35 dB -f", "--psnr 35 dB", "--psnr 35"),
-        ("encode scene.png --time-limit 5 s", "--time-limit 5 s", "--time-limit 5"),
-        ("encode scene.png --time-limit 2 min", "--time-limit 2 min", "--time-limit 120"),
+        ("serve streams --max-age 5 s", "--max-age 5 s", "--max-age 5"),
+        ("serve streams --max-age 2 min", "--max-age 2 min", "--max-age 120"),
         ("encode scene.png --tile 512 px", "--tile 512 px", "--tile 512"),
         ("encode scene.png --range 0, 1", "--range 0, 1", "--range 0,1"),
         ("encode scene.png --range 0 4095", "--range 0 4095", "--range 0,4095"),
@@ -94,7 +94,6 @@ def test_there_is_no_lossless_mode(sgi: Run, picture: Path, command: str, option
         ("--bpp 1bpp", "a number of bits per pixel, as in 0.5"),
         ("-e fast", "a valid integer from 1 to 9, as in 2 (fast)"),
         ("--effort 2.5", "a valid integer from 1 to 9"),
-        ("--time-limit soon", "a number of seconds, as in 60"),
     ],
 )
 def test_a_word_for_a_number(sgi: Run, picture: Path, line: str, wanted: str) -> None:

@@ -18,8 +18,7 @@ pytest.importorskip("distributed")
 
 from sgicodec import EncodeSettings, encode_picture, read
 from sgicodec.cli.main import cli
-from sgicodec.decoder.stream import open_stream
-from sgicodec.device import ONE_THREAD, Device
+from sgicodec.device import ONE_THREAD
 from sgicodec.encoder.input.windows import windows_of
 from sgicodec.encoder.plan import Plan, stream_plan
 from sgicodec.encoder.tiles.runner import ReadingTask, TileJob
@@ -27,7 +26,6 @@ from sgicodec.encoder.tiles.tasks import FitTask, Start
 from sgicodec.errors import PictureError, TileFailedError, UsageError
 from sgicodec.executors.dask import open_cluster
 from sgicodec.image import open_source, write
-from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Picture
 
 
@@ -50,42 +48,6 @@ def test_a_worker_that_dies_is_survived(tmp_path: Path) -> None:
         assert (tmp_path / "died").exists()
         with pytest.raises(TileFailedError, match="tile 3: no such picture"):
             dict(cluster.run(refuses, [3], lambda number: number))
-
-
-def mark(folder: Path) -> None:
-    (folder / f"ready {os.getpid()}").touch()
-
-
-def test_where_time_counts_no_tile_waits_at_a_worker(tmp_path: Path) -> None:
-    """All workers are ready before the first job is made, and there are never more jobs than workers."""
-    made: list[int] = []
-    done: list[int] = []
-
-    def job_of(number: int) -> int:
-        assert len(list(tmp_path.iterdir())) == 2
-        made.append(number)
-        assert len(made) - len(done) <= 2
-        return number
-
-    with open_cluster("local:2") as cluster:
-        for number, _ in cluster.run(mul, range(7), job_of, partial(mark, tmp_path)):
-            done.append(number)
-    assert sorted(done) == list(range(7))
-
-
-def mul(number: int, job: int) -> int:
-    return 10 * job
-
-
-@pytest.mark.parametrize("options", [(), pytest.param(("--send-pixels",), marks=pytest.mark.slow)])
-def test_a_time_limit_on_a_cluster(photo: Path, tmp_path: Path, options: tuple[str, ...]) -> None:
-    from click.testing import CliRunner
-
-    out = tmp_path / "out.sgi"
-    arguments = ["encode", str(photo), str(out), "--tile", "64", "--time-limit", "1", "--cluster", "local:2", *options]
-    result = CliRunner().invoke(cli, arguments)
-    assert result.exit_code == 0, result.output
-    assert psnr(read(photo).pixels, open_stream(out).picture().pixels) > 15
 
 
 @pytest.mark.parametrize("options", [pytest.param((), marks=pytest.mark.slow), ("--send-pixels",)])
@@ -187,23 +149,6 @@ def test_workers_read_paths_and_urls(photo: Path, settings: EncodeSettings, tmp_
         ReadingTask(plan, str(other), work, ONE_THREAD)(0, job)
     with pytest.raises(PictureError):
         ReadingTask(plan, (tmp_path / "missing.png").as_uri(), work, ONE_THREAD)(0, job)
-
-
-def seconds_assigned(number: int, window: Picture, start: Start, device: Device) -> float | None:
-    return start.seconds
-
-
-def test_reading_is_part_of_a_tile_s_time(
-    photo: Path, settings: EncodeSettings, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    plan = plan_of(photo, settings)
-    work = ReadingTask(plan, str(photo), seconds_assigned, ONE_THREAD)
-    clock = iter([100.0, 103.0, 200.0, 290.0])
-    monkeypatch.setattr("sgicodec.encoder.tiles.runner.time.monotonic", lambda: next(clock))
-    assert work(0, TileJob(None, Start(seconds=10.0))) == pytest.approx(7.0)
-    assert 0 < (work(0, TileJob(None, Start(seconds=10.0))) or 0) < 0.01
-    monkeypatch.undo()
-    assert work(0, TileJob(None, Start())) is None
 
 
 @pytest.mark.parametrize("address", [3, None, b"local:2"])

@@ -37,8 +37,8 @@ def expected(photo: Path, settings: EncodeSettings) -> bytes:
 class Backwards(SerialExecutor):
     """Takes the tiles in the opposite order."""
 
-    def run(self, task: Any, numbers: Iterable[int], job_of: Any, make_ready: Any = None) -> Iterator[tuple[int, Any]]:
-        return super().run(task, sorted(numbers, reverse=True), job_of, make_ready)
+    def run(self, task: Any, numbers: Iterable[int], job_of: Any) -> Iterator[tuple[int, Any]]:
+        return super().run(task, sorted(numbers, reverse=True), job_of)
 
 
 @pytest.mark.parametrize("executor", [SerialExecutor(), Backwards(), ProcessExecutor(2)], ids=type)

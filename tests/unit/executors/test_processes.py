@@ -78,12 +78,18 @@ def test_the_input_is_to_blame_at_once(tmp_path: Path) -> None:
     assert (tmp_path / "tries").read_text() == "x"
 
 
-def mark(folder: Path) -> None:
-    (folder / f"ready {os.getpid()}").touch()
+class Marking:
+    """Leaves a mark when a process has it and can begin."""
 
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
 
-def pid(number: int, job: int) -> int:
-    return os.getpid()
+    def __setstate__(self, state: dict[str, Path]) -> None:
+        self.folder = state["folder"]
+        (self.folder / f"ready {os.getpid()}").touch()
+
+    def __call__(self, number: int, job: int) -> int:
+        return os.getpid()
 
 
 def test_jobs_are_made_when_a_process_can_begin(tmp_path: Path) -> None:
@@ -94,20 +100,27 @@ def test_jobs_are_made_when_a_process_can_begin(tmp_path: Path) -> None:
         ready.append(len(list(tmp_path.iterdir())))
         return number
 
-    found = dict(ProcessExecutor(2).run(pid, range(6), job_of, partial(mark, tmp_path)))
+    found = dict(ProcessExecutor(2).run(Marking(tmp_path), range(6), job_of))
     assert len(found) == 6
     assert {f"ready {process}" for process in found.values()} <= {path.name for path in tmp_path.iterdir()}
     assert ready[0] >= 1
     assert ready == sorted(ready)
 
 
-def cannot_begin() -> None:
-    os._exit(5)
+class CannotBegin:
+    def __setstate__(self, state: object) -> None:
+        os._exit(5)
+
+    def __getstate__(self) -> str:
+        return "a state"
+
+    def __call__(self, number: int, job: int) -> int:
+        return number
 
 
 def test_a_process_that_cannot_begin_fails_its_tile() -> None:
     with pytest.raises(TileFailedError, match=r"tile \d: its process ended with status 5"):
-        list(ProcessExecutor(2).run(square, range(3), lambda number: number, cannot_begin))
+        list(ProcessExecutor(2).run(CannotBegin(), range(3), lambda number: number))
 
 
 def test_what_the_reader_raises_comes_through() -> None:

@@ -49,13 +49,6 @@ def test_all_results_of_several_at_once() -> None:
     assert asked == sorted(done) == list(range(6))
 
 
-def test_readiness_comes_first() -> None:
-    seen = list[str]()
-    run = ThreadExecutor(2).run(lambda *_: None, range(2), lambda _: seen.append("job"), lambda: seen.append("ready"))
-    assert dict(run) == {0: None, 1: None}
-    assert seen == ["ready", "job", "job"]
-
-
 def test_a_second_try() -> None:
     tries, lock = Counter[int](), Lock()
 

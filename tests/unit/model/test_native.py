@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from specs import several
 
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.model.context import LEVELS, level_inputs, nearest_by_pass, output_columns, output_count
@@ -23,7 +24,7 @@ from sgicodec.profiles.default import default_spec
 from sgicodec.profiles.paper import paper_spec
 
 ONE = 1 << 24
-SPECS = [default_spec(3), default_spec(1, per_seed=3), default_spec(5, per_seed=2), default_spec(4, per_seed=4)]
+SPECS = [default_spec(3), several(default_spec(1), 3), several(default_spec(5), 2), several(default_spec(4), 4)]
 DETAIL = np.random.default_rng(0).normal(size=(3, 90, 150)) * np.linspace(0, 1, 150) ** 2
 LAYOUT = adaptive_layout(DETAIL.astype(np.float32), 5.0)
 every_spec = pytest.mark.parametrize("spec", SPECS)

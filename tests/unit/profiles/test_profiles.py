@@ -52,7 +52,6 @@ def test_short_fits_beneath_texture_are_hurried() -> None:
         EncodeSettings(steps=200, texture=False),
         EncodeSettings(steps=300),
         EncodeSettings(steps=50, bpp=1.0),
-        EncodeSettings(effort=1, time_limit=5.0),
     )
     assert not any(settings.fit_settings().hurried for settings in unhurried)
 

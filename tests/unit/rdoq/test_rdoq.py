@@ -39,15 +39,6 @@ def test_more_passes_never_cost(stage: Stage) -> None:
     assert costs == sorted(costs, reverse=True)
 
 
-def test_it_stops_when_time_is_up(stage: Stage) -> None:
-    """Before the second pass: the outcome is that of one."""
-    objective, model = stage()
-    search = Rdoq(objective.header, model, objective.picture, 1e-3, device=objective.device)
-    found, expected = search.at(1e-3, until=0.0), search.at(1e-3, passes=1)
-    assert found.cost == expected.cost
-    np.testing.assert_array_equal(joined(found.model), joined(expected.model))
-
-
 def test_one_pass_is_the_same_without_a_look(stage: Stage) -> None:
     objective, model = stage()
     search = Rdoq(objective.header, model, objective.picture, 1e-3, device=objective.device)

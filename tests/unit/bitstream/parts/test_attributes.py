@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from page_attributes import PageAttributes, Seed
+from specs import several
 from surgery import split
 
 from sgicodec import _native
@@ -34,7 +35,6 @@ from sgicodec.profiles.default import default_spec
 GOLDEN = Path(__file__).parents[3] / "conformance" / "golden"
 STREAMS = [
     "rgb8",
-    "rgb8-two-per-seed",
     "rgb8-own-context",
     "gray8-alpha",
     "multi8",
@@ -98,7 +98,7 @@ def test_damage_is_told_alike(name: str) -> None:
 
 
 @pytest.mark.parametrize("threads", [1, 2, 3])
-@pytest.mark.parametrize("spec", [default_spec(1), default_spec(3), default_spec(2, per_seed=2)])
+@pytest.mark.parametrize("spec", [default_spec(1), default_spec(3), several(default_spec(2), 2)])
 def test_passes_of_many_runs(spec: ModelSpec, threads: int) -> None:
     """Thousands of seeds in a pass are worked on in several runs, and groups of one step are larger than the last's."""
     spec = replace(spec, base_cell=0)
@@ -135,7 +135,7 @@ def test_seeds_without_neighbours_see_their_own_shape() -> None:
     np.testing.assert_array_equal(read.decoded, quantise(alone, model).decoded)
 
 
-@pytest.mark.parametrize("name", ["gray16", "rgb8-tiles", "rgb8-two-per-seed", "multi8", "paper-rgb8"])
+@pytest.mark.parametrize("name", ["gray16", "rgb8-tiles", "multi8", "paper-rgb8"])
 def test_the_page_reads_the_same(name: str) -> None:
     """With symbols of the native reader, which comes to the attributes by reading what lies before them."""
     header, payload = payload_of(name)

@@ -34,8 +34,7 @@ def shared(pixels: np.ndarray, channels: Any = "rgb", **settings: Any) -> Prepar
     picture = Picture(pixels, channels, (0.0, 255.0))
     every: dict[str, Any] = {"lmbda": LMBDA, "effort": 2, "tune": "psnr"} | settings
     plan = stream_plan(Shape.of(picture), EncodeSettings(**every))
-    limit = plan.settings.time_limit
-    return share(prepare(tile_of(picture, plan, seconds=limit), plan.settings.fit_settings().lmbda))
+    return share(prepare(tile_of(picture, plan), plan.settings.fit_settings().lmbda))
 
 
 @pytest.mark.parametrize(("effort", "most"), [(2, 0.15), (5, 0.25)])
@@ -104,11 +103,6 @@ def test_the_shortest_fits_have_no_shorter_one_before_them() -> None:
     part = shared(half_texture(), effort=1)
     assert part.seed_reference is part.tile.reference
     assert part.fit.lmbda == UNSCOUTED_PRICE * LMBDA
-
-
-def test_a_short_time_limit_leaves_no_time_to_scout() -> None:
-    part = shared(half_texture(), time_limit=0.01)
-    assert part.seed_reference is part.tile.reference
 
 
 @pytest.mark.parametrize(

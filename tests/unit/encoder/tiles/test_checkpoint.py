@@ -187,11 +187,3 @@ def test_the_mark_tells_settings_and_sources_apart(photo: Path, settings: Encode
         mark_of(photo, replace(settings, tile=63)),
     }
     assert len(marks) == 6
-
-
-def test_another_time_limit_goes_on_where_one_was_the_limit(photo: Path, settings: EncodeSettings) -> None:
-    settings = replace(settings, steps=None)
-    marks = [mark_of(photo, replace(settings, time_limit=limit)) for limit in (3.0, 40.0, None)]
-    assert marks[0] == marks[1] != marks[2]
-    other = mark_of(photo, replace(settings, time_limit=3.0, quality=51))
-    assert other != marks[0]
