@@ -55,13 +55,13 @@ class TileModel:
     base_step: int
     base: I64
     decoders: dict[str, I64]
-    decoder_shift: int
     networks: tuple[IntNetwork, ...]
     hash_tables: list[I64]
     attributes: dict[str, F64] | None = None
     decoded: I64 | None = None
     texture: TextureSymbols | None = None
     restoration: Restoration | None = None
+    decoder_shift: int = 0
 
     @property
     def decoded_values(self) -> F64:
@@ -137,12 +137,12 @@ def read_tile(header: Header, payload: bytes, device: Device = ONE_THREAD) -> tu
         read.base_step,
         read.base,
         read.decoders,
-        read.decoder_shift,
         tuple(IntNetwork(*network) for network in read.networks),
         [part.reshape(-1, header.spec.context.hash_features) for part in signs],
         decoded=read.decoded,
         texture=layer_of(read.texture, (header.width, header.height)),
         restoration=None if read.restoration is None else _restoration_of(*read.restoration),
+        decoder_shift=read.decoder_shift,
     )
     return model, read
 

@@ -148,10 +148,10 @@ def in_integers(prepared: Prepared, fitted: Fitted) -> TileState:
         prepared.base_step,
         prepared.base,
         {name: np.rint(w * 2.0**fitted.decoder_shift).astype(np.int64) for name, w in fitted.decoders.items()},
-        fitted.decoder_shift,
         load_prior(header.spec) if keeps_prior else fitted.networks,
         fitted.hash_bits,
         fitted.attributes,
+        decoder_shift=fitted.decoder_shift,
     )
     return with_model(prepared, replace(header, quality=fitted.quality), model, fitted.lmbda)
 

@@ -170,6 +170,8 @@ def skip_to_attributes(reader: SymbolReader, header: Header) -> None:
         reader.read_predicted_positions(scenery, 10**5, 1, ONE_THREAD.isa)
     else:
         reader.read_positions((header.width, header.height), 10**5)
+    if spec.hidden:
+        reader.read_bits(5, 1)
     for weights in decoder_shapes(spec).values():
         reader.read_weights(math.prod(weights))
     if counts := hash_counts(spec, header.width, header.height):
