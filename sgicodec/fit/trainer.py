@@ -14,9 +14,8 @@ from sgicodec.device import ALL_CORES, PROCESSOR, Device
 from sgicodec.fit.adam import Adam
 from sgicodec.fit.context_weights import ContextWeights
 from sgicodec.fit.densification import worthwhile_cells
-from sgicodec.fit.feature_step import FeatureStep
-from sgicodec.fit.fused_step import FusedStep
-from sgicodec.fit.parameters import GradientStep, Parameters, learning_rate_of
+from sgicodec.fit.gradient_steps import gradient_step_of
+from sgicodec.fit.parameters import Parameters, learning_rate_of
 from sgicodec.fit.pyramid import levels_of
 from sgicodec.fit.schedule import Schedule, evenly, passed
 from sgicodec.fit.seed_set import SeedSet
@@ -108,7 +107,8 @@ class Trainer:
         self.gradients: dict[str, F32] = {}
         self.adam = Adam(settings.rates.betas, settings.rates.epsilon, device)
         self.on_gpu = self._device_fit(family, device) if context is None else None
-        self.gradient_step = self._gradient_step(family, device)
+        _, height, width = target.shape
+        self.gradient_step = gradient_step_of(spec, settings, self.raster, (width, height), family, device)
         (self.on_gpu or self.gradient_step).set_layout(self.seeds.layout, self.quality)
         self.step = 0
         self.centred = False
@@ -265,25 +265,6 @@ class Trainer:
             return None
         gpu, seed = opened(device.gpu), self.settings.seed
         return DeviceFit(self.spec, seed, gpu, self.parameters, self.adam, self.raster.cutoff)
-
-    def _gradient_step(self, family: int, device: Device) -> GradientStep:
-        if family and self.settings.loss == "squared" and FusedStep.can_run(self.spec):
-            return FusedStep(self.spec, self.settings.seed, self.raster, device)
-        if not family and FeatureStep.can_run(self.spec, self.settings):
-            return self._feature_step(device)
-        raise ValueError("no step computes this model and loss")
-
-    def _feature_step(self, device: Device) -> FeatureStep:
-        """The paper profile's step, on the GPU that was asked for if its kernels have this model."""
-        _, height, width = self.levels[0].samples.shape
-        if device.gpu is not None:
-            from sgicodec.cuda.gpu import opened
-            from sgicodec.fit.device_feature_step import DeviceFeatureStep
-
-            if DeviceFeatureStep.can_run(self.spec, self.settings):
-                gpu, cutoff = opened(device.gpu), self.raster.cutoff
-                return DeviceFeatureStep(self.spec, self.settings, gpu, (width, height), cutoff)
-        return FeatureStep(self.spec, self.settings, self.raster, (width, height), device)
 
     def _hash_sizes(self) -> tuple[int, ...]:
         """Entries of the hash grid's tables."""
