@@ -130,7 +130,7 @@ def test_options_reach_the_encoder(
         ("-q 50 --lmbda 1", "exclude each other"),
         ("-q 50 --psnr 30", "--quality and --psnr exclude each other"),
         ("--lmbda 1 --bpp 1", "--lmbda and --bpp exclude each other"),
-        ("--bpp 1 --size 1kB", "--bpp and --size exclude each other"),
+        ("--bpp 1 --size 1kB", "--size and --bpp exclude each other"),
         ("--psnr 0", "positive"),
         ("--psnr nan", "positive"),
         ("--bpp -1", "positive"),
