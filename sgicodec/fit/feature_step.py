@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -79,6 +80,8 @@ class FeatureStep:
         self.native = _native.FeatureFit(device.isa, device.threads, *sizes, *hashed)
         self.spec, self.settings, self.raster, self.size = spec, settings, raster, size
 
+    _zeros: F32 = np.zeros(0, np.float32)
+
     @staticmethod
     def can_run(spec: ModelSpec, settings: FitSettings) -> bool:
         """Whether the native code has this: uniform seeds with scales and features, which plain MLPs turn into rotated
@@ -108,7 +111,7 @@ class FeatureStep:
             decoders=decoders,
             first=context.first,
             rest=context.rest,
-            tables=np.concatenate([table.reshape(-1) for table in context.tables]),
+            tables=self._flat_tables(context.tables, priced),
             steps=parameters.steps[: sum(base_counts(self.spec))].reshape(-1, LEVELS)[:, 0].copy(),
             rounding=rounding,
             priced=priced,
@@ -138,7 +141,8 @@ class FeatureStep:
         )
         (_, error), slopes = self._draw(gaussians, level)
         values = np.empty_like(feature), np.empty_like(scales), np.empty_like(offset)
-        sums, tables = np.empty(self.native.sums(given.priced), np.float32), np.empty_like(given.tables)
+        sums = np.empty(self.native.sums(given.priced), np.float32)
+        tables = np.empty_like(given.tables) if given.priced else given.tables
         self.native.backward(*slopes, given.price / given.share, given.price, *values, sums, tables)
         return FeatureOutputs(error, bits, values, sums, tables)
 
@@ -156,11 +160,20 @@ class FeatureStep:
         """Mean absolute error and the sum of squares, and the gradients of the former in the Gaussians."""
         return self.raster.error(*gaussians, level.samples, "absolute", 1.0 / level.samples.size, level.weights)
 
+    def _flat_tables(self, tables: list[F32], are_read: bool) -> F32:
+        """θ of all resolutions; where nothing reads them, as many zeros."""
+        if are_read:
+            return np.concatenate([table.reshape(-1) for table in tables])
+        size = sum(table.size for table in tables)
+        if len(self._zeros) != size:
+            self._zeros = np.zeros(size, np.float32)
+        return self._zeros
+
     def _of_decoders(self, flat: F32) -> dict[str, F32]:
         """Gradients of the decoders' weights by the names that they train under."""
         gradients, at = {}, 0
         for name, shape in decoder_shapes(self.spec).items():
-            size = int(np.prod(shape))
+            size = math.prod(shape)
             gradients[f"decoder_{name}"] = flat[at : at + size].reshape(shape)
             at += size
         return gradients

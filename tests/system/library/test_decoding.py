@@ -170,9 +170,9 @@ def test_a_tile_takes_no_more_than_it_may(path: Path, library: Library) -> None:
 @pytest.mark.parametrize(
     ("name", "tile_bytes", "text"),
     [
-        ("rgb8", 1 << 8, "base layer: values are 72; a tile holds at most 10"),
+        ("rgb8", 1 << 8, "base layer: values are 18; a tile holds at most 10"),
         ("rgb8", 1 << 20, "positions: more than 330 seeds"),
-        ("rgb8-texture", 1 << 18, "samples with texture are 73728; a tile holds at most"),
+        ("rgb8-luma", 1 << 18, "samples with texture are 73728; a tile holds at most"),
     ],
 )
 def test_what_takes_too_much_is_named(library: Library, name: str, tile_bytes: int, text: str) -> None:
