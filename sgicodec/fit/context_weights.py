@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec.fit.weight_bits import price_slope
+from sgicodec.fit.weight_bits import ADDED_UNITS, price_slope
 from sgicodec.model.context import input_count, output_count
 from sgicodec.model.network import DIFFERENCE_SHIFT, IntNetwork
 from sgicodec.model.spec import ModelSpec
@@ -130,7 +130,7 @@ class ContextWeights:
             raise ValueError("the weights have no differences")
         sums = np.zeros_like(self._counts)
         np.add.at(sums, self._tensor, np.abs(self.difference) * np.float32(2.0**DIFFERENCE_SHIFT))
-        mean = (sums / self._counts + np.float32(0.05)) * np.float32(math.log(2.0))
+        mean = (sums / self._counts + np.float32(ADDED_UNITS)) * np.float32(math.log(2.0))
         slope = (np.float32(lmbda) / mean)[self._tensor]
         gradient: F32 = slope * np.sign(self.difference) * np.float32(2.0**DIFFERENCE_SHIFT)
         return gradient

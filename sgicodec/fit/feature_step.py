@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 
 from sgicodec import _native
 from sgicodec.device import Device
+from sgicodec.fit.context_weights import shaped
 from sgicodec.fit.fused_step import ROUNDINGS
 from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.parameters import Parameters, StepResult
@@ -17,7 +17,7 @@ from sgicodec.fit.pyramid import Level
 from sgicodec.fit.step_sizes import base_counts
 from sgicodec.fit.weight_bits import price_slope, with_weight_noise
 from sgicodec.model.context import LEVELS
-from sgicodec.model.gaussians import decoder_shapes
+from sgicodec.model.gaussians import decoder_shapes, empty_gaussians
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.fit_settings import FitSettings, Rounding
@@ -80,8 +80,6 @@ class FeatureStep:
         self.native = _native.FeatureFit(device.isa, device.threads, *sizes, *hashed)
         self.spec, self.settings, self.raster, self.size = spec, settings, raster, size
 
-    _zeros: F32 = np.zeros(0, np.float32)
-
     @staticmethod
     def can_run(spec: ModelSpec, settings: FitSettings) -> bool:
         """Whether the native code has this: uniform seeds with scales and features, which plain MLPs turn into rotated
@@ -111,7 +109,7 @@ class FeatureStep:
             decoders=decoders,
             first=context.first,
             rest=context.rest,
-            tables=self._flat_tables(context.tables, priced),
+            tables=np.concatenate([table.reshape(-1) for table in context.tables]),
             steps=parameters.steps[: sum(base_counts(self.spec))].reshape(-1, LEVELS)[:, 0].copy(),
             rounding=rounding,
             priced=priced,
@@ -132,7 +130,8 @@ class FeatureStep:
 
     def _evaluate(self, given: FeatureInputs, level: Level) -> FeatureOutputs:
         """The step but for what weights cost."""
-        gaussians, (feature, scales, offset) = self._gaussian_arrays(), given.values
+        gaussians = empty_gaussians(self.count * self.spec.per_seed, self.spec.channels)
+        feature, scales, offset = given.values
         bits = self.native.forward(
             *(feature, scales, offset, given.decoders, given.first, given.rest, given.tables, given.steps),
             *(ROUNDINGS[given.rounding], given.priced, given.noise.key, given.noise.negative),
@@ -142,7 +141,7 @@ class FeatureStep:
         (_, error), slopes = self._draw(gaussians, level)
         values = np.empty_like(feature), np.empty_like(scales), np.empty_like(offset)
         sums = np.empty(self.native.sums(given.priced), np.float32)
-        tables = np.empty_like(given.tables) if given.priced else given.tables
+        tables = np.empty_like(given.tables)
         self.native.backward(*slopes, given.price / given.share, given.price, *values, sums, tables)
         return FeatureOutputs(error, bits, values, sums, tables)
 
@@ -152,28 +151,12 @@ class FeatureStep:
         self.native.bits(out)
         return out
 
-    def _gaussian_arrays(self) -> tuple[F32, F32, F32]:
-        n = self.count * self.spec.per_seed
-        return np.empty((n, 2), np.float32), np.empty((n, 3), np.float32), np.empty((n, self.spec.channels), np.float32)
-
     def _draw(self, gaussians: tuple[F32, F32, F32], level: Level) -> tuple[Errors, tuple[F32, F32, F32]]:
         """Mean absolute error and the sum of squares, and the gradients of the former in the Gaussians."""
         return self.raster.error(*gaussians, level.samples, "absolute", 1.0 / level.samples.size, level.weights)
 
-    def _flat_tables(self, tables: list[F32], are_read: bool) -> F32:
-        """θ of all resolutions; where nothing reads them, as many zeros."""
-        if are_read:
-            return np.concatenate([table.reshape(-1) for table in tables])
-        size = sum(table.size for table in tables)
-        if len(self._zeros) != size:
-            self._zeros = np.zeros(size, np.float32)
-        return self._zeros
-
     def _of_decoders(self, flat: F32) -> dict[str, F32]:
         """Gradients of the decoders' weights by the names that they train under."""
-        gradients, at = {}, 0
-        for name, shape in decoder_shapes(self.spec).items():
-            size = math.prod(shape)
-            gradients[f"decoder_{name}"] = flat[at : at + size].reshape(shape)
-            at += size
-        return gradients
+        shapes = decoder_shapes(self.spec)
+        parts = shaped(list(shapes.values()), flat)
+        return {f"decoder_{name}": part for name, part in zip(shapes, parts, strict=True)}

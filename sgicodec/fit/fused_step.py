@@ -14,7 +14,7 @@ from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.parameters import Parameters, StepResult
 from sgicodec.fit.pyramid import Level
 from sgicodec.model.context import neighbour_table
-from sgicodec.model.gaussians import MIN_VARIANCE, colour_matrix
+from sgicodec.model.gaussians import MIN_VARIANCE, colour_matrix, empty_gaussians
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.neighbours import nearest_seeds
 from sgicodec.model.spec import ContextSpec, ModelSpec
@@ -87,7 +87,8 @@ class FusedStep:
         """As `GradientStep.run`."""
         colour, shape, offset = values = [parameters.seeds.values[name] for name in _GROUPS]
         context, noise = parameters.context, NoiseKey.of(self.seed, number)
-        gaussians, reuse = self._gaussian_arrays(), reuse_of(self.age, rounding, context)
+        gaussians = empty_gaussians(self.count * self.spec.per_seed, self.spec.channels)
+        reuse = reuse_of(self.age, rounding, context)
         rest = context.effective_rest()  # the backward pass reads it again
         bits = self.native.forward(
             colour,
@@ -131,10 +132,6 @@ class FusedStep:
         out = np.empty(self.count, np.float32)
         self.native.bits(out)
         return out
-
-    def _gaussian_arrays(self) -> tuple[F32, F32, F32]:
-        n = self.count * self.spec.per_seed
-        return np.empty((n, 2), np.float32), np.empty((n, 3), np.float32), np.empty((n, self.spec.channels), np.float32)
 
     def _draw(self, gaussians: tuple[F32, F32, F32], level: Level) -> tuple[float, tuple[F32, F32, F32]]:
         """Squared error without weights, and the gradients of that with weights in the Gaussians at full size."""

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from sgicodec.fit.noise import NoiseKey, hashed_noise
 
-__all__ = ["decoder_shift", "price_slope", "with_weight_noise"]
+__all__ = ["ADDED_UNITS", "decoder_shift", "price_slope", "with_weight_noise"]
 
 F32 = NDArray[np.float32]
 
-_ADDED = 0.05
+ADDED_UNITS = 0.05
 """Units that are added to a mean magnitude, so that an array of zeros has a price."""
 
 
@@ -21,7 +21,7 @@ def price_slope(weights: F32, shift: int, price: float) -> F32:
     """Gradient of `price` times the bits of weights in units of 2^-shift, under the Laplacian of their own mean
     magnitude, which is taken as given.
     """
-    mean = float(np.abs(weights).mean()) * 2.0**shift + _ADDED
+    mean = float(np.abs(weights).mean()) * 2.0**shift + ADDED_UNITS
     slope: F32 = np.float32(price * 2.0**shift / (mean * math.log(2.0))) * np.sign(weights)
     return slope
 

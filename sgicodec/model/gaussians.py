@@ -13,7 +13,14 @@ from sgicodec.device import Device
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ModelSpec
 
-__all__ = ["MIN_VARIANCE", "colour_matrix", "decoder_shapes", "gaussians_from_seeds", "model_gaussians"]
+__all__ = [
+    "MIN_VARIANCE",
+    "colour_matrix",
+    "decoder_shapes",
+    "empty_gaussians",
+    "gaussians_from_seeds",
+    "model_gaussians",
+]
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -46,6 +53,12 @@ def colour_matrix(channels: int) -> list[list[float]]:
     return matrix
 
 
+def empty_gaussians(count: int, channels: int) -> tuple[F32, F32, F32]:
+    """Memory for means [count, 2], covariances [count, 3] and colours [count, C]."""
+    means, covariances, colours = (np.empty((count, size), np.float32) for size in (2, 3, channels))
+    return means, covariances, colours
+
+
 def model_gaussians(
     spec: ModelSpec, values: F32 | F64, layout: SeedLayout, decoders: Mapping[str, F32], device: Device
 ) -> tuple[F32, F32, F32]:
@@ -56,7 +69,7 @@ def model_gaussians(
         means, covariances, colours = map(np.ascontiguousarray, gaussians_from_seeds(spec, *arrays, np))
         return means, covariances, colours
     count = len(layout) * spec.per_seed
-    means, covariances, colours = (np.empty((count, size), np.float32) for size in (2, 3, spec.channels))
+    means, covariances, colours = empty_gaussians(count, spec.channels)
     places = np.ascontiguousarray(values, np.float64), layout.half_pixels, layout.log_size
     seed_gaussians(*places, spec.per_seed, opponent, device.threads, device.isa, means, covariances, colours)
     return means, covariances, colours

@@ -9,6 +9,7 @@ import torch
 from torch import Tensor
 
 from sgicodec.fit.context_weights import WEIGHT_SHIFT, ContextWeights, layer_shapes, shaped
+from sgicodec.fit.weight_bits import ADDED_UNITS
 from sgicodec.model.context import INPUT_BITS, HashGrid, hash_inputs, output_count
 from sgicodec.model.network import DIFFERENCE_SHIFT, INPUT_LIMIT
 
@@ -36,7 +37,7 @@ def binarize(theta: Tensor) -> Tensor:
 
 def bits_by_mean(sizes: Tensor) -> Tensor:
     """Bits of integers of these magnitudes under the Laplacian of their mean, which is taken as given."""
-    mean = sizes.detach().mean() + 0.05
+    mean = sizes.detach().mean() + ADDED_UNITS
     return (sizes / (mean * math.log(2.0))).sum() + sizes.numel() * torch.log2(1.0 + 2.0 * mean)
 
 
