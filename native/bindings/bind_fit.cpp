@@ -178,7 +178,6 @@ void bind_fit(nb::module_ &m) {
             require(per_seed >= 1 && channels >= 1 && features >= 1 && hidden >= 1, "a model has seeds of some size");
             require(context_hidden >= 1 && hash_features >= 1, "a context has inputs and hidden units");
             sgi::ContextSpec context;
-            context.hidden = context_hidden;
             context.hash_resolutions = hash_resolutions;
             context.hash_features = hash_features;
             context.hash_log2_entries = hash_log2_entries;

@@ -5,6 +5,7 @@
 
 #include "base/isa.hpp"
 #include "base/thread_pool.hpp"
+#include "model/context_inputs.hpp"
 #include "model/steps.hpp"
 
 namespace sgi {
@@ -25,14 +26,13 @@ FeatureFit::FeatureFit(Isa isa, int threads, const FeatureModel &model, const Co
   state_.resolutions = int(context.hash_resolutions.size());
   state_.entry_features = context.hash_features;
   state_.hash_features = state_.resolutions * context.hash_features;
-  state_.context_hidden = context.hidden;
 }
 
 void FeatureFit::set_layout(const int32_t *half_pixels, int64_t n, int quality, int64_t width, int64_t height) {
   FeatureState &s = state_;
   const HashGrid grid(context_, width, height);
   s.count = n;
-  quality_ = quality;
+  level_inputs_of<float>(0, quality, level_inputs_);
   half_pixels_.assign(half_pixels, half_pixels + 2 * n);
   table_starts_.assign(1, 0);
   for (const int64_t count : grid.counts()) table_starts_.push_back(table_starts_.back() + count);
@@ -82,10 +82,10 @@ void FeatureFit::take_shared(const FeatureParameters &parameters, float offset_s
   for (int j = 0; j < s.attributes(); ++j)
     steps_[j] = std::exp2(parameters.steps[j]) * (j < s.first_offset() ? 1.0f : offset_scale);
   if (!s.priced) return;
-  const float quality = float((quality_ << kInputBits) / 12) / (1 << kInputBits);
   for (int h = 0; h < s.context_hidden; ++h) {
     const float *w1 = s.first + int64_t(h) * s.context_inputs();
-    bias_[h] = s.rest[h] + w1[0] + w1[kLevels] * quality;
+    bias_[h] = s.rest[h];
+    for (int c = 0; c < kLevelInputs; ++c) bias_[h] += w1[c] * level_inputs_[c];
   }
   for (size_t i = 0; i < signs_.size(); ++i) signs_[i] = theta_[i] >= 0 ? 1.0f : -1.0f;
 }
@@ -127,11 +127,10 @@ void FeatureFit::backward(const FeatureGradients &gradients, float lmbda, float 
 
 // Inputs that are the same for all seeds stand in b1: the gradients of their weights are multiples of its own.
 void FeatureFit::add_constant_inputs(float *sums) const {
-  const float quality = float((quality_ << kInputBits) / 12) / (1 << kInputBits);
   float *first = sums + state_.rest_size();
   for (int h = 0; h < state_.context_hidden; ++h) {
     float *w1 = first + int64_t(h) * state_.context_inputs();
-    w1[0] = sums[h], w1[kLevels] = sums[h] * quality;
+    for (int c = 0; c < kLevelInputs; ++c) w1[c] = sums[h] * level_inputs_[c];
   }
 }
 

@@ -60,7 +60,8 @@ class FeatureFit {
   void descend_tables(float lmbda, float *tables);
 
   const FeatureKernel &kernel_;
-  int threads_, quality_ = 0;
+  int threads_;
+  float level_inputs_[kLevelInputs] = {};  // of MLP_p, the same for all seeds
   ContextSpec context_;
   FeatureState state_{};
   const float *theta_ = nullptr;
