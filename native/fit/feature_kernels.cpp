@@ -29,6 +29,20 @@ struct Memory {
   }
 };
 
+// Where W1, b1, W2, b2 of MLP_c or MLP_Sigma lie, which begin at `at`: weights or sums.
+template <class T>
+PerceptronArrays<T> decoder_arrays(const FeatureModel &m, T *at, int outputs) {
+  T *b1 = at + m.hidden * m.features, *w2 = b1 + m.hidden;
+  return {at, b1, w2, w2 + outputs * m.hidden};
+}
+
+// The same of MLP_p without the inputs that all seeds share: W1 in `first`, the others in `rest`.
+template <class T>
+PerceptronArrays<T> context_arrays(const FeatureModel &m, T *first, T *rest) {
+  T *w2 = rest + m.context_hidden;
+  return {first + kLevelInputs, rest, w2, w2 + m.context_outputs() * m.context_hidden};
+}
+
 struct Decoders {
   Perceptron colours, shapes;
 
@@ -37,25 +51,14 @@ struct Decoders {
   }
 
   static Perceptron one(const FeatureState &s, const float *at, int outputs) {
-    const float *b1 = at + s.hidden * s.features, *w2 = b1 + s.hidden, *b2 = w2 + outputs * s.hidden;
-    return {at, b1, w2, b2, s.features, s.features, s.hidden, outputs};
+    return {decoder_arrays(s, at, outputs), s.features, s.features, s.hidden, outputs};
   }
 };
 
-inline PerceptronSums decoder_sums(const FeatureState &s, float *at, int outputs) {
-  float *b1 = at + s.hidden * s.features, *w2 = b1 + s.hidden;
-  return {at, b1, w2, w2 + outputs * s.hidden};
-}
-
 inline Perceptron context_of(const FeatureState &s) {
-  const float *w2 = s.rest + s.context_hidden, *b2 = w2 + s.context_outputs() * s.context_hidden;
-  return {s.first + kLevelInputs, s.bias, w2, b2, s.context_inputs(), s.hash_features, s.context_hidden,
-          s.context_outputs()};
-}
-
-inline PerceptronSums context_sums(const FeatureState &s, float *rest) {
-  float *w2 = rest + s.context_hidden, *b2 = w2 + s.context_outputs() * s.context_hidden;
-  return {b2 + s.context_outputs() + kLevelInputs, rest, w2, b2};
+  PerceptronArrays<const float> arrays = context_arrays(s, s.first, s.rest);
+  arrays.b1 = s.bias;
+  return {arrays, s.context_inputs(), s.hash_features, s.context_hidden, s.context_outputs()};
 }
 
 inline void read_columns(const float *values, int width, int64_t first, int64_t count, float *rows) {
@@ -155,22 +158,22 @@ double forward(const FeatureState &s, int64_t begin, int64_t end, const SeedGaus
 
 void backward(const FeatureState &s, int64_t begin, int64_t end, const FeatureGradients &g, float *sums,
               float *memory) {
-  float *shape_sums = sums + s.decoder_size(s.colours());
+  float *shape_sums = sums + s.decoder_size(s.colours()), *rest_sums = sums + s.decoders_size();
   for (int64_t first = begin; first < end; first += kBatchSeeds) {
     const Memory m(s, first, memory);
     read_values(s, first, m.values);
     read_batch(s, first, g, m);
     fill(nullptr, s.features, m.slopes);
     const Decoders decoders(s);
-    descend(decoders.colours, m.drawn, m.hidden[0], m.up_colours, m.hidden_slopes, decoder_sums(s, sums, s.colours()),
+    descend(decoders.colours, m.drawn, m.hidden[0], m.up_colours, m.hidden_slopes, decoder_arrays(s, sums, s.colours()),
             m.slopes);
     descend(decoders.shapes, m.drawn, m.hidden[1], m.up_shapes, m.hidden_slopes,
-            decoder_sums(s, shape_sums, s.shapes()), m.slopes);
+            decoder_arrays(s, shape_sums, s.shapes()), m.slopes);
     if (s.priced) {
       price(s, first, g.price, m);
       fill(nullptr, s.hash_features, m.hash_slopes);
       descend(context_of(s), m.hash, m.context_hidden, m.up_said, m.context_slopes,
-              context_sums(s, sums + s.decoders_size()), m.hash_slopes);
+              context_arrays(s, rest_sums + s.rest_size(), rest_sums), m.hash_slopes);
       write_columns(m.hash_slopes, s.hash_features, first, s.count, s.hash_slopes);
     }
     for_each_vector([&](int, const auto &at) { descend_scales(s, at(m.values), at(m.slopes)); });

@@ -78,18 +78,18 @@ inline void add_row_sums(const float *up, int rows, float *sums) {
   }
 }
 
-// A perceptron of one hidden layer: W2 max(W1 x + b1, 0) + b2. W1 [hidden, inputs] has rows `w1_step` apart.
-struct Perceptron {
-  const float *w1, *b1, *w2, *b2;
+// Weights of a perceptron of one hidden layer, or the sums of their gradients: W2 max(W1 x + b1, 0) + b2.
+template <class T>
+struct PerceptronArrays {
+  T *w1, *b1, *w2, *b2;
+};
+
+// W1 [hidden, inputs] has rows `w1_step` apart.
+struct Perceptron : PerceptronArrays<const float> {
   int w1_step, inputs, hidden, outputs;
 
   Matrix first() const { return {w1, hidden, inputs, w1_step, 1}; }
   Matrix second() const { return {w2, outputs, hidden, hidden, 1}; }
-};
-
-// Where the gradients of its weights are summed up, laid out as they are.
-struct PerceptronSums {
-  float *w1, *b1, *w2, *b2;
 };
 
 inline void evaluate(const Perceptron &p, const float *in, float *hidden, float *out) {
@@ -107,7 +107,7 @@ inline void evaluate(const Perceptron &p, const float *in, float *hidden, float 
 // From the gradients `up` of its outputs: adds those of its weights to `sums` and those of its inputs to `down`.
 // `slopes`: memory for those of the hidden values.
 inline void descend(const Perceptron &p, const float *in, const float *hidden, const float *up, float *slopes,
-                    const PerceptronSums &sums, float *down) {
+                    const PerceptronArrays<float> &sums, float *down) {
   add_row_sums(up, p.outputs, sums.b2);
   add_outer_product(up, p.outputs, hidden, p.hidden, p.hidden, sums.w2);
   fill(nullptr, p.hidden, slopes);
