@@ -73,7 +73,7 @@ void log_covariance(const float *shape, const float *scales, float cell, float *
   float rho = std::sqrt(b * b + c * c + 1e-12f);
   const float shrink = std::clamp(rho, 0.0f, float(kShapeLimit)) / rho;
   rho *= shrink;
-  const float grow = std::exp(2 * (a + rho)), fall = std::exp(2 * (a - rho));
+  const float grow = exp2v(2 * kLog2e * (a + rho)), fall = exp2v(2 * kLog2e * (a - rho));
   const float mean = 0.5f * (grow + fall), half = 0.5f * (grow - fall) / rho * shrink;
   const float area = cell * cell * scales[0] * scales[1];
   out[0] = area * (mean + half * b), out[1] = area * half * c, out[2] = area * (mean - half * b);
