@@ -26,7 +26,7 @@ inline void fill(const float *bias, int rows, float *out) {
 
 // out[r] += sum over c of m[r, c] in[c].
 inline void add_product(const Matrix &m, const float *in, float *out) {
-  constexpr int kRows = 4, kColumns = 2;
+  constexpr int kRows = LANES == 16 ? 6 : 4, kColumns = LANES == 16 ? 4 : 2;  // sums in registers
   for (int r = 0; r < m.rows; r += kRows) {
     const int rows = m.rows - r < kRows ? m.rows - r : kRows;
     const float *weights[kRows];
@@ -35,7 +35,8 @@ inline void add_product(const Matrix &m, const float *in, float *out) {
       vf sum[kRows][kColumns] = {};
       const float *from = in + v * LANES;
       for (int c = 0; c < m.columns; ++c, from += kPitch) {
-        const vf x[kColumns] = {load(from), load(from + LANES)};
+        vf x[kColumns];
+        for (int j = 0; j < kColumns; ++j) x[j] = load(from + j * LANES);
         for (int i = 0; i < kRows; ++i)
           for (int j = 0; j < kColumns; ++j) sum[i][j] += x[j] * weights[i][c * m.column_step];
       }
@@ -50,7 +51,7 @@ inline void add_product(const Matrix &m, const float *in, float *out) {
 
 // sums[r * row_step + c] += sum over seeds of up[r] in[c].
 inline void add_outer_product(const float *up, int rows, const float *in, int columns, int row_step, float *sums) {
-  constexpr int kRows = 2, kColumns = 4;
+  constexpr int kRows = LANES == 16 ? 4 : 2, kColumns = 4;
   for (int r = 0; r < rows; r += kRows)
     for (int c = 0; c < columns; c += kColumns) {
       vf sum[kRows * kColumns] = {};
