@@ -22,6 +22,7 @@ inline FeatureState feature_state_of(const FeatureArguments &a) {
   s.steps = a.steps;
   s.entry = a.entry;
   s.weight = a.weight;
+  s.theta = a.theta;
   s.signs = a.signs;
   s.resolutions = a.resolutions;
   s.entry_features = a.entry_features;
@@ -51,7 +52,7 @@ SGI_KERNEL(read_hash, kFeatureThreads, FeatureArguments) {
   for_each_seed(block, a, [&](int seed) {
     const SeedRows inputs = rows_of(a, a.inputs, seed).from(kLevelInputs);
     for (int r = 0; r < s.resolutions; ++r)
-      for (int f = 0; f < s.entry_features; ++f) inputs.set(r * s.entry_features + f, hash_input(s, seed, r, f));
+      see_signs<0>(s, seed, r, inputs.from(r * s.entry_features).at, inputs.pitch);
   });
 }
 
@@ -61,7 +62,8 @@ SGI_KERNEL(draw_features, kFeatureThreads, FeatureArguments) {
   for_each_seed(block, a, [&](int seed) {
     const SeedRows trained = rows_of(a, a.trained, seed), values = rows_of(a, a.values, seed);
     for (int j = 0; j < s.attributes(); ++j) values.set(j, coded_value(s, j, trained.get(j)));
-    a.bits[seed] = draw_values(s, seed, values, rows_of(a, a.said_context, seed), rows_of(a, a.drawn, seed));
+    a.bits[seed] = draw_values(s, seed, values, rows_of(a, a.said_context, seed), rows_of(a, a.drawn, seed),
+                               BitRows(s, rows_of(a, a.bit_rows, seed)));
   });
 }
 
@@ -91,8 +93,7 @@ SGI_KERNEL(price_features, kFeatureThreads, FeatureArguments) {
   for_each_seed(block, a, [&](int seed) {
     const SeedRows slopes = rows_of(a, a.slopes, seed);
     if (s.priced)
-      price_values(s, seed, a.price, rows_of(a, a.drawn, seed), rows_of(a, a.said_context, seed), slopes,
-                   rows_of(a, a.up_context, seed));
+      price_values(s, seed, a.price, BitRows(s, rows_of(a, a.bit_rows, seed)), slopes, rows_of(a, a.up_context, seed));
     descend_scales(s, rows_of(a, a.values, seed), slopes);
   });
 }

@@ -8,8 +8,9 @@ namespace {
 // Rows of a batch of seeds: those that outlive the way forward, and in the memory of a run those that do not.
 struct Memory {
   float *drawn, *hidden[2], *shapes;    // attributes as drawn; of MLP_c and MLP_Sigma, and what the latter says
-  float *hash, *context_hidden, *said;  // of MLP_p
+  float *hash, *context_hidden, *bits;  // inputs and hidden values of MLP_p, and what bits leave
   float *values, *slopes, *colours;     // attributes: exact, gradients of either; what MLP_c says
+  float *said;                          // what MLP_p says
   float *up_colours, *up_shapes, *hidden_slopes;  // gradients
   float *up_said, *context_slopes, *hash_slopes;
 
@@ -21,11 +22,12 @@ struct Memory {
       return from;
     };
     drawn = take(s.attributes()), hidden[0] = take(s.hidden), hidden[1] = take(s.hidden), shapes = take(s.shapes());
-    hash = take(s.hash_features), context_hidden = take(s.context_hidden), said = take(s.context_outputs());
+    hash = take(s.hash_features), context_hidden = take(s.context_hidden), bits = take(s.bit_rows());
     at = scratch;
     values = take(s.attributes()), slopes = take(s.attributes()), colours = take(s.colours());
     up_colours = take(s.colours()), up_shapes = take(s.shapes()), hidden_slopes = take(s.hidden);
-    up_said = take(s.context_outputs()), context_slopes = take(s.context_hidden), hash_slopes = take(s.hash_features);
+    said = take(s.context_outputs()), up_said = take(s.context_outputs()), context_slopes = take(s.context_hidden),
+    hash_slopes = take(s.hash_features);
   }
 };
 
@@ -93,9 +95,10 @@ inline void read_values(const FeatureState &s, int64_t first, float *values) {
 inline void read_hash(const FeatureState &s, int64_t first, float *rows) {
   for (int i = 0; i < kBatchSeeds; ++i) {
     const int64_t seed = first + i < s.count ? first + i : s.count - 1;
-    for (int r = 0; r < s.resolutions; ++r)
-      for (int f = 0; f < s.entry_features; ++f)
-        rows[(r * s.entry_features + f) * kPitch + i] = hash_input(s, seed, r, f);
+    for (int r = 0; r < s.resolutions; ++r) {
+      float *from = rows + r * s.entry_features * kPitch + i;
+      s.entry_features == 4 ? see_signs<4>(s, seed, r, from, kPitch) : see_signs<0>(s, seed, r, from, kPitch);
+    }
   }
 }
 
@@ -108,7 +111,7 @@ inline void predict(const FeatureState &s, int64_t first, const Memory &m) {
 inline void draw(const FeatureState &s, int64_t first, const Memory &m, vf *bits) {
   if (s.priced) predict(s, first, m);
   for_each_vector([&](int v, const auto &at) {
-    bits[v] = draw_values(s, first + v * LANES, at(m.values), at(m.said), at(m.drawn));
+    bits[v] = draw_values(s, first + v * LANES, at(m.values), at(m.said), at(m.drawn), BitRows(s, at(m.bits)));
   });
 }
 
@@ -137,7 +140,7 @@ inline void read_batch(const FeatureState &s, int64_t first, const FeatureGradie
 
 inline void price(const FeatureState &s, int64_t first, float one, const Memory &m) {
   for_each_vector([&](int v, const auto &at) {
-    price_values(s, first + v * LANES, one, at(m.drawn), at(m.said), at(m.slopes), at(m.up_said));
+    price_values(s, first + v * LANES, one, BitRows(s, at(m.bits)), at(m.slopes), at(m.up_said));
   });
 }
 
@@ -183,8 +186,34 @@ void backward(const FeatureState &s, int64_t begin, int64_t end, const FeatureGr
   }
 }
 
+int64_t take_signs(const float *theta, int64_t n, int8_t *signs) {
+  for (int64_t i = 0; i < n; ++i) signs[i] = int8_t(theta[i] >= 0 ? 1 : -1);
+  int64_t sum = 0;
+  for (int64_t i = 0; i < n; ++i) sum += signs[i];
+  return (n + sum) / 2;
+}
+
+// WIDTH: entry_features, 0 for any.
+template <int WIDTH>
+inline void add_seen(const FeatureState &s, int resolution, float *tables) {
+  const int width = WIDTH ? WIDTH : s.entry_features;
+  for (int64_t i = 0; i < s.count; ++i) {
+    const int32_t *entry = s.entry + (i * s.resolutions + resolution) * 4;
+    const float *weight = s.weight + (i * s.resolutions + resolution) * 4;
+    const float *up = s.hash_slopes + i * s.hash_features + resolution * width;
+    for (int c = 0; c < 4; ++c)
+      for (int f = 0; f < width; ++f) tables[int64_t(entry[c]) * width + f] += weight[c] * up[f];
+  }
+}
+
+void descend_table(const FeatureState &s, int resolution, int64_t begin, int64_t end, float slope, float *tables) {
+  for (int64_t i = begin; i < end; ++i) tables[i] = slope;
+  s.entry_features == 4 ? add_seen<4>(s, resolution, tables) : add_seen<0>(s, resolution, tables);
+  for (int64_t i = begin; i < end; ++i) tables[i] = s.theta[i] >= -1 && s.theta[i] <= 1 ? tables[i] : 0.0f;
+}
+
 }  // namespace
 
-const FeatureKernel FeatureKernel::SGI_ISA{sgi::forward, sgi::backward};
+const FeatureKernel FeatureKernel::SGI_ISA{sgi::forward, sgi::backward, sgi::take_signs, sgi::descend_table};
 
 }  // namespace sgi
