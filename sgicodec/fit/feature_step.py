@@ -109,7 +109,7 @@ class FeatureStep:
             decoders=decoders,
             first=context.first,
             rest=context.rest,
-            tables=np.concatenate([table.reshape(-1) for table in context.tables]),
+            tables=context.tables,
             steps=parameters.steps[: sum(base_counts(self.spec))].reshape(-1, LEVELS)[:, 0].copy(),
             rounding=rounding,
             priced=priced,

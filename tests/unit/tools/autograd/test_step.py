@@ -95,7 +95,7 @@ def test_mlp_p_waits_for_the_rate() -> None:
     assert free.bits == 0.0
     assert not any(name.startswith(("context", "steps")) for name in free.gradients)
     priced = step.run(parameters, "noise", 1, level(), LMBDA)
-    learns = {"context.first", "context.rest", *(f"context.table{number}" for number in range(12))}
+    learns = {"context.first", "context.rest", "context.tables"}
     assert learns <= set(priced.gradients)
     assert all(np.abs(priced.gradients[name]).max() > 0 for name in learns)
     assert priced.bits == pytest.approx(step.seed_bits().sum(), rel=1e-5)
@@ -105,8 +105,8 @@ def test_the_price_of_bits_is_that_of_equation_11() -> None:
     """λ / (N d_A) for each bit of the grid and of the seeds."""
     step, parameters = step_and_parameters()
     parameters.context.first[:] = 0.0  # so that attributes say nothing of the grid
-    found = step.run(parameters, "noise", 0, level(), LMBDA).gradients["context.table0"]
-    signs = parameters.context.signs()[0]
+    gradient = step.run(parameters, "noise", 0, level(), LMBDA).gradients["context.tables"]
+    found, signs = parameters.context.per_table(gradient)[0], parameters.context.signs()[0]
     share = signs.mean()
     slope = 0.5 * math.log2((1 - share) / share)  # of L_hash in one entry's sign, equation 12
     np.testing.assert_allclose(found, LMBDA / (SEEDS * SPEC.attributes) * slope, rtol=1e-4)
