@@ -43,6 +43,12 @@ struct FeatureModel {
   SGI_INLINE int kept_rows() const {
     return attributes() + 2 * hidden + shapes() + hash_features + context_hidden + bit_rows();
   }
+  // Enough for the inputs of any layer where they lie seed by seed, filled up to whole vectors of at most 16.
+  SGI_INLINE int turned_rows() const {
+    const int decoders = features > hidden ? features : hidden;
+    const int context = hash_features > context_hidden ? hash_features : context_hidden;
+    return 16 + (decoders > context ? decoders : context);
+  }
   // Which refinement an attribute's step follows.
   SGI_INLINE int group_of(int attribute) const {
     return attribute < first_scale() ? 0 : attribute < first_offset() ? 1 : 2;
@@ -82,7 +88,7 @@ struct FeatureGradients {
 // Floats of memory that a run needs: rows of a batch that are not kept.
 SGI_INLINE int64_t scratch_floats(const FeatureModel &m) {
   const int coding = 2 * m.context_outputs() + m.context_hidden + m.hash_features;
-  return int64_t(2 * m.attributes() + 2 * m.colours() + m.shapes() + m.hidden + coding) * kPitch;
+  return int64_t(2 * m.attributes() + 2 * m.colours() + m.shapes() + m.hidden + coding + m.turned_rows()) * kPitch;
 }
 
 // Runs are [begin, end) seeds; begin is a multiple of kBatchSeeds. `memory` holds scratch_floats(s).

@@ -13,6 +13,7 @@ struct Memory {
   float *said;                          // what MLP_p says
   float *up_colours, *up_shapes, *hidden_slopes;  // gradients
   float *up_said, *context_slopes, *hash_slopes;
+  float *turned;  // what a layer sees, seed by seed
 
   Memory(const FeatureState &s, int64_t first, float *scratch) {
     float *at = s.kept + first / kBatchSeeds * s.kept_rows() * kPitch;
@@ -28,6 +29,7 @@ struct Memory {
     up_colours = take(s.colours()), up_shapes = take(s.shapes()), hidden_slopes = take(s.hidden);
     said = take(s.context_outputs()), up_said = take(s.context_outputs()), context_slopes = take(s.context_hidden),
     hash_slopes = take(s.hash_features);
+    turned = take(s.turned_rows());
   }
 };
 
@@ -168,14 +170,14 @@ void backward(const FeatureState &s, int64_t begin, int64_t end, const FeatureGr
     read_batch(s, first, g, m);
     fill(nullptr, s.features, m.slopes);
     const Decoders decoders(s);
-    descend(decoders.colours, m.drawn, m.hidden[0], m.up_colours, m.hidden_slopes, decoder_arrays(s, sums, s.colours()),
-            m.slopes);
-    descend(decoders.shapes, m.drawn, m.hidden[1], m.up_shapes, m.hidden_slopes,
+    descend(decoders.colours, m.drawn, m.hidden[0], m.up_colours, m.hidden_slopes, m.turned,
+            decoder_arrays(s, sums, s.colours()), m.slopes);
+    descend(decoders.shapes, m.drawn, m.hidden[1], m.up_shapes, m.hidden_slopes, m.turned,
             decoder_arrays(s, shape_sums, s.shapes()), m.slopes);
     if (s.priced) {
       price(s, first, g.price, m);
       fill(nullptr, s.hash_features, m.hash_slopes);
-      descend(context_of(s), m.hash, m.context_hidden, m.up_said, m.context_slopes,
+      descend(context_of(s), m.hash, m.context_hidden, m.up_said, m.context_slopes, m.turned,
               context_arrays(s, rest_sums + s.rest_size(), rest_sums), m.hash_slopes);
       write_columns(m.hash_slopes, s.hash_features, first, s.count, s.hash_slopes);
     }
