@@ -40,6 +40,11 @@ inline SeedRows rows_of(const FeatureArguments &a, const float *rows, int seed) 
   return {const_cast<float *>(rows) + seed, a.count};
 }
 
+// What a seed has in an array [N, width].
+inline SeedRows of_seed(const float *values, int width, int seed) {
+  return {const_cast<float *>(values) + int64_t(seed) * width, 1};
+}
+
 inline SeedPlace place_of(const FeatureArguments &a, const FeatureState &s, int seed) {
   return SeedPlace(s, seed, rows_of(a, a.drawn, seed), rows_of(a, a.said_shape, seed));
 }
@@ -69,21 +74,23 @@ SGI_KERNEL(draw_features, kFeatureThreads, FeatureArguments) {
 
 SGI_KERNEL(write_feature_gaussians, kFeatureThreads, FeatureArguments) {
   const FeatureState s = feature_state_of(a);
-  const SeedGaussians out{a.means, a.covariances, a.colours};
-  for_each_seed(block, a,
-                [&](int seed) { write_gaussians(s, place_of(a, s, seed), rows_of(a, a.said_colour, seed), out); });
+  for_each_seed(block, a, [&](int seed) {
+    place_gaussians(s, place_of(a, s, seed), of_seed(a.means, 2 * s.per_seed, seed),
+                    of_seed(a.covariances, 3 * s.per_seed, seed));
+    const SeedRows said = rows_of(a, a.said_colour, seed), colours = of_seed(a.colours, s.colours(), seed);
+    for (int i = 0; i < s.colours(); ++i) colours.set(i, said.get(i));
+  });
 }
 
 // From gradients of Gaussians to those of what MLP_c and MLP_Sigma said, of scales and of offsets.
 SGI_KERNEL(read_feature_slopes, kFeatureThreads, FeatureArguments) {
   const FeatureState s = feature_state_of(a);
-  FeatureGradients g{};
-  g.means = a.grad_means;
-  g.covariances = a.grad_covariances;
-  g.colours = a.grad_colours;
   for_each_seed(block, a, [&](int seed) {
-    read_slopes(s, place_of(a, s, seed), g, rows_of(a, a.up_colour, seed), rows_of(a, a.up_shape, seed),
-                rows_of(a, a.slopes, seed));
+    descend_gaussians(s, place_of(a, s, seed), of_seed(a.grad_means, 2 * s.per_seed, seed),
+                      of_seed(a.grad_covariances, 3 * s.per_seed, seed), rows_of(a, a.up_shape, seed),
+                      rows_of(a, a.slopes, seed));
+    const SeedRows up = rows_of(a, a.up_colour, seed), colours = of_seed(a.grad_colours, s.colours(), seed);
+    for (int i = 0; i < s.colours(); ++i) up.set(i, colours.get(i));
   });
 }
 

@@ -88,7 +88,8 @@ struct FeatureGradients {
 // Floats of memory that a run needs: rows of a batch that are not kept.
 SGI_INLINE int64_t scratch_floats(const FeatureModel &m) {
   const int coding = 2 * m.context_outputs() + m.context_hidden + m.hash_features;
-  return int64_t(2 * m.attributes() + 2 * m.colours() + m.shapes() + m.hidden + coding + m.turned_rows()) * kPitch;
+  return int64_t(2 * m.attributes() + 5 * m.per_seed + m.colours() + m.shapes() + m.hidden + coding + m.turned_rows()) *
+         kPitch;
 }
 
 // Runs are [begin, end) seeds; begin is a multiple of kBatchSeeds. `memory` holds scratch_floats(s).

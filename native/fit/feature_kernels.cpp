@@ -7,11 +7,12 @@ namespace {
 
 // Rows of a batch of seeds: those that outlive the way forward, and in the memory of a run those that do not.
 struct Memory {
-  float *drawn, *hidden[2], *shapes;    // attributes as drawn; of MLP_c and MLP_Sigma, and what the latter says
-  float *hash, *context_hidden, *bits;  // inputs and hidden values of MLP_p, and what bits leave
-  float *values, *slopes, *colours;     // attributes: exact, gradients of either; what MLP_c says
-  float *said;                          // what MLP_p says
-  float *up_colours, *up_shapes, *hidden_slopes;  // gradients
+  float *drawn, *hidden[2], *shapes;     // attributes as drawn; of MLP_c and MLP_Sigma, and what the latter says
+  float *hash, *context_hidden, *bits;   // inputs and hidden values of MLP_p, and what bits leave
+  float *values, *slopes;                // attributes: exact, gradients of either
+  float *means, *covariances, *colours;  // of Gaussians, or their gradients
+  float *said;                           // what MLP_p says
+  float *up_shapes, *hidden_slopes;      // gradients
   float *up_said, *context_slopes, *hash_slopes;
   float *turned;  // what a layer sees, seed by seed
 
@@ -25,8 +26,9 @@ struct Memory {
     drawn = take(s.attributes()), hidden[0] = take(s.hidden), hidden[1] = take(s.hidden), shapes = take(s.shapes());
     hash = take(s.hash_features), context_hidden = take(s.context_hidden), bits = take(s.bit_rows());
     at = scratch;
-    values = take(s.attributes()), slopes = take(s.attributes()), colours = take(s.colours());
-    up_colours = take(s.colours()), up_shapes = take(s.shapes()), hidden_slopes = take(s.hidden);
+    values = take(s.attributes()), slopes = take(s.attributes()), means = take(2 * s.per_seed);
+    covariances = take(3 * s.per_seed), colours = take(s.colours()), up_shapes = take(s.shapes()),
+    hidden_slopes = take(s.hidden);
     said = take(s.context_outputs()), up_said = take(s.context_outputs()), context_slopes = take(s.context_hidden),
     hash_slopes = take(s.hash_features);
     turned = take(s.turned_rows());
@@ -65,16 +67,49 @@ inline Perceptron context_of(const FeatureState &s) {
   return {arrays, s.context_inputs(), s.hash_features, s.context_hidden, s.context_outputs()};
 }
 
+// Calls visit(seed, column) for squares of LANES seeds and columns that cover `width` columns; the last ones overlap.
+template <class Visit>
+inline void for_each_square(int width, const Visit &visit) {
+  for (int i = 0; i < kBatchSeeds; i += LANES)
+    for (int j = 0; j < width; j += LANES) visit(i, j + LANES <= width ? j : width - LANES);
+}
+
+// A batch's values [N, width] as rows. What is behind the last seed stands for that one.
 inline void read_columns(const float *values, int width, int64_t first, int64_t count, float *rows) {
-  for (int i = 0; i < kBatchSeeds; ++i) {
-    const float *from = values + (first + i < count ? first + i : count - 1) * width;
-    for (int j = 0; j < width; ++j) rows[j * kPitch + i] = from[j];
+  const auto of = [&](int i) { return values + (first + i < count ? first + i : count - 1) * width; };
+  if (width < LANES) {
+    for (int i = 0; i < kBatchSeeds; ++i)
+      for (int j = 0; j < width; ++j) rows[j * kPitch + i] = of(i)[j];
+    return;
   }
+  for_each_square(width, [&](int seed, int column) {
+    vf square[LANES];
+    for (int i = 0; i < LANES; ++i) square[i] = load(of(seed + i) + column);
+    turn(square, std::make_index_sequence<LANES>{});
+    for (int i = 0; i < LANES; ++i) store(rows + (column + i) * kPitch + seed, square[i]);
+  });
+}
+
+// The same of gradients, of which what is behind the last seed has none.
+inline void read_slopes(const float *slopes, int width, int64_t first, int64_t count, float *rows) {
+  read_columns(slopes, width, first, count, rows);
+  for (int j = 0; j < width; ++j)
+    for (int64_t i = count - first; i < kBatchSeeds; ++i) rows[j * kPitch + i] = 0;
 }
 
 inline void write_columns(const float *rows, int width, int64_t first, int64_t count, float *values) {
-  for (int i = 0; i < kBatchSeeds && first + i < count; ++i)
-    for (int j = 0; j < width; ++j) values[(first + i) * width + j] = rows[j * kPitch + i];
+  if (width < LANES) {
+    for (int i = 0; i < kBatchSeeds && first + i < count; ++i)
+      for (int j = 0; j < width; ++j) values[(first + i) * width + j] = rows[j * kPitch + i];
+    return;
+  }
+  for_each_square(width, [&](int seed, int column) {
+    vf square[LANES];
+    for (int i = 0; i < LANES; ++i) square[i] = load(rows + (column + i) * kPitch + seed);
+    turn(square, std::make_index_sequence<LANES>{});
+    for (int i = 0; i < LANES && first + seed + i < count; ++i)
+      store(values + (first + seed + i) * width + column, square[i]);
+  });
 }
 
 // Calls visit(v, at) for every vector of a batch; at(rows) are rows at the columns of its seeds.
@@ -83,14 +118,18 @@ inline void for_each_vector(const Visit &visit) {
   for (int v = 0; v < kVectors; ++v) visit(v, [v](float *rows) { return SeedRows{rows + v * LANES, kPitch}; });
 }
 
-inline void read_values(const FeatureState &s, int64_t first, float *values) {
-  read_columns(s.feature, s.features, first, s.count, values);
+inline void read_scales(const FeatureState &s, int64_t first, float *values) {
   read_columns(s.scales, kSeedScales, first, s.count, values + s.first_scale() * kPitch);
-  read_columns(s.offset, 2 * s.per_seed, first, s.count, values + s.first_offset() * kPitch);
   for_each_vector([&](int, const auto &at) {
     const SeedRows rows = at(values);
     for (int j = s.first_scale(); j < s.first_offset(); ++j) rows.set(j, coded_value(s, j, rows.get(j)));
   });
+}
+
+inline void read_values(const FeatureState &s, int64_t first, float *values) {
+  read_columns(s.feature, s.features, first, s.count, values);
+  read_scales(s, first, values);
+  read_columns(s.offset, 2 * s.per_seed, first, s.count, values + s.first_offset() * kPitch);
 }
 
 // What H says of a batch's seeds.
@@ -129,14 +168,19 @@ inline SeedPlace place_of(const FeatureState &s, const Memory &m, int64_t first,
 }
 
 inline void write_batch(const FeatureState &s, int64_t first, const Memory &m, const SeedGaussians &out) {
-  for_each_vector([&](int v, const auto &at) {
-    if (first + v * LANES < s.count) write_gaussians(s, place_of(s, m, first, v, at), at(m.colours), out);
-  });
+  for_each_vector(
+      [&](int v, const auto &at) { place_gaussians(s, place_of(s, m, first, v, at), at(m.means), at(m.covariances)); });
+  write_columns(m.means, 2 * s.per_seed, first, s.count, out.means);
+  write_columns(m.covariances, 3 * s.per_seed, first, s.count, out.covariances);
+  write_columns(m.colours, s.colours(), first, s.count, out.colours);
 }
 
 inline void read_batch(const FeatureState &s, int64_t first, const FeatureGradients &g, const Memory &m) {
+  read_slopes(g.means, 2 * s.per_seed, first, s.count, m.means);
+  read_slopes(g.covariances, 3 * s.per_seed, first, s.count, m.covariances);
+  read_slopes(g.colours, s.colours(), first, s.count, m.colours);
   for_each_vector([&](int v, const auto &at) {
-    read_slopes(s, place_of(s, m, first, v, at), g, at(m.up_colours), at(m.up_shapes), at(m.slopes));
+    descend_gaussians(s, place_of(s, m, first, v, at), at(m.means), at(m.covariances), at(m.up_shapes), at(m.slopes));
   });
 }
 
@@ -166,11 +210,11 @@ void backward(const FeatureState &s, int64_t begin, int64_t end, const FeatureGr
   float *shape_sums = sums + s.decoder_size(s.colours()), *rest_sums = sums + s.decoders_size();
   for (int64_t first = begin; first < end; first += kBatchSeeds) {
     const Memory m(s, first, memory);
-    read_values(s, first, m.values);
+    read_scales(s, first, m.values);
     read_batch(s, first, g, m);
     fill(nullptr, s.features, m.slopes);
     const Decoders decoders(s);
-    descend(decoders.colours, m.drawn, m.hidden[0], m.up_colours, m.hidden_slopes, m.turned,
+    descend(decoders.colours, m.drawn, m.hidden[0], m.colours, m.hidden_slopes, m.turned,
             decoder_arrays(s, sums, s.colours()), m.slopes);
     descend(decoders.shapes, m.drawn, m.hidden[1], m.up_shapes, m.hidden_slopes, m.turned,
             decoder_arrays(s, shape_sums, s.shapes()), m.slopes);

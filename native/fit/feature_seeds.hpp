@@ -103,40 +103,36 @@ struct SeedPlace {
   }
 };
 
-// colours: what MLP_c says.
-inline void write_gaussians(const FeatureState &s, const SeedPlace &place, const SeedRows &colours,
-                            const SeedGaussians &out) {
-  const Block &block = place.block;
-  for (int i = 0; i < s.colours(); ++i) block.scatter(colours.get(i), out.colours, s.colours(), i);
+// Means [2 K] and covariances [3 K] of the Gaussians.
+inline void place_gaussians(const FeatureState &s, const SeedPlace &place, const SeedRows &means,
+                            const SeedRows &covariances) {
+  vf centre[2];
+  for (int axis = 0; axis < 2; ++axis) centre[axis] = place.block.gather(s.half_pixels, 2, axis) * 0.5f;
   for (int k = 0; k < s.per_seed; ++k) {
     const RotatedCovariance<vf> covariance = place.covariance(k);
-    const int width = 3 * s.per_seed;
-    block.scatter(covariance.xx() + float(kMinVariance), out.covariances, width, 3 * k);
-    block.scatter(covariance.xy(), out.covariances, width, 3 * k + 1);
-    block.scatter(covariance.yy() + float(kMinVariance), out.covariances, width, 3 * k + 2);
+    covariances.set(3 * k, covariance.xx() + float(kMinVariance));
+    covariances.set(3 * k + 1, covariance.xy());
+    covariances.set(3 * k + 2, covariance.yy() + float(kMinVariance));
     for (int axis = 0; axis < 2; ++axis) {
       const vf offset = place.drawn.get(s.first_offset() + 2 * k + axis) * place.scales[axis];
-      const vf centre = block.gather(s.half_pixels, 2, axis) * 0.5f;
-      block.scatter(s.scale * (centre + offset), out.means, 2 * s.per_seed, 2 * k + axis);
+      means.set(2 * k + axis, s.scale * (centre[axis] + offset));
     }
   }
 }
 
-// From gradients of Gaussians to those of the decoders' outputs and, in `slopes`, of scales and offsets as drawn; none
-// of what is no seed.
-inline void read_slopes(const FeatureState &s, const SeedPlace &place, const FeatureGradients &g,
-                        const SeedRows &up_colours, const SeedRows &up_shapes, const SeedRows &slopes) {
-  const Block &block = place.block;
-  for (int i = 0; i < s.colours(); ++i) up_colours.set(i, block.gather(g.colours, s.colours(), i) * block.live);
+// From gradients of means and covariances to those of what MLP_Sigma says and, in `slopes`, of scales and offsets as
+// drawn.
+inline void descend_gaussians(const FeatureState &s, const SeedPlace &place, const SeedRows &means,
+                              const SeedRows &covariances, const SeedRows &up_shapes, const SeedRows &slopes) {
   vf scales[kSeedScales] = {};
   for (int k = 0; k < s.per_seed; ++k) {
     vf shape[3], reaches[2];
-    const auto up = [&](int i) { return block.gather(g.covariances, 3 * s.per_seed, 3 * k + i) * block.live; };
+    const auto up = [&](int i) { return covariances.get(3 * k + i); };
     place.covariance(k).descend(up(0), up(1), up(2), shape, reaches);
     for (int i = 0; i < 3; ++i) up_shapes.set(3 * k + i, shape[i]);
     for (int axis = 0; axis < 2; ++axis) {
       const int row = s.first_offset() + 2 * k + axis;
-      const vf mean = s.scale * block.live * block.gather(g.means, 2 * s.per_seed, 2 * k + axis);
+      const vf mean = s.scale * means.get(2 * k + axis);
       slopes.set(row, mean * place.scales[axis]);
       scales[axis] += mean * place.drawn.get(row);
       scales[2 + axis] += s.scale * reaches[axis];

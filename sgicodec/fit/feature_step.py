@@ -14,7 +14,6 @@ from sgicodec.fit.fused_step import ROUNDINGS
 from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.parameters import Parameters, StepResult
 from sgicodec.fit.pyramid import Level
-from sgicodec.fit.step_sizes import base_counts
 from sgicodec.fit.weight_bits import price_slope, with_weight_noise
 from sgicodec.model.context import LEVELS
 from sgicodec.model.gaussians import decoder_shapes, empty_gaussians
@@ -110,7 +109,7 @@ class FeatureStep:
             first=context.first,
             rest=context.rest,
             tables=context.tables,
-            steps=parameters.steps[: sum(base_counts(self.spec))].reshape(-1, LEVELS)[:, 0].copy(),
+            steps=parameters.steps[: self.spec.attributes * LEVELS : LEVELS].copy(),
             rounding=rounding,
             priced=priced,
             noise=noise,
