@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -35,7 +36,7 @@ def layer_shapes(spec: ModelSpec) -> list[tuple[tuple[int, ...], ...]]:
     return shapes
 
 
-def shaped(shapes: list[tuple[int, ...]], flat: Any) -> list[Any]:
+def shaped(shapes: Sequence[tuple[int, ...]], flat: Any) -> list[Any]:
     """Parts of a flat array or tensor in these shapes, one after the other, as views."""
     ends = np.cumsum([math.prod(shape) for shape in shapes]).tolist()
     return [flat[end - math.prod(shape) : end].reshape(shape) for shape, end in zip(shapes, ends, strict=True)]
