@@ -16,7 +16,7 @@ from sgicodec.fit.pyramid import Level
 from sgicodec.fit.seed_set import SeedSet
 from sgicodec.fit.step_sizes import flat_steps
 from sgicodec.model.context import HashGrid
-from sgicodec.model.gaussians import MIN_VARIANCE
+from sgicodec.model.gaussians import MIN_VARIANCE, decoder_parts
 from sgicodec.model.layout import uniform_layout
 from sgicodec.model.steps import default_plan
 from sgicodec.profiles.paper import paper_settings, paper_spec
@@ -56,10 +56,11 @@ def mean_absolute_error(leaves: dict[str, torch.Tensor], parameters: Parameters,
     target = torch.from_numpy(aim.samples).double()
     y, x = torch.meshgrid(*(torch.arange(n) + 0.5 for n in target.shape[1:]), indexing="ij")
     image = torch.zeros_like(target)
+    decoders = decoder_parts(SPEC, torch.cat([leaves["decoder_colour"], leaves["decoder_shape"]]))
     for seed, centre in enumerate(torch.from_numpy(parameters.seeds.layout.centre).double()):
         said = {}
         for net in ("colour", "shape"):
-            w1, b1, w2, b2 = (leaves[f"decoder_{net}.{name}"] for name in ("w1", "b1", "w2", "b2"))
+            w1, b1, w2, b2 = (decoders[f"{net}.{name}"] for name in ("w1", "b1", "w2", "b2"))
             said[net] = (w2 @ torch.relu(w1 @ leaves["feature"][seed] + b1) + b2).reshape(K, 3)
         offsets, scales = leaves["offset"][seed].reshape(K, 2), torch.exp(leaves["scales"][seed])
         for k in range(K):
