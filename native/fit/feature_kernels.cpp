@@ -212,7 +212,7 @@ void backward(const FeatureState &s, int64_t begin, int64_t end, const FeatureGr
     const Memory m(s, first, memory);
     read_scales(s, first, m.values);
     read_batch(s, first, g, m);
-    fill(nullptr, s.features, m.slopes);
+    clear(s.features, m.slopes);
     const Decoders decoders(s);
     descend(decoders.colours, m.drawn, m.hidden[0], m.colours, m.hidden_slopes, m.turned,
             decoder_arrays(s, sums, s.colours()), m.slopes);
@@ -220,7 +220,7 @@ void backward(const FeatureState &s, int64_t begin, int64_t end, const FeatureGr
             decoder_arrays(s, shape_sums, s.shapes()), m.slopes);
     if (s.priced) {
       price(s, first, g.price, m);
-      fill(nullptr, s.hash_features, m.hash_slopes);
+      clear(s.hash_features, m.hash_slopes);
       descend(context_of(s), m.hash, m.context_hidden, m.up_said, m.context_slopes, m.turned,
               context_arrays(s, rest_sums + s.rest_size(), rest_sums), m.hash_slopes);
       write_columns(m.hash_slopes, s.hash_features, first, s.count, s.hash_slopes);

@@ -20,14 +20,15 @@ struct Matrix {
   Matrix turned() const { return {at, columns, rows, column_step, row_step}; }
 };
 
-// out[r] = bias[r], 0 without any.
-inline void fill(const float *bias, int rows, float *out) {
+inline void clear(int rows, float *out) {
   for (int r = 0; r < rows; ++r)
-    for (int v = 0; v < kVectors; ++v) store(out + r * kPitch + v * LANES, vf{} + (bias ? bias[r] : 0.0f));
+    for (int v = 0; v < kVectors; ++v) store(out + r * kPitch + v * LANES, vf{});
 }
 
-// out[r] += sum over c of m[r, c] in[c].
-inline void add_product(const Matrix &m, const float *in, float *out) {
+// Calls take(r, at, sum over c of m[r, c] in[c]) for each row and each vector of seeds, which lies `at` floats from the
+// start of a batch's rows, at row r.
+template <class Take>
+inline void multiply(const Matrix &m, const float *in, const Take &take) {
   constexpr int kRows = LANES == 16 ? 6 : 4, kColumns = LANES == 16 ? 4 : 2;  // sums in registers
   for (int r = 0; r < m.rows; r += kRows) {
     const int rows = m.rows - r < kRows ? m.rows - r : kRows;
@@ -43,10 +44,7 @@ inline void add_product(const Matrix &m, const float *in, float *out) {
           for (int j = 0; j < kColumns; ++j) sum[i][j] += x[j] * weights[i][c * m.column_step];
       }
       for (int i = 0; i < rows; ++i)
-        for (int j = 0; j < kColumns; ++j) {
-          float *to = out + (r + i) * kPitch + (v + j) * LANES;
-          store(to, load(to) + sum[i][j]);
-        }
+        for (int j = 0; j < kColumns; ++j) take(r + i, (r + i) * kPitch + (v + j) * LANES, sum[i][j]);
     }
   }
 }
@@ -144,15 +142,8 @@ struct Perceptron : PerceptronArrays<const float> {
 };
 
 inline void evaluate(const Perceptron &p, const float *in, float *hidden, float *out) {
-  fill(p.b1, p.hidden, hidden);
-  add_product(p.first(), in, hidden);
-  for (int h = 0; h < p.hidden; ++h)
-    for (int v = 0; v < kVectors; ++v) {
-      float *at = hidden + h * kPitch + v * LANES;
-      store(at, maxv(load(at), vf{}));
-    }
-  fill(p.b2, p.outputs, out);
-  add_product(p.second(), hidden, out);
+  multiply(p.first(), in, [&](int r, int at, vf sum) { store(hidden + at, maxv(sum + p.b1[r], vf{})); });
+  multiply(p.second(), hidden, [&](int r, int at, vf sum) { store(out + at, sum + p.b2[r]); });
 }
 
 // From the gradients `up` of its outputs: adds those of its weights to `sums` and those of its inputs to `down`.
@@ -162,17 +153,12 @@ inline void descend(const Perceptron &p, const float *in, const float *hidden, c
   add_row_sums(up, p.outputs, sums.b2);
   turn_rows(hidden, p.hidden, turned);
   add_outer_product(up, p.outputs, turned, p.hidden, p.hidden, sums.w2);
-  fill(nullptr, p.hidden, slopes);
-  add_product(p.second().turned(), up, slopes);
-  for (int h = 0; h < p.hidden; ++h)
-    for (int v = 0; v < kVectors; ++v) {
-      float *at = slopes + h * kPitch + v * LANES;
-      store(at, select(load(hidden + h * kPitch + v * LANES) > 0.0f, load(at), vf{}));
-    }
+  multiply(p.second().turned(), up,
+           [&](int, int at, vf sum) { store(slopes + at, select(load(hidden + at) > 0.0f, sum, vf{})); });
   add_row_sums(slopes, p.hidden, sums.b1);
   turn_rows(in, p.inputs, turned);
   add_outer_product(slopes, p.hidden, turned, p.inputs, p.w1_step, sums.w1);
-  add_product(p.first().turned(), slopes, down);
+  multiply(p.first().turned(), slopes, [&](int, int at, vf sum) { store(down + at, load(down + at) + sum); });
 }
 
 }  // namespace
