@@ -24,6 +24,7 @@ BENCHMARKS = {
     "targets": ("benchmarks.targets", "How near encodes come to a size or a PSNR, and what that costs."),
     "depths": ("benchmarks.depths", "The same picture at several depths and ranges, at one quality."),
     "paper": ("benchmarks.paper.command", "The paper's tables, measured again beside its own figures."),
+    "paper-steps": ("benchmarks.paper_steps", "What a step of the paper profile takes, beside the rasteriser."),
     "unsuited": ("benchmarks.unsuited", "What is left of text, line art, screenshots and fine texture."),
     "large": ("benchmarks.large.command", "sgi and its peers on pictures of many megapixels."),
     "crops": ("benchmarks.crops", "Cut pictures for a benchmark out of larger ones."),

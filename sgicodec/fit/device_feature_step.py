@@ -106,14 +106,14 @@ class DeviceFeatureStep(FeatureStep):
         weights = [given.decoders]
         if given.priced:
             weights += [given.rest, given.first]
-            taken |= {"theta": given.tables, "signs": np.where(given.tables >= 0, np.float32(1), np.float32(-1))}
+            taken |= {"theta": given.tables, "signs": np.where(given.tables >= 0, np.int8(1), np.int8(-1))}
             parts = [given.tables[a:b] for a, b in pairwise(self._table_starts)]
             slopes = [_native.sign_slope(int((part >= 0).sum()), len(part), given.price) for part in parts]
             taken["sign_slopes"] = np.array(slopes, np.float32)
         self._networks.load(np.concatenate(weights))
         for name, values in taken.items():
             if name not in self._held:
-                self._held[name] = self.gpu.array(values.shape)
+                self._held[name] = self.gpu.array(values.shape, values.dtype)
             self._held[name].upload(values)
         sizes = {"count": self.count, "per_seed": self.spec.per_seed, "channels": self.spec.channels}
         context = self.spec.context
@@ -200,7 +200,8 @@ class DeviceFeatureStep(FeatureStep):
             **{f"{part}_{name}": (rows, n) for part in ("said", "up") for name, rows in said.items()},
             **{name: (n * self.spec.per_seed, width) for name, width in gaussians.items()},
             **{f"grad_{name}": (n * self.spec.per_seed, width) for name, width in gaussians.items()},
-            **{"hash_slopes": (hashed, n), "bits": (n,), "tables": (self._table_starts[-1],)},
+            **{"hash_slopes": (hashed, n), "bits": (n,), "bit_rows": (3 * attributes + 3, n)},
+            "tables": (self._table_starts[-1],),
         }
 
 

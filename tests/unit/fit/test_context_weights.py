@@ -12,10 +12,11 @@ from sgicodec.profiles.paper import paper_spec
 specs = pytest.mark.parametrize("spec", [default_spec(3, prior=0), paper_spec(1, 2, 6)], ids=["default", "paper"])
 
 UNIT = 2.0**-WEIGHT_SHIFT
+SIZES = (30, 50)
 
 
 def weights_of(spec: ModelSpec) -> ContextWeights:
-    return ContextWeights(spec, (30, 50), np.random.default_rng(1))
+    return ContextWeights(spec, SIZES, np.random.default_rng(1))
 
 
 def assert_same(found: tuple[IntNetwork, ...], expected: tuple[IntNetwork, ...]) -> None:
@@ -29,7 +30,7 @@ def assert_same(found: tuple[IntNetwork, ...], expected: tuple[IntNetwork, ...])
 def test_frozen_weights_are_those_of_the_stream(spec: ModelSpec) -> None:
     weights = weights_of(spec)
     before, networks = weights.first.copy(), weights.integers()
-    assert set(weights.trained()) == {f"context.{name}" for name in ("first", "rest", "table0", "table1")}
+    assert set(weights.trained()) == {f"context.{name}" for name in ("first", "rest", "tables")}
     weights.freeze()
     assert weights.trained() == {}
     assert 0 < np.abs(weights.first - before).max() <= 0.5 * UNIT
@@ -54,8 +55,11 @@ def test_differences_are_added_in_their_own_unit(spec: ModelSpec) -> None:
 
 def test_signs_of_the_hash_grid() -> None:
     weights = weights_of(paper_spec(1, 2, 6))
-    for table, signs in zip(weights.tables, weights.signs(), strict=True):
-        np.testing.assert_array_equal(signs, np.where(table < 0, 0, 1))
+    signs = weights.signs()
+    assert [part.shape for part in signs] == [(entries, 4) for entries in SIZES]
+    np.testing.assert_array_equal(
+        np.concatenate([part.reshape(-1) for part in signs]), np.where(weights.tables < 0, 0, 1)
+    )
 
 
 def test_a_new_network_begins_at_means_and_deviations() -> None:
@@ -76,6 +80,6 @@ def test_a_new_network_begins_at_means_and_deviations() -> None:
 
 
 def test_the_hash_grid_starts_where_signs_can_turn() -> None:
-    tables = np.concatenate([table.reshape(-1) for table in weights_of(paper_spec(1, 2, 6)).tables])
+    tables = weights_of(paper_spec(1, 2, 6)).tables
     assert 0 < np.abs(tables).max() <= 1e-4
     assert 0.4 < (tables > 0).mean() < 0.6
