@@ -171,6 +171,24 @@ class FeatureFit:
 
     def sums(self, priced: bool) -> int: ...
 
+FORMAT_VERSION: int = ...
+
+MAX_SIDE: int = ...
+
+MAX_CHANNELS: int = ...
+
+MAX_TILES: int = ...
+
+MIN_TILE: int = ...
+
+MAX_APRON: int = ...
+
+def decode_header(payload: bytes) -> dict:
+    """The fields of chunk H; those of `spec` and its `context` in their own."""
+
+def encode_header(header: object) -> bytes:
+    """The payload of chunk H of a header with these fields as attributes."""
+
 def png_filter(rows: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu', writable=False)], above: Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)], step: int, out: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu')], isa: str = ...) -> None: ...
 
 def local_variance(plane: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], radius: int, out: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu')]) -> None: ...
@@ -274,9 +292,6 @@ class StreamReader:
     def __init__(self, source: object, is_overview: bool = ...) -> None: ...
 
     @property
-    def header(self) -> dict: ...
-
-    @property
     def size(self) -> int: ...
 
     @property
@@ -292,6 +307,8 @@ class StreamReader:
 
     def tile(self, number: int) -> bytes: ...
 
+CHUNK_KINDS: tuple = ...
+
 def summarize(source: object) -> tuple:
     """
     Of a stream's start: payloads by letter, bytes of all chunks by letter, and of the file. No tile is read.
@@ -301,9 +318,6 @@ def read_chunks(source: object, known: str, with_payloads: bool = ...) -> list:
     """
     Letters and payloads of the known chunks of a file; without payloads these are empty.
     """
-
-def decode_header(payload: bytes) -> dict:
-    """The fields of chunk H; enumerations as their numbers."""
 
 def crc32(data: bytes, before: int = ...) -> int: ...
 

@@ -16,6 +16,7 @@ from surgery import flipped, frame, join, split
 
 from sgicodec import _native
 from sgicodec.bitstream.container import SIGNATURE
+from sgicodec.bitstream.header import decode_header
 from sgicodec.bitstream.index import Place, encode_index
 from sgicodec.errors import CorruptStreamError, LimitError, SgiError
 
@@ -43,7 +44,7 @@ def outcome(reader: Any, source: bytes | BinaryIO, is_overview: bool = False) ->
         stream = reader(source, is_overview)
     except SgiError as error:
         return type(error), str(error)
-    tiles = stream.header["tile"] if isinstance(stream.header, dict) else stream.header.tile
+    tiles = decode_header(stream.blobs["H"]).tile
     facts = [stream.blobs, stream.chunk_bytes, stream.size, stream.has_overview]
     for number in range(16 if tiles else 1):
         try:
