@@ -1,12 +1,13 @@
-"""The rate target of an encode, a size or a PSNR, and how far a measured stream is from it."""
+"""What a stream may be asked to end at: the table of targets, and how far a measured stream is from one."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Literal, Protocol
 
-__all__ = ["LMBDA_MAX", "LMBDA_MIN", "Measured", "RateTarget"]
+__all__ = ["LMBDA_MAX", "LMBDA_MIN", "TARGETS", "Measured", "RateTarget", "Target"]
 
 LMBDA_MIN, LMBDA_MAX = 1e-6, 4.0
 """Range of λ in which rate control searches."""
@@ -38,38 +39,119 @@ class Measured:
     score: float = math.nan
 
 
+class _Quantity(Protocol):
+    """What of a stream a target is about; `found` is that of a stream, `wanted` the target."""
+
+    def rate_error(self, found: float, wanted: float) -> float:
+        """Octaves by which λ should rise."""
+
+    def is_met(self, found: float, wanted: float) -> bool:
+        """Whether it is near enough."""
+
+    def is_missed(self, found: float, wanted: float) -> bool:
+        """Whether the stream is larger than was allowed, or worse than was asked for."""
+
+    def typical_lmbda(self, wanted: float) -> float | None:
+        """λ at which photographs have it, where no R-D model predicts it."""
+
+    def miss_message(self, found: float, wanted: float) -> str:
+        """What to report of the best stream."""
+
+
+class _Size:
+    """Bytes: at most the target, and within 3 % of it."""
+
+    def rate_error(self, found: float, wanted: float) -> float:
+        return math.log2(max(found, 1.0) / (SIZE_AIM_FRACTION * wanted)) / SIZE_OCTAVES_PER_LMBDA_OCTAVE
+
+    def is_met(self, found: float, wanted: float) -> bool:
+        return SIZE_MIN_FRACTION * wanted <= found <= wanted
+
+    def is_missed(self, found: float, wanted: float) -> bool:
+        return found > wanted
+
+    def typical_lmbda(self, wanted: float) -> float | None:
+        return None
+
+    def miss_message(self, found: float, wanted: float) -> str:
+        return f"no stream of at most {wanted:.0f} bytes was found; the smallest has {found:.0f}"
+
+
+@dataclass(frozen=True)
+class _Quality:
+    """What falls as λ rises, by `per_octave` of it: the target within `tolerance`. `largest` stands for all above;
+    `typical`: as in `SCORE_LMBDA`; `text`, `reached`: how the target and a stream's are printed.
+    """
+
+    tolerance: float
+    per_octave: float
+    largest: float
+    text: str
+    reached: str
+    typical: tuple[float, float] | None = None
+
+    def rate_error(self, found: float, wanted: float) -> float:
+        return (min(found, self.largest) - wanted) / self.per_octave
+
+    def is_met(self, found: float, wanted: float) -> bool:
+        return abs(found - wanted) <= self.tolerance
+
+    def is_missed(self, found: float, wanted: float) -> bool:
+        return found < wanted - self.tolerance
+
+    def typical_lmbda(self, wanted: float) -> float | None:
+        if self.typical is None:
+            return None
+        lmbda, value = self.typical
+        return float(lmbda * 2.0 ** ((value - wanted) / self.per_octave))
+
+    def miss_message(self, found: float, wanted: float) -> str:
+        return f"no stream of {self.text.format(wanted)} was found; the best reaches {self.reached.format(found)}"
+
+
+_QUANTITIES: dict[str, _Quantity] = {
+    "bytes": _Size(),
+    "psnr": _Quality(PSNR_TOLERANCE_DB, PSNR_DB_PER_LMBDA_OCTAVE, PSNR_MAX_DB, "{:g} dB", "{:.2f} dB"),
+    "score": _Quality(*(SCORE_TOLERANCE, SCORE_PER_LMBDA_OCTAVE, math.inf), "SSIMULACRA 2 {:g}", "{:.1f}", SCORE_LMBDA),
+}
+"""By the field of `Measured` and of `RateTarget`."""
+
+
 @dataclass(frozen=True)
 class RateTarget:
-    """A size in bytes that the stream must not exceed, or a PSNR in dB or a SSIMULACRA 2 score that it must have."""
+    """A size in bytes that the stream must not exceed, or a PSNR in dB or a SSIMULACRA 2 score that it must have: one
+    of the three.
+    """
 
     bytes: float | None = None
     psnr: float | None = None
     score: float | None = None
 
+    @property
+    def _goal(self) -> tuple[str, float]:
+        """Which field is asked for, and its value."""
+        return next((name, value) for name in _QUANTITIES if (value := getattr(self, name)) is not None)
+
     def rate_error(self, measured: Measured) -> float:
         """Estimate of the octaves by which λ should rise: positive where the stream spends more than was asked for."""
-        if self.bytes is not None:
-            octaves = math.log2(max(measured.bytes, 1.0) / (SIZE_AIM_FRACTION * self.bytes))
-            return octaves / SIZE_OCTAVES_PER_LMBDA_OCTAVE
-        if self.score is not None:
-            return (measured.score - self.score) / SCORE_PER_LMBDA_OCTAVE
-        return (min(measured.psnr, PSNR_MAX_DB) - (self.psnr or 0.0)) / PSNR_DB_PER_LMBDA_OCTAVE
+        name, wanted = self._goal
+        return _QUANTITIES[name].rate_error(getattr(measured, name), wanted)
 
     def is_met(self, measured: Measured) -> bool:
         """Size: at most the target, and within 3 % of it. PSNR: within 0.1 dB. Score: within 1."""
-        if self.bytes is not None:
-            return SIZE_MIN_FRACTION * self.bytes <= measured.bytes <= self.bytes
-        if self.score is not None:
-            return abs(measured.score - self.score) <= SCORE_TOLERANCE
-        return abs(measured.psnr - (self.psnr or 0.0)) <= PSNR_TOLERANCE_DB
+        name, wanted = self._goal
+        return _QUANTITIES[name].is_met(getattr(measured, name), wanted)
 
     def is_missed(self, measured: Measured) -> bool:
         """Whether the stream is larger than was allowed, or worse than was asked for."""
-        if self.bytes is not None:
-            return measured.bytes > self.bytes
-        if self.score is not None:
-            return measured.score < self.score - SCORE_TOLERANCE
-        return measured.psnr < (self.psnr or 0.0) - PSNR_TOLERANCE_DB
+        name, wanted = self._goal
+        return _QUANTITIES[name].is_missed(getattr(measured, name), wanted)
+
+    @property
+    def typical_lmbda(self) -> float | None:
+        """λ at which photographs have it, where no R-D model predicts it."""
+        name, wanted = self._goal
+        return _QUANTITIES[name].typical_lmbda(wanted)
 
     def nearest(self, streams: Sequence[Measured]) -> int:
         """Index of the stream with the least rate error, among those that do not miss the target if there are any."""
@@ -92,8 +174,79 @@ class RateTarget:
 
     def miss_message(self, measured: Measured) -> str:
         """What to report where the best stream misses the target."""
-        if self.bytes is not None:
-            return f"no stream of at most {self.bytes:.0f} bytes was found; the smallest has {measured.bytes:.0f}"
-        if self.score is not None:
-            return f"no stream of SSIMULACRA 2 {self.score:g} was found; the best reaches {measured.score:.1f}"
-        return f"no stream of {self.psnr:g} dB was found; the best reaches {measured.psnr:.2f} dB"
+        name, wanted = self._goal
+        return _QUANTITIES[name].miss_message(getattr(measured, name), wanted)
+
+
+@dataclass(frozen=True)
+class Target:
+    """A setting that names a rate target, and an option of the command line of the same name."""
+
+    quantity: Literal["bytes", "psnr", "score"]
+    """Which field of `RateTarget` it sets."""
+    is_sound: Callable[[float], bool]
+    """Which values make sense."""
+    rule: str
+    """What a message says of the others."""
+    metavar: str
+    """What help shows for a value."""
+    noun: str
+    """What a message calls a value."""
+    example: str
+    """A value, or several."""
+    help: str
+    """What help says."""
+    per_pixel: bool = False
+    """Whether values are bits for each pixel."""
+    tune: Literal["psnr", "visual"] = "visual"
+    """What an encode is tuned for that does not say so."""
+    single_tile: bool = False
+    """Whether only a picture in one tile can end at it."""
+
+    def rate_target(self, value: float, pixels: int) -> RateTarget:
+        """That of a picture of `pixels` pixels."""
+        return RateTarget(**{self.quantity: value * pixels / 8 if self.per_pixel else value})
+
+
+TARGETS = {
+    "psnr": Target(
+        "psnr",
+        is_sound=lambda value: 0 < value < math.inf,
+        rule="it must be positive",
+        metavar="DB",
+        noun="a number of dB",
+        example="35 or 38.5",
+        help="PSNR to end at, instead of -q.",
+        tune="psnr",
+    ),
+    "ssimulacra2": Target(
+        "score",
+        is_sound=lambda value: value < 100,
+        rule="it must be below 100",
+        metavar="SCORE",
+        noun="a SSIMULACRA 2 score",
+        example="70 or 90",
+        help="SSIMULACRA 2 score to end at, instead of -q.",
+        single_tile=True,
+    ),
+    "size": Target(
+        "bytes",
+        is_sound=lambda value: 1 <= value < math.inf,
+        rule="at least 1 byte",
+        metavar="BYTES",
+        noun="BYTES",
+        example="20000, 200kB or 1.5MiB",
+        help="File size to end at, never above: 20000, 200kB, 1.5MiB.",
+    ),
+    "bpp": Target(
+        "bytes",
+        is_sound=lambda value: 0 < value < math.inf,
+        rule="it must be positive",
+        metavar="X",
+        noun="a number of bits per pixel",
+        example="0.5",
+        help="Bits per pixel to end at, never above.",
+        per_pixel=True,
+    ),
+}
+"""By the name of the setting, in the order in which help lists them: a stream may be asked for one."""
