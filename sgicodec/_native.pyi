@@ -40,8 +40,6 @@ SUMMARY: int = ...
 
 MOST_NEIGHBOURS: int = ...
 
-LEVEL_INPUTS: int = ...
-
 NEIGHBOUR_INPUTS: int = ...
 
 COLOUR_GAIN_BITS: int = ...
@@ -286,40 +284,16 @@ def restoration_last_layer(network: int) -> tuple[Annotated[NDArray[numpy.int32]
     Weights and then bias of each output [outputs, 9 * inputs + 1], and the shift of what they give.
     """
 
-class StreamReader:
-    """The chunks of a stream: bytes, or a binary file."""
-
-    def __init__(self, source: object, is_overview: bool = ...) -> None: ...
-
-    @property
-    def size(self) -> int: ...
-
-    @property
-    def blobs(self) -> dict: ...
-
-    @property
-    def chunk_bytes(self) -> dict: ...
-
-    @property
-    def has_overview(self) -> bool: ...
-
-    def overview(self) -> object: ...
-
-    def tile(self, number: int) -> bytes: ...
-
 CHUNK_KINDS: tuple = ...
+
+MAX_PAYLOAD: int = ...
+
+SIGNATURE: bytes = ...
 
 def summarize(source: object) -> tuple:
     """
     Of a stream's start: payloads by letter, bytes of all chunks by letter, and of the file. No tile is read.
     """
-
-def read_chunks(source: object, known: str, with_payloads: bool = ...) -> list:
-    """
-    Letters and payloads of the known chunks of a file; without payloads these are empty.
-    """
-
-def crc32(data: bytes, before: int = ...) -> int: ...
 
 def shipped(kind: str, number: int) -> bytes:
     """
@@ -535,8 +509,6 @@ class MaskTree:
         """
         The mask [rows, columns] where ascending rows and columns of pixels meet.
         """
-
-def read_mask(payload: bytes, width: int, height: int) -> MaskTree: ...
 
 def decode_tile_chunk(header: bytes, payload: bytes) -> tuple[int, bool, list[tuple[bool, MaskTree]], list[tuple[int, float]], bytes]:
     """
