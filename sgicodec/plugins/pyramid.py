@@ -13,7 +13,7 @@ from sgicodec.decoder.bands import Bands
 from sgicodec.decoder.levels import levels_of
 from sgicodec.decoder.stream import Stream
 from sgicodec.errors import PictureError, require
-from sgicodec.image.files import whole_file
+from sgicodec.files.whole import whole_file
 from sgicodec.metadata import geo
 from sgicodec.metadata.georeference import resolution
 from sgicodec.metadata.layouts import alpha_index

@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[2]
 
 FLOORS = (
     {"errors", "version", "_native"},
-    {"metadata", "device", "remote"},
+    {"metadata", "device", "remote", "files"},
     {"picture", "cuda"},
     {"image", "raster", "model"},
     {"metrics"},
