@@ -43,7 +43,7 @@ _SUB_IFDS, _PHOTOMETRIC, _DNG_VERSION = 330, 262, 50706
 _SENSOR = (32803, 34892)
 """Photometric interpretations of samples as a sensor gives them: behind colour filters, or linear."""
 
-_MOST_DIRECTORIES = 16
+_MAX_DIRECTORIES = 16
 
 
 def foreign(data: Bytes) -> Foreign | None:
@@ -89,7 +89,7 @@ def _directories(data: Bytes, spelling: ifd.Layout) -> Iterator[dict[int, int]]:
         return
     single = below.values * spelling.place.size <= spelling.place.size
     start = below.at if single else _number(data, below.at, spelling.place)
-    for index in range(min(below.values, _MOST_DIRECTORIES)):
+    for index in range(min(below.values, _MAX_DIRECTORIES)):
         at = _number(data, start + index * spelling.place.size, spelling.place)
         yield {row.tag: _value(data, row, spelling) for row in ifd.rows(data, at, spelling)}
 

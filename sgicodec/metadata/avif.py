@@ -16,7 +16,7 @@ from sgicodec.metadata.orientation import Window
 
 __all__ = ["Still", "is_avif", "still"]
 
-_MOST_META = 1 << 24
+_MAX_META = 1 << 24
 """Bytes of the box `meta`, which holds no pixels; those of EXIF and profiles may lie in it."""
 
 _TURNS = {
@@ -71,7 +71,7 @@ def still(data: Bytes) -> Still:
 
 def _still(data: Bytes) -> Still:
     found = next((place for kind, place in _boxes(data, slice(0, len(data))) if kind == b"meta"), None)
-    if found is None or found.stop - found.start > _MOST_META:
+    if found is None or found.stop - found.start > _MAX_META:
         raise PictureError("the file is damaged or cut off: it says nothing of a picture")
     meta = bytes(data[found])
     parts = dict(_boxes(meta, slice(4, len(meta))))

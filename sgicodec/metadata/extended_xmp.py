@@ -21,7 +21,7 @@ _HAS_EXTENSION = re.compile(
 )
 _HEAD = struct.Struct(">32sII")
 _PIECE = 65400
-_MOST = 1 << 26
+_MAX_EXTENSION = 1 << 26
 """Bytes of an extension that is read."""
 
 _RDF_START, _RDF_END = re.compile(rb"<([\w.-]+):RDF\b[^<>]*>"), re.compile(rb"</[\w.-]+:RDF\s*>")
@@ -68,7 +68,7 @@ def _assembled(name: bytes, pieces: list[bytes]) -> bytes | None:
     whole = b"".join(part for _, part in sorted(parts.items()))
     ends = [offset + len(part) for offset, part in sorted(parts.items())]
     is_whole = lengths == {len(whole)} and [0, *ends[:-1]] == sorted(parts)
-    return whole if is_whole and len(whole) <= _MOST else None
+    return whole if is_whole and len(whole) <= _MAX_EXTENSION else None
 
 
 def split(packet: bytes, most: int) -> tuple[bytes, list[bytes]]:

@@ -38,7 +38,7 @@ _INNER = tuple(f"LargestValidInteriorRect{side}" for side in ("Left", "Top", "Wi
 _PIXELS = re.compile(rb"""rbUnit(?:\s*=\s*["']|\s*>\s*)pixel""")
 """The unit of a region of IPTC; else it is relative."""
 
-_MOST_PREFIXES = 8
+_MAX_PREFIXES = 8
 """Names of a schema in one packet; nobody gives it several but to cost time."""
 
 Schema = tuple[str, bytes]
@@ -161,7 +161,7 @@ class _Packet:
         """A pattern of the names of a property."""
         usual, address = schema
         found = re.findall(rb"""xmlns:([\w.-]{1,40})\s*=\s*["']%b["']""" % re.escape(address), self._declared)
-        prefixes = sorted({re.escape(prefix) for prefix in (*found[:_MOST_PREFIXES], usual.encode("ascii"))})
+        prefixes = sorted({re.escape(prefix) for prefix in (*found[:_MAX_PREFIXES], usual.encode("ascii"))})
         return rb"(?:%b):%b" % (b"|".join(prefixes), name.encode("ascii"))
 
     def value(self, schema: Schema, name: str) -> bytes | None:

@@ -27,7 +27,7 @@ __all__ = ["TILE", "write_levels", "write_pyramid"]
 TILE = 256
 """Side of tiles, in pixels."""
 
-_MOST_CLASSIC = 7 << 28
+_MAX_CLASSIC = 7 << 28
 """Bytes of the picture's samples from which on, with reductions, the file is a BigTIFF."""
 
 _BATCH_BYTES = 1 << 26
@@ -68,7 +68,7 @@ def write_levels(
 
     bands = stream.bands(**view)
     sizes = levels_of(bands.width, bands.height)
-    big = bands.row_bytes * bands.height > _MOST_CLASSIC
+    big = bands.row_bytes * bands.height > _MAX_CLASSIC
     same = {"region": view.get("region"), "dtype": view.get("dtype"), "boundless": view.get("boundless", False)}
     with tifffile.TiffWriter(file, bigtiff=big, byteorder="<", ome=ome, shaped=False) as writer:
         for number, level in enumerate(sizes):

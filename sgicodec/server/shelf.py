@@ -12,7 +12,7 @@ from sgicodec.server.refusal import Refusal
 __all__ = ["Chosen", "Folder", "Listing", "Shelf"]
 
 SUFFIX = ".sgi"
-MOST_LISTED = 2000
+MAX_LISTED = 2000
 """Names that one listing shows."""
 
 
@@ -61,7 +61,7 @@ class Folder:
         streams: list[str] = []
         try:
             for path in sorted(folder.iterdir()):
-                if len(folders) + len(streams) == MOST_LISTED:
+                if len(folders) + len(streams) == MAX_LISTED:
                     return Listing(folders, streams, True)
                 if path.name.startswith(".") or not _printable(path.name):
                     continue
