@@ -111,8 +111,8 @@ def _targa(data: Bytes) -> Channels:
 
 def _denied(data: Bytes) -> bool:
     footer = bytes(data[len(data) - 26 :])
-    place = struct.unpack("<I", footer[:4])[0] if footer[8:24] == b"TRUEVISION-XFILE" else 0
-    return place > 0 and bytes(data[place + _EXTENSION : place + _EXTENSION + 1]) in _NO_ALPHA
+    offset = struct.unpack("<I", footer[:4])[0] if footer[8:24] == b"TRUEVISION-XFILE" else 0
+    return offset > 0 and bytes(data[offset + _EXTENSION : offset + _EXTENSION + 1]) in _NO_ALPHA
 
 
 def _colour_space(data: Bytes) -> int | None:

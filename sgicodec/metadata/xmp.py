@@ -101,12 +101,12 @@ def _fraction(text: bytes | None) -> tuple[int, int] | None:
 
 def _moved_list(text: bytes, motion: Motion) -> bytes | None:
     """A list of the numbers of an area, which are the only digits between its tags."""
-    places = list(re.finditer(rb"(?<=>)\s*(\d{1,9})\s*(?=</)", text))
-    values = motion.area([int(place[1]) for place in places])
+    numbers = list(re.finditer(rb"(?<=>)\s*(\d{1,9})\s*(?=</)", text))
+    values = motion.area([int(number[1]) for number in numbers])
     if values is None:
         return None
-    for place, value in reversed(list(zip(places, values, strict=True))):
-        text = text[: place.start()] + str(value).encode("ascii") + text[place.end() :]
+    for number, value in reversed(list(zip(numbers, values, strict=True))):
+        text = text[: number.start()] + str(value).encode("ascii") + text[number.end() :]
     return text
 
 

@@ -53,7 +53,7 @@ def write_pyramid(
     """
     ome = is_ome_name(str(path)) if ome is None else ome
     try:
-        with local_file(path, PictureError) as place, whole_file(place) as file:
+        with local_file(path, PictureError) as local, whole_file(local) as file:
             write_levels(stream, file, ome, view, done)
     except OSError as error:
         raise PictureError(f"{path}: {error.strerror or error}") from error

@@ -20,7 +20,7 @@ class Part(NamedTuple):
     """Bytes, and what Content-Range says of them."""
 
     data: bytes
-    place: str
+    content_range: str
 
 
 class RemoteFiles:
