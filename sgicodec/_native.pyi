@@ -182,10 +182,10 @@ MIN_TILE: int = ...
 MAX_APRON: int = ...
 
 def decode_header(payload: bytes) -> dict:
-    """The fields of chunk H; those of `spec` and its `context` in their own."""
+    """The fields of chunk H by their paths, such as spec.context.prior."""
 
 def encode_header(header: object) -> bytes:
-    """The payload of chunk H of a header with these fields as attributes."""
+    """The payload of chunk H of a header with these fields."""
 
 def png_filter(rows: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu', writable=False)], above: Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)], step: int, out: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu')], isa: str = ...) -> None: ...
 

@@ -16,18 +16,7 @@ using namespace nb::literals;
 
 namespace {
 
-// The parts of a path of members.
-std::vector<std::string> parts_of(const std::string &name) {
-  std::vector<std::string> parts{""};
-  for (const char letter : name)
-    if (letter == '.')
-      parts.emplace_back();
-    else
-      parts.back() += letter;
-  return parts;
-}
-
-// Fills a dictionary with the fields; the members of `spec` and of `spec.context` lie in dictionaries within it.
+// Fills a dictionary with the fields, by their paths.
 class ToPython {
  public:
   nb::dict fields;
@@ -69,15 +58,7 @@ class ToPython {
   void real(const char *name, const char *, const double &member) { set(name, nb::float_(member)); }
 
  private:
-  void set(const char *name, const nb::object &value) {
-    nb::dict holder = fields;
-    const std::vector<std::string> parts = parts_of(name);
-    for (size_t i = 0; i + 1 < parts.size(); ++i) {
-      if (!holder.contains(parts[i].c_str())) holder[parts[i].c_str()] = nb::dict();
-      holder = nb::cast<nb::dict>(holder[parts[i].c_str()]);
-    }
-    holder[parts.back().c_str()] = value;
-  }
+  void set(const char *name, const nb::object &value) { fields[name] = value; }
 };
 
 // Takes the fields from the attributes of an object.
@@ -118,11 +99,8 @@ class FromPython {
   void real(const char *name, const char *, double &member) { member = nb::cast<double>(get(name)); }
 
  private:
-  nb::object get(const char *name) {
-    nb::object found = header_;
-    for (const std::string &part : parts_of(name)) found = found.attr(part.c_str());
-    return found;
-  }
+  // The attribute at a path.
+  nb::object get(const char *name) { return nb::module_::import_("operator").attr("attrgetter")(name)(header_); }
 
   // One end of the range, of each channel; that of alpha is `end`.
   static std::vector<double> levels(const nb::object &given, const sgi::Header &header, double end) {
@@ -162,7 +140,6 @@ void bind_header(nb::module_ &m) {
   m.attr("FORMAT_VERSION") = sgi::kFormatVersion;
   m.attr("MAX_SIDE") = sgi::kMaxSide, m.attr("MAX_CHANNELS") = sgi::kMaxChannels;
   m.attr("MAX_TILES") = sgi::kMaxTiles, m.attr("MIN_TILE") = sgi::kMinTile, m.attr("MAX_APRON") = sgi::kMaxApron;
-  m.def("decode_header", &decode, "payload"_a,
-        "The fields of chunk H; those of `spec` and its `context` in their own.");
-  m.def("encode_header", &encode, "header"_a, "The payload of chunk H of a header with these fields as attributes.");
+  m.def("decode_header", &decode, "payload"_a, "The fields of chunk H by their paths, such as spec.context.prior.");
+  m.def("encode_header", &encode, "header"_a, "The payload of chunk H of a header with these fields.");
 }

@@ -21,8 +21,8 @@ struct OtherFormat {
   std::string_view start, name;
 };
 constexpr OtherFormat kOtherFormats[] = {{"\xff\xd8\xff"sv, "a JPEG file"},
-                                {"\x89PNG\r\n\x1a\n"sv, "a PNG file"},
-                                {"\x01\xda"sv, "a Silicon Graphics image, which shares the extension .sgi"}};
+                                         {"\x89PNG\r\n\x1a\n"sv, "a PNG file"},
+                                         {"\x01\xda"sv, "a Silicon Graphics image, which shares the extension .sgi"}};
 // What a text-mode transfer, a terminal of seven bits or a re-encoding as UTF-8 makes of the signature.
 constexpr std::string_view kDamaged[] = {"\x89SGI\n\x1a\n"sv, "\x89SGI\r\r\n\x1a"sv,   "\x89SGI\r\x1a\n"sv,
                                          "\tSGI\r\n\x1a\n"sv, "\xc2\x89SGI\r\n\x1a"sv, "\xef\xbf\xbdSGI"sv};

@@ -94,14 +94,16 @@ def decode_header(payload: bytes) -> Header:
     """Reads chunk H. Raises UnsupportedStreamError for another version, LimitError for a field beyond its cap and
     CorruptStreamError for fields that contradict each other.
     """
-    fields = _native.decode_header(payload)
-    spec = fields.pop("spec")
-    return Header(**fields, spec=_spec(spec, ContextSpec(**spec.pop("context"), steps=())))
+    fields: dict[str, dict[str, Any]] = {"": {}, "spec": {}, "spec.context": {}}
+    for path, value in _native.decode_header(payload).items():
+        holder, _, name = path.rpartition(".")
+        fields[holder][name] = value
+    return Header(**fields[""], spec=_spec(fields["spec"], fields["spec.context"]))
 
 
-def _spec(fields: dict[str, Any], context: ContextSpec) -> ModelSpec:
+def _spec(fields: dict[str, Any], context: dict[str, Any]) -> ModelSpec:
     """The specification with the coding steps, which follow from its groups."""
-    spec = ModelSpec(**fields, context=context)
+    spec = ModelSpec(**fields, context=ContextSpec(**context, steps=()))
     names = tuple(group.name for group in spec.groups)
     steps = tuple((name,) for name in names) if spec.skip else (names,)
-    return replace(spec, context=replace(context, steps=steps))
+    return replace(spec, context=replace(spec.context, steps=steps))

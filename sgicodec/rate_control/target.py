@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Literal
 
 __all__ = ["LMBDA_MAX", "LMBDA_MIN", "TARGETS", "Measured", "RateTarget", "Target"]
 
@@ -39,80 +39,48 @@ class Measured:
     score: float = math.nan
 
 
-class _Quantity(Protocol):
-    """What of a stream a target is about; `found` is that of a stream, `wanted` the target."""
-
-    def rate_error(self, found: float, wanted: float) -> float:
-        """Octaves by which λ should rise."""
-
-    def is_met(self, found: float, wanted: float) -> bool:
-        """Whether it is near enough."""
-
-    def is_missed(self, found: float, wanted: float) -> bool:
-        """Whether the stream is larger than was allowed, or worse than was asked for."""
-
-    def typical_lmbda(self, wanted: float) -> float | None:
-        """λ at which photographs have it, where no R-D model predicts it."""
-
-    def miss_message(self, found: float, wanted: float) -> str:
-        """What to report of the best stream."""
-
-
-class _Size:
-    """Bytes: at most the target, and within 3 % of it."""
-
-    def rate_error(self, found: float, wanted: float) -> float:
-        return math.log2(max(found, 1.0) / (SIZE_AIM_FRACTION * wanted)) / SIZE_OCTAVES_PER_LMBDA_OCTAVE
-
-    def is_met(self, found: float, wanted: float) -> bool:
-        return SIZE_MIN_FRACTION * wanted <= found <= wanted
-
-    def is_missed(self, found: float, wanted: float) -> bool:
-        return found > wanted
-
-    def typical_lmbda(self, wanted: float) -> float | None:
-        return None
-
-    def miss_message(self, found: float, wanted: float) -> str:
-        return f"no stream of at most {wanted:.0f} bytes was found; the smallest has {found:.0f}"
-
-
 @dataclass(frozen=True)
-class _Quality:
-    """What falls as λ rises, by `per_octave` of it: the target within `tolerance`. `largest` stands for all above;
-    `typical`: as in `SCORE_LMBDA`; `text`, `reached`: how the target and a stream's are printed.
-    """
+class _Quantity:
+    """What of a stream a target is about."""
 
-    tolerance: float
     per_octave: float
-    largest: float
-    text: str
+    """How much of it, or how many octaves of bytes, an octave of λ takes or gives."""
+    near: Callable[[float], tuple[float, float]]
+    """The least and the largest value that meets a target."""
+    asked: str
+    """How a message names a target."""
     reached: str
+    """How it names what the best stream has."""
+    is_size: bool = False
+    """Whether it is bytes, of which there may be no more, rather than a quality, which may not be less."""
+    largest: float = math.inf
+    """Stands for all above."""
     typical: tuple[float, float] | None = None
-
-    def rate_error(self, found: float, wanted: float) -> float:
-        return (min(found, self.largest) - wanted) / self.per_octave
-
-    def is_met(self, found: float, wanted: float) -> bool:
-        return abs(found - wanted) <= self.tolerance
-
-    def is_missed(self, found: float, wanted: float) -> bool:
-        return found < wanted - self.tolerance
-
-    def typical_lmbda(self, wanted: float) -> float | None:
-        if self.typical is None:
-            return None
-        lmbda, value = self.typical
-        return float(lmbda * 2.0 ** ((value - wanted) / self.per_octave))
-
-    def miss_message(self, found: float, wanted: float) -> str:
-        return f"no stream of {self.text.format(wanted)} was found; the best reaches {self.reached.format(found)}"
+    """λ, and what photographs have there, of what no R-D model predicts."""
 
 
-_QUANTITIES: dict[str, _Quantity] = {
-    "bytes": _Size(),
-    "psnr": _Quality(PSNR_TOLERANCE_DB, PSNR_DB_PER_LMBDA_OCTAVE, PSNR_MAX_DB, "{:g} dB", "{:.2f} dB"),
-    "score": _Quality(*(SCORE_TOLERANCE, SCORE_PER_LMBDA_OCTAVE, math.inf), "SSIMULACRA 2 {:g}", "{:.1f}", SCORE_LMBDA),
+_QUANTITIES = {
+    "bytes": _Quantity(
+        SIZE_OCTAVES_PER_LMBDA_OCTAVE,
+        near=lambda wanted: (SIZE_MIN_FRACTION * wanted, wanted),
+        asked="at most {:.0f} bytes",
+        reached="smallest has {:.0f}",
+        is_size=True,
+    ),
+    "psnr": _Quantity(
+        PSNR_DB_PER_LMBDA_OCTAVE,
+        near=lambda wanted: (wanted - PSNR_TOLERANCE_DB, wanted + PSNR_TOLERANCE_DB),
+        asked="{:g} dB",
+        reached="best reaches {:.2f} dB",
+        largest=PSNR_MAX_DB,
+    ),
+    "score": _Quantity(
+        SCORE_PER_LMBDA_OCTAVE,
+        near=lambda wanted: (wanted - SCORE_TOLERANCE, wanted + SCORE_TOLERANCE),
+        asked="SSIMULACRA 2 {:g}",
+        reached="best reaches {:.1f}",
+        typical=SCORE_LMBDA,
+    ),
 }
 """By the field of `Measured` and of `RateTarget`."""
 
@@ -127,31 +95,40 @@ class RateTarget:
     psnr: float | None = None
     score: float | None = None
 
-    @property
-    def _goal(self) -> tuple[str, float]:
-        """Which field is asked for, and its value."""
-        return next((name, value) for name in _QUANTITIES if (value := getattr(self, name)) is not None)
+    def _asked(self) -> tuple[str, float]:
+        """The field that is asked for, and its value."""
+        values = ((name, getattr(self, name)) for name in _QUANTITIES)
+        return next((name, value) for name, value in values if value is not None)
 
     def rate_error(self, measured: Measured) -> float:
         """Estimate of the octaves by which λ should rise: positive where the stream spends more than was asked for."""
-        name, wanted = self._goal
-        return _QUANTITIES[name].rate_error(getattr(measured, name), wanted)
+        name, wanted = self._asked()
+        quantity, found = _QUANTITIES[name], getattr(measured, name)
+        if quantity.is_size:
+            return math.log2(max(found, 1.0) / (SIZE_AIM_FRACTION * wanted)) / quantity.per_octave
+        return float(min(found, quantity.largest) - wanted) / quantity.per_octave
 
     def is_met(self, measured: Measured) -> bool:
         """Size: at most the target, and within 3 % of it. PSNR: within 0.1 dB. Score: within 1."""
-        name, wanted = self._goal
-        return _QUANTITIES[name].is_met(getattr(measured, name), wanted)
+        name, wanted = self._asked()
+        low, high = _QUANTITIES[name].near(wanted)
+        return bool(low <= getattr(measured, name) <= high)
 
     def is_missed(self, measured: Measured) -> bool:
         """Whether the stream is larger than was allowed, or worse than was asked for."""
-        name, wanted = self._goal
-        return _QUANTITIES[name].is_missed(getattr(measured, name), wanted)
+        name, wanted = self._asked()
+        (low, high), found = _QUANTITIES[name].near(wanted), getattr(measured, name)
+        return bool(found > high if _QUANTITIES[name].is_size else found < low)
 
     @property
     def typical_lmbda(self) -> float | None:
         """λ at which photographs have it, where no R-D model predicts it."""
-        name, wanted = self._goal
-        return _QUANTITIES[name].typical_lmbda(wanted)
+        name, wanted = self._asked()
+        quantity = _QUANTITIES[name]
+        if quantity.typical is None:
+            return None
+        lmbda, value = quantity.typical
+        return float(lmbda * 2.0 ** ((value - wanted) / quantity.per_octave))
 
     def nearest(self, streams: Sequence[Measured]) -> int:
         """Index of the stream with the least rate error, among those that do not miss the target if there are any."""
@@ -174,8 +151,9 @@ class RateTarget:
 
     def miss_message(self, measured: Measured) -> str:
         """What to report where the best stream misses the target."""
-        name, wanted = self._goal
-        return _QUANTITIES[name].miss_message(getattr(measured, name), wanted)
+        name, wanted = self._asked()
+        asked, found = _QUANTITIES[name].asked, _QUANTITIES[name].reached.format(getattr(measured, name))
+        return f"no stream of {asked.format(wanted)} was found; the {found}"
 
 
 @dataclass(frozen=True)
