@@ -85,7 +85,7 @@ class FromPython {
   }
 
   int64_t flags(sgi::Header &header) {
-    sgi::visit_flags(header, [&](int64_t, const char *name, bool &member) { member = nb::cast<bool>(get(name)); });
+    sgi::visit_flags(header, [&](int64_t, const char *name, bool &member) { member = bool(nb::bool_(get(name))); });
     choice("masked", "", header.masked, sgi::kMaskedNames);
     return sgi::kAllFlags;
   }

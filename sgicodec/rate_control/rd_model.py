@@ -58,8 +58,8 @@ def initial_lmbda(target: RateTarget, rd_model: RdModel, extra: float = 0.0) -> 
 
     It knows nothing of scores: for them it is where most photographs have them.
     """
-    if target.typical_lmbda is not None:
-        return target.typical_lmbda
+    if target.usual_lmbda is not None:
+        return target.usual_lmbda
 
     def must_rise(lmbda: float) -> bool:
         size, error = rd_model.predict(lmbda)

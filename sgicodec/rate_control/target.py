@@ -24,8 +24,8 @@ SCORE_TOLERANCE = 1.0
 """How far a SSIMULACRA 2 score may lie from the one that was asked for."""
 SCORE_PER_LMBDA_OCTAVE = 8.0
 """Of photographs between scores of 40 and 80; below, an octave takes more."""
-SCORE_LMBDA = 0.5 * 2.0 ** (-49 / 8), 60.0
-"""A λ, and the score that photographs have there: where the search for a score begins."""
+SCORE_LMBDA, SCORE_AT_LMBDA = 0.5 * 2.0 ** (-49 / 8), 60.0
+"""λ of quality 50, and the score that photographs have there: where the search for a score begins."""
 PSNR_MAX_DB = 200.0
 """Stands for the infinite PSNR of a picture without error."""
 
@@ -55,7 +55,7 @@ class _Quantity:
     """Whether it is bytes, of which there may be no more, rather than a quality, which may not be less."""
     largest: float = math.inf
     """Stands for all above."""
-    typical: tuple[float, float] | None = None
+    usual: tuple[float, float] | None = None
     """λ, and what photographs have there, of what no R-D model predicts."""
 
 
@@ -79,7 +79,7 @@ _QUANTITIES = {
         near=lambda wanted: (wanted - SCORE_TOLERANCE, wanted + SCORE_TOLERANCE),
         asked="SSIMULACRA 2 {:g}",
         reached="best reaches {:.1f}",
-        typical=SCORE_LMBDA,
+        usual=(SCORE_LMBDA, SCORE_AT_LMBDA),
     ),
 }
 """By the field of `Measured` and of `RateTarget`."""
@@ -121,13 +121,13 @@ class RateTarget:
         return bool(found > high if _QUANTITIES[name].is_size else found < low)
 
     @property
-    def typical_lmbda(self) -> float | None:
+    def usual_lmbda(self) -> float | None:
         """λ at which photographs have it, where no R-D model predicts it."""
         name, wanted = self._asked()
         quantity = _QUANTITIES[name]
-        if quantity.typical is None:
+        if quantity.usual is None:
             return None
-        lmbda, value = quantity.typical
+        lmbda, value = quantity.usual
         return float(lmbda * 2.0 ** ((value - wanted) / quantity.per_octave))
 
     def nearest(self, streams: Sequence[Measured]) -> int:

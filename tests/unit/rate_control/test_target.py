@@ -59,9 +59,9 @@ def test_scores() -> None:
     assert [score.is_missed(Measured(1, 0.0, s)) for s in (68.9, 69.1, 90.0)] == [True, False, False]
     assert score.rate_error(Measured(1, 0.0, 78.0)) == pytest.approx(1.0)
     assert score.miss_message(Measured(1, 0.0, 61.25)).endswith("SSIMULACRA 2 70 was found; the best reaches 61.2")
-    assert RateTarget(score=60.0).typical_lmbda == pytest.approx(0.5 * 2 ** (-49 / 8))
-    assert RateTarget(score=52.0).typical_lmbda == pytest.approx(2 * 0.5 * 2 ** (-49 / 8))
-    assert RateTarget(psnr=30.0).typical_lmbda is RateTarget(bytes=30.0).typical_lmbda is None
+    assert RateTarget(score=60.0).usual_lmbda == pytest.approx(0.5 * 2 ** (-49 / 8))
+    assert RateTarget(score=52.0).usual_lmbda == pytest.approx(2 * 0.5 * 2 ** (-49 / 8))
+    assert RateTarget(psnr=30.0).usual_lmbda is RateTarget(bytes=30.0).usual_lmbda is None
 
 
 def test_every_target_of_the_table_is_a_setting_and_on_the_pages() -> None:
