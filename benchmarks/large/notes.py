@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any, TypeVar, cast
 
 from sgicodec.bench.sgi import Run
+from sgicodec.files.whole import write_whole
 from sgicodec.image import open_source
-from sgicodec.image.files import write_whole
 from sgicodec.metrics.distortion import decibels, squared_error
 
 __all__ = ["Job", "Notes", "Trip", "psnr_of"]

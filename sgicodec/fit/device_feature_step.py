@@ -13,7 +13,7 @@ from sgicodec import _native
 from sgicodec.cuda import sources
 from sgicodec.cuda.gpu import Gpu, GpuArray
 from sgicodec.cuda.structures import structures
-from sgicodec.cuda.tiles import MOST_CHANNELS, CudaView, TilePasses
+from sgicodec.cuda.tiles import MAX_CHANNELS, CudaView, TilePasses
 from sgicodec.fit.device_networks import DECODERS, Activations, DeviceNetworks
 from sgicodec.fit.device_step import MOST_PAIRS
 from sgicodec.fit.feature_step import FeatureInputs, FeatureOutputs, FeatureStep
@@ -46,7 +46,7 @@ class DeviceFeatureStep(FeatureStep):
     @staticmethod
     def can_run(spec: ModelSpec, settings: FitSettings) -> bool:
         """Whether the kernels have this model: what the native step has, up to 4 channels."""
-        return FeatureStep.can_run(spec, settings) and spec.channels <= MOST_CHANNELS
+        return FeatureStep.can_run(spec, settings) and spec.channels <= MAX_CHANNELS
 
     def set_layout(self, layout: SeedLayout, quality: int) -> None:
         """As `GradientStep.set_layout`."""

@@ -132,7 +132,6 @@ def test_bands_of_it_are_the_picture(
     stream = open_stream(coded.data)
     whole = stream.picture(region, scale=1 / 17).pixels
     monkeypatch.setattr("sgicodec.decoder.bands.BAND_SAMPLES", 3)
-    monkeypatch.setattr("sgicodec.decoder.bands.LEAST_ROWS", 4, raising=False)
     parts = [band.pixels for _, band in stream.bands(region, scale=1 / 17)]
     np.testing.assert_array_equal(np.concatenate(parts), whole)
 

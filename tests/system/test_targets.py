@@ -178,7 +178,7 @@ def test_clipped_floats_are_measured_as_the_stream_spans_them() -> None:
         ({"bpp": math.inf}, "bpp"),
         ({"psnr": 30.0, "bpp": 1.0}, "psnr and bpp exclude"),
         ({"size": 3000.0, "bpp": 1.0}, "size and bpp exclude"),
-        ({"size": 3000.0, "lmbda": 1.0}, "size and lmbda exclude"),
+        ({"size": 3000.0, "lmbda": 1.0}, "lmbda and size exclude"),
         ({"psnr": 30.0, "profile": "paper"}, "default profile"),
     ],
 )

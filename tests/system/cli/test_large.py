@@ -18,8 +18,8 @@ from sgicodec.encoder import pipeline
 from sgicodec.encoder.tile.state import Tile
 from sgicodec.encoder.tiles import tasks
 from sgicodec.executors.peak import own_peak
+from sgicodec.files.lock import locked
 from sgicodec.image import read, write
-from sgicodec.image.lock import locked
 from sgicodec.picture import Metadata, Picture, from_unit
 
 Run = Callable[..., Result]

@@ -16,8 +16,8 @@ from http_server import Client, running, start
 from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.cli.main import cli
 from sgicodec.server.app import Settings, application
+from sgicodec.server.catalog import ListedFiles
 from sgicodec.server.run import listening
-from sgicodec.server.shelf import Chosen
 
 
 @pytest.fixture
@@ -94,7 +94,7 @@ def test_without_the_extra(sgi: Callable[..., Result], folder: Path, monkeypatch
 def test_a_url_is_passed_on_in_parts(get: Client, folder: Path) -> None:
     data = (folder / "wide.sgi").read_bytes()
     urls = {"far": f"{get.address}/files/wide.sgi", "gone": f"{get.address}/files/absent.sgi"}
-    with running(application(Chosen({}), Settings(public=False, remote=urls))) as near:
+    with running(application(ListedFiles({}), Settings(public=False, remote=urls))) as near:
         answer = near("/remote/far", Range="bytes=10-99")
         assert (answer.status, answer.body) == (206, data[10:100])
         assert answer.headers["content-range"] == f"bytes 10-99/{len(data)}"
@@ -116,8 +116,8 @@ def test_viewing_a_url(get: Client) -> None:
 
 
 def test_files_that_were_chosen(folder: Path) -> None:
-    shelf = Chosen({"a.sgi": folder / "wide.sgi"})
-    with running(application(shelf, Settings(public=False, hosts=("127.0.0.1",)))) as get:
+    catalog = ListedFiles({"a.sgi": folder / "wide.sgi"})
+    with running(application(catalog, Settings(public=False, hosts=("127.0.0.1",)))) as get:
         assert get("/files/a.sgi").body == (folder / "wide.sgi").read_bytes()
         assert get("/files/wide.sgi").status == 404
         assert get("/files/x/").status == 404

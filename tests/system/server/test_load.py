@@ -18,8 +18,8 @@ from repeated_tiles import TILE, repeated_tiles
 from sgicodec.decoder.stream import Stream
 from sgicodec.server import app
 from sgicodec.server.app import Settings, application
+from sgicodec.server.catalog import Folder
 from sgicodec.server.drawing import Drawing
-from sgicodec.server.shelf import Folder
 
 MIB = 1 << 20
 

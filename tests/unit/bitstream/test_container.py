@@ -1,16 +1,19 @@
 import io
 import zlib
 from collections.abc import Callable
+from pathlib import Path
 from typing import BinaryIO
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from pipe import trickle
+from surgery import frame, split
 
-from sgicodec._native import read_chunks
 from sgicodec.bitstream.container import MAX_PAYLOAD, SIGNATURE, ChunkWriter
+from sgicodec.bitstream.stream_summary import StreamSummary
 from sgicodec.bitstream.varint import encode_varint
+from sgicodec.decoder.stream import open_stream
 from sgicodec.errors import CorruptStreamError, LimitError, UnsupportedStreamError, UsageError
 
 GOLDEN = bytes.fromhex(
@@ -19,6 +22,7 @@ GOLDEN = bytes.fromhex(
     "54 00 af 8a 0e 9f"  # empty tile, CRC
     "45 00 bf a9 d7 cc"  # end mark, CRC
 )
+SMALL = (Path(__file__).parents[2] / "conformance" / "golden" / "one-pixel.sgi").read_bytes()
 
 
 SOURCES: list[Callable[[bytes], bytes | BinaryIO]] = [bytes, io.BytesIO, trickle]
@@ -39,8 +43,15 @@ def raw_chunk(kind: bytes, payload: bytes) -> bytes:
     return body + zlib.crc32(body).to_bytes(4, "little")
 
 
-def read_all(source: bytes | BinaryIO, known: str = "T") -> list[tuple[str, bytes]]:
-    return read_chunks(source, known)
+HEAD, TILE = (payload for letter, payload in split(SMALL) if letter in "HT")
+"""Of a stream of one pixel."""
+
+
+def kinds_of(source: bytes | BinaryIO) -> dict[str, bytes]:
+    """Payloads of an opened stream by the letters of their chunks."""
+    with open_stream(source) as stream:
+        native = stream._open_native()
+        return {**native.blobs, "T": native.tile(0)}
 
 
 def test_layout_is_that_of_the_format_document() -> None:
@@ -49,73 +60,64 @@ def test_layout_is_that_of_the_format_document() -> None:
 
 
 @pytest.mark.parametrize("source", SOURCES)
-@given(st.lists(st.tuples(st.sampled_from("TABxyz"), st.binary(max_size=300)), max_size=5), st.binary(max_size=9))
-def test_round_trip(
-    source: Callable[[bytes], bytes | BinaryIO], chunks: list[tuple[str, bytes]], header: bytes
-) -> None:
-    everything = [("H", header), *chunks]
-    assert read_all(source(file_of(*everything)), "TABxyz") == everything
+@given(st.dictionaries(st.sampled_from("sicxg"), st.binary(max_size=300)))
+def test_round_trip(source: Callable[[bytes], bytes | BinaryIO], chunks: dict[str, bytes]) -> None:
+    everything = {"H": HEAD, **chunks, "T": TILE}
+    assert kinds_of(source(file_of(*everything.items()))) == everything
 
 
-@pytest.mark.parametrize("source", SOURCES)
-def test_payloads_can_be_skipped(source: Callable[[bytes], bytes | BinaryIO]) -> None:
-    data = file_of(("H", b"head"), ("T", b"first"), ("T", b"second"))
-    assert read_chunks(source(data), "T", with_payloads=False) == [("H", b""), ("T", b""), ("T", b"")]
-
-
-@pytest.mark.parametrize("source", [bytes, io.BytesIO])
-def test_what_is_not_asked_for_is_not_checked(source: Callable[[bytes], bytes | BinaryIO]) -> None:
-    damaged = bytearray(file_of(("H", b""), ("T", b"first"), ("T", b"second")))
-    damaged[damaged.index(b"first")] ^= 1
-    assert len(read_chunks(source(bytes(damaged)), "T", with_payloads=False)) == 3
-    with pytest.raises(CorruptStreamError, match=r"chunk T at byte 14: wrong CRC"):
-        read_chunks(source(bytes(damaged)), "T")
+def test_what_is_not_asked_for_is_not_checked() -> None:
+    damaged = bytearray(SMALL)
+    damaged[damaged.index(TILE)] ^= 1
+    assert StreamSummary(bytes(damaged)).chunk_bytes == StreamSummary(SMALL).chunk_bytes
+    with pytest.raises(CorruptStreamError, match=f"chunk T at byte {SMALL.index(TILE) - 2}: wrong CRC"):
+        open_stream(bytes(damaged))
 
 
 def test_a_stream_may_start_in_the_middle_of_a_file() -> None:
-    file = io.BytesIO(b"before" + GOLDEN)
+    file = io.BytesIO(b"before" + SMALL)
     file.seek(6)
-    assert read_all(file) == [("H", b"\1\2\3"), ("T", b"")]
+    assert kinds_of(file) == kinds_of(SMALL)
 
 
 def test_unknown_optional_chunks_are_skipped_and_required_ones_refused() -> None:
-    assert read_all(file_of(("H", b""), ("q", b"?"), ("T", b"t"))) == [("H", b""), ("T", b"t")]
-    with pytest.raises(UnsupportedStreamError, match="chunk Q at byte 14 is required"):
-        read_all(file_of(("H", b""), ("Q", b"?")))
+    assert kinds_of(file_of(("H", HEAD), ("q", b"?"), ("T", TILE))) == {"H": HEAD, "T": TILE}
+    with pytest.raises(UnsupportedStreamError, match=f"chunk Q at byte {len(frame('H', HEAD)) + 8} is required"):
+        open_stream(file_of(("H", HEAD), ("Q", b"?")))
 
 
 @pytest.mark.parametrize("source", SOURCES)
 @pytest.mark.parametrize("bit", range(8))
 def test_every_flipped_bit_shows(source: Callable[[bytes], bytes | BinaryIO], bit: int) -> None:
-    for position in range(len(GOLDEN)):
-        damaged = bytearray(GOLDEN)
+    for position in range(len(SMALL)):
+        damaged = bytearray(SMALL)
         damaged[position] ^= 1 << bit
         with pytest.raises(CorruptStreamError):
-            read_all(source(bytes(damaged)))
+            open_stream(source(bytes(damaged)))
 
 
 @pytest.mark.parametrize("source", SOURCES)
 def test_every_cut_shows(source: Callable[[bytes], bytes | BinaryIO]) -> None:
-    for length in range(len(GOLDEN)):
+    for length in range(len(SMALL)):
         with pytest.raises(CorruptStreamError, match=r"cut short|empty"):
-            read_all(source(GOLDEN[:length]))
+            open_stream(source(SMALL[:length]))
 
 
 @pytest.mark.parametrize("source", SOURCES)
 @pytest.mark.parametrize(
     ("body", "message"),
     [
-        (raw_chunk(b"T", b"") + raw_chunk(b"E", b""), "starts with its one header"),
-        (raw_chunk(b"H", b"") + raw_chunk(b"H", b"") + raw_chunk(b"E", b""), "starts with its one header"),
-        (raw_chunk(b"H", b"") + raw_chunk(b"E", b"") + b"x", "behind the end mark"),
-        (raw_chunk(b"H", b"") + raw_chunk(b"E", b"x"), "behind the end mark"),
-        (raw_chunk(b"H", b"") + b"\0\0", "starts no chunk"),
-        (raw_chunk(b"H", b"") + b"T\x80\0", "zero group"),
+        (frame("T", b"") + frame("E", b""), "starts with its one header"),
+        (frame("H", HEAD) + frame("H", HEAD) + frame("E", b""), "starts with its one header"),
+        (frame("H", HEAD) + frame("E", b"") + b"x", "behind the end mark"),
+        (frame("H", HEAD) + frame("E", b"x"), "behind the end mark"),
+        (frame("H", HEAD) + b"\0\0", "starts no chunk"),
+        (frame("H", HEAD) + b"T\x80\0", "zero group"),
     ],
 )
 def test_wrong_order_is_corrupt(source: Callable[[bytes], bytes | BinaryIO], body: bytes, message: str) -> None:
     with pytest.raises(CorruptStreamError, match=message):
-        read_all(source(SIGNATURE + body))
+        open_stream(source(SIGNATURE + body))
 
 
 @pytest.mark.parametrize(
@@ -136,14 +138,14 @@ def test_wrong_order_is_corrupt(source: Callable[[bytes], bytes | BinaryIO], bod
 )
 def test_foreign_files_are_named(data: bytes, message: str) -> None:
     with pytest.raises(CorruptStreamError, match=message):
-        read_chunks(data, "T")
+        open_stream(data)
 
 
 @pytest.mark.parametrize("source", SOURCES)
 def test_a_lying_length_takes_no_memory(source: Callable[[bytes], bytes | BinaryIO]) -> None:
-    huge = SIGNATURE + raw_chunk(b"H", b"") + b"T" + bytes.fromhex("ffffffffffffffff7f") + b"abc"
+    huge = SIGNATURE + frame("H", HEAD) + b"T" + bytes.fromhex("ffffffffffffffff7f") + b"abc"
     with pytest.raises((CorruptStreamError, LimitError)):
-        read_all(source(huge))
+        open_stream(source(huge))
 
 
 class Endless(io.RawIOBase):
@@ -170,9 +172,9 @@ class Endless(io.RawIOBase):
 
 def test_payloads_above_the_cap_are_refused() -> None:
     length = MAX_PAYLOAD + 1
-    start = SIGNATURE + raw_chunk(b"H", b"") + b"T" + encode_varint(length)
+    start = SIGNATURE + frame("H", HEAD) + b"T" + encode_varint(length)
     with pytest.raises(LimitError, match=f"{length} bytes; at most {MAX_PAYLOAD}"):
-        read_all(Endless(start, len(start) + length + 10))
+        open_stream(Endless(start, len(start) + length + 10))
 
 
 @pytest.mark.parametrize("chunks", [["T"], ["H", "H"], ["H", "E", "T"], ["H", "1"], ["H", "TT"], ["H", "é"]])

@@ -6,9 +6,10 @@ import math
 from dataclasses import replace
 
 import pytest
+from page_header import LAYOUT_NAMES, SAMPLE_TYPES
 from specs import several
 
-from sgicodec.bitstream.header import LAYOUT_NAMES, SAMPLE_TYPES, Header, decode_header, encode_header
+from sgicodec.bitstream.header import Header, decode_header, encode_header
 from sgicodec.bitstream.limits import check_model, max_seeds
 from sgicodec.errors import LimitError
 from sgicodec.image import MAX_SAMPLES

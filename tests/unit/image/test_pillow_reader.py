@@ -12,7 +12,7 @@ from PIL import Image
 
 from sgicodec.errors import PictureError
 from sgicodec.image import open_source, read
-from sgicodec.image.second_reader import SecondReader
+from sgicodec.image.pillow_reader import PillowReader
 from sgicodec.metadata.orientation import Window
 
 PIXELS = np.random.default_rng(3).integers(0, 256, (33, 20, 3), np.uint8)
@@ -112,4 +112,4 @@ def test_what_is_none(data: bytes) -> None:
 def test_the_kind_is_none_of_openimageio() -> None:
     import OpenImageIO as oiio
 
-    assert SecondReader.kind not in oiio.get_string_attribute("input_format_list").split(",")
+    assert PillowReader.kind not in oiio.get_string_attribute("input_format_list").split(",")

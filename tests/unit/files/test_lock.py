@@ -11,14 +11,14 @@ import pytest
 from children import HANGS
 
 from sgicodec.errors import OutputLockedError
-from sgicodec.image.lock import locked
+from sgicodec.files.lock import locked
 
 pytest.importorskip("fcntl")
 
 HOLDER = """
 import sys
 from pathlib import Path
-from sgicodec.image.lock import locked
+from sgicodec.files.lock import locked
 with locked(Path({path!r})):
     print("held", flush=True)
     sys.stdin.read()
@@ -52,16 +52,16 @@ def test_links_share_a_lock(tmp_path: Path) -> None:
 
 def test_a_lock_that_goes_while_it_is_opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its holder ended between our opening and our locking: that file is no lock any more."""
-    beside, real, opened = tmp_path / ".out.sgi.lock", Path.open, []
+    beside, real, opened = tmp_path / ".out.sgi.lock", os.open, []
 
-    def open_late(path: Path, mode: str) -> object:
-        file = real(path, mode)
+    def open_late(path: Path, *options: int) -> int:
+        file = real(path, *options)
         if not opened:
             path.unlink()
         opened.append(path)
         return file
 
-    monkeypatch.setattr(Path, "open", open_late)
+    monkeypatch.setattr(os, "open", open_late)
     with locked(tmp_path / "out.sgi"):
         assert opened == [beside, beside]
         assert beside.exists()
