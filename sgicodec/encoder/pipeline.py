@@ -31,7 +31,7 @@ from sgicodec.encoder.tiles.interfaces import Finished, Store
 from sgicodec.encoder.tiles.memory_store import MemoryStore
 from sgicodec.encoder.tiles.passes import TilePasses
 from sgicodec.encoder.tiles.runner import TileRunner
-from sgicodec.encoder.tiles.tasks import FitTask, Start
+from sgicodec.encoder.tiles.tasks import FitTask
 from sgicodec.errors import TargetMissedError, UsageError
 from sgicodec.executors.executor import Executor, Memory
 from sgicodec.executors.serial import SerialExecutor
@@ -229,7 +229,7 @@ class _OverviewTask:
 
     settings: EncodeSettings
 
-    def __call__(self, number: int, window: Picture, start: Start, device: Device) -> bytes:
+    def __call__(self, number: int, window: Picture, start: bytes, device: Device) -> bytes:
         """The stream of `window`."""
         return encode_all_channels(window, self.settings, device)
 
@@ -239,6 +239,6 @@ def _overview_maker(plan: Plan, windows: Windows, runner: TileRunner) -> Callabl
 
     def made(lmbda: float) -> bytes:
         task = _OverviewTask(overview_settings(plan, lmbda))
-        return dict(runner(task, [0], lambda _: Start(), overview_picture(plan, windows.read)))[0]
+        return dict(runner(task, [0], window=overview_picture(plan, windows.read)))[0]
 
     return made if takes_overview(plan) else None

@@ -91,6 +91,8 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
     profile = settings.chosen_profile
     _check_shape(shape)
     spec = _with_texture_that_fits(profile.spec(settings, shape.bands), grid)
+    if settings.target is not None and not spec.texture:
+        raise UsageError(f"{settings.target}: a tile of this size has no texture, by which it is reached; add --tile")
     if settings.tuned_for == "visual" and shape.channels in COLOURED_LAYOUTS:
         spec = replace(spec, luma_space=True)
     _check_model(spec, grid)

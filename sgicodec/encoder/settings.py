@@ -210,8 +210,8 @@ class EncodeSettings:
             raise UsageError(f"the {self.profile} profile is not tuned for the eye")
         if goals and not self.chosen_profile.has_targets:
             raise UsageError(f"{goals[0]} is a setting of the default profile")
-        if self.ssimulacra2 is not None and not self.texture:
-            raise UsageError("a SSIMULACRA 2 score is reached by texture; it does not go without")
+        if goals and not self.texture:
+            raise UsageError(f"{goals[0]} is reached by the step of texture; it does not go without texture")
         for other in PROFILES.values():
             for name in other.own_choices if other.name != self.profile else ():
                 if getattr(self, name) is not None:

@@ -81,4 +81,4 @@ def with_seeds_for(state: TileState, left: NDArray[np.float32]) -> TileState:
     """
     tile, price = state.tile, DEARER * state.lmbda
     search = Rdoq(state.header, state.model, left, price, SETTINGS, tile.device, tile.reference)
-    return replace(state, model=search.once(price))
+    return replace(state, model=search.once())

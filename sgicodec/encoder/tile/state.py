@@ -167,8 +167,6 @@ class TileState(Prepared):
     """The tile's, with the base colour step of the fit."""
     model: TileModel
     """What a stream will hold: seeds, and texture and restoration once they are found."""
-    seed_lmbda: float
-    """λ that the seeds are made for."""
     contrast: NDArray[np.int8] | None = None
     """[rows, columns]: of texture, None where roots have none."""
     strength: Strength | None = None

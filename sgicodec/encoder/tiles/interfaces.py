@@ -9,7 +9,7 @@ from typing import NamedTuple, Protocol, TypeVar
 
 from sgicodec.device import Device
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.tiles.tasks import EncodedTile, Start
+from sgicodec.encoder.tiles.tasks import EncodedTile
 from sgicodec.picture import Picture
 
 __all__ = ["Finished", "Store", "Task", "Version"]
@@ -28,8 +28,8 @@ class Version(NamedTuple):
 class Task(Protocol[Made]):
     """What is done to a tile: pickled, and called where the pixels are."""
 
-    def __call__(self, number: int, window: Picture, start: Start, device: Device) -> Made:
-        """Made of tile `number`, whose pixels are `window`."""
+    def __call__(self, number: int, window: Picture, start: bytes, device: Device) -> Made:
+        """Made of tile `number`, whose pixels are `window`. start: the payload of its chunk so far, empty for none."""
 
 
 class Store(Protocol):

@@ -6,7 +6,7 @@ import math
 import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import BinaryIO, Literal
 
 from sgicodec.bitstream.stream_writer import stream_length, write_stream
@@ -14,11 +14,11 @@ from sgicodec.encoder.listener import PassReporter
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tiles.interfaces import Finished, Store, Task, Version
 from sgicodec.encoder.tiles.runner import TileRunner
-from sgicodec.encoder.tiles.tasks import EncodedTile, FitTask, LookaheadTask, SearchTask, Start
+from sgicodec.encoder.tiles.tasks import EncodedTile, FitTask, LookaheadTask, SearchTask
 from sgicodec.metrics.distortion import decibels
 from sgicodec.model.steps import quality_index
 from sgicodec.rate_control.allocation import allocate
-from sgicodec.rate_control.secant import COARSER_TEXTURE, FINER_TEXTURE, REFIT, SEARCH, Correction
+from sgicodec.rate_control.secant import next_correction
 from sgicodec.rate_control.target import LMBDA_MIN, Measured, RateTarget
 from sgicodec.rate_control.tile_passes import MAX_FITS, MAX_SAMPLES, is_far, kept_near, tiles_of_pass
 from sgicodec.rate_control.tile_rd_model import Bound, TileRdModel
@@ -130,7 +130,7 @@ class TilePasses:
         """From a lookahead at every tile."""
         self.reporter.begin("lookahead", self.all, {})
         tables = {}
-        for number, table in self.runner(LookaheadTask(self.plan), self.all, lambda _: Start()):
+        for number, table in self.runner(LookaheadTask(self.plan), self.all):
             tables[number] = table
             self.reporter.done(number, None)
         what: Literal["bytes", "error"] = "error" if self.target and self.target.psnr else "bytes"
@@ -156,11 +156,11 @@ class TilePasses:
                 break
             bound = self._bound(target)
             fits = {number: bound.of(self.store.tiles[base[number]]) for number in self.all}
-            kind = self._kind(bound.error(sum(fits.values())))
+            coarser = bound.error(sum(fits.values())) > 0
             left = bound.error(sum(bound.of(self.store.tiles[version]) for version in chosen))
             fresh = [number for number in self.all if len(versions[number]) == 1]
-            octaves, numbers = kind.next(left, fits, fresh, tried)
-            if not self._correct(kind, plan, base, octaves, numbers, index):
+            octaves, numbers = next_correction(coarser, left, fits, fresh, tried)
+            if not self._correct(plan, base, octaves, numbers, index):
                 break
             found = {number: bound.of(self.store.tiles[Version(number, index)]) for number in numbers}
             moved |= {number: (octaves, taken) for number, taken in found.items()}
@@ -174,15 +174,7 @@ class TilePasses:
         missed = target.miss_message(measured) if target.is_missed(measured) else None
         return Finished(plan, chosen, self.store.tiles[base[self.all[-1]]].lmbda, missed, self.overview)
 
-    def _kind(self, error: float) -> Correction:
-        """How to correct fits that miss the target by `error`: above 0, they spend too much."""
-        if self.plan.header.spec.texture:
-            return FINER_TEXTURE if error <= 0 else COARSER_TEXTURE
-        return SEARCH if error > 0 else REFIT
-
-    def _correct(
-        self, kind: Correction, plan: Plan, base: dict[int, Version], octaves: float, numbers: list[int], index: int
-    ) -> bool:
+    def _correct(self, plan: Plan, base: dict[int, Version], octaves: float, numbers: list[int], index: int) -> bool:
         """A pass that moves the λ of some tiles by `octaves`, one part for each λ of the fits; False where λ
         cannot move.
         """
@@ -193,14 +185,9 @@ class TilePasses:
             moved = lmbda * 2.0**octaves
             if moved < 0.999 * LMBDA_MIN:
                 return False
-            at = plan.at(moved, plan.header.quality)
-            task: FitTask | SearchTask = FitTask(at) if kind is REFIT else SearchTask(at)
-            self._pass(kind.name, index, task, some, partial(self._start, base))
+            task = SearchTask(plan.at(moved, plan.header.quality))
+            self._pass("search", index, task, some, lambda number: self.store.payload(base[number]))
         return bool(numbers)
-
-    def _start(self, base: dict[int, Version], number: int) -> Start:
-        version = base[number]
-        return Start(self.store.payload(version), self.store.tiles[version].lmbda)
 
     def _allocation(
         self, target: RateTarget, plan: Plan, versions: dict[int, list[Version]]
@@ -238,7 +225,7 @@ class TilePasses:
         index: int,
         task: Task[EncodedTile],
         numbers: Sequence[int],
-        start: Callable[[int], Start] = lambda _: Start(),
+        start: Callable[[int], bytes] = lambda _: b"",
     ) -> None:
         """Does what is not there yet."""
         there = {number: Version(number, index) for number in numbers if Version(number, index) in self.store.tiles}
