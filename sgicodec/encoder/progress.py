@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 
-from sgicodec.encoder.effort import effort_of
 from sgicodec.encoder.plan import Plan
 
 __all__ = ["StageClock", "stage_weights"]
@@ -26,7 +25,7 @@ def stage_weights(plan: Plan) -> dict[str, float]:
     if plan.header.tile:
         again = {"more passes": 0.7} if settings.target else {}
         return {"load": 0.02, "tiles": 1.0, **again, "verify": 0.1}
-    effort = effort_of(settings.fit_settings(), settings.tuned_for)
+    effort = settings.chosen_effort
     search = {"search": 0.45 + _SEARCH * effort.steps} if settings.rdoq and plan.header.spec.context.prior else {}
     seconds = _TEXTURE + _ASCENT * effort.ascent_passes + _ROUND * effort.rounds
     texture = {"texture": seconds} if plan.header.spec.texture else {}

@@ -70,7 +70,6 @@ class FitSettings:
     uniform layout. seed: of every random number. reference_steps: the number of steps that the rates of `SLOWED` are
     meant for; more steps go with smaller ones. finer_steps: octaves by which base steps are below the profile's plan.
     quality: index of the base colour step, where it is not to follow λ.
-    hurried: whether what gains little for its time is left out, in the fit and after it.
     """
 
     lmbda: float
@@ -87,7 +86,6 @@ class FitSettings:
     reference_steps: int | None = None
     finer_steps: float = 0.0
     quality: int | None = None
-    hurried: bool = False
 
     @property
     def steps(self) -> int:

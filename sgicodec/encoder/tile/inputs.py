@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from sgicodec.bitstream.header import Header
 from sgicodec.device import ALL_CORES, Device
-from sgicodec.encoder.effort import effort_of
 from sgicodec.encoder.input.inpainting import inpaint
 from sgicodec.encoder.input.nodata import Bare, bare_samples, empty_pixels
 from sgicodec.encoder.plan import Plan
@@ -53,7 +52,7 @@ def tile_of(
         header,
         settings,
         fit,
-        effort_of(fit, settings.tuned_for),
+        settings.chosen_effort,
         unit,
         empty,
         bare,
