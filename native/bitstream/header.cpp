@@ -110,8 +110,8 @@ int64_t take_model(Fields &fields, Header &header) {
   spec.skip = flags & kSkip, spec.seed_scales = flags & kSeedScales;
   spec.texture = flags & kTexture, spec.luma_space = flags & kLuma;
   spec.restoration = flags & kRestoration;
-  const bool too_few = spec.skip && spec.features < spec.per_seed * (spec.channels + 3);
-  if (too_few || (spec.context.neighbours && !spec.skip)) corrupt("settings that contradict each other");
+  const bool other_seeds = spec.skip && (spec.per_seed != 1 || spec.features < spec.channels + 3);
+  if (other_seeds || (spec.context.neighbours && !spec.skip)) corrupt("settings that contradict each other");
   return flags;
 }
 

@@ -68,7 +68,7 @@ class DeviceStep:
         }
         self._chunk = SEED_THREADS * -(-self.count // (SEED_THREADS * MOST_CHUNKS))
         self._fixed: dict[str, Any] = {
-            **{"count": self.count, "per_seed": spec.per_seed, "channels": spec.channels, "quality": quality},
+            **{"count": self.count, "channels": spec.channels, "quality": quality},
             **{"hidden": spec.context.hidden, "neighbours": neighbour.shape[1], "chunk": self._chunk},
             **{"chunks": -(-self.count // self._chunk), "difference_unit": 2.0**DIFFERENCE_SHIFT},
         }
@@ -246,7 +246,7 @@ class DeviceStep:
             fields |= {name: array.address for name, array in level.items()}
             fields |= {"cutoff": self.cutoff, "scale": scale, "minimum": MIN_VARIANCE}
             _, height, width = level["target"].shape
-            view, gaussians = CudaView(width, height), self.count * self.spec.per_seed
+            view, gaussians = CudaView(width, height), self.count
             capacity = max(self._capacity, 4 * gaussians + 4 * view.tiles)
             self._passes[scale] = TilePasses(self.gpu, view, gaussians, self.spec.channels, capacity, fields)
         return self._passes[scale]
@@ -272,12 +272,12 @@ class DeviceStep:
 
     def _shapes(self) -> dict[str, tuple[int, ...]]:
         """Of what a step writes."""
-        n, k, channels, hidden = self.count, self.spec.per_seed, self.spec.channels, self.spec.context.hidden
-        attributes, common = k * (channels + 5), layer_shapes(self.spec)[0][0][1]
+        n, channels, hidden = self.count, self.spec.channels, self.spec.context.hidden
+        attributes, common = channels + 5, layer_shapes(self.spec)[0][0][1]
         rest = sum(math.prod(shape) for stage in layer_shapes(self.spec) for shape in stage[1:])
         units = sum(base_counts(self.spec)) // LEVELS
-        gaussians = {"means": (n * k, 2), "covariances": (n * k, 3), "colours": (n * k, channels)}
-        values = {"colour": (n, k * channels), "shape": (n, 3 * k), "offset": (n, 2 * k)}
+        gaussians = {"means": (n, 2), "covariances": (n, 3), "colours": (n, channels)}
+        values = {"colour": (n, channels), "shape": (n, 3), "offset": (n, 2)}
         return {
             **{"summary": (n, SUMMARY), "inputs": (n, common), "product": (n, 3, hidden), "kept": (n, units, 3)},
             **{"decoded": (n, attributes), "slopes": (n, attributes), "bits": (n,)},

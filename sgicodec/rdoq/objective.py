@@ -31,7 +31,7 @@ def can_optimise(spec: ModelSpec) -> bool:
     """
     context = spec.context
     known = context.steps == (("colour",), ("shape",), ("offset",)) and not context.hash_resolutions
-    return spec.plain and spec.per_seed == 1 and known
+    return spec.plain and known
 
 
 @dataclass(frozen=True)

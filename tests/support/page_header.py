@@ -115,7 +115,7 @@ def _model(fields: _Fields, channels: int) -> tuple[int, ModelSpec, int, int]:
     hash_features = fields.take("the hash features", 1, 64) if levels else ContextSpec.hash_features
     hash_entries = fields.take("the hash entries", 1, 20) if levels else ContextSpec.hash_log2_entries
     skip, seed_scales = bool(flags & _SKIP), bool(flags & _SEED_SCALES)
-    if (skip and features < per_seed * (channels + 3)) or (neighbours and not skip):
+    if (skip and (per_seed != 1 or features < channels + 3)) or (neighbours and not skip):
         raise CorruptStreamError("header: settings that contradict each other")
     context = ContextSpec(prior, (), context_hidden, neighbours, resolutions, hash_features, hash_entries)
     spec = ModelSpec(channels, layout, shape, per_seed, features, hidden, skip, seed_scales, base_cell, context)  # type: ignore[arg-type]
