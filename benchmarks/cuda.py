@@ -39,9 +39,9 @@ from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
 from sgicodec.encoder.effort import PLAIN_STEPS
 from sgicodec.encoder.input.windows import windows_of
-from sgicodec.encoder.listener import NullListener
 from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.plan import stream_plan
+from sgicodec.encoder.progress import NullListener
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile.inputs import tile_of
 from sgicodec.encoder.tile.stages import fit, prepare, share

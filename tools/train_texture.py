@@ -22,8 +22,7 @@ from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile.inputs import tile_of
 from sgicodec.encoder.tile.stages import fit_seeds
 from sgicodec.encoder.tile.texture import begin_texture
-from sgicodec.encoder.tile.texture_contrast import TextureContrasts
-from sgicodec.encoder.tile.texture_tuning import TUNINGS
+from sgicodec.encoder.tile.texture_steps import TUNINGS, TextureContrasts
 from sgicodec.image import read
 from sgicodec.model.texture_symbols import TextureSymbols
 from sgicodec.picture import Picture

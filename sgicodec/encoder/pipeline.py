@@ -16,21 +16,18 @@ from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ALL_CORES, Device, check_device
 from sgicodec.encoder.blas_threads import one_blas_thread
-from sgicodec.encoder.encoded import Encoded
-from sgicodec.encoder.input.alpha import without_needless_alpha
+from sgicodec.encoder.encoded import Encoded, measured_error, measured_psnr
 from sgicodec.encoder.input.overview import overview_picture, overview_settings, takes_overview
-from sgicodec.encoder.input.windows import Windows, kept, windows_of
-from sgicodec.encoder.listener import NullListener, PassReporter
-from sgicodec.encoder.measure import measured_error, measured_psnr
+from sgicodec.encoder.input.windows import Windows, kept, windows_of, without_needless_alpha
 from sgicodec.encoder.memory import estimate
 from sgicodec.encoder.plan import Plan, stream_plan
+from sgicodec.encoder.progress import NullListener, PassReporter
 from sgicodec.encoder.quality_calibration import with_quality_calibration
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tiles.checkpoint import fingerprint
-from sgicodec.encoder.tiles.interfaces import Finished, Store
-from sgicodec.encoder.tiles.memory_store import MemoryStore
-from sgicodec.encoder.tiles.passes import TilePasses
+from sgicodec.encoder.tiles.passes import Finished, TilePasses
 from sgicodec.encoder.tiles.runner import TileRunner
+from sgicodec.encoder.tiles.store import MemoryStore, Store
 from sgicodec.encoder.tiles.tasks import FitTask
 from sgicodec.errors import TargetMissedError, UsageError
 from sgicodec.executors.executor import Executor, Memory

@@ -10,12 +10,10 @@ from numpy.typing import NDArray
 
 from sgicodec.bitstream.header import Header
 from sgicodec.device import ALL_CORES, Device
-from sgicodec.encoder.input.inpainting import inpaint
-from sgicodec.encoder.input.nodata import Bare, bare_samples, empty_pixels
+from sgicodec.encoder.input.nodata import Bare, bare_samples, empty_pixels, inpaint
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tile.state import Tile, TileListener, Watch
-from sgicodec.encoder.tile.texture_contrast import TextureContrasts
-from sgicodec.encoder.tile.texture_tuning import TUNINGS
+from sgicodec.encoder.tile.texture_steps import TUNINGS, TextureContrasts
 from sgicodec.metrics.choices import DISTORTIONS
 from sgicodec.model.luma_space import to_luma_space
 from sgicodec.picture import Picture, nodata_samples, opaque_mask, to_unit

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.device import ALL_CORES, Device
-from sgicodec.encoder.tile.texture_tuning import TUNINGS
+from sgicodec.encoder.tile.texture_steps import TUNINGS
 from sgicodec.model.layout import SeedLayout, adaptive_layout
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.texture import ROOT_LOG

@@ -18,8 +18,7 @@ from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile.restoration import Restorer, Strength
 from sgicodec.encoder.tile.sharing import TextureCosts
-from sgicodec.encoder.tile.texture_contrast import TextureContrasts
-from sgicodec.encoder.tile.texture_tuning import TUNINGS, TextureTuning
+from sgicodec.encoder.tile.texture_steps import TUNINGS, TextureContrasts, TextureTuning
 from sgicodec.metrics.distortion import Reference
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.texture_symbols import TextureSymbols

@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 
 from sgicodec.bitstream.header import encode_header
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.tiles.interfaces import Version
+from sgicodec.encoder.tiles.store import Version
 from sgicodec.encoder.tiles.tasks import EncodedTile
 from sgicodec.errors import OutputExistsError, StreamError, UsageError
 from sgicodec.image.lock import locked

@@ -5,16 +5,16 @@ from __future__ import annotations
 import math
 import tempfile
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import BinaryIO, Literal
 
 from sgicodec.bitstream.stream_writer import stream_length, write_stream
-from sgicodec.encoder.listener import PassReporter
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.tiles.interfaces import Finished, Store, Task, Version
+from sgicodec.encoder.progress import PassReporter
 from sgicodec.encoder.tiles.runner import TileRunner
-from sgicodec.encoder.tiles.tasks import EncodedTile, FitTask, LookaheadTask, SearchTask
+from sgicodec.encoder.tiles.store import Store, Version
+from sgicodec.encoder.tiles.tasks import EncodedTile, FitTask, LookaheadTask, SearchTask, Task
 from sgicodec.metrics.distortion import decibels
 from sgicodec.model.steps import quality_index
 from sgicodec.rate_control.allocation import allocate
@@ -23,12 +23,25 @@ from sgicodec.rate_control.target import LMBDA_MIN, Measured, RateTarget
 from sgicodec.rate_control.tile_passes import MAX_FITS, MAX_SAMPLES, is_far, kept_near, tiles_of_pass
 from sgicodec.rate_control.tile_rd_model import Bound, TileRdModel
 
-__all__ = ["TilePasses"]
+__all__ = ["Finished", "TilePasses"]
 
 MAX_CORRECTIONS, MAX_MEASURES = 4, 2
 """Passes after the fits; measurements of a PSNR in each."""
 UNKNOWN_PAYLOAD_BYTES = 1 << 20
 """Of a payload that is not known yet, where there is room for any: what its frame takes hardly depends on it."""
+
+
+@dataclass(frozen=True)
+class Finished:
+    """Which coding of each tile the stream takes, the plan of its header, the λ of the last fits, and what was asked
+    for and not reached. overview: a stream of its own.
+    """
+
+    plan: Plan
+    chosen: list[Version]
+    lmbda: float
+    missed: str | None = None
+    overview: bytes | None = None
 
 
 class TilePasses:

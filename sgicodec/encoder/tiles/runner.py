@@ -14,7 +14,7 @@ from sgicodec.device import Device
 from sgicodec.encoder.blas_threads import one_blas_thread
 from sgicodec.encoder.input.windows import Windows, tile_window
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.tiles.interfaces import Task
+from sgicodec.encoder.tiles.tasks import Task
 from sgicodec.errors import PictureError
 from sgicodec.executors.executor import Executor
 from sgicodec.image import Alpha, Source, open_source

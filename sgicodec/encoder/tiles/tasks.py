@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.tile import read_tile
@@ -27,7 +27,10 @@ from sgicodec.rdoq.objective import with_values
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Progress
 
-__all__ = ["EncodedTile", "FitTask", "LookaheadTask", "SearchTask"]
+__all__ = ["EncodedTile", "FitTask", "LookaheadTask", "SearchTask", "Task"]
+
+
+Made = TypeVar("Made", covariant=True)
 
 
 @dataclass(frozen=True)
@@ -61,6 +64,13 @@ class EncodedTile:
     """Whether the caller ended its fit or search."""
     missed: str | None = None
     """How the only tile misses the target."""
+
+
+class Task(Protocol[Made]):
+    """What is done to a tile: pickled, and called where the pixels are."""
+
+    def __call__(self, number: int, window: Picture, start: bytes, device: Device) -> Made:
+        """Made of tile `number`, whose pixels are `window`. start: the payload of its chunk so far, empty for none."""
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from sgicodec.encoder.tile.sharing import (
 )
 from sgicodec.encoder.tile.stages import encode, prepare, share
 from sgicodec.encoder.tile.state import Prepared
-from sgicodec.encoder.tile.texture_tuning import TUNINGS
+from sgicodec.encoder.tile.texture_steps import TUNINGS
 from sgicodec.encoder.tile.writing import write
 from sgicodec.picture import Picture
 
