@@ -23,11 +23,11 @@ from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.fit_settings import FitSettings, Rounding
 from sgicodec.raster.backend import Backend, Errors
 
-__all__ = ["LEAST_SAMPLED", "FeatureInputs", "FeatureOutputs", "FeatureStep"]
+__all__ = ["MIN_SAMPLED", "FeatureInputs", "FeatureOutputs", "FeatureStep"]
 
 F32 = NDArray[np.float32]
 
-LEAST_SAMPLED = 1000
+MIN_SAMPLED = 1000
 """Seeds whose bits are counted in a step, where there are as many: 5 % of few seeds are too few to learn from."""
 
 _GROUPS = ("feature", "scales", "offset")
@@ -114,7 +114,7 @@ class FeatureStep:
             rounding=rounding,
             priced=priced,
             noise=noise,
-            share=min(1.0, max(self.settings.rate_sample, LEAST_SAMPLED / self.count)),
+            share=min(1.0, max(self.settings.rate_sample, MIN_SAMPLED / self.count)),
             price=lmbda / (self.count * self.spec.attributes),
         )
         found = self._evaluate(given, level)

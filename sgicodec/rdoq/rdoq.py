@@ -24,7 +24,7 @@ __all__ = ["Rdoq", "RdoqResult"]
 
 @dataclass(frozen=True)
 class RdoqResult:
-    """A model whose attributes lie where they will be coded, and what it costs as coded and drawn."""
+    """A model whose attributes lie where they will be coded, and what it costs as coded and rendered."""
 
     model: TileModel
     cost: Cost

@@ -55,11 +55,11 @@ def store_nodata(header: Header, colours: NDArray[Any], empty: NDArray[np.bool_]
     """Stores nodata in the empty samples [h, w, C] of colours; others that have its value go one step aside."""
     alike = ~empty & equal_samples(colours, header.nodata)
     for band, (low, high) in enumerate(band_ranges(header.sample_range, header.colours)):
-        colours[alike[..., band], band] = _beside(header, colours.dtype, low, high)
+        colours[alike[..., band], band] = _next_sample(header, colours.dtype, low, high)
     colours[empty] = header.nodata
 
 
-def _beside(header: Header, dtype: np.dtype[Any], low: float, high: float) -> Any:
+def _next_sample(header: Header, dtype: np.dtype[Any], low: float, high: float) -> Any:
     """The sample next to the nodata value, towards the middle of the range."""
     if dtype.kind == "f":
         return np.nextafter(dtype.type(header.nodata), dtype.type((low + high) / 2))

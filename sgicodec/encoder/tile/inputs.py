@@ -13,7 +13,7 @@ from sgicodec.device import ALL_CORES, Device
 from sgicodec.encoder.input.nodata import Bare, bare_samples, empty_pixels, inpaint
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tile.state import Tile, TileListener, Watch
-from sgicodec.encoder.tile.texture_steps import TUNINGS, TextureContrasts
+from sgicodec.encoder.tile.texture_steps import TUNINGS, Masking
 from sgicodec.metrics.choices import DISTORTIONS
 from sgicodec.model.luma_space import to_luma_space
 from sgicodec.picture import Picture, nodata_samples, opaque_mask, to_unit
@@ -40,7 +40,7 @@ def tile_of(
         fit = replace(fit, quality=header.quality)
     bare = bare_samples(picture, header)
     unit, empty = _coded_samples(picture, header, bare)
-    contrasts = TextureContrasts(TUNINGS[settings.tuned_for], unit)
+    masking = Masking(TUNINGS[settings.tuned_for], unit)
     if header.spec.luma_space:
         unit = np.tensordot(to_luma_space(header.spec.channels).astype(np.float32), unit, axes=1)
     return Tile(
@@ -55,7 +55,7 @@ def tile_of(
         empty,
         bare,
         DISTORTIONS[settings.minimised].reference(unit, empty),
-        contrasts,
+        masking,
         Watch(listener or _NoListener()),
         device,
     )

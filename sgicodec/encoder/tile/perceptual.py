@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from sgicodec.encoder.tile.score_ascent import Contrast, ScoreAscent
+from sgicodec.encoder.tile.score_ascent import Offsets, ScoreAscent
 from sgicodec.encoder.tile.state import TileState
 from sgicodec.encoder.tile.texture import begin_texture, best_layer, best_strength
 from sgicodec.model.texture_symbols import TextureSymbols
@@ -25,8 +25,8 @@ class Perceptual:
         state, search = begin_texture(state)
         tuning = state.tile.tuning
         price = tuning.price(state.lmbda)
-        state, cells, step = self._ascended(state, search, tuning.step(state.lmbda), price)
-        return state.with_texture(best_layer(state, search, step, price, cells), state.strength)
+        state, blocks, step = self._ascended(state, search, tuning.step(state.lmbda), price)
+        return state.with_texture(best_layer(state, search, step, price, blocks), state.strength)
 
     def aim(self, state: TileState, search: TextureSearch, step: int) -> tuple[TileState, TextureSearch]:
         """As in `TextureStrategy`: with what the ascent made of the search."""
@@ -39,8 +39,8 @@ class Perceptual:
     def _ascended(
         self, state: TileState, search: TextureSearch, step: int, price: float | None = None
     ) -> tuple[TileState, TextureSymbols | None, int]:
-        """The tile with the contrasts and the restoration of layers for the eye, the last of these layers, and the step
-        of the next. Moves what `search` looks for.
+        """The tile with the step offsets and the restoration of layers for the eye, the last of these layers, and the
+        step of the next. Moves what `search` looks for.
         """
         tile, passes = state.tile, state.tile.effort.ascent_passes
         first = best_layer(state, search, step, price)
@@ -48,13 +48,13 @@ class Perceptual:
         ascent = ScoreAscent(tile.unit, tile.spec.luma_space, tile.empty, tile.device, state.strength)
         steps = CalibratedSteps(tile.plan.calibrated_quality, step, passes)
 
-        def next_layer(cells: TextureSymbols | None, score: float | None, contrast: Contrast) -> TextureSymbols | None:
+        def next_layer(blocks: TextureSymbols | None, score: float | None, offsets: Offsets) -> TextureSymbols | None:
             if score is None:
                 return first
-            return best_layer(replace(state, contrast=contrast), search, steps.after(score), price, cells)
+            return best_layer(replace(state, step_offsets=offsets), search, steps.after(score), price, blocks)
 
-        cells, score, contrast = ascent.run(search, next_layer, state.contrast, passes, tile.watch.ending)
-        return replace(state, contrast=contrast), cells, steps.after(score)
+        blocks, score, offsets = ascent.run(search, next_layer, state.step_offsets, passes, tile.watch.ending)
+        return replace(state, step_offsets=offsets), blocks, steps.after(score)
 
 
 _QUALITIES = (1.0, 10.0, 20.0, 30.0, 44.0, 57.0, 70.0, 83.0, 90.0, 97.0, 100.0)

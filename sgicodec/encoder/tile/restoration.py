@@ -1,4 +1,4 @@
-"""How a tile is restored: with the strength that brings what is drawn nearest to the picture, or not at all; towards
+"""How a tile is restored: with the strength that brings what is rendered nearest to the picture, or not at all; towards
 least squared error with a last layer of the network that is fitted to the tile.
 
 What the layer adds up to is linear in its weights, so that squared error is a quadratic form of what is added to them
@@ -21,7 +21,7 @@ from sgicodec.model.restoration import Restoration
 from sgicodec.model.texture_symbols import STEP_COUNT, TextureSymbols
 from sgicodec.rdoq.texture import TextureSearch
 
-__all__ = ["Restorer", "Strength", "adapted", "drawn_over"]
+__all__ = ["Restorer", "Strength", "adapted", "rendered_over"]
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -58,13 +58,13 @@ class _Form:
 
 
 def adapted(
-    restoration: Restoration, drawn: F32, wanted: F32, empty: NDArray[np.bool_] | None, lmbda: float, device: Device
+    restoration: Restoration, rendered: F32, wanted: F32, empty: NDArray[np.bool_] | None, lmbda: float, device: Device
 ) -> Restoration:
-    """Restoration of a shipped network, with a last layer that brings what is drawn [C, H, W] nearer to what is wanted;
-    as it is where that is not worth its bits. empty [H, W]: pixels that count nothing, None for none; lmbda: squared
-    error in samples that a bit must save.
+    """Restoration of a shipped network, with a last layer that brings what is rendered [C, H, W] nearer to what is
+    wanted; as it is where that is not worth its bits. empty [H, W]: pixels that count nothing, None for none; lmbda:
+    squared error in samples that a bit must save.
     """
-    form = _form(restoration, drawn, wanted, empty, device)
+    form = _form(restoration, rendered, wanted, empty, device)
     price = lmbda / form.unit**2
     found = [(unit, *_searched(unit**2 * form.gram, unit * form.moments, price)) for unit in _UNITS]
     unit, change, gain = max(found, key=lambda option: option[2])
@@ -76,24 +76,26 @@ def adapted(
     return replace(restoration, changes=(*(np.zeros((0, 0), np.int32),) * (_LAYERS - 1), whole))
 
 
-def _form(restoration: Restoration, drawn: F32, wanted: F32, empty: NDArray[np.bool_] | None, device: Device) -> _Form:
+def _form(
+    restoration: Restoration, rendered: F32, wanted: F32, empty: NDArray[np.bool_] | None, device: Device
+) -> _Form:
     number, step = restoration.network, restoration.step
     weights, shift = restoration_last_layer(number)
-    outputs = 3 if len(drawn) >= 3 else 1
+    outputs = 3 if len(rendered) >= 3 else 1
     unit = 2.0 ** ((step - 480) / 32 - shift) * _INPUT_UNIT
     into = np.array(colour_matrix(outputs), np.float32) / np.float32(unit)
     last = weights[:outputs].astype(np.float32)
     gram, moments = np.zeros((last.shape[1],) * 2), np.zeros(last.shape)
-    height, width = drawn.shape[1:]
+    height, width = rendered.shape[1:]
     every, rows = -(-height * width // _PIXELS) | 1, max(1, _STRIP // width)
     for top in range(0, height, rows):
         part = slice(top, min(top + rows, height))
-        seen = restoration_last_inputs(drawn, number, step, top, part.stop - top, device.threads, device.isa)
+        seen = restoration_last_inputs(rendered, number, step, top, part.stop - top, device.threads, device.isa)
         looked = (np.arange(width) + 2 * np.arange(part.start, part.stop)[:, None]) % every == 0
         if empty is not None:
             looked &= ~empty[part]
         inputs = _windows(seen, looked)
-        left = np.tensordot(into, (wanted[:outputs, part] - drawn[:outputs, part])[:, looked], 1)
+        left = np.tensordot(into, (wanted[:outputs, part] - rendered[:outputs, part])[:, looked], 1)
         gram += inputs @ inputs.T
         moments += (left - last @ inputs) @ inputs.T
     return _Form(every * gram, every * moments, unit)
@@ -170,7 +172,7 @@ class Strength:
     changes: tuple[NDArray[np.int32], ...] = ()
 
     def over(self, texture: TextureSymbols) -> Restoration:
-        """Restoration of what is drawn with a layer."""
+        """Restoration of what is rendered with a layer."""
         step = min(max(texture.steps.step + self.offset, 0), STEP_COUNT - 1)
         return Restoration(self.network, step, self.changes)
 
@@ -188,17 +190,19 @@ class Restorer:
 
     def correction(self, search: TextureSearch, texture: TextureSymbols, strength: Strength) -> F32:
         """What restoration adds to a layer over the seeds of `search`."""
-        return strength.over(texture).correction(self._drawn(search, texture), self.device)
+        return strength.over(texture).correction(self._rendered(search, texture), self.device)
 
     def strength(self, search: TextureSearch, texture: TextureSymbols, lmbda: float = 0.0) -> Strength | None:
         """What makes a layer over the seeds of `search` best, None where none makes it better by what its bits are
         worth. Of a large tile, bands of rows are looked at.
         """
         rows, counted = _bands(*self.unit.shape[1:])
-        drawn, wanted = self._drawn(search, texture)[:, rows], self.unit[:, rows]
+        rendered, wanted = self._rendered(search, texture)[:, rows], self.unit[:, rows]
 
         def error(strength: Strength | None) -> float:
-            shown = drawn if strength is None else drawn + strength.over(texture).correction(drawn, self.device)
+            shown = (
+                rendered if strength is None else rendered + strength.over(texture).correction(rendered, self.device)
+            )
             left = (wanted - shown)[:, counted]
             if self.empty is not None:
                 left[:, self.empty[rows[counted]]] = 0
@@ -211,18 +215,18 @@ class Restorer:
 
     def adapted(self, search: TextureSearch, texture: TextureSymbols, strength: Strength, lmbda: float) -> Strength:
         """The same with a last layer that suits what a layer over the seeds of `search` shows."""
-        drawn = self._drawn(search, texture)
-        found = adapted(strength.over(texture), drawn, self.unit, self.empty, lmbda, self.device)
+        rendered = self._rendered(search, texture)
+        found = adapted(strength.over(texture), rendered, self.unit, self.empty, lmbda, self.device)
         return replace(strength, changes=found.changes)
 
-    def _drawn(self, search: TextureSearch, texture: TextureSymbols) -> F32:
-        return drawn_over(search, self.unit, texture, self.device)
+    def _rendered(self, search: TextureSearch, texture: TextureSymbols) -> F32:
+        return rendered_over(search, self.unit, texture, self.device)
 
 
-def drawn_over(search: TextureSearch, unit: F32, texture: TextureSymbols, device: Device) -> F32:
+def rendered_over(search: TextureSearch, unit: F32, texture: TextureSymbols, device: Device) -> F32:
     """What a layer over the seeds of `search` shows of `unit` [C, H, W], before restoration."""
-    drawn: F32 = unit - search.residual + texture.layer().draw(device=device)
-    return drawn
+    rendered: F32 = unit - search.residual + texture.layer().draw(device=device)
+    return rendered
 
 
 def _bands(height: int, width: int) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:

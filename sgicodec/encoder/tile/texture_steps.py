@@ -30,33 +30,32 @@ from sgicodec.model.texture_symbols import (
     step_index,
 )
 
-__all__ = ["TUNINGS", "TextureContrasts", "TextureTuning"]
+__all__ = ["TUNINGS", "Masking", "TextureTuning"]
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
-Contrasts = NDArray[np.int8]
+Offsets = NDArray[np.int8]
 
 
 @dataclass(frozen=True)
 class TextureTuning:
-    """How steps follow from λ.
-
-    squared_steps: λ in squared steps, where steps do not grow. network: number of the shipped one that restores what is
-    drawn for the same end. finer: 32nds of an octave by which the lowest frequency has a smaller step than λ says.
-    growth: slopes of the first channel and of the others (see `TextureSteps`) where the lowest step is a grey level;
-    they grow with its square root, as far as a stream can say. colours: steps of colour differences grow with this
-    power of the first channel's. masking: steps grow with this power of the local standard deviation of luma, 0 for
-    not at all (`TextureContrasts`). larger: how much larger streams are than the R-D model
-    says, in octaves of λ.
-    """
+    """How steps follow from λ."""
 
     squared_steps: float
+    """λ in squared steps, where steps do not grow."""
     network: int
+    """Number of the shipped network that restores what is rendered for the same end."""
     finer: int = 0
+    """32nds of an octave by which the lowest frequency has a smaller step than λ says."""
     growth: tuple[float, float] = (0.0, 0.0)
+    """Slopes of the first channel and of the others (see `TextureSteps`) where the lowest step is a grey level; they
+    grow with its square root, as far as a stream can say."""
     colours: float = 1.0
+    """Steps of colour differences grow with this power of the first channel's."""
     masking: float = 0.0
+    """Steps grow with this power of the local standard deviation of luma, 0 for not at all (see `Masking`)."""
     larger: float = 0.0
+    """How much larger streams are than the R-D model says, in octaves of λ."""
 
     def step(self, lmbda: float) -> int:
         """Index of the step for λ."""
@@ -99,30 +98,30 @@ _KEPT = 4.0
 _MAX_FINER, _LEFT = 1.5, 3.0
 """Octaves by which steps become finer for a pattern at most, and that it would need where it gets none."""
 _BLOCKS = 2
-"""Of a root that must show a pattern; fewer get their part."""
+"""Of a superblock that must show a pattern; fewer get their part."""
 
 
-class TextureContrasts:
-    """Contrasts for a picture [C, H, W], samples in 0..1.
+class Masking:
+    """Step offsets for a picture [C, H, W], samples in 0..1.
 
-    They depend on the pixels near a root alone and on no mean, so that tiles look the same.
+    They depend on the pixels near a superblock alone and on no mean, so that tiles look the same.
     """
 
     def __init__(self, tuning: TextureTuning, picture: F32) -> None:
         self._masking = tuning.masking
         self._plane = luma(picture.transpose(1, 2, 0), peak=1.0) if self._masking else None
 
-    def at(self, steps: TextureSteps) -> Contrasts | None:
-        """Contrasts [rows, columns] for these steps, None where they play no part."""
+    def offsets(self, steps: TextureSteps) -> Offsets | None:
+        """Step offsets [rows, columns] for these steps, None where they play no part."""
         if not self._masking:
             return None
         masked, patterns = self._found
         return _indices(masked - 4 * _finer(patterns, steps, masked))
 
     @cached_property
-    def _found(self) -> tuple[Contrasts, RegularPatterns]:
-        """What masking says, and the patterns of each root [rows, columns, 16]: looked for when they are needed first,
-        which is not at the start of a fit.
+    def _found(self) -> tuple[Offsets, RegularPatterns]:
+        """What masking says, and the patterns of each superblock [rows, columns, 16]: looked for when they are needed
+        first, which is not at the start of a fit.
         """
         plane, self._plane = self._plane, None
         assert plane is not None
@@ -130,11 +129,11 @@ class TextureContrasts:
         masked = _indices(4 * root_blocks(octaves, "edge").mean(axis=(1, 3)))
         found = regular_patterns(plane)
         blocks = (found.certainty, found.deviation, found.frequency)
-        return masked, RegularPatterns(*(_by_roots(part, masked.shape) for part in blocks))
+        return masked, RegularPatterns(*(_by_superblock(part, masked.shape) for part in blocks))
 
 
-def _finer(patterns: RegularPatterns, steps: TextureSteps, masked: Contrasts) -> F64:
-    """Octaves [rows, columns] by which the steps of these contrasts are too coarse for patterns."""
+def _finer(patterns: RegularPatterns, steps: TextureSteps, masked: Offsets) -> F64:
+    """Octaves [rows, columns] by which the steps of these offsets are too coarse for patterns."""
     step = steps.at_frequency(patterns.frequency) * 2.0 ** (masked[..., None] / 4)
     deviation = np.maximum(patterns.deviation / 255.0, _MIN_DEVIATION)
     octaves = np.log2(np.maximum(step / (_KEPT * deviation), 1.0))
@@ -142,13 +141,13 @@ def _finer(patterns: RegularPatterns, steps: TextureSteps, masked: Contrasts) ->
     return np.asarray(np.sort(patterns.certainty * wanted)[..., -_BLOCKS:].mean(axis=-1))
 
 
-def _indices(quarters: NDArray[np.floating] | Contrasts) -> Contrasts:
+def _indices(quarters: NDArray[np.floating] | Offsets) -> Offsets:
     """Quarters of an octave as a stream can state them."""
     return np.clip(np.rint(quarters), -CONTRAST_LIMIT, CONTRAST_LIMIT).astype(np.int8)
 
 
-def _by_roots(blocks: F64, shape: tuple[int, ...]) -> F64:
-    """Values of blocks [rows of blocks, columns of blocks] by root [rows, columns, 16], 0 beyond the picture."""
+def _by_superblock(blocks: F64, shape: tuple[int, ...]) -> F64:
+    """Values of blocks [rows of blocks, columns of blocks] by superblock [rows, columns, 16], 0 beyond the picture."""
     rows, columns = shape
     side = (1 << ROOT_LOG) // BLOCK
     whole = np.pad(blocks, [(0, count * side - length) for count, length in zip(shape, blocks.shape, strict=True)])

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from sgicodec import EncodeSettings, Picture, encode_picture, read
 from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.plan import Shape, stream_plan
-from sgicodec.encoder.tile.texture_steps import TUNINGS, TextureContrasts, TextureTuning
+from sgicodec.encoder.tile.texture_steps import TUNINGS, Masking, TextureTuning
 from sgicodec.metrics.perceptual import ssimulacra2
 from sgicodec.model.texture_symbols import CONTRAST_LIMIT, STEP_COUNT, TextureSteps
 from sgicodec.picture import to_rgb8, to_unit
@@ -80,6 +80,7 @@ def test_a_tile_that_is_too_large_has_none() -> None:
     assert stream_plan(shape, replace(settings, tile=1024)).header.spec.texture
 
 
+TUNING = TUNINGS["visual"]
 FINE, USUAL, COARSE = 300, 370, 460  # indices: 5, 23 and 164 levels
 
 
@@ -89,8 +90,8 @@ def unit() -> NDArray[np.float32]:
     return np.ascontiguousarray(to_unit(read(PHOTO))[20:180, 100:292].transpose(2, 0, 1))
 
 
-def contrasts(picture: NDArray[np.float32], step: int = USUAL) -> NDArray[np.int8]:
-    found = TextureContrasts(TUNING, picture).at(TUNING.steps(step, len(picture)))
+def step_offsets(picture: NDArray[np.float32], step: int = USUAL) -> NDArray[np.int8]:
+    found = Masking(TUNING, picture).offsets(TUNING.steps(step, len(picture)))
     assert found is not None
     return found
 
@@ -103,26 +104,26 @@ def ribs(deviation: float) -> NDArray[np.float32]:
 
 
 def test_squared_error_has_none(unit: NDArray[np.float32]) -> None:
-    assert TextureContrasts(TUNINGS["psnr"], unit).at(TextureSteps(USUAL)) is None
+    assert Masking(TUNINGS["psnr"], unit).offsets(TextureSteps(USUAL)) is None
 
 
 def test_contrasts_are_those_of_the_place(unit: NDArray[np.float32]) -> None:
-    whole = contrasts(unit)
+    whole = step_offsets(unit)
     assert whole.shape == (5, 6)
     assert np.abs(whole).max() <= CONTRAST_LIMIT
-    assert contrasts(unit[:, 32:128, 64:160])[1, 1] == whole[2, 3]
+    assert step_offsets(unit[:, 32:128, 64:160])[1, 1] == whole[2, 3]
 
 
 def test_noise_hides_more_than_flat_ground() -> None:
     unit = np.full((3, 96, 160), 0.5, np.float32)
     unit[:, :, 64:] += np.random.default_rng(1).normal(0, 0.2, (96, 96)).astype(np.float32)
-    contrast = contrasts(unit)
-    assert len(np.unique(contrast[:, 0])) == 1
-    assert contrast[:, 3:].min() > contrast[0, 0] + 4
+    offsets = step_offsets(unit)
+    assert len(np.unique(offsets[:, 0])) == 1
+    assert offsets[:, 3:].min() > offsets[0, 0] + 4
 
 
 def test_ribs_that_steps_would_swallow_get_finer_ones() -> None:
-    finer = contrasts(ribs(9), FINE) - contrasts(ribs(9), USUAL)
+    finer = step_offsets(ribs(9), FINE) - step_offsets(ribs(9), USUAL)
     assert finer[2, 2] >= 2
     finer[2, 2] = 0
     assert not finer.any()  # its neighbours show a part of the ribs at most
@@ -131,12 +132,12 @@ def test_ribs_that_steps_would_swallow_get_finer_ones() -> None:
 @pytest.mark.parametrize(("deviation", "step"), [(40, USUAL), (9, FINE)], ids=["strong", "fine steps"])
 def test_ribs_that_stay_anyway_change_nothing(deviation: float, step: int) -> None:
     picture = ribs(deviation)
-    np.testing.assert_array_equal(contrasts(picture, step), contrasts(picture, 200))
+    np.testing.assert_array_equal(step_offsets(picture, step), step_offsets(picture, 200))
 
 
 def test_ribs_that_would_need_far_finer_steps_are_left_to_go() -> None:
-    np.testing.assert_array_equal(contrasts(ribs(9), COARSE), contrasts(ribs(9), FINE))
+    np.testing.assert_array_equal(step_offsets(ribs(9), COARSE), step_offsets(ribs(9), FINE))
 
 
 def test_gray_pictures_have_contrasts(unit: NDArray[np.float32]) -> None:
-    assert contrasts(unit[:1]).shape == (5, 6)
+    assert step_offsets(unit[:1]).shape == (5, 6)
