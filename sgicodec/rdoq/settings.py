@@ -18,8 +18,8 @@ class RdoqSettings:
     rounds: int = 3
     """Times that the symbols of a shape or an offset are gone through."""
     coarser: float = 0.3
-    """Octaves by which steps grow beforehand: symbols that are searched want coarser steps than the noise that they were
-    trained with."""
+    """Octaves by which steps grow beforehand: symbols that are searched want coarser steps than the noise that they
+    were trained with."""
     base: bool = True
     """Whether the base layer moves too."""
     drop: float = 1.2

@@ -7,7 +7,7 @@ import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import BinaryIO, Literal
+from typing import BinaryIO
 
 from sgicodec.bitstream.stream_writer import stream_length, write_stream
 from sgicodec.encoder.plan import Plan
@@ -146,7 +146,7 @@ class TilePasses:
         for number, table in self.runner(LookaheadTask(self.plan), self.all):
             tables[number] = table
             self.reporter.done(number, None)
-        what: Literal["bytes", "error"] = "error" if self.target and self.target.psnr else "bytes"
+        what = "bytes" if self.target is None else self._bound(self.target).what
         return TileRdModel([tables[number] for number in self.all], what)
 
     def _bound(self, target: RateTarget, lengths: Sequence[int] | None = None) -> Bound:
@@ -210,7 +210,7 @@ class TilePasses:
             chosen = self._allocated(target, versions)
             tiles = [self.store.tiles[version] for version in chosen]
             length = self._length(plan, [tile.length for tile in tiles])
-            if target.psnr is None:
+            if self._bound(target).what == "bytes":
                 return chosen, Measured(length, math.inf)
             with tempfile.TemporaryFile() as file:
                 write_stream(file, plan.header, plan.software, plan.metadata, map(self.store.payload, chosen))
