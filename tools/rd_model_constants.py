@@ -26,8 +26,7 @@ from sgicodec.metrics.psnr import psnr
 from sgicodec.model.layout import ROOT_LOG, cell_sums
 from sgicodec.picture import comparable, to_unit
 from sgicodec.profiles.default import default_settings, lmbda_of_quality
-from sgicodec.rate_control.rd_model import HIGHER_PRICE, RdModel
-from sgicodec.rate_control.side_information import EMPTY_STREAM_BYTES
+from sgicodec.rate_control.rd_model import EMPTY_STREAM_BYTES, HIGHER_PRICE, RdModel
 
 __all__ = ["Outcome", "exponents", "main", "outcomes"]
 

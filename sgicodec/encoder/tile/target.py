@@ -14,8 +14,7 @@ from sgicodec.encoder.tile.state import Tile, TileState
 from sgicodec.encoder.tile.texture import begin_texture
 from sgicodec.encoder.tile.writing import WrittenTile, measured, network_weights, write
 from sgicodec.model.texture_symbols import STEP_COUNT
-from sgicodec.rate_control.rd_model import initial_lmbda
-from sgicodec.rate_control.side_information import network_bytes
+from sgicodec.rate_control.rd_model import initial_lmbda, network_bytes
 from sgicodec.rate_control.step_search import OCTAVES_PER_UNIT, SHIFT_MAX, step_shift
 from sgicodec.rate_control.target import LMBDA_MAX, LMBDA_MIN, Measured, RateTarget
 

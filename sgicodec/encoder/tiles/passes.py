@@ -18,9 +18,8 @@ from sgicodec.encoder.tiles.tasks import EncodedTile, FitTask, LookaheadTask, Se
 from sgicodec.metrics.distortion import decibels
 from sgicodec.model.steps import quality_index
 from sgicodec.rate_control.allocation import allocate
-from sgicodec.rate_control.secant import next_correction
 from sgicodec.rate_control.target import LMBDA_MIN, Measured, RateTarget
-from sgicodec.rate_control.tile_passes import MAX_FITS, MAX_SAMPLES, is_far, kept_near, tiles_of_pass
+from sgicodec.rate_control.tile_passes import MAX_FITS, MAX_SAMPLES, is_far, kept_near, next_correction, tiles_of_pass
 from sgicodec.rate_control.tile_rd_model import Bound, TileRdModel
 
 __all__ = ["Finished", "TilePasses"]

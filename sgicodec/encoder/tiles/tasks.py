@@ -20,7 +20,7 @@ from sgicodec.encoder.tile.writing import WrittenTile, decoded, network_weights,
 from sgicodec.executors.threads import stopping
 from sgicodec.metrics.distortion import squared_error
 from sgicodec.picture import Picture
-from sgicodec.rate_control.side_information import EMPTY_STREAM_BYTES, tile_side_bytes
+from sgicodec.rate_control.rd_model import EMPTY_STREAM_BYTES, tile_side_bytes
 from sgicodec.rate_control.tile_rd_model import LMBDA_GRID, RdTable
 from sgicodec.rdoq.objective import with_values
 
