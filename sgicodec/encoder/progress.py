@@ -198,8 +198,8 @@ class StageClock:
         """Which share of the whole is done."""
         before, own, behind = self._sums()
         inner = self._share if self._share is not None else self._estimated(before, own)
-        found = self._base + (1 - self._base) * (before + own * inner) / (before + own + behind)
-        self._done = max(self._done, min(found, 1.0))
+        share = self._base + (1 - self._base) * (before + own * inner) / (before + own + behind)
+        self._done = max(self._done, min(share, 1.0))
         return self._done
 
     @property

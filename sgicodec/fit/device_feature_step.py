@@ -140,12 +140,12 @@ class DeviceFeatureStep(FeatureStep):
         while True:
             passes = self._passes_of(level)
             passes.bin()
-            found = passes.found()
-            if found <= passes.capacity:
+            pairs = passes.found()
+            if pairs <= passes.capacity:
                 break
-            if found > MAX_PAIRS:
+            if pairs > MAX_PAIRS:
                 raise OverflowError("too many Gaussians in too many tiles: draw smaller crops")
-            self._capacity, self._passes = found + found // 4, None
+            self._capacity, self._passes = pairs + pairs // 4, None
         passes.over_tiles("absolute_error")
         passes.reduce()
         return float(passes.errors.download()[:, 0].sum())

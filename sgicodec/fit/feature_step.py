@@ -117,16 +117,16 @@ class FeatureStep:
             share=min(1.0, max(self.settings.rate_sample, MIN_SAMPLED / self.count)),
             price=lmbda / (self.count * self.spec.attributes),
         )
-        found = self._evaluate(given, level)
-        of_decoders = self._of_decoders(found.sums[: len(decoders)])
+        outputs = self._evaluate(given, level)
+        of_decoders = self._of_decoders(outputs.sums[: len(decoders)])
         if priced:
             for name, weights in parameters.seeds.decoders.items():
                 if weights.ndim == 2:
                     of_decoders[f"decoder_{name}"] += price_slope(weights, parameters.seeds.decoder_shift, given.price)
-        gradients = dict(zip(_GROUPS, found.values, strict=True)) | of_decoders
+        gradients = dict(zip(_GROUPS, outputs.values, strict=True)) | of_decoders
         if priced and context.trains:
-            gradients |= context.gradients(found.sums[len(decoders) :], found.tables, given.price)
-        return StepResult(found.error, found.bits, gradients)
+            gradients |= context.gradients(outputs.sums[len(decoders) :], outputs.tables, given.price)
+        return StepResult(outputs.error, outputs.bits, gradients)
 
     def _evaluate(self, given: FeatureInputs, level: Level) -> FeatureOutputs:
         """The step but for what weights cost."""

@@ -165,12 +165,12 @@ class Trainer:
             names = self.parameters.trained()
             rates = {name: self._learning_rate(learning_rate_of(name), phase) for name in names}
             return self.on_gpu.run(phase.rounding, self.step, self.levels[phase.level], lmbda, rates)
-        found = self.gradient_step.run(self.parameters, phase.rounding, self.step, self.levels[phase.level], lmbda)
-        self.gradients = found.gradients
+        result = self.gradient_step.run(self.parameters, phase.rounding, self.step, self.levels[phase.level], lmbda)
+        self.gradients = result.gradients
         for name, array in self.parameters.trained().items():
-            if name in found.gradients:
-                self.adam.move(name, array, found.gradients[name], self._learning_rate(learning_rate_of(name), phase))
-        return found.error, found.bits
+            if name in result.gradients:
+                self.adam.move(name, array, result.gradients[name], self._learning_rate(learning_rate_of(name), phase))
+        return result.error, result.bits
 
     def _learning_rate(self, name: str, phase: Phase) -> float:
         rates = self.settings.rates

@@ -96,12 +96,12 @@ class TextureSearch:
         parts, self.bits, counts, excess, _ = self._search(steps, squared_steps, offsets, division)
         added = tuple(_excess_index(sum_ / count) if count else 8 for count, sum_ in zip(counts, excess, strict=True))
         one, two, more = added
-        found = TextureSymbols(
+        layer = TextureSymbols(
             self.size,
             replace(steps, excess=(one, two, more), colours=self.colours),
             *parts,
         )
-        return None if found.is_empty else found
+        return None if layer.is_empty else layer
 
     def exact(self, symbols: TextureSymbols) -> TextureLayer:
         """A layer that was found here with the amplitudes that its symbols stand for as they were before they were

@@ -78,10 +78,10 @@ class _PictureWindows:
         return 0
 
     def digest(self) -> bytes:
-        found = hashlib.sha256()
+        digest = hashlib.sha256()
         for row in self._picture.pixels:
-            found.update(row.tobytes())
-        return found.digest()
+            digest.update(row.tobytes())
+        return digest.digest()
 
 
 class _Kept:
@@ -118,19 +118,19 @@ class _SourceWindows:
         self.read, self.memory, self.page = source.read, source.memory, source.page
 
     def digest(self) -> bytes:
-        found = hashlib.sha256(b"" if self.page is None else b"page %d" % self.page)
+        digest = hashlib.sha256(b"" if self.page is None else b"page %d" % self.page)
         with Path(self._source.path).open("rb") as file:
             while block := file.read(_BLOCK):
-                found.update(block)
-        return found.digest()
+                digest.update(block)
+        return digest.digest()
 
 
 def without_needless_alpha(windows: Windows, plan: Plan, listener: NullListener) -> tuple[Windows, Plan]:
     """A picture and its plan without an alpha that says nothing. The listener gets to know."""
-    found = None if alpha_index(plan.header.channels) is None else _everywhere(windows, plan.header.grid)
-    if found == "opaque":
+    alpha = None if alpha_index(plan.header.channels) is None else _everywhere(windows, plan.header.grid)
+    if alpha == "opaque":
         listener.remark("alpha is opaque everywhere; it is left out")
-    elif found == "hiding" and plan.header.masked == "transparent":
+    elif alpha == "hiding" and plan.header.masked == "transparent":
         listener.note("alpha is 0 everywhere; it is left out, and the colours are kept")
     else:
         if alpha_index(plan.header.channels) is not None and geo.has_place(windows.shape.metadata.geo):

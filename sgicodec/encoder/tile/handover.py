@@ -99,12 +99,12 @@ class Handover:
         """Squared error plus λ times bits of each superblock [rows, columns] with these seeds [N] and texture. shares:
         of the seeds that are left out.
         """
-        found = np.log(_TINY + self.texture.estimated_over(self._left(kept)))
+        costs = np.log(_TINY + self.texture.estimated_over(self._left(kept)))
         for part, offset in zip((1 - shares, shares), self._offsets, strict=True):
-            found += part * offset
+            costs += part * offset
         bits = self.trainer.seed_bits() + POSITION_BITS
-        sums = np.bincount(self._superblock[kept], weights=bits[kept], minlength=found.size)
-        return np.asarray(np.exp(found) + self.texture.lmbda * sums.reshape(found.shape), np.float64)
+        sums = np.bincount(self._superblock[kept], weights=bits[kept], minlength=costs.size)
+        return np.asarray(np.exp(costs) + self.texture.lmbda * sums.reshape(costs.shape), np.float64)
 
     @cached_property
     def _offsets(self) -> Offsets:
@@ -115,8 +115,8 @@ class Handover:
         self.trainer.fetch()
         texture, left = self.texture, self._left_by_all
         if texture.device.cores == 1:
-            found = _offsets(texture, left)
-            return lambda: found
+            offsets = _offsets(texture, left)
+            return lambda: offsets
         from concurrent.futures import ThreadPoolExecutor
 
         executor = ThreadPoolExecutor(1)

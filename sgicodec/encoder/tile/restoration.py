@@ -66,8 +66,8 @@ def adapted(
     """
     form = _form(restoration, rendered, wanted, empty, device)
     price = lmbda / form.unit**2
-    found = [(unit, *_searched(unit**2 * form.gram, unit * form.moments, price)) for unit in _UNITS]
-    unit, change, gain = max(found, key=lambda option: option[2])
+    options = [(unit, *_searched(unit**2 * form.gram, unit * form.moments, price)) for unit in _UNITS]
+    unit, change, gain = max(options, key=lambda option: option[2])
     layer, _ = restoration_last_layer(restoration.network)
     whole = np.zeros_like(layer)
     whole[: len(change)] = unit * change
@@ -105,10 +105,10 @@ def _windows(seen: NDArray[np.int16], looked: NDArray[np.bool_]) -> F32:
     """What weights of an output are multiplied with at these pixels [n, pixels]; last, what its bias is."""
     windows = sliding_window_view(seen, (3, 3), axis=(1, 2))  # [channels, rows, columns, 3, 3]
     taps = np.stack([windows[:, looked, i, j] for i in range(3) for j in range(3)], axis=1)
-    found = np.empty((_TAPS * len(seen) + 1, taps.shape[2]), np.float32)
-    np.multiply(taps, np.float32(1.0 / _INPUT_UNIT), out=found[:-1].reshape(taps.shape))
-    found[-1] = _BIAS
-    return found
+    rows = np.empty((_TAPS * len(seen) + 1, taps.shape[2]), np.float32)
+    np.multiply(taps, np.float32(1.0 / _INPUT_UNIT), out=rows[:-1].reshape(taps.shape))
+    rows[-1] = _BIAS
+    return rows
 
 
 def _searched(gram: F64, moments: F64, price: float) -> tuple[I32, float]:
@@ -209,15 +209,15 @@ class Restorer:
             return float(np.square(left).sum(dtype=np.float64))
 
         least = _least([error(Strength(self.network, offset)) for offset in _OFFSETS])
-        found = Strength(self.network, least + _STRONGER[self.network])
+        strength = Strength(self.network, least + _STRONGER[self.network])
         bits = _BITS * counted.sum() / self.unit.shape[1]
-        return found if error(found) + bits * lmbda < _LARGER[self.network] * error(None) else None
+        return strength if error(strength) + bits * lmbda < _LARGER[self.network] * error(None) else None
 
     def adapted(self, search: TextureSearch, texture: TextureSymbols, strength: Strength, lmbda: float) -> Strength:
         """The same with a last layer that suits what a layer over the seeds of `search` shows."""
         rendered = self._rendered(search, texture)
-        found = adapted(strength.over(texture), rendered, self.unit, self.empty, lmbda, self.device)
-        return replace(strength, changes=found.changes)
+        restoration = adapted(strength.over(texture), rendered, self.unit, self.empty, lmbda, self.device)
+        return replace(strength, changes=restoration.changes)
 
     def _rendered(self, search: TextureSearch, texture: TextureSymbols) -> F32:
         return rendered_over(search, self.unit, texture, self.device)

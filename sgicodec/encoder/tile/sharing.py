@@ -48,7 +48,7 @@ SCOUT_PHASES = (Phase(12, level=1), Phase(12, rounding="noise", rate=True, learn
 SCOUT_SPLIT = 6.0
 """Its `FitSettings.split`: in so few steps, seeds of larger cells come nearer to what they can be."""
 POSITION_BITS = 3.5
-"""What the place of a seed adds to its bits."""
+"""What the position of a seed adds to its bits."""
 FULL, FULL_ESTIMATED, POWER, MIN_WEIGHT = 0.5, 0.74, 3.0, 1 / 32
 """ρ of the short fit from which seeds count in full, searched and estimated, how fast they count less below it, and the
 least. Where texture is searched, seeds are handed over later, so that a fit may begin with more of them.
@@ -61,7 +61,7 @@ count in full: there is nothing to share.
 
 @dataclass(frozen=True)
 class Scout:
-    """What a short fit found. residual [C, H, W]: what it leaves; bits: of a seed, its place included."""
+    """What a short fit found. residual [C, H, W]: what it leaves; bits: of a seed, its position included."""
 
     residual: F32
     layout: SeedLayout
@@ -69,9 +69,9 @@ class Scout:
 
     def superblock_bits(self, shape: tuple[int, int]) -> F64:
         """Bits of the seeds in each superblock of the texture layer [rows, columns]."""
-        found = np.zeros(shape)
-        np.add.at(found.reshape(-1), seed_superblocks(self.layout, shape), self.bits)
-        return found
+        bits = np.zeros(shape)
+        np.add.at(bits.reshape(-1), seed_superblocks(self.layout, shape), self.bits)
+        return bits
 
 
 def seed_superblocks(layout: SeedLayout, shape: tuple[int, int]) -> NDArray[np.int64]:

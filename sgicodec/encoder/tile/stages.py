@@ -169,8 +169,8 @@ def rdoq(state: TileState, min_passes: int = 0) -> TileState:
     if search.settings.passes == 1 and not tile.watch.ending():
         return replace(state, model=search.once())
     passes = max(search.settings.passes, min_passes)
-    found = search.best(passes, lambda: search.passes >= min_passes and tile.watch.ending())
-    return replace(state, model=found.model)
+    result = search.best(passes, lambda: search.passes >= min_passes and tile.watch.ending())
+    return replace(state, model=result.model)
 
 
 def texture(state: TileState) -> TileState:

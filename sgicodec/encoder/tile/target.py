@@ -47,10 +47,10 @@ def _nearest(tile: Tile, target: RateTarget) -> _Tried:
     for _ in range(MAX_FITS):
         # Without two passes, the seeds of a fit that was ended early may take more than the whole stream is to have.
         state = fit_seeds(tile, lmbda, min_passes=2)
-        found, octaves, strength = _at_target(replace(state, strength=strength), target)
-        tried.append(found)
+        stream, octaves, strength = _at_target(replace(state, strength=strength), target)
+        tried.append(stream)
         lmbda = min(max(lmbda * 2.0**octaves, LMBDA_MIN), LMBDA_MAX)
-        if tile.watch.was_ended or (target.is_met(found.measured) and abs(octaves) < FAR_OCTAVES):
+        if tile.watch.was_ended or (target.is_met(stream.measured) and abs(octaves) < FAR_OCTAVES):
             break
     return tried[target.best([one.measured for one in tried])]
 

@@ -115,11 +115,11 @@ class Masking:
         """Step offsets [rows, columns] for these steps, None where they play no part."""
         if not self._masking:
             return None
-        masked, patterns = self._found
+        masked, patterns = self._analysis
         return _indices(masked - 4 * _finer(patterns, steps, masked))
 
     @cached_property
-    def _found(self) -> tuple[Offsets, RegularPatterns]:
+    def _analysis(self) -> tuple[Offsets, RegularPatterns]:
         """What masking says, and the patterns of each superblock [rows, columns, 16]: looked for when they are needed
         first, which is not at the start of a fit.
         """
@@ -127,8 +127,8 @@ class Masking:
         assert plane is not None
         octaves = 0.5 * self._masking * np.log2((local_variance(plane / 255.0) + _FLOOR) / _USUAL)
         masked = _indices(4 * root_blocks(octaves, "edge").mean(axis=(1, 3)))
-        found = regular_patterns(plane)
-        blocks = (found.certainty, found.deviation, found.frequency)
+        patterns = regular_patterns(plane)
+        blocks = (patterns.certainty, patterns.deviation, patterns.frequency)
         return masked, RegularPatterns(*(_by_superblock(part, masked.shape) for part in blocks))
 
 

@@ -174,9 +174,9 @@ class TilePasses:
             octaves, numbers = next_correction(coarser, left, fits, fresh, tried)
             if not self._correct(plan, base, octaves, numbers, index):
                 break
-            found = {number: bound.of(self.store.tiles[Version(number, index)]) for number in numbers}
-            moved |= {number: (octaves, taken) for number, taken in found.items()}
-            change = sum(found.values()) / max(sum(fits[number] for number in numbers), 1e-9)
+            results = {number: bound.of(self.store.tiles[Version(number, index)]) for number in numbers}
+            moved |= {number: (octaves, taken) for number, taken in results.items()}
+            change = sum(results.values()) / max(sum(fits[number] for number in numbers), 1e-9)
             like = {number: taken for number, (by, taken) in moved.items() if by == octaves}
             all_ = sum(like.get(number, change * fits[number]) for number in self.all)
             tried.append((octaves, bound.error(all_)))

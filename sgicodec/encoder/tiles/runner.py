@@ -95,8 +95,8 @@ class ReadingTask(Generic[Result]):
         with _reading:
             use = SampleUse(header.sample_range, header.blank, header.has_exact)
             source = _opened(self.place, use, _ALPHA.get(header.channels, "auto"), self.page)
-            found = source.width, source.height, source.channels, str(source.dtype)
-            if found != (header.width, header.height, header.channels, header.sample_type):
+            opened = source.width, source.height, source.channels, str(source.dtype)
+            if opened != (header.width, header.height, header.channels, header.sample_type):
                 raise PictureError(f"{self.place}: this is another picture than the one being encoded")
             window = source.read(*header.grid.rect(number))
         job = TileJob(self.plan.of_header(window), job.start)

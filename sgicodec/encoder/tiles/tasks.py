@@ -87,9 +87,9 @@ class LookaheadTask:
         _, _, width, height = self.plan.header.grid.core(number)
         samples = width * height * tile.spec.channels
         model, side = rd_model(prepare(tile, tile.fit.lmbda)), tile_side_bytes(network_weights(tile.spec))
-        found = [model.predict(lmbda) for lmbda in LMBDA_GRID]
-        sizes = tuple(max(size - EMPTY_STREAM_BYTES, 0.0) + side for size, _ in found)
-        return RdTable(sizes, tuple(samples * error for _, error in found))
+        predictions = [model.predict(lmbda) for lmbda in LMBDA_GRID]
+        sizes = tuple(max(size - EMPTY_STREAM_BYTES, 0.0) + side for size, _ in predictions)
+        return RdTable(sizes, tuple(samples * error for _, error in predictions))
 
 
 @dataclass(frozen=True)
