@@ -38,9 +38,12 @@ Offsets = NDArray[np.int8] | None
 LayerSearch = Callable[[TextureSymbols | None, float | None, Offsets], TextureSymbols | None]
 
 BUTTERAUGLI = 60.0
-"""Points of SSIMULACRA 2 for which the logarithm of Butteraugli's 3-norm falls by one."""
+"""Points of SSIMULACRA 2 for which the logarithm of Butteraugli's 3-norm falls by one. 80 takes more bytes at equal
+scores, by both (docs/notes/2026-11-score-ascent.md).
+"""
 MEAN_MOVE = 0.0125
-"""Of amplitudes in all passes, in steps, times the root of their number."""
+"""Of amplitudes in all passes, in steps, times the root of their number. 0.009 and 0.017 take up to 0.8 % more bytes
+(docs/notes/2026-11-equal-losses.md)."""
 MAX_MOVE = 12.0
 """Of one amplitude, in means."""
 FINER_STEPS = 40.0
@@ -168,7 +171,8 @@ class ScoreAscent:
 
 
 _PART = 0.25
-"""Of the way to equal losses that step offsets go at a time: a gradient is noisy, and holds near by only."""
+"""Of the way to equal losses that step offsets go at a time: a gradient is noisy, and holds near by only. This, σ and
+the fewest symbols were tried together (docs/notes/2026-11-equal-losses.md)."""
 _MAX_AWAY = 4
 """Quarters of an octave that they may be away from those of the tuning."""
 _SIGMA = 0.5

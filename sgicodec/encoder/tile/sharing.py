@@ -51,7 +51,8 @@ POSITION_BITS = 3.5
 """What the position of a seed adds to its bits."""
 FULL, FULL_ESTIMATED, POWER, MIN_WEIGHT = 0.5, 0.74, 3.0, 1 / 32
 """ρ of the short fit from which seeds count in full, searched and estimated, how fast they count less below it, and the
-least. Where texture is searched, seeds are handed over later, so that a fit may begin with more of them.
+least. Where texture is searched, seeds are handed over later, so that a fit may begin with more of them
+(docs/notes/2026-11-texture-share.md).
 """
 CALM_BITS = 8.0
 """Added to the bits of seeds and to those that they save in each superblock; where texture alone saves fewer, seeds

@@ -96,7 +96,8 @@ _MIN_DEVIATION = 0.5 / 255
 _KEPT = 4.0
 """Step at the frequency of a pattern, in its standard deviations, up to which it stays."""
 _MAX_FINER, _LEFT = 1.5, 3.0
-"""Octaves by which steps become finer for a pattern at most, and that it would need where it gets none."""
+"""Octaves by which steps become finer for a pattern at most, and that it would need where it gets none
+(docs/notes/2026-11-regular-patterns.md)."""
 _BLOCKS = 2
 """Of a superblock that must show a pattern; fewer get their part."""
 
@@ -108,12 +109,12 @@ class Masking:
     """
 
     def __init__(self, tuning: TextureTuning, picture: F32) -> None:
-        self._masking = tuning.masking
-        self._plane = luma(picture.transpose(1, 2, 0), peak=1.0) if self._masking else None
+        self._power = tuning.masking
+        self._plane = luma(picture.transpose(1, 2, 0), peak=1.0) if self._power else None
 
     def offsets(self, steps: TextureSteps) -> Offsets | None:
         """Step offsets [rows, columns] for these steps, None where they play no part."""
-        if not self._masking:
+        if not self._power:
             return None
         masked, patterns = self._analysis
         return _indices(masked - 4 * _finer(patterns, steps, masked))
@@ -125,7 +126,7 @@ class Masking:
         """
         plane, self._plane = self._plane, None
         assert plane is not None
-        octaves = 0.5 * self._masking * np.log2((local_variance(plane / 255.0) + _FLOOR) / _USUAL)
+        octaves = 0.5 * self._power * np.log2((local_variance(plane / 255.0) + _FLOOR) / _USUAL)
         masked = _indices(4 * root_blocks(octaves, "edge").mean(axis=(1, 3)))
         patterns = regular_patterns(plane)
         blocks = (patterns.certainty, patterns.deviation, patterns.frequency)
