@@ -9,7 +9,7 @@ import numpy as np
 
 from sgicodec.bitstream.header import COLOURED_LAYOUTS, MAX_CHANNELS, MAX_SIDE, MAX_TILES, Header
 from sgicodec.bitstream.limits import check_model, check_texture
-from sgicodec.encoder.settings import SINGLE_TILE_TARGETS, EncodeSettings
+from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.errors import LimitError, PictureError, UsageError
 from sgicodec.metadata import geo
 from sgicodec.metadata.layouts import SampleRange, alpha_index
@@ -108,8 +108,8 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
         has_band_masks=shape.nodata is not None and shape.bands - (alpha_index(shape.channels) is not None) > 1,
         has_exact=shape.exact,
     )
-    if settings.target in SINGLE_TILE_TARGETS and grid.tile:
-        raise UsageError(f"{settings.target} goes with a single tile only; --tile 0 makes one")
+    if settings.ssimulacra2 is not None and grid.tile:
+        raise UsageError("a SSIMULACRA 2 score goes with a single tile only; --tile 0 makes one")
     place = geo.without_statistics(shape.metadata.geo)
     metadata = replace(shape.metadata, geo=place) if settings.metadata else None
     return Plan(header, settings, _software(settings, fit), metadata, shape.eight_bits)

@@ -16,7 +16,7 @@ from sgicodec.profiles import PROFILES, Profile
 from sgicodec.profiles.fit_settings import FitSettings
 from sgicodec.rate_control.target import RateTarget
 
-__all__ = ["APRON", "MAX_PIXELS_OF_ONE", "SINGLE_TILE_TARGETS", "TARGETS", "TILE", "EncodeSettings"]
+__all__ = ["APRON", "MAX_PIXELS_OF_ONE", "TARGETS", "TILE", "EncodeSettings"]
 
 TILE, MAX_PIXELS_OF_ONE = 1024, 1 << 22
 """Pixels of a tile's side, where nothing else is asked for, and those of the largest picture that is then one tile."""
@@ -26,9 +26,6 @@ APRON = 8
 
 TARGETS = ("psnr", "ssimulacra2", "size", "bpp")
 """Settings that a stream is to end at, of which there may be one, instead of a quality or λ."""
-
-SINGLE_TILE_TARGETS = ("ssimulacra2",)
-"""Those that no allocation over tiles knows."""
 
 _NUMBERS: dict[str, type] = {"int": Integral, "float": Real}
 

@@ -6,7 +6,14 @@ import math
 from collections.abc import Callable
 
 from sgicodec.model.layout import CellSums, leaf_sums
-from sgicodec.rate_control.target import LMBDA_MAX, LMBDA_MIN, Measured, RateTarget
+from sgicodec.rate_control.target import (
+    LMBDA_MAX,
+    LMBDA_MIN,
+    SCORE_LMBDA,
+    SCORE_PER_LMBDA_OCTAVE,
+    Measured,
+    RateTarget,
+)
 
 __all__ = [
     "EMPTY_STREAM_BYTES",
@@ -75,11 +82,13 @@ class RdModel:
 
 
 def initial_lmbda(target: RateTarget, rd_model: RdModel, extra: float = 0.0) -> float:
-    """λ at which the R-D model predicts the target, `extra` bytes beside its prediction included; where it predicts
-    none, the target's usual one.
+    """λ at which the R-D model predicts the target, `extra` bytes beside its prediction included.
+
+    It knows nothing of scores: for them it is where most photographs have them.
     """
-    if target.usual_lmbda is not None:
-        return target.usual_lmbda
+    if target.score is not None:
+        lmbda, score = SCORE_LMBDA
+        return float(lmbda * 2.0 ** ((score - target.score) / SCORE_PER_LMBDA_OCTAVE))
 
     def must_rise(lmbda: float) -> bool:
         size, error = rd_model.predict(lmbda)

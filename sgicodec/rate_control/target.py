@@ -23,8 +23,8 @@ SCORE_TOLERANCE = 1.0
 """How far a SSIMULACRA 2 score may lie from the one that was asked for."""
 SCORE_PER_LMBDA_OCTAVE = 8.0
 """Of photographs between scores of 40 and 80; below, an octave takes more."""
-SCORE_LMBDA, SCORE_AT_LMBDA = 0.5 * 2.0 ** (-49 / 8), 60.0
-"""λ of quality 50, and the score that photographs have there: where the search for a score begins."""
+SCORE_LMBDA = 0.5 * 2.0 ** (-49 / 8), 60.0
+"""A λ, and the score that photographs have there: where the search for a score begins."""
 PSNR_MAX_DB = 200.0
 """Stands for the infinite PSNR of a picture without error."""
 
@@ -45,13 +45,6 @@ class RateTarget:
     bytes: float | None = None
     psnr: float | None = None
     score: float | None = None
-
-    @property
-    def usual_lmbda(self) -> float | None:
-        """λ where photographs meet the target, if that is all that is known: the R-D model predicts no scores."""
-        if self.score is None:
-            return None
-        return float(SCORE_LMBDA * 2.0 ** ((SCORE_AT_LMBDA - self.score) / SCORE_PER_LMBDA_OCTAVE))
 
     def rate_error(self, measured: Measured) -> float:
         """Estimate of the octaves by which λ should rise: positive where the stream spends more than was asked for."""

@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 import math
-import re
-from pathlib import Path
 
 import pytest
 
 from sgicodec.rate_control.target import Measured, RateTarget
-
-PACKAGE = Path(__file__).parents[3] / "sgicodec"
 
 
 def test_targets_and_what_meets_them() -> None:
@@ -51,18 +47,3 @@ def test_messages_name_the_target_and_the_stream() -> None:
     )
     assert "99 dB" in RateTarget(psnr=99).miss_message(Measured(1, 40.125))
     assert "40.12 dB" in RateTarget(psnr=99).miss_message(Measured(1, 40.125))
-
-
-def test_a_target_is_named_where_the_recipe_says() -> None:
-    """CONTRIBUTING.md, "Add a rate target", lists the files that know of one."""
-    recipe = (
-        (PACKAGE.parent / "CONTRIBUTING.md").read_text("utf-8").split("## Add a rate target", 1)[1].split("\n## ")[0]
-    )
-    named = {
-        str(path.relative_to(PACKAGE.parent))
-        for room in ("encoder", "rate_control", "profiles", "cli")
-        for path in (PACKAGE / room).rglob("*.py")
-        if re.search(r"\btarget\.score\b|\bssimulacra2\b", path.read_text("utf-8"))
-    }
-    assert named
-    assert named <= set(re.findall(r"`(sgicodec/\S+\.py)`", recipe))
