@@ -13,7 +13,7 @@ from sgicodec.cli.encode import encode as command
 from sgicodec.decoder.stream import open_stream
 from sgicodec.errors import UsageError
 from sgicodec.metrics.choices import DISTORTIONS
-from sgicodec.metrics.distortion import Distortion, QuadraticReference, Reference, squared_error
+from sgicodec.metrics.distortion import squared_error
 from sgicodec.picture import to_unit
 
 DATA = Path(__file__).parents[1] / "data"
@@ -55,30 +55,6 @@ def test_a_psnr_is_met_whatever_is_minimised(picture: Picture) -> None:
     decoded = open_stream(encoded.data).picture()
     error = squared_error(picture, decoded) / picture.pixels.size
     assert -10 * np.log10(error) == pytest.approx(27.0, abs=0.1)
-
-
-class LeftCounts:
-    """A distortion, added as CONTRIBUTING.md says: errors in the left half count nine times those in the right."""
-
-    name = "left"
-
-    def reference(self, picture: np.ndarray, empty: np.ndarray | None = None) -> Reference:
-        weights = np.full(picture.shape[1:], 0.2, np.float32)
-        weights[:, : picture.shape[2] // 2] = 1.8
-        return QuadraticReference(weights)
-
-
-def test_a_new_distortion_needs_no_other_file(picture: Picture, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Seeds go to where it counts, by its entry in `DISTORTIONS` alone."""
-    left: Distortion = LeftCounts()
-    monkeypatch.setitem(DISTORTIONS, left.name, left)
-    half, errors = picture.width // 2, {}
-    for name in ("squared", left.name):
-        data = encode_picture(picture, EncodeSettings(lmbda=LMBDA, steps=100, distortion=name, texture=False)).data
-        squares = np.square(to_unit(open_stream(data).picture()) - to_unit(picture))
-        errors[name] = squares[:, :half].sum(), squares[:, half:].sum()
-    assert errors["left"][0] < 0.8 * errors["squared"][0]
-    assert errors["left"][1] > 1.2 * errors["squared"][1]
 
 
 def test_settings_that_make_no_sense() -> None:
