@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from sgicodec.bench.options import numbers
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
+from sgicodec.encoder.effort import PLAIN_STEPS
 from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.plan import Shape, stream_plan
 from sgicodec.encoder.settings import EncodeSettings
@@ -24,9 +25,8 @@ from sgicodec.metrics.distortion import decibels
 from sgicodec.metrics.psnr import psnr
 from sgicodec.model.layout import ROOT_LOG, cell_sums
 from sgicodec.picture import comparable, to_unit
-from sgicodec.profiles.default import EFFORTS, default_settings, lmbda_of_quality
-from sgicodec.rate_control.rd_model import HIGHER_PRICE, RdModel
-from sgicodec.rate_control.side_information import EMPTY_STREAM_BYTES
+from sgicodec.profiles.default import default_settings, lmbda_of_quality
+from sgicodec.rate_control.rd_model import EMPTY_STREAM_BYTES, HIGHER_PRICE, RdModel
 
 __all__ = ["Outcome", "exponents", "main", "outcomes"]
 
@@ -54,9 +54,9 @@ def outcomes(path: Path, qualities: list[float], effort: int, threads: int) -> l
     for quality in qualities:
         lmbda = lmbda_of_quality(quality)
         sums = cell_sums(base_layer(spec, unit, lmbda)[2], ROOT_LOG)
-        price = default_settings(lmbda, EFFORTS[effort]).split_price
+        price = default_settings(lmbda, PLAIN_STEPS[effort]).split_price
         rd_model = RdModel(sums, len(unit), unit[0].size, price)
-        settings = EncodeSettings(quality=quality, effort=effort, hurry=False)
+        settings = EncodeSettings(quality=quality, effort=effort, low_effort=False)
         data = encode_picture(picture, settings, device=Device(threads)).data
         decoded = open_stream(data, Device(threads)).picture()
         error = 10 ** (-0.1 * psnr(comparable(picture), comparable(decoded)))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from sgicodec.encoder.listener import NullListener
+from sgicodec.encoder.progress import NullListener
 
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Progress

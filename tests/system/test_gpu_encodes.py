@@ -25,7 +25,7 @@ STAGES = {
     "scouting": (Handover, "offsets_ahead"),
     "handover": (Handover, "run"),
     "ascent": (ScoreAscent, "run"),
-    "contrasts": (score_ascent, "better_contrasts"),
+    "offsets": (score_ascent, "better_offsets"),
     "seeds again": (least_squares, "with_seeds_for"),
 }
 """What a whole encode does besides steps of a fit and RDOQ, by its name, and where it is called."""
@@ -45,7 +45,7 @@ def noted() -> Iterator[set[str]]:
         yield seen
 
 
-EYE = {"scouting", "handover", "ascent", "contrasts"}
+EYE = {"scouting", "handover", "ascent", "offsets"}
 
 
 @pytest.mark.parametrize(

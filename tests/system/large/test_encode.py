@@ -13,12 +13,12 @@ from clock import Clock
 
 from sgicodec import EncodeSettings, encode_picture, read
 from sgicodec.decoder.stream import open_stream
+from sgicodec.encoder.encoded import measured_psnr
 from sgicodec.encoder.input.windows import windows_of
-from sgicodec.encoder.listener import NullListener, PassState
-from sgicodec.encoder.measure import measured_psnr
 from sgicodec.encoder.memory import estimate
 from sgicodec.encoder.plan import stream_plan
-from sgicodec.encoder.tiles.memory_store import MemoryStore
+from sgicodec.encoder.progress import NullListener, PassState
+from sgicodec.encoder.tiles.store import MemoryStore
 from sgicodec.encoder.tiles.tasks import EncodedTile
 from sgicodec.errors import UsageError
 from sgicodec.executors.executor import MIB, Executor, Memory

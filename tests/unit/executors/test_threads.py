@@ -14,8 +14,8 @@ from fake_cuda import only_gpu, shared_gpu
 
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
-from sgicodec.encoder.listener import NullListener
 from sgicodec.encoder.pipeline import encode_picture
+from sgicodec.encoder.progress import NullListener
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile import stages
 from sgicodec.encoder.tile.state import Watch

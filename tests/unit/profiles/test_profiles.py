@@ -3,9 +3,10 @@
 import pytest
 
 from sgicodec import EncodeSettings
+from sgicodec.encoder.effort import PLAIN_STEPS, PSNR_STEPS, VISUAL_STEPS
 from sgicodec.errors import UsageError
 from sgicodec.profiles import PROFILES
-from sgicodec.profiles.default import EFFORTS, TEXTURE_EFFORTS, VISUAL_EFFORTS, default_settings
+from sgicodec.profiles.default import default_settings
 from sgicodec.profiles.fit_settings import LearningRates
 from sgicodec.profiles.paper import paper_settings
 
@@ -32,28 +33,29 @@ def test_scales_of_the_default_profile() -> None:
     """16 steps of quality divide λ by four; an effort is a number of steps; λ and steps take their place."""
     coarse, fine = (EncodeSettings(quality=quality, effort=2, seed=7).fit_settings() for quality in (40, 56))
     assert coarse.lmbda == pytest.approx(4 * fine.lmbda)
-    assert (coarse.steps, coarse.seed) == (VISUAL_EFFORTS[2], 7)
+    assert (coarse.steps, coarse.seed) == (VISUAL_STEPS[2], 7)
     plain = (EncodeSettings(effort=5, tune="psnr"), EncodeSettings(effort=5, psnr=35))
-    assert [settings.fit_settings().steps for settings in plain] == [TEXTURE_EFFORTS[5]] * 2
-    assert EncodeSettings(texture=False).fit_settings().steps == EFFORTS[5]
-    assert EncodeSettings(effort=4).fit_settings().steps == VISUAL_EFFORTS[4] < TEXTURE_EFFORTS[4]
+    assert [settings.fit_settings().steps for settings in plain] == [PSNR_STEPS[5]] * 2
+    assert EncodeSettings(texture=False).fit_settings().steps == PLAIN_STEPS[5]
+    assert EncodeSettings(effort=4).fit_settings().steps == VISUAL_STEPS[4] < PSNR_STEPS[4]
     direct = EncodeSettings(lmbda=0.25, steps=77).fit_settings()
     assert (direct.lmbda, direct.steps) == (0.25, 77)
 
 
-def test_short_fits_beneath_texture_are_hurried() -> None:
+def test_short_fits_beneath_texture_have_low_effort() -> None:
     """Half of the steps and more at half size, and as many as were asked for."""
     for steps in (1, 5, 120, 200):
-        fit = EncodeSettings(steps=steps).fit_settings()
-        assert fit.hurried
+        settings = EncodeSettings(steps=steps)
+        fit = settings.fit_settings()
+        assert settings.is_low_effort
         assert fit.steps in (steps, 4)
     assert sum(phase.steps for phase in fit.phases if phase.level) > 0.6 * fit.steps
-    unhurried = (
+    others = (
         EncodeSettings(steps=200, texture=False),
         EncodeSettings(steps=300),
         EncodeSettings(steps=50, bpp=1.0),
     )
-    assert not any(settings.fit_settings().hurried for settings in unhurried)
+    assert not any(settings.is_low_effort for settings in others)
 
 
 def test_own_choices_of_the_paper_profile() -> None:

@@ -20,7 +20,7 @@ PICTURE = Path(__file__).parents[2] / "data" / "kodim23.png"
 
 
 def refined(objective: Objective, model: TileModel, lmbda: float, settings: RdoqSettings) -> RdoqResult:
-    return Rdoq(objective.header, model, objective.picture, lmbda, settings, objective.device).at(lmbda)
+    return Rdoq(objective.header, model, objective.picture, lmbda, settings, objective.device).best()
 
 
 @pytest.mark.parametrize("lmbda", [1e-4, 1e-3, 1e-2])
@@ -34,7 +34,7 @@ def test_it_gains(stage: Stage, lmbda: float) -> None:
 def test_more_passes_never_cost(stage: Stage) -> None:
     objective, model = stage()
     search = Rdoq(objective.header, model, objective.picture, 1e-3, device=objective.device)
-    costs = [search.at(1e-3, passes).cost.at(1e-3) for passes in range(5)]
+    costs = [search.best(passes).cost.at(1e-3) for passes in range(5)]
     assert costs[0] == objective.cost(model).at(1e-3)
     assert costs == sorted(costs, reverse=True)
 
@@ -42,8 +42,8 @@ def test_more_passes_never_cost(stage: Stage) -> None:
 def test_one_pass_is_the_same_without_a_look(stage: Stage) -> None:
     objective, model = stage()
     search = Rdoq(objective.header, model, objective.picture, 1e-3, device=objective.device)
-    expected = search.at(1e-3, passes=1)
-    np.testing.assert_array_equal(joined(search.once(1e-3)), joined(expected.model))
+    expected = search.best(passes=1)
+    np.testing.assert_array_equal(joined(search.once()), joined(expected.model))
 
 
 def test_what_would_cost_is_not_taken(stage: Stage) -> None:
@@ -59,8 +59,8 @@ def test_what_would_cost_is_not_taken(stage: Stage) -> None:
 def test_size_follows_the_price_of_bits(stage: Stage) -> None:
     objective, model = stage()
     fitted = refined(objective, model, 1e-4, RdoqSettings(passes=4)).model
-    search = Rdoq(objective.header, fitted, objective.picture, 1e-4, RdoqSettings(coarser=0.0), objective.device)
-    bits = [search.at(1e-4 * factor, passes=2).cost.bits for factor in (0.5, 1, 2, 4)]
+    settings = RdoqSettings(passes=2, coarser=0.0)
+    bits = [refined(objective, fitted, 1e-4 * factor, settings).cost.bits for factor in (1, 8, 64, 512)]
     assert bits == sorted(bits, reverse=True)
     assert bits[-1] < 0.8 * bits[0]
 
@@ -92,9 +92,9 @@ def test_streams_cost_less() -> None:
 def test_passes_end_where_the_caller_says(stage: Stage) -> None:
     objective, model = stage()
     search = Rdoq(objective.header, model, objective.picture, 1e-3, device=objective.device)
-    none = search.at(1e-3, ending=lambda: True)
+    none = search.best(ending=lambda: True)
     assert search.passes == 0
     assert none.cost == objective.cost(model)
-    two = search.at(1e-3, ending=lambda: search.passes == 2)
+    two = search.best(ending=lambda: search.passes == 2)
     assert search.passes == 2
-    assert two.cost == search.at(1e-3, passes=2).cost
+    assert two.cost == search.best(passes=2).cost

@@ -295,14 +295,14 @@ def test_given_cells_are_taken_but_for_those_without_symbols(residual: np.ndarra
     search, steps = TextureSearch(residual), TextureSteps(340, SAME)
     best = search.at(steps, PRICE)
     assert best is not None
-    again = search.at(steps, PRICE, cells=best)
+    again = search.at(steps, PRICE, blocks=best)
     assert again is not None
     assert np.array_equal(again.log_size, best.log_size)
     bits = [payload_of(layer)[1] for layer in (best, again)]
     costs = [squared_error(residual, layer) / steps.of_channels[0] ** 2 for layer in (best, again)]
     assert costs[1] + PRICE * bits[1] == pytest.approx(costs[0] + PRICE * bits[0], rel=0.01)
 
-    coarse = search.at(TextureSteps(420, SAME), PRICE, cells=best)
+    coarse = search.at(TextureSteps(420, SAME), PRICE, blocks=best)
     assert coarse is not None
     left = coarse.log_size > 0
     assert 0 < left.sum() < (best.log_size > 0).sum()
@@ -313,7 +313,7 @@ def test_given_cells_are_taken_but_for_those_without_symbols(residual: np.ndarra
 def test_given_cells_are_the_same_for_any_threads(residual: np.ndarray) -> None:
     steps = TextureSteps(340, SAME)
     best = TextureSearch(residual, Device(1)).at(steps, PRICE)
-    one, two = (TextureSearch(residual, Device(threads)).at(steps, PRICE, cells=best) for threads in (1, 2))
+    one, two = (TextureSearch(residual, Device(threads)).at(steps, PRICE, blocks=best) for threads in (1, 2))
     assert one is not None
     assert two is not None
     assert np.array_equal(one.symbols, two.symbols)
@@ -326,4 +326,4 @@ def test_cells_that_are_no_layer_of_the_tile(residual: np.ndarray, wrong: str) -
     assert cells is not None
     log_size = {"shape": np.zeros((4, 4)), "size": np.full((12, 20), 2), "tree": np.eye(12, 20) * 5}[wrong]
     with pytest.raises(ValueError, match=r"division|log_size|cells"):
-        search.at(steps, PRICE, cells=replace(cells, log_size=log_size.astype(np.uint8)))
+        search.at(steps, PRICE, blocks=replace(cells, log_size=log_size.astype(np.uint8)))

@@ -12,8 +12,9 @@ from PIL import Image
 
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ONE_THREAD
+from sgicodec.encoder.effort import Tune
 from sgicodec.encoder.pipeline import encode_picture
-from sgicodec.encoder.settings import EncodeSettings, Tune
+from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.image import read
 
 torch = pytest.importorskip("torch")
