@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import random
 from dataclasses import replace
 from pathlib import Path
 
@@ -27,7 +26,6 @@ from tools.train_restoration import (  # noqa: E402
     make_streams,
     shown,
     train,
-    with_slopes,
     without_correction,
 )
 
@@ -78,32 +76,6 @@ def test_training_for_squared_error_lowers_it(pictures: Path, tmp_path: Path) ->
     assert lowered(RestorationNet(8, 2), examples, "psnr", 100) > 0.005
 
 
-def test_training_for_the_eye_lowers_its_loss(pictures: Path, tmp_path: Path) -> None:
-    torch.manual_seed(1)
-    examples = with_slopes(taught(pictures, tmp_path, "visual"), ONE_THREAD)
-    assert len(examples) == 4
-    assert all(example.slope > 2 for example in examples)
-    assert lowered(RestorationNet(8, 2), examples, "visual", 20) > 0.005
-
-
-def test_pictures_may_be_too_small_for_crops(pictures: Path, tmp_path: Path) -> None:
-    training = replace(SHORT["psnr"], side=129)
-    with pytest.raises(ValueError, match="129 pixels"):
-        train(RestorationNet(), taught(pictures, tmp_path, "psnr"), loss_of("psnr"), training, 1, rounds=0.5)
-
-
-def test_streams_that_are_there_stay(pictures: Path, tmp_path: Path) -> None:
-    kept = tmp_path / "kodim13-60.sgi"
-    kept.write_bytes(b"")
-    make_streams(pictures, tmp_path, "psnr", SHORT["psnr"], ONE_THREAD)
-    assert kept.read_bytes() == b""
-    assert sorted(path.name for path in tmp_path.iterdir())[1:] == [
-        "kodim13-80.sgi",
-        "kodim23-60.sgi",
-        "kodim23-80.sgi",
-    ]
-
-
 def test_streams_lose_nothing_but_the_correction(pictures: Path) -> None:
     settings = EncodeSettings(quality=45, effort=1, tune="psnr", tile=0)
     data = encode_picture(read(pictures / "kodim23.png"), settings, device=ONE_THREAD).data
@@ -114,12 +86,3 @@ def test_streams_lose_nothing_but_the_correction(pictures: Path) -> None:
         drawn = np.ascontiguousarray(bare.render().transpose(2, 0, 1))
         restored = drawn + restoration.correction(drawn, ONE_THREAD)
         assert np.abs(restored - whole.render().transpose(2, 0, 1)).max() < 1e-5
-
-
-def test_crops_of_both_pictures_are_turned_alike() -> None:
-    planes = torch.arange(3 * 9 * 11.0).reshape(3, 9, 11)
-    example = Example("", planes, 2 * planes, torch.eye(3), 1.0, 1)
-    source = random.Random(2)
-    crops = [example.crop(5, source) for _ in range(20)]
-    assert all(torch.equal(2 * crop.original, crop.drawn) for crop in crops)
-    assert len({tuple((crop.original[0, 0, 1] - crop.original[0, 0, :1]).tolist()) for crop in crops}) == 4

@@ -8,9 +8,8 @@ import torch
 from specs import several
 
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
-from sgicodec.bitstream.parts.arrays import write_weights
 from sgicodec.bitstream.parts.attributes import AttributeQuantiser, write_attributes
-from sgicodec.fit.context_weights import WEIGHT_SHIFT, ContextWeights
+from sgicodec.fit.context_weights import ContextWeights
 from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.step_sizes import flat_steps
 from sgicodec.model.context import LEVELS, SUMMARY, HashGrid, passes
@@ -149,27 +148,3 @@ def test_the_fit_counts_the_bits_that_are_written(spec: ModelSpec) -> None:
     sample = fit.sample(ContextNet(fit.weights), plan, decoded)
     written = sum(walk.bits[group.name] for group in spec.groups)
     assert float(sample.bits.detach().sum()) == pytest.approx(written, rel=0.02)
-
-
-def test_the_price_of_weights_is_about_what_they_take() -> None:
-    """Of both matrices, as the stream has them; biases are few."""
-    spec = SPECS["paper"]
-    weights = ContextWeights(spec, Fit(spec).hash_sizes, np.random.default_rng(0))
-    rng = np.random.default_rng(6)
-    weights.first += rng.laplace(0.0, 0.4, weights.first.shape).astype(np.float32)
-    weights.rest += rng.laplace(0.0, 0.1, weights.rest.shape).astype(np.float32)
-    net, writer, (network,) = ContextNet(weights), SymbolWriter(), weights.integers()
-    for matrix in (network.w1, network.w2):
-        write_weights(writer, matrix, matrix.shape)
-    bits = net.weight_bits()
-    assert float(bits.detach()) == pytest.approx(8 * len(writer.finish()), rel=0.1)
-    bits.backward()
-    first = weights.first.astype(np.float64) * 2.0**WEIGHT_SHIFT
-    slope = 2.0**WEIGHT_SHIFT / ((np.abs(first).mean() + 0.05) * np.log(2.0))
-    np.testing.assert_allclose(net.leaves["context.first"].grad.numpy(), slope * np.sign(first), rtol=1e-4)
-
-
-def test_weights_that_do_not_train_are_free() -> None:
-    weights = ContextWeights(SPECS["paper"], Fit(SPECS["paper"]).hash_sizes, np.random.default_rng(0))
-    weights.freeze()
-    assert float(ContextNet(weights).weight_bits()) == 0.0
