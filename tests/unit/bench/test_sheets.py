@@ -51,29 +51,6 @@ def test_panels_are_the_same_places_of_all_pictures() -> None:
     assert [x for _, x in found[:3]] == [x for _, x in found[3:]] == sorted(x for _, x in found[:3])
 
 
-def test_chosen_places_are_shown_instead_and_lie_inside() -> None:
-    original = noise()
-    sheet = draw_sheet(Sample("p.png", "0f", original), [Sized("some", 900, original)], "title", [(40, 8), (999, 999)])
-    for x, y in ((40, 8), (240, 72)):
-        assert len(holds(np.asarray(sheet), doubled(original, x, y))) == 2
-
-
-def test_a_codec_that_failed_leaves_its_panel_white() -> None:
-    versions = [Sized("none", 0, None, "needs 1,234 bytes"), Sized("some", 900, noise())]
-    sheet = np.asarray(draw_sheet(Sample("p.png", "0f", noise()), versions, "title"))
-    width = sheet.shape[1] // 3
-    below_its_label = sheet[110:300, width + 10 : 2 * width - 10]
-    assert (below_its_label == 255).all()
-    assert sheet[110:300, 2 * width + 10 : -10].std() > 20
-
-
-def test_small_pictures_are_shown_whole() -> None:
-    small = noise(30, 50)
-    sheet = np.asarray(draw_sheet(Sample("p.png", "0f", small), [Sized("some", 900, small)], "title"))
-    whole = np.kron(small, np.ones((2, 2, 1), np.uint8))
-    assert len(holds(sheet, whole)) == 2
-
-
 def test_a_file_for_each_picture_and_rate(tmp_path: Path) -> None:
     for name in ("a.png", "b.png"):
         Image.fromarray(np.sort(noise(), axis=1)).save(tmp_path / name)
