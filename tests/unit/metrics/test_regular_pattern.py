@@ -42,19 +42,6 @@ def test_one_edge_is_no_pattern(degrees: float) -> None:
     assert regular_patterns(plane).certainty.max() == 0
 
 
-def test_noise_and_flat_ground_are_no_patterns() -> None:
-    assert regular_patterns(np.full(SHAPE, 80.0)).certainty.max() == 0
-    noise = np.random.default_rng(2).normal(0, 20, (512, 512))
-    assert regular_patterns(noise).certainty.mean() < 0.01
-
-
-@pytest.mark.parametrize("shape", [(1, 1), (5, 70), (33, 8)])
-def test_small_planes_have_their_blocks(shape: tuple[int, int]) -> None:
-    found = regular_patterns(np.random.default_rng(3).normal(0, 20, shape))
-    blocks = -(-shape[0] // 8), -(-shape[1] // 8)
-    assert found.certainty.shape == found.deviation.shape == found.frequency.shape == blocks
-
-
 def test_a_block_depends_on_the_pixels_near_it() -> None:
     plane = stripes(4.0, 30, 8.0) + np.random.default_rng(4).normal(0, 4, SHAPE)
     whole, part = regular_patterns(plane), regular_patterns(plane[16:80, 32:112])
