@@ -44,11 +44,6 @@ def test_samples_at_the_centres_of_small_pixels(grid: np.ndarray, scale: float) 
     np.testing.assert_allclose(drawn(grid, size, (scale, scale)), dense(grid, x, y), atol=1e-6)
 
 
-def test_different_scales_and_a_start(grid: np.ndarray) -> None:
-    x, y = 40 + (np.arange(30) + 0.5) / 0.75, 11 + (np.arange(90) + 0.5) / 3.0
-    np.testing.assert_allclose(drawn(grid, (30, 90), (0.75, 3.0), (40, 11)), dense(grid, x, y), atol=1e-6)
-
-
 @pytest.mark.parametrize("factor", [10, 50])
 def test_large_pixels_take_the_mean_of_their_area(grid: np.ndarray, factor: int) -> None:
     whole = dense(grid, np.arange(WIDTH) + 0.5, np.arange(HEIGHT) + 0.5)

@@ -9,7 +9,7 @@ import pytest
 from texture_reader import AFTER
 from textures import random_symbols
 
-from sgicodec.model.texture_symbols import SAME_COLOURS, STEP_COUNT, TextureSteps, roots_of, step_index
+from sgicodec.model.texture_symbols import SAME_COLOURS, TextureSteps
 
 
 def test_steps_by_their_formulas() -> None:
@@ -20,18 +20,6 @@ def test_steps_by_their_formulas() -> None:
     )
     assert steps.growth == (1.5, 7.5)
     assert steps.added == (-0.25, 1 / 32, 7 / 32)
-
-
-def test_the_nearest_step() -> None:
-    for index in (0, 1, 255, 480, STEP_COUNT - 1):
-        step = float(TextureSteps(index).of_channels[0])
-        for factor in (1.0, 1.01, 0.99):
-            assert step_index(step * factor) == index
-    assert (step_index(1e-9), step_index(1e9)) == (0, STEP_COUNT - 1)
-
-
-def test_roots_cover_the_tile() -> None:
-    assert [roots_of(*size) for size in ((1, 32), (33, 64), (96, 65))] == [(1, 1), (2, 2), (3, 3)]
 
 
 def odd_quantisers(q: np.ndarray) -> np.ndarray:
