@@ -11,8 +11,7 @@ from pathlib import Path
 import pytest
 from children import HANGS
 
-from sgicodec.device import Device
-from sgicodec.errors import NoDeviceError, TileFailedError, UsageError
+from sgicodec.errors import TileFailedError, UsageError
 from sgicodec.executors.executor import MIB, Memory
 from sgicodec.executors.gpus import GpuExecutor
 from sgicodec.executors.serial import SerialExecutor
@@ -38,13 +37,6 @@ def test_a_process_for_each_gpu_and_threads_within() -> None:
 
 def sees(number: int, job: int) -> str:
     return os.environ["CUDA_VISIBLE_DEVICES"]
-
-
-def test_gpus_that_are_visible_keep_their_names(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("CUDA_VISIBLE_DEVICES", "3,GPU-8932, 0")
-    assert set(dict(GpuExecutor(2, 2, first=1).run(sees, range(2), int)).values()) == {"GPU-8932", "0"}
-    with pytest.raises(NoDeviceError, match="no GPU 3: CUDA_VISIBLE_DEVICES names 3"):
-        list(GpuExecutor(2, 2, first=2).run(sees, range(2), int))
 
 
 def dies_once(folder: Path, number: int, job: int) -> str:
@@ -82,8 +74,3 @@ def test_how_many_tiles_at_once() -> None:
     for wrong in ((0,), (1.5,), (2, -1)):
         with pytest.raises(UsageError, match=r"gpus|workers"):
             GpuExecutor(*wrong)  # type: ignore[arg-type]
-
-
-def test_a_process_has_one_gpu_and_its_share_of_the_threads() -> None:
-    assert GpuExecutor(2, 4).device(Device(8, "portable", gpu=1, gpus=2), 9) == Device(2, "portable", gpu=0)
-    assert GpuExecutor(2, 4).device(Device(8), 2) == Device(4)
