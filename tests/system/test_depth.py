@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
-from sgicodec import EncodeSettings, Picture, encode_picture, read
-from sgicodec.cli.main import cli
+from sgicodec import EncodeSettings, Picture, encode_picture
 from sgicodec.decoder.stream import open_stream
 
 
@@ -53,22 +49,3 @@ def test_eight_bits_of_more_keep_the_mean_of_a_few_pixels(stream: bytes) -> None
         assert np.abs(found / 255 - exact).max() < 1.01 / 255
         errors = [np.abs(blurred(pixels) - 255 * blurred(exact)).max() for pixels in (found, rounded)]
         assert errors[0] < 0.1 < errors[1]
-
-
-def test_bands_and_tiles_do_not_show() -> None:
-    settings = EncodeSettings(steps=10, tile=64)
-    with open_stream(encode_picture(sky("uint16"), settings).data) as opened:
-        whole = opened.picture(dtype="uint8").pixels
-        bands = np.concatenate([band.pixels for _, band in opened.bands(dtype="uint8")])
-    np.testing.assert_array_equal(bands, whole)
-
-
-def test_the_command_dithers(tmp_path: Path, stream: bytes) -> None:
-    (tmp_path / "x.sgi").write_bytes(stream)
-    for name, options in (("a", []), ("b", ["--no-dither"])):
-        names = [str(tmp_path / "x.sgi"), str(tmp_path / f"{name}.png")]
-        assert CliRunner().invoke(cli, ["decode", *names, "--depth", "8", *options]).exit_code == 0
-    with open_stream(stream) as opened:
-        np.testing.assert_array_equal(read(tmp_path / "a.png").pixels, opened.picture(dtype="uint8").pixels)
-        opened.dither = False
-        np.testing.assert_array_equal(read(tmp_path / "b.png").pixels, opened.picture(dtype="uint8").pixels)

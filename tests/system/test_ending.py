@@ -69,10 +69,3 @@ def test_a_size_holds_nevertheless(picture: Picture, passes: list[float], textur
     settings = EncodeSettings(steps=400, size=1500, texture=texture)
     assert encode_picture(picture, settings, progress=Ending(3)).size <= 1500
     assert len(passes) <= 2
-
-
-def test_nothing_ends_unasked(picture: Picture, passes: list[float]) -> None:
-    assert not encode_picture(picture, EncodeSettings(steps=5)).ended_early
-    assert len(passes) == 1
-    assert not encode_picture(picture, EncodeSettings(steps=5, texture=False)).ended_early
-    assert len(passes) == 1 + 2

@@ -52,27 +52,6 @@ def test_a_space_in_a_value(
     assert sorted(path.name for path in picture.parent.iterdir()) == ["scene.png", "scene.sgi"]
 
 
-@pytest.mark.parametrize(
-    ("line", "named"),
-    [
-        ("encode scene.png -q 80 x --steps 1", "x"),
-        ("encode scene.png -q 80 90 --steps 1", "90"),
-        ("encode scene.png --steps 1 -o kB -q 80", "kB"),
-        ("encode scene.png --steps 1 -q 80 ./kB", "kB"),
-        ("encode --steps 1 -q 80 kB kB.sgi", "kB.sgi"),
-        ("encode --steps 1 -q 80 -- scene.png kB", "kB"),
-    ],
-)
-def test_names_that_are_no_units(
-    sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch, line: str, named: str
-) -> None:
-    monkeypatch.chdir(picture.parent)
-    if named == "kB.sgi":
-        picture.rename("kB")
-    assert sgi(*line.split()).exit_code == 0
-    assert Path(named).stat().st_size > 0
-
-
 @pytest.mark.parametrize("command", ["encode", "decode"])
 @pytest.mark.parametrize("option", ["--lossless", "-lossless", "--lossless=1", "--near-lossless", "--Lossless"])
 def test_there_is_no_lossless_mode(sgi: Run, picture: Path, command: str, option: str) -> None:
