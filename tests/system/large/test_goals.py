@@ -56,12 +56,9 @@ def encoded(photo: Path, settings: EncodeSettings, folder: Path, workers: int, w
     return out.read_bytes()
 
 
-@pytest.mark.parametrize("workers", [1, 2])
-def test_same_bytes_for_any_workers(
-    photo: Path, goal: EncodeSettings, expected: bytes, tmp_path: Path, workers: int
-) -> None:
+def test_two_workers_give_the_same_bytes(photo: Path, goal: EncodeSettings, expected: bytes, tmp_path: Path) -> None:
     watch = Stopping()
-    assert encoded(photo, goal, tmp_path, workers, watch) == expected
+    assert encoded(photo, goal, tmp_path, 2, watch) == expected
     assert watch.passes[:3] == ["lookahead", "overview", "sample"]
     assert watch.passes[3] in ("tiles", "sample")
     assert "search" in watch.passes
