@@ -7,7 +7,6 @@ import subprocess
 import sys
 import sysconfig
 import tarfile
-import xml.etree.ElementTree as ET
 from importlib.metadata import files
 from pathlib import Path
 
@@ -17,34 +16,7 @@ from PIL import Image
 TESTS = Path(__file__).parents[1]
 ROOT = TESTS.parent
 SHARE = ROOT / "share"
-GOLDEN = sorted((TESTS / "conformance" / "golden").glob("*.sgi"))
 OURS, THEIRS = "image/x-sgicodec", "image/x-sgi"
-MIME = "{http://www.freedesktop.org/standards/shared-mime-info}"
-
-
-def matches(rule: ET.Element, data: bytes) -> bool:
-    """Whether a rule of shared-mime-info, and one of those in it if there are any, holds for a file's start."""
-    value, at = rule.attrib["value"], int(rule.attrib["offset"])
-    sizes = {"byte": 1, "big16": 2}
-    if rule.attrib["type"] == "string":
-        wanted = value.encode().decode("unicode_escape").encode("latin-1")
-    else:
-        wanted = int(value, 0).to_bytes(sizes[rule.attrib["type"]], "big")
-    return data[at : at + len(wanted)] == wanted and (not len(rule) or any(matches(child, data) for child in rule))
-
-
-def types_by_content(path: Path) -> list[str]:
-    root = ET.parse(SHARE / "mime" / "packages" / "sgicodec.xml").getroot()
-    return [
-        kind.attrib["type"]
-        for kind in root.iter(f"{MIME}mime-type")
-        if any(matches(rule, path.read_bytes()) for rule in kind.findall(f"{MIME}magic/{MIME}match"))
-    ]
-
-
-@pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
-def test_the_mime_type_of_streams(path: Path) -> None:
-    assert types_by_content(path) == [OURS]
 
 
 def test_the_thumbnailer_writes_a_png_whatever_its_name(tmp_path: Path) -> None:

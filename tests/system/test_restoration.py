@@ -14,12 +14,8 @@ from sgicodec.bitstream.parts.tile import write_tile
 from sgicodec.bitstream.parts.tile_chunk import encode_tile_chunk
 from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import Stream, open_stream
-from sgicodec.device import Device
-from sgicodec.encoder.tile.restoration import Restorer
 from sgicodec.model.luma_space import from_luma_space, to_luma_space
-from sgicodec.model.texture_symbols import TextureSteps
 from sgicodec.rdoq.objective import with_values
-from sgicodec.rdoq.texture import TextureSearch
 
 PHOTO = Path(__file__).parents[1] / "data" / "kodim13.png"
 QUICK = EncodeSettings(quality=45, steps=60, tune="psnr")
@@ -93,16 +89,3 @@ def test_regions_are_parts_of_the_whole(streams: dict[str, bytes], name: str) ->
             np.testing.assert_array_equal(part, whole[y : y + height, x : x + width])
         part = stream.render(region=(40, 20, 60, 40), scale=2.5)
         assert np.abs(part - large[50:150, 100:250]).max() < 1 / 255  # Gaussians end elsewhere
-
-
-def test_what_it_would_make_worse_stays(crop: Picture) -> None:
-    """A picture that is drawn without an error gets no correction where that is large."""
-    unit = np.ascontiguousarray(crop.pixels.transpose(2, 0, 1), np.float32) / 255
-    layer = TextureSearch(unit, Device(threads=1)).at(TextureSteps(420, (16, 16)), 0.1)
-    assert layer is not None
-    drawn = layer.layer().draw()
-    exact = TextureSearch(drawn, Device(threads=1))
-    for network in (1, 3):
-        assert Restorer(drawn, None, network, Device(threads=1)).strength(exact, layer) is None
-    wrong = TextureSearch(unit, Device(threads=1))
-    assert Restorer(unit, None, 1, Device(threads=1)).strength(wrong, layer) is not None

@@ -112,20 +112,6 @@ def test_not_a_number_and_infinity_come_back(tile: int) -> None:
     assert np.abs(decoded[sound] - pixels[sound]).mean() < 0.6
 
 
-@pytest.mark.parametrize("dtype", ["uint8", "uint16", "float32"])
-def test_masked_arrays_keep_their_mask(dtype: str) -> None:
-    pixels = scaled(200, 20, dtype)
-    mask = np.zeros(pixels.shape, np.bool_)
-    mask[10:40, 20:70] = True
-    mask[80:90, 80:90, 2] = True
-    under = np.where(mask, 240, pixels)
-    with stream_of(np.ma.array(under, mask=mask)) as stream:
-        decoded, nodata = stream.read(), stream.nodata
-    assert nodata is not None
-    np.testing.assert_array_equal(np.isnan(decoded) if np.isnan(nodata) else decoded == nodata, mask)
-    assert decibels(pixels[~mask], decoded[~mask]) > 30
-
-
 @pytest.mark.parametrize(
     ("choice", "expected"),
     [("used", (0.0, 3000.0)), ("type", (0.0, 65535.0)), ("0,4095", (0.0, 4095.0)), (None, (0.0, 3000.0))],
@@ -138,20 +124,3 @@ def test_the_command_line_chooses_a_range(tmp_path: Path, choice: str | None, ex
     assert found.exit_code == 0
     assert sgicodec.open(tmp_path / "in.sgi").header.sample_range == expected
     assert f"dB of the range {expected[0]:g} to {expected[1]:g}" in found.output
-
-
-@pytest.mark.parametrize("dtype", ["uint16", "float32"])
-def test_a_band_that_cannot_be_opacity_is_no_alpha(tmp_path: Path, dtype: str) -> None:
-    """Satellites' near infrared is often declared as alpha, and arrays of four bands declare nothing."""
-    bands = np.rint(np.concatenate([UNIT, UNIT[..., :1] * 0.9], axis=2) * 4000).astype(dtype)
-    image.write(Picture(bands, "rgba", (0.0, 4000.0)), tmp_path / "in.tif")
-    for given in (bands, tmp_path / "in.tif"):
-        with pytest.warns(UserWarning, match="opaque nowhere"):
-            data = sgicodec.encode(given, quality=60, effort=1, tune="psnr")
-        with sgicodec.open(data) as stream:
-            assert stream.header.channels == "multi"
-            assert decibels(bands[..., 3], stream.read()[..., 3]) > 30
-    bands[5:20, 5:20, 3] = 65535 if dtype == "uint16" else 1
-    bands[30:, :, 3] = 0
-    bands[..., 3] = np.minimum(bands[..., 3], bands[5, 5, 3])
-    assert sgicodec.open(sgicodec.encode(bands, quality=60, effort=1)).header.channels == "rgba"

@@ -127,29 +127,6 @@ def test_a_region_reads_its_tiles_alone(coded: tuple[Picture, Encoded]) -> None:
     assert opening < 4096 + 400
 
 
-def _without_index(data: bytes, order: list[int]) -> bytes:
-    """The same stream, its tiles in another order and no index."""
-    chunks = _tile_chunks(data)
-    heads = {number: data.rindex(b"T", 0, start) for number, (start, _) in chunks.items()}
-    first = min(heads.values())
-    pieces = [data[heads[number] : chunks[number][1] + 4] for number in order]
-    return data[:first] + b"".join(pieces) + bytes.fromhex("4500bfa9d7cc")
-
-
-def test_tiles_in_any_order_without_an_index(coded: tuple[Picture, Encoded]) -> None:
-    data = _without_index(coded[1].data, [3, 0, 5, 1, 4, 2])
-    np.testing.assert_array_equal(open_stream(data).picture().pixels, open_stream(coded[1].data).picture().pixels)
-
-
-@pytest.mark.parametrize(
-    ("order", "complaint"),
-    [([0, 1, 2, 3, 4], "tile 5 is missing"), ([0, 1, 2, 3, 4, 5, 2], "only one tile 2"), ([], "no tile")],
-)
-def test_tiles_that_are_not_all_there(coded: tuple[Picture, Encoded], order: list[int], complaint: str) -> None:
-    with pytest.raises(CorruptStreamError, match=complaint):
-        open_stream(_without_index(coded[1].data, order))
-
-
 def test_a_damaged_tile_is_named(coded: tuple[Picture, Encoded]) -> None:
     data = bytearray(coded[1].data)
     start, end = _tile_chunks(coded[1].data)[4]

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
 import rasterio
-import tifffile
 from click.testing import CliRunner
 from rasterio.transform import from_origin
 
@@ -37,16 +35,6 @@ def test_place_nodata_and_overviews(stream: sgicodec.Stream, tmp_path: Path) -> 
         with rasterio.open(tmp_path / "a.tif", overview_level=level) as file:
             np.testing.assert_array_equal(file.read(1), stream.read(size=(width, height)))
     assert [path.name for path in tmp_path.iterdir()] == ["a.tif"]
-
-
-def test_directories_come_first_and_small_levels_before_large_ones(stream: sgicodec.Stream, tmp_path: Path) -> None:
-    write_cog(stream, tmp_path / "a.tif")
-    with tifffile.TiffFile(tmp_path / "a.tif") as file:
-        directories = [page.offset for page in file.pages]
-        tiles = [[at for at in page.dataoffsets if at] for page in file.pages]
-        assert directories == sorted(directories)
-        assert directories[-1] < min(map(min, tiles))
-        assert all(max(small) < min(large) for large, small in pairwise(tiles))
 
 
 def test_the_command_cuts_a_part(stream: sgicodec.Stream, on_map: Path, tmp_path: Path) -> None:

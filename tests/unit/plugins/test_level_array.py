@@ -5,10 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 import sgicodec
-from sgicodec.errors import RegionError
 from sgicodec.plugins.level_array import level_arrays
 
 
@@ -27,11 +25,3 @@ def test_levels_are_those_of_the_stream(pyramid: Path) -> None:
                 (slice(9, 9), slice(3)),
             ):
                 np.testing.assert_allclose(array[key].astype(int), whole[key], atol=1 if level.downsample > 1 else 0)
-
-
-@pytest.mark.parametrize("region", [(0, 0, 131, 4), (-1, 0, 4, 4), (0, 73, 4, 3), (3, 3, 0, 4)])
-def test_regions_outside_a_level(pyramid: Path, region: tuple[int, int, int, int]) -> None:
-    with sgicodec.open(pyramid) as stream, pytest.raises(RegionError, match="not inside a level of 130×75 pixels"):
-        stream.read_level(2, region)
-    with sgicodec.open(pyramid) as stream, pytest.raises(RegionError, match="level 3"):
-        stream.read_level(3)

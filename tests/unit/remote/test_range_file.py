@@ -36,25 +36,6 @@ def test_it_reads_what_a_file_holds(reads: list[tuple[int, int]]) -> None:
     assert all(0 <= start < stop <= len(DATA) and start % BLOCK == 0 for start, stop in log.ranges)
 
 
-def test_a_byte_costs_a_block_once() -> None:
-    log = Log(DATA)
-    file = RangeFile(len(DATA), log)
-    for offset in (0, 7, BLOCK - 1, 3 * BLOCK, 3 * BLOCK + 1):
-        file.seek(offset)
-        assert file.read(1) == DATA[offset : offset + 1]
-    assert log.ranges == [(0, BLOCK), (3 * BLOCK, 4 * BLOCK)]
-
-
-def test_a_long_read_is_one_request() -> None:
-    log = Log(DATA)
-    file = RangeFile(len(DATA), log)
-    file.seek(10)
-    assert file.read(3 * BLOCK) == DATA[10 : 10 + 3 * BLOCK]
-    file.seek(-5, io.SEEK_END)
-    assert file.read() == DATA[-5:]
-    assert log.ranges == [(0, 4 * BLOCK), (5 * BLOCK, len(DATA))]
-
-
 def test_what_is_expected_is_fetched_at_once() -> None:
     data = bytes(range(256)) * (BLOCK // 8)  # 32 blocks
     log = Log(data)

@@ -9,11 +9,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ONE_THREAD
-from sgicodec.encoder.pipeline import encode_picture
-from sgicodec.encoder.settings import EncodeSettings, Tune
-from sgicodec.image import read
+from sgicodec.encoder.settings import Tune
 
 torch = pytest.importorskip("torch")
 from tools.restoration_file import RestorationNet, file_of, network_of  # noqa: E402
@@ -26,7 +23,6 @@ from tools.train_restoration import (  # noqa: E402
     make_streams,
     shown,
     train,
-    without_correction,
 )
 
 DATA = Path(__file__).parents[2] / "data"
@@ -74,15 +70,3 @@ def test_training_for_squared_error_lowers_it(pictures: Path, tmp_path: Path) ->
     examples = taught(pictures, tmp_path, "psnr")
     assert [example.name for example in examples] == ["kodim13"] * 2 + ["kodim23"] * 2
     assert lowered(RestorationNet(8, 2), examples, "psnr", 100) > 0.005
-
-
-def test_streams_lose_nothing_but_the_correction(pictures: Path) -> None:
-    settings = EncodeSettings(quality=45, effort=1, tune="psnr", tile=0)
-    data = encode_picture(read(pictures / "kodim23.png"), settings, device=ONE_THREAD).data
-    with open_stream(data) as whole, open_stream(without_correction(data)) as bare:
-        restoration = whole.model.restoration
-        assert restoration is not None
-        assert bare.model.restoration is None
-        drawn = np.ascontiguousarray(bare.render().transpose(2, 0, 1))
-        restored = drawn + restoration.correction(drawn, ONE_THREAD)
-        assert np.abs(restored - whole.render().transpose(2, 0, 1)).max() < 1e-5
