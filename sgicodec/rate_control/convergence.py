@@ -1,4 +1,4 @@
-"""Convergence table: predicts the outcome of a fit from its state (measured by a program of commit 7b6ab0d)."""
+"""Convergence table: predicts the outcome of a fit from its state (`python -m tools.convergence_table` measures it)."""
 
 from __future__ import annotations
 
