@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import sgicodec
+import sgicodec.plugins.imageio
 from sgicodec.errors import UsageError
 
 GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
