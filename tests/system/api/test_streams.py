@@ -92,6 +92,19 @@ def test_closed(data: bytes, tmp_path: Path) -> None:
     assert stream.shape == (64, 96, 3)
 
 
+@pytest.mark.parametrize("tile", [0, 32])
+def test_numbers_of_tiles_are_checked(pixels: np.ndarray, tile: int) -> None:
+    with sgicodec.open(sgicodec.encode(pixels, steps=1, tile=tile)) as stream:
+        last = stream.grid.count - 1
+        assert isinstance(stream.payload(np.int64(last)), bytes)
+        for use in (stream.payload, stream.tile_model):
+            for number in (-1, last + 1):
+                with pytest.raises(RegionError, match=f"tile {number}; there are tiles 0 to {last}"):
+                    use(number)
+            with pytest.raises(UsageError, match=r"tile 0\.5; tiles have numbers"):
+                use(0.5)  # type: ignore[arg-type]
+
+
 def test_several_threads_may_use_a_stream_at_once(
     pixels: np.ndarray, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -9,15 +9,19 @@ from pathlib import Path
 from typing import Any
 
 import click
+import numpy as np
 import pytest
 from click.testing import Result
 
 from sgicodec import errors
+from sgicodec.bitstream.header import FORMAT_VERSION
+from sgicodec.cli.command import HelpfulCommand
 from sgicodec.cli.main import cli
 from sgicodec.decoder import stream as decoder
 from sgicodec.encoder import pipeline as encoder
 from sgicodec.encoder.listener import NullListener
 from sgicodec.fit.trainer import Progress
+from sgicodec.version import __version__
 
 Run = Callable[..., Result]
 
@@ -30,6 +34,37 @@ def test_help_lists_commands_and_exit_codes(sgi: Run) -> None:
     codes = [line.split()[0] for line in result.stdout.split("Exit codes:\n")[1].splitlines()]
     assert codes == ["0", "1", "2", "3", "4", "5", "6", "130", "141"]
     assert sgi("-h").stdout == result.stdout
+
+
+def test_version(sgi: Run) -> None:
+    assert sgi("--version").stdout == f"sgi {__version__}\n"
+    for arguments in (("--version", "-v"), ("-v", "--version"), ("--version", "--verbose")):
+        lines = sgi(*arguments).stdout.splitlines()
+        assert lines[0] == f"sgi {__version__}"
+        assert f"numpy {np.__version__}" in lines[2]
+        assert {"pillow", "OpenImageIO"} <= set(lines[2].replace(",", "").split())
+        assert {"fsspec", "zarr", "rasterio", "pillow-heif"} <= set(lines[3].replace(",", "").split())
+        assert "pytest" not in lines[3]
+        assert re.search(r"^instruction set (portable|avx2|avx512), \d+ threads$", lines[4])
+        assert lines[5] == f"reads format version {FORMAT_VERSION}"
+
+
+@pytest.mark.parametrize("command", ["encode", "decode"])
+def test_help_is_small_and_help_all_is_not(sgi: Run, command: str) -> None:
+    small, whole = sgi(command, "--help").stdout, sgi(command, "--help-all").stdout
+    for other in (("--help", "-v"), ("-v", "-h"), ("-h", "--verbose")):
+        assert sgi(command, *other).stdout == whole
+    shown, every = (set(re.findall(r"^  (?:-\w, )?(--[a-z0-9-]+)", text, re.MULTILINE)) for text in (small, whole))
+    assert len(shown - {"--verbose", "--help", "--help-all"}) <= 10
+    found = cli.get_command(click.Context(cli), command)
+    assert found is not None
+    options = [param for param in found.params if isinstance(param, click.Option)]
+    assert every == {option.opts[-1] for option in options} | {"--help", "--help-all"}
+    assert f"sgi {command} --help-all shows {len(every - shown)} more options." in small
+    assert small.count(f"\n  sgi {command} ") == whole.count(f"\n  sgi {command} ") == 3
+    assert isinstance(found, HelpfulCommand)
+    named = {*found.common, *found.research}
+    assert named <= {option.name for option in options}, "names of options that are there"
 
 
 @pytest.mark.parametrize(

@@ -60,6 +60,13 @@ def test_pipes_are_read_once(shared: Path, tmp_path: Path, kind: str, tile: int)
     assert target.read_bytes() == (tmp_path / "file.sgi").read_bytes()
 
 
+def test_a_cluster_cannot_read_a_pipe(shared: Path, tmp_path: Path) -> None:
+    process = start("encode", "/dev/fd/0", tmp_path / "x.sgi", "--tile", 32, "--cluster", "local:1", "--quiet")
+    _, errors = process.communicate((shared / "scene.png").read_bytes(), timeout=HANGS)
+    assert process.returncode == 2
+    assert b"/dev/fd/0, which is no file; add --send-pixels" in errors
+
+
 @pytest.mark.parametrize("arguments", [["decode", "-", "--scale", "20", "--format", "ppm"], ["info"]])
 def test_reader_of_a_pipe_goes_away(stream: Path, arguments: list[str]) -> None:
     command, *options = arguments

@@ -11,7 +11,8 @@ from pathlib import Path
 import pytest
 from children import HANGS
 
-from sgicodec.errors import TileFailedError
+from sgicodec.device import Device
+from sgicodec.errors import NoDeviceError, TileFailedError
 from sgicodec.executors.gpus import GpuExecutor
 
 barrier = threading.Barrier(2)
@@ -37,6 +38,13 @@ def sees(number: int, job: int) -> str:
     return os.environ["CUDA_VISIBLE_DEVICES"]
 
 
+def test_gpus_that_are_visible_keep_their_names(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CUDA_VISIBLE_DEVICES", "3,GPU-8932, 0")
+    assert set(dict(GpuExecutor(2, 2, first=1).run(sees, range(2), int)).values()) == {"GPU-8932", "0"}
+    with pytest.raises(NoDeviceError, match="no GPU 3: CUDA_VISIBLE_DEVICES names 3"):
+        list(GpuExecutor(2, 2, first=2).run(sees, range(2), int))
+
+
 def dies_once(folder: Path, number: int, job: int) -> str:
     """Takes its process down at tile 1, the first time, with what else it does."""
     mark = folder / "died"
@@ -56,3 +64,8 @@ def test_a_process_that_dies_is_replaced_at_its_gpu(tmp_path: Path) -> None:
     assert (tmp_path / "died").exists()
     with pytest.raises(TileFailedError, match=r"tile \d: its process ended with status 7"):
         list(GpuExecutor(2, 4).run(always_dies, range(6), int))
+
+
+def test_a_process_has_one_gpu_and_its_share_of_the_threads() -> None:
+    assert GpuExecutor(2, 4).device(Device(8, "portable", gpu=1, gpus=2), 9) == Device(2, "portable", gpu=0)
+    assert GpuExecutor(2, 4).device(Device(8), 2) == Device(4)

@@ -81,6 +81,21 @@ def test_large_tiff_is_big(noise: Noise, monkeypatch: pytest.MonkeyPatch) -> Non
         assert back.metadata == picture.metadata
 
 
+def test_an_exception_leaves_what_was_there(noise: Noise, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    pixels = noise(40, 30, 3, "uint8")
+    for holder in FORMATS:
+        if "uint8" not in holder.dtypes:
+            continue
+        target = tmp_path / f"x.{holder.extensions[0]}"
+        target.write_bytes(b"before")
+        with pytest.raises(UsageError, match="follow"), open_sink(target, 30, 40, "rgb", "uint8") as sink:
+            [sink.write_rows(0, pixels[:10]) for _ in "twice"]
+        assert target.read_bytes() == b"before"
+        target.unlink()
+        assert list(tmp_path.iterdir()) == []
+    assert capfd.readouterr().err == ""
+
+
 def test_rows_that_do_not_follow(noise: Noise, tmp_path: Path) -> None:
     rows = noise(10, 30, 3, "uint8")
     with open_sink(tmp_path / "x.png", 30, 15, "rgb", "uint8") as sink:

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import io
 import struct
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -105,6 +106,17 @@ def test_an_orientation_is_applied_once(exif_blob: Blob, place: str, turn: int) 
             continue
         twice = read(_through(once, format))
         np.testing.assert_array_equal(twice.pixels, once.pixels)
+
+
+def test_compressed_png_text_and_its_limits() -> None:
+    def chunk(kind: bytes, contents: bytes) -> bytes:
+        return struct.pack(">I", len(contents)) + kind + contents + struct.pack(">I", zlib.crc32(kind + contents))
+
+    packed = chunk(b"iTXt", b"XML:com.adobe.xmp\0\1\0\0\0" + zlib.compress(XMP))
+    plain = _through(_flat(Metadata()), "png")
+    assert png_file.find(plain[:33] + packed + plain[33:]) == (None, XMP, None)
+    broken = chunk(b"zTXt", b"Raw profile type exif\0\0garbage")
+    assert png_file.find(plain[:33] + broken + plain[33:]) == (None, None, None)
 
 
 def test_more_than_a_jpeg_segment_holds(exif_blob: Blob) -> None:

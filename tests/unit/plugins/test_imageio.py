@@ -10,9 +10,10 @@ import pytest
 
 import sgicodec
 import sgicodec.plugins.imageio
-from sgicodec.errors import UsageError
+from sgicodec.errors import RegionError, UsageError
 
 GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
+PICTURES = Path(__file__).parents[2] / "data" / "pictures"
 
 
 @pytest.mark.parametrize("name", ["rgb8", "gray16", "float", "rgba8", "multi8"])
@@ -35,3 +36,15 @@ def test_writing(tmp_path: Path) -> None:
     assert data == sgicodec.encode(pixels, quality=80, steps=4)
     with pytest.raises(UsageError, match="2 images"):
         iio.imwrite(tmp_path / "b.sgi", [pixels, pixels], plugin="sgicodec")
+
+
+def test_metadata() -> None:
+    found = iio.immeta(GOLDEN / "rgb8.sgi", plugin="sgicodec")
+    assert found == {"channels": "rgb"}
+
+
+def test_what_goes_wrong() -> None:
+    with pytest.raises(RegionError, match="image 1; a stream holds one"):
+        iio.imread(GOLDEN / "rgb8.sgi", index=1)
+    with pytest.raises(OSError, match="can not handle"):
+        iio.imread(PICTURES / "hopper.sgi", plugin="sgicodec")

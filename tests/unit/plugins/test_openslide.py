@@ -10,6 +10,7 @@ from PIL import Image
 
 import sgicodec
 from sgicodec.errors import UsageError
+from sgicodec.picture import Metadata, Picture
 from sgicodec.plugins.openslide import Slide
 
 GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
@@ -61,3 +62,14 @@ def test_outside_is_transparent(pyramid: Path, level: int) -> None:
         assert slide.read_region((0, 0), 0, (0, 5)).size == (0, 5)
         with pytest.raises(UsageError, match="negative"):
             slide.read_region((0, 0), 0, (-1, 5))
+
+
+def test_microns_and_description() -> None:
+    """As an Aperio slide states them."""
+    text = b"Aperio Image Library|AppMag = 40|MPP = 0.2525\0\0"
+    exif = b"II*\0\x08\0\0\0" + bytes.fromhex("0100 0e01 0200") + len(text).to_bytes(4, "little")
+    exif += bytes.fromhex("1a000000 00000000") + text
+    picture = Picture(np.zeros((20, 30, 3), np.uint8), "rgb", (0, 255), Metadata(exif=exif))
+    slide = Slide(sgicodec.encode(picture, steps=1))
+    assert slide.properties["openslide.mpp-x"] == slide.properties["openslide.mpp-y"] == "0.2525"
+    assert slide.properties["openslide.comment"] == "Aperio Image Library|AppMag = 40|MPP = 0.2525"
