@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import tifffile
 from click.testing import Result
 from PIL import Image
 
@@ -133,6 +134,21 @@ def turned(sgi: Run, tmp_path_factory: pytest.TempPathFactory) -> Path:
     Image.fromarray(pixels).save(folder / "a.jpg", exif=tags.tobytes(), xmp=xmp)
     assert sgi("encode", folder / "a.jpg", "--steps", 5).exit_code == 0
     return folder / "a.sgi"
+
+
+def test_statistics_are_not_those_of_new_pixels(sgi: Run, tmp_path: Path) -> None:
+    """And a nodata value is found however it is written."""
+    items = '<Item name="NOTE">kept</Item><Item name="STATISTICS_MAXIMUM" sample="0">143.25</Item>'
+    texts = {42112: f"<GDALMetadata>{items}</GDALMetadata>", 42113: "-1.#QNAN"}
+    pixels = np.tile(np.linspace(1, 9, 40, dtype=np.float32), (24, 1))
+    pixels[:4, :4] = np.nan
+    tags = [(tag, 2, len(text) + 1, text, True) for tag, text in texts.items()]
+    tifffile.imwrite(tmp_path / "x.tif", pixels, metadata=None, extratags=tags)
+    assert sgi("encode", tmp_path / "x.tif", "--steps", 5).exit_code == 0
+    assert sgi("decode", tmp_path / "x.sgi", tmp_path / "y.tif").exit_code == 0
+    with tifffile.TiffFile(tmp_path / "y.tif") as file:
+        assert file.pages.first.tags[42112].value == '<GDALMetadata><Item name="NOTE">kept</Item></GDALMetadata>'
+        assert np.array_equal(np.isnan(file.asarray()), np.isnan(pixels))
 
 
 @pytest.mark.parametrize(
