@@ -10,7 +10,7 @@ import pytest
 from sgicodec.bench.codec import Pixels8
 from sgicodec.bench.optional_peers import Jpegli, VVenC
 from sgicodec.bench.peer import Peer
-from sgicodec.bench.peers import PEERS, Avif, AvifIq, AvifSlow, Jpeg, Jpeg2000, JpegXl, WebP, find_peers
+from sgicodec.bench.peers import Avif, AvifIq, AvifSlow, Jpeg, Jpeg2000, JpegXl, WebP, find_peers
 from sgicodec.errors import PictureError, UsageError
 from sgicodec.metrics.psnr import psnr
 
@@ -50,13 +50,6 @@ def test_every_point_has_settings_of_its_own(peer: Peer) -> None:
     assert len(lines) == len(peer.ladder)
     assert not any(set("\t\n") & set(line) for line in lines)
     assert peer.version()
-
-
-def test_threads_are_named_in_the_settings_that_use_them() -> None:
-    found, missing = find_peers(PEERS, threads=3)
-    assert set(missing) <= {"jpegli", "vvenc"}
-    having = {"jxl", "avif", "avif-iq", "avif-s2", "vvenc"} - set(missing)
-    assert {peer.name for peer in found if "threads=3" in peer.settings(1)} == having
 
 
 def test_a_picture_that_a_codec_refuses_is_the_picture_s_fault() -> None:

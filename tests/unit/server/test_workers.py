@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import threading
 
-from sgicodec.server.refusal import Refusal
 from sgicodec.server.workers import Workers
 
 
@@ -37,22 +36,3 @@ def test_a_few_at_a_time() -> None:
 
     asyncio.run(scenario())
     assert most == 2
-
-
-def test_a_full_queue_refuses() -> None:
-    async def scenario() -> list[object]:
-        go = threading.Event()
-        workers = Workers(1, 2)
-        tasks = [asyncio.ensure_future(workers.run(go.wait, here)) for _ in range(5)]
-        for _ in range(3):
-            await asyncio.sleep(0)
-        go.set()
-        found = await asyncio.gather(*tasks, return_exceptions=True)
-        workers.close()
-        return list(found)
-
-    found = asyncio.run(scenario())
-    refused = [error for error in found if isinstance(error, Refusal)]
-    assert {error.status for error in refused} == {503}
-    assert len(refused) == 5 - found.count(True)
-    assert found.count(True) >= 2
