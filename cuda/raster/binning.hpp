@@ -20,7 +20,7 @@ SGI_KERNEL(prepare_splats, 128, RasterArguments) {
     int touched = 0;
     if (prepared(a, i, s, e)) {
       for_each_tile(s, e, view_of(a), [&](uint32_t) { ++touched; });
-      static_cast<TileSplat *>(a.splats)[i] = {s.x, s.y, s.a, s.b, s.c, e};
+      static_cast<TileSplat *>(a.splats)[i] = {s, e};
     }
     a.slot_start[i] = touched;
   });

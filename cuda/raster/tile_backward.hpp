@@ -10,23 +10,22 @@ template <int C>
 inline void walk_rows(const TileView &v, const TileMemory<C> &memory, const StagedSplat<C> &g, int lane, float least,
                       float *sum) {
   const TileSplat &s = g.s;
-  const float margin = 0.01f;
   const auto bounded = [](float at, int first, int last) {
     return at <= float(first) ? first : at >= float(last + 1) ? last + 1 : int(at);
   };
-  const int first = bounded(s.y - s.ellipse.ry - margin - v.top + 1.0f, v.first_row, v.last_row);
-  const int last = bounded(s.y + s.ellipse.ry + margin - v.top + 1.0f, v.first_row, v.last_row);
+  const int first = bounded(s.y - s.ellipse.ry - v.top + 1.0f, v.first_row, v.last_row);
+  const int last = bounded(s.y + s.ellipse.ry - v.top + 1.0f, v.first_row, v.last_row);
   for (int row = first + lane; row < last; row += kRowLanes) {
     const float dy = v.top + float(row) - s.y;
     float left, right;
     s.ellipse.extent(dy, dy, left, right);
-    const int from = bounded(s.x + left - margin - v.left + 1.0f, v.first_column, v.last_column);
-    const int to = bounded(s.x + right + margin - v.left + 1.0f, v.first_column, v.last_column);
+    const int from = bounded(s.x + left - v.left + 1.0f, v.first_column, v.last_column);
+    const int to = bounded(s.x + right - v.left + 1.0f, v.first_column, v.last_column);
     float w = 0.0f, wx = 0.0f, wxx = 0.0f;
     for (int column = from; column < to; ++column) {
-      const float dx = v.left + float(column) - s.x, power = exponent_at(s, dx, dy);
-      if (!(power >= least)) continue;
-      const float height = exp2v(power);
+      const float dx = v.left + float(column) - s.x, t = dy - s.lean * dx;
+      const float height = exp2v(s.across * dx * dx + s.down * t * t);
+      if (!(height >= least)) continue;
       float along = 0.0f;
       for (int c = 0; c < C; ++c) {
         const float slope = memory.slope[c][row][column];
@@ -52,7 +51,7 @@ inline void differentiate_tile(const ThreadBlock<THREADS> &block, const RasterAr
                                TileMemory<C> &memory) {
   constexpr int kSums = kPairMoments + C;
   const int begin = a.tile_start[v.tile], end = a.tile_start[v.tile + 1];
-  const float least = least_exponent(a.cutoff);
+  const float least = least_height(a.cutoff);
   PerThread<float, THREADS> sum[kSums];
   for (int at = begin; at < end; at += kStaged) {
     const int staged = end - at < kStaged ? end - at : kStaged;

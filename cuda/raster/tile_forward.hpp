@@ -1,36 +1,56 @@
 // Gaussians onto the pixels of a tile, and the pixels compared with the target.
 #pragma once
-#include "base/scalar.hpp"
 #include "cuda/raster/tile_memory.hpp"
 
 namespace sgi {
 namespace {
 
-// Whether the ellipse reaches the sub-tile at `corner`.
-inline bool reaches(const TileSplat &s, const TileView &v, Place corner) {
-  const float lo = v.top + float(corner.row) - s.y, hi = lo + float(kSubHeight - 1);
+// Whether the ellipse reaches the columns of a warp, of which `column` is the first.
+inline bool reaches(const TileSplat &s, const TileView &v, int column) {
+  const float lo = v.top - s.y, hi = lo + float(kTileRows - 1);
   if (lo > s.ellipse.ry || hi < -s.ellipse.ry) return false;
   float left, right;
   s.ellipse.extent(lo, hi, left, right);
-  const float from = v.left + float(corner.column) - s.x, margin = 0.01f;
-  return from <= right + margin && from + float(kSubWidth - 1) >= left - margin;
+  const float from = v.left + float(column) - s.x;
+  return from <= right && from + float(kSubWidth - 1) >= left;
 }
 
 template <int C>
 struct Pixels {
-  float value[kSubTiles][C];
+  float value[kThreadRows][C];
 };
+
+// Adds a Gaussian to the pixels of a thread, of which the first is `at` in the plane.
+template <int C>
+inline void add_heights(const StagedSplat<C> &g, Place at, float least, Pixels<C> &pixels) {
+  Heights<float> heights(g.s, (float(at.column) + 0.5f) - g.s.x);
+  const int behind = at.row - g.s.first;  // rows behind the first one of the Gaussian
+  int skipped = behind < 0 ? -behind : 0, into = behind < 0 ? 0 : g.s.into_run(at.row);
+  if (skipped < kThreadRows) heights.start(g.s, at.row + skipped, into);
+#pragma unroll
+  for (int q = 0; q < kThreadRows; ++q) {
+    if (q < skipped) continue;
+    if (into == g.s.span) {
+      heights.start(g.s, at.row + q);
+      into = 0;
+    }
+    const float height = heights.g >= least ? heights.g : 0.0f;
+    for (int c = 0; c < C; ++c) pixels.value[q][c] += height * g.colour[c];
+    heights.next(g.s);
+    ++into;
+  }
+}
 
 // Adds the Gaussians of a tile to the pixels of every thread.
 template <int C, int THREADS>
 inline void draw_tile(const ThreadBlock<THREADS> &block, const RasterArguments &a, const TileView &v,
                       TileMemory<C> &memory, PerThread<Pixels<C>, THREADS> &pixels) {
   const int begin = a.tile_start[v.tile], end = a.tile_start[v.tile + 1];
-  const float least = least_exponent(a.cutoff);
+  const float least = least_height(a.cutoff);
   PerThread<bool, THREADS> hit;
   PerThread<uint32_t, THREADS> mask;
   block.each([&](int t) {
-    for (int q = 0; q < kSubTiles; ++q)
+    for (int q = 0; q < kThreadRows; ++q)
       for (int c = 0; c < C; ++c) pixels[t].value[q][c] = 0.0f;
   });
   for (int at = begin; at < end; at += kStaged) {
@@ -38,25 +58,18 @@ inline void draw_tile(const ThreadBlock<THREADS> &block, const RasterArguments &
     block.each([&](int t) {
       if (t < staged) stage<C>(a, at + t, memory.splat[t]);
     });
-#pragma unroll
-    for (int q = 0; q < kSubTiles; ++q)
-      for (int some = 0; some < staged; some += kWarp) {
-        block.each_of_warp([&](int t) {
-          const int i = some + t % kWarp;
-          hit[t] = i < staged && reaches(memory.splat[i].s, v, corner_of(t, q));
-        });
-        block.ballot(hit, mask);
-        block.each_of_warp([&](int t) {
-          const Place p = pixel_of(t, q);
-          const float x = v.left + float(p.column), y = v.top + float(p.row);
-          for (uint32_t left = mask[t]; left; left &= left - 1) {
-            const StagedSplat<C> &g = memory.splat[some + lowest_bit(left)];
-            const float power = exponent_at(g.s, x - g.s.x, y - g.s.y);
-            const float height = power >= least ? exp2v(power) : 0.0f;
-            for (int c = 0; c < C; ++c) pixels[t].value[q][c] += height * g.colour[c];
-          }
-        });
-      }
+    for (int some = 0; some < staged; some += kWarp) {
+      block.each_of_warp([&](int t) {
+        const int i = some + t % kWarp;
+        hit[t] = i < staged && reaches(memory.splat[i].s, v, t / kWarp * kSubWidth);
+      });
+      block.ballot(hit, mask);
+      block.each_of_warp([&](int t) {
+        const Place first = first_of(t), at{v.x + a.x0 + first.column, v.y + a.y0 + first.row};
+        for (uint32_t left = mask[t]; left; left &= left - 1)
+          add_heights<C>(memory.splat[some + lowest_bit(left)], at, least, pixels[t]);
+      });
+    }
     block.each([](int) {});
   }
 }
@@ -71,7 +84,7 @@ inline void compare_tile(const ThreadBlock<THREADS> &block, const RasterArgument
                          TileMemory<C> &memory, PerThread<Pixels<C>, THREADS> &pixels) {
   block.each([&](int t) {
     float sum = 0, loss = 0;  // of 32 errors at most
-    for (int q = 0; q < kSubTiles; ++q) {
+    for (int q = 0; q < kThreadRows; ++q) {
       const Place p = pixel_of(t, q);
       const bool visible = is_visible(v, p);
       float weight = a.weight;

@@ -4,8 +4,10 @@
 
 namespace sgi {
 
-constexpr int kTileThreads = 128, kStaged = kTileThreads;  // Gaussians of a tile in shared memory at a time
-constexpr int kSubWidth = 8, kSubHeight = 4, kSubTiles = kTileColumns * kTileRows / kWarp / (kTileThreads / kWarp);
+constexpr int kTileThreads = 128, kStaged = kTileThreads;             // Gaussians of a tile in shared memory at a time
+constexpr int kSubWidth = kTileColumns / (kTileThreads / kWarp);      // columns of a warp
+constexpr int kThreadRows = kTileColumns * kTileRows / kTileThreads;  // pixels of a thread, one below the other
+static_assert(kSubWidth * kTileRows == kWarp * kThreadRows);
 constexpr int kTilePitch = kTileColumns + 1, kRowLanes = 4;
 constexpr int kPairMoments = 5;  // of w: x, x², y, xy, y²
 
@@ -49,25 +51,19 @@ inline TileView tile_view(const RasterArguments &a, int tile) {
           most(a.height - y, kTileRows) - 1};
 }
 
-// Column and row of sub-tile q of a thread, and of its pixel.
 struct Place {
   int column, row;
 };
-inline Place corner_of(int t, int q) {
-  const int number = t / kWarp * kSubTiles + q, across = kTileColumns / kSubWidth;
-  return {number % across * kSubWidth, number / across * kSubHeight};
-}
-inline Place pixel_of(int t, int q) {
-  const Place corner = corner_of(t, q);
+// Of the first pixel of a thread; the others lie below it.
+inline Place first_of(int t) {
   const int lane = t % kWarp;
-  return {corner.column + lane % kSubWidth, corner.row + lane / kSubWidth};
+  return {t / kWarp * kSubWidth + lane % kSubWidth, lane / kSubWidth * kThreadRows};
 }
+inline Place pixel_of(int t, int q) { return {first_of(t).column, first_of(t).row + q}; }
 
 inline bool is_visible(const TileView &v, Place p) {
   return p.column >= v.first_column && p.column <= v.last_column && p.row >= v.first_row && p.row <= v.last_row;
 }
-
-inline float exponent_at(const TileSplat &s, float dx, float dy) { return (s.a * dx + s.b * dy) * dx + s.c * dy * dy; }
 
 template <int C>
 inline void stage(const RasterArguments &a, int entry, StagedSplat<C> &to) {

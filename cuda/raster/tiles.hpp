@@ -17,7 +17,7 @@ inline void forward_tile(const ThreadBlock<kTileThreads> &block, const RasterArg
   PerThread<Pixels<C>, kTileThreads> pixels;
   draw_tile<C>(block, a, v, memory, pixels);
   block.each([&](int t) {
-    for (int q = 0; q < kSubTiles; ++q) {
+    for (int q = 0; q < kThreadRows; ++q) {
       const Place p = pixel_of(t, q);
       if (!is_visible(v, p)) continue;
       for (int c = 0; c < C; ++c) a.image[sample_at(a, v, p, c)] = pixels[t].value[q][c];
@@ -38,7 +38,7 @@ template <int C>
 inline void backward_tile(const ThreadBlock<kTileThreads> &block, const RasterArguments &a, TileMemory<C> &memory) {
   const TileView v = tile_view(a, block.index());
   block.each([&](int t) {
-    for (int q = 0; q < kSubTiles; ++q) {
+    for (int q = 0; q < kThreadRows; ++q) {
       const Place p = pixel_of(t, q);
       for (int c = 0; c < C; ++c)
         memory.slope[c][p.row][p.column] = is_visible(v, p) ? a.slopes[sample_at(a, v, p, c)] : 0.0f;

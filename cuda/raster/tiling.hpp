@@ -12,9 +12,7 @@ using CudaView = TiledView<kTileColumns, kTileRows>;
 
 namespace {
 
-// log2 G(d) = a dx² + b dx dy + c dy², and the ellipse in which that is drawn.
-struct TileSplat {
-  float x, y, a, b, c;
+struct TileSplat : Bell {
   Ellipse ellipse;
 };
 
@@ -25,9 +23,6 @@ inline int pairs_of(const RasterArguments &a) {
   const int pairs = a.slot_start[a.gaussians];
   return pairs < a.capacity ? pairs : a.capacity;
 }
-
-// A little below what is left at the cutoff: rounding must leave out no point within.
-inline float least_exponent(float cutoff) { return -0.5f * kLog2E * 1.0001f * cutoff * cutoff; }
 
 // The Gaussian at the scale at which it is drawn. Only cells shrink with a level of the pyramid; the least variance
 // stays a matter of the pixels that are drawn.

@@ -17,15 +17,16 @@
 namespace sgi {
 namespace {
 
-// Denormals stand for nothing visible and cost hundreds of cycles: flush them while a body runs.
-class FlushDenormals {
+// Floats as IEEE 754 has them while a body runs, whatever a library has set for the thread: rounded to nearest, with
+// denormals. What is decoded depends on it.
+class IeeeFloats {
  public:
 #ifdef SGI_X86
-  FlushDenormals() : saved_(_mm_getcsr()) { _mm_setcsr(saved_ | 0x8040); }
-  ~FlushDenormals() { _mm_setcsr(saved_); }
+  IeeeFloats() : saved_(_mm_getcsr()) { _mm_setcsr(saved_ & ~0xe040u); }
+  ~IeeeFloats() { _mm_setcsr(saved_); }
 
  private:
-  unsigned saved_;
+  const unsigned saved_;
 #endif
 };
 
@@ -50,7 +51,7 @@ struct Job {
   std::exception_ptr failure;  // the first; it ends the loop and is thrown again where the loop was called
 
   void work() {
-    FlushDenormals flush;
+    IeeeFloats ieee;
     InLoop mark;
     try {
       for (int64_t i; (i = next.fetch_add(1, std::memory_order_relaxed)) < n;) (*body)(i);

@@ -49,24 +49,8 @@ inline vf iota() {
   return v;
 }
 
-// 2^x to 2.3e-7 of itself for x <= 126, exact for whole numbers; 0 below -126. The polynomial has the least greatest
-// error of its degree, 7e-8; the rest is rounding.
-inline vf exp2v(vf x) {
-  const vf lo = vf{} - 126.0f, hi = vf{} + 126.0f;
-  const vi live = x >= lo;
-  x = x > hi ? hi : x;
-  const vf magic = vf{} + 12582912.0f;  // 1.5 * 2^23: adding it rounds to an integer in the low bits
-  const vf t = x + magic;
-  const vf f = x - (t - magic);
-  vf p = vf{} + 1.32028596e-3f;
-  p = p * f + 9.67495330e-3f;
-  p = p * f + 5.55104762e-2f;
-  p = p * f + 2.40221664e-1f;
-  p = p * f + 6.93146586e-1f;
-  p = p * f + 1.0f;
-  const vu bits = (vu)p + ((vu)t << 23);  // wraps in lanes that are not live
-  return (vf)(bits & (vu)live);
-}
+inline vu bits_of(vf x) { return (vu)x; }
+inline vf float_of(vu bits) { return (vf)bits; }
 
 inline vf select(vi mask, vf yes, vf no) { return (vf)(((vi)yes & mask) | ((vi)no & ~mask)); }
 inline vf maxv(vf a, vf b) { return a > b ? a : b; }
@@ -107,27 +91,6 @@ inline vf inverse_cube_root(vf x) {
   const vf third = x * (1.0f / 3.0f);
   for (int i = 0; i < 3; ++i) y *= 4.0f / 3.0f - third * (y * y * y);
   return y;
-}
-
-// Sine and cosine to about 1e-7 for |x| < 2^13: a quarter turn is taken off in three parts, and polynomials of the
-// least greatest error do the rest.
-inline void sine_cosine(vf x, vf &sine, vf &cosine) {
-  const vf magic = vf{} + 12582912.0f;
-  const vf t = x * 0.63661977f + magic, turns = t - magic;
-  const vi quarter = (vi)t;
-  const vf r = ((x - turns * 1.5703125f) - turns * 4.8375129699707031e-4f) - turns * 7.549789948768648e-8f;
-  const vf rr = r * r;
-  vf s = vf{} - 1.9515295891e-4f;
-  s = s * rr + 8.3321608736e-3f;
-  s = s * rr - 1.6666654611e-1f;
-  s = s * rr * r + r;
-  vf c = vf{} + 2.443315711809948e-5f;
-  c = c * rr - 1.388731625493765e-3f;
-  c = c * rr + 4.166664568298827e-2f;
-  c = c * rr * rr - 0.5f * rr + 1.0f;
-  const vi swaps = (quarter & 1) != 0, negative_sine = (quarter & 2) << 30, negative_cosine = ((quarter + 1) & 2) << 30;
-  sine = (vf)((vi)select(swaps, c, s) ^ negative_sine);
-  cosine = (vf)((vi)select(swaps, s, c) ^ negative_cosine);
 }
 
 // Square root. A loop of its own is what compilers make one instruction of.

@@ -1,11 +1,11 @@
 #include "bitstream/texture_part.hpp"
 
-#include <cmath>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/exact.hpp"
 #include "bitstream/limits.hpp"
 #include "bitstream/shipped.hpp"
 #include "bitstream/texture_context.hpp"
@@ -48,9 +48,9 @@ TextureColours read_colours(SymbolReader &reader) {
 }  // namespace
 
 TextureSteps TextureIndices::steps() const {
-  const double first = std::pow(2.0, (step - kStepOfOne) / 32.0);
+  const double first = power_of_two(step - kStepOfOne);
   std::vector<float> channel{float(first)};
-  for (const int32_t ratio : ratios) channel.push_back(float(first * std::pow(2.0, (ratio - kSameStep) / 8.0)));
+  for (const int32_t ratio : ratios) channel.push_back(float(first * power_of_two(4 * (ratio - kSameStep))));
   return {std::move(channel), {float(slopes[0]) / 2, float(slopes[1]) / 2}};
 }
 

@@ -31,13 +31,11 @@ float share_at(const TileSegment &segment, bool is_behind, int64_t i) {
   return is_behind ? segment.weight[i] : 1 - segment.weight[i];
 }
 
-// The tile's pixels that hold the centres of `count` output pixels.
-std::vector<int64_t> pixels_of(double start, double scale, int64_t first, int64_t count, int64_t size) {
-  std::vector<int64_t> pixels(count);
-  for (int64_t i = 0; i < count; ++i) {
-    const double at = std::floor(start + (double(first + i) + 0.5) / scale);
-    pixels[i] = int64_t(std::clamp(at, 0.0, double(size - 1)));
-  }
+// The tile's pixels that hold the centres of output pixels.
+std::vector<int64_t> pixels_of(const OutputAxis &axis, int64_t size) {
+  std::vector<int64_t> pixels(axis.count);
+  for (int64_t i = 0; i < axis.count; ++i)
+    pixels[i] = int64_t(std::clamp(std::floor(axis.centre(i)), 0.0, double(size - 1)));
   return pixels;
 }
 
@@ -99,8 +97,8 @@ class Compositor {
   void mark(const TileRenderer &tile, int64_t x, int64_t y, const PixelBlock &block) const {
     if (header_.masked == Masked::none && tile.exact().empty()) return;
     const PixelRect &place = tile.place();
-    const auto columns = pixels_of(view_.x - double(place.x), view_.sx, x, block.columns, place.width);
-    const auto rows = pixels_of(view_.y - double(place.y), view_.sy, y, block.rows, place.height);
+    const auto columns = pixels_of({view_.x - double(place.x), view_.sx, x, block.columns}, place.width);
+    const auto rows = pixels_of({view_.y - double(place.y), view_.sy, y, block.rows}, place.height);
     if (header_.masked != Masked::none) mark_empty(tile, columns, rows, block);
     const int64_t colours = header_.colours();
     const auto pixels = [](const std::vector<int64_t> &axis, int64_t pixel) {

@@ -25,6 +25,7 @@ constexpr int64_t kWholeSamples = 1 << 18;
 // memory that is there. An eighth of a view within these limits, and more where many threads share it.
 constexpr int64_t kLeastBand = 1 << 18, kMostBand = 1 << 20, kBandOfThread = 1 << 17;
 constexpr float kCutoff = 3.5f;
+constexpr double kFinePixels = 1 << 20;  // of a float's whole numbers, with 1/16 of a pixel between
 
 DecoderWeights weights_of(const AttributeDecoder &decoder) {
   const auto floats = [&](const std::vector<int64_t> &from) {
@@ -53,7 +54,7 @@ void leave_luma_space(GaussianSet &gaussians) {
     float *colour = &gaussians.colours[i * channels];
     for (int c = 0; c < channels; ++c) {
       double sum = 0;
-      for (int k = 0; k < channels; ++k) sum = std::fma(double(colour[k]), mix[c * channels + k], sum);
+      for (int k = 0; k < channels; ++k) sum += double(colour[k]) * mix[c * channels + k];
       mixed[c] = float(sum);
     }
     std::copy(mixed.begin(), mixed.end(), colour);
@@ -127,7 +128,7 @@ int64_t TileRenderer::memory() const {
 }
 
 void TileRenderer::prepare(const PictureView &view, int threads) {
-  if (!whole(view, threads)) seen(view, threads);
+  if (!whole(view, threads)) rescale(view, threads);
 }
 
 void TileRenderer::draw(const PictureView &view, int64_t x, int64_t y, const PixelBlock &block,
@@ -182,10 +183,7 @@ void TileRenderer::draw_blocks(const PictureView &view, int64_t x, int64_t y, co
     most = std::min(most, band_samples(block.columns * block.rows * header_.spec.channels, threads));
   const int64_t width = std::min(block.columns, int64_t(std::ceil(4 * std::sqrt(double(most)))));  // flat blocks
   const int64_t height = std::max<int64_t>(1, most / (width * header_.spec.channels));
-  const auto tools_for = [&](const GaussianSet &gaussians) {
-    return Tools{Rasterizer(settings_.isa, threads, kMostPairs), gaussians};
-  };
-  Restored tools{tools_for(gaussians_), tools_for(seen(view, threads))};
+  Restored tools{{Rasterizer(settings_.isa, threads, kMostPairs), gaussians_, 0, 0}, tools_for(view, threads)};
   for (int64_t top = 0; top < block.rows; top += height)
     for (int64_t left = 0; left < block.columns; left += width) {
       const PixelBlock part =
@@ -210,9 +208,7 @@ void TileRenderer::draw_restored(Restored &tools, const PictureView &view, int64
              values, threads);
   if (view.is_plain())
     for (int64_t row = 0; row < block.rows; ++row)
-      std::copy_n(&drawn[((y + int64_t(rows.start) - needed.top + row) * needed.columns + x + int64_t(columns.start) -
-                          needed.left) *
-                         channels],
+      std::copy_n(&drawn[((rows.first - needed.top + row) * needed.columns + columns.first - needed.left) * channels],
                   block.columns * channels, &restored[row * block.columns * channels]);
   else
     draw_block(tools.shown, view, x, y, {restored, block.columns, block.rows, block.columns * channels}, values,
@@ -259,9 +255,7 @@ void TileRenderer::draw_block(Tools &tools, const PictureView &view, int64_t x, 
       behind.planes = planes, behind.height = block.rows, behind.plane_width = block.columns;
     }
   }
-  const bool plain = view.is_plain();
-  const View crop{int(x + (plain ? int64_t(across.start) : 0)), int(y + (plain ? int64_t(down.start) : 0)),
-                  int(block.columns), int(block.rows)};
+  const View crop{int(across.first - tools.left), int(down.first - tools.top), int(block.columns), int(block.rows)};
   try {
     const Gaussians gaussians = tools.gaussians.view();
     if (is_painted())
@@ -273,12 +267,30 @@ void TileRenderer::draw_block(Tools &tools, const PictureView &view, int64_t x, 
   }
 }
 
-const GaussianSet &TileRenderer::seen(const PictureView &view, int threads) {
-  if (view.is_plain()) return gaussians_;
-  if (!rescaled_ || !rescaled_->view.is_aligned(view))
-    rescaled_ = Rescaled{view, rescaled(gaussians_.view(), view.sx, view.sy, view.x - double(place_.x),
-                                        view.y - double(place_.y), kPixelVariance, threads)};
-  return rescaled_->gaussians;
+TileRenderer::Tools TileRenderer::tools_for(const PictureView &view, int threads) {
+  Rasterizer raster(settings_.isa, threads, kMostPairs);
+  if (view.is_plain()) return {std::move(raster), gaussians_, 0, 0};
+  rescale(view, threads);
+  return {std::move(raster), rescaled_->gaussians, rescaled_->left, rescaled_->top};
+}
+
+// Keeps the Gaussians of a view that is not plain. They count from the tile's corner, so that all views of a scale draw
+// the same, unless floats would be too coarse there.
+void TileRenderer::rescale(const PictureView &view, int threads) {
+  if (view.is_plain()) return;
+  const OutputAxis x = across(view, 0, 1), y = down(view, 0, 1);
+  const int64_t left = double(place_.width) * view.sx <= kFinePixels ? 0 : x.first;
+  const int64_t top = double(place_.height) * view.sy <= kFinePixels ? 0 : y.first;
+  const double at_x = double(left) + x.offset, at_y = double(top) + y.offset;
+  if (rescaled_ && rescaled_->sx == view.sx && rescaled_->sy == view.sy && rescaled_->x == at_x && rescaled_->y == at_y)
+    return;
+  rescaled_ = Rescaled{view.sx,
+                       view.sy,
+                       at_x,
+                       at_y,
+                       left,
+                       top,
+                       rescaled(gaussians_.view(), {view.sx, at_x}, {view.sy, at_y}, kPixelVariance, threads)};
 }
 
 }  // namespace sgi

@@ -74,8 +74,10 @@ class TileRenderer {
     int64_t left, top, columns, rows;
     std::vector<float> samples;
   };
+  // Gaussians of a scale. Their pixels count from the output pixel (left, top) and the offset of the view's axes.
   struct Rescaled {
-    PictureView view;
+    double sx, sy, x, y;  // output pixels of the tile where theirs begin
+    int64_t left, top;
     GaussianSet gaussians;
   };
 
@@ -83,6 +85,7 @@ class TileRenderer {
   struct Tools {
     Rasterizer raster;
     const GaussianSet &gaussians;
+    int64_t left, top;       // output pixel of the tile from which their pixels count
     KeptFloats planes = {};  // of texture, as large as a block, where the processor draws it
   };
 
@@ -104,7 +107,8 @@ class TileRenderer {
                      const SampleFormat &format, int threads) const;
   OutputAxis across(const PictureView &view, int64_t x, int64_t count) const;
   OutputAxis down(const PictureView &view, int64_t y, int64_t count) const;
-  const GaussianSet &seen(const PictureView &view, int threads);
+  Tools tools_for(const PictureView &view, int threads);
+  void rescale(const PictureView &view, int threads);
 
   const DecoderSettings &settings_;
   Header header_;

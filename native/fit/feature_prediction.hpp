@@ -1,5 +1,6 @@
 // What MLP_p says of an attribute means: its mean, step and scale, and the way back.
 #pragma once
+#include "base/elementary.hpp"
 #include "base/vector.hpp"
 #include "fit/seed_limits.hpp"
 #include "model/steps.hpp"

@@ -1,6 +1,7 @@
 // The step of LANES seeds that hold features, but for their networks: values as drawn and their bits, Gaussians, and
 // the way back. A GPU's kernels are these, too, with a seed for a thread.
 #pragma once
+#include "base/elementary.hpp"
 #include "base/lanes.hpp"
 #include "fit/feature_kernel.hpp"
 #include "fit/feature_prediction.hpp"

@@ -1,5 +1,6 @@
 // What MLP_p says of a block of seeds, and what that means in means, steps and scales.
 #pragma once
+#include "base/elementary.hpp"
 #include "fit/seed_block.hpp"
 #include "fit/seed_limits.hpp"
 

@@ -1,3 +1,4 @@
+#include "base/elementary.hpp"
 #include "metrics/colour_kernel.hpp"
 #include "metrics/maps.hpp"
 #include "metrics/rows.hpp"

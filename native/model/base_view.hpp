@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "model/base_lines.hpp"
-#include "model/texture_axis.hpp"
+#include "model/output_axis.hpp"
 
 namespace sgi {
 

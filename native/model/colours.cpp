@@ -1,6 +1,6 @@
 #include "model/colours.hpp"
 
-#include <cmath>
+#include <cstddef>
 
 namespace sgi {
 namespace {
@@ -24,7 +24,8 @@ std::vector<double> identity(int channels) {
 std::vector<double> colour_matrix(int channels) {
   std::vector<double> matrix = identity(channels);
   if (channels < 3) return matrix;
-  const double root2 = std::pow(2.0, -0.5), root3 = std::pow(3.0, -0.5), root6 = std::pow(6.0, -0.5);
+  constexpr double root2 = 0x1.6a09e667f3bcdp-1, root3 = 0x1.279a74590331cp-1,
+                   root6 = 0x1.a20bd700c2c3ep-2;  // reciprocals, rounded to nearest
   const double rows[3][3] = {{root3, root3, root3}, {root2, 0.0, -root2}, {-root6, 2 * root6, -root6}};
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) matrix[r * channels + c] = rows[r][c];
@@ -57,7 +58,7 @@ std::vector<double> mixed_planes(const std::vector<double> &matrix, bool transpo
   for (int c = 0; c < channels; ++c)
     for (int k = 0; k < channels; ++k) {
       const double share = transposed ? matrix[k * channels + c] : matrix[c * channels + k];
-      for (int64_t i = 0; i < n; ++i) out[c * n + i] = std::fma(share, values[k * n + i], out[c * n + i]);
+      for (int64_t i = 0; i < n; ++i) out[c * n + i] += share * values[k * n + i];
     }
   return out;
 }

@@ -3,7 +3,7 @@
 // A covariance is h² exp(2 M) + kMinVariance of M = [[a + b, c], [c, a - b]]. What lies beyond kShapeLimit is drawn
 // onto it, a and the length of (b, c) by themselves, so that a hostile stream cannot reach infinity.
 #pragma once
-#include "base/scalar.hpp"
+#include "base/elementary.hpp"
 #include "model/constants.hpp"
 
 namespace sgi {

@@ -6,6 +6,7 @@
 #include "base/thread_pool.hpp"
 #include "model/colours.hpp"
 #include "model/constants.hpp"
+#include "model/gaussians.hpp"
 #include "model/rotated_gaussian.hpp"
 
 namespace sgi {
@@ -65,23 +66,15 @@ class Perceptron {
   int inputs_;
 };
 
-float limited(float value) { return std::clamp(value, -float(kShapeLimit), float(kShapeLimit)); }
-
-// h² s_x s_y exp(2 [[a + b, c], [c, a - b]]) in closed form.
+// `cell`: pixels; shape [3]; scales [2] in sides of the cell.
 void log_covariance(const float *shape, const float *scales, float cell, float *out) {
-  const float a = limited(shape[0]), b = shape[1], c = shape[2];
-  float rho = std::sqrt(b * b + c * c + 1e-12f);
-  const float shrink = std::clamp(rho, 0.0f, float(kShapeLimit)) / rho;
-  rho *= shrink;
-  const float grow = std::exp(2 * (a + rho)), fall = std::exp(2 * (a - rho));
-  const float mean = 0.5f * (grow + fall), half = 0.5f * (grow - fall) / rho * shrink;
-  const float area = cell * cell * scales[0] * scales[1];
-  out[0] = area * (mean + half * b), out[1] = area * half * c, out[2] = area * (mean - half * b);
+  const Covariance<float> covariance({shape[0], shape[1], shape[2]}, cell * cell * scales[0] * scales[1]);
+  out[0] = covariance.xx(), out[1] = covariance.xy(), out[2] = covariance.yy();
 }
 
 void rotated_covariance(const float *shape, const float *scales, float cell, float *out) {
   const RotatedCovariance<float> rotated(shape, cell * scales[0], cell * scales[1]);
-  out[0] = rotated.xx(), out[1] = rotated.xy(), out[2] = rotated.yy();
+  out[0] = rotated.xx() + float(kMinVariance), out[1] = rotated.xy(), out[2] = rotated.yy() + float(kMinVariance);
 }
 
 // Seeds whose attributes are features that networks decode, or that have scales, or rotations.
@@ -142,10 +135,8 @@ class GeneralSeeds {
         const float centre = float(seeds_.corner[2 * seed + axis]) + 0.5f * cell;
         out_.means[2 * at + axis] = centre + cell * values[offset_ + 2 * k + axis] * scales[axis];
       }
-      float *covariance = out_.covariances + 3 * at;
       (spec_.shape == ShapeKind::rotation ? rotated_covariance : log_covariance)(&shapes[3 * k], scales + 2, cell,
-                                                                                 covariance);
-      covariance[0] += float(kMinVariance), covariance[2] += float(kMinVariance);
+                                                                                 out_.covariances + 3 * at);
     }
   }
 

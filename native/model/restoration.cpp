@@ -5,25 +5,21 @@
 #include <cmath>
 #include <utility>
 
+#include "base/exact.hpp"
 #include "base/thread_pool.hpp"
 
 namespace sgi {
 namespace {
 
-constexpr int kStepOfOne = 480, kStepsPerOctave = 32, kInputUnits = 128;
+constexpr int kStepOfOne = 480, kInputUnits = 128;
 constexpr int64_t kStripRows = 64;
 constexpr int kCubicBefore = 1, kCubicTaps = 4;
 
-bool is_plain(const OutputAxis &axis) { return axis.scale == 1 && axis.start == std::floor(axis.start); }
-
 // The first and last pixel and one on of an axis of `size` that its output pixels show.
 std::array<int64_t, 2> shown_of(const OutputAxis &axis, int64_t size) {
-  const int64_t first = int64_t(std::floor(axis.start)) + axis.first;
-  if (is_plain(axis))
-    return {std::clamp<int64_t>(first, 0, size - 1), std::clamp<int64_t>(first + axis.count, 1, size)};
-  const auto cell = [&](int64_t i) {
-    return int64_t(std::floor(axis.start + (double(axis.first + i) + 0.5) / axis.scale - 0.5)) - kCubicBefore;
-  };
+  if (axis.is_plain())
+    return {std::clamp<int64_t>(axis.first, 0, size - 1), std::clamp<int64_t>(axis.first + axis.count, 1, size)};
+  const auto cell = [&](int64_t i) { return int64_t(std::floor(axis.centre(i) - 0.5)) - kCubicBefore; };
   return {std::clamp<int64_t>(cell(0), 0, size - 1), std::clamp<int64_t>(cell(axis.count - 1) + kCubicTaps, 1, size)};
 }
 
@@ -36,7 +32,7 @@ struct Cubic {
 std::vector<Cubic> cubics(const OutputAxis &axis, int64_t begin, int64_t size) {
   std::vector<Cubic> found(axis.count);
   for (int64_t i = 0; i < axis.count; ++i) {
-    const double place = axis.start + (double(axis.first + i) + 0.5) / axis.scale - 0.5, low = std::floor(place);
+    const double place = axis.centre(i) - 0.5, low = std::floor(place);
     for (int tap = 0; tap < kCubicTaps; ++tap) {
       const double d = std::abs(place - (low + tap - kCubicBefore));
       const double near = (1.5 * d - 2.5) * d * d + 1.0, far = ((-0.5 * d + 2.5) * d - 4.0) * d + 2.0;
@@ -76,7 +72,7 @@ Restoration::Restoration(std::shared_ptr<const RestorationNetwork> network, int 
                          const std::vector<float> &mix, int64_t width, int64_t height, Isa isa)
     : network_(std::move(network)), channels_(channels), mixed_(channels >= 3 ? 3 : 1), width_(width), height_(height),
       isa_(isa) {
-  const double size = std::pow(2.0, double(step - kStepOfOne) / kStepsPerOctave);
+  const double size = power_of_two(step - kStepOfOne);
   std::vector<double> out{1};
   if (mixed_ == 3) out = transposed({mix.begin(), mix.end()});
   into_ = scaled(inverse(out), kInputUnits / size);
@@ -99,7 +95,7 @@ TileBlock Restoration::needed(const OutputAxis &x, const OutputAxis &y) const {
 void Restoration::add(const float *drawn, const OutputAxis &x, const OutputAxis &y, int threads, float *values) const {
   const TileBlock seen = shown(x, y);
   const TilePixels<const float> from = interleaved(drawn, needed(x, y), channels_);
-  if (is_plain(x) && is_plain(y) && seen.columns == x.count && seen.rows == y.count)
+  if (x.is_plain() && y.is_plain() && seen.columns == x.count && seen.rows == y.count)
     return correct(from, threads, interleaved(values, seen, channels_));
   std::vector<float> correction(size_t(seen.columns) * seen.rows * channels_, 0.0f);
   correct(from, threads, interleaved(correction.data(), seen, channels_));

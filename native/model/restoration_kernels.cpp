@@ -1,4 +1,4 @@
-// Restoration over vectors of LANES pixels. CMake turns fused multiply-adds off for this file.
+// Restoration over vectors of LANES pixels.
 #ifdef SGI_X86
 #include <immintrin.h>
 #endif

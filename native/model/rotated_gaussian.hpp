@@ -1,6 +1,6 @@
 // Covariances of Gaussians that are turned by an angle (paper, equations 2 and 3), for V a float or a vector of them.
 #pragma once
-#include "base/scalar.hpp"
+#include "base/elementary.hpp"
 #include "model/constants.hpp"
 
 namespace sgi {

@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/exact.hpp"
 #include "model/constants.hpp"
 
 namespace sgi {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kReach = 3.5;  // deviations of a pixel's footprint that count
+constexpr double kHalfLog2e = 0x1.71547652b82fep-1;  // 1 / (2 ln 2)
+constexpr double kReach = 3.5;                       // deviations of a pixel's footprint that count
 constexpr int kSide = 1 << kTextureRoot;
 
 // Deviation, pixels of the tile, of the Gaussian that stands for what an output pixel covers beyond a pixel.
@@ -20,16 +21,15 @@ double deviation(double scale) { return std::sqrt(kPixelVariance * std::max(0.0,
 double texture_edge(double t, bool hard) {
   if (hard) return t < 0 ? 0.0 : 1.0;
   if (t >= kTextureOverlap) return 1.0;
-  return t <= -kTextureOverlap ? 0.0 : std::sin(kPi / 4 * (1 + t / kTextureOverlap));
+  return t <= -kTextureOverlap ? 0.0 : sine_pi(0.25 + t / (4 * kTextureOverlap));
 }
 
 TextureAxis::TextureAxis(const OutputAxis &output, int64_t length, bool along_pixels, const CellPlaces &places)
     : output_(output), end_(double((length + kSide - 1) / kSide * kSide)), along_pixels_(along_pixels),
-      shared_(output.scale == 1 && output.start == std::floor(output.start)), sigma_(deviation(output.scale)),
-      step_(sigma_ > 0 ? std::min(1.0, sigma_) : 1.0), nodes_(std::ceil(kReach * sigma_ / step_)),
-      reach_(kTextureOverlap + nodes_ * step_) {
-  for (int64_t i = 0; i < output.count; ++i) totals_.push_back(total(centre(i)));
-  const double begin = centre(0) - reach_, end = centre(output.count - 1) + reach_;
+      shared_(output.is_plain()), sigma_(deviation(output.scale)), step_(sigma_ > 0 ? std::min(1.0, sigma_) : 1.0),
+      nodes_(std::ceil(kReach * sigma_ / step_)), reach_(kTextureOverlap + nodes_ * step_) {
+  for (int64_t i = 0; i < output.count; ++i) totals_.push_back(total(output.centre(i)));
+  const double begin = output.centre(0) - reach_, end = output.centre(output.count - 1) + reach_;
   for (int log_size = kTextureLeast; log_size <= kTextureRoot; ++log_size) {
     const double most = std::ldexp(end_, -log_size) - 1;
     const int64_t low = int64_t(std::clamp(std::floor(std::ldexp(begin, -log_size)), 0.0, most + 1));
@@ -49,7 +49,7 @@ CellAxis TextureAxis::cell_axis(int64_t index, int log_size) {
   const int side = 1 << log_size;
   const Edges edges{double(index * side), side, index == 0, double((index + 1) * side) == end_};
   const double spread = reach_ - kTextureOverlap;
-  const auto pixel = [&](double x) { return (x - output_.start) * output_.scale - 0.5 - double(output_.first); };
+  const auto pixel = [&](double x) { return output_.pixel_at(x) - 0.5; };
   const double low = std::ceil(pixel(edges.begin - (edges.hard_low ? spread : reach_)));
   const double high = std::floor(pixel(edges.begin + side + (edges.hard_high ? spread : reach_))) + 1;
   const double first = std::clamp(low, 0.0, double(output_.count));
@@ -68,13 +68,9 @@ CellAxis TextureAxis::cell_axis(int64_t index, int log_size) {
   return axis;
 }
 
-double TextureAxis::centre(int64_t pixel) const {
-  return output_.start + (double(output_.first + pixel) + 0.5) / output_.scale;
-}
-
 // What a pixel sees of a place `offset` from its centre, not normalised.
 double TextureAxis::weight(double offset) const {
-  return sigma_ > 0 ? std::exp(-0.5 * (offset / sigma_) * (offset / sigma_)) : 1.0;
+  return sigma_ > 0 ? exp2_of(-kHalfLog2e * (offset / sigma_) * (offset / sigma_)) : 1.0;
 }
 
 // The first and last of the places, `step_` apart around a pixel's centre, between `low` and `high`.
@@ -98,14 +94,14 @@ int64_t TextureAxis::write_table(const Edges &edges, int64_t first, int64_t coun
   const int64_t at = int64_t(values_.size()), stride = along_pixels_ ? count + kTexturePadding : side;
   values_.resize(at + (along_pixels_ ? side : count) * stride);
   for (int64_t i = 0; i < count; ++i) {
-    const double middle = centre(first + i);
+    const double middle = output_.centre(first + i);
     double sums[kSide] = {};
     const auto [from, to] = seen(middle, low, high);
     for (double node = from; node <= to; ++node) {
-      const double t = middle + node * step_ - edges.begin, angle = kPi * t / side, twice = 2 * std::cos(angle);
+      const double t = middle + node * step_ - edges.begin, twice = 2 * cosine_pi(t / side);
       const double window =
           texture_edge(t, edges.hard_low) * texture_edge(side - t, edges.hard_high) * weight(node * step_);
-      double now = std::cos(0.5 * angle) * window, before = now;
+      double now = cosine_pi(0.5 * t / side) * window, before = now;
       for (int k = 0; k < side; ++k) {
         sums[k] += now;
         const double next = twice * now - before;

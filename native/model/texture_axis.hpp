@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "model/constants.hpp"
+#include "model/output_axis.hpp"
 
 namespace sgi {
 
@@ -18,12 +19,6 @@ using CellValues = std::array<T, 1 << (2 * kTextureRoot)>;
 
 // s(t): the rising edge of a window, abrupt where it is hard.
 double texture_edge(double t, bool hard);
-
-// Output pixel i < count has its centre at start + (first + i + 1/2) / scale in the tile.
-struct OutputAxis {
-  double start, scale;
-  int64_t first, count;
-};
 
 // Where cells are along the axis.
 struct CellPlaces {
@@ -70,7 +65,6 @@ class TextureAxis {
   };
 
   double weight(double offset) const;
-  double centre(int64_t pixel) const;
   std::pair<double, double> seen(double middle, double low, double high) const;
   double total(double middle) const;
   CellAxis cell_axis(int64_t index, int log_size);

@@ -1,12 +1,13 @@
 #include "model/texture_colours.hpp"
 
-#include <cmath>
+#include <cstddef>
+
+#include "base/exact.hpp"
 
 namespace sgi {
 
 std::array<double, 9> TextureColours::matrix() const {
-  constexpr double kPi = 0x1.921fb54442d18p+1;
-  const double angle = kPi * (turn - kSameTurn) / 32, cosine = std::cos(angle), sine = std::sin(angle);
+  const double angle = (turn - kSameTurn) / 32.0, cosine = cosine_pi(angle), sine = sine_pi(angle);
   return {1, 0, 0, (shares[0] - kSameShare) / 64.0, cosine, -sine, (shares[1] - kSameShare) / 64.0, sine, cosine};
 }
 

@@ -1,10 +1,10 @@
 // Step sizes of texture symbols (docs/format.md, "Texture").
 #pragma once
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <vector>
 
+#include "base/exact.hpp"
 #include "model/texture_axis.hpp"
 
 namespace sgi {
@@ -27,7 +27,7 @@ class TextureSteps {
 
   int channels() const { return int(channel_.size()); }
   // Of a channel in a root of this contrast: quarters of an octave.
-  float of(int channel, int contrast) const { return channel_[channel] * std::exp2(float(contrast) / 4); }
+  float of(int channel, int contrast) const { return channel_[channel] * float(power_of_two(8 * contrast)); }
   // By which a step grows at the frequencies (v * n + u) of a cell of side n.
   const float *growth(int channel, int log) const { return growth_[channel > 0][log - kTextureLeast].data(); }
 

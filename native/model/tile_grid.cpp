@@ -2,30 +2,24 @@
 
 #include <algorithm>
 
+#include "model/output_axis.hpp"
+
 namespace sgi {
 
 namespace {
 
-// The centres of output pixels, in pixels of the picture.
-struct Centres {
-  double start, scale;
-  int64_t first, count;
-
-  double at(int64_t index) const { return start + (double(first + index) + 0.5) / scale; }
-
-  // The first pixel whose centre is not before `place`.
-  int64_t reach(double place) const {
-    int64_t low = 0, high = count;
-    while (low < high) {
-      const int64_t middle = low + (high - low) / 2;
-      if (at(middle) < place)
-        low = middle + 1;
-      else
-        high = middle;
-    }
-    return low;
+// The first output pixel whose centre is not before `place`.
+int64_t reach(const OutputAxis &axis, double place) {
+  int64_t low = 0, high = axis.count;
+  while (low < high) {
+    const int64_t middle = low + (high - low) / 2;
+    if (axis.centre(middle) < place)
+      low = middle + 1;
+    else
+      high = middle;
   }
-};
+  return low;
+}
 
 // A tile that does not lie behind the one that draws `place`, at most one before it.
 int64_t near(const TileAxis &axis, double place) {
@@ -36,24 +30,24 @@ int64_t near(const TileAxis &axis, double place) {
 }  // namespace
 
 std::vector<TileSegment> TileAxis::segments(double start, double scale, int64_t first, int64_t count) const {
-  const Centres centres{start, scale, first, count};
+  const OutputAxis centres(start, scale, first, count);
   const auto lowest = [&](double place) { return std::max<int64_t>(0, near(*this, place) - 1); };
-  const int64_t end = std::max<int64_t>(0, std::min(near(*this, centres.at(count - 1)) + 2, this->count - 1));
+  const int64_t end = std::max<int64_t>(0, std::min(near(*this, centres.centre(count - 1)) + 2, this->count - 1));
   std::vector<TileSegment> found;
-  int64_t begin = 0, index = lowest(centres.at(0));
+  int64_t begin = 0, index = lowest(centres.centre(0));
   while (index < end) {
     const int64_t border = edge(index + 1);
-    const int64_t before = centres.reach(double(border - apron)), behind = centres.reach(double(border + apron));
+    const int64_t before = reach(centres, double(border - apron)), behind = reach(centres, double(border + apron));
     if (before > begin) found.push_back({begin, before, index, {}});
     if (behind > before) {
       TileSegment fade{before, behind, index, std::vector<float>(size_t(behind - before))};
       for (int64_t i = before; i < behind; ++i)
-        fade.weight[size_t(i - before)] = float((centres.at(i) - double(border - apron)) / double(2 * apron));
+        fade.weight[size_t(i - before)] = float((centres.centre(i) - double(border - apron)) / double(2 * apron));
       found.push_back(std::move(fade));
     }
     begin = std::max(begin, behind);
     if (begin >= count) return found;
-    index = std::max(index + 1, lowest(centres.at(begin)));  // there may be tiles between centres
+    index = std::max(index + 1, lowest(centres.centre(begin)));  // there may be tiles between centres
   }
   found.push_back({begin, count, end, {}});
   return found;

@@ -1,6 +1,6 @@
 // Bits of a quantised value under a Laplacian or a Gaussian, for V a float or a vector of them.
 #pragma once
-#include "base/scalar.hpp"
+#include "base/elementary.hpp"
 #include "model/constants.hpp"
 
 namespace sgi {

@@ -3,7 +3,6 @@
 #pragma once
 #include <cstdint>
 
-#include "base/scalar.hpp"
 #include "raster/splat.hpp"
 
 namespace sgi {
@@ -25,20 +24,26 @@ struct TiledView {
 
 namespace {
 
-constexpr float kLongestSpan = 8;  // rows; rounding errors grow with the square
-constexpr float kLog2E = 1.44269504f;
+constexpr int kLongestSpan = 8;  // rows; rounding errors grow with the square
 
-// The ellipse of all points within the cutoff, relative to the centre.
+// Pixels are looked at a little farther out than the cutoff is. Rounding of heights never takes as much: relative to
+// the largest of them, |log2 G| of a point at r deviations is computed to 2e-7 r^2 sqrt(xx yy / det) + 1e-5, which is
+// 0.003 at kThinnest.
+constexpr float kReach = 1.002f;
+constexpr double kThinnest = 1e-6;  // of det / (xx yy), below which covariances of 24 bits say nothing
+
+// The ellipse in which pixels are looked at, relative to the centre.
 struct Ellipse {
   float ry;          // half height
   float lean;        // dx of the axis of widths per dy
   float half_width;  // half width at the centre row
   float top_dy;      // dy at which the right end is reached
+  float slack;       // pixels beyond the ends
 
   // Right and left end of the part with dy in [lo, hi].
   void extent(float lo, float hi, float &left, float &right) const {
-    right = edge(within(top_dy, lo, hi), 1.0f);
-    left = edge(within(-top_dy, lo, hi), -1.0f);
+    right = edge(within(top_dy, lo, hi), 1.0f) + slack;
+    left = edge(within(-top_dy, lo, hi), -1.0f) - slack;
   }
 
  private:
@@ -53,26 +58,31 @@ struct Ellipse {
 inline bool prepare(const float *mean, const float *cov, float cutoff, Splat &s, Ellipse &e) {
   const double xx = cov[0], xy = cov[1], yy = cov[2];
   const double det = xx * yy - xy * xy;
-  if (!(xx > 0 && yy > 0 && det > 1e-12 * xx * yy) || !is_finite(det) || !is_finite(mean[0]) || !is_finite(mean[1]))
+  if (!(xx > 0 && yy > 0 && det > kThinnest * xx * yy) || !is_finite(det) || !is_finite(mean[0]) || !is_finite(mean[1]))
     return false;
   s.x = mean[0];
   s.y = mean[1];
-  s.a = static_cast<float>(-0.5 * kLog2E * yy / det);
-  s.b = static_cast<float>(kLog2E * xy / det);
-  s.c = static_cast<float>(-0.5 * kLog2E * xx / det);
-  s.k = exp2v(2.0f * s.c);
-  s.rx = cutoff * rootv(cov[0]);
-  s.ry = e.ry = cutoff * rootv(cov[2]);
+  s.across = static_cast<float>(-0.5 * kLog2e / xx);
+  s.down = static_cast<float>(-0.5 * kLog2e * xx / det);
   s.lean = static_cast<float>(xy / xx);
-  s.half_height = static_cast<float>(cutoff * rootv(det / xx));
-  s.low_dx = static_cast<float>(cutoff * xy / rootv(yy));
-  e.lean = static_cast<float>(xy / yy);
-  e.half_width = static_cast<float>(cutoff * rootv(det / yy));
-  e.top_dy = static_cast<float>(cutoff * xy / rootv(xx));
+  s.ratio = exp2v(2.0f * s.down);
+  s.first = static_cast<int32_t>(floorv(clampv(s.y - cutoff * rootv(cov[2]) + 0.5f, 1e9f)));
   // A start must not underflow (2^-126) if a later row of its run lies within the cutoff, 2^-(0.85 cutoff)^2: over
-  // span - 1 rows sqrt(-log2 G) falls by at most sqrt(-c) (span - 1).
-  const float headroom = maxv(0.0f, 11.2f - 0.85f * cutoff), fall = rootv(-s.c);
-  s.span = static_cast<int32_t>(minv(kLongestSpan - 1.0f, headroom / fall)) + 1;
+  // span - 1 rows sqrt(-log2 G) falls by at most sqrt(-down) (span - 1).
+  const float headroom = maxv(0.0f, 11.2f - 0.85f * cutoff), fall = rootv(-s.down);
+  s.span = kLongestSpan;
+  while (s.span > 1 && float(s.span - 1) * fall > headroom) s.span /= 2;
+
+  const float reach = cutoff * kReach;
+  s.slack = e.slack = 0.01f + 0x1p-21f * (absv(s.x) + absv(s.y));
+  s.rx = reach * rootv(cov[0]) + s.slack;
+  s.ry = reach * rootv(cov[2]) + s.slack;
+  s.half_height = static_cast<float>(reach * rootv(det / xx));
+  s.low_dx = static_cast<float>(reach * xy / rootv(yy));
+  e.ry = s.ry;
+  e.lean = static_cast<float>(xy / yy);
+  e.half_width = static_cast<float>(reach * rootv(det / yy));
+  e.top_dy = static_cast<float>(reach * xy / rootv(xx));
   return true;
 }
 

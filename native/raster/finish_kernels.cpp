@@ -1,50 +1,43 @@
-// Finishing in vectors of LANES pixels (compiler vector extensions). CMake turns fused multiply-adds off for this file.
+// Finishing in vectors of LANES pixels.
 #ifdef __SSSE3__
 #include <immintrin.h>
 #endif
 
+#include "base/vector.hpp"
 #include "raster/finish_kernel.hpp"
 #include "raster/sample_values.hpp"
 
 namespace sgi {
 namespace {
 
-using Row = float __attribute__((vector_size(LANES * 4)));
-using Ints = int32_t __attribute__((vector_size(LANES * 4)));
 using Words = uint16_t __attribute__((vector_size(LANES * 2)));
 using Bytes = uint8_t __attribute__((vector_size(LANES)));
 
 constexpr int kStrip = 16;  // columns that are interleaved at once
 
-inline Row load(const float *p) {
-  Row row;
-  __builtin_memcpy(&row, p, sizeof row);
-  return row;
-}
-
 // The values of a line from column x on, all of them there if INSIDE; zeros where there is none.
 template <bool INSIDE>
-inline Row load_part(const float *line, int64_t width, int64_t x) {
+inline vf load_part(const float *line, int64_t width, int64_t x) {
   if (INSIDE || (x >= 0 && x + LANES <= width)) return load(line + x);
-  Row row{};
+  vf row{};
   for (int i = 0; i < LANES; ++i)
     if (x + i >= 0 && x + i < width) row[i] = line[x + i];
   return row;
 }
 
-inline Ints integers(Row row, float most) { return __builtin_convertvector(rounded(row, most), Ints); }
+inline vi integers(vf row, float most) { return __builtin_convertvector(rounded(row, most), vi); }
 
-inline void convert(Row row, uint8_t *to) {
+inline void convert(vf row, uint8_t *to) {
   const Bytes samples = __builtin_convertvector(integers(row, 255.0f), Bytes);
   __builtin_memcpy(to, &samples, sizeof samples);
 }
 
-inline void convert(Row row, uint16_t *to) {
+inline void convert(vf row, uint16_t *to) {
   const Words samples = __builtin_convertvector(integers(row, 65535.0f), Words);
   __builtin_memcpy(to, &samples, sizeof samples);
 }
 
-inline void convert(Row row, float *to) { __builtin_memcpy(to, &row, sizeof row); }
+inline void convert(vf row, float *to) { __builtin_memcpy(to, &row, sizeof row); }
 
 template <int C, class T>
 inline void interleave(const T *planes, int channels, int first, int last, T *to) {
@@ -103,7 +96,7 @@ inline void finish_row(const float *from, int channel, int64_t row, const TileRe
   const float *down = taps ? b.down + row * taps : nullptr;
   const float span = s.clip ? s.span[channel] : 1.0f, low = s.clip ? s.low[channel] : 0.0f;
   for (int at = r.col0 / kStrip * kStrip; at < r.col1; at += LANES) {
-    Row values = load(from + at);
+    vf values = load(from + at);
     for (int t = 0; t < taps; ++t) values += load_part<INSIDE>(line + t * b.width, b.width, r.x + at) * down[t];
     if (PLANES) values += load_part<false>(plane, b.plane_width, r.x + at);
     if (s.clip) values = mapped(values, low, span);

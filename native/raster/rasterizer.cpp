@@ -48,7 +48,8 @@ class TileBuffer {
 }  // namespace
 
 Rasterizer::Rasterizer(Isa isa, int threads, int64_t most_pairs)
-    : isa_(isa), kernel_(kernel_for<TileKernel>(isa)), threads_(threads) {
+    : isa_(isa), kernel_(kernel_for<TileKernel>(isa)), gradient_kernel_(kernel_for<GradientKernel>(isa)),
+      threads_(threads) {
   bins_.most_pairs = most_pairs;
 }
 
@@ -70,7 +71,7 @@ void Rasterizer::forward(const Gaussians &g, const View &view, float cutoff, flo
     const TileRect r = tile_rect(view, tile);
     const int64_t begin = bins_.tile_start[tile];
     kernel_.forward(bins_.entries.data() + begin, bins_.tile_start[tile + 1] - begin, bins_.splats.data(), g.colours,
-                    g.channels, r.x + view.x0, r.y + view.y0, buffer.data());
+                    g.channels, r.x + view.x0, r.y + view.y0, least_height(cutoff), buffer.data());
     for_each_row(view, r, g.channels, [&](int64_t to, int from, int n) {
       std::memcpy(image + to, buffer.data() + from, n * sizeof(float));
     });
@@ -86,7 +87,7 @@ void Rasterizer::draw(const Gaussians &g, const View &view, float cutoff, const 
     const TileRect r = tile_rect(view, tile);
     const int64_t begin = bins_.tile_start[tile];
     kernel_.forward(bins_.entries.data() + begin, bins_.tile_start[tile + 1] - begin, bins_.splats.data(), g.colours,
-                    g.channels, r.x + view.x0, r.y + view.y0, buffer.data());
+                    g.channels, r.x + view.x0, r.y + view.y0, least_height(cutoff), buffer.data());
     finish(buffer.data(), g.channels, r, background, samples);
   });
 }
@@ -101,8 +102,8 @@ void Rasterizer::backward(const Gaussians &g, const View &view, const float *gra
     const int64_t begin = bins_.tile_start[tile];
     for_each_row(view, r, g.channels,
                  [&](int64_t from, int to, int n) { std::memcpy(buffer.data() + to, grad + from, n * sizeof(float)); });
-    kernel_.backward(bins_.entries.data() + begin, bins_.tile_start[tile + 1] - begin, bins_.splats.data(), g.colours,
-                     g.channels, r.x + view.x0, r.y + view.y0, buffer.data(), partials);
+    gradient_kernel_.backward(bins_.entries.data() + begin, bins_.tile_start[tile + 1] - begin, bins_.splats.data(),
+                              g.colours, g.channels, r.x + view.x0, r.y + view.y0, buffer.data(), partials);
   });
   reduce(g, out);
 }
@@ -121,9 +122,10 @@ Errors Rasterizer::error(const Gaussians &g, const View &view, float cutoff, con
       for (int x = 0; x < count; x += 16) __builtin_prefetch(with.target + from + x);
     });
     const int x0 = r.x + view.x0, y0 = r.y + view.y0;
-    kernel_.forward(entries, n, bins_.splats.data(), g.colours, g.channels, x0, y0, buffer.data());
-    errors[tile] = kernel_.compare(buffer.data(), g.channels, r, with, view.width, view.height);
-    kernel_.backward(entries, n, bins_.splats.data(), g.colours, g.channels, x0, y0, buffer.data(), partials);
+    gradient_kernel_.forward(entries, n, bins_.splats.data(), g.colours, g.channels, x0, y0, least_height(cutoff),
+                             buffer.data());
+    errors[tile] = gradient_kernel_.compare(buffer.data(), g.channels, r, with, view.width, view.height);
+    gradient_kernel_.backward(entries, n, bins_.splats.data(), g.colours, g.channels, x0, y0, buffer.data(), partials);
   });
   reduce(g, out);
   Errors total{};

@@ -6,6 +6,7 @@
 
 #include "raster/binning.hpp"
 #include "raster/finish_kernel.hpp"
+#include "raster/gradient_kernel.hpp"
 
 namespace sgi {
 
@@ -50,6 +51,7 @@ class Rasterizer {
 
   const Isa isa_;
   const TileKernel &kernel_;
+  const GradientKernel &gradient_kernel_;
   int threads_;
   Bins bins_;
   std::unique_ptr<float[]> partials_;

@@ -16,8 +16,13 @@ struct GaussianSet {
   Gaussians view() const { return {means.data(), covariances.data(), colours.data(), count(), channels}; }
 };
 
-// Those of a picture scaled by (sx, sy) whose point (x, y) moves to (0, 0). An axis that shrinks is convolved with what
-// its new pixels cover beyond the old ones, a variance of 1 - s^2 of `pixel_variance`; each keeps its integral.
-GaussianSet rescaled(const Gaussians &g, double sx, double sy, double x, double y, double pixel_variance, int threads);
+// Places times `scale`, less `origin`: what is there in new pixels moves to 0.
+struct Rescaling {
+  double scale, origin;
+};
+
+// Those of a picture that is scaled along both axes. An axis that shrinks is convolved with what its new pixels cover
+// beyond the old ones, a variance of 1 - scale^2 of `pixel_variance`; each keeps its integral.
+GaussianSet rescaled(const Gaussians &g, const Rescaling &x, const Rescaling &y, double pixel_variance, int threads);
 
 }  // namespace sgi

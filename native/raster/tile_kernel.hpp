@@ -1,4 +1,4 @@
-// What one tile needs to be drawn and differentiated.
+// What one tile needs to be drawn.
 #pragma once
 #include <cstdint>
 
@@ -23,35 +23,11 @@ struct TileRect {
   int col0, col1, row0, row1;  // pixels of the tile inside the view
 };
 
-// What a drawn picture I is compared by: the squares of its errors, or their sizes.
-enum class Loss : int { kSquared, kAbsolute };
-
-// What it is compared with: target [channels, height, width] of the view, and weights [height, width] of its pixels,
-// null where all are 1. The loss is the sum over pixels and channels of weight * weights * (I - target)^2 or |I -
-// target|.
-struct Comparison {
-  Loss loss;
-  const float *target, *weights;
-  float weight;
-};
-
-// The loss without `weight`, and the sum of (I - target)^2.
-struct Errors {
-  double loss, squared;
-};
-
 // Pixels of a tile are [channels][kTileHeight][kTileStride], of which the first kTileWidth of a row count.
 struct TileKernel {
-  // Adds the Gaussians of `entries` to a tile whose first pixel is (x0, y0).
+  // Adds the Gaussians of `entries` where they are at least `least` high to a tile whose first pixel is (x0, y0).
   void (*forward)(const Entry *entries, int64_t n, const Splat *splats, const float *colours, int channels, int x0,
-                  int y0, float *tile);
-  // Turns a drawn tile into the loss's gradient within the view, 0 elsewhere and where nothing differs. width, height:
-  // of the view.
-  Errors (*compare)(float *tile, int channels, const TileRect &rect, const Comparison &with, int64_t width,
-                    int64_t height);
-  // Writes partials[slot][kMoments + channels] of every entry, from dL/dI = grad; beyond kTileWidth that must be 0.
-  void (*backward)(const Entry *entries, int64_t n, const Splat *splats, const float *colours, int channels, int x0,
-                   int y0, const float *grad, float *partials);
+                  int y0, float least, float *tile);
   static const TileKernel portable, avx2, avx512;
 };
 

@@ -1,4 +1,4 @@
-// Along a column G follows the recurrence of raster/tile_kernels.cpp.
+// Runs of rows begin at a window's first row: they need not agree with what a decoder draws.
 #include "base/vector.hpp"
 #include "rdoq/window_kernel.hpp"
 
@@ -7,25 +7,15 @@ namespace {
 
 static_assert(kWindowPadding % LANES == 0, "a working row must hold whole vectors");
 
-// G in LANES columns, row by row, restarted where the recurrence must not run on.
+// G in LANES columns, row by row.
 struct Column {
   const Splat &s;
-  vf quad, slope, kk, g, r;
+  Heights<vf> heights;
 
-  Column(const Splat &splat, float left) : s(splat), kk(vf{} + splat.k) {
-    const vf dx = iota() + (left + 0.5f - s.x);
-    quad = s.a * dx * dx;
-    slope = s.b * dx;
-  }
-  void start(float y) {
-    const float dy = y + 0.5f - s.y;
-    g = exp2v(quad + (slope + s.c * dy) * dy);
-    r = exp2v(slope + s.c * (2.0f * dy + 1.0f));
-  }
-  void next() {
-    g *= r;
-    r *= kk;
-  }
+  Column(const Splat &splat, float left) : s(splat), heights(splat, iota() + (left + 0.5f - splat.x)) {}
+  void start(int row) { heights.start(s, row); }
+  void next() { heights.next(s); }
+  const vf &g() const { return heights.g; }
 };
 
 inline int least(int a, int b) { return a < b ? a : b; }
@@ -47,7 +37,7 @@ void draw(const Splat &s, const Window &w, float *out) {
     for (int row = 0; row < w.height;) {
       column.start(w.y + row);
       for (const int stop = least(row + s.span, w.height); row < stop; ++row, column.next())
-        store(out + int64_t(row) * w.stride + x, first_lanes(column.g, w.width - x));
+        store(out + int64_t(row) * w.stride + x, first_lanes(column.g(), w.width - x));
     }
   }
 }
@@ -99,7 +89,7 @@ inline __attribute__((always_inline)) void changes_of(const Splat *two, const Wi
       for (const int stop = least(row + span, w.height); row < stop; ++row, a.next(), b.next()) {
         const int64_t at = int64_t(row) * w.stride + x;
         const vf old = load(g + at), twice = 2.0f * load(mixed + at);
-        vf da = a.g - old, db = b.g - old;
+        vf da = a.g() - old, db = b.g() - old;
         const vf slope_a = power * da - twice, slope_b = power * db - twice;
         if constexpr (kWeighted) {
           const vf weight = load(weights.first + row * weights.row + x);

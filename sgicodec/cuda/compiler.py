@@ -20,7 +20,7 @@ ARCHITECTURES = (75, 80, 86, 89, 90, 100, 120)
 """Of all families that NVRTC 13 knows, the first; later members of a family run what is compiled for it."""
 
 _NAMES = ("libnvrtc.so.13", "libnvrtc.so.12", "libnvrtc.so")
-_OPTIONS = ("-std=c++17", "-default-device", "-diag-suppress=161", "-diag-suppress=177")
+_OPTIONS = ("-std=c++17", "-default-device", "-fmad=false", "-diag-suppress=161", "-diag-suppress=177")
 
 
 class Resources(NamedTuple):

@@ -23,7 +23,7 @@ TILE_WIDTH, TILE_HEIGHT = _SIZES["kTileColumns"], _SIZES["kTileRows"]
 MOMENTS, DIGIT_BITS = _SIZES["kPairMoments"], _SIZES["kDigitBits"]
 SORT_THREADS, TILE_THREADS = _SIZES["kSortThreads"], _SIZES["kTileThreads"]
 SORTED = SORT_THREADS * _SIZES["kSortItems"]
-SPLAT_BYTES = 9 * 4  # TileSplat
+SPLAT_BYTES = 13 * 4  # TileSplat
 THREADS, SEARCHERS = 128, 256  # of kernels with a thread for each Gaussian; of `find_tiles`
 
 

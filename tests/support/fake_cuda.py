@@ -33,7 +33,8 @@ def library() -> Path:
     """The fake libcuda.so.1 below build/, compiled anew where its sources changed; checked where Python itself is."""
     compiler = next(filter(shutil.which, [os.environ.get("CXX", "c++"), "g++", "clang++"]))
     options = CHECKS if "libasan" in os.environ.get("LD_PRELOAD", "") else ("-O2",)
-    command = [compiler, "-std=gnu++17", "-fPIC", "-shared", "-Wall", "-Wextra", "-Wno-unknown-pragmas", *options]
+    flags = ["-std=gnu++17", "-ffp-contract=off", "-fPIC", "-shared", "-Wall", "-Wextra", "-Wno-unknown-pragmas"]
+    command = [compiler, *flags, *options]
     command += [f"-I{ROOT}", f"-I{ROOT / 'native'}", "-Wl,-soname,libcuda.so.1", str(SOURCE)]
     name = hashlib.sha256((sources.digest(" ".join(command)) + SOURCE.read_text()).encode()).hexdigest()[:16]
     folder = ROOT / "build" / "fake-cuda" / name

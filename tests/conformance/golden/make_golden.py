@@ -13,21 +13,25 @@ import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from sgicodec import EncodeSettings, Picture, encode_picture, read, write
+from sgicodec import EncodeSettings, Picture, encode_picture, read
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.tile import TileModel, write_tile
 from sgicodec.decoder.stream import open_stream
+from sgicodec.device import ONE_THREAD, Device
 from sgicodec.model.texture_symbols import SAME_COLOURS
 from sgicodec.rdoq.objective import with_values
 
 HERE = Path(__file__).parent
-sys.path.append(str(HERE.parents[1] / "support"))
+sys.path += [str(HERE.parents[1] / "support"), str(HERE.parents[2])]
 
 from surgery import join, split  # noqa: E402
 from textures import random_symbols  # noqa: E402
+
+from tests.conformance.suite import SAMPLES, TYPES, Case, cases  # noqa: E402
 
 CROP = (slice(160, 288), slice(80, 272))
 
@@ -139,24 +143,21 @@ def with_any(data: bytes, alter: Callable[[Header, TileModel], TileModel]) -> by
     return join([(letter, payload if letter == "T" else chunk) for letter, chunk in split(data)])
 
 
-def made(name: str, picture: Picture, settings: EncodeSettings) -> dict[str, object]:
-    """Writes a stream and what it decodes to; its entry in the manifest."""
+def made(name: str, picture: Picture, settings: EncodeSettings) -> dict[str, Any]:
+    """Writes a stream; its entry in the manifest."""
     path = HERE / f"{name}.sgi"
     data = encode_picture(picture, settings).data
     if "-any-" in name:
         data = with_any(data, ANY.get(name.rpartition("-")[2], with_any_texture))
     path.write_bytes(data)
-    reference = "png" if picture.channels != "multi" and picture.pixels.dtype != np.float32 else "tif"
     with open_stream(path) as stream:
-        write(stream.picture(), HERE / f"{name}.{reference}")
         survey = stream.survey()
-        entry: dict[str, object] = {
+        entry: dict[str, Any] = {
             "sha256": hashlib.sha256(path.read_bytes()).hexdigest(),
             "picture": [stream.width, stream.height, stream.header.channels],
             "sample_type": stream.header.sample_type,
             "seeds": survey.seeds,
             "symbol_crc": f"{survey.symbol_crc:08x}",
-            "reference": reference,
         }
         if settings.overview:
             entry["overview_crc"] = f"{stream.overview.symbol_crc:08x}"
@@ -165,13 +166,23 @@ def made(name: str, picture: Picture, settings: EncodeSettings) -> dict[str, obj
     return entry
 
 
+def samples(case: Case, device: Device = ONE_THREAD) -> bytes:
+    """What this package decodes for a case of the conformance suite."""
+    kind = next(name for name, short in TYPES.items() if short == case.type)
+    region, size = (case.x, case.y, case.width, case.height), (case.columns, case.rows)
+    with open_stream(HERE / f"{case.stream}.sgi", device) as stream:
+        stream.exact, stream.dither = True, False
+        return np.ascontiguousarray(stream.picture(region, size=size, dtype=kind).pixels).tobytes()
+
+
 def main() -> None:
-    """Writes the streams that do not exist yet, what they decode to, and the manifest."""
+    """Writes the streams that do not exist yet, their samples, and the manifest."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--again", metavar="WORD")
     again = parser.parse_args().again
     manifest_path = HERE / "manifest.json"
     manifest = json.loads(manifest_path.read_text()) if manifest_path.exists() else {}
+    known = json.loads(SAMPLES.read_text()) if SAMPLES.exists() else {}
     for name, (picture, settings) in pictures().items():
         anew = again is not None and again in name
         path = HERE / f"{name}.sgi"
@@ -179,7 +190,10 @@ def main() -> None:
             continue
         if name in manifest and not anew:
             raise SystemExit(f"{path} is lost: take it from the history, for a new one would prove nothing")
-        manifest[name] = made(name, picture, settings)
+        entry = manifest[name] = made(name, picture, settings)
+        stated = cases(name, *entry["picture"][:2], TYPES[entry["sample_type"]])
+        known[name] = {case.key: hashlib.sha256(samples(case)).hexdigest() for case in stated}
+    SAMPLES.write_text(json.dumps(known, indent=1, sort_keys=True) + "\n")
     manifest_path.write_text(json.dumps(manifest, indent=2) + "\n")
 
 

@@ -1,4 +1,4 @@
-"""Streams of every kind decode to the same symbols and pixels on every machine.
+"""Streams of every kind decode to the same symbols on every machine; to the same samples: test_suite.py.
 
 `manifest.json` lists what each stream decodes to. `make_golden.py` makes streams; the format alone makes them anew.
 """
@@ -10,11 +10,9 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 from surgery import split
 
-from sgicodec import read
 from sgicodec.bitstream.parts.tile import read_tile, write_tile
 from sgicodec.bitstream.parts.tile_chunk import decode_tile_chunk
 from sgicodec.decoder.stream import open_stream
@@ -27,9 +25,6 @@ MANIFEST = json.loads((HERE / "manifest.json").read_text())
 def test_no_stream_is_missing() -> None:
     """What `make_golden.py` can make, what the manifest lists and what lies here are the same."""
     assert {path.stem for path in HERE.glob("*.sgi")} == set(MANIFEST) == set(pictures())
-    assert {path.name for path in HERE.glob("*.png")} | {path.name for path in HERE.glob("*.tif")} == {
-        f"{name}.{expected['reference']}" for name, expected in MANIFEST.items()
-    }
 
 
 @pytest.mark.parametrize("name", sorted(MANIFEST))
@@ -38,7 +33,7 @@ def test_no_stream_has_changed(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", sorted(MANIFEST))
-def test_symbols_and_pixels(name: str) -> None:
+def test_symbols(name: str) -> None:
     expected = MANIFEST[name]
     with open_stream(HERE / f"{name}.sgi") as stream:
         header = stream.header
@@ -49,16 +44,6 @@ def test_symbols_and_pixels(name: str) -> None:
         assert {str(side): n for side, n in stream.survey().texture_cells.items()} == expected.get("texture_cells", {})
         if "overview_crc" in expected:
             assert f"{stream.overview.symbol_crc:08x}" == expected["overview_crc"]
-        pixels = stream.picture().pixels
-    reference = read(HERE / f"{name}.{expected['reference']}").pixels
-    low, high = header.sample_range
-    level = {"uint8": 1.0, "uint16": 257.0, "float32": float(np.max(high) - np.min(low)) / 255}[header.sample_type]
-    assert pixels.dtype == reference.dtype
-    assert pixels.shape == reference.shape
-    stated = (pixels == reference) | (np.isnan(pixels) & np.isnan(reference))
-    with np.errstate(invalid="ignore"):
-        difference = np.abs(pixels.astype(np.float64) - reference)
-    assert np.where(stated, 0, difference).max() <= level
 
 
 @pytest.mark.parametrize("name", sorted(MANIFEST))

@@ -38,7 +38,8 @@ def test_segments_are_what_each_pixel_shows(
     start = length * where
     count = min(count, max(1, int((length - start) * scale) - first))
     first = min(first, max(0, int((length - start) * scale) - count))
-    expected, share = shown(axis, start + (first + np.arange(count) + 0.5) / scale)
+    begins = np.floor(start * scale * 65536 + 0.5) / 65536  # in output pixels
+    expected, share = shown(axis, (begins + (first + np.arange(count)) + 0.5) / scale)
     reached = 0
     for begin, end, number, weight in _native.tile_segments(
         axis.length, axis.count, axis.apron, start, scale, first, count

@@ -4,7 +4,7 @@
 #include <cstdio>
 
 #define LANES 4
-#include "base/vector.hpp"
+#include "base/elementary.hpp"
 
 using namespace sgi;
 

@@ -82,7 +82,7 @@ def test_a_picture_of_many_tiles() -> None:
     """Numbers of tiles of more than one digit."""
     scene = random_scene(np.random.default_rng(4), 300, 1, 700, 700, sigma=(0.5, 6.0))
     ours, cpu = CudaRasterizer(fake_gpu(), WIDE), NativeRasterizer(cutoff=WIDE)
-    assert np.abs(ours.forward(*scene, 700, 700) - cpu.forward(*scene, 700, 700)).max() < 1e-4
+    np.testing.assert_array_equal(ours.forward(*scene, 700, 700), cpu.forward(*scene, 700, 700))
 
 
 def test_nothing_to_draw() -> None:
@@ -186,7 +186,7 @@ def test_samples_on_a_background(dtype: type, behind: str) -> None:
     ours, cpu = held[:, :, :24]  # rows of a larger picture
     for raster, out in ((CudaRasterizer(fake_gpu(), WIDE), ours), (NativeRasterizer(cutoff=WIDE), cpu)):
         raster.draw(*scene, out, background=background, mapping=mapping)
-    assert np.abs(ours.astype(float) - cpu).max() <= top / 255
+    np.testing.assert_array_equal(ours, cpu)
     assert ours.std() > top / 25
     assert not held[:, :, 24:].any()
     whole = np.ascontiguousarray(ours)
@@ -199,7 +199,7 @@ def test_values_as_they_are() -> None:
     ours, cpu = np.empty((2, 16, 24, 2), np.float32)
     for raster, out in ((CudaRasterizer(fake_gpu(), WIDE), ours), (NativeRasterizer(cutoff=WIDE), cpu)):
         raster.draw(*scene, out)
-    assert np.abs(ours - cpu).max() < 1e-4
+    np.testing.assert_array_equal(ours, cpu)
     assert ours.min() < 0
     with pytest.raises(ValueError, match="float32"):
         CudaRasterizer(fake_gpu()).draw(*scene, np.empty((16, 24, 2), np.uint8))
