@@ -89,3 +89,11 @@ def test_regions_are_parts_of_the_whole(streams: dict[str, bytes], name: str) ->
             np.testing.assert_array_equal(part, whole[y : y + height, x : x + width])
         part = stream.render(region=(40, 20, 60, 40), scale=2.5)
         assert np.abs(part - large[50:150, 100:250]).max() < 1 / 255  # Gaussians end elsewhere
+
+
+def test_a_large_view_interpolates_it(streams: dict[str, bytes]) -> None:
+    """At scale 3 the middle pixel of three has the centre of the picture's."""
+    with open_stream(streams["psnr"]) as stream, open_stream(unrestored(stream)) as plain:
+        own = stream.render() - plain.render()
+        large = stream.render(scale=3.0) - plain.render(scale=3.0)
+    np.testing.assert_allclose(large[1::3, 1::3], own, atol=1e-5)

@@ -169,22 +169,3 @@ def test_nodata_goes_from_file_to_file(sgi: Run, tmp_path: Path, pixels: np.ndar
         decoded = read(tmp_path / "out.tif")
         assert decoded.nodata == 0
         np.testing.assert_array_equal((decoded.pixels == 0).all(axis=2), (holed == 0).all(axis=2))
-
-
-def test_batches(sgi: Run, picture: Path, tmp_path: Path) -> None:
-    (tmp_path / "bad.png").write_bytes(b"nothing")
-    second = tmp_path / "second.png"
-    second.write_bytes(picture.read_bytes())
-    out = tmp_path / "out" / "deep"
-    result = sgi("encode", picture, tmp_path / "bad.png", second, "--output-dir", out, "--steps", 2)
-    assert result.exit_code == 1
-    assert sorted(path.name for path in out.iterdir()) == ["scene.sgi", "second.sgi"]
-    assert "bad.png" in result.stderr
-    total = sum(path.stat().st_size for path in out.iterdir())
-    assert result.stdout.splitlines()[-1] == f"2 of 3 files encoded, {total:,} bytes"
-    (tmp_path / "bad.sgi").write_bytes(b"nothing")
-    back = sgi("decode", out / "scene.sgi", tmp_path / "bad.sgi", out / "second.sgi", "--output-dir", tmp_path / "back")
-    assert back.exit_code == 1
-    assert sorted(path.name for path in (tmp_path / "back").iterdir()) == ["scene.png", "second.png"]
-    assert sgi("decode", out / "scene.sgi", "--output-dir", tmp_path / "back").exit_code == 1
-    assert sgi("decode", out / "scene.sgi", "--output-dir", tmp_path / "back", "-f").exit_code == 0

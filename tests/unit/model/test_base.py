@@ -2,9 +2,6 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from hypothesis.extra.numpy import arrays
 
 from sgicodec.model.base import base_colours, base_shape, cubic_weights, fit_base, render_base
 
@@ -13,28 +10,6 @@ CELL = 4
 
 def centres(count: int) -> np.ndarray:
     return np.arange(count) + 0.5
-
-
-@given(arrays(np.float64, st.integers(1, 20), elements=st.floats(-100, 1000)), st.integers(1, 12), st.floats(1, 64))
-def test_weights_are_a_partition_of_unity(positions: np.ndarray, count: int, cell: float) -> None:
-    weights = cubic_weights(positions, count, cell)
-    assert weights.shape == (len(positions), count)
-    np.testing.assert_allclose(weights.sum(axis=1), 1, atol=1e-9)
-
-
-def test_weights_are_catmull_rom() -> None:
-    """Against the curve through four points whose slopes are central differences, as a cubic Hermite polynomial."""
-    values = np.array([3.0, -1.0, 4.0, 1.5, -5.0, 9.0])
-    for t in np.linspace(0, 1, 11):
-        p0, p1, p2, p3 = values[1:5]
-        hermite = (
-            (2 * t**3 - 3 * t**2 + 1) * p1
-            + (t**3 - 2 * t**2 + t) * (p2 - p0) / 2
-            + (3 * t**2 - 2 * t**3) * p2
-            + (t**3 - t**2) * (p3 - p1) / 2
-        )
-        drawn = cubic_weights(np.array([(2.5 + t) * CELL]), 6, CELL) @ values
-        assert drawn[0] == pytest.approx(hermite)
 
 
 @pytest.mark.parametrize(("width", "height"), [(17, 12), (16, 16), (3, 1), (1, 30)])

@@ -10,7 +10,6 @@ from typing import Any
 import fsspec
 import numpy as np
 import pytest
-import tifffile
 from click.testing import CliRunner
 from fsspec.implementations.memory import MemoryFile
 from range_server import served
@@ -18,12 +17,9 @@ from range_server import served
 import sgicodec
 from sgicodec.cli.main import cli
 from sgicodec.errors import PictureError, StreamError, UsageError
-from sgicodec.plugins.cog import write_cog
-from sgicodec.plugins.pyramid import write_pyramid
 from sgicodec.remote.upload import Upload, check_writable, send
 
 GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
-PIXELS = np.zeros((8, 9, 3), np.uint8)
 
 
 @pytest.fixture
@@ -109,17 +105,3 @@ def test_refusals_come_before_the_work(sgi: Callable[..., Any], photo: Path) -> 
         assert (result.exit_code, "can be read, not written" in result.output) == (2, True)
     result = sgi("encode", photo, "memory://photo.png")
     assert (result.exit_code, "does not end in .sgi" in result.output) == (2, True)
-
-
-def test_the_library_writes_to_urls(memory: Any, tmp_path: Path) -> None:
-    sgicodec.imwrite("memory://a.sgi", PIXELS, steps=1)
-    sgicodec.write(sgicodec.Picture(PIXELS, "rgb", (0, 255)), "memory://a.png")
-    with sgicodec.open("memory://a.sgi") as stream:
-        assert stream.shape == PIXELS.shape
-        write_pyramid(stream, "memory://a.ome.tif")
-        write_cog(stream, "memory://cog.tif")
-    np.testing.assert_array_equal(sgicodec.read("memory://a.png").pixels, PIXELS)
-    for name, is_ome in (("a.ome.tif", True), ("cog.tif", False)):
-        memory.get_file(f"/{name}", str(tmp_path / name))
-        with tifffile.TiffFile(tmp_path / name) as file:
-            assert (file.is_ome, file.pages[0].shape) == (is_ome, PIXELS.shape)  # type: ignore[union-attr]

@@ -104,12 +104,6 @@ def payload() -> bytes:
     return writer.finish()
 
 
-def read(payload: bytes) -> None:
-    reader = SymbolReader(payload)
-    reader.read(np.full(100, 50, np.int16))
-    reader.finish()
-
-
 @settings(max_examples=examples(200))
 @given(st.binary(max_size=40))
 def test_any_bytes_decode_or_are_corrupt(data: bytes) -> None:
