@@ -19,6 +19,7 @@ BENCHMARKS = {
     "cuda": ("benchmarks.cuda", "Check and measure the kernels on a GPU; count floors without."),
     "scores": ("benchmarks.scores", "SSIMULACRA 2 of JPEG and JPEG XL, next to published scores."),
     "paper": ("benchmarks.paper.command", "The paper's tables, measured again beside its own figures."),
+    "paper-steps": ("benchmarks.paper_steps", "What a step of the paper profile takes, beside the rasteriser."),
     "figure": ("benchmarks.figure", "Draw the README's picture: original, sgi, JPEG of equal size."),
 }
 """Name on the command line → the module whose `main` is the command, and what it does."""

@@ -234,7 +234,7 @@ struct FeatureArguments {
   const int32_t *reads;
   const int32_t *table_start;
   const float *steps;
-  const float *signs;
+  const int8_t *signs;
   const float *theta;
   const float *sign_slopes;
   const float *trained;
@@ -250,6 +250,7 @@ struct FeatureArguments {
   float *up_shape;
   const float *hash_slopes;
   float *bits;
+  float *bit_rows;
   float *tables;
   float *means;
   float *covariances;

@@ -40,8 +40,6 @@ SUMMARY: int = ...
 
 MOST_NEIGHBOURS: int = ...
 
-LEVEL_INPUTS: int = ...
-
 NEIGHBOUR_INPUTS: int = ...
 
 COLOUR_GAIN_BITS: int = ...
@@ -171,6 +169,24 @@ class FeatureFit:
 
     def sums(self, priced: bool) -> int: ...
 
+FORMAT_VERSION: int = ...
+
+MAX_SIDE: int = ...
+
+MAX_CHANNELS: int = ...
+
+MAX_TILES: int = ...
+
+MIN_TILE: int = ...
+
+MAX_APRON: int = ...
+
+def decode_header(payload: bytes) -> dict:
+    """The fields of chunk H by their paths, such as spec.context.prior."""
+
+def encode_header(header: object) -> bytes:
+    """The payload of chunk H of a header with these fields."""
+
 def png_filter(rows: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu', writable=False)], above: Annotated[NDArray[numpy.uint8], dict(shape=(None,), order='C', device='cpu', writable=False)], step: int, out: Annotated[NDArray[numpy.uint8], dict(shape=(None, None), order='C', device='cpu')], isa: str = ...) -> None: ...
 
 def local_variance(plane: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], radius: int, out: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu')]) -> None: ...
@@ -268,44 +284,16 @@ def restoration_last_layer(network: int) -> tuple[Annotated[NDArray[numpy.int32]
     Weights and then bias of each output [outputs, 9 * inputs + 1], and the shift of what they give.
     """
 
-class StreamReader:
-    """The chunks of a stream: bytes, or a binary file."""
+CHUNK_KINDS: tuple = ...
 
-    def __init__(self, source: object, is_overview: bool = ...) -> None: ...
+MAX_PAYLOAD: int = ...
 
-    @property
-    def header(self) -> dict: ...
-
-    @property
-    def size(self) -> int: ...
-
-    @property
-    def blobs(self) -> dict: ...
-
-    @property
-    def chunk_bytes(self) -> dict: ...
-
-    @property
-    def has_overview(self) -> bool: ...
-
-    def overview(self) -> object: ...
-
-    def tile(self, number: int) -> bytes: ...
+SIGNATURE: bytes = ...
 
 def summarize(source: object) -> tuple:
     """
     Of a stream's start: payloads by letter, bytes of all chunks by letter, and of the file. No tile is read.
     """
-
-def read_chunks(source: object, known: str, with_payloads: bool = ...) -> list:
-    """
-    Letters and payloads of the known chunks of a file; without payloads these are empty.
-    """
-
-def decode_header(payload: bytes) -> dict:
-    """The fields of chunk H; enumerations as their numbers."""
-
-def crc32(data: bytes, before: int = ...) -> int: ...
 
 def shipped(kind: str, number: int) -> bytes:
     """
@@ -521,8 +509,6 @@ class MaskTree:
         """
         The mask [rows, columns] where ascending rows and columns of pixels meet.
         """
-
-def read_mask(payload: bytes, width: int, height: int) -> MaskTree: ...
 
 def decode_tile_chunk(header: bytes, payload: bytes) -> tuple[int, bool, list[tuple[bool, MaskTree]], list[tuple[int, float]], bytes]:
     """

@@ -116,7 +116,8 @@ def _row(job: Job, sample: Sample, bench: Bench, results: PaperResults) -> Paper
     row = results.find(job.key(sample.name, sample.crc))
     if row is not None:
         return row
-    row = bench.row(job, sample, results.find(job.beside().key(sample.name, sample.crc)))
+    beside = job.beside()
+    row = bench.row(job, sample, None if beside is None else results.find(beside.key(sample.name, sample.crc)))
     results.append(row)
     size = "" if row.bytes is None else f", {row.bytes:,} bytes"
     seconds = "" if row.fit_seconds is None else f", {row.fit_seconds:.1f} s"

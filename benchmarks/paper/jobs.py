@@ -91,9 +91,10 @@ class Job:
         enlarged = f" reduced={REDUCTION} enlarged={self.factor}" if self.factor else ""
         return (picture, crc, self.table, self.setting, self.method, " ".join(self.fit.options()) + enlarged)
 
-    def beside(self) -> Job:
-        """The job whose bytes or PSNR are the goal."""
-        return Job(self.table, self.setting, self.fit)
+    def beside(self) -> Job | None:
+        """The job whose bytes or PSNR are the goal, for the methods that have one."""
+        has_goal = self.method in (Method.JPEG, Method.DEFAULT_BYTES, Method.DEFAULT_PSNR)
+        return Job(self.table, self.setting, self.fit) if has_goal else None
 
 
 @dataclass(frozen=True)

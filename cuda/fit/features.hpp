@@ -22,6 +22,7 @@ inline FeatureState feature_state_of(const FeatureArguments &a) {
   s.steps = a.steps;
   s.entry = a.entry;
   s.weight = a.weight;
+  s.theta = a.theta;
   s.signs = a.signs;
   s.resolutions = a.resolutions;
   s.entry_features = a.entry_features;
@@ -39,6 +40,11 @@ inline SeedRows rows_of(const FeatureArguments &a, const float *rows, int seed) 
   return {const_cast<float *>(rows) + seed, a.count};
 }
 
+// What a seed has in an array [N, width].
+inline SeedRows of_seed(const float *values, int width, int seed) {
+  return {const_cast<float *>(values) + int64_t(seed) * width, 1};
+}
+
 inline SeedPlace place_of(const FeatureArguments &a, const FeatureState &s, int seed) {
   return SeedPlace(s, seed, rows_of(a, a.drawn, seed), rows_of(a, a.said_shape, seed));
 }
@@ -51,7 +57,7 @@ SGI_KERNEL(read_hash, kFeatureThreads, FeatureArguments) {
   for_each_seed(block, a, [&](int seed) {
     const SeedRows inputs = rows_of(a, a.inputs, seed).from(kLevelInputs);
     for (int r = 0; r < s.resolutions; ++r)
-      for (int f = 0; f < s.entry_features; ++f) inputs.set(r * s.entry_features + f, hash_input(s, seed, r, f));
+      see_signs<0>(s, seed, r, inputs.from(r * s.entry_features).at, inputs.pitch);
   });
 }
 
@@ -61,27 +67,30 @@ SGI_KERNEL(draw_features, kFeatureThreads, FeatureArguments) {
   for_each_seed(block, a, [&](int seed) {
     const SeedRows trained = rows_of(a, a.trained, seed), values = rows_of(a, a.values, seed);
     for (int j = 0; j < s.attributes(); ++j) values.set(j, coded_value(s, j, trained.get(j)));
-    a.bits[seed] = draw_values(s, seed, values, rows_of(a, a.said_context, seed), rows_of(a, a.drawn, seed));
+    a.bits[seed] = draw_values(s, seed, values, rows_of(a, a.said_context, seed), rows_of(a, a.drawn, seed),
+                               BitRows(s, rows_of(a, a.bit_rows, seed)));
   });
 }
 
 SGI_KERNEL(write_feature_gaussians, kFeatureThreads, FeatureArguments) {
   const FeatureState s = feature_state_of(a);
-  const SeedGaussians out{a.means, a.covariances, a.colours};
-  for_each_seed(block, a,
-                [&](int seed) { write_gaussians(s, place_of(a, s, seed), rows_of(a, a.said_colour, seed), out); });
+  for_each_seed(block, a, [&](int seed) {
+    place_gaussians(s, place_of(a, s, seed), of_seed(a.means, 2 * s.per_seed, seed),
+                    of_seed(a.covariances, 3 * s.per_seed, seed));
+    const SeedRows said = rows_of(a, a.said_colour, seed), colours = of_seed(a.colours, s.colours(), seed);
+    for (int i = 0; i < s.colours(); ++i) colours.set(i, said.get(i));
+  });
 }
 
 // From gradients of Gaussians to those of what MLP_c and MLP_Sigma said, of scales and of offsets.
 SGI_KERNEL(read_feature_slopes, kFeatureThreads, FeatureArguments) {
   const FeatureState s = feature_state_of(a);
-  FeatureGradients g{};
-  g.means = a.grad_means;
-  g.covariances = a.grad_covariances;
-  g.colours = a.grad_colours;
   for_each_seed(block, a, [&](int seed) {
-    read_slopes(s, place_of(a, s, seed), g, rows_of(a, a.up_colour, seed), rows_of(a, a.up_shape, seed),
-                rows_of(a, a.slopes, seed));
+    descend_gaussians(s, place_of(a, s, seed), of_seed(a.grad_means, 2 * s.per_seed, seed),
+                      of_seed(a.grad_covariances, 3 * s.per_seed, seed), rows_of(a, a.up_shape, seed),
+                      rows_of(a, a.slopes, seed));
+    const SeedRows up = rows_of(a, a.up_colour, seed), colours = of_seed(a.grad_colours, s.colours(), seed);
+    for (int i = 0; i < s.colours(); ++i) up.set(i, colours.get(i));
   });
 }
 
@@ -91,8 +100,7 @@ SGI_KERNEL(price_features, kFeatureThreads, FeatureArguments) {
   for_each_seed(block, a, [&](int seed) {
     const SeedRows slopes = rows_of(a, a.slopes, seed);
     if (s.priced)
-      price_values(s, seed, a.price, rows_of(a, a.drawn, seed), rows_of(a, a.said_context, seed), slopes,
-                   rows_of(a, a.up_context, seed));
+      price_values(s, seed, a.price, BitRows(s, rows_of(a, a.bit_rows, seed)), slopes, rows_of(a, a.up_context, seed));
     descend_scales(s, rows_of(a, a.values, seed), slopes);
   });
 }

@@ -24,7 +24,6 @@ void bind_constants(nb::module_ &m) {
            {"LEVELS", sgi::kLevels},
            {"SUMMARY", sgi::kSummary},
            {"MOST_NEIGHBOURS", sgi::kMostNeighbours},
-           {"LEVEL_INPUTS", sgi::kLevelInputs},
            {"NEIGHBOUR_INPUTS", sgi::kNeighbourInputs},
            {"COLOUR_GAIN_BITS", sgi::kColourGainBits},
            {"LOUDNESS_ZERO", sgi::kLoudnessZero},

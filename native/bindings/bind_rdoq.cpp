@@ -47,7 +47,7 @@ class SymbolSearch {
       : support_(support), start_(start), bits_(bits), opponent_(opponent), threads_(threads),
         isa_(sgi::choose_isa(isa)) {
     const size_t channels = opponent.shape(0), tables = support.shape(0);
-    require(opponent.shape(1) == channels && channels >= 1 && channels <= sgi::kMostColours,
+    require(opponent.shape(1) == channels && channels >= 1 && channels <= sgi::kMaxColours,
             "opponent must be [C, C], C at most 64");
     require(first >= 0 && size_t(first) + sgi::kScaleCount <= tables, "there must be a table for every scale");
     require_tables(support, start, bits);

@@ -6,14 +6,12 @@
 #include <tuple>
 #include <vector>
 
-#include "base/crc32.hpp"
 #include "bindings/arrays.hpp"
 #include "bindings/bindings.hpp"
 #include "bindings/python_source.hpp"
+#include "bitstream/chunk_kinds.hpp"
 #include "bitstream/container.hpp"
-#include "bitstream/header.hpp"
 #include "bitstream/shipped.hpp"
-#include "bitstream/stream_reader.hpp"
 #include "bitstream/stream_summary.hpp"
 #include "model/tile_grid.hpp"
 
@@ -22,8 +20,6 @@ using namespace nb::literals;
 
 namespace {
 
-sgi::Bytes bytes_of(const nb::bytes &held) { return {static_cast<const uint8_t *>(held.data()), held.size()}; }
-
 nb::bytes as_bytes(sgi::Bytes held) { return nb::bytes(held.data, held.size); }
 
 sgi::Bytes shipped(const std::string &kind, int number) {
@@ -31,36 +27,6 @@ sgi::Bytes shipped(const std::string &kind, int number) {
   if (kind == "texture") return sgi::shipped_texture();
   if (kind == "restoration") return sgi::shipped_restoration(number);
   return kind == "tables" ? sgi::shipped_tables() : sgi::shipped_positions();
-}
-
-nb::dict context_of(const sgi::ContextSpec &context) {
-  nb::dict fields;
-  fields["prior"] = context.prior, fields["hidden"] = context.hidden;
-  fields["neighbours"] = context.neighbours, fields["hash_resolutions"] = context.hash_resolutions;
-  fields["hash_features"] = context.hash_features, fields["hash_log2_entries"] = context.hash_log2_entries;
-  return fields;
-}
-
-nb::dict spec_of(const sgi::ModelSpec &spec) {
-  nb::dict fields;
-  fields["channels"] = spec.channels, fields["layout"] = int(spec.layout), fields["shape"] = int(spec.shape);
-  fields["per_seed"] = spec.per_seed, fields["features"] = spec.features, fields["hidden"] = spec.hidden;
-  fields["skip"] = spec.skip, fields["seed_scales"] = spec.seed_scales, fields["base_cell"] = spec.base_cell;
-  fields["context"] = context_of(spec.context);
-  fields["texture"] = spec.texture, fields["luma_space"] = spec.luma_space;
-  fields["restoration"] = spec.restoration;
-  return fields;
-}
-
-nb::dict header_of(const sgi::Header &header) {
-  nb::dict fields;
-  fields["width"] = header.width, fields["height"] = header.height, fields["channels"] = int(header.channels);
-  fields["sample_type"] = int(header.sample_type), fields["low"] = header.low, fields["high"] = header.high;
-  fields["profile"] = header.profile, fields["spec"] = spec_of(header.spec), fields["quality"] = header.quality;
-  fields["family"] = header.family, fields["tile"] = header.tile, fields["apron"] = header.apron;
-  fields["masked"] = int(header.masked), fields["nodata"] = header.nodata;
-  fields["has_band_masks"] = header.has_band_masks, fields["has_exact"] = header.has_exact;
-  return fields;
 }
 
 nb::list segments(int64_t length, int64_t count, int64_t apron, double start, double scale, int64_t first, int64_t n) {
@@ -87,63 +53,22 @@ nb::dict chunk_bytes_of(const std::map<std::string, int64_t> &chunk_bytes) {
   return found;
 }
 
-void bind_reader(nb::module_ &m) {
-  using Reader = sgi::StreamReader;
-  nb::class_<Reader>(m, "StreamReader", "The chunks of a stream: bytes, or a binary file.")
-      .def(
-          "__init__",
-          [](Reader *self, nb::object source, bool is_overview) {
-            new (self) Reader(sgi::python_source(std::move(source)), is_overview);
-          },
-          "source"_a, "is_overview"_a = false)
-      .def_prop_ro("header", [](const Reader &self) { return header_of(self.header()); })
-      .def_prop_ro("size", &Reader::size)
-      .def_prop_ro("blobs", [](const Reader &self) { return blobs_of(self.blobs()); })
-      .def_prop_ro("chunk_bytes", [](const Reader &self) { return chunk_bytes_of(self.chunk_bytes()); })
-      .def_prop_ro("has_overview", &Reader::has_overview)
-      .def("overview",
-           [](Reader &self) -> nb::object {
-             const auto found = self.overview();
-             return self.has_overview() ? nb::object(as_bytes({found.data(), found.size()})) : nb::none();
-           })
-      .def(
-          "tile",
-          [](Reader &self, int64_t number) {
-            const auto found = self.tile(number);
-            return as_bytes({found.data(), found.size()});
-          },
-          "number"_a);
-}
-
 nb::tuple summarize(nb::object source) {
   const sgi::StreamSummary found = sgi::summarize(sgi::python_source(std::move(source)));
   return nb::make_tuple(blobs_of(found.blobs), chunk_bytes_of(found.chunk_bytes), found.size);
 }
 
-nb::list read_chunks(nb::object source, const std::string &known, bool with_payloads) {
-  sgi::ChunkReader reader(sgi::python_source(std::move(source)), known);
-  nb::list chunks;
-  for (sgi::Chunk chunk; reader.next(chunk);) {
-    const auto payload = with_payloads ? reader.payload(chunk) : std::vector<uint8_t>();
-    chunks.append(nb::make_tuple(nb::str(&chunk.kind, 1), as_bytes({payload.data(), payload.size()})));
-  }
-  return chunks;
-}
-
 }  // namespace
 
 void bind_stream_reader(nb::module_ &m) {
-  bind_reader(m);
+  nb::list kinds;
+  for (const auto &[letter, name, is_once, metadata] : sgi::kChunkKinds)
+    kinds.append(nb::make_tuple(nb::str(&letter, 1), name, is_once, metadata));
+  m.attr("CHUNK_KINDS") = nb::tuple(kinds);
+  m.attr("MAX_PAYLOAD") = sgi::kMaxPayload;
+  m.attr("SIGNATURE") = nb::bytes(sgi::kSignature, sgi::kSignatureBytes);
   m.def("summarize", &summarize, "source"_a,
         "Of a stream's start: payloads by letter, bytes of all chunks by letter, and of the file. No tile is read.");
-  m.def("read_chunks", &read_chunks, "source"_a, "known"_a, "with_payloads"_a = true,
-        "Letters and payloads of the known chunks of a file; without payloads these are empty.");
-  m.def(
-      "decode_header", [](const nb::bytes &payload) { return header_of(sgi::decode_header(bytes_of(payload))); },
-      "payload"_a, "The fields of chunk H; enumerations as their numbers.");
-  m.def(
-      "crc32", [](const nb::bytes &data, uint32_t before) { return sgi::crc32(bytes_of(data), before); }, "data"_a,
-      "before"_a = 0);
   m.def(
       "shipped", [](const std::string &kind, int number) { return as_bytes(shipped(kind, number)); }, "kind"_a,
       "number"_a, "Tables, positions, prior or texture, or the restoration of this number, empty where there is none.");

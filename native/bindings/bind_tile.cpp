@@ -143,11 +143,6 @@ auto mask_at(const sgi::MaskTree &mask, const Pixels &rows, const Pixels &column
   return sgi::as_array<uint8_t, bool>(std::move(out), shape);
 }
 
-sgi::MaskTree read_mask(const nb::bytes &payload, int64_t width, int64_t height) {
-  require(width >= 1 && height >= 1 && width <= sgi::kMaxSide && height <= sgi::kMaxSide, "sides 1..2**24");
-  return sgi::MaskTree::read(bytes_of(payload), width, height);
-}
-
 // Number of the tile, whether no pixel holds anything, masks of bands, exact samples, the payload of its model.
 auto decode_tile_chunk(const nb::bytes &header, const nb::bytes &payload) {
   const sgi::TileChunk chunk = sgi::decode_tile_chunk(sgi::decode_header(bytes_of(header)), bytes_of(payload));
@@ -250,7 +245,6 @@ void bind_tile(nb::module_ &m) {
       .def_prop_ro("nbytes", &sgi::MaskTree::memory)
       .def("at", &mask_at, nb::rv_policy::move, "rows"_a, "columns"_a,
            "The mask [rows, columns] where ascending rows and columns of pixels meet.");
-  m.def("read_mask", &read_mask, "payload"_a, "width"_a, "height"_a);
   m.def(
       "decode_tile_chunk", &decode_tile_chunk, "header"_a, "payload"_a,
       "Of the payload of a chunk T: the tile's number; whether no pixel of it holds anything; masks, one for all "

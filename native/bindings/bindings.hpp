@@ -7,6 +7,7 @@ void bind_constants(nanobind::module_ &m);
 void bind_decoder(nanobind::module_ &m);
 void bind_errors(nanobind::module_ &m);
 void bind_fit(nanobind::module_ &m);
+void bind_header(nanobind::module_ &m);
 void bind_image(nanobind::module_ &m);
 void bind_metrics(nanobind::module_ &m);
 void bind_model(nanobind::module_ &m);

@@ -17,12 +17,12 @@ using namespace std::string_view_literals;
 constexpr size_t kBlock = 1 << 20, kStart = 1 << 12;  // read at a time; when a source is opened
 constexpr char kHeader = 'H', kEnd = 'E';
 
-struct Foreign {
+struct OtherFormat {
   std::string_view start, name;
 };
-constexpr Foreign kForeign[] = {{"\xff\xd8\xff"sv, "a JPEG file"},
-                                {"\x89PNG\r\n\x1a\n"sv, "a PNG file"},
-                                {"\x01\xda"sv, "a Silicon Graphics image, which shares the extension .sgi"}};
+constexpr OtherFormat kOtherFormats[] = {{"\xff\xd8\xff"sv, "a JPEG file"},
+                                         {"\x89PNG\r\n\x1a\n"sv, "a PNG file"},
+                                         {"\x01\xda"sv, "a Silicon Graphics image, which shares the extension .sgi"}};
 // What a text-mode transfer, a terminal of seven bits or a re-encoding as UTF-8 makes of the signature.
 constexpr std::string_view kDamaged[] = {"\x89SGI\n\x1a\n"sv, "\x89SGI\r\r\n\x1a"sv,   "\x89SGI\r\x1a\n"sv,
                                          "\tSGI\r\n\x1a\n"sv, "\xc2\x89SGI\r\n\x1a"sv, "\xef\xbf\xbdSGI"sv};
@@ -78,7 +78,7 @@ void ChunkReader::check_signature() {
   if (head.empty()) corrupt("the file is empty");
   if (starts(std::string_view(kSignature, kSignatureBytes), head))
     corrupt("the file ends after " + std::to_string(count) + " bytes; it was cut short");
-  for (const auto &[start, name] : kForeign)
+  for (const auto &[start, name] : kOtherFormats)
     if (starts(head, start)) corrupt("this is " + std::string(name) + ", no stream of this codec; encode it first");
   for (const auto damaged : kDamaged)
     if (starts(head, damaged))

@@ -13,9 +13,6 @@ namespace sgi {
 
 constexpr int kSignatureBytes = 8, kChunkCrcBytes = 4;
 constexpr char kSignature[kSignatureBytes + 1] = "\x89SGI\r\n\x1a\n";
-// Besides header and end: tile, index, overview, place on earth, ICC profile, EXIF as `c`amera data, XMP, and what
-// wrote the file.
-constexpr char kKnownChunks[] = "TXogicxs";
 constexpr int64_t kMaxPayload = int64_t(1) << 30;
 
 // One chunk of a file that is being read.

@@ -1,38 +1,17 @@
 #include "bitstream/header.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <iterator>
 #include <string>
 
 #include "base/error.hpp"
+#include "bitstream/header_fields.hpp"
 #include "bitstream/varint.hpp"
 
 namespace sgi {
 
 namespace {
-
-constexpr int kFormatVersion = 7;
-constexpr int64_t kMaxFeatures = 1 << 13, kMaxHidden = 1 << 12, kMaxHashLevels = 32, kMaxHashResolution = 1 << 14;
-enum Flag : int64_t {
-  kSkip = 1,
-  kSeedScales = 2,
-  kTiled = 4,
-  kTransparent = 8,
-  kNodata = 16,
-  kTexture = 32,
-  kLuma = 64,
-  kRestoration = 128,
-  kRanges = 256,
-  kBandMasks = 512,
-  kExact = 1024,
-  kAllFlags = 2047
-};
-
-constexpr const char *kLayouts[] = {"multi", "gray", "gray+alpha", "rgb", "rgba"};
-constexpr const char *kSamples[] = {"uint8", "uint16", "float32"};
 
 [[noreturn]] void corrupt(const std::string &text) { throw Error(Fault::corrupt, "header: " + text); }
 
@@ -45,78 +24,151 @@ std::string text_of(double value) {
   return text;
 }
 
-// The fields of a payload, one after the other.
-class Fields {
+// Reads the fields of a payload, one after the other.
+class FieldReader {
  public:
-  explicit Fields(Bytes data) : data_(data) {}
+  explicit FieldReader(Bytes data) : data_(data) {}
 
-  int64_t take(const std::string &what, int64_t low, int64_t high) {
-    if (at_ >= data_.size) corrupt("ends before " + what);
+  int64_t take(const char *what, int64_t low, int64_t high) {
+    if (at_ >= data_.size) corrupt(std::string("ends before ") + what);
     int64_t value;
     try {
       value = decode_varint(data_, at_);
     } catch (const Error &error) {
-      corrupt(what + ": " + error.what());
+      corrupt(std::string(what) + ": " + error.what());
     }
     if (value < low || value > high)
-      throw Error(Fault::limit, "header: " + what + " is " + std::to_string(value) + "; this version takes " +
-                                    std::to_string(low) + " to " + std::to_string(high));
+      throw Error(Fault::limit, std::string("header: ") + what + " is " + std::to_string(value) +
+                                    "; this version takes " + std::to_string(low) + " to " + std::to_string(high));
     return value;
   }
 
   template <class T>
-  void unpack(const std::string &what, T *values, size_t count) {
-    const size_t bytes = count * sizeof(T);
-    if (bytes > data_.size - at_) corrupt("ends before " + what);
-    std::memcpy(values, data_.data + at_, bytes);
-    at_ += bytes;
+  void number(const char *, const char *what, T &member, int64_t low, int64_t high) {
+    member = T(take(what, low, high));
   }
+
+  template <class T, size_t count>
+  void choice(const char *, const char *what, T &member, const char *const (&)[count]) {
+    member = T(take(what, 0, int64_t(count) - 1));
+  }
+
+  void numbers(const char *, const char *what, const char *one, std::vector<int> &members, int64_t most, int64_t high) {
+    members.resize(size_t(take(what, 0, most)));
+    for (int &member : members) member = int(take(one, 1, high));
+  }
+
+  int64_t flags(Header &header) {
+    const int64_t flags = flags_ = take("the flags", 0, kAllFlags);
+    visit_flags(header, [&](int64_t bit, const char *, bool &member) { member = flags & bit; });
+    if ((flags & kTransparent) && (flags & kNodata)) corrupt("pixels are either transparent or without data");
+    header.masked = flags & kTransparent ? Masked::transparent : flags & kNodata ? Masked::nodata : Masked::none;
+    return flags;
+  }
+
+  // One range for all colours, or one for each.
+  void ranges(Header &header) {
+    header.low.assign(size_t(header.spec.channels), 0);
+    header.high.assign(size_t(header.spec.channels), largest_of(header.sample_type));
+    const bool is_float = header.sample_type == SampleType::f32, are_counted = flags_ & kRanges;
+    if (!is_float && !are_counted) return;
+    const int64_t colours = header.colours(), count = are_counted ? take("the sample ranges", 1, colours) : 1;
+    if (count != 1 && count != colours) corrupt("sample ranges of another number of channels");
+    if (count == 1 && is_float && are_counted) corrupt("a flag for one sample range of floats");
+    for (int64_t c = 0; c < count; ++c) {
+      float range[2];
+      unpack("the sample range", range, 2);
+      for (int64_t at = c; at < (count == 1 ? colours : c + 1); ++at)
+        header.low[size_t(at)] = range[0], header.high[size_t(at)] = range[1];
+    }
+  }
+
+  void real(const char *, const char *what, double &member) { unpack(what, &member, 1); }
 
   bool at_end() const { return at_ == data_.size; }
 
  private:
+  template <class T>
+  void unpack(const char *what, T *values, size_t count) {
+    const size_t bytes = count * sizeof(T);
+    if (bytes > data_.size - at_) corrupt(std::string("ends before ") + what);
+    std::memcpy(values, data_.data + at_, bytes);
+    at_ += bytes;
+  }
+
   Bytes data_;
   size_t at_ = 0;
+  int64_t flags_ = 0;
 };
 
-ContextSpec take_context(Fields &fields) {
-  ContextSpec context;
-  context.prior = int(fields.take("the prior", 0, 255));
-  context.hidden = int(fields.take("the context model's width", 1, kMaxHidden));
-  context.neighbours = int(fields.take("the neighbours", 0, 6));
-  const int64_t levels = fields.take("the hash levels", 0, kMaxHashLevels);
-  for (int64_t i = 0; i < levels; ++i)
-    context.hash_resolutions.push_back(int(fields.take("a hash resolution", 1, kMaxHashResolution)));
-  if (levels) {
-    context.hash_features = int(fields.take("the hash features", 1, 64));
-    context.hash_log2_entries = int(fields.take("the hash entries", 1, 20));
-  }
-  return context;
-}
+// Appends the fields to a payload.
+class FieldWriter {
+ public:
+  explicit FieldWriter(std::vector<uint8_t> &payload) : payload_(payload) {}
 
-// From the seed layout to the hash entries, into `header`; returns the flags.
-int64_t take_model(Fields &fields, Header &header) {
-  ModelSpec &spec = header.spec;
-  spec.layout = SeedLayoutKind(fields.take("the seed layout", 0, 1));
-  spec.shape = ShapeKind(fields.take("the shape", 0, 1));
-  const int64_t flags = fields.take("the flags", 0, kAllFlags);
-  spec.per_seed = int(fields.take("K", 1, 64));
-  spec.features = int(fields.take("D", 1, kMaxFeatures));
-  spec.hidden = int(fields.take("the decoders' width", 0, kMaxHidden));
-  spec.base_cell = int(fields.take("the base cell", 0, 1 << 12));
-  header.quality = int(fields.take("the base step", 0, 255));
-  header.family = int(fields.take("the table family", 0, 1));
-  spec.context = take_context(fields);
-  spec.skip = flags & kSkip, spec.seed_scales = flags & kSeedScales;
-  spec.texture = flags & kTexture, spec.luma_space = flags & kLuma;
-  spec.restoration = flags & kRestoration;
+  template <class T>
+  void number(const char *, const char *, const T &member, int64_t, int64_t) {
+    encode_varint(int64_t(member), payload_);
+  }
+
+  template <class T, size_t count>
+  void choice(const char *, const char *, const T &member, const char *const (&)[count]) {
+    encode_varint(int64_t(member), payload_);
+  }
+
+  void numbers(const char *, const char *, const char *, const std::vector<int> &members, int64_t, int64_t) {
+    encode_varint(int64_t(members.size()), payload_);
+    for (const int member : members) encode_varint(member, payload_);
+  }
+
+  int64_t flags(Header &header) {
+    ranges_ = stated_ranges(header);
+    const bool are_counted = ranges_ && (ranges_ > 1 || header.sample_type != SampleType::f32);
+    flags_ = (header.tile ? kTiled : 0) | (are_counted ? kRanges : 0);
+    flags_ |= header.masked == Masked::transparent ? kTransparent : header.masked == Masked::nodata ? kNodata : 0;
+    visit_flags(header, [&](int64_t bit, const char *, bool member) { flags_ |= member ? bit : 0; });
+    encode_varint(flags_, payload_);
+    return flags_;
+  }
+
+  void ranges(const Header &header) {
+    if (flags_ & kRanges) encode_varint(int64_t(ranges_), payload_);
+    for (size_t c = 0; c < ranges_; ++c) {
+      const float range[] = {float(header.low[c]), float(header.high[c])};
+      append(range, sizeof range);
+    }
+  }
+
+  void real(const char *, const char *, const double &member) { append(&member, sizeof member); }
+
+ private:
+  // How many ranges are stated: none of integers that span their type, one where all colours have the same.
+  static size_t stated_ranges(const Header &header) {
+    const auto colours = size_t(header.colours());
+    size_t count = 1;
+    for (size_t c = 1; c < colours; ++c)
+      if (header.low[c] != header.low[0] || header.high[c] != header.high[0]) count = colours;
+    const bool is_whole = !header.low[0] && header.high[0] == largest_of(header.sample_type);
+    return count == 1 && is_whole && header.sample_type != SampleType::f32 ? 0 : count;
+  }
+
+  void append(const void *values, size_t count) {
+    const auto *bytes = static_cast<const uint8_t *>(values);
+    payload_.insert(payload_.end(), bytes, bytes + count);
+  }
+
+  std::vector<uint8_t> &payload_;
+  size_t ranges_ = 0;
+  int64_t flags_ = 0;
+};
+
+void check_model(const ModelSpec &spec) {
   const bool too_few = spec.skip && spec.features < spec.per_seed * (spec.channels + 3);
   if (too_few || (spec.context.neighbours && !spec.skip)) corrupt("settings that contradict each other");
-  return flags;
 }
 
 void check_layout(const Header &header) {
-  const std::string name = kLayouts[int(header.channels)];
+  const std::string name = kLayoutNames[int(header.channels)];
   const bool is_coloured = header.channels == ChannelLayout::rgb || header.channels == ChannelLayout::rgba;
   if (header.spec.luma_space && !is_coloured) corrupt(name + " has no luma space");
   const int given = header.spec.channels;
@@ -124,40 +176,28 @@ void check_layout(const Header &header) {
   if (expected != given) corrupt(std::to_string(given) + " channels cannot be " + name);
 }
 
-// One range for all colours, or one for each.
-void take_ranges(Fields &fields, int64_t flags, Header &header) {
-  const double largest = largest_of(header.sample_type);
-  header.low.assign(size_t(header.spec.channels), 0), header.high.assign(size_t(header.spec.channels), largest);
-  const bool is_float = header.sample_type == SampleType::f32;
-  if (!is_float && !(flags & kRanges)) return;
-  const int64_t colours = header.colours(), count = flags & kRanges ? fields.take("the sample ranges", 1, colours) : 1;
-  if (count != 1 && count != colours) corrupt("sample ranges of another number of channels");
-  if (count == 1 && is_float && (flags & kRanges)) corrupt("a flag for one sample range of floats");
-  for (int64_t c = 0; c < count; ++c) {
-    float range[2];
-    fields.unpack("the sample range", range, 2);
-    const double low = range[0], high = range[1];
+bool is_sample(const Header &header, double value) {
+  if (header.sample_type == SampleType::f32) return true;
+  return value >= 0 && value <= largest_of(header.sample_type) && value == std::trunc(value);
+}
+
+void check_ranges(const Header &header) {
+  for (size_t c = 0; c < size_t(header.colours()); ++c) {
+    const double low = header.low[c], high = header.high[c];
     const bool is_sound = std::fabs(low) <= kMaxSample && std::fabs(high) <= kMaxSample && low < high;
-    const bool fits = is_float || (low >= 0 && high <= largest && low == std::trunc(low) && high == std::trunc(high));
-    if (!is_sound || !fits) corrupt("a sample range of " + text_of(low) + " to " + text_of(high));
-    for (int64_t at = c; at < (count == 1 ? colours : c + 1); ++at)
-      header.low[size_t(at)] = low, header.high[size_t(at)] = high;
+    if (!is_sound || !is_sample(header, low) || !is_sample(header, high))
+      corrupt("a sample range of " + text_of(low) + " to " + text_of(high));
   }
 }
 
-Masked masked_of(int64_t flags, ChannelLayout channels) {
-  const bool has_alpha = channels == ChannelLayout::gray_alpha || channels == ChannelLayout::rgba;
-  if ((flags & kTransparent) && (flags & kNodata)) corrupt("pixels are either transparent or without data");
-  if ((flags & kTransparent) && !has_alpha)
-    corrupt(std::string(kLayouts[int(channels)]) + " has no transparent pixels");
-  return flags & kTransparent ? Masked::transparent : flags & kNodata ? Masked::nodata : Masked::none;
-}
-
-void check_nodata(const Header &header) {
-  if (header.masked != Masked::nodata || header.sample_type == SampleType::f32) return;
-  if (!(header.nodata >= 0 && header.nodata <= largest_of(header.sample_type) &&
-        header.nodata == std::trunc(header.nodata)))
-    corrupt(std::string("no sample of ") + kSamples[int(header.sample_type)] + " is " + text_of(header.nodata));
+void check_masks(const Header &header) {
+  const std::string layout = kLayoutNames[int(header.channels)];
+  if (header.masked == Masked::transparent && header.alpha() < 0) corrupt(layout + " has no transparent pixels");
+  const bool is_nodata = header.masked == Masked::nodata;
+  if (header.has_band_masks && (!is_nodata || header.colours() < 2))
+    corrupt("masks of bands without nodata, or of a single band");
+  if (is_nodata && !is_sample(header, header.nodata))
+    corrupt(std::string("no sample of ") + kSampleNames[int(header.sample_type)] + " is " + text_of(header.nodata));
 }
 
 void check_tiles(const Header &header) {
@@ -171,31 +211,24 @@ void check_tiles(const Header &header) {
 }  // namespace
 
 Header decode_header(Bytes payload) {
-  Fields fields(payload);
+  FieldReader fields(payload);
   const int64_t version = fields.take("the format version", 0, 1 << 20);
   if (version != kFormatVersion)
     throw Error(Fault::unsupported, "header: format version " + std::to_string(version) +
                                         "; this program reads version " + std::to_string(kFormatVersion) + " alone");
   Header header{};
-  header.width = fields.take("the width", 1, kMaxSide), header.height = fields.take("the height", 1, kMaxSide);
-  header.spec.channels = int(fields.take("the number of channels", 1, kMaxChannels));
-  header.channels = ChannelLayout(fields.take("the channel layout", 0, int64_t(std::size(kLayouts)) - 1));
-  header.sample_type = SampleType(fields.take("the sample type", 0, int64_t(std::size(kSamples)) - 1));
-  header.profile = int(fields.take("the profile", 0, 1));
-  const int64_t flags = take_model(fields, header);
-  check_layout(header);
-  header.tile = flags & kTiled ? fields.take("the tile size", kMinTile, kMaxSide) : 0;
-  header.apron = flags & kTiled ? fields.take("the apron", 0, std::min(header.tile / 4, kMaxApron)) : 0;
-  take_ranges(fields, flags, header);
-  header.masked = masked_of(flags, header.channels);
-  if (header.masked == Masked::nodata) fields.unpack("the nodata value", &header.nodata, 1);
-  header.has_band_masks = flags & kBandMasks, header.has_exact = flags & kExact;
-  if (header.has_band_masks && (header.masked != Masked::nodata || header.colours() < 2))
-    corrupt("masks of bands without nodata, or of a single band");
+  visit_fields(header, fields);
   if (!fields.at_end()) corrupt("longer than its fields");
-  check_nodata(header);
-  check_tiles(header);
+  check_model(header.spec), check_layout(header), check_ranges(header), check_masks(header), check_tiles(header);
   return header;
+}
+
+std::vector<uint8_t> encode_header(Header header) {
+  std::vector<uint8_t> payload;
+  encode_varint(kFormatVersion, payload);
+  FieldWriter fields(payload);
+  visit_fields(header, fields);
+  return payload;
 }
 
 int Header::alpha() const {

@@ -42,5 +42,7 @@ struct Header {
 // The payload of chunk H. Throws Error: unsupported for another version, limit for a field beyond its cap, corrupt for
 // fields that contradict each other.
 Header decode_header(Bytes payload);
+// The reverse. Nothing is checked but that no number is negative (Error, usage): who reads checks.
+std::vector<uint8_t> encode_header(Header header);
 
 }  // namespace sgi

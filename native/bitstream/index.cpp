@@ -13,8 +13,8 @@ namespace {
 
 constexpr uint8_t kEndChunk[kEndBytes] = {0x45, 0x00, 0xbf, 0xa9, 0xd7, 0xcc};
 constexpr size_t kOffsetBytes = 8;
-constexpr int64_t kMostUnlisted = 1 << 15;  // that are looked for one by one; every encoder writes an index
-constexpr size_t kFarthest = 1 << 16;       // how far the end of a varint is sought
+constexpr int64_t kMaxUnlisted = 1 << 15;  // that are looked for one by one; every encoder writes an index
+constexpr size_t kFarthest = 1 << 16;      // how far the end of a varint is sought
 
 // As decode_varint, with the texts of a list of them.
 int64_t take(Bytes data, size_t &at) {
@@ -48,9 +48,9 @@ std::vector<ChunkPlace> decode_index(Bytes payload, int64_t count) {
 }
 
 void check_unlisted(int64_t count) {
-  if (count > kMostUnlisted)
+  if (count > kMaxUnlisted)
     throw Error(Fault::limit, "there are " + std::to_string(count) + " tiles and no sound index; at most " +
-                                  std::to_string(kMostUnlisted) + " are sought without one");
+                                  std::to_string(kMaxUnlisted) + " are sought without one");
 }
 
 int64_t longest_index(int64_t count) { return int64_t(kOffsetBytes) + kMaxVarintBytes * (2 * count + 1); }

@@ -6,7 +6,7 @@
 
 namespace sgi {
 
-constexpr int kRootLevel = 6, kLeastLevel = 1;  // log2 of the sides of nodes, pixels
+constexpr int kRootLevel = 6, kMinLevel = 1;  // log2 of the sides of nodes, pixels
 constexpr int64_t kMaxRoots = int64_t(1) << 20;
 
 // Corners [N, 2] of their nodes in pixels (x, y), and log2 of the nodes' sides.

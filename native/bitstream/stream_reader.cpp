@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/error.hpp"
+#include "bitstream/chunk_kinds.hpp"
 #include "bitstream/container.hpp"
 #include "bitstream/index.hpp"
 #include "bitstream/tile.hpp"
@@ -20,8 +21,7 @@ Bytes view(const std::vector<uint8_t> &bytes) { return {bytes.data(), bytes.size
 }  // namespace
 
 struct StreamReader::Parts {
-  Parts(std::unique_ptr<ByteSource> source, bool is_overview)
-      : chunks(std::move(source), is_overview ? "TXgicxs" : kKnownChunks) {
+  Parts(std::unique_ptr<ByteSource> source, bool is_overview) : chunks(std::move(source), known_chunks(is_overview)) {
     read();
     size = chunks.size() ? *chunks.size() : chunks.end();
     if (places.empty()) corrupt("there is no tile: nothing to draw");
@@ -60,7 +60,7 @@ struct StreamReader::Parts {
 
   // Whether it is a second one, or behind a tile of several.
   bool is_late(const Chunk &chunk) const {
-    const bool again = blobs.count(chunk.kind) || chunk.kind == 'X' || (chunk.kind == 'o' && has_overview);
+    const bool again = chunk.kind == 'X' || chunk_bytes.count({chunk.kind});
     return again || (header.tile && !places.empty());
   }
 

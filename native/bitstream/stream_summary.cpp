@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/error.hpp"
+#include "bitstream/chunk_kinds.hpp"
 #include "bitstream/container.hpp"
 #include "bitstream/index.hpp"
 
@@ -25,7 +26,7 @@ bool jump(ChunkReader &chunks, const Chunk &first, std::map<std::string, int64_t
 }  // namespace
 
 StreamSummary summarize(std::unique_ptr<ByteSource> source) {
-  ChunkReader chunks(std::move(source), kKnownChunks);
+  ChunkReader chunks(std::move(source), known_chunks());
   StreamSummary found;
   found.chunk_bytes["signature"] = kSignatureBytes;
   for (Chunk chunk; chunks.next(chunk);) {

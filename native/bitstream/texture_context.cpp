@@ -41,7 +41,7 @@ uint32_t level(int sum) {
   return uint32_t(std::min(15, 4 + (bits - 4) * 2 + ((sum >> (bits - 2)) & 1)));
 }
 
-constexpr int kSide = 1 << kTextureRoot, kMostSum = 1 << 14;
+constexpr int kSide = 1 << kTextureRoot, kMaxSum = 1 << 14;
 
 }  // namespace
 
@@ -153,14 +153,14 @@ void SymbolContext::look_around(const TextureField &field, const TextureCell &ce
   std::fill_n(around_.begin(), rows_ << log_, 0);
   if (left) add_magnitudes(field, channel, cell.x - 1, cell.y + middle, top ? 1 : 2, around_);
   if (top) add_magnitudes(field, channel, cell.x + middle, cell.y - 1, left ? 1 : 2, around_);
-  for (int i = 0; i < rows_ << log_; ++i) around_[i] = std::min(around_[i], kMostSum);
+  for (int i = 0; i < rows_ << log_; ++i) around_[i] = std::min(around_[i], kMaxSum);
 }
 
 void SymbolContext::look_before(const TextureField &field, const TextureCell &cell, int channel) {
   std::fill_n(before_.begin(), rows_ << log_, 0);
   add_crosses(field, 0, cell, 1, false, before_);
   if (channel > 1) add_crosses(field, channel - 1, cell, 1, false, before_);
-  for (int i = 0; i < rows_ << log_; ++i) before_[i] = std::min(before_[i], kMostSum);
+  for (int i = 0; i < rows_ << log_; ++i) before_[i] = std::min(before_[i], kMaxSum);
 }
 
 BitContext SymbolContext::at(const NearMagnitudes &near, int u, int v, QuantizerState state) const {

@@ -7,7 +7,7 @@ namespace sgi {
 
 namespace {
 
-constexpr int kLeast = 16;          // of a probability
+constexpr int kMin = 16;            // of a probability
 constexpr int kWeightSum = 144179;  // of a context's weights at first, in 2^-16: 2.2
 
 }  // namespace
@@ -21,7 +21,7 @@ BitTables::BitTables() {
   }
   for (int i = 0; i < 2 * kLogisticHalf; ++i) {
     const double p = kCertain / (1 + std::exp((kLogisticHalf - i) / 256.0));
-    logistic[i] = std::clamp(int(std::lrint(p)), kLeast, kCertain - 1 - kLeast);
+    logistic[i] = std::clamp(int(std::lrint(p)), kMin, kCertain - 1 - kMin);
   }
   for (int i = 0; i <= kSeenLimit; ++i) rate[i] = 10 * kCertain / (10 * i + 16);
   rate[kSeenLimit + 1] = 0;
@@ -30,7 +30,7 @@ BitTables::BitTables() {
 
 BitModels::BitModels(int64_t models, int64_t sets) : models_(models, BitModel{kCertain / 2, 0}) {
   models_.push_back({kCertain / 2, kSeenLimit + 1});
-  weights_.assign(sets * kMostMixed, kWeightSum / kMostMixed);
+  weights_.assign(sets * kMaxMixed, kWeightSum / kMaxMixed);
 }
 
 std::vector<uint8_t> BitModels::state() const {

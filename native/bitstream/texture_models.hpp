@@ -14,10 +14,10 @@ constexpr int kLogisticHalf = 3072;    // logits beyond are clipped
 constexpr int kSeenLimit = 150;        // of the bits that a model counts
 constexpr int kWeightLimit = 1 << 20;  // either way
 
-constexpr int kMostMixed = 4;  // models that one bit has
+constexpr int kMaxMixed = 4;  // models that one bit has
 
-using MixedIntegers = int32_t __attribute__((vector_size(4 * kMostMixed)));
-using MixedNaturals = uint32_t __attribute__((vector_size(4 * kMostMixed)));
+using MixedIntegers = int32_t __attribute__((vector_size(4 * kMaxMixed)));
+using MixedNaturals = uint32_t __attribute__((vector_size(4 * kMaxMixed)));
 
 // P(1) in 2^-16, and how many bits the model has seen, up to a limit.
 struct BitModel {
@@ -27,7 +27,7 @@ struct BitModel {
 
 // The models of a bit, and the two sets of weights whose sum mixes them.
 struct BitContext {
-  std::array<uint32_t, kMostMixed> model;
+  std::array<uint32_t, kMaxMixed> model;
   std::array<uint32_t, 2> weights;
   int count;
 };
@@ -55,10 +55,10 @@ class BitModels {
   BitModels(int64_t models, int64_t sets);
 
   Prediction predict(const BitContext &context) const {
-    return predict_by(context.count == kMostMixed ? context.model : padded(context), context);
+    return predict_by(context.count == kMaxMixed ? context.model : padded(context), context);
   }
   void update(const BitContext &context, const Prediction &prediction, int bit) {
-    update_by(context.count == kMostMixed ? context.model : padded(context), context, prediction, bit);
+    update_by(context.count == kMaxMixed ? context.model : padded(context), context, prediction, bit);
   }
 
   // Bytes of all models and weights, and models and weights of such bytes; false if these are not of this size.
@@ -68,7 +68,7 @@ class BitModels {
   void settle(int most);
 
  private:
-  using Numbers = std::array<uint32_t, kMostMixed>;
+  using Numbers = std::array<uint32_t, kMaxMixed>;
 
   // The models of a context, and for those that it lacks the one that says nothing.
   Numbers padded(const BitContext &context) const;
@@ -77,7 +77,7 @@ class BitModels {
   int64_t count() const { return int64_t(models_.size()) - 1; }
 
   std::vector<BitModel> models_;  // behind all others, one whose logit is 0 and stays so
-  std::vector<int32_t> weights_;  // [sets, kMostMixed] in 2^-16
+  std::vector<int32_t> weights_;  // [sets, kMaxMixed] in 2^-16
 };
 
 // Information content of a bit, from the table of its probability's first twelve bits: for decisions, not for accounts.
@@ -85,13 +85,13 @@ inline float bit_cost(int32_t one, int bit) { return kBitTables.cost[(bit ? one 
 
 inline BitModels::Numbers BitModels::padded(const BitContext &context) const {
   Numbers found;
-  for (int i = 0; i < kMostMixed; ++i) found[i] = i < context.count ? context.model[i] : uint32_t(count());
+  for (int i = 0; i < kMaxMixed; ++i) found[i] = i < context.count ? context.model[i] : uint32_t(count());
   return found;
 }
 
 inline Prediction BitModels::predict_by(const Numbers &numbers, const BitContext &context) const {
-  const int32_t *first = &weights_[context.weights[0] * kMostMixed];
-  const int32_t *second = &weights_[context.weights[1] * kMostMixed];
+  const int32_t *first = &weights_[context.weights[0] * kMaxMixed];
+  const int32_t *second = &weights_[context.weights[1] * kMaxMixed];
   const auto logit = [&](int i) { return int32_t(kBitTables.logit[models_[numbers[i]].probability >> 4]); };
   const auto weighted = [&](int i, int32_t one) { return int64_t(first[i] + second[i]) * one; };
   const int32_t a = logit(0), b = logit(1), c = logit(2), d = logit(3);
@@ -106,11 +106,11 @@ inline void BitModels::update_by(const Numbers &numbers, const BitContext &conte
   const MixedIntegers change = (prediction.logits * error) >> 16;  // logits are within 2307 either way
   for (const uint32_t set : context.weights) {
     MixedIntegers weights;
-    std::memcpy(&weights, &weights_[set * kMostMixed], sizeof weights);
+    std::memcpy(&weights, &weights_[set * kMaxMixed], sizeof weights);
     weights += change;
     weights = weights < kWeightLimit ? weights : MixedIntegers{} + kWeightLimit;
     weights = weights > -kWeightLimit ? weights : MixedIntegers{} - kWeightLimit;
-    std::memcpy(&weights_[set * kMostMixed], &weights, sizeof weights);
+    std::memcpy(&weights_[set * kMaxMixed], &weights, sizeof weights);
   }
   const auto probability = [&](int i) { return uint32_t(models_[numbers[i]].probability); };
   const auto rate_of = [&](int i) { return uint32_t(kBitTables.rate[models_[numbers[i]].seen]); };
@@ -119,7 +119,7 @@ inline void BitModels::update_by(const Numbers &numbers, const BitContext &conte
   const MixedNaturals far = bit ? kCertain - 1 - old : old;
   const MixedNaturals step = (far * rate + (bit ? 0u : 0xffffu)) >> 16;  // downwards rounded up
   const MixedNaturals found = bit ? old + step : old - step;
-  for (int i = 0; i < kMostMixed; ++i) {
+  for (int i = 0; i < kMaxMixed; ++i) {
     BitModel &model = models_[numbers[i]];
     model.probability = uint16_t(found[i]);
     model.seen = uint8_t(model.seen + (model.seen < kSeenLimit));

@@ -11,7 +11,7 @@ namespace sgi {
 namespace {
 
 constexpr int16_t kOne = 64;
-constexpr int64_t kMostParents = (int64_t(1) << 28) - 1;  // slots are numbered by 32 bits
+constexpr int64_t kMaxParents = (int64_t(1) << 28) - 1;  // slots are numbered by 32 bits
 
 // Which share of flags was 1 so far, of split flags and of seed flags of nodes that are not split: on the level before
 // and on this one.
@@ -151,8 +151,8 @@ bool walk_tree(std::shared_ptr<const TreeScenery> scenery, int64_t most, const C
   Rates rates;
   int64_t seeds = 0;
   auto level = std::make_shared<TreeLevel>(*scenery);
-  most = std::min(most, kMostParents);
-  for (int log_size = kRootLevel; log_size >= kLeastLevel; --log_size) {
+  most = std::min(most, kMaxParents);
+  for (int log_size = kRootLevel; log_size >= kMinLevel; --log_size) {
     if (log_size < kRootLevel) {
       level = std::make_shared<TreeLevel>(*level, *scenery);
       require_few(std::max(level->parents(), seeds), most, " at level " + std::to_string(log_size + 1));
@@ -161,13 +161,13 @@ bool walk_tree(std::shared_ptr<const TreeScenery> scenery, int64_t most, const C
     for (const int child : kChildren) {
       auto [members, needed] = level->batch(child);
       TreeBatch batch{scenery, level, child, std::move(members), std::move(needed), {}};
-      batch.head[size_t(log_size - kLeastLevel)] = kOne;
+      batch.head[size_t(log_size - kMinLevel)] = kOne;
       batch.head[kHead - 5] = int16_t(scenery->quality());
       rates.write(batch.head.data() + kHead - 4);
       std::vector<uint8_t> split(size_t(batch.size())), seed(size_t(batch.size()));
       if (!code(batch, split.data(), seed.data())) return false;
       level->take(batch.members, child, split.data(), seed.data());
-      rates.count(split, seed, log_size > kLeastLevel);
+      rates.count(split, seed, log_size > kMinLevel);
     }
     found.emplace_back(log_size, level->seeds());
     seeds += int64_t(found.back().second.size());

@@ -1,6 +1,7 @@
 // Unsigned LEB128 integers: seven bits per byte, least significant group first, top bit = "more follows".
 #pragma once
 #include <cstdint>
+#include <vector>
 
 #include "base/bytes.hpp"
 #include "base/error.hpp"
@@ -27,5 +28,8 @@ int64_t read_varint(const NextByte &next_byte) {
 
 // The integer that starts at data[at]; `at` moves behind it. Throws Error (corrupt) as `read_varint`.
 int64_t decode_varint(Bytes data, size_t &at);
+
+// Appends the shortest bytes of a value. Throws Error (usage) for a negative one.
+void encode_varint(int64_t value, std::vector<uint8_t> &out);
 
 }  // namespace sgi

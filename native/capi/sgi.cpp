@@ -32,21 +32,21 @@ using sgi::capi::misuse;
 using sgi::capi::require;
 using sgi::capi::Stopped;
 
-constexpr size_t kMostStruct = 4096;  // bytes; more is a size that was never set
-constexpr int kMostThreads = 1024;
+constexpr size_t kMaxStruct = 4096;  // bytes; more is a size that was never set
+constexpr int kMaxThreads = 1024;
 constexpr double kFarthest = double(int64_t(1) << 30);  // pixels from the picture's corner
-constexpr int64_t kMostSamples = int64_t(1) << 31;      // of one call
+constexpr int64_t kMaxSamples = int64_t(1) << 31;       // of one call
 
 // Up to the last fields of the first version, 0.1: a program may know no later one.
-constexpr size_t kLeastOptions = offsetof(sgi_options, tile_bytes) + sizeof(sgi_options::tile_bytes);
-constexpr size_t kLeastInfo = offsetof(sgi_info, file_bytes) + sizeof(sgi_info::file_bytes);
-constexpr size_t kLeastView = offsetof(sgi_view, no_dither) + sizeof(sgi_view::no_dither);
+constexpr size_t kMinOptions = offsetof(sgi_options, tile_bytes) + sizeof(sgi_options::tile_bytes);
+constexpr size_t kMinInfo = offsetof(sgi_info, file_bytes) + sizeof(sgi_info::file_bytes);
+constexpr size_t kMinView = offsetof(sgi_view, no_dither) + sizeof(sgi_view::no_dither);
 
 size_t size_of(const void *given, size_t least, const char *name) {
   require(given, "a null pointer");
   size_t size;
   std::memcpy(&size, given, sizeof size);
-  if (size < least || size > kMostStruct)
+  if (size < least || size > kMaxStruct)
     misuse(std::string(name) + ".struct_size is " + std::to_string(size) + "; set it to sizeof(" + name + ")");
   return size;
 }
@@ -76,9 +76,9 @@ sgi::DecoderSettings settings_of(const sgi_options *given) {
   sgi::DecoderSettings settings;
   settings.isa = sgi::choose_isa("auto");
   if (!given) return settings;
-  const sgi_options options = taken(given, kLeastOptions, "sgi_options");
+  const sgi_options options = taken(given, kMinOptions, "sgi_options");
   require(options.threads >= 0, "options.threads must not be negative");
-  settings.threads = std::min(options.threads, kMostThreads);
+  settings.threads = std::min(options.threads, kMaxThreads);
   const auto bytes = [](uint64_t given) { return int64_t(std::min(given, uint64_t(INT64_MAX))); };
   if (options.cache_bytes) settings.cache_bytes = bytes(options.cache_bytes);
   if (options.tile_bytes) settings.tile_memory = bytes(options.tile_bytes);
@@ -144,7 +144,7 @@ sgi::PictureView picture_view(const sgi_view &view, const sgi::Header &header) {
            " pixels");
   require(view.columns && view.rows, "a view of no columns or no rows");
   const int64_t columns = view.columns, rows = view.rows;
-  if (std::max(columns, rows) > sgi::kMaxSide || columns * rows > kMostSamples / header.spec.channels)
+  if (std::max(columns, rows) > sgi::kMaxSide || columns * rows > kMaxSamples / header.spec.channels)
     misuse(std::to_string(columns) + "×" + std::to_string(rows) + " pixels are too many for one call");
   const sgi::PictureView found{view.x, view.y, columns / view.width, rows / view.height, columns, rows};
   const double most = double(sgi::kMaxSide);
@@ -210,7 +210,7 @@ const char *sgi_status_text(sgi_status status) {
 }
 
 sgi_status sgi_get_info(sgi_stream *stream, sgi_info *info) {
-  return guarded([&] { give(info, info_of(checked(stream)), kLeastInfo, "sgi_info"); });
+  return guarded([&] { give(info, info_of(checked(stream)), kMinInfo, "sgi_info"); });
 }
 
 sgi_status sgi_get_level(sgi_stream *stream, uint32_t level, uint32_t *width, uint32_t *height) {
@@ -251,7 +251,7 @@ sgi_status sgi_get_metadata(sgi_stream *stream, sgi_metadata kind, const void **
 sgi_status sgi_draw(sgi_stream *stream, const sgi_view *view, void *buffer, size_t stride) {
   return guarded([&] {
     sgi::Stream &drawn = checked(stream).stream;
-    const sgi_view wanted = taken(view, kLeastView, "sgi_view");
+    const sgi_view wanted = taken(view, kMinView, "sgi_view");
     const sgi::PictureView shown = picture_view(wanted, drawn.header());
     check_buffer(buffer, stride, wanted, drawn.header());
     constexpr sgi::Output outputs[] = {sgi::Output::u8, sgi::Output::u16, sgi::Output::f32};

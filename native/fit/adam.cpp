@@ -7,7 +7,7 @@
 namespace sgi {
 namespace {
 
-constexpr int64_t kRun = 1 << 15;  // numbers: a few microseconds
+constexpr int64_t kRun = 1 << 16;  // numbers: ten microseconds
 
 }  // namespace
 

@@ -12,6 +12,7 @@ namespace sgi {
 namespace {
 
 constexpr int64_t kMaxRuns = 64;  // each has sums of its own
+constexpr int64_t kChunk = 1 << 13;  // sums that are added together: a few microseconds
 
 }  // namespace
 
@@ -51,6 +52,7 @@ void FeatureFit::set_layout(const int32_t *half_pixels, int64_t n, int quality, 
     }
   });
   signs_.resize(table_starts_.back());
+  positive_.resize(s.resolutions);
   steps_.resize(s.attributes());
   bias_.resize(s.context_hidden);
   kept_.resize((n + kBatchSeeds - 1) / kBatchSeeds * s.kept_rows() * kPitch);
@@ -78,16 +80,19 @@ void FeatureFit::over_runs(const Body &body) {
 void FeatureFit::take_shared(const FeatureParameters &parameters, float offset_scale) {
   FeatureState &s = state_;
   s.decoders = parameters.decoders, s.first = parameters.first, s.rest = parameters.rest;
-  theta_ = parameters.tables;
+  s.theta = parameters.tables;
   for (int j = 0; j < s.attributes(); ++j)
     steps_[j] = std::exp2(parameters.steps[j]) * (j < s.first_offset() ? 1.0f : offset_scale);
   if (!s.priced) return;
+  parallel_for(s.resolutions, threads_, [&](int64_t r) {
+    const int64_t begin = table_starts_[r], end = table_starts_[r + 1];
+    positive_[r] = kernel_.take_signs(s.theta + begin, end - begin, signs_.data() + begin);
+  });
   for (int h = 0; h < s.context_hidden; ++h) {
     const float *w1 = s.first + int64_t(h) * s.context_inputs();
     bias_[h] = s.rest[h];
     for (int c = 0; c < kLevelInputs; ++c) bias_[h] += w1[c] * level_inputs_[c];
   }
-  for (size_t i = 0; i < signs_.size(); ++i) signs_[i] = theta_[i] >= 0 ? 1.0f : -1.0f;
 }
 
 double FeatureFit::forward(const FeatureValues &values, const FeatureParameters &parameters,
@@ -111,18 +116,29 @@ double FeatureFit::forward(const FeatureValues &values, const FeatureParameters 
 void FeatureFit::backward(const FeatureGradients &gradients, float lmbda, float *sums, float *tables) {
   const FeatureState &s = state_;
   const int64_t width = s.sums(s.priced), runs = (s.count + run_size() - 1) / run_size();
-  partials_.assign(width * runs, 0.0f);
+  partials_.resize(width * runs);
   over_runs([&](int64_t run, int64_t begin, int64_t end, float *memory) {
-    kernel_.backward(s, begin, end, gradients, partials_.data() + run * width, memory);
+    float *own = partials_.data() + run * width;
+    std::fill(own, own + width, 0.0f);
+    kernel_.backward(s, begin, end, gradients, own, memory);
   });
-  for (int64_t i = 0; i < width; ++i) {
-    double sum = 0;
-    for (int64_t run = 0; run < runs; ++run) sum += partials_[run * width + i];
-    sums[i] = float(sum);
-  }
+  add_partials(runs, width, sums);
   if (!s.priced) return;
   add_constant_inputs(sums + s.decoders_size());
   descend_tables(lmbda, tables);
+}
+
+// Sums of all runs, in their order.
+void FeatureFit::add_partials(int64_t runs, int64_t width, float *sums) const {
+  parallel_for((width + kChunk - 1) / kChunk, threads_, [&](int64_t chunk) {
+    const int64_t begin = chunk * kChunk, count = std::min(kChunk, width - begin);
+    double total[kChunk] = {};
+    for (int64_t run = 0; run < runs; ++run) {
+      const float *own = partials_.data() + run * width + begin;
+      for (int64_t i = 0; i < count; ++i) total[i] += own[i];
+    }
+    std::copy(total, total + count, sums + begin);
+  });
 }
 
 // Inputs that are the same for all seeds stand in b1: the gradients of their weights are multiples of its own.
@@ -134,25 +150,11 @@ void FeatureFit::add_constant_inputs(float *sums) const {
   }
 }
 
-// Of θ: straight through the signs where |θ| <= 1, from what seeds read and from the entropy of each resolution's
-// signs.
-void FeatureFit::descend_tables(float lmbda, float *tables) {
-  const FeatureState &s = state_;
-  parallel_for(s.resolutions, threads_, [&](int64_t r) {
+// Of θ: straight through the signs, from what seeds see and from the entropy of each resolution's signs.
+void FeatureFit::descend_tables(float lmbda, float *tables) const {
+  parallel_for(state_.resolutions, threads_, [&](int64_t r) {
     const int64_t begin = table_starts_[r], end = table_starts_[r + 1];
-    int64_t positive = 0;
-    for (int64_t i = begin; i < end; ++i) positive += signs_[i] > 0;
-    std::fill(tables + begin, tables + end, sign_slope(positive, end - begin, lmbda));
-    for (int64_t i = 0; i < s.count; ++i) {
-      const int32_t *entry = s.entry + (i * s.resolutions + r) * 4;
-      const float *weight = s.weight + (i * s.resolutions + r) * 4;
-      const float *up = s.hash_slopes + i * s.hash_features + r * s.entry_features;
-      for (int c = 0; c < 4; ++c)
-        for (int f = 0; f < s.entry_features; ++f)
-          tables[int64_t(entry[c]) * s.entry_features + f] += weight[c] * up[f];
-    }
-    for (int64_t i = begin; i < end; ++i)
-      if (std::fabs(theta_[i]) > 1) tables[i] = 0;
+    kernel_.descend_table(state_, int(r), begin, end, sign_slope(positive_[r], end - begin, lmbda), tables);
   });
 }
 

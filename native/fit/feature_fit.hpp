@@ -47,7 +47,7 @@ class FeatureFit {
   void backward(const FeatureGradients &gradients, float lmbda, float *sums, float *tables);
 
   // Numbers θ of the hash grid.
-  int64_t signs() const { return int64_t(signs_.size()); }
+  int64_t signs() const { return table_starts_.back(); }
   const std::vector<float> &bits() const { return bits_; }
   const FeatureState &state() const { return state_; }
 
@@ -56,18 +56,20 @@ class FeatureFit {
   template <class Body>
   void over_runs(const Body &body);
   void take_shared(const FeatureParameters &parameters, float offset_scale);
+  void add_partials(int64_t runs, int64_t width, float *sums) const;
   void add_constant_inputs(float *sums) const;
-  void descend_tables(float lmbda, float *tables);
+  void descend_tables(float lmbda, float *tables) const;
 
   const FeatureKernel &kernel_;
   int threads_;
   float level_inputs_[kLevelInputs] = {};  // of MLP_p, the same for all seeds
   ContextSpec context_;
   FeatureState state_{};
-  const float *theta_ = nullptr;
-  std::vector<int64_t> table_starts_;  // of each resolution's signs, and their end
+  std::vector<int64_t> positive_;  // signs of each resolution
+  std::vector<int8_t> signs_;
+  std::vector<int64_t> table_starts_{0};  // of each resolution's signs, and their end
   std::vector<int32_t> half_pixels_, entry_;
-  std::vector<float> weight_, signs_, steps_, bias_, kept_, bits_, hash_slopes_, partials_;
+  std::vector<float> weight_, steps_, bias_, kept_, bits_, hash_slopes_, partials_;
 };
 
 }  // namespace sgi

@@ -37,9 +37,17 @@ struct FeatureModel {
   SGI_INLINE int first_size() const { return context_hidden * context_inputs(); }
   // Sums over seeds: of the decoders' weights and, where bits count, of `rest` and `first`.
   SGI_INLINE int sums(bool priced) const { return decoders_size() + (priced ? rest_size() + first_size() : 0); }
+  // What bits leave for their way back (BitRows).
+  SGI_INLINE int bit_rows() const { return 3 * attributes() + kRefinements; }
   // Rows of a batch that its way back needs of its way forward.
   SGI_INLINE int kept_rows() const {
-    return attributes() + 2 * hidden + shapes() + hash_features + context_hidden + context_outputs();
+    return attributes() + 2 * hidden + shapes() + hash_features + context_hidden + bit_rows();
+  }
+  // Enough for the inputs of any layer where they lie seed by seed, filled up to whole vectors of at most 16.
+  SGI_INLINE int turned_rows() const {
+    const int decoders = features > hidden ? features : hidden;
+    const int context = hash_features > context_hidden ? hash_features : context_hidden;
+    return 16 + (decoders > context ? decoders : context);
   }
   // Which refinement an attribute's step follows.
   SGI_INLINE int group_of(int attribute) const {
@@ -56,9 +64,10 @@ struct FeatureState : FeatureModel {
   const float *first, *rest;               // W1 of MLP_p; b1, W2, b2
   const float *bias;                       // b1 with what W1 makes of cell size and quality, the same for all seeds
   const float *steps;                      // [d_A] Q
-  const int32_t *entry;                    // [N, resolutions, 4] of H's signs, where each entry has entry_features
+  const int32_t *entry;                    // [N, resolutions, 4] of H, where each entry has entry_features
   const float *weight;                     // [N, resolutions, 4], which sum to 1
-  const float *signs;                      // ±1
+  const float *theta;                      // what trains of H
+  const int8_t *signs;                     // of θ: ±1, which seeds see
   int resolutions, entry_features;
   float scale;  // of the pyramid's level
   Rounding rounding;
@@ -78,8 +87,9 @@ struct FeatureGradients {
 
 // Floats of memory that a run needs: rows of a batch that are not kept.
 SGI_INLINE int64_t scratch_floats(const FeatureModel &m) {
-  const int coding = m.context_outputs() + m.context_hidden + m.hash_features;
-  return int64_t(2 * m.attributes() + 2 * m.colours() + m.shapes() + m.hidden + coding) * kPitch;
+  const int coding = 2 * m.context_outputs() + m.context_hidden + m.hash_features;
+  return int64_t(2 * m.attributes() + 5 * m.per_seed + m.colours() + m.shapes() + m.hidden + coding + m.turned_rows()) *
+         kPitch;
 }
 
 // Runs are [begin, end) seeds; begin is a multiple of kBatchSeeds. `memory` holds scratch_floats(s).
@@ -89,6 +99,11 @@ struct FeatureKernel {
   // Gradients of the values; those of what all seeds share are added to sums[s.sums(s.priced)].
   void (*backward)(const FeatureState &s, int64_t begin, int64_t end, const FeatureGradients &g, float *sums,
                    float *memory);
+  // Signs of n numbers, 1 for 0; returns how many are positive.
+  int64_t (*take_signs)(const float *theta, int64_t n, int8_t *signs);
+  // Of the numbers [begin, end) of θ, those of one resolution: gradients through what all seeds see of their signs, and
+  // `slope`, where |θ| <= 1; none elsewhere.
+  void (*descend_table)(const FeatureState &s, int resolution, int64_t begin, int64_t end, float slope, float *tables);
   static const FeatureKernel portable, avx2, avx512;
 };
 

@@ -7,11 +7,14 @@ namespace {
 
 // Rows of a batch of seeds: those that outlive the way forward, and in the memory of a run those that do not.
 struct Memory {
-  float *drawn, *hidden[2], *shapes;    // attributes as drawn; of MLP_c and MLP_Sigma, and what the latter says
-  float *hash, *context_hidden, *said;  // of MLP_p
-  float *values, *slopes, *colours;     // attributes: exact, gradients of either; what MLP_c says
-  float *up_colours, *up_shapes, *hidden_slopes;  // gradients
+  float *drawn, *hidden[2], *shapes;     // attributes as drawn; of MLP_c and MLP_Sigma, and what the latter says
+  float *hash, *context_hidden, *bits;   // inputs and hidden values of MLP_p, and what bits leave
+  float *values, *slopes;                // attributes: exact, gradients of either
+  float *means, *covariances, *colours;  // of Gaussians, or their gradients
+  float *said;                           // what MLP_p says
+  float *up_shapes, *hidden_slopes;      // gradients
   float *up_said, *context_slopes, *hash_slopes;
+  float *turned;  // what a layer sees, seed by seed
 
   Memory(const FeatureState &s, int64_t first, float *scratch) {
     float *at = s.kept + first / kBatchSeeds * s.kept_rows() * kPitch;
@@ -21,11 +24,14 @@ struct Memory {
       return from;
     };
     drawn = take(s.attributes()), hidden[0] = take(s.hidden), hidden[1] = take(s.hidden), shapes = take(s.shapes());
-    hash = take(s.hash_features), context_hidden = take(s.context_hidden), said = take(s.context_outputs());
+    hash = take(s.hash_features), context_hidden = take(s.context_hidden), bits = take(s.bit_rows());
     at = scratch;
-    values = take(s.attributes()), slopes = take(s.attributes()), colours = take(s.colours());
-    up_colours = take(s.colours()), up_shapes = take(s.shapes()), hidden_slopes = take(s.hidden);
-    up_said = take(s.context_outputs()), context_slopes = take(s.context_hidden), hash_slopes = take(s.hash_features);
+    values = take(s.attributes()), slopes = take(s.attributes()), means = take(2 * s.per_seed);
+    covariances = take(3 * s.per_seed), colours = take(s.colours()), up_shapes = take(s.shapes()),
+    hidden_slopes = take(s.hidden);
+    said = take(s.context_outputs()), up_said = take(s.context_outputs()), context_slopes = take(s.context_hidden),
+    hash_slopes = take(s.hash_features);
+    turned = take(s.turned_rows());
   }
 };
 
@@ -61,16 +67,49 @@ inline Perceptron context_of(const FeatureState &s) {
   return {arrays, s.context_inputs(), s.hash_features, s.context_hidden, s.context_outputs()};
 }
 
+// Calls visit(seed, column) for squares of LANES seeds and columns that cover `width` columns; the last ones overlap.
+template <class Visit>
+inline void for_each_square(int width, const Visit &visit) {
+  for (int i = 0; i < kBatchSeeds; i += LANES)
+    for (int j = 0; j < width; j += LANES) visit(i, j + LANES <= width ? j : width - LANES);
+}
+
+// A batch's values [N, width] as rows. What is behind the last seed stands for that one.
 inline void read_columns(const float *values, int width, int64_t first, int64_t count, float *rows) {
-  for (int i = 0; i < kBatchSeeds; ++i) {
-    const float *from = values + (first + i < count ? first + i : count - 1) * width;
-    for (int j = 0; j < width; ++j) rows[j * kPitch + i] = from[j];
+  const auto of = [&](int i) { return values + (first + i < count ? first + i : count - 1) * width; };
+  if (width < LANES) {
+    for (int i = 0; i < kBatchSeeds; ++i)
+      for (int j = 0; j < width; ++j) rows[j * kPitch + i] = of(i)[j];
+    return;
   }
+  for_each_square(width, [&](int seed, int column) {
+    vf square[LANES];
+    for (int i = 0; i < LANES; ++i) square[i] = load(of(seed + i) + column);
+    turn(square, std::make_index_sequence<LANES>{});
+    for (int i = 0; i < LANES; ++i) store(rows + (column + i) * kPitch + seed, square[i]);
+  });
+}
+
+// The same of gradients, of which what is behind the last seed has none.
+inline void read_slopes(const float *slopes, int width, int64_t first, int64_t count, float *rows) {
+  read_columns(slopes, width, first, count, rows);
+  for (int j = 0; j < width; ++j)
+    for (int64_t i = count - first; i < kBatchSeeds; ++i) rows[j * kPitch + i] = 0;
 }
 
 inline void write_columns(const float *rows, int width, int64_t first, int64_t count, float *values) {
-  for (int i = 0; i < kBatchSeeds && first + i < count; ++i)
-    for (int j = 0; j < width; ++j) values[(first + i) * width + j] = rows[j * kPitch + i];
+  if (width < LANES) {
+    for (int i = 0; i < kBatchSeeds && first + i < count; ++i)
+      for (int j = 0; j < width; ++j) values[(first + i) * width + j] = rows[j * kPitch + i];
+    return;
+  }
+  for_each_square(width, [&](int seed, int column) {
+    vf square[LANES];
+    for (int i = 0; i < LANES; ++i) square[i] = load(rows + (column + i) * kPitch + seed);
+    turn(square, std::make_index_sequence<LANES>{});
+    for (int i = 0; i < LANES && first + seed + i < count; ++i)
+      store(values + (first + seed + i) * width + column, square[i]);
+  });
 }
 
 // Calls visit(v, at) for every vector of a batch; at(rows) are rows at the columns of its seeds.
@@ -79,23 +118,28 @@ inline void for_each_vector(const Visit &visit) {
   for (int v = 0; v < kVectors; ++v) visit(v, [v](float *rows) { return SeedRows{rows + v * LANES, kPitch}; });
 }
 
-inline void read_values(const FeatureState &s, int64_t first, float *values) {
-  read_columns(s.feature, s.features, first, s.count, values);
+inline void read_scales(const FeatureState &s, int64_t first, float *values) {
   read_columns(s.scales, kSeedScales, first, s.count, values + s.first_scale() * kPitch);
-  read_columns(s.offset, 2 * s.per_seed, first, s.count, values + s.first_offset() * kPitch);
   for_each_vector([&](int, const auto &at) {
     const SeedRows rows = at(values);
     for (int j = s.first_scale(); j < s.first_offset(); ++j) rows.set(j, coded_value(s, j, rows.get(j)));
   });
 }
 
+inline void read_values(const FeatureState &s, int64_t first, float *values) {
+  read_columns(s.feature, s.features, first, s.count, values);
+  read_scales(s, first, values);
+  read_columns(s.offset, 2 * s.per_seed, first, s.count, values + s.first_offset() * kPitch);
+}
+
 // What H says of a batch's seeds.
 inline void read_hash(const FeatureState &s, int64_t first, float *rows) {
   for (int i = 0; i < kBatchSeeds; ++i) {
     const int64_t seed = first + i < s.count ? first + i : s.count - 1;
-    for (int r = 0; r < s.resolutions; ++r)
-      for (int f = 0; f < s.entry_features; ++f)
-        rows[(r * s.entry_features + f) * kPitch + i] = hash_input(s, seed, r, f);
+    for (int r = 0; r < s.resolutions; ++r) {
+      float *from = rows + r * s.entry_features * kPitch + i;
+      s.entry_features == 4 ? see_signs<4>(s, seed, r, from, kPitch) : see_signs<0>(s, seed, r, from, kPitch);
+    }
   }
 }
 
@@ -108,7 +152,7 @@ inline void predict(const FeatureState &s, int64_t first, const Memory &m) {
 inline void draw(const FeatureState &s, int64_t first, const Memory &m, vf *bits) {
   if (s.priced) predict(s, first, m);
   for_each_vector([&](int v, const auto &at) {
-    bits[v] = draw_values(s, first + v * LANES, at(m.values), at(m.said), at(m.drawn));
+    bits[v] = draw_values(s, first + v * LANES, at(m.values), at(m.said), at(m.drawn), BitRows(s, at(m.bits)));
   });
 }
 
@@ -124,20 +168,25 @@ inline SeedPlace place_of(const FeatureState &s, const Memory &m, int64_t first,
 }
 
 inline void write_batch(const FeatureState &s, int64_t first, const Memory &m, const SeedGaussians &out) {
-  for_each_vector([&](int v, const auto &at) {
-    if (first + v * LANES < s.count) write_gaussians(s, place_of(s, m, first, v, at), at(m.colours), out);
-  });
+  for_each_vector(
+      [&](int v, const auto &at) { place_gaussians(s, place_of(s, m, first, v, at), at(m.means), at(m.covariances)); });
+  write_columns(m.means, 2 * s.per_seed, first, s.count, out.means);
+  write_columns(m.covariances, 3 * s.per_seed, first, s.count, out.covariances);
+  write_columns(m.colours, s.colours(), first, s.count, out.colours);
 }
 
 inline void read_batch(const FeatureState &s, int64_t first, const FeatureGradients &g, const Memory &m) {
+  read_slopes(g.means, 2 * s.per_seed, first, s.count, m.means);
+  read_slopes(g.covariances, 3 * s.per_seed, first, s.count, m.covariances);
+  read_slopes(g.colours, s.colours(), first, s.count, m.colours);
   for_each_vector([&](int v, const auto &at) {
-    read_slopes(s, place_of(s, m, first, v, at), g, at(m.up_colours), at(m.up_shapes), at(m.slopes));
+    descend_gaussians(s, place_of(s, m, first, v, at), at(m.means), at(m.covariances), at(m.up_shapes), at(m.slopes));
   });
 }
 
 inline void price(const FeatureState &s, int64_t first, float one, const Memory &m) {
   for_each_vector([&](int v, const auto &at) {
-    price_values(s, first + v * LANES, one, at(m.drawn), at(m.said), at(m.slopes), at(m.up_said));
+    price_values(s, first + v * LANES, one, BitRows(s, at(m.bits)), at(m.slopes), at(m.up_said));
   });
 }
 
@@ -161,18 +210,18 @@ void backward(const FeatureState &s, int64_t begin, int64_t end, const FeatureGr
   float *shape_sums = sums + s.decoder_size(s.colours()), *rest_sums = sums + s.decoders_size();
   for (int64_t first = begin; first < end; first += kBatchSeeds) {
     const Memory m(s, first, memory);
-    read_values(s, first, m.values);
+    read_scales(s, first, m.values);
     read_batch(s, first, g, m);
-    fill(nullptr, s.features, m.slopes);
+    clear(s.features, m.slopes);
     const Decoders decoders(s);
-    descend(decoders.colours, m.drawn, m.hidden[0], m.up_colours, m.hidden_slopes, decoder_arrays(s, sums, s.colours()),
-            m.slopes);
-    descend(decoders.shapes, m.drawn, m.hidden[1], m.up_shapes, m.hidden_slopes,
+    descend(decoders.colours, m.drawn, m.hidden[0], m.colours, m.hidden_slopes, m.turned,
+            decoder_arrays(s, sums, s.colours()), m.slopes);
+    descend(decoders.shapes, m.drawn, m.hidden[1], m.up_shapes, m.hidden_slopes, m.turned,
             decoder_arrays(s, shape_sums, s.shapes()), m.slopes);
     if (s.priced) {
       price(s, first, g.price, m);
-      fill(nullptr, s.hash_features, m.hash_slopes);
-      descend(context_of(s), m.hash, m.context_hidden, m.up_said, m.context_slopes,
+      clear(s.hash_features, m.hash_slopes);
+      descend(context_of(s), m.hash, m.context_hidden, m.up_said, m.context_slopes, m.turned,
               context_arrays(s, rest_sums + s.rest_size(), rest_sums), m.hash_slopes);
       write_columns(m.hash_slopes, s.hash_features, first, s.count, s.hash_slopes);
     }
@@ -183,8 +232,34 @@ void backward(const FeatureState &s, int64_t begin, int64_t end, const FeatureGr
   }
 }
 
+int64_t take_signs(const float *theta, int64_t n, int8_t *signs) {
+  for (int64_t i = 0; i < n; ++i) signs[i] = int8_t(theta[i] >= 0 ? 1 : -1);
+  int64_t sum = 0;
+  for (int64_t i = 0; i < n; ++i) sum += signs[i];
+  return (n + sum) / 2;
+}
+
+// WIDTH: entry_features, 0 for any.
+template <int WIDTH>
+inline void add_seen(const FeatureState &s, int resolution, float *tables) {
+  const int width = WIDTH ? WIDTH : s.entry_features;
+  for (int64_t i = 0; i < s.count; ++i) {
+    const int32_t *entry = s.entry + (i * s.resolutions + resolution) * 4;
+    const float *weight = s.weight + (i * s.resolutions + resolution) * 4;
+    const float *up = s.hash_slopes + i * s.hash_features + resolution * width;
+    for (int c = 0; c < 4; ++c)
+      for (int f = 0; f < width; ++f) tables[int64_t(entry[c]) * width + f] += weight[c] * up[f];
+  }
+}
+
+void descend_table(const FeatureState &s, int resolution, int64_t begin, int64_t end, float slope, float *tables) {
+  for (int64_t i = begin; i < end; ++i) tables[i] = slope;
+  s.entry_features == 4 ? add_seen<4>(s, resolution, tables) : add_seen<0>(s, resolution, tables);
+  for (int64_t i = begin; i < end; ++i) tables[i] = s.theta[i] >= -1 && s.theta[i] <= 1 ? tables[i] : 0.0f;
+}
+
 }  // namespace
 
-const FeatureKernel FeatureKernel::SGI_ISA{sgi::forward, sgi::backward};
+const FeatureKernel FeatureKernel::SGI_ISA{sgi::forward, sgi::backward, sgi::take_signs, sgi::descend_table};
 
 }  // namespace sgi

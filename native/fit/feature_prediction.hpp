@@ -28,15 +28,16 @@ struct FeatureUnit {
     scale = maxv(raw_scale, step * kLeastScale);
   }
 
-  // Gradients of MLP_p's outputs, from those of mean, scale and step.
+  // Gradient of the step in the refinement.
+  vf step_slope() const { return select(step_is_free & refine_is_free, step * kLn2, vf{}); }
+
+  // Gradients of MLP_p's scale and refinement, from those of scale and step.
   struct Slopes {
-    vf mean, scale, refine;
+    vf scale, refine;
   };
-  Slopes descend(vf of_mean, vf of_scale, vf of_step) const {
+  Slopes descend(vf of_scale, vf of_step) const {
     of_step += select(scale_is_free, vf{}, of_scale * kLeastScale);
-    const vf raw = select(scale_is_free, of_scale * raw_scale * kLn2, vf{});
-    const vf log_step = select(step_is_free, of_step * step * kLn2, vf{});
-    return {of_mean * base, select(output_is_free, raw, vf{}), select(refine_is_free, log_step, vf{})};
+    return {select(scale_is_free & output_is_free, of_scale * raw_scale * kLn2, vf{}), of_step * step_slope()};
   }
 };
 

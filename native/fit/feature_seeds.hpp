@@ -26,13 +26,19 @@ inline vf coded_value(const FeatureModel &m, int attribute, vf trained) {
   return attribute < m.first_scale() || attribute >= m.first_offset() ? trained : exp2v(trained * kLog2e);
 }
 
-// Input `feature` of MLP_p from one resolution of H, of one seed.
-inline float hash_input(const FeatureState &s, int64_t seed, int resolution, int feature) {
+// What one seed sees of one resolution of H, in rows `pitch` apart. WIDTH: entry_features, 0 for any.
+template <int WIDTH>
+inline void see_signs(const FeatureState &s, int64_t seed, int resolution, float *rows, int64_t pitch) {
+  const int width = WIDTH ? WIDTH : s.entry_features;
   const int32_t *entry = s.entry + (seed * s.resolutions + resolution) * 4;
   const float *weight = s.weight + (seed * s.resolutions + resolution) * 4;
-  float sum = 0;
-  for (int c = 0; c < 4; ++c) sum += weight[c] * s.signs[int64_t(entry[c]) * s.entry_features + feature];
-  return sum;
+  constexpr int kTogether = WIDTH ? WIDTH : 1;
+  for (int f = 0; f < width; f += kTogether) {
+    float sum[kTogether] = {};
+    for (int c = 0; c < 4; ++c)
+      for (int i = 0; i < kTogether; ++i) sum[i] += weight[c] * float(s.signs[int64_t(entry[c]) * width + f + i]);
+    for (int i = 0; i < kTogether; ++i) rows[(f + i) * pitch] = sum[i];
+  }
 }
 
 // What MLP_p says of an attribute.
@@ -41,10 +47,20 @@ inline FeatureUnit unit_of(const FeatureState &s, const SeedRows &said, int attr
                      said.get(2 * s.attributes() + s.group_of(attribute)));
 }
 
-// Attributes as drawn, of the seeds from `first` on; returns their bits.
+// What bits leave for their way back. Of each attribute, the gradients of one bit in its drawn value and in the scale
+// that MLP_p says, and that of its drawn value in the refinement of its step; gradients of one bit in the refinements.
+struct BitRows {
+  SeedRows values, scales, noise, refine;
+
+  BitRows(const FeatureModel &m, const SeedRows &rows)
+      : values(rows), scales(rows.from(m.attributes())), noise(rows.from(2 * m.attributes())),
+        refine(rows.from(3 * m.attributes())) {}
+};
+
+// Attributes as drawn, of the seeds from `first` on; returns their bits. `left`: written where bits count.
 inline vf draw_values(const FeatureState &s, int64_t first, const SeedRows &values, const SeedRows &said,
-                      const SeedRows &drawn) {
-  vf bits{};
+                      const SeedRows &drawn, const BitRows &left) {
+  vf bits{}, refine[kRefinements] = {};
   for (int j = 0; j < s.attributes(); ++j) {
     vf value = values.get(j);
     if (s.rounding == Rounding::kNoise) {
@@ -52,13 +68,21 @@ inline vf draw_values(const FeatureState &s, int64_t first, const SeedRows &valu
       if (s.priced) {
         const FeatureUnit unit = unit_of(s, said, j);
         value += unit.step * spread;
-        bits += gaussian_bits(value - unit.mean, unit.step, unit.scale).bits;
+        const Bits<vf> b = gaussian_bits(value - unit.mean, unit.step, unit.scale);
+        bits += b.bits;
+        const FeatureUnit::Slopes up = unit.descend(b.scale, b.step);
+        left.values.set(j, b.deviation);
+        left.scales.set(j, up.scale);
+        left.noise.set(j, spread * unit.step_slope());
+        refine[s.group_of(j)] += up.refine;
       } else {
         value += s.steps[j] * spread;
       }
     }
     drawn.set(j, value);
   }
+  if (s.priced)
+    for (int i = 0; i < kRefinements; ++i) left.refine.set(i, refine[i]);
   return bits;
 }
 
@@ -80,40 +104,36 @@ struct SeedPlace {
   }
 };
 
-// colours: what MLP_c says.
-inline void write_gaussians(const FeatureState &s, const SeedPlace &place, const SeedRows &colours,
-                            const SeedGaussians &out) {
-  const Block &block = place.block;
-  for (int i = 0; i < s.colours(); ++i) block.scatter(colours.get(i), out.colours, s.colours(), i);
+// Means [2 K] and covariances [3 K] of the Gaussians.
+inline void place_gaussians(const FeatureState &s, const SeedPlace &place, const SeedRows &means,
+                            const SeedRows &covariances) {
+  vf centre[2];
+  for (int axis = 0; axis < 2; ++axis) centre[axis] = place.block.gather(s.half_pixels, 2, axis) * 0.5f;
   for (int k = 0; k < s.per_seed; ++k) {
     const RotatedCovariance<vf> covariance = place.covariance(k);
-    const int width = 3 * s.per_seed;
-    block.scatter(covariance.xx() + float(kMinVariance), out.covariances, width, 3 * k);
-    block.scatter(covariance.xy(), out.covariances, width, 3 * k + 1);
-    block.scatter(covariance.yy() + float(kMinVariance), out.covariances, width, 3 * k + 2);
+    covariances.set(3 * k, covariance.xx() + float(kMinVariance));
+    covariances.set(3 * k + 1, covariance.xy());
+    covariances.set(3 * k + 2, covariance.yy() + float(kMinVariance));
     for (int axis = 0; axis < 2; ++axis) {
       const vf offset = place.drawn.get(s.first_offset() + 2 * k + axis) * place.scales[axis];
-      const vf centre = block.gather(s.half_pixels, 2, axis) * 0.5f;
-      block.scatter(s.scale * (centre + offset), out.means, 2 * s.per_seed, 2 * k + axis);
+      means.set(2 * k + axis, s.scale * (centre[axis] + offset));
     }
   }
 }
 
-// From gradients of Gaussians to those of the decoders' outputs and, in `slopes`, of scales and offsets as drawn; none
-// of what is no seed.
-inline void read_slopes(const FeatureState &s, const SeedPlace &place, const FeatureGradients &g,
-                        const SeedRows &up_colours, const SeedRows &up_shapes, const SeedRows &slopes) {
-  const Block &block = place.block;
-  for (int i = 0; i < s.colours(); ++i) up_colours.set(i, block.gather(g.colours, s.colours(), i) * block.live);
+// From gradients of means and covariances to those of what MLP_Sigma says and, in `slopes`, of scales and offsets as
+// drawn.
+inline void descend_gaussians(const FeatureState &s, const SeedPlace &place, const SeedRows &means,
+                              const SeedRows &covariances, const SeedRows &up_shapes, const SeedRows &slopes) {
   vf scales[kSeedScales] = {};
   for (int k = 0; k < s.per_seed; ++k) {
     vf shape[3], reaches[2];
-    const auto up = [&](int i) { return block.gather(g.covariances, 3 * s.per_seed, 3 * k + i) * block.live; };
+    const auto up = [&](int i) { return covariances.get(3 * k + i); };
     place.covariance(k).descend(up(0), up(1), up(2), shape, reaches);
     for (int i = 0; i < 3; ++i) up_shapes.set(3 * k + i, shape[i]);
     for (int axis = 0; axis < 2; ++axis) {
       const int row = s.first_offset() + 2 * k + axis;
-      const vf mean = s.scale * block.live * block.gather(g.means, 2 * s.per_seed, 2 * k + axis);
+      const vf mean = s.scale * means.get(2 * k + axis);
       slopes.set(row, mean * place.scales[axis]);
       scales[axis] += mean * place.drawn.get(row);
       scales[2 + axis] += s.scale * reaches[axis];
@@ -127,23 +147,20 @@ inline void read_slopes(const FeatureState &s, const SeedPlace &place, const Fea
 
 // From gradients of the drawn values to those of the values, with those of their bits, which cost `one`, and of what
 // MLP_p said.
-inline void price_values(const FeatureState &s, int64_t first, float one, const SeedRows &drawn, const SeedRows &said,
-                         const SeedRows &slopes, const SeedRows &up_said) {
+inline void price_values(const FeatureState &s, int64_t first, float one, const BitRows &left, const SeedRows &slopes,
+                         const SeedRows &up_said) {
   const int attributes = s.attributes();
   const Block block(first, s.count);
   const vf chance = noise(s.key, s.mirror, attributes, first) + 0.5f;
   const vf bit = select(chance < s.share, block.live * one, vf{});
-  vf refine[kRefinements] = {};
+  vf refine[kRefinements];
+  for (int i = 0; i < kRefinements; ++i) refine[i] = bit * left.refine.get(i);
   for (int j = 0; j < attributes; ++j) {
-    const FeatureUnit unit = unit_of(s, said, j);
-    const Bits<vf> b = gaussian_bits(drawn.get(j) - unit.mean, unit.step, unit.scale);
-    const vf slope = bit * b.deviation, value = slopes.get(j) + slope;
+    const vf slope = bit * left.values.get(j), value = slopes.get(j) + slope;
     slopes.set(j, value);
-    const vf spread = noise(s.key, s.mirror, j, first);
-    const FeatureUnit::Slopes up = unit.descend(-slope, bit * b.scale, bit * b.step + spread * value);
-    up_said.set(j, up.mean);
-    up_said.set(attributes + j, up.scale);
-    refine[s.group_of(j)] += up.refine;
+    up_said.set(j, slope * -s.steps[j]);
+    up_said.set(attributes + j, bit * left.scales.get(j));
+    refine[s.group_of(j)] += value * left.noise.get(j);
   }
   for (int i = 0; i < kRefinements; ++i) up_said.set(2 * attributes + i, refine[i]);
 }

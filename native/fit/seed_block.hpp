@@ -7,7 +7,7 @@
 namespace sgi {
 namespace {
 
-constexpr float kLeastEnergy = 1.0f / (1 << kFractionBits);
+constexpr float kMinEnergy = 1.0f / (1 << kFractionBits);
 constexpr int kMostOutputs = outputs_of(kColour);
 
 // Memory of one run: what blocks write anew, and the sums over seeds as vectors over lanes.
@@ -27,7 +27,7 @@ inline int unit_of(const SeedState &s, int group, int column) {
 inline vf loudness_of(const SeedState &s, const float *decoded) {
   vf energy{};
   for (int j = 0; j < s.group_size(0); ++j) energy += load(decoded + j * LANES) * load(decoded + j * LANES);
-  return 0.5f * log2v(maxv(energy, vf{} + kLeastEnergy));
+  return 0.5f * log2v(maxv(energy, vf{} + kMinEnergy));
 }
 
 // A summary's columns 0 to 2, and 4 to 6.

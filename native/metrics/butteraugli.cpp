@@ -9,7 +9,7 @@ namespace {
 
 constexpr int64_t kSmallestHalved = 15;  // pixels of a side from which on half the size is looked at, too
 constexpr double kFullShare = 0.85, kHalfShare = 0.5;
-constexpr double kLeastDifference = 1e-6;
+constexpr double kMinDifference = 1e-6;
 constexpr int kNorms = 3;
 constexpr int kPower[kNorms] = {3, 6, 12};
 
@@ -134,7 +134,7 @@ std::array<BorderedPlane, 2> ButteraugliReference::slopes(const float *map, cons
         const std::array<double, kNorms> power = powers(value);
         double sum = 0;
         for (size_t n = 0; n < kNorms; ++n) sum += factor[n] * power[n];
-        sum /= std::max(value, kLeastDifference);
+        sum /= std::max(value, kMinDifference);
         found[0].row(y)[x] = float(half_ ? kFullShare * sum : sum);
         if (half_) found[1].row(y / 2)[x / 2] += float(kHalfShare * sum);
       }

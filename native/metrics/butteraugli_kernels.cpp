@@ -14,7 +14,7 @@ constexpr float kMix[3][3] = {
 constexpr float kBias[3] = {1.7557483643287353f, 1.7557483643287353f, 12.226454707163354f};
 // Their gain falls with the light around: (kGain log(a + kGainBias) - kGainLess) / a.
 constexpr float kGain = 19.245013259874995f, kGainBias = 9.9710635769299145f, kGainLess = 23.16046239805755f;
-constexpr float kLeastGain = 1e-4f, kLog2 = 0.69314718056f;
+constexpr float kMinGain = 1e-4f, kLog2 = 0.69314718056f;
 
 constexpr float kLow[3] = {32.22174835205078f, 13.769779205322266f, 47.504615783691406f};  // scales of lf
 constexpr float kBlueLess = 0.362267051518f;
@@ -24,14 +24,14 @@ constexpr float kHighDead = 1.5f, kHighScale = 2.155f, kHighRange = 0.132f, kHig
 constexpr float kUltraDead = 0.04f, kUltraScale = 2.69313763794f, kUltraMost = 5.19175294647f;
 constexpr float kCompressed = 0.724216145665f;  // slope beyond the most
 constexpr float kMaskRed = 2.5f * 2.5f, kMaskBright = 0.4f * 0.4f;
-constexpr float kMaskFactor = 6.19424080439f, kMaskBias = 12.61050594197f * kMaskFactor, kLeastActivity = 1e-16f;
+constexpr float kMaskFactor = 6.19424080439f, kMaskBias = 12.61050594197f * kMaskFactor, kMinActivity = 1e-16f;
 constexpr float kMaskWeight = 10;
 constexpr float kAddedShare = 0.8f;  // how much less it counts that something is added at high frequencies
 constexpr float kHfWeight[2] = {0.8f * 400.0f, 0.8f * 1.50815703118f};
 constexpr float kMfWeight[3] = {2150.0f, 10.6195433239f, 16.2176043152f};
 constexpr float kLfWeight[3] = {29.2353797994f, 0.844626970982f, 0.703646627719f};
 constexpr float kOutsideLeast = 0.4f, kOutsideMost = 1.0f;
-constexpr float kLeastDifference = 1e-12f;  // squared
+constexpr float kMinDifference = 1e-12f;  // squared
 
 // 1 / (17.8 log 80 / log 255)
 constexpr float kScale = 0.07104177283541442f;
@@ -58,7 +58,7 @@ struct Cone {
     light = mix[0] * at[0] + mix[1] * at[1] + mix[2] * at[2] + kBias[i];
     adapted = floored(mix[0] * around[0] + mix[1] * around[1] + mix[2] * around[2] + kBias[i], kBias[i]);
     gain = (kGain * kLog2 * log2v(adapted + kGainBias) - kGainLess) / adapted;
-    seen = light * floored(gain, kLeastGain);
+    seen = light * floored(gain, kMinGain);
   }
 };
 
@@ -87,8 +87,8 @@ void opsin_gradient(const float *const light[3], const float *const around[3], c
     for (int i = 0; i < 3; ++i) {
       const Cone cone(i, at, near);
       const vf slope = zero_unless(cone.seen > kBias[i], in_cone[i]);
-      const vf lit = slope * floored(cone.gain, kLeastGain);
-      const vf in_gain = zero_unless((cone.gain > kLeastGain) & (cone.adapted > kBias[i]), slope * cone.light);
+      const vf lit = slope * floored(cone.gain, kMinGain);
+      const vf in_gain = zero_unless((cone.gain > kMinGain) & (cone.adapted > kBias[i]), slope * cone.light);
       const vf adapted = in_gain * (kGain / (cone.adapted + kGainBias) - cone.gain) / cone.adapted;
       for (int c = 0; c < 3; ++c) to_light[c] += kMix[i][c] * lit, to_around[c] += kMix[i][c] * adapted;
     }
@@ -142,7 +142,7 @@ struct Activity {
 
   Activity(const float *const hf[2], const float *const uhf[2], int64_t x)
       : red(load(hf[0] + x) + load(uhf[0] + x)), bright(load(hf[1] + x) + load(uhf[1] + x)),
-        value(rootv(floored(kMaskRed * red * red + kMaskBright * bright * bright, kLeastActivity))) {}
+        value(rootv(floored(kMaskRed * red * red + kMaskBright * bright * bright, kMinActivity))) {}
   vf root() const { return rootv(kMaskFactor * value + kMaskBias); }
 };
 
@@ -180,7 +180,7 @@ void differences(const OriginalRows &original, const SeenRows<const float> &seen
       ground += kLfWeight[c] * low * low;
     }
     const vf sum = load(original.details + x) * details + load(original.ground + x) * ground;
-    store(out + x, rootv(floored(sum, kLeastDifference)));
+    store(out + x, rootv(floored(sum, kMinDifference)));
   }
 }
 

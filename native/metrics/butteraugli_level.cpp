@@ -180,10 +180,10 @@ void ButteraugliLevel::pull_malta(const MaltaPart &part, const BorderedPlane &sl
                                   BorderedPlane &to) const {
   move(part, moved);
   const auto [width, height] = size_;
-  const int64_t stride = BorderedPlane::stride_of(width), room = kMostMaltaLines * kMaltaRingRows * stride;
+  const int64_t stride = BorderedPlane::stride_of(width), room = kMaxMaltaLines * kMaltaRingRows * stride;
   each_band(height, threads_, [&](int64_t, int64_t begin, int64_t end) {
     const Floats memory = floats(room);
-    for (int64_t row = 0; row < kMostMaltaLines * kMaltaRingRows; ++row) {  // borders
+    for (int64_t row = 0; row < kMaxMaltaLines * kMaltaRingRows; ++row) {  // borders
       float *const first = memory.get() + row * stride;
       std::fill_n(first, kBorder, 0.0f);
       std::fill_n(first + kBorder + width, stride - kBorder - width, 0.0f);
@@ -197,7 +197,7 @@ void ButteraugliLevel::pull_malta(const MaltaPart &part, const BorderedPlane &sl
           continue;
         }
         const int64_t slot = (next + kMaltaRingRows) % kMaltaRingRows;
-        for (int line = 0; line < kMostMaltaLines; ++line)
+        for (int line = 0; line < kMaxMaltaLines; ++line)
           std::fill_n(rings + (line * kMaltaRingRows + slot) * stride, padded(width), 0.0f);
       }
       malta_.gather(part.lines, rings, y, stride, part.original->row(y), part.seen->row(y), width, part.weights,

@@ -13,7 +13,7 @@ enum class MaltaLines { kFine, kCoarse };
 
 constexpr int kMaltaReach = 4;      // rows and columns to each side
 constexpr int kMaltaRingRows = 16;  // row y lies at y modulo this
-constexpr int kMostMaltaLines = 16;
+constexpr int kMaxMaltaLines = 16;
 
 // What differences count: all of them, and those by which a pixel is farther from 0 or nearer than the original is.
 struct MaltaWeights {

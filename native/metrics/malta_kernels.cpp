@@ -17,7 +17,7 @@ struct Line {
 
 struct LineSet {
   int count;
-  Line line[kMostMaltaLines];
+  Line line[kMaxMaltaLines];
 };
 
 constexpr LineSet kFine{12,

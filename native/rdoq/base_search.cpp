@@ -9,7 +9,7 @@
 namespace sgi {
 namespace {
 
-constexpr double kMostSaved = 40.0;  // bits that a move could save, generously
+constexpr double kMaxSaved = 40.0;  // bits that a move could save, generously
 
 class BaseSearch {
  public:
@@ -28,7 +28,7 @@ class BaseSearch {
     double least = -1e-9 * lmbda;
     for (const int64_t by : {int64_t(-1), int64_t(1), int64_t(std::llrint(pull / square))}) {
       const double change = by * (by * square - 2 * pull);
-      if (change > lmbda * kMostSaved) continue;
+      if (change > lmbda * kMaxSaved) continue;
       const double cost = change + lmbda * bits_by(c, y, x, by);
       if (cost < least) {
         least = cost;

@@ -9,9 +9,9 @@
 
 namespace sgi {
 
-constexpr int kMostColours = 64;
+constexpr int kMaxColours = 64;
 constexpr int kPlaceAttributes = 5;  // three of the shape, two of the offset
-constexpr int kMostAttributes = kMostColours + kPlaceAttributes;
+constexpr int kMaxAttributes = kMaxColours + kPlaceAttributes;
 constexpr double kUnit = 1.0 / (1 << kFractionBits);  // of decoded values
 
 // Zero-centred frequency tables as sgicodec/bitstream/entropy/tables.py holds them.
@@ -39,8 +39,8 @@ struct CodingModel {
 // The values that a group's attributes may have: mean + step * symbol in units of 2^-24, coded with tables of these
 // scale indices.
 struct ReconstructionGrid {
-  int64_t mean[kMostColours], step[kMostColours];
-  int16_t scale[kMostColours];
+  int64_t mean[kMaxColours], step[kMaxColours];
+  int16_t scale[kMaxColours];
 
   double value(int j, int64_t symbol) const { return double(mean[j] + step[j] * symbol) * kUnit; }
   // The nearest symbol, away from the largest that a stream holds.
@@ -49,9 +49,9 @@ struct ReconstructionGrid {
 
 // A seed's attributes as symbols and as decoded.
 struct Coded {
-  int64_t decoded[kMostAttributes];
-  int32_t symbols[kMostAttributes];
-  int16_t scale[kMostAttributes];
+  int64_t decoded[kMaxAttributes];
+  int32_t symbols[kMaxAttributes];
+  int16_t scale[kMaxAttributes];
 };
 
 // Evaluates the networks for several versions of one seed, the rows.

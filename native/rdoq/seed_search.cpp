@@ -10,7 +10,7 @@
 namespace sgi {
 namespace {
 
-constexpr double kMostGrowth = 0.7, kMostShift = 2.0;  // of a window: a logarithm, and cells
+constexpr double kMaxGrowth = 0.7, kMaxShift = 2.0;  // of a window: a logarithm, and cells
 
 void nearest(const CodingModel &model, Group group, const ReconstructionGrid &grid, const double *values,
              int64_t *symbols) {
@@ -23,12 +23,12 @@ void nearest(const CodingModel &model, Group group, const ReconstructionGrid &gr
 struct SeedSearch::Place {
   const Residual &residual;
   const Window &window;
-  Window drawn;                 // the part of the window in which the Gaussian as drawn now ends
-  float colours[kMostColours];  // as drawn now
-  float *g;                     // the Gaussian as drawn now
-  float *weighted;              // the same times the pixels' weights; g itself where all are 1
-  float *mixed;                 // the residual with a candidate's colours in the old place, times these colours
-  float *fresh;                 // the Gaussian that replaces it
+  Window drawn;                // the part of the window in which the Gaussian as drawn now ends
+  float colours[kMaxColours];  // as drawn now
+  float *g;                    // the Gaussian as drawn now
+  float *weighted;             // the same times the pixels' weights; g itself where all are 1
+  float *mixed;                // the residual with a candidate's colours in the old place, times these colours
+  float *fresh;                // the Gaussian that replaces it
 
   Plane working(float *plane) const { return {plane, window.stride}; }
 };
@@ -69,8 +69,8 @@ Window SeedSearch::reserve(const Seed &seed, const Residual &residual) {
   context_.predict(kShape, 1, shapes_.data());
   context_.predict(kOffset, 1, offsets_.data());
   const int64_t *shape = shapes_[0].step, *offset = offsets_[0].step;
-  const double growth = std::min(double(shape[0] + std::max(shape[1], shape[2])) * kUnit, kMostGrowth);
-  const double shift = std::min(double(std::max(offset[0], offset[1])) * kUnit, kMostShift) * seed.cell;
+  const double growth = std::min(double(shape[0] + std::max(shape[1], shape[2])) * kUnit, kMaxGrowth);
+  const double shift = std::min(double(std::max(offset[0], offset[1])) * kUnit, kMaxShift) * seed.cell;
   return window_around(splat, float(std::exp(growth)), float(shift) + 1, residual);
 }
 
@@ -80,17 +80,17 @@ void SeedSearch::try_colours(const Place &place) {
   const double *old = seed_->values;
   ReconstructionGrid grid;
   context_.predict(kColour, 1, &grid);
-  float along[kMostColours];  // each channel of the residual times G
+  float along[kMaxColours];  // each channel of the residual times G
   for (int c = 0; c < channels; ++c)
     along[c] = kernel_.inner(place.residual.plane(c, place.window), place.window, place.weighted);
   const float square = kernel_.inner(place.working(place.g), place.window, place.weighted);
   for (int k = 0; k < count; ++k) {
-    int64_t symbols[kMostColours];
+    int64_t symbols[kMaxColours];
     nearest(model_, kColour, grid, old, symbols);
     if (k) symbols[(k - 1) / 2] += k % 2 ? 1 : -1;
     commit(model_, kColour, grid, symbols, candidates_[k]);
-    double moved[kMostColours];
-    float delta[kMostColours];
+    double moved[kMaxColours];
+    float delta[kMaxColours];
     for (int j = 0; j < channels; ++j) moved[j] = grid.value(j, symbols[j]) - old[j];
     colours_of(moved, delta);
     cost_[k] = settings_.lmbda * bits_of(model_, kColour, grid, symbols);
@@ -113,8 +113,8 @@ void SeedSearch::try_colours(const Place &place) {
 
 // Fills `mixed` for a candidate's colours; returns their square.
 float SeedSearch::mix(const Place &place, const Coded &coded) const {
-  double values[kMostColours];
-  float colours[kMostColours];
+  double values[kMaxColours];
+  float colours[kMaxColours];
   for (int j = 0; j < model_.channels; ++j) values[j] = double(coded.decoded[j]) * kUnit;
   colours_of(values, colours);
   float power = 0, overlap = 0;
@@ -206,8 +206,8 @@ void SeedSearch::follow(const Place &place, const std::vector<int> &chosen) {
 }
 
 void SeedSearch::replace(const Place &place, const Coded &coded) const {
-  double values[kMostAttributes];
-  float colours[kMostColours];
+  double values[kMaxAttributes];
+  float colours[kMaxColours];
   for (int j = 0; j < model_.attributes(); ++j) values[j] = double(coded.decoded[j]) * kUnit;
   colours_of(values, colours);
   Splat splat;

@@ -15,12 +15,12 @@ namespace sgi {
 
 namespace {
 
-constexpr int64_t kRoot = 1 << kTextureRoot, kMostRoots = 96;
-constexpr int kLog = 4;                          // of the cells that are looked at
-constexpr float kColourBits = 16;                // that colours take
-constexpr float kShown = 0.65f;                  // steps from which on the first channel has symbols
-constexpr float kMatters = 0.16f;                // squared steps below which an amplitude is nothing in any colours
-constexpr int kLeastShare = 6, kMostShare = 31;  // smaller ones gain a few thousandths, and the estimate flatters them
+constexpr int64_t kRoot = 1 << kTextureRoot, kMaxRoots = 96;
+constexpr int kLog = 4;                       // of the cells that are looked at
+constexpr float kColourBits = 16;             // that colours take
+constexpr float kShown = 0.65f;               // steps from which on the first channel has symbols
+constexpr float kMatters = 0.16f;             // squared steps below which an amplitude is nothing in any colours
+constexpr int kMinShare = 6, kMaxShare = 31;  // smaller ones gain a few thousandths, and the estimate flatters them
 constexpr int kTurns = 16, kRounds = 2;
 constexpr std::array<int, 3> kBands{4, 8, 14};  // diagonals at which bands of frequencies begin
 
@@ -81,7 +81,7 @@ class ColourSearch {
   // A share must pay, or cost nothing, in each band of frequencies: where it does not hold, colours appear along the
   // edges of what is grey.
   void take_share(size_t which, int share, TextureColours &best) {
-    if (std::abs(share) > kMostShare || (share != 0 && std::abs(share) < kLeastShare)) return;
+    if (std::abs(share) > kMaxShare || (share != 0 && std::abs(share) < kMinShare)) return;
     TextureColours other = best;
     other.shares[which] = TextureColours::kSameShare + share;
     const Costs found = costs(other);
@@ -127,7 +127,7 @@ TextureColours cheapest_colours(const float *planes, int64_t width, int64_t heig
     analyse_texture(planes + channel * plane, width, height, kLog, &amplitudes[channel * plane]);
   });
   ColourSearch search(steps, lambda);
-  const int64_t looked = std::min(roots, kMostRoots);
+  const int64_t looked = std::min(roots, kMaxRoots);
   for (int64_t i = 0; i < looked; ++i) {
     const int64_t root = i * roots / looked, at = root / across * kRoot * width + root % across * kRoot;
     search.add(&amplitudes[at], plane, width, contrast[root]);

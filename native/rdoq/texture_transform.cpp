@@ -13,7 +13,7 @@ namespace sgi {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr int kOverlap = kTextureOverlap, kMostReach = (1 << kTextureRoot) + 2 * kOverlap;
+constexpr int kOverlap = kTextureOverlap, kMaxReach = (1 << kTextureRoot) + 2 * kOverlap;
 
 // Atoms at pixel centres [n + 2 overlap, n], for cells with and without hard edges.
 class Atoms {
@@ -63,7 +63,7 @@ void analyse_row(const float *row, int64_t width, int log, float *out) {
 void analyse_texture(const float *plane, int64_t width, int64_t height, int log, float *amplitudes) {
   const Atoms &all = atoms(log);
   const int side = 1 << log;
-  std::vector<float> rows(size_t(kMostReach * width));
+  std::vector<float> rows(size_t(kMaxReach * width));
   for (int64_t begin = 0; begin < height; begin += side) {
     const float *values = all.of(begin, height);
     std::fill_n(amplitudes + begin * width, side * width, 0.0f);

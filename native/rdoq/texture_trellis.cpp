@@ -11,7 +11,7 @@ namespace sgi {
 namespace {
 
 constexpr float kImpossible = std::numeric_limits<float>::infinity();
-constexpr int kMostSymbol = 16000, kStates = kQuantizerStates;
+constexpr int kMaxSymbol = 16000, kStates = kQuantizerStates;
 constexpr float kHopeless = 0.6f;  // squared steps by which a survivor costs more than the best one and is given up
 constexpr float kWorth = 0.25f;    // amplitudes in steps below which nothing but 0 is tried
 
@@ -134,7 +134,7 @@ class Trellis {
     };
     try_out(0);
     if (scaled < kWorth) return;
-    const int below = std::min(int(scaled + (state.odd() ? 0.5f : 0.0f)), kMostSymbol);
+    const int below = std::min(int(scaled + (state.odd() ? 0.5f : 0.0f)), kMaxSymbol);
     if (below) try_out(below);
     try_out(below + 1);
     if (below > 1) try_out(below - 1);

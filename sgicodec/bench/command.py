@@ -185,27 +185,27 @@ def compare(
         raise TargetMissedError(f"{b} is at {found.psnr:.3f} dB of {a}, below the {fail_under:g} dB asked for")
 
 
-def _picture(place: str) -> Picture:
+def _picture(origin: str) -> Picture:
     """The picture in a file or behind a URL; of a stream that which it decodes to. Raises PictureError, StreamError."""
     from sgicodec import image
     from sgicodec.bitstream.container import SIGNATURE
     from sgicodec.decoder.stream import open_stream
 
     try:
-        with open_url(place) if is_url(place) else open(place, "rb") as file:
+        with open_url(origin) if is_url(origin) else open(origin, "rb") as file:
             is_stream = file.read(len(SIGNATURE)) == SIGNATURE
     except (OSError, SgiError):
         is_stream = False  # what reads pictures tells
     if not is_stream:
-        with image.open_source(place) as source:
+        with image.open_source(origin) as source:
             if source.pages > 1:
-                click.echo(f"sgi: {place}: the first of {source.pages} pages is compared", err=True)
+                click.echo(f"sgi: {origin}: the first of {source.pages} pages is compared", err=True)
             return source.read(0, 0, source.width, source.height)
     try:
-        with open_stream(place) as stream:
+        with open_stream(origin) as stream:
             return stream.picture()
     except StreamError as error:
-        raise type(error)(f"{place}: {str(error).removeprefix(f'{place}: ')}") from error
+        raise type(error)(f"{origin}: {str(error).removeprefix(f'{origin}: ')}") from error
 
 
 def _eight_bits(pixels: npt.NDArray[Any]) -> npt.NDArray[np.uint8]:

@@ -9,18 +9,13 @@ from __future__ import annotations
 import zlib
 from typing import BinaryIO
 
+from sgicodec._native import MAX_PAYLOAD, SIGNATURE
 from sgicodec.bitstream.varint import encode_varint
 from sgicodec.errors import UsageError
 
 __all__ = ["MAX_PAYLOAD", "SIGNATURE", "ChunkWriter"]
 
-SIGNATURE = b"\x89SGI\r\n\x1a\n"
-"""A byte above 127, the name, both line ends, DOS end-of-file: damage by a text channel shows (as in PNG)."""
-
 HEADER, END = "H", "E"
-
-MAX_PAYLOAD = 1 << 30
-"""Longest payload that is written and read."""
 
 _CRC_BYTES = 4
 

@@ -2,57 +2,35 @@
 
 from __future__ import annotations
 
-import struct
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from sgicodec import _native
-from sgicodec.bitstream.varint import encode_varint
-from sgicodec.metadata.layouts import SampleRange, alpha_index, band_ranges
+from sgicodec._native import FORMAT_VERSION, MAX_APRON, MAX_CHANNELS, MAX_SIDE, MAX_TILES, MIN_TILE
+from sgicodec.metadata.layouts import SampleRange, alpha_index
 from sgicodec.model.spec import ContextSpec, ModelSpec
 from sgicodec.model.tile_grid import TileGrid
 
 __all__ = [
     "COLOURED_LAYOUTS",
     "FORMAT_VERSION",
-    "LAYOUT_NAMES",
     "MAX_APRON",
     "MAX_CHANNELS",
     "MAX_SIDE",
     "MAX_TILES",
     "MIN_TILE",
-    "SAMPLE_TYPES",
     "Header",
     "Masked",
     "decode_header",
     "encode_header",
 ]
 
-FORMAT_VERSION = 7
-"""The only one that is written and read: until 1.0 the format may change, and then gets another number."""
-
 Masked = Literal["transparent", "nodata"]
 
-LAYOUT_NAMES = ("multi", "gray", "gray+alpha", "rgb", "rgba")
 COLOURED_LAYOUTS = ("rgb", "rgba")
 """Those that can be in luma space."""
-SAMPLE_TYPES = ("uint8", "uint16", "float32")
-_SAMPLE_BYTES = (1, 2, 4)
-_LARGEST = {"uint8": 255.0, "uint16": 65535.0}
-"""The sample of an integer type that stands for 1 where no range is stated."""
-_LAYOUTS, _SHAPES = ("adaptive", "uniform"), ("log", "rotation")
-_PROFILES = ("default", "paper")
 
-MAX_SIDE = 1 << 24
-MAX_CHANNELS = 64
-MAX_TILES = 1 << 20
-MIN_TILE, MAX_APRON = 32, 256
-
-_SKIP, _SEED_SCALES, _TILED, _TEXTURE, _LUMA, _RESTORATION, _RANGES, _BAND_MASKS, _EXACT = (
-    *(1, 2, 4, 32, 64, 128),
-    *(256, 512, 1024),
-)
-_MASKED: dict[Masked | None, int] = {None: 0, "transparent": 8, "nodata": 16}
+_SAMPLE_BYTES = {"uint8": 1, "uint16": 2, "float32": 4}
 
 
 @dataclass(frozen=True)
@@ -99,7 +77,7 @@ class Header:
     @property
     def sample_bytes(self) -> int:
         """Of a sample."""
-        return _SAMPLE_BYTES[SAMPLE_TYPES.index(self.sample_type)]
+        return _SAMPLE_BYTES[self.sample_type]
 
     def of_tile(self, number: int) -> Header:
         """The header that a tile's model would have as a picture of its own."""
@@ -108,85 +86,24 @@ class Header:
 
 
 def encode_header(header: Header) -> bytes:
-    """The payload of chunk H."""
-    spec, context = header.spec, header.spec.context
-    flags = _SKIP * spec.skip + _SEED_SCALES * spec.seed_scales + _TILED * bool(header.tile) + _MASKED[header.masked]
-    flags += _TEXTURE * spec.texture + _LUMA * spec.luma_space
-    flags += _RESTORATION * spec.restoration + _BAND_MASKS * header.has_band_masks + _EXACT * header.has_exact
-    ranges = _stated_ranges(header)
-    flags += _RANGES * (bool(ranges) and (header.sample_type != "float32" or len(ranges) > 1))
-    fields = [
-        FORMAT_VERSION,
-        header.width,
-        header.height,
-        spec.channels,
-        LAYOUT_NAMES.index(header.channels),
-        SAMPLE_TYPES.index(header.sample_type),
-        _PROFILES.index(header.profile),
-        _LAYOUTS.index(spec.layout),
-        _SHAPES.index(spec.shape),
-        flags,
-        spec.per_seed,
-        spec.features,
-        spec.hidden,
-        spec.base_cell,
-        header.quality,
-        header.family,
-        context.prior,
-        context.hidden,
-        context.neighbours,
-        len(context.hash_resolutions),
-        *context.hash_resolutions,
-    ]
-    if context.hash_resolutions:
-        fields += [context.hash_features, context.hash_log2_entries]
-    if header.tile:
-        fields += [header.tile, header.apron]
-    payload = b"".join(encode_varint(value) for value in fields)
-    if flags & _RANGES:
-        payload += encode_varint(len(ranges))
-    for low, high in ranges:
-        payload += struct.pack("<2f", low, high)
-    if header.masked == "nodata":
-        payload += struct.pack("<d", header.nodata)
-    return payload
-
-
-def _stated_ranges(header: Header) -> list[tuple[float, float]]:
-    """The ranges that the header states: none of integers that span their type, one where all bands have the same."""
-    ranges = band_ranges(header.sample_range, header.colours)
-    if len(set(ranges)) == 1:
-        ranges = ranges[:1]
-    return [] if ranges == [(0.0, _LARGEST.get(header.sample_type))] else ranges
+    """The payload of chunk H. Raises UsageError for negative fields; all else is for who reads to check."""
+    return _native.encode_header(header)
 
 
 def decode_header(payload: bytes) -> Header:
     """Reads chunk H. Raises UnsupportedStreamError for another version, LimitError for a field beyond its cap and
     CorruptStreamError for fields that contradict each other.
     """
-    fields = _native.decode_header(payload)
-    channels = LAYOUT_NAMES[fields["channels"]]
-    low, high = (tuple(fields.pop(name))[: alpha_index(channels)] for name in ("low", "high"))
-    same = len(set(zip(low, high, strict=True))) == 1
-    return Header(
-        **fields
-        | {
-            "channels": channels,
-            "sample_type": SAMPLE_TYPES[fields["sample_type"]],
-            "sample_range": (low[0], high[0]) if same else (low, high),
-            "profile": _PROFILES[fields["profile"]],
-            "masked": tuple(_MASKED)[fields["masked"]],
-            "spec": _spec(fields["spec"]),
-        }
-    )
+    fields: dict[str, dict[str, Any]] = {"": {}, "spec": {}, "spec.context": {}}
+    for path, value in _native.decode_header(payload).items():
+        holder, _, name = path.rpartition(".")
+        fields[holder][name] = value
+    return Header(**fields[""], spec=_spec(fields["spec"], fields["spec.context"]))
 
 
-def _spec(fields: dict[str, Any]) -> ModelSpec:
-    """From the fields as native code gives them: enumerations as numbers."""
-    context = fields.pop("context")
-    context["hash_resolutions"] = tuple(context["hash_resolutions"])
-    fields |= {"layout": _LAYOUTS[fields["layout"]], "shape": _SHAPES[fields["shape"]]}
-    spec = ModelSpec(**fields, context=ContextSpec(steps=(), **context))
+def _spec(fields: dict[str, Any], context: dict[str, Any]) -> ModelSpec:
+    """The specification with the coding steps, which follow from its groups."""
+    spec = ModelSpec(**fields, context=ContextSpec(**context, steps=()))
     names = tuple(group.name for group in spec.groups)
     steps = tuple((name,) for name in names) if spec.skip else (names,)
     return replace(spec, context=replace(spec.context, steps=steps))

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 __all__ = ["printable"]
 
-_MOST_TEXT = 200
+_MAX_TEXT = 200
 """Bytes that are shown of the name of the program that wrote a stream."""
 
 
 def printable(text: bytes) -> str:
     """The start of a text that somebody else wrote, without what could steer a terminal."""
-    decoded = text[:_MOST_TEXT].decode("utf-8", "replace")
+    decoded = text[:_MAX_TEXT].decode("utf-8", "replace")
     return "".join(character if character.isprintable() else "\N{REPLACEMENT CHARACTER}" for character in decoded)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import BinaryIO
 
 from sgicodec import _native
+from sgicodec.bitstream.chunks import metadata_of
 from sgicodec.bitstream.header import decode_header
 from sgicodec.bitstream.printable import printable
 from sgicodec.metadata.blobs import Metadata
@@ -27,8 +28,7 @@ class StreamSummary:
     @property
     def metadata(self) -> Metadata:
         """What travels with the picture."""
-        blobs = self.blobs
-        return Metadata(icc=blobs.get("i"), exif=blobs.get("c"), xmp=blobs.get("x"), geo=blobs.get("g"))
+        return metadata_of(self.blobs)
 
     @property
     def has_overview(self) -> bool:

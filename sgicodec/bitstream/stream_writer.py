@@ -6,6 +6,7 @@ import io
 from collections.abc import Iterable
 from typing import Any, BinaryIO
 
+from sgicodec.bitstream.chunks import METADATA
 from sgicodec.bitstream.container import ChunkWriter
 from sgicodec.bitstream.header import Header, encode_header
 from sgicodec.bitstream.index import Place, encode_index
@@ -29,10 +30,9 @@ def write_stream(
     writer = ChunkWriter(file)
     writer.write("H", encode_header(header))
     writer.write("s", software)
-    if metadata is not None:
-        for kind, blob in {"i": metadata.icc, "c": metadata.exif, "x": metadata.xmp, "g": metadata.geo}.items():
-            if blob:
-                writer.write(kind, blob)
+    for field, letter in METADATA.items():
+        if blob := getattr(metadata, field, None):
+            writer.write(letter, blob)
     if overview:
         writer.write("o", overview)
     places = []

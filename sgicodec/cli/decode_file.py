@@ -91,9 +91,9 @@ class DecodeJob:
             check_output(target, source, self.force, by_default=self.by_default, becomes=becomes)
             lost = lost_in(stream.metadata, extension)
             self._load_writer(target, extension)
-            with written_file(target, PictureError) as place, self.limits.held():
-                shown, channels = self._write(stream, place, extension), stream.header.channels
-                size = 0 if target == STANDARD else Path(place).stat().st_size
+            with written_file(target, PictureError) as path, self.limits.held():
+                shown, channels = self._write(stream, path, extension), stream.header.channels
+                size = 0 if target == STANDARD else Path(path).stat().st_size
         if lost and not self.quiet:
             click.echo(f"sgi: {display(target, 'stdout')}: .{extension} does not hold its {lost}; .tif does", err=True)
         if self.as_json:

@@ -11,13 +11,10 @@ import click
 from sgicodec.cli.batch import Batch, batch_items
 from sgicodec.cli.command import HelpfulCommand
 from sgicodec.cli.options import (
-    BPP,
     BYTES,
     EFFORT,
-    PSNR,
     QUALITY,
     SAMPLE_RANGE,
-    SCORE,
     VERBOSE,
     batch_options,
     complete_files,
@@ -27,6 +24,7 @@ from sgicodec.cli.options import (
     output_option,
     progress_option,
     quiet_option,
+    target_options,
     threads_option,
 )
 from sgicodec.cli.paths import display, is_stream, output_exists, refuse_folder, with_extension
@@ -80,10 +78,7 @@ __all__ = ["encode"]
     help="Quality: 90 visually lossless, 65 web, 40 preview.",
 )
 @click.option("--lmbda", type=float, metavar="L", help="Squared error that a bit must save, instead of -q.")
-@click.option("--psnr", type=PSNR, metavar="DB", help="PSNR to end at, instead of -q.")
-@click.option("--ssimulacra2", type=SCORE, metavar="SCORE", help="SSIMULACRA 2 score to end at, instead of -q.")
-@click.option("--bpp", type=BPP, metavar="X", help="Bits per pixel to end at, never above.")
-@click.option("--size", type=BYTES, metavar="BYTES", help="File size to end at, never above: 20000, 200kB, 1.5MiB.")
+@target_options
 @click.option("-e", "--effort", type=EFFORT, metavar="1-9", show_default="5", help="More is smaller and slower.")
 @click.option("--profile", type=click.Choice(["default", "paper"]), default="default", show_default=True)
 @click.option("--seeds", type=int, metavar="N", help="Number of seeds; paper profile.")
@@ -244,13 +239,11 @@ def _default_target(source: str) -> str:
 
 def _settings(choices: dict[str, Any]) -> EncodeSettings:
     """The settings that were chosen. Raises UsageError for choices that exclude each other or make no sense."""
-    from sgicodec.encoder.settings import TARGETS, EncodeSettings
+    from sgicodec.encoder.settings import EncodeSettings, refuse_several_goals
     from sgicodec.profiles import PROFILES
 
     chosen = {name: value for name, value in choices.items() if value is not None}
-    given = [f"--{name}" for name in ("quality", "lmbda", *TARGETS) if name in chosen]
-    if len(given) > 1:
-        raise UsageError(f"{given[0]} and {given[1]} exclude each other")
+    refuse_several_goals(chosen, "--")
     for other in PROFILES.values():
         for name, instead in other.scales.items() if other.name != chosen["profile"] else ():
             if name in chosen:

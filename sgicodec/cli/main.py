@@ -55,8 +55,8 @@ class Cli(click.Group):
             error.show()
             status = _USAGE
         except click.UsageError as error:
-            place = error.ctx.command_path if error.ctx else "sgi"
-            status = _complain(f"{error.format_message().rstrip('.')}; see {place} --help", _USAGE)
+            command = error.ctx.command_path if error.ctx else "sgi"
+            status = _complain(f"{error.format_message().rstrip('.')}; see {command} --help", _USAGE)
         except SgiError as error:
             status = _complain(str(error), error.exit_code)
         except click.Abort:

@@ -9,19 +9,18 @@ from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, TypeVar
 
 import click
 
+from sgicodec.rate_control.target import TARGETS
+
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
 __all__ = [
-    "BPP",
     "BYTES",
     "EFFORT",
-    "PSNR",
     "QUALITY",
     "REGION",
     "SAMPLE_RANGE",
     "SCALE",
-    "SCORE",
     "SIZE",
     "VERBOSE",
     "Sized",
@@ -34,6 +33,7 @@ __all__ = [
     "output_option",
     "progress_option",
     "quiet_option",
+    "target_options",
     "threads_option",
     "verbose_option",
 ]
@@ -153,9 +153,6 @@ SCALE = _Scale("F", rf"{_NUMBER}(?:(?:/{_NUMBER})?| ?([%xX×]))", "0.5, 1/4 or 5
 SIZE = _Size("WxH", r"(\d*) ?[xX×] ?(\d*)(!?)", "512x384, 512x, x384 or 512x384!, or --scale 50%")
 QUALITY = _Number("a number from 1 to 100", "90 (visually lossless), 65 (web) or 40 (preview)")
 EFFORT = _Number("a valid integer from 1 to 9", "2 (fast), 5 or 9 (smallest)", int)
-PSNR = _Number("a number of dB", "35 or 38.5")
-SCORE = _Number("a SSIMULACRA 2 score", "70 or 90")
-BPP = _Number("a number of bits per pixel", "0.5")
 SAMPLE_RANGE = _SampleRange("used, type or LOW,HIGH", r"used|type|([^,]+),([^,]+)", "used, 0,4095 or -40,1500.5")
 
 
@@ -203,6 +200,14 @@ progress_option = click.option(
     help="Bar on stderr; auto on a terminal only.",
 )
 quiet_option = click.option("--quiet", is_flag=True, help="Print errors only.")
+
+
+def target_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Adds an option for each target that a stream may end at."""
+    for name, target in reversed(TARGETS.items()):
+        kind = BYTES if name == "size" else _Number(target.noun, target.example)
+        command = click.option(f"--{name}", type=kind, metavar=target.metavar, help=target.help)(command)
+    return command
 
 
 def batch_options(command: Callable[..., None]) -> Callable[..., None]:

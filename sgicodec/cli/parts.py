@@ -8,15 +8,12 @@ import click
 
 __all__ = ["all_parts", "chunk_parts", "metadata_bytes", "print_parts", "whole_bytes"]
 
-_METADATA = {"icc": "i", "exif": "c", "xmp": "x", "geo": "g"}
-"""Letters of the chunks of metadata."""
-
-_NAMES = {"i": "ICC profile", "c": "EXIF", "x": "XMP", "g": "place", "o": "overview"}
-
 
 def metadata_bytes(chunks: Mapping[str, int]) -> dict[str, int]:
     """Bytes of the metadata that a stream carries, frame included, by the name of each kind."""
-    return {name: chunks[kind] for name, kind in _METADATA.items() if kind in chunks}
+    from sgicodec.bitstream.chunks import METADATA
+
+    return {field: chunks[letter] for field, letter in METADATA.items() if letter in chunks}
 
 
 def all_parts(tile: Mapping[str, float], chunks: Mapping[str, int], size: int) -> dict[str, float]:
@@ -24,8 +21,11 @@ def all_parts(tile: Mapping[str, float], chunks: Mapping[str, int], size: int) -
 
     What is neither model nor metadata is the container: header, frames, checks.
     """
+    from sgicodec.bitstream.chunks import CHUNKS
+
+    own = [kind for kind in CHUNKS if kind.metadata is not None or kind.name == "overview"]
     model = {name: part for name, part in tile.items() if name != "check"}
-    metadata = {name: float(chunks[kind]) for kind, name in _NAMES.items() if kind in chunks}
+    metadata = {kind.name: float(chunks[kind.letter]) for kind in own if kind.letter in chunks}
     return model | {"container": size - sum(model.values()) - sum(metadata.values())} | metadata
 
 

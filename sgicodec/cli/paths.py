@@ -230,7 +230,7 @@ def write_output(target: str, data: bytes, failure: type[SgiError]) -> None:
         if target != STANDARD:
             from pathlib import Path
 
-            from sgicodec.image.files import write_whole
+            from sgicodec.files.whole import write_whole
 
             write_whole(Path(target), data)
             return

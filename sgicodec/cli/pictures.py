@@ -95,7 +95,7 @@ def _copied_out(name: str) -> Iterator[Path]:
     """A file of this name to be written, which goes to stdout after the block."""
     from shutil import copyfileobj  # takes long to load, as does the other
 
-    from sgicodec.image.scratch import scratch_folder
+    from sgicodec.files.scratch import scratch_folder
 
     with scratch_folder() as folder:
         path = folder / name

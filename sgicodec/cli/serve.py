@@ -68,10 +68,10 @@ def serve(
     for library in ("starlette", "uvicorn"):
         require(library, "sgi serve", "serve")
     from sgicodec.server.app import Settings, application
+    from sgicodec.server.catalog import Folder
     from sgicodec.server.public_address import checked_address
     from sgicodec.server.run import address_of, listening
     from sgicodec.server.run import serve as run
-    from sgicodec.server.shelf import Folder
     from sgicodec.server.viewer import viewer_folder
 
     settings = Settings(
@@ -84,5 +84,6 @@ def serve(
         viewer=viewer_folder(),
     )
     app = application(Folder(folder), settings)
-    place = listening(host, port)
-    run(app, place, lambda: click.echo(f"serving {folder} at {address_of(place)}/ (Ctrl-C ends it)", err=True), quiet)
+    listener = listening(host, port)
+    text = f"serving {folder} at {address_of(listener)}/ (Ctrl-C ends it)"
+    run(app, listener, lambda: click.echo(text, err=True), quiet)

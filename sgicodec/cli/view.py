@@ -42,8 +42,8 @@ def view(source: str, other: str | None, no_browser: bool, port: int, threads: i
     for library in ("starlette", "uvicorn"):
         require(library, "sgi view", "serve")
     from sgicodec.server.app import Settings, application
+    from sgicodec.server.catalog import ListedFiles
     from sgicodec.server.run import address_of, listening, serve
-    from sgicodec.server.shelf import Chosen
     from sgicodec.server.viewer import viewer_folder
 
     viewer = viewer_folder()
@@ -51,22 +51,23 @@ def view(source: str, other: str | None, no_browser: bool, port: int, threads: i
         raise UsageError("this installation has no viewer")
     files: dict[str, Path] = {}
     urls: dict[str, str] = {}
-    query = {"file": _place(source, files, urls)} | ({"other": _place(other, files, urls)} if other else {})
+    query = {"file": _file_parameter(source, files, urls)}
+    query |= {"other": _file_parameter(other, files, urls)} if other else {}
     hosts = (_HOST, "localhost")
     settings = Settings(device=Device(threads), public=False, hosts=hosts, viewer=viewer, max_age=0, remote=urls)
-    app = application(Chosen(files), settings)
-    place = listening(_HOST, port)
-    address = f"{address_of(place)}/viewer/?{urlencode(query)}"
+    app = application(ListedFiles(files), settings)
+    listener = listening(_HOST, port)
+    address = f"{address_of(listener)}/viewer/?{urlencode(query)}"
 
     def show() -> None:
         click.echo(address)
         if not no_browser and not webbrowser.open(address):
             click.echo("sgi: there is no browser to open; open the address above", err=True)
 
-    serve(app, place, show, quiet=True)
+    serve(app, listener, show, quiet=True)
 
 
-def _place(source: str, files: dict[str, Path], urls: dict[str, str]) -> str:
+def _file_parameter(source: str, files: dict[str, Path], urls: dict[str, str]) -> str:
     """What the viewer's page calls a file or a URL, which is added to what is served."""
     if is_url(source):
         require("fsspec", "sgi view of a URL", "remote")

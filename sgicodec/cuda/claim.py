@@ -4,26 +4,23 @@ from __future__ import annotations
 
 import os
 import tempfile
+from contextlib import suppress
 from functools import cache
 from itertools import count
 from pathlib import Path
-from typing import BinaryIO, NamedTuple
+from typing import NamedTuple
 
 from sgicodec.cuda.driver import the_driver
-
-try:
-    import fcntl
-except ImportError:  # where there is no fcntl, all processes take the first
-    fcntl = None  # type: ignore[assignment]
+from sgicodec.files.lock import lock_of
 
 __all__ = ["claimed_gpu"]
 
 
 class _Claim(NamedTuple):
-    """gpu: its number as this process sees it. file: locked while this process lives."""
+    """gpu: its number as this process sees it. lock: held while this process lives."""
 
     gpu: int
-    file: BinaryIO | None = None
+    lock: int | None = None
 
 
 def claimed_gpu() -> int:
@@ -39,28 +36,15 @@ def _claim() -> _Claim:
     and a GPU is known by its identity, as each process may see it under another number (CUDA_VISIBLE_DEVICES).
     """
     driver = the_driver()
-    if fcntl is None or driver.count == 1:
+    if driver.count == 1:
         return _Claim(0)
-    user, names = os.getuid(), [driver.identity(index) for index in range(driver.count)]
+    user, names = getattr(os, "getuid", int)(), [driver.identity(index) for index in range(driver.count)]
     try:
-        for place in count():
+        for turn in count():
             for gpu, name in enumerate(names):
-                file = _locked(Path(tempfile.gettempdir(), f"sgicodec-{user}-{name}-{place}.lock"))
-                if file is not None:
-                    return _Claim(gpu, file)
-    except OSError:  # nothing can be written there
+                path = Path(tempfile.gettempdir(), f"sgicodec-{user}-{name}-{turn}.lock")
+                with suppress(BlockingIOError):
+                    return _Claim(gpu, lock_of(path, create=True))
+    except OSError:  # nothing can be written there, or files have no locks
         pass
     return _Claim(0)
-
-
-def _locked(path: Path) -> BinaryIO | None:
-    file = path.open("ab")
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        file.close()
-        return None
-    except OSError:
-        file.close()
-        raise
-    return file

@@ -15,8 +15,8 @@ _INCLUDE = re.compile(r'^\s*#\s*include [<"]([^">]+)[">]', re.MULTILINE)
 @cache
 def root() -> Path:
     """The folder with cuda/ and native/ in it."""
-    places = (Path(__file__).parent / "sources", Path(__file__).parents[2])
-    return next(place for place in places if (place / "cuda" / "kernels.cu").exists())
+    roots = (Path(__file__).parent / "sources", Path(__file__).parents[2])
+    return next(root for root in roots if (root / "cuda" / "kernels.cu").exists())
 
 
 def digest(text: str) -> str:

@@ -12,9 +12,9 @@ from sgicodec.cuda.gpu import Gpu, GpuArray
 from sgicodec.cuda.scan import Scan
 from sgicodec.cuda.structures import structures
 
-__all__ = ["MOST_CHANNELS", "CudaView", "TilePasses"]
+__all__ = ["MAX_CHANNELS", "CudaView", "TilePasses"]
 
-MOST_CHANNELS = 4
+MAX_CHANNELS = 4
 """The kernels are compiled for 1 to 4 channels."""
 
 _SIZES = {**sources.constants("cuda/raster/tiling.hpp"), **sources.constants("cuda/raster/binning.hpp")}

@@ -30,7 +30,7 @@ def indexed_region(key: Any, shape: tuple[int, ...]) -> tuple[Region, tuple[int 
 
 def _by_axis(key: Any, axes: int) -> list[tuple[int, Any]]:
     keys = key if isinstance(key, tuple) else (key,)
-    gaps = [place for place, index in enumerate(keys) if isinstance(index, EllipsisType)]
+    gaps = [position for position, index in enumerate(keys) if isinstance(index, EllipsisType)]
     if len(gaps) > 1 or len(keys) - len(gaps) > axes:
         raise RegionError(f"{len(keys)} indices into {axes} axes")
     gap = gaps[0] if gaps else len(keys)

@@ -13,6 +13,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from sgicodec import _native
+from sgicodec.bitstream.chunks import metadata_of
 from sgicodec.bitstream.header import Header, decode_header
 from sgicodec.bitstream.printable import printable
 from sgicodec.decoder.array_view import ArrayView
@@ -22,7 +23,6 @@ from sgicodec.decoder.view import MAX_OUTPUT_SAMPLES, Region, Size, View, view_o
 from sgicodec.decoder.view_metadata import view_metadata
 from sgicodec.device import ALL_CORES, Device, check_device
 from sgicodec.errors import RegionError, StreamError, UsageError
-from sgicodec.metadata.blobs import Metadata
 
 if TYPE_CHECKING:
     import numpy as np
@@ -75,7 +75,7 @@ class Stream(ArrayView):
         self.size, self.chunk_bytes = self._native.size, self._native.chunk_bytes
         self.has_overview = self._native.has_overview
         """Whether the stream carries the picture in small."""
-        self.metadata = Metadata(icc=blobs.get("i"), exif=blobs.get("c"), xmp=blobs.get("x"), geo=blobs.get("g"))
+        self.metadata = metadata_of(blobs)
         self.software = printable(blobs.get("s", b""))
         self.grid = self.header.grid
         if self.nodata is not None:

@@ -33,7 +33,7 @@ def view_metadata(stream: _Stream, header: Header, view: View) -> Metadata:
     from sgicodec.metadata import geo
     from sgicodec.metadata.placement import view as geo_view  # takes long to load
 
-    place = geo_view(found.geo, view.x, view.y, view.sx, view.sy)
+    georeference = geo_view(found.geo, view.x, view.y, view.sx, view.sy)
     if header.sample_type != stream.header.sample_type:
-        place = geo.resampled(place, lambda _: header.nodata)
-    return replace(found, geo=place)
+        georeference = geo.resampled(georeference, lambda _: header.nodata)
+    return replace(found, geo=georeference)

@@ -12,7 +12,7 @@ from sgicodec.device import ALL_CORES, Device
 from sgicodec.encoder.encoded import Encoded
 from sgicodec.encoder.listener import NullListener
 from sgicodec.encoder.pipeline import encode_picture
-from sgicodec.encoder.settings import TARGETS, EncodeSettings
+from sgicodec.encoder.settings import EncodeSettings, refuse_several_goals
 from sgicodec.errors import PictureError, UsageError
 from sgicodec.image.conversion import as_picture
 from sgicodec.image.source import open_to_encode
@@ -124,7 +124,6 @@ def _settings(given: dict[str, Any]) -> EncodeSettings:
         if name not in known:
             close = get_close_matches(name, known, 1)
             raise UsageError(f"there is no setting {name!r}" + (f"; did you mean {close[0]!r}?" if close else ""))
-    targets = [name for name in ("quality", "lmbda", *TARGETS) if given.get(name) is not None]
-    if len(targets) > 1:
-        raise UsageError(f"{targets[0]} and {targets[1]} exclude each other")
-    return EncodeSettings(**{name: value for name, value in given.items() if value is not None})
+    chosen = {name: value for name, value in given.items() if value is not None}
+    refuse_several_goals(chosen)
+    return EncodeSettings(**chosen)

@@ -35,8 +35,8 @@ from sgicodec.encoder.tiles.tasks import FitTask, Start
 from sgicodec.errors import TargetMissedError, UsageError
 from sgicodec.executors.executor import Executor, Memory
 from sgicodec.executors.serial import SerialExecutor
-from sgicodec.image.files import whole_file
-from sgicodec.image.lock import locked
+from sgicodec.files.lock import locked
+from sgicodec.files.whole import whole_file
 from sgicodec.picture import Picture
 
 if TYPE_CHECKING:

@@ -18,6 +18,7 @@ from sgicodec.model.steps import quality_index
 from sgicodec.model.tile_grid import TileGrid
 from sgicodec.picture import Metadata, Picture
 from sgicodec.profiles.fit_settings import FitSettings
+from sgicodec.rate_control.target import TARGETS
 from sgicodec.version import __version__
 
 __all__ = ["Plan", "Shape", "stream_plan"]
@@ -106,8 +107,8 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
         has_band_masks=shape.nodata is not None and shape.bands - (alpha_index(shape.channels) is not None) > 1,
         has_exact=shape.exact,
     )
-    if settings.ssimulacra2 is not None and grid.tile:
-        raise UsageError("a SSIMULACRA 2 score goes with a single tile only; --tile 0 makes one")
+    if grid.tile and settings.target is not None and TARGETS[settings.target].single_tile:
+        raise UsageError(f"{settings.target} goes with a single tile only; --tile 0 makes one")
     place = geo.without_statistics(shape.metadata.geo)
     metadata = replace(shape.metadata, geo=place) if settings.metadata else None
     return Plan(header, settings, _software(settings, fit), metadata, shape.eight_bits)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from numbers import Integral, Real
 from typing import Any, Literal
@@ -13,18 +14,15 @@ from sgicodec.metrics.choices import DISTORTIONS
 from sgicodec.model.tile_grid import TileGrid
 from sgicodec.profiles import PROFILES, Profile
 from sgicodec.profiles.fit_settings import FitSettings
-from sgicodec.rate_control.target import RateTarget
+from sgicodec.rate_control.target import TARGETS, RateTarget
 
-__all__ = ["APRON", "MAX_PIXELS_OF_ONE", "TARGETS", "TILE", "EncodeSettings"]
+__all__ = ["APRON", "MAX_PIXELS_OF_ONE", "TILE", "EncodeSettings", "refuse_several_goals"]
 
 TILE, MAX_PIXELS_OF_ONE = 1024, 1 << 22
 """Pixels of a tile's side, where nothing else is asked for, and those of the largest picture that is then one tile."""
 
 APRON = 8
 """Pixels that a tile reaches over its neighbours, where nothing else is asked for."""
-
-TARGETS = ("psnr", "ssimulacra2", "size", "bpp")
-"""Settings that a stream is to end at, of which there may be one, instead of a quality or λ."""
 
 Tune = Literal["psnr", "visual"]
 
@@ -104,7 +102,9 @@ class EncodeSettings:
         """What is asked for, or else follows from the other settings."""
         if self.tune is not None:
             return self.tune
-        return "psnr" if self.psnr is not None or not self.chosen_profile.has_distortions else "visual"
+        if not self.chosen_profile.has_distortions:
+            return "psnr"
+        return "visual" if self.target is None else TARGETS[self.target].tune
 
     @property
     def minimised(self) -> str:
@@ -124,7 +124,7 @@ class EncodeSettings:
 
     @property
     def target(self) -> str | None:
-        """Which of `TARGETS` is asked for, if one is."""
+        """Which of the targets is asked for, if one is."""
         return next((name for name in TARGETS if getattr(self, name) is not None), None)
 
     @property
@@ -132,12 +132,13 @@ class EncodeSettings:
         """The target in a word, empty without one."""
         if self.target is None:
             return ""
-        return f"{self.target}{'-' * (self.target == 'ssimulacra2')}{getattr(self, self.target):g}"
+        return f"{self.target}{'-' * self.target[-1].isdigit()}{getattr(self, self.target):g}"
 
     def rate_target(self, pixels: int) -> RateTarget | None:
         """The rate target of a picture of `pixels` pixels, if there is one."""
-        size = self.size if self.bpp is None else self.bpp * pixels / 8
-        return None if self.target is None else RateTarget(bytes=size, psnr=self.psnr, score=self.ssimulacra2)
+        if self.target is None:
+            return None
+        return TARGETS[self.target].rate_target(getattr(self, self.target), pixels)
 
     def at_lmbda(self, lmbda: float, **changes: Any) -> EncodeSettings:
         """The same at λ without a target, and with other changes."""
@@ -181,13 +182,11 @@ class EncodeSettings:
             (self.seeds is None or self.seeds >= 1, f"seeds {self.seeds}; at least 1"),
             (self.steps is None or self.steps >= 1, f"steps {self.steps}; at least 1"),
             (self.levels is None or 1 <= self.levels <= 4, f"levels {self.levels}; 1 to 4"),
-            (self.psnr is None or 0 < self.psnr < math.inf, f"psnr {self.psnr}; it must be positive"),
-            (
-                self.ssimulacra2 is None or self.ssimulacra2 < 100,
-                f"ssimulacra2 {self.ssimulacra2}; it must be below 100",
+            *(
+                (value is None or target.is_sound(value), f"{name} {value}; {target.rule}")
+                for name, target in TARGETS.items()
+                for value in [getattr(self, name)]
             ),
-            (self.size is None or 1 <= self.size < math.inf, f"size {self.size}; at least 1 byte"),
-            (self.bpp is None or 0 < self.bpp < math.inf, f"bpp {self.bpp}; it must be positive"),
             (
                 not self.tile or MIN_TILE <= self.tile <= MAX_SIDE,
                 f"tile {self.tile}; 0 (one tile) or {MIN_TILE} to {MAX_SIDE} pixels",
@@ -201,9 +200,7 @@ class EncodeSettings:
     def _check_choices(self) -> None:
         """Raises UsageError for settings that exclude each other, or that the profile does not have."""
         goals = [name for name in TARGETS if getattr(self, name) is not None]
-        instead = [*goals, *(["lmbda"] if goals and self.lmbda is not None else [])]
-        if len(instead) > 1:
-            raise UsageError(f"{instead[0]} and {instead[1]} exclude each other")
+        refuse_several_goals([*goals, *(["lmbda"] if self.lmbda is not None else [])])
         if self.minimised != "squared" and not self.chosen_profile.has_distortions:
             raise UsageError(f"the {self.profile} profile has a loss of its own; distortion is one of the default's")
         if self.tune == "visual" and not self.chosen_profile.has_distortions:
@@ -216,3 +213,10 @@ class EncodeSettings:
             for name in other.own_choices if other.name != self.profile else ():
                 if getattr(self, name) is not None:
                     raise UsageError(f"{name} is a setting of the {other.name} profile; add --profile {other.name}")
+
+
+def refuse_several_goals(given: Collection[str], prefix: str = "") -> None:
+    """Raises UsageError if more than one of these settings is a quality, λ or a target; `prefix` goes before names."""
+    goals = [prefix + name for name in ("quality", "lmbda", *TARGETS) if name in given]
+    if len(goals) > 1:
+        raise UsageError(f"{goals[0]} and {goals[1]} exclude each other")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -35,7 +36,7 @@ def layer_shapes(spec: ModelSpec) -> list[tuple[tuple[int, ...], ...]]:
     return shapes
 
 
-def shaped(shapes: list[tuple[int, ...]], flat: Any) -> list[Any]:
+def shaped(shapes: Sequence[tuple[int, ...]], flat: Any) -> list[Any]:
     """Parts of a flat array or tensor in these shapes, one after the other, as views."""
     ends = np.cumsum([math.prod(shape) for shape in shapes]).tolist()
     return [flat[end - math.prod(shape) : end].reshape(shape) for shape, end in zip(shapes, ends, strict=True)]
@@ -44,7 +45,7 @@ def shaped(shapes: list[tuple[int, ...]], flat: Any) -> list[Any]:
 class ContextWeights:
     """One two-layer network per coding stage, and the hash grid's tables.
 
-    first: W1 of every stage, flat. rest: b1, W2 and b2 of every stage, flat. tables: θ [entries, F] per resolution.
+    first: W1 of every stage, flat. rest: b1, W2 and b2 of every stage, flat. tables: θ of every resolution, flat.
     difference: what is added to `rest`, where `networks`, integers that stay as they are, were given; else None.
     `trains` says whether `first`, `rest` and `tables` train.
     """
@@ -60,10 +61,9 @@ class ContextWeights:
             rest += [np.zeros(b1, np.float32), second, np.zeros(b2, np.float32)]
         self.first: F32 = np.concatenate(first)
         self.rest: F32 = np.concatenate(rest)
-        features = spec.context.hash_features
-        self.tables: list[F32] = [
-            (rng.random((n, features), np.float32) * 2 - 1) * np.float32(HASH_START) for n in hash_sizes
-        ]
+        self._tables = [(entries, spec.context.hash_features) for entries in hash_sizes]
+        count = sum(hash_sizes) * spec.context.hash_features
+        self.tables: F32 = (rng.random(count, np.float32) * 2 - 1) * np.float32(HASH_START)
         counts = [math.prod(shape) for shapes in layer_shapes(spec) for shape in shapes[1:]]
         self._counts, self._tensor = np.array(counts, np.float32), np.repeat(np.arange(len(counts)), counts)
 
@@ -73,7 +73,7 @@ class ContextWeights:
             return {"context.difference": self.difference}
         if not self.trains:
             return {}
-        tables = {f"context.table{number}": table for number, table in enumerate(self.tables)}
+        tables = {"context.tables": self.tables} if self._tables else {}
         return {"context.first": self.first, "context.rest": self.rest, **tables}
 
     def adapt(self, networks: tuple[IntNetwork, ...]) -> None:
@@ -91,8 +91,7 @@ class ContextWeights:
         """Makes the networks and the hash grid say the same of all seeds, as `centre` does, at next to no bits."""
         self.first[:] = 0
         self.rest[:] = 0
-        for table in self.tables:
-            table[:] = 1
+        self.tables[:] = 1
         self.centre(attributes)
 
     def freeze(self) -> None:
@@ -122,7 +121,11 @@ class ContextWeights:
 
     def signs(self) -> list[I64]:
         """The grid's bits as 0 or 1, [entries, F] per resolution."""
-        return [(table >= 0).astype(np.int64) for table in self.tables]
+        return self.per_table((self.tables >= 0).astype(np.int64))
+
+    def per_table(self, flat: Any) -> list[Any]:
+        """The parts [entries, F] of a flat array or tensor that each resolution has."""
+        return shaped(self._tables, flat)
 
     def difference_gradient(self, lmbda: float) -> F32:
         """Gradient of λ times what the differences cost: each tensor under the Laplacian of its own mean magnitude."""
@@ -144,9 +147,7 @@ class ContextWeights:
         second = slice(math.prod(b1), math.prod(b1) + math.prod(w2))
         first += price_slope(self.first, WEIGHT_SHIFT, lmbda)
         rest[second] += price_slope(self.rest[second], WEIGHT_SHIFT, lmbda)
-        named = {"context.first": first, "context.rest": rest}
-        parts = shaped([table.shape for table in self.tables], tables)
-        return named | {f"context.table{number}": part for number, part in enumerate(parts)}
+        return {"context.first": first, "context.rest": rest, "context.tables": tables}
 
     def _own(self, shift: int) -> tuple[IntNetwork, ...]:
         firsts = shaped([shapes[0] for shapes in layer_shapes(self.spec)], _rounded(self.first, shift))

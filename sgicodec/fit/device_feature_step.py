@@ -13,7 +13,7 @@ from sgicodec import _native
 from sgicodec.cuda import sources
 from sgicodec.cuda.gpu import Gpu, GpuArray
 from sgicodec.cuda.structures import structures
-from sgicodec.cuda.tiles import MOST_CHANNELS, CudaView, TilePasses
+from sgicodec.cuda.tiles import MAX_CHANNELS, CudaView, TilePasses
 from sgicodec.fit.device_networks import DECODERS, Activations, DeviceNetworks
 from sgicodec.fit.device_step import MOST_PAIRS
 from sgicodec.fit.feature_step import FeatureInputs, FeatureOutputs, FeatureStep
@@ -46,7 +46,7 @@ class DeviceFeatureStep(FeatureStep):
     @staticmethod
     def can_run(spec: ModelSpec, settings: FitSettings) -> bool:
         """Whether the kernels have this model: what the native step has, up to 4 channels."""
-        return FeatureStep.can_run(spec, settings) and spec.channels <= MOST_CHANNELS
+        return FeatureStep.can_run(spec, settings) and spec.channels <= MAX_CHANNELS
 
     def set_layout(self, layout: SeedLayout, quality: int) -> None:
         """As `GradientStep.set_layout`."""
@@ -106,14 +106,14 @@ class DeviceFeatureStep(FeatureStep):
         weights = [given.decoders]
         if given.priced:
             weights += [given.rest, given.first]
-            taken |= {"theta": given.tables, "signs": np.where(given.tables >= 0, np.float32(1), np.float32(-1))}
+            taken |= {"theta": given.tables, "signs": np.where(given.tables >= 0, np.int8(1), np.int8(-1))}
             parts = [given.tables[a:b] for a, b in pairwise(self._table_starts)]
             slopes = [_native.sign_slope(int((part >= 0).sum()), len(part), given.price) for part in parts]
             taken["sign_slopes"] = np.array(slopes, np.float32)
         self._networks.load(np.concatenate(weights))
         for name, values in taken.items():
             if name not in self._held:
-                self._held[name] = self.gpu.array(values.shape)
+                self._held[name] = self.gpu.array(values.shape, values.dtype)
             self._held[name].upload(values)
         sizes = {"count": self.count, "per_seed": self.spec.per_seed, "channels": self.spec.channels}
         context = self.spec.context
@@ -200,7 +200,8 @@ class DeviceFeatureStep(FeatureStep):
             **{f"{part}_{name}": (rows, n) for part in ("said", "up") for name, rows in said.items()},
             **{name: (n * self.spec.per_seed, width) for name, width in gaussians.items()},
             **{f"grad_{name}": (n * self.spec.per_seed, width) for name, width in gaussians.items()},
-            **{"hash_slopes": (hashed, n), "bits": (n,), "tables": (self._table_starts[-1],)},
+            **{"hash_slopes": (hashed, n), "bits": (n,), "bit_rows": (3 * attributes + 3, n)},
+            "tables": (self._table_starts[-1],),
         }
 
 

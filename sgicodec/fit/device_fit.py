@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.cuda.gpu import Gpu
-from sgicodec.cuda.tiles import MOST_CHANNELS
+from sgicodec.cuda.tiles import MAX_CHANNELS
 from sgicodec.fit.adam import Adam
 from sgicodec.fit.device_seeds import energy_of, moved, residual_sums
 from sgicodec.fit.device_step import DeviceStep, StepKind
@@ -44,7 +44,7 @@ class DeviceFit:
     @staticmethod
     def can_run(spec: ModelSpec) -> bool:
         """Whether the kernels have this model: what the native step has, up to 4 channels and 64 hidden units."""
-        narrow = spec.channels <= MOST_CHANNELS and spec.context.hidden <= DeviceStep.most_hidden
+        narrow = spec.channels <= MAX_CHANNELS and spec.context.hidden <= DeviceStep.most_hidden
         return FusedStep.can_run(spec) and narrow
 
     def set_layout(self, layout: SeedLayout, quality: int) -> None:

@@ -9,15 +9,13 @@ from numpy.typing import NDArray
 
 from sgicodec import _native
 from sgicodec.device import Device
-from sgicodec.fit.context_weights import shaped
 from sgicodec.fit.fused_step import ROUNDINGS
 from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.parameters import Parameters, StepResult
 from sgicodec.fit.pyramid import Level
-from sgicodec.fit.step_sizes import base_counts
 from sgicodec.fit.weight_bits import price_slope, with_weight_noise
 from sgicodec.model.context import LEVELS
-from sgicodec.model.gaussians import decoder_shapes, empty_gaussians
+from sgicodec.model.gaussians import decoder_parts, empty_gaussians
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.fit_settings import FitSettings, Rounding
@@ -98,19 +96,18 @@ class FeatureStep:
 
     def run(self, parameters: Parameters, rounding: Rounding, number: int, level: Level, lmbda: float) -> StepResult:
         """As `GradientStep.run`."""
-        feature, scales, offset = (parameters.seeds.values[name] for name in _GROUPS)
-        context, noise = parameters.context, NoiseKey.of(self.settings.seed, number)
-        priced = rounding == "noise" and lmbda > 0
-        decoders = np.concatenate([weights.reshape(-1) for weights in parameters.seeds.decoders.values()])
+        seeds, context, noise = parameters.seeds, parameters.context, NoiseKey.of(self.settings.seed, number)
+        feature, scales, offset = (seeds.values[name] for name in _GROUPS)
+        priced, decoders = rounding == "noise" and lmbda > 0, seeds.decoder_weights
         if priced:
-            decoders = with_weight_noise(decoders, parameters.seeds.decoder_shift, noise, self.spec.attributes + 1)
+            decoders = with_weight_noise(decoders, seeds.decoder_shift, noise, self.spec.attributes + 1)
         given = FeatureInputs(
             values=(feature, scales, offset),
             decoders=decoders,
             first=context.first,
             rest=context.rest,
-            tables=np.concatenate([table.reshape(-1) for table in context.tables]),
-            steps=parameters.steps[: sum(base_counts(self.spec))].reshape(-1, LEVELS)[:, 0].copy(),
+            tables=context.tables,
+            steps=parameters.steps[: self.spec.attributes * LEVELS : LEVELS].copy(),
             rounding=rounding,
             priced=priced,
             noise=noise,
@@ -118,12 +115,12 @@ class FeatureStep:
             price=lmbda / (self.count * self.spec.attributes),
         )
         found = self._evaluate(given, level)
-        of_decoders = self._of_decoders(found.sums[: len(decoders)])
         if priced:
-            for name, weights in parameters.seeds.decoders.items():
-                if weights.ndim == 2:
-                    of_decoders[f"decoder_{name}"] += price_slope(weights, parameters.seeds.decoder_shift, given.price)
-        gradients = dict(zip(_GROUPS, found.values, strict=True)) | of_decoders
+            for name, slopes in decoder_parts(self.spec, found.sums).items():
+                if slopes.ndim == 2:
+                    slopes += price_slope(seeds.decoders[name], seeds.decoder_shift, given.price)
+        gradients = dict(zip(_GROUPS, found.values, strict=True))
+        gradients |= {f"decoder_{name}": slopes for name, slopes in seeds.by_network(found.sums).items()}
         if priced and context.trains:
             gradients |= context.gradients(found.sums[len(decoders) :], found.tables, given.price)
         return StepResult(found.error, found.bits, gradients)
@@ -154,9 +151,3 @@ class FeatureStep:
     def _draw(self, gaussians: tuple[F32, F32, F32], level: Level) -> tuple[Errors, tuple[F32, F32, F32]]:
         """Mean absolute error and the sum of squares, and the gradients of the former in the Gaussians."""
         return self.raster.error(*gaussians, level.samples, "absolute", 1.0 / level.samples.size, level.weights)
-
-    def _of_decoders(self, flat: F32) -> dict[str, F32]:
-        """Gradients of the decoders' weights by the names that they train under."""
-        shapes = decoder_shapes(self.spec)
-        parts = shaped(list(shapes.values()), flat)
-        return {f"decoder_{name}": part for name, part in zip(shapes, parts, strict=True)}

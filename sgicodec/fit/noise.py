@@ -25,11 +25,10 @@ class NoiseKey(NamedTuple):
 
 def hashed_noise(key: NoiseKey, column: int, seeds: int) -> NDArray[np.float64]:
     """Uniform in (−½, ½), a hash of key, column and seed [seeds], as native/fit/noise.hpp draws it: "lowbias32"."""
-    mask = 0xFFFFFFFF
-    x = (np.arange(seeds, dtype=np.uint64) * 0x9E3779B9) & mask
-    x ^= np.uint64((key.key + column * 0x85EBCA6B) & mask)
-    x = ((x ^ (x >> np.uint64(16))) * np.uint64(0x7FEB352D)) & mask
-    x = ((x ^ (x >> np.uint64(15))) * np.uint64(0x846CA68B)) & mask
-    x ^= x >> np.uint64(16)
-    noise = ((x >> np.uint64(8)).astype(np.float64) + 0.5) / 2**24 - 0.5
+    x = np.arange(seeds, dtype=np.uint32) * np.uint32(0x9E3779B9)
+    x ^= np.uint32((key.key + column * 0x85EBCA6B) & 0xFFFFFFFF)
+    x = (x ^ (x >> np.uint32(16))) * np.uint32(0x7FEB352D)
+    x = (x ^ (x >> np.uint32(15))) * np.uint32(0x846CA68B)
+    x ^= x >> np.uint32(16)
+    noise = ((x >> np.uint32(8)).astype(np.float64) + 0.5) / 2**24 - 0.5
     return -noise if key.negative else noise

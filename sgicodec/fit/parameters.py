@@ -32,7 +32,8 @@ class Parameters:
 
     def trained(self) -> dict[str, F32]:
         """The arrays that train, by name."""
-        decoders = {f"decoder_{name}": weights for name, weights in self.seeds.decoders.items()}
+        networks = self.seeds.by_network(self.seeds.decoder_weights)
+        decoders = {f"decoder_{name}": weights for name, weights in networks.items()}
         context = self.context.trained() if self.trains_context else {}
         return {**self.seeds.values, **decoders, "steps": self.steps, **context}
 

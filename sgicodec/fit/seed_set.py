@@ -13,7 +13,7 @@ from sgicodec.device import Device
 from sgicodec.fit.adam import Adam
 from sgicodec.fit.initialization import cell_means, fresh_decoders, fresh_values
 from sgicodec.fit.weight_bits import decoder_shift
-from sgicodec.model.gaussians import model_gaussians
+from sgicodec.model.gaussians import decoder_parts, model_gaussians
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ModelSpec
 
@@ -32,8 +32,8 @@ def coded_values(values: Mapping[str, Any], xp: Any) -> dict[str, Any]:
 class SeedSet:
     """Starts from what `target` [C, H, W] is in the cells of `layout`.
 
-    layout: where the seeds are now; values: what trains of their attributes by group [N, size]; decoders: weights of
-    MLP_c and MLP_Σ, which a stream holds in units of 2^-decoder_shift.
+    layout: where the seeds are now; values: what trains of their attributes by group [N, size]; decoder_weights:
+    of MLP_c and MLP_Σ, flat; decoders: the same by name. A stream holds them in units of 2^-decoder_shift.
     """
 
     def __init__(
@@ -42,11 +42,21 @@ class SeedSet:
         self.spec, self.layout, self._device = spec, layout, device
         self._pixels = target.shape[1] * target.shape[2]
         self.values = self._fresh(cell_means(target, layout))
-        self.decoders = fresh_decoders(spec, rng)
+        self.decoder_weights: F32 = np.concatenate(
+            [np.zeros(0, np.float32), *(weights.reshape(-1) for weights in fresh_decoders(spec, rng).values())]
+        )
+        self.decoders = decoder_parts(spec, self.decoder_weights)
+        colours = sum(weights.size for name, weights in self.decoders.items() if name.startswith("colour"))
+        self._networks = {"colour": slice(0, colours), "shape": slice(colours, None)} if colours else {}
         self.decoder_shift = decoder_shift(len(layout))
 
     def __len__(self) -> int:
         return len(self.layout)
+
+    def by_network(self, flat: F32) -> dict[str, F32]:
+        """The parts of MLP_c, "colour", and MLP_Σ, "shape", of an array that begins like `decoder_weights`."""
+        own = flat[: len(self.decoder_weights)]
+        return {name: own[part] for name, part in self._networks.items()}
 
     def attributes(self) -> F32:
         """The attributes of all groups as they are coded, side by side [N, d_A]."""

@@ -17,7 +17,7 @@ Last = Literal["alpha", "band", "unused"]
 
 _EXTRA_SAMPLES, _SAMPLES_PER_PIXEL = 338, 277
 _BITFIELDS = 3
-_BMP_HEADER, _INFO_HEADER, _LEAST_WITH_ALPHA = 14, 40, 56
+_BMP_HEADER, _INFO_HEADER, _MIN_WITH_ALPHA = 14, 40, 56
 """Bytes of the file header, and of the oldest information headers that have a compression and a mask of alpha."""
 _OPENIMAGEIO_AT = {2: 0, 1: 1, 0: 2, 3: 3}
 """The channel that OpenImageIO makes of each byte of a 32-bit pixel: it takes all for blue, green, red, alpha."""
@@ -86,7 +86,7 @@ def _bmp(data: Bytes) -> Channels:
     if bits not in (16, 32) or compression != _BITFIELDS:
         return Channels("unused") if bits == 32 else AsIs
     masks = list(struct.unpack("<4I", data[_BMP_HEADER + 40 : _BMP_HEADER + 56]))
-    if size < _LEAST_WITH_ALPHA:
+    if size < _MIN_WITH_ALPHA:
         masks[3] = 0
     if bits == 16 and masks[3]:
         raise PictureError("it has alpha in 16-bit pixels, which cannot be read; save it with 32 bits")
@@ -111,8 +111,8 @@ def _targa(data: Bytes) -> Channels:
 
 def _denied(data: Bytes) -> bool:
     footer = bytes(data[len(data) - 26 :])
-    place = struct.unpack("<I", footer[:4])[0] if footer[8:24] == b"TRUEVISION-XFILE" else 0
-    return place > 0 and bytes(data[place + _EXTENSION : place + _EXTENSION + 1]) in _NO_ALPHA
+    offset = struct.unpack("<I", footer[:4])[0] if footer[8:24] == b"TRUEVISION-XFILE" else 0
+    return offset > 0 and bytes(data[offset + _EXTENSION : offset + _EXTENSION + 1]) in _NO_ALPHA
 
 
 def _colour_space(data: Bytes) -> int | None:

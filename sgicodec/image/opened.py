@@ -16,7 +16,6 @@ from sgicodec.image.alpha import unassociate
 from sgicodec.image.avif_reader import AvifReader
 from sgicodec.image.channels import AsIs, Channels, Last, declared_channels
 from sgicodec.image.decoded_picture import DecodedPicture
-from sgicodec.image.foreign import Foreign, foreign
 from sgicodec.image.header import (
     Probe,
     has_own_numbers,
@@ -29,10 +28,11 @@ from sgicodec.image.header import (
 from sgicodec.image.heif_reader import HeifReader
 from sgicodec.image.library import load_openimageio
 from sgicodec.image.opening import by_others, complaint, is_openimageio, no_size_limit, open_image
-from sgicodec.image.pages import ONLY, Chosen, check_page, chosen_page
+from sgicodec.image.pages import ONLY, PageChoice, check_page, chosen_page
 from sgicodec.image.raw_reader import RawReader
 from sgicodec.image.silence import without_libpng
 from sgicodec.image.slide_reader import SlideReader, is_slide
+from sgicodec.image.sniffed import SniffedFormat, sniffed_format
 from sgicodec.metadata import embedded, geo, ifd, placement, png
 from sgicodec.metadata.filebytes import FileBytes
 from sgicodec.metadata.layouts import alpha_index
@@ -68,7 +68,7 @@ class Opened:
     metadata: Metadata
     channels: Channels
     associated: bool
-    page: Chosen = ONLY
+    page: PageChoice = ONLY
 
     @property
     def orientation(self) -> int:
@@ -146,7 +146,7 @@ def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto", p
         data = FileBytes(file)
         other = _check(data)
         if other is not None:
-            return _foreign_picture(path, other, embedded.extract(data), alpha, page)
+            return _sniffed_picture(path, other, embedded.extract(data), alpha, page)
         with no_size_limit() if any_size and ifd.layout(data) is not None else nullcontext():
             image = open_image(path, page=page)
         chosen = _chosen(path, data, image, page)
@@ -160,19 +160,19 @@ def open_picture(path: Path, *, any_size: bool = False, alpha: Alpha = "auto", p
         image = by_others(path, data, image, chosen, declared)
         spec, kind = _spec(image, found, chosen.subimage), image.format_name()
     probe = header(spec, kind, _LAST.get(alpha, declared.last))
-    place = found.geo
+    georeference = found.geo
     if not has_own_numbers(spec):
-        place = geo.resampled(place, lambda value: number_as_read(value, spec))
-    place = placement.oriented(place, orientation(spec, kind), spec.width, spec.height)
+        georeference = geo.resampled(georeference, lambda value: number_as_read(value, spec))
+    georeference = placement.oriented(georeference, orientation(spec, kind), spec.width, spec.height)
     found = embedded.upright(found, orientation(spec, kind), spec.width, spec.height)
-    metadata = replace(found, icc=_icc(spec, probe.channels), geo=place)
+    metadata = replace(found, icc=_icc(spec, probe.channels), geo=georeference)
     has_alpha = declared.last == "alpha" and alpha_index(header(spec, kind).channels) is not None
     associated = has_alpha and alpha != "band" and is_associated(spec, kind)
     return Opened(path, image, spec, kind, probe, metadata, declared, associated, chosen)
 
 
-def _chosen(path: Path, data: FileBytes, image: ImageInput | DecodedPicture, page: int | None) -> Chosen:
-    return Chosen(pages=image.pages) if isinstance(image, DecodedPicture) else chosen_page(path, data, image, page)
+def _chosen(path: Path, data: FileBytes, image: ImageInput | DecodedPicture, page: int | None) -> PageChoice:
+    return PageChoice(pages=image.pages) if isinstance(image, DecodedPicture) else chosen_page(path, data, image, page)
 
 
 _READERS: dict[str, Callable[[Path, int | None], DecodedPicture]] = {
@@ -182,7 +182,7 @@ _READERS: dict[str, Callable[[Path, int | None], DecodedPicture]] = {
 }
 
 
-def _foreign_picture(path: Path, found: Foreign, metadata: Metadata, alpha: Alpha, page: int | None) -> Opened:
+def _sniffed_picture(path: Path, found: SniffedFormat, metadata: Metadata, alpha: Alpha, page: int | None) -> Opened:
     """One that a library of its own decodes. metadata: that in the bytes of the file."""
     try:
         image = _READERS[found.name](path, page)
@@ -195,16 +195,16 @@ def _foreign_picture(path: Path, found: Foreign, metadata: Metadata, alpha: Alph
     own = embedded.turned_already(own, probe.width, probe.height, image.turned)
     has_alpha = alpha != "band" and alpha_index(header(spec, kind).channels) is not None
     associated = has_alpha and image.associated
-    return Opened(path, image, spec, kind, probe, own, AsIs, associated, Chosen(pages=image.pages))
+    return Opened(path, image, spec, kind, probe, own, AsIs, associated, PageChoice(pages=image.pages))
 
 
-def _check(data: FileBytes) -> Foreign | None:
+def _check(data: FileBytes) -> SniffedFormat | None:
     """Raise PictureError for what the bytes of a file rule out. Returns what needs a library of its own."""
     if len(data) == 0:
         raise PictureError("the file is empty")
     if data[:8] == _STREAM_SIGNATURE:
         raise PictureError("this is an encoded stream, not a picture; decode it first")
-    found = foreign(data)
+    found = sniffed_format(data)
     if found is not None and not _reads(found.name):
         return found
     _refuse(png.damage(data) if data[:8] == png.SIGNATURE else ifd.damage(data))

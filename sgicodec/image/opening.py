@@ -14,8 +14,8 @@ from sgicodec.image.decoded_picture import DecodedPicture
 from sgicodec.image.inks import Inks, extra_samples
 from sgicodec.image.jpeg2000_reader import Jpeg2000Reader
 from sgicodec.image.origin import first_line
-from sgicodec.image.pages import Chosen
-from sgicodec.image.second_reader import SecondReader, is_seconds
+from sgicodec.image.pages import PageChoice
+from sgicodec.image.pillow_reader import PillowReader, is_for_pillow
 from sgicodec.image.silence import without_libpng
 from sgicodec.image.tiff_reader import TiffReader, left_to_gdal
 from sgicodec.metadata import png
@@ -52,8 +52,8 @@ def open_image(path: Path, second: bool = False, page: int | None = None) -> Ima
 
     with path.open("rb") as file:
         head = file.read(16)
-    if second or is_seconds(head):
-        return SecondReader(path, page)
+    if second or is_for_pillow(head):
+        return PillowReader(path, page)
     hints = oiio.ImageSpec()
     hints.attribute("oiio:UnassociatedAlpha", 1)
     with without_libpng(head[:8] == png.SIGNATURE):
@@ -61,7 +61,7 @@ def open_image(path: Path, second: bool = False, page: int | None = None) -> Ima
     if image is None:
         said = complaint(oiio, path)
         if any(text in said for text in _LEFT_TO_PILLOW) or head[:2] == b"BM":
-            return SecondReader(path, page)
+            return PillowReader(path, page)
         raise PictureError(said or "it cannot be opened; the file is damaged or cut off")
     return image
 
@@ -74,7 +74,7 @@ def complaint(speaker: Any, path: Path) -> str:
     return said.strip()
 
 
-def by_others(path: Path, data: FileBytes, image: Any, chosen: Chosen, declared: Channels) -> Any:
+def by_others(path: Path, data: FileBytes, image: Any, chosen: PageChoice, declared: Channels) -> Any:
     """What reads the samples of the page, where OpenImageIO has opened the file but does not read them rightly."""
     import OpenImageIO as oiio
 

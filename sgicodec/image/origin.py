@@ -58,15 +58,15 @@ def first_line(speaker: Any) -> str:
 
 
 @contextlib.contextmanager
-def naming(place: object) -> Iterator[None]:
+def naming(origin: object) -> Iterator[None]:
     """Give any PictureError raised in the context the name of its origin or target; any OSError becomes one."""
     try:
         yield
     except PictureError as error:
-        name, text = f"{display_name(place)}: ", str(error)
+        name, text = f"{display_name(origin)}: ", str(error)
         raise PictureError(text if text.startswith(name) else name + text) from error.__cause__
     except OSError as error:
-        raise PictureError(f"{display_name(place)}: {error.strerror or error}") from error
+        raise PictureError(f"{display_name(origin)}: {error.strerror or error}") from error
 
 
 @contextlib.contextmanager

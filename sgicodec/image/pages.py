@@ -13,7 +13,7 @@ from sgicodec.metadata.stacks import images
 if TYPE_CHECKING:
     from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["ONLY", "Chosen", "check_page", "chosen_page"]
+__all__ = ["ONLY", "PageChoice", "check_page", "chosen_page"]
 
 _COUNTED = ("gif", "webp", "openexr", "fits")
 """Formats whose further images OpenImageIO shows, each of them a page. Those of others are layers, or the same picture
@@ -21,7 +21,7 @@ in another size.
 """
 
 
-class Chosen(NamedTuple):
+class PageChoice(NamedTuple):
     """A page. subimage: its number to OpenImageIO; pages: how many there are; directory: of a TIFF, where it stands;
     left_out: whether OpenImageIO does not read it.
     """
@@ -32,11 +32,11 @@ class Chosen(NamedTuple):
     left_out: bool = False
 
 
-ONLY = Chosen()
+ONLY = PageChoice()
 """The page of a file that is one."""
 
 
-def chosen_page(path: Path, data: Bytes, image: Any, page: int | None) -> Chosen:
+def chosen_page(path: Path, data: Bytes, image: Any, page: int | None) -> PageChoice:
     """The page of that number, from 1, of a file that OpenImageIO has opened; the first if None.
 
     Raises UsageError for one that is not there, PictureError for one that ImageJ wrote without a directory.
@@ -54,14 +54,14 @@ def chosen_page(path: Path, data: Bytes, image: Any, page: int | None) -> Chosen
                 f"its page {page} has no directory of its own, which is not read; save it as a file first"
             )
         directory = found[(page or 1) - 1]
-        return Chosen(directory.number, count, directory)
+        return PageChoice(directory.number, count, directory)
     if kind == "png":
         frames = png.frames(data)
         check_page(page, frames)
-        return Chosen(0, frames, left_out=(page or 1) > 1)
+        return PageChoice(0, frames, left_out=(page or 1) > 1)
     count = _counted(path) if kind in _COUNTED else 1
     check_page(page, count)
-    return Chosen((page or 1) - 1, count)
+    return PageChoice((page or 1) - 1, count)
 
 
 def _counted(path: Path) -> int:

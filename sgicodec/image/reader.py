@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from sgicodec.errors import PictureError
 from sgicodec.image.access import whole
-from sgicodec.image.foreign import foreign
 from sgicodec.image.header import MAX_SAMPLES, Probe
 from sgicodec.image.opened import Alpha, Opened, open_picture
 from sgicodec.image.origin import Origin, has_signature, naming, on_disk
+from sgicodec.image.sniffed import sniffed_format
 from sgicodec.image.used_range import RangeChoice, SampleUse, UsedRange, stated_use
 from sgicodec.metadata.blobs import Metadata
 from sgicodec.metadata.filebytes import FileBytes
@@ -93,7 +93,7 @@ def probe(origin: Origin) -> Probe:
 def is_picture(path: Path) -> bool:
     """Whether a file is a picture, sound or damaged, by its content."""
     with path.open("rb") as file:
-        if has_signature(file.read(16)) or foreign(FileBytes(file)) is not None:
+        if has_signature(file.read(16)) or sniffed_format(FileBytes(file)) is not None:
             return True
     try:
         probe(path)

@@ -13,11 +13,11 @@ import numpy as np
 import numpy.typing as npt
 
 from sgicodec.errors import PictureError, UsageError
+from sgicodec.files.scratch import scratch_folder
 from sgicodec.image import formats
 from sgicodec.image.header import MAX_SAMPLES, Probe
 from sgicodec.image.origin import is_utf8, naming
 from sgicodec.image.png_output import PngOutput
-from sgicodec.image.scratch import scratch_folder
 from sgicodec.metadata import embedded
 from sgicodec.metadata.layouts import LAYOUTS
 from sgicodec.picture import Metadata

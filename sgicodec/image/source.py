@@ -19,9 +19,9 @@ from sgicodec.image.heif_reader import HeifReader
 from sgicodec.image.jpeg2000_reader import Jpeg2000Reader
 from sgicodec.image.opened import Alpha, Opened, open_picture
 from sgicodec.image.origin import Origin, naming, on_disk
+from sgicodec.image.pillow_reader import PillowReader
 from sgicodec.image.raw_reader import RawReader
 from sgicodec.image.reader import check_whole, pictured
-from sgicodec.image.second_reader import SecondReader
 from sgicodec.image.used_range import RangeChoice, SampleUse, UsedRange, stated_use
 from sgicodec.metadata.layouts import SampleRange, alpha_index
 from sgicodec.metadata.orientation import Window, stored_window
@@ -35,7 +35,7 @@ _SCAN_SAMPLES = 1 << 22
 NO_OPACITY = "what is declared as alpha is opaque nowhere, or more than that: it is coded as a band like the others"
 
 _IN_LIBRARY = {"gif": 1, "iff": 1, "jpeg2000": 5, "jpegxl": 6, "pnm": 1, "targa": 1, "webp": 3}
-_IN_LIBRARY |= {SecondReader.kind: 2, AvifReader.kind: 5, HeifReader.kind: 4, RawReader.kind: 4, Jpeg2000Reader.kind: 5}
+_IN_LIBRARY |= {PillowReader.kind: 2, AvifReader.kind: 5, HeifReader.kind: 4, RawReader.kind: 4, Jpeg2000Reader.kind: 5}
 """Formats that OpenImageIO's own readers, or other libraries, hold whole, and how many times the size of samples that
 takes.
 """

@@ -29,7 +29,7 @@ _KNOWN = (1, 2, 3, 4, 5, 6, 7, 8, 32766, 32771, 32773, 32809, 32946, 34676, 3467
 _NAMES = {50000: "ZSTD", 34887: "LERC", 34925: "LZMA", 50002: "JPEG XL", 52546: "JPEG XL", 34712: "JPEG 2000"}
 
 _WIDTHS = {3: 2, 4: 4, 16: 8}
-"""Bytes of the integers that places and lengths of strips and tiles are."""
+"""Bytes of the integers that offsets and lengths of strips and tiles are."""
 
 _WHITE_IS_ZERO, _PALETTE, _INKS = 0, 3, 5
 _TYPES = {"half": "float16", "float": "float32", "double": "float32", "int": "int32", "uint": "uint32"}
@@ -48,8 +48,8 @@ def left_to_gdal(data: Bytes) -> str | None:
     compression = int.from_bytes(_data(found, _COMPRESSION)[:2], "little") or 1
     if compression not in _KNOWN:
         return f"it is compressed by {_NAMES.get(compression, f'method {compression}')}"
-    for places, lengths in ((_STRIPS, _STRIP_BYTES), (_TILES, _TILE_BYTES)):
-        at, size = _numbers(found, places), _numbers(found, lengths)
+    for offsets, lengths in ((_STRIPS, _STRIP_BYTES), (_TILES, _TILE_BYTES)):
+        at, size = _numbers(found, offsets), _numbers(found, lengths)
         if len(at) == len(size) and ((at == 0) & (size == 0)).any():
             return "it is sparse, some of its strips or tiles are not there"
     return None

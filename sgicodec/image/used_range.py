@@ -37,7 +37,7 @@ _LABELS = 16
 """Values of integers that there must be besides: fewer are no measurements."""
 _FARTHEST = 1e30
 """Samples beyond it are blanks or outliers, whatever the others are."""
-_MOST_EXACT = 50
+_MAX_EXACT = 50
 """One sample in so many may be kept exactly."""
 _LEVELS, _FIRST, _ROUNDING = 256, 2048, 2.0**-22
 """Values of eight bits; samples that are looked at first for more; what floats are rounded by, in parts of a sample."""
@@ -144,7 +144,7 @@ class UsedRange:
         ranges = [sample_range for sample_range, _ in chosen]
         outside = [_outside(bins, *found) for bins, found in zip(groups, ranges, strict=True)]
         for bins, out in zip(groups, outside, strict=True):
-            if out > max(_few(bins), int(bins.times.sum()) // _MOST_EXACT):
+            if out > max(_few(bins), int(bins.times.sum()) // _MAX_EXACT):
                 raise PictureError(_TOO_FAR.format(low=bins.low[0], high=bins.high[-1]))
         if any(abs(level) > MAX_SAMPLE for found in ranges for level in found):
             raise PictureError(f"its samples are beyond {MAX_SAMPLE:g}; state a sample range to clip them to")

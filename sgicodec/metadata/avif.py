@@ -16,7 +16,7 @@ from sgicodec.metadata.orientation import Window
 
 __all__ = ["Still", "is_avif", "still"]
 
-_MOST_META = 1 << 24
+_MAX_META = 1 << 24
 """Bytes of the box `meta`, which holds no pixels; those of EXIF and profiles may lie in it."""
 
 _TURNS = {
@@ -70,15 +70,15 @@ def still(data: Bytes) -> Still:
 
 
 def _still(data: Bytes) -> Still:
-    found = next((place for kind, place in _boxes(data, slice(0, len(data))) if kind == b"meta"), None)
-    if found is None or found.stop - found.start > _MOST_META:
+    found = next((span for kind, span in _boxes(data, slice(0, len(data))) if kind == b"meta"), None)
+    if found is None or found.stop - found.start > _MAX_META:
         raise PictureError("the file is damaged or cut off: it says nothing of a picture")
     meta = bytes(data[found])
     parts = dict(_boxes(meta, slice(4, len(meta))))
     if b"pitm" not in parts or b"iprp" not in parts:
         raise PictureError("it holds no single picture")
     boxes = dict(_boxes(meta, parts[b"iprp"]))
-    listed = [(kind, meta[place]) for kind, place in _boxes(meta, boxes[b"ipco"])] if b"ipco" in boxes else []
+    listed = [(kind, meta[span]) for kind, span in _boxes(meta, boxes[b"ipco"])] if b"ipco" in boxes else []
     primary = _primary(meta[parts[b"pitm"]])
     own = [listed[index - 1] for index in _properties(meta[boxes.get(b"ipma", slice(0))], primary) if index]
     sizes = [struct.unpack_from(">II", value, 4) for kind, value in own if kind == b"ispe"]

@@ -30,14 +30,14 @@ def extract(data: Bytes) -> Metadata:
     none.
     """
     if data[:3] == jpeg.SIGNATURE:
-        blob, xmp, place = jpeg.find(data)
+        blob, xmp, geo = jpeg.find(data)
     elif data[:8] == png.SIGNATURE:
-        blob, xmp, place = png.find(data)
+        blob, xmp, geo = png.find(data)
     elif webp.is_webp(data):
-        blob, xmp, place = *webp.find(data), None
+        blob, xmp, geo = *webp.find(data), None
     else:
-        blob, xmp, place = tiff.find(data)
-    return Metadata(exif=blob and exif.plain(blob), xmp=xmp or None, geo=place)
+        blob, xmp, geo = tiff.find(data)
+    return Metadata(exif=blob and exif.plain(blob), xmp=xmp or None, geo=geo)
 
 
 def orientation(metadata: Metadata, other: int | None = None) -> int:

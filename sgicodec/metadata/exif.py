@@ -93,10 +93,10 @@ class _Blob:
         self.data, self.order, self._spelling = bytearray(blob), spelling.order, spelling
         self.directories = [_Directory(blob, ifd.first_directory(blob, spelling), spelling)]
         for pointer in _DIRECTORIES:
-            place = self.integers(pointer)
+            offset = self.integers(pointer)
             try:
-                if place is not None:
-                    self.directories.append(_Directory(blob, place[0], spelling))
+                if offset is not None:
+                    self.directories.append(_Directory(blob, offset[0], spelling))
             except struct.error:  # damaged: it stays as it is
                 pass
 
@@ -112,9 +112,9 @@ class _Blob:
     def _find(self, tag: int) -> tuple[_Directory, ifd.Row] | None:
         return next(((part, row) for part in self.directories for row in part.rows if row.tag == tag), None)
 
-    def _place(self, row: ifd.Row, length: int) -> int | None:
+    def _offset(self, row: ifd.Row, length: int) -> int | None:
         """Where the values of a row stand, of so many bytes; None for outside."""
-        at = row.at if length <= 4 else int(self._spelling.place.unpack_from(self.data, row.at)[0])
+        at = row.at if length <= 4 else int(self._spelling.offset.unpack_from(self.data, row.at)[0])
         return at if at + length <= len(self.data) else None
 
     def integers(self, tag: int) -> list[int] | None:
@@ -123,7 +123,7 @@ class _Blob:
         if found is None or found[1].kind not in _FORMS or not 1 <= found[1].values <= 4:
             return None
         form = f"{self.order}{found[1].values}{_FORMS[found[1].kind]}"
-        at = self._place(found[1], struct.calcsize(form))
+        at = self._offset(found[1], struct.calcsize(form))
         return None if at is None else list(struct.unpack_from(form, self.data, at))
 
     def change_sizes(self, across: int, down: int, motion: Motion) -> None:
@@ -136,21 +136,21 @@ class _Blob:
 
     def change_ratios(self, across: int, down: int, motion: Motion) -> None:
         """Pixels per unit; one that stands alone is taken out if what was across is down now."""
-        places = [self._ratio_at(tag) for tag in (across, down)]
+        offsets = [self._ratio_at(tag) for tag in (across, down)]
         pair = struct.Struct(self.order + "II")
-        if motion.is_sideways and None in places:
+        if motion.is_sideways and None in offsets:
             for tag in (across, down):
                 self.change(tag, None)
             return
-        old = [(0, 0) if at is None else pair.unpack_from(self.data, at) for at in places]
-        for at, ratio in zip(places, motion.ratios(old[0], old[1]), strict=True):
+        old = [(0, 0) if at is None else pair.unpack_from(self.data, at) for at in offsets]
+        for at, ratio in zip(offsets, motion.ratios(old[0], old[1]), strict=True):
             if at is not None:
                 pair.pack_into(self.data, at, *ratio)
 
     def _ratio_at(self, tag: int) -> int | None:
         found = self._find(tag)
         is_ratio = found is not None and found[1].kind == _RATIONAL and found[1].values == 1
-        return self._place(found[1], 8) if found is not None and is_ratio else None
+        return self._offset(found[1], 8) if found is not None and is_ratio else None
 
     def change(self, tag: int, values: list[int] | None) -> None:
         """Write as many integers as there are, or take the tag out. One that is too large becomes wider."""
@@ -162,7 +162,7 @@ class _Blob:
         if values is not None and kind in _FORMS and max(values) >= 1 << 8 * struct.calcsize(_FORMS[kind]):
             kind = _LONG
         form = f"{self.order}{row.values}{_FORMS.get(kind, 'I')}"
-        at = self._place(row, struct.calcsize(form))
+        at = self._offset(row, struct.calcsize(form))
         if values is None or at is None or (kind != row.kind and len(values) > 1):
             self._take_out(part, row)
             return
@@ -170,7 +170,7 @@ class _Blob:
         struct.pack_into(form, self.data, at, *values)
 
     def _take_out(self, part: _Directory, row: ifd.Row) -> None:
-        """The rows behind it, and the place of the next directory, move up; all else stays where it is."""
+        """The rows behind it, and the offset of the next directory, move up; all else stays where it is."""
         size, start = self._spelling.row.size, row.at - 8
         end = part.at + 2 + len(part.rows) * size + 4
         self.data[start:end] = self.data[start + size : end] + bytes(size)

@@ -21,7 +21,7 @@ _HAS_EXTENSION = re.compile(
 )
 _HEAD = struct.Struct(">32sII")
 _PIECE = 65400
-_MOST = 1 << 26
+_MAX_EXTENSION = 1 << 26
 """Bytes of an extension that is read."""
 
 _RDF_START, _RDF_END = re.compile(rb"<([\w.-]+):RDF\b[^<>]*>"), re.compile(rb"</[\w.-]+:RDF\s*>")
@@ -68,7 +68,7 @@ def _assembled(name: bytes, pieces: list[bytes]) -> bytes | None:
     whole = b"".join(part for _, part in sorted(parts.items()))
     ends = [offset + len(part) for offset, part in sorted(parts.items())]
     is_whole = lengths == {len(whole)} and [0, *ends[:-1]] == sorted(parts)
-    return whole if is_whole and len(whole) <= _MOST else None
+    return whole if is_whole and len(whole) <= _MAX_EXTENSION else None
 
 
 def split(packet: bytes, most: int) -> tuple[bytes, list[bytes]]:
@@ -89,8 +89,8 @@ def split(packet: bytes, most: int) -> tuple[bytes, list[bytes]]:
         return packet, []
     extension = _extension(rdf, subject, names, [packet[start:stop] for start, stop in spans])
     name = hashlib.md5(extension, usedforsecurity=False).hexdigest().upper().encode("ascii")
-    places = zip([0, *(stop for _, stop in spans)], [*(start for start, _ in spans), end.start()], strict=True)
-    main = b"".join(packet[start:stop] for start, stop in places) + note % name + packet[end.start() :]
+    kept = zip([0, *(stop for _, stop in spans)], [*(start for start, _ in spans), end.start()], strict=True)
+    main = b"".join(packet[start:stop] for start, stop in kept) + note % name + packet[end.start() :]
     pieces = [extension[at : at + _PIECE] for at in range(0, len(extension), _PIECE)]
     return main, [_HEAD.pack(name, len(extension), at * _PIECE) + piece for at, piece in enumerate(pieces)]
 
@@ -156,7 +156,7 @@ def _properties(packet: bytes) -> list[tuple[int, int]]:
 
 def _attributes(packet: bytes, at: int) -> Iterator[tuple[int, int]]:
     """Start and end of the attributes from `at` on that are properties."""
-    while (place := _ATTRIBUTE.match(packet, at)) is not None:
-        at = place.end()
-        if not place[1].startswith((b"xml:", b"xmlns")) and not place[1].endswith((b":about", b":ID", b":nodeID")):
-            yield place.span()
+    while (attribute := _ATTRIBUTE.match(packet, at)) is not None:
+        at, name = attribute.end(), attribute[1]
+        if not name.startswith((b"xml:", b"xmlns")) and not name.endswith((b":about", b":ID", b":nodeID")):
+            yield attribute.span()

@@ -12,7 +12,7 @@ from sgicodec.metadata import geo
 
 __all__ = ["BandFacts", "band_facts", "last_colour"]
 
-_MOST = 1 << 22
+_MAX_TEXT = 1 << 22
 """Bytes that are looked at."""
 _STALE = ("statistics_", "approx_statistics_", "tifftag_minsamplevalue", "tifftag_maxsamplevalue")
 """How the names of items begin that speak of the source's samples."""
@@ -66,7 +66,7 @@ def last_colour(text: bytes, bands: int) -> str | None:
 def _items(text: bytes) -> Iterator[_Item]:
     """The items of the tag's text; none of a damaged one, or of one that declares entities."""
     text = text.split(b"\0", 1)[0]
-    if len(text) > _MOST or b"<!" in text:
+    if len(text) > _MAX_TEXT or b"<!" in text:
         return
     try:
         root = ElementTree.fromstring(text)

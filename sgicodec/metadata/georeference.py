@@ -124,10 +124,10 @@ def _keys(blob: bytes | None) -> Keys:
     rows = np.frombuffer(directory.data[: len(directory.data) // 8 * 8], "<u2").reshape(-1, 4)[1:]
     text = b"" if texts is None else texts.data
     found: Keys = {}
-    for key, place, count, value in rows.tolist():
-        if place == 0:
+    for key, location, count, value in rows.tolist():
+        if location == 0:
             found[key] = value
-        elif place == geo.KEY_TEXTS:
+        elif location == geo.KEY_TEXTS:
             found[key] = _printable(text[value : value + count])
     return found
 

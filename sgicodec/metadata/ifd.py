@@ -32,7 +32,7 @@ __all__ = [
 ]
 
 EXIF_IFD, GPS_IFD, INTEROP_IFD = 34665, 34853, 40965
-"""Tags whose value is the place of a subordinate directory."""
+"""Tags whose value is the offset of a subordinate directory."""
 
 _VALUE_SIZE = {
     1: 1,
@@ -72,7 +72,7 @@ Directory = dict[int, Union[Entry, "Directory"]]
 
 @dataclass(frozen=True)
 class Layout:
-    """How a file spells its directories: byte order, classic (32-bit) or BigTIFF (64-bit) places."""
+    """How a file spells its directories: byte order, classic (32-bit) or BigTIFF (64-bit) offsets."""
 
     order: str
     big: bool
@@ -84,22 +84,22 @@ class Layout:
 
     @property
     def row(self) -> struct.Struct:
-        """Tag, type, number of values, and the values themselves or their place."""
+        """Tag, type, number of values, and the values themselves or their offset."""
         return struct.Struct(self.order + ("HHQ8s" if self.big else "HHI4s"))
 
     @property
-    def place(self) -> struct.Struct:
+    def offset(self) -> struct.Struct:
         """An offset from the start of the file."""
         return struct.Struct(self.order + ("Q" if self.big else "I"))
 
     @property
     def first(self) -> int:
-        """Where the file keeps the place of its first directory."""
+        """Where the file keeps the offset of its first directory."""
         return 8 if self.big else 4
 
 
 class Row(NamedTuple):
-    """One row of a directory as it stands in the file; `at` is the place of its value field."""
+    """One row of a directory as it stands in the file; `at` is the offset of its value field."""
 
     tag: int
     kind: int
@@ -121,18 +121,18 @@ def rows(data: Bytes, at: int, spelling: Layout) -> list[Row]:
     if at + count * spelling.row.size > len(data):
         raise struct.error("directory reaches past the end")
     table = data[at : at + count * spelling.row.size]
-    places = itertools.count(at + spelling.row.size - spelling.place.size, spelling.row.size)
-    found = zip(spelling.row.iter_unpack(table), places, strict=False)
-    return [Row(tag, kind, values, place) for (tag, kind, values, _), place in found]
+    offsets = itertools.count(at + spelling.row.size - spelling.offset.size, spelling.row.size)
+    found = zip(spelling.row.iter_unpack(table), offsets, strict=False)
+    return [Row(tag, kind, values, offset) for (tag, kind, values, _), offset in found]
 
 
 def first_directory(data: Bytes, spelling: Layout) -> int:
     """Place of the first directory. Raises struct.error if there is none."""
-    return _place(data, spelling.first, spelling)
+    return _offset(data, spelling.first, spelling)
 
 
-def _place(data: Bytes, at: int, spelling: Layout) -> int:
-    return int(spelling.place.unpack(data[at : at + spelling.place.size])[0])
+def _offset(data: Bytes, at: int, spelling: Layout) -> int:
+    return int(spelling.offset.unpack(data[at : at + spelling.offset.size])[0])
 
 
 def damage(data: Bytes) -> str | None:
@@ -175,7 +175,7 @@ def _load(
         if row.tag in pointers:
             inner = (INTEROP_IFD,) if row.tag == EXIF_IFD else ()
             with contextlib.suppress(struct.error):
-                directory[row.tag] = _load(data, _place(data, row.at, spelling), spelling, inner)
+                directory[row.tag] = _load(data, _offset(data, row.at, spelling), spelling, inner)
         else:
             kind = _ASCII if row.kind == _UTF8 else row.kind  # which readers of TIFF do not know
             directory[row.tag] = Entry(kind, _little(bytes(data[start : start + size]), row.kind, spelling))
@@ -185,7 +185,7 @@ def _load(
 def _extent(data: Bytes, row: Row, spelling: Layout) -> tuple[int, int]:
     """Start and length in bytes of a row's values; no length if their type is unknown."""
     size = _VALUE_SIZE.get(row.kind, 0) * row.values
-    return (row.at if size <= spelling.place.size else _place(data, row.at, spelling)), size
+    return (row.at if size <= spelling.offset.size else _offset(data, row.at, spelling)), size
 
 
 def _little(values: bytes, kind: int, spelling: Layout) -> bytes:
@@ -193,8 +193,8 @@ def _little(values: bytes, kind: int, spelling: Layout) -> bytes:
     if spelling.order == "<" or size == 1:
         return values
     found = bytearray(len(values))
-    for place in range(size):
-        found[place::size] = values[size - 1 - place :: size]
+    for byte in range(size):
+        found[byte::size] = values[size - 1 - byte :: size]
     return bytes(found)
 
 
@@ -204,17 +204,17 @@ def dump(directory: Directory, start: int, *, big: bool = False) -> bytes:
     """
     spelling = Layout("<", big)
     table = bytearray(spelling.count.pack(len(directory)))
-    behind = start + len(table) + len(directory) * spelling.row.size + spelling.place.size
+    behind = start + len(table) + len(directory) * spelling.row.size + spelling.offset.size
     tail = bytearray()
     for tag, item in sorted(directory.items()):
-        place = spelling.place.pack(behind + len(tail))
+        offset = spelling.offset.pack(behind + len(tail))
         if isinstance(item, dict):
-            table += spelling.row.pack(tag, _LONG8 if big else _LONG, 1, place)
+            table += spelling.row.pack(tag, _LONG8 if big else _LONG, 1, offset)
             tail += dump(item, behind + len(tail), big=big)
             continue
         count = len(item.data) // _VALUE_SIZE[item.kind]
-        inline = len(item.data) <= spelling.place.size
-        table += spelling.row.pack(tag, item.kind, count, item.data if inline else place)
+        inline = len(item.data) <= spelling.offset.size
+        table += spelling.row.pack(tag, item.kind, count, item.data if inline else offset)
         if not inline:
             tail += item.data + bytes(len(item.data) % 2)
-    return bytes(table + spelling.place.pack(0) + tail)
+    return bytes(table + spelling.offset.pack(0) + tail)

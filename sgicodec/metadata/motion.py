@@ -85,11 +85,11 @@ class Motion:
         """A point, a circle by centre and diameter, or a rectangle by centre and size, as EXIF's SubjectArea has them;
         None for one that is outside, or none.
         """
-        place = self.point(*values[:2]) if len(values) in (2, 3, 4) else None
-        if place is None:
+        corner = self.point(*values[:2]) if len(values) in (2, 3, 4) else None
+        if corner is None:
             return None
         size = self.size(values[2], values[-1]) if len(values) > 2 else ()
-        return [*place, *size[: len(values) - 2]]
+        return [*corner, *size[: len(values) - 2]]
 
 
 def scaled_ratio(numerator: int, denominator: int, factor: float) -> tuple[int, int]:

@@ -20,10 +20,10 @@ _SHORT = 3
 
 
 class Page(NamedTuple):
-    """A directory: its number in the file, from 0, its place, the size of its picture, and whether that is in tiles."""
+    """A directory: its number in the file, from 0, its offset, the size of its picture, whether that is in tiles."""
 
     number: int
-    place: int
+    offset: int
     width: int = 0
     height: int = 0
     tiled: bool = False
@@ -46,22 +46,22 @@ def _directories(data: Bytes, spelling: ifd.Layout) -> Iterator[tuple[Page, bool
     """Each directory of the chain, and whether it says nothing of being a part of another."""
     seen: set[int] = set()
     try:
-        place = ifd.first_directory(data, spelling)
-        while place and place not in seen:
-            seen.add(place)
-            found = ifd.rows(data, place, spelling)
+        offset = ifd.first_directory(data, spelling)
+        while offset and offset not in seen:
+            seen.add(offset)
+            found = ifd.rows(data, offset, spelling)
             values = {row.tag: _value(data, row, spelling) for row in found if row.tag in _ASKED}
             own = not values.get(_SUBFILE, 0) & _REDUCED_OR_MASK and values.get(_OLD_SUBFILE) != _OLD_REDUCED
             size = values.get(_WIDTH, 0), values.get(_HEIGHT, 0)
-            yield Page(len(seen) - 1, place, *size, _TILE_WIDTH in values), own
-            end = place + spelling.count.size + len(found) * spelling.row.size
-            (place,) = spelling.place.unpack(data[end : end + spelling.place.size])
+            yield Page(len(seen) - 1, offset, *size, _TILE_WIDTH in values), own
+            end = offset + spelling.count.size + len(found) * spelling.row.size
+            (offset,) = spelling.offset.unpack(data[end : end + spelling.offset.size])
     except struct.error:
         return
 
 
 def _value(data: Bytes, row: ifd.Row, spelling: ifd.Layout) -> int:
-    form = struct.Struct(spelling.order + "H") if row.kind == _SHORT else spelling.place
+    form = struct.Struct(spelling.order + "H") if row.kind == _SHORT else spelling.offset
     return int(form.unpack(data[row.at : row.at + form.size])[0])
 
 
@@ -97,7 +97,7 @@ class PageBytes(FileBytes):
         spelling = ifd.layout(self.whole)
         if spelling is None:
             raise struct.error("not a TIFF structure")
-        self._at, self._place = spelling.first, spelling.place.pack(page.place)
+        self._at, self._offset = spelling.first, spelling.offset.pack(page.offset)
 
     @overload
     def __getitem__(self, at: int) -> int: ...
@@ -106,7 +106,7 @@ class PageBytes(FileBytes):
     def __getitem__(self, at: int | slice) -> int | bytes:
         found = super().__getitem__(at)
         start = at.indices(len(self))[0] if isinstance(at, slice) else at
-        if isinstance(found, int) or not start <= self._at <= start + len(found) - len(self._place):
+        if isinstance(found, int) or not start <= self._at <= start + len(found) - len(self._offset):
             return found
         before = self._at - start
-        return found[:before] + self._place + found[before + len(self._place) :]
+        return found[:before] + self._offset + found[before + len(self._offset) :]

@@ -18,7 +18,7 @@ __all__ = ["images", "resolution_tags", "states_shape", "without_shape"]
 _DESCRIPTION, _X, _Y, _UNIT = 270, 282, 283, 296
 _ASCII, _SHORT, _RATIONAL = 2, 3, 5
 _CENTIMETRE, _MICRONS = 3, 10000
-_MOST = 10**8
+_MAX_PART = 10**8
 """Of numerator and denominator of a resolution."""
 
 _OME, _IMAGEJ, _SHAPED = (re.compile(form) for form in (rb"OME>\s*\0*\Z", rb"ImageJ=", rb'\{"shape": |shape=\('))
@@ -74,11 +74,11 @@ def resolution_tags(microns: Sequence[str | Fraction | None]) -> ifd.Directory:
         ratios = [Fraction(_MICRONS) / Fraction(value or "0") for value in microns]
     except (ValueError, ZeroDivisionError):
         return {}
-    if len(ratios) != 2 or not all(0 < ratio < _MOST for ratio in ratios):
+    if len(ratios) != 2 or not all(0 < ratio < _MAX_PART for ratio in ratios):
         return {}
     entries: ifd.Directory = {_UNIT: ifd.Entry(_SHORT, struct.pack("<H", _CENTIMETRE))}
     for tag, ratio in zip((_X, _Y), ratios, strict=True):
-        near = ratio.limit_denominator(int(_MOST / max(1.0, float(ratio))))
+        near = ratio.limit_denominator(int(_MAX_PART / max(1.0, float(ratio))))
         entries[tag] = ifd.Entry(_RATIONAL, struct.pack("<II", near.numerator, near.denominator))
     return entries
 

@@ -68,7 +68,9 @@ def described(exif: bytes | None) -> dict[int, ifd.Entry]:
     return {tag: item for tag, item in found.items() if isinstance(item, ifd.Entry)}
 
 
-def insert(path: Path, exif: bytes | None, xmp: bytes | None, place: bytes | None, bands: int | None = None) -> None:
+def insert(
+    path: Path, exif: bytes | None, xmp: bytes | None, georeference: bytes | None, bands: int | None = None
+) -> None:
     """Give the little-endian TIFF file at `path` the tags of an EXIF blob, an XMP packet and a `geo` blob.
 
     bands: their number where channels have no meaning, which OpenImageIO would call red, green and blue.
@@ -88,11 +90,11 @@ def insert(path: Path, exif: bytes | None, xmp: bytes | None, place: bytes | Non
             directory |= ifd.load(exif, _EXIF)
         if xmp is not None:
             directory[XMP] = ifd.Entry(_BYTE, xmp)
-        directory |= geo.load(place)
+        directory |= geo.load(georeference)
         if bands is not None:
             directory[_PHOTOMETRIC] = ifd.Entry(_SHORT, b"\1\0")  # 0 is black
             directory |= {_EXTRA_SAMPLES: ifd.Entry(_SHORT, bytes(2 * (bands - 1)))} if bands > 1 else {}
         file.seek(end)
         file.write(ifd.dump(directory, end, big=spelling.big))
         file.seek(spelling.first)
-        file.write(spelling.place.pack(end))
+        file.write(spelling.offset.pack(end))

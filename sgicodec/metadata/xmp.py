@@ -38,7 +38,7 @@ _INNER = tuple(f"LargestValidInteriorRect{side}" for side in ("Left", "Top", "Wi
 _PIXELS = re.compile(rb"""rbUnit(?:\s*=\s*["']|\s*>\s*)pixel""")
 """The unit of a region of IPTC; else it is relative."""
 
-_MOST_PREFIXES = 8
+_MAX_PREFIXES = 8
 """Names of a schema in one packet; nobody gives it several but to cost time."""
 
 Schema = tuple[str, bytes]
@@ -101,12 +101,12 @@ def _fraction(text: bytes | None) -> tuple[int, int] | None:
 
 def _moved_list(text: bytes, motion: Motion) -> bytes | None:
     """A list of the numbers of an area, which are the only digits between its tags."""
-    places = list(re.finditer(rb"(?<=>)\s*(\d{1,9})\s*(?=</)", text))
-    values = motion.area([int(place[1]) for place in places])
+    numbers = list(re.finditer(rb"(?<=>)\s*(\d{1,9})\s*(?=</)", text))
+    values = motion.area([int(number[1]) for number in numbers])
     if values is None:
         return None
-    for place, value in reversed(list(zip(places, values, strict=True))):
-        text = text[: place.start()] + str(value).encode("ascii") + text[place.end() :]
+    for number, value in reversed(list(zip(numbers, values, strict=True))):
+        text = text[: number.start()] + str(value).encode("ascii") + text[number.end() :]
     return text
 
 
@@ -161,7 +161,7 @@ class _Packet:
         """A pattern of the names of a property."""
         usual, address = schema
         found = re.findall(rb"""xmlns:([\w.-]{1,40})\s*=\s*["']%b["']""" % re.escape(address), self._declared)
-        prefixes = sorted({re.escape(prefix) for prefix in (*found[:_MOST_PREFIXES], usual.encode("ascii"))})
+        prefixes = sorted({re.escape(prefix) for prefix in (*found[:_MAX_PREFIXES], usual.encode("ascii"))})
         return rb"(?:%b):%b" % (b"|".join(prefixes), name.encode("ascii"))
 
     def value(self, schema: Schema, name: str) -> bytes | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -16,6 +17,7 @@ from sgicodec.model.spec import ModelSpec
 __all__ = [
     "MIN_VARIANCE",
     "colour_matrix",
+    "decoder_parts",
     "decoder_shapes",
     "empty_gaussians",
     "gaussians_from_seeds",
@@ -37,6 +39,16 @@ def decoder_shapes(spec: ModelSpec) -> dict[str, tuple[int, ...]]:
         shapes[f"{net}.w2"] = (outputs, spec.hidden)
         shapes[f"{net}.b2"] = (outputs,)
     return shapes
+
+
+def decoder_parts(spec: ModelSpec, flat: Any) -> dict[str, Any]:
+    """The decoders' weights by name, as views of a flat array or tensor of all of them."""
+    parts, at = {}, 0
+    for name, shape in decoder_shapes(spec).items():
+        count = math.prod(shape)
+        parts[name] = flat[at : at + count].reshape(shape)
+        at += count
+    return parts
 
 
 def colour_matrix(channels: int) -> list[list[float]]:

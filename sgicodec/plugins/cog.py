@@ -9,8 +9,8 @@ from typing import Any
 
 from sgicodec.decoder.stream import Stream
 from sgicodec.errors import PictureError, require
-from sgicodec.image.files import whole_file
-from sgicodec.image.scratch import scratch_folder
+from sgicodec.files.scratch import scratch_folder
+from sgicodec.files.whole import whole_file
 from sgicodec.plugins.pyramid import write_levels
 from sgicodec.remote.upload import local_file
 

@@ -13,7 +13,7 @@ from sgicodec.decoder.bands import Bands
 from sgicodec.decoder.levels import levels_of
 from sgicodec.decoder.stream import Stream
 from sgicodec.errors import PictureError, require
-from sgicodec.image.files import whole_file
+from sgicodec.files.whole import whole_file
 from sgicodec.metadata import geo
 from sgicodec.metadata.georeference import resolution
 from sgicodec.metadata.layouts import alpha_index
@@ -27,7 +27,7 @@ __all__ = ["TILE", "write_levels", "write_pyramid"]
 TILE = 256
 """Side of tiles, in pixels."""
 
-_MOST_CLASSIC = 7 << 28
+_MAX_CLASSIC = 7 << 28
 """Bytes of the picture's samples from which on, with reductions, the file is a BigTIFF."""
 
 _BATCH_BYTES = 1 << 26
@@ -53,7 +53,7 @@ def write_pyramid(
     """
     ome = is_ome_name(str(path)) if ome is None else ome
     try:
-        with local_file(path, PictureError) as place, whole_file(place) as file:
+        with local_file(path, PictureError) as local, whole_file(local) as file:
             write_levels(stream, file, ome, view, done)
     except OSError as error:
         raise PictureError(f"{path}: {error.strerror or error}") from error
@@ -68,7 +68,7 @@ def write_levels(
 
     bands = stream.bands(**view)
     sizes = levels_of(bands.width, bands.height)
-    big = bands.row_bytes * bands.height > _MOST_CLASSIC
+    big = bands.row_bytes * bands.height > _MAX_CLASSIC
     same = {"region": view.get("region"), "dtype": view.get("dtype"), "boundless": view.get("boundless", False)}
     with tifffile.TiffWriter(file, bigtiff=big, byteorder="<", ome=ome, shaped=False) as writer:
         for number, level in enumerate(sizes):

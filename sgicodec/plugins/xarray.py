@@ -128,9 +128,9 @@ def _for_all(texts: list[str]) -> Any:
 
 def _attributes(stream: Stream) -> dict[str, Any]:
     """Coordinate system, nodata, size of a pixel, as far as they are stated."""
-    place = georeference(stream.metadata.geo, stream.width, stream.height)
+    reference = georeference(stream.metadata.geo, stream.width, stream.height)
     scale = resolution(stream.metadata.geo, stream.metadata.exif)
-    name = None if place is None else f"EPSG:{place.epsg}" if place.epsg else place.name
+    name = None if reference is None else f"EPSG:{reference.epsg}" if reference.epsg else reference.name
     stated = {
         "channels": stream.header.channels,
         "crs": name,

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.cuda.gpu import Gpu, GpuArray
-from sgicodec.cuda.tiles import MOST_CHANNELS, CudaView, TilePasses
+from sgicodec.cuda.tiles import MAX_CHANNELS, CudaView, TilePasses
 from sgicodec.errors import UsageError
 from sgicodec.raster.backend import DEFAULT_CUTOFF, Background, Errors, Loss, Mapping, nothing_behind
 from sgicodec.raster.cpu import MOST_PAIRS
@@ -97,8 +97,8 @@ class CudaRasterizer:
     def _binned(self, gaussians: Gaussians, view: CudaView, differentiates: bool = True) -> TilePasses:
         """Passes over the tiles of these Gaussians, with room for all pairs."""
         channels = gaussians[2].shape[1]
-        if channels > MOST_CHANNELS:
-            raise UsageError(f"{channels} channels; a GPU draws up to {MOST_CHANNELS}")
+        if channels > MAX_CHANNELS:
+            raise UsageError(f"{channels} channels; a GPU draws up to {MAX_CHANNELS}")
         self.gpu.use()
         count, capacity = len(gaussians[0]), 4 * len(gaussians[0]) + 4 * view.tiles
         if self._drawn is not None and self._drawn[1].gaussians == count:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.cuda.gpu import Gpu, GpuArray
-from sgicodec.cuda.tiles import MOST_CHANNELS
+from sgicodec.cuda.tiles import MAX_CHANNELS
 from sgicodec.raster.backend import Background, Mapping, nothing_behind
 from sgicodec.raster.cuda import CudaRasterizer
 from sgicodec.raster.cuda_texture import TextureTables, drawn_texture
@@ -26,7 +26,7 @@ class GpuPainter:
     take turns. The decoder calls it (native/bindings/python_painter.cpp).
     """
 
-    most_channels = MOST_CHANNELS
+    most_channels = MAX_CHANNELS
 
     def __init__(self, gpu: Gpu) -> None:
         self._gpu = gpu

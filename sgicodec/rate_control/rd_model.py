@@ -10,8 +10,6 @@ from sgicodec.rate_control.side_information import EMPTY_STREAM_BYTES
 from sgicodec.rate_control.target import (
     LMBDA_MAX,
     LMBDA_MIN,
-    SCORE_LMBDA,
-    SCORE_PER_LMBDA_OCTAVE,
     Measured,
     RateTarget,
 )
@@ -60,9 +58,8 @@ def initial_lmbda(target: RateTarget, rd_model: RdModel, extra: float = 0.0) -> 
 
     It knows nothing of scores: for them it is where most photographs have them.
     """
-    if target.score is not None:
-        lmbda, score = SCORE_LMBDA
-        return float(lmbda * 2.0 ** ((score - target.score) / SCORE_PER_LMBDA_OCTAVE))
+    if target.usual_lmbda is not None:
+        return target.usual_lmbda
 
     def must_rise(lmbda: float) -> bool:
         size, error = rd_model.predict(lmbda)

@@ -20,7 +20,7 @@ _KEPT = 1 << 10
 _GAP = 1
 """Blocks that are fetched though nobody expects them, if two requests become one so."""
 
-_MOST_AHEAD = 1 << 22
+_MAX_AHEAD = 1 << 22
 """Bytes that are fetched at most beyond what is asked for."""
 
 Span = tuple[int, int]
@@ -122,7 +122,7 @@ class RangeFile(io.RawIOBase):
             self._requests = self._bytes = 0
         start, end = first * BLOCK, min(stop * BLOCK, self._size)
         if self._requests > 2:
-            end = min(end + min(self._bytes // BLOCK * BLOCK, _MOST_AHEAD), self._size)
+            end = min(end + min(self._bytes // BLOCK * BLOCK, _MAX_AHEAD), self._size)
         (data,) = self._fetch([(start, end)])
         self._next, self._requests, self._bytes = -(-end // BLOCK), self._requests + 1, self._bytes + len(data)
         self._keep(start, data)

@@ -24,13 +24,13 @@ from sgicodec.device import ALL_CORES, Device
 from sgicodec.errors import SgiError, UsageError
 from sgicodec.server import deepzoom, iiif
 from sgicodec.server.access import LOG, Access
+from sgicodec.server.catalog import Catalog
 from sgicodec.server.drawing import FORMATS, Drawing, drawn
 from sgicodec.server.listing_page import listing_page
 from sgicodec.server.open_streams import OpenStreams, identity
 from sgicodec.server.public_address import PublicAddress
 from sgicodec.server.refusal import Refusal
 from sgicodec.server.remote_files import RemoteFiles
-from sgicodec.server.shelf import Shelf
 from sgicodec.server.workers import Workers
 from sgicodec.version import __version__
 
@@ -67,9 +67,9 @@ class Settings:
     remote: Mapping[str, str] = field(default_factory=dict)
 
 
-def application(shelf: Shelf, settings: Settings) -> Starlette:
-    """An ASGI application that serves what the shelf holds."""
-    service = _Service(shelf, settings)
+def application(catalog: Catalog, settings: Settings) -> Starlette:
+    """An ASGI application that serves what the catalog holds."""
+    service = _Service(catalog, settings)
 
     @asynccontextmanager
     async def lifespan(app: Starlette) -> AsyncIterator[None]:
@@ -103,8 +103,8 @@ def application(shelf: Shelf, settings: Settings) -> Starlette:
 class _Service:
     """The endpoints. Each raises Refusal or SgiError."""
 
-    def __init__(self, shelf: Shelf, settings: Settings) -> None:
-        self._shelf, self._settings = shelf, settings
+    def __init__(self, catalog: Catalog, settings: Settings) -> None:
+        self._catalog, self._settings = catalog, settings
         self._streams = OpenStreams(settings.streams, settings.device)
         self._workers = Workers(settings.jobs, settings.waiting)
         self._remote = RemoteFiles(settings.remote)
@@ -120,10 +120,10 @@ class _Service:
     async def file(self, request: Request) -> Response:
         name = request.path_params["name"]
         if name.endswith("/") or not name:
-            listing = self._shelf.listing(name.removesuffix("/"))
+            listing = self._catalog.listing(name.removesuffix("/"))
             has_viewer = self._settings.viewer is not None
             return HTMLResponse(listing_page(name.removesuffix("/"), listing, _root(request), has_viewer))
-        path = self._shelf.find(name)
+        path = self._catalog.find(name)
         response = FileResponse(path, media_type=_MEDIA_TYPES.get(path.suffix.lower()), stat_result=path.stat())
         response.headers["cache-control"] = "no-cache"  # ranges of two versions do not mix
         if request.headers.get("if-none-match") == response.headers["etag"]:
@@ -133,17 +133,17 @@ class _Service:
     async def remote(self, request: Request) -> Response:
         name, asked = request.path_params["name"], request.headers.get("range")
         part = await self._workers.run(lambda: self._remote.read(name, asked), request.is_disconnected)
-        headers = {"content-range": part.place, "accept-ranges": "bytes", "cache-control": "no-store"}
+        headers = {"content-range": part.content_range, "accept-ranges": "bytes", "cache-control": "no-store"}
         return Response(part.data, 206, headers, media_type="application/octet-stream")
 
     async def base(self, request: Request) -> Response:
         name = request.path_params["name"]
-        self._shelf.find(name)
+        self._catalog.find(name)
         return RedirectResponse(f"{self._iiif_address(request, name)}/info.json", 303)
 
     async def info(self, request: Request) -> Response:
         name = request.path_params["name"]
-        path, address = self._shelf.find(name), self._iiif_address(request, name)
+        path, address = self._catalog.find(name), self._iiif_address(request, name)
 
         def describe(stream: Stream) -> dict[str, object]:
             return iiif.info(self._image(stream), address, [(level.width, level.height) for level in stream.levels])
@@ -157,14 +157,14 @@ class _Service:
 
     async def manifest(self, request: Request) -> Response:
         name = request.path_params["name"]
-        path, address = self._shelf.find(name), self._iiif_address(request, name)
+        path, address = self._catalog.find(name), self._iiif_address(request, name)
         image = await self._with_stream(request, path, self._image)
         found = iiif.manifest(image, address, name.rpartition("/")[2])
         return JSONResponse(found, headers=self._caching(path, address))
 
     async def image(self, request: Request) -> Response:
         parts = request.path_params
-        name, path = parts["name"], self._shelf.find(parts["name"])
+        name, path = parts["name"], self._catalog.find(parts["name"])
 
         def read(stream: Stream) -> tuple[Drawing, str]:
             image = self._image(stream)
@@ -178,20 +178,20 @@ class _Service:
         return await self._drawn(request, path, drawing, {"link": link})
 
     async def description(self, request: Request) -> Response:
-        path = self._shelf.find(request.path_params["name"])
+        path = self._catalog.find(request.path_params["name"])
         width, height = await self._with_stream(request, path, lambda stream: (stream.width, stream.height))
         text = deepzoom.description(width, height)
         return Response(text, media_type=deepzoom.MEDIA_TYPE, headers=self._caching(path, "dzi"))
 
     async def tile(self, request: Request) -> Response:
         parts = request.path_params
-        path = self._shelf.find(parts["name"])
+        path = self._catalog.find(parts["name"])
         if parts["format"] not in FORMATS:
             raise Refusal(404, f"there are no tiles in the format {parts['format']!r}")
 
         def read(stream: Stream) -> Drawing:
-            place = (parts["level"], parts["column"], parts["row"])
-            return deepzoom.tile_drawing(stream.width, stream.height, *place, parts["format"])
+            tile = (parts["level"], parts["column"], parts["row"])
+            return deepzoom.tile_drawing(stream.width, stream.height, *tile, parts["format"])
 
         return await self._drawn(request, path, await self._with_stream(request, path, read), {})
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from html import escape
 from urllib.parse import quote
 
-from sgicodec.server.shelf import Listing
+from sgicodec.server.catalog import Listing
 
 __all__ = ["listing_page"]
 

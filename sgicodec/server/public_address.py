@@ -40,8 +40,8 @@ class PublicAddress:
         """Called by the server for every request."""
         if scope["type"] == "http":
             headers = [(b"host", self._host), *(pair for pair in scope["headers"] if pair[0] != b"host")]
-            place = {"root_path": self._root, "path": self._root + self._bare(scope["path"])}
-            scope = {**scope, "scheme": self._scheme, "headers": headers, **place}
+            paths = {"root_path": self._root, "path": self._root + self._bare(scope["path"])}
+            scope = {**scope, "scheme": self._scheme, "headers": headers, **paths}
         await self._app(scope, receive, send)
 
     def _bare(self, path: str) -> str:

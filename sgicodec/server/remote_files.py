@@ -12,7 +12,7 @@ from sgicodec.server.refusal import Refusal
 
 __all__ = ["Part", "RemoteFiles"]
 
-_MOST = 1 << 26
+_MAX_ANSWER = 1 << 26
 """Bytes of one answer."""
 
 
@@ -20,7 +20,7 @@ class Part(NamedTuple):
     """Bytes, and what Content-Range says of them."""
 
     data: bytes
-    place: str
+    content_range: str
 
 
 class RemoteFiles:
@@ -46,8 +46,8 @@ class RemoteFiles:
             stop = min(size, int(found[2]) + 1 if found[2] else size)
             if start >= stop:
                 raise Refusal(416, f"the file has {size} bytes")
-            if stop - start > _MOST:
-                raise Refusal(400, f"{stop - start} bytes are more than this server passes on at once, {_MOST}")
+            if stop - start > _MAX_ANSWER:
+                raise Refusal(400, f"{stop - start} bytes are more than this server passes on at once, {_MAX_ANSWER}")
             file.seek(start)
             return Part(file.read(stop - start), f"bytes {start}-{stop - 1}/{size}")
 

@@ -32,13 +32,13 @@ def listening(host: str, port: int) -> socket.socket:
         raise UsageError(f"port {port} of {host} cannot be used: {text}") from error
 
 
-def address_of(place: socket.socket) -> str:
+def address_of(listener: socket.socket) -> str:
     """The URL of what listens there."""
-    host, port = place.getsockname()[:2]
+    host, port = listener.getsockname()[:2]
     return f"http://{f'[{host}]' if ':' in host else host}:{port}"
 
 
-def serve(app: Starlette, place: socket.socket, started: Callable[[], None], quiet: bool = False) -> None:
+def serve(app: Starlette, listener: socket.socket, started: Callable[[], None], quiet: bool = False) -> None:
     """Answers requests until SIGINT or SIGTERM; open requests are answered first. started: called when it begins."""
     import uvicorn
 
@@ -61,8 +61,8 @@ def serve(app: Starlette, place: socket.socket, started: Callable[[], None], qui
     try:
         with contextlib.suppress(KeyboardInterrupt):
             started()
-            uvicorn.Server(config).run([place])
+            uvicorn.Server(config).run([listener])
     finally:
         signal.signal(signal.SIGTERM, before)
         LOG.removeHandler(handler)
-        place.close()
+        listener.close()

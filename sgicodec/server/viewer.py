@@ -9,5 +9,5 @@ __all__ = ["viewer_folder"]
 
 def viewer_folder() -> Path | None:
     """The folder of the viewer's page: in an installed package, or in a clone of the repository; None without one."""
-    places = (Path(__file__).parent / "web", Path(__file__).parents[2] / "viewer" / "src")
-    return next((place for place in places if (place / "index.html").is_file()), None)
+    folders = (Path(__file__).parent / "web", Path(__file__).parents[2] / "viewer" / "src")
+    return next((folder for folder in folders if (folder / "index.html").is_file()), None)

@@ -34,8 +34,8 @@ target windows "x86_64-w64-mingw32-g++-posix wine" "wine" .exe \
 wasm="-fwasm-exceptions"
 files="-sNODERAWFS=1 -sALLOW_MEMORY_GROWTH=1 -sEXIT_RUNTIME=1"
 # -O3 when linking would optimise the JavaScript around it, which Debian's Emscripten cannot.
-target webassembly "emcmake node" node .js -DCMAKE_CXX_FLAGS_RELEASE=-DNDEBUG "-DCMAKE_CXX_FLAGS=$wasm" \
+target webassembly "emcmake node" "node --no-experimental-fetch" .js -DCMAKE_CXX_FLAGS_RELEASE=-DNDEBUG "-DCMAKE_CXX_FLAGS=$wasm" \
   "-DCMAKE_EXE_LINKER_FLAGS=$files"
-target webassembly-vectors "emcmake node" node .js -DCMAKE_CXX_FLAGS_RELEASE=-DNDEBUG \
+target webassembly-vectors "emcmake node" "node --no-experimental-fetch" .js -DCMAKE_CXX_FLAGS_RELEASE=-DNDEBUG \
   "-DCMAKE_CXX_FLAGS=$wasm -msimd128" "-DCMAKE_EXE_LINKER_FLAGS=$files"
 exit $failed

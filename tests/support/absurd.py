@@ -6,12 +6,13 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from page_header import SAMPLE_TYPES
 from specs import several
 from surgery import join
 from textures import random_symbols
 
 from sgicodec.bitstream.entropy.tables import MAX_MAGNITUDE
-from sgicodec.bitstream.header import SAMPLE_TYPES, Header, encode_header
+from sgicodec.bitstream.header import Header, encode_header
 from sgicodec.bitstream.limits import hash_counts, network_shapes
 from sgicodec.bitstream.parts.tile import TileModel, write_tile
 from sgicodec.errors import CorruptStreamError

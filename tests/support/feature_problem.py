@@ -52,8 +52,7 @@ class Problem:
         context.rest += rng.normal(0, 0.05, context.rest.shape).astype(np.float32)
         of_scales = slice(-spec.attributes - 3, -3)
         context.rest[of_scales] += 1.5  # no value is beyond all odds, where its gradient ends
-        for table in context.tables:
-            table[:] = rng.normal(0, 1, table.shape)  # beyond ±1, too
+        context.tables[:] = rng.normal(0, 1, context.tables.shape)  # beyond ±1, too
         self.parameters = Parameters(held, flat_steps(spec, default_plan(spec, QUALITY)), context)
 
     def native(self, isa: str = "auto", threads: int = 1) -> FeatureStep:

@@ -7,25 +7,17 @@ from dataclasses import replace
 
 from page_varint import decode_varint
 
-from sgicodec.bitstream.header import (
-    COLOURED_LAYOUTS,
-    FORMAT_VERSION,
-    LAYOUT_NAMES,
-    MAX_APRON,
-    MAX_CHANNELS,
-    MAX_SIDE,
-    MAX_TILES,
-    MIN_TILE,
-    SAMPLE_TYPES,
-    Header,
-    Masked,
-)
+from sgicodec.bitstream.header import Header, Masked
 from sgicodec.errors import CorruptStreamError, LimitError, UnsupportedStreamError
-from sgicodec.metadata.layouts import SampleRange
+from sgicodec.metadata.layouts import SampleRange, band_ranges
 from sgicodec.model.spec import ContextSpec, ModelSpec
 
-__all__ = ["decode_header"]
+__all__ = ["LAYOUT_NAMES", "SAMPLE_TYPES", "decode_header"]
 
+FORMAT_VERSION = 7
+MAX_SIDE, MAX_CHANNELS, MAX_TILES, MIN_TILE, MAX_APRON = 1 << 24, 64, 1 << 20, 32, 256
+LAYOUT_NAMES = ("multi", "gray", "gray+alpha", "rgb", "rgba")
+SAMPLE_TYPES = ("uint8", "uint16", "float32")
 MAX_FEATURES, MAX_HIDDEN, MAX_HASH_LEVELS, MAX_HASH_RESOLUTION = 1 << 13, 1 << 12, 32, 1 << 14
 _LAYOUTS, _SHAPES, _PROFILES = ("adaptive", "uniform"), ("log", "rotation"), ("default", "paper")
 _SKIP, _SEED_SCALES, _TILED, _TEXTURE, _LUMA = 1, 2, 4, 32, 64
@@ -71,37 +63,52 @@ def decode_header(payload: bytes) -> Header:
     layout_name = LAYOUT_NAMES[fields.take("the channel layout", 0, len(LAYOUT_NAMES) - 1)]
     sample_type = SAMPLE_TYPES[fields.take("the sample type", 0, len(SAMPLE_TYPES) - 1)]
     profile = _PROFILES[fields.take("the profile", 0, len(_PROFILES) - 1)]
-    flags, spec, quality, family = _model(fields, channels)
-    if spec.luma_space and layout_name not in COLOURED_LAYOUTS:
-        raise CorruptStreamError(f"header: {layout_name} has no luma space")
-    expected = {"multi": channels, "gray": 1, "gray+alpha": 2, "rgb": 3, "rgba": 4}[layout_name]
-    if expected != channels:
-        raise CorruptStreamError(f"header: {channels} channels cannot be {layout_name}")
+    flags, masked, spec, quality, family = _model(fields, channels)
     tile = fields.take("the tile size", MIN_TILE, MAX_SIDE) if flags & _TILED else 0
     apron = fields.take("the apron", 0, min(tile // 4, MAX_APRON)) if flags & _TILED else 0
     colours = channels - (layout_name in ("gray+alpha", "rgba"))
     sample_range = _ranges(fields, sample_type, colours, bool(flags & _RANGES))
-    masked = _masked(flags, layout_name)
     nodata = fields.unpack("the nodata value", "<d")[0] if masked == "nodata" else 0.0
     band_masks, exact = bool(flags & _BAND_MASKS), bool(flags & _EXACT)
-    if band_masks and (masked != "nodata" or colours < 2):
-        raise CorruptStreamError("header: masks of bands without nodata, or of a single band")
     if fields.at != len(payload):
         raise CorruptStreamError("header: longer than its fields")
-    if masked == "nodata":
-        nodata = _sample(nodata, sample_type)
     header = Header(
         *(width, height, layout_name, sample_type, sample_range, profile, spec, quality, family),
         *(tile, apron, masked, nodata, band_masks, exact),
     )
+    _check_model(header)
+    _check_samples(header)
     _check_tiles(header)
     return header
 
 
-def _model(fields: _Fields, channels: int) -> tuple[int, ModelSpec, int, int]:
-    """From the seed layout to the hash entries: flags, spec, index of the base colour step, family of tables."""
+def _check_model(header: Header) -> None:
+    spec, channels = header.spec, header.spec.channels
+    if (spec.skip and spec.features < spec.per_seed * (channels + 3)) or (spec.context.neighbours and not spec.skip):
+        raise CorruptStreamError("header: settings that contradict each other")
+    if spec.luma_space and header.channels not in ("rgb", "rgba"):
+        raise CorruptStreamError(f"header: {header.channels} has no luma space")
+    expected = {"multi": channels, "gray": 1, "gray+alpha": 2, "rgb": 3, "rgba": 4}[header.channels]
+    if expected != channels:
+        raise CorruptStreamError(f"header: {channels} channels cannot be {header.channels}")
+
+
+def _check_samples(header: Header) -> None:
+    for low, high in band_ranges(header.sample_range, header.colours):
+        _check_range(low, high, header.sample_type)
+    if header.masked == "transparent" and header.channels not in ("gray+alpha", "rgba"):
+        raise CorruptStreamError(f"header: {header.channels} has no transparent pixels")
+    if header.has_band_masks and (header.masked != "nodata" or header.colours < 2):
+        raise CorruptStreamError("header: masks of bands without nodata, or of a single band")
+    if header.masked == "nodata" and not _is_sample(header.nodata, header.sample_type):
+        raise CorruptStreamError(f"header: no sample of {header.sample_type} is {header.nodata:g}")
+
+
+def _model(fields: _Fields, channels: int) -> tuple[int, Masked | None, ModelSpec, int, int]:
+    """From the seed layout to the hash entries: flags, masked, spec, index of the base colour step, family."""
     layout, shape = _LAYOUTS[fields.take("the seed layout", 0, 1)], _SHAPES[fields.take("the shape", 0, 1)]
     flags = fields.take("the flags", 0, _ALL_FLAGS)
+    masked = _masked(flags)
     per_seed = fields.take("K", 1, 64)
     features = fields.take("D", 1, MAX_FEATURES)
     hidden = fields.take("the decoders' width", 0, MAX_HIDDEN)
@@ -115,8 +122,6 @@ def _model(fields: _Fields, channels: int) -> tuple[int, ModelSpec, int, int]:
     hash_features = fields.take("the hash features", 1, 64) if levels else ContextSpec.hash_features
     hash_entries = fields.take("the hash entries", 1, 20) if levels else ContextSpec.hash_log2_entries
     skip, seed_scales = bool(flags & _SKIP), bool(flags & _SEED_SCALES)
-    if (skip and features < per_seed * (channels + 3)) or (neighbours and not skip):
-        raise CorruptStreamError("header: settings that contradict each other")
     context = ContextSpec(prior, (), context_hidden, neighbours, resolutions, hash_features, hash_entries)
     spec = ModelSpec(channels, layout, shape, per_seed, features, hidden, skip, seed_scales, base_cell, context)  # type: ignore[arg-type]
     names = tuple(group.name for group in spec.groups)
@@ -125,7 +130,7 @@ def _model(fields: _Fields, channels: int) -> tuple[int, ModelSpec, int, int]:
     textured, luma_space = bool(flags & _TEXTURE), bool(flags & _LUMA)
     spec = replace(spec, context=context, texture=textured, luma_space=luma_space)
     spec = replace(spec, restoration=bool(flags & _RESTORATION))
-    return flags, spec, quality, family
+    return flags, masked, spec, quality, family
 
 
 def _check_tiles(header: Header) -> None:
@@ -135,21 +140,16 @@ def _check_tiles(header: Header) -> None:
         raise LimitError(f"header: {header.grid.count} tiles; this version takes at most {MAX_TILES}")
 
 
-def _masked(flags: int, layout_name: str) -> Masked | None:
+def _masked(flags: int) -> Masked | None:
     for masked, flag in _MASKED.items():
         if flags & (_MASKED["transparent"] | _MASKED["nodata"]) == flag:
-            if masked == "transparent" and layout_name not in ("gray+alpha", "rgba"):
-                raise CorruptStreamError(f"header: {layout_name} has no transparent pixels")
             return masked
     raise CorruptStreamError("header: pixels are either transparent or without data")
 
 
-def _sample(value: float, sample_type: str) -> float:
-    if sample_type != "float32":
-        largest = {"uint8": 255, "uint16": 65535}[sample_type]
-        if not (0 <= value <= largest and value == int(value)):
-            raise CorruptStreamError(f"header: no sample of {sample_type} is {value:g}")
-    return value
+def _is_sample(value: float, sample_type: str) -> bool:
+    largest = {"uint8": 255, "uint16": 65535}.get(sample_type)
+    return largest is None or (0 <= value <= largest and value == int(value))
 
 
 def _ranges(fields: _Fields, sample_type: str, colours: int, stated: bool) -> SampleRange:
@@ -161,16 +161,12 @@ def _ranges(fields: _Fields, sample_type: str, colours: int, stated: bool) -> Sa
         raise CorruptStreamError("header: sample ranges of another number of channels")
     if count == 1 and stated and whole is None:
         raise CorruptStreamError("header: a flag for one sample range of floats")
-    lows, highs = zip(*(_range(fields, whole) for _ in range(count)), strict=True)
+    lows, highs = zip(*(fields.unpack("the sample range", "<2f") for _ in range(count)), strict=True)
     one = len(set(zip(lows, highs, strict=True))) == 1
     return (lows[0], highs[0]) if one else (lows, highs)
 
 
-def _range(fields: _Fields, whole: float | None) -> tuple[float, float]:
-    low, high = fields.unpack("the sample range", "<2f")
+def _check_range(low: float, high: float, sample_type: str) -> None:
     sound = abs(low) <= 1e38 and abs(high) <= 1e38 and low < high
-    if sound and whole is not None:
-        sound = low == int(low) >= 0 and high == int(high) <= whole
-    if not sound:
+    if not (sound and _is_sample(low, sample_type) and _is_sample(high, sample_type)):
         raise CorruptStreamError(f"header: a sample range of {low:g} to {high:g}")
-    return low, high

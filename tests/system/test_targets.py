@@ -124,7 +124,7 @@ def test_pictures_at_the_edge(picture: Picture, target: dict[str, float]) -> Non
         ({"bpp": math.inf}, "bpp"),
         ({"psnr": 30.0, "bpp": 1.0}, "psnr and bpp exclude"),
         ({"size": 3000.0, "bpp": 1.0}, "size and bpp exclude"),
-        ({"size": 3000.0, "lmbda": 1.0}, "size and lmbda exclude"),
+        ({"size": 3000.0, "lmbda": 1.0}, "lmbda and size exclude"),
         ({"psnr": 30.0, "profile": "paper"}, "default profile"),
     ],
 )

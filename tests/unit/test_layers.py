@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[2]
 
 FLOORS = (
     {"errors", "version", "_native"},
-    {"metadata", "device", "remote"},
+    {"metadata", "device", "remote", "files"},
     {"picture", "cuda"},
     {"image", "raster", "model"},
     {"metrics"},
@@ -43,7 +43,7 @@ HOMES = {
     "ssimulacra2": ("sgicodec/metrics/perceptual.py",),
     "PIL": (
         "sgicodec/image/avif_reader.py",
-        "sgicodec/image/second_reader.py",
+        "sgicodec/image/pillow_reader.py",
         "sgicodec/image/conversion.py",
         "sgicodec/image/slide_reader.py",
         "sgicodec/bench/",

@@ -49,10 +49,8 @@ class ContextNet:
         self.leaves = {name: torch.from_numpy(array).requires_grad_() for name, array in weights.trained().items()}
         first = self.leaves.get("context.first", torch.from_numpy(weights.first))
         rest = self.leaves.get("context.rest", torch.from_numpy(weights.rest))
-        self.tables = [
-            self.leaves.get(f"context.table{number}", torch.from_numpy(table))
-            for number, table in enumerate(weights.tables)
-        ]
+        tables = self.leaves.get("context.tables", torch.from_numpy(weights.tables))
+        self.tables: list[Tensor] = weights.per_table(tables)
         self.difference = self.leaves.get("context.difference")
         if self.difference is not None:
             rest = rest + self.difference

@@ -16,7 +16,7 @@ from sgicodec.fit.parameters import Parameters, StepResult
 from sgicodec.fit.pyramid import Level
 from sgicodec.fit.seed_set import coded_values
 from sgicodec.fit.weight_bits import with_weight_noise
-from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
+from sgicodec.model.gaussians import colour_matrix, decoder_parts, gaussians_from_seeds
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.fit_settings import FitSettings, Rounding
@@ -67,7 +67,8 @@ class AutogradStep:
             sample = self.proxy.noisy(values, leaves["steps"], level.scale, key)
         else:
             sample = self.proxy.sample(values, net, leaves["steps"], rounding, key)
-        exact = {name: leaves[f"decoder_{name}"] for name in parameters.seeds.decoders}
+        networks = [leaf for name, leaf in leaves.items() if name.startswith("decoder_")]
+        exact = decoder_parts(self.spec, torch.cat(networks)) if networks else {}
         priced = rounding == "noise" and lmbda > 0 and bool(exact)
         decoders = self._with_noise(exact, parameters.seeds.decoder_shift, key) if priced else exact
         gaussians = gaussians_from_seeds(

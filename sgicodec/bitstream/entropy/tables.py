@@ -55,7 +55,7 @@ MAX_MAGNITUDE = 1 << 20
 ESCAPE_EXPONENTS = 21
 """Number of Exp-Golomb exponents behind an escape: |n| − S − 1 lies in 0 .. MAX_MAGNITUDE − 1."""
 
-_MOST_COUNTED = 128
+_MAX_COUNTED = 128
 """Largest magnitude up to which symbols are counted before their bits are summed."""
 
 _FILE = "tables.bin"
@@ -100,7 +100,7 @@ class FrequencyTables:
     def least_bits(self, options: NDArray[np.int64]) -> NDArray[np.float64]:
         """What each of some arrays, options [n, …], costs in bits under the table that is best for it [n]."""
         largest = int(np.abs(options).max(initial=0))
-        if largest > _MOST_COUNTED:
+        if largest > _MAX_COUNTED:
             return np.array([self.bits(option, self.best(option)).sum() for option in options])
         reach = 8
         while reach < largest:

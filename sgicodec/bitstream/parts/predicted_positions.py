@@ -35,8 +35,8 @@ ONES = (
 )
 """P(flag = 1) · 65536 at log-odds 0, 1/4, 2/4 … 6."""
 
-_MOST = len(ONES) - 1
-_CERTAIN = 2 * _MOST + 1
+_MAX_ONES = len(ONES) - 1
+_CERTAIN = 2 * _MAX_ONES + 1
 _PER_ROW = 6
 """log2 of the units of log-odds, 1/256 each, that a row stands for."""
 
@@ -51,7 +51,7 @@ def write_predicted_positions(writer: SymbolWriter, shape: TreeShape, tree_conte
         return given
 
     def code(batch: Batch) -> tuple[Flags, Flags]:
-        rows = batch.rows(networks[batch.child], _PER_ROW, _MOST, ONE_THREAD.threads)
+        rows = batch.rows(networks[batch.child], _PER_ROW, _MAX_ONES, ONE_THREAD.threads)
         split = np.zeros(len(batch), np.uint8)
         if batch.level > LEVELS[-1]:
             split = flags(given_tree.split(batch.level, batch.codes), rows[:, 0])

@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 
 from sgicodec import _native
 from sgicodec._native import TreeBatch as Batch
-from sgicodec.bitstream.parts.seed_tree import LEAST_LOG, ROOT_LOG, Flags, TreeShape
+from sgicodec.bitstream.parts.seed_tree import MIN_LOG, ROOT_LOG, Flags, TreeShape
 
 __all__ = ["LEVELS", "Batch", "TreeContext", "input_counts", "native_tree_context", "walk_tree"]
 
-LEVELS = range(ROOT_LOG, LEAST_LOG - 1, -1)
+LEVELS = range(ROOT_LOG, MIN_LOG - 1, -1)
 """Levels of the tree, roots first."""
 
 

@@ -17,13 +17,13 @@ from sgicodec.errors import LimitError, UsageError
 from sgicodec.model.distinct import distinct
 from sgicodec.model.morton import Codes, morton
 
-__all__ = ["LEAST_LOG", "MAX_ROOTS", "ROOT_LOG", "Flags", "GivenTree", "Seeds", "TreeShape"]
+__all__ = ["MAX_ROOTS", "MIN_LOG", "ROOT_LOG", "Flags", "GivenTree", "Seeds", "TreeShape"]
 
 Flags = NDArray[np.uint8]
 Seeds = tuple[NDArray[np.int32], NDArray[np.int8]]
 """Corners [N, 2] in pixels (x, y) and log2 of the node size [N]."""
 
-ROOT_LOG, LEAST_LOG = 6, 1
+ROOT_LOG, MIN_LOG = 6, 1
 """log2 of the sides of roots and of the smallest nodes, pixels."""
 MAX_ROOTS = 1 << 20
 """Four gigapixels in cells of 64, fewer if the picture is narrow."""
@@ -60,13 +60,13 @@ class GivenTree:
         corner, log_size = np.asarray(seeds[0], np.int64).reshape(-1, 2), np.asarray(seeds[1], np.int64)
         if len(corner) != len(log_size):
             raise UsageError(f"positions: {len(corner)} corners, {len(log_size)} sizes; need as many of each")
-        sized = (log_size >= LEAST_LOG) & (log_size <= ROOT_LOG)
+        sized = (log_size >= MIN_LOG) & (log_size <= ROOT_LOG)
         inside = (corner >= 0) & (corner < (shape.width, shape.height))
         aligned = corner & ((1 << np.clip(log_size, 0, ROOT_LOG)) - 1)[:, None] == 0
         if not (sized.all() and inside.all() and aligned.all()):
             raise UsageError("positions: a seed is no node of the tree: outside, off its grid, of another size")
         code = morton(corner[:, 0], corner[:, 1])
-        levels = range(LEAST_LOG, ROOT_LOG + 1)
+        levels = range(MIN_LOG, ROOT_LOG + 1)
         self._seeds = {level: distinct(code[log_size == level] >> 2 * level) for level in levels}
         self._splits = {level: distinct(code[log_size < level] >> 2 * level) for level in levels}
         if sum(codes.size for codes in self._seeds.values()) != len(corner):

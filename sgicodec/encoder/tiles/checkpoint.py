@@ -16,7 +16,7 @@ from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tiles.interfaces import Version
 from sgicodec.encoder.tiles.tasks import EncodedTile
 from sgicodec.errors import OutputExistsError, StreamError, UsageError
-from sgicodec.image.lock import locked
+from sgicodec.files.lock import locked
 
 __all__ = ["Checkpoint", "fingerprint"]
 

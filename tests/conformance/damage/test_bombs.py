@@ -12,10 +12,10 @@ from bounded import within
 from surgery import frame, join, split
 
 from sgicodec import EncodeSettings, Picture, encode_picture
-from sgicodec._native import read_mask
 from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.bitstream.header import Header, decode_header, encode_header
 from sgicodec.bitstream.parts import mask as masks
+from sgicodec.bitstream.parts.tile_chunk import decode_tile_chunk
 from sgicodec.bitstream.stream_summary import StreamSummary
 from sgicodec.bitstream.varint import encode_varint
 from sgicodec.decoder.stream import open_stream
@@ -83,10 +83,12 @@ def test_the_most_nodes_of_a_short_mask(tmp_path: Path) -> None:
     stripes = np.zeros((1056, 1056), np.bool_)
     stripes[1::2] = True
     mask = masks.write_mask(stripes)
-    np.testing.assert_array_equal(read_mask(mask, 1056, 1056).at(np.arange(1056), np.arange(1056)), stripes)
-    path = tmp_path / "stripes.sgi"
+    path, header = tmp_path / "stripes.sgi", _header(width=1056, height=1056)
     payload = b"\x02" + encode_varint(len(mask)) + mask + b"\x01"
-    path.write_bytes(_one_tile(_header(width=1056, height=1056), payload))
+    (tree,) = decode_tile_chunk(header, payload).masks
+    assert tree is not None
+    np.testing.assert_array_equal(tree.at(np.arange(1056), np.arange(1056)), stripes)
+    path.write_bytes(_one_tile(header, payload))
     found = within(path, MASKED, *LOOKS)
     assert all(str(answer).startswith("CorruptStreamError") for answer in found.values()), found
 

@@ -12,7 +12,7 @@ from http_server import Client, running
 
 import sgicodec
 from sgicodec.server.app import Settings, application
-from sgicodec.server.shelf import Folder
+from sgicodec.server.catalog import Folder
 
 GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
 

@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import re
 import signal
+import sys
 from collections.abc import Callable
 from pathlib import Path
+from urllib.parse import unquote
 
 import pytest
 from click.testing import CliRunner, Result
 from http_server import Client, running, start
 
+from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.cli.main import cli
 from sgicodec.server.app import Settings, application
-from sgicodec.server.shelf import Chosen
+from sgicodec.server.catalog import ListedFiles
+from sgicodec.server.run import listening
 
 
 @pytest.fixture
@@ -72,10 +76,14 @@ def test_refused(sgi: Callable[..., Result], arguments: tuple[str, ...], status:
     assert text in result.stderr
 
 
+
+
+
+
 def test_a_url_is_passed_on_in_parts(get: Client, folder: Path) -> None:
     data = (folder / "wide.sgi").read_bytes()
     urls = {"far": f"{get.address}/files/wide.sgi", "gone": f"{get.address}/files/absent.sgi"}
-    with running(application(Chosen({}), Settings(public=False, remote=urls))) as near:
+    with running(application(ListedFiles({}), Settings(public=False, remote=urls))) as near:
         answer = near("/remote/far", Range="bytes=10-99")
         assert (answer.status, answer.body) == (206, data[10:100])
         assert answer.headers["content-range"] == f"bytes 10-99/{len(data)}"
@@ -84,3 +92,7 @@ def test_a_url_is_passed_on_in_parts(get: Client, folder: Path) -> None:
         assert near("/remote/far").status == 400
         assert near("/remote/other", Range="bytes=0-9").status == 404
         assert near("/remote/gone", Range="bytes=0-9").status == 500
+
+
+
+

@@ -14,8 +14,8 @@ from http_server import Answer, Client, running
 from sgicodec.decoder.stream import Stream
 from sgicodec.server import app
 from sgicodec.server.app import Settings, application
+from sgicodec.server.catalog import Folder
 from sgicodec.server.drawing import Drawing
-from sgicodec.server.shelf import Folder
 
 
 def in_parallel(get: Client, paths: list[str], answered: Callable[[Answer], None]) -> list[threading.Thread]:

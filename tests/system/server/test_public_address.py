@@ -14,8 +14,8 @@ from http_server import Answer, Client, running
 
 from sgicodec.errors import UsageError
 from sgicodec.server.app import Settings, application
+from sgicodec.server.catalog import Folder
 from sgicodec.server.public_address import checked_address
-from sgicodec.server.shelf import Folder
 from sgicodec.server.viewer import viewer_folder
 
 ADDRESSES = (

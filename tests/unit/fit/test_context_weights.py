@@ -12,10 +12,11 @@ from sgicodec.profiles.paper import paper_spec
 specs = pytest.mark.parametrize("spec", [default_spec(3, prior=0), paper_spec(1, 2, 6)], ids=["default", "paper"])
 
 UNIT = 2.0**-WEIGHT_SHIFT
+SIZES = (30, 50)
 
 
 def weights_of(spec: ModelSpec) -> ContextWeights:
-    return ContextWeights(spec, (30, 50), np.random.default_rng(1))
+    return ContextWeights(spec, SIZES, np.random.default_rng(1))
 
 
 def assert_same(found: tuple[IntNetwork, ...], expected: tuple[IntNetwork, ...]) -> None:
@@ -29,7 +30,7 @@ def assert_same(found: tuple[IntNetwork, ...], expected: tuple[IntNetwork, ...])
 def test_frozen_weights_are_those_of_the_stream(spec: ModelSpec) -> None:
     weights = weights_of(spec)
     before, networks = weights.first.copy(), weights.integers()
-    assert set(weights.trained()) == {f"context.{name}" for name in ("first", "rest", "table0", "table1")}
+    assert set(weights.trained()) == {f"context.{name}" for name in ("first", "rest", "tables")}
     weights.freeze()
     assert weights.trained() == {}
     assert 0 < np.abs(weights.first - before).max() <= 0.5 * UNIT
@@ -50,3 +51,9 @@ def test_differences_are_added_in_their_own_unit(spec: ModelSpec) -> None:
         np.testing.assert_array_equal(changed.b1, network.b1 + more)
         np.testing.assert_array_equal(changed.w2, network.w2 + more)
         np.testing.assert_array_equal(changed.b2, network.b2 + more)
+
+
+
+
+
+

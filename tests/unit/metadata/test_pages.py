@@ -21,12 +21,12 @@ def three(**options: bool) -> bytes:
 
 def test_a_chain_that_is_damaged_ends_there() -> None:
     data = bytearray(three())
-    first, second, third = (page.place for page in tiff_pages(bytes(data)))
+    first, second, third = (page.offset for page in tiff_pages(bytes(data)))
     count = struct.unpack("<H", data[second : second + 2])[0]
     place = slice(second + 2 + 12 * count, second + 6 + 12 * count)
     for wrong in (first, second, len(data) + 9):
         data[place] = struct.pack("<I", wrong)
-        assert [page.place for page in tiff_pages(bytes(data))][:2] == [first, second]
+        assert [page.offset for page in tiff_pages(bytes(data))][:2] == [first, second]
     data[place] = struct.pack("<I", third)
     assert len(tiff_pages(bytes(data))) == 3
     assert tiff_pages(b"II*\0" + bytes(3)) == []

@@ -13,7 +13,10 @@ from numpy.typing import NDArray
 from scenes import ISAS
 
 from sgicodec import _native
-from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
+from sgicodec.device import Device
+from sgicodec.model.context import input_count
+from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds, model_gaussians
+from sgicodec.model.layout import SeedLayout
 from sgicodec.profiles.default import default_spec
 
 F32, F64 = NDArray[np.float32], NDArray[np.float64]
@@ -74,8 +77,7 @@ def native(isa: str, s: Seeds) -> tuple[tuple[F32, F32, F32], tuple[F32, F32, F3
     """Means, covariances and colours; gradients of colour, shape and offset. No network runs."""
     step = _native.SeedFit(isa, 1, 1, HIDDEN, np.array(colour_matrix(3), np.float32))
     step.set_layout(s.half_pixels, s.log_size, np.full((COUNT, 1), -1, np.int32), 0)
-    common = _native.LEVEL_INPUTS + _native.NEIGHBOUR_INPUTS
-    inputs = [common + _native.own_input_count(step) for step in range(3)]
+    inputs = [input_count(SPEC, step) for step in range(3)]
     outputs = [2 * predicted + 1 for predicted in (3, 3, 2)]
     first = np.zeros(HIDDEN * sum(inputs), np.float32)
     rest = np.zeros(sum(HIDDEN * (1 + count) + count for count in outputs), np.float32)
@@ -115,6 +117,8 @@ def tolerance(s: Seeds) -> F64:
     return ROUNDINGS * (1 + sizes)
 
 
+
+
 @pytest.mark.parametrize("isa", ISAS)
 @given(s=seeds())
 def test_gaussians_are_those_of_float64(isa: str, s: Seeds) -> None:
@@ -143,3 +147,5 @@ def test_gradients_are_those_of_float64(isa: str, s: Seeds) -> None:
     assert np.all(np.abs(shape - want[:, 3:6]) <= allowed + FLUSHED)
     assert np.all(np.abs(colour - want[:, :3]) <= ROUNDINGS * np.abs(s.up[2]).sum(axis=1, keepdims=True))
     np.testing.assert_allclose(offset, want[:, 6:], rtol=1e-6)
+
+

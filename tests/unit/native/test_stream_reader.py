@@ -14,6 +14,7 @@ from pipe import trickle
 from surgery import Parts, frame, join, split
 
 from sgicodec import _native
+from sgicodec.device import ONE_THREAD
 from sgicodec.errors import CorruptStreamError, LimitError, SgiError, StreamError, UnsupportedStreamError
 
 GOLDEN = sorted((Path(__file__).parents[2] / "conformance" / "golden").glob("*.sgi"))
@@ -31,6 +32,11 @@ def in_the_middle(data: bytes) -> BinaryIO:
     return file
 
 
+def native_reader(source: bytes | BinaryIO) -> _native.Stream:
+    """One that keeps no decoded tile."""
+    return _native.Stream(source, 1, ONE_THREAD.isa, 0)
+
+
 SOURCES: list[Source] = [bytes, io.BytesIO, in_the_middle, trickle]
 
 
@@ -39,7 +45,7 @@ SOURCES: list[Source] = [bytes, io.BytesIO, in_the_middle, trickle]
 def test_all_chunks_are_found_from_every_source(path: Path, source: Source) -> None:
     data = path.read_bytes()
     parts = split(data)
-    reader = _native.StreamReader(source(data))
+    reader = native_reader(source(data))
     tiles = [payload for letter, payload in parts if letter == "T"]
     assert [reader.tile(number) for number in range(len(tiles))] == tiles
     blobs = {letter: payload for letter, payload in parts if letter not in "TXoE"}
@@ -55,7 +61,7 @@ def test_all_chunks_are_found_from_every_source(path: Path, source: Source) -> N
 def read_tiles(data: bytes, source: Source) -> list[bytes | None] | type[SgiError]:
     """The tiles of the tiled stream, None for those that are refused, or the kind of error of all."""
     try:
-        reader = _native.StreamReader(source(data))
+        reader = native_reader(source(data))
     except StreamError as error:
         return type(error)
     found: list[bytes | None] = []
@@ -75,7 +81,7 @@ def test_mutated_streams_are_judged_alike_from_bytes_and_files() -> None:
         outcomes = []
         for source in SOURCES[:3]:
             try:
-                reader = _native.StreamReader(source(data))
+                reader = native_reader(source(data))
                 outcomes.append((None, str(reader.chunk_bytes), reader.size))
             except StreamError as error:
                 outcomes.append((type(error), str(error), 0))
@@ -147,7 +153,7 @@ def test_a_tile_and_an_index_are_one_read_each() -> None:
             return super().read(size)
 
     file = Counted(TILED)
-    reader = _native.StreamReader(file)
+    reader = native_reader(file)
     assert len(file.reads) <= 4
     file.reads.clear()
     assert [reader.tile(number) for number in range(len(TILES))] == TILES

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import pytest
 
-from sgicodec.rate_control.target import Measured, RateTarget
+from sgicodec.encoder.settings import EncodeSettings
+from sgicodec.rate_control.target import TARGETS, Measured, RateTarget
+
+DOCS = Path(__file__).parents[3] / "docs"
 
 
 def test_targets_and_what_meets_them() -> None:
@@ -47,3 +51,24 @@ def test_messages_name_the_target_and_the_stream() -> None:
     )
     assert "99 dB" in RateTarget(psnr=99).miss_message(Measured(1, 40.125))
     assert "40.12 dB" in RateTarget(psnr=99).miss_message(Measured(1, 40.125))
+
+
+def test_scores() -> None:
+    score = RateTarget(score=70.0)
+    assert [score.is_met(Measured(1, 0.0, s)) for s in (68.9, 69.1, 70.9, 71.1)] == [False, True, True, False]
+    assert [score.is_missed(Measured(1, 0.0, s)) for s in (68.9, 69.1, 90.0)] == [True, False, False]
+    assert score.rate_error(Measured(1, 0.0, 78.0)) == pytest.approx(1.0)
+    assert score.miss_message(Measured(1, 0.0, 61.25)).endswith("SSIMULACRA 2 70 was found; the best reaches 61.2")
+    assert RateTarget(score=60.0).usual_lmbda == pytest.approx(0.5 * 2 ** (-49 / 8))
+    assert RateTarget(score=52.0).usual_lmbda == pytest.approx(2 * 0.5 * 2 ** (-49 / 8))
+    assert RateTarget(psnr=30.0).usual_lmbda is RateTarget(bytes=30.0).usual_lmbda is None
+
+
+def test_every_target_of_the_table_is_a_setting_and_on_the_pages() -> None:
+    pages = [(DOCS / page).read_text() for page in ("cli.md", "api.md")]
+    for name, target in TARGETS.items():
+        assert name in EncodeSettings.__dataclass_fields__
+        assert f"| `--{name}` {target.metavar} |" in pages[0]
+        assert f"`{name}`" in pages[1]
+        rate_target = EncodeSettings(**{name: 2.0}).rate_target(4000)  # type: ignore[arg-type]
+        assert rate_target == RateTarget(**{target.quantity: 1000.0 if target.per_pixel else 2.0})

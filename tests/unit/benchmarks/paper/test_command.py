@@ -48,6 +48,9 @@ def test_a_run_goes_on_where_it_was(picture: Path, tmp_path: Path, monkeypatch: 
     printed = call("--from", tmp_path / "paper.tsv", "--table", "levels")
     assert printed.stdout.strip() in both.stdout
     assert len(PaperResults(tmp_path / "paper.tsv").rows) == 5
+    enlarged = call(*options, "--table", "super-resolution")
+    assert enlarged.exit_code == 0, enlarged.exception
+    assert len(PaperResults(tmp_path / "paper.tsv").rows) == 5 + 6  # none of the whole picture
 
 
 def test_what_fails_is_told_and_the_rest_is_measured(picture: Path, monkeypatch: pytest.MonkeyPatch) -> None:

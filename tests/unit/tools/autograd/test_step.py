@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from sgicodec.fit.pyramid import Level
 from sgicodec.fit.seed_set import SeedSet
 from sgicodec.fit.step_sizes import flat_steps
 from sgicodec.model.context import HashGrid
-from sgicodec.model.gaussians import MIN_VARIANCE
+from sgicodec.model.gaussians import MIN_VARIANCE, decoder_parts
 from sgicodec.model.layout import uniform_layout
 from sgicodec.model.steps import default_plan
 from sgicodec.profiles.paper import paper_settings, paper_spec
@@ -55,10 +56,11 @@ def mean_absolute_error(leaves: dict[str, torch.Tensor], parameters: Parameters,
     target = torch.from_numpy(aim.samples).double()
     y, x = torch.meshgrid(*(torch.arange(n) + 0.5 for n in target.shape[1:]), indexing="ij")
     image = torch.zeros_like(target)
+    decoders = decoder_parts(SPEC, torch.cat([leaves["decoder_colour"], leaves["decoder_shape"]]))
     for seed, centre in enumerate(torch.from_numpy(parameters.seeds.layout.centre).double()):
         said = {}
         for net in ("colour", "shape"):
-            w1, b1, w2, b2 = (leaves[f"decoder_{net}.{name}"] for name in ("w1", "b1", "w2", "b2"))
+            w1, b1, w2, b2 = (decoders[f"{net}.{name}"] for name in ("w1", "b1", "w2", "b2"))
             said[net] = (w2 @ torch.relu(w1 @ leaves["feature"][seed] + b1) + b2).reshape(K, 3)
         offsets, scales = leaves["offset"][seed].reshape(K, 2), torch.exp(leaves["scales"][seed])
         for k in range(K):
@@ -87,12 +89,14 @@ def test_gradients_of_the_distortion(scale: float) -> None:
         assert np.abs(gradient).max() > 0
 
 
+
+
 def test_the_price_of_bits_is_that_of_equation_11() -> None:
     """λ / (N d_A) for each bit of the grid and of the seeds."""
     step, parameters = step_and_parameters()
     parameters.context.first[:] = 0.0  # so that attributes say nothing of the grid
-    found = step.run(parameters, "noise", 0, level(), LMBDA).gradients["context.table0"]
-    signs = parameters.context.signs()[0]
+    gradient = step.run(parameters, "noise", 0, level(), LMBDA).gradients["context.tables"]
+    found, signs = parameters.context.per_table(gradient)[0], parameters.context.signs()[0]
     share = signs.mean()
     slope = 0.5 * math.log2((1 - share) / share)  # of L_hash in one entry's sign, equation 12
     np.testing.assert_allclose(found, LMBDA / (SEEDS * SPEC.attributes) * slope, rtol=1e-4)
@@ -117,3 +121,5 @@ def test_bits_are_those_of_the_gaussian_that_mlp_p_predicts() -> None:
         start += coded[name].shape[1]
     assert step.seed_bits()[0] == pytest.approx(bits, rel=5e-4)  # what float32 leaves of the tails
     assert total.bits > step.seed_bits()[0]
+
+

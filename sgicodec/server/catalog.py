@@ -9,10 +9,10 @@ from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.errors import UsageError
 from sgicodec.server.refusal import Refusal
 
-__all__ = ["Chosen", "Folder", "Listing", "Shelf"]
+__all__ = ["Catalog", "Folder", "ListedFiles", "Listing"]
 
 SUFFIX = ".sgi"
-MOST_LISTED = 2000
+MAX_LISTED = 2000
 """Names that one listing shows."""
 
 
@@ -24,7 +24,7 @@ class Listing(NamedTuple):
     cut: bool
 
 
-class Shelf(Protocol):
+class Catalog(Protocol):
     """Where files come from."""
 
     def find(self, name: str) -> Path:
@@ -48,20 +48,20 @@ class Folder:
             raise UsageError(f"{root} is no folder; sgi view shows a file")
 
     def find(self, name: str) -> Path:
-        """See `Shelf`."""
+        """See `Catalog`."""
         path = self._inside(name)
         if path.suffix.lower() != SUFFIX or not _is_stream(path):
             raise _absent(name)
         return path
 
     def listing(self, name: str) -> Listing:
-        """See `Shelf`."""
+        """See `Catalog`."""
         folder = self._inside(name) if name else self.root
         folders: list[str] = []
         streams: list[str] = []
         try:
             for path in sorted(folder.iterdir()):
-                if len(folders) + len(streams) == MOST_LISTED:
+                if len(folders) + len(streams) == MAX_LISTED:
                     return Listing(folders, streams, True)
                 if path.name.startswith(".") or not _printable(path.name):
                     continue
@@ -89,20 +89,20 @@ class Folder:
         return path
 
 
-class Chosen:
+class ListedFiles:
     """Files that were named one by one, wherever they lie."""
 
     def __init__(self, files: dict[str, Path]) -> None:
         self._files = files
 
     def find(self, name: str) -> Path:
-        """See `Shelf`."""
+        """See `Catalog`."""
         if name not in self._files or not self._files[name].is_file():
             raise _absent(name)
         return self._files[name]
 
     def listing(self, name: str) -> Listing:
-        """See `Shelf`."""
+        """See `Catalog`."""
         if name:
             raise _absent(name)
         return Listing([], sorted(self._files), False)

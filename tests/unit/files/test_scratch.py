@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from sgicodec.image.scratch import scratch_folder
+from sgicodec.files.scratch import scratch_folder
 
 HOLDS = """
 import sys
 from pathlib import Path
-from sgicodec.image.scratch import scratch_folder
+from sgicodec.files.scratch import scratch_folder
 with scratch_folder(Path(sys.argv[1])) as folder:
     (folder / "part").write_bytes(b"much")
     print(folder, flush=True)

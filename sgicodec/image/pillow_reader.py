@@ -14,7 +14,7 @@ from sgicodec.errors import PictureError, UsageError, require
 from sgicodec.image.decoded_picture import DecodedPicture
 from sgicodec.image.pages import check_page
 
-__all__ = ["SecondReader", "is_seconds"]
+__all__ = ["PillowReader", "is_for_pillow"]
 
 _FORMATS = ("BMP", "DIB", "QOI", "XBM", "XPM", "PCX", "DCX", "ICO", "CUR", "ICNS", "MSP", "SUN", "TGA", "JPEG2000")
 """Those that Pillow reads whole and faithfully, in 8 bits. Damage in others is OpenImageIO's to find."""
@@ -38,12 +38,12 @@ _PAGED = ("DCX", "PNG")
 _COUNTS = {"L": 1, "LA": 2, "RGB": 3, "RGBA": 4}
 
 
-def is_seconds(head: bytes) -> bool:
+def is_for_pillow(head: bytes) -> bool:
     """Whether a file that begins so is one for Pillow, which OpenImageIO would take for what its name says."""
     return head.startswith(tuple(itertools.chain.from_iterable(_SIGNATURES.values())))
 
 
-class SecondReader(DecodedPicture):
+class PillowReader(DecodedPicture):
     """An open picture in a format that Pillow knows."""
 
     kind = "pillow"

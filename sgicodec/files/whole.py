@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
-from sgicodec.image.scratch import scratch_file
+from sgicodec.files.scratch import scratch_file
 
 __all__ = ["whole_file", "write_whole"]
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from sgicodec.image.files import write_whole
+from sgicodec.files.whole import write_whole
 
 
 @pytest.mark.parametrize("step", ["fsync", "replace"])
@@ -34,7 +34,7 @@ def test_failure_keeps_the_old_file(
 WRITES = """
 import sys
 from pathlib import Path
-from sgicodec.image.files import whole_file
+from sgicodec.files.whole import whole_file
 with whole_file(Path(sys.argv[1])) as file:
     file.write(b"much")
     file.flush()

@@ -11,6 +11,8 @@ import zlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from sgicodec.files.lock import lock_of
+
 __all__ = ["scratch_file", "scratch_folder"]
 
 _PREFIX = f".sgicodec-{zlib.crc32(platform.node().encode()):08x}-"
@@ -83,17 +85,9 @@ def _remove(path: Path) -> None:
 def _locked(path: Path, wait: bool) -> int | None:
     """A descriptor that holds the lock of a folder or a file; None if another does, or where there are no locks."""
     try:
-        import fcntl
-
-        descriptor = os.open(path, os.O_RDONLY)
-    except (ImportError, OSError):
-        return None
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+        return lock_of(path, wait=wait)
     except OSError:
-        os.close(descriptor)
         return None
-    return descriptor
 
 
 def _release(lock: int | None) -> None:

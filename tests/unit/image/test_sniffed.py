@@ -11,7 +11,7 @@ import pytest
 
 from sgicodec.errors import PictureError
 from sgicodec.image import read, write
-from sgicodec.image.foreign import foreign
+from sgicodec.image.sniffed import sniffed_format
 from sgicodec.metadata.filebytes import FileBytes
 from sgicodec.picture import Picture
 
@@ -69,7 +69,7 @@ def test_they_are_named_with_what_reads_them(
 
 @pytest.mark.parametrize("content", [tiff("<", 1), tiff(">", 1, below=(2, 6)), tiff("<", 1, below=(1,))])
 def test_other_files_of_the_family_are_read(content: bytes) -> None:
-    assert foreign(content) is None
+    assert sniffed_format(content) is None
     assert read(content).pixels.shape == (1, 1, 1)
 
 
@@ -78,14 +78,14 @@ def test_no_picture_is_taken_for_one(tmp_path: Path) -> None:
     for path in PICTURES:
         if path.suffix != ".md":
             with path.open("rb") as file:
-                assert foreign(FileBytes(file)) is None, path
+                assert sniffed_format(FileBytes(file)) is None, path
     picture = Picture(np.zeros((40, 40, 3), np.uint8), "rgb", (0.0, 255.0))
     for suffix in ("tif", "jxl", "jp2", "webp", "jpg", "png"):
         write(picture, tmp_path / f"a.{suffix}")
-        assert foreign((tmp_path / f"a.{suffix}").read_bytes()) is None
+        assert sniffed_format((tmp_path / f"a.{suffix}").read_bytes()) is None
 
 
 @pytest.mark.parametrize("cut", range(0, 200, 7))
 def test_damage_is_no_crash(cut: int) -> None:
     content = tiff("<", 2, below=(6, 34892))
-    foreign(content[:cut])
+    sniffed_format(content[:cut])

@@ -13,10 +13,10 @@ from sgicodec.metadata import ifd
 from sgicodec.metadata.avif import is_avif
 from sgicodec.metadata.filebytes import Bytes
 
-__all__ = ["Foreign", "foreign"]
+__all__ = ["SniffedFormat", "sniffed_format"]
 
 
-class Foreign(NamedTuple):
+class SniffedFormat(NamedTuple):
     """name: of the format, for HEIF and raw files that of OpenImageIO; what it is; program: that makes another picture
     of it.
     """
@@ -43,25 +43,25 @@ _SUB_IFDS, _PHOTOMETRIC, _DNG_VERSION = 330, 262, 50706
 _SENSOR = (32803, 34892)
 """Photometric interpretations of samples as a sensor gives them: behind colour filters, or linear."""
 
-_MOST_DIRECTORIES = 16
+_MAX_DIRECTORIES = 16
 
 
-def foreign(data: Bytes) -> Foreign | None:
+def sniffed_format(data: Bytes) -> SniffedFormat | None:
     """What such a file is; None for all other files."""
     if is_avif(data):
         program = "convert it first, as with avifdec of libavif: avifdec --depth 16 IN a.png"
-        return Foreign("avif", "an AVIF picture", program)
+        return SniffedFormat("avif", "an AVIF picture", program)
     head = bytes(data[:16])
     brand = head[8:12] if head[4:8] == b"ftyp" else b""
     if brand in _HEIF:
         program = "convert it first, as with heif-convert of libheif: heif-convert IN a.png"
-        return Foreign("heif", "a HEIF picture (HEIC)", program)
+        return SniffedFormat("heif", "a HEIF picture (HEIC)", program)
     name = next((name for at, start, name in _RAW if head[at : at + len(start)] == start), None)
     name = name or _tiff_raw(data)
     if name is None:
         return None
     program = "develop it first, as with darktable: darktable-cli IN a.tif"
-    return Foreign("raw", f"a camera's raw file ({name})", program)
+    return SniffedFormat("raw", f"a camera's raw file ({name})", program)
 
 
 def _tiff_raw(data: Bytes) -> str | None:
@@ -87,17 +87,17 @@ def _directories(data: Bytes, spelling: ifd.Layout) -> Iterator[dict[int, int]]:
     below = first.get(_SUB_IFDS)
     if below is None:
         return
-    single = below.values * spelling.place.size <= spelling.place.size
-    start = below.at if single else _number(data, below.at, spelling.place)
-    for index in range(min(below.values, _MOST_DIRECTORIES)):
-        at = _number(data, start + index * spelling.place.size, spelling.place)
+    single = below.values * spelling.offset.size <= spelling.offset.size
+    start = below.at if single else _number(data, below.at, spelling.offset)
+    for index in range(min(below.values, _MAX_DIRECTORIES)):
+        at = _number(data, start + index * spelling.offset.size, spelling.offset)
         yield {row.tag: _value(data, row, spelling) for row in ifd.rows(data, at, spelling)}
 
 
 def _value(data: Bytes, row: ifd.Row, spelling: ifd.Layout) -> int:
     """The first value of a row of short or long integers; what stands there of any other."""
     is_short = row.kind == 3
-    return _number(data, row.at, struct.Struct(spelling.order + "H") if is_short else spelling.place)
+    return _number(data, row.at, struct.Struct(spelling.order + "H") if is_short else spelling.offset)
 
 
 def _number(data: Bytes, at: int, form: struct.Struct) -> int:

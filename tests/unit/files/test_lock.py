@@ -11,14 +11,14 @@ import pytest
 from children import HANGS
 
 from sgicodec.errors import OutputLockedError
-from sgicodec.image.lock import locked
+from sgicodec.files.lock import locked
 
 pytest.importorskip("fcntl")
 
 HOLDER = """
 import sys
 from pathlib import Path
-from sgicodec.image.lock import locked
+from sgicodec.files.lock import locked
 with locked(Path({path!r})):
     print("held", flush=True)
     sys.stdin.read()
@@ -48,3 +48,9 @@ def test_links_share_a_lock(tmp_path: Path) -> None:
     (tmp_path / "link").symlink_to(tmp_path / "out.sgi")
     with locked(tmp_path / "out.sgi"), pytest.raises(OutputLockedError), locked(tmp_path / "link"):
         pass
+
+
+
+
+
+
