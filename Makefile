@@ -21,7 +21,7 @@ INPUTS := pyproject.toml constraints.txt CMakeLists.txt $(shell find native cuda
 
 help:
 	@echo "make demo       encode and decode a bundled photograph and measure the difference"
-	@echo "make test       run the tests, but for the slow ones, in five minutes on two processors"
+	@echo "make test       run the tests, but for the slow ones, in four minutes on two processors"
 	@echo "make test-all   run all tests, with all examples; ARGS='-k nodata' chooses, for both"
 	@echo "make viewer     compile the viewer's decoder to WebAssembly; make test-viewer: and test the viewer in Chromium"
 	@echo "make fuzz       decode hostile streams for a minute: make fuzz SECONDS=3600"

@@ -14,21 +14,12 @@ __all__ = ["BENCHMARKS", "main"]
 BENCHMARKS = {
     "speed": ("benchmarks.speed", "Seconds to encode, decode and start, on pictures."),
     "decode": ("benchmarks.decode", "What decoding costs, next to another version of the package."),
-    "pace": ("benchmarks.pace", "Seconds and bytes of encodes, next to another version."),
     "profile": ("benchmarks.profile", "Where the time of an encode goes, by module."),
     "raster": ("benchmarks.raster", "The native rasteriser's passes, next to the peak of the cores."),
     "cuda": ("benchmarks.cuda", "Check and measure the kernels on a GPU; count floors without."),
-    "variants": ("benchmarks.variants", "How a change of settings changes J = D + λR of whole streams."),
-    "look": ("benchmarks.look", "What each quality looks like, over the pictures of a benchmark."),
     "scores": ("benchmarks.scores", "SSIMULACRA 2 of JPEG and JPEG XL, next to published scores."),
-    "targets": ("benchmarks.targets", "How near encodes come to a size or a PSNR, and what that costs."),
-    "depths": ("benchmarks.depths", "The same picture at several depths and ranges, at one quality."),
     "paper": ("benchmarks.paper.command", "The paper's tables, measured again beside its own figures."),
     "paper-steps": ("benchmarks.paper_steps", "What a step of the paper profile takes, beside the rasteriser."),
-    "unsuited": ("benchmarks.unsuited", "What is left of text, line art, screenshots and fine texture."),
-    "large": ("benchmarks.large.command", "sgi and its peers on pictures of many megapixels."),
-    "crops": ("benchmarks.crops", "Cut pictures for a benchmark out of larger ones."),
-    "mosaic": ("benchmarks.mosaic", "Make a large picture of real ones."),
     "figure": ("benchmarks.figure", "Draw the README's picture: original, sgi, JPEG of equal size."),
 }
 """Name on the command line → the module whose `main` is the command, and what it does."""

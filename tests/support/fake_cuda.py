@@ -21,7 +21,7 @@ from sgicodec.cuda.driver import the_driver
 from sgicodec.cuda.gpu import Gpu
 from sgicodec.device import Device
 
-__all__ = ["backwards", "contexts_in", "fake_driver", "fake_gpu", "fake_machine", "library", "only_gpu", "shared_gpu"]
+__all__ = ["backwards", "fake_driver", "fake_gpu", "fake_machine", "library", "only_gpu", "shared_gpu"]
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE = Path(__file__).with_suffix(".cpp")
@@ -69,14 +69,6 @@ def fake_machine(monkeypatch: pytest.MonkeyPatch, folder: Path, gpus: int) -> Pa
     monkeypatch.setenv("SGI_FAKE_CONTEXTS", str(contexts))
     monkeypatch.setenv("TMPDIR", str(folder))
     return contexts
-
-
-def contexts_in(folder: Path) -> dict[str, set[int]]:
-    """Which GPUs each process had contexts on, by the process."""
-    found: dict[str, set[int]] = {}
-    for process, gpu in (path.name.split("-") for path in folder.iterdir()):
-        found.setdefault(process, set()).add(int(gpu))
-    return found
 
 
 def fake_gpu() -> Gpu:

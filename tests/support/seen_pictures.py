@@ -27,8 +27,3 @@ def by_jpeg(pixels: Rgb8, quality: int) -> Rgb8:
 def unit(pixels: Rgb8) -> F32:
     """8-bit [H, W, C] as [C, H, W] in 0..1."""
     return pixels.transpose(2, 0, 1).astype(np.float32, order="C") / np.float32(255)
-
-
-def difference(a: NDArray[np.floating], b: NDArray[np.floating]) -> float:
-    """Norm of a - b, relative to that of b."""
-    return float(np.linalg.norm(a - b) / np.linalg.norm(b))

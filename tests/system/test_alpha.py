@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import struct
-import warnings
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from sgicodec import EncodeSettings, NullListener, Picture, decode, encode, encode_picture, open_source, read, write
+from sgicodec import EncodeSettings, NullListener, Picture, encode_picture, open_source, read, write
 from sgicodec.decoder.stream import open_stream
-from sgicodec.executors.processes import ProcessExecutor
 from sgicodec.metadata import geo, ifd
 from sgicodec.picture import Metadata, full_range
-from sgicodec.plugins.chunks import decode_chunk, encode_chunk
 
 DATA = Path(__file__).parents[1] / "data"
 TILES = [0, 64]
@@ -71,18 +68,6 @@ def test_alpha_that_is_opaque_everywhere_is_left_out(colours: np.ndarray, tile: 
     assert encoded.data == encode_picture(Picture(pixels[..., :3], "rgb", (0.0, high)), settings).data
 
 
-def test_one_pixel_that_is_not_opaque_keeps_alpha(colours: np.ndarray) -> None:
-    """In the last tile; in the overview, the mean of 36 of them is opaque."""
-    pixels, notes = with_alpha(colours, 255), Notes()
-    pixels[-1, -1, 3] = 254
-    settings = EncodeSettings(steps=5, tile=64, overview=True)
-    with open_stream(encode_picture(Picture(pixels, "rgba", (0.0, 255.0)), settings, progress=notes).data) as stream:
-        assert stream.header.channels == "rgba"
-        assert stream.overview.header.channels == "rgba"
-        assert stream.read(size=(10, 8)).shape == (8, 10, 4)
-    assert notes.remarks == []
-
-
 @pytest.mark.parametrize("tile", TILES)
 def test_what_is_opaque_beside_other_alpha_stays_opaque(colours: np.ndarray, tile: int) -> None:
     """A soft edge between an empty and an opaque side."""
@@ -97,42 +82,6 @@ def test_what_is_opaque_beside_other_alpha_stays_opaque(colours: np.ndarray, til
     assert np.abs(alpha[:, 41:72] - pixels[:, 41:72, 3]).mean() < 8
 
 
-def test_a_call_of_python_does_not_warn_of_what_loses_nothing(colours: np.ndarray) -> None:
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        data = encode(with_alpha(colours, 255), steps=5)
-    assert decode(data).shape == colours.shape
-
-
-@pytest.mark.parametrize("alpha", [0, 255])
-def test_chunks_of_arrays_keep_their_shape(colours: np.ndarray, alpha: int) -> None:
-    chunk = with_alpha(colours, alpha)
-    found = decode_chunk(encode_chunk(chunk, "rgba", {"steps": 5}), chunk.shape, chunk.dtype)
-    assert (found[..., 3] == alpha).mean() > 0.99
-
-
-def test_workers_that_read_for_themselves_leave_the_same_alpha_out(tmp_path: Path, colours: np.ndarray) -> None:
-    write(Picture(with_alpha(colours, 0), "rgba", (0.0, 255.0)), tmp_path / "x.png")
-    settings, executor = EncodeSettings(steps=5, tile=64), ProcessExecutor(2)
-    executor.place = str(tmp_path / "x.png")
-    with open_source(tmp_path / "x.png") as source:
-        encoded = encode_picture(source, settings, executor=executor)
-    assert encoded.data == encode_picture(Picture(colours, "rgb", (0.0, 255.0)), settings).data
-
-
-@pytest.mark.parametrize("tile", TILES)
-def test_some_alpha_is_a_mask(colours: np.ndarray, tile: int) -> None:
-    pixels, notes = with_alpha(colours, 255), Notes()
-    pixels[:, :90, 3] = 0
-    with open_stream(
-        encode_picture(Picture(pixels, "rgba", (0.0, 255.0)), EncodeSettings(steps=5, tile=tile)).data
-    ) as stream:
-        alpha = stream.picture().pixels[..., 3]
-    assert not alpha[:, :90].any()
-    assert alpha[:, 90:].min() > 200
-    assert notes.texts == []
-
-
 @pytest.mark.parametrize("tile", TILES)
 @pytest.mark.parametrize("nodata", [False, True])
 def test_a_stream_of_nothing_says_so(tile: int, nodata: bool) -> None:
@@ -142,18 +91,6 @@ def test_a_stream_of_nothing_says_so(tile: int, nodata: bool) -> None:
     encode_picture(picture, EncodeSettings(steps=5, tile=tile), progress=notes)
     what = "every pixel has the nodata value" if nodata else "alpha is 0 everywhere and there are no colours"
     assert notes.texts == [f"{what}; the stream holds no picture"]
-
-
-@pytest.mark.parametrize("tile", TILES)
-def test_a_flat_picture_is_no_stream_of_nothing(tile: int) -> None:
-    notes, pixels = Notes(), np.full((70, 80, 3), 90, np.uint8)
-    pixels[:10] = 0
-    encode_picture(
-        Picture(pixels, "rgb", (0.0, 255.0), place((42113, ifd.Entry(2, b"0\0")))),
-        EncodeSettings(steps=5, tile=tile),
-        progress=notes,
-    )
-    assert notes.texts == []
 
 
 @pytest.mark.parametrize("nodata", [None, b"0\0"])

@@ -62,17 +62,3 @@ def test_no_pass_follows_an_end(picture: Picture, passes: list[float], step: int
     assert encoded.psnr > 20
     with open_stream(encoded.data) as stream:
         assert np.abs(stream.picture().pixels.astype(int) - picture.pixels).mean() < 20
-
-
-@pytest.mark.parametrize("texture", [True, False])
-def test_a_size_holds_nevertheless(picture: Picture, passes: list[float], texture: bool) -> None:
-    settings = EncodeSettings(steps=400, size=1500, texture=texture)
-    assert encode_picture(picture, settings, progress=Ending(3)).size <= 1500
-    assert len(passes) <= 2
-
-
-def test_nothing_ends_unasked(picture: Picture, passes: list[float]) -> None:
-    assert not encode_picture(picture, EncodeSettings(steps=5)).ended_early
-    assert len(passes) == 1
-    assert not encode_picture(picture, EncodeSettings(steps=5, texture=False)).ended_early
-    assert len(passes) == 1 + 2

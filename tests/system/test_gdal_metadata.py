@@ -8,12 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 from gdal_programs import NEEDS_GDAL, Run, info
-from PIL import Image
-from surgery import join, split
 
 import sgicodec
-from sgicodec.metadata import geo, ifd
-from sgicodec.picture import Metadata, Picture
 
 pytestmark = NEEDS_GDAL
 
@@ -64,40 +60,6 @@ def test_bands_keep_what_is_said_of_them(scene: Path, gdal: Run) -> None:
     assert stream["bands"][1]["metadata"] == {"SENSOR": {"gain": "3"}}
 
 
-def test_the_picture_keeps_what_is_said_of_it(scene: Path, gdal: Run) -> None:
-    source, stream = (info(gdal, path, "-mdd", "all") for path in (scene, scene.with_suffix(".sgi")))
-    assert still_true(stream["metadata"]) == still_true(source["metadata"])
-    assert {stream["metadata"][""]["TIFFTAG_IMAGEDESCRIPTION"], stream["metadata"]["ORDER"]["number"]} == {
-        "fields",
-        "7",
-    }
-    assert source["metadata"][""]["OVR_RESAMPLING_ALG"] == "NEAREST"
-    assert stream["metadata"]["IMAGE_STRUCTURE"] == {
-        "COMPRESSION": "SGICODEC",
-        "COMPRESSION_REVERSIBILITY": "LOSSY",
-        "INTERLEAVE": "PIXEL",
-    }
-
-
-def test_a_copy_keeps_it_too(scene: Path, gdal: Run, tmp_path: Path) -> None:
-    gdal("gdal_translate", "-q", scene.with_suffix(".sgi"), tmp_path / "a.tif")
-    copy, stream = info(gdal, tmp_path / "a.tif"), info(gdal, scene.with_suffix(".sgi"))
-    for given, found in zip(stream["bands"], copy["bands"], strict=True):
-        for key in ("description", "offset", "scale", "unit", "noDataValue", "colorInterpretation", "metadata"):
-            assert found.get(key) == given.get(key), key
-
-
-def test_statistics_of_the_source_are_left_out(gdal: Run, tmp_path: Path) -> None:
-    """Of a stream that has them, which an encode of a file leaves behind."""
-    names = ("STATISTICS_MEAN", "APPROX_STATISTICS_MEAN", "STATISTICS_VALID_PERCENT", "wavelength")
-    items = "".join(f'<Item name="{name}" sample="0">5</Item>' for name in names)
-    text = f"<GDALMetadata>{items}</GDALMetadata>".encode() + b"\0"
-    metadata = Metadata(geo=geo.pack({geo.GDAL_METADATA: ifd.Entry(2, text)}))
-    head, *others = split(sgicodec.encode(np.zeros((8, 9), np.uint8), steps=1))
-    (tmp_path / "a.sgi").write_bytes(join([head, ("g", metadata.geo or b""), *others]))
-    assert info(gdal, tmp_path / "a.sgi")["bands"][0]["metadata"] == {"": {"wavelength": "5"}}
-
-
 def test_ground_control_points(gdal: Run, tmp_path: Path) -> None:
     rasterio = pytest.importorskip("rasterio")
     points = [
@@ -112,22 +74,3 @@ def test_ground_control_points(gdal: Run, tmp_path: Path) -> None:
     assert stream["gcpList"] == source["gcpList"]
     assert len(stream["gcpList"]) == 4
     assert 'ID["EPSG",4326]' in stream["coordinateSystem"]["wkt"]
-
-
-@pytest.mark.parametrize("order", ["<", ">"])
-def test_exif(order: str, gdal: Run, tmp_path: Path) -> None:
-    """As of a camera, in either order of bytes."""
-    camera = Image.Exif()
-    camera.endian = order
-    camera[270], camera[271], camera[272] = "hill", "Acme", "Snap 2"
-    camera.get_ifd(0x8769)[0x8827] = 200
-    camera.get_ifd(0x8825).update({1: "N", 2: (47.0, 30.0, 0.0)})
-    blob = camera.tobytes().removeprefix(b"Exif\0\0")
-    assert blob[:2] == {"<": b"II", ">": b"MM"}[order]
-    picture = Picture(np.zeros((8, 9, 3), np.uint8), "rgb", (0.0, 255.0), Metadata(exif=blob))
-    (tmp_path / "a.sgi").write_bytes(sgicodec.encode(picture, steps=1))
-    found = info(gdal, tmp_path / "a.sgi", "-mdd", "all")["metadata"]
-    assert found[""] == {"TIFFTAG_IMAGEDESCRIPTION": "hill"}
-    expected = {"EXIF_Make": "Acme", "EXIF_Model": "Snap 2", "EXIF_ISOSpeedRatings": "200"}
-    place = {"EXIF_GPSLatitudeRef": "N", "EXIF_GPSLatitude": "(47) (30) (0)"}
-    assert found["EXIF"] == expected | place

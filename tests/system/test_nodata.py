@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import struct
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -99,16 +98,6 @@ def test_nodata_that_no_sample_has_stays_away(pixels: np.ndarray, tile: int, val
         assert (stream.read(scale=scale) != value).all()
 
 
-def test_holes_cost_little(pixels: np.ndarray, hole: np.ndarray) -> None:
-    whole = Picture(np.ascontiguousarray(pixels), "rgb", (0.0, 255.0))
-    picture = holed(pixels, hole, 0, b"0")
-    plain = len(encode_picture(replace(picture, metadata=Metadata()), settings(0, lmbda=0.007)).data)
-    data = encode_picture(picture, settings(0, lmbda=0.007, metadata=False)).data
-    assert len(data) < 1.25 * len(encode_picture(whole, settings(0, lmbda=0.007)).data)
-    assert len(data) < 0.9 * plain
-    np.testing.assert_array_equal((open_stream(data).picture().pixels == 0).all(axis=2), hole)
-
-
 @pytest.mark.parametrize("tile", TILES)
 def test_transparent_pixels_stay_transparent(pixels: np.ndarray, hole: np.ndarray, tile: int) -> None:
     hidden = np.random.default_rng(3).integers(0, 256, pixels.shape, np.uint8)
@@ -121,15 +110,6 @@ def test_transparent_pixels_stay_transparent(pixels: np.ndarray, hole: np.ndarra
     decoded = open_stream(data).picture().pixels
     assert not decoded[hole, 3].any()
     assert decoded[~hole, 3].min() > 150
-
-
-@pytest.mark.parametrize("tile", TILES)
-def test_a_picture_of_nothing(tile: int) -> None:
-    nothing = Picture(np.zeros((HEIGHT, WIDTH, 3), np.uint8), "rgb", (0.0, 255.0), Metadata(geo=blob(b"0")))
-    data = encode_picture(nothing, settings(tile)).data
-    assert len(data) < 400
-    assert not open_stream(data).picture().pixels.any()
-    assert open_stream(data).survey().seeds == 0
 
 
 @pytest.mark.parametrize("tile", TILES)

@@ -5,19 +5,17 @@ from __future__ import annotations
 import io
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from pipe import Pipe
 from surgery import split
 
 from sgicodec import Encoded, EncodeSettings, Picture, encode_picture, read
 from sgicodec.bitstream.container import SIGNATURE, ChunkWriter
 from sgicodec.decoder.stream import Stream, open_stream
-from sgicodec.encoder.input.overview import overview_picture, takes_overview
+from sgicodec.encoder.input.overview import overview_picture
 from sgicodec.encoder.plan import Shape, stream_plan
-from sgicodec.errors import CorruptStreamError, UsageError
+from sgicodec.errors import CorruptStreamError
 from sgicodec.metadata import geo, ifd
 from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Metadata, nodata_mask
@@ -114,28 +112,6 @@ def test_small_views_draw_it_and_no_tile(coded: Encoded, photo: Picture) -> None
     assert decoded(stream) == 6
 
 
-def test_regions_at_small_scales_lie_where_they_should(coded: Encoded) -> None:
-    """Against all that the stream holds; the same a pixel of the overview aside is farther off."""
-    stream, exact = open_stream(coded.data), open_stream(coded.data)
-    exact.exact = True
-    region = (37, 21, 200, 180)
-    shown = stream.render(region, size=(12, 11))
-    all_of_it = exact.render(region, size=(12, 11))
-    aside = exact.render((53, 21, 200, 180), size=(12, 11))
-    assert np.square(shown - all_of_it).mean() < 0.4 * np.square(shown - aside).mean()
-
-
-@pytest.mark.parametrize("region", [None, (37, 21, 200, 180)])
-def test_bands_of_it_are_the_picture(
-    coded: Encoded, region: tuple[int, int, int, int] | None, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    stream = open_stream(coded.data)
-    whole = stream.picture(region, scale=1 / 17).pixels
-    monkeypatch.setattr("sgicodec.decoder.bands.BAND_SAMPLES", 3)
-    parts = [band.pixels for _, band in stream.bands(region, scale=1 / 17)]
-    np.testing.assert_array_equal(np.concatenate(parts), whole)
-
-
 def test_it_alone_is_read_for_them(coded: Encoded) -> None:
     class Counting(io.BytesIO):
         bytes_read = 0
@@ -151,56 +127,6 @@ def test_it_alone_is_read_for_them(coded: Encoded) -> None:
     assert opening < 4096 + 400
     stream.picture(scale=1 / 16)
     assert source.bytes_read - opening < stream.chunk_bytes["o"] + 20
-
-
-def test_a_pipe_keeps_it(coded: Encoded) -> None:
-    piped = open_stream(Pipe(coded.data)).picture(scale=1 / 20).pixels
-    np.testing.assert_array_equal(piped, open_stream(coded.data).picture(scale=1 / 20).pixels)
-
-
-def test_an_overview_of_several_tiles_has_its_own_passed_over(photo: Picture) -> None:
-    """1,344×1,000 pixels: 84×62 in tiles of 32, and 5×4, as encoders once wrote them."""
-    large = replace(photo, pixels=photo.pixels.repeat(4, axis=0).repeat(4, axis=1))
-    plan = replace(SETTINGS, tile=32, steps=1, quality=5)
-    small_one = encode_picture(small(large, 512), plan).data
-    inner = open_stream(small_one)
-    assert inner.grid.count == 6
-    assert (inner.overview.width, inner.overview.height) == (5, 4)
-    assert inner.overview.grid.count == 1
-    outer = open_stream(_chunks_with(encode_picture(large, replace(plan, tile=512, rdoq=False)).data, [small_one]))
-    assert not outer.overview.has_overview
-    np.testing.assert_array_equal(outer.picture(size=(5, 4)).pixels, outer.overview.picture(size=(5, 4)).pixels)
-
-
-def test_one_that_is_no_smaller_is_left_alone() -> None:
-    """Of a single pixel; a thousand overviews, each in another, would else be followed to the last."""
-    dot = encode_picture(Picture(np.zeros((1, 1, 1), np.uint8), "gray", (0.0, 255.0)), EncodeSettings(steps=1)).data
-    nested = dot
-    for _ in range(1200):
-        nested = _chunks_with(dot, [nested])
-    assert open_stream(nested).picture().pixels.shape == (1, 1, 1)
-
-
-def test_who_gets_one(photo: Picture) -> None:
-    def takes(width: int, height: int, **choices: Any) -> bool:
-        shape = replace(Shape.of(photo), width=width, height=height)
-        return takes_overview(stream_plan(shape, EncodeSettings(**choices)))
-
-    assert takes(3000, 3000)
-    assert not takes(3000, 3000, overview=False)
-    assert not takes(3000, 3000, tile=0)
-    assert not takes(3000, 3000, profile="paper")
-    assert not takes(1000, 1000, tile=512)
-    assert takes(1000, 1000, tile=512, overview=True)
-    with pytest.raises(UsageError, match="no overview"):
-        _ = open_stream(encode_picture(photo, EncodeSettings(steps=1, tile=128)).data).overview
-
-
-def test_it_counts_in_a_goal(photo: Picture) -> None:
-    goal = replace(SETTINGS, steps=20, bpp=0.5)
-    encoded = encode_picture(photo, goal)
-    assert encoded.part_bytes["overview"] == len(_overview(encoded.data)) > 50
-    assert 0.97 * 0.5 < 8 * len(encoded.data) / (336 * 250) <= 0.5
 
 
 def _overview(data: bytes) -> bytes:

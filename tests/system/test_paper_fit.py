@@ -46,11 +46,3 @@ def test_a_short_fit() -> None:
     assert abs(decoded - float(np.mean(watch.psnr[-10:]))) < 0.3
     assert not any(watch.bits[:222])
     assert min(watch.bits[222:]) > 0
-
-
-def test_without_a_price_nothing_is_lost_to_noise() -> None:
-    """λ = 0: the stream holds the fit to a tenth of a decibel, finely quantised."""
-    decoded, _, watch = fitted(lmbda=0.0)
-    assert decoded > 25.5
-    assert abs(decoded - watch.psnr[-1]) < 0.1
-    assert not any(watch.bits)

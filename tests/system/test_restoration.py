@@ -8,20 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from restoration_reader import corrected
-from scenes import ISAS
 
 from sgicodec import EncodeSettings, Picture, encode_picture, read
 from sgicodec.bitstream.parts.tile import write_tile
 from sgicodec.bitstream.parts.tile_chunk import encode_tile_chunk
 from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import Stream, open_stream
-from sgicodec.device import Device
-from sgicodec.encoder.tile import restoration
-from sgicodec.encoder.tile.restoration import Restorer, Strength
 from sgicodec.model.luma_space import from_luma_space, to_luma_space
-from sgicodec.model.texture_symbols import TextureSteps
 from sgicodec.rdoq.objective import with_values
-from sgicodec.rdoq.texture import TextureSearch
 
 PHOTO = Path(__file__).parents[1] / "data" / "kodim13.png"
 QUICK = EncodeSettings(quality=45, steps=60, tune="psnr")
@@ -97,73 +91,9 @@ def test_regions_are_parts_of_the_whole(streams: dict[str, bytes], name: str) ->
         assert np.abs(part - large[50:150, 100:250]).max() < 1 / 255  # Gaussians end elsewhere
 
 
-def test_threads_and_instruction_sets_agree(streams: dict[str, bytes]) -> None:
-    with open_stream(streams["visual"]) as stream:
-        expected = stream.render()
-    for isa in ISAS:
-        for threads in (1, 2, 3):
-            with open_stream(streams["visual"], Device(threads=threads, isa=isa)) as stream:
-                assert np.abs(stream.render() - expected).max() < 1 / 255
-
-
-def test_small_views_have_none(streams: dict[str, bytes]) -> None:
-    with open_stream(streams["psnr"]) as stream, open_stream(unrestored(stream)) as plain:
-        np.testing.assert_array_equal(stream.render(scale=0.5), plain.render(scale=0.5))
-        assert np.abs(stream.render(scale=3.0) - plain.render(scale=3.0)).max() > 1 / 255
-
-
 def test_a_large_view_interpolates_it(streams: dict[str, bytes]) -> None:
     """At scale 3 the middle pixel of three has the centre of the picture's."""
     with open_stream(streams["psnr"]) as stream, open_stream(unrestored(stream)) as plain:
         own = stream.render() - plain.render()
         large = stream.render(scale=3.0) - plain.render(scale=3.0)
     np.testing.assert_allclose(large[1::3, 1::3], own, atol=1e-5)
-
-
-def test_without_it_streams_are_as_before(crop: Picture, streams: dict[str, bytes]) -> None:
-    with open_stream(streams["plain"]) as stream:
-        assert not stream.header.spec.restoration
-        assert stream.model.restoration is None
-
-
-def test_what_it_would_make_worse_stays(crop: Picture) -> None:
-    """A picture that is drawn without an error gets no correction where that is large."""
-    unit = np.ascontiguousarray(crop.pixels.transpose(2, 0, 1), np.float32) / 255
-    layer = TextureSearch(unit, Device(threads=1)).at(TextureSteps(420, (16, 16)), 0.1)
-    assert layer is not None
-    drawn = layer.layer().draw()
-    exact = TextureSearch(drawn, Device(threads=1))
-    for network in (1, 3):
-        assert Restorer(drawn, None, network, Device(threads=1)).strength(exact, layer) is None
-    wrong = TextureSearch(unit, Device(threads=1))
-    assert Restorer(unit, None, 1, Device(threads=1)).strength(wrong, layer) is not None
-
-
-@pytest.mark.parametrize("offset", [-30, -13, 5])
-def test_its_strength_is_that_of_least_error(crop: Picture, offset: int) -> None:
-    """A picture that is what restoration with a step makes of a layer is restored with nearly this step."""
-    unit = np.ascontiguousarray(crop.pixels.transpose(2, 0, 1), np.float32) / 255
-    layer = TextureSearch(unit, Device(threads=1)).at(TextureSteps(420, (16, 16)), 0.1)
-    assert layer is not None
-    drawn = layer.layer().draw()
-    wanted = drawn + Strength(1, offset).over(layer).correction(drawn)
-    found = Restorer(wanted, None, 1, Device(threads=1)).strength(TextureSearch(wanted, Device(threads=1)), layer)
-    assert found is not None
-    assert abs(found.offset - offset) <= 6
-
-
-def test_of_a_large_tile_bands_are_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What they say is nearly what all pixels say."""
-    unit = np.ascontiguousarray(read(PHOTO).pixels.transpose(2, 0, 1), np.float32) / 255
-    search = TextureSearch(unit, Device(threads=2))
-    layer = search.at(TextureSteps(420, (16, 16)), 0.1)
-    assert layer is not None
-    wanted = layer.layer().draw()
-    wanted += Strength(1, -11).over(layer).correction(wanted)
-    restorer, search = Restorer(wanted, None, 1, Device(threads=2)), TextureSearch(wanted, Device(threads=2))
-    few = restorer.strength(search, layer)
-    monkeypatch.setattr(restoration, "_LOOKED_AT", wanted[0].size)
-    every = restorer.strength(search, layer)
-    assert few is not None
-    assert every is not None
-    assert abs(few.offset - every.offset) <= 2

@@ -82,18 +82,6 @@ def test_a_hot_pixel_changes_nothing_else_and_stays(tile: int) -> None:
     assert decibels(pixels[rest], decoded[rest]) == pytest.approx(decibels(pixels[rest], expected[rest]), abs=0.3)
 
 
-def test_bands_of_unlike_range_get_their_due() -> None:
-    tops = np.array([900, 1200, 1500, 9000])
-    bands = np.concatenate([UNIT, UNIT[..., :1]], axis=2) * tops
-    pixels = np.rint(bands).astype(np.uint16)
-    with stream_of(pixels, channels="multi") as stream:
-        decoded = stream.read()
-        assert stream.header.sample_range[1] == (900.0, 1200.0, 1500.0, 9000.0)
-    found = [decibels(pixels[..., band], decoded[..., band]) for band in range(4)]
-    assert max(found) - min(found) < 5
-    assert min(found) > 30
-
-
 @pytest.mark.parametrize("tile", [0, 64])
 @pytest.mark.parametrize("dtype", ["uint8", "uint16", "float32"])
 def test_nodata_of_each_band_is_its_own(dtype: str, tile: int) -> None:
@@ -124,47 +112,6 @@ def test_not_a_number_and_infinity_come_back(tile: int) -> None:
     assert np.abs(decoded[sound] - pixels[sound]).mean() < 0.6
 
 
-def test_nodata_and_not_a_number_side_by_side() -> None:
-    pixels = (UNIT * 40 + 7).astype(np.float32)
-    pixels[20:50, 30:90] = -9999
-    pixels[3, 4, 1] = np.nan
-    with stream_of(pixels, nodata=-9999.0) as stream:
-        decoded = stream.read()
-    np.testing.assert_array_equal(decoded == -9999, pixels == -9999)
-    assert np.argwhere(np.isnan(decoded)).tolist() == [[3, 4, 1]]
-
-
-def test_a_picture_of_nothing_but_exact_samples() -> None:
-    pixels = np.full((4, 4), 7.0, np.float32)
-    pixels[:] = np.inf
-    pixels[0, 0] = 1.0
-    with stream_of(np.pad(pixels, ((0, 96), (0, 96)), constant_values=2.0), tile=32) as stream:
-        assert np.isinf(stream.read()).sum() == 15
-
-
-@pytest.mark.parametrize("dtype", ["uint8", "uint16", "float32"])
-def test_masked_arrays_keep_their_mask(dtype: str) -> None:
-    pixels = scaled(200, 20, dtype)
-    mask = np.zeros(pixels.shape, np.bool_)
-    mask[10:40, 20:70] = True
-    mask[80:90, 80:90, 2] = True
-    under = np.where(mask, 240, pixels)
-    with stream_of(np.ma.array(under, mask=mask)) as stream:
-        decoded, nodata = stream.read(), stream.nodata
-    assert nodata is not None
-    np.testing.assert_array_equal(np.isnan(decoded) if np.isnan(nodata) else decoded == nodata, mask)
-    assert decibels(pixels[~mask], decoded[~mask]) > 30
-
-
-def test_a_blank_that_no_tag_declares_is_said_and_kept() -> None:
-    pixels = (UNIT[:96, :96, 0] * 47 - 3).astype(np.float32)
-    pixels[20:29, 20:29] = np.float32(1.70141e38)
-    with pytest.warns(UserWarning, match=r"1\.70141e\+38, which 81 samples have"):
-        decoded = sgicodec.decode(sgicodec.encode(pixels, effort=1))
-    np.testing.assert_array_equal(decoded > 100, pixels > 100)
-    np.testing.assert_array_equal(decoded[20:29, 20:29], pixels[20:29, 20:29])
-
-
 @pytest.mark.parametrize(
     ("choice", "expected"),
     [("used", (0.0, 3000.0)), ("type", (0.0, 65535.0)), ("0,4095", (0.0, 4095.0)), (None, (0.0, 3000.0))],
@@ -177,34 +124,3 @@ def test_the_command_line_chooses_a_range(tmp_path: Path, choice: str | None, ex
     assert found.exit_code == 0
     assert sgicodec.open(tmp_path / "in.sgi").header.sample_range == expected
     assert f"dB of the range {expected[0]:g} to {expected[1]:g}" in found.output
-
-
-def test_other_depths_show_the_range_in_use() -> None:
-    with stream_of(scaled(4095)) as stream:
-        shown = stream.read(dtype="uint8")
-    assert decibels(PHOTO, shown) > 30
-
-
-@pytest.mark.parametrize("dtype", ["uint16", "float32"])
-def test_a_band_that_cannot_be_opacity_is_no_alpha(tmp_path: Path, dtype: str) -> None:
-    """Satellites' near infrared is often declared as alpha, and arrays of four bands declare nothing."""
-    bands = np.rint(np.concatenate([UNIT, UNIT[..., :1] * 0.9], axis=2) * 4000).astype(dtype)
-    image.write(Picture(bands, "rgba", (0.0, 4000.0)), tmp_path / "in.tif")
-    for given in (bands, tmp_path / "in.tif"):
-        with pytest.warns(UserWarning, match="opaque nowhere"):
-            data = sgicodec.encode(given, quality=60, effort=1, tune="psnr")
-        with sgicodec.open(data) as stream:
-            assert stream.header.channels == "multi"
-            assert decibels(bands[..., 3], stream.read()[..., 3]) > 30
-    bands[5:20, 5:20, 3] = 65535 if dtype == "uint16" else 1
-    bands[30:, :, 3] = 0
-    bands[..., 3] = np.minimum(bands[..., 3], bands[5, 5, 3])
-    assert sgicodec.open(sgicodec.encode(bands, quality=60, effort=1)).header.channels == "rgba"
-
-
-def test_alpha_that_is_multiplied_into_colours_is_opacity() -> None:
-    """Though it be opaque nowhere: what is stored so is no band."""
-    path = Path(__file__).parents[1] / "data" / "pictures" / "tiff_16bit_RGBa.tiff"
-    with warnings.catch_warnings():
-        warnings.simplefilter("error", UserWarning)
-        assert sgicodec.open(sgicodec.encode(path, effort=1)).header.channels == "rgba"

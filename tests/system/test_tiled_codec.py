@@ -10,16 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from page_varint import decode_varint
-from pipe import Pipe
 
-from sgicodec import Encoded, EncodeSettings, Picture, _native, encode_picture, read
+from sgicodec import Encoded, EncodeSettings, Picture, encode_picture, read
 from sgicodec.bitstream.container import SIGNATURE
-from sgicodec.bitstream.header import decode_header
-from sgicodec.decoder.stream import BLOCK_SAMPLES, CACHE_BYTES, open_stream
-from sgicodec.decoder.view import view_of
-from sgicodec.device import ONE_THREAD, Device
+from sgicodec.decoder.stream import open_stream
+from sgicodec.device import Device
 from sgicodec.errors import CorruptStreamError
-from sgicodec.metrics.psnr import psnr
 
 DATA = Path(__file__).parents[1] / "data"
 SETTINGS = EncodeSettings(steps=60, tile=128)
@@ -58,16 +54,6 @@ def test_no_seam(coded: tuple[Picture, Encoded]) -> None:
     assert (steps[[111, 223]] < 1.15 * plain[[111, 223]] + 0.2).all()
 
 
-def test_tiles_cost_little(coded: tuple[Picture, Encoded]) -> None:
-    picture, tiled = coded
-    with open_stream(tiled.data) as stream:
-        assert stream.grid.count == 6
-        assert psnr(picture.pixels, stream.picture().pixels) > 22
-        survey = stream.survey()
-        assert survey.seeds == tiled.seeds
-        assert survey.part_bytes == pytest.approx(tiled.part_bytes)
-
-
 @pytest.mark.parametrize("region", [(0, 0, 336, 256), (100, 120, 40, 20), (224, 0, 1, 256), (119, 127, 2, 2)])
 def test_regions_are_parts_of_the_whole(coded: tuple[Picture, Encoded], region: tuple[int, int, int, int]) -> None:
     stream = open_stream(coded[1].data)
@@ -89,15 +75,6 @@ def test_bands_are_the_picture(
     np.testing.assert_array_equal(np.concatenate(parts), stream.picture(scale=scale).pixels)
 
 
-def test_few_tiles_are_kept(coded: tuple[Picture, Encoded], monkeypatch: pytest.MonkeyPatch) -> None:
-    stream = open_stream(coded[1].data)
-    whole = stream.picture().pixels
-    monkeypatch.setattr("sgicodec.decoder.stream.CACHE_BYTES", 0)
-    again = open_stream(coded[1].data)
-    np.testing.assert_array_equal(again.picture().pixels, whole)
-    assert again._open_native().tiles()[0] <= 4
-
-
 def test_scaled_views_agree_with_averages(coded: tuple[Picture, Encoded]) -> None:
     """A half-size view is the mean of 2×2 pixels, borders included, as well as it is elsewhere."""
     stream = open_stream(coded[1].data)
@@ -106,53 +83,6 @@ def test_scaled_views_agree_with_averages(coded: tuple[Picture, Encoded]) -> Non
     error = np.abs(half - means).mean(axis=2)
     near = near_borders(168, 128, ([56, 112], [64]))
     assert error[near].mean() < 1.3 * error[~near].mean() + 1e-3
-
-
-def test_tiles_without_a_base_layer_are_drawn(coded: tuple[Picture, Encoded]) -> None:
-    picture = replace(coded[0], pixels=np.ascontiguousarray(coded[0].pixels[:, :160]))
-    stream = open_stream(encode_picture(picture, replace(SETTINGS, steps=30, profile="paper")).data)
-    assert stream.header.spec.base_cell == 0
-    assert stream.render(scale=0.1).mean() == pytest.approx(stream.render().mean(), rel=0.1)
-
-
-@pytest.mark.parametrize("scale", [None, 1 / 5])
-def test_tiles_are_decoded_side_by_side(coded: tuple[Picture, Encoded], scale: float | None) -> None:
-    alone, side_by_side = (open_stream(coded[1].data, device) for device in (ONE_THREAD, Device(3)))
-    pixels = alone.picture(scale=scale).pixels
-    np.testing.assert_array_equal(side_by_side.picture(scale=scale).pixels, pixels)
-    assert alone._open_native().tiles() == (6, 6, 0)
-    assert side_by_side._open_native().tiles() == (6, 6, 6)
-
-
-@pytest.mark.parametrize(("missing", "drawn"), [(3, False), (4, True)])
-def test_few_tiles_are_read_ahead(coded: tuple[Picture, Encoded], missing: int, drawn: bool) -> None:
-    """No more than there are threads, and one: of six tiles the first four are read before the first is drawn."""
-    middle = sum(_tile_chunks(coded[1].data)[missing]) // 2
-
-    class Failing(io.BytesIO):
-        is_gone = False
-
-        def read(self, size: int | None = -1) -> bytes:
-            start = self.tell()
-            data = super().read(size)
-            if self.is_gone and start <= middle < start + len(data):
-                raise OSError("gone")
-            return data
-
-    class Painter:
-        most_channels = 3
-        calls = 0
-
-        def paint(self, *arguments: object) -> None:
-            self.calls += 1
-
-    source, painter = Failing(coded[1].data), Painter()
-    native = _native.Stream(source, 2, "auto", CACHE_BYTES, BLOCK_SAMPLES, painter=painter)
-    view = view_of(decode_header(native.blobs["H"]), None, None, None)
-    source.is_gone = True
-    with pytest.raises(OSError, match="gone"):
-        native.draw(view, 0, view.rows, "uint8", True, False, False)
-    assert (painter.calls > 0) == drawn
 
 
 class Counting(io.BytesIO):
@@ -197,40 +127,6 @@ def test_a_region_reads_its_tiles_alone(coded: tuple[Picture, Encoded]) -> None:
     assert opening < 4096 + 400
 
 
-def test_a_pipe_is_enough(coded: tuple[Picture, Encoded]) -> None:
-    piped = open_stream(Pipe(coded[1].data))  # type: ignore[arg-type]
-    np.testing.assert_array_equal(piped.picture().pixels, open_stream(coded[1].data).picture().pixels)
-
-
-def _without_index(data: bytes, order: list[int]) -> bytes:
-    """The same stream, its tiles in another order and no index."""
-    chunks = _tile_chunks(data)
-    heads = {number: data.rindex(b"T", 0, start) for number, (start, _) in chunks.items()}
-    first = min(heads.values())
-    pieces = [data[heads[number] : chunks[number][1] + 4] for number in order]
-    return data[:first] + b"".join(pieces) + bytes.fromhex("4500bfa9d7cc")
-
-
-def test_tiles_in_any_order_without_an_index(coded: tuple[Picture, Encoded]) -> None:
-    data = _without_index(coded[1].data, [3, 0, 5, 1, 4, 2])
-    np.testing.assert_array_equal(open_stream(data).picture().pixels, open_stream(coded[1].data).picture().pixels)
-
-
-@pytest.mark.parametrize(
-    ("order", "complaint"),
-    [([0, 1, 2, 3, 4], "tile 5 is missing"), ([0, 1, 2, 3, 4, 5, 2], "only one tile 2"), ([], "no tile")],
-)
-def test_tiles_that_are_not_all_there(coded: tuple[Picture, Encoded], order: list[int], complaint: str) -> None:
-    with pytest.raises(CorruptStreamError, match=complaint):
-        open_stream(_without_index(coded[1].data, order))
-
-
-def test_a_cut_file_is_refused(coded: tuple[Picture, Encoded]) -> None:
-    for end in (-1, -7, -40, -3000):
-        with pytest.raises(CorruptStreamError):
-            open_stream(coded[1].data[:end])
-
-
 def test_a_damaged_tile_is_named(coded: tuple[Picture, Encoded]) -> None:
     data = bytearray(coded[1].data)
     start, end = _tile_chunks(coded[1].data)[4]
@@ -251,17 +147,3 @@ def test_a_tile_of_other_symbols_is_named(coded: tuple[Picture, Encoded], thread
     data[end : end + 4] = zlib.crc32(data[head:end]).to_bytes(4, "little")
     with pytest.raises(CorruptStreamError, match="tile 4: "):
         open_stream(bytes(data), Device(threads)).picture()
-
-
-def test_one_tile_pays_nothing(coded: tuple[Picture, Encoded]) -> None:
-    small = replace(coded[0], pixels=np.ascontiguousarray(coded[0].pixels[:96, :128]))
-    one = encode_picture(small, replace(SETTINGS, tile=0, steps=10)).data
-    assert encode_picture(small, replace(SETTINGS, tile=128, steps=10)).data == one
-    assert one.count(b"X") == 0 or open_stream(one).chunk_bytes.keys() == {"signature", "H", "s", "T"}
-
-
-@pytest.mark.parametrize(
-    ("width", "height", "tiles"), [(2048, 2048, 1), (4000, 1000, 1), (2049, 2048, 3 * 2), (12288, 12288, 144)]
-)
-def test_what_is_cut_unless_told(width: int, height: int, tiles: int) -> None:
-    assert EncodeSettings().grid(width, height).count == tiles

@@ -7,9 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from listeners import Steps
 
-from sgicodec import Encoded, EncodeSettings, Picture, encode_picture, open_source, read
+from sgicodec import Encoded, EncodeSettings, Picture, encode_picture, read
 from sgicodec.decoder.stream import open_stream
 from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Metadata
@@ -55,39 +54,9 @@ def test_smaller_than_jpeg_at_the_same_fidelity(coded: tuple[Picture, dict[int, 
     assert len(ours.data) < buffer.tell()
 
 
-def test_parts_sum_to_the_payload_and_agree_in_both_directions(coded: tuple[Picture, dict[int, Encoded]]) -> None:
-    _, streams = coded
-    for stream in streams.values():
-        opened = open_stream(stream.data)
-        assert opened.part_bytes == pytest.approx(stream.part_bytes)
-        total = sum(opened.part_bytes.values())
-        assert 0 <= opened.chunk_bytes["T"] - total < 16
-
-
 def test_layout_metadata_and_depth_return(coded: tuple[Picture, dict[int, Encoded]]) -> None:
     picture, streams = coded
     decoded = open_stream(streams[50].data).picture()
     assert decoded.pixels.dtype == picture.pixels.dtype
     assert decoded.channels == picture.channels
     assert decoded.metadata == picture.metadata
-
-
-def test_a_picture_in_one_tile_is_read_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """For the look, the fit and the PSNR."""
-    with open_source(DATA / "kodim23.png") as source:
-        read_window, reads = source.read, list[tuple[int, ...]]()
-
-        def counted(*rect: int) -> Picture:
-            reads.append(rect)
-            return read_window(*rect)
-
-        monkeypatch.setattr(source, "read", counted)
-        encode_picture(source, EncodeSettings(steps=1, rdoq=False, texture=False, tune="visual"), verify=True)
-    assert reads == [(0, 0, 768, 512)]
-
-
-def test_early_end_gives_a_valid_stream() -> None:
-    picture = crop("kodim23.png")
-    stopped = encode_picture(picture, EncodeSettings(steps=200), progress=Steps(lambda progress: progress.step < 60))
-    decoded = open_stream(stopped.data).picture()
-    assert psnr(picture.pixels, decoded.pixels) > 20

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import subprocess
 import sys
 from collections.abc import Iterator
 from functools import cache
@@ -146,60 +145,3 @@ def test_every_library_has_its_home(library: str) -> None:
 def test_nothing_else_is_imported() -> None:
     names = {name.split(".")[0] for source in SOURCES for name in imported(source)}
     assert names - set(sys.stdlib_module_names) == {"sgicodec", "benchmarks", "tools", "numpy", *HOMES}
-
-
-INFO = """
-import sys
-from pathlib import Path
-from sgicodec.__main__ import main
-stream = Path("tests/conformance/golden/rgb8-tiles.sgi")
-sys.argv = ["sgi", "info", str(stream)]
-try:
-    main()
-except SystemExit as end:
-    assert not end.code
-"""
-
-BANDS = """
-import sgicodec
-with sgicodec.open("tests/conformance/golden/rgb8-tiles.sgi") as stream:
-    bands = stream.bands(scale=0.5)  # numpy is needed for what they draw
-"""
-
-DECODE = """
-import sys, tempfile
-from pathlib import Path
-from sgicodec.__main__ import main
-with tempfile.TemporaryDirectory() as folder:
-    sys.argv = ["sgi", "decode", "tests/conformance/golden/rgb8-tiles.sgi", str(Path(folder, "a.png"))]
-    try:
-        main()
-    except SystemExit as end:
-        assert not end.code
-"""
-
-ENCODE = """
-import numpy as np, sgicodec
-pixels = np.random.default_rng(1).integers(0, 256, (48, 64, 3), np.uint8)
-sgicodec.encode_picture(sgicodec.Picture(pixels, "rgb", (0, 255)), sgicodec.EncodeSettings(steps=20))
-"""
-
-
-@pytest.mark.parametrize(
-    ("code", "absent"),
-    [
-        ("import sgicodec", {"numpy", "torch", "OpenImageIO", "constriction", "click", "rich"}),
-        ("import sgicodec; sgicodec.open", {"numpy", "torch", "OpenImageIO", "click", "rich"}),
-        (BANDS, {"numpy", "torch", "OpenImageIO", "click", "rich"}),
-        ("import sgicodec; sgicodec.decode", {"torch", "OpenImageIO", "click", "rich"}),
-        ("import sgicodec; sgicodec.read", {"torch", "constriction", "click", "rich"}),
-        ("import sgicodec.encoder.pipeline", {"torch", "OpenImageIO", "click", "rich"}),
-        (INFO, {"numpy", "torch", "OpenImageIO", "constriction", "rich"}),
-        (DECODE, {"torch", "OpenImageIO", "constriction", "rich", "sgicodec.plugins.pyramid"}),
-        (ENCODE, {"torch", "OpenImageIO", "click", "rich"}),
-    ],
-)
-def test_names_load_on_first_use(code: str, absent: set[str]) -> None:
-    command = [sys.executable, "-c", f"{code}\nimport sys; print(*sys.modules)"]
-    loaded = set(subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT).stdout.split())
-    assert not loaded & absent

@@ -50,12 +50,6 @@ def test_a_stated_range_maps_colour_but_not_alpha() -> None:
     np.testing.assert_array_equal(back[0], [[100, 65535], [300, 0], [300, 32768]])
 
 
-def test_from_unit_leaves_its_input_alone() -> None:
-    unit = np.full((2, 2, 1), 0.25, np.float32)
-    from_unit(unit, "gray", "uint8")
-    assert (unit == 0.25).all()
-
-
 def test_convert_between_depths() -> None:
     metadata = Metadata(icc=b"profile")
     picture = Picture(np.array([[[0], [1], [128], [255]]], np.uint8), "gray", (0.0, 255.0), metadata)
@@ -101,12 +95,6 @@ def test_pixels_without_data() -> None:
     assert nodata_mask(picture).tolist() == [[True, False, False]]
     assert nodata_mask(Picture(pixels, "rgb", (0.0, 255.0))).tolist() == [[False, False, False]]
     assert not nodata_mask(Picture(pixels, "rgb", (0.0, 255.0), _geo(b"300"))).any()
-
-
-def test_alpha_has_data_of_its_own() -> None:
-    pixels = np.array([[[7, 7, 7, 0], [7, 7, 7, 7], [7, 7, 6, 7]]], np.uint8)
-    assert nodata_mask(Picture(pixels, "rgba", (0.0, 255.0), _geo(b"7"))).tolist() == [[True, True, False]]
-    assert nodata_mask(Picture(pixels, "multi", (0.0, 255.0), _geo(b"7"))).tolist() == [[False, True, False]]
 
 
 def test_no_data_may_be_no_number() -> None:

@@ -4,24 +4,18 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from pipe import Pipe
 from surgery import HEADER_FIELDS, flipped, join, split, with_fields
 
 from sgicodec import SgiError
-from sgicodec.bitstream.container import SIGNATURE
-from sgicodec.cli.main import cli
 from sgicodec.decoder.stream import open_stream
 from sgicodec.errors import CorruptStreamError, StreamError
 
 pytestmark = pytest.mark.filterwarnings("error")
-
-PICTURES = Path(__file__).parents[2] / "data" / "pictures"
 
 
 def outcome(data: bytes) -> np.ndarray | SgiError:
@@ -123,42 +117,3 @@ def _expect_picture_or_error(data: bytes) -> None:
         corner = (0, 0, min(stream.width, 32), min(stream.height, 32))
         pixels = stream.picture(corner).pixels
         assert pixels.shape == (corner[3], corner[2], stream.header.spec.channels)
-
-
-FOREIGN = {
-    "empty": (b"", "empty"),
-    "signature": (SIGNATURE, "cut short"),
-    "text": (b"not a picture at all\n", "starts with"),
-    "zeros": (bytes(100), "starts with"),
-    "crlf": (SIGNATURE.replace(b"\r\n", b"\n") + bytes(50), "text mode"),
-    "silicon-graphics": ((PICTURES / "hopper.sgi").read_bytes(), "Silicon Graphics"),
-    "jpeg": ((PICTURES / "hopper_gray.jpg").read_bytes(), "JPEG"),
-    "png": ((PICTURES / "basn2c08.png").read_bytes(), "PNG"),
-}
-
-
-@pytest.mark.parametrize("name", FOREIGN)
-@pytest.mark.parametrize("command", ["decode", "info", "verify"])
-def test_foreign_files(name: str, command: str, tmp_path: Path) -> None:
-    content, complaint = FOREIGN[name]
-    source = tmp_path / "foreign.sgi"
-    source.write_bytes(content)
-    result = CliRunner().invoke(cli, [command, str(source)])
-    assert result.exit_code == 4
-    assert complaint in result.stderr
-    assert (result.stdout, result.stderr.count("\n")) == ("", 1)
-    assert list(tmp_path.iterdir()) == [source]
-
-
-@pytest.mark.parametrize("command", ["decode", "info --survey", "verify"])
-def test_damage_at_the_command_line(coded: Any, command: str, tmp_path: Path) -> None:
-    parts = split(coded.data)
-    forged = join([*parts[:3], ("T", flipped(parts[3][1], 5)), parts[4]])
-    for number, content in enumerate((coded.data[:-1], flipped(coded.data, 400), forged)):
-        source = tmp_path / f"{number}.sgi"
-        source.write_bytes(content)
-        result = CliRunner().invoke(cli, [*command.split(), str(source)])
-        assert result.exit_code == 4
-        assert result.stderr.startswith(f"sgi: {source}: ")
-        assert result.stderr.count("\n") == 1
-    assert len(list(tmp_path.iterdir())) == 3

@@ -22,7 +22,7 @@ from sgicodec.bitstream.parts.predicted_tree import TreeContext
 from sgicodec.bitstream.parts.seed_tree import TreeShape
 from sgicodec.bitstream.parts.tile import read_tile
 from sgicodec.decoder.stream import open_stream
-from sgicodec.errors import CorruptStreamError, LimitError, UsageError
+from sgicodec.errors import CorruptStreamError, LimitError
 from sgicodec.model.base import base_shape
 from sgicodec.model.quantization import STEP_COUNT
 from sgicodec.model.steps import default_plan
@@ -160,11 +160,6 @@ def test_sample_ranges_that_are_none(coded: Any, low_high: tuple[float, float]) 
     with pytest.raises(CorruptStreamError, match="sample range"):
         open_stream(data)
     assert open_stream(join([("H", header + struct.pack("<2f", 0, 2)), *others])).picture().pixels.max() <= 2
-
-
-def test_picture_too_large_for_one_call(coded: Any) -> None:
-    with open_stream(coded.data) as stream, pytest.raises(UsageError, match="too many"):
-        stream.picture(scale=1000.0)
 
 
 def test_what_wrote_a_stream_cannot_steer_the_terminal(coded: Any) -> None:

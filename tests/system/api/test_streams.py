@@ -9,7 +9,6 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-import dask.array as da
 import numpy as np
 import pytest
 
@@ -42,13 +41,6 @@ def test_a_stream_is_an_array(data: bytes, whole: np.ndarray) -> None:
             np.asarray(stream, copy=False)
 
 
-def test_an_index_decodes_only_the_tiles_that_it_touches(data: bytes) -> None:
-    with sgicodec.open(data) as stream:
-        assert stream.grid.count == 4
-        _ = stream[:8, :8]
-        assert stream._open_native().tiles()[0] == 1
-
-
 def test_regions_may_reach_over_the_picture(data: bytes, whole: np.ndarray) -> None:
     with sgicodec.open(data) as stream:
         found = stream.read((-10, -5, 40, 80), boundless=True)
@@ -63,16 +55,6 @@ def test_regions_may_reach_over_the_picture(data: bytes, whole: np.ndarray) -> N
         np.testing.assert_array_equal(small[:, 16:64], stream.read(scale=0.5))
         with pytest.raises(RegionError, match="not inside"):
             stream.read((-10, -5, 40, 30))
-
-
-def test_outside_is_nodata_or_transparent(pixels: np.ndarray) -> None:
-    rgba = np.dstack([pixels, np.full(pixels.shape[:2], 255, np.uint8)])
-    rgba[0, 0, 3] = 0
-    with sgicodec.open(sgicodec.encode(rgba, steps=4)) as stream:
-        assert (stream.read((90, 60, 20, 20), boundless=True)[5:, 8:] == 0).all()
-        inside = stream.read()[60:, 90:]
-        np.testing.assert_array_equal(stream.read((90, 60, 20, 20), boundless=True)[:4, :6], inside)
-        assert (inside[..., 3] > 240).all()
 
 
 @pytest.mark.parametrize(("nodata", "dtype"), [(7.0, "uint8"), (-9999.0, "float32"), (float("nan"), "float32")])
@@ -94,20 +76,6 @@ def test_nodata_goes_along(pixels: np.ndarray, nodata: float, dtype: str, tmp_pa
             alike = equal_samples(shown.pixels[..., 0], value)
             assert alike[:, :45].all()
             assert not alike[:, 45:].any()
-
-
-def test_regions_of_levels(pixels: np.ndarray) -> None:
-    """As OpenSlide has them: a location in the picture, a size in pixels of the level."""
-    with sgicodec.open(sgicodec.encode(np.tile(pixels[..., 1], (5, 4)), steps=4)) as stream:
-        assert stream.levels == ((384, 320, 1.0), (192, 160, 2.0))
-        whole, half = stream.read(), stream.read(scale=0.5)
-        found = stream.read_region((370, 300), 0, (40, 40))
-        np.testing.assert_array_equal(found[:20, :14], whole[300:, 370:])
-        assert not found[20:].any()
-        assert not found[:, 14:].any()
-        part = stream.read_region((100, 60), 1, (30, 20)).astype(int)
-        np.testing.assert_allclose(part, half[30:50, 50:80], atol=1)
-        assert stream.read_region((-8, 0), 1, (4, 4)).tolist() == [[0] * 4] * 4
 
 
 def test_closed(data: bytes, tmp_path: Path) -> None:
@@ -173,10 +141,3 @@ def test_streams_are_pickled_by_path_or_bytes(
         np.testing.assert_array_equal(copy[:], whole)
     with pytest.raises(UsageError, match="cannot be pickled"):
         pickle.dumps(sgicodec.open(io.BytesIO(data)))
-
-
-def test_dask_takes_a_stream(data: bytes, whole: np.ndarray) -> None:
-    with sgicodec.open(data) as stream:
-        array = da.from_array(stream, chunks=(30, 50, 3))
-        assert (array.shape, array.dtype) == (whole.shape, whole.dtype)
-        np.testing.assert_array_equal(array.compute(scheduler="threads"), whole)

@@ -11,8 +11,7 @@ from pathlib import Path
 import pytest
 from click.testing import Result
 
-from sgicodec.cli.batch import Item, batch_items, time_left
-from sgicodec.decoder.stream import open_stream
+from sgicodec.cli.batch import Item, batch_items
 from sgicodec.errors import UsageError
 from sgicodec.image import read, write
 
@@ -48,13 +47,6 @@ def test_folders_keep_their_subfolders(sgi: Run, tree: Path, tmp_path: Path) -> 
     assert files(back) == ["2025/a.png", "2025/may/b.png.png", "2025/may/b.tif.png", "a.png"]
 
 
-def test_results_lie_beside_sources_without_a_folder_for_them(sgi: Run, tree: Path) -> None:
-    assert sgi("encode", "-r", tree, "--steps", 1).exit_code == 0
-    assert [name for name in files(tree) if name.endswith(".sgi")] == [
-        *("2025/a.sgi", "2025/may/b.png.sgi", "2025/may/b.tif.sgi", "a.sgi")
-    ]
-
-
 def test_what_is_there_is_left_out(sgi: Run, tree: Path, tmp_path: Path) -> None:
     out = tmp_path / "streams"
     out.mkdir()
@@ -70,13 +62,6 @@ def test_what_is_there_is_left_out(sgi: Run, tree: Path, tmp_path: Path) -> None
     again = sgi("encode", *options, "--skip-existing")
     assert (again.exit_code, again.stdout) == (0, "0 of 4 files encoded, 4 there already, 0 bytes\n")
     assert sgi("encode", *options).stderr.count("exists; give -f") == 4
-
-
-def test_one_file_may_be_skipped_too(sgi: Run, picture: Path, stream: Path) -> None:
-    before = stream.read_bytes()
-    assert sgi("encode", picture, "--skip-existing").output == ""
-    assert sgi("decode", stream, "--skip-existing").output == ""
-    assert (stream.read_bytes(), picture.stat().st_size > 0) == (before, True)
 
 
 def test_equal_names_are_one_line_and_stop_nothing(sgi: Run, picture: Path, tmp_path: Path) -> None:
@@ -109,20 +94,6 @@ def test_names(tmp_path: Path) -> None:
         batch_items(("-",), "out", False, lambda _: True)
 
 
-@pytest.mark.parametrize(
-    ("files", "finished", "seconds", "text"),
-    [
-        (5, 0, 3.0, ""),
-        (113, 6, 9.6, "3 min left"),
-        (1, 4, 1.0, "1 s left"),
-        (10, 2, 11.0, "55 s left"),
-        (60, 2, 310.0, "2 h 35 min left"),
-    ],
-)
-def test_time_left(files: int, finished: int, seconds: float, text: str) -> None:
-    assert time_left(files, finished, seconds) == text
-
-
 @pytest.mark.parametrize("command", ["encode", "decode"])
 def test_progress_counts_files(sgi: Run, picture: Path, stream: Path, tmp_path: Path, command: str) -> None:
     source = {"encode": picture, "decode": stream}[command]
@@ -135,32 +106,3 @@ def test_progress_counts_files(sgi: Run, picture: Path, stream: Path, tmp_path: 
     assert re.search(r"2 of 2, \d+ s left", text)
     quiet = sgi(command, source, second, "--output-dir", tmp_path / "again", "--quiet", *options)
     assert quiet.output == ""
-
-
-def test_a_decode_reports(sgi: Run, stream: Path, tmp_path: Path) -> None:
-    out = tmp_path / "out.png"
-    result = sgi("decode", stream, out, "--scale", 2, "--json")
-    facts = json.loads(result.stdout)
-    assert facts.pop("seconds") > 0
-    assert facts == {
-        **{"schema": 1, "input": str(stream), "output": str(out), "width": 96, "height": 64, "channels": "rgb"},
-        **{"format": "png", "bytes": out.stat().st_size},
-    }
-    assert sgi("decode", stream, "-", "--json").exit_code == 2
-    cut = sgi("decode", stream, tmp_path / "b.png", "--region", "40,0,20,20", "--quiet")
-    assert (cut.exit_code, cut.output) == (0, "")
-    assert "decode" in sgi("decode", stream, tmp_path / "c.png", "--progress", "on").stderr
-
-
-def test_a_decode_of_tiles_shows_its_rows(sgi: Run, picture: Path, tmp_path: Path) -> None:
-    assert sgi("encode", picture, tmp_path / "t.sgi", "--steps", 1, "--tile", 32, "--quiet").exit_code == 0
-    result = sgi("decode", tmp_path / "t.sgi", tmp_path / "t.png", "--progress", "on")
-    assert "32/32" in result.stderr
-    with open_stream(tmp_path / "t.sgi") as opened:
-        assert (read(tmp_path / "t.png").pixels == opened.read()).all()
-
-
-def test_a_folder_that_cannot_be_made(sgi: Run, picture: Path) -> None:
-    result = sgi("encode", picture, "--output-dir", picture / "out", "--steps", 1)
-    assert result.exit_code == 1
-    assert "Not a directory" in result.stderr

@@ -6,7 +6,6 @@ import json
 import re
 from collections.abc import Callable
 from pathlib import Path
-from threading import Thread
 
 import numpy as np
 import pytest
@@ -26,27 +25,6 @@ def test_out_is_a_png_beside_in(sgi: Run, stream: Path) -> None:
     written = read(stream.with_suffix(".png"))
     assert written.channels == "rgb"
     np.testing.assert_array_equal(written.pixels, expected.pixels)
-
-
-def test_without_a_thread_that_loads(sgi: Run, stream: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """As under a limit of processes: what writes loads when it is needed."""
-
-    def refuse(thread: Thread) -> None:
-        raise RuntimeError("can't start new thread")
-
-    monkeypatch.setattr("sgicodec.cli.decode_file.Thread.start", refuse)
-    assert sgi("decode", stream, tmp_path / "a.png", "--threads", "1").exit_code == 0
-    assert read(tmp_path / "a.png").width == 48
-
-
-@pytest.mark.parametrize("limit", [(), ("--max-memory", "1GiB")])
-def test_what_writes_loads_at_once_where_memory_is_bound(
-    sgi: Run, stream: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, limit: tuple[str, ...]
-) -> None:
-    """Where a library lacks memory, two threads that load it would not say so."""
-    monkeypatch.setattr("sgicodec.cli.decode_file.Thread.start", lambda thread: pytest.fail("a thread"))
-    monkeypatch.setattr("sgicodec.cli.decode_file.room_left", lambda: None if limit else 1000)
-    assert sgi("decode", stream, tmp_path / "a.png", "--threads", "1", *limit).exit_code == 0
 
 
 def test_out_is_a_tiff_for_floats(sgi: Run, shared: Path, tmp_path: Path) -> None:
@@ -141,11 +119,6 @@ def test_format(sgi: Run, stream: Path, tmp_path: Path, name: str, options: list
     assert target.read_bytes().startswith(signature)
 
 
-def test_format_names_the_default_out(sgi: Run, stream: Path) -> None:
-    assert sgi("decode", stream, "--format", "jpeg").exit_code == 0
-    assert stream.with_suffix(".jpg").exists()
-
-
 @pytest.mark.parametrize(
     ("target", "options", "complaint"),
     [
@@ -179,26 +152,11 @@ def test_arguments_that_make_no_sense(
     assert [path.name for path in tmp_path.iterdir()] == ["scene.sgi"]
 
 
-def test_what_a_format_cannot_hold(sgi: Run, stream: Path, tmp_path: Path) -> None:
-    result = sgi("decode", stream, tmp_path / "out.jpg", "--depth", 16)
-    assert result.exit_code == 3
-    assert "jpeg cannot hold 16 bits" in result.stderr
-    assert not (tmp_path / "out.jpg").exists()
-
-
 def test_too_many_pixels_are_a_fault_of_the_arguments(sgi: Run, stream: Path, tmp_path: Path) -> None:
     for options in (("--scale", 99999), ("--size", "99999x99999"), ("--region", "0,0,40,30", "--scale", 99999)):
         result = sgi("decode", stream, tmp_path / "out.png", *options)
         assert result.exit_code == 2
         assert "too many" in result.stderr
-
-
-def test_too_many_pixels_of_tiles_too(sgi: Run, picture: Path, tmp_path: Path) -> None:
-    """It began with a band of the first rows, and never ended."""
-    assert sgi("encode", picture, tmp_path / "t.sgi", "--steps", 1, "--tile", 32).exit_code == 0
-    result = sgi("decode", tmp_path / "t.sgi", tmp_path / "out.png", "--scale", 999_999)
-    assert result.exit_code == 2
-    assert "47999952×31999968 pixels are too many" in result.stderr
 
 
 def test_an_existing_output_stays_without_force(sgi: Run, stream: Path) -> None:
@@ -222,14 +180,6 @@ def test_a_default_out_replaces_no_file(sgi: Run, stream: Path, more: list[str])
     assert result.exit_code == (1 if "-r" in more else 6)
     assert "exists, and no default OUT replaces it; name OUT or --output-dir, with -f" in result.stderr
     assert [original.read_bytes() for original in originals] == [b"original"] * 3
-
-
-def test_a_folder_that_is_named_is_written_with_force(sgi: Run, stream: Path) -> None:
-    target = stream.with_suffix(".png")
-    target.write_bytes(b"old")
-    assert sgi("decode", stream, "--output-dir", stream.parent).exit_code == 1
-    assert sgi("decode", stream, "--output-dir", stream.parent, "-f").exit_code == 0
-    assert read(target).width == 48
 
 
 @pytest.mark.parametrize("how", ["by position", "in a folder"])
@@ -264,21 +214,6 @@ def test_a_line_tells_what_was_written(sgi: Run, stream: Path) -> None:
     assert result.stderr == ""
     assert sgi("decode", stream, target, "-f", "--quiet").output == ""
     assert json.loads(sgi("decode", stream, target, "-f", "--json").output)["width"] == 48
-
-
-def test_the_line_keeps_out_of_a_picture_on_stdout(sgi: Run, stream: Path) -> None:
-    assert sgi("decode", stream).exit_code == 0
-    result = sgi("decode", stream, "-")
-    assert result.stdout_bytes == stream.with_suffix(".png").read_bytes()
-    assert re.fullmatch(r"stdout: 48×32 pixels, rgb, \d+\.\d s\n", result.stderr)
-    assert sgi("decode", stream, "-", "--quiet").stderr == ""
-
-
-def test_a_folder_takes_r(sgi: Run, stream: Path, tmp_path: Path) -> None:
-    for more in ([], ["-f"], [tmp_path / "out.png"]):
-        result = sgi("decode", stream.parent, *more)
-        text = f"sgi: {stream.parent}: it is a folder; add -r to take the streams in it\n"
-        assert (result.exit_code, result.stderr) == (4, text)
 
 
 def _cut(data: bytes) -> bytes:

@@ -15,15 +15,12 @@ from click.testing import Result
 from sgicodec.cli.encode_listener import EncodeListener
 from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder import pipeline as encoder
-from sgicodec.image import read, write
+from sgicodec.image import write
 from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Picture
 from sgicodec.profiles.default import lmbda_of_quality
 
 Run = Callable[..., Result]
-
-
-ODD = Path(__file__).parents[2] / "data" / "pictures"
 
 
 def test_opaque_alpha_is_left_out_and_told(sgi: Run, tmp_path: Path, pixels: np.ndarray) -> None:
@@ -34,17 +31,6 @@ def test_opaque_alpha_is_left_out_and_told(sgi: Run, tmp_path: Path, pixels: np.
     assert result.stderr == f"sgi: {source}: alpha is opaque everywhere; it is left out\n"
     assert json.loads(result.stdout)["channels"] == "rgb"
     assert sgi("encode", source, "--steps", 5, "--quiet", "-f").stderr == ""
-
-
-def test_too_little_memory_in_the_control_group_is_told(
-    sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    for limit, told in ((50 << 20, True), (50 << 30, False)):
-        monkeypatch.setattr("sgicodec.cli.encode_listener.group_memory", lambda limit=limit: limit)
-        result = sgi("encode", picture, "--steps", 1, "-f")
-        assert ("MiB, and its control group may have 50; the system may end it" in result.stderr) is told
-        assert result.exit_code == 0
-        assert sgi("encode", picture, "--steps", 1, "-f", "--quiet").stderr == ""
 
 
 def test_out_is_beside_in_and_the_report_is_true(sgi: Run, picture: Path, pixels: np.ndarray) -> None:
@@ -83,11 +69,6 @@ def test_json(sgi: Run, picture: Path, tmp_path: Path, pixels: np.ndarray) -> No
     assert figures["seconds"] > 0
     with open_stream(tmp_path / "out.sgi") as stream:
         assert figures["psnr"] == pytest.approx(psnr(pixels, stream.picture().pixels))
-
-
-def test_json_has_no_infinity(sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(encoder, "measured_psnr", lambda *_: float("inf"))
-    assert json.loads(sgi("encode", picture, "--steps", 2, "--json").stdout)["psnr"] is None
 
 
 @pytest.mark.parametrize(
@@ -204,30 +185,12 @@ def test_ctrl_c_on_the_way_to_a_goal(sgi: Run, picture: Path, monkeypatch: pytes
         assert sgi("verify", picture.with_suffix(".sgi")).exit_code == 0
 
 
-def test_paper_profile(sgi: Run, picture: Path) -> None:
-    options = "--profile paper --seeds 12 --per-seed 3 --features 6 --levels 2 --steps 6"
-    assert sgi("encode", picture, *options.split()).exit_code == 0
-    facts = json.loads(sgi("info", picture.with_suffix(".sgi"), "--survey", "--json").stdout)
-    assert (facts["profile"], facts["seeds"], facts["gaussians"]) == ("paper", 12, 36)
-    assert (facts["settings"]["per_seed"], facts["settings"]["features"]) == (3, 6)
-
-
 def test_no_verify_does_not_decode(sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(encoder, "open_stream", lambda *_: 1 / 0)
     result = sgi("encode", picture, "--steps", 2, "--no-verify")
     assert result.exit_code == 0
     assert "PSNR" not in result.stdout
     assert json.loads(sgi("encode", picture, "-f", "--steps", 2, "--no-verify", "--json").stdout)["psnr"] is None
-
-
-@pytest.mark.parametrize(
-    ("options", "lines"), [(["--quiet"], 0), ([], 1), (["-v"], 10), (["--quiet", "--progress", "on"], 0)]
-)
-def test_how_much_is_told(sgi: Run, picture: Path, options: list[str], lines: int) -> None:
-    result = sgi("encode", picture, "--steps", 2, *options)
-    assert result.stderr == ""
-    told = len(result.stdout.splitlines())
-    assert told == lines if lines < 2 else told >= lines
 
 
 @pytest.mark.parametrize(("mode", "drawn"), [("on", True), ("auto", False), ("off", False)])
@@ -239,31 +202,3 @@ def test_progress(sgi: Run, picture: Path, mode: str, drawn: bool) -> None:
     shares = [int(share) for share in re.findall(r"(\d+)%", text)]
     assert (shares == sorted(shares) and shares[-1:] == [100]) is drawn
     assert drawn or not result.stderr
-
-
-@pytest.mark.parametrize("tune", ["visual", "psnr"])
-def test_progress_says_nothing_of_pixels_that_lack_their_texture(sgi: Run, picture: Path, tune: str) -> None:
-    result = sgi("encode", picture, "--steps", 8, "--tune", tune, "--progress", "on")
-    text = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", result.stderr)
-    assert "step 8 of 8" in text
-    assert " dB" not in text
-    assert "bpp" not in text
-
-
-def test_metadata_is_kept_unless_told_otherwise(sgi: Run, tmp_path: Path) -> None:
-    icc = read(ODD / "icc_profile.png").metadata.icc
-    assert icc
-    for option, kept in (("--metadata", icc), ("--no-metadata", None)):
-        assert sgi("encode", ODD / "icc_profile.png", tmp_path / "out.sgi", "-f", "--steps", 2, option).exit_code == 0
-        assert sgi("decode", tmp_path / "out.sgi", tmp_path / "out.png", "-f").exit_code == 0
-        assert read(tmp_path / "out.png").metadata.icc == kept
-
-
-def test_a_stated_range_clips(sgi: Run, shared: Path, tmp_path: Path) -> None:
-    target = tmp_path / "out.sgi"
-    assert sgi("encode", shared / "float.tif", target, "--steps", 2, "--range", "-100,500").exit_code == 0
-    with open_stream(target) as stream:
-        assert stream.header.sample_range == (-100.0, 500.0)
-        pixels = stream.picture().pixels
-    assert pixels.min() >= -100
-    assert pixels.max() <= 500

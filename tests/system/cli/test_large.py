@@ -11,13 +11,11 @@ from typing import Any, BinaryIO
 import numpy as np
 import pytest
 from click.testing import Result
-from PIL import Image
 
 from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder import pipeline
 from sgicodec.encoder.tile.state import Tile
 from sgicodec.encoder.tiles import tasks
-from sgicodec.executors.peak import own_peak
 from sgicodec.files.lock import locked
 from sgicodec.image import read, write
 from sgicodec.picture import Metadata, Picture, from_unit
@@ -69,12 +67,6 @@ def test_an_overview_on_request(sgi: Run, picture: Path, tmp_path: Path) -> None
     assert (read(shown).pixels != read(exact).pixels).any()
 
 
-def test_psnr_is_that_of_the_decoded_picture(sgi: Run, picture: Path, tmp_path: Path) -> None:
-    report = json.loads(sgi("encode", picture, tmp_path / "a.sgi", *OPTIONS, "--json").stdout)
-    error = read(picture).pixels.astype(float) - open_stream(tmp_path / "a.sgi").picture().pixels
-    assert report["psnr"] == pytest.approx(10 * np.log10(255**2 / np.mean(error**2)), abs=1e-6)
-
-
 @pytest.mark.parametrize(
     "options", [(), ("--region", "20,5,20,20"), ("--scale", "2"), ("--size", "20x"), ("--depth", "16")]
 )
@@ -93,14 +85,6 @@ def test_decode_writes_what_the_stream_shows(
             "--depth": lambda: from_unit(stream.render(), stream.header.channels, np.uint16),
         }[options[0] if options else ""]().pixels
     np.testing.assert_array_equal(read(out).pixels, shown)
-
-
-def test_standard_streams(sgi: Run, picture: Path, tiled: Path, tmp_path: Path) -> None:
-    encoded = sgi("encode", "-", "-", *OPTIONS, stdin=picture.read_bytes())
-    assert encoded.stdout_bytes == tiled.read_bytes()
-    decoded = sgi("decode", "-", "-", stdin=tiled.read_bytes())
-    (tmp_path / "out.png").write_bytes(decoded.stdout_bytes)
-    np.testing.assert_array_equal(read(tmp_path / "out.png").pixels, open_stream(tiled).picture().pixels)
 
 
 def test_interrupt_keeps_what_is_done(
@@ -145,22 +129,6 @@ def test_two_encodes_to_one_out(sgi: Run, picture: Path, tmp_path: Path, also: l
     assert [path.name for path in tmp_path.glob("*a.sgi*")] == ["a.sgi"]
 
 
-def test_one_tile_keeps_no_checkpoint(sgi: Run, picture: Path, tmp_path: Path) -> None:
-    result = sgi("encode", picture, tmp_path / "a.sgi", "--steps", 1, "--resume")
-    assert (result.exit_code, list(tmp_path.glob("*a.sgi*"))) == (2, [])
-    assert "a picture in one tile keeps no checkpoint; leave --resume out\n" in result.stderr, (
-        "48 × 32 pixels are no tiles"
-    )
-    wide = tmp_path / "wide.png"
-    Image.new("L", (600, 8)).save(wide)
-    result = sgi("encode", wide, tmp_path / "a.sgi", "--steps", 1, "--resume")
-    assert "into tiles with --tile 512\n" in result.stderr
-    result = sgi("encode", wide, tmp_path / "a.sgi", "--steps", 1, "--resume", "--tile", 512)
-    assert result.exit_code == 0, result.stderr
-    batch = sgi("encode", picture, "--output-dir", tmp_path / "many", "--steps", 1, "--resume")
-    assert batch.exit_code == 0, batch.stderr
-
-
 @pytest.mark.parametrize("tile", [0, 32])
 def test_too_little_memory_is_refused(sgi: Run, picture: Path, tmp_path: Path, tile: int) -> None:
     result = sgi("encode", picture, tmp_path / "a.sgi", "--tile", tile, "--steps", 1, "--max-memory", "100MiB")
@@ -168,14 +136,6 @@ def test_too_little_memory_is_refused(sgi: Run, picture: Path, tmp_path: Path, t
     assert "MiB, more than --max-memory; a smaller --tile takes less" in result.stderr
     enough = sgi("encode", picture, tmp_path / "a.sgi", "--tile", tile, "--steps", 1, "--max-memory", "150MiB", "-j", 1)
     assert enough.exit_code == 0, enough.stderr
-
-
-def test_the_peak_is_that_of_all_processes(sgi: Run, picture: Path, tmp_path: Path) -> None:
-    """Two workers, each of which holds numpy and more."""
-    pytest.importorskip("resource")
-    parent = (own_peak() or 0) / 2**20
-    result = sgi("encode", picture, tmp_path / "a.sgi", "--tile", 32, "--steps", 1, "-j", 2, "--json", "--quiet")
-    assert json.loads(result.stdout)["peak_mib"] > parent + 50
 
 
 def test_a_stream_that_does_not_decode_gets_no_name(
@@ -198,41 +158,6 @@ def test_a_stream_that_does_not_decode_gets_no_name(
     assert (tmp_path / "a.sgi.part").exists()
 
 
-def test_a_size_of_all_tiles(sgi: Run, picture: Path, tmp_path: Path) -> None:
-    out = tmp_path / "a.sgi"
-    result = sgi(
-        "encode", picture, out, *OPTIONS[:2], "--steps", 30, "-j", 1, "--size", 1200, "--json", "--progress", "on"
-    )
-    assert result.exit_code == 0, result.output
-    assert 0.97 * 1200 <= out.stat().st_size == json.loads(result.stdout)["bytes"] <= 1200
-    assert "sample" in result.stderr or "search" in result.stderr
-
-
-@pytest.mark.parametrize(("goal", "value"), [("--size", 60), ("--psnr", 98)])
-def test_what_is_impossible_leaves_the_nearest(sgi: Run, picture: Path, tmp_path: Path, goal: str, value: int) -> None:
-    out = tmp_path / "a.sgi"
-    result = sgi("encode", picture, out, *OPTIONS, goal, value)
-    assert result.exit_code == 5
-    assert f"it is written to {out}" in result.stderr
-    assert sgi("verify", out).exit_code == 0
-    assert not (tmp_path / "a.sgi.part").exists()
-
-
-def test_max_memory(sgi: Run, picture: Path, tmp_path: Path) -> None:
-    refused = sgi("encode", picture, tmp_path / "a.sgi", *OPTIONS, "--max-memory", "100MiB")
-    assert refused.exit_code == 2
-    assert "--tile" in refused.stderr
-    one = sgi("encode", picture, tmp_path / "a.sgi", "--tile", 32, "--steps", 2, "-j", 2, "--max-memory", "300MiB")
-    assert "1 worker, about" in one.stderr
-
-
-def test_progress_is_drawn_on_demand(sgi: Run, picture: Path) -> None:
-    shown = sgi("encode", picture, *OPTIONS, "--progress", "on").stderr
-    assert "2 of 2 tiles" in shown
-    assert "100%" in shown
-    assert "MP/min" in shown
-
-
 def test_nodata_goes_from_file_to_file(sgi: Run, tmp_path: Path, pixels: np.ndarray) -> None:
     blob = bytes.fromhex("49492a00 08000000 0100 81a40200 02000000 30000000 00000000")
     holed = pixels.copy()
@@ -244,34 +169,3 @@ def test_nodata_goes_from_file_to_file(sgi: Run, tmp_path: Path, pixels: np.ndar
         decoded = read(tmp_path / "out.tif")
         assert decoded.nodata == 0
         np.testing.assert_array_equal((decoded.pixels == 0).all(axis=2), (holed == 0).all(axis=2))
-
-
-def test_batches(sgi: Run, picture: Path, tmp_path: Path) -> None:
-    (tmp_path / "bad.png").write_bytes(b"nothing")
-    second = tmp_path / "second.png"
-    second.write_bytes(picture.read_bytes())
-    out = tmp_path / "out" / "deep"
-    result = sgi("encode", picture, tmp_path / "bad.png", second, "--output-dir", out, "--steps", 2)
-    assert result.exit_code == 1
-    assert sorted(path.name for path in out.iterdir()) == ["scene.sgi", "second.sgi"]
-    assert "bad.png" in result.stderr
-    total = sum(path.stat().st_size for path in out.iterdir())
-    assert result.stdout.splitlines()[-1] == f"2 of 3 files encoded, {total:,} bytes"
-    (tmp_path / "bad.sgi").write_bytes(b"nothing")
-    back = sgi("decode", out / "scene.sgi", tmp_path / "bad.sgi", out / "second.sgi", "--output-dir", tmp_path / "back")
-    assert back.exit_code == 1
-    assert sorted(path.name for path in (tmp_path / "back").iterdir()) == ["scene.png", "second.png"]
-    assert sgi("decode", out / "scene.sgi", "--output-dir", tmp_path / "back").exit_code == 1
-    assert sgi("decode", out / "scene.sgi", "--output-dir", tmp_path / "back", "-f").exit_code == 0
-
-
-def test_batches_in_json(sgi: Run, picture: Path, tmp_path: Path) -> None:
-    lines = sgi("encode", picture, "--output-dir", tmp_path / "out", "--steps", 2, "--json").stdout.splitlines()
-    report, summary = map(json.loads, lines)
-    assert summary == {"schema": 1, "files": 1, "encoded": 1, "skipped": 0, "failed": 0, "bytes": report["bytes"]}
-
-
-def test_names_that_make_no_sense(sgi: Run, picture: Path, tmp_path: Path) -> None:
-    assert sgi("encode", picture, picture, picture).exit_code == 2
-    assert sgi("encode", "-", "--output-dir", tmp_path).exit_code == 2
-    assert sgi("decode", picture, picture, picture).exit_code == 2

@@ -13,9 +13,7 @@ from sanitizer import needs_plain_memory
 
 import sgicodec
 from sgicodec.cli.limits import DecodeLimits
-from sgicodec.cli.texts import NO_MEMORY
 from sgicodec.errors import LimitError
-from sgicodec.executors.peak import own_peak
 
 Run = Callable[..., Result]
 ATTACKS = Path(__file__).parents[2] / "data" / "attacks"
@@ -72,55 +70,3 @@ def test_a_small_limit_leaves_a_picture_or_a_line(stream: Path, tmp_path: Path, 
             assert (done.returncode, done.stderr[:5], done.stderr.count("\n")) == (4, "sgi: ", 1), done.stderr
             assert list(tmp_path.glob("*a.*")) == []
     assert 0 in endings
-
-
-@pytest.mark.parametrize("text", NO_MEMORY)
-def test_what_libraries_say_of_too_little_memory(text: str) -> None:
-    with pytest.raises(LimitError, match="takes more than --max-memory"), DecodeLimits(None, 1e9).held():
-        raise ImportError(f"libx.so: {text}")
-
-
-def test_other_failures_pass_through() -> None:
-    with pytest.raises(RuntimeError, match="something else"), DecodeLimits(None, 1e9).held():
-        raise RuntimeError("something else")
-
-
-def test_what_is_left_of_the_control_group(
-    sgi: Run, stream: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Whoever takes more is ended without a word: it is refused before, if nobody says another limit."""
-    left = 20 << 20
-    monkeypatch.setattr("sgicodec.cli.limits.group_memory", lambda: (own_peak() or 0) + left)
-    arguments = ("decode", stream, tmp_path / "a.png", "--scale", "100")
-    assert sgi(*arguments).exit_code == 4
-    assert sgi(*arguments, "--max-memory", "900MiB").exit_code == 0
-    left = 100 << 20
-    assert sgi(*arguments, "-f").exit_code == 0
-
-
-def test_what_writers_hold_counts(sgi: Run, stream: Path, tmp_path: Path) -> None:
-    """The writer of JPEG 2000 takes nine times the samples, and crashes where it does not get them."""
-    limit = ("--scale", "20", "--max-memory", "9MiB")
-    assert sgi("decode", stream, tmp_path / "a.ppm", *limit).exit_code == 0
-    result = sgi("decode", stream, tmp_path / "a.jp2", *limit)
-    assert "960×640 pixels take 18 MiB, more than --max-memory" in result.stderr
-    assert result.exit_code == 4
-
-
-def test_a_stream_that_is_not_sound_gets_no_samples(
-    sgi: Run, stream: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Of one tile, whose payload is decoded first."""
-    from sgicodec.decoder.stream import Stream
-
-    drawn = []
-    real = Stream._draw
-    monkeypatch.setattr(Stream, "_draw", lambda *arguments: drawn.append(arguments) or real(*arguments))
-    assert sgi("decode", stream, tmp_path / "sound.png").exit_code == 0
-    assert drawn
-    drawn.clear()
-    data = bytearray(stream.read_bytes())
-    data[-20] ^= 1
-    stream.write_bytes(data)
-    assert sgi("decode", stream, tmp_path / "a.png").exit_code == 4
-    assert not drawn

@@ -53,12 +53,3 @@ def test_a_page_that_is_not_there(sgi: Run, stack: Path) -> None:
     result = sgi("encode", stack, "--page", 4)
     assert result.exit_code == 2
     assert result.stderr == "sgi: there is no page 4; the picture has 3 pages, counted from 1\n"
-
-
-def test_a_decoded_page_is_one_picture(sgi: Run, stack: Path, tmp_path: Path) -> None:
-    assert sgi("encode", stack, tmp_path / "x.sgi", "--page", 2, "--steps", 10, "--quiet").exit_code == 0
-    for options in ((), ("--pyramid",), ("--region", "8,8,20,30")):
-        assert sgi("decode", tmp_path / "x.sgi", tmp_path / "x.tif", "-f", *options).exit_code == 0
-        with tifffile.TiffFile(tmp_path / "x.tif") as file:
-            assert file.series[0].shape == file.pages.first.shape
-            assert file.asarray().shape == file.pages.first.shape

@@ -69,21 +69,6 @@ def test_what_a_format_loses_is_said(sgi: Run, placed: Path, tmp_path: Path) -> 
     assert sgi("decode", placed, tmp_path / "x.tif").stderr == ""
 
 
-def test_metadata_may_be_left_out(sgi: Run, placed: Path, tmp_path: Path) -> None:
-    result = sgi("decode", placed, tmp_path / "x.tif", "--no-metadata")
-    assert (result.exit_code, result.stderr) == (0, "")
-    assert read(tmp_path / "x.tif").metadata == Metadata()
-    assert sgi("decode", placed, tmp_path / "x.png", "--no-metadata").stderr == ""
-    assert sgi("decode", placed, "--output-dir", tmp_path / "all", "--no-metadata").exit_code == 0
-    assert [path.name for path in (tmp_path / "all").iterdir()] == ["x.png"]
-
-
-def test_a_stream_without_a_place_becomes_a_png(sgi: Run, stream: Path) -> None:
-    result = sgi("decode", stream)
-    assert (result.exit_code, result.stderr) == (0, "")
-    assert stream.with_suffix(".png").exists()
-
-
 def test_info_shows_the_place(sgi: Run, placed: Path) -> None:
     lines = [line.split(maxsplit=1) for line in sgi("info", placed).stdout.splitlines() if line.strip()]
     shown = {line[0]: line[1] for line in lines if len(line) == 2}
@@ -103,44 +88,6 @@ def test_info_shows_the_place(sgi: Run, placed: Path) -> None:
     }
     assert facts["nodata"] == 0
     assert facts["resolution"] == {"microns_per_pixel": [1, 1], "stated": "10000 pixels per cm"}
-
-
-def test_info_of_a_picture_that_lies_nowhere(sgi: Run, stream: Path) -> None:
-    facts = json.loads(sgi("info", stream, "--json").stdout)
-    assert (facts["place"], facts["nodata"], facts["resolution"]) == (None, None, None)
-    assert "projection" not in sgi("info", stream).stdout
-
-
-@pytest.mark.parametrize("options", [[], ["--pyramid"], ["--cog"]])
-def test_the_size_of_a_pixel_follows_the_scale(sgi: Run, tmp_path: Path, options: list[str]) -> None:
-    """Where the file has descriptive tags too, its resolution lies in the EXIF."""
-    source, target = tmp_path / "a.tif", tmp_path / "b.tif"
-    tifffile.imwrite(
-        source,
-        np.full((24, 40, 3), 90, np.uint8),
-        photometric="rgb",
-        resolution=(20000, 10000),
-        resolutionunit="CENTIMETER",
-        software="scanner",
-    )
-    assert sgi("encode", source, tmp_path / "a.sgi", "-e1").exit_code == 0
-    result = sgi("decode", tmp_path / "a.sgi", target, "--scale", 4, *options)
-    assert result.exit_code == 0, result.output
-    with tifffile.TiffFile(target) as file:
-        tags = file.pages[0].tags
-        assert (tags[282].value, tags[283].value, tags[296].value) == ((80000, 1), (40000, 1), 3)
-
-
-def test_long_exif_does_not_fit_a_jpeg_and_may_be_left_out(sgi: Run, tmp_path: Path) -> None:
-    long = b"II*\0\x08\0\0\0" + ifd.dump({271: ifd.Entry(2, b"m" * 70000)}, 8)
-    write(Picture(np.full((24, 40, 3), 90, np.uint8), "rgb", (0.0, 255.0), Metadata(exif=long)), tmp_path / "x.png")
-    assert sgi("encode", tmp_path / "x.png", "--steps", 5).exit_code == 0
-    result = sgi("decode", tmp_path / "x.sgi", tmp_path / "y.jpg")
-    assert result.exit_code == 3
-    assert result.stderr.count("\n") == 1
-    assert "jpeg cannot hold 70026 bytes of EXIF" in result.stderr
-    assert "--no-metadata" in result.stderr
-    assert sgi("decode", tmp_path / "x.sgi", tmp_path / "y.jpg", "--no-metadata").exit_code == 0
 
 
 @pytest.mark.parametrize(

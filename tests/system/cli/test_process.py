@@ -25,33 +25,6 @@ def start(*arguments: object, **options: int) -> subprocess.Popen[bytes]:
     return subprocess.Popen([*COMMAND, *map(str, arguments)], **pipes)
 
 
-def imported_by(*arguments: object) -> set[str]:
-    """Modules that a command has imported when it ends."""
-    code = (
-        "import sys\n"
-        "from sgicodec.cli.main import main\n"
-        "try: main()\n"
-        "except SystemExit as end: status = end.code\n"
-        "print(status, *sys.modules, file=sys.stderr)"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", code, *map(str, arguments)], capture_output=True, text=True, check=True
-    )
-    status, *modules = done.stderr.split()
-    assert status == "0", done.stderr
-    return {name for name in modules if "." not in name}
-
-
-def test_decoding_and_info_import_no_more_than_they_need(stream: Path, tmp_path: Path) -> None:
-    heavy = {"torch", "rich", "scipy", "PIL", "matplotlib", "imagecodecs"}
-    for arguments in (["info", stream], ["verify", stream], ["decode", stream, tmp_path / "out.png"]):
-        assert not imported_by(*arguments) & (heavy | {"OpenImageIO", "constriction"})
-    modules = imported_by("decode", stream, tmp_path / "out.ppm")
-    assert not modules & (heavy | {"constriction"})
-    assert {"numpy", "OpenImageIO"} <= modules
-    assert not imported_by("--help") & (heavy | {"numpy", "OpenImageIO", "constriction"})
-
-
 def test_streams_of_both_commands(shared: Path, tmp_path: Path) -> None:
     source = (shared / "scene.png").read_bytes()
     encoded = start("encode", "-", "--steps", 2, "-j", 1)
@@ -92,26 +65,6 @@ def test_a_cluster_cannot_read_a_pipe(shared: Path, tmp_path: Path) -> None:
     _, errors = process.communicate((shared / "scene.png").read_bytes(), timeout=HANGS)
     assert process.returncode == 2
     assert b"/dev/fd/0, which is no file; add --send-pixels" in errors
-
-
-def test_json_and_stream_cannot_share_stdout(shared: Path) -> None:
-    process = start("encode", shared / "scene.png", "-", "--json")
-    output, complaint = process.communicate(timeout=HANGS)
-    assert (process.returncode, output) == (2, b"")
-    assert b"--json" in complaint
-
-
-def test_a_terminal_gets_no_bytes_by_accident(stream: Path) -> None:
-    pty = pytest.importorskip("pty")
-    leader, follower = pty.openpty()
-    try:
-        process = start("decode", stream, "-", stdout=follower)
-        _, complaint = process.communicate(timeout=HANGS)
-    finally:
-        os.close(leader)
-        os.close(follower)
-    assert process.returncode == 2
-    assert complaint.startswith(b"sgi: stdout is a terminal")
 
 
 @pytest.mark.parametrize("arguments", [["decode", "-", "--scale", "20", "--format", "ppm"], ["info"]])
@@ -166,9 +119,3 @@ def test_interrupt_of_the_fit_still_writes_a_stream(picture: Path) -> None:
     assert figures["steps"] == int(told[1]) < 1_000_000
     assert sorted(path.name for path in picture.parent.iterdir()) == ["scene.png", "scene.sgi"]
     assert subprocess.run([*COMMAND, "verify", str(picture.with_suffix(".sgi"))], capture_output=True).returncode == 0
-
-
-def test_same_stream_in_another_process(shared: Path) -> None:
-    process = start("encode", shared / "scene.png", "-", "--steps", 12, "-j", 1, "--quiet")
-    data, _ = process.communicate(timeout=HANGS)
-    assert data == (shared / "scene.sgi").read_bytes()

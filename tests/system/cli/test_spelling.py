@@ -15,29 +15,19 @@ Run = Callable[..., Result]
     ("line", "written", "right"),
     [
         ("encode scene.png --size 20 kB", "--size 20 kB", "--size 20kB"),
-        ("encode --size 20 KiB scene.png", "--size 20 KiB", "--size 20KiB"),
-        ("encode scene.png --size=1.5 m", "--size=1.5 m", "--size 1.5m"),
         ("encode scene.png --max-memory 2 GiB x.sgi", "--max-memory 2 GiB", "--max-memory 2GiB"),
         ("encode scene.png -q 80 %", "-q 80 %", "-q 80"),
         ("encode scene.png -q80 percent", "-q80 percent", "-q 80"),
-        ("encode scene.png --bpp 1 bpp", "--bpp 1 bpp", "--bpp 1"),
         ("encode scene.png --psnr 35 dB -f", "--psnr 35 dB", "--psnr 35"),
-        ("serve streams --max-age 5 s", "--max-age 5 s", "--max-age 5"),
         ("serve streams --max-age 2 min", "--max-age 2 min", "--max-age 120"),
-        ("encode scene.png --tile 512 px", "--tile 512 px", "--tile 512"),
         ("encode scene.png --range 0, 1", "--range 0, 1", "--range 0,1"),
         ("encode scene.png --range 0 4095", "--range 0 4095", "--range 0,4095"),
         ("decode scene.sgi --region 0, 0, 10, 10", "--region 0, 0, 10, 10", "--region 0,0,10,10"),
-        ("decode scene.sgi --region 0 0 10 10", "--region 0 0 10 10", "--region 0,0,10,10"),
         ("decode scene.sgi --region -4, -2, 10, 10", "--region -4, -2, 10, 10", "--region -4,-2,10,10"),
-        ("decode scene.sgi --region 0,0 , 10,10 x.png", "--region 0,0 , 10,10", "--region 0,0,10,10"),
         ("decode scene.sgi --size 512 x 384", "--size 512 x 384", "--size 512x384"),
-        ("decode scene.sgi --size 512x 384", "--size 512x 384", "--size 512x384"),
         ("decode scene.sgi --size 512 384", "--size 512 384", "--size 512x384"),
         ("decode scene.sgi --scale 50 %", "--scale 50 %", "--scale 50%"),
-        ("decode scene.sgi --scale 2 x", "--scale 2 x", "--scale 2x"),
         ("decode scene.sgi --scale 1 / 4", "--scale 1 / 4", "--scale 1/4"),
-        ("compare scene.png scene.png --fail-under 35 dB", "--fail-under 35 dB", "--fail-under 35"),
         ("bench . --qualities 20, 30", "--qualities 20, 30", "--qualities 20,30"),
     ],
 )
@@ -50,27 +40,6 @@ def test_a_space_in_a_value(
     text = f"sgi: a space splits {written!r}; write {right!r}; see sgi {command} --help\n"
     assert (result.exit_code, result.stderr) == (2, text)
     assert sorted(path.name for path in picture.parent.iterdir()) == ["scene.png", "scene.sgi"]
-
-
-@pytest.mark.parametrize(
-    ("line", "named"),
-    [
-        ("encode scene.png -q 80 x --steps 1", "x"),
-        ("encode scene.png -q 80 90 --steps 1", "90"),
-        ("encode scene.png --steps 1 -o kB -q 80", "kB"),
-        ("encode scene.png --steps 1 -q 80 ./kB", "kB"),
-        ("encode --steps 1 -q 80 kB kB.sgi", "kB.sgi"),
-        ("encode --steps 1 -q 80 -- scene.png kB", "kB"),
-    ],
-)
-def test_names_that_are_no_units(
-    sgi: Run, picture: Path, monkeypatch: pytest.MonkeyPatch, line: str, named: str
-) -> None:
-    monkeypatch.chdir(picture.parent)
-    if named == "kB.sgi":
-        picture.rename("kB")
-    assert sgi(*line.split()).exit_code == 0
-    assert Path(named).stat().st_size > 0
 
 
 @pytest.mark.parametrize("command", ["encode", "decode"])

@@ -9,17 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from clock import Clock
 
 from sgicodec import EncodeSettings, encode_picture, read
 from sgicodec.decoder.stream import open_stream
-from sgicodec.encoder.encoded import measured_psnr
-from sgicodec.encoder.input.windows import windows_of
-from sgicodec.encoder.memory import estimate
-from sgicodec.encoder.plan import stream_plan
 from sgicodec.encoder.progress import NullListener, PassState
 from sgicodec.encoder.tiles.store import MemoryStore
-from sgicodec.encoder.tiles.tasks import EncodedTile
 from sgicodec.errors import UsageError
 from sgicodec.executors.executor import MIB, Executor, Memory
 from sgicodec.executors.processes import ProcessExecutor
@@ -113,24 +107,6 @@ def test_going_on_gives_the_same_bytes(photo: Path, settings: EncodeSettings, ex
     assert watch.states[-1][1] == 150 * 50
 
 
-def test_state_adds_up(clock: Clock) -> None:
-    state = PassState(tiles=4, all_pixels=4000, started=clock.now)
-    assert state.seconds_left == float("inf")
-    state.add(EncodedTile(b"", {}, 1, 0.03, 0.02, 300, 1.0, 125, 0.01), 1000, fresh=True)
-    state.add(EncodedTile(b"", {}, 1, 0.03, 0.02, 300, 1.0, 125, 0.01), 1000, fresh=False)
-    assert (state.done, state.bpp) == (2, 1.0)
-    assert state.psnr == pytest.approx(40.0)
-    clock.now += 4.0
-    assert state.pixels_per_second == 1000 / 4.0
-    assert state.seconds_left == 2000 / 250.0
-
-
-def test_measured_psnr_is_that_of_the_pictures(photo: Path, expected: bytes) -> None:
-    with open_stream(expected) as stream, open_source(photo) as source:
-        found = measured_psnr(stream, windows_of(source))
-        assert found == pytest.approx(psnr(read(photo).pixels, stream.picture().pixels), abs=1e-6)
-
-
 def test_workers_that_fit() -> None:
     found = Memory(main=100 * MIB, worker=400 * MIB)
     assert found.workers_within(None, 8) == 8
@@ -140,22 +116,3 @@ def test_workers_that_fit() -> None:
     assert isinstance(ProcessExecutor(8).within(found, 1), SerialExecutor)
     with pytest.raises(UsageError, match="about 500 MiB"):
         ProcessExecutor(8, 499 * MIB).within(found, 5)
-
-
-def test_the_estimate_depends_on_the_tile_not_on_the_picture(photo: Path, settings: EncodeSettings) -> None:
-    with open_source(photo) as source:
-        plan = stream_plan(windows_of(source).shape, settings)
-    wide = replace(plan, header=replace(plan.header, width=75 * 1000, height=50 * 1000, tile=75))
-    near = replace(plan, header=replace(plan.header, width=75 * 10, height=75 * 10, tile=75))
-    assert estimate(wide, 0).total(2) == pytest.approx(estimate(near, 0).total(2), rel=0.01)
-    larger = replace(plan, header=replace(plan.header, width=7500, height=7500, tile=750))
-    assert estimate(larger, 0).worker > estimate(near, 0).worker + 50 * MIB
-
-
-def test_scores_take_memory_for_the_eye_alone(photo: Path, settings: EncodeSettings) -> None:
-    with open_source(photo) as source:
-        shape = windows_of(source).shape
-    plans = [stream_plan(shape, replace(settings, tune=tune)) for tune in ("psnr", "visual")]
-    headers = [replace(plan.header, width=900, height=900, tile=900) for plan in plans]
-    least, eye = (estimate(replace(plan, header=h), 0).worker for plan, h in zip(plans, headers, strict=True))
-    assert eye > least + 50 * MIB

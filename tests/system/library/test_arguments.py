@@ -8,7 +8,7 @@ import threading
 
 import numpy as np
 import pytest
-from library import ROOT, Info, Library, LibraryError, Options, View
+from library import ROOT, Info, Library, LibraryError, Options
 
 pytestmark = [
     pytest.mark.slow,
@@ -111,62 +111,6 @@ def test_null_pointers_are_refused(library: Library) -> None:
     assert library.c.sgi_is_stream(None, ctypes.c_size_t(8)) == 0
 
 
-def test_sizes_of_structures_are_looked_at(library: Library) -> None:
-    handle = library.open(golden("rgb8"))
-
-    class Longer(ctypes.Structure):
-        _fields_ = (("known", View), ("more", ctypes.c_uint64))
-
-    def longer(more: int) -> Longer:
-        found = Longer(handle.view(), more)
-        found.known.struct_size = ctypes.sizeof(Longer)
-        return found
-
-    samples = np.empty((128, 192, 3), np.uint8)
-    buffer = ctypes.c_void_p(samples.ctypes.data), ctypes.c_size_t(576)
-    library.call("sgi_draw", handle.stream, ctypes.byref(longer(0)), *buffer)
-    np.testing.assert_array_equal(samples, handle.draw())
-    with pytest.raises(LibraryError, match="does not know"):
-        library.call("sgi_draw", handle.stream, ctypes.byref(longer(1)), *buffer)
-    for size in (0, 8, ctypes.sizeof(View) - 1, 4097, 2**63):
-        view = handle.view()
-        view.struct_size = size
-        with pytest.raises(LibraryError, match=rf"sgi_view.struct_size is {size}; set it to sizeof\(sgi_view\)"):
-            library.call("sgi_draw", handle.stream, ctypes.byref(view), *buffer)
-        with pytest.raises(LibraryError, match="struct_size"):
-            library.call("sgi_get_info", handle.stream, ctypes.byref(Info(size if size != 2**63 else 0)))
-        with pytest.raises(LibraryError, match="struct_size"):
-            library.open(golden("rgb8"), Options(size if size != ctypes.sizeof(View) - 1 else 12))
-    larger = (ctypes.c_char * 200)(*[7] * 200)
-    ctypes.memmove(larger, ctypes.byref(ctypes.c_size_t(200)), 8)
-    library.call("sgi_get_info", handle.stream, ctypes.byref(larger))
-    assert larger.raw[ctypes.sizeof(Info) :] == bytes(200 - ctypes.sizeof(Info))
-    assert Info.from_buffer(larger).width == 192
-
-
-def test_other_arguments_are_looked_at(library: Library) -> None:
-    handle = library.open(golden("rgb8"))
-    with pytest.raises(LibraryError, match="must not be negative"):
-        library.open(golden("rgb8"), Options(ctypes.sizeof(Options), -1))
-    for kind in (-1, 5):
-        with pytest.raises(LibraryError, match="no kind of metadata"):
-            handle.metadata(kind)
-    with pytest.raises(LibraryError, match="level 1; there are 0 to 0") as caught:
-        handle.level(1)
-    assert caught.value.status == "region"
-    with pytest.raises(LibraryError, match="channel 3; there are 0 to 2") as caught:
-        handle.range(3)
-    assert caught.value.status == "usage"
-    out = ctypes.c_void_p(5)
-    with pytest.raises(LibraryError, match="the file is empty"):
-        library.call("sgi_open_memory", None, ctypes.c_size_t(0), None, ctypes.byref(out))
-    assert out.value is None
-    texts = {library.c.sgi_status_text(status) for status in range(-1, 12)}
-    assert len(texts) == 11  # ten of them, and one for what is none
-    for data, expected in ((golden("rgb8"), 1), (golden("rgb8")[:8], 1), (golden("rgb8")[:7], 0), (b"\x01\xda" * 8, 0)):
-        assert library.c.sgi_is_stream(data, ctypes.c_size_t(len(data))) == expected
-
-
 def test_an_error_is_that_of_a_thread_until_its_next_call(library: Library) -> None:
     handle = library.open(golden("rgb8"))
     with pytest.raises(LibraryError):
@@ -202,12 +146,3 @@ def test_threads_share_a_handle_and_draw_the_same(library: Library) -> None:
     for thread in threads:
         thread.join()
     assert failures == []
-
-
-def test_long_errors_are_cut_between_characters(library: Library) -> None:
-    """A text has 511 bytes at most, and they are UTF-8."""
-    handle = library.open(golden("rgb8"))
-    with pytest.raises(LibraryError) as caught:
-        handle.draw(x=1)
-    assert "×" in str(caught.value)
-    assert len(library.c.sgi_error()) < 512

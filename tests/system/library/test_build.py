@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import ctypes
-import os
-import re
 import shutil
 import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
-from library import ROOT, Info, Library, Options, View, installed
+from library import ROOT, Info, Library, Options, View
 from PIL import Image
 
 import sgicodec
@@ -32,11 +30,6 @@ def golden(name: str) -> bytes:
     return next(path for path in GOLDEN if path.stem == name).read_bytes()
 
 
-def test_nothing_of_python_is_installed(prefix: Path, tmp_path: Path) -> None:
-    subprocess.run(["cmake", "--install", prefix.parent, "--prefix", tmp_path], check=True, capture_output=True)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["include", "lib"]
-
-
 @pytest.mark.skipif(not shutil.which("pkg-config"), reason="needs pkg-config")
 @pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
 def test_the_example_draws_golden_streams(path: Path, decoder: Path, tmp_path: Path) -> None:
@@ -48,33 +41,6 @@ def test_the_example_draws_golden_streams(path: Path, decoder: Path, tmp_path: P
         with sgicodec.open(path) as stream:
             expected = stream.picture(size=(shown.shape[1], shown.shape[0]), dtype="uint8").pixels
         np.testing.assert_array_equal(shown, expected[..., : shown.shape[2]])
-
-
-@pytest.mark.skipif(not shutil.which("pkg-config"), reason="needs pkg-config")
-def test_the_static_library_is_linked_from_c(tmp_path: Path) -> None:
-    """By the compiler for C, which knows no library of C++ but what pkg-config names."""
-    prefix = installed("static-library", BUILD_SHARED_LIBS="OFF")
-    places = os.environ | {"PKG_CONFIG_PATH": str(prefix / "lib" / "pkgconfig")}
-    asked = ["pkg-config", "--static", "--cflags", "--libs", "sgi"]
-    flags = subprocess.run(asked, env=places, capture_output=True, check=True, text=True).stdout.split()
-    program, stream, out = tmp_path / "decode", ROOT / "tests/conformance/golden/rgb8.sgi", tmp_path / "out.ppm"
-    subprocess.run(["cc", ROOT / "examples" / "decode.c", *flags, "-o", program], check=True)
-    needed = subprocess.run(["ldd", program], capture_output=True, text=True, check=True).stdout
-    assert "libsgi" not in needed
-    subprocess.run([program, stream, out], check=True)
-    with sgicodec.open(stream) as opened:
-        np.testing.assert_array_equal(np.asarray(Image.open(out)), opened.read(dtype="uint8"))
-
-
-def test_the_example_says_what_is_wrong(decoder: Path, tmp_path: Path) -> None:
-    damaged = tmp_path / "damaged.sgi"
-    damaged.write_bytes(golden("rgb8")[:-1])
-    done = subprocess.run([decoder, damaged, tmp_path / "out.ppm"], capture_output=True, text=True)
-    assert done.returncode == 1
-    assert (
-        done.stderr == f"{damaged}: the file ends inside chunk E at byte {len(golden('rgb8')) - 6}; it was cut short\n"
-    )
-    assert subprocess.run([decoder], capture_output=True).returncode == 2
 
 
 @pytest.mark.parametrize("compiler", [["cc", "-x", "c", "-std=c99"], ["c++", "-x", "c++", "-std=c++11"]])
@@ -94,28 +60,6 @@ def test_cmake_finds_it(prefix: Path, tmp_path: Path) -> None:
     subprocess.run(["cmake", "-S", tmp_path, "-B", build, f"-DCMAKE_PREFIX_PATH={prefix}"], check=True)
     subprocess.run(["cmake", "--build", build], check=True)
     assert subprocess.run([build / "user"]).returncode == 2
-
-
-def test_nothing_else_is_seen_from_outside(prefix: Path) -> None:
-    listed = subprocess.run(
-        ["nm", "-D", "--defined-only", prefix / "lib" / "libsgi.so"], capture_output=True, text=True, check=True
-    )
-    declared = set(re.findall(r"^SGI_API [^(]*?\b(sgi_\w+)\(", HEADER.read_text(), re.MULTILINE))
-    assert {line.split()[-1] for line in listed.stdout.splitlines()} == declared
-    assert len(declared) >= 12
-
-
-def test_it_needs_neither_python_nor_zlib(prefix: Path) -> None:
-    told = subprocess.run(["ldd", prefix / "lib" / "libsgi.so"], capture_output=True, text=True, check=True).stdout
-    assert "libstdc++" in told
-    assert not re.search(r"python|libz\.|nanobind", told)
-
-
-def test_versions_agree(library: Library) -> None:
-    version = library.c.sgi_version().decode()
-    assert version == re.search(r'^version = "(.*)"', (ROOT / "pyproject.toml").read_text(), re.MULTILINE)[1]  # type: ignore[index]
-    stated = dict(re.findall(r"#define SGI_VERSION_(\w+) (\d+)", HEADER.read_text()))
-    assert version.split(".")[:2] == [stated["MAJOR"], stated["MINOR"]]
 
 
 def test_the_layout_of_structures_is_that_of_the_first_version(library: Library, tmp_path: Path) -> None:

@@ -9,13 +9,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from library import ROOT, SAMPLES, SIZE_UNKNOWN, Library, LibraryError, Options, Proceed
+from library import ROOT, SAMPLES, Library, LibraryError, Options, Proceed
 from mutate import mutated
 
 import sgicodec
 from sgicodec.errors import CorruptStreamError, LimitError, SgiError, UnsupportedStreamError
 from sgicodec.metadata.layouts import band_ranges
-from sgicodec.picture import Picture, full_range
+from sgicodec.picture import full_range
 
 pytestmark = [
     pytest.mark.slow,
@@ -70,42 +70,6 @@ def test_it_tells_and_draws_what_python_does(path: Path, library: Library) -> No
         np.testing.assert_array_equal(handle.draw(boundless=1, **size), beyond)
 
 
-def test_a_fraction_of_a_pixel_moves_the_picture(library: Library) -> None:
-    """A region may begin between pixels: a view twice as fine has every second pixel of it."""
-    handle = library.open(golden("rgb8"))
-    fine = handle.draw(x=10, y=10, width=20, height=20, columns=40, rows=40, sample=2)
-    moved = handle.draw(x=10.25, y=10.25, width=19.5, height=19.5, columns=39, rows=39, sample=2)
-    np.testing.assert_allclose((fine[:-1, :-1] + fine[1:, 1:]) / 2, moved, atol=5e-4)
-    assert np.abs(fine[:39, :39] - moved).max() > 2e-3
-
-
-@pytest.mark.parametrize("dtype", SAMPLES)
-def test_a_dead_pixel_is_no_nodata_in_any_type(dtype: str, library: Library) -> None:
-    """It lies below the range, and so at its lower end in another type, where nodata is, too."""
-    pixels = np.tile(np.linspace(100, 900, 50).astype(np.uint16)[:, None], (40, 1, 2))
-    pixels[:9, :, 1], pixels[20, 30, 0] = 0, 3
-    picture = Picture(pixels, "multi", (100.0, 900.0), blank=0.0, exact=True)
-    shown = library.open(sgicodec.encode(picture, steps=1)).draw(sample=SAMPLES.index(dtype))
-    np.testing.assert_array_equal(shown == 0, pixels == 0)
-
-
-def test_sources_are_read_as_they_can_be(library: Library) -> None:
-    data = golden("rgb8-tiles")
-    expected = library.open(data).draw()
-    reads: list[tuple[int, int]] = []
-
-    def read(offset: int, count: int) -> bytes:
-        reads.append((offset, count))
-        return data[offset : offset + min(count, 1000)]  # fewer than it was asked for, as a pipe does
-
-    np.testing.assert_array_equal(library.open_callback(read, len(data)).draw(), expected)
-    assert max(offset + count for offset, count in reads) <= len(data)
-    reads.clear()
-    np.testing.assert_array_equal(library.open_callback(read, SIZE_UNKNOWN).draw(), expected)
-    offsets = [offset for offset, _ in reads]
-    assert offsets == sorted(offsets)
-
-
 @pytest.mark.parametrize("returned", [-1, -(2**63), 2**62])
 @pytest.mark.parametrize("after", [0, 1, 3])
 def test_a_callback_that_fails_is_an_error_of_the_source(library: Library, returned: int, after: int) -> None:
@@ -118,13 +82,6 @@ def test_a_callback_that_fails_is_an_error_of_the_source(library: Library, retur
 
     with pytest.raises(LibraryError, match=r"reading failed at byte \d+") as caught:
         library.open_callback(read, len(data)).draw()
-    assert caught.value.status == "source"
-
-
-def test_a_file_that_shrinks_is_an_error_of_the_source(library: Library) -> None:
-    data = golden("rgb8-tiles")
-    with pytest.raises(LibraryError, match="reading failed") as caught:
-        library.open_callback(lambda offset, count: data[: len(data) // 2][offset : offset + count], len(data)).draw()
     assert caught.value.status == "source"
 
 
@@ -165,19 +122,6 @@ def test_a_tile_takes_no_more_than_it_may(path: Path, library: Library) -> None:
         with pytest.raises(LibraryError) as caught:
             draw(little)
         assert caught.value.status == "limit"
-
-
-@pytest.mark.parametrize(
-    ("name", "tile_bytes", "text"),
-    [
-        ("rgb8", 1 << 8, "base layer: values are 18; a tile holds at most 10"),
-        ("rgb8", 1 << 20, "positions: more than 330 seeds"),
-        ("rgb8-luma", 1 << 18, "samples with texture are 73728; a tile holds at most"),
-    ],
-)
-def test_what_takes_too_much_is_named(library: Library, name: str, tile_bytes: int, text: str) -> None:
-    with pytest.raises(LibraryError, match=text):
-        library.open(golden(name), Options(ctypes.sizeof(Options), tile_bytes=tile_bytes)).draw()
 
 
 def outcome_in_python(data: bytes) -> tuple[str, str] | np.ndarray:

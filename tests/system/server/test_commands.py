@@ -4,20 +4,16 @@ from __future__ import annotations
 
 import re
 import signal
-import sys
 from collections.abc import Callable
 from pathlib import Path
-from urllib.parse import unquote
 
 import pytest
 from click.testing import CliRunner, Result
 from http_server import Client, running, start
 
-from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.cli.main import cli
 from sgicodec.server.app import Settings, application
 from sgicodec.server.catalog import ListedFiles
-from sgicodec.server.run import listening
 
 
 @pytest.fixture
@@ -76,21 +72,6 @@ def test_refused(sgi: Callable[..., Result], arguments: tuple[str, ...], status:
     assert text in result.stderr
 
 
-def test_a_port_in_use(sgi: Callable[..., Result], folder: Path) -> None:
-    with listening("127.0.0.1", 0) as place:
-        result = sgi("serve", folder, "--port", place.getsockname()[1])
-    assert result.exit_code == 2
-    assert "cannot be used" in result.stderr
-
-
-def test_without_the_extra(sgi: Callable[..., Result], folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "starlette", None)
-    for command in (("serve", folder), ("view", folder / "wide.sgi")):
-        result = sgi(*command)
-        assert result.exit_code == 2
-        assert "pip install 'sgicodec[serve]'" in result.stderr
-
-
 def test_a_url_is_passed_on_in_parts(get: Client, folder: Path) -> None:
     data = (folder / "wide.sgi").read_bytes()
     urls = {"far": f"{get.address}/files/wide.sgi", "gone": f"{get.address}/files/absent.sgi"}
@@ -103,23 +84,3 @@ def test_a_url_is_passed_on_in_parts(get: Client, folder: Path) -> None:
         assert near("/remote/far").status == 400
         assert near("/remote/other", Range="bytes=0-9").status == 404
         assert near("/remote/gone", Range="bytes=0-9").status == 500
-
-
-def test_viewing_a_url(get: Client) -> None:
-    process, line = start("view", f"{get.address}/files/wide.sgi", "--no-browser")
-    found = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/viewer/\?file=(\S+)", line)
-    assert found, line
-    assert Client(int(found[1]))(unquote(found[2]), Range="bytes=0-7").body == SIGNATURE
-    process.send_signal(signal.SIGTERM)
-    process.communicate()
-    assert process.returncode == 0
-
-
-def test_files_that_were_chosen(folder: Path) -> None:
-    catalog = ListedFiles({"a.sgi": folder / "wide.sgi"})
-    with running(application(catalog, Settings(public=False, hosts=("127.0.0.1",)))) as get:
-        assert get("/files/a.sgi").body == (folder / "wide.sgi").read_bytes()
-        assert get("/files/wide.sgi").status == 404
-        assert get("/files/x/").status == 404
-        assert "a.sgi" in get("/files/").text
-        assert get("/iiif/3/a.sgi/full/max/0/default.jpg").headers["cache-control"].startswith("private")

@@ -6,7 +6,6 @@ import json
 import math
 import sys
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,8 +14,7 @@ from range_server import served
 
 import sgicodec
 from sgicodec.bench.command import bench, compare
-from sgicodec.bench.ladders import LADDERS
-from sgicodec.errors import OutputExistsError, PictureError, SgiError, StreamError, TargetMissedError, UsageError
+from sgicodec.errors import OutputExistsError, SgiError, StreamError, TargetMissedError, UsageError
 from sgicodec.metrics.perceptual import Perceived
 
 Image = pytest.importorskip("PIL.Image")
@@ -37,20 +35,6 @@ def call(command: object, *arguments: object) -> Result:
     return CliRunner().invoke(command, [str(argument) for argument in arguments], help_option_names=names)
 
 
-def intercepted(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
-    """What the measurement would be called with."""
-    from sgicodec.bench import run
-
-    seen: dict[str, Any] = {}
-
-    def run_bench(pictures: object, codecs: object, out: object, **others: object) -> None:
-        seen.update(codecs=codecs, **others)
-        raise SgiError("no more than this")
-
-    monkeypatch.setattr(run, "run_bench", run_bench)
-    return seen
-
-
 def test_bench_prints_tables_and_leaves_results(tmp_path: Path) -> None:
     source = save(tmp_path / "p.png", picture())
     result = call(bench, source, "--codecs", "webp,jpeg", "--out", tmp_path / "out")
@@ -69,91 +53,6 @@ def test_bench_resumes_and_prints_json(tmp_path: Path) -> None:
     assert json.loads(first.stdout) == json.loads(second.stdout)
     assert json.loads(first.stdout) == json.loads((tmp_path / "out" / "summary.json").read_text())
     assert list(json.loads(first.stdout)["codecs"]) == ["jpeg"]
-
-
-def test_bench_runs_sgi_at_each_effort_and_quality(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from sgicodec.bench import run
-
-    seen = {}
-    monkeypatch.setattr(
-        run, "run_bench", lambda pictures, codecs, out, **others: seen.update(codecs=codecs, **others) or 1 / 0
-    )
-    save(tmp_path / "p.png", picture())
-    call(
-        bench,
-        tmp_path,
-        "--codecs",
-        "sgi,jpeg",
-        "--efforts",
-        "2,7",
-        "--qualities",
-        "60,30.5",
-        "--threads",
-        "3",
-    )
-    assert [codec.name for codec in seen["codecs"]] == ["sgi-e2", "sgi-e7", "jpeg"]
-    assert seen["codecs"][0].ladder == (30.5, 60)
-    assert seen["codecs"][0].threads == 3
-    call(bench, tmp_path, "--codecs", "sgi")
-    assert [(codec.name, codec.ladder) for codec in seen["codecs"]] == [("sgi", (20, 35, 50, 65, 80))]
-
-
-def test_bench_runs_variants_of_sgi_and_keeps_peers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from sgicodec.bench import run
-
-    seen = {}
-    monkeypatch.setattr(
-        run, "run_bench", lambda pictures, codecs, out, **others: seen.update(codecs=codecs, **others) or 1 / 0
-    )
-    save(tmp_path / "p.png", picture())
-    variants = ("--sgi", "fine=--tile 64 -e 7", "--sgi", "plain=")
-    call(bench, tmp_path, "--codecs", "sgi,jpeg", *variants, "--cache", tmp_path / "cache")
-    assert [codec.name for codec in seen["codecs"]] == ["sgi-fine", "sgi-plain", "jpeg"]
-    assert [codec.options for codec in seen["codecs"][:2]] == [("--tile", "64", "-e", "7"), ()]
-    assert (tmp_path / "cache").is_dir()
-    assert seen["published"] == []
-
-
-def test_a_profile_without_qualities_has_its_own_ladder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    seen = intercepted(monkeypatch)
-    save(tmp_path / "p.png", picture())
-    variants = ("--sgi", "paper=--profile paper", "--sgi", "plain=")
-    call(bench, tmp_path, "--codecs", "sgi", *variants, "--qualities", "30,60", "--efforts", "2,7")
-    curves = [(codec.name, codec.ladder, codec.effort) for codec in seen["codecs"]]
-    assert curves == [
-        ("sgi-paper", LADDERS["paper"].values, None),
-        ("sgi-plain-e2", (30, 60), 2),
-        ("sgi-plain-e7", (30, 60), 7),
-    ]
-
-
-@pytest.mark.slow
-def test_bench_measures_the_paper_profile(tmp_path: Path) -> None:
-    source = save(tmp_path / "p.png", picture())
-    options = ("--codecs", "sgi", "--sgi", "paper=--profile paper --steps 5", "--out", tmp_path / "out", "--no-plots")
-    result = call(bench, source, *options)
-    assert result.exit_code == 0, result.exception
-    assert "5 points measured" in result.stderr
-
-
-def test_bench_draws_sheets_with_or_without_curves(tmp_path: Path) -> None:
-    source = save(tmp_path / "p.png", picture())
-    options = (
-        "--codecs",
-        "webp,jpeg",
-        "--out",
-        tmp_path / "out",
-        "--sheets",
-        tmp_path / "sheets",
-        "--sheet-rates",
-        "4,6",
-    )
-    result = call(bench, source, *options, "--no-curves")
-    assert result.exit_code == 0, result.exception
-    assert [path.name[-8:] for path in sorted((tmp_path / "sheets").iterdir())] == ["4bpp.png", "6bpp.png"]
-    assert not (tmp_path / "out").exists()
-    assert result.stdout == ""
-    assert "BD-rate" in call(bench, source, *options, "--no-plots").stdout
 
 
 def test_bench_leaves_out_aloud_what_is_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -180,15 +79,6 @@ def test_bench_leaves_out_aloud_what_is_missing(tmp_path: Path, monkeypatch: pyt
     asked = call(bench, tmp_path / "p.png", "--codecs", "jpeg,jxl")
     assert isinstance(asked.exception, UsageError)
     assert "pip install 'sgicodec[bench]'" in str(asked.exception)
-
-
-def test_bench_wants_matplotlib_before_it_measures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "matplotlib", None)
-    source = save(tmp_path / "p.png", picture())
-    result = call(bench, source, "--codecs", "jpeg", "--out", tmp_path / "out")
-    assert str(result.exception) == "sgi bench needs matplotlib: pip install 'sgicodec[bench]'"
-    assert not (tmp_path / "out").exists()
-    assert call(bench, source, "--codecs", "jpeg", "--out", tmp_path / "out", "--no-plots").exit_code == 0
 
 
 @pytest.mark.parametrize("command", [bench, compare])
@@ -239,23 +129,6 @@ def test_compare_prints_the_figures(tmp_path: Path) -> None:
     assert lines[-1] == "largest difference  5"
 
 
-def test_compare_takes_urls(tmp_path: Path) -> None:
-    files = {
-        name: save(tmp_path / name, picture() + level).read_bytes() for name, level in (("a.png", 0), ("b.png", 1))
-    }
-    with served(files) as server:
-        a, b = (f"{server.url}/{name}" for name in files)
-        assert json.loads(call(compare, a, b, "--json").stdout)["largest_difference"] == 1
-        missing = call(compare, a, f"{server.url}/none.png")
-        assert (type(missing.exception), str(missing.exception)) == (
-            PictureError,
-            f"{server.url}/none.png: there is no such file",
-        )
-        target = call(compare, a, b, "--map", f"{server.url}/map.png")
-        assert isinstance(target.exception, UsageError)
-        assert "can be read, not written" in str(target.exception)
-
-
 def test_compare_decodes_streams(tmp_path: Path) -> None:
     a, stream = save(tmp_path / "a.png", picture()), tmp_path / "a.sgi"
     stream.write_bytes(sgicodec.encode(picture(), steps=2))
@@ -275,25 +148,6 @@ def test_compare_decodes_streams(tmp_path: Path) -> None:
     assert call(compare, named_so, named_so).exit_code == 0
 
 
-def test_bench_takes_no_urls() -> None:
-    failed = call(bench, "https://example.org/a.png").exception
-    assert isinstance(failed, UsageError)
-    assert str(failed) == "https://example.org/a.png: sgi bench measures files, not URLs; fetch it first"
-
-
-def test_compare_as_json(tmp_path: Path) -> None:
-    a = save(tmp_path / "a.png", picture())
-    figures = json.loads(call(compare, a, a, "--json").stdout)
-    assert figures["psnr"] is None
-    assert figures["ssim"] == pytest.approx(1)
-    assert figures["largest_difference"] == 0
-    scores = {"ssimulacra2": 100, "butteraugli": 0}
-    assert {name: figures[name] for name in scores} == {
-        n: scores[n] if n in Perceived.available() else None for n in scores
-    }
-    assert set(figures) == {"psnr", "luma_psnr", "ssim", "ms_ssim", *scores, "largest_difference"}
-
-
 def test_compare_draws_the_error(tmp_path: Path) -> None:
     changed = picture()
     changed[3, 4] += np.array([0, 2, 20], np.uint8)
@@ -306,22 +160,6 @@ def test_compare_draws_the_error(tmp_path: Path) -> None:
     assert isinstance(call(compare, b, a, "--map", target).exception, OutputExistsError)
     assert call(compare, b, a, "--map", target, "-f").exit_code == 0
     assert np.asarray(Image.open(target))[3, 4].tolist() == [128, 112, 0]
-
-
-def test_compare_leaves_alpha_out_of_the_map(tmp_path: Path) -> None:
-    clear = np.dstack([picture(), np.full((40, 56), 200, np.uint8)])
-    opaque = np.dstack([picture(), np.full((40, 56), 255, np.uint8)])
-    a, b = save(tmp_path / "a.png", clear), save(tmp_path / "b.png", opaque)
-    assert call(compare, a, b, "--map", tmp_path / "map.png").exit_code == 0
-    assert np.asarray(Image.open(tmp_path / "map.png")).shape == (40, 56, 3)
-
-
-def test_compare_passes_over_an_opaque_alpha_that_one_picture_lacks(tmp_path: Path) -> None:
-    a = save(tmp_path / "a.png", np.dstack([picture(), np.full((40, 56), 255, np.uint8)]))
-    b = save(tmp_path / "b.png", picture() + np.uint8(5))
-    assert call(compare, a, b).stdout == call(compare, save(tmp_path / "c.png", picture()), b).stdout
-    clear = save(tmp_path / "d.png", np.dstack([picture(), np.full((40, 56), 200, np.uint8)]))
-    assert "56x40 with 4 channels" in str(call(compare, clear, b).exception)
 
 
 def test_compare_fails_under_a_target(tmp_path: Path) -> None:
@@ -339,31 +177,3 @@ def test_compare_refuses_unlike_pictures(tmp_path: Path) -> None:
     a = save(tmp_path / "a.png", picture())
     b = save(tmp_path / "b.png", picture()[:-1])
     assert "56x40 with 3 channels and 56x39" in str(call(compare, a, b).exception)
-
-
-def test_commands_import_nothing_heavy() -> None:
-    import subprocess
-
-    heavy = "('numpy', 'PIL', 'matplotlib', 'imagecodecs', 'torch', 'rich')"
-    code = f"import sys, sgicodec.bench.command; print([m for m in {heavy} if m in sys.modules])"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
-
-
-def test_compare_says_that_a_file_has_more_pages(tmp_path: Path) -> None:
-    first, second = (Image.fromarray(picture() + level) for level in (0, 9))
-    first.save(tmp_path / "a.tif", save_all=True, append_images=[second])
-    result = call(compare, tmp_path / "a.tif", save(tmp_path / "b.png", picture()))
-    assert result.exit_code == 0
-    assert result.stderr == f"sgi: {tmp_path / 'a.tif'}: the first of 2 pages is compared\n"
-    assert result.stdout.startswith("PSNR                inf dB")
-
-
-def test_compare_names_the_peak_of_deep_pictures(tmp_path: Path) -> None:
-    deep = picture().astype(np.uint16) * 20
-    a, b = tmp_path / "a.tif", tmp_path / "b.tif"
-    for path, pixels in ((a, deep), (b, deep + 4)):
-        sgicodec.write(sgicodec.Picture(pixels, "rgb", (0.0, 65535.0)), path)
-    top = sgicodec.read(a).sample_range[1]
-    expected = 20 * math.log10(top / 4)
-    assert call(compare, a, b).stdout.startswith(f"PSNR                {expected:.3f} dB of the range 0 to {top:g}")

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import runpy
 import subprocess
 import sys
-from pathlib import Path
-from typing import Any
 
 import pytest
 
-from sgicodec.bench import launch
 from sgicodec.bench.peak import family, together
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="no other system tells what processes share")
@@ -36,23 +32,3 @@ def test_processes_are_added_up(children: int) -> None:
         held = together(parent.pid)
         parent.communicate(b"\n\n\n")
     assert 100 * children <= held <= 140 * children
-
-
-def test_a_launch_looks_while_the_command_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """And takes the most that it saw."""
-    seen = tmp_path / "seen"
-    sizes = iter([7.0, 90.0, 8.0])
-
-    def looked(pid: int) -> float:
-        size = next(sizes, None)
-        if size is None:
-            seen.touch()
-        return size or 0.0
-
-    def peak(path: str) -> dict[str, Any]:
-        assert Path(path).name == "peak.py"
-        return {"together": looked}
-
-    monkeypatch.setattr(runpy, "run_path", peak)
-    wait = f"import pathlib\nwhile not pathlib.Path({str(seen)!r}).exists(): pass\nraise SystemExit(3)"
-    assert launch.run([sys.executable, "-c", wait]) == (3, 90.0)

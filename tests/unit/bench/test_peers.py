@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import sys
 
 import numpy as np
@@ -11,11 +10,10 @@ import pytest
 from sgicodec.bench.codec import Pixels8
 from sgicodec.bench.optional_peers import Jpegli, VVenC
 from sgicodec.bench.peer import Peer
-from sgicodec.bench.peers import PEERS, Avif, AvifIq, AvifSlow, Jpeg, Jpeg2000, JpegXl, WebP, find_peers
+from sgicodec.bench.peers import Avif, AvifIq, AvifSlow, Jpeg, Jpeg2000, JpegXl, WebP, find_peers
 from sgicodec.errors import PictureError, UsageError
 from sgicodec.metrics.psnr import psnr
 
-Image = pytest.importorskip("PIL.Image")
 pytest.importorskip("imagecodecs")
 
 OPTIONAL = [peer for peer in (Jpegli(), VVenC()) if not find_peers([peer.name])[1]]
@@ -54,62 +52,6 @@ def test_every_point_has_settings_of_its_own(peer: Peer) -> None:
     assert peer.version()
 
 
-def test_jpeg_is_progressive_and_subsampled() -> None:
-    from PIL import JpegImagePlugin
-
-    opened = Image.open(io.BytesIO(Jpeg().encode(picture(), 50)))
-    assert opened.info["progressive"]
-    assert JpegImagePlugin.get_sampling(opened) == 2
-
-
-def test_jpeg2000_meets_its_rate_with_a_bare_codestream() -> None:
-    pixels = picture()
-    data = Jpeg2000().encode(pixels, 0.5)
-    assert data.startswith(b"\xff\x4f\xff\x51")
-    assert 8 * len(data) / (96 * 128) == pytest.approx(0.5, rel=0.1)
-
-
-def test_avif_keeps_the_resolution_of_colour() -> None:
-    """A one-pixel pattern of equal luma would be averaged away by 4:2:0."""
-    pixels = np.full((64, 64, 3), 128, np.uint8)
-    pixels[:, ::2, 0], pixels[:, ::2, 1] = 228, 77
-    decoded = Avif().round_trip(pixels, 85).pixels.astype(int)
-    assert np.abs(decoded[:, ::2, 0] - decoded[:, 1::2, 0]).mean() > 60
-
-
-def test_threads_are_named_in_the_settings_that_use_them() -> None:
-    found, missing = find_peers(PEERS, threads=3)
-    assert set(missing) <= {"jpegli", "vvenc"}
-    having = {"jxl", "avif", "avif-iq", "avif-s2", "vvenc"} - set(missing)
-    assert {peer.name for peer in found if "threads=3" in peer.settings(1)} == having
-
-
-def test_avif_iq_is_what_libavif_does_by_itself() -> None:
-    buffer = io.BytesIO()
-    options = {"quality": 45, "subsampling": "4:4:4", "speed": 6, "codec": "aom"}
-    Image.fromarray(picture()).save(buffer, "AVIF", **options)
-    assert AvifIq().encode(picture(), 45) == buffer.getvalue()
-
-
-@pytest.mark.parametrize(("name", "library"), [("jpegli", "pyjpegli"), ("vvenc", "imageio_ffmpeg")])
-def test_optional_peers_name_their_extra(monkeypatch: pytest.MonkeyPatch, name: str, library: str) -> None:
-    monkeypatch.setitem(sys.modules, library, None)
-    package = library.replace("_", "-")
-    assert find_peers([name]) == ([], {name: f"{name} needs {package}: pip install 'sgicodec[peers]'"})
-
-
-def test_an_ffmpeg_without_vvc_counts_as_missing(monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("imageio_ffmpeg")
-    monkeypatch.setattr("sgicodec.bench.optional_peers._encoders", lambda: " V....D libaom-av1")
-    assert "vvenc needs an ffmpeg that holds libvvenc" in find_peers(["vvenc"])[1]["vvenc"]
-
-
-def test_what_ffmpeg_refuses_is_told() -> None:
-    pytest.importorskip("imageio_ffmpeg")
-    with pytest.raises(RuntimeError, match="ffmpeg: "):
-        VVenC().decode(b"no stream")
-
-
 def test_a_picture_that_a_codec_refuses_is_the_picture_s_fault() -> None:
     with pytest.raises(PictureError, match="webp cannot code a picture of 20000x1 pixels"):
         WebP().round_trip(np.zeros((1, 20000, 3), np.uint8), 50)
@@ -122,13 +64,6 @@ def test_missing_packages_are_named_with_the_extra(monkeypatch: pytest.MonkeyPat
     assert missing == {"jxl": "jxl needs imagecodecs: pip install 'sgicodec[bench]'"}
     monkeypatch.setitem(sys.modules, "PIL", None)
     assert find_peers(["webp"])[1] == {"webp": "webp needs pillow: pip install 'sgicodec[bench]'"}
-
-
-def test_a_library_without_the_format_counts_as_missing(monkeypatch: pytest.MonkeyPatch) -> None:
-    from PIL import features
-
-    monkeypatch.setattr(features, "check", lambda feature: feature != "avif")
-    assert "avif needs a pillow that holds libavif" in find_peers(["avif"])[1]["avif"]
 
 
 def test_unknown_names_are_refused() -> None:

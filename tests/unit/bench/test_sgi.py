@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sgicodec.bench.sgi import SgiCodec, fingerprint
+from sgicodec.bench.sgi import SgiCodec
 from sgicodec.errors import SgiError
 
 pytest.importorskip("PIL")
@@ -56,14 +56,6 @@ def test_commands_get_the_files_and_settings(tmp_path: Path) -> None:
     assert not Path(encode[1]).exists()
 
 
-def test_default_effort_is_left_to_the_command(tmp_path: Path) -> None:
-    codec = SgiCodec(command=stand_in(tmp_path))
-    codec.round_trip(picture(), 50)
-    assert all("-e" not in json.loads(line) for line in (tmp_path / "fake.log").read_text().splitlines())
-    assert (codec.name, SgiCodec(effort=7).name) == ("sgi", "sgi-e7")
-    assert codec.settings(50) != SgiCodec(effort=7).settings(50) != SgiCodec(effort=7, threads=4).settings(50)
-
-
 def test_a_failing_command_passes_on_its_last_line(tmp_path: Path) -> None:
     with pytest.raises(SgiError, match=r"failed: Unlucky: 13 is not a quality$"):
         SgiCodec(command=stand_in(tmp_path)).round_trip(picture(), 13)
@@ -77,45 +69,6 @@ def test_peak_memory_is_the_command_s_and_not_the_benchmark_s(tmp_path: Path) ->
     assert ballast.nbytes == 300 << 20
     assert 0 < small < 150
     assert 300 < big < 500
-
-
-def test_fingerprint_follows_the_code_that_codes(tmp_path: Path) -> None:
-    (tmp_path / "bench").mkdir()
-    (tmp_path / "fit").mkdir()
-    (tmp_path / "fit" / "rate.py").write_text("a")
-    before = fingerprint(tmp_path)
-    (tmp_path / "bench" / "run.py").write_text("ignored")
-    (tmp_path / "fit" / "rate.pyc").write_text("ignored")
-    assert fingerprint(tmp_path) == before
-    (tmp_path / "fit" / "rate.py").write_text("b")
-    assert fingerprint(tmp_path) != before
-    (tmp_path / "fit" / "rate.py").write_text("a")
-    (tmp_path / "prior.bin").write_bytes(b"")
-    assert fingerprint(tmp_path) != before
-
-
-def test_version_names_the_fingerprint() -> None:
-    package = Path(sys.modules["sgicodec.bench.sgi"].__file__).parent.parent
-    assert SgiCodec().version().endswith("+" + fingerprint(package))
-
-
-def test_variants_have_names_settings_and_options(tmp_path: Path) -> None:
-    codec = SgiCodec(command=stand_in(tmp_path), label="fine", options=("--tile", "64"))
-    codec.round_trip(picture(), 50)
-    encode = json.loads((tmp_path / "fake.log").read_text().splitlines()[0])
-    assert encode[-2:] == ["--tile", "64"]
-    assert (codec.name, SgiCodec(effort=7, label="fine").name) == ("sgi-fine", "sgi-fine-e7")
-    assert codec.settings(50) == SgiCodec().settings(50) + " --tile 64"
-
-
-def test_the_paper_profile_is_asked_for_seeds(tmp_path: Path) -> None:
-    codec = SgiCodec(command=stand_in(tmp_path), label="paper", options=("--profile", "paper", "--steps", "9"))
-    codec.round_trip(np.zeros((50, 40, 3), np.uint8), 1800)
-    encode = json.loads((tmp_path / "fake.log").read_text().splitlines()[0])
-    assert encode[3:5] == ["--seeds", "4"]
-    assert encode[-4:] == ["--profile", "paper", "--steps", "9"]
-    assert not {"-q", "-e"} & set(encode)
-    assert codec.settings(1800).startswith("seeds-per-megapixel=1800 ")
 
 
 def test_a_size_is_a_target_of_the_command(tmp_path: Path) -> None:

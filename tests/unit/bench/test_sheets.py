@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 
 from sgicodec.bench.peers import Jpeg, WebP
-from sgicodec.bench.run import Sample
-from sgicodec.bench.sheets import draw_sheet, write_sheets
-from sgicodec.bench.sized import Sized
+from sgicodec.bench.sheets import write_sheets
 
 Image = pytest.importorskip("PIL.Image")
 
@@ -19,59 +17,6 @@ WIDTH, HEIGHT = 160, 128  # of a detail
 
 def noise(height: int = 200, width: int = 400) -> np.ndarray:
     return np.random.default_rng(2).integers(0, 256, (height, width, 3), np.uint8)
-
-
-def doubled(pixels: np.ndarray, x: int, y: int) -> np.ndarray:
-    return np.kron(pixels[y : y + HEIGHT, x : x + WIDTH], np.ones((2, 2, 1), np.uint8))
-
-
-def holds(sheet: np.ndarray, detail: np.ndarray) -> list[tuple[int, int]]:
-    """The places of a detail in a sheet, by its first row of pixels and then by all of them."""
-    height, width = detail.shape[:2]
-    corners = np.argwhere((sheet[:-height, :-width] == detail[0, 0]).all(axis=2))
-    return [(y, x) for y, x in corners if np.array_equal(sheet[y : y + height, x : x + width], detail)]
-
-
-def test_panels_are_the_same_places_of_all_pictures() -> None:
-    """Busy at the left, and one of the codecs bad at the right."""
-    original = noise(HEIGHT) // 4
-    original[:, :WIDTH] *= 3
-    bad = original + np.uint8(1)
-    bad[:, 240:] += 60
-    versions = [Sized("fine", 9000, original // 2 * 2), Sized("poor", 9001, bad)]
-    sheet = np.asarray(draw_sheet(Sample("p.png", "0f", original), versions, "title"))
-    busy = [holds(sheet, doubled(pixels, 0, 0)) for pixels in (original, versions[0].pixels, bad)]
-    different = [holds(sheet, doubled(pixels, 240, 0)) for pixels in (original, versions[0].pixels, bad)]
-    found = [place for places in (*busy, *different) for place in places]
-    assert len(found) == 6
-    rows = [y for y, _ in found]
-    assert rows[:3] == [rows[0]] * 3
-    assert rows[3:] == [rows[3]] * 3
-    assert rows[0] < rows[3]
-    assert [x for _, x in found[:3]] == [x for _, x in found[3:]] == sorted(x for _, x in found[:3])
-
-
-def test_chosen_places_are_shown_instead_and_lie_inside() -> None:
-    original = noise()
-    sheet = draw_sheet(Sample("p.png", "0f", original), [Sized("some", 900, original)], "title", [(40, 8), (999, 999)])
-    for x, y in ((40, 8), (240, 72)):
-        assert len(holds(np.asarray(sheet), doubled(original, x, y))) == 2
-
-
-def test_a_codec_that_failed_leaves_its_panel_white() -> None:
-    versions = [Sized("none", 0, None, "needs 1,234 bytes"), Sized("some", 900, noise())]
-    sheet = np.asarray(draw_sheet(Sample("p.png", "0f", noise()), versions, "title"))
-    width = sheet.shape[1] // 3
-    below_its_label = sheet[110:300, width + 10 : 2 * width - 10]
-    assert (below_its_label == 255).all()
-    assert sheet[110:300, 2 * width + 10 : -10].std() > 20
-
-
-def test_small_pictures_are_shown_whole() -> None:
-    small = noise(30, 50)
-    sheet = np.asarray(draw_sheet(Sample("p.png", "0f", small), [Sized("some", 900, small)], "title"))
-    whole = np.kron(small, np.ones((2, 2, 1), np.uint8))
-    assert len(holds(sheet, whole)) == 2
 
 
 def test_a_file_for_each_picture_and_rate(tmp_path: Path) -> None:

@@ -6,13 +6,11 @@ import io
 import json
 import math
 from collections.abc import Callable
-from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
 from sgicodec.bench.rows import Row
-from sgicodec.bench.summary import RATES, Summary, summarise
+from sgicodec.bench.summary import Summary, summarise
 
 BPPS = (0.1, 0.2, 0.4, 0.8, 1.6)
 
@@ -73,28 +71,6 @@ def test_bd_rates_against_every_peer_and_between_peers(summary: Summary) -> None
     assert sgi.mean_quality == pytest.approx(sum(gains) / 2)
 
 
-def test_every_measure_is_compared_on_its_own_scale(summary: Summary) -> None:
-    sgi = {c.measure: c for c in summary.comparisons if (c.test, c.anchor) == ("sgi", "jpeg")}
-    assert sgi["luma_psnr"].rates["a.png 00000000"].low == pytest.approx(steep(0.1) + 1)
-    assert sgi["ms_ssim"].rates["a.png 00000000"].low == pytest.approx(steep(0.1) / 2)
-    assert sgi["luma_psnr"].mean_rate == pytest.approx(-35)
-    assert sgi["ms_ssim"].mean_rate == pytest.approx(-35)
-
-
-def test_means_are_taken_at_equal_rates(summary: Summary) -> None:
-    for bpp in RATES:
-        mean, count = summary.means["psnr"]["jpeg"][bpp]
-        assert count == 2
-        assert mean == pytest.approx((steep(bpp) + flat(bpp)) / 2)
-
-
-def test_means_say_how_many_pictures_reach_the_rate() -> None:
-    points = rows("jpeg", "a.png", steep) + rows("jpeg", "b.png", flat, 3.0)
-    means = summarise(points, ["jpeg"]).means["psnr"]["jpeg"]
-    assert means[0.15] == (pytest.approx(steep(0.15)), 1)
-    assert means[0.5][1] == 2
-
-
 def test_json_is_strict_and_complete() -> None:
     points = [*rows("jpeg", "a.png", steep), row("sgi", "a.png", 0.5, 60.0)]
     tree = summarise(points, ["sgi", "jpeg"]).to_json()
@@ -132,92 +108,3 @@ def test_tables_show_what_was_computed(summary: Summary) -> None:
     assert rates[-1] == "–"  # the curve of a.png ends at 0.96 bpp
     assert times == ["2.000", "0.500", "300"]
     assert any("BD-rate in % against jpeg of" in line for line in lines)
-
-
-def test_tables_say_when_a_mean_lacks_pictures() -> None:
-    points = rows("jpeg", "a.png", steep) + rows("jpeg", "b.png", flat)
-    points += rows("sgi", "a.png", steep, 0.5) + rows("sgi", "b.png", lambda bpp: 90 + bpp)
-    lines = printed(summarise(points, ["sgi", "jpeg"]))
-    assert cells(lines, "b.png 00000000") == [["–"]]
-    assert cells(lines, "mean, psnr") == [["-50.0 (of 1)"]]
-
-
-def test_plots_are_drawn_for_each_picture_and_the_mean(summary: Summary, tmp_path: Path) -> None:
-    pytest.importorskip("matplotlib")
-    from sgicodec.bench.plots import write_plots
-
-    paths = write_plots(summary, tmp_path)
-    assert [path.name for path in paths] == [
-        "rd-mean.png",
-        "time.png",
-        "rd-a-00000000.png",
-        "rd-b-00000000.png",
-    ]
-    for path in paths:
-        assert path.read_bytes().startswith(b"\x89PNG")
-    assert paths[2].read_bytes() != paths[3].read_bytes()
-
-
-def test_a_codec_without_points_is_no_obstacle(tmp_path: Path) -> None:
-    pytest.importorskip("matplotlib")
-    from sgicodec.bench.plots import write_plots
-
-    summary = summarise(rows("jpeg", "a.png", steep), ["sgi", "jpeg"], ["sgi failed"])
-    assert len(write_plots(summary, tmp_path)) == 3
-    assert cells(printed(summary), "sgi") == [["–"] * len(RATES), ["–"] * 3]
-
-
-@pytest.fixture
-def seen() -> Summary:
-    """Scores of 10 to 90 over bpp for jpeg, at 80 % of the rate for sgi; a published curve with PSNR alone."""
-
-    def scored(codec: str, factor: float) -> list[Row]:
-        curve = {bpp: 90 - 20 * step for step, bpp in enumerate(reversed(BPPS))}
-        return [
-            row(codec, "a.png", factor * bpp, steep(bpp), ssimulacra2=score, butteraugli=2 / bpp)
-            for bpp, score in curve.items()
-        ]
-
-    bare = {"ms_ssim": math.nan, "luma_psnr": math.nan, "encode_seconds": math.nan, "decode_seconds": math.nan}
-    published = [replace(point, **bare) for point in rows("coolchic5", "a.png", steep, 0.5)]
-    return summarise(scored("sgi", 0.8) + scored("jpeg", 1) + published, ["sgi", "jpeg", "coolchic5"])
-
-
-def test_perceptual_scores_are_compared(seen: Summary) -> None:
-    jpeg = {c.measure: c.rates["a.png 00000000"] for c in seen.comparisons if (c.test, c.anchor) == ("sgi", "jpeg")}
-    assert [jpeg[name].value for name in ("psnr", "ssimulacra2", "butteraugli")] == pytest.approx([-20] * 3)
-    assert (jpeg["ssimulacra2"].low, jpeg["ssimulacra2"].high) == (20, 85)
-    tree = json.loads(json.dumps(seen.to_json(), allow_nan=False))
-    assert tree["mean_ssimulacra2_at_bpp"]["jpeg"]["0.2"] == {"ssimulacra2": pytest.approx(30), "pictures": 1}
-    assert tree["mean_butteraugli_at_bpp"]["jpeg"]["0.5"] == {"butteraugli": pytest.approx(4), "pictures": 1}
-
-
-def test_a_published_curve_is_compared_by_what_it_has(seen: Summary) -> None:
-    measures = [c.measure for c in seen.comparisons if "coolchic5" in (c.test, c.anchor)]
-    assert measures == ["psnr"] * 2
-    assert list(seen.means["psnr"]) == ["sgi", "jpeg", "coolchic5"]
-    assert list(seen.means["ssimulacra2"]) == ["sgi", "jpeg"]
-
-
-def test_tables_show_perceptual_scores(seen: Summary) -> None:
-    lines = printed(seen)
-    assert cells(lines, "a.png 00000000") == [["-20.0", "+60.0"], ["-20.0", "–"], ["-20.0", "–"], ["-50.0"]]
-    assert cells(lines, "mean, ssimulacra2") == [["-20.0", "–"]]
-    psnr_at, score_at, distance_at, times = cells(lines, "jpeg")
-    assert (psnr_at[1], score_at[1], distance_at[3]) == (f"{steep(0.2):.2f}", "30.0", "4.00")
-    assert times == ["2.000", "0.500", "–"]
-    assert cells(lines, "coolchic5")[-1] == ["–", "–", "–"]
-
-
-def test_plots_have_a_panel_for_each_measure(seen: Summary, summary: Summary, tmp_path: Path) -> None:
-    Image = pytest.importorskip("PIL.Image")
-    pytest.importorskip("matplotlib")
-    from sgicodec.bench.plots import write_plots
-
-    sizes = {}
-    for name, drawn in (("plain", summary), ("seen", seen)):
-        (tmp_path / name).mkdir()
-        write_plots(drawn, tmp_path / name)
-        sizes[name] = [Image.open(tmp_path / name / f"{n}.png").size for n in ("rd-mean", "rd-a-00000000")]
-    (mean_width, mean_height), (width, height) = sizes["plain"]
-    assert sizes["seen"] == [(3 * mean_width, mean_height), (width, 2 * height)]

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import gc
-from threading import Thread
 
 import numpy as np
 import pytest
 from fake_cuda import fake_driver, fake_gpu
 
-from sgicodec.cuda import gpu as gpus
 from sgicodec.cuda.driver import CudaError
-from sgicodec.cuda.gpu import GpuArray
 from sgicodec.cuda.scan import THREADS
 from sgicodec.cuda.structures import structures
 
@@ -43,32 +40,6 @@ def test_memory_is_freed_with_its_array() -> None:
     assert allocated() == before
 
 
-def test_what_a_thread_opened_goes_with_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Kernels and stream; where arrays of it are left, after these."""
-    monkeypatch.setattr(gpus, "compiled", lambda architecture, most: b"for no machine")
-    loaded, held, seen = fake_driver().sgi_fake_loaded, list[GpuArray](), list[int]()
-    before = loaded()
-
-    def work(keeps: bool) -> None:
-        gpu = gpus.opened(0)
-        assert gpus.opened(0) is gpu
-        seen.append(loaded())
-        array = gpu.put(np.arange(5))
-        if keeps:
-            held.append(array)
-
-    for keeps in (False, True):
-        thread = Thread(target=work, args=(keeps,))
-        thread.start()
-        thread.join()
-        gc.collect()
-        assert loaded() == before + 2 * keeps
-    assert seen == [before + 2, before + 2]
-    assert held.pop().download().tolist() == list(range(5))
-    gc.collect()
-    assert loaded() == before
-
-
 def test_what_fails_says_why() -> None:
     gpu, given = fake_gpu(), structures()["ScanArguments"]()
     with pytest.raises(MemoryError, match="too little memory"):
@@ -91,11 +62,3 @@ def test_a_graph_runs_when_it_is_launched() -> None:
     assert values.download().tolist() == [*range(8), 1]
     graph.launch()
     assert values.download().tolist() == [0, 0, 1, 3, 6, 10, 15, 21, 1]
-
-
-def test_a_recording_that_fails_ends() -> None:
-    gpu = fake_gpu()
-    with pytest.raises(CudaError), gpu.recorded():
-        gpu.launch("no_such_kernel", 1, 32, structures()["ScanArguments"]())
-    with gpu.recorded():
-        pass

@@ -7,7 +7,6 @@ import pytest
 from sgicodec._native import overview_view
 from sgicodec.bitstream.header import Header
 from sgicodec.decoder.view import Region, View, overview_size, view_of
-from sgicodec.errors import LimitError, UsageError
 from sgicodec.profiles.default import default_spec
 
 TILED = Header(4096, 3000, "rgb", "uint8", (0, 255), "default", default_spec(3), 40, 0, tile=1024, apron=8)
@@ -26,24 +25,6 @@ def test_views(
     region: tuple[int, int, int, int] | None, scale: float | None, size: tuple[int, int] | None, expected: View
 ) -> None:
     assert view_of(TILED, region, scale, size) == expected
-
-
-def test_views_of_nothing_and_of_too_much() -> None:
-    for region in ((0, 0, 4097, 1), (-1, 0, 5, 5), (0, 0, 0, 5), (0, 2999, 1, 2)):
-        with pytest.raises(UsageError, match="not inside the picture of 4096×3000"):
-            view_of(TILED, region, None, None)
-    for scale, size in ((0.0, None), (float("nan"), None), (None, (0, 3)), (2.0, (3, 3))):
-        with pytest.raises(UsageError, match=r"scale|size"):
-            view_of(TILED, None, scale, size)
-    for region, scale in ((None, 30.0), ((0, 0, 4000, 3000), 30.0)):
-        with pytest.raises(UsageError, match="too many for one call"):
-            view_of(TILED, region, scale, None)
-    with pytest.raises(LimitError, match="too many for one call"):
-        view_of(TILED, None, None, None, most=1 << 20)
-    assert view_of(TILED, None, 30.0, None, most=None).columns == 122880
-    for scale, size in ((5000.0, None), (None, (1 << 25, 2))):
-        with pytest.raises(UsageError, match="too many; a side has at most 16777216"):
-            view_of(TILED, None, scale, size, most=None)
 
 
 def test_a_sixteenth_and_less_is_what_an_overview_shows() -> None:

@@ -6,9 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from sgicodec.executors.available import group_memory, machine_memory
-from sgicodec.executors.executor import Memory
-from sgicodec.executors.processes import ProcessExecutor
+from sgicodec.executors.available import group_memory
 
 UNLIMITED = "9223372036854771712"
 
@@ -61,17 +59,3 @@ def tree(root: Path, files: dict[str, str]) -> Path:
 )
 def test_control_groups(files: dict[str, str], expected: int | None, tmp_path: Path) -> None:
     assert group_memory(tree(tmp_path, files)) == expected
-
-
-def test_the_machine(tmp_path: Path) -> None:
-    assert machine_memory(tree(tmp_path, {"proc/meminfo": "MemFree: 5 kB\nMemTotal:  24105 kB"})) == 24105 << 10
-    assert machine_memory(tmp_path / "none") is None
-
-
-def test_only_as_many_workers_start_as_the_group_holds(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where nobody says how much memory they may take; a single one always starts."""
-    memory = Memory(main=100, worker=200, shared=100)
-    for limit, workers in ((None, 4), (10_000, 4), (800, 3), (600, 2), (100, 1)):
-        monkeypatch.setattr("sgicodec.executors.available.group_memory", lambda limit=limit: limit)
-        assert ProcessExecutor(4).within(memory, 9).workers == workers
-    assert ProcessExecutor(4, max_memory=900).within(memory, 9).workers == 4

@@ -12,10 +12,8 @@ import pytest
 from children import HANGS
 
 from sgicodec.device import Device
-from sgicodec.errors import NoDeviceError, TileFailedError, UsageError
-from sgicodec.executors.executor import MIB, Memory
+from sgicodec.errors import NoDeviceError, TileFailedError
 from sgicodec.executors.gpus import GpuExecutor
-from sgicodec.executors.serial import SerialExecutor
 
 barrier = threading.Barrier(2)
 
@@ -66,22 +64,6 @@ def test_a_process_that_dies_is_replaced_at_its_gpu(tmp_path: Path) -> None:
     assert (tmp_path / "died").exists()
     with pytest.raises(TileFailedError, match=r"tile \d: its process ended with status 7"):
         list(GpuExecutor(2, 4).run(always_dies, range(6), int))
-
-
-def test_how_many_tiles_at_once() -> None:
-    """As many in each process, and no more than there is memory for."""
-    assert GpuExecutor(2, 5).workers == 4
-    assert GpuExecutor(4, 3).workers == 3
-    assert GpuExecutor(3).workers == 3 * (((os.cpu_count() or 1) + 3) // 3)
-    memory = Memory(100 * MIB, 300 * MIB)
-    assert GpuExecutor(2, 8, 1400 * MIB).within(memory, 20).workers == 4
-    assert GpuExecutor(2, 8).within(memory, 3).workers == 2
-    assert isinstance(GpuExecutor(2, 8).within(memory, 1), SerialExecutor)
-    with pytest.raises(UsageError, match="max-memory"):
-        GpuExecutor(2, 8, 300 * MIB).within(memory, 3)
-    for wrong in ((0,), (1.5,), (2, -1)):
-        with pytest.raises(UsageError, match=r"gpus|workers"):
-            GpuExecutor(*wrong)  # type: ignore[arg-type]
 
 
 def test_a_process_has_one_gpu_and_its_share_of_the_threads() -> None:

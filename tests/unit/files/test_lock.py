@@ -48,31 +48,3 @@ def test_links_share_a_lock(tmp_path: Path) -> None:
     (tmp_path / "link").symlink_to(tmp_path / "out.sgi")
     with locked(tmp_path / "out.sgi"), pytest.raises(OutputLockedError), locked(tmp_path / "link"):
         pass
-
-
-def test_a_lock_that_goes_while_it_is_opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its holder ended between our opening and our locking: that file is no lock any more."""
-    beside, real, opened = tmp_path / ".out.sgi.lock", os.open, []
-
-    def open_late(path: Path, *options: int) -> int:
-        file = real(path, *options)
-        if not opened:
-            path.unlink()
-        opened.append(path)
-        return file
-
-    monkeypatch.setattr(os, "open", open_late)
-    with locked(tmp_path / "out.sgi"):
-        assert opened == [beside, beside]
-        assert beside.exists()
-
-
-@pytest.mark.parametrize("name", ["x" * 254, "missing/out.sgi"])
-def test_what_cannot_be_locked_is_left_to_writing(tmp_path: Path, name: str) -> None:
-    with locked(tmp_path / name), locked(tmp_path / name):
-        pass
-
-
-def test_devices_have_none() -> None:
-    with locked(Path("/dev/null")), locked(Path("/dev/null")):
-        pass

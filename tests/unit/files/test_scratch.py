@@ -48,8 +48,3 @@ def test_folders_of_the_living_stay_and_those_of_the_dead_go(tmp_path: Path) -> 
             assert ours.exists()
             assert second != ours
     assert [path.name for path in tmp_path.iterdir()] == [".sgicodec-other"]
-
-
-def test_a_folder_that_cannot_be(tmp_path: Path) -> None:
-    with pytest.raises(OSError, match="No such file"), scratch_folder(tmp_path / "missing"):
-        pass

@@ -13,14 +13,6 @@ import pytest
 from sgicodec.files.whole import write_whole
 
 
-def test_writes_and_overwrites(tmp_path: Path) -> None:
-    target = tmp_path / "a.bin"
-    write_whole(target, b"first")
-    write_whole(target, b"second")
-    assert target.read_bytes() == b"second"
-    assert os.listdir(tmp_path) == ["a.bin"]
-
-
 @pytest.mark.parametrize("step", ["fsync", "replace"])
 @pytest.mark.parametrize("failure", [OSError(28, "No space left on device"), KeyboardInterrupt()])
 def test_failure_keeps_the_old_file(
@@ -67,15 +59,6 @@ def test_what_a_kill_leaves_goes_with_the_next_write_and_what_is_being_written_s
     assert sorted(os.listdir(tmp_path)) == ["a.bin", "b.bin"]
 
 
-def test_file_is_synced_before_it_is_renamed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    calls = []
-    for name in ("fsync", "replace"):
-        real = getattr(os, name)
-        monkeypatch.setattr(os, name, lambda *a, _real=real, _name=name: (calls.append(_name), _real(*a)))
-    write_whole(tmp_path / "a.bin", b"x")
-    assert calls == ["fsync", "replace"]
-
-
 def test_permissions_follow_the_umask(tmp_path: Path) -> None:
     old = os.umask(0o027)
     try:
@@ -92,13 +75,3 @@ def test_follows_links(tmp_path: Path) -> None:
     write_whole(link, b"x")
     assert link.is_symlink()
     assert (tmp_path / "folder" / "real.bin").read_bytes() == b"x"
-
-
-def test_writes_to_devices_directly() -> None:
-    write_whole(Path(os.devnull), b"x")
-    assert not Path(os.devnull).is_file()
-
-
-def test_missing_folder(tmp_path: Path) -> None:
-    with pytest.raises(FileNotFoundError):
-        write_whole(tmp_path / "nowhere" / "a.bin", b"x")

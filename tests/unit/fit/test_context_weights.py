@@ -51,35 +51,3 @@ def test_differences_are_added_in_their_own_unit(spec: ModelSpec) -> None:
         np.testing.assert_array_equal(changed.b1, network.b1 + more)
         np.testing.assert_array_equal(changed.w2, network.w2 + more)
         np.testing.assert_array_equal(changed.b2, network.b2 + more)
-
-
-def test_signs_of_the_hash_grid() -> None:
-    weights = weights_of(paper_spec(1, 2, 6))
-    signs = weights.signs()
-    assert [part.shape for part in signs] == [(entries, 4) for entries in SIZES]
-    np.testing.assert_array_equal(
-        np.concatenate([part.reshape(-1) for part in signs]), np.where(weights.tables < 0, 0, 1)
-    )
-
-
-def test_a_new_network_begins_at_means_and_deviations() -> None:
-    """Those of attributes in base steps, deviations in octaves and at least a quarter of a step; no more moves."""
-    spec = paper_spec(1, 2, 6)
-    weights, before = weights_of(spec), weights_of(spec).integers()[0]
-    attributes = np.random.default_rng(3).normal(5.0, 2.0, (4000, spec.attributes)).astype(np.float32)
-    attributes[:, 0] = 7.5
-    weights.centre(attributes)
-    network, d = weights.integers()[0], spec.attributes
-    assert network.b2[0] == 7.5 / UNIT
-    assert network.b2[d] == -2 / UNIT
-    np.testing.assert_allclose(network.b2[1:d] * UNIT, 5.0, atol=0.2)
-    np.testing.assert_allclose(network.b2[d + 1 : 2 * d] * UNIT, 1.0, atol=0.06)
-    assert not network.b2[2 * d :].any()
-    for found, expected in zip(network.arrays[:3], before.arrays[:3], strict=True):
-        np.testing.assert_array_equal(found, expected)
-
-
-def test_the_hash_grid_starts_where_signs_can_turn() -> None:
-    tables = weights_of(paper_spec(1, 2, 6)).tables
-    assert 0 < np.abs(tables).max() <= 1e-4
-    assert 0.4 < (tables > 0).mean() < 0.6

@@ -47,14 +47,6 @@ def test_the_cells_gain_the_most(weighted: bool) -> None:
     assert total == pytest.approx(best_gain(gains, 6, 0, 0))
 
 
-def test_taken_cells_take_no_second_seed() -> None:
-    sums = cell_sums(np.ones((1, SIDE, SIDE), np.float32), ROOT_LOG)
-    first, _ = worthwhile_cells(sums, NONE, 1.0)
-    assert [tuple(corner) for corner in first.corner] == [(0, 0)]
-    second, _ = worthwhile_cells(sums, first, 1.0)
-    assert sorted(second.log_size) == [5] * 4
-
-
 def test_no_seed_lies_beside_the_picture() -> None:
     """Where there is no error to be removed, for no price either."""
     residual = np.random.default_rng(3).normal(size=(1, 70, 30)).astype(np.float32)

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from fake_cuda import backwards, fake_gpu
 from feature_problem import CASES, HEIGHT, LMBDA, QUALITY, SPECS, WIDTH, Problem, assert_close
 
-from sgicodec.cuda.tiles import TilePasses
 from sgicodec.device import ONE_THREAD
 from sgicodec.fit.device_feature_step import DeviceFeatureStep
 from sgicodec.fit.feature_step import FeatureStep
 from sgicodec.fit.parameters import StepResult
 from sgicodec.fit.pyramid import Level
 from sgicodec.profiles.fit_settings import Rounding
-from sgicodec.profiles.paper import paper_settings, paper_spec
+from sgicodec.profiles.paper import paper_spec
 from sgicodec.raster.cpu import NativeRasterizer
 
 CUTOFF = 6.0
@@ -50,19 +47,6 @@ def test_it_is_the_native_step(name: str, rounding: Rounding, lmbda: float, leve
     run_both(problem, rounding, 3, problem.levels[level], lmbda)
 
 
-@pytest.mark.parametrize("seeds", [1, 63, 64, 129, 2500])
-def test_bits_of_some_seeds_stand_for_all(seeds: int) -> None:
-    settings = replace(paper_settings(LMBDA, 3, 500), rate_sample=0.3)
-    problem = Problem(paper_spec(3, per_seed=1, features=2), seeds, settings)
-    run_both(problem, "noise", 2, problem.levels[0], 1.0)
-
-
-def test_a_picture_with_weights() -> None:
-    problem = Problem(SPECS["K = 3, D = 7"])
-    weights = np.random.default_rng(6).random((HEIGHT, WIDTH), np.float32)
-    run_both(problem, "none", 0, Level(problem.levels[0].samples, 1.0, weights), 0.0)
-
-
 def equal(found: StepResult, expected: StepResult) -> None:
     assert (found.error, found.bits) == (expected.error, expected.bits)
     for name, gradient in expected.gradients.items():
@@ -85,20 +69,3 @@ def test_the_order_of_threads_changes_no_byte() -> None:
     forwards = on_gpu(problem).run(problem.parameters, "noise", 1, problem.levels[0], LMBDA)
     with backwards():
         equal(on_gpu(problem).run(problem.parameters, "noise", 1, problem.levels[0], LMBDA), forwards)
-
-
-def test_pairs_that_have_no_room_get_more() -> None:
-    problem = Problem(paper_spec(3, per_seed=2, features=9))
-    level, (few, plenty) = problem.levels[0], (on_gpu(problem) for _ in range(2))
-    passes = few._passes_of(level)
-    few._passes = TilePasses(few.gpu, passes.view, passes.gaussians, 3, 50, passes._fields)
-    results = [step.run(problem.parameters, "noise", 1, level, LMBDA) for step in (few, plenty)]
-    equal(*results)
-    assert few._passes.capacity > 50
-
-
-def test_what_it_can_run() -> None:
-    settings = paper_settings(LMBDA, 3, 500)
-    assert DeviceFeatureStep.can_run(paper_spec(4), settings)
-    assert not DeviceFeatureStep.can_run(paper_spec(5), settings)
-    assert not DeviceFeatureStep.can_run(paper_spec(3), replace(settings, loss="squared"))

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from fake_cuda import backwards, fake_gpu, only_gpu
+from fake_cuda import backwards, only_gpu
 
 import sgicodec
 from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.fit.context_weights import ContextWeights
 from sgicodec.fit.trainer import Fitted, Progress, Trainer
 from sgicodec.model.layout import adaptive_layout
 from sgicodec.picture import Picture
@@ -77,50 +75,6 @@ def test_the_order_of_threads_and_blocks_changes_nothing(prior: int, monkeypatch
         other, *_ = fit(default_settings(LMBDA, 30), device, prior)
     for name, values in forwards.attributes.items():
         np.testing.assert_array_equal(values, other.attributes[name])
-
-
-def test_fits_in_several_threads(monkeypatch: pytest.MonkeyPatch) -> None:
-    device = only_gpu(monkeypatch)
-    alone, *_ = fit(default_settings(LMBDA, 20), device)
-    with ThreadPoolExecutor(3) as threads:
-        both = [threads.submit(fit, default_settings(LMBDA, 20), device) for _ in range(3)]
-    for done in both:
-        fitted, *_ = done.result()
-        for name, values in alone.attributes.items():
-            np.testing.assert_array_equal(values, fitted.attributes[name])
-
-
-def test_tiles_take_gpus_in_turn(monkeypatch: pytest.MonkeyPatch) -> None:
-    device, asked = replace(only_gpu(monkeypatch), gpus=2), set()
-    monkeypatch.setattr("sgicodec.cuda.gpu.opened", lambda index: asked.add(index) or fake_gpu())
-    pixels = np.clip(smooth_picture(200, 64).transpose(1, 2, 0) * 256, 0, 255).astype(np.uint8)
-    settings = EncodeSettings(steps=4, tile=64, texture=False)
-    first, again = (encode_picture(Picture(pixels, "rgb", (0, 255)), settings, device=device).data for _ in "ab")
-    assert asked == {0, 1}
-    assert first == again
-
-
-def test_seeds_come_and_go(monkeypatch: pytest.MonkeyPatch) -> None:
-    device, counts = only_gpu(monkeypatch), set()
-    spec, target = default_spec(3, prior=3), smooth_picture(80, 64) - np.float32(0.5)
-    layout = adaptive_layout(target, 30 * LMBDA)
-    settings = default_settings(LMBDA, 60)
-    trainer = Trainer(spec, settings, target, layout, FAMILY, load_prior(spec), device=device)
-    trainer.run(lambda progress: not counts.add(progress.seeds))
-    assert len(counts) > 3
-    assert len(trainer.seed_bits()) == len(trainer.seeds)
-
-
-def test_what_the_kernels_lack_is_the_processors(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Five channels; a network that the caller trains."""
-    device, settings = only_gpu(monkeypatch), default_settings(LMBDA, 6)
-    for channels, own in ((5, False), (3, True)):
-        spec, target = default_spec(channels, prior=0), np.zeros((channels, 32, 32), np.float32)
-        context = ContextWeights(spec, (), np.random.default_rng(1)) if own else None
-        layout = adaptive_layout(target + np.eye(32, dtype=np.float32), 1.0)
-        trainer = Trainer(spec, settings, target, layout, FAMILY, context=context, device=device)
-        assert trainer.on_gpu is None
-        trainer.run()
 
 
 @pytest.mark.parametrize("options", [{}, {"tune": "psnr", "texture": False}, {"bpp": 0.8}], ids=str)

@@ -7,16 +7,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from fake_cuda import backwards, fake_gpu, only_gpu
+from fake_cuda import backwards, only_gpu
 
 from sgicodec.bitstream.parts.prior import load_prior
-from sgicodec.cuda.gpu import GpuArray
 from sgicodec.device import Device
 from sgicodec.fit.device_fit import DeviceFit
 from sgicodec.fit.trainer import Trainer
-from sgicodec.model.layout import ROOT_LOG, adaptive_layout, cell_sums
+from sgicodec.model.layout import adaptive_layout
 from sgicodec.profiles.default import default_settings, default_spec
-from sgicodec.raster.cuda import CudaRasterizer
 
 F32 = np.ndarray[Any, np.dtype[np.float32]]
 
@@ -57,22 +55,6 @@ def test_energy(weighted: bool, gpu: Device) -> None:
     trainer.fetch()
     np.testing.assert_allclose(found, trainer.seeds.energy(trainer.weights), rtol=2e-5)
     assert np.abs(found - old).max() > 1e-3
-
-
-@pytest.mark.parametrize("weighted", [False, True])
-def test_what_the_picture_lacks(weighted: bool, gpu: Device) -> None:
-    trainer, fit = stepped(gpu, 9, weighted=weighted)
-    level = trainer.levels[0]
-    found = fit.residual_sums(level)
-    with backwards():
-        np.testing.assert_array_equal(fit.residual_sums(level).values[1], found.values[1])
-    trainer.fetch()
-    drawn = CudaRasterizer(fake_gpu()).forward(*trainer.seeds.gaussians(), 90, 70)
-    expected = cell_sums(level.samples - drawn, ROOT_LOG, level.weights)
-    assert found.values.keys() == expected.values.keys() == set(range(1, ROOT_LOG + 1))
-    for size in found.values:
-        np.testing.assert_allclose(found.values[size], expected.values[size], atol=1e-4 * 4**size)
-        np.testing.assert_array_equal(found.weights[size], expected.weights[size])
 
 
 def state(trainer: Trainer) -> dict[str, list[F32]]:
@@ -116,28 +98,3 @@ def test_rows_stay_go_and_come(gpu: Device) -> None:
     rates = dict.fromkeys(trainer.parameters.trained(), 1e-3)
     errors = [fit.run("noise", 50 + number, level, 1e-4, rates)[0] for number in range(20)]
     assert np.mean(errors[10:]) < np.mean(errors[:10])
-
-
-def test_what_comes_back(gpu: Device, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of a step 24 bytes; where seeds come or go, 4 of each seed for its energy, or a quarter of the residual."""
-    copied: list[tuple[str, int]] = []
-    copy = GpuArray._copy
-
-    def noted(self: GpuArray, name: str, to: Any, source: Any, count: int | None = None) -> None:
-        copied.append((name, self.bytes if count is None else count))
-        copy(self, name, to, source, count)
-
-    monkeypatch.setattr(GpuArray, "_copy", noted)
-    trainer, cells, kinds = trainer_of(gpu), 4 * 3 * 64 * 64, set()
-    seeds = len(trainer.seeds)
-    rounding = len(trainer.parameters.trained()) * 3  # arrays that are fetched once, when rounding begins
-    for _ in trainer.iterate():
-        back = tuple(size for name, size in copied if name == "cuMemcpyDtoHAsync_v2")
-        kinds.add(tuple({24: "report", 4: "pairs", 4 * seeds: "energy", cells: "cells"}.get(n, "else") for n in back))
-        copied.clear()
-        seeds = len(trainer.seeds)
-    prune, grow = ("energy",), ("pairs", "cells")
-    changes = {("report",), ("report", *prune), ("report", *grow), ("report", *prune, *grow)}
-    assert len(changes & kinds) > 2
-    assert len(kinds - changes) == 1  # when rounding begins
-    assert len((kinds - changes).pop()) == rounding + 1

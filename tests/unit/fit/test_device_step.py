@@ -16,7 +16,6 @@ from sgicodec.fit.pyramid import Level
 from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.default import default_spec
 from sgicodec.profiles.fit_settings import Rounding
-from sgicodec.profiles.paper import paper_spec
 from sgicodec.raster.cpu import NativeRasterizer
 
 WIDTH, HEIGHT, QUALITY, LMBDA, SEED = 80, 60, 62, 0.004, 12345
@@ -95,10 +94,6 @@ def test_levels_and_weights(level: int, weighted: bool) -> None:
     Pair(SPECS["default"], frozen=True).run("noise", level=level, weighted=weighted)
 
 
-def test_noise_with_its_signs_turned() -> None:
-    Pair(SPECS["default"]).run("noise", number=1)
-
-
 @pytest.mark.parametrize("frozen", [False, True])
 def test_many_steps_with_what_they_take_over(frozen: bool) -> None:
     """Through a whole cycle of inputs and predictions that stand, with all arrays moving a little."""
@@ -122,29 +117,3 @@ def test_rounded_values_of_a_frozen_network() -> None:
     found = pair.fit.run("round", 0, level, LMBDA, dict.fromkeys(pair.cpu.trained(), 0.0))
     assert found == pytest.approx((expected.error, expected.bits), rel=1e-3)
     np.testing.assert_allclose(pair.fit.seed_bits(), pair.step.seed_bits(), rtol=1e-3, atol=1e-3)
-
-
-def test_a_step_whose_pairs_have_no_room_is_repeated() -> None:
-    """With more memory, and from the values that were there before."""
-    pair, plenty = Pair(SPECS["default"], frozen=True), Pair(SPECS["default"], frozen=True)
-    first = pair.fit._held
-    passes = first._passes_of(1.0, pair.fit._level(pair.level(0)))
-    first._passes.clear()
-    first._capacity = -1000000
-    from sgicodec.cuda.tiles import TilePasses
-
-    few = TilePasses(pair.fit.gpu, passes.view, passes.gaussians, 3, 50, {**passes._fields})
-    first._passes[1.0] = few
-    pair.run("noise", rate=1.0)
-    plenty.run("noise", rate=1.0)
-    assert first._passes[1.0].capacity > 50
-    for one in (pair, plenty):
-        one.fit.fetch()
-    for name, want in plenty.gpu.trained().items():
-        np.testing.assert_array_equal(pair.gpu.trained()[name], want)
-
-
-def test_what_it_can_run() -> None:
-    assert DeviceFit.can_run(SPECS["default"])
-    assert not DeviceFit.can_run(default_spec(5, prior=0))
-    assert not DeviceFit.can_run(paper_spec(3))

@@ -1,6 +1,5 @@
 """The fused step against the same model under automatic differentiation, on every instruction set."""
 
-import itertools
 import math
 
 import numpy as np
@@ -20,7 +19,6 @@ from sgicodec.model.quantization import DEAD_ZONE, DEAD_ZONE_LIMIT
 from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.default import default_spec
 from sgicodec.profiles.fit_settings import FitSettings, Phase, Rounding
-from sgicodec.profiles.paper import paper_spec
 from sgicodec.raster.cpu import NativeRasterizer
 from tools.autograd.context_net import ContextNet
 from tools.autograd.quantization_proxy import QuantizationProxy
@@ -191,39 +189,12 @@ def test_between_its_runs_the_network_said_constants(isa: str) -> None:
     assert_close(found, StepResult(found.error, float(costs.detach()), gradients | shared))
 
 
-def test_when_the_network_runs() -> None:
-    problem = Problem(default_spec(3, prior=0), frozen=True)
-    step, runs = problem.fused(), []
-    for _ in range(9):
-        runs.append(problem.fused_step("noise", 0, step=step).bits)
-        problem.parameters.context.trained()["context.difference"] += 0.01
-        problem.parameters.steps += 0.01
-    same = [a == b for a, b in itertools.pairwise(runs)]
-    assert same == [True, True, True, False, True, True, True, False]
-    step = problem.fused()
-    rounded = problem.fused_step("round", 0, step=step).bits
-    problem.parameters.steps += 0.01
-    assert problem.fused_step("round", 0, step=step).bits != rounded
-
-
-@pytest.mark.parametrize("isa", ISAS)
-def test_noise_with_its_signs_turned(isa: str) -> None:
-    problem = Problem(default_spec(3, prior=0))
-    assert_close(problem.fused_step("noise", 0, isa, number=1), problem.autograd_step("noise", 0, isa, number=1))
-
-
 def test_threads_change_no_bit() -> None:
     problem = Problem(default_spec(3, prior=0))
     one, four = (problem.fused_step("noise", 0, threads=threads) for threads in (1, 4))
     assert (one.error, one.bits) == (four.error, four.bits)
     for name, gradient in one.gradients.items():
         np.testing.assert_array_equal(gradient, four.gradients[name])
-
-
-def test_what_it_can_run() -> None:
-    assert FusedStep.can_run(SPECS["default"])
-    assert not FusedStep.can_run(paper_spec(3))
-    assert not FusedStep.can_run(default_spec(3, hidden=16))
 
 
 @pytest.mark.parametrize("isa", ISAS)
@@ -245,15 +216,3 @@ def test_weights_are_those_of_automatic_differentiation(level: int, isa: str) ->
         got, want, unweighted = (step.gradients[name] for step in (found, expected, plain))
         assert float(np.linalg.norm(got - want) / np.linalg.norm(want)) < 1e-3, name
         assert float(np.linalg.norm(got - unweighted) / np.linalg.norm(want)) > 0.1, name
-
-
-def test_weights_of_one_give_the_same_step() -> None:
-    problem = Problem(SPECS["default"])
-    samples = problem.reduced(0)
-    ones = Level(samples, 1.0, np.ones(samples.shape[1:], np.float32))
-    found, expected = (
-        problem.fused().run(problem.parameters, "noise", 0, level, LMBDA) for level in (ones, Level(samples))
-    )
-    assert found.error == pytest.approx(expected.error, rel=1e-6)
-    for name, gradient in expected.gradients.items():
-        np.testing.assert_array_equal(found.gradients[name], gradient)

@@ -11,8 +11,6 @@ from hypothesis import strategies as st
 from sgicodec.fit.schedule import Schedule, evenly, passed
 from sgicodec.profiles.fit_settings import Phase
 
-PHASES = (Phase(3), Phase(15), Phase(2))
-
 
 @given(st.lists(st.integers(1, 9), min_size=1, max_size=4))
 def test_counted_steps(counts: list[int]) -> None:
@@ -29,14 +27,6 @@ def test_counted_steps(counts: list[int]) -> None:
     assert schedule.done == 1.0
 
 
-def test_an_end_in_between_leaves_what_lies_behind() -> None:
-    schedule = Schedule(PHASES)
-    steps = schedule.within(0)
-    next(steps)
-    next(steps)
-    assert schedule.done == pytest.approx(1 / 20)
-
-
 @given(st.lists(st.integers(1, 9), min_size=1, max_size=4), st.integers(0, 12))
 def test_what_happens_evenly_is_due_once_each_unless_steps_are_too_few(counts: list[int], times: int) -> None:
     schedule = Schedule(tuple(Phase(count) for count in counts))
@@ -45,12 +35,3 @@ def test_what_happens_evenly_is_due_once_each_unless_steps_are_too_few(counts: l
         due = [fraction for fraction in schedule.within(index) if passed(left, fraction)]
         assert due == sorted({math.ceil((i + 1) / (times + 1) * count - 1e-9) / count for i in range(times)})
         assert left == []
-
-
-def test_parts_are_even() -> None:
-    assert evenly(3) == [0.25, 0.5, 0.75]
-    left = evenly(3)
-    assert not passed(left, 0.2)
-    assert left == [0.25, 0.5, 0.75]
-    assert passed(left, 0.5)
-    assert left == [0.75]

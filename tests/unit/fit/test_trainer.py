@@ -1,18 +1,14 @@
 """What a fit does from step to step, seen on a picture of a few seeds."""
 
-from typing import Any
-
 import numpy as np
-import pytest
 from numpy.typing import NDArray
 
 from sgicodec.bitstream.parts.prior import load_prior
 from sgicodec.fit.noise import NoiseKey
-from sgicodec.fit.parameters import Parameters, StepResult
 from sgicodec.fit.trainer import Trainer
 from sgicodec.model.layout import adaptive_layout
 from sgicodec.profiles.default import default_settings, default_spec
-from sgicodec.profiles.fit_settings import FitSettings, Rounding
+from sgicodec.profiles.fit_settings import FitSettings
 
 LMBDA, FAMILY = 0.01, 1
 
@@ -30,28 +26,6 @@ def test_every_second_step_mirrors_the_noise_before() -> None:
     assert [key.negative for key in keys] == 12 * [False, True]
     assert [key.key for key in keys[0::2]] == [key.key for key in keys[1::2]]
     assert len({key.key for key in keys}) == 12
-
-
-def test_steps_are_numbered_from_the_first(monkeypatch: pytest.MonkeyPatch) -> None:
-    trainer, seen = small_fit(default_settings(LMBDA, 12)), []
-    run = trainer.gradient_step.run
-
-    def spy(parameters: Parameters, rounding: Rounding, number: int, *rest: Any) -> StepResult:
-        seen.append(number)
-        return run(parameters, rounding, number, *rest)
-
-    monkeypatch.setattr(trainer.gradient_step, "run", spy)
-    trainer.run()
-    assert seen == list(range(12))
-
-
-def test_weights_of_one_change_nothing() -> None:
-    """Through pruning and densification, which an effort of 60 steps has."""
-    settings = default_settings(LMBDA, 60)
-    plain, weighted = (small_fit(settings, weights).run() for weights in (None, np.ones((48, 64), np.float32)))
-    np.testing.assert_array_equal(weighted.layout.corner, plain.layout.corner)
-    for name, values in plain.attributes.items():
-        np.testing.assert_array_equal(weighted.attributes[name], values)
 
 
 def test_weights_move_seeds_to_where_errors_count() -> None:

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-import OpenImageIO as oiio
 import pytest
 from window_rows import window_rows
 
@@ -47,18 +46,3 @@ def test_the_cap_is_on_what_is_held(tmp_path: Path, save: Save, noise: Noise) ->
             source.read(0, 0, 300, 300)
     with pytest.raises(PictureError, match=r"y\.tif: 1000 × 2000 pixels of 3 channels are more than the cap"):
         open_source(turned, max_samples=300_000)
-
-
-def test_openimageios_own_limit_does_not_bind_tiff(tmp_path: Path, save: Save, noise: Noise) -> None:
-    pixels = noise(1000, 1200, 1, "uint8")
-    path = save(tmp_path / "x.tif", pixels, tile=(64, 64))
-    before = oiio.get_int_attribute("limits:imagesize_MB")
-    oiio.attribute("limits:imagesize_MB", 1)
-    try:
-        with pytest.raises(PictureError, match="exceeds"):
-            read(path)
-        with open_source(path) as source:
-            np.testing.assert_array_equal(source.read(1190, 990, 10, 10).pixels, pixels[990:, 1190:])
-        assert oiio.get_int_attribute("limits:imagesize_MB") == 1
-    finally:
-        oiio.attribute("limits:imagesize_MB", before)

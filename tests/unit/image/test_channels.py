@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-import OpenImageIO as oiio
 import pytest
 
-from sgicodec.errors import PictureError
-from sgicodec.image import open_source, read, write
-from sgicodec.picture import Picture
+from sgicodec.image import read
 
 COLOURS = np.arange(24, dtype=np.uint8).reshape(2, 4, 3) * 10
-UNUSED = np.zeros((2, 4, 1), np.uint8)
 ALPHA = np.array([0, 255, 128, 7, 1, 254, 200, 30], np.uint8).reshape(2, 4, 1)
 
 
@@ -49,13 +44,6 @@ def bgr(last: np.ndarray) -> np.ndarray:
     return np.concatenate([COLOURS[..., ::-1], last], axis=2)
 
 
-@pytest.mark.parametrize("masks", [None, (0xFF0000, 0xFF00, 0xFF), (0xFF0000, 0xFF00, 0xFF, 0)])
-def test_the_fourth_byte_of_a_bmp_without_a_mask_is_unused(masks: tuple[int, ...] | None) -> None:
-    picture = read(bmp(bgr(UNUSED), masks, 108 if masks and len(masks) == 4 else 40))
-    assert picture.channels == "rgb"
-    np.testing.assert_array_equal(picture.pixels, COLOURS)
-
-
 @pytest.mark.parametrize("order", ["BGRA", "RGBA", "ARGB", "ABGR"])
 @pytest.mark.parametrize("has_alpha", [True, False])
 def test_a_bmp_has_its_bytes_where_its_masks_say(order: str, has_alpha: bool) -> None:
@@ -69,50 +57,11 @@ def test_a_bmp_has_its_bytes_where_its_masks_say(order: str, has_alpha: bool) ->
     np.testing.assert_array_equal(picture.pixels, expected)
 
 
-def test_bit_fields_that_are_no_bytes_are_refused() -> None:
-    with pytest.raises(PictureError, match="bit fields of its pixels are not bytes"):
-        read(bmp(bgr(UNUSED), (0x3FF00000, 0xFFC00, 0x3FF, 0), 108))
-
-
-def test_a_written_bmp_declares_its_alpha(tmp_path: Path) -> None:
-    picture = Picture(np.concatenate([COLOURS, ALPHA], axis=2), "rgba", (0.0, 255.0))
-    write(picture, tmp_path / "x.bmp")
-    again = read(tmp_path / "x.bmp")
-    assert again.channels == "rgba"
-    np.testing.assert_array_equal(again.pixels, picture.pixels)
-    assert struct.unpack("<I", (tmp_path / "x.bmp").read_bytes()[66:70]) == (0xFF000000,)
-
-
-@pytest.mark.parametrize("packed", [False, True])
-def test_a_targa_without_bits_of_alpha_has_none(packed: bool) -> None:
-    picture = read(targa(bgr(ALPHA), 0, 32, 10 if packed else 2, packed=packed))
-    assert picture.channels == "rgb"
-    np.testing.assert_array_equal(picture.pixels, COLOURS)
-
-
 @pytest.mark.parametrize(("extension", "channels"), [(None, "rgba"), (0, "rgb"), (1, "rgb"), (2, "rgba"), (3, "rgba")])
 def test_a_targa_has_alpha_unless_its_extension_area_denies_it(extension: int | None, channels: str) -> None:
     picture = read(targa(bgr(ALPHA), 8, 32, extension=extension))
     assert picture.channels == channels
     np.testing.assert_array_equal(picture.pixels, np.concatenate([COLOURS, ALPHA], axis=2)[..., : len(channels)])
-
-
-@pytest.mark.parametrize("bits", [0, 8])
-def test_gray_targa(bits: int) -> None:
-    pixels = np.concatenate([COLOURS[..., :1], ALPHA], axis=2)
-    picture = read(targa(pixels, bits, 16, 3))
-    assert picture.channels == ("gray+alpha" if bits else "gray")
-    np.testing.assert_array_equal(picture.pixels, pixels if bits else pixels[..., :1])
-
-
-def test_targa_of_16_bits_keeps_its_bit_of_alpha() -> None:
-    """The bit hides what it is set for, as in GIMP and Pillow."""
-    words = np.array([[0x7C00, 0x83E0, 0x001F, 0xFFFF]], "<u2")
-    picture = read(targa(words, 1, 16))
-    assert picture.channels == "rgba"
-    expected = [[[255, 0, 0, 255], [0, 255, 0, 0], [0, 0, 255, 255], [255, 255, 255, 0]]]
-    np.testing.assert_array_equal(picture.pixels, expected)
-    assert read(targa(words, 0, 16)).channels == "rgb"
 
 
 def tiff(bands: np.ndarray, extra: int | None) -> bytes:
@@ -144,22 +93,6 @@ def test_alpha_as_a_band_keeps_stored_samples(extra: int | None) -> None:
     picture = read(tiff(NEAR_INFRARED, extra), alpha="band")
     assert picture.channels == "multi"
     np.testing.assert_array_equal(picture.pixels, NEAR_INFRARED)
-
-
-def test_alpha_can_be_left_out(tmp_path: Path, save: Callable[..., Path]) -> None:
-    path = save(tmp_path / "x.png", NEAR_INFRARED, oiio__UnassociatedAlpha=1)
-    for picture in (read(path, alpha="none"), read(tiff(NEAR_INFRARED, 2), alpha="none")):
-        assert picture.channels == "rgb"
-        np.testing.assert_array_equal(picture.pixels, COLOURS)
-    with open_source(path, alpha="none") as source:
-        assert (source.channels, source.header.count) == ("rgb", 3)
-        np.testing.assert_array_equal(source.read(1, 0, 2, 2).pixels, COLOURS[:, 1:3])
-
-
-def test_openimageio_still_takes_what_we_do_not(tmp_path: Path) -> None:
-    """If this fails, OpenImageIO looks at masks and attribute bits by itself, and less is needed here."""
-    (tmp_path / "x.bmp").write_bytes(bmp(bgr(UNUSED), None))
-    assert oiio.ImageInput.open(str(tmp_path / "x.bmp")).spec().nchannels == 4
 
 
 @pytest.mark.parametrize(("colour", "layout"), [("alpha", "rgba"), ("undefined", "multi")])

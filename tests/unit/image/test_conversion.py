@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from sgicodec.errors import PictureError, UsageError
+from sgicodec.errors import UsageError
 from sgicodec.image import read
 from sgicodec.image.conversion import as_picture
 from sgicodec.metadata import density, ifd
@@ -41,12 +41,6 @@ def test_arrays(array: Any, channels: str, sample_range: tuple[float, float]) ->
     assert picture.pixels.dtype.isnative
 
 
-def test_what_channels_and_samples_mean_can_be_stated() -> None:
-    four = np.dstack([RGB, RGB[..., 0]])
-    assert as_picture(four, channels="multi").channels == "multi"
-    assert as_picture(four.astype(np.float32), sample_range=(0, 300)).sample_range == (0, 300)
-
-
 @pytest.mark.parametrize(
     ("mode", "channels"),
     [("L", "gray"), ("LA", "gray+alpha"), ("RGB", "rgb"), ("RGBA", "rgba"), ("F", "gray"), ("I;16", "gray")],
@@ -71,12 +65,6 @@ def test_other_modes_of_pillow_are_converted(mode: str, channels: str) -> None:
     np.testing.assert_array_equal(picture.pixels.squeeze(), shown)
 
 
-def test_a_palette_with_transparency_keeps_it() -> None:
-    image = Image.fromarray(RGB).convert("P")
-    image.info["transparency"] = 0
-    assert as_picture(image).channels == "rgba"
-
-
 def test_images_of_pillow_are_what_their_files_are() -> None:
     """Turned upright, with profile and EXIF."""
     buffer = io.BytesIO()
@@ -96,16 +84,6 @@ def test_images_of_pillow_are_what_their_files_are() -> None:
     assert inner == {40962: ifd.Entry(3, b"\5\0"), 40963: ifd.Entry(3, b"\7\0")}
     stated = [density.density(each.metadata.geo, None) for each in (picture, expected)]
     assert [each and each.dpi for each in stated] == [pytest.approx((508, 254))] * 2
-
-
-def test_files(tmp_path: Path) -> None:
-    path = tmp_path / "a.png"
-    Image.fromarray(RGB).save(path)
-    with path.open("rb") as file:
-        for origin in (path, str(path), path.read_bytes(), bytearray(path.read_bytes()), file):
-            np.testing.assert_array_equal(as_picture(origin).pixels, RGB)
-    picture = read(path)
-    assert as_picture(picture) is picture
 
 
 @pytest.mark.parametrize(
@@ -129,87 +107,3 @@ def test_files(tmp_path: Path) -> None:
 def test_bad_arguments(image: object, options: dict[str, Any], complaint: str) -> None:
     with pytest.raises(UsageError, match=complaint):
         as_picture(image, **options)
-
-
-def test_bad_pictures(tmp_path: Path) -> None:
-    with pytest.raises(PictureError, match="No such file"):
-        as_picture(tmp_path / "missing.png")
-    with pytest.raises(PictureError, match="infinite"):
-        as_picture(np.full((2, 2), np.inf, np.float32))
-
-
-def hiding(image: Image.Image, transparency: object) -> Image.Image:
-    """The image with one transparent colour, as PNG has it."""
-    file = io.BytesIO()
-    image.save(file, "PNG", transparency=transparency)
-    opened = Image.open(file)
-    opened.load()
-    assert "transparency" in opened.info
-    return opened
-
-
-GRAY = Image.fromarray(RGB[..., 0])
-DEEP = Image.fromarray(RGB[..., 0].astype(np.uint16) * 257)
-
-
-@pytest.mark.parametrize(
-    ("image", "channels"),
-    [
-        (hiding(GRAY, int(RGB[2, 3, 0])), "gray+alpha"),
-        (hiding(GRAY.convert("1"), 255), "gray+alpha"),
-        (hiding(DEEP, int(RGB[2, 3, 0]) * 257), "gray+alpha"),
-        (hiding(Image.fromarray(RGB), tuple(int(value) for value in RGB[2, 3])), "rgba"),
-        (hiding(Image.fromarray(RGB).convert("P", palette=Image.Palette.ADAPTIVE), 2), "rgba"),
-        (hiding(Image.fromarray(RGB).convert("P", palette=Image.Palette.ADAPTIVE), bytes([9, 200, 255])), "rgba"),
-    ],
-    ids=["L", "1", "I;16", "RGB", "P", "P of several"],
-)
-def test_transparency_of_an_image_is_that_of_its_file(image: Image.Image, channels: str) -> None:
-    file = io.BytesIO()
-    image.save(file, "PNG")
-    picture, expected = as_picture(image), read(file.getvalue())
-    assert picture.channels == expected.channels == channels
-    assert picture.pixels.dtype == expected.pixels.dtype
-    np.testing.assert_array_equal(picture.pixels, expected.pixels)
-    assert picture.pixels[..., -1].min() < picture.pixels[..., -1].max()
-
-
-@pytest.mark.parametrize("mode", ["La", "RGBa", "PA"])
-def test_other_modes_with_alpha(mode: str) -> None:
-    whole = np.dstack([RGB, np.full(RGB.shape[:2], 255, np.uint8)])
-    whole[1, :, 3] = 0
-    image = Image.fromarray(whole)
-    if mode == "La":
-        image = Image.fromarray(whole[..., [0, 3]]).convert("La")
-    elif mode == "PA":
-        image = Image.fromarray(RGB).convert("P").convert("PA")
-        image.putalpha(Image.fromarray(whole[..., 3]))
-    else:
-        image = image.convert(mode)
-    picture = as_picture(image)
-    assert (image.mode, picture.channels) == (mode, "gray+alpha" if mode == "La" else "rgba")
-    np.testing.assert_array_equal(picture.pixels[..., -1], whole[..., 3])
-    shown = np.asarray(image.convert("LA" if mode == "La" else "RGBA"))
-    np.testing.assert_array_equal(picture.pixels, shown)
-
-
-@pytest.mark.parametrize(("mode", "order"), [("I;16", "<"), ("I;16B", ">"), ("I;16L", "<"), ("I;16N", "=")])
-def test_16_bits_in_any_order_of_bytes(mode: str, order: str) -> None:
-    samples = RGB[..., 0].astype(np.uint16) * 257
-    picture = as_picture(Image.frombytes(mode, (7, 5), samples.astype(f"{order}u2").tobytes()))
-    assert (picture.channels, picture.pixels.dtype) == ("gray", np.uint16)
-    np.testing.assert_array_equal(picture.pixels[..., 0], samples)
-
-
-def test_integers_beyond_16_bits_become_floats() -> None:
-    samples = np.arange(-17, 18, dtype=np.int32).reshape(5, 7) * 9000
-    picture = as_picture(Image.fromarray(samples))
-    assert picture.pixels.dtype == np.float32
-    np.testing.assert_array_equal(picture.pixels[..., 0], samples)
-
-
-def test_a_palette_keeps_the_profile_of_its_colours() -> None:
-    image = Image.fromarray(RGB).convert("P")
-    for space, kept in ((b"RGB ", True), (b"GRAY", False), (b"CMYK", False)):
-        image.info["icc_profile"] = bytes(16) + space + bytes(108)
-        assert (as_picture(image).metadata.icc is not None) == kept

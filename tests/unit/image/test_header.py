@@ -1,8 +1,6 @@
 from __future__ import annotations
 
-import io
 import struct
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -12,34 +10,6 @@ import tifffile
 
 from sgicodec.errors import PictureError
 from sgicodec.image import open_source, read
-from sgicodec.metadata import ifd, tiff
-
-Save = Callable[..., Path]
-
-
-@pytest.mark.parametrize("open_it", [read, open_source])
-def test_doubles_in_tiles_are_refused(tmp_path: Path, save: Save, open_it: Callable[[Path], object]) -> None:
-    path = save(tmp_path / "x.tif", np.ones((20, 20, 1)), tile=(16, 16))
-    with pytest.raises(PictureError, match="64-bit floats are in tiles"):
-        open_it(path)
-
-
-def _white_is_zero(path: Path) -> Path:
-    """Change the photometric interpretation of a file that OpenImageIO wrote."""
-    tiff.insert(path, None, None, None)
-    data = path.read_bytes()
-    (row,) = (
-        row for row in ifd.rows(data, int.from_bytes(data[4:8], "little"), ifd.Layout("<", False)) if row.tag == 262
-    )
-    path.write_bytes(data[: row.at] + b"\0\0" + data[row.at + 2 :])
-    return path
-
-
-def test_white_is_zero(tmp_path: Path, save: Save) -> None:
-    ramp = np.arange(0, 200, 2, dtype=np.uint8).reshape(10, 10, 1)
-    np.testing.assert_array_equal(read(_white_is_zero(save(tmp_path / "x.tif", ramp))).pixels, 255 - ramp)
-    deep = ramp.astype(np.uint16) * 300
-    np.testing.assert_array_equal(read(_white_is_zero(save(tmp_path / "y.tif", deep))).pixels, 65535 - deep)
 
 
 @pytest.mark.parametrize("dtype", ["int8", "int16", "int32", "uint32", "float16", "float32", "float64"])
@@ -82,23 +52,6 @@ def test_other_sample_types_become_float(tmp_path: Path, name: str) -> None:
     assert picture.pixels.dtype == np.float32
     assert picture.pixels.ravel().tolist() == [-3.0, 0.0, 5.0, 100.0]
     assert picture.sample_range == (-3.0, 100.0)
-
-
-def test_one_row_of_doubles_is_refused(tmp_path: Path) -> None:
-    image = oiio.ImageOutput.create("x.tif")
-    assert image.open(str(tmp_path / "x.tif"), oiio.ImageSpec(2, 1, 1, "double"))
-    assert image.write_image(np.ones((1, 2, 1)))
-    image.close()
-    with pytest.raises(PictureError, match="64-bit"):
-        read(tmp_path / "x.tif")
-
-
-def test_cielab_is_refused() -> None:
-    image = pytest.importorskip("PIL.Image")
-    file = io.BytesIO()
-    image.new("LAB", (4, 4)).save(file, "TIFF")
-    with pytest.raises(PictureError, match="CIELAB"):
-        read(file.getvalue())
 
 
 def test_few_bits_fill_the_type() -> None:

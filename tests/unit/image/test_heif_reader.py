@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,6 @@ from PIL import Image, ImageCms
 
 from sgicodec.errors import PictureError
 from sgicodec.image import open_source, read
-from sgicodec.image.reader import is_picture
 from sgicodec.metadata import exif
 
 PIXELS = np.random.default_rng(3).integers(0, 256, (48, 64, 3), np.uint8)
@@ -36,12 +34,6 @@ def test_colours_and_alpha(alpha: Any) -> None:
     picture = read(saved(Image.fromarray(pixels)), alpha=alpha)
     assert picture.channels == {"auto": "rgba", "band": "multi", "none": "rgb"}[alpha]
     np.testing.assert_array_equal(picture.pixels, pixels[..., : 3 if alpha == "none" else 4])
-
-
-def test_gray() -> None:
-    picture = read(saved(Image.fromarray(PIXELS[..., 0])))
-    assert picture.channels == "gray"
-    assert np.abs(picture.pixels[..., 0].astype(int) - PIXELS[..., 0]).max() <= 1
 
 
 def test_ten_bits_become_sixteen() -> None:
@@ -86,13 +78,3 @@ def test_what_is_cut_off_is_refused(share: float, tmp_path: Path) -> None:
     (tmp_path / "a.heic").write_bytes(data[: int(share * len(data))])
     with pytest.raises(PictureError, match=r"a\.heic: the file is damaged or cut off: "):
         read(tmp_path / "a.heic")
-
-
-def test_a_missing_extra_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "a.heic").write_bytes(saved(Image.fromarray(PIXELS)))
-    monkeypatch.setitem(sys.modules, "pillow_heif", None)
-    with pytest.raises(
-        PictureError, match=r"\(HEIC\); reading it needs pillow-heif: pip install 'sgicodec\[heic\]', or"
-    ):
-        read(tmp_path / "a.heic")
-    assert is_picture(tmp_path / "a.heic")

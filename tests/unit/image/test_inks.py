@@ -44,28 +44,6 @@ def test_a_fifth_sample(tmp_path: Path, dtype: str, extra: str, options: dict[st
         np.testing.assert_array_equal(source.read(5, 3, 21, 11).pixels, picture.pixels[3:14, 5:26])
 
 
-def test_a_fifth_sample_changes_no_colour(tmp_path: Path) -> None:
-    plain = read(save(tmp_path / "a.tif", INKS, [])).pixels
-    np.testing.assert_allclose(
-        read(save(tmp_path / "b.tif", np.dstack([INKS, OTHER]), ["unspecified"])).pixels, plain, atol=1
-    )
-
-
-def test_associated_alpha_is_divided_out_of_inks(tmp_path: Path) -> None:
-    inks = (INKS.astype(float) * OTHER / 255).round().astype(np.uint8)
-    opaque = OTHER[..., 0] > 128
-    picture = read(save(tmp_path / "x.tif", np.dstack([inks, OTHER]), ["assocalpha"]))
-    assert picture.channels == "rgba"
-    np.testing.assert_allclose(picture.pixels[opaque][:, :3], 255 * shown(INKS / 255)[opaque], atol=5)
-
-
-def test_alpha_behind_another_sample(tmp_path: Path) -> None:
-    samples = np.dstack([INKS, 255 - OTHER, OTHER])
-    picture = read(save(tmp_path / "x.tif", samples, ["unspecified", "unassalpha"]))
-    assert picture.channels == "rgba"
-    np.testing.assert_array_equal(picture.pixels[..., 3:], OTHER)
-
-
 @pytest.mark.parametrize(("extra", "left_out"), [(["unassalpha"], 0), (["unspecified"], 1), ([0, 2, 0], 2)])
 def test_what_is_left_out_is_said(tmp_path: Path, extra: list[str], left_out: int) -> None:
     path = save(tmp_path / "x.tif", np.dstack([INKS, *[OTHER] * len(extra)]), extra)
@@ -76,10 +54,3 @@ def test_what_is_left_out_is_said(tmp_path: Path, extra: list[str], left_out: in
         warnings.simplefilter("always")
         sgicodec.encode(path, steps=1)
     assert [str(warning.message) for warning in caught] == notes
-
-
-def test_inks_that_are_not_these_four_stay_bands(tmp_path: Path) -> None:
-    path = save(tmp_path / "x.tif", np.dstack([INKS, OTHER]), ["unspecified"], extratags=[(332, 3, 1, 2, True)])
-    picture = read(path)
-    assert picture.channels == "multi"
-    np.testing.assert_array_equal(picture.pixels, np.dstack([INKS, OTHER]))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import imagecodecs
@@ -33,22 +32,6 @@ def test_the_numbers_are_those_of_the_file(tmp_path: Path, dtype: str, bits: int
     np.testing.assert_array_equal(picture.pixels, stored.reshape(40, 50, -1))
     with open_source(tmp_path / "x.jp2") as source:
         np.testing.assert_array_equal(source.read(7, 5, 30, 20).pixels, picture.pixels[5:25, 7:37])
-
-
-@pytest.mark.parametrize(("bits", "largest"), [(8, 255), (12, 65535), (16, 65535)])
-def test_unsigned_ones_are_openimageios(bits: int, largest: int) -> None:
-    stored = numbers("uint8" if bits == 8 else "uint16", bits, 1)
-    data = imagecodecs.jpeg2k_encode(stored, codecformat="jp2", reversible=True, bitspersample=bits)
-    expected = stored.astype(float) / ((1 << bits) - 1) * largest
-    np.testing.assert_allclose(read(data).pixels[..., 0], expected, atol=1 if bits != 12 else 16)
-
-
-def test_without_imagecodecs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "x.jp2").write_bytes(imagecodecs.jpeg2k_encode(numbers("int16", 16, 1), codecformat="jp2"))
-    monkeypatch.setitem(sys.modules, "imagecodecs", None)
-    needed = r"its samples are signed .* needs imagecodecs: pip install 'sgicodec\[avif\]', or convert it first"
-    with pytest.raises(PictureError, match=rf"x\.jp2: {needed}"):
-        read(tmp_path / "x.jp2")
 
 
 def test_damage_is_refused() -> None:

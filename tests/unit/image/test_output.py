@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import resource
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,9 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sgicodec._native import Drain
 from sgicodec.errors import PictureError
-from sgicodec.image import open_sink, read, write
+from sgicodec.image import read, write
 from sgicodec.image.formats import FORMATS
 from sgicodec.picture import Picture
 
@@ -47,51 +45,9 @@ def test_a_file_that_cannot_grow(tmp_path: Path, extension: str) -> None:
     assert [path.read_bytes() for path in tmp_path.iterdir()] == [b"what was there"]
 
 
-@pytest.mark.parametrize("extension", ["jpg", "webp"])
-def test_rows_that_cannot_be_written_end_the_picture(tmp_path: Path, extension: str) -> None:
-    whole = picture(extension)
-
-    def fill() -> None:
-        with open_sink(tmp_path / f"x.{extension}", 160, 120 * 50, "rgb", "uint8") as sink:
-            for part in range(50):
-                sink.write_rows(120 * part, whole.pixels)
-
-    with limited(), pytest.raises(PictureError, match="too large"):
-        fill()
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize("extension", ["jpg", "webp"])
-def test_an_abandoned_picture_leaves_nothing(tmp_path: Path, extension: str) -> None:
-    sink = open_sink(tmp_path / f"x.{extension}", 160, 240, "rgb", "uint8")
-    sink.write_rows(0, picture(extension).pixels)
-    sink.abort()
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_what_went_through_a_pipe_is_whole(tmp_path: Path) -> None:
     """More than a pipe holds, written at the end while the writer holds Python's lock."""
     samples = np.random.default_rng(2).integers(0, 256, (600, 500, 3), np.uint8)
     write(Picture(samples, "rgb", (0.0, 255.0)), tmp_path / "x.webp")
     assert (tmp_path / "x.webp").stat().st_size > 1 << 18
     np.testing.assert_array_equal(read(tmp_path / "x.webp").pixels, samples)
-
-
-def test_a_drain_writes_all_that_comes(tmp_path: Path) -> None:
-    data = np.random.default_rng(3).bytes(1 << 20)
-    source, sink = os.pipe()
-    with (tmp_path / "x").open("wb") as file:
-        drain = Drain(source, file.fileno())
-    with open(sink, "wb") as pipe:
-        pipe.write(data)
-    assert drain.join() == 0
-    assert (tmp_path / "x").read_bytes() == data
-
-
-def test_a_drain_takes_all_where_nothing_can_be_written(tmp_path: Path) -> None:
-    source, sink = os.pipe()
-    with open(os.devnull, "rb") as file:
-        drain = Drain(source, file.fileno())
-    with open(sink, "wb") as pipe:
-        pipe.write(bytes(1 << 20))
-    assert os.strerror(drain.join()) == "Bad file descriptor"

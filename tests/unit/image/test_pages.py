@@ -12,10 +12,8 @@ import pytest
 import tifffile
 from PIL import Image
 
-import sgicodec
 from sgicodec.errors import PictureError, UsageError
-from sgicodec.image import open_source, read, write
-from sgicodec.metadata.georeference import resolution
+from sgicodec.image import open_source, read
 
 STACK = np.random.default_rng(2).integers(0, 256, (3, 24, 32), np.uint8)
 COLOURS = np.random.default_rng(3).integers(0, 256, (3, 24, 32, 3), np.uint8)
@@ -74,17 +72,6 @@ def test_frames_of_an_animation(name: str) -> None:
             picture = read(data, page=number)
             expected = np.asarray(image.convert("RGBA" if picture.channels == "rgba" else "RGB"))
             np.testing.assert_array_equal(picture.pixels, expected)
-
-
-def test_pages_of_pillow() -> None:
-    data = bytearray(b"\xb1\x68\xde\x3a" + bytes(12))
-    for index, frame in enumerate(COLOURS[:2]):
-        file = io.BytesIO()
-        Image.fromarray(frame).save(file, "PCX")
-        data[4 + 4 * index : 8 + 4 * index] = len(data).to_bytes(4, "little")
-        data += file.getvalue()
-    np.testing.assert_array_equal(read(bytes(data)).pixels, COLOURS[0])
-    np.testing.assert_array_equal(read(bytes(data), page=2).pixels, COLOURS[1])
 
 
 def test_parts_of_exr(tmp_path: Path) -> None:
@@ -147,44 +134,3 @@ def test_images_without_a_directory(tmp_path: Path) -> None:
         read(tmp_path / "x.tif", page=2)
     with pytest.raises(UsageError, match="no page 8"):
         read(tmp_path / "x.tif", page=8)
-
-
-def test_a_picture_that_is_one_page(tmp_path: Path) -> None:
-    Image.fromarray(COLOURS[0]).save(tmp_path / "x.png")
-    assert read(tmp_path / "x.png", page=1).width == 32
-    with pytest.raises(UsageError, match="no page 2; the picture is one page"):
-        open_source(tmp_path / "x.png", page=2)
-
-
-@pytest.mark.parametrize("page", [1, 2])
-@pytest.mark.parametrize(
-    ("options", "microns"),
-    [
-        ({"imagej": True, "metadata": {"axes": "ZYX", "unit": "um"}, "resolution": (4, 2)}, (0.25, 0.5)),
-        ({"ome": True, "metadata": {"axes": "CYX", "PhysicalSizeX": 0.25, "PhysicalSizeY": 0.5}}, (0.25, 0.5)),
-        ({"metadata": {"axes": "ZYX"}}, None),
-    ],
-    ids=["imagej", "ome", "shaped"],
-)
-def test_a_page_opens_elsewhere_with_its_own_shape(
-    tmp_path: Path, options: dict[str, Any], microns: tuple[float, float] | None, page: int
-) -> None:
-    picture = read(stack(**options), page=page)
-    write(picture, tmp_path / "x.tif")
-    np.testing.assert_array_equal(tifffile.imread(tmp_path / "x.tif"), STACK[page - 1])
-    found = resolution(picture.metadata.geo, picture.metadata.exif)
-    assert (None if found is None else found.microns) == (None if microns is None else pytest.approx(microns))
-
-
-def test_an_encode_warns_of_other_pages(tmp_path: Path) -> None:
-    (tmp_path / "x.tif").write_bytes(tiff(list(STACK)))
-    for image in (tmp_path / "x.tif", (tmp_path / "x.tif").read_bytes(), io.BytesIO(tiff(list(STACK)))):
-        with pytest.warns(UserWarning, match="the first of 3 pages; page chooses another") as caught:
-            sgicodec.encode(image, steps=2)
-        assert caught[0].filename == __file__
-    sgicodec.imwrite(tmp_path / "x.sgi", tmp_path / "x.tif", page=2, quality=95, effort=1)
-    decoded = sgicodec.imread(tmp_path / "x.sgi")
-    errors = [np.abs(decoded.astype(int).squeeze() - page).mean() for page in STACK]
-    assert int(np.argmin(errors)) == 1
-    with pytest.raises(UsageError, match="page is said of files"):
-        sgicodec.encode(STACK[0], page=1)

@@ -11,9 +11,7 @@ import pytest
 from PIL import Image
 
 from sgicodec.errors import PictureError
-from sgicodec.image import open_source, read
-from sgicodec.image.pillow_reader import PillowReader
-from sgicodec.metadata.orientation import Window
+from sgicodec.image import read
 
 PIXELS = np.random.default_rng(3).integers(0, 256, (33, 20, 3), np.uint8)
 
@@ -40,28 +38,9 @@ def test_colours(name: str) -> None:
     np.testing.assert_array_equal(picture.pixels, PIXELS)
 
 
-def test_alpha() -> None:
-    pixels = np.dstack([PIXELS, PIXELS[..., 0]])
-    picture = read(saved("QOI", Image.fromarray(pixels)))
-    assert picture.channels == "rgba"
-    np.testing.assert_array_equal(picture.pixels, pixels)
-
-
-def test_one_bit() -> None:
-    black = PIXELS[..., 0] > 128
-    picture = read(saved("XBM", Image.fromarray(black)))
-    assert picture.channels == "gray"
-    np.testing.assert_array_equal(picture.pixels[..., 0], 255 * black)
-
-
 def test_run_lengths_of_bmp() -> None:
     rows = [[[40, 50, 60]] * 2 + [[0, 0, 0]] * 2, [[10, 20, 30]] * 4]
     np.testing.assert_array_equal(read(rle8()).pixels, rows)
-
-
-def test_icons() -> None:
-    pixels = np.dstack([PIXELS[:16, :16], np.full((16, 16), 255, np.uint8)])
-    np.testing.assert_array_equal(read(saved("ICO", Image.fromarray(pixels))).pixels[..., :3], pixels[..., :3])
 
 
 def test_of_icons_the_largest_is_read() -> None:
@@ -85,31 +64,9 @@ def test_gray_and_alpha_of_jpeg_2000() -> None:
     np.testing.assert_array_equal(picture.pixels, pixels)
 
 
-@pytest.mark.parametrize("window", [(0, 0, 20, 4), (3, 7, 5, 9), (0, 0, 1, 1)])
-def test_windows(tmp_path: Path, window: Window) -> None:
-    (tmp_path / "x.qoi").write_bytes(saved("QOI", Image.fromarray(PIXELS)))
-    x, y, width, height = window
-    with open_source(tmp_path / "x.qoi") as source:
-        assert source.memory(5, 5) > 2 * PIXELS.size
-        for _ in range(2):
-            np.testing.assert_array_equal(source.read(*window).pixels, PIXELS[y : y + height, x : x + width])
-
-
 @pytest.mark.parametrize("name", ["QOI", "PCX"])
 def test_cut_files_are_refused(tmp_path: Path, name: str) -> None:
     path = tmp_path / f"x.{name}"
     path.write_bytes(saved(name, Image.fromarray(PIXELS))[:400])
     with pytest.raises(PictureError, match=r"x\.\w+: the file is damaged or cut off"):
         read(path)
-
-
-@pytest.mark.parametrize("data", [b"BM", b"BM" + bytes(80), b"qoif\0\0", b"no picture at all"])
-def test_what_is_none(data: bytes) -> None:
-    with pytest.raises(PictureError):
-        read(data)
-
-
-def test_the_kind_is_none_of_openimageio() -> None:
-    import OpenImageIO as oiio
-
-    assert PillowReader.kind not in oiio.get_string_attribute("input_format_list").split(",")

@@ -7,17 +7,15 @@ import struct
 import zlib
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from scenes import ISAS
 
 from sgicodec._native import png_filter
-from sgicodec.errors import UsageError
 from sgicodec.image import open_sink, png_output, write
 from sgicodec.metadata.layouts import LAYOUTS
-from sgicodec.picture import Metadata, Picture, full_range
+from sgicodec.picture import Picture, full_range
 
 Noise = Callable[..., np.ndarray]
 
@@ -78,20 +76,6 @@ def test_another_reader_sees_the_samples(noise: Noise, layout: str, dtype: str, 
     np.testing.assert_array_equal(pixels_of(written(pixels, layout)), pixels)
 
 
-@pytest.mark.parametrize("level", [0, 1, 2, 3, 6, 9])
-def test_every_level_is_exact_and_more_is_smaller(level: int) -> None:
-    pixels = smooth(60, 50, 3)
-    data = written(pixels, "rgb", png_level=level)
-    np.testing.assert_array_equal(pixels_of(data), pixels)
-    if level:
-        assert len(data) < len(written(pixels, "rgb", png_level=level // 6))
-
-
-def test_levels_beyond_nine_are_refused() -> None:
-    with pytest.raises(UsageError, match="PNG level of 10"):
-        written(smooth(4, 4, 3), "rgb", png_level=10)
-
-
 @pytest.mark.parametrize("threads", [1, 2, 3])
 @pytest.mark.parametrize("band", [1, 7, 30, 100])
 def test_same_bytes_however_rows_come(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, threads: int, band: int) -> None:
@@ -109,35 +93,6 @@ def test_same_bytes_however_rows_come(monkeypatch: pytest.MonkeyPatch, tmp_path:
     assert (tmp_path / "x.png").read_bytes() == expected
 
 
-def test_strips_know_what_came_before(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Three rows of noise that come back in every strip cost little but the first time."""
-    monkeypatch.setattr(png_output, "_STRIP_BYTES", 3 * 900)
-    three = np.random.default_rng(0).integers(0, 256, (3, 900, 1)).astype(np.uint8)
-    assert len(written(np.tile(three, (40, 1, 1)), "gray")) < 4 * len(written(three, "gray"))
-
-
-def test_metadata_stands_before_the_pixels() -> None:
-    icc, exif, xmp = bytes(range(200)), b"II*\0" + bytes(20), b"<x/>"
-    file = io.BytesIO()
-    write(Picture(smooth(3, 3, 3), "rgb", (0, 255), Metadata(icc, exif, xmp)), file, format="png")
-    found = chunks_of(file.getvalue())
-    assert [kind for kind, _ in found] == [b"IHDR", b"iCCP", b"eXIf", b"iTXt", b"IDAT", b"IEND"]
-    name, packed = found[1][1].split(b"\0\0", 1)
-    assert (name, zlib.decompress(packed)) == (b"ICC profile", icc)
-    assert (found[2][1], found[3][1]) == (exif, b"XML:com.adobe.xmp" + bytes(5) + xmp)
-
-
-def test_the_filter_with_the_smallest_differences_is_taken() -> None:
-    """On the first of every eight rows; the others follow it."""
-    ramp = np.arange(120, dtype=np.uint8)
-    across, down = np.tile(ramp, (8, 1)), np.tile(ramp[:8, None] * 3, (1, 120))
-    rows = np.concatenate([across, np.zeros((1, 120), np.uint8).repeat(8, 0), down + np.uint8(40)])
-    out = np.empty((24, 121), np.uint8)
-    png_filter(rows, np.zeros(120, np.uint8), 1, out)
-    assert out[::8, 0].tolist() == [1, 0, 1]  # from the left; nothing to do; from the left, as above is far away
-    assert np.all(out[:, 0].reshape(3, 8) == out[::8, :1])
-
-
 @pytest.mark.parametrize("step", [1, 3, 8])
 def test_instruction_sets_filter_alike(step: int) -> None:
     rows = np.random.default_rng(step).integers(0, 256, (40, 331 * step), np.uint8)
@@ -149,28 +104,3 @@ def test_instruction_sets_filter_alike(step: int) -> None:
         found.append(out)
     for other in found[1:]:
         np.testing.assert_array_equal(other, found[0])
-
-
-def test_rows_that_do_not_fit_are_refused() -> None:
-    rows, above = np.zeros((2, 6), np.uint8), np.zeros(6, np.uint8)
-    for wrong in ((rows, above[:5], 3, np.zeros((2, 7), np.uint8)), (rows, above, 3, np.zeros((2, 6), np.uint8))):
-        with pytest.raises(ValueError, match="rows must be"):
-            png_filter(*wrong)
-
-
-@pytest.mark.parametrize("threads", [1, 3])
-def test_what_fails_on_a_thread_fails_the_picture(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, threads: int
-) -> None:
-    def refuse(*arguments: object) -> None:
-        raise MemoryError("Can't allocate memory for compression object")
-
-    monkeypatch.setattr("sgicodec.image.png_output.isal_zlib.compressobj", refuse)
-    picture = Picture(smooth(40, 30, 3), "rgb", full_range(np.dtype(np.uint8)), Metadata())
-    opened: list[Any] = []
-    real = Path.open
-    monkeypatch.setattr(Path, "open", lambda *arguments: opened.append(real(*arguments)) or opened[-1])
-    with pytest.raises(MemoryError):
-        write(picture, tmp_path / "a.png", threads=threads)
-    assert [file.closed for file in opened] == [True]
-    assert list(tmp_path.iterdir()) == []

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import struct
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -105,11 +104,3 @@ def test_damage(tmp_path: Path) -> None:
     (tmp_path / "a.dng").write_bytes(dng(mosaic(0.3, 0.3, 0.3))[:-4000])
     with pytest.raises(PictureError, match=r"a\.dng: the file is damaged or cut off: Input/output error"):
         read(tmp_path / "a.dng")
-
-
-def test_a_missing_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "rawpy", None)
-    with pytest.raises(
-        PictureError, match=r"raw file \(DNG\); reading it needs rawpy: pip install 'sgicodec\[raw\]', or"
-    ):
-        read(dng(mosaic(0.3, 0.3, 0.3)))

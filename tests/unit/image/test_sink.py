@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import io
-import os
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -97,15 +96,6 @@ def test_an_exception_leaves_what_was_there(noise: Noise, tmp_path: Path, capfd:
     assert capfd.readouterr().err == ""
 
 
-def test_rows_that_are_missing(noise: Noise, tmp_path: Path) -> None:
-    with (
-        pytest.raises(UsageError, match="only 10 of 40 rows"),
-        open_sink(tmp_path / "x.png", 30, 40, "rgb", "uint8") as sink,
-    ):
-        sink.write_rows(0, noise(10, 30, 3, "uint8"))
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_rows_that_do_not_follow(noise: Noise, tmp_path: Path) -> None:
     rows = noise(10, 30, 3, "uint8")
     with open_sink(tmp_path / "x.png", 30, 15, "rgb", "uint8") as sink:
@@ -119,32 +109,6 @@ def test_rows_that_do_not_follow(noise: Noise, tmp_path: Path) -> None:
                 sink.write_rows(10, wrong)
         sink.write_rows(10, rows[:5])
     np.testing.assert_array_equal(read(tmp_path / "x.png").pixels, np.concatenate([rows, rows[:5]]))
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ((10, 10, "cmyk", "uint8"), "channels must be one of gray"),
-        ((10, 10, "multi", "uint8"), "multi with a number of bands"),
-        ((0, 10, "gray", "uint8"), "cannot be of 0 × 10 pixels"),
-        ((10, 10, "gray", "int16"), "uint8, uint16 or float32, not int16"),
-    ],
-)
-def test_pictures_that_cannot_be(tmp_path: Path, arguments: tuple[int, int, str, str], message: str) -> None:
-    with pytest.raises(UsageError, match=message):
-        open_sink(tmp_path / "x.tif", *arguments)
-    with pytest.raises(UsageError, match="multi with a number"):
-        open_sink(tmp_path / "x.tif", 10, 10, "rgb", "uint8", bands=3)
-
-
-def test_what_a_format_cannot_hold_is_said_before(tmp_path: Path) -> None:
-    with pytest.raises(PictureError, match=r"x\.jpg: jpeg cannot hold 16 bits per sample, only 8 bits"):
-        open_sink(tmp_path / "x.jpg", 10, 10, "rgb", "uint16")
-    with pytest.raises(PictureError, match=r"x\.png: png cannot hold 7 bands"):
-        open_sink(tmp_path / "x.png", 10, 10, "multi", "uint8", bands=7)
-    with pytest.raises(PictureError, match=r"x\.webp: .*16384|x\.webp: .*16383"):
-        open_sink(tmp_path / "x.webp", 20000, 10, "rgb", "uint8")
-    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("holder", FORMATS, ids=lambda holder: holder.name)
@@ -166,12 +130,6 @@ def test_a_full_disk_is_noticed_before(tmp_path: Path, monkeypatch: pytest.Monke
     open_sink(tmp_path / "x.tif", 10_000, 1000, "rgb", "uint8").abort()
     with pytest.raises(PictureError, match="free disk space"):  # its file is rewritten, and stands there twice
         open_sink(tmp_path / "x.jpg", 10_000, 1000, "rgb", "uint8")
-
-
-def test_devices_are_written_through(noise: Noise) -> None:
-    with open_sink(os.devnull, 30, 20, "rgb", "uint8", format="png") as sink:
-        sink.write_rows(0, noise(20, 30, 3, "uint8"))
-    assert Path(os.devnull).is_char_device()
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 4, 6])

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from window_rows import window_rows
 
 from sgicodec.errors import PictureError, UsageError
-from sgicodec.image import Source, access, open_sink, open_source, read, write
+from sgicodec.image import access, open_source, read, write
 from sgicodec.image.opened import Opened
 from sgicodec.metadata import ifd
 from sgicodec.picture import Metadata, Picture, nodata_mask
@@ -136,13 +136,6 @@ def test_windows_are_parts_of_the_whole(
             assert (part.channels, part.sample_range) == (whole.channels, whole.sample_range)
 
 
-def test_kinds_are_what_their_names_say(files: dict[str, Path]) -> None:
-    ways = {"tiles": "Tiles", "exr tiles": "Tiles", "strips": "Rows", "png": "Rows", "doubles": "Whole"}
-    for name, way in ways.items():
-        with open_source(files[name]) as source:
-            assert type(source._access).__name__ == way
-
-
 @pytest.mark.parametrize("orientation", range(1, 9))
 @pytest.mark.parametrize("kind", ["tiles", "strips", "png"])
 def test_windows_of_turned_pictures(
@@ -185,20 +178,6 @@ def test_rows_are_decoded_once(files: dict[str, Path], kind: str, monkeypatch: p
             source.read(*window)
     assert sum(asked) == HEIGHT
     assert max(asked) < HEIGHT / 2
-
-
-def test_only_the_tiles_of_a_window_are_decoded(files: dict[str, Path], monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[tuple[int, ...]] = []
-    samples = Opened.samples
-
-    def noted(self: Opened, method: Any, rows: int, *where: int) -> Any:
-        asked.append(where[:4])
-        return samples(self, method, rows, *where)
-
-    monkeypatch.setattr(Opened, "samples", noted)
-    with open_source(files["tiles"]) as source:
-        source.read(17, 30, 15, 4)
-    assert asked == [(16, 32, 0, 32), (16, 32, 32, 53)]
 
 
 @pytest.mark.parametrize("kind", ["jpeg", "strips", "tiles"])
@@ -268,24 +247,3 @@ def test_paths_bytes_and_streams(files: dict[str, Path]) -> None:
 def test_windows_outside(files: dict[str, Path], window: tuple[int, int, int, int]) -> None:
     with open_source(files["tiles"]) as source, pytest.raises(UsageError, match="not inside the picture of 71×53"):
         source.read(*window)
-
-
-def test_what_is_no_picture_is_refused_at_once(tmp_path: Path) -> None:
-    with pytest.raises(PictureError, match="the picture: the file is empty"):
-        open_source(b"")
-    with pytest.raises(PictureError, match=r"gone\.tif: No such file"):
-        open_source(tmp_path / "gone.tif")
-
-
-def test_from_a_source_to_a_sink(tmp_path: Path, noise: Noise) -> None:
-    picture = Picture(noise(90, 40, 4, "uint16"), "rgba", (0.0, 65535.0))
-    write(picture, tmp_path / "in.png")
-
-    def copy(source: Source) -> None:
-        with open_sink(tmp_path / "out.tif", source.width, source.height, source.channels, source.dtype) as sink:
-            for y in range(0, source.height, 32):
-                sink.write_rows(y, source.read(0, y, source.width, min(32, source.height - y)).pixels)
-
-    with open_source(tmp_path / "in.png") as source:
-        copy(source)
-    np.testing.assert_array_equal(read(tmp_path / "out.tif").pixels, picture.pixels)

@@ -14,7 +14,6 @@ from rasterio.windows import Window
 
 from sgicodec.errors import PictureError
 from sgicodec.image import open_source, read
-from sgicodec.image.tiff_reader import left_to_gdal
 
 pytestmark = pytest.mark.filterwarnings("ignore::rasterio.errors.NotGeoreferencedWarning")
 
@@ -102,22 +101,6 @@ def test_inks_that_gdal_has_mixed_are_refused(tmp_path: Path) -> None:
         read(path)
 
 
-def test_a_page(tmp_path: Path) -> None:
-    with tifffile.TiffWriter(tmp_path / "x.tif") as writer:
-        for shade in (10, 20):
-            page = np.full((HEIGHT, WIDTH), shade, np.uint8)
-            writer.write(page, compression="zstd" if shade == 20 else None, metadata=None, photometric="minisblack")
-    assert read(tmp_path / "x.tif", page=1).pixels.max() == 10
-    assert np.unique(read(tmp_path / "x.tif", page=2).pixels).tolist() == [20]
-
-
-def test_orientation_is_applied(tmp_path: Path) -> None:
-    page = samples(1, "uint8")[0]
-    tags = [(274, 3, 1, 6, True)]
-    tifffile.imwrite(tmp_path / "x.tif", page, compression="zstd", extratags=tags, metadata=None)
-    np.testing.assert_array_equal(read(tmp_path / "x.tif").pixels[..., 0], np.rot90(page, -1))
-
-
 def test_without_rasterio(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     sparse = save(tmp_path / "a.tif", samples(1, "uint8"), 32, **TILES)
     packed = save(tmp_path / "b.tif", samples(1, "uint8"), compress="ZSTD")
@@ -127,14 +110,6 @@ def test_without_rasterio(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
         read(sparse)
     with pytest.raises(PictureError, match=rf"b\.tif: it is compressed by ZSTD; {remedy}"):
         read(packed)
-
-
-def test_compressions_that_nobody_reads(tmp_path: Path) -> None:
-    path = save(tmp_path / "x.tif", samples(1, "uint8"))
-    with tifffile.TiffFile(path, mode="r+b") as file:
-        file.pages.first.tags[259].overwrite(50002)
-    with pytest.raises(PictureError, match="compressed by JPEG XL, and GDAL does not read it; convert it first"):
-        read(path)
 
 
 def test_damage_is_refused(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
@@ -147,9 +122,3 @@ def test_damage_is_refused(tmp_path: Path, capfd: pytest.CaptureFixture[str]) ->
     with pytest.raises(PictureError, match=r"x\.tif: the file is damaged or cut off: .*"):
         read(path)
     assert capfd.readouterr() == ("", "")
-
-
-def test_files_that_openimageio_reads(tmp_path: Path) -> None:
-    for name in ("NONE", "LZW", "DEFLATE", "PACKBITS", "JPEG"):
-        assert left_to_gdal(save(tmp_path / name, samples(1, "uint8"), compress=name).read_bytes()) is None
-    assert left_to_gdal(b"no TIFF") is None

@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import struct
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +11,7 @@ from sgicodec.errors import PictureError, UsageError
 from sgicodec.image import open_source, read, write
 from sgicodec.image.used_range import SampleUse, UsedRange, stated_use
 from sgicodec.metadata import geo, ifd
-from sgicodec.picture import MAX_SAMPLE, Metadata, Picture, exact_samples, from_unit, nodata_samples, to_unit
+from sgicodec.picture import MAX_SAMPLE, Metadata, Picture, exact_samples, nodata_samples
 
 U8, U16, F32 = np.dtype(np.uint8), np.dtype(np.uint16), np.dtype(np.float32)
 RAMP = np.linspace(0, 1, 5000).reshape(50, 100, 1)
@@ -77,13 +76,6 @@ def test_a_few_dead_or_hot_pixels_lie_outside(dtype: np.dtype, value: float, ins
     assert inside in range(int(plain.sample_range[0]), int(plain.sample_range[1]) + 1)  # type: ignore[arg-type]
 
 
-def test_the_tail_of_a_distribution_is_no_outlier() -> None:
-    pixels = np.abs(np.random.default_rng(1).normal(size=(200, 200, 1))).astype(np.float32)
-    found = use(pixels)
-    assert not found.exact
-    assert found.sample_range[1] >= pixels.max()
-
-
 @pytest.mark.parametrize("value", [-9999.0, 1.70141e38, 3.4028235e38, -3.4028235e38, np.inf, 0.0])
 def test_a_value_far_from_all_others_is_nodata(value: float) -> None:
     pixels = (300 + RAMP * 44).astype(np.float32)
@@ -118,18 +110,6 @@ def test_not_a_number_is_nodata_where_nothing_else_is() -> None:
     assert (found.blank, found.exact, found.sample_range) == (None, True, (0.0, 1.0))
 
 
-def test_bands_have_ranges_of_their_own_and_colours_share_one() -> None:
-    pixels = np.concatenate([RAMP * 300, 1000 + RAMP * 5000, RAMP * 65535], axis=2).astype(np.uint16)
-    assert use(pixels, "multi").sample_range == ((0.0, 1000.0, 0.0), (300.0, 6000.0, 65535.0))
-    assert use(pixels, "rgb").sample_range == (0.0, 65535.0)
-
-
-def test_alpha_does_not_count() -> None:
-    found = UsedRange("rgba", 3, F32, None)
-    found.add(np.array([[[2.0, 3.0, 4.0, 99.0]]], np.float32))
-    assert found.found().sample_range == (2.0, 4.0)
-
-
 def test_samples_that_no_range_does_justice_to() -> None:
     pixels = (300 + RAMP * 44).astype(np.float32)
     pixels[:10], pixels[-10:] = -3e38, 3e38
@@ -141,55 +121,10 @@ def test_samples_that_no_range_does_justice_to() -> None:
         Picture(pixels, "gray", (0.0, 2 * MAX_SAMPLE))
 
 
-@pytest.mark.parametrize(
-    ("choice", "dtype", "expected"),
-    [
-        (None, U8, (0.0, 255.0)),
-        (None, U16, None),
-        ("used", U8, None),
-        ("type", U16, (0.0, 65535.0)),
-        ("type", F32, (0.0, 1.0)),
-        ((5.0, 4000.0), U16, (5.0, 4000.0)),
-    ],
-)
-def test_choices(choice: object, dtype: np.dtype, expected: tuple[float, float] | None) -> None:
-    found = stated_use(choice, dtype, 3)  # type: ignore[arg-type]
-    assert (None if found is None else found.sample_range) == expected
-
-
 @pytest.mark.parametrize("choice", ["uesd", (1.0,), (0.0, 0.5), (-1.0, 5.0), (0.0, 70000.0), ((0.0, 1.0), (5.0, 6.0))])
 def test_choices_that_make_no_sense(choice: object) -> None:
     with pytest.raises(UsageError, match="range"):
         stated_use(choice, U16, 3)  # type: ignore[arg-type]
-
-
-def test_float_range_found_or_stated() -> None:
-    samples = np.array([[-2.0, 0.5], [6.0, 1.0]], "<f4")
-    data = b"Pf\n2 2\n-1\n" + samples[::-1].tobytes()
-    found = read(data)
-    assert found.pixels[..., 0].tolist() == samples.tolist()
-    assert found.sample_range == (-2.0, 6.0)
-    stated = read(data, sample_range=(0.0, 1.0))
-    assert stated.sample_range == (0.0, 1.0)
-    assert to_unit(stated)[..., 0].tolist() == [[0.0, 0.5], [1.0, 1.0]]
-    back = from_unit(to_unit(found), "gray", "float32", found.sample_range)
-    np.testing.assert_allclose(back.pixels, found.pixels, atol=1e-6)
-    with pytest.raises(UsageError, match="low before high"):
-        read(data, sample_range=(1.0, 0.0))
-
-
-def test_flat_pictures_have_a_range() -> None:
-    assert read(b"Pf\n1 1\n-1\n" + struct.pack("<f", 5.0)).sample_range == (5.0, 10.0)
-    assert use(np.full((3, 3, 1), 65535, np.uint16)).sample_range == (65534.0, 65535.0)
-    assert use(np.full((3, 3, 1), 7, np.uint16)).sample_range == (7.0, 8.0)
-
-
-@pytest.mark.parametrize("value", [float("inf"), float("-inf")])
-def test_infinite_samples_that_are_many(value: float) -> None:
-    data = b"Pf\n2 1\n-1\n" + struct.pack("<ff", 0.0, value)
-    with pytest.raises(PictureError, match="far from the others"):
-        read(data)
-    assert to_unit(read(data, sample_range=(0.0, 1.0))).ravel().tolist() == [0.0, float(value > 0)]
 
 
 @pytest.mark.parametrize("nodata", [b"-9999", b"nan"])

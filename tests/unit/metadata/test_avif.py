@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from sgicodec.errors import PictureError
-from sgicodec.metadata.avif import Still, is_avif, still
+from sgicodec.metadata.avif import Still, still
 
 
 def box(kind: bytes, *contents: bytes) -> bytes:
@@ -64,10 +64,6 @@ def test_depth_and_size(version: int, wide: bool, flags: int, bits: int, is_gray
     assert still(data) == Still(60, 40, bits, is_gray, (0, 0, 60, 40), 1)
 
 
-def test_a_picture_of_tiles_has_their_depth() -> None:
-    assert still(file(SIZE, configuration(0x4C), own=1)).bits == 10
-
-
 def test_crop_and_turn() -> None:
     data = file(SIZE, configuration(0), crop(31, 1, 20, 1, -9, 2, 2, 1), box(b"irot", b"\3"), box(b"imir", b"\1"))
     assert still(data) == Still(60, 40, 8, False, (10, 12, 31, 20), 5)
@@ -91,38 +87,9 @@ def test_what_is_not_read_is_refused(properties: tuple[bytes, ...], complaint: s
         still(file(*properties))
 
 
-def test_the_brand_may_stand_among_others() -> None:
-    assert is_avif(box(b"ftyp", b"avis", bytes(4)))
-    assert is_avif(box(b"ftyp", b"mif1", bytes(4), b"miafavif"))
-    assert not is_avif(box(b"ftyp", b"mif1", bytes(4), b"miafheic"))
-    assert not is_avif(box(b"free", b"avif", bytes(4)))
-
-
-def test_boxes_of_64_bits_and_to_the_end() -> None:
-    data = file(SIZE, configuration(0))
-    at = data.index(b"meta") - 4
-    long = data[:at] + struct.pack(">I4sQ", 1, b"meta", len(data) - at - 18 + 8) + data[at + 8 : -18] + data[-18:]
-    assert still(long) == still(data)
-    assert still(data[:at] + bytes(4) + data[at + 4 : -18]) == still(data)
-
-
-def test_a_real_file() -> None:
-    assert still(REAL) == Still(8, 6, 8, False, (0, 0, 8, 6), 1)
-
-
 @given(at=st.integers(0, 400), value=st.integers(0, 255))
 def test_any_byte_may_be_wrong(at: int, value: int) -> None:
     data = bytearray(REAL)
     data[at % len(data)] = value
     with suppress(PictureError):
         assert still(bytes(data)).bits in (8, 10, 12)
-
-
-@pytest.mark.parametrize("end", range(0, 200, 3))
-def test_any_cut_is_refused_or_read(end: int) -> None:
-    data = file(SIZE, configuration(0))
-    if end < data.index(b"mdat") - 4:
-        with pytest.raises(PictureError):
-            still(data[:end])
-    else:
-        assert still(data[: data.index(b"mdat") - 4]) == still(data)

@@ -64,30 +64,10 @@ def test_what_a_file_states_is_kept(data: bytes, expected: Density | None) -> No
             assert expected.unit != 1 or found.unit == 1
 
 
-def test_another_reader_finds_it() -> None:
-    picture = read(_png(1, 11811, 11811))
-    for format in ("jpeg", "png", "tiff"):
-        file = io.BytesIO()
-        write(picture, file, format=format)
-        with image.open(file) as other:
-            assert other.info["dpi"] == pytest.approx((300, 300), abs=0.01)
-
-
 def _tags(across: int, down: int, unit: int) -> dict[int, ifd.Entry]:
     pairs = {282: across, 283: down}
     entries = {tag: ifd.Entry(5, struct.pack("<II", value, 1)) for tag, value in pairs.items()}
     return {**entries, 296: ifd.Entry(3, struct.pack("<H", unit))}
-
-
-def test_the_resolution_of_exif_goes_first() -> None:
-    def exif(across: int) -> bytes:
-        return b"II*\0\x08\0\0\0" + ifd.dump({**_tags(across, across, 2)}, 8)
-
-    stated = Density((300, 1), (300, 1), 2)
-    assert density.tags(stated, exif(240)) is None
-    assert density.tags(stated, exif(72)) == geo.pack({**_tags(300, 300, 2)})
-    assert density.density(None, exif(240)) == Density((240, 1), (240, 1), 2)
-    assert density.density(geo.pack({**_tags(0, 5, 2)}), None) is None
 
 
 @pytest.mark.parametrize(
@@ -105,17 +85,3 @@ def test_72_pixels_per_inch_are_no_measurement(across: int, down: int, unit: int
     entries: ifd.Directory = {**_tags(across, down, unit)}
     blob, exif = geo.pack(entries), b"II*\0\x08\0\0\0" + ifd.dump(entries, 8)
     assert (resolution(blob, None) is not None) == (resolution(None, exif) is not None) == is_measured
-
-
-@pytest.mark.parametrize(
-    ("pair", "expected"),
-    [
-        ((300, 150.5), Density((300, 1), (301, 2), 2)),
-        *[
-            (pair, None)
-            for pair in ((0, 0), (-1, 5), (float("nan"), 1), (1e9, 1), (float("inf"), 1), None, 3, "ab", (1,))
-        ],
-    ],
-)
-def test_what_pillow_states(pair: object, expected: Density | None) -> None:
-    assert density.per_inch(pair) == expected

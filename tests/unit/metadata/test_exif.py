@@ -39,27 +39,6 @@ def test_values_of_every_width_are_turned_to_little_endian() -> None:
     }
 
 
-ENTRIES = st.dictionaries(
-    st.integers(1, 30000),
-    st.one_of(
-        st.binary(min_size=1, max_size=20).map(lambda data: ifd.Entry(2, data)),
-        st.lists(st.integers(0, 65535), min_size=1, max_size=5).map(
-            lambda values: ifd.Entry(3, struct.pack(f"<{len(values)}H", *values))
-        ),
-        st.binary(min_size=8, max_size=8).map(lambda data: ifd.Entry(5, data)),
-    ),
-    min_size=1,
-    max_size=6,
-)
-
-
-@given(main=ENTRIES, sub=ENTRIES, gps=ENTRIES, big=st.booleans())
-def test_what_is_dumped_loads(main: ifd.Directory, sub: ifd.Directory, gps: ifd.Directory, big: bool) -> None:
-    directory: ifd.Directory = {**main, ifd.EXIF_IFD: sub, ifd.GPS_IFD: gps}
-    head = b"II+\0\x08\0\0\0" + struct.pack("<Q", 16) if big else b"II*\0" + struct.pack("<I", 8)
-    assert ifd.load(head + ifd.dump(directory, len(head), big=big)) == directory
-
-
 @given(st.binary(max_size=60), st.integers(0, 79))
 def test_damaged_blobs_raise_nothing_else(tail: bytes, cut: int) -> None:
     for head in (b"II*\0\x08\0\0\0", b"MM\0*\0\0\0\x08", b"II+\0\x08\0\0\0\x10\0\0\0\0\0\0\0"):
@@ -89,26 +68,6 @@ def test_pixels_per_unit_follow_the_scale(order: str) -> None:
     assert exif.moved(blob((300, 1), (150, 1)), Motion(6, 6, 6)) == blob((150, 1), (300, 1))
     for end in range(60):
         assert len(exif.moved(blob((1, 1), (1, 1))[:end], scaled(2.0, 2.0))) == end
-
-
-def test_a_damaged_subdirectory_is_left_out(exif_blob: Blob) -> None:
-    assert ifd.load(exif_blob()[:-10]).keys() == {271, 274}
-
-
-def test_a_blob_without_content_is_none() -> None:
-    only_orientation = b"II*\0" + struct.pack("<IHHHIHHI", 8, 1, 274, 3, 1, 6, 0, 0)
-    assert exif.upright(only_orientation) is None
-    assert exif.upright(b"no TIFF") is None
-    assert exif.upright(b"II*\0\xff\0\0\0") is None
-
-
-def test_the_orientation_that_is_stated(exif_blob: Blob) -> None:
-    for order in ("<", ">"):
-        assert exif.orientation(exif_blob(orientation=6, order=order)) == 6
-        assert exif.orientation(exif_blob(orientation=9, order=order)) == 1
-    assert exif.orientation(exif_blob(orientation=6)[:-40]) is None
-    assert exif.orientation(b"no TIFF") is None
-    assert exif.orientation(None) is None
 
 
 def photograph(order: str, **tags: list[int]) -> bytes:
@@ -161,17 +120,6 @@ def test_sizes_and_places_follow_the_pixels(
     assert found[271] == ifd.Entry(2, b"Acm\0")
 
 
-@pytest.mark.parametrize(
-    ("area", "expected"), [([10, 20], [20, 50]), ([10, 20, 7], [20, 50, 14]), ([10, 47, 7, 9], None), ([1], None)]
-)
-def test_a_subject_is_a_point_a_circle_or_a_rectangle(area: list[int], expected: list[int] | None) -> None:
-    motion = Motion(64, 48, 1, 0, -5, 2, 2, 128, 100)
-    found = ifd.load(exif.moved(photograph("<", **{AREA: area}), motion))[ifd.EXIF_IFD]
-    assert isinstance(found, dict)
-    expected = None if expected is None else [expected[0] + 1, expected[1] + 1, *expected[2:]]
-    assert found.get(37396) == (expected and ifd.Entry(3, struct.pack(f"<{len(expected)}H", *expected)))
-
-
 @given(st.binary(max_size=80), st.integers(1, 8), st.floats(0.1, 9))
 def test_any_blob_may_move(tail: bytes, turn: int, scale: float) -> None:
     for head in (b"II*\0\x08\0\0\0", b"MM\0*\0\0\0\x08"):
@@ -179,10 +127,3 @@ def test_any_blob_may_move(tail: bytes, turn: int, scale: float) -> None:
             blob = head + part
             assert len(exif.moved(blob, Motion(6, 7, turn))) == len(blob)
             assert len(exif.moved(blob, Motion(6, 7, 1, 1, 1, scale, scale, 3, 2))) == len(blob)
-
-
-def test_utf8_of_exif_3_becomes_what_tiff_knows() -> None:
-    text = "Zoë 日本".encode() + b"\0"
-    blob = b"II*\0\x08\0\0\0" + struct.pack("<HHHIII", 1, 315, 129, len(text), 26, 0) + text
-    assert tiff.find(blob)[0] == b"II*\0\x08\0\0\0" + ifd.dump({315: ifd.Entry(2, text)}, 8)
-    assert tiff.described(blob) == {315: ifd.Entry(2, text)}

@@ -47,11 +47,6 @@ def test_any_text_is_a_number_or_none(text: bytes) -> None:
     assert isinstance(gdal.number(text), float | None)
 
 
-@given(st.floats(allow_nan=False))
-def test_what_is_printed_is_read(value: float) -> None:
-    assert gdal.number(f"{value:.17g}".encode()) == value
-
-
 HEAD, TAIL = b"<GDALMetadata>", b"\n</GDALMetadata>\n\0"
 KEPT = (
     b'\n  <Item name="SCALE" sample="0" role="scale">0.1</Item>'
@@ -79,16 +74,6 @@ def test_statistics_go_and_all_else_stays(item: bytes) -> None:
         assert gdal.without_statistics(HEAD + b"\n  " + item + behind + TAIL) == HEAD + behind + TAIL
         assert gdal.without_statistics(HEAD + behind + b"\n " + item + TAIL) == HEAD + behind + TAIL
     assert gdal.without_statistics(HEAD + b"\n" + item + b"\n" + item + TAIL) == b""
-
-
-@given(st.binary(max_size=60))
-def test_what_is_no_metadata_stays(text: bytes) -> None:
-    assert gdal.without_statistics(text) == text
-
-
-def test_an_item_without_an_end_stays() -> None:
-    text = HEAD + b'<Item name="STATISTICS_MEAN">1' + TAIL
-    assert gdal.without_statistics(text) == text
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import pytest
 
 from sgicodec.image import read
 from sgicodec.metadata import geo, ifd
-from sgicodec.metadata.gdal_items import BandFacts, band_facts, last_colour
+from sgicodec.metadata.gdal_items import BandFacts, band_facts
 
 ITEM = '<Item name="DESCRIPTION" sample="0" role="description">red</Item>'
 
@@ -50,12 +50,3 @@ def test_damaged_texts_say_nothing(text: str) -> None:
     assert band_facts(blob(text), 2) == [BandFacts(), BandFacts()]
     assert band_facts(blob(f"<GDALMetadata>{ITEM}</GDALMetadata>"), 2)[0].description == "red"
     assert band_facts(None, 1) == [BandFacts()]
-
-
-def test_the_colour_of_the_last_band() -> None:
-    items = "".join(
-        f'<Item name="COLORINTERP" sample="{band}" role="colorinterp">{name}</Item>'
-        for band, name in enumerate(("Red", "Undefined"))
-    )
-    text = f"<GDALMetadata>{items}</GDALMetadata>".encode()
-    assert [last_colour(text, bands) for bands in (1, 2, 3)] == ["red", "undefined", None]

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sgicodec.image import open_source, probe, read, write
+from sgicodec.image import open_source, read, write
 from sgicodec.metadata import geo, ifd, placement, tiff
 from sgicodec.picture import Metadata, Picture, full_range
 
@@ -77,37 +77,6 @@ def test_tags_survive_a_tiff(tmp_path: Path, save: Save) -> None:
     assert read(file.getvalue()).metadata == Metadata(geo=blob)
 
 
-@pytest.mark.parametrize(("order", "big"), [("<", False), (">", False), ("<", True), (">", True)])
-def test_every_spelling_of_tiff_gives_the_same_blob(order: str, big: bool) -> None:
-    head = {"<": b"II", ">": b"MM"}[order] + struct.pack(
-        order + ("HHHQ" if big else "HI"), *((43, 8, 0, 16) if big else (42, 8))
-    )
-    row = struct.Struct(order + ("HHQ" if big else "HHI"))
-    place = "Q" if big else "I"
-    behind = len(head) + 2 * (row.size + struct.calcsize(place)) + (16 if big else 6)
-    scale = struct.pack(order + "3d", 1.5, 2.5, 0.0)
-    count = struct.pack(order + ("Q" if big else "H"), 2)
-    rows = row.pack(33550, DOUBLE, 3) + struct.pack(order + place, behind)
-    rows += row.pack(42113, ASCII, 2) + b"7\0".ljust(struct.calcsize(place), b"\0")
-    data = head + count + rows + struct.pack(order + place, 0) + scale
-    assert tiff.find(data) == (None, None, geo.pack({33550: doubles(1.5, 2.5, 0.0), 42113: ALL[42113]}))
-
-
-def test_a_resolution_travels_once() -> None:
-    def blob_of(directory: ifd.Directory) -> tuple[bytes | None, bytes | None]:
-        exif, _, place = tiff.find(b"II*\0\x08\0\0\0" + ifd.dump(directory, 8))
-        return exif, place
-
-    resolution = {tag: ALL[tag] for tag in (282, 283, 296)}
-    assert blob_of(dict(resolution)) == (None, geo.pack(dict(resolution)))
-    exif, place = blob_of({**resolution, 271: ifd.Entry(ASCII, b"Maker\0")})
-    assert place is None
-    assert exif is not None
-    assert ifd.load(exif).keys() == {271, 282, 283, 296}
-    nothing: ifd.Directory = {282: ALL[282], 283: ALL[282], 296: shorts(1)}
-    assert blob_of(nothing) == (None, None)
-
-
 @pytest.mark.parametrize(
     ("text", "dtype", "expected"),
     [
@@ -152,44 +121,6 @@ def test_nodata_is_stretched_like_its_samples(tmp_path: Path, save: Save, bits: 
     assert picture.nodata is not None
     assert picture.nodata == pytest.approx(nodata / most * largest, abs=1)
     assert geo.load(picture.metadata.geo).keys() == {33550, 42113}
-
-
-def test_nodata_of_a_palette_means_nothing(tmp_path: Path) -> None:
-    image = pytest.importorskip("PIL.Image")
-    picture = image.new("P", (4, 4))
-    picture.putpalette(list(range(48)))
-    picture.save(tmp_path / "x.tif")
-    path = _tagged(tmp_path / "x.tif", {42113: ALL[42113], 33550: ALL[33550]})
-    assert read(path).channels == "rgb"
-    assert geo.load(read(path).metadata.geo).keys() == {33550}
-
-
-def test_the_blob_is_for_the_upright_picture(tmp_path: Path, save: Save) -> None:
-    path = _tagged(save(tmp_path / "x.tif", np.zeros((4, 6, 1), np.uint8), Orientation=6), ALL)
-    assert probe(path).width == 4
-    with open_source(path) as source:
-        found = source.metadata.geo
-    stored = {tag: item for tag, item in ALL.items()}
-    assert found == placement.oriented(geo.pack(dict(stored)), 6, 6, 4)
-    assert found != geo.pack(dict(stored))
-
-
-def test_new_numbers() -> None:
-    blob = geo.pack(dict(ALL))
-    assert geo.load(geo.resampled(blob, lambda value: value * 257)) == {
-        **{tag: item for tag, item in ALL.items() if tag != 42112},
-        42113: ifd.Entry(ASCII, b"1799\0"),
-    }
-    assert geo.load(geo.resampled(blob, lambda _: None)).keys() == ALL.keys() - {42112, 42113}
-    assert geo.resampled(None, lambda value: value) is None
-
-
-@given(st.binary(max_size=80))
-def test_foreign_blobs_do_no_harm(tail: bytes) -> None:
-    for blob in (tail, b"II*\0\x08\0\0\0" + tail, b"MM\0*\0\0\0\x08" + tail):
-        assert geo.load(blob).keys() <= geo.TAGS
-        geo.nodata(blob, np.dtype(np.uint8))
-        placement.view(blob, 1, 2, 3, 4)
 
 
 ANY_ENTRY = st.builds(ifd.Entry, st.sampled_from([1, 2, 3, 4, 5, 12]), st.binary(min_size=8, max_size=768))

@@ -54,24 +54,6 @@ def test_what_may_stand_before_a_segment(exif_blob: Blob, before: bytes, at: int
         assert picture.metadata.exif == exif_blob(orientation=1)
 
 
-def test_of_several_segments_the_first_counts(exif_blob: Blob) -> None:
-    blob, other = exif_blob(orientation=6), exif_blob(orientation=3)
-    data = plain()
-    several = b"".join(
-        map(segment, (b"Exif\0\0junk", b"Exif\0\xff" + blob, b"Exif\0\0" + other, XMP + PACKET, XMP + b"<b/>"))
-    )
-    whole = data[:2] + several + data[2:]
-    assert jpeg.find(whole) == (blob, PACKET, None)
-    assert read(whole).pixels.shape == (32, 24, 1)
-    continued = b"".join(map(segment, (b"Exif\0\0" + blob[:50], b"Exif\0\0" + blob[50:])))
-    assert jpeg.find(data[:2] + continued + data[2:]) == (blob, None, None)
-
-
-def test_nothing_is_found_behind_the_first_scan(exif_blob: Blob) -> None:
-    data = plain()
-    assert jpeg.find(data[:-2] + segment(b"Exif\0\0" + exif_blob()) + data[-2:]) == (None, None, None)
-
-
 @given(st.binary(max_size=60))
 def test_damage_raises_nothing(tail: bytes) -> None:
     for head in (b"\xff\xd8\xff", b"\xff\xd8\xff\xe0\0\x10JFIF\0"):

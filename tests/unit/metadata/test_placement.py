@@ -71,13 +71,6 @@ def test_regions_at_any_scale(
     assert _world(after, *there) == pytest.approx(_world(before, *point), abs=1e-3)
 
 
-def test_what_stays_as_it_is_stays_byte_for_byte() -> None:
-    blob = geo.pack(dict(PLACED["tied", 2]))
-    assert placement.oriented(blob, 1, WIDTH, HEIGHT) is blob
-    assert placement.view(blob, 0, 0) is blob
-    assert placement.view(None, 3, 4) is None
-
-
 def test_control_points_go_along() -> None:
     points = [(0.0, 0.0), (9.0, 6.0), (2.0, 5.0)]
     ties = _doubles(*(value for n, (i, j) in enumerate(points) for value in (i, j, 0.0, 100.0 * n, 7.0, 1.0)))
@@ -96,17 +89,3 @@ def test_rational_polynomials_count_from_centres() -> None:
     rest = np.delete(np.arange(92), [2, 3, 7, 8])
     assert after[rest].tolist() == values[rest].tolist()
     assert placement.oriented(blob, 2, WIDTH, HEIGHT) is None
-
-
-def test_resolution_is_scaled_and_turned() -> None:
-    def fraction(entry: ifd.Entry) -> float:
-        numerator, denominator = struct.unpack("<II", entry.data)
-        return float(numerator / denominator)
-
-    tags = {282: ifd.Entry(5, struct.pack("<II", 300, 1)), 283: ifd.Entry(5, struct.pack("<II", 145, 2))}
-    unit = ifd.Entry(3, b"\2\0")
-    blob = geo.pack({**tags, 296: unit})
-    halved = geo.load(placement.view(blob, 5, 5, 0.5, 3))
-    assert (fraction(halved[282]), fraction(halved[283]), halved[296]) == (150.0, 217.5, unit)
-    turned = geo.load(placement.oriented(blob, 6, WIDTH, HEIGHT))
-    assert (fraction(turned[282]), fraction(turned[283])) == (72.5, 300.0)

@@ -103,11 +103,6 @@ def test_a_panorama_follows_the_pixels() -> None:
     assert b"GPano:" not in moved(TURNED)
 
 
-def test_a_part_of_a_panorama_without_a_crop_is_none() -> None:
-    before = packet(" GPano:FullPanoWidthPixels='64' k='1'", "<GPano:ProjectionType>a</GPano:ProjectionType>")
-    assert xmp.moved(before, PART) == packet("  k='1'")
-
-
 PIECES = st.sampled_from(["<", ">", "'", " ", "=", "exif:SubjectArea", "/exif:SubjectArea", "tiff:XResolution", "1/2"])
 
 

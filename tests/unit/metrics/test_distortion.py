@@ -29,14 +29,6 @@ def test_colours_that_nobody_sees_count_nothing() -> None:
     assert squared_error(*pictures) == pytest.approx(2 * 3)
 
 
-def test_weights_are_of_pixels_in_all_channels() -> None:
-    random = np.random.default_rng(1)
-    a, b = (Picture(random.integers(0, 256, (150, 40, 3), np.uint8), "rgb", (0.0, 255.0)) for _ in range(2))
-    weights = random.uniform(0, 2, (150, 40)).astype(np.float32)
-    expected = np.sum(weights[..., None].astype(np.float64) * (a.pixels / 255.0 - b.pixels / 255.0) ** 2)
-    assert squared_error(a, b, weights) == pytest.approx(expected, rel=1e-6)
-
-
 def test_mean_weight_is_that_of_the_detail() -> None:
     detail = np.zeros((2, 4, 6), np.float32)
     weights = np.full((4, 6), 9.0, np.float32)

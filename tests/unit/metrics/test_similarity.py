@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -47,12 +45,6 @@ def direct_halve(plane: npt.NDArray) -> npt.NDArray:
     return out
 
 
-def test_ssim_of_flat_pictures_is_its_luminance_term() -> None:
-    a, b = np.full((20, 30, 1), 100, np.uint8), np.full((20, 30, 1), 140, np.uint8)
-    expected = (2 * 100 * 140 + 6.5025) / (100**2 + 140**2 + 6.5025)
-    assert ssim(a, b) == pytest.approx(expected, abs=1e-12)
-
-
 @pytest.mark.parametrize("shape", [(11, 11), (23, 40), (151, 13)])
 def test_ssim_equals_the_direct_sum(shape: tuple[int, int]) -> None:
     a, b = noisy_pair(*shape)
@@ -72,25 +64,6 @@ def test_ms_ssim_equals_the_direct_sum(shape: tuple[int, int], scales: int) -> N
         expected *= (whole if scale == scales - 1 else contrast) ** weight
         x, y = direct_halve(x), direct_halve(y)
     assert ms_ssim(a, b) == pytest.approx(expected, abs=1e-10)
-
-
-def test_ms_ssim_uses_five_scales_from_176_pixels_on() -> None:
-    a, b = noisy_pair(176, 176)
-    terms = []
-    x, y = direct_luma(a), direct_luma(b)
-    for _ in range(5):
-        terms.append(direct_ssim(x, y))
-        x, y = direct_halve(x), direct_halve(y)
-    contrasts = [contrast for _, contrast in terms[:4]]
-    expected = math.prod(map(pow, contrasts, WEIGHTS[:4])) * terms[4][0] ** WEIGHTS[4]
-    assert ms_ssim(a, b) == pytest.approx(expected, abs=2e-4)  # the published weights sum to 1.0001
-    assert sum(WEIGHTS) == pytest.approx(1.0001)
-
-
-def test_inverted_contrast_counts_as_zero() -> None:
-    a, _ = noisy_pair(64, 64, 1)
-    assert ssim(a, 255 - a) < 0
-    assert ms_ssim(a, 255 - a) == 0
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (1, 40), (7, 12)])

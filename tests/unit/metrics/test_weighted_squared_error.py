@@ -35,16 +35,6 @@ def test_weights_are_those_of_the_windows(channels: int) -> None:
             assert weights[y, x] == pytest.approx(((np.var(window) + 1e-3) / 0.0025) ** -0.25, rel=1e-5)
 
 
-def test_flat_pixels_count_most_and_empty_ones_least() -> None:
-    flat, empty = np.full((3, 20, 20), 0.3, np.float32), np.zeros((20, 20), bool)
-    empty[3:5] = True
-    weights = weights_of(flat, empty)
-    np.testing.assert_allclose(weights[~empty], 0.4**-0.25, rtol=1e-6)
-    np.testing.assert_allclose(weights[empty], 100.4**-0.25, rtol=1e-6)
-    loud = np.where(np.indices((20, 20)).sum(0) % 2, 1.0, 0.0).astype(np.float32)[None]
-    assert weights_of(loud).min() >= weights[empty].max() - 1e-6
-
-
 def test_a_tile_that_overlaps_its_neighbours_has_the_weights_of_the_picture() -> None:
     samples = picture(3, 60, 70)
     whole = weights_of(samples)

@@ -2,9 +2,6 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from hypothesis.extra.numpy import arrays
 
 from sgicodec.model.base import base_colours, base_shape, cubic_weights, fit_base, render_base
 
@@ -13,37 +10,6 @@ CELL = 4
 
 def centres(count: int) -> np.ndarray:
     return np.arange(count) + 0.5
-
-
-@given(arrays(np.float64, st.integers(1, 20), elements=st.floats(-100, 1000)), st.integers(1, 12), st.floats(1, 64))
-def test_weights_are_a_partition_of_unity(positions: np.ndarray, count: int, cell: float) -> None:
-    weights = cubic_weights(positions, count, cell)
-    assert weights.shape == (len(positions), count)
-    np.testing.assert_allclose(weights.sum(axis=1), 1, atol=1e-9)
-
-
-def test_weights_interpolate() -> None:
-    np.testing.assert_allclose(cubic_weights(CELL * centres(6), 6, CELL), np.eye(6), atol=1e-15)
-
-
-def test_weights_are_catmull_rom() -> None:
-    """Against the curve through four points whose slopes are central differences, as a cubic Hermite polynomial."""
-    values = np.array([3.0, -1.0, 4.0, 1.5, -5.0, 9.0])
-    for t in np.linspace(0, 1, 11):
-        p0, p1, p2, p3 = values[1:5]
-        hermite = (
-            (2 * t**3 - 3 * t**2 + 1) * p1
-            + (t**3 - 2 * t**2 + t) * (p2 - p0) / 2
-            + (3 * t**2 - 2 * t**3) * p2
-            + (t**3 - t**2) * (p3 - p1) / 2
-        )
-        drawn = cubic_weights(np.array([(2.5 + t) * CELL]), 6, CELL) @ values
-        assert drawn[0] == pytest.approx(hermite)
-
-
-def test_far_outside_the_edge_repeats() -> None:
-    weights = cubic_weights(np.array([-50.0, 70.0]), 5, CELL)
-    np.testing.assert_allclose(weights, [[1, 0, 0, 0, 0], [0, 0, 0, 0, 1]], atol=1e-12)
 
 
 @pytest.mark.parametrize(("width", "height"), [(17, 12), (16, 16), (3, 1), (1, 30)])
@@ -59,23 +25,6 @@ def test_the_fit_is_the_least_squares_optimum(width: int, height: int) -> None:
     np.testing.assert_allclose(grid.reshape(2, -1), expected.T, atol=1e-9)
     drawn = render_base(grid, CELL, centres(width), centres(height))
     np.testing.assert_allclose(drawn.reshape(2, -1), (dense @ expected).T, atol=1e-5)
-
-
-def test_constants_survive() -> None:
-    image = np.broadcast_to(np.float32([[[0.25]], [[0.75]]]), (2, 23, 30))
-    drawn = render_base(fit_base(image, CELL), CELL, centres(30), centres(23))
-    np.testing.assert_allclose(drawn, image, atol=1e-6)
-
-
-def test_ramps_survive_away_from_the_border() -> None:
-    x, y = centres(40), centres(32)
-    rows, columns = base_shape(40, 32, CELL)
-    ramp = 0.02 * x - 0.01 * y[:, None]
-    grid = 0.02 * CELL * centres(columns) - 0.01 * CELL * centres(rows)[:, None]
-    inside = np.s_[:, 2 * CELL : -2 * CELL, 2 * CELL : -2 * CELL]
-    np.testing.assert_allclose(render_base(grid[None], CELL, x, y)[inside], ramp[None][inside], atol=1e-6)
-    fitted = render_base(fit_base(ramp[None].astype(np.float32), CELL), CELL, x, y)
-    np.testing.assert_allclose(fitted[inside], ramp[None][inside], atol=2e-3)
 
 
 @pytest.mark.parametrize("channels", [1, 3, 4])

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -35,48 +34,6 @@ def inputs_of(spec: ModelSpec, seeds: int, dtype: Any, size: float = 1.0) -> tup
         decoders,
         np.array(colour_matrix(spec.channels), dtype),
     )
-
-
-def to_torch(arrays: tuple[Any, ...]) -> tuple[Any, ...]:
-    return tuple(
-        {name: torch.from_numpy(weights) for name, weights in array.items()}
-        if isinstance(array, dict)
-        else torch.from_numpy(array)
-        for array in arrays
-    )
-
-
-@pytest.mark.parametrize("spec", SPECS.values(), ids=SPECS)
-@pytest.mark.parametrize(("dtype", "tolerance"), [(np.float64, 1e-12), (np.float32, 2e-5)])
-def test_numpy_and_torch_agree(spec: ModelSpec, dtype: Any, tolerance: float) -> None:
-    arrays = inputs_of(spec, 60, dtype)
-    ours = gaussians_from_seeds(spec, *arrays, np)
-    theirs = gaussians_from_seeds(spec, *to_torch(arrays), torch)
-    count = 60 * spec.per_seed
-    assert [array.shape for array in ours] == [(count, 2), (count, 3), (count, spec.channels)]
-    for one, two in zip(ours, theirs, strict=True):
-        assert one.dtype == two.numpy().dtype == dtype
-        scale = np.abs(one).max(axis=1, keepdims=True)
-        assert np.all(np.abs(one - two.numpy()) <= tolerance * scale)
-
-
-@pytest.mark.parametrize("spec", SPECS.values(), ids=SPECS)
-def test_torch_differentiates_every_attribute(spec: ModelSpec) -> None:
-    attributes, *rest = to_torch(inputs_of(spec, 20, np.float64))
-    attributes.requires_grad_()
-    sum((array**2).sum() for array in gaussians_from_seeds(spec, attributes, *rest, torch)).backward()
-    assert torch.isfinite(attributes.grad).all()
-    assert bool((attributes.grad != 0).any(dim=0).all())
-
-
-def test_zero_attributes_are_finite_to_differentiate() -> None:
-    """A seed starts round: the square root of b² + c² must not have an infinite slope there."""
-    spec = default_spec(3)
-    attributes, *rest = to_torch(inputs_of(spec, 5, np.float32, size=0.0))
-    attributes.requires_grad_()
-    _, covariances, _ = gaussians_from_seeds(spec, attributes, *rest, torch)
-    covariances[:, 1].sum().backward()
-    assert torch.isfinite(attributes.grad).all()
 
 
 number = st.floats(-3, 3)
@@ -123,24 +80,6 @@ def test_rotated_covariance_offsets_and_decoders() -> None:
             np.testing.assert_allclose(covariances[at], matrix[[0, 0, 1], [0, 1, 1]], rtol=1e-9, atol=1e-12)
 
 
-@pytest.mark.parametrize("channels", [1, 2, 3, 4, 7])
-def test_the_opponent_matrix_is_orthonormal(channels: int) -> None:
-    matrix = np.array(colour_matrix(channels))
-    np.testing.assert_allclose(matrix @ matrix.T, np.eye(channels), atol=1e-15)
-    gray = matrix @ np.ones(channels)
-    if channels >= 3:
-        np.testing.assert_allclose(gray[:3], [math.sqrt(3), 0, 0], atol=1e-15)
-        np.testing.assert_array_equal(matrix[3:], np.eye(channels)[3:])
-
-
-def test_features_are_opponent_colours_until_decoders_say_otherwise() -> None:
-    spec = default_spec(3, hidden=4)
-    attributes, centres, cell, decoders, opponent = inputs_of(spec, 9, np.float64)
-    silent = {name: weights * 0 for name, weights in decoders.items()}
-    _, _, colours = gaussians_from_seeds(spec, attributes, centres, cell, silent, opponent, np)
-    np.testing.assert_allclose(colours @ opponent.T, attributes[:, :3])
-
-
 @pytest.mark.parametrize("spec", SPECS.values(), ids=SPECS)
 @pytest.mark.parametrize("attribute", [2.0**21 + 2**13, -(2.0**21) - 2**13])
 @pytest.mark.parametrize("weight", [1024.0, -1024.0])
@@ -159,15 +98,3 @@ def test_the_largest_values_that_a_stream_can_hold_stay_finite(
     with np.errstate(all="raise", under="ignore"):
         arrays = gaussians_from_seeds(large, attributes, centres, cell, decoders, opponent, np)
     assert all(np.isfinite(array).all() for array in arrays)
-
-
-def test_scales_below_zero_count_as_zero() -> None:
-    """A seed whose scales are none draws all its Gaussians at its centre, as small as they can be."""
-    spec = paper_spec(1, per_seed=2, features=3)
-    attributes, centres, cell, decoders, opponent = inputs_of(spec, 2, np.float64)
-    attributes[:, spec.group("scales").columns] = [[-0.5, 0.0, -3.0, -1e-9], [2.0, 0.0, 0.0, 1.5]]
-    means, covariances, _ = gaussians_from_seeds(spec, attributes, centres, cell, decoders, opponent, np)
-    np.testing.assert_array_equal(means[:2], centres[[0, 0]])
-    np.testing.assert_array_equal(covariances[:2], [[MIN_VARIANCE, 0.0, MIN_VARIANCE]] * 2)
-    moved = 2.0 * cell[1] * attributes[1, spec.group("offset").columns][0::2]
-    np.testing.assert_allclose(means[2:] - centres[1], np.stack([moved, [0.0, 0.0]], axis=1))

@@ -1,15 +1,13 @@
 """Where seeds sit: tilings, counts and orders, checked pixel by pixel and path by path."""
 
 import numpy as np
-import pytest
 from examples import examples
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from sgicodec.model.context import passes
-from sgicodec.model.layout import ROOT_LOG, SeedLayout, adaptive_layout, cell_sums, leaf_sums, uniform_layout
+from sgicodec.model.layout import ROOT_LOG, SeedLayout, adaptive_layout, cell_sums, uniform_layout
 from sgicodec.profiles.default import default_spec
-from sgicodec.profiles.paper import paper_spec
 
 
 def path_of(x: int, y: int, log_size: int) -> tuple[list[int], int]:
@@ -75,36 +73,6 @@ def test_leaves_are_those_below_the_threshold() -> None:
             assert deviation(*parent, k + 1) > threshold
 
 
-@given(st.integers(1, 3), st.integers(1, 3), st.floats(0, 30), st.integers(1, 3), st.integers(0, 100))
-def test_leaf_sums_are_those_of_the_leaves(rows: int, columns: int, threshold: float, min_log: int, seed: int) -> None:
-    detail = picture(seed, 2, columns << ROOT_LOG, rows << ROOT_LOG)
-    layout = adaptive_layout(detail, threshold, min_log)
-    count, total = leaf_sums(cell_sums(detail, ROOT_LOG), threshold, min_log)
-    assert count == len(layout)
-    expected = 0.0
-    for (x, y), k in zip(layout.corner, layout.log_size, strict=True):
-        cell = detail[:, y : y + (1 << k), x : x + (1 << k)].astype(np.float64)
-        expected += float(np.sum((cell - cell.mean(axis=(1, 2), keepdims=True)) ** 2))
-    assert total == pytest.approx(expected, abs=1e-6)
-
-
-def test_leaf_sums_count_cells_beside_the_picture() -> None:
-    """A row of 65 ones in two cells of zeros: 64 − 64² / 4096, and 1 − 1 / 4096."""
-    sums = cell_sums(np.ones((1, 1, 65), np.float32), ROOT_LOG)
-    assert leaf_sums(sums, 1e9) == (2, pytest.approx(64 - 1 / 4096))
-
-
-def test_cell_sums_are_sums_over_cells() -> None:
-    detail = picture(1, 2, 19, 13)
-    sums = cell_sums(detail, 4)
-    for level in range(1, 5):
-        side = 1 << level
-        for row, column in np.ndindex(sums.squares[level].shape):
-            cell = detail[:, row * side : (row + 1) * side, column * side : (column + 1) * side].astype(np.float64)
-            np.testing.assert_allclose(sums.values[level][:, row, column], cell.sum(axis=(1, 2)), atol=1e-9)
-            np.testing.assert_allclose(sums.squares[level][row, column], (cell**2).sum(), atol=1e-9)
-
-
 def test_weighted_cell_sums_are_sums_over_cells() -> None:
     """With the border's weights beside the picture; what deviates from the weighted mean is squares less held."""
     detail = picture(1, 2, 19, 13).astype(np.float64)
@@ -123,17 +91,6 @@ def test_weighted_cell_sums_are_sums_over_cells() -> None:
             np.testing.assert_allclose(found, deviation, atol=1e-5)
 
 
-def test_weights_of_one_change_no_leaf_and_scaled_ones_go_with_the_threshold() -> None:
-    detail = picture(2, 3, 150, 90)
-    weights = np.random.default_rng(3).uniform(0.2, 3, (90, 150)).astype(np.float32)
-    plain, ones = (adaptive_layout(detail, 5.0, weights=w) for w in (None, np.ones((90, 150), np.float32)))
-    weighted, scaled = (adaptive_layout(detail, 5.0 * s, weights=weights * np.float32(s)) for s in (1, 8))
-    for one, other in ((plain, ones), (weighted, scaled)):
-        np.testing.assert_array_equal(one.corner, other.corner)
-        np.testing.assert_array_equal(one.log_size, other.log_size)
-    assert len(weighted) != len(plain)
-
-
 @given(st.integers(1, 90), st.integers(1, 90), st.floats(0, 1.1), st.integers(0, 1000))
 @example(width=12, height=3, share=0.6875, seed=0)
 def test_uniform_seeds_are_as_many_as_asked_for_and_inside(width: int, height: int, share: float, seed: int) -> None:
@@ -147,13 +104,6 @@ def test_uniform_seeds_are_as_many_as_asked_for_and_inside(width: int, height: i
     assert in_canonical_order(layout)
 
 
-def test_uniform_seeds_are_spread_evenly() -> None:
-    layout = uniform_layout(300, 200, 600, np.random.default_rng(0))
-    blocks, _, _ = np.histogram2d(layout.corner[:, 0], layout.corner[:, 1], bins=(6, 4), range=((0, 300), (0, 200)))
-    assert blocks.min() >= 20
-    assert blocks.max() <= 30  # 25 each
-
-
 LAYOUT = adaptive_layout(picture(5, 3, 200, 130), 3.0)
 
 
@@ -164,10 +114,6 @@ def test_centres_in_pixels_and_half_pixels() -> None:
     uniform = uniform_layout(20, 20, 30, np.random.default_rng(1))
     np.testing.assert_array_equal(uniform.centre, uniform.corner + 0.5)
     np.testing.assert_array_equal(uniform.half_pixels, 2 * uniform.corner + 1)
-
-
-def test_without_neighbours_there_is_one_pass() -> None:
-    assert [members.tolist() for members in passes(paper_spec(3).context, LAYOUT)] == [list(range(len(LAYOUT)))]
 
 
 def test_passes_from_large_cells_to_small_ones() -> None:
@@ -183,10 +129,3 @@ def test_passes_from_large_cells_to_small_ones() -> None:
         assert len(kinds) == 1
         seen += kinds
     assert seen == sorted(set(seen))
-
-
-@pytest.mark.parametrize("keep", [np.arange(3), np.arange(len(LAYOUT)) % 3 == 0])
-def test_take(keep: np.ndarray) -> None:
-    part = LAYOUT.take(keep)
-    np.testing.assert_array_equal(part.corner, LAYOUT.corner[keep])
-    np.testing.assert_array_equal(part.log_size, LAYOUT.log_size[keep])

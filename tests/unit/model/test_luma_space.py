@@ -29,10 +29,6 @@ def test_the_matrices_of_the_page(channels: int) -> None:
     np.testing.assert_allclose(to_luma_space(channels) @ page, np.eye(channels), atol=1e-12)
 
 
-def test_greys_stay_what_they_are() -> None:
-    np.testing.assert_allclose(to_luma_space(3) @ np.ones(3), np.ones(3))
-
-
 @pytest.mark.parametrize("colour", [(255, 0, 0), (0, 255, 0), (0, 0, 255), (255, 255, 0), (13, 200, 90)])
 @pytest.mark.parametrize("channels", ["rgb", "rgba"])
 def test_pure_colours_come_back(colour: tuple[int, int, int], channels: str) -> None:
@@ -49,19 +45,3 @@ def test_pure_colours_come_back(colour: tuple[int, int, int], channels: str) -> 
     assert np.median(error) <= 2
     assert error.mean() < 4
     assert np.abs(half[10:12, 8:12, :3].astype(int) - pixels[20, 20, :3]).max() <= 30
-
-
-@pytest.mark.parametrize(
-    ("tune", "channels", "shape", "expected"),
-    [
-        ("visual", "rgb", 3, True),
-        ("psnr", "rgb", 3, False),
-        ("visual", "gray", 1, False),
-        ("visual", "multi", 3, False),
-    ],
-)
-def test_it_is_for_the_eye_and_for_colours(tune: str, channels: str, shape: int, expected: bool) -> None:
-    pixels = np.random.default_rng(0).integers(0, 255, (40, 40, shape)).astype(np.uint8)
-    settings = EncodeSettings(quality=30, steps=20, tune=tune)  # type: ignore[arg-type]
-    with open_stream(encode_picture(Picture(pixels, channels, (0.0, 255.0)), settings).data) as stream:
-        assert stream.header.spec.luma_space == expected

@@ -58,28 +58,6 @@ def test_against_all_distances(both: tuple[Points, Points], k: int) -> None:
     assert found.tolist() == brute(points, queries, k)
 
 
-def test_queries_everywhere_around_the_points() -> None:
-    """The search may leave out only what can hold no nearer point, nor as near a one of lower index."""
-    rng = np.random.default_rng(1)
-    queries = np.stack(np.meshgrid(np.arange(-2, 28), np.arange(-2, 28)), axis=-1).reshape(-1, 2).astype(np.int32)
-    for count in (3, 5, 9, 16, 30):
-        for _ in range(12):
-            points = rng.integers(0, 26, (count, 2)).astype(np.int32)
-            distance = np.sum((queries[:, None].astype(np.int64) - points) ** 2, axis=2)
-            expected = np.argsort(distance, axis=1, kind="stable")[:, :3]
-            np.testing.assert_array_equal(nearest_points(points, queries, 3), expected)
-
-
-def test_many_points_in_clusters() -> None:
-    rng = np.random.default_rng(0)
-    clusters = rng.integers(0, 20_000, (12, 2))
-    points = (clusters[rng.integers(0, 12, 1500)] + rng.normal(0, 30, (1500, 2))).astype(np.int32)
-    queries = np.concatenate([points[:100], rng.integers(-5000, 25_000, (100, 2)).astype(np.int32)])
-    distance = np.sum((queries[:, None].astype(np.int64) - points) ** 2, axis=2)
-    expected = np.argsort(distance, axis=1, kind="stable")[:, :6]
-    np.testing.assert_array_equal(nearest_points(points, queries, 6), expected)
-
-
 def test_some_seeds_among_others() -> None:
     rng = np.random.default_rng(2)
     points = rng.integers(0, 60, (400, 2)).astype(np.int32)

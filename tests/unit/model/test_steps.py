@@ -3,7 +3,7 @@
 import pytest
 
 from sgicodec.model.context import LEVELS, output_count
-from sgicodec.model.quantization import STEP_COUNT, STEP_ZERO
+from sgicodec.model.quantization import STEP_COUNT
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import default_plan, follows_amplitude
 from sgicodec.profiles.default import default_spec
@@ -23,12 +23,3 @@ def test_default_plan_fits_the_table(spec: ModelSpec, quality: int) -> None:
         assert base.max() < STEP_COUNT
         assert 0 <= plan.gamma[group.name] < 64
         assert bool(plan.gamma[group.name]) == follows_amplitude(spec, group.name)
-
-
-def test_default_plan_by_profile() -> None:
-    plan = default_plan(SPEC, 60)
-    assert plan.base["colour"][0].tolist() == [78, 72, 66, 60, 54, 48, 42, 36]  # halves when cells double
-    assert plan.base["shape"][0, 3] == 86
-    paper = default_plan(paper_spec(3), 60)
-    assert set(paper.base["feature"].ravel().tolist()) == {STEP_ZERO}  # 1, and 2^(-14/6) = 0.2 for offsets
-    assert set(paper.base["offset"].ravel().tolist()) == {STEP_ZERO - 14}

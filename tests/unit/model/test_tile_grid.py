@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sgicodec.errors import UsageError
 from sgicodec.model.tile_grid import TileGrid
 
 
@@ -36,8 +34,3 @@ def test_rects_are_cores_and_aprons_inside_the_picture(grid: TileGrid) -> None:
         assert top == (y - grid.apron if y else 0)
         assert left + wide == (x + width + grid.apron if x + width < grid.width else grid.width)
         assert top + high == (y + height + grid.apron if y + height < grid.height else grid.height)
-
-
-def test_an_apron_is_at_most_a_quarter_of_the_tile() -> None:
-    with pytest.raises(UsageError, match="apron of 17"):
-        TileGrid(200, 200, 64, 17)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sgicodec.model.base import base_shape, cubic_weights, fit_base
+from sgicodec.model.base import base_shape, cubic_weights
 from sgicodec.model.weighted_base import base_gram, fit_weighted_base
 
 
@@ -33,10 +33,3 @@ def test_it_is_the_grid_of_least_weighted_squares(height: int, width: int, cell:
             assert gram[y, x, v - y + 3, u - x + 3] == pytest.approx(inner, abs=1e-6)
         else:
             assert inner == 0
-
-
-def test_weights_of_one_change_nothing() -> None:
-    image = np.random.default_rng(1).normal(size=(3, 60, 45)).astype(np.float32)
-    np.testing.assert_allclose(
-        fit_weighted_base(image, np.ones((60, 45), np.float32), 8), fit_base(image, 8), atol=1e-6
-    )

@@ -13,10 +13,8 @@ from numpy.typing import NDArray
 from scenes import ISAS
 
 from sgicodec import _native
-from sgicodec.device import Device
 from sgicodec.model.context import input_count
-from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds, model_gaussians
-from sgicodec.model.layout import SeedLayout
+from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
 from sgicodec.profiles.default import default_spec
 
 F32, F64 = NDArray[np.float32], NDArray[np.float64]
@@ -117,12 +115,6 @@ def tolerance(s: Seeds) -> F64:
     return ROUNDINGS * (1 + sizes)
 
 
-def layout_of(s: Seeds) -> SeedLayout:
-    """With the centres that half_pixels says, for cells of more than a pixel."""
-    half = (1 << s.log_size.astype(np.int32)) // 2
-    return SeedLayout((s.half_pixels // 2 - half[:, None]).astype(np.int32), s.log_size)
-
-
 @pytest.mark.parametrize("isa", ISAS)
 @given(s=seeds())
 def test_gaussians_are_those_of_float64(isa: str, s: Seeds) -> None:
@@ -151,18 +143,3 @@ def test_gradients_are_those_of_float64(isa: str, s: Seeds) -> None:
     assert np.all(np.abs(shape - want[:, 3:6]) <= allowed + FLUSHED)
     assert np.all(np.abs(colour - want[:, :3]) <= ROUNDINGS * np.abs(s.up[2]).sum(axis=1, keepdims=True))
     np.testing.assert_allclose(offset, want[:, 6:], rtol=1e-6)
-
-
-@pytest.mark.parametrize("isa", ISAS)
-@given(s=seeds())
-def test_a_decoder_draws_the_same(isa: str, s: Seeds) -> None:
-    """Up to the order in which products and sums are fused."""
-    values = np.concatenate([s.colour, s.shape, s.offset], axis=1).astype(np.float64)
-    s = s._replace(log_size=np.maximum(s.log_size, 1), half_pixels=s.half_pixels * 2)
-    drawn = model_gaussians(SPEC, values, layout_of(s), {}, Device(1, isa))
-    (means, covariances, colours), _ = native(isa, s)
-    exponent, _ = limited(s)
-    axis = 4.0**s.log_size * np.exp(exponent) + _native.MIN_VARIANCE
-    np.testing.assert_allclose(drawn[0], means, rtol=1e-6, atol=1e-6 * 2.0**6 * 13)
-    assert np.all(np.abs(drawn[1] - covariances) <= (axis * tolerance(s))[:, None])
-    assert np.all(np.abs(drawn[2] - colours) <= ROUNDINGS * np.abs(s.colour).sum(axis=1, keepdims=True) + FLUSHED)

@@ -20,18 +20,3 @@ def test_every_file_is_in_the_library(path: Path) -> None:
     data = path.read_bytes()
     expected = zlib.decompress(data) if kind == "texture" else data
     assert _native.shipped(kind, int(path.stem.removeprefix(kind) or 0)) == expected
-
-
-def test_there_are_files() -> None:
-    assert {path.stem.rstrip("0123456789") for path in FILES} == {
-        "tables",
-        "positions",
-        "prior",
-        "texture",
-        "restoration",
-    }
-
-
-@pytest.mark.parametrize("number", [-1, 0, 2, 4, 255])
-def test_there_is_nothing_of_other_numbers(number: int) -> None:
-    assert _native.shipped("restoration", number) == b""

@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
 import rasterio
-import tifffile
 from click.testing import CliRunner
-from PIL import ImageCms
 from rasterio.transform import from_origin
 
 import sgicodec
 from sgicodec.cli.main import cli
-from sgicodec.errors import MissingExtraError, PictureError
-from sgicodec.picture import Metadata, Picture
 from sgicodec.plugins.cog import write_cog
 
 PLACE = from_origin(500000, 5400000, 10, 10)
@@ -43,25 +37,6 @@ def test_place_nodata_and_overviews(stream: sgicodec.Stream, tmp_path: Path) -> 
     assert [path.name for path in tmp_path.iterdir()] == ["a.tif"]
 
 
-def test_directories_come_first_and_small_levels_before_large_ones(stream: sgicodec.Stream, tmp_path: Path) -> None:
-    write_cog(stream, tmp_path / "a.tif")
-    with tifffile.TiffFile(tmp_path / "a.tif") as file:
-        directories = [page.offset for page in file.pages]
-        tiles = [[at for at in page.dataoffsets if at] for page in file.pages]
-        assert directories == sorted(directories)
-        assert directories[-1] < min(map(min, tiles))
-        assert all(max(small) < min(large) for large, small in pairwise(tiles))
-
-
-def test_profile_and_xmp(tmp_path: Path) -> None:
-    icc = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
-    xmp = b"<x:xmpmeta xmlns:x='adobe:ns:meta/'/>"
-    picture = Picture(np.zeros((20, 30, 3), np.uint8), "rgb", (0, 255), Metadata(icc=icc, xmp=xmp))
-    write_cog(sgicodec.open(sgicodec.encode(picture, steps=1)), tmp_path / "a.tif")
-    again = sgicodec.read(tmp_path / "a.tif")
-    assert (again.metadata.icc, again.metadata.xmp) == (icc, xmp)
-
-
 def test_the_command_cuts_a_part(stream: sgicodec.Stream, on_map: Path, tmp_path: Path) -> None:
     arguments = ["decode", str(on_map), str(tmp_path / "a.tif"), "--cog", "--region", "100,100,400,200", "--quiet"]
     result = CliRunner().invoke(cli, arguments)
@@ -69,12 +44,3 @@ def test_the_command_cuts_a_part(stream: sgicodec.Stream, on_map: Path, tmp_path
     with rasterio.open(tmp_path / "a.tif") as file:
         assert file.bounds == (501000, 5397000, 505000, 5399000)
         np.testing.assert_array_equal(file.read(1), stream.read((100, 100, 400, 200)))
-
-
-def test_what_goes_wrong(stream: sgicodec.Stream, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(PictureError, match=r"none/a\.tif: "):
-        write_cog(stream, tmp_path / "none" / "a.tif")
-    monkeypatch.setitem(sys.modules, "rasterio", None)
-    with pytest.raises(MissingExtraError, match=r"'sgicodec\[tiff\]'"):
-        write_cog(stream, tmp_path / "a.tif")
-    assert list(tmp_path.iterdir()) == []

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
-import cloudpickle
 import dask.array
 import numpy as np
 import pytest
 
 import sgicodec
-from sgicodec.errors import MissingExtraError
 from sgicodec.plugins.dask import levels
 
 
@@ -41,22 +38,3 @@ def test_only_the_chunks_that_are_needed_are_decoded(pyramid: Path, monkeypatch:
     levels(pyramid, chunks=(100, 100, 3))[1][110:120, 20:30].compute()
     assert len(regions) == 1
     assert regions[0][0] == 1
-
-
-def test_in_other_processes(pyramid: Path) -> None:
-    """They are sent as pickles."""
-    small = levels(pyramid)[2]
-    again = cloudpickle.loads(cloudpickle.dumps(small))
-    np.testing.assert_array_equal(again.compute(), small.compute())
-
-
-def test_names_tell_streams_apart(pyramid: Path) -> None:
-    assert levels(pyramid)[1].name == levels(pyramid)[1].name != levels(pyramid)[0].name
-    data = pyramid.read_bytes()
-    assert levels(data)[1].name != levels(data)[1].name
-
-
-def test_without_dask(pyramid: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "dask", None)
-    with pytest.raises(MissingExtraError, match=r"needs dask: pip install 'sgicodec\[arrays\]'"):
-        levels(pyramid)

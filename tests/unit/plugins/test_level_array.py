@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import pickle
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 import sgicodec
-from sgicodec.errors import RegionError
 from sgicodec.plugins.level_array import level_arrays
 
 
@@ -28,27 +25,3 @@ def test_levels_are_those_of_the_stream(pyramid: Path) -> None:
                 (slice(9, 9), slice(3)),
             ):
                 np.testing.assert_allclose(array[key].astype(int), whole[key], atol=1 if level.downsample > 1 else 0)
-
-
-def test_chunks_follow_tiles(pyramid: Path) -> None:
-    assert [array.chunks for array in level_arrays(pyramid)] == [(300, 520, 3), (150, 260, 3), (75, 130, 3)]
-    wide = sgicodec.encode(np.zeros((8, 2000), np.uint8), steps=1, tile=300)
-    assert [array.chunks for array in level_arrays(wide)][:2] == [(8, 900), (4, 900)]
-    single = sgicodec.encode(np.zeros((8, 2000), np.uint8), steps=1, tile=0)
-    assert level_arrays(single)[0].chunks == (8, 1024)
-
-
-def test_they_travel(pyramid: Path) -> None:
-    array = level_arrays(pyramid)[1]
-    again = pickle.loads(pickle.dumps(array))
-    assert again.__dask_tokenize__() == array.__dask_tokenize__() == level_arrays(pyramid)[1].__dask_tokenize__()
-    assert level_arrays(pyramid)[0].__dask_tokenize__() != array.__dask_tokenize__()
-    np.testing.assert_array_equal(again[3:5], array[3:5])
-
-
-@pytest.mark.parametrize("region", [(0, 0, 131, 4), (-1, 0, 4, 4), (0, 73, 4, 3), (3, 3, 0, 4)])
-def test_regions_outside_a_level(pyramid: Path, region: tuple[int, int, int, int]) -> None:
-    with sgicodec.open(pyramid) as stream, pytest.raises(RegionError, match="not inside a level of 130×75 pixels"):
-        stream.read_level(2, region)
-    with sgicodec.open(pyramid) as stream, pytest.raises(RegionError, match="level 3"):
-        stream.read_level(3)

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import openslide
 import pytest
-import rasterio
 import tifffile
 from click.testing import CliRunner, Result
 from PIL import ImageCms
@@ -16,7 +14,6 @@ from PIL import ImageCms
 import sgicodec
 from sgicodec.cli.main import cli
 from sgicodec.decoder import bands
-from sgicodec.errors import MissingExtraError, PictureError
 from sgicodec.picture import Metadata, Picture
 from sgicodec.plugins.ome_name import is_ome_name
 from sgicodec.plugins.pyramid import write_pyramid
@@ -78,33 +75,12 @@ def test_metadata_of_ome(stream: sgicodec.Stream, tmp_path: Path) -> None:
         np.testing.assert_array_equal(file.asarray(), expected)
 
 
-def test_gdal_reads_a_pyramid(stream: sgicodec.Stream, tmp_path: Path) -> None:
-    write_pyramid(stream, tmp_path / "a.tif")
-    with rasterio.open(tmp_path / "a.tif") as file:
-        assert file.overviews(1) == [2, 4]
-        np.testing.assert_array_equal(np.moveaxis(file.read(), 0, 2), stream.read())
-    with rasterio.open(tmp_path / "a.tif", overview_level=1) as file:
-        np.testing.assert_array_equal(np.moveaxis(file.read(), 0, 2), stream.read(size=(130, 75)))
-
-
 def test_openslide_reads_a_pyramid(stream: sgicodec.Stream, tmp_path: Path) -> None:
     write_pyramid(stream, tmp_path / "a.tif")
     with openslide.OpenSlide(tmp_path / "a.tif") as slide:
         assert slide.level_dimensions == ((520, 300), (260, 150), (130, 75))
         region = np.asarray(slide.read_region((0, 0), 1, (260, 150)))
         np.testing.assert_array_equal(region[..., :3], stream.read(size=(260, 150)))
-
-
-@pytest.mark.parametrize("name", ["rgba8", "gray16", "gray8-alpha", "float", "multi8"])
-@pytest.mark.parametrize("ome", [False, True])
-def test_every_layout(name: str, ome: bool, tmp_path: Path) -> None:
-    with sgicodec.open(GOLDEN / f"{name}.sgi") as stream:
-        write_pyramid(stream, tmp_path / "a.tif", ome=ome)
-        np.testing.assert_array_equal(tifffile.imread(tmp_path / "a.tif"), stream.read())
-        read = sgicodec.read(tmp_path / "a.tif")
-        assert read.channels == stream.header.channels
-        write_pyramid(stream, tmp_path / "b.tif", ome=ome, dtype="uint16")
-        np.testing.assert_array_equal(tifffile.imread(tmp_path / "b.tif"), stream.read(dtype="uint16"))
 
 
 def run(*arguments: object) -> Result:
@@ -125,18 +101,3 @@ def test_the_command(stream: sgicodec.Stream, tmp_path: Path) -> None:
     np.testing.assert_array_equal(tifffile.imread(tmp_path / "c.tif"), sgicodec.imread(path))
     for wrong in (("a.png", "--pyramid"), ("a.tif", "--pyramid", "--cog")):
         assert run("decode", path, *wrong).exit_code == 2
-
-
-def test_what_goes_wrong(stream: sgicodec.Stream, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(PictureError, match=r"none/a\.tif: "):
-        write_pyramid(stream, tmp_path / "none" / "a.tif")
-
-    def stop(rows: int) -> None:
-        raise PictureError("stopped")
-
-    with pytest.raises(PictureError, match="stopped"):
-        write_pyramid(stream, tmp_path / "a.tif", done=stop)
-    monkeypatch.setitem(sys.modules, "tifffile", None)
-    with pytest.raises(MissingExtraError, match=r"'sgicodec\[tiff\]'"):
-        write_pyramid(stream, tmp_path / "a.tif")
-    assert list(tmp_path.iterdir()) == []

@@ -7,13 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
-from range_server import served
 
 import sgicodec
-from sgicodec.errors import RegionError, StreamError
-from sgicodec.plugins.xarray import SgiBackend
-
-PICTURES = Path(__file__).parents[2] / "data" / "pictures"
 
 
 def test_a_level_is_a_dataset(pyramid: Path) -> None:
@@ -25,35 +20,6 @@ def test_a_level_is_a_dataset(pyramid: Path) -> None:
         np.testing.assert_allclose(image.isel(y=[3, 120, 7], x=5).values.astype(int), whole[[3, 120, 7], 5], atol=1)
         np.testing.assert_array_equal(image.sel(x=slice(40, 60)).x, [41, 43, 45, 47, 49, 51, 53, 55, 57, 59])
         assert data.attrs == {"channels": "rgb"}
-
-
-def test_the_content_chooses_the_engine(pyramid: Path) -> None:
-    with xarray.open_dataset(pyramid) as data:
-        assert data["image"].shape == (300, 520, 3)
-    backend = SgiBackend()
-    assert backend.guess_can_open(str(pyramid))
-    assert not backend.guess_can_open(str(PICTURES / "hopper.sgi"))
-    assert not backend.guess_can_open(str(pyramid.parent / "none.sgi"))
-    assert not backend.guess_can_open({})
-
-
-def test_the_name_of_a_url_chooses_the_engine(pyramid: Path) -> None:
-    backend = SgiBackend()
-    assert backend.guess_can_open("s3://bucket/A%20B.SGI")
-    assert backend.guess_can_open("https://example.org/a.sgi?signature=b/c")
-    assert not backend.guess_can_open("https://example.org/a.nc?like=a.sgi")
-    with served({"a.sgi": pyramid.read_bytes()}) as server:
-        assert not server.parts
-        with xarray.open_dataset(f"{server.url}/a.sgi") as data, sgicodec.open(pyramid) as stream:
-            np.testing.assert_array_equal(data["image"].values, stream.read())
-
-
-def test_chunks_are_those_of_dask(pyramid: Path) -> None:
-    with xarray.open_dataset(pyramid, engine="sgicodec", chunks={"y": 200}) as data, sgicodec.open(pyramid) as stream:
-        assert data["image"].chunks == ((200, 100), (520,), (3,))
-        np.testing.assert_array_equal(data["image"].values, stream.read())
-    with xarray.open_dataset(pyramid, engine="sgicodec", chunks={}) as data:
-        assert data["image"].data.chunksize == (300, 520, 3)
 
 
 def test_levels_are_a_tree(on_map: Path) -> None:
@@ -96,23 +62,3 @@ def test_scale_and_nodata_are_decoded_by_conventions(tmp_path: Path) -> None:
         assert [(raw[..., band] == 0).sum() for band in range(2)] == [9 * 50, 10 * 50]
         decoded = xarray.decode_cf(data)["image"].values
         np.testing.assert_allclose(decoded, np.where(raw == 0, np.nan, raw * 1e-4 - 0.1), rtol=1e-5)
-
-
-def test_scales_that_differ_are_applied_to_no_band(tmp_path: Path) -> None:
-    with xarray.open_dataset(scene(tmp_path, (1e-4, 1e-4), (-0.1, 0)), engine="sgicodec") as data:
-        attributes = data["image"].attrs
-        assert (attributes["scales"], attributes["offsets"]) == ([1e-4, 1e-4], [-0.1, 0])
-        assert not attributes.keys() & {"scale_factor", "add_offset"}
-        assert attributes["_FillValue"] == 0
-
-
-def test_variables_can_be_left_out(pyramid: Path) -> None:
-    with xarray.open_dataset(pyramid, engine="sgicodec", drop_variables="image") as data:
-        assert list(data.variables) == ["y", "x"]
-
-
-def test_what_goes_wrong(pyramid: Path) -> None:
-    with pytest.raises(RegionError, match="level 3; there are 0 to 2"):
-        xarray.open_dataset(pyramid, engine="sgicodec", level=3)
-    with pytest.raises(StreamError, match="Silicon Graphics"):
-        xarray.open_dataset(PICTURES / "hopper.sgi", engine="sgicodec")

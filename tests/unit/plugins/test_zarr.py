@@ -11,11 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 import zarr
-from zarr.codecs import ShardingCodec
 from zarr.storage import LocalStore, MemoryStore, WrapperStore
 
 import sgicodec
-from sgicodec.errors import StreamError, UsageError
 from sgicodec.plugins.zarr import SgiCodec
 
 SETTINGS = {"quality": 95, "steps": 2, "tile": 64, "rdoq": False}
@@ -107,68 +105,3 @@ def test_a_part_costs_its_tiles(store: MemoryStore) -> None:
     np.testing.assert_array_equal(array[5, ::40, 1], whole[5, ::40, 1])
     np.testing.assert_array_equal(array.oindex[[3, 150], 4:6, [0, 2]], whole[[3, 150]][:, 4:6][..., [0, 2]])
     np.testing.assert_array_equal(array[:192], whole)
-
-
-def test_many_parts_at_once(store: MemoryStore, tmp_path: Path) -> None:
-    """Reading from a disk takes threads, which decoders that wait for it must not hold."""
-    count = 24
-    options = {"shape": (count * 192, 256, 3), "chunks": (192, 256, 3), "dtype": "uint8"}
-    array = zarr.create_array(LocalStore(tmp_path), serializer=SgiCodec(**SETTINGS), compressors=None, **options)
-    for row in range(count):
-        path = tmp_path / "c" / str(row) / "0" / "0"
-        path.parent.mkdir(parents=True)
-        path.write_bytes(chunk_of(store))
-    expected = sgicodec.decode(chunk_of(store), region=(7, 100, 1, 1))[0, 0]
-    np.testing.assert_array_equal(array[100::192, 7], np.tile(expected, (count, 1)))
-
-
-def test_a_chunk_that_is_not_there_is_filled(store: MemoryStore) -> None:
-    array = zarr.open_array(store, mode="r")
-    assert not array[300:310, :5].any()
-    np.testing.assert_array_equal(array[190:200, :5][:2], sgicodec.decode(chunk_of(store))[190:, :5])
-
-
-def test_shards(pixels: np.ndarray) -> None:
-    shard = ShardingCodec(chunk_shape=(64, 64, 3), codecs=[SgiCodec(quality=90, steps=2)])
-    array = zarr.create_array(
-        MemoryStore(), shape=(128, 128, 3), chunks=(128, 128, 3), dtype="uint8", serializer=shard, compressors=None
-    )
-    array[:] = pixels[:128, :128]
-    np.testing.assert_array_equal(array[70:80, 60:70], array[:][70:80, 60:70])
-    assert np.abs(array[:].astype(float) - pixels[:128, :128]).mean() < 60
-
-
-def test_other_codecs_around_it() -> None:
-    """Then chunks are decoded whole."""
-    array = zarr.create_array(
-        MemoryStore(), shape=(20, 30), chunks=(20, 30), dtype="uint8", serializer=SgiCodec(steps=9), compressors="auto"
-    )
-    ramp = np.arange(600).reshape(20, 30) % 200
-    array[:] = ramp.astype(np.uint8)
-    assert np.abs(array[4:9, 3:7].astype(int) - ramp[4:9, 3:7]).max() < 60
-
-
-def test_damage_is_named(store: MemoryStore) -> None:
-    data = bytearray(chunk_of(store))
-    data[len(data) // 2] ^= 255
-    other = MemoryStore()
-    array = zarr.create_array(
-        other, shape=(192, 256, 3), chunks=(192, 256, 3), dtype="uint8", serializer=SgiCodec(), compressors=None
-    )
-    array[0, 0, 0] = 1
-    other._store_dict["c/0/0/0"] = other._store_dict["c/0/0/0"].from_bytes(bytes(data))
-    with pytest.raises(StreamError, match="damaged"):
-        array[:]
-
-
-UNSUITED = (
-    {"dtype": "int16", "chunks": (8, 8), "shape": (8, 8)},
-    {"dtype": "uint8", "chunks": (8,), "shape": (8,)},
-    {"dtype": "uint8", "chunks": (2, 8, 8, 3), "shape": (8, 8, 8, 3)},
-)
-
-
-@pytest.mark.parametrize("options", UNSUITED)
-def test_arrays_that_it_does_not_suit(options: dict[str, Any]) -> None:
-    with pytest.raises(UsageError, match="chunks of"):
-        zarr.create_array(MemoryStore(), serializer=SgiCodec(), compressors=None, **options)

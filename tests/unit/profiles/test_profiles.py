@@ -6,7 +6,6 @@ from sgicodec import EncodeSettings
 from sgicodec.encoder.effort import PLAIN_STEPS, PSNR_STEPS, VISUAL_STEPS
 from sgicodec.errors import UsageError
 from sgicodec.profiles import PROFILES
-from sgicodec.profiles.default import default_settings
 from sgicodec.profiles.fit_settings import LearningRates
 from sgicodec.profiles.paper import paper_settings
 
@@ -22,13 +21,6 @@ def test_rates_hold_and_then_fall_to_what_is_to_be_left() -> None:
     assert apart.left("offset", 1.0) == pytest.approx(0.01)
 
 
-def test_short_fits_have_greater_rates() -> None:
-    assert default_settings(0.01, 1000).slowing(3200) == pytest.approx(0.5)
-    assert default_settings(0.01, 1000).slowing(800) == pytest.approx(1.0)
-    assert default_settings(0.01, 1000).slowing(50) == pytest.approx(2.0)
-    assert paper_settings(0.01, 2, 1000).slowing(50) == 1.0
-
-
 def test_scales_of_the_default_profile() -> None:
     """16 steps of quality divide λ by four; an effort is a number of steps; λ and steps take their place."""
     coarse, fine = (EncodeSettings(quality=quality, effort=2, seed=7).fit_settings() for quality in (40, 56))
@@ -42,22 +34,6 @@ def test_scales_of_the_default_profile() -> None:
     assert (direct.lmbda, direct.steps) == (0.25, 77)
 
 
-def test_short_fits_beneath_texture_have_low_effort() -> None:
-    """Half of the steps and more at half size, and as many as were asked for."""
-    for steps in (1, 5, 120, 200):
-        settings = EncodeSettings(steps=steps)
-        fit = settings.fit_settings()
-        assert settings.is_low_effort
-        assert fit.steps in (steps, 4)
-    assert sum(phase.steps for phase in fit.phases if phase.level) > 0.6 * fit.steps
-    others = (
-        EncodeSettings(steps=200, texture=False),
-        EncodeSettings(steps=300),
-        EncodeSettings(steps=50, bpp=1.0),
-    )
-    assert not any(settings.is_low_effort for settings in others)
-
-
 def test_own_choices_of_the_paper_profile() -> None:
     settings = EncodeSettings(profile="paper", seeds=9, per_seed=3, features=8, levels=2, steps=100)
     spec, fit = settings.chosen_profile.spec(settings, 4), settings.fit_settings()
@@ -69,14 +45,6 @@ def test_own_choices_of_the_paper_profile() -> None:
 def test_own_choices_are_of_no_other_profile(name: str) -> None:
     with pytest.raises(UsageError, match=f"{name} is a setting of the paper profile"):
         EncodeSettings(**{name: 2})
-
-
-def test_parts_under_the_names_of_a_profile() -> None:
-    parts = {"positions": 3.0, "decoders": 1.0, "context model": 2.0, "container": 5.0}
-    assert PROFILES["default"].shown_parts(parts) == parts
-    shown = PROFILES["paper"].shown_parts(parts)
-    assert sum(shown.values()) == sum(parts.values())
-    assert (shown["x_a"], shown["MLPs"], shown["container"]) == (3.0, 3.0, 5.0)
 
 
 def lengths(levels: int, steps: int, lmbda: float = 0.001) -> list[tuple[int, int, str, bool]]:
@@ -95,12 +63,3 @@ def test_the_published_schedule() -> None:
     ]
     assert [count for _, count, _, _ in lengths(1, 15_000)] == [1500, 7500, 6000]
     assert not any(rounding == "noise" for _, _, rounding, _ in lengths(3, 15_000, lmbda=0.0))
-
-
-def test_a_short_fit_keeps_a_start_without_noise() -> None:
-    """As many steps as a whole fit has, up to 35 % of the level."""
-    free = {steps: [p[1] for p in lengths(3, steps) if p[2] == "none"] for steps in (500, 2500, 30_000)}
-    assert free == {500: [35, 70, 70], 2500: [175, 350, 350], 30_000: [300, 600, 600]}
-    for levels in (1, 2, 3, 4):
-        for steps in (10, 101, 1000, 15_000):
-            assert abs(sum(p[1] for p in lengths(levels, steps)) - steps) <= levels

@@ -101,9 +101,3 @@ def test_the_stream_gains(stage: Stage, weighted: bool) -> None:
     np.testing.assert_array_equal(joined(changed), joined(model))
     assert changed.base.any()
     assert not model.base.any()
-
-
-def test_without_a_base_layer_nothing_changes(stage: Stage) -> None:
-    objective, model = stage()
-    bare = replace(model, base=np.zeros((3, 0, 0), np.int64))
-    assert with_optimised_base(objective, bare, objective.residual(bare), 1e-3) is bare

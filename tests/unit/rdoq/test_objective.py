@@ -14,7 +14,7 @@ from sgicodec.decoder.stream import open_stream
 from sgicodec.model.spec import ContextSpec, ModelSpec
 from sgicodec.profiles.default import default_spec
 from sgicodec.profiles.paper import paper_spec
-from sgicodec.rdoq import Cost, Objective, can_optimise
+from sgicodec.rdoq import Objective, can_optimise
 
 Stage = Callable[..., tuple[Objective, TileModel]]
 
@@ -45,10 +45,6 @@ def test_cost_is_that_of_the_stream(stage: Stage, channels: int, weighted: bool)
         assert cost.bits == 8 * size
         assert cost.squared_error == pytest.approx(np.sum(error**2), rel=1e-4)
         assert cost.distortion == pytest.approx(np.sum(weights[..., None] * error**2), rel=1e-4)
-
-
-def test_cost_adds_up() -> None:
-    assert Cost(2.0, 300.0, 7.0).at(0.01) == pytest.approx(5.0)
 
 
 @pytest.mark.parametrize(

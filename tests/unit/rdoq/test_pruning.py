@@ -1,7 +1,6 @@
 """Which seeds go, against dense sums in float64."""
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -36,20 +35,3 @@ def test_each_goes_that_costs_less_than_its_price(stage: Stage, weighted: bool) 
     found = without_pruned_seeds(objective, model, objective.residual(model), price)
     np.testing.assert_array_equal(joined(found), joined(model)[keep])
     np.testing.assert_array_equal(found.layout.corner, model.layout.corner[keep])
-
-
-@pytest.mark.parametrize("threads", [1, 3])
-def test_same_seeds_for_any_number_of_threads(stage: Stage, threads: int) -> None:
-    objective, model = stage(height=150, width=170)
-    price = np.full(len(model.layout), 0.05)
-    expected = joined(without_pruned_seeds(objective, model, objective.residual(model), price))
-    assert 0 < len(expected) < len(price)
-    other = replace(objective, device=replace(objective.device, threads=threads))
-    np.testing.assert_array_equal(joined(without_pruned_seeds(other, model, other.residual(model), price)), expected)
-
-
-def test_one_seed_stays(stage: Stage) -> None:
-    objective, model = stage()
-    found = without_pruned_seeds(objective, model, objective.residual(model), np.full(len(model.layout), 1e6))
-    assert len(found.layout) == 1
-    assert len(joined(found)) == 1

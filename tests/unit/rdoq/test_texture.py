@@ -15,11 +15,10 @@ from textures import read_texture
 from sgicodec import read
 from sgicodec._native import SymbolReader
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
-from sgicodec.bitstream.parts.texture import texture_models, write_texture
+from sgicodec.bitstream.parts.texture import write_texture
 from sgicodec.device import Device
-from sgicodec.model.gaussians import colour_matrix
 from sgicodec.model.texture_symbols import SAME_COLOURS, SAME_STEP, TextureSteps, TextureSymbols, roots_of
-from sgicodec.rdoq.texture import TextureSearch, colours_for
+from sgicodec.rdoq.texture import TextureSearch
 
 DATA = Path(__file__).parents[2] / "data"
 SAME = SAME_STEP, SAME_STEP
@@ -68,71 +67,6 @@ def test_bits_and_costs_are_those_of_the_stream(
         assert costs.sum() == pytest.approx(error + PRICE * bits, rel=0.03)
 
 
-def test_colours_take_what_channels_share() -> None:
-    """A picture whose red and blue follow its grey, and one whose two colour differences are one."""
-    rng, steps = np.random.default_rng(3), TextureSteps(300, SAME)
-    own = rng.normal(0, (0.1, 0.01, 0.01), (96, 128, 3)).transpose(2, 0, 1)
-    opponent = np.array(colour_matrix(3))
-    follows, turned = own.copy(), own.copy()
-    follows[1] += 0.25 * own[0]
-    turned[1], turned[2] = 0.8 * own[0] - 0.6 * own[2], 0.6 * own[0] + 0.8 * own[2]
-    turned[0] = rng.normal(0, 0.1, own[0].shape)
-    found, cheaper = [], []
-    for planes in (own, follows, turned):
-        residual = np.ascontiguousarray(np.tensordot(opponent.T, planes, 1), np.float32)
-        colours = colours_for(residual, steps, PRICE)
-        found.append(colours)
-        costs = [TextureSearch(residual, colours=taken).costs(steps, PRICE).sum() for taken in (SAME_COLOURS, colours)]
-        cheaper.append(costs[1] / costs[0])
-    assert found[0][:2] == (32, 32)
-    assert found[1][0] == pytest.approx(32 + 16, abs=1)
-    assert found[1][1] == 32
-    assert found[2] == (32, 32, round(8 + 32 * np.arctan2(0.6, 0.8) / np.pi))
-    assert cheaper[0] < 1.002
-    assert max(cheaper[1:]) < 0.95
-
-
-def test_a_share_must_hold_at_all_frequencies() -> None:
-    """Otherwise what is grey would have coloured edges."""
-    rng, steps = np.random.default_rng(3), TextureSteps(300, SAME)
-    own = rng.normal(0, (0.1, 0.005, 0.005), (96, 128, 3)).transpose(2, 0, 1)
-    smooth = np.kron(rng.normal(0, 0.5, (6, 8)), np.ones((16, 16)))
-    residual = own + smooth * np.array([1.0, 0.3, 0.0])[:, None, None]
-    planes = np.ascontiguousarray(np.tensordot(np.array(colour_matrix(3)).T, residual, 1), np.float32)
-    assert colours_for(planes, steps, PRICE)[:2] == (32, 32)
-
-
-def test_colours_are_of_three_channels(residual: np.ndarray) -> None:
-    assert colours_for(residual[:2], TextureSteps(300, SAME[:1]), PRICE) == SAME_COLOURS
-    with pytest.raises(ValueError, match="three channels"):
-        TextureSearch(residual[:2], colours=OTHERS)
-
-
-def test_colours_follow_the_grey_that_is_shown(residual: np.ndarray) -> None:
-    """What symbols leave of the first channel spills into no other one, which fine steps of these would show."""
-    steps, errors = TextureSteps(400, (0, 0)), []
-    for colours in (SAME_COLOURS, (50, 14, 8)):
-        layer = TextureSearch(residual, colours=colours).at(steps, PRICE)
-        assert layer is not None
-        assert layer.steps.colours == colours
-        left = np.tensordot(np.array(colour_matrix(3)), residual - layer.layer().draw(), 1)
-        errors.append(np.square(left).sum(axis=(1, 2)))
-    spilt = (18 / 64) ** 2 * errors[0][0]
-    assert spilt > errors[0][1:].max()
-    assert (errors[1][1:] < errors[0][1:] + 0.4 * spilt).all()
-
-
-def test_exact_amplitudes_in_other_colours(residual: np.ndarray) -> None:
-    """Less is left than by rounded ones, and nothing at all where all symbols are."""
-    search, steps = TextureSearch(residual, colours=OTHERS), TextureSteps(380, SAME)
-    layer = search.at(steps, PRICE)
-    assert layer is not None
-    left = float(np.square(residual - search.exact(layer).draw(), dtype=np.float64).sum())
-    assert left < 0.98 * squared_error(residual, layer)
-    full = replace(layer, symbols=np.ones_like(layer.symbols), log_size=np.full_like(layer.log_size, 3))
-    np.testing.assert_allclose(search.exact(full).draw(), residual, atol=1e-5)
-
-
 def test_exact_amplitudes_leave_what_no_symbol_shows(residual: np.ndarray) -> None:
     """Rounding them gives the layer, within what dependent symbols may be off; what is left is orthogonal to them."""
     search = TextureSearch(residual)
@@ -169,14 +103,6 @@ def test_what_is_found_pays(residual: np.ndarray) -> None:
     assert errors[-1] < 0.01 * nothing
 
 
-def test_the_excess_is_worth_stating(residual: np.ndarray) -> None:
-    layer = TextureSearch(residual).at(TextureSteps(300, SAME, (2, 4)), PRICE)
-    assert layer is not None
-    without = TextureSymbols(layer.size, TextureSteps(300, SAME, (2, 4)), layer.log_size, layer.contrast, layer.symbols)
-    assert without.steps.added == (0, 0, 0)
-    assert squared_error(residual, layer) <= squared_error(residual, without)
-
-
 def test_any_number_of_threads_finds_the_same(residual: np.ndarray) -> None:
     one = TextureSearch(residual, Device(1)).at(TextureSteps(340, (18, 18), (2, 3)), PRICE)
     assert one is not None
@@ -186,26 +112,6 @@ def test_any_number_of_threads_finds_the_same(residual: np.ndarray) -> None:
         assert other.steps == one.steps
         np.testing.assert_array_equal(other.symbols, one.symbols)
         np.testing.assert_array_equal(other.log_size, one.log_size)
-
-
-def test_nothing_to_show_is_no_layer() -> None:
-    search = TextureSearch(np.zeros((3, 70, 50), np.float32))
-    assert search.at(TextureSteps(200, SAME), PRICE) is None
-    assert search.costs(TextureSteps(200, SAME), PRICE).shape == (3, 2)
-    faint = np.random.default_rng(0).normal(0, 0.001, (3, 70, 50)).astype(np.float32)
-    assert TextureSearch(faint).at(TextureSteps(400, SAME), PRICE) is None
-
-
-def test_an_edge_takes_small_cells_and_waves_take_large_ones() -> None:
-    y, x = np.mgrid[:64, :64] + 0.5
-    waves = (0.2 * np.cos(0.9 * x) * np.cos(0.5 * y))[None].astype(np.float32)
-    dot = (0.5 * np.exp(-((x - 12) ** 2 + (y - 12) ** 2) / 2))[None].astype(np.float32)
-    found = [TextureSearch(planes).at(TextureSteps(330), PRICE) for planes in (waves, dot)]
-    assert found[0] is not None
-    assert found[1] is not None
-    assert found[0].counts[32] > found[0].counts[8]
-    assert found[1].counts[32] == 0
-    assert 0 < found[1].counts[8] <= 4
 
 
 @settings(max_examples=examples(40))
@@ -239,23 +145,6 @@ def test_what_is_found_can_always_be_written(
     np.testing.assert_array_equal(found.contrast, layer.contrast)
 
 
-def test_a_search_leaves_the_shipped_models_as_they_are(residual: np.ndarray) -> None:
-    state = texture_models().state()
-    assert TextureSearch(residual).at(TextureSteps(340, SAME), PRICE) is not None
-    assert texture_models().state() == state
-
-
-def test_bits_that_cost_more_are_fewer(residual: np.ndarray) -> None:
-    search, steps = TextureSearch(residual), TextureSteps(320, SAME)
-    layers = [search.at(steps, price) for price in (0.0, 0.05, 0.2, 0.8, 1e6)]
-    assert layers[-1] is None
-    found = [layer for layer in layers if layer is not None]
-    sizes, errors = [payload_of(layer)[1] for layer in found], [squared_error(residual, layer) for layer in found]
-    assert sizes == sorted(sizes, reverse=True)
-    assert errors == sorted(errors)
-    assert len(set(sizes)) == 4
-
-
 @pytest.mark.parametrize("colours", [SAME_COLOURS, OTHERS])
 def test_amplitudes_move_up_a_gradient_by_a_part_of_their_steps(
     residual: np.ndarray, colours: tuple[int, int, int]
@@ -281,16 +170,6 @@ def test_amplitudes_move_up_a_gradient_by_a_part_of_their_steps(
     assert 0.05 * mean * steps.of_channels.min() < np.sqrt((away**2).mean()) < most * largest
 
 
-def test_a_gradient_of_nothing_moves_nothing(residual: np.ndarray) -> None:
-    steps, search = TextureSteps(340, SAME), TextureSearch(residual)
-    before = search.at(steps, PRICE)
-    search.move(np.zeros_like(residual), steps, None, 0.1, 1.0)
-    after = search.at(steps, PRICE)
-    assert before is not None
-    assert after is not None
-    assert np.array_equal(before.symbols, after.symbols)
-
-
 def test_given_cells_are_taken_but_for_those_without_symbols(residual: np.ndarray) -> None:
     search, steps = TextureSearch(residual), TextureSteps(340, SAME)
     best = search.at(steps, PRICE)
@@ -308,15 +187,6 @@ def test_given_cells_are_taken_but_for_those_without_symbols(residual: np.ndarra
     assert 0 < left.sum() < (best.log_size > 0).sum()
     assert np.array_equal(coarse.log_size[left], best.log_size[left])
     assert payload_of(coarse)[1] < 0.5 * bits[0]
-
-
-def test_given_cells_are_the_same_for_any_threads(residual: np.ndarray) -> None:
-    steps = TextureSteps(340, SAME)
-    best = TextureSearch(residual, Device(1)).at(steps, PRICE)
-    one, two = (TextureSearch(residual, Device(threads)).at(steps, PRICE, blocks=best) for threads in (1, 2))
-    assert one is not None
-    assert two is not None
-    assert np.array_equal(one.symbols, two.symbols)
 
 
 @pytest.mark.parametrize("wrong", ["shape", "size", "tree"])

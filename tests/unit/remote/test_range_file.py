@@ -36,35 +36,6 @@ def test_it_reads_what_a_file_holds(reads: list[tuple[int, int]]) -> None:
     assert all(0 <= start < stop <= len(DATA) and start % BLOCK == 0 for start, stop in log.ranges)
 
 
-def test_a_byte_costs_a_block_once() -> None:
-    log = Log(DATA)
-    file = RangeFile(len(DATA), log)
-    for offset in (0, 7, BLOCK - 1, 3 * BLOCK, 3 * BLOCK + 1):
-        file.seek(offset)
-        assert file.read(1) == DATA[offset : offset + 1]
-    assert log.ranges == [(0, BLOCK), (3 * BLOCK, 4 * BLOCK)]
-
-
-def test_a_long_read_is_one_request() -> None:
-    log = Log(DATA)
-    file = RangeFile(len(DATA), log)
-    file.seek(10)
-    assert file.read(3 * BLOCK) == DATA[10 : 10 + 3 * BLOCK]
-    file.seek(-5, io.SEEK_END)
-    assert file.read() == DATA[-5:]
-    assert log.ranges == [(0, 4 * BLOCK), (5 * BLOCK, len(DATA))]
-
-
-def test_reading_on_takes_ever_longer_parts() -> None:
-    data = bytes(256 * BLOCK)
-    log = Log(data)
-    file = RangeFile(len(data), log)
-    while file.read(BLOCK // 2):
-        pass
-    assert len(log.ranges) < 12
-    assert sum(stop - start for start, stop in log.ranges) == len(data)
-
-
 def test_what_is_expected_is_fetched_at_once() -> None:
     data = bytes(range(256)) * (BLOCK // 8)  # 32 blocks
     log = Log(data)
@@ -87,31 +58,3 @@ def test_what_is_expected_is_fetched_at_once() -> None:
         assert file.read(count) == data[offset : offset + count]
     file.expect([*places, (40 * BLOCK, 5)])
     assert log.calls == 2
-
-
-def test_not_everything_can_be_expected() -> None:
-    size = 5000 * BLOCK
-    for ranges in ([(block * BLOCK, 1) for block in range(0, 5000, 4)], [(0, 9), (4 * BLOCK, size)]):
-        log = Log(bytes(size))
-        RangeFile(size, log).expect(ranges)
-        assert 0 < sum(stop - start for start, stop in log.ranges) <= 512 * BLOCK
-
-
-def test_old_blocks_are_forgotten() -> None:
-    log = Log(bytes(2000 * BLOCK))
-    file = RangeFile(2000 * BLOCK, log)
-    for block in range(0, 2000, 2):
-        file.seek(block * BLOCK)
-        file.read(1)
-    for offset in (0, 1998 * BLOCK):
-        file.seek(offset)
-        file.read(1)
-    assert len(log.ranges) == 1000
-    for block in range(1, 200, 2):
-        file.seek(block * BLOCK)
-        file.read(1)
-    file.seek(2 * BLOCK)
-    file.read(1)
-    assert log.ranges[-1] == (2 * BLOCK, 3 * BLOCK)
-    file.close()
-    assert file.closed

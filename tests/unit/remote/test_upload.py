@@ -10,20 +10,16 @@ from typing import Any
 import fsspec
 import numpy as np
 import pytest
-import tifffile
 from click.testing import CliRunner
-from fsspec.implementations.memory import MemoryFile, MemoryFileSystem
+from fsspec.implementations.memory import MemoryFile
 from range_server import served
 
 import sgicodec
 from sgicodec.cli.main import cli
 from sgicodec.errors import PictureError, StreamError, UsageError
-from sgicodec.plugins.cog import write_cog
-from sgicodec.plugins.pyramid import write_pyramid
-from sgicodec.remote.upload import Upload, check_writable, is_there, local_file, send
+from sgicodec.remote.upload import Upload, check_writable, send
 
 GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
-PIXELS = np.zeros((8, 9, 3), np.uint8)
 
 
 @pytest.fixture
@@ -52,14 +48,6 @@ def sgi(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
     return lambda *arguments: CliRunner().invoke(cli, [str(argument) for argument in arguments])
 
 
-def test_a_file_is_sent(memory: Any, tmp_path: Path) -> None:
-    (tmp_path / "a").write_bytes(b"new")
-    assert not is_there("memory://folder/a", UsageError)
-    send(tmp_path / "a", "memory://folder/a", StreamError)
-    assert is_there("memory://folder/a", UsageError)
-    assert memory.cat("/folder/a") == b"new"
-
-
 def test_what_was_there_stays_till_all_is_sent(memory: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     memory.pipe("/a", b"old")
     seen: list[bytes] = []
@@ -76,16 +64,6 @@ def test_what_was_there_stays_till_all_is_sent(memory: Any, tmp_path: Path, monk
     assert memory.cat("/a") == b"old"
 
 
-def test_local_urls_are_replaced_at_once(tmp_path: Path) -> None:
-    (tmp_path / "a").write_bytes(b"new")
-    (tmp_path / "b").write_bytes(b"old")
-    send(tmp_path / "a", f"file://{tmp_path}/b", StreamError)
-    assert (tmp_path / "b").read_bytes() == b"new"
-    assert sorted(each.name for each in tmp_path.iterdir()) == ["a", "b"]
-    with pytest.raises(StreamError, match="there is no such place"):
-        send(tmp_path / "a", f"file://{tmp_path}/none/b", StreamError)
-
-
 def test_a_file_that_cannot_be_sent_is_kept(memory: Any, full: None) -> None:
     with Upload("memory://folder/a.png", PictureError) as upload:
         upload.path.write_bytes(b"new")
@@ -95,21 +73,6 @@ def test_a_file_that_cannot_be_sent_is_kept(memory: Any, full: None) -> None:
     assert (kept.name, kept.read_bytes()) == ("a.png", b"new")
     kept.unlink()
     kept.parent.rmdir()
-
-
-def test_nothing_is_kept_of_what_was_not_made(memory: Any) -> None:
-    writing = local_file("memory://a", PictureError)
-    path = writing.__enter__()
-    path.write_bytes(b"half")
-    error = ZeroDivisionError()
-    assert not writing.__exit__(type(error), error, None)
-    assert not path.parent.exists()
-    assert memory.ls("/") == []
-
-
-def test_paths_are_themselves(tmp_path: Path) -> None:
-    with local_file(str(tmp_path / "a"), PictureError) as path:
-        assert path == tmp_path / "a"
 
 
 @pytest.mark.parametrize("url", ["https://a/b.sgi", "HTTP://a/b", "zip://a::file:///b.zip", "simplecache::s3://a/b"])
@@ -132,33 +95,6 @@ def test_encode_and_decode(memory: Any, sgi: Callable[..., Any], tmp_path: Path,
     assert {each.name for each in tmp_path.iterdir()} == {"same.sgi"}
 
 
-def test_tiles_and_their_checkpoint(memory: Any, sgi: Callable[..., Any], tmp_path: Path, photo: Path) -> None:
-    (tmp_path / "photo.sgi.part").write_bytes(b"of an encode that was interrupted")
-    options = ("--steps", 2, "--tile", 64, "--no-overview", "--quiet")
-    refused = sgi("encode", photo, "memory://photo.sgi", *options)
-    assert (refused.exit_code, "--resume goes on" in refused.output) == (6, True)
-    assert sgi("encode", photo, "memory://photo.sgi", *options, "-f").exit_code == 0
-    assert sgicodec.imread("memory://photo.sgi").shape == (100, 150, 3)
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_a_target_that_is_missed(memory: Any, sgi: Callable[..., Any], photo: Path) -> None:
-    """The nearest stream is sent all the same."""
-    result = sgi("encode", photo, "memory://photo.sgi", "--steps", 2, "--size", 60, "--quiet")
-    assert result.exit_code == 5, result.output
-    assert "it is written to memory://photo.sgi" in result.output
-    assert memory.size("/photo.sgi") > 60
-
-
-def test_many_to_a_folder(memory: Any, sgi: Callable[..., Any], tmp_path: Path) -> None:
-    names = [GOLDEN / f"{name}.sgi" for name in ("rgb8", "gray16")]
-    assert sgi("decode", *names, "--output-dir", "memory://out", "--quiet").exit_code == 0
-    assert sorted(memory.ls("/out", detail=False)) == ["/out/gray16.png", "/out/rgb8.png"]
-    again = sgi("decode", *names, "--output-dir", "memory://out", "--skip-existing")
-    assert "0 of 2 files decoded, 2 there already" in again.output
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_refusals_come_before_the_work(sgi: Callable[..., Any], photo: Path) -> None:
     with served({"a.png": photo.read_bytes()}) as server:
         url = f"{server.url}/a.sgi"
@@ -169,40 +105,3 @@ def test_refusals_come_before_the_work(sgi: Callable[..., Any], photo: Path) -> 
         assert (result.exit_code, "can be read, not written" in result.output) == (2, True)
     result = sgi("encode", photo, "memory://photo.png")
     assert (result.exit_code, "does not end in .sgi" in result.output) == (2, True)
-
-
-def test_what_is_encoded_is_not_lost(memory: Any, full: None, sgi: Callable[..., Any], photo: Path) -> None:
-    result = sgi("encode", photo, "memory://photo.sgi", "--steps", 2, "--quiet")
-    assert (result.exit_code, result.output.count("\n")) == (4, 1)
-    kept = result.output.strip().rpartition("; the file is kept in ")[2]
-    assert sgicodec.imread(kept).shape == (100, 150, 3)
-
-
-def test_the_library_writes_to_urls(memory: Any, tmp_path: Path) -> None:
-    sgicodec.imwrite("memory://a.sgi", PIXELS, steps=1)
-    sgicodec.write(sgicodec.Picture(PIXELS, "rgb", (0, 255)), "memory://a.png")
-    with sgicodec.open("memory://a.sgi") as stream:
-        assert stream.shape == PIXELS.shape
-        write_pyramid(stream, "memory://a.ome.tif")
-        write_cog(stream, "memory://cog.tif")
-    np.testing.assert_array_equal(sgicodec.read("memory://a.png").pixels, PIXELS)
-    for name, is_ome in (("a.ome.tif", True), ("cog.tif", False)):
-        memory.get_file(f"/{name}", str(tmp_path / name))
-        with tifffile.TiffFile(tmp_path / name) as file:
-            assert (file.is_ome, file.pages[0].shape) == (is_ome, PIXELS.shape)  # type: ignore[union-attr]
-
-
-def test_the_library_keeps_what_it_cannot_send(memory: Any, full: None) -> None:
-    with pytest.raises(PictureError, match="the file is kept in ") as caught:
-        sgicodec.imwrite("memory://a.sgi", PIXELS, steps=1)
-    kept = Path(str(caught.value).rpartition(" ")[2])
-    assert sgicodec.imread(kept).shape == PIXELS.shape
-    kept.unlink()
-    kept.parent.rmdir()
-
-
-def test_transactions_end_with_their_file(memory: Any, tmp_path: Path) -> None:
-    """Another user of the same file system is not drawn into it."""
-    (tmp_path / "a").write_bytes(b"new")
-    send(tmp_path / "a", "memory://a", StreamError)
-    assert not MemoryFileSystem()._intrans

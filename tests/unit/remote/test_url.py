@@ -3,26 +3,22 @@
 from __future__ import annotations
 
 import json
-import pickle
 import sys
-import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import fsspec
 import numpy as np
 import pytest
-from children import HANGS
 from click.testing import CliRunner
 from range_server import served
-from repeated_tiles import TILE, repeated_tiles
+from repeated_tiles import TILE
 
 import sgicodec
 from sgicodec.cli.main import cli
 from sgicodec.errors import CorruptStreamError, MissingExtraError, PictureError, StreamError
 from sgicodec.remote.range_file import BLOCK
-from sgicodec.remote.url import file_name, has_stream_name, is_url, naming_url, open_url
+from sgicodec.remote.url import naming_url, open_url
 
 SIDE = 256
 
@@ -40,16 +36,6 @@ def sgi(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
     return lambda *arguments: CliRunner().invoke(cli, [str(argument) for argument in arguments])
 
 
-@pytest.mark.parametrize("text", ["https://a/b.sgi", "s3://b/c", "zip://a.sgi::https://b/c.zip", "memory://x"])
-def test_urls(text: str) -> None:
-    assert is_url(text)
-
-
-@pytest.mark.parametrize("text", ["a.sgi", "/a/b", "C:/a", "c://a", "-", "a:b", "a/https://b"])
-def test_paths(text: str) -> None:
-    assert not is_url(text)
-
-
 def test_a_region_costs_its_tiles(data: bytes) -> None:
     expected = sgicodec.decode(data, region=(100, 100, 20, 20))
     with served({"a.sgi": data}) as server, sgicodec.open(f"{server.url}/a.sgi") as stream:
@@ -65,47 +51,11 @@ def test_a_region_costs_its_tiles(data: bytes) -> None:
         assert len(server.parts) == asked
 
 
-def test_tiles_of_a_region_are_fetched_together() -> None:
-    """Of sixteen columns two lie in the region: one request for each row of tiles, all of them at the same time."""
-    rows = 4
-    data = repeated_tiles(rows, 16)
-    region = (TILE + 40, 20, TILE // 2, rows * TILE - 40)
-    with served({"a.sgi": data}) as server, sgicodec.open(f"{server.url}/a.sgi") as stream:
-        opening = len(server.parts)
-        server.meeting = threading.Barrier(rows, timeout=HANGS)
-        np.testing.assert_array_equal(stream.read(region), sgicodec.decode(data, region=region))
-        assert len(server.parts) - opening == rows
-        assert sum(count for _, _, count in server.parts[opening:]) <= rows * 2 * BLOCK < len(data) // 2
-
-
-def test_an_overview_costs_no_tile(data: bytes) -> None:
-    with served({"a.sgi": data}) as server:
-        small = sgicodec.imread(f"{server.url}/a.sgi", size=(16, 16))
-        np.testing.assert_array_equal(small, sgicodec.decode(data, size=(16, 16)))
-        assert server.bytes <= 3 * BLOCK < len(data)
-
-
-def test_all_of_it_takes_few_requests(data: bytes) -> None:
-    with served({"a.sgi": data}) as server:
-        np.testing.assert_array_equal(sgicodec.imread(f"{server.url}/a.sgi"), sgicodec.decode(data))
-        assert server.bytes < len(data) + 3 * BLOCK
-        assert len(server.parts) <= 6
-
-
 def test_a_server_without_ranges_gives_it_once(data: bytes) -> None:
     with served({"a.sgi": data}, ranges=False) as server, sgicodec.open(f"{server.url}/a.sgi") as stream:
         np.testing.assert_array_equal(stream.read((100, 100, 20, 20)), sgicodec.decode(data, region=(100, 100, 20, 20)))
         np.testing.assert_array_equal(stream.read(), sgicodec.decode(data))
         assert len(server.parts) <= 3  # the first block, the refused range, all of it
-
-
-def test_other_file_systems(data: bytes) -> None:
-    with fsspec.open("memory://folder/a.sgi", "wb") as file:
-        file.write(data)
-    with sgicodec.open("memory://folder/a.sgi") as stream:
-        again = pickle.loads(pickle.dumps(stream))
-        assert again.name == stream.name == "memory://folder/a.sgi"
-        np.testing.assert_array_equal(again[:9, :9], stream[:9, :9])
 
 
 def test_commands(data: bytes, sgi: Callable[..., Any], tmp_path: Path) -> None:
@@ -125,16 +75,6 @@ def test_commands(data: bytes, sgi: Callable[..., Any], tmp_path: Path) -> None:
         assert f"sgi: {server.url}/cut.sgi: " in failed.output
 
 
-def test_pictures_are_encoded_from_urls(photo: Path, sgi: Callable[..., Any], tmp_path: Path) -> None:
-    with served({"photo.png": photo.read_bytes(), "no.png": b"none"}) as server:
-        result = sgi("encode", f"{server.url}/photo.png", "--steps", 2, "--quiet")
-        assert result.exit_code == 0, result.output
-        assert sgicodec.read(f"{server.url}/photo.png").pixels.shape == sgicodec.imread(tmp_path / "photo.sgi").shape
-        assert sgicodec.encode(f"{server.url}/photo.png", steps=2)[:4] == b"\x89SGI"
-        with pytest.raises(PictureError, match=r"^http://[^ ]*/no\.png: (?!http)"):
-            sgicodec.read(f"{server.url}/no.png")
-
-
 def test_what_is_not_there() -> None:
     with served({"a.sgi": b"GIF89a"}) as server:
         with pytest.raises(StreamError, match=r"/b\.sgi: there is no such file$"):
@@ -148,17 +88,6 @@ def test_what_is_not_there() -> None:
         sgicodec.open(f"{gone}/a.sgi")
     with pytest.raises(StreamError, match="nosuch"):
         sgicodec.open("nosuch://a/b.sgi")
-
-
-@pytest.mark.parametrize("command", ["encode", "decode", "info", "verify", "compare"])
-def test_a_server_that_cannot_be_reached_is_no_missing_file(sgi: Callable[..., Any], command: str) -> None:
-    with served({}) as server:
-        gone = f"{server.url}/a.png"
-    for url, reason in ((gone, "Connection refused"), ("https://no-such-host.invalid/a.png", "")):
-        result = sgi(command, url, *([url] if command == "compare" else []))
-        assert result.exit_code == (3 if command in ("encode", "compare") else 4)
-        assert f"sgi: {url}: its server cannot be reached: {reason}" in result.output
-        assert result.output.count("\n") == 1
 
 
 @pytest.mark.parametrize(
@@ -185,21 +114,6 @@ def test_a_server_that_is_silent(hidden: bool) -> None:
         raise silent
 
 
-def test_a_server_that_goes_away(data: bytes) -> None:
-    with served({"a.sgi": data}) as server:
-        stream = sgicodec.open(f"{server.url}/a.sgi")
-    with pytest.raises(StreamError, match=r"/a\.sgi: "):
-        stream.read()
-
-
-def test_a_file_that_shrinks(data: bytes) -> None:
-    with served({"a.sgi": data}) as server:
-        stream = sgicodec.open(f"{server.url}/a.sgi")
-        server.files["a.sgi"] = data[: len(data) // 4]
-        with pytest.raises(StreamError, match="bytes came where"):
-            stream.read()
-
-
 def test_missing_libraries(monkeypatch: pytest.MonkeyPatch) -> None:
     with monkeypatch.context() as patch:
         patch.setitem(sys.modules, "fsspec", None)
@@ -209,21 +123,3 @@ def test_missing_libraries(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delitem(sys.modules["fsspec.registry"]._registry, "s3", raising=False)  # loaded by another test
     with pytest.raises(MissingExtraError, match="s3fs"):
         open_url("s3://bucket/a.sgi")
-
-
-@pytest.mark.parametrize(
-    ("url", "name"),
-    [("https://a/b/c%20d.sgi?x=1/2#e", "c d.sgi"), ("s3://bucket/a#1.sgi", "a#1.sgi"), ("https://a/b/", "b")],
-)
-def test_what_a_file_made_of_it_is_called(url: str, name: str) -> None:
-    assert file_name(url) == name
-
-
-@pytest.mark.parametrize("name", ["https://a.org/b.sgi?c=d.png", "s3://bucket/a.SGI", "folder/a.sgi"])
-def test_names_of_streams(name: str) -> None:
-    assert has_stream_name(name)
-
-
-@pytest.mark.parametrize("name", ["https://a.org/b.png?c=d.sgi", "s3://bucket.sgi/a.tif", "folder.sgi/a"])
-def test_names_of_other_files(name: str) -> None:
-    assert not has_stream_name(name)

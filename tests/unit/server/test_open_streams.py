@@ -32,14 +32,6 @@ def test_the_last_ones_stay(streams: OpenStreams) -> None:
     assert all(stream.closed for stream in opened)
 
 
-def test_what_is_used_stays(streams: OpenStreams) -> None:
-    with streams.opened(GOLDEN / "rgb8.sgi") as first, streams.opened(GOLDEN / "gray16.sgi") as second:
-        with streams.opened(GOLDEN / "rgba8.sgi") as third:
-            assert len(streams) == 3
-        assert (first.closed, second.closed, third.closed) == (False, False, True)
-    assert len(streams) == 2
-
-
 def test_a_file_that_changed_is_another(streams: OpenStreams, tmp_path: Path) -> None:
     path = tmp_path / "a.sgi"
     shutil.copy(GOLDEN / "rgb8.sgi", path)

@@ -5,9 +5,6 @@ from __future__ import annotations
 import asyncio
 import threading
 
-import pytest
-
-from sgicodec.server.refusal import Refusal
 from sgicodec.server.workers import Workers
 
 
@@ -39,55 +36,3 @@ def test_a_few_at_a_time() -> None:
 
     asyncio.run(scenario())
     assert most == 2
-
-
-def test_a_second_turn_is_not_refused() -> None:
-    """A full queue lets in nobody new, but those that it let in come to their end."""
-
-    async def scenario() -> list[object]:
-        workers = Workers(1, 2)
-
-        async def request() -> int:
-            return await workers.run(lambda: 1, here) + await workers.run(lambda: 1, here, admitted=True)
-
-        found = await asyncio.gather(*(request() for _ in range(9)), return_exceptions=True)
-        workers.close()
-        return list(found)
-
-    found = asyncio.run(scenario())
-    assert found[:3] == [2, 2, 2]
-    assert all(isinstance(error, Refusal) for error in found[3:])
-
-
-def test_a_full_queue_refuses() -> None:
-    async def scenario() -> list[object]:
-        go = threading.Event()
-        workers = Workers(1, 2)
-        tasks = [asyncio.ensure_future(workers.run(go.wait, here)) for _ in range(5)]
-        for _ in range(3):
-            await asyncio.sleep(0)
-        go.set()
-        found = await asyncio.gather(*tasks, return_exceptions=True)
-        workers.close()
-        return list(found)
-
-    found = asyncio.run(scenario())
-    refused = [error for error in found if isinstance(error, Refusal)]
-    assert {error.status for error in refused} == {503}
-    assert len(refused) == 5 - found.count(True)
-    assert found.count(True) >= 2
-
-
-def test_nothing_is_drawn_for_who_went_away() -> None:
-    done = []
-
-    async def scenario() -> None:
-        workers = Workers(1, 2)
-        try:
-            await workers.run(lambda: done.append(1), gone)
-        finally:
-            workers.close()
-
-    with pytest.raises(Refusal):
-        asyncio.run(scenario())
-    assert done == []

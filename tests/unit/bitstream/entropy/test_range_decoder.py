@@ -47,17 +47,6 @@ def test_any_bytes_mean_the_same(payload: bytes, tables: list[int]) -> None:
     assert decoded(payload, tables) == decoded_by_constriction(payload, tables)
 
 
-@settings(max_examples=examples(100))
-@given(st.integers(1, 16), st.lists(st.integers(0, (1 << 16) - 1), max_size=60))
-def test_equally_likely_values(bits: int, values: list[int]) -> None:
-    values = [value >> 16 - bits for value in values]
-    encoder = constriction.stream.queue.RangeEncoder()
-    encoder.encode(np.array(values, np.int32), constriction.stream.model.Uniform(1 << bits))
-    reader = SymbolReader(encoder.get_compressed().astype(">u4").tobytes().rstrip(b"\0"))
-    assert reader.read_bits(bits, len(values)).tolist() == values
-    assert reader.ends
-
-
 @pytest.mark.parametrize("size", [2, 8, 9, 300])
 def test_models_of_every_size(size: int) -> None:
     """Few symbols are searched from the first, many from a table; those of frequency 0 do not occur."""
@@ -73,19 +62,3 @@ def test_models_of_every_size(size: int) -> None:
     with_zeros[where] = frequency
     found = reader.read_categorical(with_zeros[None], ROW.repeat(len(symbols)))
     np.testing.assert_array_equal(found, np.flatnonzero(where)[symbols])
-
-
-@pytest.mark.parametrize("frequency", [[TOTAL - 1], [TOTAL + 1, -1], [TOTAL, TOTAL], []])
-def test_models_that_are_none(frequency: list[int]) -> None:
-    with pytest.raises(ValueError, match=r"model|frequency"):
-        SymbolReader(b"").read_categorical(np.array([frequency], np.int64), ROW)
-
-
-def test_rows_and_tables_that_are_none() -> None:
-    reader = SymbolReader(b"")
-    for number in (-1, 1):
-        with pytest.raises(ValueError, match="outside"):
-            reader.read_categorical(np.array([[TOTAL]]), np.array([number], np.int16))
-    for number in (-1, TABLES):
-        with pytest.raises(ValueError, match="outside"):
-            reader.read(np.array([number], np.int16))

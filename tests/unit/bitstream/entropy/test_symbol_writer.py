@@ -14,7 +14,7 @@ from reference_decoder import ReferenceDecoder
 from sgicodec._native import SymbolReader
 from sgicodec.bitstream.entropy.symbol_models import zero_centred_model
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
-from sgicodec.bitstream.entropy.tables import MAX_MAGNITUDE, TABLES, TOTAL, bernoulli_frequencies, frequency_tables
+from sgicodec.bitstream.entropy.tables import MAX_MAGNITUDE, TABLES, TOTAL, frequency_tables
 from sgicodec.errors import CorruptStreamError, UsageError
 
 
@@ -97,90 +97,11 @@ def test_categorical_round_trip(pairs: list[tuple[int, int]], data: st.DataObjec
     assert reader.bits == pytest.approx(sum(writer.bits.values()))
 
 
-@given(st.integers(0, 32).flatmap(lambda n: st.tuples(st.just(n), st.lists(st.integers(0, 2**n - 1)))))
-def test_raw_bits_round_trip(field: tuple[int, list[int]]) -> None:
-    n_bits, values = field
-    writer = SymbolWriter()
-    writer.code_bits(values, n_bits)
-    assert writer.bits.get("rest", 0) == n_bits * len(values)
-    reader = SymbolReader(writer.finish())
-    assert reader.read_bits(n_bits, len(values)).tolist() == values
-    reader.finish()
-
-
-def test_bits_account_for_the_payload_part_by_part() -> None:
-    rng = np.random.default_rng(5)
-    tables = rng.integers(0, TABLES, 20000)
-    symbols = np.rint(rng.normal(0, 2.0 ** ((tables % 64 - 24) / 6))).astype(int)
-    writer = SymbolWriter()
-    with writer.part("first"):
-        writer.code(symbols, tables)
-        with writer.part("second"):
-            writer.code_categorical(symbols & 1, bernoulli_frequencies([128]), np.zeros(20000, int))
-        writer.code_int(5, 12)
-    payload = writer.finish()
-    assert set(writer.bits) == {"first", "second", "check"}
-    assert writer.bits["first"] == pytest.approx(frequency_tables().bits(symbols, tables).sum() + 12)
-    ones = int((symbols & 1).sum())
-    cost = -ones * np.log2(257 / 512) - (20000 - ones) * np.log2(255 / 512)
-    assert writer.bits["second"] == pytest.approx(cost)
-    assert -8 < len(payload) - sum(writer.bits.values()) / 8 < 8
-
-
 @pytest.fixture(scope="module")
 def payload() -> bytes:
     writer = SymbolWriter()
     writer.code(np.arange(-50, 50), np.full(100, 50))
     return writer.finish()
-
-
-def read(payload: bytes) -> None:
-    reader = SymbolReader(payload)
-    reader.read(np.full(100, 50, np.int16))
-    reader.finish()
-
-
-def test_an_untouched_payload_is_accepted(payload: bytes) -> None:
-    read(payload)
-
-
-def test_every_flipped_bit_but_the_last_few_shows(payload: bytes) -> None:
-    """The last bits of a payload only have to point into the last interval; all others carry symbols."""
-    for bit in range(8 * len(payload) - 32):
-        damaged = bytearray(payload)
-        damaged[bit // 8] ^= 0x80 >> bit % 8
-        with pytest.raises(CorruptStreamError):
-            read(bytes(damaged))
-
-
-def test_a_cut_payload_is_corrupt(payload: bytes) -> None:
-    for length in range(len(payload) - 4):
-        with pytest.raises(CorruptStreamError):
-            read(payload[:length])
-
-
-@pytest.mark.parametrize(("extra", "message"), [(b"\0", "zero bytes"), (b"\0" * 8 + b"x", "left over")])
-def test_bytes_behind_the_last_symbol_are_corrupt(payload: bytes, extra: bytes, message: str) -> None:
-    with pytest.raises(CorruptStreamError, match=message):
-        read(payload + extra)
-
-
-def test_an_impossible_payload_is_corrupt() -> None:
-    reader = SymbolReader(b"\xff" * 8)
-    with pytest.raises(CorruptStreamError, match="does not decode"):
-        reader.read(np.full(100, 50, np.int16))
-
-
-def test_a_magnitude_above_the_cap_is_corrupt() -> None:
-    writer = SymbolWriter()
-    support = int(frequency_tables().support[100])
-    frequencies = frequency_tables().frequencies(100)[None, :]
-    writer.code_categorical([2 * support + 1], frequencies, [0])  # an escape …
-    writer.code_categorical([20], np.array([[TOTAL >> e for e in range(1, 21)] + [TOTAL >> 20]]), [0])
-    writer.code_bits([2**20 - 1], 20)  # … of 2**21 − 2
-    writer.code_bits([0], 1)
-    with pytest.raises(CorruptStreamError, match="exceeds"):
-        SymbolReader(writer.finish()).read(np.array([100], np.int16))
 
 
 @settings(max_examples=examples(200))
@@ -216,37 +137,6 @@ def test_any_bytes_decode_or_are_corrupt(data: bytes) -> None:
 def test_a_writer_refuses_what_cannot_be_coded(method: str, arguments: tuple[object, ...]) -> None:
     with pytest.raises(UsageError):
         getattr(SymbolWriter(), method)(*arguments)
-
-
-class Panic(BaseException):
-    """Like constriction's PanicException, no Exception."""
-
-
-class Panicking:
-    """A coder that fails as Rust does."""
-
-    def encode(self, *_: object) -> None:
-        raise Panic("assertion failed:\n  range > 1")
-
-
-def test_panics_are_errors_of_one_line() -> None:
-    walk = SymbolWriter()
-    walk._coder = Panicking()
-    with pytest.raises(RuntimeError, match=r"^entropy: .* \(assertion failed: range > 1\)$"):
-        walk.code_bits([1, 2], 8)
-
-
-@pytest.mark.parametrize("interruption", [KeyboardInterrupt, MemoryError])
-def test_what_is_not_the_coder_s_fault_passes(interruption: type[BaseException]) -> None:
-    walk = SymbolWriter()
-
-    class Interrupted:
-        def encode(self, *_: object) -> None:
-            raise interruption
-
-    walk._coder = Interrupted()
-    with pytest.raises(interruption):
-        walk.code_bits([1, 2], 8)
 
 
 def test_flags_of_every_probability() -> None:

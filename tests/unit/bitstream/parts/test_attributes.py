@@ -13,7 +13,7 @@ from page_attributes import PageAttributes, Seed
 from surgery import split
 
 from sgicodec import _native
-from sgicodec._native import NEIGHBOUR_INPUTS, SymbolReader
+from sgicodec._native import SymbolReader
 from sgicodec.bitstream.header import Header, decode_header, encode_header
 from sgicodec.bitstream.limits import hash_counts, network_shapes
 from sgicodec.bitstream.parts.predicted_tree import TreeContext, native_tree_context
@@ -24,7 +24,7 @@ from sgicodec.bitstream.parts.tile_chunk import decode_tile_chunk
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.errors import StreamError
 from sgicodec.model.base import base_shape
-from sgicodec.model.context import input_count, passes
+from sgicodec.model.context import passes
 from sgicodec.model.gaussians import decoder_shapes
 from sgicodec.model.layout import SeedLayout
 from sgicodec.model.spec import ModelSpec
@@ -115,23 +115,6 @@ def test_passes_of_many_runs(spec: ModelSpec, threads: int) -> None:
     np.testing.assert_array_equal(read.decoded, quantise(header, model).decoded)
     assert reader.crc == writer.crc
     assert reader.bits == pytest.approx(writer.bits)
-
-
-def test_seeds_without_neighbours_see_their_own_shape() -> None:
-    """In the third step of a model that has steps but no neighbours."""
-    header, payload = payload_of("rgb8-own-context")
-    model, _ = read_tile(header, payload)
-    kept = input_count(header.spec, 0) - NEIGHBOUR_INPUTS
-    context = replace(header.spec.context, neighbours=0)
-    alone = replace(header, spec=replace(header.spec, context=context))
-    networks = tuple(
-        replace(net, w1=np.delete(net.w1, np.s_[kept : kept + NEIGHBOUR_INPUTS], axis=1)) for net in model.networks
-    )
-    model = replace(model, networks=networks, attributes=values_of(header, model), decoded=None)
-    payload, writer = write_tile(alone, model)
-    read, reader = read_tile(alone, payload)
-    assert reader.crc == writer.crc
-    np.testing.assert_array_equal(read.decoded, quantise(alone, model).decoded)
 
 
 @pytest.mark.parametrize("name", ["gray16", "rgb8-tiles", "multi8", "paper-rgb8"])

@@ -13,8 +13,7 @@ from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.parts.arrays import write_weights
 from sgicodec.bitstream.parts.positions import write_positions
 from sgicodec.bitstream.parts.seed_tree import Seeds
-from sgicodec.errors import CorruptStreamError, LimitError, UsageError
-from sgicodec.model.layout import uniform_layout
+from sgicodec.errors import CorruptStreamError, LimitError
 from sgicodec.model.morton import canonical_order
 
 Size = tuple[int, int]
@@ -65,25 +64,6 @@ def test_round_trip_in_canonical_order(seeds: tuple[Size, Seeds]) -> None:
     np.testing.assert_array_equal(found[1], log_size)
     assert (found[0].dtype, found[1].dtype) == (np.int32, np.int8)
     assert sorted(read_from_the_page(payload, size)) == sorted(map(tuple, corner.tolist()))
-
-
-@pytest.mark.parametrize("count", [1000, 10_000, 100_000])
-def test_pixels_cost_what_random_ones_must(count: int) -> None:
-    layout, writer = uniform_layout(768, 512, count, np.random.default_rng(2)), SymbolWriter()
-    write_positions(writer, (768, 512), (layout.corner, layout.log_size))
-    bound = np.sum(np.log2((768 * 512 - np.arange(count)) / np.arange(1, count + 1)))
-    assert writer.bits["rest"] < 1.02 * bound
-
-
-@pytest.mark.parametrize("pixels", [[(10, 0)], [(0, 7)], [(-1, 0)], [(3, 3), (3, 3)]], ids=str)
-def test_other_seeds_are_refused(pixels: list[tuple[int, int]]) -> None:
-    with pytest.raises(UsageError):
-        write_positions(SymbolWriter(), (10, 7), seeds_of(pixels))
-
-
-def test_larger_cells_are_refused() -> None:
-    with pytest.raises(UsageError):
-        write_positions(SymbolWriter(), (10, 7), (np.array([[2, 2]]), np.array([1])))
 
 
 def test_more_seeds_than_allowed_are_refused() -> None:

@@ -17,7 +17,7 @@ from sgicodec.bitstream.parts.predicted_positions import ONES, write_predicted_p
 from sgicodec.bitstream.parts.predicted_tree import Batch, TreeContext, native_tree_context, walk_tree
 from sgicodec.bitstream.parts.seed_tree import Seeds, TreeShape
 from sgicodec.device import ONE_THREAD, Device
-from sgicodec.errors import CorruptStreamError, LimitError, UsageError
+from sgicodec.errors import CorruptStreamError, LimitError
 
 Node = tuple[int, int, int]  # level, column, row
 
@@ -244,27 +244,6 @@ def test_the_last_child_of_empty_siblings_is_needed(width: int, height: int, las
 
     walk_tree(TreeShape(width, height), NOWHERE, code, 10)
     assert needed == [(5, last)]
-
-
-@pytest.mark.parametrize(
-    "nodes",
-    [[(1, 32, 0)], [(1, 0, 32)], [(1, -1, 0)], [(0, 0, 0)], [(7, 0, 0)], [(1, 0, 0), (1, 0, 0)]],
-    ids=["right", "below", "left", "too small", "too large", "twice"],
-)
-def test_seeds_that_are_no_nodes_are_refused(nodes: list[Node]) -> None:
-    with pytest.raises(UsageError):
-        write_predicted_positions(SymbolWriter(), SHAPE, NOWHERE, seeds_of(nodes))
-
-
-def test_seeds_off_their_grid_are_refused() -> None:
-    with pytest.raises(UsageError):
-        write_predicted_positions(SymbolWriter(), SHAPE, NOWHERE, (np.array([[1, 0]]), np.array([1])))
-
-
-@pytest.mark.parametrize("size", [(0, 1), (1, 1 << 25)])
-def test_sizes_that_no_tree_has_are_refused(size: tuple[int, int]) -> None:
-    with pytest.raises(UsageError):
-        TreeShape(*size)
 
 
 def test_more_seeds_than_allowed_are_refused() -> None:

@@ -9,13 +9,10 @@ import numpy as np
 import pytest
 from surgery import join, split
 
-from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
-from sgicodec.bitstream.entropy.tables import frequency_tables
 from sgicodec.bitstream.header import encode_header
-from sgicodec.bitstream.parts.restoration import write_restoration
 from sgicodec.bitstream.parts.tile import read_tile, write_tile
 from sgicodec.decoder.stream import open_stream
-from sgicodec.errors import CorruptStreamError, UnsupportedStreamError
+from sgicodec.errors import UnsupportedStreamError
 from sgicodec.model.restoration import Restoration
 from sgicodec.rdoq.objective import with_values
 
@@ -44,13 +41,6 @@ def test_round_trip(name: str, restoration: Restoration | None) -> None:
     assert read.bits["restoration"] == (4 if restoration is None else 13)
 
 
-def test_what_it_takes() -> None:
-    writer = SymbolWriter()
-    with writer.part("restoration"):
-        write_restoration(writer, Restoration(1, 300))
-    assert writer.bits["restoration"] == 13
-
-
 def changes_of(unit: int, layers: tuple[int, ...]) -> tuple[np.ndarray, ...]:
     shapes = [(16, 28), (16, 145), (16, 145), (3, 145)]
     rng = np.random.default_rng(unit)
@@ -71,25 +61,6 @@ def test_round_trip_of_changes(unit: int, layers: tuple[int, ...], network: int)
     assert (restoration.network, restoration.step) == (network, 300)
     for own, other in zip(restoration.changes, changes, strict=True):
         np.testing.assert_array_equal(own, other)
-
-
-def test_what_changes_take() -> None:
-    """A number of 3 bits for each layer; a changed one has a table for each output, and its symbols."""
-    writer = SymbolWriter()
-    with writer.part("restoration"):
-        write_restoration(writer, Restoration(1, 300, changes_of(8, (3,))))
-    symbols = changes_of(8, (3,))[3] // 8
-    bits = sum(frequency_tables().bits(own, frequency_tables().best(own)).sum() for own in symbols)
-    assert writer.bits["restoration"] == pytest.approx(13 + 4 * 3 + 3 * 7 + bits)
-
-
-@pytest.mark.parametrize("change", [1000, 1 << 18])
-def test_changes_that_cannot_be_are_refused(change: int) -> None:
-    changes = changes_of(1, (3,))
-    changes[3][:] = change
-    data = with_restoration((GOLDEN / "rgb8-luma.sgi").read_bytes(), Restoration(1, 300, changes))
-    with open_stream(data) as stream, pytest.raises(CorruptStreamError, match="restoration: "):
-        stream.picture()
 
 
 @pytest.mark.parametrize("network", [2, 4, 7, 8])

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
-from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 
@@ -18,11 +17,10 @@ from texture_reader import LOGISTIC, LOGIT, Bits, TextureReader
 from textures import assert_same, payload_of, random_symbols, read_back, read_texture
 
 from sgicodec import read
-from sgicodec._native import SymbolReader, TextureModels
+from sgicodec._native import SymbolReader
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
-from sgicodec.bitstream.parts.texture import texture_models
 from sgicodec.device import ONE_THREAD
-from sgicodec.errors import CorruptStreamError, LimitError, UnsupportedStreamError
+from sgicodec.errors import CorruptStreamError
 from sgicodec.model.texture_symbols import SAME_COLOURS, TextureSteps, TextureSymbols
 from sgicodec.rdoq.texture import TextureSearch
 
@@ -116,24 +114,6 @@ def test_the_tables_can_be_computed_anywhere() -> None:
     np.testing.assert_array_equal(np.clip(np.rint(logistic), 16, 65519), LOGISTIC)
 
 
-def test_models_of_another_number_are_refused() -> None:
-    for number in (0, 1, 4, 15):
-        writer = SymbolWriter()
-        writer.code_int(1, 1)
-        writer.code_int(number, 4)
-        with pytest.raises(UnsupportedStreamError, match=f"texture: models {number}"):
-            read_texture(SymbolReader(writer.finish()), (64, 64), 3)
-
-
-def test_colours_are_stated_where_they_are_others(found: TextureSymbols) -> None:
-    for colours in ((0, 63, 15), (32, 32, 9), (33, 32, 8), (32, 0, 8)):
-        layer = replace(found, steps=replace(found.steps, colours=colours))
-        payload = payload_of(layer, layer.size, 3)
-        assert_same(read_back(payload, layer.size, 3), layer)
-        assert_same(read_from_the_page(payload, layer.size, 3), layer)
-        assert len(payload) <= len(payload_of(found, found.size, 3)) + 4
-
-
 def coloured(colours: tuple[int, int, int]) -> bytes:
     """The beginning of a layer of three channels of models 3 in these colours."""
     writer = SymbolWriter()
@@ -152,43 +132,6 @@ def test_colours_that_say_nothing_are_refused() -> None:
         read_back(coloured(SAME_COLOURS), (64, 64), 3)
     with pytest.raises(CorruptStreamError, match="texture: the payload does not decode"):
         read_back(coloured((32, 33, 8)), (64, 64), 3)
-
-
-@pytest.mark.parametrize("channels", [1, 2])
-def test_colours_of_two_channels_are_refused(channels: int) -> None:
-    layer = random_symbols(channels, 64, 64, 4)
-    steps = replace(layer.steps, colours=(32, 32, 9))
-    with pytest.raises(ValueError, match="three channels"):
-        payload_of(replace(layer, steps=steps), layer.size, channels)
-    with pytest.raises(ValueError, match="three channels"):
-        replace(layer, steps=steps).layer()
-    with pytest.raises(CorruptStreamError, match=f"texture: colours of {channels} channels"):
-        read_back(spelled("0", models=3), (32, 32), channels)
-
-
-def test_no_texture_takes_a_bit() -> None:
-    payload = payload_of(None, (64, 64), 3)
-    reader = SymbolReader(payload)
-    assert read_texture(reader, (64, 64), 3) is None
-    assert reader.count == 1
-    reader.finish()
-
-
-def test_the_state_of_models_is_what_it_was() -> None:
-    state = texture_models().state()
-    assert TextureModels(state).state() == state
-    with pytest.raises(ValueError, match="not texture models"):
-        TextureModels(state[:-1])
-
-
-def test_models_learn_what_they_have_seen(found: TextureSymbols) -> None:
-    models = TextureModels()
-    parts = found.log_size, found.contrast, found.symbols, found.size, False
-    before = models.write(*parts)[3]
-    models.learn(*parts)
-    models.settle(30)
-    assert models.write(*parts)[3] < 0.95 * before
-    assert max(models.state()[2 * 99212 : 3 * 99212]) == 30
 
 
 def changed(change: Callable[[TextureSymbols], None] = lambda _: None) -> TextureSymbols:
@@ -256,14 +199,6 @@ def test_layers_that_no_reader_would_find_are_not_written(change: Callable[[Text
         payload_of(layer, layer.size, 2)
 
 
-def test_other_shapes_are_not_written(found: TextureSymbols) -> None:
-    for wrong in (replace(found, symbols=found.symbols[:, :-32]), replace(found, contrast=found.contrast[:1])):
-        with pytest.raises(ValueError, match="roots"):
-            payload_of(wrong, found.size, 3)
-    with pytest.raises(ValueError, match="roots of the tile"):
-        payload_of(found, (found.size[0] + 32, found.size[1]), 3)
-
-
 ONE = "10" + "0"  # a symbol 1
 
 SPELLINGS = {
@@ -299,16 +234,6 @@ def test_every_layer_has_one_spelling(name: str) -> None:
             read_back(payload, (32, 32), 1)
 
 
-def test_the_largest_numbers() -> None:
-    magnitudes, contrasts = {}, {}
-    for name in ("the largest magnitude", "the largest contrast", "the least contrast"):
-        layer = read_back(spelled(*SPELLINGS[name][:2]), (32, 32), 1)
-        assert layer is not None
-        magnitudes[name], contrasts[name] = int(np.abs(layer.symbols).max()), int(layer.contrast[0, 0])
-    assert magnitudes == {"the largest magnitude": MOST, "the largest contrast": 1, "the least contrast": 1}
-    assert contrasts == {"the largest magnitude": 0, "the largest contrast": 15, "the least contrast": -15}
-
-
 @settings(max_examples=examples(200))
 @given(st.sampled_from([0x94, 0x9C]), st.binary(max_size=300), *(st.integers(1, most) for most in (4, 200, 100)))
 def test_any_bytes_are_a_layer_or_refused(first: int, payload: bytes, channels: int, width: int, height: int) -> None:
@@ -320,9 +245,3 @@ def test_any_bytes_are_a_layer_or_refused(first: int, payload: bytes, channels: 
         return
     assert layer is not None
     assert_same(read_back(payload_of(layer, layer.size, channels), layer.size, channels), layer)
-
-
-@pytest.mark.parametrize(("size", "channels"), [((2**13, 2**13 + 1), 1), ((2**24, 33), 1), ((1024, 1056), 64)])
-def test_tiles_that_are_too_large_have_no_texture(size: tuple[int, int], channels: int) -> None:
-    with pytest.raises(LimitError, match="samples with texture are "):
-        read_back(spelled("10"), size, channels)

@@ -55,19 +55,6 @@ def test_what_is_written_is_read(data: st.DataObject) -> None:
     np.testing.assert_array_equal(np.array(list(chunk.exact.values())), values.astype(np.float64))
 
 
-def test_equal_masks_of_bands_are_one() -> None:
-    empty = np.zeros((8, 8, 3), np.bool_)
-    empty[:4] = True
-    header = header_of("uint8", 8, 8)
-    assert len(decode_tile_chunk(header, encode_tile_chunk(header, 0, empty, MODEL)).masks) == 1
-    empty[0, 0, 0] = False
-    first, second, third = decode_tile_chunk(header, encode_tile_chunk(header, 0, empty, MODEL)).masks
-    assert first is not None
-    assert second is not None
-    assert third is not None
-    assert second.nbytes == third.nbytes
-
-
 @pytest.mark.parametrize(
     ("payload", "message"),
     [
@@ -85,9 +72,3 @@ def test_equal_masks_of_bands_are_one() -> None:
 def test_what_no_encoder_writes_is_refused(payload: bytes, message: str) -> None:
     with pytest.raises(CorruptStreamError, match=message):
         decode_tile_chunk(header_of("uint8", 8, 8), payload)
-
-
-def test_masks_of_bands_need_their_flag() -> None:
-    header = replace(header_of("uint8", 8, 8, exact=False), has_band_masks=False)
-    with pytest.raises(CorruptStreamError, match="unknown kind"):
-        decode_tile_chunk(header, b"\3\1\0\0" + MODEL)

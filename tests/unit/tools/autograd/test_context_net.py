@@ -7,14 +7,13 @@ import pytest
 import torch
 
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
-from sgicodec.bitstream.parts.arrays import write_weights
 from sgicodec.bitstream.parts.attributes import AttributeQuantiser, write_attributes
-from sgicodec.fit.context_weights import WEIGHT_SHIFT, ContextWeights
+from sgicodec.fit.context_weights import ContextWeights
 from sgicodec.fit.noise import NoiseKey
 from sgicodec.fit.step_sizes import flat_steps
-from sgicodec.model.context import LEVELS, SUMMARY, HashGrid, passes
+from sgicodec.model.context import HashGrid
 from sgicodec.model.layout import adaptive_layout, uniform_layout
-from sgicodec.model.network import IntNetwork, Prediction
+from sgicodec.model.network import IntNetwork
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import StepPlan, default_plan
 from sgicodec.profiles.default import default_spec
@@ -70,72 +69,6 @@ class Fit:
         return proxy.sample(values, net, steps, "round", NoiseKey(0, False))
 
 
-class CodingRecorder:
-    """Stands for an `IntNetwork`: keeps its inputs and predicts nothing."""
-
-    def __init__(self, outputs: int, predicted: int) -> None:
-        self.outputs, self.predicted = outputs, predicted
-        self.inputs: list[np.ndarray] = []
-
-    def predict(self, inputs: np.ndarray, *rest: object) -> Prediction:
-        self.inputs.append(inputs)
-        blank = np.zeros((len(inputs), self.outputs), np.int64)
-        units = self.predicted
-        return Prediction(blank[:, :units], blank[:, units : 2 * units], blank[:, 2 * units :])
-
-
-class TrainingRecorder(ContextNet):
-    """A `ContextNet` that keeps its inputs and predicts nothing."""
-
-    def forward(self, stage: int, inputs: torch.Tensor) -> tuple[torch.Tensor, ...]:
-        self.inputs: dict[int, torch.Tensor] = {**getattr(self, "inputs", {}), stage: inputs}
-        return tuple(torch.zeros_like(part) for part in super().forward(stage, inputs))
-
-
-def rounding_of(spec: ModelSpec, step: int) -> np.ndarray:
-    """How far an integer input may lie from the float, in units of 2^-6: one for every time it is rounded down.
-
-    The loudness is counted in sixths of an octave, 64 / 6 units.
-    """
-    summary = np.ones(SUMMARY)
-    summary[3] += 64 / 6
-    bounds = [np.ones(LEVELS + 1)]
-    if spec.context.neighbours:
-        bounds += [np.zeros(1), summary + 1, np.full(5, 2.0), np.zeros(1), summary, np.zeros(2)]
-    bounds += [np.ones(len(spec.context.hash_resolutions) * spec.context.hash_features)]
-    if step:
-        bounds += [np.ones(6), summary[3:4]]
-    if step >= 2:
-        bounds += [np.ones(5)]
-    return np.concatenate(bounds)
-
-
-@every_spec
-def test_both_sides_see_the_same(spec: ModelSpec) -> None:
-    fit = Fit(spec)
-    plan = default_plan(spec, QUALITY)
-    plan = StepPlan(plan.base, {name: 0 for name in plan.gamma})  # equal steps, so that rounding again changes nothing
-    coding = [
-        CodingRecorder(len(network.w2), (len(network.w2) - len(step)) // 2)
-        for network, step in zip(fit.weights.integers(), spec.context.steps, strict=True)
-    ]
-    decoded, _ = fit.code(tuple(coding), plan)
-    training = TrainingRecorder(fit.weights)
-    sample = fit.sample(training, plan, decoded)
-    joined = torch.cat([decoded[group.name] for group in spec.groups], dim=1)
-    torch.testing.assert_close(sample.attributes.detach(), joined, rtol=1e-5, atol=1e-5)
-
-    order = [members for members in passes(spec.context, fit.layout) if len(members)]
-    for step, recorder in enumerate(coding):
-        integers = np.empty((len(fit.layout), recorder.inputs[0].shape[1]))
-        for members, inputs in zip(order, recorder.inputs, strict=True):
-            integers[members] = inputs
-        floats = training.inputs[step].detach().numpy()
-        assert floats.shape == integers.shape
-        assert np.all(np.abs(floats - integers) <= rounding_of(spec, step) + 2e-2)
-        assert np.abs(integers).max() > 64  # there is something to see
-
-
 @every_spec
 def test_the_fit_counts_the_bits_that_are_written(spec: ModelSpec) -> None:
     """With steps that follow the amplitude and real predictions; the escape and the tables' rounding make up 1 %."""
@@ -147,27 +80,3 @@ def test_the_fit_counts_the_bits_that_are_written(spec: ModelSpec) -> None:
     sample = fit.sample(ContextNet(fit.weights), plan, decoded)
     written = sum(walk.bits[group.name] for group in spec.groups)
     assert float(sample.bits.detach().sum()) == pytest.approx(written, rel=0.02)
-
-
-def test_the_price_of_weights_is_about_what_they_take() -> None:
-    """Of both matrices, as the stream has them; biases are few."""
-    spec = SPECS["paper"]
-    weights = ContextWeights(spec, Fit(spec).hash_sizes, np.random.default_rng(0))
-    rng = np.random.default_rng(6)
-    weights.first += rng.laplace(0.0, 0.4, weights.first.shape).astype(np.float32)
-    weights.rest += rng.laplace(0.0, 0.1, weights.rest.shape).astype(np.float32)
-    net, writer, (network,) = ContextNet(weights), SymbolWriter(), weights.integers()
-    for matrix in (network.w1, network.w2):
-        write_weights(writer, matrix, matrix.shape)
-    bits = net.weight_bits()
-    assert float(bits.detach()) == pytest.approx(8 * len(writer.finish()), rel=0.1)
-    bits.backward()
-    first = weights.first.astype(np.float64) * 2.0**WEIGHT_SHIFT
-    slope = 2.0**WEIGHT_SHIFT / ((np.abs(first).mean() + 0.05) * np.log(2.0))
-    np.testing.assert_allclose(net.leaves["context.first"].grad.numpy(), slope * np.sign(first), rtol=1e-4)
-
-
-def test_weights_that_do_not_train_are_free() -> None:
-    weights = ContextWeights(SPECS["paper"], Fit(SPECS["paper"]).hash_sizes, np.random.default_rng(0))
-    weights.freeze()
-    assert float(ContextNet(weights).weight_bits()) == 0.0

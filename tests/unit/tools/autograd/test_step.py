@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -89,19 +88,6 @@ def test_gradients_of_the_distortion(scale: float) -> None:
         assert np.abs(gradient).max() > 0
 
 
-def test_mlp_p_waits_for_the_rate() -> None:
-    """Without a price on bits it is not evaluated, no bits are counted, and nothing of it gets a gradient."""
-    step, parameters = step_and_parameters()
-    free = step.run(parameters, "noise", 0, level(), 0.0)
-    assert free.bits == 0.0
-    assert not any(name.startswith(("context", "steps")) for name in free.gradients)
-    priced = step.run(parameters, "noise", 1, level(), LMBDA)
-    learns = {"context.first", "context.rest", "context.tables"}
-    assert learns <= set(priced.gradients)
-    assert all(np.abs(priced.gradients[name]).max() > 0 for name in learns)
-    assert priced.bits == pytest.approx(step.seed_bits().sum(), rel=1e-5)
-
-
 def test_the_price_of_bits_is_that_of_equation_11() -> None:
     """λ / (N d_A) for each bit of the grid and of the seeds."""
     step, parameters = step_and_parameters()
@@ -132,23 +118,3 @@ def test_bits_are_those_of_the_gaussian_that_mlp_p_predicts() -> None:
         start += coded[name].shape[1]
     assert step.seed_bits()[0] == pytest.approx(bits, rel=5e-4)  # what float32 leaves of the tails
     assert total.bits > step.seed_bits()[0]
-
-
-def test_a_step_lets_torch_use_one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A few steps seldom show that sums were shared among threads; the whole of a fit does."""
-    before, seen = torch.get_num_threads(), set()
-    plain = NativeRasterizer.error
-
-    def compared(self: NativeRasterizer, *arguments: Any) -> Any:
-        seen.add(torch.get_num_threads())
-        return plain(self, *arguments)
-
-    monkeypatch.setattr(NativeRasterizer, "error", compared)
-    step, parameters = step_and_parameters()
-    torch.set_num_threads(3)
-    try:
-        step.run(parameters, "noise", 0, level(), LMBDA)
-        assert torch.get_num_threads() == 3
-    finally:
-        torch.set_num_threads(before)
-    assert seen == {1}

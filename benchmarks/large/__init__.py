@@ -1,1 +1,0 @@
-"""sgi and its peers on pictures of many megapixels."""
