@@ -5,7 +5,7 @@
 
 namespace {
 
-constexpr size_t kHead = 8, kRow = 12, kMost = 1 << 28;
+constexpr size_t kHead = 8, kRow = 12, kMax = 1 << 28;
 constexpr uint16_t kAscii = 2, kShort = 3, kLong = 4;
 
 // A little-endian or big-endian structure.
@@ -36,7 +36,7 @@ Row row_of(const Order &order, uint16_t tag, uint16_t type, uint32_t value) {
 }
 
 bool is_tiff(const uint8_t *tags, size_t size) {
-  return size >= kHead && size <= kMost && (!std::memcmp(tags, "II*\0", 4) || !std::memcmp(tags, "MM\0*", 4));
+  return size >= kHead && size <= kMax && (!std::memcmp(tags, "II*\0", 4) || !std::memcmp(tags, "MM\0*", 4));
 }
 
 // The rows of the first directory; none if it does not lie inside.

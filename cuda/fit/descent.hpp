@@ -33,15 +33,15 @@ SGI_KERNEL(descend_seeds, kSeedThreads, FitArguments) {
 
 namespace {
 
-constexpr int kHiddenPitch = kMostHidden + 1, kMostUnits = 3;
+constexpr int kHiddenPitch = kMaxHidden + 1, kMaxUnits = 3;
 
 // What a block's seeds leave for the sums over them.
 struct DescentMemory {
   float hidden[kSeedThreads][kHiddenPitch];
-  float up[kMostOutputs][kSeedThreads];     // gradients of MLP_p's outputs
-  float own[kMostOwnInputs][kSeedThreads];  // inputs that a group has for itself
-  float base[kMostUnits][kSeedThreads];     // gradients of the base steps, of the level ...
-  int32_t level[kSeedThreads];              // ... that is this
+  float up[kMaxOutputs][kSeedThreads];     // gradients of MLP_p's outputs
+  float own[kMaxOwnInputs][kSeedThreads];  // inputs that a group has for itself
+  float base[kMaxUnits][kSeedThreads];     // gradients of the base steps, of the level ...
+  int32_t level[kSeedThreads];             // ... that is this
   float gamma[kSeedThreads];
 };
 
@@ -52,7 +52,7 @@ struct SeedSink {
 
   void add(int, float v) const { memory->gamma[thread] = v; }
   void add_to_lane(int row, int, float v) const {
-    memory->base[row / kLevels % kMostUnits][thread] = v;
+    memory->base[row / kLevels % kMaxUnits][thread] = v;
     memory->level[thread] = row % kLevels;
   }
 };
@@ -97,12 +97,12 @@ inline void go_down(const SeedState &s, const FitArguments &a, const SeedGradien
   const Block one(seed, a.count);
   const int64_t row = int64_t(seed) * s.attributes();
   const float *decoded = s.decoded + row;
-  float own[kMostOwnInputs], outputs[kMostOutputs], up[kMostOutputs];
+  float own[kMaxOwnInputs], outputs[kMaxOutputs], up[kMaxOutputs];
   const float loudness = loudness_of(s, decoded);
   own_inputs(s, decoded, GROUP, loudness, own);
   evaluate(s, one, GROUP, own, memory.hidden[t], outputs);
   const Units u = units_of(s, one, GROUP, outputs, loudness);
-  const SeedSink sink{&memory, t, kFirstUnit[GROUP] % kMostUnits ? -1 : 0, 0};
+  const SeedSink sink{&memory, t, kFirstUnit[GROUP] % kMaxUnits ? -1 : 0, 0};
   descend_group(s, one, GROUP, u, decoded, a.slopes + row, g, up, sink);
   for (int o = 0; o < kOutputs; ++o) memory.up[o][t] = up[o];
   for (int c = 0; c < own_input_count(GROUP); ++c) memory.own[c][t] = own[c];

@@ -35,7 +35,7 @@ SGI_KERNEL(forward_seeds, kSeedThreads, FitArguments) {
   const SeedState s = state_of(a);
   const SeedGaussians out{a.means, a.covariances, a.colours};
   for_each_seed(block, a, [&](int i) {
-    float hidden[kMostHidden];
+    float hidden[kMaxHidden];
     forward_block(s, Block(i, a.count), out, hidden);
   });
 }

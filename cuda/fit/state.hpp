@@ -7,7 +7,7 @@
 
 namespace sgi {
 
-constexpr int kMostHidden = 64;  // width of MLP_p
+constexpr int kMaxHidden = 64;  // width of MLP_p
 constexpr int kSeedThreads = 64;
 
 namespace {

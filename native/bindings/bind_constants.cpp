@@ -23,7 +23,7 @@ void bind_constants(nb::module_ &m) {
            {"OCTAVE_LIMIT", sgi::kOctaveLimit},
            {"LEVELS", sgi::kLevels},
            {"SUMMARY", sgi::kSummary},
-           {"MOST_NEIGHBOURS", sgi::kMostNeighbours},
+           {"MOST_NEIGHBOURS", sgi::kMaxNeighbours},
            {"NEIGHBOUR_INPUTS", sgi::kNeighbourInputs},
            {"COLOUR_GAIN_BITS", sgi::kColourGainBits},
            {"LOUDNESS_ZERO", sgi::kLoudnessZero},
@@ -41,12 +41,12 @@ void bind_constants(nb::module_ &m) {
                                     {"MIN_VARIANCE", sgi::kMinVariance},
                                     {"PIXEL_VARIANCE", sgi::kPixelVariance},
                                     {"SHAPE_LIMIT", sgi::kShapeLimit},
-                                    {"LEAST_MASS", sgi::kLeastMass}})
+                                    {"LEAST_MASS", sgi::kMinMass}})
     m.attr(name) = value;
   m.def(
       "neighbour_weight",
       [](int rank) {
-        sgi::require(rank >= 0 && rank < sgi::kMostNeighbours, "there are six ranks");
+        sgi::require(rank >= 0 && rank < sgi::kMaxNeighbours, "there are six ranks");
         return sgi::kNeighbourWeights[rank];
       },
       "rank"_a, "Sixteenths that a seed's neighbour of this rank counts, nearest first.");

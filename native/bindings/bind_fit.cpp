@@ -38,7 +38,7 @@ void set_layout(sgi::SeedFit &self, Array<const int32_t, 2> half_pixels, Array<c
   const int64_t n = int64_t(log_size.shape(0)), k = int64_t(neighbour.shape(1));
   require_rows(half_pixels, n, 2, "half_pixels must be [N, 2]");
   require_rows(neighbour, n, k, "neighbour must be [N, k]");
-  require(k <= sgi::kMostNeighbours, "there are more neighbours than weights for them");
+  require(k <= sgi::kMaxNeighbours, "there are more neighbours than weights for them");
   sgi::require_cells(log_size);
   for (int64_t i = 0; i < n * k; ++i) require(neighbour.data()[i] < n, "a neighbour is no seed");
   self.set_layout({half_pixels.data(), log_size.data()}, n, neighbour.data(), int(k), quality);

@@ -48,7 +48,7 @@ void seed_inputs(Array<const int32_t, 2> half_pixels, Array<const int8_t, 1> log
                  int quality, int threads, Array<int16_t, 2> out) {
   const size_t count = log_size.shape(0), ranks = neighbours.shape(1);
   require(has_shape(half_pixels, count, 2) && has_shape(summary, count, sgi::kSummary) &&
-              neighbours.shape(0) == members.shape(0) && ranks <= sgi::kMostNeighbours,
+              neighbours.shape(0) == members.shape(0) && ranks <= sgi::kMaxNeighbours,
           "half_pixels [N, 2], log_size [N], neighbours [n, at most 6], summary [N, 7]");
   require(out.shape(0) == members.shape(0) &&
               out.shape(1) >= size_t(sgi::kLevelInputs + (ranks ? sgi::kNeighbourInputs : 0)),

@@ -58,7 +58,7 @@ using Pixels = nb::ndarray<nb::ndim<3>, nb::device::cpu>;
 
 sgi::Samples samples(const Pixels &out, const F32In1 &low, const F32In1 &span, bool clip) {
   const size_t channels = out.shape(2);
-  require(channels <= sgi::kMostChannels && low.shape(0) == channels && span.shape(0) == channels,
+  require(channels <= sgi::kMaxDrawnChannels && low.shape(0) == channels && span.shape(0) == channels,
           "low and span must be [C], C at most 64");
   require((out.shape(2) < 2 || out.stride(2) == 1) && (out.shape(1) < 2 || out.stride(1) == int64_t(channels)),
           "a row of samples must be contiguous");

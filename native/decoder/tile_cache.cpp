@@ -16,7 +16,7 @@
 namespace sgi {
 namespace {
 
-constexpr size_t kLeastTiles = 4;       // those that meet in a corner
+constexpr size_t kMinTiles = 4;         // those that meet in a corner
 constexpr int64_t kOverhead = 1 << 14;  // bytes that a tile counts for besides its arrays: an empty one is not free
 
 using Tile = std::unique_ptr<TileRenderer>;
@@ -143,8 +143,8 @@ void TileCache::keep(int64_t number, Tile tile) {
   ++decoded_;
   tiles_[number] = {std::move(tile), 0, uses_.insert(uses_.end(), number)};
   auto recent = uses_.rbegin();  // tiles may have grown since, if they were drawn
-  for (size_t i = 0; i <= kLeastTiles && recent != uses_.rend(); ++i, ++recent) weigh(tiles_.at(*recent));
-  while (tiles_.size() > kLeastTiles && bytes_ > settings_.cache_bytes) {
+  for (size_t i = 0; i <= kMinTiles && recent != uses_.rend(); ++i, ++recent) weigh(tiles_.at(*recent));
+  while (tiles_.size() > kMinTiles && bytes_ > settings_.cache_bytes) {
     bytes_ -= tiles_.at(uses_.front()).bytes;
     tiles_.erase(uses_.front());
     uses_.pop_front();

@@ -17,13 +17,13 @@
 namespace sgi {
 namespace {
 
-constexpr int64_t kMostPairs = 1 << 24;  // (tile, Gaussian) pairs of a block; a sound one has a tenth at most
+constexpr int64_t kMaxPairs = 1 << 24;  // (tile, Gaussian) pairs of a block; a sound one has a tenth at most
 // A tile of a reduced view that has no more samples is drawn at once, whatever part is asked for: each part would have
 // to look at all of its Gaussians again.
 constexpr int64_t kWholeSamples = 1 << 18;
 // What is restored is drawn in bands: large ones draw less of their margins twice, small ones stay in the cache and in
 // memory that is there. An eighth of a view within these limits, and more where many threads share it.
-constexpr int64_t kLeastBand = 1 << 18, kMostBand = 1 << 20, kBandOfThread = 1 << 17;
+constexpr int64_t kMinBand = 1 << 18, kMaxBand = 1 << 20, kBandOfThread = 1 << 17;
 constexpr float kCutoff = 3.5f;
 constexpr double kFinePixels = 1 << 20;  // of a float's whole numbers, with 1/16 of a pixel between
 
@@ -72,7 +72,7 @@ std::vector<double> base_colours(const ModelSpec &spec, const TileModel &model) 
 }
 
 int64_t band_samples(int64_t samples, int threads) {
-  return std::max(std::clamp(samples / 8, kLeastBand, kMostBand), kBandOfThread * resolve_threads(threads));
+  return std::max(std::clamp(samples / 8, kMinBand, kMaxBand), kBandOfThread * resolve_threads(threads));
 }
 
 template <class T>
@@ -183,7 +183,7 @@ void TileRenderer::draw_blocks(const PictureView &view, int64_t x, int64_t y, co
     most = std::min(most, band_samples(block.columns * block.rows * header_.spec.channels, threads));
   const int64_t width = std::min(block.columns, int64_t(std::ceil(4 * std::sqrt(double(most)))));  // flat blocks
   const int64_t height = std::max<int64_t>(1, most / (width * header_.spec.channels));
-  Restored tools{{Rasterizer(settings_.isa, threads, kMostPairs), gaussians_, 0, 0}, tools_for(view, threads)};
+  Restored tools{{Rasterizer(settings_.isa, threads, kMaxPairs), gaussians_, 0, 0}, tools_for(view, threads)};
   for (int64_t top = 0; top < block.rows; top += height)
     for (int64_t left = 0; left < block.columns; left += width) {
       const PixelBlock part =
@@ -268,7 +268,7 @@ void TileRenderer::draw_block(Tools &tools, const PictureView &view, int64_t x, 
 }
 
 TileRenderer::Tools TileRenderer::tools_for(const PictureView &view, int threads) {
-  Rasterizer raster(settings_.isa, threads, kMostPairs);
+  Rasterizer raster(settings_.isa, threads, kMaxPairs);
   if (view.is_plain()) return {std::move(raster), gaussians_, 0, 0};
   rescale(view, threads);
   return {std::move(raster), rescaled_->gaussians, rescaled_->left, rescaled_->top};

@@ -19,13 +19,13 @@ struct FeatureUnit {
   FeatureUnit(float base_step, vf said_mean, vf said_scale, vf said_refine) : base(base_step) {
     const vf wanted = base * exp2v(clampv(said_refine, octaves(kRefineLimit)));
     refine_is_free = absv(said_refine) < octaves(kRefineLimit);
-    step_is_free = (wanted > kLeastStep) & (wanted < kGreatestStep);
-    step = minv(maxv(wanted, vf{} + kLeastStep), vf{} + kGreatestStep);
+    step_is_free = (wanted > kMinStep) & (wanted < kGreatestStep);
+    step = minv(maxv(wanted, vf{} + kMinStep), vf{} + kGreatestStep);
     mean = said_mean * base;
     output_is_free = absv(said_scale) < float(kOctaveLimit);
     raw_scale = exp2v(clampv(said_scale, float(kOctaveLimit))) * base;
-    scale_is_free = raw_scale >= step * kLeastScale;
-    scale = maxv(raw_scale, step * kLeastScale);
+    scale_is_free = raw_scale >= step * kMinScale;
+    scale = maxv(raw_scale, step * kMinScale);
   }
 
   // Gradient of the step in the refinement.
@@ -36,7 +36,7 @@ struct FeatureUnit {
     vf scale, refine;
   };
   Slopes descend(vf of_scale, vf of_step) const {
-    of_step += select(scale_is_free, vf{}, of_scale * kLeastScale);
+    of_step += select(scale_is_free, vf{}, of_scale * kMinScale);
     return {select(scale_is_free & output_is_free, of_scale * raw_scale * kLn2, vf{}), of_step * step_slope()};
   }
 };

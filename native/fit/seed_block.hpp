@@ -8,7 +8,7 @@ namespace sgi {
 namespace {
 
 constexpr float kMinEnergy = 1.0f / (1 << kFractionBits);
-constexpr int kMostOutputs = outputs_of(kColour);
+constexpr int kMaxOutputs = outputs_of(kColour);
 
 // Memory of one run: what blocks write anew, and the sums over seeds as vectors over lanes.
 struct Scratch {

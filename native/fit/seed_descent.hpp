@@ -28,7 +28,7 @@ inline void descend_group(const SeedState &s, const Block &block, int group, con
   vf refine{}, gamma{};
   for (int i = 0; i < count; ++i) {
     const Unit &unit = u.unit[i];
-    step[i] += select(unit.scale_is_free, vf{}, scale[i] * kLeastScale);
+    step[i] += select(unit.scale_is_free, vf{}, scale[i] * kMinScale);
     const vf raw = select(unit.scale_is_free, scale[i] * unit.raw_scale * kLn2, vf{});
     const vf log_step = select(unit.step_is_free, step[i] * unit.step * kLn2, vf{});
     const vf log_base = log_step + mean[i] * unit.mean * kLn2 + raw;

@@ -17,7 +17,7 @@ inline vf forward_block(const SeedState &s, const Block &block, const SeedGaussi
     const int size = s.group_size(g), start = s.group_start(g);
     Units u;
     if (s.predicts) {
-      vf own[kMostOwnInputs], outputs[kMostOutputs];
+      vf own[kMaxOwnInputs], outputs[kMaxOutputs];
       own_inputs(s, decoded, g, loudness, own);
       evaluate(s, block, g, own, hidden, outputs);
       u = units_of(s, block, g, outputs, loudness);

@@ -49,7 +49,7 @@ struct Sums {
 struct Batch {
   int64_t first;  // number of its first block
   int blocks;
-  vf own[kBatch][kMostOwnInputs], up[kBatch][kMostOutputs];
+  vf own[kBatch][kMaxOwnInputs], up[kBatch][kMaxOutputs];
 };
 
 // Back through MLP_p from the gradients `up` of its outputs. A batch at a time, so that sums stay in registers.
@@ -101,7 +101,7 @@ void backward_group(const SeedState &s, Batch &batch, const Scratch &scratch, co
       descend_values(s, block, GROUP, decoded, grad, g);
       continue;
     }
-    vf outputs[kMostOutputs];
+    vf outputs[kMaxOutputs];
     const vf loudness = loudness_of(s, decoded);
     own_inputs(s, decoded, GROUP, loudness, batch.own[b]);
     evaluate(s, block, GROUP, batch.own[b], scratch.hidden + b * s.hidden * LANES, outputs);

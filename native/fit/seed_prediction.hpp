@@ -59,13 +59,13 @@ inline Units units_of(const SeedState &s, const Block &block, int group, const v
       set_lane(log_base, l, s.base[(kFirstUnit[group] + i) * kLevels + level_of(s.seeds.log_size[block.row[l]])]);
     v.base_step = exp2v(log_base);
     const vf step = exp2v(refined_step(log_base, fall_with(gamma, u.loudness), u.refine));
-    v.step_is_free = (step > kLeastStep) & (step < kGreatestStep);
-    v.step = minv(maxv(step, vf{} + kLeastStep), vf{} + kGreatestStep);
+    v.step_is_free = (step > kMinStep) & (step < kGreatestStep);
+    v.step = minv(maxv(step, vf{} + kMinStep), vf{} + kGreatestStep);
     v.mean = out[i] * v.base_step;
     v.output_is_free = absv(out[count + i]) < float(kOctaveLimit);
     v.raw_scale = exp2v(clampv(out[count + i], kOctaveLimit)) * v.base_step;
-    v.scale_is_free = v.raw_scale >= v.step * kLeastScale;
-    v.scale = maxv(v.raw_scale, v.step * kLeastScale);
+    v.scale_is_free = v.raw_scale >= v.step * kMinScale;
+    v.scale = maxv(v.raw_scale, v.step * kMinScale);
   }
   return u;
 }

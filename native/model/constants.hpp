@@ -22,17 +22,17 @@ constexpr int kOctaveLimit = 12;     // of a scale that is predicted in octaves,
 // 2) more bits, and at the step that rate theory picks a bit is worth ln 2 / 12 of a squared step.
 constexpr double kDeadZone = 0.118, kDeadZoneLimit = 0.3;
 
-constexpr double kLeastMass = 0x1p-20;  // probability of a value: what the escape symbol guarantees
+constexpr double kMinMass = 0x1p-20;  // probability of a value: what the escape symbol guarantees
 
 // What MLP_p sees of a seed.
 constexpr int kLevels = 8;   // cell sizes told apart: 2^0 to 2^7 pixels
 constexpr int kSummary = 7;  // three colours, the loudness, three shape numbers
-constexpr int kMostNeighbours = 6;
-constexpr int kNeighbourWeights[kMostNeighbours] = {4, 3, 3, 2, 2, 2};  // sixteenths, nearest first
-constexpr int kLevelInputs = kLevels + 1;                               // and the quality
+constexpr int kMaxNeighbours = 6;
+constexpr int kNeighbourWeights[kMaxNeighbours] = {4, 3, 3, 2, 2, 2};  // sixteenths, nearest first
+constexpr int kLevelInputs = kLevels + 1;                              // and the quality
 constexpr int kNeighbourInputs = 1 + kSummary + 5 + 1 + kSummary + 2;
 constexpr int kCommonInputs = kLevelInputs + kNeighbourInputs;
-constexpr int kMostOwnInputs = 12;
+constexpr int kMaxOwnInputs = 12;
 constexpr int kColourGainBits = 4;  // colours are small: their inputs are sixteen times as large
 constexpr int kLoudnessZero = 6;    // octaves below 1 at which the loudness is 0
 constexpr int kOffsetLimit = 8;     // cells
@@ -54,6 +54,6 @@ constexpr int kContrastLimit = 15;                  // of the contrast of a root
 enum Group { kColour, kShape, kOffset, kGroups };
 
 // What a seed's earlier groups add to what MLP_p sees at a coding step: nothing, its colours, and its shape too.
-constexpr int own_input_count(int step) { return step == 0 ? 0 : step == 1 ? 7 : kMostOwnInputs; }
+constexpr int own_input_count(int step) { return step == 0 ? 0 : step == 1 ? 7 : kMaxOwnInputs; }
 
 }  // namespace sgi

@@ -44,11 +44,11 @@ struct LimitedShape {
   decltype(V{} < V{}) is_free;  // (b, c) lies within
 
   explicit LimitedShape(const Shape<V> &raw) {
-    constexpr float kMost = float(kShapeLimit);
+    constexpr float kMax = float(kShapeLimit);
     t = raw.b * raw.b + raw.c * raw.c;
-    is_free = t < kMost * kMost;
-    shrink = select(is_free, V{} + 1.0f, kMost / rootv(maxv(t, V{} + kMost * kMost)));
-    shape = {clampv(raw.a, kMost), raw.b * shrink, raw.c * shrink};
+    is_free = t < kMax * kMax;
+    shrink = select(is_free, V{} + 1.0f, kMax / rootv(maxv(t, V{} + kMax * kMax)));
+    shape = {clampv(raw.a, kMax), raw.b * shrink, raw.c * shrink};
   }
   SymmetricExp<V> exp() const { return symmetric_exp(shape.a, minv(t, V{} + float(kShapeLimit * kShapeLimit))); }
 };
@@ -73,16 +73,15 @@ struct Covariance {
 // Gradients of the shape from those of its covariance, `up`_xx and so on.
 template <class V>
 inline Shape<V> shape_gradient(const Shape<V> &raw, V area, V up_xx, V up_xy, V up_yy) {
-  constexpr float kMost = float(kShapeLimit);
+  constexpr float kMax = float(kShapeLimit);
   const LimitedShape<V> limited(raw);
   const SymmetricExp<V> e = limited.exp();
   const V b = limited.shape.b, c = limited.shape.c;
   const V xx = area * up_xx, xy = area * up_xy, yy = area * up_yy;
   const V even = xx + yy, odd = (xx - yy) * b + xy * c;
   // Along (b, c); on the limit it can only turn, and what would lengthen it is taken out.
-  const V along =
-      select(limited.is_free, 2.0f * (even * e.odd + odd * e.slope), odd * e.odd * (-1.0f / (kMost * kMost)));
-  return {select(absv(raw.a) < kMost, 2.0f * (even * e.even + odd * e.odd), V{}),
+  const V along = select(limited.is_free, 2.0f * (even * e.odd + odd * e.slope), odd * e.odd * (-1.0f / (kMax * kMax)));
+  return {select(absv(raw.a) < kMax, 2.0f * (even * e.even + odd * e.odd), V{}),
           ((xx - yy) * e.odd + along * b) * limited.shrink, (xy * e.odd + along * c) * limited.shrink};
 }
 

@@ -22,7 +22,7 @@ struct PointRuns {
 // A point's key for a query: its squared distance times `unit`, plus its number. A smaller one is nearer or, as near,
 // the earlier point. All are exact: squared distances times unit are below 2^53.
 struct NeighbourKernel {
-  // keys [kMostNeighbours, kQueries]: the least of each query, ascending; before, bounds that as many points meet.
+  // keys [kMaxNeighbours, kQueries]: the least of each query, ascending; before, bounds that as many points meet.
   void (*search)(const PointRuns &runs, const double *x, const double *y, double *keys);
   static const NeighbourKernel portable, avx2, avx512;
 };

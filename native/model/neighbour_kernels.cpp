@@ -50,7 +50,7 @@ struct Queries {
 };
 
 inline double bound_of(const double *keys) {
-  const double *last = keys + (kMostNeighbours - 1) * kQueries;
+  const double *last = keys + (kMaxNeighbours - 1) * kQueries;
   double most = last[0];
   for (int q = 1; q < kQueries; ++q) most = greatest(most, last[q]);
   return most;
@@ -74,7 +74,7 @@ inline uint32_t near_boxes(const Queries &of, const double *boxes, double *dista
 
 // Whether a query may want a point of this box.
 inline bool is_wanted(const Queries &of, const double *box) {
-  const double *last = of.keys + (kMostNeighbours - 1) * kQueries;
+  const double *last = of.keys + (kMaxNeighbours - 1) * kQueries;
   uint32_t wanted = 0;
   for (int q = 0; q < kQueries; q += kLanes) {
     const vd x = load(of.x + q), y = load(of.y + q);
@@ -91,16 +91,16 @@ inline void look(Queries &of, int64_t leaf) {
   for (int part = 0; part < kParts; ++part) {
     double *keys = of.keys + part * kLanes;
     const vd x = load(of.x + part * kLanes), y = load(of.y + part * kLanes);
-    vd sorted[kMostNeighbours];
-    for (int j = 0; j < kMostNeighbours; ++j) sorted[j] = load(keys + j * kQueries);
+    vd sorted[kMaxNeighbours];
+    for (int j = 0; j < kMaxNeighbours; ++j) sorted[j] = load(keys + j * kQueries);
     for (int i = 0; i < kRun; ++i) {
       const vd dx = x - points[i], dy = y - points[kRun + i];
       const vd key = (dx * dx + dy * dy) * of.runs.unit + double(leaf * kRun + i);
 #pragma GCC unroll 8
-      for (int j = kMostNeighbours - 1; j > 0; --j) sorted[j] = least(greatest(key, sorted[j - 1]), sorted[j]);
+      for (int j = kMaxNeighbours - 1; j > 0; --j) sorted[j] = least(greatest(key, sorted[j - 1]), sorted[j]);
       sorted[0] = least(key, sorted[0]);
     }
-    for (int j = 0; j < kMostNeighbours; ++j) __builtin_memcpy(keys + j * kQueries, &sorted[j], sizeof(vd));
+    for (int j = 0; j < kMaxNeighbours; ++j) __builtin_memcpy(keys + j * kQueries, &sorted[j], sizeof(vd));
   }
   of.bound = bound_of(of.keys);
 }

@@ -74,8 +74,8 @@ class PointTree {
   }
 
   // Points that are near (x, y), as many as are looked for; false where there are fewer.
-  bool guess(double x, double y, std::array<int64_t, kMostNeighbours> &near) const {
-    if (count_ < kMostNeighbours) return false;
+  bool guess(double x, double y, std::array<int64_t, kMaxNeighbours> &near) const {
+    if (count_ < kMaxNeighbours) return false;
     int64_t number = 0;
     for (int level = depth(); level-- > 0;) {
       int best = 0;
@@ -83,8 +83,8 @@ class PointTree {
         if (box_distance(level, number, i, x, y) < box_distance(level, number, best, x, y)) best = i;
       number = number * kRun + best;
     }
-    const int64_t first = std::min(number * kRun, count_ - kMostNeighbours);
-    for (int j = 0; j < kMostNeighbours; ++j) near[size_t(j)] = first + j;
+    const int64_t first = std::min(number * kRun, count_ - kMaxNeighbours);
+    for (int j = 0; j < kMaxNeighbours; ++j) near[size_t(j)] = first + j;
     return true;
   }
 
@@ -122,8 +122,8 @@ class Search {
     kernel_.search(runs_, x_.data(), y_.data(), keys_.data());
     for (int64_t q = 0; q < count; ++q)
       for (int j = 0; j < k; ++j) *out++ = number(j, int(q));
-    for (int j = 0; j < kMostNeighbours; ++j) near_[size_t(j)] = number(j, kQueries - 1);
-    is_guessed_ = number(kMostNeighbours - 1, kQueries - 1) >= 0;
+    for (int j = 0; j < kMaxNeighbours; ++j) near_[size_t(j)] = number(j, kQueries - 1);
+    is_guessed_ = number(kMaxNeighbours - 1, kQueries - 1) >= 0;
   }
 
  private:
@@ -139,7 +139,7 @@ class Search {
     for (int q = 0; q < kQueries; ++q) {
       double most = 0;
       for (const int64_t point : near_) most = std::max(most, tree_.key(point, x_[size_t(q)], y_[size_t(q)]));
-      for (int j = 0; j < kMostNeighbours; ++j) key(j, q) = most + 1;
+      for (int j = 0; j < kMaxNeighbours; ++j) key(j, q) = most + 1;
     }
   }
 
@@ -147,8 +147,8 @@ class Search {
   const PointRuns runs_;
   const NeighbourKernel &kernel_;
   std::array<double, kQueries> x_, y_;
-  std::array<double, kMostNeighbours * kQueries> keys_;
-  std::array<int64_t, kMostNeighbours> near_{};  // points that bound what is next
+  std::array<double, kMaxNeighbours * kQueries> keys_;
+  std::array<int64_t, kMaxNeighbours> near_{};  // points that bound what is next
   bool is_guessed_ = false;
 };
 
@@ -216,7 +216,7 @@ void nearest_among(const int32_t *points, const int64_t *among, int64_t n, const
   const PointTree tree(points, among, n);
   Extent extent;
   extent.include(points, among, n), extent.include(points, members, m);
-  if (k <= kMostNeighbours && extent.most_square() < 0x1p53 / double(tree.unit()) - 2)
+  if (k <= kMaxNeighbours && extent.most_square() < 0x1p53 / double(tree.unit()) - 2)
     search_runs(tree, points, members, m, k, threads, isa, out);
   else
     parallel_for(m, threads, [&](int64_t i) { ExactSearch(tree, k, points + 2 * members[i]).write(out + i * k); });

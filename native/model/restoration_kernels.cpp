@@ -95,10 +95,10 @@ void last_layer(const LayerView &layer, const int32_t *in, int64_t rows, int32_t
 
 // The nearest integer, ties to even, within the limits; 0 for not-a-number.
 inline int32_t input_of(float value) {
-  constexpr float kMost = float(kRestorationMost), kMagic = 12582912.0f;  // 1.5 * 2^23: adding it leaves no fraction
+  constexpr float kMax = float(kRestorationMost), kMagic = 12582912.0f;  // 1.5 * 2^23: adding it leaves no fraction
   value = value == value ? value : 0.0f;
-  value = value > -kMost ? value : -kMost;
-  value = value < kMost ? value : kMost;
+  value = value > -kMax ? value : -kMax;
+  value = value < kMax ? value : kMax;
   return int32_t((value + kMagic) - kMagic);
 }
 

@@ -10,7 +10,7 @@
 namespace sgi {
 namespace {
 
-constexpr int kMostLayers = 6, kMostWidth = 64, kInputs = 3, kBiasUnit = 64;
+constexpr int kMaxLayers = 6, kMaxWidth = 64, kInputs = 3, kBiasUnit = 64;
 
 void require(bool holds) {
   if (!holds) throw std::logic_error("a network of restoration that cannot be");
@@ -153,12 +153,12 @@ RestorationNetwork parse_restoration(Bytes file) {
   RestorationNetwork network;
   const int count = reader.byte();
   network.shift = reader.byte();
-  require(count >= 2 && count <= kMostLayers && network.shift < 31);
+  require(count >= 2 && count <= kMaxLayers && network.shift < 31);
   int inputs = kInputs;
   for (int i = 0; i < count; ++i) {
     RestorationLayer layer{};
     layer.inputs = reader.byte(), layer.outputs = reader.byte(), layer.shift = reader.byte();
-    require(layer.inputs == inputs && layer.outputs && layer.outputs <= kMostWidth && layer.shift < 31);
+    require(layer.inputs == inputs && layer.outputs && layer.outputs <= kMaxWidth && layer.shift < 31);
     require(i + 1 == count || layer.outputs % kRestorationBlock == 0);
     inputs = layer.outputs;
     network.layers.push_back(std::move(layer));

@@ -14,12 +14,12 @@ struct RotatedCovariance {
   decltype(V{} < V{}) is_free[2];                  // a size lies within its limits
 
   RotatedCovariance(const V *shape, V first_reach, V second_reach) {
-    constexpr float kMost = float(kShapeLimit);
+    constexpr float kMax = float(kShapeLimit);
     reach[0] = first_reach;
     reach[1] = second_reach;
     for (int axis = 0; axis < 2; ++axis) {
-      share[axis] = 1.0f / (1.0f + exp2v(-kLog2e * clampv(shape[axis], kMost)));
-      is_free[axis] = absv(shape[axis]) < kMost;
+      share[axis] = 1.0f / (1.0f + exp2v(-kLog2e * clampv(shape[axis], kMax)));
+      is_free[axis] = absv(shape[axis]) < kMax;
       const V deviation = reach[axis] * share[axis];
       squared[axis] = deviation * deviation;
     }

@@ -21,8 +21,8 @@ struct Extent {
 };
 
 Extent extent_of(const float *amplitudes, int side) {
-  constexpr int kMost = 1 << kTextureRoot;
-  uint32_t any[kMost] = {}, row[kMost];
+  constexpr int kMax = 1 << kTextureRoot;
+  uint32_t any[kMax] = {}, row[kMax];
   int down = 0, across = 0;
   for (int v = 0; v < side; ++v) {
     std::memcpy(row, amplitudes + v * side, side * sizeof(float));

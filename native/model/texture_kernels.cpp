@@ -5,7 +5,7 @@
 namespace sgi {
 namespace {
 
-constexpr int kMostSide = 32;
+constexpr int kMaxCellSide = 32;
 constexpr int kWaves = 4;  // rows of amplitudes or of pixels side by side
 
 // lines[v] = sum over u of amplitudes[v][u] * across[u], for VECTORS vectors of columns.
@@ -40,7 +40,7 @@ inline void add_rows(const TexturePart &p, int y, const vf (*lines)[VECTORS], fl
 
 template <int VECTORS>
 inline void add_columns(const TexturePart &p, int at, float *out, int64_t stride) {
-  vf lines[kMostSide][VECTORS];
+  vf lines[kMaxCellSide][VECTORS];
   draw_lines<VECTORS>(p, at, lines);
   int y = 0;
   for (; y + kWaves <= p.rows; y += kWaves) add_rows<kWaves, VECTORS>(p, y, lines, out + at, stride);

@@ -12,14 +12,14 @@ struct Bits {
   V bits, deviation, step, scale;
 };
 
-// Bits of a probability, and their gradient times `rate`; what is less likely than kLeastMass has none.
+// Bits of a probability, and their gradient times `rate`; what is less likely than kMinMass has none.
 template <class V>
 struct MassBits {
   V bits, slope;
 
   MassBits(V mass, V rate) {
-    const auto live = mass > float(kLeastMass);
-    const V safe = select(live, mass, V{} + float(kLeastMass));
+    const auto live = mass > float(kMinMass);
+    const V safe = select(live, mass, V{} + float(kMinMass));
     bits = -log2v(safe);
     slope = select(live, -kLog2e / safe, V{}) * rate;
   }

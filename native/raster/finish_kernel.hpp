@@ -7,7 +7,7 @@
 
 namespace sgi {
 
-constexpr int kMostChannels = 64;
+constexpr int kMaxDrawnChannels = 64;
 
 // What lies behind the Gaussians: row y is the sum over t < taps of down[y][t] * lines[c][top[y] + t], and of `planes`.
 struct Background {

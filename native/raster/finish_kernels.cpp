@@ -106,7 +106,7 @@ inline void finish_row(const float *from, int channel, int64_t row, const TileRe
 
 template <bool PLANES, bool INSIDE, int TAPS, class T>
 void finish_rows(const float *tile, int channels, const TileRect &r, const Background &b, const Samples &s) {
-  T planes[kMostChannels * kTileWidth];
+  T planes[kMaxDrawnChannels * kTileWidth];
   for (int y = r.row0; y < r.row1; ++y) {
     const int64_t row = int64_t(r.y) + y;
     for (int c = 0; c < channels; ++c)

@@ -50,7 +50,7 @@ class StepKind(NamedTuple):
 class DeviceStep:
     """Steps of N seeds at fixed places. Graphs are recorded when a kind of step is first run."""
 
-    max_hidden = _SIZES["kMostHidden"]
+    max_hidden = _SIZES["kMaxHidden"]
 
     def __init__(
         self, gpu: Gpu, spec: ModelSpec, layout: SeedLayout, neighbour: NDArray[np.int32], quality: int, cutoff: float
