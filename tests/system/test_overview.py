@@ -5,19 +5,17 @@ from __future__ import annotations
 import io
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from pipe import Pipe
 from surgery import split
 
 from sgicodec import Encoded, EncodeSettings, Picture, encode_picture, read
 from sgicodec.bitstream.container import SIGNATURE, ChunkWriter
 from sgicodec.decoder.stream import Stream, open_stream
-from sgicodec.encoder.input.overview import overview_picture, takes_overview
+from sgicodec.encoder.input.overview import overview_picture
 from sgicodec.encoder.plan import Shape, stream_plan
-from sgicodec.errors import CorruptStreamError, UsageError
+from sgicodec.errors import CorruptStreamError
 from sgicodec.metadata import geo, ifd
 from sgicodec.metrics.psnr import psnr
 from sgicodec.picture import Metadata, nodata_mask
@@ -114,10 +112,6 @@ def test_small_views_draw_it_and_no_tile(coded: Encoded, photo: Picture) -> None
     assert decoded(stream) == 6
 
 
-
-
-
-
 def test_it_alone_is_read_for_them(coded: Encoded) -> None:
     class Counting(io.BytesIO):
         bytes_read = 0
@@ -133,16 +127,6 @@ def test_it_alone_is_read_for_them(coded: Encoded) -> None:
     assert opening < 4096 + 400
     stream.picture(scale=1 / 16)
     assert source.bytes_read - opening < stream.chunk_bytes["o"] + 20
-
-
-
-
-
-
-
-
-
-
 
 
 def _overview(data: bytes) -> bytes:

@@ -11,13 +11,11 @@ from typing import Any, BinaryIO
 import numpy as np
 import pytest
 from click.testing import Result
-from PIL import Image
 
 from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder import pipeline
 from sgicodec.encoder.tile.state import Tile
 from sgicodec.encoder.tiles import tasks
-from sgicodec.executors.peak import own_peak
 from sgicodec.files.lock import locked
 from sgicodec.image import read, write
 from sgicodec.picture import Metadata, Picture, from_unit
@@ -69,8 +67,6 @@ def test_an_overview_on_request(sgi: Run, picture: Path, tmp_path: Path) -> None
     assert (read(shown).pixels != read(exact).pixels).any()
 
 
-
-
 @pytest.mark.parametrize(
     "options", [(), ("--region", "20,5,20,20"), ("--scale", "2"), ("--size", "20x"), ("--depth", "16")]
 )
@@ -89,8 +85,6 @@ def test_decode_writes_what_the_stream_shows(
             "--depth": lambda: from_unit(stream.render(), stream.header.channels, np.uint16),
         }[options[0] if options else ""]().pixels
     np.testing.assert_array_equal(read(out).pixels, shown)
-
-
 
 
 def test_interrupt_keeps_what_is_done(
@@ -135,8 +129,6 @@ def test_two_encodes_to_one_out(sgi: Run, picture: Path, tmp_path: Path, also: l
     assert [path.name for path in tmp_path.glob("*a.sgi*")] == ["a.sgi"]
 
 
-
-
 @pytest.mark.parametrize("tile", [0, 32])
 def test_too_little_memory_is_refused(sgi: Run, picture: Path, tmp_path: Path, tile: int) -> None:
     result = sgi("encode", picture, tmp_path / "a.sgi", "--tile", tile, "--steps", 1, "--max-memory", "100MiB")
@@ -144,8 +136,6 @@ def test_too_little_memory_is_refused(sgi: Run, picture: Path, tmp_path: Path, t
     assert "MiB, more than --max-memory; a smaller --tile takes less" in result.stderr
     enough = sgi("encode", picture, tmp_path / "a.sgi", "--tile", tile, "--steps", 1, "--max-memory", "150MiB", "-j", 1)
     assert enough.exit_code == 0, enough.stderr
-
-
 
 
 def test_a_stream_that_does_not_decode_gets_no_name(
@@ -168,14 +158,6 @@ def test_a_stream_that_does_not_decode_gets_no_name(
     assert (tmp_path / "a.sgi.part").exists()
 
 
-
-
-
-
-
-
-
-
 def test_nodata_goes_from_file_to_file(sgi: Run, tmp_path: Path, pixels: np.ndarray) -> None:
     blob = bytes.fromhex("49492a00 08000000 0100 81a40200 02000000 30000000 00000000")
     holed = pixels.copy()
@@ -187,9 +169,3 @@ def test_nodata_goes_from_file_to_file(sgi: Run, tmp_path: Path, pixels: np.ndar
         decoded = read(tmp_path / "out.tif")
         assert decoded.nodata == 0
         np.testing.assert_array_equal((decoded.pixels == 0).all(axis=2), (holed == 0).all(axis=2))
-
-
-
-
-
-

@@ -4,20 +4,16 @@ from __future__ import annotations
 
 import re
 import signal
-import sys
 from collections.abc import Callable
 from pathlib import Path
-from urllib.parse import unquote
 
 import pytest
 from click.testing import CliRunner, Result
 from http_server import Client, running, start
 
-from sgicodec.bitstream.container import SIGNATURE
 from sgicodec.cli.main import cli
 from sgicodec.server.app import Settings, application
 from sgicodec.server.catalog import ListedFiles
-from sgicodec.server.run import listening
 
 
 @pytest.fixture
@@ -76,10 +72,6 @@ def test_refused(sgi: Callable[..., Result], arguments: tuple[str, ...], status:
     assert text in result.stderr
 
 
-
-
-
-
 def test_a_url_is_passed_on_in_parts(get: Client, folder: Path) -> None:
     data = (folder / "wide.sgi").read_bytes()
     urls = {"far": f"{get.address}/files/wide.sgi", "gone": f"{get.address}/files/absent.sgi"}
@@ -92,7 +84,3 @@ def test_a_url_is_passed_on_in_parts(get: Client, folder: Path) -> None:
         assert near("/remote/far").status == 400
         assert near("/remote/other", Range="bytes=0-9").status == 404
         assert near("/remote/gone", Range="bytes=0-9").status == 500
-
-
-
-

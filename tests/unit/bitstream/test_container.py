@@ -10,11 +10,9 @@ from hypothesis import strategies as st
 from pipe import trickle
 from surgery import frame, split
 
-from sgicodec.bitstream.container import MAX_PAYLOAD, SIGNATURE, ChunkWriter
-from sgicodec.bitstream.stream_summary import StreamSummary
-from sgicodec.bitstream.varint import encode_varint
+from sgicodec.bitstream.container import SIGNATURE, ChunkWriter
 from sgicodec.decoder.stream import open_stream
-from sgicodec.errors import CorruptStreamError, LimitError, UnsupportedStreamError, UsageError
+from sgicodec.errors import CorruptStreamError, UnsupportedStreamError, UsageError
 
 GOLDEN = bytes.fromhex(
     "89 53 47 49 0d 0a 1a 0a"  # signature
@@ -66,20 +64,10 @@ def test_round_trip(source: Callable[[bytes], bytes | BinaryIO], chunks: dict[st
     assert kinds_of(source(file_of(*everything.items()))) == everything
 
 
-
-
-
-
 def test_unknown_optional_chunks_are_skipped_and_required_ones_refused() -> None:
     assert kinds_of(file_of(("H", HEAD), ("q", b"?"), ("T", TILE))) == {"H": HEAD, "T": TILE}
     with pytest.raises(UnsupportedStreamError, match=f"chunk Q at byte {len(frame('H', HEAD)) + 8} is required"):
         open_stream(file_of(("H", HEAD), ("Q", b"?")))
-
-
-
-
-
-
 
 
 @pytest.mark.parametrize(
@@ -101,12 +89,6 @@ def test_unknown_optional_chunks_are_skipped_and_required_ones_refused() -> None
 def test_foreign_files_are_named(data: bytes, message: str) -> None:
     with pytest.raises(CorruptStreamError, match=message):
         open_stream(data)
-
-
-
-
-
-
 
 
 @pytest.mark.parametrize("chunks", [["T"], ["H", "H"], ["H", "E", "T"], ["H", "1"], ["H", "TT"], ["H", "é"]])

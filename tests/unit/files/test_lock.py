@@ -48,9 +48,3 @@ def test_links_share_a_lock(tmp_path: Path) -> None:
     (tmp_path / "link").symlink_to(tmp_path / "out.sgi")
     with locked(tmp_path / "out.sgi"), pytest.raises(OutputLockedError), locked(tmp_path / "link"):
         pass
-
-
-
-
-
-

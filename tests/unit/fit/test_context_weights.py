@@ -51,9 +51,3 @@ def test_differences_are_added_in_their_own_unit(spec: ModelSpec) -> None:
         np.testing.assert_array_equal(changed.b1, network.b1 + more)
         np.testing.assert_array_equal(changed.w2, network.w2 + more)
         np.testing.assert_array_equal(changed.b2, network.b2 + more)
-
-
-
-
-
-

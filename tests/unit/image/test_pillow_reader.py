@@ -11,9 +11,7 @@ import pytest
 from PIL import Image
 
 from sgicodec.errors import PictureError
-from sgicodec.image import open_source, read
-from sgicodec.image.pillow_reader import PillowReader
-from sgicodec.metadata.orientation import Window
+from sgicodec.image import read
 
 PIXELS = np.random.default_rng(3).integers(0, 256, (33, 20, 3), np.uint8)
 
@@ -40,15 +38,9 @@ def test_colours(name: str) -> None:
     np.testing.assert_array_equal(picture.pixels, PIXELS)
 
 
-
-
-
-
 def test_run_lengths_of_bmp() -> None:
     rows = [[[40, 50, 60]] * 2 + [[0, 0, 0]] * 2, [[10, 20, 30]] * 4]
     np.testing.assert_array_equal(read(rle8()).pixels, rows)
-
-
 
 
 def test_of_icons_the_largest_is_read() -> None:
@@ -72,15 +64,9 @@ def test_gray_and_alpha_of_jpeg_2000() -> None:
     np.testing.assert_array_equal(picture.pixels, pixels)
 
 
-
-
 @pytest.mark.parametrize("name", ["QOI", "PCX"])
 def test_cut_files_are_refused(tmp_path: Path, name: str) -> None:
     path = tmp_path / f"x.{name}"
     path.write_bytes(saved(name, Image.fromarray(PIXELS))[:400])
     with pytest.raises(PictureError, match=r"x\.\w+: the file is damaged or cut off"):
         read(path)
-
-
-
-

@@ -12,9 +12,9 @@ import page_header
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from surgery import HEADER_FIELDS, join, split, with_fields
+from surgery import join, split, with_fields
 
-from sgicodec.bitstream.header import FORMAT_VERSION, Header, decode_header
+from sgicodec.bitstream.header import Header, decode_header
 from sgicodec.errors import SgiError
 
 GOLDEN = sorted((Path(__file__).parents[2] / "conformance" / "golden").glob("*.sgi"))
@@ -39,16 +39,12 @@ def test_golden_headers_are_read(path: Path) -> None:
     assert decode_header(payload) == page_header.decode_header(payload)
 
 
-
-
 @given(st.sampled_from(PAYLOADS), st.data())
 def test_damaged_headers_are_judged_alike(payload: bytes, data: st.DataObject) -> None:
     at = data.draw(st.integers(0, len(payload) - 1))
     check(payload[:at])
     check(payload[:at] + bytes([data.draw(st.integers(0, 255))]) + payload[at + 1 :])
     check(payload + data.draw(st.binary(min_size=1, max_size=12)))
-
-
 
 
 @given(

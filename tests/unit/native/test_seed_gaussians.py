@@ -13,10 +13,8 @@ from numpy.typing import NDArray
 from scenes import ISAS
 
 from sgicodec import _native
-from sgicodec.device import Device
 from sgicodec.model.context import input_count
-from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds, model_gaussians
-from sgicodec.model.layout import SeedLayout
+from sgicodec.model.gaussians import colour_matrix, gaussians_from_seeds
 from sgicodec.profiles.default import default_spec
 
 F32, F64 = NDArray[np.float32], NDArray[np.float64]
@@ -117,8 +115,6 @@ def tolerance(s: Seeds) -> F64:
     return ROUNDINGS * (1 + sizes)
 
 
-
-
 @pytest.mark.parametrize("isa", ISAS)
 @given(s=seeds())
 def test_gaussians_are_those_of_float64(isa: str, s: Seeds) -> None:
@@ -147,5 +143,3 @@ def test_gradients_are_those_of_float64(isa: str, s: Seeds) -> None:
     assert np.all(np.abs(shape - want[:, 3:6]) <= allowed + FLUSHED)
     assert np.all(np.abs(colour - want[:, :3]) <= ROUNDINGS * np.abs(s.up[2]).sum(axis=1, keepdims=True))
     np.testing.assert_allclose(offset, want[:, 6:], rtol=1e-6)
-
-

@@ -20,7 +20,3 @@ def test_every_file_is_in_the_library(path: Path) -> None:
     data = path.read_bytes()
     expected = zlib.decompress(data) if kind == "texture" else data
     assert _native.shipped(kind, int(path.stem.removeprefix(kind) or 0)) == expected
-
-
-
-

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from examples import examples
 from hypothesis import given, settings
-from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
 from sgicodec._native import MaskTree, SymbolReader
@@ -48,12 +47,6 @@ def _disc(side: int) -> np.ndarray:
     return (x - side / 2) ** 2 + (y - side / 2) ** 2 > (0.4 * side) ** 2
 
 
-
-
-
-
-
-
 def test_damage_is_found() -> None:
     payload = bytearray(write_mask(_disc(64)))
     for at in range(len(payload)):
@@ -61,10 +54,6 @@ def test_damage_is_found() -> None:
         with pytest.raises(CorruptStreamError):
             read_mask(bytes(payload), 64, 64)
         payload[at] ^= 0x10
-
-
-
-
 
 
 class PageMask:
@@ -114,5 +103,3 @@ class PageMask:
 def test_the_page_reads_the_same(mask: np.ndarray) -> None:
     height, width = mask.shape
     np.testing.assert_array_equal(PageMask(write_mask(mask), width, height).pixels, mask)
-
-

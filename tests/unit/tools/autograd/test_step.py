@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -89,8 +88,6 @@ def test_gradients_of_the_distortion(scale: float) -> None:
         assert np.abs(gradient).max() > 0
 
 
-
-
 def test_the_price_of_bits_is_that_of_equation_11() -> None:
     """λ / (N d_A) for each bit of the grid and of the seeds."""
     step, parameters = step_and_parameters()
@@ -121,5 +118,3 @@ def test_bits_are_those_of_the_gaussian_that_mlp_p_predicts() -> None:
         start += coded[name].shape[1]
     assert step.seed_bits()[0] == pytest.approx(bits, rel=5e-4)  # what float32 leaves of the tails
     assert total.bits > step.seed_bits()[0]
-
-
