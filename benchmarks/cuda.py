@@ -37,10 +37,11 @@ from sgicodec.cuda.gpu import Gpu, opened
 from sgicodec.cuda.tiles import TilePasses
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import Device
+from sgicodec.encoder.effort import PLAIN_STEPS
 from sgicodec.encoder.input.windows import windows_of
-from sgicodec.encoder.listener import NullListener
 from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.plan import stream_plan
+from sgicodec.encoder.progress import NullListener
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile.inputs import tile_of
 from sgicodec.encoder.tile.stages import fit, prepare, share
@@ -50,7 +51,6 @@ from sgicodec.executors.threads import ThreadExecutor
 from sgicodec.fit.trainer import Progress
 from sgicodec.image import read
 from sgicodec.picture import Picture
-from sgicodec.profiles.default import EFFORTS
 from sgicodec.raster.cuda import CudaRasterizer
 
 __all__ = ["main"]
@@ -186,7 +186,7 @@ PARTS = {
 
 def print_fit(device: Device, picture: Picture) -> None:
     """Seconds of a fit alone at the default effort, and of each of its steps."""
-    plan = stream_plan(windows_of(picture).shape, EncodeSettings(steps=EFFORTS[5], tile=0))
+    plan = stream_plan(windows_of(picture).shape, EncodeSettings(steps=PLAIN_STEPS[5], tile=0))
     times = [time.monotonic()]
 
     class Noting(NullListener):
@@ -220,12 +220,12 @@ def print_large(name: str, picture: str | None) -> None:
 
 def print_encodes(device: Device, picture: Picture) -> None:
     """Seconds of an encode at the default effort, on the GPU and on the processor."""
-    settings = EncodeSettings(steps=EFFORTS[5])
+    settings = EncodeSettings(steps=PLAIN_STEPS[5])
     for one in (device, Device(device.threads)):
         started = time.monotonic()
         encode_picture(picture, settings, device=one)
         seconds, where = time.monotonic() - started, "processor" if one.gpu is None else "GPU"
-        click.echo(f"{picture.width}×{picture.height}, {EFFORTS[5]} steps, {where}: {seconds:.2f} s, whole encode")
+        click.echo(f"{picture.width}×{picture.height}, {PLAIN_STEPS[5]} steps, {where}: {seconds:.2f} s, whole encode")
 
 
 @click.command()
@@ -233,7 +233,7 @@ def print_encodes(device: Device, picture: Picture) -> None:
 @click.option("--floors", "only_floors", is_flag=True, help="Only count and print the floors; needs no GPU.")
 @click.option("--resources", is_flag=True, help="Only compile for all architectures; needs NVRTC and no GPU.")
 @click.option("--kernels-alone", is_flag=True, help="Only what compute-sanitizer runs: each kernel once.")
-@click.option("--steps", default=EFFORTS[5], show_default=True, help="Steps of the encodes that are compared.")
+@click.option("--steps", default=PLAIN_STEPS[5], show_default=True, help="Steps of the encodes that are compared.")
 @click.option("--seeds", default=8, show_default=True, help="How often each crop is encoded.")
 @click.option("--repeat", default=20, show_default=True, help="How often each pass is timed.")
 @click.option("--large", type=click.Path(exists=True), help="A large picture, encoded to 31 and to 36 dB.")

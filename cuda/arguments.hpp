@@ -89,7 +89,6 @@ struct ScanArguments {
 // A step of the fit: arrays as in native/fit/seed_kernel.hpp, and what changes from step to step in `numbers`.
 struct FitArguments {
   int32_t count;
-  int32_t per_seed;
   int32_t channels;
   int32_t hidden;
   int32_t neighbours;
@@ -145,7 +144,6 @@ struct EnergyArguments {
   const float *colours;
   float *energy;
   int32_t count;
-  int32_t per_seed;
   int32_t channels;
 };
 

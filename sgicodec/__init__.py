@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from sgicodec.decoder.stream import open_stream as open
     from sgicodec.device import Device
     from sgicodec.encoder.encoded import Encoded
-    from sgicodec.encoder.listener import NullListener
     from sgicodec.encoder.one_call import encode, imwrite
     from sgicodec.encoder.pipeline import encode_picture
+    from sgicodec.encoder.progress import NullListener
     from sgicodec.encoder.settings import EncodeSettings
     from sgicodec.encoder.tiles.checkpoint import Checkpoint
     from sgicodec.executors.dask import open_cluster

@@ -34,8 +34,9 @@ from sgicodec.bitstream.parts.tile_chunk import encode_tile_chunk
 from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ONE_THREAD, Device
+from sgicodec.encoder.effort import Tune
 from sgicodec.encoder.pipeline import encode_picture
-from sgicodec.encoder.settings import EncodeSettings, Tune
+from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.image import read
 from sgicodec.metrics.butteraugli import ButteraugliReference
 from sgicodec.metrics.visual_score import VisualReference

@@ -22,8 +22,7 @@ from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile.inputs import tile_of
 from sgicodec.encoder.tile.stages import fit_seeds
 from sgicodec.encoder.tile.texture import begin_texture
-from sgicodec.encoder.tile.texture_contrast import TextureContrasts
-from sgicodec.encoder.tile.texture_tuning import TUNINGS
+from sgicodec.encoder.tile.texture_steps import TUNINGS, Masking
 from sgicodec.image import read
 from sgicodec.model.texture_symbols import TextureSymbols
 from sgicodec.picture import Picture
@@ -47,8 +46,8 @@ def layers(picture: Picture, quality: float) -> list[TextureSymbols]:
     for tune in ("psnr", "visual"):
         tuning = TUNINGS[tune]
         steps = tuning.steps(tuning.step(state.lmbda), tile.spec.channels)
-        contrast = TextureContrasts(tuning, tile.unit).at(steps)
-        layer = search.at(steps, tuning.squared_steps, contrast)
+        offsets = Masking(tuning, tile.unit).offsets(steps)
+        layer = search.at(steps, tuning.squared_steps, offsets)
         found += [] if layer is None else [layer]
     return found
 

@@ -9,21 +9,17 @@ namespace sgi {
 
 constexpr int kRowThreads = 256;
 
-// energy [count]: squared samples that the Gaussians of each seed would draw alone, over the plane, as
+// energy [count]: squared samples that the Gaussian of each seed would draw alone, over the plane, as
 // SeedSet.energy (sgicodec/fit/seed_set.py) without weights.
 SGI_KERNEL(measure_energy, kRowThreads, EnergyArguments) {
   block.each([&](int t) {
     const int seed = block.index() * kRowThreads + t;
     if (seed >= a.count) return;
-    float sum = 0.0f;
-    for (int i = seed * a.per_seed; i < (seed + 1) * a.per_seed; ++i) {
-      const float *covariance = a.covariances + 3 * int64_t(i), *colour = a.colours + int64_t(i) * a.channels;
-      const float determinant = covariance[0] * covariance[2] - covariance[1] * covariance[1];
-      float squares = 0.0f;
-      for (int c = 0; c < a.channels; ++c) squares += colour[c] * colour[c];
-      sum += 3.14159265f * rootv(maxv(determinant, 1e-9f)) * squares;
-    }
-    a.energy[seed] = sum;
+    const float *covariance = a.covariances + 3 * int64_t(seed), *colour = a.colours + int64_t(seed) * a.channels;
+    const float determinant = covariance[0] * covariance[2] - covariance[1] * covariance[1];
+    float squares = 0.0f;
+    for (int c = 0; c < a.channels; ++c) squares += colour[c] * colour[c];
+    a.energy[seed] = 3.14159265f * rootv(maxv(determinant, 1e-9f)) * squares;
   });
 }
 

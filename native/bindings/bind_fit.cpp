@@ -47,18 +47,17 @@ void set_layout(sgi::SeedFit &self, Array<const int32_t, 2> half_pixels, Array<c
 double forward(sgi::SeedFit &self, In2 colour, In2 shape, In2 offset, In1 first, In1 rest, In1 steps, int rounding,
                uint32_t key, bool negative, int reuse, bool trains_first, Out2 means, Out2 covariances, Out2 colours) {
   const sgi::SeedState &s = self.state();
-  const int64_t gaussians = s.count * s.per_seed;
-  require_rows(colour, s.count, s.group_size(0), "colour must be [N, K C]");
-  require_rows(shape, s.count, s.group_size(1), "shape must be [N, 3 K]");
-  require_rows(offset, s.count, s.group_size(2), "offset must be [N, 2 K]");
+  require_rows(colour, s.count, s.group_size(0), "colour must be [N, C]");
+  require_rows(shape, s.count, s.group_size(1), "shape must be [N, 3]");
+  require_rows(offset, s.count, s.group_size(2), "offset must be [N, 2]");
   require(int64_t(first.shape(0)) == self.first_size(), "first holds W1 of all groups");
   require(int64_t(rest.shape(0)) == self.rest_size(), "rest holds b1, W2 and b2 of all groups");
   require(int64_t(steps.shape(0)) == sgi::kUnits * sgi::kLevels + sgi::kGammas, "steps holds base steps and gamma");
   require(rounding >= 0 && rounding <= 2, "rounding is 0, 1 or 2");
   require(reuse >= 0 && reuse <= 2, "reuse is 0, 1 or 2");
-  require_rows(means, gaussians, 2, "means must be [N K, 2]");
-  require_rows(covariances, gaussians, 3, "covariances must be [N K, 3]");
-  require_rows(colours, gaussians, s.channels, "colours must be [N K, C]");
+  require_rows(means, s.count, 2, "means must be [N, 2]");
+  require_rows(covariances, s.count, 3, "covariances must be [N, 3]");
+  require_rows(colours, s.count, s.channels, "colours must be [N, C]");
   const sgi::SeedGaussians out{means.data(), covariances.data(), colours.data()};
   nb::gil_scoped_release release;
   return self.forward({colour.data(), shape.data(), offset.data()}, {first.data(), rest.data(), steps.data()},
@@ -68,13 +67,12 @@ double forward(sgi::SeedFit &self, In2 colour, In2 shape, In2 offset, In1 first,
 void backward(sgi::SeedFit &self, In2 means, In2 covariances, In2 colours, float lmbda, Out2 colour, Out2 shape,
               Out2 offset, Out1 sums) {
   const sgi::SeedState &s = self.state();
-  const int64_t gaussians = s.count * s.per_seed;
-  require_rows(means, gaussians, 2, "gradients of means must be [N K, 2]");
-  require_rows(covariances, gaussians, 3, "gradients of covariances must be [N K, 3]");
-  require_rows(colours, gaussians, s.channels, "gradients of colours must be [N K, C]");
-  require_rows(colour, s.count, s.group_size(0), "colour must be [N, K C]");
-  require_rows(shape, s.count, s.group_size(1), "shape must be [N, 3 K]");
-  require_rows(offset, s.count, s.group_size(2), "offset must be [N, 2 K]");
+  require_rows(means, s.count, 2, "gradients of means must be [N, 2]");
+  require_rows(covariances, s.count, 3, "gradients of covariances must be [N, 3]");
+  require_rows(colours, s.count, s.channels, "gradients of colours must be [N, C]");
+  require_rows(colour, s.count, s.group_size(0), "colour must be [N, C]");
+  require_rows(shape, s.count, s.group_size(1), "shape must be [N, 3]");
+  require_rows(offset, s.count, s.group_size(2), "offset must be [N, 2]");
   require(int64_t(sums.shape(0)) == self.sums(), "sums has another length");
   const sgi::SeedGradients g{
       means.data(), covariances.data(), colours.data(), lmbda, {colour.data(), shape.data(), offset.data()}};
@@ -156,12 +154,11 @@ void bind_fit(nb::module_ &m) {
   nb::class_<sgi::SeedFit>(m, "SeedFit")
       .def(
           "__init__",
-          [](sgi::SeedFit *self, const std::string &isa, int threads, int per_seed, int hidden, In2 opponent) {
-            require(per_seed >= 1 && hidden >= 1 && opponent.shape(0) == opponent.shape(1), "opponent must be [C, C]");
-            new (self)
-                sgi::SeedFit(sgi::choose_isa(isa), threads, per_seed, int(opponent.shape(0)), hidden, opponent.data());
+          [](sgi::SeedFit *self, const std::string &isa, int threads, int hidden, In2 opponent) {
+            require(hidden >= 1 && opponent.shape(0) == opponent.shape(1), "opponent must be [C, C]");
+            new (self) sgi::SeedFit(sgi::choose_isa(isa), threads, int(opponent.shape(0)), hidden, opponent.data());
           },
-          "isa"_a, "threads"_a, "per_seed"_a, "hidden"_a, "opponent"_a)
+          "isa"_a, "threads"_a, "hidden"_a, "opponent"_a)
       .def("set_layout", &set_layout, "half_pixels"_a, "log_size"_a, "neighbour"_a, "quality"_a)
       .def("forward", &forward, "colour"_a, "shape"_a, "offset"_a, "first"_a, "rest"_a, "steps"_a, "rounding"_a,
            "key"_a, "negative"_a, "reuse"_a, "trains_first"_a, "means"_a, "covariances"_a, "colours"_a)

@@ -163,8 +163,8 @@ class FieldWriter {
 };
 
 void check_model(const ModelSpec &spec) {
-  const bool too_few = spec.skip && spec.features < spec.per_seed * (spec.channels + 3);
-  if (too_few || (spec.context.neighbours && !spec.skip)) corrupt("settings that contradict each other");
+  const bool other_seeds = spec.skip && (spec.per_seed != 1 || spec.features < spec.channels + 3);
+  if (other_seeds || (spec.context.neighbours && !spec.skip)) corrupt("settings that contradict each other");
 }
 
 void check_layout(const Header &header) {

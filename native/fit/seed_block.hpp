@@ -19,11 +19,11 @@ struct Scratch {
 };
 
 inline int unit_of(const SeedState &s, int group, int column) {
-  if (group == 0) return s.channels >= 3 && column % s.channels < 3 ? column % s.channels : 0;
-  return column % kGroupUnits[group];
+  if (group == 0) return s.channels >= 3 && column < 3 ? column : 0;
+  return column;
 }
 
-// The amplitude of the colours [K C] of a block in octaves, from rows of LANES floats.
+// The amplitude of the colours [C] of a block in octaves, from rows of LANES floats.
 inline vf loudness_of(const SeedState &s, const float *decoded) {
   vf energy{};
   for (int j = 0; j < s.group_size(0); ++j) energy += load(decoded + j * LANES) * load(decoded + j * LANES);
@@ -32,12 +32,12 @@ inline vf loudness_of(const SeedState &s, const float *decoded) {
 
 // A summary's columns 0 to 2, and 4 to 6.
 inline void colour_summary(const SeedState &s, const float *decoded, vf *row) {
-  summarise_colours<vf>(s.per_seed, s.channels, [&](int j) { return load(decoded + j * LANES); }, row);
+  summarise_colours<vf>(1, s.channels, [&](int j) { return load(decoded + j * LANES); }, row);
 }
 
 inline void shape_summary(const SeedState &s, const float *decoded, vf *row) {
   const float *shape = decoded + s.group_start(kShape) * LANES;
-  summarise_shape<vf>(s.per_seed, [&](int j) { return load(shape + j * LANES); }, row);
+  summarise_shape<vf>(1, [&](int j) { return load(shape + j * LANES); }, row);
 }
 
 // Own earlier groups as inputs of MLP_p at coding step `group`.

@@ -20,7 +20,7 @@ enum class Reuse : int { kNothing, kInputs, kPredictions };
 
 class SeedFit {
  public:
-  SeedFit(Isa isa, int threads, int per_seed, int channels, int hidden, const float *opponent);
+  SeedFit(Isa isa, int threads, int channels, int hidden, const float *opponent);
 
   // n seeds and the nearest of each [n, neighbours], negative for none.
   void set_layout(const SeedsView &seeds, int64_t n, const int32_t *neighbour, int neighbours, int quality);

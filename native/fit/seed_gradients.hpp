@@ -9,26 +9,22 @@ namespace {
 // Gradients of the decoded attributes through the Gaussians, rows of LANES floats.
 inline void read_gradients(const SeedState &s, const Block &block, const float *decoded, const SeedGradients &g,
                            float *out) {
-  const int k_count = s.per_seed, channels = s.channels;
+  const int channels = s.channels;
   const auto value = [&](int column) { return load(decoded + column * LANES); };
   const vf cell = cells_of(s.seeds, block), area = cell * cell;
-  for (int k = 0; k < k_count; ++k) {
-    for (int j = 0; j < channels; ++j) {
-      vf sum{};
-      for (int c = 0; c < channels; ++c)
-        sum += block.gather(g.colours, k_count * channels, k * channels + c) * s.opponent[j * channels + c];
-      store(out + (k * channels + j) * LANES, sum);
-    }
-    const auto up = [&](int column) { return block.gather(g.covariances, 3 * k_count, 3 * k + column); };
-    const Shape<vf> shape = shape_gradient(shape_of(s, k, value), area, up(0), up(1), up(2));
-    float *row = out + (s.group_start(kShape) + 3 * k) * LANES;
-    store(row, shape.a);
-    store(row + LANES, shape.b);
-    store(row + 2 * LANES, shape.c);
-    for (int axis = 0; axis < 2; ++axis)
-      store(out + (s.group_start(kOffset) + 2 * k + axis) * LANES,
-            cell * block.gather(g.means, 2 * k_count, 2 * k + axis));
+  for (int j = 0; j < channels; ++j) {
+    vf sum{};
+    for (int c = 0; c < channels; ++c) sum += block.gather(g.colours, channels, c) * s.opponent[j * channels + c];
+    store(out + j * LANES, sum);
   }
+  const auto up = [&](int column) { return block.gather(g.covariances, 3, column); };
+  const Shape<vf> shape = shape_gradient(shape_of(s, 0, value), area, up(0), up(1), up(2));
+  float *row = out + s.group_start(kShape) * LANES;
+  store(row, shape.a);
+  store(row + LANES, shape.b);
+  store(row + 2 * LANES, shape.c);
+  for (int axis = 0; axis < 2; ++axis)
+    store(out + (s.group_start(kOffset) + axis) * LANES, cell * block.gather(g.means, 2, axis));
 }
 
 }  // namespace

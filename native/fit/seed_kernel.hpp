@@ -29,7 +29,7 @@ struct SeedState : SeedModel {
   int quality;
   SeedsView seeds;
   const int32_t *neighbour;     // [N, neighbours] seeds, -1 for none
-  const float *value[kGroups];  // [N, K C], [N, 3 K], [N, 2 K] attributes
+  const float *value[kGroups];  // [N, C], [N, 3], [N, 2] attributes
   const float *first[kGroups];  // W1 [hidden, inputs]
   const float *rest[kGroups];   // b1 [hidden], W2 [outputs, hidden], b2 [outputs]
   const float *base;            // [kUnits, kLevels] log2 of the base steps

@@ -12,8 +12,7 @@ import click
 from sgicodec.cli.interrupt import EarlyEnd
 from sgicodec.cli.paths import STANDARD, display
 from sgicodec.cli.progress import Mode, encode_progress, fit_text, tile_text
-from sgicodec.encoder.listener import NullListener, PassState
-from sgicodec.encoder.progress import StageClock, stage_weights
+from sgicodec.encoder.progress import NullListener, PassState, StageClock, stage_weights
 from sgicodec.executors.available import group_memory
 from sgicodec.executors.executor import MIB, Memory
 

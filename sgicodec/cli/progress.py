@@ -12,8 +12,7 @@ from sgicodec.errors import require
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
-    from sgicodec.encoder.listener import PassState
-    from sgicodec.encoder.progress import StageClock
+    from sgicodec.encoder.progress import PassState, StageClock
     from sgicodec.fit.trainer import Progress
 
 __all__ = ["Mode", "batch_progress", "clock", "encode_progress", "fit_text", "row_progress", "tile_text"]

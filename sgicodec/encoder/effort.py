@@ -1,19 +1,30 @@
 """The table of efforts: what an encode does at all, and how often, all of it from the steps of its fit.
 
-`--effort` names a number of steps (`profiles/default.py`), `--steps` states one. docs/architecture.md, "Efforts", has
-the table as it comes out.
+`--effort` names a number of steps, `--steps` states one. docs/architecture.md, "Efforts", has the table as it comes
+out. Thresholds were measured: docs/notes texture-share, settling, score-ascent, restoration, rdoq, encode-speed.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
-from sgicodec.encoder.settings import Tune
-from sgicodec.profiles.fit_settings import FitSettings
 from sgicodec.rdoq.settings import RdoqSettings
 from sgicodec.rdoq.texture import NO_SPLIT_SEARCH, SPLIT_SEARCH_MARGIN
 
-__all__ = ["Effort", "effort_of"]
+__all__ = ["LOW_EFFORT_STEPS", "PLAIN_STEPS", "PSNR_STEPS", "VISUAL_STEPS", "Effort", "Tune", "effort_of", "steps_of"]
+
+Tune = Literal["psnr", "visual"]
+"""Least squared error or the eye."""
+
+PLAIN_STEPS = {1: 120, 2: 200, 3: 350, 4: 600, 5: 1000, 6: 1600, 7: 2500, 8: 4000, 9: 8000}
+"""Steps of each effort without texture."""
+PSNR_STEPS = PLAIN_STEPS | {4: 500, 5: 600, 6: 1200}
+"""The same towards least squared error with texture, which needs fewer seeds."""
+VISUAL_STEPS = {1: 120, 2: 200, 3: 300, 4: 400, 5: 600, 6: 1000, 7: 1600, 8: 2500, 9: 5000}
+"""The same for the eye with texture, which sees more of texture than of what more steps give to seeds."""
+LOW_EFFORT_STEPS = 300
+"""Fits of fewer steps beneath texture leave out what gains little for its time."""
 
 
 @dataclass(frozen=True)
@@ -42,21 +53,27 @@ class Effort:
     """Passes of gradient ascent on what the eye sees, each of which searches texture anew."""
 
 
-def effort_of(fit: FitSettings, tuned_for: Tune) -> Effort:
-    """What goes with a fit of so many steps, for least squared error or for the eye. What a threshold switches on is
-    worth its time from there on; before, more steps gain more in the same time (docs/notes: texture-share, settling,
-    score-ascent, restoration, rdoq).
+def steps_of(effort: int, tuned_for: Tune, has_texture: bool) -> int:
+    """Steps of the fit at an effort of 1 to 9."""
+    if not has_texture:
+        return PLAIN_STEPS[effort]
+    return VISUAL_STEPS[effort] if tuned_for == "visual" else PSNR_STEPS[effort]
+
+
+def effort_of(steps: int, tuned_for: Tune, is_low: bool = False) -> Effort:
+    """What goes with a fit of so many steps; is_low: without what gains little for its time. What a threshold switches
+    on is worth its time from there on; before, more steps gain more in the same time.
     """
-    steps, low, eye = fit.steps, fit.hurried, tuned_for == "visual"
-    scout, handover = steps >= 150 or not low, steps >= 500
+    eye = tuned_for == "visual"
+    scout, handover = steps >= 150 or not is_low, steps >= 500
     rdoq_passes = _within(2, round(steps / 250), 32)
     return Effort(
         steps=steps,
         scout=scout,
         handover=handover,
         seed_price=_seed_price(steps, handover) if scout else UNSCOUTED_PRICE,
-        rdoq=RdoqSettings(passes=1, deep=1, rounds=2) if low else RdoqSettings(passes=rdoq_passes),
-        split_margin=NO_SPLIT_SEARCH if low else SPLIT_SEARCH_MARGIN,
+        rdoq=RdoqSettings(passes=1, deep=1, rounds=2) if is_low else RdoqSettings(passes=rdoq_passes),
+        split_margin=NO_SPLIT_SEARCH if is_low else SPLIT_SEARCH_MARGIN,
         rounds=0 if eye else _within(0, 1 + (steps - 375) // 225, 6),
         adapts_restoration=steps >= 400 and not eye,
         ascent_passes=_within(1, 1 + steps // 125, 8) if eye else 0,
@@ -75,5 +92,5 @@ def _seed_price(steps: int, handover: bool) -> float:
     return max(1.0, _HANDED_OVER * price) if handover else price
 
 
-def _within(least: int, value: int, most: int) -> int:
-    return min(max(value, least), most)
+def _within(low: int, value: int, high: int) -> int:
+    return min(max(value, low), high)

@@ -1,10 +1,14 @@
-"""What an encode gives: a finished stream and its figures."""
+"""What an encode gives: a finished stream and its figures, and how far it is from its picture."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-__all__ = ["Encoded"]
+from sgicodec.decoder.stream import Stream
+from sgicodec.encoder.input.windows import Windows
+from sgicodec.metrics.distortion import decibels, squared_error
+
+__all__ = ["Encoded", "measured_error", "measured_psnr"]
 
 
 @dataclass(frozen=True)
@@ -33,3 +37,14 @@ class Encoded:
     def size(self) -> int:
         """Bytes of the stream."""
         return len(self.data) or self.written
+
+
+def measured_error(stream: Stream, windows: Windows) -> float:
+    """Squared error over all samples of what the stream decodes to, in 0..1, but for colours where alpha is 0."""
+    return sum(squared_error(windows.read(0, top, band.width, band.height), band) for top, band in stream.bands())
+
+
+def measured_psnr(stream: Stream, windows: Windows) -> float:
+    """The same as PSNR in dB."""
+    header = stream.header
+    return decibels(measured_error(stream, windows), header.width * header.height * header.spec.channels)

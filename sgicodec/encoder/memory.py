@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-from sgicodec.encoder.effort import effort_of
 from sgicodec.encoder.plan import Plan
 from sgicodec.executors.executor import MIB, Memory
 
@@ -41,6 +40,6 @@ def estimate(plan: Plan, reading: int) -> Memory:
     if plan.settings.target is None:
         share = min(MAX_SEEDS, USUAL_SEEDS * math.sqrt(USUAL_LMBDA / max(fit.lmbda, 1e-9)))
     fitting = pixels * (PIXEL_BYTES + CHANNEL_BYTES * channels + SEED_BYTES * share)
-    if header.spec.texture and effort_of(fit, plan.settings.tuned_for).ascent_passes:
+    if header.spec.texture and plan.settings.chosen_effort.ascent_passes:
         fitting = max(fitting, pixels * (SCORED_PIXEL_BYTES + SCORED_CHANNEL_BYTES * channels))
     return Memory(MAIN + reading + 2 * window, WORKER + window + round(fitting), MAIN)

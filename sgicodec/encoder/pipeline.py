@@ -16,22 +16,19 @@ from sgicodec.bitstream.stream_writer import write_stream
 from sgicodec.decoder.stream import open_stream
 from sgicodec.device import ALL_CORES, Device, check_device
 from sgicodec.encoder.blas_threads import one_blas_thread
-from sgicodec.encoder.encoded import Encoded
-from sgicodec.encoder.input.alpha import without_needless_alpha
+from sgicodec.encoder.encoded import Encoded, measured_error, measured_psnr
 from sgicodec.encoder.input.overview import overview_picture, overview_settings, takes_overview
-from sgicodec.encoder.input.windows import Windows, kept, windows_of
-from sgicodec.encoder.listener import NullListener, PassReporter
-from sgicodec.encoder.measure import measured_error, measured_psnr
+from sgicodec.encoder.input.windows import Windows, kept, windows_of, without_needless_alpha
 from sgicodec.encoder.memory import estimate
 from sgicodec.encoder.plan import Plan, stream_plan
+from sgicodec.encoder.progress import NullListener, PassReporter
 from sgicodec.encoder.quality_calibration import with_quality_calibration
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tiles.checkpoint import fingerprint
-from sgicodec.encoder.tiles.interfaces import Finished, Store
-from sgicodec.encoder.tiles.memory_store import MemoryStore
-from sgicodec.encoder.tiles.passes import TilePasses
+from sgicodec.encoder.tiles.passes import Finished, TilePasses
 from sgicodec.encoder.tiles.runner import TileRunner
-from sgicodec.encoder.tiles.tasks import FitTask, Start
+from sgicodec.encoder.tiles.store import MemoryStore, Store
+from sgicodec.encoder.tiles.tasks import FitTask
 from sgicodec.errors import TargetMissedError, UsageError
 from sgicodec.executors.executor import Executor, Memory
 from sgicodec.executors.serial import SerialExecutor
@@ -173,14 +170,14 @@ def _encoded(request: _Request, executor: Executor | None = None, store: Store |
     with one_blas_thread(), tiles.opened(lambda: fingerprint(plan, windows.digest())):
         task = FitTask(plan) if plan.header.tile else FitTask(plan, listener)
         reporter, overview = PassReporter(plan, listener), _overview_maker(plan, windows, runner)
-        found = TilePasses(task, runner, tiles, reporter, error_of, overview).run()
-        data, size, psnr = request.write(lambda file: _write(file, found, tiles))
-        encoded = replace(_summary(data, size, found, tiles), psnr=psnr)
+        finished = TilePasses(task, runner, tiles, reporter, error_of, overview).run()
+        data, size, psnr = request.write(lambda file: _write(file, finished, tiles))
+        encoded = replace(_summary(data, size, finished, tiles), psnr=psnr)
     masked = plan.header.masked
     if masked is not None and not encoded.part_bytes.keys() - {"mask", "overview"}:
         listener.note(_NOTHING[masked])
-    if found.missed is not None:
-        raise TargetMissedError(found.missed, encoded)
+    if finished.missed is not None:
+        raise TargetMissedError(finished.missed, encoded)
     return encoded
 
 
@@ -193,20 +190,20 @@ def _within_memory(windows: Windows, plan: Plan, executor: Executor | None) -> t
     return (executor or SerialExecutor()).within(memory, grid.count), memory
 
 
-def _write(file: BinaryIO, found: Finished, store: Store) -> int:
-    plan = found.plan
-    tiles = map(store.payload, found.chosen)
-    return write_stream(file, plan.header, plan.software, plan.metadata, tiles, found.overview)
+def _write(file: BinaryIO, finished: Finished, store: Store) -> int:
+    plan = finished.plan
+    tiles = map(store.payload, finished.chosen)
+    return write_stream(file, plan.header, plan.software, plan.metadata, tiles, finished.overview)
 
 
-def _summary(data: bytes, size: int, found: Finished, store: Store) -> Encoded:
+def _summary(data: bytes, size: int, finished: Finished, store: Store) -> Encoded:
     """The figures of a stream from those of its tiles."""
-    tiles = [store.tiles[version] for version in found.chosen]
+    tiles = [store.tiles[version] for version in finished.chosen]
     parts: Counter[str] = Counter()
     for tile in tiles:
         parts.update(tile.part_bytes)
-    if found.overview:
-        parts["overview"] = len(found.overview)
+    if finished.overview:
+        parts["overview"] = len(finished.overview)
     seeds = sum(tile.seeds for tile in tiles)
     steps = [tile.steps for tile in tiles if tile.steps]
     by_tile = {version.tile: tile.fitted_by for version, tile in store.tiles.items() if tile.fitted_by}
@@ -214,8 +211,8 @@ def _summary(data: bytes, size: int, found: Finished, store: Store) -> Encoded:
         data,
         dict(parts),
         seeds,
-        seeds * found.plan.header.spec.per_seed,
-        found.lmbda,
+        seeds * finished.plan.header.spec.per_seed,
+        finished.lmbda,
         round(sum(steps) / max(1, len(steps))),
         any(tile.ended_early for tile in tiles),
         devices=dict(Counter(by_tile.values())),
@@ -229,7 +226,7 @@ class _OverviewTask:
 
     settings: EncodeSettings
 
-    def __call__(self, number: int, window: Picture, start: Start, device: Device) -> bytes:
+    def __call__(self, number: int, window: Picture, start: bytes, device: Device) -> bytes:
         """The stream of `window`."""
         return encode_all_channels(window, self.settings, device)
 
@@ -239,6 +236,6 @@ def _overview_maker(plan: Plan, windows: Windows, runner: TileRunner) -> Callabl
 
     def made(lmbda: float) -> bytes:
         task = _OverviewTask(overview_settings(plan, lmbda))
-        return dict(runner(task, [0], lambda _: Start(), overview_picture(plan, windows.read)))[0]
+        return dict(runner(task, [0], window=overview_picture(plan, windows.read)))[0]
 
     return made if takes_overview(plan) else None

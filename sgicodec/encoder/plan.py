@@ -82,7 +82,7 @@ class Plan:
 
     def at(self, lmbda: float, quality: int) -> Plan:
         """The same for tiles that are fitted at λ, whatever the goal, with this index of the base colour step."""
-        settings = self.settings.at_lmbda(lmbda, hurry=self.settings.hurries)
+        settings = self.settings.at_lmbda(lmbda, low_effort=self.settings.is_low_effort)
         return replace(self, header=replace(self.header, quality=quality), settings=settings)
 
 
@@ -92,6 +92,8 @@ def stream_plan(shape: Shape, settings: EncodeSettings) -> Plan:
     profile = settings.chosen_profile
     _check_shape(shape)
     spec = _with_texture_that_fits(profile.spec(settings, shape.bands), grid)
+    if settings.target is not None and not spec.texture:
+        raise UsageError(f"{settings.target}: a tile of this size has no texture, by which it is reached; add --tile")
     if settings.tuned_for == "visual" and shape.channels in COLOURED_LAYOUTS:
         spec = replace(spec, luma_space=True)
     _check_model(spec, grid)

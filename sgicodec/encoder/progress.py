@@ -1,14 +1,131 @@
-"""The stages of an encode and how far it has come, from the first to the last."""
+"""What is reported while an encode runs: listeners, the state of a pass over tiles, and which share of all is done."""
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
-from sgicodec.encoder.effort import effort_of
 from sgicodec.encoder.plan import Plan
+from sgicodec.encoder.tiles.tasks import EncodedTile
+from sgicodec.executors.executor import Memory
+from sgicodec.metrics.distortion import decibels
 
-__all__ = ["StageClock", "stage_weights"]
+if TYPE_CHECKING:
+    from sgicodec.fit.trainer import Progress
+
+__all__ = ["NullListener", "PassReporter", "PassState", "StageClock", "stage_weights"]
+
+
+@dataclass
+class PassState:
+    """How far a pass over several tiles has come. pixels: of the cores that are done; fresh of them in this run.
+    name: what is done to the tiles.
+    """
+
+    tiles: int
+    all_pixels: int
+    name: str = "tiles"
+    done: int = 0
+    pixels: int = 0
+    fresh: int = 0
+    bytes: int = 0
+    squared_error: float = 0.0
+    samples: int = 0
+    started: float = field(default_factory=time.monotonic)
+
+    def add(self, tile: EncodedTile | None, pixels: int, fresh: bool) -> None:
+        """Counts a tile whose core has n pixels; None if it was only analysed."""
+        self.done += 1
+        self.pixels += pixels
+        self.fresh += pixels if fresh else 0
+        if tile is None:
+            return
+        self.bytes += tile.length
+        self.squared_error += tile.squared_error
+        self.samples += tile.samples
+
+    @property
+    def psnr(self) -> float:
+        """dB over the tiles so far."""
+        return decibels(self.squared_error, self.samples)
+
+    @property
+    def bpp(self) -> float:
+        """Bits per pixel of the tiles so far."""
+        return 8 * self.bytes / max(1, self.pixels)
+
+    @property
+    def pixels_per_second(self) -> float:
+        """Of this run."""
+        return self.fresh / max(1e-9, time.monotonic() - self.started)
+
+    @property
+    def seconds_left(self) -> float:
+        """Until the last tile is done, at the speed so far; infinite before the first."""
+        return (self.all_pixels - self.pixels) / self.pixels_per_second if self.fresh else math.inf
+
+
+class NullListener:
+    """A listener that ignores all reports. Others override what they want to know."""
+
+    def planned(self, plan: Plan, workers: int, memory: Memory) -> None:
+        """The encode begins: n tiles at a time, in this much memory."""
+
+    def stage(self, name: str) -> None:
+        """A stage begins: load, prepare, fit, search, texture, verify; of several tiles load and verify alone."""
+
+    def step(self, progress: Progress) -> bool:
+        """A step of the fit of a picture in one tile is done. Returns whether to go on; if not, the stream is made of
+        what is there.
+        """
+        return True
+
+    def ending(self) -> bool:
+        """Whether the encode of a picture in one tile should end soon, with what is there. Asked after the fit."""
+        return False
+
+    def note(self, text: str) -> None:
+        """Something about the picture that its owner should know."""
+
+    def remark(self, text: str) -> None:
+        """Something that was done to the picture and that loses nothing."""
+
+    def tile(self, state: PassState) -> None:
+        """A pass over the tiles begins, or one more of its tiles is done."""
+
+
+class PassReporter:
+    """Reports the state of each pass to a listener, where there are several tiles: the only one reports its stages and
+    steps itself.
+    """
+
+    def __init__(self, plan: Plan, listener: NullListener) -> None:
+        self._grid, self._listener = plan.header.grid, listener
+        self._state = PassState(0, 0)
+
+    def begin(self, name: str, numbers: Sequence[int], there: dict[int, EncodedTile]) -> None:
+        """A pass over these tiles begins, some of which are there already."""
+        self._state = PassState(len(numbers), sum(map(self._area, numbers)), name)
+        for number, tile in there.items():
+            self._state.add(tile, self._area(number), fresh=False)
+        self._tell()
+
+    def done(self, number: int, tile: EncodedTile | None) -> None:
+        """One more is done; None if it was only analysed."""
+        self._state.add(tile, self._area(number), fresh=True)
+        self._tell()
+
+    def _tell(self) -> None:
+        if self._grid.count > 1:
+            self._listener.tile(self._state)
+
+    def _area(self, number: int) -> int:
+        _, _, width, height = self._grid.core(number)
+        return width * height
+
 
 _PREPARE, _FIT, _SEARCH, _TEXTURE, _ASCENT, _ROUND, _VERIFY = 0.5, 5e-3, 1e-3, 0.4, 0.2, 0.6, 0.1
 """Seconds of each stage, of the fit and the search for each step, of texture for each pass of ascent or round of
@@ -26,7 +143,7 @@ def stage_weights(plan: Plan) -> dict[str, float]:
     if plan.header.tile:
         again = {"more passes": 0.7} if settings.target else {}
         return {"load": 0.02, "tiles": 1.0, **again, "verify": 0.1}
-    effort = effort_of(settings.fit_settings(), settings.tuned_for)
+    effort = settings.chosen_effort
     search = {"search": 0.45 + _SEARCH * effort.steps} if settings.rdoq and plan.header.spec.context.prior else {}
     seconds = _TEXTURE + _ASCENT * effort.ascent_passes + _ROUND * effort.rounds
     texture = {"texture": seconds} if plan.header.spec.texture else {}
@@ -81,8 +198,8 @@ class StageClock:
         """Which share of the whole is done."""
         before, own, behind = self._sums()
         inner = self._share if self._share is not None else self._estimated(before, own)
-        found = self._base + (1 - self._base) * (before + own * inner) / (before + own + behind)
-        self._done = max(self._done, min(found, 1.0))
+        share = self._base + (1 - self._base) * (before + own * inner) / (before + own + behind)
+        self._done = max(self._done, min(share, 1.0))
         return self._done
 
     @property

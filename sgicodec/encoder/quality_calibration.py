@@ -48,8 +48,8 @@ def with_quality_calibration(windows: Windows, plan: Plan) -> Plan:
     fixed = settings.target or settings.lmbda is not None or scales.get("quality") != "lmbda"
     if fixed or settings.tuned_for != "visual" or header.channels not in COLOURED_LAYOUTS:
         return plan
-    found = [log_gradients(picture, header.masked) for picture in _sample(windows, header.width, header.height)]
-    blocks = np.concatenate(found)
+    gradients = [log_gradients(picture, header.masked) for picture in _sample(windows, header.width, header.height)]
+    blocks = np.concatenate(gradients)
     offset = quality_offset(blocks.mean(axis=0), settings.quality) if len(blocks) else 0.0
     lmbda = settings.fit_settings().lmbda * 2.0 ** (-offset / 8.0)
     planned = plan.at(lmbda, quality_index(lmbda))
@@ -71,7 +71,7 @@ def log_gradients(picture: Picture, masked: Masked | None) -> F64:
     with np.errstate(invalid="ignore"):
         colours = np.clip((picture.pixels[..., :3].astype(np.float64) - low) / (high - low), 0.0, 1.0)
         colours = np.rint(255 * colours) / 255 if picture.eight_bits else colours
-    found = [
+    means = [
         _block_means(_squared_gradient(_reduced(colours @ plane, octave)), octave) for plane, octave, *_ in _FEATURES
     ]
     if masked == "transparent":
@@ -82,7 +82,7 @@ def log_gradients(picture: Picture, masked: Masked | None) -> F64:
     beside = empty.copy()  # gradients reach into the next block
     beside[:, :-1] |= empty[:, 1:]
     beside[:-1] |= empty[1:]
-    logs: F64 = np.log(np.stack(found, axis=-1) + _FLOOR)[~beside]
+    logs: F64 = np.log(np.stack(means, axis=-1) + _FLOOR)[~beside]
     return logs
 
 

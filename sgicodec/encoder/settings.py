@@ -9,6 +9,7 @@ from numbers import Integral, Real
 from typing import Any, Literal
 
 from sgicodec.bitstream.header import MAX_APRON, MAX_SIDE, MIN_TILE
+from sgicodec.encoder.effort import LOW_EFFORT_STEPS, Effort, Tune, effort_of, steps_of
 from sgicodec.errors import UsageError
 from sgicodec.metrics.choices import DISTORTIONS
 from sgicodec.model.tile_grid import TileGrid
@@ -23,8 +24,6 @@ TILE, MAX_PIXELS_OF_ONE = 1024, 1 << 22
 
 APRON = 8
 """Pixels that a tile reaches over its neighbours, where nothing else is asked for."""
-
-Tune = Literal["psnr", "visual"]
 
 _NUMBERS: dict[str, type] = {"int": Integral, "float": Real}
 
@@ -83,9 +82,9 @@ class EncodeSettings:
     """Pixels that a tile reaches over its neighbours."""
     overview: bool | None = None
     """Whether a stream of several tiles carries the picture in small."""
-    hurry: bool | None = None
-    """Whether fits of few steps beneath texture leave out what gains little for its time; None for those without a
-    target, whose estimates follow longer fits.
+    low_effort: bool | None = None
+    """Whether fits of fewer than 300 steps beneath texture leave out what gains little for its time; None for those
+    without a target, whose estimates were measured with all of it.
     """
 
     @property
@@ -96,6 +95,22 @@ class EncodeSettings:
     def fit_settings(self) -> FitSettings:
         """How each tile is fitted."""
         return self.chosen_profile.fit_settings(self)
+
+    @property
+    def fit_steps(self) -> int:
+        """Steps of the whole fit in the default profile: stated, or the effort's."""
+        return self.steps or steps_of(self.effort, self.tuned_for, self.texture)
+
+    @property
+    def is_low_effort(self) -> bool:
+        """Whether what gains little for its time is left out, in the fit and after it."""
+        asked = self.target is None if self.low_effort is None else self.low_effort
+        return asked and self.texture and self.profile == "default" and self.fit_steps < LOW_EFFORT_STEPS
+
+    @property
+    def chosen_effort(self) -> Effort:
+        """What is done to each tile, and how often."""
+        return effort_of(self.fit_settings().steps, self.tuned_for, self.is_low_effort)
 
     @property
     def tuned_for(self) -> Tune:
@@ -144,11 +159,6 @@ class EncodeSettings:
         """The same at λ without a target, and with other changes."""
         none: dict[str, Any] = dict.fromkeys(TARGETS)
         return replace(self, **none, lmbda=lmbda, **changes)
-
-    @property
-    def hurries(self) -> bool:
-        """Whether fits of few steps beneath texture leave out what gains little for its time."""
-        return self.target is None if self.hurry is None else self.hurry
 
     def __post_init__(self) -> None:
         for name, kind in self.__annotations__.items():
@@ -207,8 +217,8 @@ class EncodeSettings:
             raise UsageError(f"the {self.profile} profile is not tuned for the eye")
         if goals and not self.chosen_profile.has_targets:
             raise UsageError(f"{goals[0]} is a setting of the default profile")
-        if self.ssimulacra2 is not None and not self.texture:
-            raise UsageError("a SSIMULACRA 2 score is reached by texture; it does not go without")
+        if goals and not self.texture:
+            raise UsageError(f"{goals[0]} is reached by the step of texture; it does not go without texture")
         for other in PROFILES.values():
             for name in other.own_choices if other.name != self.profile else ():
                 if getattr(self, name) is not None:

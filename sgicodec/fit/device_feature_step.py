@@ -15,7 +15,7 @@ from sgicodec.cuda.gpu import Gpu, GpuArray
 from sgicodec.cuda.structures import structures
 from sgicodec.cuda.tiles import MAX_CHANNELS, CudaView, TilePasses
 from sgicodec.fit.device_networks import DECODERS, Activations, DeviceNetworks
-from sgicodec.fit.device_step import MOST_PAIRS
+from sgicodec.fit.device_step import MAX_PAIRS
 from sgicodec.fit.feature_step import FeatureInputs, FeatureOutputs, FeatureStep
 from sgicodec.fit.fused_step import ROUNDINGS
 from sgicodec.fit.pyramid import Level
@@ -140,12 +140,12 @@ class DeviceFeatureStep(FeatureStep):
         while True:
             passes = self._passes_of(level)
             passes.bin()
-            found = passes.found()
-            if found <= passes.capacity:
+            pairs = passes.found()
+            if pairs <= passes.capacity:
                 break
-            if found > MOST_PAIRS:
+            if pairs > MAX_PAIRS:
                 raise OverflowError("too many Gaussians in too many tiles: draw smaller crops")
-            self._capacity, self._passes = found + found // 4, None
+            self._capacity, self._passes = pairs + pairs // 4, None
         passes.over_tiles("absolute_error")
         passes.reduce()
         return float(passes.errors.download()[:, 0].sum())

@@ -44,7 +44,7 @@ class DeviceFit:
     @staticmethod
     def can_run(spec: ModelSpec) -> bool:
         """Whether the kernels have this model: what the native step has, up to 4 channels and 64 hidden units."""
-        narrow = spec.channels <= MAX_CHANNELS and spec.context.hidden <= DeviceStep.most_hidden
+        narrow = spec.channels <= MAX_CHANNELS and spec.context.hidden <= DeviceStep.max_hidden
         return FusedStep.can_run(spec) and narrow
 
     def set_layout(self, layout: SeedLayout, quality: int) -> None:

@@ -25,7 +25,7 @@ DECODERS = ("colour", "shape")
 _SIZES = sources.constants("cuda/fit/rows.hpp")
 SUM_THREADS, SUM_SIDE = _SIZES["kSumThreads"], _SIZES["kSumSide"]
 PRODUCT_THREADS, PRODUCT_ROWS = _SIZES["kProductThreads"], _SIZES["kProductRows"]
-MOST_CHUNKS, LEAST_CHUNK = 64, 128
+MAX_CHUNKS, MIN_CHUNK = 64, 128
 """Rows of sums over seeds, and of how many seeds one is at least."""
 
 
@@ -66,7 +66,7 @@ class DeviceNetworks:
         for name in (*DECODERS, "context"):
             sizes = [(shapes[f"{name}.w{n}"], starts[f"{name}.w{n}"], starts[f"{name}.b{n}"]) for n in (1, 2)]
             self._layers[name] = [_Layer(rows, columns, w, b) for (rows, columns), w, b in sizes]
-        self._chunk = LEAST_CHUNK * -(-count // (LEAST_CHUNK * MOST_CHUNKS))
+        self._chunk = MIN_CHUNK * -(-count // (MIN_CHUNK * MAX_CHUNKS))
         self._chunks = -(-count // self._chunk)
         self._weights: GpuArray | None = None
 

@@ -34,14 +34,13 @@ class Trained(NamedTuple):
 
 
 def energy_of(gpu: Gpu, covariances: GpuArray, colours: GpuArray, seeds: int) -> F32:
-    """`SeedSet.energy` without weights, of Gaussians [N·K, 3] and [N·K, C]: 4 bytes a seed come back."""
+    """`SeedSet.energy` without weights, of Gaussians [N, 3] and [N, C]: 4 bytes a seed come back."""
     energy = gpu.array(seeds)
     given = structures()["EnergyArguments"](
         covariances=covariances.address,
         colours=colours.address,
         energy=energy.address,
         count=seeds,
-        per_seed=len_of(colours) // seeds,
         channels=colours.shape[1],
     )
     gpu.launch("measure_energy", -(-seeds // THREADS), THREADS, given)

@@ -32,9 +32,9 @@ F32 = NDArray[np.float32]
 _SIZES = sources.constants("cuda/fit/state.hpp") | sources.constants("cuda/fit/update.hpp")
 SEED_THREADS, PRICE_THREADS, REPORT_THREADS = (_SIZES[f"k{name}Threads"] for name in ("Seed", "Price", "Report"))
 ADD_THREADS, SUM_THREADS, MOVE_THREADS = 256, 128, 256
-MOST_CHUNKS = 512
+MAX_CHUNKS = 512
 """Rows of sums over seeds: enough blocks for any GPU, few enough to be added by one thread for each sum."""
-MOST_ARRAYS = 8
+MAX_ARRAYS = 8
 """That one step moves (AdamArguments)."""
 
 
@@ -50,7 +50,7 @@ class StepKind(NamedTuple):
 class DeviceStep:
     """Steps of N seeds at fixed places. Graphs are recorded when a kind of step is first run."""
 
-    most_hidden = _SIZES["kMostHidden"]
+    max_hidden = _SIZES["kMostHidden"]
 
     def __init__(
         self, gpu: Gpu, spec: ModelSpec, layout: SeedLayout, neighbour: NDArray[np.int32], quality: int, cutoff: float
@@ -66,9 +66,9 @@ class DeviceStep:
             "report": gpu.array(ctypes.sizeof(structures()["StepReport"]), np.uint8),
             **{name: gpu.array(shape) for name, shape in self._shapes().items()},
         }
-        self._chunk = SEED_THREADS * -(-self.count // (SEED_THREADS * MOST_CHUNKS))
+        self._chunk = SEED_THREADS * -(-self.count // (SEED_THREADS * MAX_CHUNKS))
         self._fixed: dict[str, Any] = {
-            **{"count": self.count, "per_seed": spec.per_seed, "channels": spec.channels, "quality": quality},
+            **{"count": self.count, "channels": spec.channels, "quality": quality},
             **{"hidden": spec.context.hidden, "neighbours": neighbour.shape[1], "chunk": self._chunk},
             **{"chunks": -(-self.count // self._chunk), "difference_unit": 2.0**DIFFERENCE_SHIFT},
         }
@@ -174,7 +174,7 @@ class DeviceStep:
         """Whether there was room for so many pairs; if not, there will be."""
         if pairs <= self._passes[scale].capacity:
             return True
-        if pairs > MOST_PAIRS:
+        if pairs > MAX_PAIRS:
             raise OverflowError("too many Gaussians in too many tiles: draw smaller crops")
         del self._passes[scale]
         self._graphs = {}
@@ -246,7 +246,7 @@ class DeviceStep:
             fields |= {name: array.address for name, array in level.items()}
             fields |= {"cutoff": self.cutoff, "scale": scale, "minimum": MIN_VARIANCE}
             _, height, width = level["target"].shape
-            view, gaussians = CudaView(width, height), self.count * self.spec.per_seed
+            view, gaussians = CudaView(width, height), self.count
             capacity = max(self._capacity, 4 * gaussians + 4 * view.tiles)
             self._passes[scale] = TilePasses(self.gpu, view, gaussians, self.spec.channels, capacity, fields)
         return self._passes[scale]
@@ -272,12 +272,12 @@ class DeviceStep:
 
     def _shapes(self) -> dict[str, tuple[int, ...]]:
         """Of what a step writes."""
-        n, k, channels, hidden = self.count, self.spec.per_seed, self.spec.channels, self.spec.context.hidden
-        attributes, common = k * (channels + 5), layer_shapes(self.spec)[0][0][1]
+        n, channels, hidden = self.count, self.spec.channels, self.spec.context.hidden
+        attributes, common = channels + 5, layer_shapes(self.spec)[0][0][1]
         rest = sum(math.prod(shape) for stage in layer_shapes(self.spec) for shape in stage[1:])
         units = sum(base_counts(self.spec)) // LEVELS
-        gaussians = {"means": (n * k, 2), "covariances": (n * k, 3), "colours": (n * k, channels)}
-        values = {"colour": (n, k * channels), "shape": (n, 3 * k), "offset": (n, 2 * k)}
+        gaussians = {"means": (n, 2), "covariances": (n, 3), "colours": (n, channels)}
+        values = {"colour": (n, channels), "shape": (n, 3), "offset": (n, 2)}
         return {
             **{"summary": (n, SUMMARY), "inputs": (n, common), "product": (n, 3, hidden), "kept": (n, units, 3)},
             **{"decoded": (n, attributes), "slopes": (n, attributes), "bits": (n,)},
@@ -296,4 +296,4 @@ def _sums(spec: ModelSpec, trains_first: bool) -> int:
 
 _PLACES = {"context.difference": "difference", "context.first": "first", "context.rest": "rest"}
 """Where arrays that train lie, if not under their own name."""
-MOST_PAIRS = 1 << 28
+MAX_PAIRS = 1 << 28

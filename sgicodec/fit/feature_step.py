@@ -21,11 +21,11 @@ from sgicodec.model.spec import ModelSpec
 from sgicodec.profiles.fit_settings import FitSettings, Rounding
 from sgicodec.raster.backend import Backend, Errors
 
-__all__ = ["LEAST_SAMPLED", "FeatureInputs", "FeatureOutputs", "FeatureStep"]
+__all__ = ["MIN_SAMPLED", "FeatureInputs", "FeatureOutputs", "FeatureStep"]
 
 F32 = NDArray[np.float32]
 
-LEAST_SAMPLED = 1000
+MIN_SAMPLED = 1000
 """Seeds whose bits are counted in a step, where there are as many: 5 % of few seeds are too few to learn from."""
 
 _GROUPS = ("feature", "scales", "offset")
@@ -111,19 +111,19 @@ class FeatureStep:
             rounding=rounding,
             priced=priced,
             noise=noise,
-            share=min(1.0, max(self.settings.rate_sample, LEAST_SAMPLED / self.count)),
+            share=min(1.0, max(self.settings.rate_sample, MIN_SAMPLED / self.count)),
             price=lmbda / (self.count * self.spec.attributes),
         )
-        found = self._evaluate(given, level)
+        outputs = self._evaluate(given, level)
         if priced:
-            for name, slopes in decoder_parts(self.spec, found.sums).items():
+            for name, slopes in decoder_parts(self.spec, outputs.sums).items():
                 if slopes.ndim == 2:
                     slopes += price_slope(seeds.decoders[name], seeds.decoder_shift, given.price)
-        gradients = dict(zip(_GROUPS, found.values, strict=True))
-        gradients |= {f"decoder_{name}": slopes for name, slopes in seeds.by_network(found.sums).items()}
+        gradients = dict(zip(_GROUPS, outputs.values, strict=True))
+        gradients |= {f"decoder_{name}": slopes for name, slopes in seeds.by_network(outputs.sums).items()}
         if priced and context.trains:
-            gradients |= context.gradients(found.sums[len(decoders) :], found.tables, given.price)
-        return StepResult(found.error, found.bits, gradients)
+            gradients |= context.gradients(outputs.sums[len(decoders) :], outputs.tables, given.price)
+        return StepResult(outputs.error, outputs.bits, gradients)
 
     def _evaluate(self, given: FeatureInputs, level: Level) -> FeatureOutputs:
         """The step but for what weights cost."""

@@ -64,14 +64,14 @@ class FusedStep:
 
     def __init__(self, spec: ModelSpec, seed: int, raster: Backend[F32], device: Device) -> None:
         opponent = np.array(colour_matrix(spec.channels), np.float32)
-        self.native = _native.SeedFit(device.isa, device.threads, spec.per_seed, spec.context.hidden, opponent)
+        self.native = _native.SeedFit(device.isa, device.threads, spec.context.hidden, opponent)
         self.spec, self.seed, self.raster = spec, seed, raster
         self.age = 0
         self.standing: dict[str, F32] = {}
 
     @staticmethod
     def can_run(spec: ModelSpec) -> bool:
-        """Whether the native code has this model: the default profile's, with any K, C and width of MLP_p."""
+        """Whether the native code has this model: the default profile's, with any C and width of MLP_p."""
         context = spec.context
         grouped = context.steps == tuple((name,) for name in _GROUPS) and not context.hash_resolutions
         return spec.plain and grouped and 0 < context.neighbours <= _native.MOST_NEIGHBOURS
@@ -87,7 +87,7 @@ class FusedStep:
         """As `GradientStep.run`."""
         colour, shape, offset = values = [parameters.seeds.values[name] for name in _GROUPS]
         context, noise = parameters.context, NoiseKey.of(self.seed, number)
-        gaussians = empty_gaussians(self.count * self.spec.per_seed, self.spec.channels)
+        gaussians = empty_gaussians(self.count, self.spec.channels)
         reuse = reuse_of(self.age, rounding, context)
         rest = context.effective_rest()  # the backward pass reads it again
         bits = self.native.forward(

@@ -31,7 +31,7 @@ def fresh_values(spec: ModelSpec, mean: F32, pixels: int) -> dict[str, F32]:
     values = {group.name: np.zeros((n, group.size), np.float32) for group in spec.groups}
     if spec.skip:
         opponent = np.array(colour_matrix(spec.channels), np.float32)
-        values["colour"][:] = np.tile(np.float32(0.7) * mean @ opponent.T, spec.per_seed) / np.float32(spec.per_seed)
+        values["colour"][:] = np.float32(0.7) * mean @ opponent.T
         values["shape"][:, 0::3] = math.log(0.5)
     if spec.seed_scales:
         values["scales"] += np.float32(math.log(0.5 * math.sqrt(pixels / n)))

@@ -34,8 +34,8 @@ def evenly(times: int) -> list[float]:
 
 def passed(fractions: list[float], now: float) -> bool:
     """Whether the first of `fractions`, which rise, lies behind `now`; all that do are dropped."""
-    found = False
+    has_passed = False
     while fractions and fractions[0] <= now:
         del fractions[0]
-        found = True
-    return found
+        has_passed = True
+    return has_passed

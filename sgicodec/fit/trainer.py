@@ -27,7 +27,6 @@ from sgicodec.model.spec import ModelSpec
 from sgicodec.model.steps import StepPlan, default_plan, quality_index
 from sgicodec.profiles.fit_settings import SLOWED, FitSettings, Phase
 from sgicodec.raster.cpu import NativeRasterizer
-from sgicodec.rate_control.lambda_controller import LambdaController
 
 if TYPE_CHECKING:
     from sgicodec.fit.device_fit import DeviceFit
@@ -60,14 +59,11 @@ class Fitted:
     networks: tuple[IntNetwork, ...]
     hash_bits: list[NDArray[np.int64]]
     quality: int
-    lmbda: float
 
 
 class Trainer:
     """One picture's fit. `target` [C, H, W] is the picture less its base layer, samples in 0..1, and `weights` [H, W]
     what their squared errors count, by default all the same.
-
-    `controller` moves λ towards a rate target.
 
     MLP_p is one of three: `networks`, integers to which the fit adds a small difference; `context`, weights that the
     caller trains with the gradients that each step leaves in `gradients`; or, without either, a new one that turns into
@@ -85,16 +81,14 @@ class Trainer:
         family: int,
         networks: tuple[IntNetwork, ...] | None = None,
         context: ContextWeights | None = None,
-        controller: LambdaController | None = None,
         device: Device = ALL_CORES,
         weights: F32 | None = None,
     ) -> None:
         self.spec, self.settings, self.weights = spec, settings, weights
-        self.lmbda, self.controller = settings.lmbda, controller
         self.schedule = Schedule(settings.phases)
         self.raster = NativeRasterizer(device)
         self.levels = levels_of(target, weights, max(phase.level for phase in settings.phases) + 1)
-        self.quality = self._quality()
+        self.quality = quality_index(settings.lmbda) if settings.quality is None else settings.quality
         rng = np.random.default_rng(settings.seed)
         self.seeds = SeedSet(spec, layout, target, rng, device)
         self.seeds.decoder_shift += math.ceil(settings.finer_steps)
@@ -137,15 +131,11 @@ class Trainer:
             for fraction in self.schedule.within(index):
                 error, bits = self._step(phase)
                 psnr = -10 * math.log10(max(error / self.levels[phase.level].samples.size, 1e-12))
-                untouched = len(prunes) == phase.prune
                 if passed(prunes, fraction):
-                    self._prune(psnr if untouched else None)
+                    self._prune()
                 if passed(growths, fraction):
                     self._grow()
                 self.step += 1
-                if self.controller is not None and phase.rate:
-                    done, steps = self.schedule.done, self.schedule.steps
-                    self.lmbda = self.controller.update(done, steps, bits, len(self.seeds), psnr)
                 yield Progress(self.step, self.schedule.steps, len(self.seeds), psnr, bits)
 
     def _fix_what_is_shared(self) -> None:
@@ -170,17 +160,17 @@ class Trainer:
 
     def _step(self, phase: Phase) -> tuple[float, float]:
         """Squared error and bits of a step, after which everything that trains has moved."""
-        lmbda = self.lmbda * 0.25**phase.level if phase.rate else 0.0  # a level has a quarter of the pixels
+        lmbda = self.settings.lmbda * 0.25**phase.level if phase.rate else 0.0  # a level has a quarter of the pixels
         if self.on_gpu is not None:
             names = self.parameters.trained()
             rates = {name: self._learning_rate(learning_rate_of(name), phase) for name in names}
             return self.on_gpu.run(phase.rounding, self.step, self.levels[phase.level], lmbda, rates)
-        found = self.gradient_step.run(self.parameters, phase.rounding, self.step, self.levels[phase.level], lmbda)
-        self.gradients = found.gradients
+        result = self.gradient_step.run(self.parameters, phase.rounding, self.step, self.levels[phase.level], lmbda)
+        self.gradients = result.gradients
         for name, array in self.parameters.trained().items():
-            if name in found.gradients:
-                self.adam.move(name, array, found.gradients[name], self._learning_rate(learning_rate_of(name), phase))
-        return found.error, found.bits
+            if name in result.gradients:
+                self.adam.move(name, array, result.gradients[name], self._learning_rate(learning_rate_of(name), phase))
+        return result.error, result.bits
 
     def _learning_rate(self, name: str, phase: Phase) -> float:
         rates = self.settings.rates
@@ -189,25 +179,17 @@ class Trainer:
         trains = {"steps": phase.learn_steps, "context": phase.rate}.get(name, True)
         return float(getattr(rates, name) * (speed * trains))
 
-    def _prune(self, first_psnr: float | None) -> None:
-        """Drops seeds whose Gaussians hold less squared error than their bits cost; the first time, λ is foreseen from
-        the PSNR so far.
-        """
+    def _prune(self) -> None:
+        """Drops seeds whose Gaussians hold less squared error than their bits cost."""
         energy = self.seeds.energy(self.weights) if self.on_gpu is None else self.on_gpu.energy(self.weights)
-        price = self.settings.prune * self.settings.seed_bits
-        floor = price * self.lmbda
-        if first_psnr is not None and self.controller is not None:
-            bits, steps = self.seed_bits(), self.schedule.steps
-            floor = price * self.controller.update_before_pruning(energy, bits, price, first_psnr, steps)
-            self.lmbda = self.controller.lmbda
-        keep = energy > floor
+        keep = energy > self.settings.prune * self.settings.seed_bits * self.settings.lmbda
         keep[energy.argmax()] = True  # a model without seeds has no gradients
         if not keep.all():
             self._keep(keep)
 
     def _grow(self) -> None:
         """Adds seeds where the residual of the exact values is worth more than their bits."""
-        price = self.lmbda * self.settings.seed_bits * self.settings.growth
+        price = self.settings.lmbda * self.settings.seed_bits * self.settings.growth
         added, means = worthwhile_cells(self._residual_sums(), self.seeds.layout, price)
         if not len(added):
             return
@@ -235,7 +217,6 @@ class Trainer:
         """To be called where seeds have come or gone. `rows` [N]: which seed of before each is; −1 − i for row
         `old` + i of the host's arrays, which is new.
         """
-        self.quality = self._quality()
         if self.on_gpu is None:
             self.gradient_step.set_layout(self.seeds.layout, self.quality)
         else:
@@ -250,9 +231,6 @@ class Trainer:
         """Makes the arrays of `seeds` and all else that trains those of now, which is to be read or changed."""
         if self.on_gpu is not None:
             self.on_gpu.fetch()
-
-    def _quality(self) -> int:
-        return quality_index(self.lmbda) if self.settings.quality is None else self.settings.quality
 
     def _device_fit(self, family: int, device: Device) -> DeviceFit | None:
         """The fit on the GPU that was asked for, if its kernels have this model and loss."""
@@ -287,5 +265,4 @@ class Trainer:
             self.context.integers(),
             self.context.signs(),
             self.quality,
-            self.lmbda,
         )

@@ -1,6 +1,7 @@
 """What an encode minimises besides bits: the contract of a distortion, and squared error between whole pictures.
 
-A distortion turns a picture into a `Reference`. Every stage that decides asks that reference and nothing else:
+A distortion turns a picture into a `Reference`. Every stage that decides on seeds asks that reference and nothing else
+(texture and restoration minimise what an encode is tuned for: `encoder/tile/texture_steps.py`):
 
 - `weights` is what one squared error costs at each pixel: it splits quadtree cells, prunes and adds seeds, is fused
   into the fit's native step and into RDOQ, and fits the base layer;

@@ -2,7 +2,7 @@
 
 Inputs are integers in units of 2^-6 when coding and floats in the same units when training; the functions here take
 either, with `floor_shift(x, k)` standing for x >> k or x / 2^k. A seed's decoded values enter as a *summary*: three
-opponent colours and three shape numbers, the mean over its K Gaussians, so that one network serves any C and K.
+opponent colours and three shape numbers, so that one network serves any C.
 """
 
 from __future__ import annotations
@@ -157,16 +157,15 @@ def input_count(spec: ModelSpec, step: int) -> int:
 def output_columns(spec: ModelSpec, group: str) -> NDArray[np.int64]:
     """Which of MLP_p's outputs of its kind predicts each attribute of a group [size].
 
-    With the skip, one output serves the same attribute of all K Gaussians; channels beyond three, and those of
-    pictures with fewer than three, share luma's.
+    With the skip, channels beyond three, and those of pictures with fewer than three, share luma's.
     """
     size = spec.group(group).size
     if not spec.skip:
         return np.arange(size)
     if group == "colour":
-        channel = np.arange(size) % spec.channels
+        channel = np.arange(size)
         return np.where((channel < 3) & (spec.channels >= 3), channel, 0)
-    return np.arange(size) % {"shape": 3, "offset": 2}.get(group, size)
+    return np.arange(size)
 
 
 def output_count(spec: ModelSpec, group: str) -> int:

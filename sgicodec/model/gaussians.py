@@ -107,8 +107,8 @@ def gaussians_from_seeds(
     colours = _decode(features, decoders, "colour", xp)
     shapes = _decode(features, decoders, "shape", xp)
     if spec.skip:
-        colours = colours + features[:, : k * spec.channels]
-        shapes = shapes + features[:, k * spec.channels : k * (spec.channels + 3)]
+        colours = colours + features[:, : spec.channels]
+        shapes = shapes + features[:, spec.channels : spec.channels + 3]
     colours = colours.reshape(n * k, spec.channels)
     if spec.skip:
         colours = colours @ opponent

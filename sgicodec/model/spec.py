@@ -49,11 +49,12 @@ class ContextSpec:
 class ModelSpec:
     """The architecture (paper, section 3.1, with the design's choices as settings).
 
-    `features` is D, `per_seed` is K. With `skip` the decoders start as an identity, so that the first K·C features
-    are colours in an opponent space and the next 3K are shapes. `hidden` is the width of MLP_c and MLP_Σ; 0 leaves
-    only the skip. `seed_scales` says whether s_o and s_a are carried. `base_cell` is the side in pixels of the base
-    layer's cells, 0 for none. `texture` says whether tiles may hold a texture layer, `luma_space` whether samples are
-    those of luma space, `restoration` whether tiles may name a network that restores what is drawn.
+    `features` is D, `per_seed` is K. With `skip`, K is 1 and the decoders start as an identity, so that the first C
+    features are a colour in an opponent space and the next three are a shape. `hidden` is the width of MLP_c and
+    MLP_Σ; 0 leaves only the skip. `seed_scales` says whether s_o and s_a are carried. `base_cell` is the side in
+    pixels of the base layer's cells, 0 for none. `texture` says whether tiles may hold a texture layer,
+    `luma_space` whether samples are those of luma space, `restoration` whether tiles may name a network that
+    restores what is drawn.
     """
 
     channels: int
@@ -74,8 +75,8 @@ class ModelSpec:
     def groups(self) -> tuple[Group, ...]:
         """The attribute groups in coding order; their sizes sum to d_A (paper: D + 4 + 2K)."""
         if self.skip:
-            sizes = [("colour", self.per_seed * self.channels), ("shape", 3 * self.per_seed)]
-            rest = self.features - sum(size for _, size in sizes)
+            sizes = [("colour", self.channels), ("shape", 3)]
+            rest = self.features - self.channels - 3
             sizes += [("feature", rest)] if rest else []
         else:
             sizes = [("feature", self.features)]
@@ -86,8 +87,8 @@ class ModelSpec:
 
     @property
     def plain(self) -> bool:
-        """Whether seeds hold their Gaussians as they are: colours, log-covariances, offsets; no decoders, no scales."""
-        held = self.features == self.per_seed * (self.channels + 3)
+        """Whether seeds hold their Gaussian as it is: colour, log-covariance, offset; no decoders, no scales."""
+        held = self.per_seed == 1 and self.features == self.channels + 3
         return self.skip and held and self.shape == "log" and not self.hidden and not self.seed_scales
 
     def group(self, name: str) -> Group:

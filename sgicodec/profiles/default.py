@@ -9,25 +9,7 @@ from sgicodec.model.spec import ContextSpec, ModelSpec
 from sgicodec.profiles.fit_settings import FitSettings, Phase
 from sgicodec.profiles.profile import Choices, Profile
 
-__all__ = [
-    "DEFAULT",
-    "EFFORTS",
-    "TEXTURE_EFFORTS",
-    "VISUAL_EFFORTS",
-    "default_settings",
-    "default_spec",
-    "lmbda_of_quality",
-]
-
-EFFORTS: dict[int, int] = {1: 120, 2: 200, 3: 350, 4: 600, 5: 1000, 6: 1600, 7: 2500, 8: 4000, 9: 8000}
-"""Optimisation steps of the default profile for each effort, without texture."""
-TEXTURE_EFFORTS: dict[int, int] = EFFORTS | {4: 500, 5: 600, 6: 1200}
-"""The same towards least squared error with texture, which needs fewer seeds."""
-VISUAL_EFFORTS: dict[int, int] = {1: 120, 2: 200, 3: 300, 4: 400, 5: 600, 6: 1000, 7: 1600, 8: 2500, 9: 5000}
-"""The same for the eye with texture, which sees more of texture than of what more steps give to seeds."""
-
-_HURRIED_STEPS = 300
-"""Fits of fewer steps are hurried where texture shows what they leave. Goals want estimates that hold."""
+__all__ = ["DEFAULT", "default_settings", "default_spec", "lmbda_of_quality"]
 
 
 def default_spec(channels: int, prior: int = 3, hidden: int = 0, texture: bool = False) -> ModelSpec:
@@ -51,10 +33,10 @@ def default_spec(channels: int, prior: int = 3, hidden: int = 0, texture: bool =
     )
 
 
-def default_settings(lmbda: float, steps: int, hurried: bool = False) -> FitSettings:
+def default_settings(lmbda: float, steps: int, low_effort: bool = False) -> FitSettings:
     """The `default` profile in `steps` steps."""
-    settings = FitSettings(lmbda=lmbda, phases=default_phases(steps), reference_steps=800)
-    return replace(settings, phases=hurried_phases(steps), hurried=True) if hurried else settings
+    phases = low_effort_phases(steps) if low_effort else default_phases(steps)
+    return FitSettings(lmbda=lmbda, phases=phases, reference_steps=800)
 
 
 def default_phases(steps: int) -> tuple[Phase, ...]:
@@ -71,7 +53,7 @@ def default_phases(steps: int) -> tuple[Phase, ...]:
     )
 
 
-def hurried_phases(steps: int) -> tuple[Phase, ...]:
+def low_effort_phases(steps: int) -> tuple[Phase, ...]:
     """The same with most of the noise phase at half size, where a step takes a third of the time.
 
     It suits seeds beneath texture, which are wide: those that show a few pixels want full size.
@@ -99,11 +81,7 @@ def _spec(choices: Choices, channels: int) -> ModelSpec:
 
 def _fit_settings(choices: Choices) -> FitSettings:
     lmbda = lmbda_of_quality(choices.quality) if choices.lmbda is None else choices.lmbda
-    textured = VISUAL_EFFORTS if choices.tuned_for == "visual" else TEXTURE_EFFORTS
-    efforts = textured if choices.texture else EFFORTS
-    steps = choices.steps or efforts[choices.effort]
-    hurried = choices.texture and steps < _HURRIED_STEPS and choices.hurries
-    return default_settings(max(lmbda, 1e-9), steps, hurried=hurried)
+    return default_settings(max(lmbda, 1e-9), choices.fit_steps, choices.is_low_effort)
 
 
 DEFAULT = Profile(

@@ -13,27 +13,27 @@ Rounding = Literal["none", "noise", "round"]
 
 @dataclass(frozen=True)
 class Phase:
-    """A stretch of steps.
-
-    level: pyramid level (0 is full size). rounding: exact values, uniform noise of one step, or rounded values with
-    straight-through gradients. rate: whether the loss counts bits. learn_steps: whether step sizes, γ and r train.
-    prune, grow: how many times, evenly spaced, seeds that do not pay are dropped, and seeds added where error stays.
-    """
+    """A stretch of steps."""
 
     steps: int
+    """Optimisation steps."""
     level: int = 0
+    """Of the pyramid, 0 for full size."""
     rounding: Rounding = "none"
+    """Exact values, uniform noise of one step, or rounded values with straight-through gradients."""
     rate: bool = False
+    """Whether the loss counts bits."""
     learn_steps: bool = False
+    """Whether step sizes, γ and r train."""
     prune: int = 0
+    """How many times, evenly spaced, seeds that do not pay are dropped."""
     grow: int = 0
+    """How many times, evenly spaced, seeds are added where error stays."""
 
 
 @dataclass(frozen=True)
 class LearningRates:
-    """Adam's learning rates at the start; `final` is the share that is left at the end of a fit, `finals` that of the
-    rates that it names, `hold` how much of a fit passes before the decay begins, `decay` what its curve is.
-    """
+    """Adam's learning rates at the start of a fit, in units of what they train, and how they decay."""
 
     colour: float = 0.028
     shape: float = 0.085
@@ -44,12 +44,19 @@ class LearningRates:
     decoder_shape: float = 0.004
     context: float = 0.005
     steps: float = 0.03
+    """Of base steps, γ and r, in octaves."""
     betas: tuple[float, float] = (0.9, 0.99)
+    """Adam's β of both moments."""
     epsilon: float = 1e-15
+    """Adam's ε."""
     final: float = 0.01
+    """Share of a rate that is left at the end of a fit."""
     hold: float = 0.4
+    """Share of a fit that passes before the decay begins."""
     decay: Literal["exponential", "linear"] = "linear"
+    """Its curve."""
     finals: Mapping[str, float] = field(default_factory=dict)
+    """`final` of the rates that it names."""
 
     def left(self, name: str, done: float) -> float:
         """What is left of a rate when a fraction `done` of a fit lies behind."""
@@ -60,34 +67,37 @@ class LearningRates:
 
 @dataclass(frozen=True)
 class FitSettings:
-    """How a model is fitted.
-
-    lmbda: squared error (samples in 0..1, summed over pixels and channels) that one bit must save; in the `paper`
-    profile the λ of equation 11. loss: "squared" or "absolute". split: a cell splits while its squared deviation
-    exceeds `split` seeds' worth of rate. prune: a seed is dropped when its energy is below this many times the price
-    of its bits (`seed_bits`). growth: a seed is added where the squared error that its cell's mean holds is above this
-    many times that price. rate_sample: share of the seeds whose bits are counted each step. seeds: their number in the
-    uniform layout. seed: of every random number. reference_steps: the number of steps that the rates of `SLOWED` are
-    meant for; more steps go with smaller ones. finer_steps: octaves by which base steps are below the profile's plan.
-    quality: index of the base colour step, where it is not to follow λ.
-    hurried: whether what gains little for its time is left out, in the fit and after it.
-    """
+    """How a model is fitted."""
 
     lmbda: float
+    """Squared error, samples in 0..1 summed over pixels and channels, that one bit must save; in the `paper` profile
+    the λ of equation 11."""
     phases: tuple[Phase, ...]
+    """In their order."""
     rates: LearningRates = field(default_factory=LearningRates)
+    """Learning rates."""
     loss: Literal["squared", "absolute"] = "squared"
+    """What is minimised besides bits."""
     split: float = 3.0
+    """A cell of the first layout splits while its squared deviation exceeds so many seeds' worth of rate."""
     prune: float = 1.0
+    """A seed is dropped when its energy is below so many times the price of its bits."""
     growth: float = 0.3
+    """A seed is added where the squared error that its cell's mean holds is above so many times that price."""
     seed_bits: float = 30.0
+    """Bits of a seed in these prices."""
     rate_sample: float = 1.0
+    """Share of the seeds whose bits are counted in each step."""
     seeds: int | None = None
+    """Their number in the uniform layout; None for one per 400 pixels."""
     seed: int = 0
+    """Of every random number."""
     reference_steps: int | None = None
+    """Number of steps that the rates of `SLOWED` are meant for; more steps go with smaller ones. None: they stay."""
     finer_steps: float = 0.0
+    """Octaves by which base steps are below the profile's plan."""
     quality: int | None = None
-    hurried: bool = False
+    """Index of the base colour step, None where it follows λ."""
 
     @property
     def steps(self) -> int:

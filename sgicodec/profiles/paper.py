@@ -14,14 +14,14 @@ __all__ = ["PAPER", "paper_settings", "paper_spec"]
 PAPER_STEPS = 15_000
 """Of the published schedule."""
 
-MOST_FREE = 0.35
+MAX_FREE = 0.35
 """Of a level's steps, how many are without noise where the fit is shorter than the published one."""
 
 RATE_SHARE = 0.4
 """Of all steps, in which bits count; a fifth as published. Steps become finer then, and PSNR rises to the end: 0.2 dB
 more in 3 % fewer bytes (docs/notes/2026-11-paper-profile.md)."""
 
-MOST_CONTEXT = 0.08
+MAX_CONTEXT = 0.08
 """MLP_p and the hash grid learn while bits count; the learning rates of shorter fits sum to as much, up to this one."""
 
 EXACT_STEPS = 6.0
@@ -60,7 +60,7 @@ def paper_settings(lmbda: float, levels: int, steps: int) -> FitSettings:
         scales=0.007,
         decoder_colour=0.008,
         decoder_shape=0.004,
-        context=min(0.005 * PAPER_STEPS / steps, MOST_CONTEXT),
+        context=min(0.005 * PAPER_STEPS / steps, MAX_CONTEXT),
         steps=0.0,
         betas=(0.9, 0.999),
         final=1.0,
@@ -77,7 +77,7 @@ def paper_phases(levels: int, steps: int, priced: bool = True) -> tuple[Phase, .
     """The published schedule for M pyramid levels: each begins without noise; bits count in the last `RATE_SHARE`.
 
     Without noise are a tenth of the published length of a level (300, 600 and 600 steps for M = 3), in a shorter fit
-    as many steps, but at most `MOST_FREE` of the level: features cannot leave the noise before they are as large.
+    as many steps, but at most `MAX_FREE` of the level: features cannot leave the noise before they are as large.
     Where bits have no price there is no noise at all.
     """
     parts = {1: (1.0,), 2: (0.6, 0.4), 3: (0.2, 0.4, 0.4), 4: (0.1, 0.2, 0.3, 0.4)}
@@ -86,7 +86,7 @@ def paper_phases(levels: int, steps: int, priced: bool = True) -> tuple[Phase, .
     phases: list[Phase] = []
     for index, part in enumerate(parts[levels]):
         level, count = levels - 1 - index, round(part * steps)
-        free = round(min(0.1 * part * PAPER_STEPS, MOST_FREE * part * steps)) if priced else count
+        free = round(min(0.1 * part * PAPER_STEPS, MAX_FREE * part * steps)) if priced else count
         free = min(count, max(1, free))
         last = min(count - free, round(RATE_SHARE * steps)) if level == 0 else 0
         phases += [Phase(free, level), Phase(count - free - last, level, "noise")]

@@ -20,8 +20,6 @@ class Choices(Protocol):
     @property
     def lmbda(self) -> float | None: ...
     @property
-    def effort(self) -> int: ...
-    @property
     def steps(self) -> int | None: ...
     @property
     def per_seed(self) -> int | None: ...
@@ -40,32 +38,35 @@ class Choices(Protocol):
     @property
     def restoration(self) -> bool: ...
     @property
-    def tuned_for(self) -> str: ...
+    def fit_steps(self) -> int: ...
     @property
-    def hurries(self) -> bool: ...
+    def is_low_effort(self) -> bool: ...
 
 
 @dataclass(frozen=True)
 class Profile:
-    """One way to make a stream.
-
-    family: of frequency tables, 0 for Gaussian, 1 for Laplace. spec: the model for a number of channels. settings: how
-    a tile is fitted. own_choices: settings that no other profile has. scales: settings on a scale of this profile
-    alone, and which takes their place elsewhere. has_targets: whether a size or a PSNR can be asked for.
-    has_distortions: whether it minimises what `metrics.choices` offers. has_overviews: whether a stream of several
-    tiles may carry the picture in small. parts: names under which parts of a stream are shown together.
-    """
+    """One way to make a stream."""
 
     name: str
+    """As settings and headers have it."""
     family: int
+    """Of frequency tables, 0 for Gaussian, 1 for Laplace."""
     spec: Callable[[Choices, int], ModelSpec]
+    """The model for a number of channels."""
     settings: Callable[[Choices], FitSettings]
+    """How a tile is fitted."""
     own_choices: tuple[str, ...] = ()
+    """Settings that no other profile has."""
     scales: Mapping[str, str] = field(default_factory=dict)
+    """Settings on a scale of this profile alone, and which takes their place elsewhere."""
     has_targets: bool = False
+    """Whether a size, a PSNR or a score can be asked for."""
     has_distortions: bool = False
+    """Whether it minimises what `metrics.choices` offers."""
     has_overviews: bool = False
+    """Whether a stream of several tiles may carry the picture in small."""
     parts: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """Names under which parts of a stream are shown together."""
 
     def fit_settings(self, choices: Choices) -> FitSettings:
         """How a tile is fitted, with the seed of random numbers."""

@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable
 
 from sgicodec.model.layout import CellSums, leaf_sums
-from sgicodec.rate_control.side_information import EMPTY_STREAM_BYTES
 from sgicodec.rate_control.target import (
     LMBDA_MAX,
     LMBDA_MIN,
@@ -14,7 +13,34 @@ from sgicodec.rate_control.target import (
     RateTarget,
 )
 
-__all__ = ["HIGHER_PRICE", "RdModel", "bisected_lmbda", "initial_lmbda"]
+__all__ = [
+    "EMPTY_STREAM_BYTES",
+    "HIGHER_PRICE",
+    "RdModel",
+    "bisected_lmbda",
+    "initial_lmbda",
+    "network_bytes",
+    "tile_side_bytes",
+]
+
+
+EMPTY_STREAM_BYTES = 200.0
+"""Of a stream without seeds, base layer included."""
+TILE_BYTES = 30.0
+"""Of one tile of several without seeds: the header is the stream's."""
+NETWORK_WEIGHT_BYTES = 1.2
+"""For each weight of a network that travels in the stream."""
+
+
+def network_bytes(weights: int) -> float:
+    """Bytes of a context network of `weights` weights that the stream carries."""
+    return NETWORK_WEIGHT_BYTES * weights
+
+
+def tile_side_bytes(weights: int) -> float:
+    """Bytes of a tile of several without seeds, with a network of `weights` weights."""
+    return TILE_BYTES + network_bytes(weights)
+
 
 HIGHER_PRICE = 4.0
 """Factor on the price of a seed at which the prediction of the error counts seeds once more."""

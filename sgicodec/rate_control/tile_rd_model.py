@@ -119,9 +119,9 @@ class TileRdModel:
         largest set at this one says its level.
         """
         predicted = sum(float(self._tabled([number], tile.lmbda)[0]) for number, tile in tiles.items())
-        found = sum(bound.of(tile) for tile in tiles.values())
-        if found > 0 and predicted > 1e-6:
-            at, ratio = math.log(lmbda), math.log(found / predicted)
+        measured = sum(bound.of(tile) for tile in tiles.values())
+        if measured > 0 and predicted > 1e-6:
+            at, ratio = math.log(lmbda), math.log(measured / predicted)
             more = ratio - self._ratios.get(at, ratio)
             self._ratios = {key: known + more for key, known in self._ratios.items()} | {at: ratio}
 

@@ -24,14 +24,14 @@ def with_coarser_steps(networks: tuple[IntNetwork, ...], octaves: float) -> tupl
     return tuple(network.coarser(round(octaves * 2**DIFFERENCE_SHIFT)) for network in networks)
 
 
-def fitted_scales(spec: ModelSpec, networks: tuple[IntNetwork, ...], found: Symbols) -> tuple[IntNetwork, ...]:
-    """Networks with a bias on every predicted scale, the one for which the symbols found would have cost least."""
+def fitted_scales(spec: ModelSpec, networks: tuple[IntNetwork, ...], coded: Symbols) -> tuple[IntNetwork, ...]:
+    """Networks with a bias on every predicted scale, the one for which the symbols coded would have cost least."""
     fitted = []
     for group, network in zip(spec.groups, networks, strict=True):
         by_output = output_columns(spec, group.name)
-        symbols, scale = found.symbols[:, group.columns], found.scale[:, group.columns]
+        symbols, scale = coded.symbols[:, group.columns], coded.scale[:, group.columns]
         moves = np.arange(-_REACH, _REACH + 1)
-        costs = np.stack([_bits(symbols, scale + move, found.family) for move in moves])  # [moves, size]
+        costs = np.stack([_bits(symbols, scale + move, coded.family) for move in moves])  # [moves, size]
         more = np.zeros(network.predicted, np.int64)
         for output in distinct(by_output):
             best = moves[np.argmin(costs[:, by_output == output].sum(axis=1))]

@@ -45,14 +45,14 @@ def with_optimised_base(objective: Objective, model: TileModel, residual: F32, l
 def _searched(
     base: NDArray[np.int64], step: float, lmbda: float, down: F64, across: F64, gram: F64 | None, pull: F64
 ) -> NDArray[np.int64]:
-    tables, found = frequency_tables(), np.array(base, np.int64, order="C")
+    tables, numbers = frequency_tables(), np.array(base, np.int64, order="C")
     for _ in range(_PASSES):
-        channels = base_channels(found)
-        weights = np.zeros((len(found), len(found)), np.int32)
+        channels = base_channels(numbers)
+        weights = np.zeros((len(numbers), len(numbers)), np.int32)
         for number, channel in enumerate(channels):
             weights[number, base_references(number)] = channel.weights
         search_base(
-            found,
+            numbers,
             np.array([channel.predictor for channel in channels], np.int32),
             weights,
             np.array([channel.table for channel in channels], np.int32),
@@ -67,4 +67,4 @@ def _searched(
             lmbda,
             1,
         )
-    return found
+    return numbers

@@ -65,7 +65,7 @@ def descend(
     values = joined(model)
     centre, cell = layout.centre, layout.cell
     decoded = np.zeros((count, spec.attributes), np.int64)
-    found = Symbols.empty(count, spec.attributes, header.family)
+    coded = Symbols.empty(count, spec.attributes, header.family)
     for members, neighbours in nearest_by_pass(spec.context, layout, nearest_seeds):
         inputs = np.empty((len(members), input_count(spec, 0)), np.int16)
         seeds.write(members, neighbours, inputs)
@@ -89,9 +89,9 @@ def descend(
             settings.rounds,
         )
         decoded[members] = values_found
-        found.symbols[members], found.scale[members], found.change[members] = part.symbols, part.scale, part.change
+        coded.symbols[members], coded.scale[members], coded.change[members] = part.symbols, part.scale, part.change
         seeds.summary[members] = summarise(spec, decoded, members, device)[0]
-    return with_values(spec, model, np.ldexp(decoded.astype(np.float64), -FRACTION_BITS)), found
+    return with_values(spec, model, np.ldexp(decoded.astype(np.float64), -FRACTION_BITS)), coded
 
 
 def _search(objective: Objective, model: TileModel) -> SymbolSearch:

@@ -26,12 +26,12 @@ F64 = NDArray[np.float64]
 
 
 def can_optimise(spec: ModelSpec) -> bool:
-    """Whether RDOQ knows this kind of model: one Gaussian per seed, drawn as its colour, shape and offset say and
+    """Whether RDOQ knows this kind of model: one Gaussian per seed, rendered as its colour, shape and offset say and
     coded in three steps from what neighbours say.
     """
     context = spec.context
     known = context.steps == (("colour",), ("shape",), ("offset",)) and not context.hash_resolutions
-    return spec.plain and spec.per_seed == 1 and known
+    return spec.plain and known
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ class Objective:
         return model_gaussians(self.header.spec, joined(model), model.layout, {}, self.device)
 
     def residual(self, model: TileModel) -> F32:
-        """Target less drawn [C, H, W + padding], the last columns zero, as the native code wants it."""
+        """Target less rendered [C, H, W + padding], the last columns zero, as the native code wants it."""
         _, height, width = self.picture.shape
         raster = NativeRasterizer(self.device)
         out = np.zeros((*self.picture.shape[:2], width + WINDOW_PADDING), np.float32)
@@ -99,7 +99,7 @@ class Objective:
         return out
 
     def cost(self, model: TileModel) -> Cost:
-        """What the stream costs and what it will show: coded in earnest, drawn from what was coded."""
+        """What the stream costs and what it will show: coded in earnest, rendered from what was coded."""
         return self.measured(model)[0]
 
     def decoded_residual(self, model: TileModel) -> F32:

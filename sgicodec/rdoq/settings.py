@@ -9,19 +9,20 @@ __all__ = ["RdoqSettings"]
 
 @dataclass(frozen=True)
 class RdoqSettings:
-    """How RDOQ follows a fit.
-
-    passes: times that all seeds are gone through; the best outcome counts. deep: choices of a seed's colours that are
-    followed to its shape and offset. rounds: times that the symbols of a shape or an offset are gone through. coarser:
-    octaves by which steps grow beforehand, since symbols that are searched want coarser steps than the noise that they
-    were trained with. base: whether the base layer moves too. drop: a seed goes when that costs less squared error than
-    this many times its price. position_bits: what a seed's place adds to its price.
-    """
+    """How RDOQ follows a fit. What each part gains was measured: docs/notes/2026-11-rdoq.md."""
 
     passes: int = 6
+    """Times that all seeds are gone through; the best outcome counts."""
     deep: int = 3
+    """Choices of a seed's colours that are followed to its shape and offset."""
     rounds: int = 3
+    """Times that the symbols of a shape or an offset are gone through."""
     coarser: float = 0.3
+    """Octaves by which steps grow beforehand: symbols that are searched want coarser steps than the noise that they
+    were trained with."""
     base: bool = True
+    """Whether the base layer moves too."""
     drop: float = 1.2
+    """A seed goes when that costs less squared error than so many times its price."""
     position_bits: float = 3.0
+    """What a seed's position adds to its price, bits."""

@@ -15,7 +15,7 @@ from sgicodec.model.gaussians import colour_matrix
 from sgicodec.model.texture import TextureLayer
 from sgicodec.model.texture_symbols import SAME_COLOURS, TextureSteps, TextureSymbols, roots_of, whole_roots
 
-__all__ = ["NO_SPLIT_SEARCH", "SPLIT_SEARCH_MARGIN", "TextureSearch", "colours_for", "root_planes"]
+__all__ = ["NO_SPLIT_SEARCH", "SPLIT_SEARCH_MARGIN", "TextureSearch", "colours_for", "superblock_planes"]
 
 F32 = NDArray[np.float32]
 
@@ -26,8 +26,8 @@ _Layer = tuple[NDArray[np.uint8], NDArray[np.int8], NDArray[np.int16]]
 _Found = tuple[_Layer, float, list[float], list[float], F32]
 
 
-def root_planes(residual: F32, beyond: Literal["symmetric", "constant"] = "symmetric") -> F32:
-    """A residual [C, H, W] in opponent colours, mirrored, or with zeros, to fill whole root cells [C, 32 rows, 32
+def superblock_planes(residual: F32, beyond: Literal["symmetric", "constant"] = "symmetric") -> F32:
+    """A residual [C, H, W] in opponent colours, mirrored, or with zeros, to fill whole superblocks [C, 32 rows, 32
     columns].
     """
     mixed = np.tensordot(np.array(colour_matrix(len(residual)), np.float32), residual, axes=1)
@@ -38,7 +38,7 @@ def colours_for(
     residual: F32,
     steps: TextureSteps,
     squared_steps: float,
-    contrast: NDArray[np.int8] | None = None,
+    offsets: NDArray[np.int8] | None = None,
     device: Device = ALL_CORES,
 ) -> tuple[int, int, int]:
     """The colours in which a layer for a residual [C, H, W] costs least, about; the others: see `TextureSearch.at`."""
@@ -46,15 +46,15 @@ def colours_for(
     if channels < 3:
         return SAME_COLOURS
     columns, rows = roots_of(width, height)
-    shown = np.zeros((rows, columns), np.int8) if contrast is None else contrast
-    planes, grown = root_planes(residual), (steps.of_channels, steps.growth)
+    shown = np.zeros((rows, columns), np.int8) if offsets is None else offsets
+    planes, grown = superblock_planes(residual), (steps.of_channels, steps.growth)
     return cheapest_colours(planes, shown, *grown, squared_steps, device.threads)
 
 
 class TextureSearch:
     """Searches layers for what a tile leaves over.
 
-    residual [C, H, W]: the picture less what is drawn, samples in 0..1. split_margin: a cell is tried whole, or
+    residual [C, H, W]: the picture less what is rendered, samples in 0..1. split_margin: a block is tried whole, or
     divided, where an estimate says that it costs at most this many times what the other does. correction [C, H, W]:
     what is shown anyhow. colours: of the layers (see `TextureSteps`).
     """
@@ -73,7 +73,7 @@ class TextureSearch:
         columns, rows = roots_of(width, height)
         self._shape = rows, columns
         wanted = residual if correction is None else residual - correction
-        self._amplitudes = TextureAmplitudes(root_planes(wanted), self.size, device.threads, colours)
+        self._amplitudes = TextureAmplitudes(superblock_planes(wanted), self.size, device.threads, colours)
         self.bits = 0.0
         """Of the layer that was found last, its information content."""
 
@@ -85,59 +85,60 @@ class TextureSearch:
         self,
         steps: TextureSteps,
         squared_steps: float,
-        contrast: NDArray[np.int8] | None = None,
-        cells: TextureSymbols | None = None,
+        offsets: NDArray[np.int8] | None = None,
+        blocks: TextureSymbols | None = None,
     ) -> TextureSymbols | None:
-        """The layer for these steps, None where nothing is worth its bits. squared_steps: λ in squared steps; contrast:
-        of each root; cells: a layer whose cells are taken as they are, which is faster than to choose them.
+        """The layer for these steps, None where nothing is worth its bits. squared_steps: λ in squared steps; offsets:
+        of each superblock's steps; blocks: a layer whose blocks are taken as they are, which is faster than to choose
+        them.
         """
-        division = None if cells is None else cells.log_size
-        parts, self.bits, counts, excess, _ = self._search(steps, squared_steps, contrast, division)
+        division = None if blocks is None else blocks.log_size
+        parts, self.bits, counts, excess, _ = self._search(steps, squared_steps, offsets, division)
         added = tuple(_excess_index(sum_ / count) if count else 8 for count, sum_ in zip(counts, excess, strict=True))
         one, two, more = added
-        found = TextureSymbols(
+        layer = TextureSymbols(
             self.size,
             replace(steps, excess=(one, two, more), colours=self.colours),
             *parts,
         )
-        return None if found.is_empty else found
+        return None if layer.is_empty else layer
 
     def exact(self, symbols: TextureSymbols) -> TextureLayer:
         """A layer that was found here with the amplitudes that its symbols stand for as they were before they were
         rounded.
         """
         layer, shown = symbols.layer(), self._amplitudes.shown(symbols.log_size, symbols.symbols)
-        cells = zip(layer.corner.tolist(), layer.log_size.tolist(), strict=True)
-        parts = [shown[:, y : y + (1 << log), x : x + (1 << log)].ravel() for (x, y), log in cells]
+        blocks = zip(layer.corner.tolist(), layer.log_size.tolist(), strict=True)
+        parts = [shown[:, y : y + (1 << log), x : x + (1 << log)].ravel() for (x, y), log in blocks]
         return replace(layer, amplitudes=np.concatenate(parts))
 
     def move(
-        self, gradient: F32, steps: TextureSteps, contrast: NDArray[np.int8] | None, mean: float, most: float
+        self, gradient: F32, steps: TextureSteps, offsets: NDArray[np.int8] | None, mean: float, limit: float
     ) -> None:
         """Moves what layers should show up the gradient of a score in the samples [C, H, W], a little.
 
         An amplitude moves by its step times what a step of it gains, in units in which the mean of that is `mean`, at
-        most `most` of them; one below a step moves as much less, for it cannot be shown.
+        most `limit` of them; one below a step moves as much less, for it cannot be shown.
         """
-        planes = root_planes(gradient, "constant")
+        planes = superblock_planes(gradient, "constant")
         channels, slope = steps.of_channels, steps.growth
-        self._amplitudes.move(planes, self._contrast(contrast), channels, slope, mean, most)
+        self._amplitudes.move(planes, self._offsets(offsets), channels, slope, mean, limit)
 
-    def costs(self, steps: TextureSteps, squared_steps: float, contrast: NDArray[np.int8] | None = None) -> F32:
-        """What each root would cost [rows, columns]: squared error plus λ times bits, in squared steps."""
-        costs: F32 = self._search(steps, squared_steps, contrast)[-1]
+    def costs(self, steps: TextureSteps, squared_steps: float, offsets: NDArray[np.int8] | None = None) -> F32:
+        """What each superblock would cost [rows, columns]: squared error plus λ times bits, in squared steps."""
+        costs: F32 = self._search(steps, squared_steps, offsets)[-1]
         return costs
 
     def _search(
         self,
         steps: TextureSteps,
         squared_steps: float,
-        contrast: NDArray[np.int8] | None,
+        offsets: NDArray[np.int8] | None,
         division: NDArray[np.uint8] | None = None,
     ) -> _Found:
         return texture_models().search(
             self._amplitudes,
-            self._contrast(contrast),
+            self._offsets(offsets),
             steps.of_channels,
             steps.growth,
             squared_steps,
@@ -146,8 +147,8 @@ class TextureSearch:
             division,
         )
 
-    def _contrast(self, contrast: NDArray[np.int8] | None) -> NDArray[np.int8]:
-        return np.zeros(self._shape, np.int8) if contrast is None else contrast
+    def _offsets(self, offsets: NDArray[np.int8] | None) -> NDArray[np.int8]:
+        return np.zeros(self._shape, np.int8) if offsets is None else offsets
 
 
 def _excess_index(excess: float) -> int:

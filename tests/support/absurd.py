@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from page_header import SAMPLE_TYPES
-from specs import several
 from surgery import join
 from textures import random_symbols
 
@@ -32,7 +31,7 @@ __all__ = ["absurd_stream"]
 def absurd_stream(rng: np.random.Generator) -> bytes:
     """A stream that decodes, though what it decodes to is nonsense."""
     channels, per_seed = int(rng.choice([1, 2, 3, 4, 7])), int(rng.integers(1, 4))
-    spec = several(default_spec(channels, 0), per_seed) if rng.random() < 0.5 else paper_spec(channels, per_seed, 5)
+    spec = default_spec(channels, 0) if rng.random() < 0.5 else paper_spec(channels, per_seed, 5)
     spec = replace(spec, texture=bool(rng.random() < 0.5))
     width, height = (int(2 ** rng.uniform(0, 9)) for _ in range(2))
     sample_type = str(rng.choice(SAMPLE_TYPES))

@@ -57,9 +57,9 @@ class PageAttributes:
         self.size = header.width, header.height
         self.seeds, self.plan, self.networks, self.signs = seeds, plan, networks, [int(s) for s in signs]
         k, c, d = self.spec.per_seed, self.spec.channels, self.spec.features
-        self.groups = [("colour", k * c), ("shape", 3 * k)] if self.spec.skip else [("feature", d)]
-        if self.spec.skip and d > k * (c + 3):
-            self.groups.append(("feature", d - k * (c + 3)))
+        self.groups = [("colour", c), ("shape", 3)] if self.spec.skip else [("feature", d)]
+        if self.spec.skip and d > c + 3:
+            self.groups.append(("feature", d - c - 3))
         self.groups += [("scales", 4)] if self.spec.seed_scales else []
         self.groups.append(("offset", 2 * k))
         self.values: list[dict[str, list[int]]] = [{} for _ in seeds]
@@ -134,10 +134,10 @@ class PageAttributes:
         numbers = [0] * 7
         if "colour" in held:
             for c in range(3 if spec.channels >= 3 else 1):
-                numbers[c] = sum(held["colour"][c :: spec.channels]) // spec.per_seed >> 14
+                numbers[c] = held["colour"][c] >> 14
             numbers[3] = amplitude_of(held["colour"]) * 64 // 6 + 384
         if "shape" in held:
-            numbers[4:] = [sum(held["shape"][j::3]) // spec.per_seed >> 18 for j in range(3)]
+            numbers[4:] = [value >> 18 for value in held["shape"]]
         return [number if j == 3 else clip(number, -(2**13), 2**13) for j, number in enumerate(numbers)]
 
     def inputs(self, i: int, step: int) -> list[int]:

@@ -84,7 +84,8 @@ def decode_header(payload: bytes) -> Header:
 
 def _check_model(header: Header) -> None:
     spec, channels = header.spec, header.spec.channels
-    if (spec.skip and spec.features < spec.per_seed * (channels + 3)) or (spec.context.neighbours and not spec.skip):
+    other_seeds = spec.skip and (spec.per_seed != 1 or spec.features < channels + 3)
+    if other_seeds or (spec.context.neighbours and not spec.skip):
         raise CorruptStreamError("header: settings that contradict each other")
     if spec.luma_space and header.channels not in ("rgb", "rgba"):
         raise CorruptStreamError(f"header: {header.channels} has no luma space")

@@ -7,7 +7,7 @@ import numpy as np
 
 from sgicodec import EncodeSettings, encode_picture, read
 from sgicodec.decoder.stream import open_stream
-from sgicodec.encoder.listener import NullListener
+from sgicodec.encoder.progress import NullListener
 from sgicodec.fit.trainer import Progress
 from sgicodec.metrics.psnr import psnr
 

@@ -60,11 +60,11 @@ def test_an_impossible_size_gives_the_nearest_stream(crop: Picture) -> None:
     assert quality(crop, nearest) > 8
 
 
-def test_an_impossible_psnr_gives_the_nearest_stream(crop: Picture) -> None:
-    small = replace(crop, pixels=np.ascontiguousarray(crop.pixels[:64, :64]))
+def test_an_impossible_psnr_gives_the_nearest_stream() -> None:
+    deep = drawn(48, 40, "gray", "uint16", False)
     with pytest.raises(TargetMissedError, match="99 dB") as caught:
-        encode_picture(small, EncodeSettings(psnr=99, steps=40, texture=False))
-    assert quality(small, caught.value.nearest) > 30
+        encode_picture(deep, EncodeSettings(psnr=99, steps=40))
+    assert quality(deep, caught.value.nearest) > 40
 
 
 def drawn(height: int, width: int, channels: str, dtype: str, flat: bool) -> Picture:
@@ -114,7 +114,9 @@ def test_pictures_at_the_edge(picture: Picture, target: dict[str, float]) -> Non
         ({"psnr": math.nan}, "psnr"),
         ({"psnr": math.inf}, "psnr"),
         ({"ssimulacra2": 100.0}, "ssimulacra2"),
-        ({"ssimulacra2": 50.0, "texture": False}, "reached by texture"),
+        ({"ssimulacra2": 50.0, "texture": False}, "ssimulacra2 is reached by the step of texture"),
+        ({"psnr": 30.0, "texture": False}, "psnr is reached by the step of texture"),
+        ({"size": 3000.0, "texture": False}, "size is reached by the step of texture"),
         ({"ssimulacra2": 50.0, "bpp": 1.0}, "ssimulacra2 and bpp exclude"),
         ({"tune": "loud"}, "tune loud"),
         ({"tune": "visual", "profile": "paper"}, "not tuned for the eye"),

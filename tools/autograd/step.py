@@ -10,7 +10,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from sgicodec.fit.feature_step import LEAST_SAMPLED
+from sgicodec.fit.feature_step import MIN_SAMPLED
 from sgicodec.fit.noise import NoiseKey, hashed_noise
 from sgicodec.fit.parameters import Parameters, StepResult
 from sgicodec.fit.pyramid import Level
@@ -119,7 +119,7 @@ class AutogradStep:
 
     def _sampled_bits(self, sample: Sample, key: NoiseKey) -> Tensor:
         count = len(sample.bits)
-        share = max(self.settings.rate_sample, LEAST_SAMPLED / count)
+        share = max(self.settings.rate_sample, MIN_SAMPLED / count)
         if share >= 1:
             return sample.bits.sum()
         chosen = torch.from_numpy(hashed_noise(key, self.spec.attributes, count) + 0.5 < share)

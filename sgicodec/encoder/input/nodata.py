@@ -1,4 +1,6 @@
-"""Pixels without content: which they are; and as a decoder stores them, nothing that looks like nodata beside them."""
+"""Pixels without content: which they are, a smooth continuation of the others in their place, and how a decoder stores
+them: nothing that looks like nodata beside them.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,10 @@ from sgicodec.bitstream.header import Header, Masked
 from sgicodec.metadata.layouts import band_ranges
 from sgicodec.picture import Picture, equal_samples, exact_samples, nodata_mask, nodata_samples
 
-__all__ = ["Bare", "bare_samples", "empty_pixels", "store_nodata"]
+__all__ = ["Bare", "bare_samples", "empty_pixels", "inpaint", "store_nodata"]
+
+F32 = NDArray[np.float32]
+Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -50,12 +55,52 @@ def store_nodata(header: Header, colours: NDArray[Any], empty: NDArray[np.bool_]
     """Stores nodata in the empty samples [h, w, C] of colours; others that have its value go one step aside."""
     alike = ~empty & equal_samples(colours, header.nodata)
     for band, (low, high) in enumerate(band_ranges(header.sample_range, header.colours)):
-        colours[alike[..., band], band] = _beside(header, colours.dtype, low, high)
+        colours[alike[..., band], band] = _next_sample(header, colours.dtype, low, high)
     colours[empty] = header.nodata
 
 
-def _beside(header: Header, dtype: np.dtype[Any], low: float, high: float) -> Any:
+def _next_sample(header: Header, dtype: np.dtype[Any], low: float, high: float) -> Any:
     """The sample next to the nodata value, towards the middle of the range."""
     if dtype.kind == "f":
         return np.nextafter(dtype.type(header.nodata), dtype.type((low + high) / 2))
     return dtype.type(header.nodata + (1 if header.nodata < (low + high) / 2 else -1))
+
+
+def inpaint(image: F32, empty: Mask) -> F32:
+    """image [C, H, W] with the pixels of `empty` [H, W] continued from the others (push and pull, Gortler 1996).
+
+    Without any other pixel it is zero.
+    """
+    weight = (~empty).astype(np.float32)
+    return _filled(np.where(empty, np.float32(0), image), weight)
+
+
+def _filled(image: F32, weight: F32) -> F32:
+    """`image`, already multiplied by `weight`, where that is 1; continued where it is less."""
+    if min(weight.shape) == 1 and max(weight.shape) == 1:
+        return image
+    if weight.min() >= 1:
+        return image
+    coarse_weight = _halved(weight[None])[0]
+    scale = np.where(coarse_weight > 0, np.minimum(coarse_weight, 1) / np.maximum(coarse_weight, 1e-9), 0)
+    coarse = _filled(_halved(image) * scale.astype(np.float32), np.minimum(coarse_weight, 1))
+    rows, columns = weight.shape
+    smooth = _doubled(_doubled(coarse, 1)[:, :rows], 2)[:, :, :columns]
+    return np.asarray(image + (1 - weight) * smooth, np.float32)
+
+
+def _halved(image: F32) -> F32:
+    """Sums of 2×2 pixels [C, ⌈H/2⌉, ⌈W/2⌉]."""
+    _, rows, columns = image.shape
+    even = np.pad(image, ((0, 0), (0, rows % 2), (0, columns % 2)))
+    return np.asarray(even[:, ::2, ::2] + even[:, 1::2, ::2] + even[:, ::2, 1::2] + even[:, 1::2, 1::2], np.float32)
+
+
+def _doubled(image: F32, axis: int) -> F32:
+    """Twice as long along an axis, linearly interpolated between the old centres."""
+    old = np.moveaxis(image, axis, 0)
+    padded = np.concatenate([old[:1], old, old[-1:]])
+    new = np.empty((2 * len(old), *old.shape[1:]), np.float32)
+    new[::2] = 0.75 * old + 0.25 * padded[:-2]
+    new[1::2] = 0.75 * old + 0.25 * padded[2:]
+    return np.moveaxis(new, 0, axis)

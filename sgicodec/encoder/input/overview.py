@@ -22,7 +22,7 @@ __all__ = ["overview_picture", "overview_settings", "takes_overview"]
 F64 = NDArray[np.float64]
 
 _MIN_PIXELS = 1 << 20
-"""Of a picture that has an overview where nothing else is asked for: smaller ones are drawn in no time."""
+"""Of a picture that has an overview where nothing else is asked for: smaller ones are rendered in no time."""
 
 _FINER = 2 ** (15 / 8)
 """The picture's λ over that of its overview: 15 steps of quality, about 1 % of the stream (docs/large.md)."""

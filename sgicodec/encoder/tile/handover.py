@@ -1,7 +1,7 @@
 """What seeds hand over to texture in the course of a fit: those that show less than their bits would buy there.
 
 Weights of a short fit ([sharing.py](sharing.py)) say where seeds begin to show a picture. Once the fit
-itself knows what they show, texture is weighed against them in each root cell of the texture layer: over all of its
+itself knows what they show, texture is weighed against them in each superblock of the texture layer: over all of its
 seeds, over fewer and over none. The cheapest stays, squared error plus λ times bits. Over all and none texture is
 searched; in between the estimate of its cost is corrected by what the search found there. The search over all seeds
 begins a little ahead, over what they leave then: beside the fit, which goes on.
@@ -23,7 +23,7 @@ from sgicodec.encoder.tile.sharing import (
     POSITION_BITS,
     TextureCosts,
     of_pixels,
-    seed_roots,
+    seed_superblocks,
     smoothed,
 )
 from sgicodec.model.texture_symbols import roots_of
@@ -43,9 +43,9 @@ HANDOVER = 0.4
 LOOK_AHEAD = 0.3
 """Fraction of a fit after which texture is searched over what seeds leave: beside the fit, where there are cores."""
 SHARES = (0.0, 0.6, 1.0)
-"""Of a root's seeds, the faintest first: what is tried without them."""
+"""Of a superblock's seeds, the faintest first: what is tried without them."""
 _NEAR = 1.0
-"""σ in roots with which costs are smoothed: seeds reach over the borders of roots."""
+"""σ in superblocks with which costs are smoothed: seeds reach over the borders of superblocks."""
 _TINY = 1e-9
 """Added to costs, so that they have a logarithm."""
 
@@ -68,7 +68,7 @@ class Handover:
     ahead: Callable[[], Offsets] | None = None
 
     def run(self) -> None:
-        """Drops the seeds that texture shows for less, and makes the errors of roots without seeds count least."""
+        """Drops the seeds that texture shows for less, and makes errors of superblocks without seeds count least."""
         self.trainer.fetch()
         kept, shares = self.chosen()
         if kept.all():
@@ -80,14 +80,14 @@ class Handover:
         self.trainer.keep(kept, np.maximum(factor if weights is None else factor * weights, self._least(weights)))
 
     def chosen(self) -> tuple[Mask, F64]:
-        """Which seeds [N] stay, and which of `SHARES` each root loses [rows, columns]."""
+        """Which seeds [N] stay, and which of `SHARES` each superblock loses [rows, columns]."""
         ranks = self._ranks()
         costs = [self._cost(ranks >= share, np.full(self.texture.without_seeds.shape, share)) for share in SHARES]
         best = np.argmin([smoothed(cost, _NEAR) for cost in costs], axis=0)
         shares = np.asarray(SHARES)[best]
-        together = self._cost(ranks >= shares.reshape(-1)[self._root], shares)
+        together = self._cost(ranks >= shares.reshape(-1)[self._superblock], shares)
         shares[smoothed(together - costs[0], _NEAR) > 0] = 0.0
-        return ranks >= shares.reshape(-1)[self._root], shares
+        return ranks >= shares.reshape(-1)[self._superblock], shares
 
     @staticmethod
     def _least(weights: F32 | None) -> F32:
@@ -96,15 +96,15 @@ class Handover:
         return np.asarray(least if weights is None else np.minimum(least, weights), np.float32)
 
     def _cost(self, kept: Mask, shares: F64) -> F64:
-        """Squared error plus λ times bits of each root [rows, columns] with these seeds [N] and texture. shares: of
-        the seeds that are left out.
+        """Squared error plus λ times bits of each superblock [rows, columns] with these seeds [N] and texture. shares:
+        of the seeds that are left out.
         """
-        found = np.log(_TINY + self.texture.estimated_over(self._left(kept)))
+        costs = np.log(_TINY + self.texture.estimated_over(self._left(kept)))
         for part, offset in zip((1 - shares, shares), self._offsets, strict=True):
-            found += part * offset
+            costs += part * offset
         bits = self.trainer.seed_bits() + POSITION_BITS
-        sums = np.bincount(self._root[kept], weights=bits[kept], minlength=found.size)
-        return np.asarray(np.exp(found) + self.texture.lmbda * sums.reshape(found.shape), np.float64)
+        sums = np.bincount(self._superblock[kept], weights=bits[kept], minlength=costs.size)
+        return np.asarray(np.exp(costs) + self.texture.lmbda * sums.reshape(costs.shape), np.float64)
 
     @cached_property
     def _offsets(self) -> Offsets:
@@ -115,26 +115,26 @@ class Handover:
         self.trainer.fetch()
         texture, left = self.texture, self._left_by_all
         if texture.device.cores == 1:
-            found = _offsets(texture, left)
-            return lambda: found
+            offsets = _offsets(texture, left)
+            return lambda: offsets
         from concurrent.futures import ThreadPoolExecutor
 
-        beside = ThreadPoolExecutor(1)
-        coming = beside.submit(_offsets, texture, left)
-        beside.shutdown(wait=False)
+        executor = ThreadPoolExecutor(1)
+        coming = executor.submit(_offsets, texture, left)
+        executor.shutdown(wait=False)
         return coming.result
 
     def _left(self, kept: Mask) -> F32:
         """What these seeds [N] leave of the target."""
         if kept.all():
             return self._left_by_all
-        return self._drawn_away(kept) if kept.any() else self.texture.target
+        return self._without(kept) if kept.any() else self.texture.target
 
     @cached_property
     def _left_by_all(self) -> F32:
-        return self._drawn_away(np.ones(len(self.trainer.seeds), bool))
+        return self._without(np.ones(len(self.trainer.seeds), bool))
 
-    def _drawn_away(self, kept: Mask) -> F32:
+    def _without(self, kept: Mask) -> F32:
         target = self.texture.target
         means, covariances, colours = (part[kept] for part in self._gaussians)
         return target - self.trainer.raster.forward(means, covariances, colours, target.shape[2], target.shape[1])
@@ -145,17 +145,17 @@ class Handover:
         return self.trainer.seeds.gaussians()
 
     @cached_property
-    def _root(self) -> NDArray[np.int64]:
-        """The root [N] that each seed's centre lies in, row by row."""
+    def _superblock(self) -> NDArray[np.int64]:
+        """The superblock [N] that each seed's centre lies in, row by row."""
         _, height, width = self.texture.target.shape
         columns, rows = roots_of(width, height)
-        return seed_roots(self.trainer.seeds.layout, (rows, columns))
+        return seed_superblocks(self.trainer.seeds.layout, (rows, columns))
 
     def _ranks(self) -> F64:
-        """Each seed's place [N] among those of its root by what it draws, faintest first, above 0 and below 1."""
-        counts = np.bincount(self._root)
-        order = np.lexsort((self.trainer.seeds.energy(), self._root))
+        """Each seed's rank [N] among those of its superblock by its energy, faintest first, above 0 and below 1."""
+        counts = np.bincount(self._superblock)
+        order = np.lexsort((self.trainer.seeds.energy(), self._superblock))
         before = np.cumsum(counts) - counts
         ranks = np.empty(len(order))
         ranks[order] = np.arange(len(order)) + 0.5
-        return (ranks - before[self._root]) / counts[self._root]
+        return (ranks - before[self._superblock]) / counts[self._superblock]

@@ -10,13 +10,10 @@ from numpy.typing import NDArray
 
 from sgicodec.bitstream.header import Header
 from sgicodec.device import ALL_CORES, Device
-from sgicodec.encoder.effort import effort_of
-from sgicodec.encoder.input.inpainting import inpaint
-from sgicodec.encoder.input.nodata import Bare, bare_samples, empty_pixels
+from sgicodec.encoder.input.nodata import Bare, bare_samples, empty_pixels, inpaint
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tile.state import Tile, TileListener, Watch
-from sgicodec.encoder.tile.texture_contrast import TextureContrasts
-from sgicodec.encoder.tile.texture_tuning import TUNINGS
+from sgicodec.encoder.tile.texture_steps import TUNINGS, Masking
 from sgicodec.metrics.choices import DISTORTIONS
 from sgicodec.model.luma_space import to_luma_space
 from sgicodec.picture import Picture, nodata_samples, opaque_mask, to_unit
@@ -43,7 +40,7 @@ def tile_of(
         fit = replace(fit, quality=header.quality)
     bare = bare_samples(picture, header)
     unit, empty = _coded_samples(picture, header, bare)
-    contrasts = TextureContrasts(TUNINGS[settings.tuned_for], unit)
+    masking = Masking(TUNINGS[settings.tuned_for], unit)
     if header.spec.luma_space:
         unit = np.tensordot(to_luma_space(header.spec.channels).astype(np.float32), unit, axes=1)
     return Tile(
@@ -53,12 +50,12 @@ def tile_of(
         header,
         settings,
         fit,
-        effort_of(fit, settings.tuned_for),
+        settings.chosen_effort,
         unit,
         empty,
         bare,
         DISTORTIONS[settings.minimised].reference(unit, empty),
-        contrasts,
+        masking,
         Watch(listener or _NoListener()),
         device,
     )

@@ -1,6 +1,6 @@
 """Where seeds should show a picture and where texture does it for less: weights of the seeds' squared errors.
 
-A short fit shows what seeds would take from texture. In each root cell of the texture layer, ρ is what they save it,
+A short fit shows what seeds would take from texture. In each superblock of texture, ρ is what they save it,
 squared error plus λ times bits, over what their own bits cost. Where ρ is small, seeds count less, so that fewer are
 placed and texture shows what they leave; edges and smooth ground keep theirs.
 """
@@ -16,13 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec.device import ALL_CORES, Device
-from sgicodec.encoder.tile.texture_tuning import TUNINGS
+from sgicodec.encoder.tile.texture_steps import TUNINGS
 from sgicodec.model.layout import SeedLayout, adaptive_layout
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.texture import ROOT_LOG
 from sgicodec.model.texture_symbols import TextureSteps
 from sgicodec.profiles.fit_settings import FitSettings, Phase
-from sgicodec.rdoq.texture import NO_SPLIT_SEARCH, TextureSearch, root_planes
+from sgicodec.rdoq.texture import NO_SPLIT_SEARCH, TextureSearch, superblock_planes
 
 __all__ = [
     "BLEND",
@@ -30,13 +30,13 @@ __all__ = [
     "POSITION_BITS",
     "Scout",
     "TextureCosts",
-    "cell_weights",
     "estimated_cost",
     "of_pixels",
     "searched_cost",
-    "seed_roots",
+    "seed_superblocks",
     "seed_weights",
     "smoothed",
+    "superblock_weights",
 ]
 
 F32 = NDArray[np.float32]
@@ -48,44 +48,47 @@ SCOUT_PHASES = (Phase(12, level=1), Phase(12, rounding="noise", rate=True, learn
 SCOUT_SPLIT = 6.0
 """Its `FitSettings.split`: in so few steps, seeds of larger cells come nearer to what they can be."""
 POSITION_BITS = 3.5
-"""What the place of a seed adds to its bits."""
+"""What the position of a seed adds to its bits."""
 FULL, FULL_ESTIMATED, POWER, MIN_WEIGHT = 0.5, 0.74, 3.0, 1 / 32
 """ρ of the short fit from which seeds count in full, searched and estimated, how fast they count less below it, and the
-least. Where texture is searched, seeds are handed over later, so that a fit may begin with more of them.
+least. Where texture is searched, seeds are handed over later, so that a fit may begin with more of them
+(docs/notes/2026-11-texture-share.md).
 """
 CALM_BITS = 8.0
-"""Added to the bits of seeds and to those that they save in each root; where texture alone saves fewer, seeds count in
-full: there is nothing to share.
+"""Added to the bits of seeds and to those that they save in each superblock; where texture alone saves fewer, seeds
+count in full: there is nothing to share.
 """
 
 
 @dataclass(frozen=True)
 class Scout:
-    """What a short fit found. residual [C, H, W]: what it leaves; bits: of a seed, its place included."""
+    """What a short fit found. residual [C, H, W]: what it leaves; bits: of a seed, its position included."""
 
     residual: F32
     layout: SeedLayout
     bits: float
 
-    def root_bits(self, shape: tuple[int, int]) -> F64:
-        """Bits of the seeds in each root of the texture layer [rows, columns]."""
-        found = np.zeros(shape)
-        np.add.at(found.reshape(-1), seed_roots(self.layout, shape), self.bits)
-        return found
+    def superblock_bits(self, shape: tuple[int, int]) -> F64:
+        """Bits of the seeds in each superblock of the texture layer [rows, columns]."""
+        bits = np.zeros(shape)
+        np.add.at(bits.reshape(-1), seed_superblocks(self.layout, shape), self.bits)
+        return bits
 
 
-def seed_roots(layout: SeedLayout, shape: tuple[int, int]) -> NDArray[np.int64]:
-    """The root [N] that each seed's centre lies in, row by row, of a texture layer with roots [rows, columns]."""
+def seed_superblocks(layout: SeedLayout, shape: tuple[int, int]) -> NDArray[np.int64]:
+    """The superblock [N] that each seed's centre lies in, row by row, of a texture layer with superblocks [rows,
+    columns].
+    """
     cell = layout.centre.astype(np.int64) >> ROOT_LOG
     rows, columns = shape
-    root: NDArray[np.int64] = np.minimum(cell[:, 1], rows - 1) * columns + np.minimum(cell[:, 0], columns - 1)
-    return root
+    superblock: NDArray[np.int64] = np.minimum(cell[:, 1], rows - 1) * columns + np.minimum(cell[:, 0], columns - 1)
+    return superblock
 
 
 @dataclass(frozen=True)
 class TextureCosts:
-    """What texture costs over each root [rows, columns] in an encode at λ. target [C, H, W]: the picture less its base
-    layer.
+    """What texture costs over each superblock [rows, columns] in an encode at λ. target [C, H, W]: the picture less its
+    base layer.
     """
 
     target: F32
@@ -119,29 +122,29 @@ def seed_weights(spec: ModelSpec, fit: FitSettings, costs: TextureCosts, family:
     target, lmbda = costs.target, costs.lmbda
     fit = replace(fit, lmbda=SCOUT_SHARE * lmbda)
     device, busy = costs.device, int(exact and costs.device.cores > 1)
-    with _searched_beside(costs) if busy else nullcontext():
+    with _searched_meanwhile(costs) if busy else nullcontext():
         scout = _scout(spec, fit, target, family, device.with_threads(device.cores - busy))
         alone, nothing = estimated_cost(target, lmbda)
         left = costs.over(scout.residual) if exact else costs.estimated_over(scout.residual)
     full, alone = (FULL, costs.without_seeds) if exact else (FULL_ESTIMATED, alone)
-    price, calm = lmbda * scout.root_bits(left.shape), lmbda * CALM_BITS
-    weights = cell_weights(np.where(nothing - alone < calm, price, alone - left), price, calm, full)
+    price, calm = lmbda * scout.superblock_bits(left.shape), lmbda * CALM_BITS
+    weights = superblock_weights(np.where(nothing - alone < calm, price, alone - left), price, calm, full)
     return None if weights.min() > _ALL else of_pixels(weights, target.shape[1:])
 
 
 @contextmanager
-def _searched_beside(costs: TextureCosts) -> Iterator[None]:
+def _searched_meanwhile(costs: TextureCosts) -> Iterator[None]:
     """The search over the target runs on a thread of its own meanwhile."""
     from concurrent.futures import ThreadPoolExecutor
 
-    with ThreadPoolExecutor(1) as beside:
-        beside.submit(lambda: costs.without_seeds)
+    with ThreadPoolExecutor(1) as executor:
+        executor.submit(lambda: costs.without_seeds)
         yield
 
 
-def cell_weights(saved: F64, price: F64, calm: float, full: float = FULL) -> F64:
-    """Weights of roots [rows, columns] where seeds save texture this much and cost so much, in squared error; `calm`
-    is added to both; full: ρ from which seeds count in full.
+def superblock_weights(saved: F64, price: F64, calm: float, full: float = FULL) -> F64:
+    """Weights of superblocks [rows, columns] where seeds save texture this much and cost so much, in squared error;
+    `calm` is added to both; full: ρ from which seeds count in full.
     """
     rho = (np.maximum(smoothed(saved, _NEAR), 0) + calm) / (smoothed(price, _NEAR) + calm)
     octaves = np.clip(POWER * np.log2(rho / full), np.log2(MIN_WEIGHT), 0)
@@ -162,22 +165,22 @@ def smoothed(plane: F64, sigma: float) -> F64:
 
 
 def searched_cost(residual: F32, steps: TextureSteps, squared_steps: float, device: Device) -> F64:
-    """What texture in these steps costs over each root [rows, columns], squared error plus λ times bits."""
+    """What texture in these steps costs over each superblock [rows, columns], squared error plus λ times bits."""
     costs = TextureSearch(residual, device, NO_SPLIT_SEARCH).costs(steps, squared_steps)
     return np.asarray(costs * np.square(steps.of_channels[0]), np.float64)
 
 
 def estimated_cost(residual: F32, lmbda: float) -> tuple[F64, F64]:
-    """What texture for λ would cost over each root [rows, columns] of a residual [C, H, W], squared error plus λ times
-    bits, and what no texture would: as if all its cells were cosine transforms of 16×16 pixels.
+    """What texture for λ would cost over each superblock [rows, columns] of a residual [C, H, W], squared error plus λ
+    times bits, and what no texture would: as if all its blocks were cosine transforms of 16×16 pixels.
     """
     step = (lmbda / _ESTIMATED_STEPS) ** 0.5
-    planes = root_planes(residual) / np.float32(step)
+    planes = superblock_planes(residual) / np.float32(step)
     channels, rows, columns = len(planes), planes.shape[1] >> ROOT_LOG, planes.shape[2] >> ROOT_LOG
     half = 1 << (ROOT_LOG - 1)
-    cells = planes.reshape(channels, 2 * rows, half, 2 * columns, half)
+    blocks = planes.reshape(channels, 2 * rows, half, 2 * columns, half)
     cosines = _cosines(half)
-    squares = np.square(cosines @ cells.transpose(0, 1, 3, 2, 4) @ cosines.T)
+    squares = np.square(cosines @ blocks.transpose(0, 1, 3, 2, 4) @ cosines.T)
     # λ times the bits of a symbol with its zeros, and the error that it leaves, in squared steps
     coded = 0.35 + 0.075 * np.log2(np.maximum(squares, 0.25))
     shape = channels, rows, 2, columns, 2, half, half
@@ -196,7 +199,7 @@ def _cosines(size: int) -> F32:
 
 
 def of_pixels(weights: F64, shape: tuple[int, ...]) -> F32:
-    """Roots' weights for each pixel [H, W], linear between their centres."""
+    """Superblocks' weights for each pixel [H, W], linear between their centres."""
     side = 1 << ROOT_LOG
     for axis in (0, 1):
         at = np.clip((np.arange(shape[axis]) + 0.5) / side - 0.5, 0, weights.shape[axis] - 1)
@@ -216,14 +219,14 @@ def _scout(spec: ModelSpec, fit: FitSettings, target: F32, family: int, device: 
     networks = load_prior(spec) if spec.context.prior else None
     trainer = Trainer(spec, fit, target, layout, family, networks, device=device)
     trainer.run()
-    drawn = trainer.raster.forward(*trainer.seeds.gaussians(), target.shape[2], target.shape[1])
+    rendered = trainer.raster.forward(*trainer.seeds.gaussians(), target.shape[2], target.shape[1])
     bits = float(trainer.seed_bits().mean()) + POSITION_BITS
-    return Scout(target - drawn, trainer.seeds.layout, bits)
+    return Scout(target - rendered, trainer.seeds.layout, bits)
 
 
 _ESTIMATED_STEPS = 0.11
 """λ in squared steps where the cost of texture is estimated."""
 _NEAR, BLEND = 0.7, 0.5
-"""σ in roots: what is saved and paid is smoothed with the first, the weights' logarithms with the second."""
+"""σ in superblocks: what is saved and paid is smoothed with the first, the weights' logarithms with the second."""
 _ALL = 0.95
 """Weights above which all are taken to be 1, which takes faster code."""

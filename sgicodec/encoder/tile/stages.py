@@ -27,7 +27,6 @@ from sgicodec.fit.base_layer import base_layer
 from sgicodec.fit.trainer import Fitted, Trainer
 from sgicodec.metrics.distortion import QuadraticReference, Reference, mean_weight
 from sgicodec.model.layout import ROOT_LOG, SeedLayout, adaptive_layout, cell_sums, uniform_layout
-from sgicodec.rate_control.lambda_controller import LambdaController
 from sgicodec.rate_control.rd_model import RdModel
 from sgicodec.rdoq import Rdoq
 
@@ -40,7 +39,6 @@ __all__ = [
     "prepare",
     "rd_model",
     "rdoq",
-    "rdoq_search",
     "share",
     "texture",
     "with_model",
@@ -90,8 +88,8 @@ def share(prepared: Prepared) -> Prepared:
     return replace(prepared, seed_reference=QuadraticReference(part if weights is None else part * weights))
 
 
-def fit(prepared: Prepared, controller: LambdaController | None = None) -> TileState:
-    """Fits seeds, led by `controller` if there is one."""
+def fit(prepared: Prepared) -> TileState:
+    """Fits seeds."""
     tile = prepared.tile
     trainer = Trainer(
         tile.spec,
@@ -100,7 +98,6 @@ def fit(prepared: Prepared, controller: LambdaController | None = None) -> TileS
         _first_layout(prepared),
         tile.header.family,
         load_prior(tile.spec) if tile.spec.context.prior else None,
-        controller=controller,
         device=tile.device,
         weights=prepared.seed_reference.weights,
     )
@@ -153,12 +150,12 @@ def in_integers(prepared: Prepared, fitted: Fitted) -> TileState:
         fitted.attributes,
         decoder_shift=fitted.decoder_shift,
     )
-    return with_model(prepared, replace(header, quality=fitted.quality), model, fitted.lmbda)
+    return with_model(prepared, replace(header, quality=fitted.quality), model)
 
 
-def with_model(prepared: Prepared, header: Header, model: TileModel, seed_lmbda: float) -> TileState:
-    """The tile with a model, whose seeds are made for λ = `seed_lmbda`."""
-    return TileState(**vars(prepared), header=header, model=model, seed_lmbda=seed_lmbda)
+def with_model(prepared: Prepared, header: Header, model: TileModel) -> TileState:
+    """The tile with a model."""
+    return TileState(**vars(prepared), header=header, model=model)
 
 
 def rdoq(state: TileState, min_passes: int = 0) -> TileState:
@@ -166,20 +163,14 @@ def rdoq(state: TileState, min_passes: int = 0) -> TileState:
     tile = state.tile
     if not tile.has_rdoq:
         return state
-    search = rdoq_search(state)
-    if search.settings.passes == 1 and not tile.watch.ending():
-        return replace(state, model=search.once(state.seed_lmbda))
-    passes = max(search.settings.passes, min_passes)
-    found = search.at(state.seed_lmbda, passes, lambda: search.passes >= min_passes and tile.watch.ending())
-    return replace(state, model=found.model)
-
-
-def rdoq_search(state: TileState) -> Rdoq:
-    """What goes through the symbols of the tile's seeds, pass by pass."""
-    tile = state.tile
     tile.watch.stage("search")
-    known = state.header, state.model, tile.unit, state.seed_lmbda
-    return Rdoq(*known, tile.effort.rdoq, tile.device, state.seed_reference)
+    known = state.header, state.model, tile.unit, state.fit.lmbda
+    search = Rdoq(*known, tile.effort.rdoq, tile.device, state.seed_reference)
+    if search.settings.passes == 1 and not tile.watch.ending():
+        return replace(state, model=search.once())
+    passes = max(search.settings.passes, min_passes)
+    result = search.best(passes, lambda: search.passes >= min_passes and tile.watch.ending())
+    return replace(state, model=result.model)
 
 
 def texture(state: TileState) -> TileState:

@@ -18,8 +18,7 @@ from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile.restoration import Restorer, Strength
 from sgicodec.encoder.tile.sharing import TextureCosts
-from sgicodec.encoder.tile.texture_contrast import TextureContrasts
-from sgicodec.encoder.tile.texture_tuning import TUNINGS, TextureTuning
+from sgicodec.encoder.tile.texture_steps import TUNINGS, Masking, TextureTuning
 from sgicodec.metrics.distortion import Reference
 from sgicodec.model.spec import ModelSpec
 from sgicodec.model.texture_symbols import TextureSymbols
@@ -102,7 +101,7 @@ class Tile:
     """Samples that no model shows."""
     reference: Reference
     """`unit` as the distortion sees it."""
-    contrasts: TextureContrasts
+    masking: Masking
     """Of texture, for any steps."""
     watch: Watch
     device: Device
@@ -167,10 +166,9 @@ class TileState(Prepared):
     """The tile's, with the base colour step of the fit."""
     model: TileModel
     """What a stream will hold: seeds, and texture and restoration once they are found."""
-    seed_lmbda: float
-    """λ that the seeds are made for."""
-    contrast: NDArray[np.int8] | None = None
-    """[rows, columns]: of texture, None where roots have none."""
+    step_offsets: NDArray[np.int8] | None = None
+    """[rows, columns]: by how many quarters of an octave the steps of each superblock of texture are coarser; None for
+    none."""
     strength: Strength | None = None
     """For the eye: of restoration, which is set before texture is searched."""
 

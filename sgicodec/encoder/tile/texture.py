@@ -30,14 +30,14 @@ class TextureStrategy(Protocol):
 
 
 def begin_texture(state: TileState) -> tuple[TileState, TextureSearch]:
-    """The tile with the contrasts of its λ, and what searches texture over its seeds as decoders have them."""
+    """The tile with the offsets of its λ, and what searches texture over its seeds as decoders have them."""
     tile = state.tile
     steps = _steps(tile, tile.tuning.step(state.lmbda))
-    contrast = tile.contrasts.at(steps)
+    offsets = tile.masking.offsets(steps)
     left = Objective(state.header, tile.unit, tile.device).decoded_residual(state.model)[:, :, : tile.unit.shape[2]]
-    colours = colours_for(left, steps, tile.tuning.price(state.lmbda), contrast, tile.device)
+    colours = colours_for(left, steps, tile.tuning.price(state.lmbda), offsets, tile.device)
     search = TextureSearch(left, tile.device, tile.effort.split_margin, colours=colours)
-    return replace(state, contrast=contrast), search
+    return replace(state, step_offsets=offsets), search
 
 
 def best_layer(
@@ -45,13 +45,13 @@ def best_layer(
     search: TextureSearch,
     step: int,
     price: float | None = None,
-    cells: TextureSymbols | None = None,
+    blocks: TextureSymbols | None = None,
 ) -> TextureSymbols | None:
     """The layer of least cost, None where nothing is worth its bits. step, price: as in `TextureStrategy.lay_at`;
-    cells: a layer whose cells are taken, None for the best.
+    blocks: a layer whose blocks are taken, None for the best.
     """
-    tuning = state.tile.tuning
-    return search.at(_steps(state.tile, step), tuning.squared_steps if price is None else price, state.contrast, cells)
+    price = state.tile.tuning.squared_steps if price is None else price
+    return search.at(_steps(state.tile, step), price, state.step_offsets, blocks)
 
 
 def best_strength(state: TileState, search: TextureSearch, layer: TextureSymbols | None) -> Strength | None:

@@ -27,7 +27,7 @@ __all__ = ["WrittenTile", "decoded", "measured", "network_weights", "stream_of",
 @dataclass(frozen=True)
 class WrittenTile:
     """header: the stream's, which the only tile changes; chunk: the payload of chunk T, `model` the part of it that
-    says what is drawn, None for nothing; part_bytes: what each part costs; seeds: how many; lmbda: of the encode.
+    says what is rendered, None for nothing; part_bytes: what each part costs; seeds: how many; lmbda: of the encode.
     """
 
     header: Header

@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 
 from sgicodec.bitstream.header import encode_header
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.tiles.interfaces import Version
+from sgicodec.encoder.tiles.store import Version
 from sgicodec.encoder.tiles.tasks import EncodedTile
 from sgicodec.errors import OutputExistsError, StreamError, UsageError
 from sgicodec.files.lock import locked
@@ -109,10 +109,10 @@ class Checkpoint:
 
     def _load(self, mark: bytes) -> None:
         self._database.executescript(_TABLES)
-        found = self._database.execute("SELECT fingerprint FROM encode").fetchone()
-        if found is None:
+        row = self._database.execute("SELECT fingerprint FROM encode").fetchone()
+        if row is None:
             self._database.execute("INSERT INTO encode VALUES (?)", (mark,))
-        elif found[0] != mark:
+        elif row[0] != mark:
             raise UsageError(f"{self.path}: the source, the settings or the program changed since; -f starts over")
         self._values = dict(self._database.execute("SELECT name, value FROM cached"))
         self.tiles = dict(self._rows())

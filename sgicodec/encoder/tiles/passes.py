@@ -5,30 +5,42 @@ from __future__ import annotations
 import math
 import tempfile
 from collections.abc import Callable, Sequence
-from dataclasses import replace
-from functools import cached_property, partial
-from typing import BinaryIO, Literal
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import BinaryIO
 
 from sgicodec.bitstream.stream_writer import stream_length, write_stream
-from sgicodec.encoder.listener import PassReporter
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.tiles.interfaces import Finished, Store, Task, Version
+from sgicodec.encoder.progress import PassReporter
 from sgicodec.encoder.tiles.runner import TileRunner
-from sgicodec.encoder.tiles.tasks import EncodedTile, FitTask, LookaheadTask, SearchTask, Start
+from sgicodec.encoder.tiles.store import Store, Version
+from sgicodec.encoder.tiles.tasks import EncodedTile, FitTask, LookaheadTask, SearchTask, Task
 from sgicodec.metrics.distortion import decibels
 from sgicodec.model.steps import quality_index
 from sgicodec.rate_control.allocation import allocate
-from sgicodec.rate_control.secant import COARSER_TEXTURE, FINER_TEXTURE, REFIT, SEARCH, Correction
 from sgicodec.rate_control.target import LMBDA_MIN, Measured, RateTarget
-from sgicodec.rate_control.tile_passes import MAX_FITS, MAX_SAMPLES, is_far, kept_near, tiles_of_pass
+from sgicodec.rate_control.tile_passes import MAX_FITS, MAX_SAMPLES, is_far, kept_near, next_correction, tiles_of_pass
 from sgicodec.rate_control.tile_rd_model import Bound, TileRdModel
 
-__all__ = ["TilePasses"]
+__all__ = ["Finished", "TilePasses"]
 
 MAX_CORRECTIONS, MAX_MEASURES = 4, 2
 """Passes after the fits; measurements of a PSNR in each."""
 UNKNOWN_PAYLOAD_BYTES = 1 << 20
 """Of a payload that is not known yet, where there is room for any: what its frame takes hardly depends on it."""
+
+
+@dataclass(frozen=True)
+class Finished:
+    """Which coding of each tile the stream takes, the plan of its header, the λ of the last fits, and what was asked
+    for and not reached. overview: a stream of its own.
+    """
+
+    plan: Plan
+    chosen: list[Version]
+    lmbda: float
+    missed: str | None = None
+    overview: bytes | None = None
 
 
 class TilePasses:
@@ -130,10 +142,10 @@ class TilePasses:
         """From a lookahead at every tile."""
         self.reporter.begin("lookahead", self.all, {})
         tables = {}
-        for number, table in self.runner(LookaheadTask(self.plan), self.all, lambda _: Start()):
+        for number, table in self.runner(LookaheadTask(self.plan), self.all):
             tables[number] = table
             self.reporter.done(number, None)
-        what: Literal["bytes", "error"] = "error" if self.target and self.target.psnr else "bytes"
+        what = "bytes" if self.target is None else self._bound(self.target).what
         return TileRdModel([tables[number] for number in self.all], what)
 
     def _bound(self, target: RateTarget, lengths: Sequence[int] | None = None) -> Bound:
@@ -156,15 +168,15 @@ class TilePasses:
                 break
             bound = self._bound(target)
             fits = {number: bound.of(self.store.tiles[base[number]]) for number in self.all}
-            kind = self._kind(bound.error(sum(fits.values())))
+            coarser = bound.error(sum(fits.values())) > 0
             left = bound.error(sum(bound.of(self.store.tiles[version]) for version in chosen))
             fresh = [number for number in self.all if len(versions[number]) == 1]
-            octaves, numbers = kind.next(left, fits, fresh, tried)
-            if not self._correct(kind, plan, base, octaves, numbers, index):
+            octaves, numbers = next_correction(coarser, left, fits, fresh, tried)
+            if not self._correct(plan, base, octaves, numbers, index):
                 break
-            found = {number: bound.of(self.store.tiles[Version(number, index)]) for number in numbers}
-            moved |= {number: (octaves, taken) for number, taken in found.items()}
-            change = sum(found.values()) / max(sum(fits[number] for number in numbers), 1e-9)
+            results = {number: bound.of(self.store.tiles[Version(number, index)]) for number in numbers}
+            moved |= {number: (octaves, taken) for number, taken in results.items()}
+            change = sum(results.values()) / max(sum(fits[number] for number in numbers), 1e-9)
             like = {number: taken for number, (by, taken) in moved.items() if by == octaves}
             all_ = sum(like.get(number, change * fits[number]) for number in self.all)
             tried.append((octaves, bound.error(all_)))
@@ -174,15 +186,7 @@ class TilePasses:
         missed = target.miss_message(measured) if target.is_missed(measured) else None
         return Finished(plan, chosen, self.store.tiles[base[self.all[-1]]].lmbda, missed, self.overview)
 
-    def _kind(self, error: float) -> Correction:
-        """How to correct fits that miss the target by `error`: above 0, they spend too much."""
-        if self.plan.header.spec.texture:
-            return FINER_TEXTURE if error <= 0 else COARSER_TEXTURE
-        return SEARCH if error > 0 else REFIT
-
-    def _correct(
-        self, kind: Correction, plan: Plan, base: dict[int, Version], octaves: float, numbers: list[int], index: int
-    ) -> bool:
+    def _correct(self, plan: Plan, base: dict[int, Version], octaves: float, numbers: list[int], index: int) -> bool:
         """A pass that moves the λ of some tiles by `octaves`, one part for each λ of the fits; False where λ
         cannot move.
         """
@@ -193,14 +197,9 @@ class TilePasses:
             moved = lmbda * 2.0**octaves
             if moved < 0.999 * LMBDA_MIN:
                 return False
-            at = plan.at(moved, plan.header.quality)
-            task: FitTask | SearchTask = FitTask(at) if kind is REFIT else SearchTask(at)
-            self._pass(kind.name, index, task, some, partial(self._start, base))
+            task = SearchTask(plan.at(moved, plan.header.quality))
+            self._pass("search", index, task, some, lambda number: self.store.payload(base[number]))
         return bool(numbers)
-
-    def _start(self, base: dict[int, Version], number: int) -> Start:
-        version = base[number]
-        return Start(self.store.payload(version), self.store.tiles[version].lmbda)
 
     def _allocation(
         self, target: RateTarget, plan: Plan, versions: dict[int, list[Version]]
@@ -210,7 +209,7 @@ class TilePasses:
             chosen = self._allocated(target, versions)
             tiles = [self.store.tiles[version] for version in chosen]
             length = self._length(plan, [tile.length for tile in tiles])
-            if target.psnr is None:
+            if self._bound(target).what == "bytes":
                 return chosen, Measured(length, math.inf)
             with tempfile.TemporaryFile() as file:
                 write_stream(file, plan.header, plan.software, plan.metadata, map(self.store.payload, chosen))
@@ -238,7 +237,7 @@ class TilePasses:
         index: int,
         task: Task[EncodedTile],
         numbers: Sequence[int],
-        start: Callable[[int], Start] = lambda _: Start(),
+        start: Callable[[int], bytes] = lambda _: b"",
     ) -> None:
         """Does what is not there yet."""
         there = {number: Version(number, index) for number in numbers if Version(number, index) in self.store.tiles}

@@ -14,8 +14,7 @@ from sgicodec.device import Device
 from sgicodec.encoder.blas_threads import one_blas_thread
 from sgicodec.encoder.input.windows import Windows, tile_window
 from sgicodec.encoder.plan import Plan
-from sgicodec.encoder.tiles.interfaces import Task
-from sgicodec.encoder.tiles.tasks import Start
+from sgicodec.encoder.tiles.tasks import Task
 from sgicodec.errors import PictureError
 from sgicodec.executors.executor import Executor
 from sgicodec.image import Alpha, Source, open_source
@@ -31,7 +30,7 @@ class TileJob(NamedTuple):
     """What a worker is sent: the pixels, or None where it reads them itself, and where a search begins."""
 
     window: Picture | None
-    start: Start
+    start: bytes
 
 
 class TileRunner:
@@ -44,11 +43,11 @@ class TileRunner:
         self,
         task: Task[Result],
         numbers: Sequence[int],
-        start: Callable[[int], Start],
+        start: Callable[[int], bytes] = lambda _: b"",
         window: Picture | None = None,
     ) -> Iterator[tuple[int, Result]]:
-        """Results by tile, in any order. window: the pixels, instead of those that a tile covers. Raises
-        TileFailedError.
+        """Results by tile, in any order. start: the payload of a tile that a search begins with; window: the pixels,
+        instead of those that a tile covers. Raises TileFailedError.
         """
         executor, plan = self._executor, self._plan
         if not plan.header.tile:  # a listener hears of its steps, and its errors are the picture's
@@ -96,8 +95,8 @@ class ReadingTask(Generic[Result]):
         with _reading:
             use = SampleUse(header.sample_range, header.blank, header.has_exact)
             source = _opened(self.place, use, _ALPHA.get(header.channels, "auto"), self.page)
-            found = source.width, source.height, source.channels, str(source.dtype)
-            if found != (header.width, header.height, header.channels, header.sample_type):
+            opened = source.width, source.height, source.channels, str(source.dtype)
+            if opened != (header.width, header.height, header.channels, header.sample_type):
                 raise PictureError(f"{self.place}: this is another picture than the one being encoded")
             window = source.read(*header.grid.rect(number))
         job = TileJob(self.plan.of_header(window), job.start)

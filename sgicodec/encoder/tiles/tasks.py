@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.tile import read_tile
@@ -14,22 +14,23 @@ from sgicodec.device import Device
 from sgicodec.encoder.plan import Plan
 from sgicodec.encoder.tile.inputs import tile_of
 from sgicodec.encoder.tile.stages import encode, prepare, rd_model, texture, with_model
-from sgicodec.encoder.tile.state import Tile, TileListener, TileState
+from sgicodec.encoder.tile.state import Tile, TileListener
 from sgicodec.encoder.tile.target import write_at_target
 from sgicodec.encoder.tile.writing import WrittenTile, decoded, network_weights, write, write_nothing
 from sgicodec.executors.threads import stopping
 from sgicodec.metrics.distortion import squared_error
 from sgicodec.picture import Picture
-from sgicodec.rate_control.side_information import EMPTY_STREAM_BYTES, tile_side_bytes
+from sgicodec.rate_control.rd_model import EMPTY_STREAM_BYTES, tile_side_bytes
 from sgicodec.rate_control.tile_rd_model import LMBDA_GRID, RdTable
-from sgicodec.rdoq import Rdoq
-from sgicodec.rdoq.adaptation import with_coarser_steps
 from sgicodec.rdoq.objective import with_values
 
 if TYPE_CHECKING:
     from sgicodec.fit.trainer import Progress
 
-__all__ = ["EncodedTile", "FitTask", "LookaheadTask", "SearchTask", "Start"]
+__all__ = ["EncodedTile", "FitTask", "LookaheadTask", "SearchTask", "Task"]
+
+
+Made = TypeVar("Made", covariant=True)
 
 
 @dataclass(frozen=True)
@@ -65,11 +66,11 @@ class EncodedTile:
     """How the only tile misses the target."""
 
 
-class Start(NamedTuple):
-    """Where a search begins: the payload of a tile's chunk and the λ that it was made for."""
+class Task(Protocol[Made]):
+    """What is done to a tile: pickled, and called where the pixels are."""
 
-    payload: bytes = b""
-    lmbda: float = 0.0
+    def __call__(self, number: int, window: Picture, start: bytes, device: Device) -> Made:
+        """Made of tile `number`, whose pixels are `window`. start: the payload of its chunk so far, empty for none."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,7 @@ class LookaheadTask:
 
     plan: Plan
 
-    def __call__(self, number: int, window: Picture, start: Start, device: Device) -> RdTable:
+    def __call__(self, number: int, window: Picture, start: bytes, device: Device) -> RdTable:
         """A tile without valid pixels has neither bytes nor error."""
         tile = tile_of(window, self.plan, device, number)
         if tile.holds_nothing:
@@ -86,9 +87,9 @@ class LookaheadTask:
         _, _, width, height = self.plan.header.grid.core(number)
         samples = width * height * tile.spec.channels
         model, side = rd_model(prepare(tile, tile.fit.lmbda)), tile_side_bytes(network_weights(tile.spec))
-        found = [model.predict(lmbda) for lmbda in LMBDA_GRID]
-        sizes = tuple(max(size - EMPTY_STREAM_BYTES, 0.0) + side for size, _ in found)
-        return RdTable(sizes, tuple(samples * error for _, error in found))
+        predictions = [model.predict(lmbda) for lmbda in LMBDA_GRID]
+        sizes = tuple(max(size - EMPTY_STREAM_BYTES, 0.0) + side for size, _ in predictions)
+        return RdTable(sizes, tuple(samples * error for _, error in predictions))
 
 
 @dataclass(frozen=True)
@@ -100,7 +101,7 @@ class FitTask:
     plan: Plan
     listener: TileListener | None = None
 
-    def __call__(self, number: int, window: Picture, start: Start, device: Device) -> EncodedTile:
+    def __call__(self, number: int, window: Picture, start: bytes, device: Device) -> EncodedTile:
         """Fits the pixels that the tile covers, apron included."""
         began, listener = time.monotonic(), self.listener or _Waiting()
         listener.stage("prepare")
@@ -141,41 +142,20 @@ class _Waiting:
 
 @dataclass(frozen=True)
 class SearchTask:
-    """Searches the texture of a finished tile again, or without texture its symbols, for the plan's λ."""
+    """Searches the texture of a finished tile again, for the plan's λ."""
 
     plan: Plan
 
-    def __call__(self, number: int, window: Picture, start: Start, device: Device) -> EncodedTile:
-        """A model that cannot be searched has its steps moved as λ asks for."""
+    def __call__(self, number: int, window: Picture, start: bytes, device: Device) -> EncodedTile:
+        """Lays texture over the seeds of the payload `start`."""
         began, tile = time.monotonic(), tile_of(window, self.plan, device, number)
-        payload = decode_tile_chunk(self.plan.header, start.payload).model
+        payload = decode_tile_chunk(self.plan.header, start).model
         if payload is None:
             return _finished(tile, write_nothing(tile), began)
         model, _ = read_tile(tile.header, payload, device)
         model = with_values(tile.spec, model, model.decoded_values)
-        prepared = prepare(tile, tile.fit.lmbda)
-        state = with_model(prepared, tile.header, model, start.lmbda)
-        return _finished(tile, write(_searched(state)), began)
-
-
-def _searched(state: TileState) -> TileState:
-    """The tile with texture, or without any with symbols, for its λ instead of that of its seeds."""
-    tile, model, lmbda = state.tile, state.model, state.lmbda
-    if tile.spec.texture:
-        return texture(state)
-    if not tile.has_rdoq:
-        octaves = 0.5 * math.log2(lmbda / state.seed_lmbda)
-        return replace(state, model=replace(model, networks=with_coarser_steps(model.networks, octaves)))
-    settings = tile.effort.rdoq
-    settings = replace(settings, coarser=0.0, passes=max(_MIN_PASSES, settings.passes // _PASSES_SHARE))
-    rdoq = Rdoq(tile.header, model, tile.unit, state.seed_lmbda, settings, tile.device, tile.reference)
-    for _ in range(settings.passes):
-        model = rdoq.descend(lmbda).model
-    return replace(state, model=model)
-
-
-_MIN_PASSES, _PASSES_SHARE = 2, 3
-"""Passes of a search after a search: at least, and of those after a fit."""
+        state = with_model(prepare(tile, tile.fit.lmbda), tile.header, model)
+        return _finished(tile, write(texture(state)), began)
 
 
 def _finished(tile: Tile, written: WrittenTile, began: float) -> EncodedTile:

@@ -12,9 +12,8 @@ import pytest
 from click.testing import Result
 
 from sgicodec.cli.main import cli
-from sgicodec.encoder.effort import effort_of
+from sgicodec.encoder.effort import PLAIN_STEPS, PSNR_STEPS, VISUAL_STEPS, effort_of
 from sgicodec.image.formats import FORMATS
-from sgicodec.profiles.default import EFFORTS, TEXTURE_EFFORTS, VISUAL_EFFORTS, default_settings
 
 Run = Callable[..., Result]
 TEXT = (Path(__file__).parents[3] / "docs" / "cli.md").read_text("utf-8")
@@ -39,10 +38,10 @@ def test_every_option_is_in_its_table(command: str) -> None:
 def test_efforts() -> None:
     rows = [line.split("|")[1:-1] for line in TEXT.splitlines() if re.match(r"\| (effort|steps|passes)\b", line)]
     efforts, plain, psnr, visual, passes = ([int(cell) for cell in row[1:]] for row in rows)
-    assert dict(zip(efforts, plain, strict=True)) == EFFORTS
-    assert dict(zip(efforts, psnr, strict=True)) == TEXTURE_EFFORTS
-    assert dict(zip(efforts, visual, strict=True)) == VISUAL_EFFORTS
-    assert passes == [effort_of(default_settings(1.0, steps), "visual").ascent_passes for steps in visual]
+    assert dict(zip(efforts, plain, strict=True)) == PLAIN_STEPS
+    assert dict(zip(efforts, psnr, strict=True)) == PSNR_STEPS
+    assert dict(zip(efforts, visual, strict=True)) == VISUAL_STEPS
+    assert passes == [effort_of(steps, "visual").ascent_passes for steps in visual]
 
 
 def test_exit_codes(sgi: Run) -> None:

@@ -19,7 +19,7 @@ from sgicodec.cli.command import HelpfulCommand
 from sgicodec.cli.main import cli
 from sgicodec.decoder import stream as decoder
 from sgicodec.encoder import pipeline as encoder
-from sgicodec.encoder.listener import NullListener
+from sgicodec.encoder.progress import NullListener
 from sgicodec.fit.trainer import Progress
 from sgicodec.version import __version__
 

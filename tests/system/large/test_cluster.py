@@ -17,7 +17,7 @@ from sgicodec.device import ONE_THREAD
 from sgicodec.encoder.input.windows import windows_of
 from sgicodec.encoder.plan import Plan, stream_plan
 from sgicodec.encoder.tiles.runner import ReadingTask, TileJob
-from sgicodec.encoder.tiles.tasks import FitTask, Start
+from sgicodec.encoder.tiles.tasks import FitTask
 from sgicodec.errors import PictureError, TileFailedError, UsageError
 from sgicodec.executors.dask import open_cluster
 from sgicodec.image import open_source, write
@@ -84,7 +84,7 @@ def plan_of(photo: Path, settings: EncodeSettings) -> Plan:
 
 def test_workers_read_paths_and_urls(photo: Path, settings: EncodeSettings, tmp_path: Path) -> None:
     plan = plan_of(photo, settings)
-    job, work = TileJob(None, Start()), FitTask(plan)
+    job, work = TileJob(None, b""), FitTask(plan)
     by_path, by_url = (ReadingTask(plan, place, work, ONE_THREAD)(4, job) for place in (str(photo), photo.as_uri()))
     assert by_path.payload == by_url.payload
     other = tmp_path / "other.png"

@@ -9,7 +9,7 @@ import pytest
 
 from sgicodec import EncodeSettings, encode_picture, read
 from sgicodec.decoder.stream import open_stream
-from sgicodec.encoder.listener import NullListener, PassState
+from sgicodec.encoder.progress import NullListener, PassState
 from sgicodec.encoder.tiles.checkpoint import Checkpoint
 from sgicodec.executors.processes import ProcessExecutor
 from sgicodec.image import open_source

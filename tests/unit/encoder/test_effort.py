@@ -8,9 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from sgicodec.encoder.effort import UNSCOUTED_PRICE, Effort, effort_of
-from sgicodec.encoder.settings import EncodeSettings, Tune
-from sgicodec.profiles.default import default_settings
+from sgicodec.encoder.effort import UNSCOUTED_PRICE, Effort, Tune, effort_of
+from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.rdoq.settings import RdoqSettings
 
 TEXT = (Path(__file__).parents[3] / "docs" / "architecture.md").read_text("utf-8")
@@ -28,7 +27,7 @@ def shown(value: object) -> str:
 def test_the_page_has_the_table(tune: Tune) -> None:
     part = TEXT.split(TABLES[tune], 1)[1].split("\n#", 1)[0]
     rows = {label: cells.split("|") for label, cells in re.findall(r"^\| `(\w+)` \| (.*) \|$", part, re.MULTILINE)}
-    efforts = [effort_of(EncodeSettings(effort=effort, tune=tune).fit_settings(), tune) for effort in range(1, 10)]
+    efforts = [EncodeSettings(effort=effort, tune=tune).chosen_effort for effort in range(1, 10)]
     assert rows.keys() == {field.name for field in fields(Effort)}
     for name, cells in rows.items():
         expected = [round(value, 2) if isinstance(value := getattr(one, name), float) else value for one in efforts]
@@ -37,7 +36,7 @@ def test_the_page_has_the_table(tune: Tune) -> None:
 
 @pytest.mark.parametrize("tune", TABLES)
 def test_more_steps_never_do_less(tune: Tune) -> None:
-    found = [effort_of(default_settings(1.0, steps), tune) for steps in (1, 50, 350, 400, 500, 1000, 9000)]
+    found = [effort_of(steps, tune) for steps in (1, 50, 350, 400, 500, 1000, 9000)]
     for name in ("handover", "rounds", "adapts_restoration", "ascent_passes"):
         values = [getattr(one, name) for one in found]
         assert values == sorted(values)
@@ -47,7 +46,7 @@ def test_more_steps_never_do_less(tune: Tune) -> None:
 
 
 def test_short_fits_beneath_texture_leave_out_what_gains_little() -> None:
-    low, plain = (effort_of(default_settings(1.0, 120, hurried=hurried), "visual") for hurried in (True, False))
+    low, plain = (effort_of(120, "visual", is_low) for is_low in (True, False))
     assert (low.scout, plain.scout) == (False, True)
     assert low.seed_price == UNSCOUTED_PRICE > plain.seed_price
     assert (low.rdoq.passes, plain.rdoq.passes) == (1, 2)

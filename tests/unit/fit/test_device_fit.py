@@ -39,18 +39,18 @@ def fit(settings: FitSettings, device: Device, prior: int = 3) -> tuple[Fitted, 
     return fitted, [10 ** (-p.psnr / 10) * target.size + LMBDA * p.bits for p in seen], trainer
 
 
-def still(steps: int, hurried: bool = False) -> FitSettings:
+def still(steps: int, low_effort: bool = False) -> FitSettings:
     """Without pruning or growth, whose decisions differ where two float32 programs do."""
-    settings = default_settings(LMBDA, steps, hurried)
+    settings = default_settings(LMBDA, steps, low_effort)
     return replace(settings, phases=tuple(replace(phase, prune=0, grow=0) for phase in settings.phases))
 
 
-@pytest.mark.parametrize(("prior", "hurried"), [(3, False), (0, False), (3, True)])
-def test_the_loss_is_the_processors(prior: int, hurried: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("prior", "low_effort"), [(3, False), (0, False), (3, True)])
+def test_the_loss_is_the_processors(prior: int, low_effort: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """Over the second half of a fit, within 1 %, as two instruction sets are: their cutoffs differ, noise amplifies."""
     losses = []
     for device in (only_gpu(monkeypatch), ONE_THREAD):
-        _, loss, trainer = fit(still(80, hurried), device, prior)
+        _, loss, trainer = fit(still(80, low_effort), device, prior)
         assert (trainer.on_gpu is not None) == (device.gpu is not None)
         losses.append(np.mean(loss[40:]))
     assert losses[0] == pytest.approx(losses[1], rel=1e-2)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -80,7 +81,7 @@ def test_rows_stay_go_and_come(gpu: Device) -> None:
         for old, new in zip(arrays, after[name], strict=True):
             np.testing.assert_array_equal(old[rows], new)
     assert all(arrays[2].any() for arrays in after.values())
-    trainer.lmbda = 1e-4
+    trainer.settings = replace(trainer.settings, lmbda=1e-4)
     old = len(trainer.seeds)
     trainer._grow()
     assert len(trainer.seeds) > old

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from fake_cuda import fake_gpu
 from random_fit import random_fit
-from specs import several
 
 from sgicodec.device import ONE_THREAD
 from sgicodec.fit.adam import Adam
@@ -77,7 +76,6 @@ class Pair:
 
 SPECS = {
     "default": default_spec(3, prior=0),
-    "K = 2": several(default_spec(3, prior=0), 2),
     "gray": default_spec(1, prior=0),
     "four channels": default_spec(4, prior=0),
 }

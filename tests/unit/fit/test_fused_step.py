@@ -7,7 +7,6 @@ import pytest
 import torch
 from random_fit import random_fit
 from scenes import ISAS
-from specs import several
 from torch import Tensor
 
 from sgicodec.device import Device
@@ -40,7 +39,6 @@ doubles that, and so does Σ⁻¹ on both sides of the second moments. An axis o
 
 SPECS = {
     "default": default_spec(3, prior=0),
-    "K = 2": several(default_spec(3, prior=0), 2),
     "gray": default_spec(1, prior=0),
     "gray and alpha": default_spec(2, prior=0),
     "four channels": default_spec(4, prior=0),

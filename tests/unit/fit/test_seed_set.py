@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from specs import several
 
 from sgicodec.device import ONE_THREAD
 from sgicodec.fit.adam import Adam
@@ -17,7 +16,7 @@ from sgicodec.profiles.paper import paper_spec
 LAYOUT = SeedLayout(np.array([[0, 0], [8, 0], [0, 8], [8, 8]], np.int32), np.array([3, 3, 3, 2], np.int8))
 MORE = SeedLayout(np.array([[12, 8], [12, 12]], np.int32), np.array([2, 1], np.int8))
 TARGET = np.random.default_rng(5).normal(0.0, 0.3, (3, 16, 16)).astype(np.float32)
-specs = pytest.mark.parametrize("spec", [default_spec(3), several(default_spec(3), 2), paper_spec(3, per_seed=2)])
+specs = pytest.mark.parametrize("spec", [default_spec(3), paper_spec(3, per_seed=2)])
 
 
 def moved(seeds: SeedSet, adam: Adam, gradients: dict[str, np.ndarray]) -> None:

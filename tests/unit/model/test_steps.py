@@ -1,7 +1,6 @@
 """The default plan: within the table, and what it says of each profile."""
 
 import pytest
-from specs import several
 
 from sgicodec.model.context import LEVELS, output_count
 from sgicodec.model.quantization import STEP_COUNT
@@ -10,7 +9,7 @@ from sgicodec.model.steps import default_plan, follows_amplitude
 from sgicodec.profiles.default import default_spec
 from sgicodec.profiles.paper import paper_spec
 
-SPEC = several(default_spec(3), 2)
+SPEC = default_spec(3)
 
 
 @pytest.mark.parametrize("spec", [SPEC, default_spec(1), paper_spec(3)])

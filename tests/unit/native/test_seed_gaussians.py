@@ -73,7 +73,7 @@ def seeds(draw: st.DrawFn) -> Seeds:
 
 def native(isa: str, s: Seeds) -> tuple[tuple[F32, F32, F32], tuple[F32, F32, F32]]:
     """Means, covariances and colours; gradients of colour, shape and offset. No network runs."""
-    step = _native.SeedFit(isa, 1, 1, HIDDEN, np.array(colour_matrix(3), np.float32))
+    step = _native.SeedFit(isa, 1, HIDDEN, np.array(colour_matrix(3), np.float32))
     step.set_layout(s.half_pixels, s.log_size, np.full((COUNT, 1), -1, np.int32), 0)
     inputs = [input_count(SPEC, step) for step in range(3)]
     outputs = [2 * predicted + 1 for predicted in (3, 3, 2)]

@@ -3,9 +3,10 @@
 import pytest
 
 from sgicodec import EncodeSettings
+from sgicodec.encoder.effort import PLAIN_STEPS, PSNR_STEPS, VISUAL_STEPS
 from sgicodec.errors import UsageError
 from sgicodec.profiles import PROFILES
-from sgicodec.profiles.default import EFFORTS, TEXTURE_EFFORTS, VISUAL_EFFORTS
+from sgicodec.profiles.default import default_settings
 from sgicodec.profiles.fit_settings import LearningRates
 from sgicodec.profiles.paper import paper_settings
 
@@ -21,17 +22,35 @@ def test_rates_hold_and_then_fall_to_what_is_to_be_left() -> None:
     assert apart.left("offset", 1.0) == pytest.approx(0.01)
 
 
+
+
 def test_scales_of_the_default_profile() -> None:
     """16 steps of quality divide λ by four; an effort is a number of steps; λ and steps take their place."""
     coarse, fine = (EncodeSettings(quality=quality, effort=2, seed=7).fit_settings() for quality in (40, 56))
     assert coarse.lmbda == pytest.approx(4 * fine.lmbda)
-    assert (coarse.steps, coarse.seed) == (VISUAL_EFFORTS[2], 7)
+    assert (coarse.steps, coarse.seed) == (VISUAL_STEPS[2], 7)
     plain = (EncodeSettings(effort=5, tune="psnr"), EncodeSettings(effort=5, psnr=35))
-    assert [settings.fit_settings().steps for settings in plain] == [TEXTURE_EFFORTS[5]] * 2
-    assert EncodeSettings(texture=False).fit_settings().steps == EFFORTS[5]
-    assert EncodeSettings(effort=4).fit_settings().steps == VISUAL_EFFORTS[4] < TEXTURE_EFFORTS[4]
+    assert [settings.fit_settings().steps for settings in plain] == [PSNR_STEPS[5]] * 2
+    assert EncodeSettings(texture=False).fit_settings().steps == PLAIN_STEPS[5]
+    assert EncodeSettings(effort=4).fit_settings().steps == VISUAL_STEPS[4] < PSNR_STEPS[4]
     direct = EncodeSettings(lmbda=0.25, steps=77).fit_settings()
     assert (direct.lmbda, direct.steps) == (0.25, 77)
+
+
+def test_short_fits_beneath_texture_have_low_effort() -> None:
+    """Half of the steps and more at half size, and as many as were asked for."""
+    for steps in (1, 5, 120, 200):
+        settings = EncodeSettings(steps=steps)
+        fit = settings.fit_settings()
+        assert settings.is_low_effort
+        assert fit.steps in (steps, 4)
+    assert sum(phase.steps for phase in fit.phases if phase.level) > 0.6 * fit.steps
+    others = (
+        EncodeSettings(steps=200, texture=False),
+        EncodeSettings(steps=300),
+        EncodeSettings(steps=50, bpp=1.0),
+    )
+    assert not any(settings.is_low_effort for settings in others)
 
 
 def test_own_choices_of_the_paper_profile() -> None:
@@ -45,6 +64,8 @@ def test_own_choices_of_the_paper_profile() -> None:
 def test_own_choices_are_of_no_other_profile(name: str) -> None:
     with pytest.raises(UsageError, match=f"{name} is a setting of the paper profile"):
         EncodeSettings(**{name: 2})
+
+
 
 
 def lengths(levels: int, steps: int, lmbda: float = 0.001) -> list[tuple[int, int, str, bool]]:
@@ -63,3 +84,5 @@ def test_the_published_schedule() -> None:
     ]
     assert [count for _, count, _, _ in lengths(1, 15_000)] == [1500, 7500, 6000]
     assert not any(rounding == "noise" for _, _, rounding, _ in lengths(3, 15_000, lmbda=0.0))
+
+

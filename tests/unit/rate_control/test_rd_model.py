@@ -7,8 +7,7 @@ import pytest
 
 from sgicodec.model.layout import ROOT_LOG, cell_sums
 from sgicodec.profiles.default import default_settings
-from sgicodec.rate_control.rd_model import RdModel, initial_lmbda
-from sgicodec.rate_control.side_information import EMPTY_STREAM_BYTES
+from sgicodec.rate_control.rd_model import EMPTY_STREAM_BYTES, RdModel, initial_lmbda
 from sgicodec.rate_control.target import RateTarget
 
 

@@ -1,4 +1,4 @@
-"""Step-size search on made-up streams, and what a shift does to real networks."""
+"""Step-size search on made-up streams."""
 
 from __future__ import annotations
 
@@ -10,13 +10,8 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from sgicodec.bitstream.parts.prior import load_prior
-from sgicodec.model.network import DIFFERENCE_SHIFT
-from sgicodec.model.quantization import PER_OCTAVE
-from sgicodec.profiles.default import default_spec
 from sgicodec.rate_control.step_search import step_shift
 from sgicodec.rate_control.target import Measured, RateTarget
-from sgicodec.rdoq.adaptation import with_coarser_steps
 
 Made = Callable[[float], Measured]
 
@@ -33,7 +28,7 @@ def streams(size: float, slope: float, bend: float, decibels: float = 30.0) -> t
     return finish, made
 
 
-@given(st.floats(2e3, 1e6), st.floats(0.004, 0.02), st.floats(-0.5, 0.5), st.floats(-0.35, 0.35))
+@given(st.floats(2e3, 1e6), st.floats(0.01, 0.06), st.floats(-0.5, 0.5), st.floats(-0.8, 0.8))
 def test_finds_a_size_within_reach(size: float, slope: float, bend: float, off: float) -> None:
     finish, made = streams(size, slope, bend)
     assume(math.log2(finish(-90).bytes / size) > off > math.log2(finish(90).bytes / size))
@@ -66,7 +61,7 @@ def test_any_streams_end_with_one_that_was_made(table: list[tuple[int, float]]) 
 
         def finish(shift: float, seen: dict[float, Measured] = seen) -> Measured:
             assert shift not in seen
-            seen[shift] = Measured(*table[int(shift) + 96])
+            seen[shift] = Measured(*table[round(4 * shift) % len(table)])
             return seen[shift]
 
         measured = seen[step_shift(target, finish)]
@@ -75,8 +70,7 @@ def test_any_streams_end_with_one_that_was_made(table: list[tuple[int, float]]) 
             assert all(target.is_missed(other) for other in seen.values())
 
 
-@pytest.mark.parametrize(("resolution", "most"), [(1.0, 35), (0.25, 10)])
-def test_a_psnr_that_goes_up_and_down_is_met(resolution: float, most: int) -> None:
+def test_a_psnr_that_goes_up_and_down_is_met() -> None:
     """A tenth of a decibel of noise, as large as what a step takes: a plain secant search misses 61 of 500."""
     missed = 0
     for seed in range(500):
@@ -86,8 +80,8 @@ def test_a_psnr_that_goes_up_and_down_is_met(resolution: float, most: int) -> No
         def finish(shift: float, noise: np.ndarray = noise) -> Measured:
             return Measured(1000 * 2 ** (-shift / 50), 32 - 0.1 * shift + noise[round(4 * (shift + 96))])
 
-        missed += not target.is_met(finish(step_shift(target, finish, -1 / 16, resolution)))
-    assert missed <= most
+        missed += not target.is_met(finish(step_shift(target, finish)))
+    assert missed <= 10
 
 
 def test_a_stream_that_fits_is_not_made_twice() -> None:
@@ -110,17 +104,3 @@ def test_a_picture_without_any_error() -> None:
 
     assert finish(step_shift(RateTarget(psnr=56.0), finish)).psnr >= 55.9
     assert -96 <= step_shift(RateTarget(psnr=40.0), lambda _: Measured(100, math.inf)) <= 96
-
-
-@pytest.mark.parametrize("shift", [-96, -5, 32, 96])
-def test_coarser_moves_refinements_alone(shift: int) -> None:
-    networks = load_prior(default_spec(3))
-    rng = np.random.default_rng(2)
-    for plain, moved in zip(networks, with_coarser_steps(networks, shift / 2**DIFFERENCE_SHIFT), strict=True):
-        inputs = rng.integers(-2000, 2000, (50, plain.w1.shape[1]))
-        before, after = plain.predict(inputs), moved.predict(inputs)
-        np.testing.assert_array_equal(before.mean, after.mean)
-        np.testing.assert_array_equal(before.scale, after.scale)
-        expected = before.refine + PER_OCTAVE * shift / 2.0**DIFFERENCE_SHIFT
-        assert np.abs(after.refine - expected).max() <= 1
-        assert moved.predicted == plain.predicted

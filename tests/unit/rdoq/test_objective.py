@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from specs import several
 
 from sgicodec.bitstream.container import ChunkWriter
 from sgicodec.bitstream.header import encode_header
@@ -54,7 +53,6 @@ def test_cost_is_that_of_the_stream(stage: Stage, channels: int, weighted: bool)
         (default_spec(3), True),
         (default_spec(1), True),
         (default_spec(64, prior=0), True),
-        (several(default_spec(3), 2), False),
         (default_spec(3, hidden=8), False),
         (paper_spec(3), False),
         (replace(default_spec(3), features=8), False),

@@ -15,10 +15,11 @@ from textures import read_texture
 from sgicodec import read
 from sgicodec._native import SymbolReader
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
-from sgicodec.bitstream.parts.texture import write_texture
+from sgicodec.bitstream.parts.texture import texture_models, write_texture
 from sgicodec.device import Device
+from sgicodec.model.gaussians import colour_matrix
 from sgicodec.model.texture_symbols import SAME_COLOURS, SAME_STEP, TextureSteps, TextureSymbols, roots_of
-from sgicodec.rdoq.texture import TextureSearch
+from sgicodec.rdoq.texture import TextureSearch, colours_for
 
 DATA = Path(__file__).parents[2] / "data"
 SAME = SAME_STEP, SAME_STEP
@@ -67,6 +68,16 @@ def test_bits_and_costs_are_those_of_the_stream(
         assert costs.sum() == pytest.approx(error + PRICE * bits, rel=0.03)
 
 
+
+
+
+
+
+
+
+
+
+
 def test_exact_amplitudes_leave_what_no_symbol_shows(residual: np.ndarray) -> None:
     """Rounding them gives the layer, within what dependent symbols may be off; what is left is orthogonal to them."""
     search = TextureSearch(residual)
@@ -103,6 +114,8 @@ def test_what_is_found_pays(residual: np.ndarray) -> None:
     assert errors[-1] < 0.01 * nothing
 
 
+
+
 def test_any_number_of_threads_finds_the_same(residual: np.ndarray) -> None:
     one = TextureSearch(residual, Device(1)).at(TextureSteps(340, (18, 18), (2, 3)), PRICE)
     assert one is not None
@@ -112,6 +125,10 @@ def test_any_number_of_threads_finds_the_same(residual: np.ndarray) -> None:
         assert other.steps == one.steps
         np.testing.assert_array_equal(other.symbols, one.symbols)
         np.testing.assert_array_equal(other.log_size, one.log_size)
+
+
+
+
 
 
 @settings(max_examples=examples(40))
@@ -145,6 +162,10 @@ def test_what_is_found_can_always_be_written(
     np.testing.assert_array_equal(found.contrast, layer.contrast)
 
 
+
+
+
+
 @pytest.mark.parametrize("colours", [SAME_COLOURS, OTHERS])
 def test_amplitudes_move_up_a_gradient_by_a_part_of_their_steps(
     residual: np.ndarray, colours: tuple[int, int, int]
@@ -170,23 +191,27 @@ def test_amplitudes_move_up_a_gradient_by_a_part_of_their_steps(
     assert 0.05 * mean * steps.of_channels.min() < np.sqrt((away**2).mean()) < most * largest
 
 
+
+
 def test_given_cells_are_taken_but_for_those_without_symbols(residual: np.ndarray) -> None:
     search, steps = TextureSearch(residual), TextureSteps(340, SAME)
     best = search.at(steps, PRICE)
     assert best is not None
-    again = search.at(steps, PRICE, cells=best)
+    again = search.at(steps, PRICE, blocks=best)
     assert again is not None
     assert np.array_equal(again.log_size, best.log_size)
     bits = [payload_of(layer)[1] for layer in (best, again)]
     costs = [squared_error(residual, layer) / steps.of_channels[0] ** 2 for layer in (best, again)]
     assert costs[1] + PRICE * bits[1] == pytest.approx(costs[0] + PRICE * bits[0], rel=0.01)
 
-    coarse = search.at(TextureSteps(420, SAME), PRICE, cells=best)
+    coarse = search.at(TextureSteps(420, SAME), PRICE, blocks=best)
     assert coarse is not None
     left = coarse.log_size > 0
     assert 0 < left.sum() < (best.log_size > 0).sum()
     assert np.array_equal(coarse.log_size[left], best.log_size[left])
     assert payload_of(coarse)[1] < 0.5 * bits[0]
+
+
 
 
 @pytest.mark.parametrize("wrong", ["shape", "size", "tree"])
@@ -196,4 +221,4 @@ def test_cells_that_are_no_layer_of_the_tile(residual: np.ndarray, wrong: str) -
     assert cells is not None
     log_size = {"shape": np.zeros((4, 4)), "size": np.full((12, 20), 2), "tree": np.eye(12, 20) * 5}[wrong]
     with pytest.raises(ValueError, match=r"division|log_size|cells"):
-        search.at(steps, PRICE, cells=replace(cells, log_size=log_size.astype(np.uint8)))
+        search.at(steps, PRICE, blocks=replace(cells, log_size=log_size.astype(np.uint8)))

@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from page_attributes import PageAttributes, Seed
-from specs import several
 from surgery import split
 
 from sgicodec import _native
@@ -98,7 +97,7 @@ def test_damage_is_told_alike(name: str) -> None:
 
 
 @pytest.mark.parametrize("threads", [1, 2, 3])
-@pytest.mark.parametrize("spec", [default_spec(1), default_spec(3), several(default_spec(2), 2)])
+@pytest.mark.parametrize("spec", [default_spec(1), default_spec(3), default_spec(2)])
 def test_passes_of_many_runs(spec: ModelSpec, threads: int) -> None:
     """Thousands of seeds in a pass are worked on in several runs, and groups of one step are larger than the last's."""
     spec = replace(spec, base_cell=0)

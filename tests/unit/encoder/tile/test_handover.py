@@ -18,7 +18,7 @@ from sgicodec.encoder.tile.inputs import tile_of
 from sgicodec.encoder.tile.sharing import MIN_WEIGHT, POSITION_BITS, searched_cost
 from sgicodec.encoder.tile.stages import encode, fit, prepare, share
 from sgicodec.encoder.tile.state import Prepared
-from sgicodec.encoder.tile.texture_tuning import TUNINGS
+from sgicodec.encoder.tile.texture_steps import TUNINGS
 from sgicodec.encoder.tile.writing import write
 from sgicodec.fit.trainer import Trainer
 from sgicodec.picture import Picture

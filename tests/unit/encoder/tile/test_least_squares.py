@@ -10,9 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from sgicodec import EncodeSettings, Picture, read
-from sgicodec.encoder.effort import effort_of
+from sgicodec.encoder.effort import Tune
 from sgicodec.encoder.plan import Shape, stream_plan
-from sgicodec.encoder.settings import Tune
 from sgicodec.encoder.tile.inputs import tile_of
 from sgicodec.encoder.tile.least_squares import requantise_seeds_under_texture, with_seeds_for
 from sgicodec.encoder.tile.stages import fit_seeds, texture
@@ -59,7 +58,7 @@ def test_the_same_error_takes_fewer_bytes() -> None:
 def test_seeds_for_the_eye_stay() -> None:
     for effort in range(1, 10):
         settings = EncodeSettings(effort=effort, tune="visual")
-        assert effort_of(settings.fit_settings(), "visual").rounds == 0
+        assert settings.chosen_effort.rounds == 0
 
 
 def test_none_without_a_search_or_texture() -> None:

@@ -1,4 +1,4 @@
-"""Gradient ascent of texture: better scores for the same bits, nowhere else, and never for longer than asked."""
+"""Ascents of scores: what gradients move, and how steps move between superblocks."""
 
 from __future__ import annotations
 
@@ -12,13 +12,12 @@ from sgicodec import read
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.parts.texture import write_texture
 from sgicodec.device import ONE_THREAD
-from sgicodec.encoder.tile.score_ascent import ScoreAscent, _Pace
-from sgicodec.encoder.tile.texture_contrast import TextureContrasts
-from sgicodec.encoder.tile.texture_tuning import TUNINGS
+from sgicodec.encoder.tile.score_ascent import ScoreAscent, _Pace, better_offsets
+from sgicodec.encoder.tile.texture_steps import TUNINGS, Masking
 from sgicodec.metrics.butteraugli import ButteraugliReference
 from sgicodec.metrics.visual_score import VisualReference
 from sgicodec.model.luma_space import from_luma_space, to_luma_space
-from sgicodec.model.texture_symbols import TextureSymbols
+from sgicodec.model.texture_symbols import CONTRAST_LIMIT, TextureSteps, TextureSymbols
 from sgicodec.rdoq.texture import TextureSearch
 
 DATA = Path(__file__).parents[3] / "data"
@@ -37,7 +36,7 @@ class Case:
         self.unit = np.ascontiguousarray(np.tensordot(into, self.seen, axes=1))
         self.base = np.broadcast_to(self.unit.mean(axis=(1, 2), keepdims=True), self.unit.shape)
         self.back = from_luma_space(3) if luma_space else np.eye(3)
-        self.contrast = TextureContrasts(TUNING, self.seen).at(TUNING.steps(step, 3))
+        self.offsets = Masking(TUNING, self.seen).offsets(TUNING.steps(step, 3))
         self.search = TextureSearch(self.unit - self.base, ONE_THREAD)
         self.ascent = ScoreAscent(self.unit, luma_space, empty, ONE_THREAD)
         self.searches = 0
@@ -45,19 +44,19 @@ class Case:
 
     def found(
         self,
-        cells: TextureSymbols | None = None,
+        blocks: TextureSymbols | None = None,
         score: float | None = None,
-        contrast: NDArray[np.int8] | None = None,
+        offsets: NDArray[np.int8] | None = None,
     ) -> TextureSymbols:
         self.searches += 1
         self.told.append(score)
-        contrast = self.contrast if contrast is None else contrast
-        layer = self.search.at(TUNING.steps(self.step, 3), TUNING.squared_steps, contrast, cells)
+        offsets = self.offsets if offsets is None else offsets
+        layer = self.search.at(TUNING.steps(self.step, 3), TUNING.squared_steps, offsets, blocks)
         assert layer is not None
         return layer
 
     def ascend(self, passes: int) -> None:
-        self.contrast = self.ascent.run(self.search, self.found, self.contrast, passes).contrast
+        self.offsets = self.ascent.run(self.search, self.found, self.offsets, passes).offsets
 
     def decoded(self) -> NDArray[np.float32]:
         seen: NDArray[np.float32] = np.tensordot(self.back, self.base + self.found().layer().draw(), axes=1)
@@ -100,10 +99,10 @@ def test_more_passes_score_more(luma_space: bool) -> None:
 
 @pytest.mark.parametrize("luma_space", [False, True])
 def test_moves_take_few_bits(luma_space: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Contrasts trade bits as well: they are left as they are here."""
+    """Step offsets trade bits as well: they are left as they are here."""
     case = Case(luma_space)
     with monkeypatch.context() as patched:
-        patched.setattr("sgicodec.encoder.tile.score_ascent.better_contrasts", lambda contrast, *_: contrast)
+        patched.setattr("sgicodec.encoder.tile.score_ascent.better_offsets", lambda offsets, *_: offsets)
         bits = case.bits()
         case.ascend(1)
         assert case.bits() < 1.04 * bits
@@ -136,7 +135,7 @@ def test_each_search_is_told_the_score_of_the_layer_before(luma_space: bool) -> 
     case = Case(luma_space)
     first = case.score()
     case.told.clear()
-    layer, last, _ = case.ascent.run(case.search, case.found, case.contrast, 2)
+    layer, last, _ = case.ascent.run(case.search, case.found, case.offsets, 2)
     assert case.told[0] is None
     assert case.told[1] == pytest.approx(first, abs=0.05)
     assert layer is not None
@@ -146,14 +145,14 @@ def test_each_search_is_told_the_score_of_the_layer_before(luma_space: bool) -> 
 
 def test_pixels_that_count_nothing_are_as_they_should_be_to_the_score() -> None:
     case = Case(empty=np.ones((256, 384), bool))
-    assert case.ascent.run(case.search, case.found, case.contrast, 1).score == pytest.approx(100)
+    assert case.ascent.run(case.search, case.found, case.offsets, 1).score == pytest.approx(100)
 
 
 def test_it_takes_a_search_for_each_pass_until_it_is_to_end() -> None:
     case = Case()
     case.ascend(3)
     assert case.searches == 3
-    case.ascent.run(case.search, case.found, case.contrast, 3, ending=lambda: case.searches == 4)
+    case.ascent.run(case.search, case.found, case.offsets, 3, ending=lambda: case.searches == 4)
     assert case.searches == 4
 
 
@@ -189,3 +188,80 @@ def test_moves_that_are_not_worth_their_bits_become_shorter() -> None:
     assert pace.after(400, 1080, 54) == 0.005  # of 2.7
     assert pace.after(399, 1200, 54) == 0.005  # finer steps say nothing
     assert pace.after(399, 1210, 54.2) == 0.0025  # bits of 0.3
+
+
+ROWS, COLUMNS = 6, 8
+USUAL = np.zeros((ROWS, COLUMNS), np.int8)
+
+
+def symbols_of(count: NDArray[np.int64]) -> TextureSymbols:
+    """A layer with so many symbols that are not 0 in each superblock, a third of them of each channel."""
+    symbols = np.zeros((3, 32 * ROWS, 32 * COLUMNS), np.int16)
+    for (row, column), number in np.ndenumerate(count):
+        superblock = np.zeros(3 * 32 * 32, np.int16)
+        superblock[:number] = np.where(np.arange(number) % 2, -3, 1)
+        at = slice(32 * row, 32 * row + 32), slice(32 * column, 32 * column + 32)
+        symbols[:, at[0], at[1]] = superblock.reshape(32, 32, 3).transpose(2, 0, 1)
+    log_size = np.full((4 * ROWS, 4 * COLUMNS), 5, np.uint8)
+    return TextureSymbols((32 * COLUMNS, 32 * ROWS), TextureSteps(400), log_size, USUAL, symbols)
+
+
+def pixels_of(loss: NDArray[np.float64], height: int = 32 * ROWS, width: int = 32 * COLUMNS) -> NDArray[np.float32]:
+    """Gains of pixels that add up to so much in each superblock."""
+    pixels = np.repeat(np.repeat(loss / 1024, 32, axis=0), 32, axis=1)
+    return pixels[:height, :width].astype(np.float32)
+
+
+def test_where_errors_cost_more_for_each_symbol_steps_become_finer() -> None:
+    loss = np.full((ROWS, COLUMNS), 1.0)
+    loss[:, :4] = 16.0
+    found = better_offsets(USUAL, USUAL, pixels_of(loss), symbols_of(np.full((ROWS, COLUMNS), 300)))
+    # steps are two octaves apart from equal losses, one on each side; a quarter of it is a quarter of an octave
+    assert (found[:, :3] == -1).all()
+    assert (found[:, 5:] == 1).all()
+
+
+def test_equal_losses_for_symbols_leave_contrasts_as_they_are() -> None:
+    count = np.random.default_rng(1).integers(200, 210, (ROWS, COLUMNS))
+    offsets = np.random.default_rng(2).integers(-3, 4, (ROWS, COLUMNS)).astype(np.int8)
+    found = better_offsets(offsets, offsets, pixels_of((count + 40) * 0.01), symbols_of(count))
+    np.testing.assert_array_equal(found, offsets)
+
+
+def test_roots_of_few_symbols_tell_nothing_and_stay() -> None:
+    count = np.full((ROWS, COLUMNS), 400)
+    count[:, 4:] = 20
+    loss = np.random.default_rng(3).uniform(0.1, 40, (ROWS, COLUMNS))
+    found = better_offsets(USUAL, USUAL, pixels_of(loss), symbols_of(count))
+    assert found[:, :3].any()
+    assert not found[:, 5:].any()
+
+    nothing = np.zeros((ROWS, COLUMNS), np.int64)
+    np.testing.assert_array_equal(better_offsets(USUAL, USUAL, pixels_of(loss), symbols_of(nothing)), USUAL)
+
+
+@pytest.mark.parametrize("level", [-CONTRAST_LIMIT, 0, CONTRAST_LIMIT])
+def test_contrasts_stay_near_those_of_the_tuning_and_within_the_format(level: int) -> None:
+    loss = np.full((ROWS, COLUMNS), 1e-3)
+    loss[:, :4] = 1e3
+    offsets = usual = np.full((ROWS, COLUMNS), level, np.int8)
+    for _ in range(20):
+        offsets = better_offsets(offsets, usual, pixels_of(loss), symbols_of(np.full((ROWS, COLUMNS), 300)))
+    assert offsets.dtype == np.int8
+    assert offsets[0, 0] == max(level - 4, -CONTRAST_LIMIT)
+    assert level < offsets[0, 7] <= level + 4 or offsets[0, 7] == CONTRAST_LIMIT
+
+
+def test_scores_that_fall_without_errors_say_nothing() -> None:
+    count = symbols_of(np.full((ROWS, COLUMNS), 300))
+    for loss in (np.zeros((ROWS, COLUMNS)), np.full((ROWS, COLUMNS), -1.0)):
+        np.testing.assert_array_equal(better_offsets(USUAL, USUAL, pixels_of(loss), count), USUAL)
+
+
+def test_roots_reach_beyond_the_picture() -> None:
+    loss = np.full((ROWS, COLUMNS), 5.0)
+    gain = pixels_of(loss, 32 * ROWS - 11, 32 * COLUMNS - 30)
+    found = better_offsets(USUAL, USUAL, gain, symbols_of(np.full((ROWS, COLUMNS), 300)))
+    # of the last column two pixels in 32 are there, and lose as little; of the last row 21
+    assert (found[:, -1] > found[:, 0]).all()
+    assert not found[:-1, :-2].any()

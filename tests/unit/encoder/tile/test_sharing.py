@@ -16,14 +16,14 @@ from sgicodec.encoder.tile.inputs import tile_of
 from sgicodec.encoder.tile.sharing import (
     FULL,
     MIN_WEIGHT,
-    cell_weights,
     estimated_cost,
     searched_cost,
     smoothed,
+    superblock_weights,
 )
 from sgicodec.encoder.tile.stages import encode, prepare, share
 from sgicodec.encoder.tile.state import Prepared
-from sgicodec.encoder.tile.texture_tuning import TUNINGS
+from sgicodec.encoder.tile.texture_steps import TUNINGS
 from sgicodec.encoder.tile.writing import write
 from sgicodec.picture import Picture
 
@@ -132,13 +132,13 @@ def test_every_kind_of_picture(shape: tuple[int, ...], channels: str) -> None:
 def test_cells_count_as_their_seeds_save() -> None:
     price = np.full((9, 9), 1.0)
     for saved, expected in ((2.0, 1.0), (FULL * 1.001, 1.0), (0.0, MIN_WEIGHT)):
-        np.testing.assert_allclose(cell_weights(saved * price, price, 1e-9), expected, rtol=1e-6)
-    rising = [cell_weights(saved * price, price, 1e-9)[4, 4] for saved in (0.2, 0.3, 0.4, 0.5)]
+        np.testing.assert_allclose(superblock_weights(saved * price, price, 1e-9), expected, rtol=1e-6)
+    rising = [superblock_weights(saved * price, price, 1e-9)[4, 4] for saved in (0.2, 0.3, 0.4, 0.5)]
     assert rising == sorted(set(rising))
 
 
 def test_where_there_is_nothing_to_show_seeds_count_in_full() -> None:
-    np.testing.assert_allclose(cell_weights(np.zeros((4, 4)), np.zeros((4, 4)), LMBDA), 1.0)
+    np.testing.assert_allclose(superblock_weights(np.zeros((4, 4)), np.zeros((4, 4)), LMBDA), 1.0)
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (2, 7), (11, 5)])

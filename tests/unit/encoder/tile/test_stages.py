@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from sgicodec import EncodeSettings, Picture, read
+from sgicodec.encoder.effort import Tune
 from sgicodec.encoder.plan import Shape, stream_plan
-from sgicodec.encoder.settings import Tune
 from sgicodec.encoder.tile.inputs import tile_of
 from sgicodec.encoder.tile.least_squares import requantise_seeds_under_texture
 from sgicodec.encoder.tile.stages import encode, fit, fit_seeds, prepare, rdoq, share, texture
@@ -49,10 +49,10 @@ def test_the_same_again(tune: Tune) -> None:
 
 
 def test_what_a_search_learns_stays_with_it() -> None:
-    """An ascent moves what its own search looks for, and the contrasts of the state that it returns."""
+    """An ascent moves what its own search looks for, and the offsets of the state that it returns."""
     tile = tile_for("visual")
     state, _ = begin_texture(fit_seeds(tile, tile.fit.lmbda))
-    assert state.contrast is not None
-    before = state.contrast.copy()
+    assert state.step_offsets is not None
+    before = state.step_offsets.copy()
     texture(state)
-    np.testing.assert_array_equal(state.contrast, before)
+    np.testing.assert_array_equal(state.step_offsets, before)

@@ -16,7 +16,7 @@ from sgicodec import EncodeSettings
 from sgicodec.encoder.input.windows import windows_of
 from sgicodec.encoder.plan import stream_plan
 from sgicodec.encoder.tiles.checkpoint import Checkpoint, fingerprint
-from sgicodec.encoder.tiles.interfaces import Version
+from sgicodec.encoder.tiles.store import Version
 from sgicodec.encoder.tiles.tasks import EncodedTile
 from sgicodec.errors import OutputExistsError, OutputLockedError, StreamError, UsageError
 from sgicodec.image import open_source
@@ -90,7 +90,7 @@ import os, sys
 from dataclasses import replace
 from pathlib import Path
 from sgicodec.encoder.tiles.checkpoint import Checkpoint
-from sgicodec.encoder.tiles.interfaces import Version
+from sgicodec.encoder.tiles.store import Version
 from sgicodec.encoder.tiles.tasks import EncodedTile
 checkpoint = Checkpoint(Path(sys.argv[1]))
 with checkpoint.opened(lambda: bytes(range(32))):

@@ -5,7 +5,6 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
-from specs import several
 
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.parts.attributes import AttributeQuantiser, write_attributes
@@ -27,7 +26,6 @@ QUALITY, FAMILY = 62, 1
 
 SPECS = {
     "default": default_spec(3, prior=0),
-    "K = 2": several(default_spec(3, prior=0), 2),
     "gray": default_spec(1, prior=0),
     "four channels": default_spec(4, prior=0),
     "paper": paper_spec(3, per_seed=2, features=6),

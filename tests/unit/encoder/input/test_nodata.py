@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sgicodec.encoder.input.inpainting import inpaint
+from sgicodec.encoder.input.nodata import inpaint
 
 
 def test_other_pixels_stay() -> None:

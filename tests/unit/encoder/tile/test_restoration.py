@@ -11,8 +11,8 @@ from sgicodec import read
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.parts.restoration import write_restoration
 from sgicodec.device import Device
-from sgicodec.encoder.tile import adapting
-from sgicodec.encoder.tile.adapting import adapted
+from sgicodec.encoder.tile import restoration as restoring
+from sgicodec.encoder.tile.restoration import adapted
 from sgicodec.model.restoration import Restoration
 from sgicodec.model.texture_symbols import TextureSteps
 from sgicodec.rdoq.texture import TextureSearch
@@ -99,8 +99,8 @@ def test_some_of_the_pixels_do(monkeypatch: pytest.MonkeyPatch) -> None:
     before = error(PLAIN, shown, picture)
     saved = []
     for pixels, strip in ((1 << 18, 1 << 15), (1 << 18, 1000), (1 << 13, 1 << 15)):
-        monkeypatch.setattr(adapting, "_PIXELS", pixels)
-        monkeypatch.setattr(adapting, "_STRIP", strip)
+        monkeypatch.setattr(restoring, "_PIXELS", pixels)
+        monkeypatch.setattr(restoring, "_STRIP", strip)
         saved.append(before - error(adapted(PLAIN, shown, picture, None, 0.01, ONE), shown, picture))
     assert saved[1] == pytest.approx(saved[0], rel=0.02)
     assert saved[0] > saved[2] > 0.8 * saved[0]

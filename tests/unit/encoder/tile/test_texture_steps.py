@@ -1,4 +1,4 @@
-"""What texture is quantised for: steps follow λ, and contrasts the picture near a root alone."""
+"""Steps of texture from λ, and offsets of superblocks by masking and by patterns."""
 
 from __future__ import annotations
 
@@ -8,14 +8,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from sgicodec import EncodeSettings, Picture, encode_picture, read
 from sgicodec.decoder.stream import open_stream
 from sgicodec.encoder.plan import Shape, stream_plan
-from sgicodec.encoder.tile.texture_tuning import TUNINGS, TextureTuning
+from sgicodec.encoder.tile.texture_steps import TUNINGS, Masking, TextureTuning
 from sgicodec.metrics.perceptual import ssimulacra2
-from sgicodec.model.texture_symbols import STEP_COUNT
-from sgicodec.picture import to_rgb8
+from sgicodec.model.texture_symbols import CONTRAST_LIMIT, STEP_COUNT, TextureSteps
+from sgicodec.picture import to_rgb8, to_unit
 
 PHOTO = Path(__file__).parents[3] / "data" / "kodim13.png"
 
@@ -77,3 +78,66 @@ def test_a_tile_that_is_too_large_has_none() -> None:
     assert stream_plan(Shape.of(small), settings).header.spec.texture
     assert not stream_plan(shape, settings).header.spec.texture
     assert stream_plan(shape, replace(settings, tile=1024)).header.spec.texture
+
+
+TUNING = TUNINGS["visual"]
+FINE, USUAL, COARSE = 300, 370, 460  # indices: 5, 23 and 164 levels
+
+
+@pytest.fixture(scope="module")
+def unit() -> NDArray[np.float32]:
+    """A sky over rocks, 192×160."""
+    return np.ascontiguousarray(to_unit(read(PHOTO))[20:180, 100:292].transpose(2, 0, 1))
+
+
+def step_offsets(picture: NDArray[np.float32], step: int = USUAL) -> NDArray[np.int8]:
+    found = Masking(TUNING, picture).offsets(TUNING.steps(step, len(picture)))
+    assert found is not None
+    return found
+
+
+def ribs(deviation: float) -> NDArray[np.float32]:
+    """Noise that has ribs of this standard deviation, levels, and a period of 3 pixels in its middle."""
+    plane = np.random.default_rng(1).normal(128, 8, (160, 160))
+    plane[64:96, 64:96] = 128 + deviation * 2**0.5 * np.sin(2 * np.pi * np.arange(32) / 3)
+    return np.broadcast_to(plane / 255, (3, 160, 160)).astype(np.float32)
+
+
+def test_squared_error_has_none(unit: NDArray[np.float32]) -> None:
+    assert Masking(TUNINGS["psnr"], unit).offsets(TextureSteps(USUAL)) is None
+
+
+def test_contrasts_are_those_of_the_place(unit: NDArray[np.float32]) -> None:
+    whole = step_offsets(unit)
+    assert whole.shape == (5, 6)
+    assert np.abs(whole).max() <= CONTRAST_LIMIT
+    assert step_offsets(unit[:, 32:128, 64:160])[1, 1] == whole[2, 3]
+
+
+def test_noise_hides_more_than_flat_ground() -> None:
+    unit = np.full((3, 96, 160), 0.5, np.float32)
+    unit[:, :, 64:] += np.random.default_rng(1).normal(0, 0.2, (96, 96)).astype(np.float32)
+    offsets = step_offsets(unit)
+    assert len(np.unique(offsets[:, 0])) == 1
+    assert offsets[:, 3:].min() > offsets[0, 0] + 4
+
+
+def test_ribs_that_steps_would_swallow_get_finer_ones() -> None:
+    finer = step_offsets(ribs(9), FINE) - step_offsets(ribs(9), USUAL)
+    assert finer[2, 2] >= 2
+    finer[2, 2] = 0
+    assert not finer.any()  # its neighbours show a part of the ribs at most
+
+
+@pytest.mark.parametrize(("deviation", "step"), [(40, USUAL), (9, FINE)], ids=["strong", "fine steps"])
+def test_ribs_that_stay_anyway_change_nothing(deviation: float, step: int) -> None:
+    picture = ribs(deviation)
+    np.testing.assert_array_equal(step_offsets(picture, step), step_offsets(picture, 200))
+
+
+def test_ribs_that_would_need_far_finer_steps_are_left_to_go() -> None:
+    np.testing.assert_array_equal(step_offsets(ribs(9), COARSE), step_offsets(ribs(9), FINE))
+
+
+def test_gray_pictures_have_contrasts(unit: NDArray[np.float32]) -> None:
+    assert step_offsets(unit[:1]).shape == (5, 6)

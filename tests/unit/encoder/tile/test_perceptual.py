@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from sgicodec.encoder.tile.calibrated_steps import CalibratedSteps
+from sgicodec.encoder.tile.perceptual import CalibratedSteps
 
 
 def test_steps_of_texture_become_finer_where_the_score_is_too_low() -> None:

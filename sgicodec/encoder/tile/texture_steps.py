@@ -1,0 +1,155 @@
+"""Steps of texture: how they follow from λ, for least squared error or for the eye, and how much coarser or finer those
+of each superblock are.
+
+A busy superblock hides errors, so that its steps may be coarser: by a power of its variance. A regular pattern is seen
+where noise of its strength is not, even beside things that mask it: the ribs of bellows next to the blocks of a tyre.
+Where steps would swallow it, they become as fine as it needs. Where it would need far finer ones, it is left to go:
+bits do more elsewhere.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sgicodec.metrics.local_variance import local_variance
+from sgicodec.metrics.psnr import luma
+from sgicodec.metrics.regular_pattern import BLOCK, RegularPatterns, regular_patterns
+from sgicodec.model.texture import ROOT_LOG
+from sgicodec.model.texture_symbols import (
+    CONTRAST_LIMIT,
+    MOST_SLOPE,
+    SAME_STEP,
+    STEP_COUNT,
+    STEP_ZERO,
+    TextureSteps,
+    root_blocks,
+    step_index,
+)
+
+__all__ = ["TUNINGS", "Masking", "TextureTuning"]
+
+F32 = NDArray[np.float32]
+F64 = NDArray[np.float64]
+Offsets = NDArray[np.int8]
+
+
+@dataclass(frozen=True)
+class TextureTuning:
+    """How steps follow from λ."""
+
+    squared_steps: float
+    """λ in squared steps, where steps do not grow."""
+    network: int
+    """Number of the shipped network that restores what is rendered for the same end."""
+    finer: int = 0
+    """32nds of an octave by which the lowest frequency has a smaller step than λ says."""
+    growth: tuple[float, float] = (0.0, 0.0)
+    """Slopes of the first channel and of the others (see `TextureSteps`) where the lowest step is a grey level; they
+    grow with its square root, as far as a stream can say."""
+    colours: float = 1.0
+    """Steps of colour differences grow with this power of the first channel's."""
+    masking: float = 0.0
+    """Steps grow with this power of the local standard deviation of luma, 0 for not at all (see `Masking`)."""
+    larger: float = 0.0
+    """How much larger streams are than the R-D model says, in octaves of λ."""
+
+    def step(self, lmbda: float) -> int:
+        """Index of the step for λ."""
+        return max(0, step_index(float((lmbda / _SQUARED_STEPS) ** 0.5)) - self.finer)
+
+    def price(self, lmbda: float) -> float:
+        """λ in squared steps of `step(lmbda)`: what rounding takes from the step, it gives to the price of bits."""
+        nominal = 2.0 ** ((self.step(lmbda) + self.finer - STEP_ZERO) / 32)
+        return float(self.squared_steps * lmbda / (_SQUARED_STEPS * nominal**2))
+
+    def steps(self, step: int, channels: int) -> TextureSteps:
+        """Steps of all channels, of which the lowest is of this index."""
+        step = min(max(step, 0), STEP_COUNT - 1)
+        colour = SAME_STEP + round((1.0 - self.colours) * (_EQUAL_STEPS - step) / 4)
+        ratios = (colour,) * 2 + (SAME_STEP,) * (channels - 3) if channels >= 3 else (SAME_STEP,) * (channels - 1)
+        root = min((255.0 * TextureSteps(step).of_channels.item()) ** 0.5, _MAX_ROOT)
+        luma, chroma = (min(round(2 * growth * root), MOST_SLOPE) for growth in self.growth)
+        return TextureSteps(step, ratios, (luma, chroma), has_contrast=self.masking > 0)
+
+
+_SQUARED_STEPS = 0.085
+"""λ in squared steps; measured on eight pictures."""
+_MAX_ROOT = 7.6
+"""Square root of a step, grey levels, above which slopes stay: by eye, steeper ones soften."""
+_EQUAL_STEPS = 428
+"""Index of the step at which colour differences have the same, whatever power they follow: 83 grey levels."""
+
+TUNINGS = {
+    "psnr": TextureTuning(_SQUARED_STEPS, network=1),
+    "visual": TextureTuning(0.0927, 3, 39, growth=(1.0, 4.0), colours=7 / 8, masking=0.4, larger=1.3),
+}
+
+
+_FLOOR, _USUAL = 7.7e-4, 3.9e-3
+"""Variances of luma, samples²: what counts as flat, and where steps are what λ says."""
+_MIN_DEVIATION = 0.5 / 255
+"""Of a pattern, samples: fainter ones count as much."""
+_KEPT = 4.0
+"""Step at the frequency of a pattern, in its standard deviations, up to which it stays."""
+_MAX_FINER, _LEFT = 1.5, 3.0
+"""Octaves by which steps become finer for a pattern at most, and that it would need where it gets none
+(docs/notes/2026-11-regular-patterns.md)."""
+_BLOCKS = 2
+"""Of a superblock that must show a pattern; fewer get their part."""
+
+
+class Masking:
+    """Step offsets for a picture [C, H, W], samples in 0..1.
+
+    They depend on the pixels near a superblock alone and on no mean, so that tiles look the same.
+    """
+
+    def __init__(self, tuning: TextureTuning, picture: F32) -> None:
+        self._power = tuning.masking
+        self._plane = luma(picture.transpose(1, 2, 0), peak=1.0) if self._power else None
+
+    def offsets(self, steps: TextureSteps) -> Offsets | None:
+        """Step offsets [rows, columns] for these steps, None where they play no part."""
+        if not self._power:
+            return None
+        masked, patterns = self._analysis
+        return _indices(masked - 4 * _finer(patterns, steps, masked))
+
+    @cached_property
+    def _analysis(self) -> tuple[Offsets, RegularPatterns]:
+        """What masking says, and the patterns of each superblock [rows, columns, 16]: looked for when they are needed
+        first, which is not at the start of a fit.
+        """
+        plane, self._plane = self._plane, None
+        assert plane is not None
+        octaves = 0.5 * self._power * np.log2((local_variance(plane / 255.0) + _FLOOR) / _USUAL)
+        masked = _indices(4 * root_blocks(octaves, "edge").mean(axis=(1, 3)))
+        patterns = regular_patterns(plane)
+        blocks = (patterns.certainty, patterns.deviation, patterns.frequency)
+        return masked, RegularPatterns(*(_by_superblock(part, masked.shape) for part in blocks))
+
+
+def _finer(patterns: RegularPatterns, steps: TextureSteps, masked: Offsets) -> F64:
+    """Octaves [rows, columns] by which the steps of these offsets are too coarse for patterns."""
+    step = steps.at_frequency(patterns.frequency) * 2.0 ** (masked[..., None] / 4)
+    deviation = np.maximum(patterns.deviation / 255.0, _MIN_DEVIATION)
+    octaves = np.log2(np.maximum(step / (_KEPT * deviation), 1.0))
+    wanted = np.minimum(octaves, np.maximum(0.0, _MAX_FINER * (_LEFT - octaves) / (_LEFT - _MAX_FINER)))
+    return np.asarray(np.sort(patterns.certainty * wanted)[..., -_BLOCKS:].mean(axis=-1))
+
+
+def _indices(quarters: NDArray[np.floating] | Offsets) -> Offsets:
+    """Quarters of an octave as a stream can state them."""
+    return np.clip(np.rint(quarters), -CONTRAST_LIMIT, CONTRAST_LIMIT).astype(np.int8)
+
+
+def _by_superblock(blocks: F64, shape: tuple[int, ...]) -> F64:
+    """Values of blocks [rows of blocks, columns of blocks] by superblock [rows, columns, 16], 0 beyond the picture."""
+    rows, columns = shape
+    side = (1 << ROOT_LOG) // BLOCK
+    whole = np.pad(blocks, [(0, count * side - length) for count, length in zip(shape, blocks.shape, strict=True)])
+    return whole.reshape(rows, side, columns, side).transpose(0, 2, 1, 3).reshape(rows, columns, side * side)
