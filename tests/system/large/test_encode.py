@@ -9,17 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from clock import Clock
 
 from sgicodec import EncodeSettings, encode_picture, read
 from sgicodec.decoder.stream import open_stream
-from sgicodec.encoder.encoded import measured_psnr
-from sgicodec.encoder.input.windows import windows_of
-from sgicodec.encoder.memory import estimate
-from sgicodec.encoder.plan import stream_plan
 from sgicodec.encoder.progress import NullListener, PassState
 from sgicodec.encoder.tiles.store import MemoryStore
-from sgicodec.encoder.tiles.tasks import EncodedTile
 from sgicodec.errors import UsageError
 from sgicodec.executors.executor import MIB, Executor, Memory
 from sgicodec.executors.processes import ProcessExecutor
@@ -113,10 +107,6 @@ def test_going_on_gives_the_same_bytes(photo: Path, settings: EncodeSettings, ex
     assert watch.states[-1][1] == 150 * 50
 
 
-
-
-
-
 def test_workers_that_fit() -> None:
     found = Memory(main=100 * MIB, worker=400 * MIB)
     assert found.workers_within(None, 8) == 8
@@ -126,7 +116,3 @@ def test_workers_that_fit() -> None:
     assert isinstance(ProcessExecutor(8).within(found, 1), SerialExecutor)
     with pytest.raises(UsageError, match="about 500 MiB"):
         ProcessExecutor(8, 499 * MIB).within(found, 5)
-
-
-
-

@@ -6,10 +6,8 @@ import math
 from dataclasses import replace
 
 import pytest
-from page_header import LAYOUT_NAMES, SAMPLE_TYPES
 
-from sgicodec.bitstream.header import Header, decode_header, encode_header
-from sgicodec.bitstream.limits import check_model, max_seeds
+from sgicodec.bitstream.limits import check_model
 from sgicodec.errors import LimitError
 from sgicodec.image import MAX_SAMPLES
 from sgicodec.model.spec import ModelSpec
@@ -28,8 +26,6 @@ SPECS = {
 every_spec = pytest.mark.parametrize("spec", SPECS.values(), ids=SPECS)
 
 
-
-
 @every_spec
 def test_what_an_encoder_may_be_asked_for_is_allowed(spec: ModelSpec) -> None:
     """Pictures of as many samples as are read."""
@@ -44,7 +40,3 @@ def test_what_an_encoder_may_be_asked_for_is_allowed(spec: ModelSpec) -> None:
 def test_pictures_beyond(width: int, height: int, what: str) -> None:
     with pytest.raises(LimitError, match=what):
         check_model(replace(default_spec(3), base_cell=32), width, height)
-
-
-
-

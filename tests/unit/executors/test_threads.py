@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import replace
-from threading import Barrier, Event, Lock, get_ident
+from threading import Barrier, Event
 from typing import Any
 
 import numpy as np
@@ -12,16 +11,10 @@ import pytest
 from children import HANGS
 from fake_cuda import only_gpu, shared_gpu
 
-from sgicodec.decoder.stream import open_stream
-from sgicodec.device import Device
 from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.progress import NullListener
 from sgicodec.encoder.settings import EncodeSettings
-from sgicodec.encoder.tile import stages
 from sgicodec.encoder.tile.state import Watch
-from sgicodec.errors import PictureError, TileFailedError, UsageError
-from sgicodec.executors.executor import MIB, Memory
-from sgicodec.executors.serial import SerialExecutor
 from sgicodec.executors.threads import ThreadExecutor, stopping
 from sgicodec.picture import Picture
 
@@ -49,10 +42,6 @@ def test_all_results_of_several_at_once() -> None:
     assert asked == sorted(done) == list(range(6))
 
 
-
-
-
-
 def test_who_ends_early_waits_for_jobs_that_stop() -> None:
     begun, ended = Barrier(3), list[int]()
     first = Event()
@@ -75,8 +64,6 @@ def test_who_ends_early_waits_for_jobs_that_stop() -> None:
     assert len(ended) <= 3
 
 
-
-
 SETTINGS = EncodeSettings(steps=4, tile=48, tune="psnr")
 
 
@@ -84,8 +71,6 @@ def pixels() -> Picture:
     y, x = np.mgrid[:50, :110]
     samples = np.stack([x, 2 * y, 255 - x], axis=2) + np.random.default_rng(1).integers(0, 9, (50, 110, 3))
     return Picture(np.clip(samples, 0, 255).astype(np.uint8), "rgb", (0, 255))
-
-
 
 
 def test_an_interrupt_ends_fits(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -108,5 +93,3 @@ def test_an_interrupt_ends_fits(monkeypatch: pytest.MonkeyPatch) -> None:
         encode_picture(pixels(), settings, device=device, executor=ThreadExecutor(2), progress=Impatient())
     assert 30 <= len(begun) < 30 * 8
     assert not shared_gpu().turn.locked()
-
-

@@ -5,25 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 
-from sgicodec._native import neighbour_weight
 from sgicodec.model.context import (
     INPUT_BITS,
-    SUMMARY,
     HashGrid,
     hash_inputs,
-    input_count,
-    level_inputs,
-    nearest_offset,
-    neighbour_inputs,
-    neighbour_table,
-    output_columns,
-    output_count,
-    own_inputs,
-    passes,
 )
-from sgicodec.model.layout import SeedLayout, adaptive_layout, uniform_layout
-from sgicodec.model.neighbours import nearest_seeds
-from sgicodec.model.spec import ContextSpec, ModelSpec
+from sgicodec.model.layout import adaptive_layout, uniform_layout
 from sgicodec.profiles.default import default_spec
 from sgicodec.profiles.paper import paper_spec
 
@@ -67,21 +54,3 @@ def test_a_dense_level_interpolates_linearly() -> None:
         found = hash_inputs(one_level, slice(None), [table], one_level.weight, np.concatenate, shift)
         expected = LAYOUT.centre * resolution / max(WIDTH, HEIGHT)
         assert np.all(found == np.floor(expected * (1 << INPUT_BITS)))
-
-
-
-
-
-
-
-
-
-
-
-
-
-
-
-
-
-

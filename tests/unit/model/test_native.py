@@ -7,20 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
-from sgicodec.device import ONE_THREAD, Device
-from sgicodec.model.context import LEVELS, level_inputs, nearest_by_pass, output_columns, output_count
-from sgicodec.model.layout import SeedLayout, adaptive_layout
-from sgicodec.model.native import Quantisers, SeedInputs, quantisers, summarise, write_own_inputs
-from sgicodec.model.neighbours import nearest_seeds
-from sgicodec.model.network import Prediction
-from sgicodec.model.quantization import STEP_COUNT, step_fixed
-from sgicodec.model.spec import ModelSpec
-from sgicodec.model.steps import StepPlan, default_plan
+from sgicodec.device import ONE_THREAD
+from sgicodec.model.layout import adaptive_layout
+from sgicodec.model.native import SeedInputs, summarise
 from sgicodec.profiles.default import default_spec
-from sgicodec.profiles.paper import paper_spec
 
 DETAIL = np.random.default_rng(0).normal(size=(3, 90, 150)) * np.linspace(0, 1, 150) ** 2
 LAYOUT = adaptive_layout(DETAIL.astype(np.float32), 5.0)
@@ -35,23 +26,11 @@ def root(value: int, degree: int) -> int:
     return low
 
 
-
-
-
-
-
-
-
-
 def amplitude_of(values: list[int]) -> int:
     """By the native code: `values` are the colours of the one Gaussian of one seed."""
     spec = default_spec(len(values))
     decoded = np.array([values + [0] * (spec.attributes - len(values))], np.int64)
     return int(summarise(spec, decoded, np.zeros(1, np.int64), ONE_THREAD)[1][0])
-
-
-
-
 
 
 @pytest.mark.parametrize("offset", [-1, 0, 1, 2])
@@ -66,20 +45,6 @@ def test_amplitude_index_at_every_boundary(offset: int) -> None:
         assert amplitude_of([part << 12 for part in parts]) == (energy**3).bit_length() - 73
 
 
-
-
-
-
-
-
-
-
-
-
-
-
-
-
 def test_what_does_not_fit_is_refused() -> None:
     spec = default_spec(3)
     decoded = np.zeros((4, spec.attributes), np.int64)
@@ -90,5 +55,3 @@ def test_what_does_not_fit_is_refused() -> None:
     out, nobody = np.empty((1, 40), np.int16), np.full((1, 6), len(LAYOUT), np.int32)
     with pytest.raises(ValueError, match="indices of seeds"):
         SeedInputs(LAYOUT, 5, ONE_THREAD).write(np.array([0]), nobody, out)
-
-

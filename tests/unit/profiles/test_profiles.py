@@ -6,7 +6,6 @@ from sgicodec import EncodeSettings
 from sgicodec.encoder.effort import PLAIN_STEPS, PSNR_STEPS, VISUAL_STEPS
 from sgicodec.errors import UsageError
 from sgicodec.profiles import PROFILES
-from sgicodec.profiles.default import default_settings
 from sgicodec.profiles.fit_settings import LearningRates
 from sgicodec.profiles.paper import paper_settings
 
@@ -20,8 +19,6 @@ def test_rates_hold_and_then_fall_to_what_is_to_be_left() -> None:
     assert [apart.left("feature", done) for done in (0.0, 0.5, 1.0)] == [1.0, 1.0, 1.0]
     assert [apart.left("context", done) for done in (0.0, 0.5, 1.0)] == pytest.approx([1.0, 0.2, 0.04])
     assert apart.left("offset", 1.0) == pytest.approx(0.01)
-
-
 
 
 def test_scales_of_the_default_profile() -> None:
@@ -66,8 +63,6 @@ def test_own_choices_are_of_no_other_profile(name: str) -> None:
         EncodeSettings(**{name: 2})
 
 
-
-
 def lengths(levels: int, steps: int, lmbda: float = 0.001) -> list[tuple[int, int, str, bool]]:
     return [(p.level, p.steps, p.rounding, p.rate) for p in paper_settings(lmbda, levels, steps).phases]
 
@@ -84,5 +79,3 @@ def test_the_published_schedule() -> None:
     ]
     assert [count for _, count, _, _ in lengths(1, 15_000)] == [1500, 7500, 6000]
     assert not any(rounding == "noise" for _, _, rounding, _ in lengths(3, 15_000, lmbda=0.0))
-
-

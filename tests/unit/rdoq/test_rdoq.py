@@ -5,7 +5,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from sgicodec import EncodeSettings, encode_picture, read
 from sgicodec.bitstream.parts.tile import TileModel
@@ -23,12 +22,6 @@ def refined(objective: Objective, model: TileModel, lmbda: float, settings: Rdoq
     return Rdoq(objective.header, model, objective.picture, lmbda, settings, objective.device).best()
 
 
-
-
-
-
-
-
 def test_what_would_cost_is_not_taken(stage: Stage) -> None:
     """Steps four octaves too coarse spoil any model."""
     objective, model = stage()
@@ -37,8 +30,6 @@ def test_what_would_cost_is_not_taken(stage: Stage) -> None:
     kept = refined(objective, good.model, 1e-5, spoilt)
     assert kept.cost == good.cost
     np.testing.assert_array_equal(joined(kept.model), joined(good.model))
-
-
 
 
 def test_same_model_for_any_number_of_threads(stage: Stage) -> None:
@@ -63,5 +54,3 @@ def test_streams_cost_less() -> None:
         error = np.sum((open_stream(data).render().astype(np.float64) - unit) ** 2)
         costs.append(error + lmbda * 8 * len(data))
     assert costs[1] < 0.98 * costs[0]
-
-

@@ -15,11 +15,10 @@ from textures import read_texture
 from sgicodec import read
 from sgicodec._native import SymbolReader
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
-from sgicodec.bitstream.parts.texture import texture_models, write_texture
+from sgicodec.bitstream.parts.texture import write_texture
 from sgicodec.device import Device
-from sgicodec.model.gaussians import colour_matrix
 from sgicodec.model.texture_symbols import SAME_COLOURS, SAME_STEP, TextureSteps, TextureSymbols, roots_of
-from sgicodec.rdoq.texture import TextureSearch, colours_for
+from sgicodec.rdoq.texture import TextureSearch
 
 DATA = Path(__file__).parents[2] / "data"
 SAME = SAME_STEP, SAME_STEP
@@ -68,16 +67,6 @@ def test_bits_and_costs_are_those_of_the_stream(
         assert costs.sum() == pytest.approx(error + PRICE * bits, rel=0.03)
 
 
-
-
-
-
-
-
-
-
-
-
 def test_exact_amplitudes_leave_what_no_symbol_shows(residual: np.ndarray) -> None:
     """Rounding them gives the layer, within what dependent symbols may be off; what is left is orthogonal to them."""
     search = TextureSearch(residual)
@@ -114,8 +103,6 @@ def test_what_is_found_pays(residual: np.ndarray) -> None:
     assert errors[-1] < 0.01 * nothing
 
 
-
-
 def test_any_number_of_threads_finds_the_same(residual: np.ndarray) -> None:
     one = TextureSearch(residual, Device(1)).at(TextureSteps(340, (18, 18), (2, 3)), PRICE)
     assert one is not None
@@ -125,10 +112,6 @@ def test_any_number_of_threads_finds_the_same(residual: np.ndarray) -> None:
         assert other.steps == one.steps
         np.testing.assert_array_equal(other.symbols, one.symbols)
         np.testing.assert_array_equal(other.log_size, one.log_size)
-
-
-
-
 
 
 @settings(max_examples=examples(40))
@@ -162,10 +145,6 @@ def test_what_is_found_can_always_be_written(
     np.testing.assert_array_equal(found.contrast, layer.contrast)
 
 
-
-
-
-
 @pytest.mark.parametrize("colours", [SAME_COLOURS, OTHERS])
 def test_amplitudes_move_up_a_gradient_by_a_part_of_their_steps(
     residual: np.ndarray, colours: tuple[int, int, int]
@@ -191,8 +170,6 @@ def test_amplitudes_move_up_a_gradient_by_a_part_of_their_steps(
     assert 0.05 * mean * steps.of_channels.min() < np.sqrt((away**2).mean()) < most * largest
 
 
-
-
 def test_given_cells_are_taken_but_for_those_without_symbols(residual: np.ndarray) -> None:
     search, steps = TextureSearch(residual), TextureSteps(340, SAME)
     best = search.at(steps, PRICE)
@@ -210,8 +187,6 @@ def test_given_cells_are_taken_but_for_those_without_symbols(residual: np.ndarra
     assert 0 < left.sum() < (best.log_size > 0).sum()
     assert np.array_equal(coarse.log_size[left], best.log_size[left])
     assert payload_of(coarse)[1] < 0.5 * bits[0]
-
-
 
 
 @pytest.mark.parametrize("wrong", ["shape", "size", "tree"])
