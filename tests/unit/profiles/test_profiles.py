@@ -34,22 +34,6 @@ def test_scales_of_the_default_profile() -> None:
     assert (direct.lmbda, direct.steps) == (0.25, 77)
 
 
-def test_short_fits_beneath_texture_have_low_effort() -> None:
-    """Half of the steps and more at half size, and as many as were asked for."""
-    for steps in (1, 5, 120, 200):
-        settings = EncodeSettings(steps=steps)
-        fit = settings.fit_settings()
-        assert settings.is_low_effort
-        assert fit.steps in (steps, 4)
-    assert sum(phase.steps for phase in fit.phases if phase.level) > 0.6 * fit.steps
-    others = (
-        EncodeSettings(steps=200, texture=False),
-        EncodeSettings(steps=300),
-        EncodeSettings(steps=50, bpp=1.0),
-    )
-    assert not any(settings.is_low_effort for settings in others)
-
-
 def test_own_choices_of_the_paper_profile() -> None:
     settings = EncodeSettings(profile="paper", seeds=9, per_seed=3, features=8, levels=2, steps=100)
     spec, fit = settings.chosen_profile.spec(settings, 4), settings.fit_settings()
