@@ -65,7 +65,7 @@ _HOMES = {
     "Device": "device.Device",
     "EncodeSettings": "encoder.settings.EncodeSettings",
     "Encoded": "encoder.encoded.Encoded",
-    "NullListener": "encoder.listener.NullListener",
+    "NullListener": "encoder.progress.NullListener",
     "Picture": "picture.Picture",
     "GpuExecutor": "executors.gpus.GpuExecutor",
     "ProcessExecutor": "executors.processes.ProcessExecutor",

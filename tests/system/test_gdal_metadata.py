@@ -58,19 +58,3 @@ def test_bands_keep_what_is_said_of_them(scene: Path, gdal: Run) -> None:
     assert "STATISTICS_MEAN" in source["bands"][0]["metadata"][""]
     assert stream["bands"][0]["metadata"] == {"": {"wavelength": "665 nm"}}
     assert stream["bands"][1]["metadata"] == {"SENSOR": {"gain": "3"}}
-
-
-def test_ground_control_points(gdal: Run, tmp_path: Path) -> None:
-    rasterio = pytest.importorskip("rasterio")
-    points = [
-        rasterio.control.GroundControlPoint(row, column, 10 + column / 50, 50 - row / 39)
-        for row, column in ((0, 0), (0, 50), (40, 0), (40, 50))
-    ]
-    profile = {"count": 1, "height": 40, "width": 50, "dtype": "uint8", "crs": "EPSG:4326", "gcps": points}
-    with rasterio.open(tmp_path / "a.tif", "w", driver="GTiff", **profile) as file:
-        file.write(np.full((1, 40, 50), 9, np.uint8))
-    sgicodec.imwrite(tmp_path / "a.sgi", tmp_path / "a.tif", steps=1)
-    source, stream = (info(gdal, tmp_path / name)["gcps"] for name in ("a.tif", "a.sgi"))
-    assert stream["gcpList"] == source["gcpList"]
-    assert len(stream["gcpList"]) == 4
-    assert 'ID["EPSG",4326]' in stream["coordinateSystem"]["wkt"]

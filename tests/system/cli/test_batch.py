@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -11,8 +10,6 @@ from pathlib import Path
 import pytest
 from click.testing import Result
 
-from sgicodec.cli.batch import Item, batch_items
-from sgicodec.errors import UsageError
 from sgicodec.image import read, write
 
 Run = Callable[..., Result]
@@ -76,33 +73,3 @@ def test_equal_names_are_one_line_and_stop_nothing(sgi: Run, picture: Path, tmp_
     first, last = result.stderr.splitlines()
     assert first == f"sgi: {other / 'scene.png'}: {out / 'scene.png.sgi'} is that of {picture}"
     assert last == "sgi: 1 of 3 files failed"
-
-
-def test_names(tmp_path: Path) -> None:
-    paths = ("x/a.png", "x/b.jpg", "y/a.jpg")
-    assert batch_items(paths, "out", False, lambda _: True) == [
-        Item("x/a.png", "out/a.png"),
-        Item("x/b.jpg", "out/b"),
-        Item("y/a.jpg", "out/a.jpg"),
-    ]
-    assert [item.stem for item in batch_items(paths, None, False, lambda _: True)] == ["x/a", "x/b", "y/a"]
-    with pytest.raises(UsageError, match="is a folder; add -r"):
-        batch_items((str(tmp_path),), None, False, lambda _: True)
-    with pytest.raises(UsageError, match="nothing to take"):
-        batch_items((str(tmp_path),), None, True, lambda _: True)
-    with pytest.raises(UsageError, match="stdin has no name"):
-        batch_items(("-",), "out", False, lambda _: True)
-
-
-@pytest.mark.parametrize("command", ["encode", "decode"])
-def test_progress_counts_files(sgi: Run, picture: Path, stream: Path, tmp_path: Path, command: str) -> None:
-    source = {"encode": picture, "decode": stream}[command]
-    second = source.with_name(f"second{source.suffix}")
-    shutil.copy(source, second)
-    options = ["--steps", 1] if command == "encode" else []
-    result = sgi(command, source, second, "--output-dir", tmp_path / "out", "--progress", "on", *options)
-    assert result.exit_code == 0
-    text = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", result.stderr)
-    assert re.search(r"2 of 2, \d+ s left", text)
-    quiet = sgi(command, source, second, "--output-dir", tmp_path / "again", "--quiet", *options)
-    assert quiet.output == ""

@@ -57,18 +57,6 @@ def test_a_stream_with_a_place_becomes_a_tiff(sgi: Run, placed: Path) -> None:
     assert sgi("decode", placed, "-").stdout_bytes[:4] == b"II*\0"
 
 
-def test_what_a_format_loses_is_said(sgi: Run, placed: Path, tmp_path: Path) -> None:
-    result = sgi("decode", placed, tmp_path / "x.png")
-    assert result.exit_code == 0
-    text = "x.png: .png does not hold its position, projection and nodata value; .tif does\n"
-    assert result.stderr.endswith(text)
-    assert result.stderr.startswith("sgi: ")
-    lost = "position, projection, nodata value and resolution"
-    assert lost in sgi("decode", placed, "-", "--format", "ppm").stderr
-    assert lost in sgi("decode", placed, tmp_path / "x.webp").stderr
-    assert sgi("decode", placed, tmp_path / "x.tif").stderr == ""
-
-
 def test_info_shows_the_place(sgi: Run, placed: Path) -> None:
     lines = [line.split(maxsplit=1) for line in sgi("info", placed).stdout.splitlines() if line.strip()]
     shown = {line[0]: line[1] for line in lines if len(line) == 2}

@@ -11,14 +11,10 @@ import pytest
 from children import HANGS
 from fake_cuda import only_gpu, shared_gpu
 
-from sgicodec.device import Device
 from sgicodec.encoder.pipeline import encode_picture
 from sgicodec.encoder.progress import NullListener
 from sgicodec.encoder.settings import EncodeSettings
 from sgicodec.encoder.tile.state import Watch
-from sgicodec.errors import UsageError
-from sgicodec.executors.executor import MIB, Memory
-from sgicodec.executors.serial import SerialExecutor
 from sgicodec.executors.threads import ThreadExecutor, stopping
 from sgicodec.picture import Picture
 
@@ -66,21 +62,6 @@ def test_who_ends_early_waits_for_jobs_that_stop() -> None:
     assert sorted(ended)[:2] == [1, 2]
     assert not stopping()
     assert len(ended) <= 3
-
-
-def test_workers_within_memory_and_threads_of_each() -> None:
-    memory = Memory(100 * MIB, 50 * MIB, 20 * MIB)
-    executor = ThreadExecutor(8, 250 * MIB).within(memory, 6)
-    assert isinstance(executor, ThreadExecutor)
-    assert executor.workers == 3
-    assert executor.device(Device(7), 20) == Device(2)
-    assert isinstance(ThreadExecutor(8, 130 * MIB).within(memory, 6), SerialExecutor)
-    with pytest.raises(UsageError, match="--max-memory"):
-        ThreadExecutor(8, 90 * MIB).within(memory, 6)
-    assert ThreadExecutor().workers > 1
-    for workers in (-1, 1.5):
-        with pytest.raises(UsageError, match="workers"):
-            ThreadExecutor(workers)  # type: ignore[arg-type]
 
 
 SETTINGS = EncodeSettings(steps=4, tile=48, tune="psnr")

@@ -12,7 +12,7 @@ import pytest
 from PIL import Image, ImageCms
 
 from sgicodec.errors import PictureError
-from sgicodec.image import open_source, probe, read
+from sgicodec.image import probe, read
 from sgicodec.image.reader import is_picture
 from sgicodec.metadata import exif
 from sgicodec.metadata.orientation import upright
@@ -100,16 +100,6 @@ def test_metadata_are_kept() -> None:
     assert metadata.xmp == XMP.replace(b"'6'", b"'1'")
     assert metadata.icc == profile
     assert metadata.exif == exif.upright(tags.tobytes())
-
-
-def test_windows_in_any_order() -> None:
-    whole = read(data := exact(PIXELS, 8)).pixels
-    with open_source(data) as source:
-        for x, y, width, height in ((0, 40, 64, 8), (10, 3, 20, 30), (0, 0, 64, 48)):
-            np.testing.assert_array_equal(source.read(x, y, width, height).pixels, whole[y : y + height, x : x + width])
-        assert source.memory(8, 8) > 4 * PIXELS.size
-    with pytest.raises(PictureError, match="more than the cap of 9000 samples"):
-        read(data, max_samples=9000)
 
 
 @pytest.mark.parametrize("share", [0.01, 0.03, 0.3, 0.9])

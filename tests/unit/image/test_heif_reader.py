@@ -12,7 +12,7 @@ import pytest
 from PIL import Image, ImageCms
 
 from sgicodec.errors import PictureError
-from sgicodec.image import open_source, read
+from sgicodec.image import read
 from sgicodec.metadata import exif
 
 PIXELS = np.random.default_rng(3).integers(0, 256, (48, 64, 3), np.uint8)
@@ -58,18 +58,6 @@ def test_turns_and_metadata() -> None:
     kept = Image.Exif()
     kept.load(picture.metadata.exif)
     assert (kept[274], kept[271]) == (1, "Maker")
-
-
-def test_windows_in_any_order() -> None:
-    data = saved(Image.fromarray(PIXELS))
-    with open_source(data) as source:
-        for x, y, width, height in ((0, 40, 64, 8), (10, 3, 20, 30), (0, 0, 64, 48)):
-            np.testing.assert_array_equal(
-                source.read(x, y, width, height).pixels, PIXELS[y : y + height, x : x + width]
-            )
-        assert source.memory(8, 8) > 4 * PIXELS.size
-    with pytest.raises(PictureError, match="more than the cap of 9000 samples"):
-        read(data, max_samples=9000)
 
 
 @pytest.mark.parametrize("share", [0.3, 0.9])

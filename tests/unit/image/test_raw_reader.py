@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from sgicodec.errors import PictureError
-from sgicodec.image import open_source, read
+from sgicodec.image import read
 from sgicodec.image.reader import probe
 
 BAYER = np.array([[0, 1], [1, 2]])
@@ -88,16 +88,6 @@ def test_it_is_turned_once_and_keeps_what_its_tags_say() -> None:
     kept.load(picture.metadata.exif)
     assert (kept.get(274, 1), kept[271], kept[272]) == (1, "Maker", "Model")
     assert (kept[282], kept[283]) == (150, 300)
-
-
-def test_windows() -> None:
-    sensor = np.random.default_rng(1).integers(1000, 60000, (64, 96), np.uint16)
-    whole = read(dng(sensor)).pixels
-    with open_source(dng(sensor)) as source:
-        np.testing.assert_array_equal(source.read(10, 30, 50, 20).pixels, whole[30:50, 10:60])
-        np.testing.assert_array_equal(source.read(0, 0, 96, 64).pixels, whole)
-    with pytest.raises(PictureError, match="more than the cap of 9000 samples"):
-        read(dng(sensor), max_samples=9000)
 
 
 def test_damage(tmp_path: Path) -> None:

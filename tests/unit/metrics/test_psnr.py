@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from sgicodec.metrics.psnr import largest_difference, luma, psnr
+from sgicodec.metrics.psnr import luma, psnr
 
 
 @pytest.mark.parametrize(
@@ -30,9 +30,3 @@ def test_luma_weights_and_scale() -> None:
     with_alpha = np.concatenate([colour, np.full((1, 1, 1), 255, np.uint8)], axis=2)
     assert luma(with_alpha)[0, 0] == pytest.approx(expected)
     assert luma(np.array([[[40, 255]]], np.uint8))[0, 0] == 40
-
-
-def test_largest_difference_is_absolute() -> None:
-    a = np.array([[[0, 200]]], np.uint8)
-    b = np.array([[[150, 0]]], np.uint8)
-    assert largest_difference(a, b) == largest_difference(b, a) == 200
