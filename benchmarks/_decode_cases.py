@@ -16,7 +16,7 @@ import sgicodec
 
 __all__ = ["measured"]
 
-RUNS, LEAST_SECONDS, CLOCK_RUNS = 5, 0.1, 15
+RUNS, MIN_SECONDS, CLOCK_RUNS = 5, 0.1, 15
 
 
 def measured(path: str, threads: int) -> dict[str, float]:
@@ -46,7 +46,7 @@ def measured(path: str, threads: int) -> dict[str, float]:
 
 
 def _least(use: Callable[[], object]) -> float:
-    least, runs, end = float("inf"), 0, time.perf_counter() + LEAST_SECONDS
+    least, runs, end = float("inf"), 0, time.perf_counter() + MIN_SECONDS
     while runs < RUNS or time.perf_counter() < end:
         start = time.process_time()
         use()

@@ -19,8 +19,8 @@ HIDDEN_UNIT = 128.0
 """About that of hidden values, of one step."""
 BIAS_UNIT = 64.0
 """In sums, of a bias of 1."""
-MOST_WEIGHT, MOST_VALUE = 127, 32767
-LEAST_SCALED = 1e-3
+MAX_WEIGHT, MAX_VALUE = 127, 32767
+MIN_SCALED = 1e-3
 """A largest weight of a layer below this is scaled as if it were this."""
 TAPS = 9
 
@@ -64,13 +64,13 @@ class RestorationNet(nn.Module):
         """Units in which weights have 8 bits, and what the last layer gives is that of a power of two."""
         found: list[Scales] = []
         unit = INPUT_UNIT
-        most = [max(float(weights.detach().abs().max()), LEAST_SCALED) for weights in self.weights()]
+        most = [max(float(weights.detach().abs().max()), MIN_SCALED) for weights in self.weights()]
         for value in most[:-1]:
-            total = unit * MOST_WEIGHT / value
+            total = unit * MAX_WEIGHT / value
             shift = max(0, round(math.log2(total / HIDDEN_UNIT)))
-            found.append(Scales(MOST_WEIGHT / value, total, shift))
+            found.append(Scales(MAX_WEIGHT / value, total, shift))
             unit = total / 2**shift
-        total = 2.0 ** math.floor(math.log2(unit * MOST_WEIGHT / most[-1]) + 1e-6)
+        total = 2.0 ** math.floor(math.log2(unit * MAX_WEIGHT / most[-1]) + 1e-6)
         return [*found, Scales(total / unit, total, 0)]
 
     def parts(self) -> list[tuple[Tensor, Tensor]]:
@@ -84,7 +84,7 @@ class RestorationNet(nn.Module):
             weights, biases = weights * scales.weight, layer.bias * (scales.total / BIAS_UNIT)
             if self.rounds:
                 weights = _as_if(weights, _integers(weights.detach(), balanced=number == 0))
-                biases = _as_if(biases, biases.detach().round().clamp(-MOST_VALUE, MOST_VALUE))
+                biases = _as_if(biases, biases.detach().round().clamp(-MAX_VALUE, MAX_VALUE))
             found.append((weights, biases))
         return found
 
@@ -92,13 +92,13 @@ class RestorationNet(nn.Module):
         """What the last layer adds up to."""
         values = drawn * INPUT_UNIT
         if self.rounds:
-            values = _as_if(values, values.detach().round().clamp(-MOST_VALUE, MOST_VALUE))
+            values = _as_if(values, values.detach().round().clamp(-MAX_VALUE, MAX_VALUE))
         values = F.pad(values, (len(self.layers),) * 4, mode="replicate")
         (*hidden, (weights, biases)), scales = self.parts(), self.scales()
         for (own, bias), scale in zip(hidden, scales[:-1], strict=True):
             values = F.relu(F.conv2d(values, own, BIAS_UNIT * bias) * 2.0**-scale.shift)
             if self.rounds:
-                values = _as_if(values, values.detach().floor().clamp(max=MOST_VALUE))
+                values = _as_if(values, values.detach().floor().clamp(max=MAX_VALUE))
         return F.conv2d(values, weights, BIAS_UNIT * biases)
 
     def forward(self, drawn: Tensor) -> Tensor:
@@ -160,13 +160,13 @@ def _integers(weights: Tensor, balanced: bool) -> Tensor:
     """Weights [outputs, inputs, 3, 3] rounded to 8 bits. balanced: those from an input to an output add up to 0; where
     rounded ones do not, those that were nearest to the next integer take it.
     """
-    rounded = weights.round().clamp(-MOST_WEIGHT, MOST_WEIGHT)
+    rounded = weights.round().clamp(-MAX_WEIGHT, MAX_WEIGHT)
     if not balanced:
         return rounded
     taps, rest = rounded.flatten(2), (weights - rounded).flatten(2)
     excess = taps.sum(dim=2, keepdim=True)
     for sign in (1, -1):
-        cost = torch.where(taps == -sign * MOST_WEIGHT, math.inf, sign * rest)
+        cost = torch.where(taps == -sign * MAX_WEIGHT, math.inf, sign * rest)
         rank = cost.argsort(dim=2).argsort(dim=2)
         taps = taps - sign * (rank < sign * excess).to(taps)
     return taps.view_as(weights)

@@ -47,9 +47,9 @@ from tools.restoration_file import RestorationNet, file_of, network_of
 
 __all__ = ["TRAININGS", "Example", "Training", "Weights", "examples_of", "loss_of", "make_streams", "train"]
 
-LEAST_ERROR = 0.003
+MIN_ERROR = 0.003
 """Squared error, in squared steps, that is added so that flat crops do not rule."""
-LEAST_SLOPE, LEAST_SCORE = 2.0, -10.0
+MIN_SLOPE, MIN_SCORE = 2.0, -10.0
 """Of a picture's curve, points per unit of log bytes, and of a stream that still teaches something."""
 REPORT = 100
 """Batches between lines of progress."""
@@ -118,7 +118,7 @@ Loss = Callable[[Example, Tensor], Tensor]
 
 def squared_loss(crop: Example, shown: Tensor) -> Tensor:
     """The logarithm of the squared error, in squared steps."""
-    return torch.log(((shown - crop.original) / crop.step).square().mean() + LEAST_ERROR)
+    return torch.log(((shown - crop.original) / crop.step).square().mean() + MIN_ERROR)
 
 
 def visual_loss(crop: Example, shown: Tensor, weights: Weights) -> Tensor:
@@ -205,8 +205,8 @@ def with_slopes(examples: list[Example], device: Device) -> list[Example]:
         reference = VisualReference(members[0].original.numpy(), device)
         scores = [reference.score(member.drawn.numpy()) for member in members]
         slopes = np.gradient(scores, np.log([member.size for member in members]))
-        known = zip(members, scores, np.maximum(slopes, LEAST_SLOPE), strict=True)
-        found += [replace(m, score=score, slope=float(slope)) for m, score, slope in known if score > LEAST_SCORE]
+        known = zip(members, scores, np.maximum(slopes, MIN_SLOPE), strict=True)
+        found += [replace(m, score=score, slope=float(slope)) for m, score, slope in known if score > MIN_SCORE]
     return found
 
 

@@ -23,7 +23,7 @@ void bind_constants(nb::module_ &m) {
            {"OCTAVE_LIMIT", sgi::kOctaveLimit},
            {"LEVELS", sgi::kLevels},
            {"SUMMARY", sgi::kSummary},
-           {"MOST_NEIGHBOURS", sgi::kMaxNeighbours},
+           {"MAX_NEIGHBOURS", sgi::kMaxNeighbours},
            {"NEIGHBOUR_INPUTS", sgi::kNeighbourInputs},
            {"COLOUR_GAIN_BITS", sgi::kColourGainBits},
            {"LOUDNESS_ZERO", sgi::kLoudnessZero},
@@ -32,7 +32,7 @@ void bind_constants(nb::module_ &m) {
            {"HIDDEN_LIMIT", sgi::kHiddenLimit},
            {"WINDOW_PADDING", sgi::kWindowPadding},
            {"TEXTURE_ROOT_LOG", sgi::kTextureRoot},
-           {"TEXTURE_LEAST_LOG", sgi::kTextureLeast},
+           {"TEXTURE_MIN_LOG", sgi::kTextureLeast},
            {"CONTRAST_LIMIT", sgi::kContrastLimit},
        })
     m.attr(name) = value;
@@ -41,7 +41,7 @@ void bind_constants(nb::module_ &m) {
                                     {"MIN_VARIANCE", sgi::kMinVariance},
                                     {"PIXEL_VARIANCE", sgi::kPixelVariance},
                                     {"SHAPE_LIMIT", sgi::kShapeLimit},
-                                    {"LEAST_MASS", sgi::kMinMass}})
+                                    {"MIN_MASS", sgi::kMinMass}})
     m.attr(name) = value;
   m.def(
       "neighbour_weight",

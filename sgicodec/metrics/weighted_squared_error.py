@@ -25,13 +25,13 @@ class WeightedSquaredError:
         """See `Distortion.reference`."""
         variance = local_variance(luma(picture.transpose(1, 2, 0), peak=1.0) / 255.0)
         if empty is not None:
-            variance[empty] = _MOST_VARIANCE
+            variance[empty] = _MAX_VARIANCE
         return QuadraticReference(np.asarray(((variance + _FLOOR) / _USUAL) ** _POWER, np.float32))
 
 
 _FLOOR = 1e-3
 """Variance below which pixels count as flat, samples²: a standard deviation of 8 levels of 255."""
-_MOST_VARIANCE = 0.25
+_MAX_VARIANCE = 0.25
 """Of samples in 0..1: half of them 0, half 1."""
 _USUAL, _POWER = 0.0025, -0.25
 """The variance, floor included, where an error counts 1, and the power: the mean weight of 26 photographs is 0.89, from

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sgicodec._native import TEXTURE_LEAST_LOG as LEAST_LOG
+from sgicodec._native import TEXTURE_MIN_LOG as MIN_LOG
 from sgicodec._native import TEXTURE_ROOT_LOG as ROOT_LOG
 from sgicodec._native import draw_texture
 from sgicodec.device import ONE_THREAD, Device
 from sgicodec.model.gaussians import colour_matrix
 from sgicodec.model.luma_space import from_luma_space
 
-__all__ = ["LEAST_LOG", "ROOT_LOG", "TextureLayer"]
+__all__ = ["MIN_LOG", "ROOT_LOG", "TextureLayer"]
 
 F32 = NDArray[np.float32]
 

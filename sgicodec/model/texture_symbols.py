@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sgicodec._native import CONTRAST_LIMIT, texture_cells
-from sgicodec.model.texture import LEAST_LOG, ROOT_LOG, TextureLayer
+from sgicodec.model.texture import MIN_LOG, ROOT_LOG, TextureLayer
 
 __all__ = [
     "CONTRAST_LIMIT",
-    "MOST_SLOPE",
+    "MAX_SLOPE",
     "SAME_COLOURS",
     "SAME_STEP",
     "STEP_COUNT",
@@ -77,7 +77,7 @@ class TextureSteps:
 STEP_ZERO, STEP_COUNT = 480, 512
 SAME_STEP = 16
 """Ratio of a channel with the steps of the first."""
-MOST_SLOPE = 31
+MAX_SLOPE = 31
 """That a stream can state."""
 
 
@@ -129,8 +129,8 @@ class TextureSymbols:
     @property
     def counts(self) -> dict[int, int]:
         """How many cells of each side there are, by pixels of the side."""
-        logs = range(LEAST_LOG, ROOT_LOG + 1)
-        return {1 << log: int((self.log_size == log).sum()) >> 2 * (log - LEAST_LOG) for log in logs}
+        logs = range(MIN_LOG, ROOT_LOG + 1)
+        return {1 << log: int((self.log_size == log).sum()) >> 2 * (log - MIN_LOG) for log in logs}
 
     def layer(self) -> TextureLayer:
         """The layer that is drawn."""

@@ -67,7 +67,7 @@ def _solved(gram: F64, wanted: F64, grid: F64) -> F64:
     residual = wanted - _applied(gram, grid)
     least = _PRECISION**2 * float(np.sum(wanted * scale * wanted))
     direction, power = np.zeros_like(grid), 1.0
-    for _ in range(_MOST_ITERATIONS):
+    for _ in range(_MAX_ITERATIONS):
         scaled = scale * residual
         before, power = power, float(np.sum(residual * scaled))
         if power <= least:
@@ -79,5 +79,5 @@ def _solved(gram: F64, wanted: F64, grid: F64) -> F64:
     return grid
 
 
-_PRECISION, _MOST_ITERATIONS = 1e-7, 100
+_PRECISION, _MAX_ITERATIONS = 1e-7, 100
 """Relative residual at which the solution is good enough, far below a step of the base layer; and a bound."""

@@ -16,7 +16,7 @@ __all__ = ["NativeRasterizer"]
 F32 = NDArray[np.float32]
 
 
-MOST_PAIRS = 1 << 28
+MAX_PAIRS = 1 << 28
 """A sound picture has a few pairs per Gaussian."""
 
 
@@ -30,9 +30,7 @@ class NativeRasterizer:
     for the backward pass and is not safe for use by two threads at once.
     """
 
-    def __init__(
-        self, device: Device = ALL_CORES, cutoff: float = DEFAULT_CUTOFF, most_pairs: int = MOST_PAIRS
-    ) -> None:
+    def __init__(self, device: Device = ALL_CORES, cutoff: float = DEFAULT_CUTOFF, most_pairs: int = MAX_PAIRS) -> None:
         self._raster = _native.Rasterizer(device.isa, device.threads, most_pairs)
         self.cutoff = cutoff
 

@@ -11,7 +11,7 @@ from sgicodec.cuda.gpu import Gpu, GpuArray
 from sgicodec.cuda.tiles import MAX_CHANNELS, CudaView, TilePasses
 from sgicodec.errors import UsageError
 from sgicodec.raster.backend import DEFAULT_CUTOFF, Background, Errors, Loss, Mapping, nothing_behind
-from sgicodec.raster.cpu import MOST_PAIRS
+from sgicodec.raster.cpu import MAX_PAIRS
 from sgicodec.raster.cuda_samples import stored_samples
 
 __all__ = ["CudaRasterizer"]
@@ -27,7 +27,7 @@ class CudaRasterizer:
     60 bytes each, raise OverflowError; more than 4 channels raise UsageError. Not safe for use by two threads at once.
     """
 
-    def __init__(self, gpu: Gpu, cutoff: float = DEFAULT_CUTOFF, most_pairs: int = MOST_PAIRS) -> None:
+    def __init__(self, gpu: Gpu, cutoff: float = DEFAULT_CUTOFF, most_pairs: int = MAX_PAIRS) -> None:
         self.gpu, self.cutoff, self.most_pairs = gpu, cutoff, most_pairs
         self._drawn: tuple[CudaView, TilePasses, list[GpuArray]] | None = None
 

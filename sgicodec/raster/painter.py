@@ -17,7 +17,7 @@ __all__ = ["GpuPainter"]
 
 F32 = NDArray[np.float32]
 
-MOST_PAIRS = 1 << 26
+MAX_PAIRS = 1 << 26
 """The decoder's own limit, for tiles of a quarter of the size."""
 
 
@@ -52,7 +52,7 @@ class GpuPainter:
         else:
             behind = Background(lines, top, down, planes)
         with self._gpu.turn:
-            raster = CudaRasterizer(self._gpu, cutoff, MOST_PAIRS)
+            raster = CudaRasterizer(self._gpu, cutoff, MAX_PAIRS)
             drawn: GpuArray | None = None
             if texture is not None:
                 self._gpu.use()

@@ -23,7 +23,7 @@ F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 Any32 = Any  # a float32 or an array of them
 
-CUTOFF, LEAST_VARIANCE, PIXEL_VARIANCE = np.float32(3.5), np.float32(0.05), 0.1
+CUTOFF, MIN_VARIANCE, PIXEL_VARIANCE = np.float32(3.5), np.float32(0.05), 0.1
 LOG2E = np.float32(1.44269504)
 PI = "3.14159265358979323846264338327950288419716939937510582097494459"
 
@@ -206,7 +206,7 @@ def log_covariance(shape: Any, area: F32) -> tuple[F32, F32, F32]:
     even = np.where(t < f(0.02), f(1) + t * (f(2) + t * (f(0.6666667) + t * f(0.0888889))), cosh)
     odd = np.where(t < f(0.02), f(2) + t * (f(1.3333333) + t * (f(0.2666667) + t * f(0.0253968))), sinhc)
     even, odd = scale * even, scale * odd
-    return area * (even + odd * b) + LEAST_VARIANCE, area * odd * c, area * (even - odd * b) + LEAST_VARIANCE
+    return area * (even + odd * b) + MIN_VARIANCE, area * odd * c, area * (even - odd * b) + MIN_VARIANCE
 
 
 def rotated_covariance(shape: Any, reach: tuple[F32, F32]) -> tuple[F32, F32, F32]:
@@ -218,7 +218,7 @@ def rotated_covariance(shape: Any, reach: tuple[F32, F32]) -> tuple[F32, F32, F3
     sine, cosine = sine_cosine(shape[2])
     xx = cosine * cosine * squared[0] + sine * sine * squared[1]
     yy = sine * sine * squared[0] + cosine * cosine * squared[1]
-    return xx + LEAST_VARIANCE, cosine * sine * (squared[0] - squared[1]), yy + LEAST_VARIANCE
+    return xx + MIN_VARIANCE, cosine * sine * (squared[0] - squared[1]), yy + MIN_VARIANCE
 
 
 def perceptron(features: Any, weights: dict[str, F32], name: str) -> Any:

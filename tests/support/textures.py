@@ -9,7 +9,7 @@ import numpy as np
 from sgicodec._native import SymbolReader
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.parts.texture import layer_of, write_texture
-from sgicodec.model.texture import LEAST_LOG, ROOT_LOG, TextureLayer
+from sgicodec.model.texture import MIN_LOG, ROOT_LOG, TextureLayer
 from sgicodec.model.texture_symbols import TextureSteps, TextureSymbols, roots_of
 
 
@@ -21,7 +21,7 @@ def random_cells(width: int, height: int, seed: int, share: float) -> tuple[np.n
     def add(x: int, y: int, log_size: int) -> None:
         if x >= width or y >= height:
             return
-        if log_size > LEAST_LOG and rng.random() < 0.6:
+        if log_size > MIN_LOG and rng.random() < 0.6:
             half = 1 << (log_size - 1)
             for dy in (0, half):
                 for dx in (0, half):

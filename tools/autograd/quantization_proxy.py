@@ -42,9 +42,9 @@ from tools.autograd.rate import bits_gaussian, bits_laplace
 
 __all__ = ["QuantizationProxy", "Sample"]
 
-_LEAST_STEP, _GREATEST_STEP = (2.0 ** ((index - STEP_ZERO) / PER_OCTAVE) for index in (0, STEP_COUNT - 1))
-_LEAST_SCALE = 2.0 ** (-SCALE_ZERO / PER_OCTAVE)
-_MOST_REFINE = REFINE_LIMIT / PER_OCTAVE
+_MIN_STEP, _GREATEST_STEP = (2.0 ** ((index - STEP_ZERO) / PER_OCTAVE) for index in (0, STEP_COUNT - 1))
+_MIN_SCALE = 2.0 ** (-SCALE_ZERO / PER_OCTAVE)
+_MAX_REFINE = REFINE_LIMIT / PER_OCTAVE
 
 
 @dataclass
@@ -138,12 +138,12 @@ class QuantizationProxy:
                     log_step = log_base - gammas[name] * loudness[:, None]
                 else:
                     log_step = log_base
-                log_step = log_step + refine[:, position : position + 1].clamp(-_MOST_REFINE, _MOST_REFINE)
-                q = self._spread(name, torch.exp2(log_step).clamp(_LEAST_STEP, _GREATEST_STEP))
+                log_step = log_step + refine[:, position : position + 1].clamp(-_MAX_REFINE, _MAX_REFINE)
+                q = self._spread(name, torch.exp2(log_step).clamp(_MIN_STEP, _GREATEST_STEP))
                 q_base = torch.exp2(log_base)
                 m = self._spread(name, mean[:, units] * q_base)
                 s = self._spread(name, torch.exp2(scale[:, units].clamp(-OCTAVE_LIMIT, OCTAVE_LIMIT)) * q_base)
-                s = torch.maximum(s, q * _LEAST_SCALE)
+                s = torch.maximum(s, q * _MIN_SCALE)
                 noise = self._noise(name, key).to(q.dtype) if rounding == "noise" else None
                 value = self._perturb(values[name], m, q, s, noise)
                 q_rate = q.detach() if rounding == "round" else q

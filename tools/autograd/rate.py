@@ -8,7 +8,7 @@ from typing import Any, cast
 import torch
 from torch import Tensor
 
-from sgicodec._native import LEAST_MASS
+from sgicodec._native import MIN_MASS
 
 __all__ = ["bits_gaussian", "bits_laplace"]
 
@@ -21,7 +21,7 @@ def bits_gaussian(deviation: Tensor, step: Tensor, scale: Tensor) -> Tensor:
     size = deviation.abs()
     nearer = torch.special.ndtr((0.5 * step - size) / scale)
     beyond = torch.special.ndtr((-0.5 * step - size) / scale)
-    return -torch.log2((nearer - beyond).clamp_min(LEAST_MASS))
+    return -torch.log2((nearer - beyond).clamp_min(MIN_MASS))
 
 
 class _LaplaceBits(torch.autograd.Function):
@@ -35,13 +35,13 @@ class _LaplaceBits(torch.autograd.Function):
         near = 0.5 * torch.exp(-rate * inside.abs())  # mass between the mean and the nearer edge, from its tail
         far = 0.5 * torch.exp(-rate * beyond)
         mass = torch.where(inside > 0, 1.0 - near, near) - far
-        slope = torch.where(mass > LEAST_MASS, -1.0 / (math.log(2.0) * mass), 0.0) * rate  # d bits / d mass, times rate
+        slope = torch.where(mass > MIN_MASS, -1.0 / (math.log(2.0) * mass), 0.0) * rate  # d bits / d mass, times rate
         ctx.save_for_backward(
             slope * (far - near) * deviation.sign(),
             0.5 * slope * (near + far),
             -slope * (inside * near + beyond * far) / scale,
         )
-        return -torch.log2(mass.clamp_min(LEAST_MASS))
+        return -torch.log2(mass.clamp_min(MIN_MASS))
 
     @staticmethod
     def backward(ctx: Any, *grads: Tensor) -> tuple[Tensor, ...]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from sgicodec._native import TextureModels
 from sgicodec.bitstream.entropy.symbol_writer import SymbolWriter
 from sgicodec.bitstream.limits import check_texture
-from sgicodec.model.texture_symbols import MOST_SLOPE, SAME_COLOURS, TextureSteps, TextureSymbols
+from sgicodec.model.texture_symbols import MAX_SLOPE, SAME_COLOURS, TextureSteps, TextureSymbols
 
 __all__ = ["layer_of", "texture_models", "write_texture"]
 
@@ -20,7 +20,7 @@ Read = tuple[Steps, NDArray[np.uint8], NDArray[np.int8], NDArray[np.int16]]
 OPPONENT, COLOURED = 2, 3
 """Whether a layer is in opponent colours or in colours of its own."""
 _MODELS_BITS, _STEP_BITS, _RATIO_BITS, _EXCESS_BITS, _SHARE_BITS, _TURN_BITS = 4, 9, 5, 4, 6, 4
-_SLOPE_BITS = MOST_SLOPE.bit_length()
+_SLOPE_BITS = MAX_SLOPE.bit_length()
 
 
 @cache

@@ -21,7 +21,7 @@ from sgicodec.metrics.regular_pattern import BLOCK, RegularPatterns, regular_pat
 from sgicodec.model.texture import ROOT_LOG
 from sgicodec.model.texture_symbols import (
     CONTRAST_LIMIT,
-    MOST_SLOPE,
+    MAX_SLOPE,
     SAME_STEP,
     STEP_COUNT,
     STEP_ZERO,
@@ -72,7 +72,7 @@ class TextureTuning:
         colour = SAME_STEP + round((1.0 - self.colours) * (_EQUAL_STEPS - step) / 4)
         ratios = (colour,) * 2 + (SAME_STEP,) * (channels - 3) if channels >= 3 else (SAME_STEP,) * (channels - 1)
         root = min((255.0 * TextureSteps(step).of_channels.item()) ** 0.5, _MAX_ROOT)
-        luma, chroma = (min(round(2 * growth * root), MOST_SLOPE) for growth in self.growth)
+        luma, chroma = (min(round(2 * growth * root), MAX_SLOPE) for growth in self.growth)
         return TextureSteps(step, ratios, (luma, chroma), has_contrast=self.masking > 0)
 
 

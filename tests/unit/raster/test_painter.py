@@ -169,7 +169,7 @@ def test_what_was_drawn_leaves_no_memory(gpu: Device) -> None:
 
 def test_what_fails_is_said(gpu: Device, monkeypatch: pytest.MonkeyPatch) -> None:
     data = (GOLDEN / "rgb8.sgi").read_bytes()
-    monkeypatch.setattr(painter, "MOST_PAIRS", 3)
+    monkeypatch.setattr(painter, "MAX_PAIRS", 3)
     with pytest.raises(LimitError, match="decode smaller regions"):
         decode(data, device=gpu)
 
