@@ -11,7 +11,7 @@
 namespace sgi {
 namespace {
 
-constexpr int64_t kMaxRuns = 64;  // each has sums of its own
+constexpr int64_t kMaxRuns = 64;     // each has sums of its own
 constexpr int64_t kChunk = 1 << 13;  // sums that are added together: a few microseconds
 
 }  // namespace
