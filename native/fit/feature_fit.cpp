@@ -11,8 +11,8 @@
 namespace sgi {
 namespace {
 
-constexpr int64_t kMaxRuns = 64;     // each has sums of its own
-constexpr int64_t kChunk = 1 << 13;  // sums that are added together: a few microseconds
+constexpr int64_t kMinRun = 2 * kBatchSeeds, kMaxRuns = 64;  // seeds, runs: each has sums of its own
+constexpr int64_t kChunk = 1 << 13;                          // sums that are added together: a few microseconds
 
 }  // namespace
 
@@ -64,7 +64,7 @@ void FeatureFit::set_layout(const int32_t *half_pixels, int64_t n, int quality, 
 }
 
 int64_t FeatureFit::run_size() const {
-  return kBatchSeeds * std::max<int64_t>(1, (state_.count + kBatchSeeds * kMaxRuns - 1) / (kBatchSeeds * kMaxRuns));
+  return kMinRun * std::max<int64_t>(1, (state_.count + kMinRun * kMaxRuns - 1) / (kMinRun * kMaxRuns));
 }
 
 template <class Body>

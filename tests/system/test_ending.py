@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from sgicodec import EncodeSettings, NullListener, Picture, encode_picture, read
+from sgicodec.bitstream.parts.tile import TileModel
 from sgicodec.decoder.stream import open_stream
 from sgicodec.fit.trainer import Progress
 from sgicodec.rdoq import Rdoq
@@ -33,16 +33,13 @@ class Ending(NullListener):
 def passes(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     """λ of each pass of RDOQ that is made."""
     made: list[float] = []
+    one_pass = Rdoq._pass
 
-    def counted(method: Callable[[Rdoq, float], object]) -> Callable[[Rdoq, float], object]:
-        def count(self: Rdoq, lmbda: float) -> object:
-            made.append(lmbda)
-            return method(self, lmbda)
+    def counted(self: Rdoq) -> TileModel:
+        made.append(self.lmbda)
+        return one_pass(self)
 
-        return count
-
-    monkeypatch.setattr(Rdoq, "descend", counted(Rdoq.descend))
-    monkeypatch.setattr(Rdoq, "once", counted(Rdoq.once))
+    monkeypatch.setattr(Rdoq, "_pass", counted)
     return made
 
 

@@ -53,7 +53,7 @@ def test_everything_in_one_run(tmp_path, monkeypatch: pytest.MonkeyPatch) -> Non
         "large",
         "sanitizer",
     }
-    assert lines["decodes"].endswith("at most 1 level from the processor's pixels")
+    assert lines["decodes"].endswith("have the processor's samples")
     assert "graph of all 1.000" in done.output
     assert "tiles of 32, 1 at a time" in done.output
     assert "tiles of 32, 2 at a time" in done.output
