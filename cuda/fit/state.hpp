@@ -16,7 +16,6 @@ inline const StepNumbers &numbers_of(const FitArguments &a) { return *static_cas
 
 inline SeedState state_of(const FitArguments &a) {
   SeedState s;
-  s.per_seed = 1;
   s.channels = a.channels;
   s.opponent = a.opponent;
   s.count = a.count;

@@ -10,6 +10,10 @@ namespace {
 
 constexpr float kLog2e = 1.44269504f;
 
+#ifdef __CUDACC_RTC__  // has no std::memcpy
+inline uint32_t bits_of(float x) { return __float_as_uint(x); }
+inline float float_of(uint32_t bits) { return __uint_as_float(bits); }
+#else
 inline uint32_t bits_of(float x) {
   uint32_t bits;
   std::memcpy(&bits, &x, sizeof bits);
@@ -20,6 +24,7 @@ inline float float_of(uint32_t bits) {
   std::memcpy(&x, &bits, sizeof x);
   return x;
 }
+#endif
 
 template <class T>
 T select(bool mask, T yes, T no) {

@@ -62,15 +62,14 @@ void seed_inputs(Array<const int32_t, 2> half_pixels, Array<const int8_t, 1> log
                    quality, threads, out.data(), int64_t(out.shape(1)));
 }
 
-void summarise(Array<const int64_t, 2> attributes, int per_seed, int channels, int colour, int shape,
-               Array<const int64_t, 1> members, int threads, Array<int16_t, 2> summary, Array<int32_t, 1> amplitude) {
+void summarise(Array<const int64_t, 2> attributes, int channels, int colour, int shape, Array<const int64_t, 1> members,
+               int threads, Array<int16_t, 2> summary, Array<int32_t, 1> amplitude) {
   const int64_t width = int64_t(attributes.shape(1)), n = int64_t(members.shape(0));
-  require(per_seed >= 1 && channels >= 1 && colour >= 0 && shape >= 0 && colour + per_seed * channels <= width &&
-              shape + 3 * per_seed <= width,
+  require(channels >= 1 && colour >= 0 && shape >= 0 && colour + channels <= width && shape + 3 <= width,
           "the groups do not fit the attributes");
   require(has_shape(summary, n, sgi::kSummary) && int64_t(amplitude.shape(0)) == n, "summary [n, 7], amplitude [n]");
   require_members(members, attributes.shape(0));
-  const sgi::AttributesView view{attributes.data(), width, per_seed, channels, colour, shape};
+  const sgi::AttributesView view{attributes.data(), width, channels, colour, shape};
   nb::gil_scoped_release release;
   sgi::summarise(view, members.data(), n, threads, summary.data(), amplitude.data());
 }
@@ -172,15 +171,15 @@ void nearest_among(Array<const int32_t, 2> points, Array<const int64_t, 1> among
 }
 
 void seed_gaussians(Array<const double, 2> values, Array<const int32_t, 2> half_pixels, Array<const int8_t, 1> log_size,
-                    int per_seed, Array<const float, 2> opponent, int threads, const std::string &isa,
-                    Array<float, 2> means, Array<float, 2> covariances, Array<float, 2> colours) {
-  const size_t n = log_size.shape(0), channels = opponent.shape(0), all = n * size_t(per_seed);
-  require(per_seed >= 1 && channels >= 1 && opponent.shape(1) == channels, "opponent must be [C, C]");
-  const sgi::SeedModel model{per_seed, int(channels), opponent.data()};
+                    Array<const float, 2> opponent, int threads, const std::string &isa, Array<float, 2> means,
+                    Array<float, 2> covariances, Array<float, 2> colours) {
+  const size_t n = log_size.shape(0), channels = opponent.shape(0);
+  require(channels >= 1 && opponent.shape(1) == channels, "opponent must be [C, C]");
+  const sgi::SeedModel model{int(channels), opponent.data()};
   require(has_shape(values, n, size_t(model.attributes())) && has_shape(half_pixels, n, 2),
-          "values must be [N, K (C + 5)], half_pixels [N, 2]");
-  require(has_shape(means, all, 2) && has_shape(covariances, all, 3) && has_shape(colours, all, channels),
-          "means [N K, 2], covariances [N K, 3], colours [N K, C]");
+          "values must be [N, C + 5], half_pixels [N, 2]");
+  require(has_shape(means, n, 2) && has_shape(covariances, n, 3) && has_shape(colours, n, channels),
+          "means [N, 2], covariances [N, 3], colours [N, C]");
   sgi::require_cells(log_size);
   nb::gil_scoped_release release;
   sgi::seed_gaussians(model, {half_pixels.data(), log_size.data()}, int64_t(n), values.data(), threads,
@@ -196,14 +195,14 @@ void bind_model(nb::module_ &m) {
         "Sums over cells of 2 pixels that fill whole roots: values [C, rows, columns], squares and weights.");
   m.def("from_luma_space", &from_luma_space, "channels"_a, "[C, C]; takes samples of luma space to red, green, blue.");
   m.def("nearest_among", &nearest_among, "points"_a, "among"_a, "members"_a, "out"_a, "threads"_a, "isa"_a);
-  m.def("seed_gaussians", &seed_gaussians, "values"_a, "half_pixels"_a, "log_size"_a, "per_seed"_a, "opponent"_a,
-        "threads"_a, "isa"_a, "means"_a, "covariances"_a, "colours"_a);
+  m.def("seed_gaussians", &seed_gaussians, "values"_a, "half_pixels"_a, "log_size"_a, "opponent"_a, "threads"_a,
+        "isa"_a, "means"_a, "covariances"_a, "colours"_a);
   m.def("evaluate_network", &evaluate_network, "w1"_a, "b1"_a, "w2"_a, "b2"_a, "shift"_a, "predicted"_a, "inputs"_a,
         "threads"_a, "isa"_a, "out"_a);
   m.def("seed_inputs", &seed_inputs, "half_pixels"_a, "log_size"_a, "neighbours"_a, "summary"_a, "members"_a,
         "quality"_a, "threads"_a, "out"_a);
-  m.def("summarise", &summarise, "attributes"_a, "per_seed"_a, "channels"_a, "colour"_a, "shape"_a, "members"_a,
-        "threads"_a, "summary"_a, "amplitude"_a);
+  m.def("summarise", &summarise, "attributes"_a, "channels"_a, "colour"_a, "shape"_a, "members"_a, "threads"_a,
+        "summary"_a, "amplitude"_a);
   m.def("own_inputs", &own_inputs, "summary"_a, "step"_a, "first"_a, "threads"_a, "out"_a);
   m.def("quantisers", &quantisers, "base"_a, "columns"_a, "gamma"_a, "amplitude"_a, "mean"_a, "scale"_a, "refine"_a,
         "log_size"_a, "threads"_a, "out_mean"_a, "out_step"_a, "out_scale"_a);

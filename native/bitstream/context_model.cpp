@@ -53,7 +53,7 @@ Networks read_networks(SymbolReader &reader, const ModelSpec &spec) {
 AttributeModel attribute_model(const ModelSpec &spec, const std::vector<GroupSteps> &plan, const Networks &networks,
                                int quality, int family, Isa isa) {
   AttributeModel model;
-  model.attributes = spec.attributes(), model.per_seed = spec.per_seed, model.channels = spec.channels;
+  model.attributes = spec.attributes(), model.channels = spec.channels;
   model.colour = 0, model.shape = spec.skip ? spec.channels : 0;
   model.quality = quality, model.ranks = spec.context.neighbours, model.first_table = int16_t(kFamilySize * family);
   model.isa = isa;

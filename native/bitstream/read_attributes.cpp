@@ -70,7 +70,7 @@ class AttributeReader {
   AttributeReader(RangeDecoder &decoder, const AttributeModel &model, const ZeroCentred &tables, const TileSeeds &seeds,
                   int threads, int64_t *decoded, AttributesRead &read)
       : decoder_(decoder), model_(model), tables_(tables), seeds_(seeds), threads_(threads), decoded_(decoded),
-        read_(read), values_{decoded, model.attributes, model.per_seed, model.channels, model.colour, model.shape},
+        read_(read), values_{decoded, model.attributes, model.channels, model.colour, model.shape},
         summary_(size_t(seeds.count) * kSummary) {
     for (const AttributeStep &step : model.steps) {
       stride_ = std::max(stride_, int64_t(step.inputs));

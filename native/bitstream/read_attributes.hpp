@@ -35,7 +35,7 @@ struct AttributeStep {
 struct AttributeModel {
   std::vector<AttributeStep> steps;
   int64_t attributes;  // d_A
-  int per_seed, channels, colour, shape;
+  int channels, colour, shape;
   int quality, ranks;   // of neighbours, 0 for none
   int16_t first_table;  // of the family
   Isa isa;

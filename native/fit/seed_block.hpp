@@ -32,12 +32,12 @@ inline vf loudness_of(const SeedState &s, const float *decoded) {
 
 // A summary's columns 0 to 2, and 4 to 6.
 inline void colour_summary(const SeedState &s, const float *decoded, vf *row) {
-  summarise_colours<vf>(1, s.channels, [&](int j) { return load(decoded + j * LANES); }, row);
+  summarise_colour<vf>(s.channels, [&](int j) { return load(decoded + j * LANES); }, row);
 }
 
 inline void shape_summary(const SeedState &s, const float *decoded, vf *row) {
   const float *shape = decoded + s.group_start(kShape) * LANES;
-  summarise_shape<vf>(1, [&](int j) { return load(shape + j * LANES); }, row);
+  summarise_shape([&](int j) { return load(shape + j * LANES); }, row);
 }
 
 // Own earlier groups as inputs of MLP_p at coding step `group`.

@@ -15,7 +15,6 @@ constexpr int64_t kRun = 1024;  // seeds; a multiple of every kernel's lanes
 SeedFit::SeedFit(Isa isa, int threads, int channels, int hidden, const float *opponent)
     : kernel_(kernel_for<SeedKernel>(isa)), lanes_(lanes_of(isa)), threads_(threads),
       opponent_(opponent, opponent + channels * channels) {
-  state_.per_seed = 1;
   state_.channels = channels;
   state_.hidden = hidden;
   state_.opponent = opponent_.data();

@@ -18,7 +18,7 @@ inline void read_gradients(const SeedState &s, const Block &block, const float *
     store(out + j * LANES, sum);
   }
   const auto up = [&](int column) { return block.gather(g.covariances, 3, column); };
-  const Shape<vf> shape = shape_gradient(shape_of(s, 0, value), area, up(0), up(1), up(2));
+  const Shape<vf> shape = shape_gradient(shape_of(s, value), area, up(0), up(1), up(2));
   float *row = out + s.group_start(kShape) * LANES;
   store(row, shape.a);
   store(row + LANES, shape.b);

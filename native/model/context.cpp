@@ -75,10 +75,10 @@ void summarise(const AttributesView &a, const int64_t *members, int64_t n, int t
     const int64_t *colour = a.values + members[i] * a.width + a.colour;
     const int64_t *shape = a.values + members[i] * a.width + a.shape;
     int16_t *row = summary + i * kSummary;
-    amplitude[i] = amplitude_index(colour, a.per_seed * a.channels);
-    summarise_colours<int64_t>(a.per_seed, a.channels, [&](int j) { return colour[j]; }, row);
+    amplitude[i] = amplitude_index(colour, a.channels);
+    summarise_colour<int64_t>(a.channels, [&](int j) { return colour[j]; }, row);
     row[3] = int16_t(loudness_input(amplitude[i]));
-    summarise_shape<int64_t>(a.per_seed, [&](int j) { return shape[j]; }, row);
+    summarise_shape([&](int j) { return shape[j]; }, row);
   });
 }
 

@@ -21,7 +21,7 @@ void seed_inputs(const SeedsView &seeds, const Neighbours &neighbours, const int
 struct AttributesView {
   const int64_t *values;  // [N, width] decoded
   int64_t width;
-  int per_seed, channels;
+  int channels;
   int colour, shape;  // columns where these groups start
 };
 

@@ -30,13 +30,13 @@ inline float sixteenth(float value) { return value * 0.0625f; }
 
 inline int64_t floor_divide(int64_t a, int64_t b) { return b == 1 ? a : a / b - (a % b < 0); }
 
-// The mean of `count` decoded values times 2^gain_bits, from their sum.
-inline int mean_input(int64_t sum, int count, int gain_bits) {
-  return int(clampv(floor_divide(sum, count) >> (kFractionBits - kInputBits - gain_bits), int64_t(kInputLimit)));
+// A decoded value times 2^gain_bits.
+inline int value_input(int64_t value, int gain_bits) {
+  return int(clampv(value >> (kFractionBits - kInputBits - gain_bits), int64_t(kInputLimit)));
 }
 template <class V>
-inline V mean_input(V sum, int count, int gain_bits) {
-  return clampv(sum / float(count) * float(1 << gain_bits), from_units<float>(kInputLimit));
+inline V value_input(V value, int gain_bits) {
+  return clampv(value * float(1 << gain_bits), from_units<float>(kInputLimit));
 }
 
 // The loudness, from the amplitude index or from the amplitude's octaves.
@@ -48,24 +48,16 @@ inline V loudness_input(V octaves) {
   return octaves + float(kLoudnessZero);
 }
 
-// Columns 0 to 2 of a summary, from `colours`(index) of the K C colours.
-template <class Sum, class Colours, class T>
-inline void summarise_colours(int per_seed, int channels, Colours colours, T *row) {
-  for (int j = 0; j < 3; ++j) {
-    Sum sum{};
-    for (int k = 0; k < per_seed && (j == 0 || channels >= 3); ++k) sum += colours(k * channels + j);
-    row[j] = mean_input(sum, per_seed, kColourGainBits);
-  }
+// Columns 0 to 2 of a summary, from `colour`(channel).
+template <class Value, class Colour, class T>
+inline void summarise_colour(int channels, Colour colour, T *row) {
+  for (int j = 0; j < 3; ++j) row[j] = value_input(j == 0 || channels >= 3 ? colour(j) : Value{}, kColourGainBits);
 }
 
-// Columns 4 to 6, from `shapes`(index) of the 3 K numbers.
-template <class Sum, class Shapes, class T>
-inline void summarise_shape(int per_seed, Shapes shapes, T *row) {
-  for (int j = 0; j < 3; ++j) {
-    Sum sum{};
-    for (int k = 0; k < per_seed; ++k) sum += shapes(3 * k + j);
-    row[4 + j] = mean_input(sum, per_seed, 0);
-  }
+// Columns 4 to 6, from `shape`(index).
+template <class Shape, class T>
+inline void summarise_shape(Shape shape, T *row) {
+  for (int j = 0; j < 3; ++j) row[4 + j] = value_input(shape(j), 0);
 }
 
 // A seed's own earlier groups, from its summary: own_input_count(step) numbers.

@@ -16,8 +16,8 @@ inline vf cells_of(const SeedsView &seeds, const Block &block) {
 
 // `value`(column) gives an attribute of all lanes.
 template <class Value>
-inline Shape<vf> shape_of(const SeedModel &model, int k, Value value) {
-  const int column = model.group_start(kShape) + 3 * k;
+inline Shape<vf> shape_of(const SeedModel &model, Value value) {
+  const int column = model.group_start(kShape);
   return {value(column), value(column + 1), value(column + 2)};
 }
 
@@ -25,20 +25,15 @@ template <class Value>
 inline void write_gaussians(const SeedModel &m, const SeedsView &seeds, const Block &block, Value value,
                             const SeedGaussians &out) {
   const vf cell = cells_of(seeds, block), area = cell * cell;
-  for (int k = 0; k < m.per_seed; ++k) {
-    const auto opponent = [&](int j) { return value(k * m.channels + j); };
-    for (int c = 0; c < m.channels; ++c)
-      block.scatter(mixed_colour<vf>(m.opponent, m.channels, c, opponent), out.colours, m.group_size(kColour),
-                    k * m.channels + c);
-    const Covariance<vf> covariance(shape_of(m, k, value), area);
-    block.scatter(covariance.xx(), out.covariances, 3 * m.per_seed, 3 * k);
-    block.scatter(covariance.xy(), out.covariances, 3 * m.per_seed, 3 * k + 1);
-    block.scatter(covariance.yy(), out.covariances, 3 * m.per_seed, 3 * k + 2);
-    for (int axis = 0; axis < 2; ++axis) {
-      const vf centre = block.gather(seeds.half_pixels, 2, axis) * 0.5f;
-      block.scatter(centre + cell * value(m.group_start(kOffset) + 2 * k + axis), out.means, 2 * m.per_seed,
-                    2 * k + axis);
-    }
+  for (int c = 0; c < m.channels; ++c)
+    block.scatter(mixed_colour<vf>(m.opponent, m.channels, c, value), out.colours, m.channels, c);
+  const Covariance<vf> covariance(shape_of(m, value), area);
+  block.scatter(covariance.xx(), out.covariances, 3, 0);
+  block.scatter(covariance.xy(), out.covariances, 3, 1);
+  block.scatter(covariance.yy(), out.covariances, 3, 2);
+  for (int axis = 0; axis < 2; ++axis) {
+    const vf centre = block.gather(seeds.half_pixels, 2, axis) * 0.5f;
+    block.scatter(centre + cell * value(m.group_start(kOffset) + axis), out.means, 2, axis);
   }
 }
 

@@ -27,8 +27,8 @@ void plain_gaussians(const ModelSpec &spec, const ModelSeeds &seeds, int threads
   std::vector<double> values(seeds.count * spec.attributes());
   for (size_t i = 0; i < values.size(); ++i) values[i] = double(seeds.decoded[i]) * kUnit;
   const std::vector<float> opponent = opponent_of(spec.channels);
-  seed_gaussians({spec.per_seed, spec.channels, opponent.data()}, {half_pixels.data(), seeds.log_size}, seeds.count,
-                 values.data(), threads, isa, out);
+  seed_gaussians({spec.channels, opponent.data()}, {half_pixels.data(), seeds.log_size}, seeds.count, values.data(),
+                 threads, isa, out);
 }
 
 // Two linear layers with what is negative cut off between them; rows of weights by input, so that sums run along them.

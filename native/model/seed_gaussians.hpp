@@ -14,20 +14,18 @@ struct SeedsView {
   const int8_t *log_size;      // [N] log2 of the cell's side
 };
 
-// What a seed's d_A attributes are: K colours, K shapes, K offsets.
+// What a seed's d_A attributes are: those of its one Gaussian, a colour, a shape, an offset.
 struct SeedModel {
-  int per_seed, channels;  // K, C
-  const float *opponent;   // [C, C]: colour = values * opponent
+  int channels;           // C
+  const float *opponent;  // [C, C]: colour = values * opponent
 
-  SGI_INLINE int attributes() const { return per_seed * (channels + 5); }
-  SGI_INLINE int group_size(int g) const { return per_seed * (g == kColour ? channels : g == kShape ? 3 : 2); }
-  SGI_INLINE int group_start(int g) const {
-    return per_seed * (g == kColour ? 0 : g == kShape ? channels : channels + 3);
-  }
+  SGI_INLINE int attributes() const { return channels + 5; }
+  SGI_INLINE int group_size(int g) const { return g == kColour ? channels : g == kShape ? 3 : 2; }
+  SGI_INLINE int group_start(int g) const { return g == kColour ? 0 : g == kShape ? channels : channels + 3; }
 };
 
 struct SeedGaussians {
-  float *means, *covariances, *colours;  // [N K, 2] pixels, [N K, 3] (xx, xy, yy) pixels², [N K, C]
+  float *means, *covariances, *colours;  // [N, 2] pixels, [N, 3] (xx, xy, yy) pixels², [N, C]
 };
 
 struct GaussianKernel {

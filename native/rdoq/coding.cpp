@@ -44,7 +44,7 @@ void SeedContext::start(const int16_t *inputs, int8_t log_size) {
 }
 
 void SeedContext::update(Group known, const Coded &coded, int row) {
-  const AttributesView view{coded.decoded, model_.attributes(), 1, model_.channels, 0, model_.channels};
+  const AttributesView view{coded.decoded, model_.attributes(), model_.channels, 0, model_.channels};
   constexpr int64_t kOnly = 0;
   int16_t summary[kSummary];
   summarise(view, &kOnly, 1, 1, summary, amplitude_.data() + row);

@@ -80,10 +80,9 @@ def model_gaussians(
         arrays = values.astype(np.float32), layout.centre, layout.cell, decoders, opponent
         means, covariances, colours = map(np.ascontiguousarray, gaussians_from_seeds(spec, *arrays, np))
         return means, covariances, colours
-    count = len(layout) * spec.per_seed
-    means, covariances, colours = empty_gaussians(count, spec.channels)
+    means, covariances, colours = empty_gaussians(len(layout), spec.channels)
     places = np.ascontiguousarray(values, np.float64), layout.half_pixels, layout.log_size
-    seed_gaussians(*places, spec.per_seed, opponent, device.threads, device.isa, means, covariances, colours)
+    seed_gaussians(*places, opponent, device.threads, device.isa, means, covariances, colours)
     return means, covariances, colours
 
 

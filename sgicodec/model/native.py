@@ -56,7 +56,7 @@ def summarise(spec: ModelSpec, decoded: I64, members: I64, device: Device) -> tu
     summary = np.empty((len(members), SUMMARY), np.int16)
     amplitude = np.empty(len(members), np.int32)
     colour, shape = spec.group("colour").start, spec.group("shape").start
-    _native.summarise(decoded, spec.per_seed, spec.channels, colour, shape, members, device.threads, summary, amplitude)
+    _native.summarise(decoded, spec.channels, colour, shape, members, device.threads, summary, amplitude)
     return summary, amplitude
 
 

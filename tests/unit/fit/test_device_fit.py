@@ -47,13 +47,16 @@ def still(steps: int, low_effort: bool = False) -> FitSettings:
 
 @pytest.mark.parametrize(("prior", "low_effort"), [(3, False), (0, False), (3, True)])
 def test_the_loss_is_the_processors(prior: int, low_effort: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Over the second half of a fit, within 1 %, as two instruction sets are: their cutoffs differ, noise amplifies."""
+    """The first one, and over the second half of a fit within 2 %: portable code and AVX2 differ by up to 0.9 % there,
+    for Adam amplifies what float32 rounds.
+    """
     losses = []
     for device in (only_gpu(monkeypatch), ONE_THREAD):
         _, loss, trainer = fit(still(80, low_effort), device, prior)
         assert (trainer.on_gpu is not None) == (device.gpu is not None)
-        losses.append(np.mean(loss[40:]))
-    assert losses[0] == pytest.approx(losses[1], rel=1e-2)
+        losses.append((loss[0], np.mean(loss[40:])))
+    assert losses[0][0] == pytest.approx(losses[1][0], rel=1e-5)
+    assert losses[0][1] == pytest.approx(losses[1][1], rel=2e-2)
 
 
 def test_two_fits_are_the_same_numbers(monkeypatch: pytest.MonkeyPatch) -> None:

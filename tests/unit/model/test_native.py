@@ -51,7 +51,7 @@ def test_what_does_not_fit_is_refused() -> None:
     with pytest.raises(ValueError, match="indices of seeds"):
         summarise(spec, decoded, np.array([4]), ONE_THREAD)
     with pytest.raises(ValueError, match="do not fit"):
-        summarise(replace(spec, per_seed=2), decoded, np.array([0]), ONE_THREAD)
+        summarise(replace(spec, channels=9), decoded, np.array([0]), ONE_THREAD)
     out, nobody = np.empty((1, 40), np.int16), np.full((1, 6), len(LAYOUT), np.int32)
     with pytest.raises(ValueError, match="indices of seeds"):
         SeedInputs(LAYOUT, 5, ONE_THREAD).write(np.array([0]), nobody, out)
