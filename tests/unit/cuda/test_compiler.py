@@ -13,10 +13,12 @@ from sgicodec.cuda.compiler import ARCHITECTURES, Compiler, Resources, compiled
 from sgicodec.errors import MissingExtraError, SgiError
 
 REGISTERS, TILE_REGISTERS, SHARED, SPILLED = 168, 96, 24 << 10, {"absolute_error_4": 24}
+MORE_REGISTERS = {"descend_networks": 192}
 """Bounds. A multiprocessor of sm_75, the least, has 65,536 registers and 64 kB of shared memory. Registers are enough
 for five blocks of the tile kernels (128 threads) and for six of the others that take most (64 threads); memory for two
 blocks of the kernel that takes most of it, and, at 15 kB, for four of the tile kernels of three channels. All but one
-spill 16 bytes at most.
+spill 16 bytes at most. Without fused products, in which decoders would differ, one takes 184 registers on sm_120, which
+is enough for five blocks.
 """
 TILES = re.compile(r"(forward|error|absolute_error|backward)_\d")
 
@@ -40,10 +42,14 @@ def names_in_sources() -> set[str]:
     return found - many | {f"{name}_{channels}" for name in many for channels in range(1, 5)}
 
 
+def most_registers(name: str) -> int:
+    return TILE_REGISTERS if TILES.fullmatch(name) else MORE_REGISTERS.get(name, REGISTERS)
+
+
 def check(resources: dict[str, Resources]) -> None:
     assert resources.keys() == names_in_sources()
     for name, needs in resources.items():
-        assert 0 < needs.registers <= (TILE_REGISTERS if TILES.fullmatch(name) else REGISTERS), (name, needs)
+        assert 0 < needs.registers <= most_registers(name), (name, needs)
         assert needs.shared <= SHARED, (name, needs)
         assert needs.spilled <= SPILLED.get(name, 16), (name, needs)
 
