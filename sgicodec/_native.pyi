@@ -269,19 +269,9 @@ def prune_gaussians(residual: Annotated[NDArray[numpy.float32], dict(shape=(None
 
 def search_base(planes: Annotated[NDArray[numpy.int64], dict(shape=(None, None, None), order='C', device='cpu')], predictor: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], weights: Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)], table: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], support: Annotated[NDArray[numpy.int32], dict(shape=(None,), order='C', device='cpu', writable=False)], start: Annotated[NDArray[numpy.int64], dict(shape=(None,), order='C', device='cpu', writable=False)], bits: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], down: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], across: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], gram: Annotated[NDArray[numpy.float64], dict(shape=(None, None, None, None), order='C', device='cpu', writable=False)] | None, pull: Annotated[NDArray[numpy.float64], dict(shape=(None, None, None), order='C', device='cpu')], step: float, lmbda: float, passes: int) -> int: ...
 
-def restoration_correction(drawn: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], network: int, step: int, changes: Sequence[Annotated[NDArray[numpy.int32], dict(shape=(None, None), order='C', device='cpu', writable=False)]], threads: int, isa: str) -> Annotated[NDArray[numpy.float32], dict(shape=(None, None, None))]:
+def restoration_correction(drawn: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], network: int, step: int, threads: int, isa: str) -> Annotated[NDArray[numpy.float32], dict(shape=(None, None, None))]:
     """
-    What restoration adds to a tile drawn as [C, H, W]. changes: by layer what is added to its weights and biases [outputs, 9 * inputs + 1], [0, 0] for nothing; none for no layer. Raises UnsupportedStreamError for an unknown network and CorruptStreamError for weights that it cannot have.
-    """
-
-def restoration_last_inputs(drawn: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order='C', device='cpu', writable=False)], network: int, step: int, top: int, rows: int, threads: int, isa: str) -> Annotated[NDArray[numpy.int16], dict(shape=(None, None, None))]:
-    """
-    What the last layer of a network sees around some rows of a tile drawn as [C, H, W]: [channels, rows + 2, W + 2].
-    """
-
-def restoration_last_layer(network: int) -> tuple[Annotated[NDArray[numpy.int32], dict(shape=(None, None))], int]:
-    """
-    Weights and then bias of each output [outputs, 9 * inputs + 1], and the shift of what they give.
+    What restoration adds to a tile drawn as [C, H, W]. Raises UnsupportedStreamError for an unknown network.
     """
 
 CHUNK_KINDS: tuple = ...
@@ -464,7 +454,7 @@ class TileModel:
         """Steps, log_size, contrast and symbols of the layer; None for none."""
 
     @property
-    def restoration(self) -> tuple[int, int, list[NDArray[numpy.int32]]] | None:
+    def restoration(self) -> tuple[int, int] | None:
         """
         Numbers of network and step, and by layer what is added to it; None for none.
         """

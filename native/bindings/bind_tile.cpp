@@ -113,13 +113,7 @@ auto texture_of(const ReadTile &tile) {
 
 auto restoration_of(const ReadTile &tile) {
   const sgi::RestorationChoice &choice = tile.model.restoration;
-  std::vector<Numbers<int32_t>> changes;
-  for (const sgi::LayerChange &change : choice.changes) {
-    const size_t outputs = sgi::restoration_network(choice)->layers[changes.size()].outputs;
-    changes.push_back(change.empty() ? copy(change, {0, 0}) : copy(change, {outputs, change.size() / outputs}));
-  }
-  using Stated = std::tuple<int, int, std::vector<Numbers<int32_t>>>;
-  return choice.network ? std::optional(Stated(choice.network, choice.step, std::move(changes))) : std::nullopt;
+  return choice.network ? std::optional(std::pair(choice.network, choice.step)) : std::nullopt;
 }
 
 using Bits = nb::typed<nb::dict, nb::str, double>;

@@ -5,9 +5,8 @@
 
 namespace sgi {
 
-// The network of a choice. Throws Error: unsupported for one that this version does not have, corrupt for changes that
-// it cannot have.
-std::shared_ptr<const RestorationNetwork> restoration_network(const RestorationChoice &choice);
+// The shipped network of a number. Throws Error (unsupported) for one that this version does not have.
+const std::shared_ptr<const RestorationNetwork> &restoration_network(int number);
 
 // What a tile states. Throws as above.
 RestorationChoice read_restoration_part(SymbolReader &reader);

@@ -46,19 +46,20 @@ class KnownMagnitudes {
   void clear() { diagonals_ = {}; }
   // Goes on to the next diagonal.
   void advance() {
-    diagonals_[2] = diagonals_[1];
-    diagonals_[1] = diagonals_[0];
-    diagonals_[0].fill(0);
+    here_ = here_ == 2 ? 0 : here_ + 1;
+    diagonals_[here_].fill(0);
   }
-  void set(int u, int magnitude) { diagonals_[0][u + 2] = int16_t(magnitude); }
+  void set(int u, int magnitude) { diagonals_[here_][u + 2] = int16_t(magnitude); }
   NearMagnitudes near(int u) const {
-    const int16_t *here = &diagonals_[0][u + 2], *last = &diagonals_[1][u + 2], *before = &diagonals_[2][u + 2];
+    const int16_t *here = &diagonals_[here_][u + 2], *last = &diagonals_[here_ ? here_ - 1 : 2][u + 2];
+    const int16_t *before = &diagonals_[here_ == 2 ? 0 : here_ + 1][u + 2];
     const int next = last[-1] + last[0];
     return {next, 4 * next + 2 * (before[-1] + before[-2] + before[0] + here[-1] + last[1] + last[-2])};
   }
 
  private:
   std::array<std::array<int16_t, (1 << kTextureRoot) + 4>, 3> diagonals_{};
+  int here_ = 0;  // the diagonal of the symbol; the ones before it go round
 };
 
 // The bits of a channel's symbols.

@@ -114,26 +114,6 @@ void Restoration::add(const float *drawn, const OutputAxis &x, const OutputAxis 
   });
 }
 
-std::vector<int16_t> Restoration::last_inputs(const TilePixels<const float> &drawn, int64_t top, int64_t rows,
-                                              int threads) const {
-  const int64_t stride = width_ + 2, plane = (rows + 2) * stride;
-  const int channels = network_->layers.back().inputs;
-  std::vector<int16_t> found(size_t(channels) * plane);
-  const int64_t columns = strip_columns();
-  parallel_for((width_ + columns - 1) / columns, threads, [&](int64_t i) {
-    const TileBlock strip{i * columns, top, std::min(columns, width_ - i * columns), rows};
-    const int32_t *pairs = run(drawn, strip, network_->layers.size() - 1);
-    // each strip writes its own pixels, those at an edge what is beyond it, too
-    const int64_t begin = strip.left ? 1 : 0, last = strip.columns + (strip.left + strip.columns == width_ ? 2 : 1);
-    for (int c = 0; c < channels; ++c)
-      for (int64_t row = 0; row < rows + 2; ++row)
-        for (int64_t x = begin; x < last; ++x)
-          found[c * plane + row * stride + strip.left + x] =
-              int16_t(pairs[(c / 2 * (rows + 2) + row) * kRestorationStride + x] >> (c % 2 ? 16 : 0));
-  });
-  return found;
-}
-
 int64_t Restoration::strip_columns() const { return kRestorationColumns - 2 * (network_->reach() - 1); }
 
 void Restoration::correct(const TilePixels<const float> &drawn, int threads, const TilePixels<float> &values) const {
@@ -145,16 +125,15 @@ void Restoration::correct(const TilePixels<const float> &drawn, int threads, con
     const int64_t left = i % across * columns, top = i / across * kStripRows;
     const TileBlock strip{block.left + left, block.top + top, std::min(columns, block.columns - left),
                           std::min(kStripRows, block.rows - top)};
-    const int32_t *sums = run(drawn, strip, network_->layers.size());
+    const int32_t *sums = run(drawn, strip);
     for (int64_t row = 0; row < strip.rows; ++row)
       kernel_for<RestorationKernel>(isa_).add(sums + row * kRestorationStride, strip.rows * kRestorationStride,
                                               strip.columns, mix, values.at(strip.left, strip.top + row));
   });
 }
 
-// What these layers, from the first one on, give for a strip and one pixel around it for each layer that is left. It
-// lasts until the thread runs another strip.
-const int32_t *Restoration::run(const TilePixels<const float> &drawn, const TileBlock &strip, size_t layers) const {
+// The sums of the last layer for a strip. They last until the thread runs another one.
+const int32_t *Restoration::run(const TilePixels<const float> &drawn, const TileBlock &strip) const {
   thread_local std::vector<int32_t> memory;
   const RestorationKernel &kernel = kernel_for<RestorationKernel>(isa_);
   int64_t rows = strip.rows + 2 * network_->reach(), most = 2;
@@ -164,13 +143,11 @@ const int32_t *Restoration::run(const TilePixels<const float> &drawn, const Tile
   const size_t size = most * rows * kRestorationStride;
   if (memory.size() < 2 * size) memory.resize(2 * size);
   int32_t *one = memory.data(), *other = one + size;
-  read_inputs(drawn, strip, rows, one);
-  bool small = false;
-  for (size_t i = 0; i < layers; ++i) {
-    const RestorationLayer &layer = network_->layers[i];
+  bool small = read_inputs(drawn, strip, rows, one);
+  for (const RestorationLayer &layer : network_->layers) {
     rows -= 2;
     if (&layer == &network_->layers.back())
-      kernel.last(layer.view(), one, rows, other);
+      kernel.last(layer.view(), one, rows, small, other);
     else
       small = kernel.hidden(layer.view(), one, rows, small, other);
     std::swap(one, other);
@@ -178,8 +155,8 @@ const int32_t *Restoration::run(const TilePixels<const float> &drawn, const Tile
   return one;
 }
 
-// Those of a strip and what is around it: beyond the tile, its nearest pixels.
-void Restoration::read_inputs(const TilePixels<const float> &drawn, const TileBlock &strip, int64_t rows,
+// Those of a strip and what is around it: beyond the tile, its nearest pixels. Returns whether they are small.
+bool Restoration::read_inputs(const TilePixels<const float> &drawn, const TileBlock &strip, int64_t rows,
                               int32_t *inputs) const {
   const RestorationMix mix{into_.data(), mixed_, drawn.pixel, drawn.channel};
   const RestorationKernel &kernel = kernel_for<RestorationKernel>(isa_);
@@ -187,15 +164,17 @@ void Restoration::read_inputs(const TilePixels<const float> &drawn, const TileBl
   // of those columns that are drawn; beyond the strip's own margin nothing that is sound depends on others
   const int64_t begin = std::max<int64_t>(0, -first);
   const int64_t end = std::min<int64_t>(kRestorationColumns + 2, drawn.block.left + drawn.block.columns - first);
+  int32_t most = 0;
   for (int64_t row = 0; row < rows; ++row) {
     const int64_t y = std::clamp<int64_t>(strip.top - reach + row, 0, height_ - 1);
     int32_t *to[] = {inputs + row * kRestorationStride, inputs + (rows + row) * kRestorationStride};
-    kernel.inputs(drawn.at(first + begin, y), end - begin, mix, to[0] + begin, to[1] + begin);
+    most |= kernel.inputs(drawn.at(first + begin, y), end - begin, mix, to[0] + begin, to[1] + begin);
     for (int32_t *line : to) {
       std::fill(line, line + begin, line[begin]);
       std::fill(line + end, line + kRestorationColumns + 2, line[end - 1]);
     }
   }
+  return most <= kRestorationSmall;
 }
 
 }  // namespace sgi

@@ -38,9 +38,8 @@ TilePixels<T> in_planes(T *first, const TileBlock &block) {
 
 // What a tile states.
 struct RestorationChoice {
-  int network = 0;                   // number of a shipped one; 0: none
-  int step = 0;                      // index of the step in whose units it sees pixels
-  std::vector<LayerChange> changes;  // what is added to its layers, none for nothing
+  int network = 0;  // number of a shipped one; 0: none
+  int step = 0;     // index of the step in whose units it sees pixels
 };
 
 // Restores a tile of `width` times `height` pixels of C channels. Safe for use by several threads at once.
@@ -55,16 +54,14 @@ class Restoration {
   // Adds the correction to values [y.count, x.count, C] of what the axes show. drawn: the needed block, [rows, columns,
   // C]. The same values for any block that is asked for, number of threads and instruction set.
   void add(const float *drawn, const OutputAxis &x, const OutputAxis &y, int threads, float *values) const;
-  // What the last layer sees around these rows [channels, rows + 2, width + 2]. drawn: the whole tile.
-  std::vector<int16_t> last_inputs(const TilePixels<const float> &drawn, int64_t top, int64_t rows, int threads) const;
   // Adds the correction of a block of the tile's own pixels to it. drawn: the block and what is around it.
   void correct(const TilePixels<const float> &drawn, int threads, const TilePixels<float> &values) const;
 
  private:
   TileBlock shown(const OutputAxis &x, const OutputAxis &y) const;
   int64_t strip_columns() const;
-  const int32_t *run(const TilePixels<const float> &drawn, const TileBlock &strip, size_t layers) const;
-  void read_inputs(const TilePixels<const float> &drawn, const TileBlock &strip, int64_t rows, int32_t *inputs) const;
+  const int32_t *run(const TilePixels<const float> &drawn, const TileBlock &strip) const;
+  bool read_inputs(const TilePixels<const float> &drawn, const TileBlock &strip, int64_t rows, int32_t *inputs) const;
 
   const std::shared_ptr<const RestorationNetwork> network_;
   const int channels_, mixed_;     // how many of them the network sees

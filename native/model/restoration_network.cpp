@@ -5,8 +5,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "base/error.hpp"
-
 namespace sgi {
 namespace {
 
@@ -63,6 +61,7 @@ bool sums_fit(const RestorationLayer &layer, int output) { return sums_fit(layer
 
 // Four times what a place of squares multiplies an input by (model/restoration_squares.hpp).
 int square_weight(const RestorationLayer &layer, int output, int input, int place) {
+  if (input >= layer.inputs || output >= layer.outputs) return 0;
   constexpr int kShares[4][3] = {{2, 0, 0}, {1, 1, 1}, {1, -1, 1}, {0, 0, 2}};
   int sum = 0;
   for (int tap = 0; tap < kRestorationTaps; ++tap)
@@ -70,13 +69,12 @@ int square_weight(const RestorationLayer &layer, int output, int input, int plac
   return sum;
 }
 
-// Of a hidden layer with so many inputs that squares pay. None where weights would not have 16 bits, or sums 32,
-// whatever 16 bits they multiply.
-std::vector<int32_t> squares_of(const RestorationLayer &layer) {
-  if (layer.inputs % kSquareOutputs || layer.inputs > kSquareInputs || layer.outputs % kSquareOutputs) return {};
-  const int pairs = pairs_of(layer.inputs);
-  std::vector<int32_t> found(size_t(kSquarePlaces) * pairs * layer.outputs);
-  for (int output = 0; output < layer.outputs; ++output) {
+// None where weights would not have 16 bits, or sums 32, whatever 16 bits they multiply.
+std::vector<int32_t> squares_of(const RestorationLayer &layer, bool last) {
+  if (layer.inputs > kSquareInputs || (!last && layer.outputs % kSquareOutputs)) return {};
+  const int pairs = pairs_of(layer.inputs), outputs = blocks_of(layer.outputs) * kRestorationBlock;
+  std::vector<int32_t> found(size_t(kSquarePlaces) * pairs * outputs);
+  for (int output = 0; output < outputs; ++output) {
     if (!sums_fit(layer, output, kRestorationSmall, 4)) return {};
     for (int place = 0; place < kSquarePlaces; ++place) {
       int64_t most = 4 * std::abs(int64_t(layer.biases[output]));
@@ -85,7 +83,7 @@ std::vector<int32_t> squares_of(const RestorationLayer &layer) {
         const int high = square_weight(layer, output, 2 * pair + 1, place);
         if (std::max(std::abs(low), std::abs(high)) > kRestorationMost) return {};
         most += int64_t(std::abs(low) + std::abs(high)) << 15;
-        found[(size_t(place) * pairs + pair) * layer.outputs + output] =
+        found[(size_t(place) * pairs + pair) * outputs + output] =
             int32_t(uint32_t(uint16_t(low)) | uint32_t(uint16_t(high)) << 16);
       }
       if (most >= int64_t(1) << 31) return {};
@@ -94,7 +92,7 @@ std::vector<int32_t> squares_of(const RestorationLayer &layer) {
   return found;
 }
 
-void read_weights(Reader &reader, RestorationLayer &layer) {
+void read_weights(Reader &reader, RestorationLayer &layer, bool last) {
   const int blocks = blocks_of(layer.outputs);
   layer.weights.assign(size_t(blocks) * pairs_of(layer.inputs) * kRestorationTaps * kRestorationBlock, 0);
   layer.biases.assign(size_t(blocks) * kRestorationBlock, 0);
@@ -105,26 +103,7 @@ void read_weights(Reader &reader, RestorationLayer &layer) {
     layer.biases[o] = kBiasUnit * reader.bias();
     require(sums_fit(layer, o));
   }
-  layer.squares = squares_of(layer);
-}
-
-// Numbers must stay within those of 16 bits.
-int added(int value, int64_t change) {
-  if (std::abs(value + change) > kRestorationMost)
-    throw Error(Fault::corrupt, "restoration: a weight of more than 16 bits; the stream is damaged");
-  return int(value + change);
-}
-
-void change_layer(RestorationLayer &layer, const LayerChange &change) {
-  const int32_t *next = change.data();
-  for (int o = 0; o < layer.outputs; ++o) {
-    for (int i = 0; i < layer.inputs; ++i)
-      for (int tap = 0; tap < kRestorationTaps; ++tap)
-        set_weight(layer, o, i, tap, added(layer.weight(o, i, tap), *next++));
-    layer.biases[o] = kBiasUnit * added(layer.bias(o), *next++);
-    if (!sums_fit(layer, o)) throw Error(Fault::corrupt, "restoration: sums of 32 bits; the stream is damaged");
-  }
-  layer.squares = squares_of(layer);
+  layer.squares = squares_of(layer, last);
 }
 
 }  // namespace
@@ -140,13 +119,6 @@ int RestorationLayer::weight(int output, int input, int tap) const {
 }
 
 int RestorationLayer::bias(int output) const { return biases[output] / kBiasUnit; }
-
-RestorationNetwork changed(const RestorationNetwork &network, const std::vector<LayerChange> &changes) {
-  RestorationNetwork found = network;
-  for (size_t i = 0; i < changes.size(); ++i)
-    if (!changes[i].empty()) change_layer(found.layers[i], changes[i]);
-  return found;
-}
 
 RestorationNetwork parse_restoration(Bytes file) {
   Reader reader(file);
@@ -164,7 +136,7 @@ RestorationNetwork parse_restoration(Bytes file) {
     network.layers.push_back(std::move(layer));
   }
   require(inputs == kInputs);
-  for (RestorationLayer &layer : network.layers) read_weights(reader, layer);
+  for (RestorationLayer &layer : network.layers) read_weights(reader, layer, &layer == &network.layers.back());
   require(reader.at_end());
   return network;
 }

@@ -17,19 +17,12 @@ struct RestorationLayer {
   int bias(int output) const;  // in units of 64
 };
 
-// What is added to a layer [outputs, inputs * kRestorationTaps + 1]: to the weights of an output, then to its bias.
-// Empty for nothing.
-using LayerChange = std::vector<int32_t>;
-
 struct RestorationNetwork {
   std::vector<RestorationLayer> layers;
   int shift;  // of what the last layer gives
 
   int reach() const { return int(layers.size()); }  // pixels on each side that a correction depends on
 };
-
-// The network with such changes of each layer. Throws Error (corrupt) where a weight or a sum might not fit.
-RestorationNetwork changed(const RestorationNetwork &network, const std::vector<LayerChange> &changes);
 
 // Of such a file. Throws std::logic_error for one that does not hold a network, or whose sums might not fit.
 RestorationNetwork parse_restoration(Bytes file);

@@ -19,7 +19,7 @@ constexpr float kWorth = 0.25f;    // amplitudes in steps below which nothing bu
 struct Survivor {
   float cost = kImpossible;
   bool any = false;  // on this diagonal
-  KnownMagnitudes known;
+  int known = 0;     // which of the trellis's magnitudes are its own
 };
 
 // How a survivor came about: the symbol, and the state before it.
@@ -37,22 +37,30 @@ struct Step {
 class MagnitudeBits {
  public:
   // Those of another context are forgotten.
-  void look_up(const BitContext &context) { context_ = context, known_ = 0; }
+  void look_up(const BitModels &models, const BitContext &context) {
+    context_ = context, known_ = 1;
+    ones_[0] = models.predict(context_).one;
+    zero_ = bit_cost(ones_[0], 0);
+    larger_[0] = 1;  // the sign
+  }
 
   float of(const BitModels &models, int magnitude) {
-    float bits = magnitude ? 1 : 0;
-    for (int j = 0; j < kMagnitudeBits; ++j) {
-      if (j == known_) ones_[known_++] = models.predict(SymbolContext::later(context_, j)).one;
-      bits += bit_cost(ones_[j], magnitude > j);
-      if (magnitude <= j) return bits;
+    if (!magnitude) return zero_;
+    const int last = std::min(magnitude, kMagnitudeBits);
+    for (; known_ <= last; ++known_) {
+      larger_[known_] = larger_[known_ - 1] + bit_cost(ones_[known_ - 1], 1);
+      if (known_ < kMagnitudeBits) ones_[known_] = models.predict(SymbolContext::later(context_, known_)).one;
     }
-    return bits + float(2 * std::ilogb(float(magnitude - kMagnitudeBits + 1)) + 1);
+    if (magnitude < kMagnitudeBits) return larger_[magnitude] + bit_cost(ones_[magnitude], 0);
+    return larger_[last] + float(2 * std::ilogb(float(magnitude - kMagnitudeBits + 1)) + 1);
   }
 
  private:
   BitContext context_;
   std::array<int32_t, kMagnitudeBits> ones_;
-  int known_;
+  std::array<float, kMagnitudeBits + 1> larger_;  // bits that say that a magnitude is at least this, and its sign
+  float zero_;
+  int known_;  // how many of `larger_` are
 };
 
 // The survivors of the symbols so far, in coding order.
@@ -61,11 +69,15 @@ class Trellis {
   Trellis(const BitModels &models, const SymbolContext &context, float lambda)
       : models_(models), context_(context), lambda_(lambda) {
     survivors_[0].cost = 0;
+    for (int state = 0; state < kStates; ++state) survivors_[state].known = state;
   }
 
   // Goes on to the next diagonal.
   void advance() {
-    for (int state = 0; state < kStates; ++state) survivors_[state].known.advance(), survivors_[state].any = false;
+    for (int state = 0; state < kStates; ++state) {
+      survivors_[state].any = false;
+      if (survivors_[state].cost < kImpossible) known_[survivors_[state].known].advance();
+    }
   }
 
   // Goes on to the next symbol. scaled: |amplitude| in steps.
@@ -74,7 +86,7 @@ class Trellis {
     std::array<NearMagnitudes, kStates> near;
     for (int state = 0; state < kStates; ++state) {
       if (survivors_[state].cost == kImpossible) continue;
-      near[state] = survivors_[state].known.near(u);
+      near[state] = known_[survivors_[state].known].near(u);
       extend(state, scaled, bits_for(state, near, u, v), best);
     }
     moves_.emplace_back();
@@ -82,16 +94,29 @@ class Trellis {
     for (const Step &step : best) most = std::min(most, step.cost + kHopeless);
     for (Step &step : best)
       if (step.cost > most) step.cost = kImpossible;
+    std::array<bool, kStates> taken{};  // magnitudes of survivors, by those that go on from them
     for (int state = 0; state < kStates; ++state) {
       const auto [cost, move] = best[state];
       moves_.back()[state] = move;
       Survivor &next = next_[state];
-      next.cost = cost;
-      next.any = cost < kImpossible && (survivors_[move.from].any || move.symbol);
+      next.cost = cost, next.any = false, next.known = -1;
       if (cost == kImpossible) continue;
-      next.known = survivors_[move.from].known;
-      if (move.symbol) next.known.set(u, move.symbol);
+      next.any = survivors_[move.from].any || move.symbol;
+      if (!taken[move.from]) next.known = survivors_[move.from].known, taken[move.from] = true;
     }
+    int free = 0;
+    for (int state = 0; state < kStates; ++state) {
+      Survivor &next = next_[state];
+      if (next.known < 0) {  // the others take what nobody goes on from
+        while (taken[free]) ++free;
+        next.known = survivors_[free++].known;
+        const Survivor &from = survivors_[best[state].move.from];
+        if (next.cost < kImpossible) known_[next.known] = known_[from.known];
+      }
+    }
+    for (int state = 0; state < kStates; ++state)
+      if (next_[state].cost < kImpossible && best[state].move.symbol)
+        known_[next_[state].known].set(u, best[state].move.symbol);
     std::swap(survivors_, next_);
   }
 
@@ -120,7 +145,7 @@ class Trellis {
       if (survivors_[other].cost < kImpossible && near[other].inside == near[state].inside &&
           near[other].next == near[state].next)
         return bits_[shared_[state] = shared_[other]];
-    bits_[shared_[state] = state].look_up(context_.at(near[state], u, v, QuantizerState(state)));
+    bits_[shared_[state] = state].look_up(models_, context_.at(near[state], u, v, QuantizerState(state)));
     return bits_[state];
   }
 
@@ -145,6 +170,7 @@ class Trellis {
   const float lambda_;
   std::array<std::array<Survivor, kStates>, 2> kept_;
   Survivor *survivors_ = kept_[0].data(), *next_ = kept_[1].data();
+  std::array<KnownMagnitudes, kStates> known_;
   std::array<MagnitudeBits, kStates> bits_;
   std::array<int, kStates> shared_;
   std::vector<std::array<Move, kStates>> moves_;

@@ -47,8 +47,6 @@ class Effort:
     1 trusts the estimate."""
     rounds: int
     """Times that seeds are quantised again beneath the texture; none for the eye, to which other errors are least."""
-    adapts_restoration: bool
-    """Whether the last layer of the network that restores is fitted to the tile; not for the eye."""
     ascent_passes: int
     """Passes of gradient ascent on what the eye sees, each of which searches texture anew."""
 
@@ -75,7 +73,6 @@ def effort_of(steps: int, tuned_for: Tune, is_low: bool = False) -> Effort:
         rdoq=RdoqSettings(passes=1, deep=1, rounds=2) if is_low else RdoqSettings(passes=rdoq_passes),
         split_margin=NO_SPLIT_SEARCH if is_low else SPLIT_SEARCH_MARGIN,
         rounds=0 if eye else _within(0, 1 + (steps - 375) // 225, 6),
-        adapts_restoration=steps >= 400 and not eye,
         ascent_passes=_within(1, 1 + steps // 125, 8) if eye else 0,
     )
 

@@ -13,24 +13,21 @@ from sgicodec.device import ONE_THREAD, Device
 __all__ = ["Restoration"]
 
 F32 = NDArray[np.float32]
-I32 = NDArray[np.int32]
 
 
 @dataclass(frozen=True)
 class Restoration:
     """What a tile's pixels pass through. network: number of a shipped one; step: index of the step in whose units it
-    sees them, 2^((step − 480) / 32); changes: by layer what is added to it for this tile [outputs, 9 · inputs + 1],
-    to the weights of each output and its bias, [0, 0] for nothing; none where no layer changes.
+    sees them, 2^((step − 480) / 32).
     """
 
     network: int
     step: int
-    changes: tuple[I32, ...] = ()
 
     def correction(self, drawn: F32, device: Device = ONE_THREAD) -> F32:
         """What is added to a whole tile [C, H, W] at its own pixels, in the channels that the stream codes.
 
         Equal for any number of threads and instruction set.
         """
-        planes, changes = np.ascontiguousarray(drawn), list(self.changes)
-        return restoration_correction(planes, self.network, self.step, changes, device.threads, device.isa)
+        planes = np.ascontiguousarray(drawn)
+        return restoration_correction(planes, self.network, self.step, device.threads, device.isa)

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from restoration_reader import changed, network_of
+from restoration_reader import network_of
 
 from sgicodec.bitstream.header import Header
 from sgicodec.bitstream.parts.tile import TileModel
@@ -500,7 +500,7 @@ def restored(header: Header, model: TileModel, drawn: F32) -> F32:
     """A tile [C, h, w] at its own pixels with its correction."""
     choice = model.restoration
     assert choice is not None
-    network, delta = changed(network_of(choice.network), choice.changes), power_of_two(choice.step - 480)
+    network, delta = network_of(choice.network), power_of_two(choice.step - 480)
     out = [1.0]
     if len(drawn) >= 3:
         into = FROM_LUMA if header.spec.luma_space else np.eye(3)

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["OPPONENT", "PARTS", "Network", "changed", "corrected", "network_of"]
+__all__ = ["OPPONENT", "PARTS", "Network", "corrected", "network_of"]
 
 PARTS = Path(__file__).parents[2] / "sgicodec" / "bitstream" / "parts"
 OPPONENT = np.array([[1, 1, 1], [1, 0, -1], [-1, 2, -1]]) / np.sqrt([[3], [2], [6]])
 MOST = 32767
 
 F64 = NDArray[np.float64]
-I32 = NDArray[np.int32]
 I64 = NDArray[np.int64]
 
 
@@ -60,19 +58,9 @@ def network_of(number: int) -> Network:
     return Network(weights, biases, [shape[2] for shape in shapes], k)
 
 
-def changed(network: Network, changes: Sequence[I32]) -> Network:
-    """The network with what a tile adds to its layers [n_out, 9 n_in + 1], where that is anything."""
-    weights, biases = list(network.weights), list(network.biases)
-    for number, change in enumerate(changes):
-        if change.size:
-            weights[number] = weights[number] + change[:, :-1].reshape(weights[number].shape)
-            biases[number] = biases[number] + change[:, -1]
-    return replace(network, weights=weights, biases=biases)
-
-
-def corrected(drawn: F64, number: int, step: int, changes: Sequence[I32] = ()) -> F64:
+def corrected(drawn: F64, number: int, step: int) -> F64:
     """What is added to a tile [C, H, W] drawn in the channels that the stream codes."""
-    network, delta = changed(network_of(number), changes), 2.0 ** ((step - 480) / 32)
+    network, delta = network_of(number), 2.0 ** ((step - 480) / 32)
     mixed = len(drawn) >= 3
     seen = np.zeros((3, *drawn.shape[1:]))
     if mixed:

@@ -141,14 +141,10 @@ def read_tile(header: Header, payload: bytes, device: Device = ONE_THREAD) -> tu
         [part.reshape(-1, header.spec.context.hash_features) for part in signs],
         decoded=read.decoded,
         texture=layer_of(read.texture, (header.width, header.height)),
-        restoration=None if read.restoration is None else _restoration_of(*read.restoration),
+        restoration=None if read.restoration is None else Restoration(*read.restoration),
         decoder_shift=read.decoder_shift,
     )
     return model, read
-
-
-def _restoration_of(network: int, step: int, changes: list[NDArray[np.int32]]) -> Restoration:
-    return Restoration(network, step, tuple(changes))
 
 
 def _write_plan(writer: SymbolWriter, spec: ModelSpec, quality: int, plan: StepPlan) -> None:

@@ -48,10 +48,7 @@ class LeastSquares:
             return state.with_texture(layer, None)
         restored = search.excluding(tile.restorer.correction(search, layer, strength))
         layer = best_layer(state, restored, step, price, layer) or layer
-        strength = best_strength(state, search, layer)
-        if strength is not None and tile.effort.adapts_restoration:
-            strength = tile.restorer.adapted(search, layer, strength, state.lmbda)
-        return state.with_texture(layer, strength)
+        return state.with_texture(layer, best_strength(state, search, layer))
 
 
 def requantise_seeds_under_texture(state: TileState, step: int | None = None) -> TileState:

@@ -76,8 +76,6 @@ def pictures() -> dict[str, tuple[Picture, EncodeSettings]]:
         "rgba8-tiles-luma": (crop_with_alpha, replace(luma, quality=40, tile=100, overview=True)),
         "rgb8-restored": (Picture(forest, "rgb", (0.0, 255.0)), restored),
         "rgb8-restored-psnr": (Picture(forest, "rgb", (0.0, 255.0)), restored_psnr),
-        "rgb8-adapted": (Picture(forest, "rgb", (0.0, 255.0)), replace(restored_psnr, steps=400)),
-        "rgb8-any-adapted": (Picture(forest, "rgb", (0.0, 255.0)), restored),
         "rgb8-any-colours": (Picture(small, "rgb", (0.0, 255.0)), luma),
         "rgba8-tiles-colours": (crop_with_alpha, replace(restored_psnr, quality=60, tile=100, overview=True)),
         "gray16-restored": (Picture(leaves[..., None], "gray", (0.0, 65535.0)), restored_psnr),
@@ -121,17 +119,7 @@ def with_any_colours(header: Header, model: TileModel) -> TileModel:
     return replace(model, texture=replace(model.texture, steps=replace(model.texture.steps, colours=(63, 0, 15))))
 
 
-def with_any_changes(header: Header, model: TileModel) -> TileModel:
-    """The model with changes of all layers of its restoration, in several units."""
-    if model.restoration is None:
-        raise SystemExit(f"{header.width}×{header.height} pixels without restoration")
-    rng, shapes = np.random.default_rng(5), [(16, 28), (16, 145), (16, 145), (3, 145)]
-    changes = [unit * rng.integers(-2, 3, shape) for unit, shape in zip((2, 1, 4, 8), shapes, strict=True)]
-    ours = tuple(change.astype(np.int32) for change in changes)
-    return replace(model, restoration=replace(model.restoration, changes=ours))
-
-
-ANY = {"adapted": with_any_changes, "colours": with_any_colours}
+ANY = {"colours": with_any_colours}
 
 
 def with_any(data: bytes, alter: Callable[[Header, TileModel], TileModel]) -> bytes:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 from surgery import join, split
 
@@ -41,33 +40,11 @@ def test_round_trip(name: str, restoration: Restoration | None) -> None:
     assert read.bits["restoration"] == (4 if restoration is None else 13)
 
 
-def changes_of(unit: int, layers: tuple[int, ...]) -> tuple[np.ndarray, ...]:
-    shapes = [(16, 28), (16, 145), (16, 145), (3, 145)]
-    rng = np.random.default_rng(unit)
-    some = [shape if layer in layers else (0, 0) for layer, shape in enumerate(shapes)]
-    return tuple(unit * rng.integers(-2, 3, shape).astype(np.int32) for shape in some)
-
-
-@pytest.mark.parametrize("unit", [1, 4, 64])
-@pytest.mark.parametrize("layers", [(3,), (0, 2), (0, 1, 2, 3)])
-@pytest.mark.parametrize("network", [1, 3])
-def test_round_trip_of_changes(unit: int, layers: tuple[int, ...], network: int) -> None:
-    changes = changes_of(unit, layers)
-    data = with_restoration((GOLDEN / "rgb8-luma.sgi").read_bytes(), Restoration(network, 300, changes))
-    with open_stream(data) as stream:
-        restoration = stream.model.restoration
-        stream.picture()
-    assert restoration is not None
-    assert (restoration.network, restoration.step) == (network, 300)
-    for own, other in zip(restoration.changes, changes, strict=True):
-        np.testing.assert_array_equal(own, other)
-
-
-@pytest.mark.parametrize("network", [2, 4, 7, 8])
+@pytest.mark.parametrize("network", [2, 4, 7, 9])
 def test_unknown_networks_are_refused(network: int) -> None:
     data = with_restoration((GOLDEN / "rgb8-luma.sgi").read_bytes(), Restoration(network, 300))
     with (
         open_stream(data) as stream,
-        pytest.raises(UnsupportedStreamError, match=f"restoration: network {network % 8}; this"),
+        pytest.raises(UnsupportedStreamError, match=f"restoration: network {network}; this"),
     ):
         stream.picture()

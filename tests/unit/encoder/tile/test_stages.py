@@ -27,7 +27,7 @@ def tile_for(tune: Tune) -> Tile:
     picture: Picture = replace(photo, pixels=np.ascontiguousarray(photo.pixels[300:380, 80:176]))
     tile = tile_of(picture, stream_plan(Shape.of(picture), EncodeSettings(steps=60, tune=tune, metadata=False)))
     rounds, passes = (1, 0) if tune == "psnr" else (0, 2)
-    more = {"handover": True, "rounds": rounds, "ascent_passes": passes, "adapts_restoration": rounds > 0}
+    more = {"handover": True, "rounds": rounds, "ascent_passes": passes}
     return replace(tile, effort=replace(tile.effort, **more))
 
 
