@@ -137,7 +137,7 @@ class FusedStep:
         """Squared error without weights, and the gradients of that with weights in the Gaussians at full size."""
         (means, covariances, colours), scale = gaussians, level.scale
         if scale != 1.0:
-            # Only the cells shrink with a level; MIN_VARIANCE stays a matter of the pixels that are drawn.
+            # Only the cells shrink with a level; MIN_VARIANCE stays a matter of the pixels that are rendered.
             less = np.float32(scale * scale)
             means, covariances = means * np.float32(scale), covariances * less + _FLOOR * (1 - less)
         drawn = means, covariances, colours, level.samples
