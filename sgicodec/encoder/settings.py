@@ -23,7 +23,8 @@ TILE, MAX_PIXELS_OF_ONE = 1024, 1 << 22
 """Pixels of a tile's side, where nothing else is asked for, and those of the largest picture that is then one tile."""
 
 APRON = 8
-"""Pixels that a tile reaches over its neighbours, where nothing else is asked for."""
+"""Pixels that a tile reaches over its neighbours, where nothing else is asked for. 4 and 16 were compared
+(docs/notes/2026-11-large-pictures.md, "Seams")."""
 
 _NUMBERS: dict[str, type] = {"int": Integral, "float": Real}
 

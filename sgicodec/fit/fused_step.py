@@ -30,7 +30,8 @@ _GROUPS = ("colour", "shape", "offset")
 _FLOOR = np.array([MIN_VARIANCE, 0.0, MIN_VARIANCE], np.float32)
 
 REFRESH, PREDICT = 8, 4
-"""How many steps inputs from neighbours stand, and predictions under noise where only MLP_p's difference trains."""
+"""How many steps inputs from neighbours stand, and predictions under noise where only MLP_p's difference trains
+(docs/notes/2026-11-fit-settings.md)."""
 
 
 class Reuse(Enum):

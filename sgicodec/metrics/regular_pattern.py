@@ -21,7 +21,8 @@ F64 = NDArray[np.float64]
 BLOCK = 8
 """Side of the blocks that are told apart, pixels."""
 _WINDOW = 24
-"""Side of what is looked at around a block, pixels: about two ribs of a pattern at its lowest frequency."""
+"""Side of what is looked at around a block, pixels: about two ribs of a pattern at its lowest frequency. 16 and 32
+were tried (docs/notes/2026-11-regular-patterns.md)."""
 _LEAST, _MOST = 3.9, 9.5
 """Frequencies of patterns, cycles in a window: periods of 2.5 to 6.2 pixels."""
 _LOBE = 1.9
@@ -35,7 +36,8 @@ _AS_HIGH = 1.5
 _NOISE = 3.0
 """Power that counts against every pattern, levels²."""
 _DOUBTFUL, _CERTAIN = 3.0, 6.0
-"""Ratios of powers where a pattern begins to count, and where it counts in full."""
+"""Ratios of powers where a pattern begins to count, and where it counts in full
+(docs/notes/2026-11-regular-patterns.md)."""
 
 
 @dataclass(frozen=True)
