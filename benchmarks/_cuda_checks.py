@@ -259,7 +259,7 @@ def cost(picture: Picture, data: bytes) -> float:
 
 
 def check_decodes(device: Device, data: bytes) -> str:
-    """Views of a stream drawn on the GPU and by the processor: the same samples, and the same ones again."""
+    """Views of a stream rendered on the GPU and by the processor: the same samples, and the same ones again."""
     for view in VIEWS:
         on_gpu, again, on_cpu = (decode(data, device=one, **view) for one in (device, device, device.processor))
         require(np.array_equal(on_gpu, again), "two decodes differ")

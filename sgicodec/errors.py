@@ -118,7 +118,7 @@ class BatchError(SgiError):
 
 
 class ReportError(SgiError):
-    """A report that cannot be written to stdout, which is full (exit 1). The work is done."""
+    """The report cannot be written, as stdout is full (exit 1). The work is kept."""
 
 
 class EncodeInterruptedError(SgiError):

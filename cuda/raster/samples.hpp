@@ -1,4 +1,4 @@
-// From a drawn image to samples, a thread for each pixel: what lies behind is added, values are mapped and rounded,
+// From a rendered image to samples, a thread for each pixel: what lies behind is added, values are mapped and rounded,
 // channels interleaved. native/raster computes.
 #pragma once
 #include "base/sample.hpp"

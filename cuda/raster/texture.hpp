@@ -1,5 +1,6 @@
 // Texture: a block of threads draws a block of pixels, cell by cell in their order. A cell is two small products of
-// matrices: amplitudes times atoms along x are its lines, and atoms along y times lines its pixels.
+// matrices: amplitudes times basis functions along x are its lines, and basis functions along y times lines
+// its pixels.
 #pragma once
 #include "cuda/arguments.hpp"
 #include "cuda/base/block.hpp"

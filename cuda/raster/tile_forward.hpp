@@ -78,7 +78,7 @@ inline int64_t sample_at(const RasterArguments &a, const TileView &v, Place p, i
   return (int64_t(channel) * a.height + v.y + p.row) * a.width + v.x + p.column;
 }
 
-// Turns drawn pixels into dL/dI in shared memory, and leaves the tile's squared error without weights, and its loss.
+// Turns rendered pixels into dL/dI in shared memory, and leaves the tile's squared error without weights, and its loss.
 template <int C, bool ABSOLUTE, int THREADS>
 inline void compare_tile(const ThreadBlock<THREADS> &block, const RasterArguments &a, const TileView &v,
                          TileMemory<C> &memory, PerThread<Pixels<C>, THREADS> &pixels) {

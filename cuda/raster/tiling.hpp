@@ -24,8 +24,8 @@ inline int pairs_of(const RasterArguments &a) {
   return pairs < a.capacity ? pairs : a.capacity;
 }
 
-// The Gaussian at the scale at which it is drawn. Only cells shrink with a level of the pyramid; the least variance
-// stays a matter of the pixels that are drawn.
+// The Gaussian at the scale at which it is rendered. Only cells shrink with a level of the pyramid; the least variance
+// stays a matter of the pixels that are rendered.
 inline bool prepared(const RasterArguments &a, int i, Splat &splat, Ellipse &ellipse) {
   const float area = a.scale * a.scale, added = a.minimum * (1.0f - area);
   const float mean[2] = {a.means[2 * i] * a.scale, a.means[2 * i + 1] * a.scale};

@@ -160,7 +160,7 @@ class Ahead {
   TileCache &tiles_;
 };
 
-// All tiles of these pieces, in the order in which they are drawn.
+// All tiles of these pieces, in the order in which they are rendered.
 std::vector<int64_t> tiles_of(const TileGrid &grid, const std::vector<TileSegment> &down,
                               const std::vector<TileSegment> &across) {
   std::vector<int64_t> wanted;

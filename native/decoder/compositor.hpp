@@ -16,7 +16,7 @@ struct Drawing {
   const std::function<void()> &between;
 };
 
-// Decodes the tiles that the rows of a view touch, as many as are kept while they are drawn.
+// Decodes the tiles that the rows of a view touch, as many as are kept while they are rendered.
 void decode_tiles(const Header &header, TileCache &tiles, const PictureView &view,
                   const std::function<void()> &between);
 

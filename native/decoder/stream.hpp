@@ -34,7 +34,7 @@ class Stream {
   // What pixels outside the picture hold, in samples of the source: at first nodata if the header has it, else 0.
   void set_blank(double sample);
   // Decodes the tiles of a view, as many as half of the cache holds: so those that are not sound are found before
-  // memory is taken for what is drawn.
+  // memory is taken for what is rendered.
   void prepare(const PictureView &view, bool exact);
   // Fills out [rows, columns, C], rows `stride` bytes apart, with rows top ... top + rows - 1 of a view. exact: never
   // from the overview. dither: of samples of eight bits where the source had more.
@@ -46,12 +46,12 @@ class Stream {
   Stream &overview();                                  // throws Error (usage) where there is none
   const std::vector<uint8_t> &overview_bytes() const;  // of the one that was asked for, else empty
 
-  // A decoded tile; good until another one is asked for or drawn. Throws Error: corrupt, limit, region.
+  // A decoded tile; good until another one is asked for or rendered. Throws Error: corrupt, limit, region.
   const TileRenderer &renderer(int64_t number);
 
   struct Tiles {
     int64_t held;     // that are kept now
-    int64_t decoded;  // so far, to be drawn
+    int64_t decoded;  // so far, to be rendered
     int64_t ahead;    // of these by threads of their own
   };
   Tiles tiles();

@@ -142,7 +142,7 @@ std::vector<uint8_t> TileCache::payload(int64_t number) {
 void TileCache::keep(int64_t number, Tile tile) {
   ++decoded_;
   tiles_[number] = {std::move(tile), 0, uses_.insert(uses_.end(), number)};
-  auto recent = uses_.rbegin();  // tiles may have grown since, if they were drawn
+  auto recent = uses_.rbegin();  // tiles may have grown since, if they were rendered
   for (size_t i = 0; i <= kMinTiles && recent != uses_.rend(); ++i, ++recent) weigh(tiles_.at(*recent));
   while (tiles_.size() > kMinTiles && bytes_ > settings_.cache_bytes) {
     bytes_ -= tiles_.at(uses_.front()).bytes;

@@ -30,7 +30,7 @@ class TileCache {
 
   bool is_half_full() const { return bytes_ > settings_.cache_bytes / 2; }
   int64_t held() const { return int64_t(tiles_.size()); }
-  int64_t decoded() const { return decoded_; }  // so far, to be drawn
+  int64_t decoded() const { return decoded_; }  // so far, to be rendered
   int64_t ahead() const { return ahead_; }      // of these before they were asked for
 
  private:

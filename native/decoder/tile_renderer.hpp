@@ -21,7 +21,7 @@ struct DecoderSettings {
   int threads = 0;  // 0: one for each core
   Isa isa = Isa::portable;
   int64_t cache_bytes = int64_t(1) << 28;    // what decoded tiles may take before those used least recently go
-  int64_t block_samples = int64_t(1) << 27;  // drawn at a time; a sixteenth where the processor has texture as floats,
+  int64_t block_samples = int64_t(1) << 27;  // rendered at a time; a sixteenth if the processor has texture as floats,
                                              // a quarter of that at most where it restores; half where a painter
                                              // draws what is restored
   std::function<void()> between = nullptr;   // called between tiles by who draws them; what it throws ends the call
@@ -81,7 +81,7 @@ class TileRenderer {
     GaussianSet gaussians;
   };
 
-  // What all blocks of a view are drawn with.
+  // What all blocks of a view are rendered with.
   struct Tools {
     Rasterizer raster;
     const GaussianSet &gaussians;

@@ -11,6 +11,7 @@
 namespace sgi {
 namespace {
 
+// docs/notes/2026-11-paper-profile.md, "Beside the rasteriser", compares runs and batches of other sizes.
 constexpr int64_t kMinRun = 2 * kBatchSeeds, kMaxRuns = 64;  // seeds, runs: each has sums of its own
 constexpr int64_t kChunk = 1 << 13;                          // sums that are added together: a few microseconds
 

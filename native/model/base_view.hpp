@@ -1,4 +1,4 @@
-// The base layer at any place and any scale, pixel by pixel the same whichever part of the picture is drawn.
+// The base layer at any place and any scale, pixel by pixel the same whichever part of the picture is rendered.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -47,6 +47,7 @@ constexpr double kShapeLimit = 12;  // of exponents, so that a hostile stream ca
 // square has 1/12; its spectrum up to the Nyquist frequency is best met by a little more.
 constexpr double kPixelVariance = 0.1;
 
+// docs/notes/2026-11-texture.md compares other overlaps and other sizes of cells.
 constexpr int kTextureOverlap = 4;                  // pixels by which texture cells reach over each other
 constexpr int kTextureRoot = 5, kTextureLeast = 3;  // log2 of the sides of cells: 32, 16 and 8 pixels
 constexpr int kContrastLimit = 15;                  // of the contrast of a root cell, either way

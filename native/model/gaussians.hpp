@@ -1,6 +1,6 @@
 // From seeds to Gaussians and back to gradients (docs/format.md, "Gaussians"), for V a float or a vector of them.
 //
-// A covariance is h² exp(2 M) + kMinVariance of M = [[a + b, c], [c, a - b]]. What lies beyond kShapeLimit is drawn
+// A covariance is h² exp(2 M) + kMinVariance of M = [[a + b, c], [c, a - b]]. What lies beyond kShapeLimit is rendered
 // onto it, a and the length of (b, c) by themselves, so that a hostile stream cannot reach infinity.
 #pragma once
 #include "base/elementary.hpp"

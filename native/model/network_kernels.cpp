@@ -12,7 +12,7 @@ namespace narrow {
 
 using vs = int16_t __attribute__((vector_size(LANES * 2)));
 
-constexpr int kRows = LANES == 16 ? kNetworkRows : kNetworkRows / 2;  // with a block the registers that there are
+constexpr int kRows = LANES == 16 ? kNetworkRows : kNetworkRows / 2;  // a block fills the registers
 static_assert(kNetworkPadding % (2 * LANES) == 0, "padding must hold whole blocks");
 
 // sum[r] = bias + sum over pairs of inputs of row r, `stride` apart, for BLOCK vectors of units.

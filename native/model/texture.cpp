@@ -11,7 +11,7 @@
 namespace sgi {
 namespace {
 
-constexpr int64_t kBlockWidth = 128, kBlockHeight = 64;  // pixels that are drawn while they are in the cache
+constexpr int64_t kBlockWidth = 128, kBlockHeight = 64;  // pixels that are rendered while they are in the cache
 constexpr int64_t kBlockStride = kBlockWidth + kTexturePadding;
 constexpr int64_t kRun = 256;
 

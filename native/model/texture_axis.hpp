@@ -1,4 +1,4 @@
-// The atoms of texture cells along one axis of what is drawn (docs/format.md, "Texture").
+// The basis functions of texture cells along one axis of what is rendered (docs/format.md, "Texture").
 #pragma once
 #include <array>
 #include <cstdint>
@@ -27,14 +27,16 @@ struct CellPlaces {
   int64_t count;
 };
 
-// The pixels first ... first + count - 1 that the cells at one place reach, and where their atoms are in the tables.
+// The pixels first ... first + count - 1 that the cells at one place reach, and where their basis functions are in the
+// tables.
 struct CellAxis {
   int64_t first, count, at, stride;
 };
 
-// Atom k at pixel first + i is values()[at + k * stride + i] with `along_pixels`, values()[at + i * stride + k] else.
-// Pixels that are larger than the tile's see the atoms convolved with a Gaussian, as Gaussians are; near the borders
-// only with what is inside. Pixels of the tile's size at whole places see the same in all cells, which share tables.
+// Basis function k at pixel first + i is values()[at + k * stride + i] with `along_pixels`, values()[at + i * stride +
+// k] else. Pixels that are larger than the tile's see the basis functions convolved with a Gaussian, as Gaussians are;
+// near the borders only with what is inside. Pixels of the tile's size at whole coordinates see the same in all cells,
+// which share tables.
 class TextureAxis {
  public:
   // length: of the tile, pixels.

@@ -10,9 +10,9 @@ namespace sgi {
 struct TexturePart {
   const float *amplitudes;  // [side, side], of which the first `waves_down` rows and `waves_across` columns count
   int side, waves_down, waves_across;
-  const float *across;  // [side, across_stride]: an atom's values at the part's columns; 16 more may be read
+  const float *across;  // [side, across_stride]: a basis function's values at the part's columns; 16 more may be read
   int64_t across_stride;
-  const float *down;  // [rows, side]: all atoms at each row
+  const float *down;  // [rows, side]: all basis functions at each row
   int rows, columns;
 };
 

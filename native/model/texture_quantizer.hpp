@@ -6,7 +6,7 @@
 
 namespace sgi {
 
-constexpr int kQuantizerStates = 8;
+constexpr int kQuantizerStates = 8;  // four gain less (docs/notes/2026-11-luma-space.md)
 
 // The state of a block before a symbol: a function of the parities of the symbols before it, 0 before the first. The
 // even quantiser has the multiples of a step, the odd one 0 and the odd multiples of half a step.

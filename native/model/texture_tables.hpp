@@ -1,4 +1,4 @@
-// What texture is drawn from elsewhere, such as on a GPU: tables of both axes, and cells by blocks of pixels.
+// What texture is rendered from elsewhere, such as on a GPU: tables of both axes, and cells by blocks of pixels.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -13,8 +13,8 @@ constexpr int kTableBlock = 32;  // pixels of the side of a block
 constexpr int kTableFields = 9;
 
 // Fields of a cell: its side, where its amplitudes [C, side, side] begin; along x and then y its first pixel, how many
-// it reaches, where its atoms are in the table; between these the stride along x. Atom k is at across[at + k * stride +
-// pixel - first] and at down[at + (pixel - first) * side + k].
+// it reaches, where its basis functions are in the table; between these the stride along x. Basis function k is at
+// across[at + k * stride + pixel - first] and at down[at + (pixel - first) * side + k].
 struct TextureTables {
   const float *amplitudes;
   int64_t amplitude_count;

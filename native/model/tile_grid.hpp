@@ -25,7 +25,7 @@ struct TileAxis {
   // First pixel of a tile, and the one behind its last.
   int64_t begin(int64_t index) const { return edge(index) - (index > 0 ? apron : 0); }
   int64_t end(int64_t index) const { return edge(index + 1) + (index + 1 < count ? apron : 0); }
-  // The runs of output pixels first ... first + count - 1 of a picture drawn at `scale` from `start` on, in pixels.
+  // The runs of output pixels first ... first + count - 1 of a picture rendered at `scale` from `start` on, in pixels.
   std::vector<TileSegment> segments(double start, double scale, int64_t first, int64_t count) const;
 };
 

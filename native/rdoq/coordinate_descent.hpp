@@ -12,7 +12,7 @@ struct SeedArrays {
   int64_t count;
   const int16_t *inputs;  // [n, stride] of the first network
   int64_t stride;
-  const double *values;    // [n, d] as drawn now
+  const double *values;    // [n, d] as rendered now
   const float *centre;     // [n, 2] pixels
   const float *cell;       // [n] pixels
   const int8_t *log_size;  // [n]

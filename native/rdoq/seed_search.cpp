@@ -23,9 +23,9 @@ void nearest(const CodingModel &model, Group group, const ReconstructionGrid &gr
 struct SeedSearch::Place {
   const Residual &residual;
   const Window &window;
-  Window drawn;                // the part of the window in which the Gaussian as drawn now ends
-  float colours[kMaxColours];  // as drawn now
-  float *g;                    // the Gaussian as drawn now
+  Window drawn;                // the part of the window in which the Gaussian as rendered now ends
+  float colours[kMaxColours];  // as rendered now
+  float *g;                    // the Gaussian as rendered now
   float *weighted;             // the same times the pixels' weights; g itself where all are 1
   float *mixed;                // the residual with a candidate's colours in the old place, times these colours
   float *fresh;                // the Gaussian that replaces it
@@ -43,7 +43,7 @@ SeedSearch::SeedSearch(const CodingModel &model, const SearchSettings &settings,
   guess_.resize(candidates);
 }
 
-// values: shape (a, b, c), then offset. False for what is not drawn.
+// values: shape (a, b, c), then offset. False for what is not rendered.
 bool SeedSearch::splat_of(const double *values, Splat &splat) const {
   const float cell = seed_->cell;
   const Covariance<float> c({float(values[0]), float(values[1]), float(values[2])}, cell * cell);
@@ -128,7 +128,7 @@ float SeedSearch::mix(const Place &place, const Coded &coded) const {
   return power;
 }
 
-// Looks at the pixels within the Gaussian as drawn now and those of `two`: beyond, nothing changes.
+// Looks at the pixels within the Gaussian as rendered now and those of `two`: beyond, nothing changes.
 void SeedSearch::changes(const Place &place, const Splat *two, float power, float *out) const {
   Window part = place.drawn;
   for (int i = 0; i < 2; ++i) part = around_both(part, window_around(two[i], 1, 0, place.residual));

@@ -17,7 +17,7 @@ struct SearchSettings {
 
 struct Seed {
   const int16_t *inputs;  // of the first network
-  const double *values;   // [C + 5] as drawn now
+  const double *values;   // [C + 5] as rendered now
   const float *centre;    // [2] pixels
   float cell;             // pixels
   int8_t log_size;
@@ -32,7 +32,7 @@ class SeedSearch {
   Window reserve(const Seed &seed, const Residual &residual);
 
   // Finds the symbols of least change in squared error plus price within reach of the present values, and takes what
-  // they change in the drawn Gaussian out of the residual. Returns that change.
+  // they change in the rendered Gaussian out of the residual. Returns that change.
   double search(const Seed &seed, const Window &window, const Residual &residual, Coded &best);
 
  private:

@@ -15,6 +15,7 @@ namespace sgi {
 
 namespace {
 
+// How colours are chosen, and what small shares gain: docs/notes/2026-11-texture-colours.md.
 constexpr int64_t kRoot = 1 << kTextureRoot, kMaxRoots = 96;
 constexpr int kLog = 4;                       // of the cells that are looked at
 constexpr float kColourBits = 16;             // that colours take

@@ -1,4 +1,4 @@
-// The choice of cells and symbols of texture, root by root.
+// The choice of cells (blocks) and symbols of texture, root by root. A root is a superblock of 32x32 pixels.
 #pragma once
 #include <array>
 #include <cmath>

@@ -16,9 +16,11 @@ namespace sgi {
 
 namespace {
 
-constexpr int64_t kStale = 8;  // roots in which the lower one of two rows of roots gets the models of the upper one
+// Superblocks after which the lower one of two rows of them gets the models of the upper one
+// (docs/notes/2026-11-encode-speed.md).
+constexpr int64_t kStale = 8;
 
-// Codes roots in order. Of two rows of roots the upper one is decided on and coded root by root, and the lower one
+// Codes superblocks in order. Of two rows of them the upper one is decided on and coded one by one, and the lower one
 // decided on meanwhile: its neighbours above are known, and its models a row behind, however many threads there are.
 class TextureSearch {
  public:

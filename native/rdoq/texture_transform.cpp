@@ -15,7 +15,7 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kOverlap = kTextureOverlap, kMaxReach = (1 << kTextureRoot) + 2 * kOverlap;
 
-// Atoms at pixel centres [n + 2 overlap, n], for cells with and without hard edges.
+// Basis functions at pixel centres [n + 2 overlap, n], for cells with and without hard edges.
 class Atoms {
  public:
   explicit Atoms(int log) : side_(1 << log) {

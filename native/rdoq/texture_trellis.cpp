@@ -12,6 +12,7 @@ namespace {
 
 constexpr float kImpossible = std::numeric_limits<float>::infinity();
 constexpr int kMaxSymbol = 16000, kStates = kQuantizerStates;
+// docs/notes/2026-11-luma-space.md has a smaller kHopeless.
 constexpr float kHopeless = 0.6f;  // squared steps by which a survivor costs more than the best one and is given up
 constexpr float kWorth = 0.25f;    // amplitudes in steps below which nothing but 0 is tried
 

@@ -107,7 +107,7 @@ class DecodeJob:
         return size
 
     def _load_writer(self, target: str, extension: str) -> None:
-        """Loads what writes OUT: at once where memory is bound or will be, else while the picture is read and drawn."""
+        """Loads what writes OUT: at once where memory is limited, else while the picture is read and rendered."""
         pyramid = self.output.pyramid_of(target)
         if pyramid is not None:
             is_cog = pyramid == "cog"

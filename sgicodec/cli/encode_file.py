@@ -86,7 +86,7 @@ def encode_file(origin: str, target: str, options: EncodeOptions, started: float
     """Encodes one picture, a path, a URL or - for stdin, and prints the report; returns the stream's bytes. target: the
     same, - for stdout; started: a value of time.monotonic().
 
-    Raises TargetMissedError, after all of that, for a goal that was missed.
+    Raises TargetMissedError, after all of that, for a target that was missed.
     """
     if options.as_json and target == STANDARD:
         raise UsageError("stdout cannot take both the stream and --json; name OUT")

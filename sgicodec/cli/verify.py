@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["verify"]
 
 _BAND_SAMPLES = 1 << 24
-"""Samples that are drawn at a time."""
+"""Samples that are rendered at a time."""
 
 
 @click.command(short_help="Check streams.")

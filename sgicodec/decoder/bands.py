@@ -48,6 +48,6 @@ class Bands:
         header = self._header
         for top in range(0, self.height, self.rows):
             pixels = self._draw(top, min(self.rows, self.height - top))
-            from sgicodec.picture import Picture  # loads numpy, and another thread may do so while it is drawn
+            from sgicodec.picture import Picture  # loads numpy, and another thread may do so while it is rendered
 
             yield top, Picture(pixels, header.channels, header.sample_range, self.metadata, header.blank)

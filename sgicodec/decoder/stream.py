@@ -38,7 +38,7 @@ __all__ = ["MAX_OUTPUT_SAMPLES", "Bands", "BytesLike", "Region", "Size", "Stream
 CACHE_BYTES = 1 << 28
 """What decoded tiles may take before those that were used least recently are released."""
 BLOCK_SAMPLES = 1 << 27
-"""A picture is drawn in blocks of no more samples; a sixteenth where there is texture, which is drawn to floats."""
+"""A picture is rendered in blocks of at most so many samples; a sixteenth with texture, which is rendered to floats."""
 GPU_BLOCK_SAMPLES = 1 << 25
 """The same on a GPU, where every block is floats, too: 128 MiB; half where the processor restores what it draws."""
 
@@ -196,7 +196,7 @@ class Stream(ArrayView):
         header = self._header(dtype)
         self._open_native().prepare(view, self.exact)
         pixels = self._draw(view, header.sample_type, 0, view.rows)
-        from sgicodec.picture import Picture  # loads numpy, and another thread may do so while it is drawn
+        from sgicodec.picture import Picture  # loads numpy, and another thread may do so while it is rendered
 
         return Picture(pixels, header.channels, header.sample_range, view_metadata(self, header, view), header.blank)
 

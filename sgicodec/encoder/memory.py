@@ -36,7 +36,7 @@ def estimate(plan: Plan, reading: int) -> Memory:
         attributes = (fit.seeds or pixels / 400) * header.spec.attributes
         fitting = pixels * channels * UNIFORM_SAMPLE_BYTES + attributes * UNIFORM_ATTRIBUTE_BYTES
         return Memory(MAIN + reading + 2 * window, WORKER + window + round(fitting), MAIN)
-    share = MAX_SEEDS  # where λ follows from a goal
+    share = MAX_SEEDS  # where λ follows from a target
     if plan.settings.target is None:
         share = min(MAX_SEEDS, USUAL_SEEDS * math.sqrt(USUAL_LMBDA / max(fit.lmbda, 1e-9)))
     fitting = pixels * (PIXEL_BYTES + CHANNEL_BYTES * channels + SEED_BYTES * share)

@@ -79,12 +79,12 @@ class NullListener:
 
     def step(self, progress: Progress) -> bool:
         """A step of the fit of a picture in one tile is done. Returns whether to go on; if not, the stream is made of
-        what is there.
+        the seeds as they are.
         """
         return True
 
     def ending(self) -> bool:
-        """Whether the encode of a picture in one tile should end soon, with what is there. Asked after the fit."""
+        """Whether the encode of a picture in one tile should end soon, with the seeds as they are; after the fit."""
         return False
 
     def note(self, text: str) -> None:

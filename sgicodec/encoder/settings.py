@@ -23,7 +23,8 @@ TILE, MAX_PIXELS_OF_ONE = 1024, 1 << 22
 """Pixels of a tile's side, where nothing else is asked for, and those of the largest picture that is then one tile."""
 
 APRON = 8
-"""Pixels that a tile reaches over its neighbours, where nothing else is asked for."""
+"""Pixels that a tile reaches over its neighbours, where nothing else is asked for. 4 and 16 were compared
+(docs/notes/2026-11-large-pictures.md, "Seams")."""
 
 _NUMBERS: dict[str, type] = {"int": Integral, "float": Real}
 
@@ -209,16 +210,16 @@ class EncodeSettings:
 
     def _check_choices(self) -> None:
         """Raises UsageError for settings that exclude each other, or that the profile does not have."""
-        goals = [name for name in TARGETS if getattr(self, name) is not None]
-        refuse_several_goals([*goals, *(["lmbda"] if self.lmbda is not None else [])])
+        targets = [name for name in TARGETS if getattr(self, name) is not None]
+        refuse_several_goals([*targets, *(["lmbda"] if self.lmbda is not None else [])])
         if self.minimised != "squared" and not self.chosen_profile.has_distortions:
             raise UsageError(f"the {self.profile} profile has a loss of its own; distortion is one of the default's")
         if self.tune == "visual" and not self.chosen_profile.has_distortions:
             raise UsageError(f"the {self.profile} profile is not tuned for the eye")
-        if goals and not self.chosen_profile.has_targets:
-            raise UsageError(f"{goals[0]} is a setting of the default profile")
-        if goals and not self.texture:
-            raise UsageError(f"{goals[0]} is reached by the step of texture; it does not go without texture")
+        if targets and not self.chosen_profile.has_targets:
+            raise UsageError(f"{targets[0]} is a setting of the default profile")
+        if targets and not self.texture:
+            raise UsageError(f"{targets[0]} is reached by the step of texture; it does not go without texture")
         for other in PROFILES.values():
             for name in other.own_choices if other.name != self.profile else ():
                 if getattr(self, name) is not None:
@@ -227,6 +228,6 @@ class EncodeSettings:
 
 def refuse_several_goals(given: Collection[str], prefix: str = "") -> None:
     """Raises UsageError if more than one of these settings is a quality, λ or a target; `prefix` goes before names."""
-    goals = [prefix + name for name in ("quality", "lmbda", *TARGETS) if name in given]
-    if len(goals) > 1:
-        raise UsageError(f"{goals[0]} and {goals[1]} exclude each other")
+    choices = [prefix + name for name in ("quality", "lmbda", *TARGETS) if name in given]
+    if len(choices) > 1:
+        raise UsageError(f"{choices[0]} and {choices[1]} exclude each other")

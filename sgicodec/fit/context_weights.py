@@ -20,10 +20,11 @@ F32 = NDArray[np.float32]
 I64 = NDArray[np.int64]
 
 WEIGHT_SHIFT = 6
-"""MLP_p's own weights are multiples of 2^-6."""
+"""MLP_p's own weights are multiples of 2^-6 (docs/notes/2026-11-paper-profile.md)."""
 
 HASH_START = 1e-4
-"""θ of the hash grid starts within ± this: near enough to 0 that a sign can turn while the rate counts."""
+"""θ of the hash grid starts within ± this: near enough to 0 that a sign can turn while the rate counts
+(docs/notes/2026-11-paper-profile.md)."""
 
 
 def layer_shapes(spec: ModelSpec) -> list[tuple[tuple[int, ...], ...]]:

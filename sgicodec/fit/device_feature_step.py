@@ -34,7 +34,7 @@ _GAUSSIANS = ("means", "covariances", "colours")
 
 class DeviceFeatureStep(FeatureStep):
     """A `GradientStep` as `FeatureStep`, whose kernels run on `gpu`; what lies beyond `cutoff` standard deviations is
-    not drawn. What trains goes there in each step, and gradients come back. Same input, same bytes, on one GPU.
+    not rendered. What trains goes there in each step, and gradients come back. Same input, same bytes, on one GPU.
     """
 
     def __init__(self, spec: ModelSpec, settings: FitSettings, gpu: Gpu, size: tuple[int, int], cutoff: float) -> None:

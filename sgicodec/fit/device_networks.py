@@ -40,7 +40,7 @@ class _Layer(NamedTuple):
 
 class Activations(NamedTuple):
     """Of one network, rows [.., N]: what it sees, its hidden values, what it says, the gradients of the last two, and
-    those of what it sees, which are added to what is there if `adds`; without the first `skipped` rows.
+    those of what it sees, which are added to the array's values if `adds`; without the first `skipped` rows.
     """
 
     inputs: GpuArray

@@ -26,7 +26,8 @@ __all__ = ["MIN_SAMPLED", "FeatureInputs", "FeatureOutputs", "FeatureStep"]
 F32 = NDArray[np.float32]
 
 MIN_SAMPLED = 1000
-"""Seeds whose bits are counted in a step, where there are as many: 5 % of few seeds are too few to learn from."""
+"""Seeds whose bits are counted in a step, where there are as many: 5 % of few seeds are too few to learn from
+(docs/notes/2026-11-paper-profile.md)."""
 
 _GROUPS = ("feature", "scales", "offset")
 

@@ -30,7 +30,8 @@ _GROUPS = ("colour", "shape", "offset")
 _FLOOR = np.array([MIN_VARIANCE, 0.0, MIN_VARIANCE], np.float32)
 
 REFRESH, PREDICT = 8, 4
-"""How many steps inputs from neighbours stand, and predictions under noise where only MLP_p's difference trains."""
+"""How many steps inputs from neighbours stand, and predictions under noise where only MLP_p's difference trains
+(docs/notes/2026-11-fit-settings.md)."""
 
 
 class Reuse(Enum):
@@ -137,7 +138,7 @@ class FusedStep:
         """Squared error without weights, and the gradients of that with weights in the Gaussians at full size."""
         (means, covariances, colours), scale = gaussians, level.scale
         if scale != 1.0:
-            # Only the cells shrink with a level; MIN_VARIANCE stays a matter of the pixels that are drawn.
+            # Only the cells shrink with a level; MIN_VARIANCE stays a matter of the pixels that are rendered.
             less = np.float32(scale * scale)
             means, covariances = means * np.float32(scale), covariances * less + _FLOOR * (1 - less)
         drawn = means, covariances, colours, level.samples

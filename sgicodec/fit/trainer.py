@@ -114,7 +114,7 @@ class Trainer:
         return PROCESSOR if gpu is None else str(gpu.name)
 
     def run(self, on_progress: Callable[[Progress], bool] | None = None) -> Fitted:
-        """All phases. `on_progress` is called after each step; False from it ends the fit with what is there."""
+        """All phases. `on_progress` is called after each step; if it returns False, the fit ends there."""
         for progress in self.iterate():
             if on_progress is not None and not on_progress(progress):
                 break
@@ -214,7 +214,7 @@ class Trainer:
         self._rearrange(np.flatnonzero(kept), len(self.seeds))
 
     def _rearrange(self, rows: NDArray[np.intp], old: int) -> None:
-        """To be called where seeds have come or gone. `rows` [N]: which seed of before each is; −1 − i for row
+        """To be called after seeds were added or removed. `rows` [N]: the old index of each seed; −1 − i for row
         `old` + i of the host's arrays, which is new.
         """
         if self.on_gpu is None:

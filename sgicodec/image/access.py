@@ -110,7 +110,7 @@ class Rows:
         return pixels
 
     def _move(self, start: int, stop: int) -> None:
-        """Make the band rows start … stop; those that it has already are kept."""
+        """Make the band rows start … stop; rows that it holds already are kept."""
         begin = min(max(start, self._first), stop)
         end = max(min(stop, self._first + len(self._band)), begin)
         kept = self._band[begin - self._first : end - self._first].copy() if end > begin else self._band[:0]

@@ -25,9 +25,10 @@ from sgicodec.picture import Metadata
 __all__ = ["DEFAULT_LEVEL", "PngOutput"]
 
 DEFAULT_LEVEL = 2
-"""Effort of deflate, 0 to 9. More takes a few percent off photographs in several times the time."""
+"""Effort of deflate, 0 to 9. More takes a few percent off photographs in several times the time
+(docs/performance.md, "Decode")."""
 _FAST_LEVELS = (1, 2)
-"""Those of ISA-L; the others are zlib's."""
+"""Those of ISA-L; the others are zlib's (docs/notes/2026-11-decode.md)."""
 
 _STRIP_BYTES = 1 << 19
 _WINDOW = 1 << 15

@@ -26,7 +26,8 @@ that is the type of eight bits, and else the range in use.
 
 _BINS = 1 << 16
 _FEW, _SHARE_OF_FEW, _SHARE_OF_OUTLIERS = 12, 200, 20_000
-"""Samples that may be outliers: so many but at most one in 200, or one in 20,000 where these are more."""
+"""Samples that may be outliers: so many but at most one in 200, or one in 20,000 where these are more
+(why a gap decides, not a share: docs/notes/2026-11-sample-ranges.md)."""
 _APART = 0.12
 """Of the span of all but these: how far an outlier lies from the next sample."""
 _GAP = 4
@@ -42,7 +43,7 @@ _MAX_EXACT = 50
 _LEVELS, _FIRST, _ROUNDING = 256, 2048, 2.0**-22
 """Values of eight bits; samples that are looked at first for more; what floats are rounded by, in parts of a sample."""
 _NEARLY = 0.1
-"""What may be missing of a usual range."""
+"""What may be missing of a usual range (docs/notes/2026-11-sample-ranges.md)."""
 _USUAL = (1.0, 100.0, 255.0, 1000.0, 1023.0, 4095.0, 10000.0, 16383.0, 65535.0)
 _SHIFTED = (1020.0, 4080.0, 16320.0, 65280.0)
 """The largest samples of eight bits that were shifted."""

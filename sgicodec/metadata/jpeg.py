@@ -61,7 +61,7 @@ def find(data: Bytes) -> tuple[bytes | None, bytes | None, bytes | None]:
 
 
 def insert(data: Bytes, metadata: Metadata) -> Iterator[bytes]:
-    """The file with this metadata in place of any that it has, piece by piece. Raises PictureError if it does not fit
+    """The file with this metadata in place of its own, piece by piece. Raises PictureError if it does not fit
     a segment.
     """
     spans = list(_segments(data))

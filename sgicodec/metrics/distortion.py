@@ -35,7 +35,7 @@ Mask = NDArray[np.bool_]
 
 
 class Reference(Protocol):
-    """A picture as a distortion sees it. A residual [C, H, W] is the picture less what is drawn, samples in 0..1."""
+    """A picture as a distortion sees it. A residual [C, H, W] is the picture less what is rendered, samples in 0..1."""
 
     @property
     def weights(self) -> F32 | None:
@@ -47,7 +47,7 @@ class Reference(Protocol):
         ...
 
     def gradient(self, residual: F32) -> F32:
-        """Derivative of `value` in the drawn samples [C, H, W]."""
+        """Derivative of `value` in the rendered samples [C, H, W]."""
         ...
 
 

@@ -21,8 +21,9 @@ F64 = NDArray[np.float64]
 BLOCK = 8
 """Side of the blocks that are told apart, pixels."""
 _WINDOW = 24
-"""Side of what is looked at around a block, pixels: about two ribs of a pattern at its lowest frequency."""
-_LEAST, _MOST = 3.9, 9.5
+"""Side of what is looked at around a block, pixels: about two ribs of a pattern at its lowest frequency. 16 and 32
+were tried (docs/notes/2026-11-regular-patterns.md)."""
+_MIN_FREQUENCY, _MAX_FREQUENCY = 3.9, 9.5
 """Frequencies of patterns, cycles in a window: periods of 2.5 to 6.2 pixels."""
 _LOBE = 1.9
 """Reach of a pattern's power in the spectrum of a window, cycles in a window: few patterns are quite straight."""
@@ -35,7 +36,8 @@ _AS_HIGH = 1.5
 _NOISE = 3.0
 """Power that counts against every pattern, levels²."""
 _DOUBTFUL, _CERTAIN = 3.0, 6.0
-"""Ratios of powers where a pattern begins to count, and where it counts in full."""
+"""Ratios of powers where a pattern begins to count, and where it counts in full
+(docs/notes/2026-11-regular-patterns.md)."""
 
 
 @dataclass(frozen=True)
@@ -100,12 +102,12 @@ class _Spectrum:
 def _spectrum() -> _Spectrum:
     wave = np.sin(np.pi * (np.arange(_WINDOW) + 0.5) / _WINDOW) ** 2
     weights = np.outer(wave, wave)
-    highest = min(int(np.ceil(_MOST + _LOBE)), _WINDOW // 2 - 1)
+    highest = min(int(np.ceil(_MAX_FREQUENCY + _LOBE)), _WINDOW // 2 - 1)
     v, u = (part.ravel() for part in np.mgrid[-highest : highest + 1, 0 : highest + 1])
     half = (u > 0) | (v > 0)  # of two opposite frequencies, one
     v, u = v[half], u[half]
     radius, angle = np.hypot(v, u), np.arctan2(v, u)
-    patterns = np.flatnonzero((radius >= _LEAST) & (radius <= _MOST))
+    patterns = np.flatnonzero((radius >= _MIN_FREQUENCY) & (radius <= _MAX_FREQUENCY))
     distances = (np.hypot(v[:, None] - sign * v[patterns], u[:, None] - sign * u[patterns]) for sign in (1, -1))
     near = np.minimum(*distances) <= _LOBE
     turned = np.abs((angle[:, None] - angle[patterns] + np.pi / 2) % np.pi - np.pi / 2)

@@ -35,5 +35,6 @@ _MAX_VARIANCE = 0.25
 """Of samples in 0..1: half of them 0, half 1."""
 _USUAL, _POWER = 0.0025, -0.25
 """The variance, floor included, where an error counts 1, and the power: the mean weight of 26 photographs is 0.89, from
-0.65 to 1.13. Texture shows what is busy, so that the power is half of what serves seeds that are alone.
+0.65 to 1.13. Texture shows what is busy, so that the power is half of what serves seeds that are alone
+(docs/notes/2026-11-seeds-for-the-eye.md).
 """

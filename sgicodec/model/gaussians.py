@@ -74,7 +74,7 @@ def empty_gaussians(count: int, channels: int) -> tuple[F32, F32, F32]:
 def model_gaussians(
     spec: ModelSpec, values: F32 | F64, layout: SeedLayout, decoders: Mapping[str, F32], device: Device
 ) -> tuple[F32, F32, F32]:
-    """All N·K Gaussians of seeds with attributes `values` [N, d_A], as of `gaussians_from_seeds`, to be drawn."""
+    """All N·K Gaussians of seeds with attributes `values` [N, d_A], as of `gaussians_from_seeds`, to be rendered."""
     opponent = np.array(colour_matrix(spec.channels), np.float32)
     if not spec.plain:
         arrays = values.astype(np.float32), layout.centre, layout.cell, decoders, opponent

@@ -13,9 +13,10 @@ __all__ = ["from_luma_space", "to_luma_space"]
 F64 = NDArray[np.float64]
 
 LUMA = np.array([0.25, 0.625, 0.125])
-"""Of red, green and blue."""
+"""Of red, green and blue (docs/notes/2026-11-luma-space.md)."""
 DIFFERENCES = np.array([0.65, 0.5])
-"""How much the two colour differences count, of what they count in red, green and blue."""
+"""How much the two colour differences count, of what they count in red, green and blue
+(docs/notes/2026-11-luma-space.md)."""
 
 
 def to_luma_space(channels: int) -> F64:

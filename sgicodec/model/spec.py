@@ -54,7 +54,7 @@ class ModelSpec:
     MLP_Σ; 0 leaves only the skip. `seed_scales` says whether s_o and s_a are carried. `base_cell` is the side in
     pixels of the base layer's cells, 0 for none. `texture` says whether tiles may hold a texture layer,
     `luma_space` whether samples are those of luma space, `restoration` whether tiles may name a network that
-    restores what is drawn.
+    restores what is rendered.
     """
 
     channels: int

@@ -21,7 +21,7 @@ F32 = NDArray[np.float32]
 
 @dataclass(frozen=True)
 class TextureLayer:
-    """The cells of a tile that hold texture, in Z-order of the quadtree, root after root.
+    """The cells of a tile that hold texture, in Z-order of the quadtree, superblock after superblock.
 
     size: width and height of the tile. corner [N, 2] pixels, log_size [N] of the side n; amplitudes: [C, n, n] of each
     cell (vertical frequency, then horizontal), in opponent colours, one cell after the other.
@@ -53,7 +53,7 @@ class TextureLayer:
         opponent: bool = False,
         luma_space: bool = False,
     ) -> F32:
-        """Planes [C, h, w] of the block of `size` (w, h) pixels from pixel `first` (x, y) on of the tile drawn at
+        """Planes [C, h, w] of the block of `size` (w, h) pixels from pixel `first` (x, y) on of the tile rendered at
         `scale` from `start`, as `base_view` takes them. In the picture's colours, which `luma_space` tells to be mixed
         from that space, or as they are with `opponent`.
         """

@@ -40,9 +40,9 @@ class TextureSteps:
     step: of the first channel's lowest frequency, 2^((step − 480) / 32); ratios: [C − 1] of the other channels' steps
     to that, 2^((ratio − 16) / 8). slopes: by which steps grow towards the highest frequency, in halves, of the first
     channel and of the others. excess: what is added to the magnitude of symbols ±1, ±2 and larger ones, (index − 8) /
-    32. has_contrast: whether roots have a contrast, which scales their steps by 2^(contrast / 4). colours: in which the
-    layer is coded: shares of its first channel in the two opponent colours, (index − 32) / 64, and the turn of its
-    others, (index − 8) π / 32.
+    32. has_contrast: whether superblocks have a contrast, which scales their steps by 2^(contrast / 4). colours: those
+    in which the layer is coded: shares of its first channel in the two opponent colours, (index − 32) / 64, and the
+    turn of its others, (index − 8) π / 32.
     """
 
     step: int
@@ -87,13 +87,13 @@ def step_index(step: float) -> int:
 
 
 def roots_of(width: int, height: int) -> tuple[int, int]:
-    """Columns and rows of root cells of a tile."""
+    """Columns and rows of superblocks of a tile."""
     side = 1 << ROOT_LOG
     return -(-width // side), -(-height // side)
 
 
 def whole_roots(planes: NDArray[Any], beyond: Beyond) -> NDArray[Any]:
-    """Planes [..., H, W] that fill whole root cells [..., 32 rows, 32 columns]; beyond: what is there, as in np.pad."""
+    """Planes [..., H, W] that fill whole superblocks [..., 32 rows, 32 columns]; beyond: the mode of np.pad."""
     *others, height, width = planes.shape
     columns, rows = roots_of(width, height)
     margins = (0, (rows << ROOT_LOG) - height), (0, (columns << ROOT_LOG) - width)
@@ -101,17 +101,17 @@ def whole_roots(planes: NDArray[Any], beyond: Beyond) -> NDArray[Any]:
 
 
 def root_blocks(plane: NDArray[Any], beyond: Beyond) -> NDArray[Any]:
-    """A plane [H, W] by its root cells [rows, 32, columns, 32]."""
+    """A plane [H, W] by its superblocks [rows, 32, columns, 32]."""
     whole, side = whole_roots(plane, beyond), 1 << ROOT_LOG
     return whole.reshape(len(whole) >> ROOT_LOG, side, whole.shape[1] >> ROOT_LOG, side)
 
 
 @dataclass(frozen=True)
 class TextureSymbols:
-    """A layer of a tile of `size` (width, height) whose root cells are `rows` by `columns`.
+    """A layer of a tile of `size` (width, height) whose superblocks are `rows` by `columns`.
 
     log_size [4 rows, 4 columns]: log2 of the side of the cell with texture that covers 8×8 pixels, 0 for none. contrast
-    [rows, columns]: of each root. symbols [C, 32 rows, 32 columns]: those of a cell [n, n] where its pixels are,
+    [rows, columns]: of each superblock. symbols [C, 32 rows, 32 columns]: those of a cell [n, n] where its pixels are,
     vertical frequency first.
     """
 
@@ -133,7 +133,7 @@ class TextureSymbols:
         return {1 << log: int((self.log_size == log).sum()) >> 2 * (log - MIN_LOG) for log in logs}
 
     def layer(self) -> TextureLayer:
-        """The layer that is drawn."""
+        """The layer that is rendered."""
         steps = self.steps
         parts = texture_cells(
             self.log_size,

@@ -1,7 +1,7 @@
 """Streams in Pillow, once this module is imported: `Image.open`, `draft`, `thumbnail`, `save(format="SGICODEC")`.
 
-Pillow has no entry points. Its own `.sgi`, that of Silicon Graphics, opens and saves as before: files are told apart
-by their first bytes, and a name that ends in .sgi is saved as a stream only after `register(extension=True)`.
+Pillow does not find plug-ins itself. Its own `.sgi`, that of Silicon Graphics, opens and saves as before: files are
+told apart by their first bytes; a name that ends in .sgi is saved as a stream only after `register(extension=True)`.
 """
 
 from __future__ import annotations

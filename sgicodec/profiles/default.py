@@ -42,7 +42,8 @@ def default_settings(lmbda: float, steps: int, low_effort: bool = False) -> FitS
 def default_phases(steps: int) -> tuple[Phase, ...]:
     """A free fit at half size, noise and rate while seeds come and go, and briefly what will really be decoded.
 
-    The last phase is short because straight-through gradients lead away from the optimum that noise found.
+    The last phase is short because straight-through gradients lead away from the optimum that noise found. Shares and
+    numbers of prunings: docs/notes/2026-11-fit-settings.md.
     """
     free, rounded = max(1, round(0.15 * steps)), max(1, round(0.03 * steps))
     noisy = max(1, steps - free - rounded)
@@ -56,7 +57,8 @@ def default_phases(steps: int) -> tuple[Phase, ...]:
 def low_effort_phases(steps: int) -> tuple[Phase, ...]:
     """The same with most of the noise phase at half size, where a step takes a third of the time.
 
-    It suits seeds beneath texture, which are wide: those that show a few pixels want full size.
+    It suits seeds beneath texture, which are wide: those that show a few pixels want full size
+    (docs/notes/2026-11-encode-speed.md).
     """
     free, noisy, rounded = default_phases(steps)
     coarse = round(0.7 * noisy.steps)

@@ -33,7 +33,10 @@ class Phase:
 
 @dataclass(frozen=True)
 class LearningRates:
-    """Adam's learning rates at the start of a fit, in units of what they train, and how they decay."""
+    """Adam's learning rates at the start of a fit, in units of what they train, and how they decay.
+
+    Defaults were measured: docs/notes/2026-11-fit-settings.md, 2026-11-optimiser.md.
+    """
 
     colour: float = 0.028
     shape: float = 0.085
@@ -67,7 +70,7 @@ class LearningRates:
 
 @dataclass(frozen=True)
 class FitSettings:
-    """How a model is fitted."""
+    """How a model is fitted. Defaults were measured: docs/notes/2026-11-fit-settings.md."""
 
     lmbda: float
     """Squared error, samples in 0..1 summed over pixels and channels, that one bit must save; in the `paper` profile

@@ -15,20 +15,23 @@ PAPER_STEPS = 15_000
 """Of the published schedule."""
 
 MAX_FREE = 0.35
-"""Of a level's steps, how many are without noise where the fit is shorter than the published one."""
+"""Of a level's steps, how many are without noise where the fit is shorter than the published one
+(docs/notes/2026-11-paper-profile.md)."""
 
 RATE_SHARE = 0.4
 """Of all steps, in which bits count; a fifth as published. Steps become finer then, and PSNR rises to the end: 0.2 dB
 more in 3 % fewer bytes (docs/notes/2026-11-paper-profile.md)."""
 
 MAX_CONTEXT = 0.08
-"""MLP_p and the hash grid learn while bits count; the learning rates of shorter fits sum to as much, up to this one."""
+"""MLP_p and the hash grid learn while bits count; the learning rates of shorter fits sum to as much, up to this one
+(docs/notes/2026-11-paper-profile.md)."""
 
 EXACT_STEPS = 6.0
 """Octaves by which base steps are below the published ones where bits have no price (λ = 0)."""
 
 FINALS = {"offset": 0.1, "decoder_colour": 0.079, "context": 0.045}
-"""What is left of the rates that decay: the published curves end at 1 % or less after 30,000 steps, fits at 15,000."""
+"""What is left of the rates that decay: the published curves end at 1 % or less after 30,000 steps, fits at 15,000
+(docs/notes/2026-11-paper-profile.md)."""
 
 
 def paper_spec(channels: int, per_seed: int = 10, features: int = 50) -> ModelSpec:

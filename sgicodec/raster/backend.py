@@ -21,7 +21,7 @@ Loss = Literal["squared", "absolute"]
 
 
 class Errors(NamedTuple):
-    """What a drawn picture's errors sum to: by the loss that was asked for, and their squares without weights."""
+    """What a rendered picture's errors sum to: by the loss that was asked for, and their squares without weights."""
 
     loss: float
     squared: float
@@ -72,7 +72,7 @@ class Backend(Protocol[Array]):
 
     `Array` is what the device computes on. Means [N, 2] and covariances [N, 3] (xx, xy, yy) are in pixels and pixels²,
     colours [N, C]; images are [C, height, width] and show the crop whose first pixel is `origin` (x, y). A Gaussian
-    that is not finite or not positive definite is not drawn and has zero gradients.
+    that is not finite or not positive definite is not rendered and has zero gradients.
     """
 
     def forward(

@@ -116,7 +116,7 @@ class CudaRasterizer:
             if found <= capacity:
                 break
             capacity = found + found // 4
-        self._drawn = view, passes, held  # what is drawn alone is not differentiated: `Backend.backward`
+        self._drawn = view, passes, held  # what is rendered alone is not differentiated: `Backend.backward`
         return passes
 
     def _gradients(self, passes: TilePasses, kernel: str) -> Gaussians:

@@ -30,7 +30,7 @@ def scaled(
     sx, sy = scale
     moved = (means.astype(np.float64) - start) * scale
     shape = covariances.astype(np.float64) * [sx * sx, sx * sy, sy * sy]
-    with np.errstate(invalid="ignore", over="ignore", divide="ignore"):  # what is not finite is not drawn
+    with np.errstate(invalid="ignore", over="ignore", divide="ignore"):  # what is not finite is not rendered
         before = shape[:, 0] * shape[:, 2] - shape[:, 1] ** 2
         shape[:, 0] += PIXEL_VARIANCE * max(0.0, 1 - sx * sx)
         shape[:, 2] += PIXEL_VARIANCE * max(0.0, 1 - sy * sy)

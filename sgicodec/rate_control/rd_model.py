@@ -43,7 +43,8 @@ def tile_side_bytes(weights: int) -> float:
 
 
 HIGHER_PRICE = 4.0
-"""Factor on the price of a seed at which the prediction of the error counts seeds once more."""
+"""Factor on the price of a seed at which the prediction of the error counts seeds once more
+(docs/notes/2026-11-rd-model.md)."""
 MIN_DEVIATION = 1e-9
 """Squared deviation of a pixel that stands for none."""
 INITIAL_LMBDA_HALVINGS = 8

@@ -22,7 +22,8 @@ MIN_TILES_FOR_HALVES = 12
 LMBDA_SPREAD_OCTAVES = 0.5
 """How far the λ of the fits of one stream may lie apart."""
 MAX_SAMPLES, MAX_FITS = 4, 2
-"""How often a sample is fitted, and how often all tiles are."""
+"""How often a sample is fitted, and how often all tiles are. Passes were measured:
+docs/notes/2026-11-rate-control.md."""
 
 
 def tiles_of_pass(predicted: NDArray[np.float64], done: Collection[int]) -> list[int]:

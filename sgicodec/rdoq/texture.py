@@ -20,7 +20,8 @@ __all__ = ["NO_SPLIT_SEARCH", "SPLIT_SEARCH_MARGIN", "TextureSearch", "colours_f
 F32 = NDArray[np.float32]
 
 SPLIT_SEARCH_MARGIN, NO_SPLIT_SEARCH = 1.06, 1.0
-"""`split_margin` of a search: the usual one, and the least, which takes two thirds of the time for 1 % more bytes."""
+"""`split_margin` of a search: the usual one, and the least, which takes two thirds of the time for 1 % more bytes
+(docs/notes/2026-11-encode-speed.md has 1.03 to 1.06)."""
 
 _Layer = tuple[NDArray[np.uint8], NDArray[np.int8], NDArray[np.int16]]
 _Found = tuple[_Layer, float, list[float], list[float], F32]

@@ -40,14 +40,14 @@ _Result = TypeVar("_Result")
 
 _MEDIA_TYPES = {".sgi": "image/x-sgicodec"}
 _SAMPLES = 4
-"""Samples of a pixel that `most_pixels` counts with: of pictures with more bands fewer pixels are drawn."""
+"""Samples of a pixel that `most_pixels` counts with: of pictures with more bands fewer pixels are rendered."""
 
 
 @dataclass(frozen=True)
 class Settings:
     """How much is done at once, and for whom.
 
-    most_pixels: of one answer. jobs: pictures that are drawn at a time, each by the threads of `device`. waiting:
+    most_pixels: of one answer. jobs: pictures that are rendered at a time, each by the threads of `device`. waiting:
     requests that may wait for that. streams: that stay open. max_age: seconds that answers may be kept elsewhere.
     public: whether pages of other sites may read. hosts: names under which the server answers. address: under
     which others reach it, with a path or without, if it is not that of the request. viewer: folder of the viewer's

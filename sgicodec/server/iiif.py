@@ -20,7 +20,7 @@ TILE = 512
 """Side of the tiles that info.json recommends."""
 
 _REAL_FORMATS = {"gif", "jp2", "pdf"}
-"""Formats of the standard that are not drawn."""
+"""Formats of the standard that are not rendered."""
 
 _INTEGER, _NUMBER = r"(\d{1,9})", r"(\d{1,9}(?:\.\d{1,10})?)"
 

@@ -43,5 +43,5 @@ class Workers:
             self._room.release()
 
     def close(self) -> None:
-        """Ends the threads when they have drawn what they are at."""
+        """Ends the threads when they have rendered what they are at."""
         self._pool.shutdown(cancel_futures=True)

@@ -3,7 +3,7 @@
     python tests/conformance/suite.py 'mydecoder {stream} {out} {x} {y} {width} {height} {columns} {rows} {type}'
 
 runs a decoder for each case of golden/samples.json and compares the SHA-256 of what it wrote to {out}: the samples of
-the region (x, y, width, height) of the picture drawn to columns × rows pixels, row by row, channels interleaved, as
+the region (x, y, width, height) of the picture rendered to columns × rows pixels, row by row, channels interleaved, as
 little-endian numbers of {type} u8, u16 or f32, rounded to nearest, never from the overview. Options: `--streams TEXT`
 for those whose names hold TEXT alone; `--make`, with a decoder that is trusted, writes samples.json anew.
 docs/conformance.md describes it for other decoders. It needs nothing but Python.
@@ -30,7 +30,7 @@ TYPES = {"uint8": "u8", "uint16": "u16", "float32": "f32"}
 
 
 class Case(NamedTuple):
-    """A region in pixels of the picture, the size in which it is drawn, and the type of its samples."""
+    """A region in pixels of the picture, the size in which it is rendered, and the type of its samples."""
 
     stream: str
     x: int

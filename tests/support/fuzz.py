@@ -33,7 +33,7 @@ LONGEST = 40_000
 _VARYING = re.compile(r"chunk .|\b[0-9a-f]{2,8}\b|[0-9][0-9.,]*")
 """What differs between messages of one kind."""
 SIDE = 96
-"""Pixels of a side of what is drawn."""
+"""Pixels of a side of what is rendered."""
 
 
 def instruction_sets() -> list[str]:

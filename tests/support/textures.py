@@ -1,4 +1,4 @@
-"""Random texture layers, written and read back, and their atoms as docs/format.md defines them."""
+"""Random texture layers, written and read back, and their basis functions as docs/format.md defines them."""
 
 from __future__ import annotations
 

@@ -77,7 +77,7 @@ def test_nodata_is_exact(
 
 
 def test_dark_pixels_do_not_become_nodata(pixels: np.ndarray, hole: np.ndarray) -> None:
-    """Black next to nodata 0 is drawn as nearly black."""
+    """Black next to nodata 0 is rendered as nearly black."""
     dark = (pixels // 40).astype(np.uint8)
     dark[~hole] = np.maximum(dark[~hole], 1)
     decoded = open_stream(encode_picture(holed(dark, hole, 0, b"0"), settings(0)).data).picture()

@@ -25,7 +25,8 @@ _MIN_PIXELS = 1 << 20
 """Of a picture that has an overview where nothing else is asked for: smaller ones are rendered in no time."""
 
 _FINER = 2 ** (15 / 8)
-"""The picture's λ over that of its overview: 15 steps of quality, about 1 % of the stream (docs/large.md)."""
+"""The picture's λ over that of its overview: 15 steps of quality, about 1 % of the stream
+(docs/notes/2026-11-large-pictures.md)."""
 
 _ROWS = 128
 """Of a window that are averaged at a time."""

@@ -39,13 +39,15 @@ Mask = NDArray[np.bool_]
 Offsets = tuple[F64, F64]
 
 HANDOVER = 0.4
-"""Fraction of a fit after which seeds are handed over: those that stay have time to fill in."""
+"""Fraction of a fit after which seeds are handed over: those that stay have time to fill in. 0.25 to 0.3 were tried
+(docs/notes/2026-11-encode-speed.md), 0.7 too (docs/notes/2026-11-fit-trials.md)."""
 LOOK_AHEAD = 0.3
 """Fraction of a fit after which texture is searched over what seeds leave: beside the fit, where there are cores."""
 SHARES = (0.0, 0.6, 1.0)
-"""Of a superblock's seeds, the faintest first: what is tried without them."""
+"""Of a superblock's seeds, the faintest first: what is tried without them (docs/notes/2026-11-fit-trials.md)."""
 _NEAR = 1.0
-"""σ in superblocks with which costs are smoothed: seeds reach over the borders of superblocks."""
+"""σ in superblocks with which costs are smoothed: seeds reach over the borders of superblocks
+(docs/notes/2026-11-fit-trials.md)."""
 _TINY = 1e-9
 """Added to costs, so that they have a logarithm."""
 

@@ -61,9 +61,11 @@ _QUALITIES = (1.0, 10.0, 20.0, 30.0, 44.0, 57.0, 70.0, 83.0, 90.0, 97.0, 100.0)
 _SCORES = (-45.0, -21.0, 3.0, 25.5, 51.5, 68.7, 80.3, 87.9, 90.5, 92.7, 93.6)
 """SSIMULACRA 2 that a quality has in the mean of pictures (docs/notes/2026-11-same-look.md)."""
 _PER_QUALITY, _MAX_MOVE = 2.5, 32
-"""Indices of texture's steps for a step of quality, which would be 2 if seeds followed, and the most that they move."""
+"""Indices of texture's steps for a step of quality, which would be 2 if seeds followed, and the most that they move
+(docs/notes/2026-11-same-look.md, 2026-11-equal-losses.md)."""
 _NEARLY, _GAIN = 1.5, 1.1
-"""Steps of quality that a score may be off, and that a pass gains; several gain with the root of their number."""
+"""Steps of quality that a score may be off, and that a pass gains; several gain with the root of their number
+(docs/notes/2026-11-same-look.md)."""
 
 
 @dataclass

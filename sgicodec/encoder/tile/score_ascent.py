@@ -45,9 +45,9 @@ MEAN_MOVE = 0.0125
 """Of amplitudes in all passes, in steps, times the root of their number. 0.009 and 0.017 take up to 0.8 % more bytes
 (docs/notes/2026-11-equal-losses.md)."""
 MAX_MOVE = 12.0
-"""Of one amplitude, in means."""
+"""Of one amplitude, in means (docs/notes/2026-11-score-ascent.md)."""
 FINER_STEPS = 40.0
-"""Points that steps so fine as to take e times the bits would gain."""
+"""Points that steps so fine as to take e times the bits would gain (docs/notes/2026-11-score-ascent.md)."""
 SHORTER = 0.5
 """What moves are to the ones before, where those gained less than finer steps would for their bits."""
 

@@ -43,16 +43,17 @@ F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 
 SCOUT_SHARE = 2.0
-"""λ of the short fit, in the λ of the encode."""
+"""λ of the short fit, in the λ of the encode (docs/notes/2026-11-texture-share.md)."""
 SCOUT_PHASES = (Phase(12, level=1), Phase(12, rounding="noise", rate=True, learn_steps=True, prune=2))
 SCOUT_SPLIT = 6.0
-"""Its `FitSettings.split`: in so few steps, seeds of larger cells come nearer to what they can be."""
+"""Its `FitSettings.split`: in so few steps, seeds of larger cells come nearer to what they can be. 24 steps do nearly
+as well as 110 (docs/notes/2026-11-texture-share.md)."""
 POSITION_BITS = 3.5
 """What the position of a seed adds to its bits."""
 FULL, FULL_ESTIMATED, POWER, MIN_WEIGHT = 0.5, 0.74, 3.0, 1 / 32
 """ρ of the short fit from which seeds count in full, searched and estimated, how fast they count less below it, and the
 least. Where texture is searched, seeds are handed over later, so that a fit may begin with more of them
-(docs/notes/2026-11-texture-share.md).
+(docs/notes/2026-11-texture-share.md; 0.5: 2026-11-seeds-for-the-eye.md).
 """
 CALM_BITS = 8.0
 """Added to the bits of seeds and to those that they save in each superblock; where texture alone saves fewer, seeds
@@ -225,7 +226,7 @@ def _scout(spec: ModelSpec, fit: FitSettings, target: F32, family: int, device: 
 
 
 _ESTIMATED_STEPS = 0.11
-"""λ in squared steps where the cost of texture is estimated."""
+"""λ in squared steps where the cost of texture is estimated (docs/notes/2026-11-texture.md)."""
 _NEAR, BLEND = 0.7, 0.5
 """σ in superblocks: what is saved and paid is smoothed with the first, the weights' logarithms with the second."""
 _ALL = 0.95

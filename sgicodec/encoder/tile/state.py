@@ -45,7 +45,7 @@ class TileListener(Protocol):
         """A step of a fit is done. Returns whether to go on."""
 
     def ending(self) -> bool:
-        """Whether to end soon, with what is there. Asked after a fit."""
+        """Whether to end soon, with the seeds as they are. Asked after a fit."""
 
 
 @dataclass

@@ -22,7 +22,8 @@ __all__ = ["write_at_target"]
 
 MAX_FITS = 2
 FAR_OCTAVES = 1.5
-"""Octaves of λ between seeds and texture from which on another fit is worth its time."""
+"""Octaves of λ between seeds and texture from which on another fit is worth its time; two octaves cost 0.1 dB
+(docs/notes/2026-11-texture.md)."""
 
 
 def write_at_target(tile: Tile, target: RateTarget) -> tuple[WrittenTile, str | None]:

@@ -77,7 +77,8 @@ class TextureTuning:
 
 
 _SQUARED_STEPS = 0.085
-"""λ in squared steps; measured on eight pictures."""
+"""λ in squared steps, measured on eight pictures: 0.11 (docs/notes/2026-11-texture.md) with steps 6/32 of an octave
+larger, as dependent symbols want them (docs/notes/2026-11-luma-space.md)."""
 _MAX_ROOT = 7.6
 """Square root of a step, grey levels, above which slopes stay: by eye, steeper ones soften."""
 _EQUAL_STEPS = 428
@@ -87,6 +88,8 @@ TUNINGS = {
     "psnr": TextureTuning(_SQUARED_STEPS, network=1),
     "visual": TextureTuning(0.0927, 3, 39, growth=(1.0, 4.0), colours=7 / 8, masking=0.4, larger=1.3),
 }
+"""By what an encode is tuned for. Growth, colours, masking: docs/notes/2026-11-texture-visual.md and
+2026-11-equal-losses.md; `larger`: 2026-11-luma-space.md."""
 
 
 _FLOOR, _USUAL = 7.7e-4, 3.9e-3
@@ -94,7 +97,8 @@ _FLOOR, _USUAL = 7.7e-4, 3.9e-3
 _MIN_DEVIATION = 0.5 / 255
 """Of a pattern, samples: fainter ones count as much."""
 _KEPT = 4.0
-"""Step at the frequency of a pattern, in its standard deviations, up to which it stays."""
+"""Step at the frequency of a pattern, in its standard deviations, up to which it stays
+(docs/notes/2026-11-regular-patterns.md)."""
 _MAX_FINER, _LEFT = 1.5, 3.0
 """Octaves by which steps become finer for a pattern at most, and that it would need where it gets none
 (docs/notes/2026-11-regular-patterns.md)."""

@@ -1,4 +1,4 @@
-"""Many files by one command: folders, names, what is there already, progress."""
+"""Many files by one command: folders, names, files that exist already, progress."""
 
 from __future__ import annotations
 

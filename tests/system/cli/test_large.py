@@ -141,7 +141,7 @@ def test_too_little_memory_is_refused(sgi: Run, picture: Path, tmp_path: Path, t
 def test_a_stream_that_does_not_decode_gets_no_name(
     sgi: Run, picture: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """It is verified first: the OUT of before is still there."""
+    """It is verified first: the old OUT is still there."""
     real = pipeline._write
 
     def damaged(file: BinaryIO, *others: Any) -> int:

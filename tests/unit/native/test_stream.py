@@ -1,4 +1,4 @@
-"""What the native stream draws is the model's parts, drawn by the references in Python and added up."""
+"""What the native stream draws is the model's parts, rendered by the references in Python and added up."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ GOLDEN = Path(__file__).parents[2] / "conformance" / "golden"
 
 
 def test_a_reduced_picture_is_the_same_in_bands(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Tiles of one are drawn at once, and parts of them taken; others are drawn part by part."""
+    """Tiles of one are rendered at once, and parts of them taken; others are rendered part by part."""
     with open_stream(GOLDEN / "rgb8-tiles-texture.sgi") as stream:
         stream.exact = True
         whole = stream.picture(scale=0.43).pixels

@@ -132,7 +132,7 @@ def test_error_in_one_pass(loss: Loss, weighted: bool) -> None:
 
 
 def test_a_cutoff_is_the_same_forward_and_backward() -> None:
-    """Finite differences of the colours, in which the drawn picture is linear: exact but for rounding."""
+    """Finite differences of the colours, in which the rendered picture is linear: exact but for rounding."""
     rng = np.random.default_rng(6)
     scene = random_scene(rng, 20, 1, 40, 30, sigma=(1.0, 8.0), ratio=6.0)
     raster = CudaRasterizer(fake_gpu())

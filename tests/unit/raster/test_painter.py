@@ -1,4 +1,4 @@
-"""Streams that are drawn on a GPU, of which the kernels are compiled for the host, beside the processor's pixels."""
+"""Streams that are rendered on a GPU, of which the kernels are compiled for the host, beside the processor's pixels."""
 
 from __future__ import annotations
 

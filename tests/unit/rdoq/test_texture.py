@@ -61,7 +61,7 @@ def test_bits_and_costs_are_those_of_the_stream(
     assert payload_of(layer)[1] == pytest.approx(bits + fields, rel=1e-9)
     magnitude = np.abs(layer.symbols)
     assert counts == [(magnitude == 1).sum(), (magnitude == 2).sum(), (magnitude > 2).sum()]
-    if not has_contrast:  # as the atoms are orthonormal, errors of symbols are errors of pixels
+    if not has_contrast:  # as the basis is orthonormal, errors of symbols are errors of pixels
         error = squared_error(residual, layer) / steps.of_channels[0] ** 2
         assert costs.shape == (3, 5)
         assert costs.sum() == pytest.approx(error + PRICE * bits, rel=0.03)

@@ -42,7 +42,7 @@ def test_a_run_goes_on_where_it_was(picture: Path, tmp_path: Path, monkeypatch: 
     assert len(list((tmp_path / "streams").iterdir())) == len(processes.commands) == 1
     both = call(*options, "--table", "decode", "--table", "levels")
     assert both.exit_code == 0, both.exception
-    assert len(processes.commands) == 4  # M = 3 is the stream of before
+    assert len(processes.commands) == 4  # M = 3 is the same stream as that of the table `decode`
     again = call(*options, "--table", "decode", "--table", "levels")
     assert (again.stdout, again.stderr) == (both.stdout, "")
     printed = call("--from", tmp_path / "paper.tsv", "--table", "levels")

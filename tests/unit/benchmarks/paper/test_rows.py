@@ -1,4 +1,4 @@
-"""Rows of the paper's tables on disk: what is written comes back, and what is there is not measured again."""
+"""Rows of the paper's tables on disk: what is written comes back, and rows that exist are not measured again."""
 
 from __future__ import annotations
 
