@@ -143,11 +143,12 @@ const int32_t *Restoration::run(const TilePixels<const float> &drawn, const Tile
   const size_t size = most * rows * kRestorationStride;
   if (memory.size() < 2 * size) memory.resize(2 * size);
   int32_t *one = memory.data(), *other = one + size;
-  bool small = read_inputs(drawn, strip, rows, one);
+  read_inputs(drawn, strip, rows, one);
+  bool small = false;
   for (const RestorationLayer &layer : network_->layers) {
     rows -= 2;
     if (&layer == &network_->layers.back())
-      kernel.last(layer.view(), one, rows, small, other);
+      kernel.last(layer.view(), one, rows, other);
     else
       small = kernel.hidden(layer.view(), one, rows, small, other);
     std::swap(one, other);
@@ -155,8 +156,8 @@ const int32_t *Restoration::run(const TilePixels<const float> &drawn, const Tile
   return one;
 }
 
-// Those of a strip and what is around it: beyond the tile, its nearest pixels. Returns whether they are small.
-bool Restoration::read_inputs(const TilePixels<const float> &drawn, const TileBlock &strip, int64_t rows,
+// Those of a strip and what is around it: beyond the tile, its nearest pixels.
+void Restoration::read_inputs(const TilePixels<const float> &drawn, const TileBlock &strip, int64_t rows,
                               int32_t *inputs) const {
   const RestorationMix mix{into_.data(), mixed_, drawn.pixel, drawn.channel};
   const RestorationKernel &kernel = kernel_for<RestorationKernel>(isa_);
@@ -164,17 +165,15 @@ bool Restoration::read_inputs(const TilePixels<const float> &drawn, const TileBl
   // of those columns that are drawn; beyond the strip's own margin nothing that is sound depends on others
   const int64_t begin = std::max<int64_t>(0, -first);
   const int64_t end = std::min<int64_t>(kRestorationColumns + 2, drawn.block.left + drawn.block.columns - first);
-  int32_t most = 0;
   for (int64_t row = 0; row < rows; ++row) {
     const int64_t y = std::clamp<int64_t>(strip.top - reach + row, 0, height_ - 1);
     int32_t *to[] = {inputs + row * kRestorationStride, inputs + (rows + row) * kRestorationStride};
-    most |= kernel.inputs(drawn.at(first + begin, y), end - begin, mix, to[0] + begin, to[1] + begin);
+    kernel.inputs(drawn.at(first + begin, y), end - begin, mix, to[0] + begin, to[1] + begin);
     for (int32_t *line : to) {
       std::fill(line, line + begin, line[begin]);
       std::fill(line + end, line + kRestorationColumns + 2, line[end - 1]);
     }
   }
-  return most <= kRestorationSmall;
 }
 
 }  // namespace sgi

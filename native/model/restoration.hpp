@@ -61,7 +61,7 @@ class Restoration {
   TileBlock shown(const OutputAxis &x, const OutputAxis &y) const;
   int64_t strip_columns() const;
   const int32_t *run(const TilePixels<const float> &drawn, const TileBlock &strip) const;
-  bool read_inputs(const TilePixels<const float> &drawn, const TileBlock &strip, int64_t rows, int32_t *inputs) const;
+  void read_inputs(const TilePixels<const float> &drawn, const TileBlock &strip, int64_t rows, int32_t *inputs) const;
 
   const std::shared_ptr<const RestorationNetwork> network_;
   const int channels_, mixed_;     // how many of them the network sees

@@ -4,16 +4,14 @@
 
 namespace sgi {
 
-constexpr int kRestorationMost = 32767;  // of an input or a hidden value
-constexpr int kRestorationCell = 2;      // rows and columns of a cell of pixels, which are the network's places
-constexpr int kRestorationColours = 3, kRestorationPairs = 6;  // what it sees of a pixel; pairs of inputs of a cell
+constexpr int kRestorationMost = 32767;   // of an input or a hidden value
 constexpr int kRestorationColumns = 128;  // of a strip; layers compute whole strips, of which fewer and fewer are sound
 constexpr int kRestorationStride = kRestorationColumns + 16;  // of a row: what is read behind a strip is there
 
 constexpr int kRestorationTaps = 9, kRestorationBlock = 4;  // outputs are padded to whole blocks
 
-// Of squares of two rows and columns of outputs (model/restoration_squares.hpp): their places, what the outputs of a
-// hidden layer must be whole groups of, and the most inputs; and what inputs may be, either way.
+// Of squares of two rows and columns of outputs (model/restoration_squares.hpp): their places, what the inputs of a
+// layer and its outputs must be whole groups of, and the most inputs; and what inputs may be.
 constexpr int kSquarePlaces = 16, kSquareOutputs = 8, kSquareInputs = 32, kRestorationSmall = 8191;
 
 // Two consecutive inputs have one 32-bit number, the first in its lower half; so do their weights.
@@ -34,14 +32,13 @@ struct RestorationMix {
 
 // Operations are rounded by themselves, none fused: all instruction sets give the same.
 struct RestorationKernel {
-  // The inputs of the network for pixels side by side: the first two in one number, the third in the other. Returns a
-  // number that is at least as large as all of them, either way.
-  int32_t (*inputs)(const float *values, int64_t pixels, const RestorationMix &mix, int32_t *first, int32_t *second);
+  // The inputs of the network for pixels side by side: the first two in one number, the third in the other.
+  void (*inputs)(const float *values, int64_t pixels, const RestorationMix &mix, int32_t *first, int32_t *second);
   // in [pairs, rows + 2, stride]: pairs of values; out [2 blocks, rows, stride]: pairs of hidden values. small: whether
-  // inputs are within kRestorationSmall. Returns whether outputs are; rows must be two at least.
+  // inputs are within 0 ... kRestorationSmall. Returns whether outputs are; rows must be two at least.
   bool (*hidden)(const LayerView &layer, const int32_t *in, int64_t rows, bool small, int32_t *out);
   // The same for the last layer; out [4 blocks, rows, stride]: sums.
-  void (*last)(const LayerView &layer, const int32_t *in, int64_t rows, bool small, int32_t *out);
+  void (*last)(const LayerView &layer, const int32_t *in, int64_t rows, int32_t *out);
   // Adds sums, `plane` apart, times the matrix to values.
   void (*add)(const int32_t *sums, int64_t plane, int64_t pixels, const RestorationMix &mix, float *values);
   static const RestorationKernel portable, avx2, avx512;

@@ -76,22 +76,21 @@ constexpr bool kHasSquares = false;
 constexpr bool kHasSquares = true;
 #endif
 
-template <bool FUSED, bool LAST>
-bool any_layer(const LayerView &layer, const int32_t *in, int64_t rows, bool small, int32_t *out) {
+template <bool FUSED>
+bool hidden_as(const LayerView &layer, const int32_t *in, int64_t rows, bool small, int32_t *out) {
   if constexpr (kHasSquares) {
-    if (small && layer.squares && rows >= 2) return squares::layer_as<FUSED, LAST>(layer, in, rows, out);
+    if (small && layer.squares) return squares::layer_as<FUSED>(layer, in, rows, out);
   }
-  return layer_as<FUSED, LAST>(layer, in, rows, out);
+  return layer_as<FUSED, false>(layer, in, rows, out);
 }
 
 bool hidden_layer(const LayerView &layer, const int32_t *in, int64_t rows, bool small, int32_t *out) {
-  return narrow::has_fused() ? any_layer<true, false>(layer, in, rows, small, out)
-                             : any_layer<false, false>(layer, in, rows, small, out);
+  return narrow::has_fused() ? hidden_as<true>(layer, in, rows, small, out)
+                             : hidden_as<false>(layer, in, rows, small, out);
 }
 
-void last_layer(const LayerView &layer, const int32_t *in, int64_t rows, bool small, int32_t *out) {
-  narrow::has_fused() ? any_layer<true, true>(layer, in, rows, small, out)
-                      : any_layer<false, true>(layer, in, rows, small, out);
+void last_layer(const LayerView &layer, const int32_t *in, int64_t rows, int32_t *out) {
+  narrow::has_fused() ? layer_as<true, true>(layer, in, rows, out) : layer_as<false, true>(layer, in, rows, out);
 }
 
 // The nearest integer, ties to even, within the limits; 0 for not-a-number.
@@ -120,18 +119,11 @@ inline void as_apart(const RestorationMix &mix, Body body) {
   body(Apart<0, 0>(mix));
 }
 
-// The bits of a number's size.
-inline int32_t size_of(int32_t value) { return value ^ value >> 31; }
-
-int32_t to_inputs(const float *values, int64_t pixels, const RestorationMix &mix, int32_t *first, int32_t *second) {
-  int32_t most = 0;
+void to_inputs(const float *values, int64_t pixels, const RestorationMix &mix, int32_t *first, int32_t *second) {
   if (mix.count == 1) {
-    for (int64_t i = 0; i < pixels; ++i) {
-      const int32_t a = input_of(values[i * mix.pixel] * mix.matrix[0]);
-      most |= size_of(a);
-      first[i] = a & 0xffff, second[i] = 0;
-    }
-    return most;
+    for (int64_t i = 0; i < pixels; ++i)
+      first[i] = input_of(values[i * mix.pixel] * mix.matrix[0]) & 0xffff, second[i] = 0;
+    return;
   }
   std::array<float, 9> m;
   std::copy_n(mix.matrix, m.size(), m.begin());
@@ -142,11 +134,9 @@ int32_t to_inputs(const float *values, int64_t pixels, const RestorationMix &mix
       const int32_t a = input_of(x * m[0] + y * m[1] + z * m[2]);
       const int32_t b = input_of(x * m[3] + y * m[4] + z * m[5]);
       const int32_t c = input_of(x * m[6] + y * m[7] + z * m[8]);
-      most |= size_of(a) | size_of(b) | size_of(c);
       first[i] = int32_t(uint32_t(a & 0xffff) | uint32_t(b) << 16), second[i] = c & 0xffff;
     }
   });
-  return most;
 }
 
 void add_correction(const int32_t *sums, int64_t plane, int64_t pixels, const RestorationMix &mix, float *values) {

@@ -61,7 +61,6 @@ bool sums_fit(const RestorationLayer &layer, int output) { return sums_fit(layer
 
 // Four times what a place of squares multiplies an input by (model/restoration_squares.hpp).
 int square_weight(const RestorationLayer &layer, int output, int input, int place) {
-  if (input >= layer.inputs || output >= layer.outputs) return 0;
   constexpr int kShares[4][3] = {{2, 0, 0}, {1, 1, 1}, {1, -1, 1}, {0, 0, 2}};
   int sum = 0;
   for (int tap = 0; tap < kRestorationTaps; ++tap)
@@ -69,12 +68,13 @@ int square_weight(const RestorationLayer &layer, int output, int input, int plac
   return sum;
 }
 
-// None where weights would not have 16 bits, or sums 32, whatever 16 bits they multiply.
-std::vector<int32_t> squares_of(const RestorationLayer &layer, bool last) {
-  if (layer.inputs > kSquareInputs || (!last && layer.outputs % kSquareOutputs)) return {};
-  const int pairs = pairs_of(layer.inputs), outputs = blocks_of(layer.outputs) * kRestorationBlock;
-  std::vector<int32_t> found(size_t(kSquarePlaces) * pairs * outputs);
-  for (int output = 0; output < outputs; ++output) {
+// Of a hidden layer with so many inputs that squares pay. None where weights would not have 16 bits, or sums 32,
+// whatever 16 bits they multiply.
+std::vector<int32_t> squares_of(const RestorationLayer &layer) {
+  if (layer.inputs % kSquareOutputs || layer.inputs > kSquareInputs || layer.outputs % kSquareOutputs) return {};
+  const int pairs = pairs_of(layer.inputs);
+  std::vector<int32_t> found(size_t(kSquarePlaces) * pairs * layer.outputs);
+  for (int output = 0; output < layer.outputs; ++output) {
     if (!sums_fit(layer, output, kRestorationSmall, 4)) return {};
     for (int place = 0; place < kSquarePlaces; ++place) {
       int64_t most = 4 * std::abs(int64_t(layer.biases[output]));
@@ -83,7 +83,7 @@ std::vector<int32_t> squares_of(const RestorationLayer &layer, bool last) {
         const int high = square_weight(layer, output, 2 * pair + 1, place);
         if (std::max(std::abs(low), std::abs(high)) > kRestorationMost) return {};
         most += int64_t(std::abs(low) + std::abs(high)) << 15;
-        found[(size_t(place) * pairs + pair) * outputs + output] =
+        found[(size_t(place) * pairs + pair) * layer.outputs + output] =
             int32_t(uint32_t(uint16_t(low)) | uint32_t(uint16_t(high)) << 16);
       }
       if (most >= int64_t(1) << 31) return {};
@@ -92,7 +92,7 @@ std::vector<int32_t> squares_of(const RestorationLayer &layer, bool last) {
   return found;
 }
 
-void read_weights(Reader &reader, RestorationLayer &layer, bool last) {
+void read_weights(Reader &reader, RestorationLayer &layer) {
   const int blocks = blocks_of(layer.outputs);
   layer.weights.assign(size_t(blocks) * pairs_of(layer.inputs) * kRestorationTaps * kRestorationBlock, 0);
   layer.biases.assign(size_t(blocks) * kRestorationBlock, 0);
@@ -103,7 +103,7 @@ void read_weights(Reader &reader, RestorationLayer &layer, bool last) {
     layer.biases[o] = kBiasUnit * reader.bias();
     require(sums_fit(layer, o));
   }
-  layer.squares = squares_of(layer, last);
+  layer.squares = squares_of(layer);
 }
 
 }  // namespace
@@ -136,7 +136,7 @@ RestorationNetwork parse_restoration(Bytes file) {
     network.layers.push_back(std::move(layer));
   }
   require(inputs == kInputs);
-  for (RestorationLayer &layer : network.layers) read_weights(reader, layer, &layer == &network.layers.back());
+  for (RestorationLayer &layer : network.layers) read_weights(reader, layer);
   require(reader.at_end());
   return network;
 }

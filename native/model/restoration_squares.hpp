@@ -1,4 +1,4 @@
-// A layer of restoration two rows and columns of outputs at a time, by Winograd's F(2 x 2, 3 x 3) (Lavin and
+// A hidden layer of restoration two rows and columns of outputs at a time, by Winograd's F(2 x 2, 3 x 3) (Lavin and
 // Gray 2015): 16 products for each pair of inputs and such a square instead of 36. For restoration_kernels.cpp alone.
 //
 // Each of the 16 places of a square multiplies sums and differences of the 4 x 4 inputs around it, which have 16 bits
@@ -18,15 +18,13 @@ using narrow::vi;
 using Halves = uint16_t __attribute__((vector_size(LANES * 4)));  // of two's complement
 using Wrapping = uint32_t __attribute__((vector_size(LANES * 4)));
 
-constexpr int kVectors = 2;                          // computed at once
-constexpr int kHiddenOutputs = LANES == 16 ? 8 : 4;  // of a hidden layer: what there are registers for
-constexpr int kAcross = kVectors * LANES;            // squares side by side
-constexpr int kBiased = 5;                           // the place that all four outputs add
+constexpr int kVectors = 2, kOutputs = LANES == 16 ? 8 : 4;  // computed at once: what there are registers for
+constexpr int kAcross = kVectors * LANES;                    // squares side by side
+constexpr int kBiased = 5;                                   // the place that all four outputs add
 static_assert(kRestorationColumns % (2 * kAcross) == 0, "a strip must hold whole vectors of squares");
-static_assert(kSquareOutputs % kHiddenOutputs == 0, "layers must have whole groups of outputs");
+static_assert(kSquareOutputs % kOutputs == 0, "layers must have whole groups of outputs");
 
-template <int OUTPUTS>
-using Products = vi[kSquarePlaces][OUTPUTS][kVectors];
+using Products = vi[kSquarePlaces][kOutputs][kVectors];
 using Lanes = std::make_integer_sequence<int, LANES>;
 
 template <int... I>
@@ -78,30 +76,29 @@ inline void to_places(const int32_t *in, int64_t step, vi *places) {
 }
 
 // Of a group of outputs, over all pairs of inputs.
-template <bool FUSED, int OUTPUTS>
-inline void multiply(const LayerView &layer, int first, const vi *places, Products<OUTPUTS> &products) {
+template <bool FUSED>
+inline void multiply(const LayerView &layer, int first, const vi *places, Products &products) {
   const int outputs = layer.blocks * kRestorationBlock;
   for (int place = 0; place < kSquarePlaces; ++place) {
-    vi sum[OUTPUTS][kVectors];
-    for (int o = 0; o < OUTPUTS; ++o)
+    vi sum[kOutputs][kVectors];
+    for (int o = 0; o < kOutputs; ++o)
       for (vi &one : sum[o]) one = vi{} + (place == kBiased ? 4 * layer.biases[first + o] : 0);
     for (int pair = 0; pair < layer.pairs; ++pair) {
       const int at = place * layer.pairs + pair;
-      for (int o = 0; o < OUTPUTS; ++o)
+      for (int o = 0; o < kOutputs; ++o)
         for (int v = 0; v < kVectors; ++v) {
           sum[o][v] = narrow::add_products<FUSED>(sum[o][v], places[at * kVectors + v],
                                                   vi{} + layer.squares[at * outputs + first + o]);
           keep_order(sum[o][v]);
         }
     }
-    for (int o = 0; o < OUTPUTS; ++o)
+    for (int o = 0; o < kOutputs; ++o)
       for (int v = 0; v < kVectors; ++v) products[place][o][v] = sum[o][v];
   }
 }
 
 // Four times the sums of an output: [rows, columns] of the squares of a vector.
-template <int OUTPUTS>
-inline void add_up(const Products<OUTPUTS> &products, int output, int v, vi sums[2][2]) {
+inline void add_up(const Products &products, int output, int v, vi sums[2][2]) {
   const auto of = [&](int row, int column) { return (Wrapping)products[4 * row + column][output][v]; };
   Wrapping part[2][4];
   for (int column = 0; column < 4; ++column) {
@@ -115,10 +112,9 @@ inline void add_up(const Products<OUTPUTS> &products, int output, int v, vi sums
 }
 
 // Stores the hidden values of a group of outputs, `plane` from one pair to the next.
-template <int OUTPUTS>
-inline void store(const Products<OUTPUTS> &products, int shift, int64_t plane, int32_t *out, vi &bits) {
+inline void store(const Products &products, int shift, int64_t plane, int32_t *out, vi &bits) {
   for (int v = 0; v < kVectors; ++v)
-    for (int o = 0; o < OUTPUTS; o += 2) {
+    for (int o = 0; o < kOutputs; o += 2) {
       vi even[2][2], odd[2][2];
       add_up(products, o, v, even), add_up(products, o + 1, v, odd);
       for (int row = 0; row < 2; ++row) {
@@ -132,29 +128,12 @@ inline void store(const Products<OUTPUTS> &products, int shift, int64_t plane, i
     }
 }
 
-// Stores the sums of a group of outputs, `plane` from one to the next.
-template <int OUTPUTS>
-inline void store_sums(const Products<OUTPUTS> &products, int64_t plane, int32_t *out) {
-  for (int v = 0; v < kVectors; ++v)
-    for (int o = 0; o < OUTPUTS; ++o) {
-      vi sums[2][2];
-      add_up(products, o, v, sums);
-      for (int row = 0; row < 2; ++row) {
-        const vi left = sums[row][0] >> 2, right = sums[row][1] >> 2;
-        int32_t *to = out + o * plane + row * kRestorationStride + 2 * v * LANES;
-        narrow::store(to, in_turn<0>(left, right, Lanes{}));
-        narrow::store(to + LANES, in_turn<LANES / 2>(left, right, Lanes{}));
-      }
-    }
-}
-
-// As RestorationKernel::hidden, or ::last, for a layer with squares and small inputs.
-template <bool FUSED, bool LAST>
+// As RestorationKernel::hidden, for a layer with squares and small inputs.
+template <bool FUSED>
 bool layer_as(const LayerView &layer, const int32_t *in, int64_t rows, int32_t *out) {
-  constexpr int kOutputs = LAST ? kRestorationBlock : kHiddenOutputs;
   const int64_t plane_in = (rows + 2) * kRestorationStride, plane = rows * kRestorationStride;
   vi places[kSquarePlaces * kSquareInputs / 2 * kVectors];
-  Products<kOutputs> products;
+  Products products;
   vi bits{};
   for (int64_t next = 0; next < rows; next += 2) {
     const int64_t row = next + 2 > rows ? rows - 2 : next;  // of an odd number the last but one again
@@ -163,11 +142,8 @@ bool layer_as(const LayerView &layer, const int32_t *in, int64_t rows, int32_t *
       for (int pair = 0; pair < layer.pairs; ++pair)
         to_places(in + pair * plane_in + at, int64_t(layer.pairs) * kVectors, places + pair * kVectors);
       for (int first = 0; first < layer.blocks * kRestorationBlock; first += kOutputs) {
-        multiply<FUSED, kOutputs>(layer, first, places, products);
-        if constexpr (LAST)
-          store_sums<kOutputs>(products, plane, out + first * plane + at);
-        else
-          store<kOutputs>(products, layer.shift, plane, out + first / 2 * plane + at, bits);
+        multiply<FUSED>(layer, first, places, products);
+        store(products, layer.shift, plane, out + first / 2 * plane + at, bits);
       }
     }
   }
