@@ -145,12 +145,13 @@ const int32_t *Restoration::run(const TilePixels<const float> &drawn, const Tile
   int32_t *one = memory.data(), *other = one + size;
   read_inputs(drawn, strip, rows, one);
   bool small = false;
+  int64_t columns = strip.columns + 2 * network_->reach();
   for (const RestorationLayer &layer : network_->layers) {
-    rows -= 2;
+    rows -= 2, columns -= 2;
     if (&layer == &network_->layers.back())
-      kernel.last(layer.view(), one, rows, other);
+      kernel.last(layer.view(), one, rows, columns, other);
     else
-      small = kernel.hidden(layer.view(), one, rows, small, other);
+      small = kernel.hidden(layer.view(), one, rows, columns, small, other);
     std::swap(one, other);
   }
   return one;

@@ -5,7 +5,7 @@
 namespace sgi {
 
 constexpr int kRestorationMost = 32767;   // of an input or a hidden value
-constexpr int kRestorationColumns = 128;  // of a strip; layers compute whole strips, of which fewer and fewer are sound
+constexpr int kRestorationColumns = 128;  // of a strip, at most, with what hidden layers need beside it
 constexpr int kRestorationStride = kRestorationColumns + 16;  // of a row: what is read behind a strip is there
 
 constexpr int kRestorationTaps = 9, kRestorationBlock = 4;  // outputs are padded to whole blocks
@@ -35,10 +35,11 @@ struct RestorationKernel {
   // The inputs of the network for pixels side by side: the first two in one number, the third in the other.
   void (*inputs)(const float *values, int64_t pixels, const RestorationMix &mix, int32_t *first, int32_t *second);
   // in [pairs, rows + 2, stride]: pairs of values; out [2 blocks, rows, stride]: pairs of hidden values. small: whether
-  // inputs are within 0 ... kRestorationSmall. Returns whether outputs are; rows must be two at least.
-  bool (*hidden)(const LayerView &layer, const int32_t *in, int64_t rows, bool small, int32_t *out);
+  // inputs are within 0 ... kRestorationSmall. Returns whether outputs are; rows must be two at least. As many
+  // columns as are asked for are sound, of at most kRestorationColumns.
+  bool (*hidden)(const LayerView &layer, const int32_t *in, int64_t rows, int64_t columns, bool small, int32_t *out);
   // The same for the last layer; out [4 blocks, rows, stride]: sums.
-  void (*last)(const LayerView &layer, const int32_t *in, int64_t rows, int32_t *out);
+  void (*last)(const LayerView &layer, const int32_t *in, int64_t rows, int64_t columns, int32_t *out);
   // Adds sums, `plane` apart, times the matrix to values.
   void (*add)(const int32_t *sums, int64_t plane, int64_t pixels, const RestorationMix &mix, float *values);
   static const RestorationKernel portable, avx2, avx512;

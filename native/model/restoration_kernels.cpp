@@ -43,13 +43,13 @@ inline void convolve(const LayerView &layer, const int32_t *weight, const int32_
 }
 
 template <bool FUSED, bool LAST>
-bool layer_as(const LayerView &layer, const int32_t *in, int64_t rows, int32_t *out) {
+bool layer_as(const LayerView &layer, const int32_t *in, int64_t rows, int64_t columns, int32_t *out) {
   const int64_t plane_in = (rows + 2) * kRestorationStride, plane = rows * kRestorationStride;
   vi bits{};
   for (int64_t row = 0; row < rows; ++row)
     for (int block = 0; block < layer.blocks; ++block) {
       const int32_t *weights = layer.weights + int64_t(block) * layer.pairs * kRestorationTaps * kRestorationBlock;
-      for (int x = 0; x < kRestorationColumns; x += kColumns) {
+      for (int64_t x = 0; x < columns; x += kColumns) {
         const int64_t at = row * kRestorationStride + x;
         Sums sum;
         convolve<FUSED>(layer, weights, layer.biases + block * kRestorationBlock, in + at, plane_in, sum);
@@ -77,20 +77,21 @@ constexpr bool kHasSquares = true;
 #endif
 
 template <bool FUSED>
-bool hidden_as(const LayerView &layer, const int32_t *in, int64_t rows, bool small, int32_t *out) {
+bool hidden_as(const LayerView &layer, const int32_t *in, int64_t rows, int64_t columns, bool small, int32_t *out) {
   if constexpr (kHasSquares) {
-    if (small && layer.squares) return squares::layer_as<FUSED>(layer, in, rows, out);
+    if (small && layer.squares) return squares::layer_as<FUSED>(layer, in, rows, columns, out);
   }
-  return layer_as<FUSED, false>(layer, in, rows, out);
+  return layer_as<FUSED, false>(layer, in, rows, columns, out);
 }
 
-bool hidden_layer(const LayerView &layer, const int32_t *in, int64_t rows, bool small, int32_t *out) {
-  return narrow::has_fused() ? hidden_as<true>(layer, in, rows, small, out)
-                             : hidden_as<false>(layer, in, rows, small, out);
+bool hidden_layer(const LayerView &layer, const int32_t *in, int64_t rows, int64_t columns, bool small, int32_t *out) {
+  return narrow::has_fused() ? hidden_as<true>(layer, in, rows, columns, small, out)
+                             : hidden_as<false>(layer, in, rows, columns, small, out);
 }
 
-void last_layer(const LayerView &layer, const int32_t *in, int64_t rows, int32_t *out) {
-  narrow::has_fused() ? layer_as<true, true>(layer, in, rows, out) : layer_as<false, true>(layer, in, rows, out);
+void last_layer(const LayerView &layer, const int32_t *in, int64_t rows, int64_t columns, int32_t *out) {
+  narrow::has_fused() ? layer_as<true, true>(layer, in, rows, columns, out)
+                      : layer_as<false, true>(layer, in, rows, columns, out);
 }
 
 // The nearest integer, ties to even, within the limits; 0 for not-a-number.

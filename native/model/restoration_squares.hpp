@@ -130,14 +130,14 @@ inline void store(const Products &products, int shift, int64_t plane, int32_t *o
 
 // As RestorationKernel::hidden, for a layer with squares and small inputs.
 template <bool FUSED>
-bool layer_as(const LayerView &layer, const int32_t *in, int64_t rows, int32_t *out) {
+bool layer_as(const LayerView &layer, const int32_t *in, int64_t rows, int64_t columns, int32_t *out) {
   const int64_t plane_in = (rows + 2) * kRestorationStride, plane = rows * kRestorationStride;
   vi places[kSquarePlaces * kSquareInputs / 2 * kVectors];
   Products products;
   vi bits{};
   for (int64_t next = 0; next < rows; next += 2) {
     const int64_t row = next + 2 > rows ? rows - 2 : next;  // of an odd number the last but one again
-    for (int x = 0; x < kRestorationColumns; x += 2 * kAcross) {
+    for (int64_t x = 0; x < columns; x += 2 * kAcross) {
       const int64_t at = row * kRestorationStride + x;
       for (int pair = 0; pair < layer.pairs; ++pair)
         to_places(in + pair * plane_in + at, int64_t(layer.pairs) * kVectors, places + pair * kVectors);
