@@ -5,15 +5,17 @@
 #include <cmath>
 #include <vector>
 
+#include "base/isa.hpp"
 #include "model/constants.hpp"
 #include "model/texture_axis.hpp"
+#include "rdoq/texture_transform_kernel.hpp"
 
 namespace sgi {
 
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr int kOverlap = kTextureOverlap, kMaxReach = (1 << kTextureRoot) + 2 * kOverlap;
+constexpr int kOverlap = kTextureOverlap;
 
 // Basis functions at pixel centres [n + 2 overlap, n], for cells with and without hard edges.
 class Atoms {
@@ -28,6 +30,10 @@ class Atoms {
       }
   }
   int reach() const { return side_ + 2 * kOverlap; }
+  // By 1 for a hard edge on the left, plus 2 on the right.
+  std::array<const float *, 4> of_edges() const {
+    return {values_[0].data(), values_[1].data(), values_[2].data(), values_[3].data()};
+  }
   // Those of the cell that begins at pixel `begin` of `length`.
   const float *of(int64_t begin, int64_t length) const {
     return values_[(begin == 0) | (begin + side_ == length ? 2 : 0)].data();
@@ -43,41 +49,28 @@ const Atoms &atoms(int log) {
   return all[log - kTextureLeast];
 }
 
-void analyse_row(const float *row, int64_t width, int log, float *out) {
-  const Atoms &all = atoms(log);
-  const int side = 1 << log;
-  for (int64_t begin = 0; begin < width; begin += side) {
-    const float *values = all.of(begin, width);
-    std::array<float, 1 << kTextureRoot> sums{};
-    for (int j = 0; j < all.reach(); ++j) {
-      const int64_t x = begin - kOverlap + j;
-      if (x < 0 || x >= width) continue;
-      for (int k = 0; k < side; ++k) sums[k] += row[x] * values[j * side + k];
-    }
-    std::copy_n(sums.data(), side, out + begin);
-  }
-}
-
 }  // namespace
 
 void analyse_texture(const float *plane, int64_t width, int64_t height, int log, float *amplitudes) {
+  static const Isa isa = choose_isa("auto");
+  const auto &kernel = kernel_for<TextureTransformKernel>(isa);
   const Atoms &all = atoms(log);
   const int side = 1 << log;
-  std::vector<float> rows(size_t(kMaxReach * width));
+  const std::array<const float *, 4> along = all.of_edges();
+  std::vector<float> held(size_t(all.reach() * width));
+  std::vector<const float *> rows(size_t(all.reach()));
   for (int64_t begin = 0; begin < height; begin += side) {
-    const float *values = all.of(begin, height);
-    std::fill_n(amplitudes + begin * width, side * width, 0.0f);
     for (int j = 0; j < all.reach(); ++j) {
       const int64_t y = begin - kOverlap + j;
-      if (y < 0 || y >= height) continue;
-      float *row = &rows[j * width];
+      float *row = &held[j * width];
+      rows[j] = y < 0 || y >= height ? nullptr : row;
+      if (!rows[j]) continue;
       if (j >= 2 * kOverlap || begin == 0)
-        analyse_row(plane + y * width, width, log, row);
+        kernel.along(plane + y * width, width, side, along.data(), row);
       else
-        std::copy_n(&rows[(j + side) * width], width, row);  // the cells above needed it too
-      for (int k = 0; k < side; ++k)
-        for (int64_t x = 0; x < width; ++x) amplitudes[(begin + k) * width + x] += values[j * side + k] * row[x];
+        std::copy_n(&held[(j + side) * width], width, row);  // the cells above needed it too
     }
+    kernel.down(rows.data(), width, side, all.of(begin, height), amplitudes + begin * width);
   }
 }
 

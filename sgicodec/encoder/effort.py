@@ -1,7 +1,7 @@
 """The table of efforts: what an encode does at all, and how often, all of it from the steps of its fit.
 
 `--effort` names a number of steps, `--steps` states one. docs/architecture.md, "Efforts", has the table as it comes
-out. Thresholds were measured: docs/notes texture-share, settling, score-ascent, restoration, rdoq, encode-speed.
+out. Thresholds were measured: docs/notes texture-share, settling, score-ascent, ladder, rdoq, encode-speed.
 """
 
 from __future__ import annotations
@@ -21,8 +21,10 @@ PLAIN_STEPS = {1: 120, 2: 200, 3: 350, 4: 600, 5: 1000, 6: 1600, 7: 2500, 8: 400
 """Steps of each effort without texture."""
 PSNR_STEPS = PLAIN_STEPS | {4: 500, 5: 600, 6: 1200}
 """The same towards least squared error with texture, which needs fewer seeds."""
-VISUAL_STEPS = {1: 120, 2: 200, 3: 300, 4: 400, 5: 600, 6: 1000, 7: 1600, 8: 2500, 9: 5000}
+VISUAL_STEPS = {1: 120, 2: 200, 3: 300, 4: 320, 5: 600, 6: 1000, 7: 1600, 8: 2500, 9: 5000}
 """The same for the eye with texture, which sees more of texture than of what more steps give to seeds."""
+HANDOVER_STEPS = 310
+"""From so many on, seeds for the eye are handed over to texture."""
 LOW_EFFORT_STEPS = 300
 """Fits of fewer steps beneath texture leave out what gains little for its time."""
 
@@ -63,7 +65,7 @@ def effort_of(steps: int, tuned_for: Tune, is_low: bool = False) -> Effort:
     on is worth its time from there on; before, more steps gain more in the same time.
     """
     eye = tuned_for == "visual"
-    scout, handover = steps >= 150 or not is_low, steps >= 500
+    scout, handover = steps >= 150 or not is_low, steps >= (HANDOVER_STEPS if eye else 500)
     rdoq_passes = _within(2, round(steps / 250), 32)
     return Effort(
         steps=steps,
@@ -73,7 +75,7 @@ def effort_of(steps: int, tuned_for: Tune, is_low: bool = False) -> Effort:
         rdoq=RdoqSettings(passes=1, deep=1, rounds=2) if is_low else RdoqSettings(passes=rdoq_passes),
         split_margin=NO_SPLIT_SEARCH if is_low else SPLIT_SEARCH_MARGIN,
         rounds=0 if eye else _within(0, 1 + (steps - 375) // 225, 6),
-        ascent_passes=_within(1, 1 + steps // 125, 8) if eye else 0,
+        ascent_passes=_passes(steps, handover) if eye else 0,
     )
 
 
@@ -87,6 +89,13 @@ def _seed_price(steps: int, handover: bool) -> float:
     """What seeds leave costs less as texture than as more seeds; the shorter the fit, the more of it."""
     price = min(max(2.8 * float((200 / steps) ** 0.3), 1.4), 2.8)
     return max(1.0, _HANDED_OVER * price) if handover else price
+
+
+def _passes(steps: int, handover: bool) -> int:
+    """Passes of ascent. Each gains about 0.3 % of bytes up to six (docs/notes/2026-11-ladder.md)."""
+    if steps >= 1000:
+        return 8
+    return 6 if handover else 1 + steps // 125
 
 
 def _within(low: int, value: int, high: int) -> int:
