@@ -34,7 +34,7 @@ def test_the_package_computes_the_same_integers(number: int) -> None:
     seen = np.random.default_rng(number).integers(-900, 900, (3, 21, 37))
     unit, mix = 2.0 ** ((STEP - 480) / 32), np.array(colour_matrix(3))
     drawn = np.tensordot(mix.T, seen * (unit / 32), 1).astype(np.float32)
-    found = _native.restoration_correction(drawn, number, STEP, [], 1, "auto").astype(np.float64)
+    found = _native.restoration_correction(drawn, number, STEP, 1, "auto").astype(np.float64)
     sums = network.sums(torch.from_numpy(seen / 32)[None])[0].detach().numpy()
     assert np.abs(sums).max() > 1000
     assert np.array_equal(np.rint(np.tensordot(mix, found, 1) / unit * network.scales()[-1].total), sums)
