@@ -39,7 +39,8 @@ function drawn(stream, ...options) {
   });
 }
 
-function decode(stream, target, options) {
+/** Writes what the command draws to a file. */
+export function decode(stream, target, options = []) {
   execFileSync(PYTHON, ["-m", "sgicodec", "decode", stream, target, "--depth", "8", "--quiet", ...options.map(String)]);
 }
 

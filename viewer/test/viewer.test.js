@@ -7,7 +7,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { askedWhilePanning, launch, message, pageOf, settled, shot, show } from "./browser.js";
-import { GOLDEN, PYTHON, ROOT, decoded } from "./command.js";
+import { GOLDEN, PYTHON, ROOT, decode, decoded } from "./command.js";
 import { farthest, onBlack, part } from "./pixels.js";
 import { readPng, rgba } from "./png.js";
 import { serve } from "./server.js";
@@ -25,7 +25,7 @@ before(async () => {
   folder = mkdtempSync(join(tmpdir(), "sgi-files-"));
   for (const name of STREAMS) copyFileSync(join(GOLDEN, `${name}.sgi`), join(folder, `${name}.sgi`));
   copyFileSync(join(ROOT, "tests/data/kodim23.png"), join(folder, "kodim23.png"));
-  copyFileSync(join(GOLDEN, "rgb8-tiles.png"), join(folder, "rgb8-tiles.png"));
+  decode(join(GOLDEN, "rgb8-tiles.sgi"), join(folder, "rgb8-tiles.png"));
   const bytes = readFileSync(join(GOLDEN, "rgb8-texture.sgi"));
   bytes[bytes.length >> 1] ^= 255;
   writeFileSync(join(folder, "damaged.sgi"), bytes);
