@@ -2,16 +2,13 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
-#include <cstring>
+
+#include "base/scalar.hpp"
 
 namespace sgi {
 
 // log2 of a positive value, within 0.05.
-inline float about_log2(float value) {
-  int32_t bits;
-  std::memcpy(&bits, &value, sizeof bits);
-  return float(bits) * 0x1p-23f - 126.96f;
-}
+inline float about_log2(float value) { return float(int32_t(bits_of(value))) * 0x1p-23f - 126.96f; }
 
 // Squared error that is left plus lambda times bits, in squared steps.
 class SymbolEstimate {
