@@ -6,12 +6,15 @@ import time
 from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from statistics import fmean
 
 import click
 import numpy as np
+from numpy.typing import NDArray
 
+from benchmarks._turns import median_seconds
 from sgicodec import EncodeSettings, Picture, encode_picture, read
 from sgicodec.bench.codec import Pixels8
 from sgicodec.bench.peer import Peer
@@ -95,17 +98,17 @@ def measure(rung: Rung, picture: Picture, reference: VisualReference, repeat: in
         data = rung.encode(picture, quality, stages)
         cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
         stages.stage("end")
-        decodes = []
-        for _ in range(repeat + 1):
-            since = time.process_time()
-            pixels = rung.decode(data)
-            decodes.append(time.process_time() - since)
-        shown = np.ascontiguousarray(pixels.transpose(2, 0, 1), np.float32) / np.float32(255)
+        (decoding,) = median_seconds([partial(rung.decode, data)], repeat, time.process_time)
+        score = reference.score(_planes(rung.decode(data)))
         by_stage = {name: seconds / megapixels for name, seconds in stages.seconds.items() if seconds > 0}
-        decode = 1e3 * float(np.median(decodes[1:])) / megapixels
-        score = reference.score(shown)
+        decode = 1e3 * decoding / megapixels
         points.append(Point(len(data), score, cpu / megapixels, wall / megapixels, decode, by_stage))
     return points
+
+
+def _planes(pixels: Pixels8) -> NDArray[np.float32]:
+    """Samples [C, H, W] in 0..1 of the colours of pixels [H, W, C]."""
+    return np.ascontiguousarray(pixels[..., :3].transpose(2, 0, 1), np.float32) / np.float32(255)
 
 
 def bytes_at(points: Sequence[Point], score: float) -> float:
@@ -139,8 +142,7 @@ def main(
     scores: dict[str, float] = {}
     for path in pictures:
         picture = read(path)
-        original = np.ascontiguousarray(picture.pixels[..., :3].transpose(2, 0, 1), np.float32) / np.float32(255)
-        reference = VisualReference(original, device)
+        reference = VisualReference(_planes(np.asarray(picture.pixels, np.uint8)), device)
         for rung in rungs:
             found[rung.name][path.stem] = measure(rung, picture, reference, repeat)
         scores[path.stem] = fmean(point.score for point in found[rungs[0].name][path.stem])
