@@ -12,7 +12,17 @@ from typing import Literal
 from sgicodec.rdoq.settings import RdoqSettings
 from sgicodec.rdoq.texture import NO_SPLIT_SEARCH, SPLIT_SEARCH_MARGIN
 
-__all__ = ["LOW_EFFORT_STEPS", "PLAIN_STEPS", "PSNR_STEPS", "VISUAL_STEPS", "Effort", "Tune", "effort_of", "steps_of"]
+__all__ = [
+    "HANDOVER_STEPS",
+    "LOW_EFFORT_STEPS",
+    "PLAIN_STEPS",
+    "PSNR_STEPS",
+    "VISUAL_STEPS",
+    "Effort",
+    "Tune",
+    "effort_of",
+    "steps_of",
+]
 
 Tune = Literal["psnr", "visual"]
 """Least squared error or the eye."""
@@ -23,8 +33,8 @@ PSNR_STEPS = PLAIN_STEPS | {4: 500, 5: 600, 6: 1200}
 """The same towards least squared error with texture, which needs fewer seeds."""
 VISUAL_STEPS = {1: 120, 2: 200, 3: 300, 4: 320, 5: 600, 6: 1000, 7: 1600, 8: 2500, 9: 5000}
 """The same for the eye with texture, which sees more of texture than of what more steps give to seeds."""
-HANDOVER_STEPS = 310
-"""From so many on, seeds for the eye are handed over to texture."""
+HANDOVER_STEPS: dict[Tune, int] = {"psnr": 500, "visual": 310}
+"""From so many on, seeds are handed over to texture."""
 LOW_EFFORT_STEPS = 300
 """Fits of fewer steps beneath texture leave out what gains little for its time."""
 
@@ -65,7 +75,7 @@ def effort_of(steps: int, tuned_for: Tune, is_low: bool = False) -> Effort:
     on is worth its time from there on; before, more steps gain more in the same time.
     """
     eye = tuned_for == "visual"
-    scout, handover = steps >= 150 or not is_low, steps >= (HANDOVER_STEPS if eye else 500)
+    scout, handover = steps >= 150 or not is_low, steps >= HANDOVER_STEPS[tuned_for]
     rdoq_passes = _within(2, round(steps / 250), 32)
     return Effort(
         steps=steps,
