@@ -163,26 +163,37 @@ void SymbolContext::look_before(const TextureField &field, const TextureCell &ce
   for (int i = 0; i < rows_ << log_; ++i) before_[i] = std::min(before_[i], kMaxSum);
 }
 
-BitContext SymbolContext::at(const NearMagnitudes &near, int u, int v, QuantizerState state) const {
+SymbolPlace SymbolContext::place(int u, int v) const {
   const int index = v << log_ | u;
-  const auto [next, inside] = near;
-  const int around = around_[index];
-  int total = 3 * inside + 2 * around;
-  if (kind_) total = (total + 2 * before_[index]) * 3 / 4;
-  const auto kind = uint32_t(kind_), sum = level(total);
-  const auto zone = uint32_t(std::min(15, (u + v) >> (log_ - kTextureLeast)));
-  const auto rest = uint32_t(std::min(15, bits_of(last_ - u - v) + 4 * std::min(3, next)));
+  const auto kind = uint32_t(kind_), zone = uint32_t(std::min(15, (u + v) >> (log_ - kTextureLeast)));
   const int half = log_ == kTextureRoot, across = std::min(log_, 4);
   const uint32_t place = (log_ == 3 ? 0 : log_ == 4 ? 64 : 320) + uint32_t((v >> half) << across | u >> half);
   const uint32_t sized = kind * kSizes + uint32_t(log_ - kTextureLeast);
+  SymbolPlace found;
+  found.has_before_ = kind_ > 0;
+  found.outside_ = 2 * (around_[index] + (kind_ ? before_[index] : 0));
+  found.far_ = uint32_t(bits_of(last_ - u - v));
+  found.models_ = {kPlaceModels + (kind * kPlaces + place) * kMagnitudeBits,
+                   kAroundModels + (kind * kLevelsOf + level(around_[index])) * kLevelsOf * kMagnitudeBits,
+                   kRestModels + (kind * kZones + zone) * kZones * kMagnitudeBits,
+                   kTotalModels + (sized * kLevelsOf * kZones + zone) * kMagnitudeBits};
+  found.weights_ = {kSizeWeights + sized * kMagnitudeBits, kLevelWeights + kind * kLevelsOf * kMagnitudeBits};
+  return found;
+}
+
+BitContext SymbolPlace::at(const NearMagnitudes &near, QuantizerState state) const {
+  const int total = 3 * near.inside + outside_;
+  const uint32_t sum = level(has_before_ ? total * 3 / 4 : total);
+  const uint32_t rest = std::min(15u, far_ + 4 * uint32_t(std::min(3, near.next)));
   const uint32_t models = state.odd() ? kModels : 0, weights = state.odd() ? kSets : 0;
-  return {{models + kPlaceModels + (kind * kPlaces + place) * kMagnitudeBits,
-           models + kAroundModels + ((kind * kLevelsOf + level(around)) * kLevelsOf + level(inside)) * kMagnitudeBits,
-           models + kRestModels + ((kind * kZones + zone) * kZones + rest) * kMagnitudeBits,
-           models + kTotalModels + ((sized * kLevelsOf + sum) * kZones + zone) * kMagnitudeBits},
-          {weights + kSizeWeights + sized * kMagnitudeBits,
-           weights + kLevelWeights + (kind * kLevelsOf + sum) * kMagnitudeBits},
+  return {{models + models_[0], models + models_[1] + level(near.inside) * kMagnitudeBits,
+           models + models_[2] + rest * kMagnitudeBits, models + models_[3] + sum * kZones * kMagnitudeBits},
+          {weights + weights_[0], weights + weights_[1] + sum * kMagnitudeBits},
           4};
+}
+
+BitContext SymbolContext::at(const NearMagnitudes &near, int u, int v, QuantizerState state) const {
+  return place(u, v).at(near, state);
 }
 
 }  // namespace sgi

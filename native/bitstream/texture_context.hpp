@@ -62,12 +62,29 @@ class KnownMagnitudes {
   int here_ = 0;  // the diagonal of the symbol; the ones before it go round
 };
 
+// The first bit of a symbol, for any symbols near it in its block.
+class SymbolPlace {
+ public:
+  // near: of the diagonals before and of this one so far.
+  BitContext at(const NearMagnitudes &near, QuantizerState state) const;
+
+ private:
+  friend class SymbolContext;
+
+  bool has_before_;
+  int outside_;                             // what its neighbours outside the block weigh
+  uint32_t far_;                            // how many binary digits its distance from the last diagonal has
+  std::array<uint32_t, kMaxMixed> models_;  // of no symbols near it
+  std::array<uint32_t, 2> weights_;
+};
+
 // The bits of a channel's symbols.
 class SymbolContext {
  public:
   // last: diagonal beyond which there are none.
   SymbolContext(const TextureField &field, const TextureCell &cell, int channel, int last);
-  // Of the first bit at (u, v); near: of the diagonals before and of this one so far.
+  SymbolPlace place(int u, int v) const;
+  // Of the first bit at (u, v), as in `SymbolPlace`.
   BitContext at(const NearMagnitudes &near, int u, int v, QuantizerState state) const;
   // Of a later bit.
   static BitContext later(BitContext first, int bit) {

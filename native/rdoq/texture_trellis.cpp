@@ -11,27 +11,30 @@ namespace sgi {
 namespace {
 
 constexpr float kImpossible = std::numeric_limits<float>::infinity();
-constexpr int kMaxSymbol = 16000, kStates = kQuantizerStates;
+constexpr int kMaxSymbol = 16000, kStates = kQuantizerStates, kHalf = kStates / 2;
 // docs/notes/2026-11-luma-space.md has a smaller kHopeless.
 constexpr float kHopeless = 0.6f;  // squared steps by which a survivor costs more than the best one and is given up
 constexpr float kWorth = 0.25f;    // amplitudes in steps below which nothing but 0 is tried
 
-// The best symbols so far that end in a state.
-struct Survivor {
-  float cost = kImpossible;
-  bool any = false;  // on this diagonal
-  int known = 0;     // which of the trellis's magnitudes are its own
+// What a state may be followed by, for symbols of either parity: the best symbol, and by how much the cost grows.
+struct Offer {
+  NearMagnitudes near;
+  std::array<float, 2> cost;
+  std::array<int16_t, 2> symbol;
+};
+using Offers = std::array<const Offer *, kStates>;  // null where there is no survivor
+
+// The best symbols so far that end in each state. known: which of the trellis's magnitudes are a state's own.
+struct Survivors {
+  std::array<float, kStates> cost;
+  std::array<bool, kStates> any;  // on this diagonal
+  std::array<int, kStates> known;
 };
 
-// How a survivor came about: the symbol, and the state before it.
-struct Move {
-  int16_t symbol;
-  uint8_t from;
-};
-
-struct Step {
-  float cost = kImpossible;
-  Move move{};
+// How survivors came about: the last symbol of each, and the state before it.
+struct Moves {
+  std::array<int16_t, kStates> symbol;
+  std::array<uint8_t, kStates> from;
 };
 
 // Bits of the magnitudes of a symbol, whose probabilities are looked up when they are asked for.
@@ -64,117 +67,120 @@ class MagnitudeBits {
   int known_;  // how many of `larger_` are
 };
 
-// The survivors of the symbols so far, in coding order.
+// The survivors of the symbols so far, in coding order. States i and i + 4 are followed by 2 i and 2 i + 1.
 class Trellis {
  public:
   Trellis(const BitModels &models, const SymbolContext &context, float lambda)
       : models_(models), context_(context), lambda_(lambda) {
-    survivors_[0].cost = 0;
-    for (int state = 0; state < kStates; ++state) survivors_[state].known = state;
+    now_.cost.fill(kImpossible), now_.any.fill(false);
+    now_.cost[0] = 0;
+    for (int state = 0; state < kStates; ++state) now_.known[state] = state;
   }
 
   // Goes on to the next diagonal.
   void advance() {
-    for (int state = 0; state < kStates; ++state) {
-      survivors_[state].any = false;
-      if (survivors_[state].cost < kImpossible) known_[survivors_[state].known].advance();
-    }
+    now_.any.fill(false);
+    for (int state = 0; state < kStates; ++state)
+      if (now_.cost[state] < kImpossible) known_[now_.known[state]].advance();
   }
 
   // Goes on to the next symbol. scaled: |amplitude| in steps.
   void add(int u, int v, float scaled) {
-    std::array<Step, kStates> best;
-    std::array<NearMagnitudes, kStates> near;
-    for (int state = 0; state < kStates; ++state) {
-      if (survivors_[state].cost == kImpossible) continue;
-      near[state] = known_[survivors_[state].known].near(u);
-      extend(state, scaled, bits_for(state, near, u, v), best);
-    }
-    moves_.emplace_back();
-    float most = kImpossible;
-    for (const Step &step : best) most = std::min(most, step.cost + kHopeless);
-    for (Step &step : best)
-      if (step.cost > most) step.cost = kImpossible;
-    std::array<bool, kStates> taken{};  // magnitudes of survivors, by those that go on from them
-    for (int state = 0; state < kStates; ++state) {
-      const auto [cost, move] = best[state];
-      moves_.back()[state] = move;
-      Survivor &next = next_[state];
-      next.cost = cost, next.any = false, next.known = -1;
-      if (cost == kImpossible) continue;
-      next.any = survivors_[move.from].any || move.symbol;
-      if (!taken[move.from]) next.known = survivors_[move.from].known, taken[move.from] = true;
-    }
-    int free = 0;
-    for (int state = 0; state < kStates; ++state) {
-      Survivor &next = next_[state];
-      if (next.known < 0) {  // the others take what nobody goes on from
-        while (taken[free]) ++free;
-        next.known = survivors_[free++].known;
-        const Survivor &from = survivors_[best[state].move.from];
-        if (next.cost < kImpossible) known_[next.known] = known_[from.known];
-      }
-    }
+    const SymbolPlace place = context_.place(u, v);
+    Offers offers{};
     for (int state = 0; state < kStates; ++state)
-      if (next_[state].cost < kImpossible && best[state].move.symbol)
-        known_[next_[state].known].set(u, best[state].move.symbol);
-    std::swap(survivors_, next_);
+      offers[state] = now_.cost[state] < kImpossible ? &offer_to(state, offers, place, u, scaled) : nullptr;
+    Moves &moves = moves_[count_++];
+    Survivors next;
+    for (int state = 0; state < kHalf; ++state) follow(state, offers, u, next, moves);
+    const float most = *std::min_element(next.cost.begin(), next.cost.end()) + kHopeless;
+    for (float &cost : next.cost)
+      if (cost > most) cost = kImpossible;
+    now_ = next;
   }
 
   // Of those that have symbols on this diagonal, the best; its state, -1 for none.
   int best_here() const {
     int found = -1;
     for (int state = 0; state < kStates; ++state)
-      if (survivors_[state].any && (found < 0 || survivors_[state].cost < survivors_[found].cost)) found = state;
+      if (now_.any[state] && now_.cost[state] < kImpossible && (found < 0 || now_.cost[state] < now_.cost[found]))
+        found = state;
     return found;
   }
-  float cost(int state) const { return survivors_[state].cost; }
+  float cost(int state) const { return now_.cost[state]; }
 
   // Puts the symbols of the first `count` additions, after which the state was this one, where `scan` has them.
   void trace(size_t count, int state, const std::vector<int16_t> &scan, CellSymbols &values) const {
     while (count--) {
-      const Move move = moves_[count][state];
-      values[scan[count]] = move.symbol;
-      state = move.from;
+      values[scan[count]] = moves_[count].symbol[state];
+      state = moves_[count].from[state];
     }
   }
 
  private:
-  // States of one quantiser that see the same share what has been looked up: most of them do where symbols are rare.
-  MagnitudeBits &bits_for(int state, const std::array<NearMagnitudes, kStates> &near, int u, int v) {
+  // Where symbols are rare, most states of a quantiser see the same, and share an offer.
+  const Offer &offer_to(int state, const Offers &others, const SymbolPlace &place, int u, float scaled) {
+    const NearMagnitudes near = known_[now_.known[state]].near(u);
     for (int other = state & 1; other < state; other += 2)
-      if (survivors_[other].cost < kImpossible && near[other].inside == near[state].inside &&
-          near[other].next == near[state].next)
-        return bits_[shared_[state] = shared_[other]];
-    bits_[shared_[state] = state].look_up(models_, context_.at(near[state], u, v, QuantizerState(state)));
-    return bits_[state];
-  }
-
-  void extend(int from, float scaled, MagnitudeBits &bits, std::array<Step, kStates> &best) const {
-    const QuantizerState state(from);
+      if (others[other] && others[other]->near.inside == near.inside && others[other]->near.next == near.next)
+        return *others[other];
+    Offer &offer = offers_[state];
+    offer = {near, {kImpossible, kImpossible}, {}};
+    const QuantizerState quantizer(state);
+    bits_.look_up(models_, place.at(near, quantizer));
     const auto try_out = [&](int magnitude) {
-      const float error = magnitude ? scaled - state.magnitude(magnitude) : scaled;
-      const float cost = survivors_[from].cost + error * error + lambda_ * bits.of(models_, magnitude);
-      Step &step = best[state.after(magnitude).index()];
-      if (cost < step.cost) step = {cost, {int16_t(magnitude), uint8_t(from)}};
+      const int odd = magnitude & 1;
+      const float error = magnitude ? scaled - quantizer.magnitude(magnitude) : scaled;
+      const float cost = error * error + lambda_ * bits_.of(models_, magnitude);
+      if (cost < offer.cost[odd]) offer.cost[odd] = cost, offer.symbol[odd] = int16_t(magnitude);
     };
     try_out(0);
-    if (scaled < kWorth) return;
-    const int below = std::min(int(scaled + (state.odd() ? 0.5f : 0.0f)), kMaxSymbol);
+    if (scaled < kWorth) return offer;
+    const int below = std::min(int(scaled + (quantizer.odd() ? 0.5f : 0.0f)), kMaxSymbol);
     if (below) try_out(below);
     try_out(below + 1);
     if (below > 1) try_out(below - 1);
+    return offer;
   }
+
+  // The two states that follow this one and the one half of them on.
+  void follow(int state, const Offers &offers, int u, Survivors &next, Moves &moves) {
+    std::array<int, 2> from;
+    for (const int i : {0, 1}) {
+      const int to = 2 * state + i, other = state + kHalf;
+      const float cost = cost_after(state, to, offers), cost_of_other = cost_after(other, to, offers);
+      from[i] = cost_of_other < cost ? other : state;
+      const int16_t symbol = offers[from[i]] ? offers[from[i]]->symbol[parity(from[i], to)] : int16_t(0);
+      next.cost[to] = std::min(cost, cost_of_other);
+      next.any[to] = now_.any[from[i]] || symbol;
+      moves.symbol[to] = symbol, moves.from[to] = uint8_t(from[i]);
+    }
+    // If both go on from one, the second gets the magnitudes of the other, which nobody needs.
+    const int first = 2 * state, second = first + 1;
+    const bool same = from[0] == from[1];
+    next.known[first] = now_.known[from[0]];
+    next.known[second] = now_.known[same ? 2 * state + kHalf - from[1] : from[1]];
+    if (same && next.cost[second] < kImpossible) known_[next.known[second]] = known_[next.known[first]];
+    for (const int to : {first, second})
+      if (moves.symbol[to]) known_[next.known[to]].set(u, moves.symbol[to]);
+  }
+
+  float cost_after(int from, int to, const Offers &offers) const {
+    return offers[from] ? now_.cost[from] + offers[from]->cost[parity(from, to)] : kImpossible;
+  }
+
+  // Of the symbols that lead from one state to the other.
+  static int parity(int from, int to) { return QuantizerState(from).after(0).index() != to; }
 
   const BitModels &models_;
   const SymbolContext &context_;
   const float lambda_;
-  std::array<std::array<Survivor, kStates>, 2> kept_;
-  Survivor *survivors_ = kept_[0].data(), *next_ = kept_[1].data();
+  Survivors now_;
   std::array<KnownMagnitudes, kStates> known_;
-  std::array<MagnitudeBits, kStates> bits_;
-  std::array<int, kStates> shared_;
-  std::vector<std::array<Move, kStates>> moves_;
+  std::array<Offer, kStates> offers_;
+  MagnitudeBits bits_;
+  size_t count_ = 0;
+  std::array<Moves, 1 << 2 * kTextureRoot> moves_;
 };
 
 float extent_bits(const BitModels &models, const ExtentContext &context, int log, int value) {
