@@ -88,6 +88,9 @@ def encode_file(origin: str, target: str, options: EncodeOptions, started: float
 
     Raises TargetMissedError, after all of that, for a target that was missed.
     """
+    from sgicodec._native import keep_freed_memory
+
+    keep_freed_memory()
     if options.as_json and target == STANDARD:
         raise UsageError("stdout cannot take both the stream and --json; name OUT")
     becomes: Literal["stream"] | None = None if options.is_named else "stream"

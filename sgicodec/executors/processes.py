@@ -185,8 +185,11 @@ def _work(
     environment: Mapping[str, str],
 ) -> None:
     """The life of a worker. It leaves Ctrl-C to the process that started it, whose end ends it too."""
+    from sgicodec._native import keep_freed_memory
+
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.environ.update(environment)
+    keep_freed_memory()
     turn = Lock()
 
     def tell(number: int | None, outcome: object) -> None:
