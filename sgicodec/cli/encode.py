@@ -79,7 +79,7 @@ __all__ = ["encode"]
 )
 @click.option("--lmbda", type=float, metavar="L", help="Squared error that a bit must save, instead of -q.")
 @target_options
-@click.option("-e", "--effort", type=EFFORT, metavar="1-9", show_default="5", help="More is smaller and slower.")
+@click.option("-e", "--effort", type=EFFORT, metavar="1-9", show_default="3", help="More is smaller and slower.")
 @click.option("--profile", type=click.Choice(["default", "paper"]), default="default", show_default=True)
 @click.option("--seeds", type=int, metavar="N", help="Number of seeds; paper profile.")
 @click.option("--per-seed", type=int, metavar="K", help="Gaussians of each seed; paper profile.")

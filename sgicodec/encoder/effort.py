@@ -29,11 +29,11 @@ Tune = Literal["psnr", "visual"]
 
 PLAIN_STEPS = {1: 120, 2: 200, 3: 350, 4: 600, 5: 1000, 6: 1600, 7: 2500, 8: 4000, 9: 8000}
 """Steps of each effort without texture."""
-PSNR_STEPS = PLAIN_STEPS | {4: 500, 5: 600, 6: 1200}
+PSNR_STEPS = PLAIN_STEPS | {3: 420, 4: 500, 5: 600, 6: 1200}
 """The same towards least squared error with texture, which needs fewer seeds."""
 VISUAL_STEPS = {1: 120, 2: 200, 3: 300, 4: 320, 5: 600, 6: 1000, 7: 1600, 8: 2500, 9: 5000}
 """The same for the eye with texture, which sees more of texture than of what more steps give to seeds."""
-HANDOVER_STEPS: dict[Tune, int] = {"psnr": 500, "visual": 310}
+HANDOVER_STEPS: dict[Tune, int] = {"psnr": 400, "visual": 310}
 """From so many on, seeds are handed over to texture."""
 LOW_EFFORT_STEPS = 300
 """Fits of fewer steps beneath texture leave out what gains little for its time."""
@@ -102,10 +102,10 @@ def _seed_price(steps: int, handover: bool) -> float:
 
 
 def _passes(steps: int, handover: bool) -> int:
-    """Passes of ascent. Each gains about 0.3 % of bytes up to six (docs/notes/2026-11-ladder.md)."""
+    """Passes of ascent. Up to six they gain more than as many seconds of other things (docs/notes/2026-11-ladder.md)."""
     if steps >= 1000:
         return 8
-    return 6 if handover else 1 + steps // 125
+    return 6 if handover else _within(1, steps // 50 - 1, 6)
 
 
 def _within(low: int, value: int, high: int) -> int:
