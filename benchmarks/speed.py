@@ -79,7 +79,7 @@ def fresh_decode(data: bytes, threads: int, repeat: int) -> dict[str, float]:
 @click.command()
 @click.argument("pictures", nargs=-1, required=True, type=click.Path(exists=True, dir_okay=False, path_type=Path))
 @click.option("--quality", default=50.0, show_default=True, type=click.FloatRange(1, 100))
-@click.option("--effort", default=5, show_default=True, type=click.IntRange(1, 9))
+@click.option("--effort", default=EncodeSettings.effort, show_default=True, type=click.IntRange(1, 9))
 @click.option("--steps", type=click.IntRange(1), help="Steps of the fit, instead of what the effort says.")
 @click.option("--threads", default=2, show_default=True, type=click.IntRange(1))
 @click.option("--repeat", default=15, show_default=True, type=click.IntRange(1), help="Decodes; medians are printed.")

@@ -20,8 +20,9 @@ _OFFSETS, _APART = (-40, -24, -8, 8), 16
 """Steps that are tried, from texture's own, in 32nds of an octave."""
 _STRONGER = {1: 0, 3: 4}
 """By network, how far above the step of least squared error it does best."""
-_LARGER = {1: 1.0, 3: 1.02}
-"""By network, what squared error may grow by: the one for the eye gains by what squared error does not tell."""
+_WORTH = {1: 1.0, 3: 0.995}
+"""By network, the share of squared error up to which a restored tile is worth the third to half of its decode that
+restoration takes (docs/notes/2026-11-restoration.md)."""
 _BITS = 21
 """That a stream takes for it: the part, and a byte of the header."""
 _LOOKED_AT, _BAND, _MARGIN = 1 << 17, 64, 4
@@ -76,7 +77,7 @@ class Restorer:
         least = _least([error(Strength(self.network, offset)) for offset in _OFFSETS])
         strength = Strength(self.network, least + _STRONGER[self.network])
         bits = _BITS * counted.sum() / self.unit.shape[1]
-        return strength if error(strength) + bits * lmbda < _LARGER[self.network] * error(None) else None
+        return strength if error(strength) + bits * lmbda < _WORTH[self.network] * error(None) else None
 
     def _rendered(self, search: TextureSearch, texture: TextureSymbols) -> F32:
         return rendered_over(search, self.unit, texture, self.device)
