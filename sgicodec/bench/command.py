@@ -178,6 +178,10 @@ def compare(
             click.echo(f"SSIMULACRA 2        {seen.ssimulacra2:.2f}")
         if seen.butteraugli is not None:
             click.echo(f"Butteraugli 3-norm  {seen.butteraugli:.3f}")
+        if seen.flip is not None:
+            click.echo(f"FLIP                {seen.flip:.4f}")
+        if seen.cvvdp is not None:
+            click.echo(f"ColorVideoVDP       {seen.cvvdp:.3f}")
         click.echo(f"largest difference  {largest:g}")
     if map_path is not None:
         _write_map(map_path, error_map(first, second, gain=gain))

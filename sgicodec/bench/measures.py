@@ -33,6 +33,11 @@ def _decibels(error: float | None) -> float:
     return -10 * math.log10(error) if error > 0 else math.inf
 
 
+def _undone(decibels: float) -> float:
+    """The error that `_decibels` made this of."""
+    return float(10 ** (-decibels / 10))
+
+
 MEASURES = {
     "psnr": Measure("PSNR in dB", "PSNR (dB)", lambda row: row.psnr),
     "luma_psnr": Measure("luma PSNR in dB", "luma PSNR (dB)", lambda row: row.luma_psnr),
@@ -41,7 +46,7 @@ MEASURES = {
         "MS-SSIM",
         "MS-SSIM (dB)",
         lambda row: _decibels(1 - row.ms_ssim),
-        shown=lambda quality: 1 - 10 ** (-quality / 10),
+        shown=lambda quality: 1 - _undone(quality),
     ),
     # Below 20 nobody would use a picture, above 85 nobody sees a difference.
     "ssimulacra2": Measure(
@@ -56,7 +61,9 @@ MEASURES = {
         "Butteraugli (3-norm, less is better)",
         "Butteraugli, 3-norm (-dB)",
         lambda row: _decibels(row.butteraugli),
-        shown=lambda quality: 10 ** (-quality / 10),
+        shown=_undone,
     ),
+    "flip": Measure("FLIP (less is better)", "FLIP (-dB)", lambda row: _decibels(row.flip), shown=_undone),
+    "cvvdp": Measure("ColorVideoVDP", "ColorVideoVDP", lambda row: math.nan if row.cvvdp is None else row.cvvdp),
 }
 """By the name in results and summaries."""

@@ -58,8 +58,12 @@ def _style(summary: Summary, codec: str) -> dict[str, Any]:
     }
 
 
+_DRAWN = ("psnr", "ms_ssim", "ssimulacra2", "butteraugli", "flip", "cvvdp")
+"""Measures that have a panel for each picture."""
+
+
 def _picture_figure(summary: Summary, label: str) -> Figure:
-    measures = [name for name in ("psnr", "ms_ssim", "ssimulacra2", "butteraugli") if _is_known(summary, name)]
+    measures = [name for name in _DRAWN if _is_known(summary, name)]
     lines = -(-len(measures) // 2)
     figure = _figure(13, 5 * lines)
     panels = dict(zip(measures, figure.subplots(lines, 2).flat, strict=False))

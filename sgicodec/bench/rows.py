@@ -20,7 +20,7 @@ class Row:
     """One measured point. `codec` to `crc` are its key: equal keys are the same measurement.
 
     `crc` is the CRC-32 of the 8-bit RGB samples that were coded, in hexadecimal; `memory_mib` the peak
-    memory of the codec's process in MiB where the codec has one. `ssimulacra2` and `butteraugli` are None where they
+    memory of the codec's process in MiB where the codec has one. `ssimulacra2` and what follows are None where they
     could not be taken, and in files of versions before they were.
     """
 
@@ -43,6 +43,8 @@ class Row:
     memory_mib: float | None
     ssimulacra2: float | None = None
     butteraugli: float | None = None
+    flip: float | None = None
+    cvvdp: float | None = None
 
     @property
     def key(self) -> Key:
@@ -65,8 +67,19 @@ class Row:
 
 _COLUMNS = [field.name for field in dataclasses.fields(Row)]
 _TYPES = {name: typing.get_type_hints(Row)[name] for name in _COLUMNS}
-_OLD_COLUMNS = _COLUMNS.index("ssimulacra2")
-_HEADER = "\t".join(_COLUMNS) + "\n"
+_LEAST_COLUMNS = _COLUMNS.index("ssimulacra2")
+"""That a file of an older version has."""
+
+
+def _header(columns: int) -> str:
+    """The first line of a file with so many columns."""
+    return "\t".join(_COLUMNS[:columns]) + "\n"
+
+
+def _columns_of(text: str) -> int:
+    """How many columns a file has, of this version or of one before; all where it begins in another way."""
+    older = (count for count in range(_LEAST_COLUMNS, len(_COLUMNS)) if text.startswith(_header(count)))
+    return next(older, len(_COLUMNS))
 
 
 def _parse(text: str, kind: typing.Any) -> typing.Any:
@@ -87,10 +100,9 @@ class Results:
         self.path = path
         self.rows: dict[Key, Row] = {}
         text = path.read_text("utf-8", "replace") if path.exists() else ""
-        old = "\t".join(_COLUMNS[:_OLD_COLUMNS]) + "\n"
-        self._widen = text.startswith(old)
-        columns = _OLD_COLUMNS if self._widen else len(_COLUMNS)
-        header = old if self._widen else _HEADER
+        columns = _columns_of(text)
+        self._widen = columns < len(_COLUMNS)
+        header = _header(columns)
         if not text.startswith(header) and not header.startswith(text):
             raise UsageError(f"{path} has other columns than this version writes; give another folder")
         complete = text[: text.rfind("\n") + 1] or header
@@ -107,7 +119,7 @@ class Results:
         """Add a row here and at the end of the file."""
         if self._widen:
             lines = (known.to_line() + "\n" for known in self.rows.values())
-            self.path.write_text(_HEADER + "".join(lines), "utf-8")
+            self.path.write_text(_header(len(_COLUMNS)) + "".join(lines), "utf-8")
             self._widen = False
         with self.path.open("a", encoding="utf-8") as file:
             file.write(row.to_line() + "\n")

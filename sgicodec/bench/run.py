@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import time
 import zlib
@@ -191,6 +192,5 @@ def _measure(sample: Sample, codec: Codec, quality: float, key: Key) -> Row:
         encode_seconds=trip.encode_seconds,
         decode_seconds=trip.decode_seconds,
         memory_mib=trip.peak_mib,
-        ssimulacra2=seen.ssimulacra2,
-        butteraugli=seen.butteraugli,
+        **dataclasses.asdict(seen),
     )

@@ -26,7 +26,8 @@ __all__ = [
 
 RATES = (0.15, 0.2, 0.3, 0.5, 0.75, 1.0)  # bits per pixel
 
-AT_RATES = ("psnr", "ssimulacra2", "butteraugli")  # measures whose means at these rates are told
+AT_RATES = ("psnr", "ssimulacra2", "butteraugli", "flip", "cvvdp")
+"""Measures whose means at these rates are told."""
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,6 @@
-"""Measures made to agree with what people see: SSIMULACRA 2 and Butteraugli.
+"""Measures made to agree with what people see: SSIMULACRA 2, Butteraugli, FLIP and ColorVideoVDP.
 
-Both are optional: SSIMULACRA 2 comes with the package of that name (extra `bench`), Butteraugli with the command
-`butteraugli_main` (Debian: libjxl-devtools). Both take 8-bit sRGB.
+All are optional and take 8-bit sRGB. The encoder follows the first two, so that the others judge it better.
 """
 
 from __future__ import annotations
@@ -11,43 +10,49 @@ import re
 import shutil
 import subprocess
 import tempfile
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from sgicodec.errors import SgiError
 
-__all__ = ["SMALLEST", "Perceived", "butteraugli", "perceived", "ssimulacra2"]
+__all__ = ["SMALLEST", "Perceived", "butteraugli", "cvvdp", "flip", "perceived", "ssimulacra2"]
 
 Rgb8 = npt.NDArray[np.uint8]  # [H, W, 3]
 
 _COMMAND = "butteraugli_main"
-SMALLEST = 8  # pixels; below, both give the best of values to any two pictures
+SMALLEST = 8  # pixels; below, SSIMULACRA 2 and Butteraugli give the best of values to any two pictures
 
 
 @dataclass(frozen=True)
 class Perceived:
-    """ssimulacra2: up to 100, more is better; butteraugli: 3-norm of the distance, less is better. None: unknown."""
+    """What the measures say of a picture; None where it is unknown."""
 
-    ssimulacra2: float | None
-    butteraugli: float | None
+    ssimulacra2: float | None = None
+    """Up to 100, more is better."""
+    butteraugli: float | None = None
+    """3-norm of the distance, less is better."""
+    flip: float | None = None
+    """Mean of the map, 0 to 1, less is better."""
+    cvvdp: float | None = None
+    """Up to 10 (just-objectionable differences), more is better."""
 
     @staticmethod
     def available() -> tuple[str, ...]:
         """The names of the measures that this machine can take."""
-        found = {"ssimulacra2": find_spec("ssimulacra2"), "butteraugli": shutil.which(_COMMAND)}
-        return tuple(name for name, where in found.items() if where)
+        return tuple(name for name, measure in _MEASURES.items() if measure.is_installed())
 
 
 def perceived(a: Rgb8, b: Rgb8) -> Perceived:
-    """Both measures of two pictures; None for what is not installed, and where a side is under 8 pixels."""
+    """All measures of two pictures; None for what is not installed, and where a side is under 8 pixels."""
     known = Perceived.available() if min(a.shape[:2]) >= SMALLEST else ()
-    return Perceived(
-        ssimulacra2(a, b) if "ssimulacra2" in known else None, butteraugli(a, b) if "butteraugli" in known else None
-    )
+    return Perceived(**{name: _MEASURES[name].take(a, b) for name in known})
 
 
 def ssimulacra2(a: Rgb8, b: Rgb8) -> float:
@@ -72,6 +77,51 @@ def butteraugli(a: Rgb8, b: Rgb8) -> float:
         complaint = (done.stderr.strip().splitlines() or ["no 3-norm in what it prints"])[-1]
         raise SgiError(f"{_COMMAND} failed: {complaint}")
     return float(norm[1])
+
+
+def flip(a: Rgb8, b: Rgb8) -> float:
+    """Mean of the FLIP map (Andersson et al. 2020) of `b` against the original `a`, at the 67 pixels per degree of its
+    authors: 0 for equal ones.
+    """
+    from flip_evaluator import evaluate
+
+    unit = (np.asarray(pixels, np.float32) / 255 for pixels in (a, b))
+    return float(evaluate(*unit, "LDR", applyMagma=False)[1])
+
+
+def cvvdp(a: Rgb8, b: Rgb8) -> float:
+    """ColorVideoVDP (Mantiuk et al. 2024) of `b` against the original `a` on its display `standard_4k`: 10 for equal
+    ones.
+    """
+    return float(_video_vdp().predict(b, a, dim_order="HWC")[0])
+
+
+@cache
+def _video_vdp() -> Any:
+    import torch
+    from pycvvdp import cvvdp
+
+    return cvvdp(display_name="standard_4k", quiet=True, device=torch.device("cpu"))
+
+
+class _Measure(NamedTuple):
+    """is_installed: whether this machine can take it; take: its value for an original and a decoded picture."""
+
+    is_installed: Callable[[], bool]
+    take: Callable[[Rgb8, Rgb8], float]
+
+
+def _has(module: str) -> Callable[[], bool]:
+    return lambda: find_spec(module) is not None
+
+
+_MEASURES = {
+    "ssimulacra2": _Measure(_has("ssimulacra2"), ssimulacra2),
+    "butteraugli": _Measure(lambda: shutil.which(_COMMAND) is not None, butteraugli),
+    "flip": _Measure(_has("flip_evaluator"), flip),
+    "cvvdp": _Measure(_has("pycvvdp"), cvvdp),
+}
+"""By the fields of `Perceived`. They come with the extras `bench` and `scores`, and Debian's libjxl-devtools."""
 
 
 def _ppm(pixels: Rgb8) -> bytes:

@@ -122,7 +122,8 @@ def test_compare_prints_the_figures(tmp_path: Path) -> None:
     b = save(tmp_path / "b.png", picture() + np.uint8(5))
     lines = call(compare, a, b).stdout.splitlines()
     expected = f"{20 * math.log10(255 / 5):.3f} dB"
-    scores = [{"ssimulacra2": "SSIMULACRA", "butteraugli": "Butteraugli"}[name] for name in Perceived.available()]
+    known = {"ssimulacra2": "SSIMULACRA", "butteraugli": "Butteraugli", "flip": "FLIP", "cvvdp": "ColorVideoVDP"}
+    scores = [known[name] for name in Perceived.available()]
     assert [line.split(maxsplit=1)[0] for line in lines] == ["PSNR", "luma", "SSIM", "MS-SSIM", *scores, "largest"]
     assert lines[0].endswith(expected)
     assert lines[1].endswith(expected)

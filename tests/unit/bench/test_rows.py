@@ -53,6 +53,20 @@ def test_a_cut_line_is_dropped_and_the_file_stays_sound(tmp_path: Path, cut: int
     assert list(Results(path).rows.values()) == [ROW, other]
 
 
+@pytest.mark.parametrize("columns", [17, 19])
+def test_files_of_older_versions_get_the_later_columns_with_the_next_row(tmp_path: Path, columns: int) -> None:
+    path = tmp_path / "results.tsv"
+    names = [field.name for field in dataclasses.fields(Row)]
+    old = ["\t".join(line.split("\t")[:columns]) for line in ("\t".join(names), ROW.to_line())]
+    path.write_text("\n".join(old) + "\n")
+    results = Results(path)
+    assert list(results.rows.values()) == [ROW]
+    assert path.read_text().startswith(old[0] + "\n")
+    other = dataclasses.replace(ROW, settings="quality=60", flip=0.1)
+    results.append(other)
+    assert list(Results(path).rows.values()) == [ROW, other]
+
+
 @pytest.mark.parametrize("text", ["name\tvalue\n", "a shopping list"])
 def test_a_foreign_file_is_refused_and_left_alone(tmp_path: Path, text: str) -> None:
     path = tmp_path / "results.tsv"

@@ -24,14 +24,34 @@ def photo(name: str) -> np.ndarray:
 
 def test_small_pictures_have_no_score() -> None:
     """Both programs would call any two of them equal."""
-    assert perceived(np.zeros((7, 30, 3), np.uint8), np.full((7, 30, 3), 200, np.uint8)) == Perceived(None, None)
+    assert perceived(np.zeros((7, 30, 3), np.uint8), np.full((7, 30, 3), 200, np.uint8)) == Perceived()
 
 
 def test_what_is_missing_is_unknown(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(perceptual, "find_spec", lambda name: None)
     monkeypatch.setattr(perceptual.shutil, "which", lambda name: None)
     assert Perceived.available() == ()
-    assert perceived(photo("kodim23"), photo("kodim23")) == Perceived(None, None)
+    assert perceived(photo("kodim23"), photo("kodim23")) == Perceived()
+
+
+@pytest.mark.parametrize(("name", "best", "more_is_better"), [("flip", 0.0, False), ("cvvdp", 10.0, True)])
+def test_a_worse_picture_has_a_worse_value(name: str, best: float, more_is_better: bool) -> None:
+    if name not in Perceived.available():
+        pytest.skip(f"{name} is not installed")
+    original, measure = photo("kodim23"), getattr(perceptual, name)
+    noise = np.random.default_rng(0).normal(0.0, 1.0, original.shape)
+    values = [measure(original, np.clip(np.rint(original + s * noise), 0, 255).astype(np.uint8)) for s in (0, 4, 16)]
+    assert values[0] == pytest.approx(best, abs=1e-3)
+    assert values == sorted(values, reverse=more_is_better)
+    assert len(set(values)) == 3
+
+
+def test_colour_counts_for_flip() -> None:
+    """It is no measure of luma: red for blue of about the same luma is a large difference."""
+    pytest.importorskip("flip_evaluator")
+    red, gray = np.empty((64, 64, 3), np.uint8), np.full((64, 64, 3), 76, np.uint8)
+    red[:] = (255, 0, 0)
+    assert perceptual.flip(red, gray) > 0.5
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="the stand-in is a script with a shebang")
