@@ -102,7 +102,7 @@ def _seed_price(steps: int, handover: bool) -> float:
 
 
 def _passes(steps: int, handover: bool) -> int:
-    """Passes of ascent. Up to six they gain more than other things in as many seconds (docs/notes/2026-11-ladder.md)."""
+    """Passes of ascent. Up to six they gain more than other things in the same time (docs/notes/2026-11-ladder.md)."""
     if steps >= 1000:
         return 8
     return 6 if handover else _within(1, steps // 50 - 1, 6)
