@@ -32,6 +32,7 @@ def measured(path: str, threads: int) -> dict[str, float]:
     width, height = stream.width, stream.height
     part = width // 4, height // 4, max(1, width // 2), max(1, height // 2)
     detail = width // 3, height // 3, max(1, width // 8), max(1, height // 8)
+    view = min(256, width - detail[0]), min(256, height - detail[1])
     cases: dict[str, Callable[[], object]] = {
         "open": lambda: opened(lambda fresh: fresh.shape),
         "open, whole picture": lambda: opened(lambda fresh: fresh.read()),
@@ -40,6 +41,7 @@ def measured(path: str, threads: int) -> dict[str, float]:
         "half of each side": lambda: stream.read(part),
         "whole picture, halved": lambda: stream.read(scale=0.5),
         "a detail, 4 × larger": lambda: stream.read(detail, scale=4),
+        "a view of 256 × 256": lambda: stream.read((detail[0], detail[1], *view)),
     }
     found = {name: _least(use) for name, use in cases.items()}
     return found | {"open, whole picture, by the clock": _by_the_clock(cases["open, whole picture"])}
