@@ -1,7 +1,5 @@
 #include "bitstream/alphabets.hpp"
 
-#include <cmath>
-
 namespace sgi {
 namespace {
 
@@ -13,16 +11,13 @@ SymbolModels models_of(const std::vector<int64_t> &frequencies, int64_t size) {
 
 }  // namespace
 
-double bits_of_frequency(int64_t frequency) { return 24 - std::log2(double(frequency)); }
-
 Alphabets::Alphabets(const std::vector<int64_t> &frequencies, int64_t size)
-    : size_(size), models_(models_of(frequencies, size)), symbol_(frequencies.size()), bits_(frequencies.size()) {
+    : size_(size), models_(models_of(frequencies, size)), symbol_(frequencies.size()) {
   for (size_t row = 0; row < frequencies.size(); row += size_t(size)) {
     size_t next = row;  // those that can occur come first
     for (const bool possible : {true, false})
       for (size_t s = row; s < row + size_t(size); ++s)
         if ((frequencies[s] > 0) == possible) symbol_[next++] = int32_t(s - row);
-    for (size_t s = row; s < row + size_t(size); ++s) bits_[s] = frequencies[s] ? bits_of_frequency(frequencies[s]) : 0;
   }
 }
 

@@ -14,16 +14,12 @@ class Alphabets {
   // frequencies [rows, size]: each row sums to 2^24; a symbol of frequency 0 cannot occur.
   Alphabets(const std::vector<int64_t> &frequencies, int64_t size);
 
-  AlphabetsView view() const { return {&models_, symbol_.data(), bits_.data(), size_}; }
+  AlphabetsView view() const { return {&models_, symbol_.data(), size_}; }
 
  private:
   int64_t size_;
   SymbolModels models_;
   std::vector<int32_t> symbol_;
-  std::vector<double> bits_;
 };
-
-// Information content of a symbol of this frequency, which is not 0.
-double bits_of_frequency(int64_t frequency);
 
 }  // namespace sgi

@@ -41,9 +41,8 @@ class FrequencyTables {
       half += 4 * (support + 2);
     }
     start_.push_back(int64_t(frequency.size()));
-    for (const int64_t f : frequency) bits_.push_back(bits_of_frequency(f));
     models_.emplace_back(frequency.data(), start_.data(), kTables);
-    all = {models_.data(), {support_.data(), start_.data(), bits_.data()}, &exponents_, kMaxMagnitude};
+    all = {models_.data(), support_.data(), &exponents_, kMaxMagnitude};
   }
 
   ZeroCentred all;
@@ -51,7 +50,6 @@ class FrequencyTables {
  private:
   std::vector<int32_t> support_;
   std::vector<int64_t> start_;
-  std::vector<double> bits_;
   std::vector<SymbolModels> models_;  // one object
   SymbolModels exponents_;
 };

@@ -13,29 +13,20 @@ void group_by_key(const int16_t *keys, int64_t n, int count, int32_t *order, int
   for (int64_t i = 0; i < n; ++i) order[next[keys[i]]++] = int32_t(i);
 }
 
-Symbols ungroup_symbols(const int32_t *indices, const int32_t *order, const int16_t *tables, int64_t n,
-                        const SymbolTables &all, int32_t *symbols) {
-  Symbols found{0.0, 0};
+bool ungroup_symbols(const int32_t *indices, const int32_t *order, const int16_t *tables, int64_t n,
+                     const int32_t *support, int32_t *symbols) {
+  bool any = false;
   for (int64_t i = 0; i < n; ++i) {
-    const int16_t table = tables[order[i]];
-    const int32_t support = all.support[table];
-    found.bits += all.bits[all.start[table] + indices[i]];
-    found.escapes += indices[i] == 2 * support + 1;
-    symbols[order[i]] = indices[i] - support;
+    const int32_t within = support[tables[order[i]]];
+    any |= indices[i] == 2 * within + 1;
+    symbols[order[i]] = indices[i] - within;
   }
-  return found;
+  return any;
 }
 
-double ungroup_categorical(const int32_t *indices, const int32_t *order, const int16_t *keys, int64_t n,
-                           const int32_t *alphabets, const double *bits, int64_t size, int32_t *symbols) {
-  double total = 0;
-  for (int64_t i = 0; i < n; ++i) {
-    const int64_t row = keys[order[i]] * size;
-    const int32_t symbol = alphabets[row + indices[i]];
-    total += bits[row + symbol];
-    symbols[order[i]] = symbol;
-  }
-  return total;
+void ungroup_categorical(const int32_t *indices, const int32_t *order, const int16_t *keys, int64_t n,
+                         const int32_t *alphabets, int64_t size, int32_t *symbols) {
+  for (int64_t i = 0; i < n; ++i) symbols[order[i]] = alphabets[keys[order[i]] * size + indices[i]];
 }
 
 }  // namespace sgi

@@ -1,6 +1,7 @@
 #include "bitstream/range_decoder.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace sgi {
 
@@ -42,9 +43,10 @@ RangeDecoder::RangeDecoder(const uint8_t *payload, int64_t bytes) : payload_(pay
 }
 
 uint64_t RangeDecoder::next_word() {
-  if (at_ >= int64_t(payload_.size())) return 0;
-  const uint8_t *p = payload_.data() + at_;
+  const int64_t at = at_;
   at_ += 4;
+  if (at >= int64_t(payload_.size())) return 0;
+  const uint8_t *p = payload_.data() + at;
   return uint64_t(p[0]) << 24 | uint64_t(p[1]) << 16 | uint64_t(p[2]) << 8 | p[3];
 }
 
@@ -107,6 +109,8 @@ bool RangeDecoder::decode_uniform(int bits, int64_t count, int32_t *out) {
   }
   return true;
 }
+
+double RangeDecoder::content() const { return 8 * double(at_) - std::log2(double(range_)); }
 
 bool RangeDecoder::maybe_exhausted() const {
   return at_ >= int64_t(payload_.size()) && offset_ < (uint64_t(1) << 33) - 1;

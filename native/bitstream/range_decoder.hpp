@@ -58,6 +58,8 @@ class RangeDecoder {
     return true;
   }
 
+  // Information content of all that was decoded, in bits: how far the interval has shrunk.
+  double content() const;
   // Whether an encoder may have ended here: nothing is left over.
   bool maybe_exhausted() const;
 
@@ -67,7 +69,7 @@ class RangeDecoder {
   void take(uint64_t scale, uint32_t before, uint32_t frequency);
 
   std::vector<uint8_t> payload_;
-  int64_t at_ = 0;
+  int64_t at_ = 0;  // also behind the end, where zeros are read
   uint64_t range_ = ~uint64_t(0), offset_ = 0;
 };
 

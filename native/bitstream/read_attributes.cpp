@@ -207,8 +207,10 @@ class AttributeReader {
       const size_t count = n * size_t(step.groups[g].size()), first = read_.symbols.size();
       read_.symbols.resize(first + count);  // within what was reserved: pointers stay good
       coded_[s][g].symbols = read_.symbols.data() + first;
+      const double before = decoder_.content();
       const Reading reading = read_zero_centred(decoder_, tables_, coded_[s][g].tables.data(), int64_t(count),
-                                                read_.symbols.data() + first, read_.bits[number++]);
+                                                read_.symbols.data() + first);
+      read_.bits[number++] += decoder_.content() - before;
       if (reading != Reading::kSound) return reading;
     }
     return Reading::kSound;

@@ -36,7 +36,7 @@ bool read_uniform(RangeDecoder &decoder, int bits, std::vector<int32_t> &values)
 // Replaces the symbols at `where`, each one beyond its table's support: exponents, then mantissas by ascending
 // exponent, then signs.
 Reading read_escaped(RangeDecoder &decoder, const ZeroCentred &models, const int16_t *keys,
-                     const std::vector<int32_t> &where, int32_t *symbols, double &bits) {
+                     const std::vector<int32_t> &where, int32_t *symbols) {
   const auto exponents = int(models.exponents->symbols(0));
   std::vector<int32_t> exponent(where.size()), magnitude(where.size());
   const int64_t start[2] = {0, int64_t(where.size())};
@@ -46,8 +46,7 @@ Reading read_escaped(RangeDecoder &decoder, const ZeroCentred &models, const int
     if (!read_uniform(decoder, e, mantissa)) return Reading::kDamaged;
     auto next = mantissa.begin();
     for (std::size_t i = 0; i < where.size(); ++i)
-      if (exponent[i] == e) magnitude[i] = *next++ + (1 << e) + models.tables.support[keys[where[i]]];
-    bits += double(mantissa.size()) * (std::min(e + 1, exponents - 1) + e + 1);
+      if (exponent[i] == e) magnitude[i] = *next++ + (1 << e) + models.support[keys[where[i]]];
   }
   std::vector<int32_t> sign(where.size());
   if (!read_uniform(decoder, 1, sign)) return Reading::kDamaged;
@@ -61,29 +60,23 @@ Reading read_escaped(RangeDecoder &decoder, const ZeroCentred &models, const int
 }  // namespace
 
 bool read_categorical(RangeDecoder &decoder, const AlphabetsView &alphabets, const int16_t *keys, int64_t n,
-                      int32_t *symbols, double &bits) {
+                      int32_t *symbols) {
   Grouped grouped;
   if (!grouped.read(decoder, *alphabets.models, keys, n)) return false;
-  bits += ungroup_categorical(grouped.indices.data(), grouped.order.data(), keys, n, alphabets.symbol, alphabets.bits,
-                              alphabets.size, symbols);
+  ungroup_categorical(grouped.indices.data(), grouped.order.data(), keys, n, alphabets.symbol, alphabets.size, symbols);
   return true;
 }
 
 Reading read_zero_centred(RangeDecoder &decoder, const ZeroCentred &models, const int16_t *keys, int64_t n,
-                          int32_t *symbols, double &bits) {
+                          int32_t *symbols) {
   Grouped grouped;
   if (!grouped.read(decoder, *models.models, keys, n)) return Reading::kDamaged;
-  const Symbols found = ungroup_symbols(grouped.indices.data(), grouped.order.data(), keys, n, models.tables, symbols);
-  double behind_escapes = 0;
-  Reading reading = Reading::kSound;
-  if (found.escapes) {
-    std::vector<int32_t> where;
-    for (int64_t i = 0; i < n; ++i)
-      if (symbols[i] > models.tables.support[keys[i]]) where.push_back(int32_t(i));
-    reading = read_escaped(decoder, models, keys, where, symbols, behind_escapes);
-  }
-  bits += found.bits + behind_escapes;
-  return reading;
+  if (!ungroup_symbols(grouped.indices.data(), grouped.order.data(), keys, n, models.support, symbols))
+    return Reading::kSound;
+  std::vector<int32_t> where;
+  for (int64_t i = 0; i < n; ++i)
+    if (symbols[i] > models.support[keys[i]]) where.push_back(int32_t(i));
+  return read_escaped(decoder, models, keys, where, symbols);
 }
 
 }  // namespace sgi

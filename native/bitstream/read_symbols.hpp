@@ -7,31 +7,29 @@
 
 namespace sgi {
 
-// Alphabets of `size` symbols each: what reads them, which symbol each index is and its information content.
+// Alphabets of `size` symbols each: what reads them, and which symbol each index is.
 struct AlphabetsView {
   const SymbolModels *models;  // [rows]
   const int32_t *symbol;       // [rows, size]
-  const double *bits;          // [rows, size]
   int64_t size;
 };
 
-// The n symbols under the alphabets `keys` [n]; adds their information content to `bits`. False where the payload does
-// not decode.
+// The n symbols under the alphabets `keys` [n]. False where the payload does not decode.
 bool read_categorical(RangeDecoder &decoder, const AlphabetsView &alphabets, const int16_t *keys, int64_t n,
-                      int32_t *symbols, double &bits);
+                      int32_t *symbols);
 
 // Zero-centred tables, and what reads the exponents behind an escape.
 struct ZeroCentred {
   const SymbolModels *models;
-  SymbolTables tables;
+  const int32_t *support;  // of each table: symbols from -support to support, and an escape
   const SymbolModels *exponents;
   int32_t most;  // the largest magnitude
 };
 
 enum class Reading { kSound, kDamaged, kTooLarge };
 
-// The n symbols under the tables `keys` [n]; adds their information content to `bits`.
+// The n symbols under the tables `keys` [n].
 Reading read_zero_centred(RangeDecoder &decoder, const ZeroCentred &models, const int16_t *keys, int64_t n,
-                          int32_t *symbols, double &bits);
+                          int32_t *symbols);
 
 }  // namespace sgi

@@ -65,17 +65,17 @@ std::vector<int32_t> SymbolReader::zero_centred(int table, int64_t n) {
 }
 
 void SymbolReader::zero_centred(const int16_t *tables, int64_t n, int32_t *symbols) {
-  double bits = 0;
-  require_sound(read_zero_centred(decoder_, zero_centred_tables(), tables, n, symbols, bits));
+  const double before = decoder_.content();
+  require_sound(read_zero_centred(decoder_, zero_centred_tables(), tables, n, symbols));
   record(symbols, n);
-  book(part_, bits);
+  book(part_, decoder_.content() - before);
 }
 
 void SymbolReader::categorical(const AlphabetsView &alphabets, const int16_t *rows, int64_t n, int32_t *symbols) {
-  double bits = 0;
-  if (!read_categorical(decoder_, alphabets, rows, n, symbols, bits)) require_sound(Reading::kDamaged);
+  const double before = decoder_.content();
+  if (!read_categorical(decoder_, alphabets, rows, n, symbols)) require_sound(Reading::kDamaged);
   record(symbols, n);
-  book(part_, bits);
+  book(part_, decoder_.content() - before);
 }
 
 void SymbolReader::record(const int32_t *symbols, int64_t n) {

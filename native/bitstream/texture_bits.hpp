@@ -59,12 +59,7 @@ class BitRecorder {
 class BitReader {
  public:
   explicit BitReader(RangeDecoder &decoder) : decoder_(decoder) {}
-  bool code(int32_t one, int &bit) {
-    if (!decoder_.decode_bit(uint32_t(one), bit)) return false;
-    account.add(one, bit);
-    return true;
-  }
-  BitAccount account;
+  bool code(int32_t one, int &bit) { return decoder_.decode_bit(uint32_t(one), bit); }
 
  private:
   RangeDecoder &decoder_;

@@ -81,11 +81,12 @@ std::optional<CodedTexture> read_texture_part(SymbolReader &reader, int64_t widt
     if (channels < 3) throw Error(Fault::corrupt, "texture: colours of " + std::to_string(channels) + " channels");
     indices.colours = read_colours(reader);
   }
+  const double before = reader.decoder().content();
   TextureRead read = read_texture(shipped_texture_models(), reader.decoder(), empty_field(width, height, channels),
                                   width, height, indices.has_contrast);
   if (!read.sound) throw Error(Fault::corrupt, "texture: the payload does not decode; it is damaged");
   reader.record(read.symbols.data(), int64_t(read.symbols.size()));
-  reader.book(Part::texture, read.content);
+  reader.book(Part::texture, reader.decoder().content() - before);
   return CodedTexture{std::move(indices), std::move(read.field)};
 }
 

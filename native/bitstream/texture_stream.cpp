@@ -107,7 +107,7 @@ TextureRead read_texture(BitModels models, RangeDecoder &decoder, TextureField f
     if (layer.sound()) layer.root(cell);
   });
   const bool sound = layer.sound() && layer.any();
-  return {std::move(field), std::move(layer.coding.symbols), bits.account.total(), sound};
+  return {std::move(field), std::move(layer.coding.symbols), sound};
 }
 
 }  // namespace sgi

@@ -18,12 +18,10 @@ TextureBits write_texture(BitModels &models, const TextureField &field, int64_t 
 // The layer of a tile before anything is read or found.
 TextureField empty_field(int64_t width, int64_t height, int channels);
 
-// What was read into an empty layer, and its information content; not sound where the payload does not decode or spells
-// with more than it takes.
+// What was read into an empty layer; not sound where the payload does not decode or spells with more than it takes.
 struct TextureRead {
   TextureField field;
   std::vector<int32_t> symbols;
-  double content;
   bool sound;
 };
 TextureRead read_texture(BitModels models, RangeDecoder &decoder, TextureField field, int64_t width, int64_t height,

@@ -1,5 +1,8 @@
 """A range decoder that was written from docs/format.md and shares no code with the package."""
 
+ROUNDING = 2.0**-8
+"""Share of a symbol's bits that the coder may take more, since it divides its interval by whole numbers."""
+
 
 class ReferenceDecoder:
     """The range decoder of docs/format.md, section "Range coder"."""
