@@ -61,15 +61,14 @@ class Collection {
     const float *growth = steps_.growth(channel, cell.log);
     const int16_t *symbols = field_.at(channel, cell);
     const int diagonals = coded_diagonals(symbols, cell.side());
+    const float excess[] = {0.5f, excess_[0], excess_[1], excess_[2]};  // the first lets no symbol be +0 in both states
     QuantizerState state;
     for (const int index : texture_scan(cell.log)) {
       const int u = index & (cell.side() - 1), v = index >> cell.log;
       if (u + v >= diagonals) break;
       const int symbol = symbols[v * field_.width + u];
-      if (symbol) {
-        const float magnitude = state.magnitude(symbol) + excess_[std::min(std::abs(symbol), 3) - 1];
-        to[index] = (symbol < 0 ? -magnitude : magnitude) * step * growth[index];
-      }
+      const auto sign = float((symbol > 0) - (symbol < 0));  // no branch, which nothing could predict
+      to[index] = sign * (state.magnitude(symbol) + excess[std::min(std::abs(symbol), 3)]) * step * growth[index];
       state = state.after(symbol);
     }
   }

@@ -35,11 +35,26 @@ uint32_t kind_of(int channel) { return uint32_t(std::min<int>(channel, kKinds - 
 int bits_of(int value) { return value > 0 ? 32 - __builtin_clz(unsigned(value)) : 0; }
 
 // Sixteen levels of a weighted sum of magnitudes: two per octave, finer near zero.
-uint32_t level(int sum) {
-  if (sum < 8) return uint32_t(sum) / 2;
-  const int bits = bits_of(sum);
-  return uint32_t(std::min(15, 4 + (bits - 4) * 2 + ((sum >> (bits - 2)) & 1)));
+constexpr int level_of(int sum) {
+  if (sum < 8) return sum / 2;
+  const int bits = 32 - __builtin_clz(unsigned(sum));
+  return 4 + (bits - 4) * 2 + ((sum >> (bits - 2)) & 1);
 }
+
+constexpr int kTopLevel = 384;  // the least sum of the last level
+static_assert(level_of(kTopLevel) == 15 && level_of(kTopLevel - 1) == 14);
+
+struct Levels {
+  uint8_t of[kTopLevel + 1];
+
+  constexpr Levels() : of{} {
+    for (int sum = 0; sum <= kTopLevel; ++sum) of[sum] = uint8_t(level_of(sum));
+  }
+};
+constexpr Levels kLevels;
+
+// A table, because no branch can be predicted here.
+uint32_t level(int sum) { return kLevels.of[std::min(sum, kTopLevel)]; }
 
 constexpr int kSide = 1 << kTextureRoot, kMaxSum = 1 << 14;
 
