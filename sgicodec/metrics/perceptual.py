@@ -98,10 +98,9 @@ def cvvdp(a: Rgb8, b: Rgb8) -> float:
 
 @cache
 def _video_vdp() -> Any:
-    import torch
     from pycvvdp import cvvdp
 
-    return cvvdp(display_name="standard_4k", quiet=True, device=torch.device("cpu"))
+    return cvvdp(display_name="standard_4k", quiet=True)
 
 
 class _Measure(NamedTuple):

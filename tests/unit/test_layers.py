@@ -41,6 +41,8 @@ HOMES = {
     "click": ("sgicodec/cli/", "sgicodec/bench/", "benchmarks/", "tools/"),
     "scipy": ("sgicodec/metrics/similarity.py", "sgicodec/bench/bdrate.py"),
     "ssimulacra2": ("sgicodec/metrics/perceptual.py",),
+    "flip_evaluator": ("sgicodec/metrics/perceptual.py",),
+    "pycvvdp": ("sgicodec/metrics/perceptual.py",),
     "PIL": (
         "sgicodec/image/avif_reader.py",
         "sgicodec/image/pillow_reader.py",

@@ -28,7 +28,7 @@ def test_scales_of_the_default_profile() -> None:
     assert (coarse.steps, coarse.seed) == (VISUAL_STEPS[2], 7)
     plain = (EncodeSettings(effort=5, tune="psnr"), EncodeSettings(effort=5, psnr=35))
     assert [settings.fit_settings().steps for settings in plain] == [PSNR_STEPS[5]] * 2
-    assert EncodeSettings(texture=False).fit_settings().steps == PLAIN_STEPS[5]
+    assert EncodeSettings(texture=False).fit_settings().steps == PLAIN_STEPS[3]
     assert EncodeSettings(effort=4).fit_settings().steps == VISUAL_STEPS[4] < PSNR_STEPS[4]
     direct = EncodeSettings(lmbda=0.25, steps=77).fit_settings()
     assert (direct.lmbda, direct.steps) == (0.25, 77)
