@@ -202,14 +202,16 @@ def check_seeds(device: Device, pixels: np.ndarray) -> str:
     return f"energies {apart[0]:.1e}, residuals {apart[1]:.1e} from the processor's"
 
 
-def check_features(device: Device, pixels: np.ndarray) -> str:
-    """A step of the paper profile under noise, with a price on bits, beside the processor's from the same values."""
+def check_features(device: Device, pixels: np.ndarray, number: int = 60) -> str:
+    """A step of the paper profile under noise, with a price on bits, beside the processor's from the same values: those
+    that a fit has at step `number`.
+    """
     spec, target = paper_spec(3, per_seed=3, features=9), _samples(pixels)
     settings, size = paper_settings(_FEATURE_RATE, 1, 100), (target.shape[2], target.shape[1])
     layout = uniform_layout(*size, 300, np.random.default_rng(1))
     trainer = Trainer(spec, settings, target, layout, 0, device=device)
     for progress in trainer.iterate():
-        if progress.step == 60:
+        if progress.step == number:
             break
     raster, on_gpu = NativeRasterizer(device, cutoff=6.0), trainer.gradient_step
     require(isinstance(on_gpu, DeviceFeatureStep), "the processor fits")
@@ -218,7 +220,7 @@ def check_features(device: Device, pixels: np.ndarray) -> str:
     results = []
     for step in steps:
         step.set_layout(layout, trainer.quality)
-        results.append(step.run(trainer.parameters, "noise", 60, trainer.levels[0], _FEATURE_RATE))
+        results.append(step.run(trainer.parameters, "noise", number, trainer.levels[0], _FEATURE_RATE))
     found, expected = results
     apart = {name: _apart(found.gradients[name], want) for name, want in expected.gradients.items()}
     near = abs(found.error / expected.error - 1) < 1e-4 and abs(found.bits / expected.bits - 1) < 1e-4
